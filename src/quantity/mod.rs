@@ -1,0 +1,258 @@
+//! Physical quantities at the border: text with a unit in, plain SI `f64` inside.
+//!
+//! First room of the house: `scene` reads `"0.61 g"` through [`parse`], `report` and `tui` write
+//! numbers through [`engineering`]. Inside the program every `f64` is in SI units; nothing but this
+//! module knows that grams or microseconds exist.
+//!
+//! A [`Dimension`] is a vector of exponents over kilogram, metre, second, ampere, kelvin and the
+//! oscilloscope's division. Exponents are counted in halves, because a Hertz contact's stiffness has
+//! the unit N/m^1.5.
+
+mod unit;
+
+use std::fmt;
+
+pub use unit::Dimension;
+
+/// Why a text is no quantity of the wanted dimension.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum QuantityError {
+    /// The text does not begin with a number.
+    #[error("no number at the start of `{text}`")]
+    NoNumber {
+        /// The text as typed.
+        text: String,
+    },
+    /// The number is infinite or not a number.
+    #[error("`{text}` is not a finite number")]
+    NotFinite {
+        /// The text as typed.
+        text: String,
+    },
+    /// The unit contains a symbol that is not known.
+    #[error("unknown unit `{unit}`")]
+    UnknownUnit {
+        /// The symbol that was not recognised.
+        unit: String,
+    },
+    /// The unit is known, but measures something else.
+    #[error("`{text}` is {found}")]
+    WrongDimension {
+        /// The text as typed.
+        text: String,
+        /// What the text's unit measures.
+        found: Dimension,
+    },
+}
+
+/// Reads `text`, a number followed by a unit, as a value of `dimension` in SI units.
+///
+/// The number may use `_` between digits; white space between number and unit is free. A unit is a
+/// product of symbols with optional SI prefix and exponent, joined by `*`, `·` or `/`:
+/// `kg`, `mm`, `m/s^2`, `N/m^1.5`, `pC/N`, `mV/div`. A dimensionless value needs no unit; `%` and
+/// `ppm` are understood.
+///
+/// ```
+/// use hertzscope::quantity::{parse, Dimension};
+/// assert_eq!(parse("0.61 g", Dimension::MASS), Ok(0.61e-3));
+/// assert!(parse("0.61 g", Dimension::LENGTH).is_err());
+/// ```
+///
+/// # Errors
+/// [`QuantityError`] when there is no number, the number is not finite, a unit symbol is unknown, or
+/// the unit measures something other than `dimension`.
+pub fn parse(text: &str, dimension: Dimension) -> Result<f64, QuantityError> {
+    let (value, found) = parse_any(text)?;
+    if found == dimension {
+        Ok(value)
+    } else {
+        Err(QuantityError::WrongDimension { text: text.trim().to_owned(), found })
+    }
+}
+
+/// Reads `text` as a quantity of whatever dimension its unit has; returns the SI value and that dimension.
+///
+/// # Errors
+/// As [`parse`], except for the dimension.
+pub fn parse_any(text: &str) -> Result<(f64, Dimension), QuantityError> {
+    let trimmed = text.trim();
+    let split = number_length(trimmed);
+    let (number, unit) = trimmed.split_at(split);
+    let digits: String = number.chars().filter(|c| *c != '_').collect();
+    let value: f64 =
+        digits.parse().map_err(|_| QuantityError::NoNumber { text: trimmed.to_owned() })?;
+    let unit = unit::parse(unit.trim())?;
+    let si = unit.to_si(value);
+    if si.is_finite() {
+        Ok((si, unit.dimension))
+    } else {
+        Err(QuantityError::NotFinite { text: trimmed.to_owned() })
+    }
+}
+
+/// Length of the longest prefix that reads as a decimal number; `nan` and `inf` count, so that they
+/// can be refused by name instead of as a missing number.
+fn number_length(text: &str) -> usize {
+    for word in ["nan", "inf", "+inf", "-inf", "+nan", "-nan", "infinity", "-infinity"] {
+        let head = text.get(..word.len()).unwrap_or_default();
+        let tail = text.get(word.len()..).unwrap_or_default();
+        if head.eq_ignore_ascii_case(word) && !tail.starts_with(|c: char| c.is_alphanumeric()) {
+            return word.len();
+        }
+    }
+    let bytes = text.as_bytes();
+    let digits = |mut at: usize| {
+        while bytes.get(at).is_some_and(|b| b.is_ascii_digit() || *b == b'_') {
+            at += 1;
+        }
+        at
+    };
+    let mut end = usize::from(matches!(bytes.first(), Some(b'+' | b'-')));
+    end = digits(end);
+    if bytes.get(end) == Some(&b'.') {
+        end = digits(end + 1);
+    }
+    if matches!(bytes.get(end), Some(b'e' | b'E')) {
+        let sign = usize::from(matches!(bytes.get(end + 1), Some(b'+' | b'-')));
+        let start = end + 1 + sign;
+        if digits(start) > start {
+            end = digits(start);
+        }
+    }
+    end
+}
+
+/// A number in engineering notation: mantissa of `digits` significant digits, an SI prefix, the unit.
+///
+/// ```
+/// use hertzscope::quantity::engineering;
+/// assert_eq!(engineering(5.529e-5, "s", 4), "55.29 µs");
+/// assert_eq!(engineering(0.0, "N", 3), "0.00 N");
+/// ```
+#[must_use]
+pub fn engineering(value: f64, unit: &str, digits: usize) -> String {
+    const PREFIXES: [(&str, i32); 11] = [
+        ("f", -15),
+        ("p", -12),
+        ("n", -9),
+        ("µ", -6),
+        ("m", -3),
+        ("", 0),
+        ("k", 3),
+        ("M", 6),
+        ("G", 9),
+        ("T", 12),
+        ("P", 15),
+    ];
+    let digits = digits.max(1);
+    if value == 0.0 || !value.is_finite() {
+        let number = if value == 0.0 { format!("{:.*}", digits - 1, 0.0) } else { value.to_string() };
+        return join(&number, "", unit);
+    }
+    // Round first: 999.96 to four digits is 1.000 k, not 1000.
+    let rounded: f64 = format!("{:.*e}", digits - 1, value).parse().unwrap_or(value);
+    let exponent = decimal_exponent(rounded);
+    let group = exponent.div_euclid(3) * 3;
+    let Some((prefix, power)) = PREFIXES.iter().find(|(_, power)| *power == group) else {
+        return join(&format!("{:.*e}", digits - 1, value), "", unit);
+    };
+    let before = usize::try_from(exponent - power).unwrap_or(0) + 1;
+    let mantissa = rounded / 10f64.powi(*power);
+    join(&format!("{:.*}", digits.saturating_sub(before), mantissa), prefix, unit)
+}
+
+fn join(number: &str, prefix: &str, unit: &str) -> String {
+    if prefix.is_empty() && unit.is_empty() {
+        number.to_owned()
+    } else {
+        format!("{number} {prefix}{unit}")
+    }
+}
+
+/// Decimal exponent of a finite, non-zero number: the `e` in its scientific notation, free of the
+/// rounding a logarithm would add.
+fn decimal_exponent(value: f64) -> i32 {
+    format!("{value:e}").rsplit('e').next().and_then(|e| e.parse().ok()).unwrap_or(0)
+}
+
+/// A number with C's `%.{decimals}e`: two exponent digits at least, always signed (`2.500000e+03`).
+/// This is how the TDS2000 family writes its file headers.
+#[must_use]
+pub fn c_exponential(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$e}");
+    match text.split_once('e') {
+        Some((mantissa, exponent)) => {
+            let (sign, digits) = match exponent.strip_prefix('-') {
+                Some(digits) => ('-', digits),
+                None => ('+', exponent),
+            };
+            format!("{mantissa}e{sign}{digits:0>2}")
+        }
+        None => text,
+    }
+}
+
+impl fmt::Display for Dimension {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.name() {
+            Some(name) => write!(f, "{name}"),
+            None => write!(f, "a quantity in {}", self.base_units()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_scale_to_si() {
+        for (text, dimension, si) in [
+            ("4.76 mm", Dimension::LENGTH, 4.76e-3),
+            ("9.525mm", Dimension::LENGTH, 9.525e-3),
+            ("10 us", Dimension::TIME, 10e-6),
+            ("10 µs", Dimension::TIME, 10e-6),
+            ("1.46 GPa", Dimension::PRESSURE, 1.46e9),
+            ("9.81 m/s^2", Dimension::ACCELERATION, 9.81),
+            ("119.4 MN/m^1.5", Dimension::HERTZ_STIFFNESS, 119.4e6),
+            ("400 pC/N", Dimension::CHARGE_PER_FORCE, 400e-12),
+            ("500 mV/div", Dimension::VOLTAGE_PER_DIVISION, 0.5),
+            ("1 kN*s/m", Dimension::DAMPING, 1e3),
+            ("20 °C", Dimension::TEMPERATURE, 293.15),
+            ("5 %", Dimension::NONE, 0.05),
+            ("1_000", Dimension::NONE, 1000.0),
+            ("-4 div", Dimension::DIVISION, -4.0),
+            ("1 MOhm", Dimension::RESISTANCE, 1e6),
+            ("20 pF", Dimension::CAPACITANCE, 20e-12),
+            ("1 min", Dimension::TIME, 60.0),
+        ] {
+            let value = parse(text, dimension).expect(text);
+            assert!((value - si).abs() <= 2.0 * f64::EPSILON * si.abs(), "{text}: {value} is not {si}");
+        }
+    }
+
+    #[test]
+    fn bad_text_is_named() {
+        assert!(matches!(parse("mm", Dimension::LENGTH), Err(QuantityError::NoNumber { .. })));
+        assert!(matches!(parse("3 furlong", Dimension::LENGTH), Err(QuantityError::UnknownUnit { .. })));
+        assert!(matches!(parse("nan m", Dimension::LENGTH), Err(QuantityError::NotFinite { .. })));
+        assert!(matches!(parse("1e999 m", Dimension::LENGTH), Err(QuantityError::NotFinite { .. })));
+        let error = parse("3 kg", Dimension::LENGTH).expect_err("a mass is no length");
+        assert_eq!(error.to_string(), "`3 kg` is a mass (kg)");
+    }
+
+    #[test]
+    fn engineering_notation_rounds_across_a_prefix() {
+        assert_eq!(engineering(999.96, "N", 4), "1.000 kN");
+        assert_eq!(engineering(-0.000_001_234, "V", 3), "-1.23 µV");
+        assert_eq!(engineering(170.9, "m/s", 4), "170.9 m/s");
+        assert_eq!(engineering(1e-20, "N", 3), "1.00e-20 N");
+    }
+
+    #[test]
+    fn c_exponent_has_two_digits() {
+        assert_eq!(c_exponential(2500.0, 6), "2.500000e+03");
+        assert_eq!(c_exponential(-0.0, 12), "-0.000000000000e+00");
+        assert_eq!(c_exponential(2e-7, 6), "2.000000e-07");
+    }
+}

@@ -1,0 +1,178 @@
+//! What an acquisition leaves in the scope's memory: digitiser levels and the preamble that gives them
+//! meaning. The two never part.
+
+use std::fmt;
+
+/// Where a waveform comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Source {
+    /// An input channel, counted from 1.
+    Channel(u8),
+    /// The math trace.
+    Math,
+    /// A reference memory, `A` to `D`.
+    Reference(char),
+}
+
+impl fmt::Display for Source {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Channel(number) => write!(f, "CH{number}"),
+            Self::Math => write!(f, "MATH"),
+            Self::Reference(letter) => write!(f, "REF{letter}"),
+        }
+    }
+}
+
+impl Source {
+    /// Reads the name that files and commands use: `CH1`, `MATH`, `REFA`.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        let upper = name.trim().to_ascii_uppercase();
+        if upper == "MATH" {
+            return Some(Self::Math);
+        }
+        if let Some(letter) = upper.strip_prefix("REF") {
+            let mut letters = letter.chars();
+            let first = letters.next().filter(|c| ('A'..='D').contains(c))?;
+            return letters.next().is_none().then_some(Self::Reference(first));
+        }
+        let number: u8 = upper.strip_prefix("CH")?.parse().ok()?;
+        (1..=4).contains(&number).then_some(Self::Channel(number))
+    }
+}
+
+/// How a channel's input reaches its amplifier.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Coupling {
+    /// Everything passes.
+    Dc,
+    /// A high-pass filter takes the mean away.
+    Ac,
+    /// The input is disconnected; the trace is the ground line.
+    Ground,
+}
+
+impl fmt::Display for Coupling {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Dc => "DC",
+            Self::Ac => "AC",
+            Self::Ground => "GND",
+        })
+    }
+}
+
+/// The front panel's settings of one channel at the time of the acquisition.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VerticalSetup {
+    /// Vertical scale, probe included (V/div).
+    pub scale: f64,
+    /// Where zero volts stands, upward from the screen's centre (div).
+    pub position: f64,
+    /// Input coupling.
+    pub coupling: Coupling,
+    /// Whether the 20 MHz limiter is on.
+    pub bandwidth_limited: bool,
+    /// Whether the trace is turned upside down.
+    pub inverted: bool,
+    /// Probe attenuation: 1, 10, 100 or 1000 (1).
+    pub probe: f64,
+}
+
+/// What each point of a record is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum PointFormat {
+    /// One sample a point, `Y` in files.
+    Sample,
+    /// Minimum and maximum in turn, `ENV` in files.
+    Envelope,
+}
+
+impl fmt::Display for PointFormat {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Sample => "Y",
+            Self::Envelope => "ENV",
+        })
+    }
+}
+
+/// The numbers that turn levels into volts and indices into seconds, named as Tektronix names them.
+///
+/// `x(n) = x_zero + x_incr (n - pt_off)` and `y(n) = y_zero + y_mult (code(n) - y_off)`.
+/// Source: Tektronix programmer manual 071-1075, `WFMPre` commands.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Preamble {
+    /// Time of the first point after the trigger (s; Hz for an FFT).
+    pub x_zero: f64,
+    /// From one point to the next (s; Hz for an FFT).
+    pub x_incr: f64,
+    /// Index of the point at `x_zero`; always 0 on this family.
+    pub pt_off: u32,
+    /// Unit of the abscissa, `s` or `Hz`.
+    pub x_unit: String,
+    /// One digitiser level (V; dB for an FFT).
+    pub y_mult: f64,
+    /// Value added after scaling (V; dB for an FFT).
+    pub y_zero: f64,
+    /// The level of zero volts (1).
+    pub y_off: f64,
+    /// Unit of the ordinate, `V` or `dB`.
+    pub y_unit: String,
+    /// Sample or envelope.
+    pub pt_fmt: PointFormat,
+}
+
+/// One record: levels, their preamble, and the settings under which they were taken.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Waveform {
+    /// The channel, math or reference trace.
+    pub source: Source,
+    /// Digitiser levels; 25 to a division, -128 to 127 from the 8-bit converter.
+    pub codes: Vec<i16>,
+    /// What the levels and indices mean.
+    pub preamble: Preamble,
+    /// Channel settings.
+    pub vertical: VerticalSetup,
+    /// Time base (s/div; Hz/div for an FFT).
+    pub horizontal_scale: f64,
+    /// Index of the trigger in this record, possibly outside it and not whole (1).
+    pub trigger_point: f64,
+}
+
+/// Lowest level of the 8-bit converter; a sample that reads it may have been cut off.
+pub const LOWEST_CODE: i16 = -128;
+/// Highest level of the 8-bit converter; a sample that reads it may have been cut off.
+pub const HIGHEST_CODE: i16 = 127;
+/// Digitiser levels in one vertical division.
+pub const LEVELS_PER_DIVISION: f64 = 25.0;
+
+impl Waveform {
+    /// Abscissa of point `index`: time after the trigger (s), or frequency of an FFT bin (Hz).
+    #[must_use]
+    #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 points")]
+    pub fn time(&self, index: usize) -> f64 {
+        self.preamble.x_zero
+            + self.preamble.x_incr * (index as f64 - f64::from(self.preamble.pt_off))
+    }
+
+    /// Ordinate of point `index` (V, or dB for an FFT); `None` beyond the record.
+    #[must_use]
+    pub fn volts(&self, index: usize) -> Option<f64> {
+        self.codes.get(index).map(|code| self.volts_of(*code))
+    }
+
+    /// What a digitiser level stands for (V, or dB for an FFT).
+    #[must_use]
+    pub fn volts_of(&self, code: i16) -> f64 {
+        let p = &self.preamble;
+        (f64::from(code) - p.y_off) * p.y_mult + p.y_zero
+    }
+
+    /// How many points stand at the converter's ends, where the true voltage may lie beyond.
+    #[must_use]
+    pub fn clipped(&self) -> usize {
+        self.codes.iter().filter(|c| matches!(**c, LOWEST_CODE | HIGHEST_CODE)).count()
+    }
+}
