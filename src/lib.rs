@@ -1,6 +1,9 @@
 //! Digital twin of a physics lab bench: a chain of beads with Hertz contacts is hit by a striker, piezo
 //! sensors embedded in beads feel the force, a virtual Tektronix TDS 2014 records it.
 
+pub mod chain;
+pub mod experiment;
+pub mod integrate;
 pub mod quantity;
 pub mod recording;
 pub mod scope;

@@ -1,6 +1,12 @@
-//! Recordings: what the bench keeps. One file a format.
+//! Recordings: what the bench keeps. One file a format, one type for all of them.
+//!
+//! `experiment` fills a [`TraceSet`], [`mcap`] writes and reads it, `tek_csv` exchanges single captures with a
+//! real scope's files; `report`, `tui` and `analysis` read it.
+
+use std::collections::BTreeMap;
 
 use crate::scope::Waveform;
+use crate::trace::Trace;
 
 /// The instrument that took a capture, as its files name it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -20,4 +26,57 @@ pub struct Capture {
     pub waveform: Waveform,
     /// The instrument; `None` where a file does not tell.
     pub instrument: Option<Instrument>,
+}
+
+/// Whether a capture comes from this program's bench or from a real one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Origin {
+    /// Made by a simulation.
+    Simulated,
+    /// Taken by a real instrument.
+    Measured,
+}
+
+/// Everything that one trigger left: the scope's records, and of a simulation what no sensor saw.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shot {
+    /// Counted from 1.
+    pub number: u32,
+    /// Simulated or measured.
+    pub origin: Origin,
+    /// Time of the trigger, nanoseconds since 1970; simulations count from 0.
+    pub timestamp_ns: u64,
+    /// One capture a channel that was on, in channel order.
+    pub captures: Vec<Capture>,
+    /// What really happened, on the simulation's clock (0 is the striker's first contact). Names are topics:
+    /// `/truth/sensor/<name>`, `/truth/contact/<j>`, `/truth/bead/<i>`.
+    pub truth: Vec<Trace>,
+    /// Time of the captures' trigger on the simulation's clock (s).
+    pub trigger_time: Option<f64>,
+}
+
+/// A file carried along, such as the scene as typed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Attachment {
+    /// File name.
+    pub name: String,
+    /// Media type, e.g. `application/toml`.
+    pub media_type: String,
+    /// Content.
+    pub data: Vec<u8>,
+}
+
+/// A recording in memory: shots in order of time, and what is known about them.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct TraceSet {
+    /// The triggers in order of time.
+    pub shots: Vec<Shot>,
+    /// Named groups of facts: `hertzscope:recording`, `hertzscope:scope`, `hertzscope:sensor/<n>`.
+    pub metadata: BTreeMap<String, BTreeMap<String, String>>,
+    /// Files carried along.
+    pub attachments: Vec<Attachment>,
+    /// Lines of the log, in order of time.
+    pub log: Vec<String>,
+    /// What a reader could not make sense of, and passed over; empty for a sound file.
+    pub problems: Vec<String>,
 }

@@ -1,0 +1,73 @@
+//! Where the chain's energy is.
+//!
+//! Kinetic `sum m v^2/2`, elastic `sum 2/5 A overlap^2.5`, and the work of the constant loads, `- sum f u`. A load that
+//! statics balances is the difference of two static contact forces, so its work needs no list of loads:
+//! `sum f u = sum N (change of overlap) + striker's weight * u`. The sum of all three is conserved without losses.
+
+use serde::Serialize;
+
+use super::{Chain, hertz};
+use crate::integrate::State;
+
+/// The chain's energy by kind.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Energy {
+    /// Of motion (J).
+    pub kinetic: f64,
+    /// In the contacts, static overlaps included (J).
+    pub elastic: f64,
+    /// Of gravity and other constant loads, zero at static equilibrium (J).
+    pub potential: f64,
+}
+
+impl Energy {
+    /// What is conserved where nothing is lost (J).
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.elastic + self.potential
+    }
+}
+
+impl Chain {
+    /// Overlap change of contact `j` at the displacements `position` (m).
+    #[must_use]
+    pub fn overlap_change(&self, position: &[f64], j: usize) -> f64 {
+        let at = |index: Option<usize>| index.and_then(|i| position.get(i)).copied().unwrap_or(0.0);
+        at(j.checked_sub(1)) - at(Some(j))
+    }
+
+    /// Force in contact `j` at the displacements `position`, static part included (N).
+    #[must_use]
+    pub fn contact_force(&self, position: &[f64], j: usize) -> f64 {
+        self.contacts.get(j).map_or(0.0, |contact| {
+            let change = self.overlap_change(position, j);
+            contact.static_force
+                + hertz::force_change(contact.stiffness, contact.static_overlap.sqrt(), change)
+        })
+    }
+
+    /// Energy of `state`.
+    #[must_use]
+    pub fn energy(&self, state: &State) -> Energy {
+        let kinetic = self.bodies.iter().zip(&state.velocity);
+        let mut energy = Energy {
+            kinetic: kinetic.map(|(body, v)| 0.5 * body.mass * v * v).sum(),
+            ..Energy::default()
+        };
+        for (j, contact) in self.contacts.iter().enumerate() {
+            let change = self.overlap_change(&state.position, j);
+            energy.elastic += hertz::energy(contact.stiffness, contact.static_overlap + change);
+            energy.potential -= contact.static_force * change;
+        }
+        for (force, u) in self.residual.iter().zip(&state.position) {
+            energy.potential -= force * u;
+        }
+        energy
+    }
+
+    /// Total momentum of `state`, downward positive (kg m/s).
+    #[must_use]
+    pub fn momentum(&self, state: &State) -> f64 {
+        self.bodies.iter().zip(&state.velocity).map(|(body, v)| body.mass * v).sum()
+    }
+}

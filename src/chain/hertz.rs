@@ -1,0 +1,108 @@
+//! Hertz's contact between two smooth elastic bodies, as pure functions.
+//!
+//! `F = A overlap^1.5` while the bodies overlap, 0 otherwise, with `A = 4/3 Estar sqrt(Rstar)`,
+//! `1/Estar = (1 - nu1^2)/E1 + (1 - nu2^2)/E2`, `1/Rstar = 1/R1 + 1/R2` (flat: `1/R = 0`).
+//! Source: H. Hertz, J. reine angew. Math. 92, 156 (1882); as Eqs. (1) and (2) of Herbold et al. (2009).
+//! Valid for small, smooth, frictionless, elastic contacts that are slow against the bodies' own vibrations.
+
+use serde::Serialize;
+
+/// Elastic constants of an isotropic material.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Elasticity {
+    /// Young's modulus `E` (Pa).
+    pub youngs_modulus: f64,
+    /// Poisson's ratio `nu`, above -1 and below 0.5 (1).
+    pub poissons_ratio: f64,
+}
+
+impl Elasticity {
+    /// `(1 - nu^2)/E` (1/Pa).
+    #[must_use]
+    pub fn compliance(self) -> f64 {
+        (1.0 - self.poissons_ratio * self.poissons_ratio) / self.youngs_modulus
+    }
+}
+
+/// Stiffness `A` of the contact of two bodies with the given elasticities and curvatures `1/R` (1/m), in
+/// `F = A overlap^1.5` (N/m^1.5). Infinite for flat on flat, which is no Hertz contact.
+#[must_use]
+pub fn stiffness(upper: (Elasticity, f64), lower: (Elasticity, f64)) -> f64 {
+    let reduced_modulus = 1.0 / (upper.0.compliance() + lower.0.compliance());
+    let reduced_radius = 1.0 / (upper.1 + lower.1);
+    4.0 / 3.0 * reduced_modulus * reduced_radius.sqrt()
+}
+
+/// Contact force at `overlap` (m) for stiffness `A` (N/m^1.5); 0 for separated bodies (N).
+#[must_use]
+pub fn force(stiffness: f64, overlap: f64) -> f64 {
+    let closed = overlap.max(0.0);
+    stiffness * closed * closed.sqrt()
+}
+
+/// Overlap under which the contact bears `force` (N), for stiffness `A` (N/m^1.5) (m).
+#[must_use]
+pub fn overlap(stiffness: f64, force: f64) -> f64 {
+    let root = (force / stiffness).cbrt();
+    root * root
+}
+
+/// Elastic energy stored at `overlap` (m): `2/5 A overlap^2.5` (J).
+#[must_use]
+pub fn energy(stiffness: f64, overlap: f64) -> f64 {
+    let closed = overlap.max(0.0);
+    0.4 * stiffness * closed * closed * closed.sqrt()
+}
+
+/// Change of the contact force when the overlap grows by `change` (m) over the static one, whose square root is
+/// `static_root` (m^0.5) (N).
+///
+/// With `s = sqrt(overlap)` and `r = s + s0` this is `A change (r - s s0/r)` while closed. The difference
+/// `A (s^3 - s0^3)` would lose as many digits as the wave is weaker than the preload: nine for 1 nm/s under 1 kN.
+#[must_use]
+pub fn force_change(stiffness: f64, static_root: f64, change: f64) -> f64 {
+    let static_overlap = static_root * static_root;
+    // An open contact has lost its whole static force, whatever the gap.
+    let change = change.max(-static_overlap);
+    let root = (static_overlap + change).max(0.0).sqrt();
+    let sum = root + static_root;
+    stiffness * change * (sum - root * static_root / sum.max(f64::MIN_POSITIVE))
+}
+
+/// Contact stiffness against small changes, `dF/d overlap = 3/2 A sqrt(overlap)` (N/m).
+#[must_use]
+pub fn tangent_stiffness(stiffness: f64, overlap: f64) -> f64 {
+    1.5 * stiffness * overlap.max(0.0).sqrt()
+}
+
+/// Largest overlap of two free bodies of reduced mass `reduced_mass` (kg) that meet with `closing_speed` (m/s):
+/// `(5 mu v^2 / 4A)^(2/5)` (m).
+#[must_use]
+pub fn collision_overlap(stiffness: f64, reduced_mass: f64, closing_speed: f64) -> f64 {
+    (1.25 * reduced_mass * closing_speed * closing_speed / stiffness).powf(0.4)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn force_change_agrees_with_the_plain_difference_and_opens() {
+        let (a, d0) = (1.194e8, 7.35e-6_f64);
+        for change in [-1e-5, -7.35e-6, -3e-6, -1e-9, 0.0, 1e-9, 4e-6, 2e-5] {
+            let plain = force(a, d0 + change) - force(a, d0);
+            let exact = force_change(a, d0.sqrt(), change);
+            assert!((plain - exact).abs() <= 4e-15 * force(a, d0 + change.abs()), "{change}");
+        }
+        assert!((force_change(a, 0.0, 4e-6) - force(a, 4e-6)).abs() < 1e-15);
+        assert_eq!(force_change(a, 0.0, -1.0), 0.0);
+        assert_eq!(force_change(a, 0.0, 0.0), 0.0);
+    }
+
+    #[test]
+    fn overlap_inverts_force() {
+        for f in [1e-9, 4.4e-3, 2.38, 1e3] {
+            assert!((force(1.2e8, overlap(1.2e8, f)) / f - 1.0).abs() < 4e-16 * 4.0);
+        }
+    }
+}

@@ -1,0 +1,286 @@
+//! The chain: bodies in a row, Hertz contacts between neighbours, and the static state they start from.
+//!
+//! Stands between `scene`, which describes it, and `integrate`, which moves it. Body 0 is the striker where
+//! there is one; contact `j` lies between bodies `j - 1` and `j`, contact 0 and the last one touch the boundaries.
+//! State is the displacement from static equilibrium, downward positive: 0.3 m of chain has an ulp that is 1e-8 of
+//! a 5 nm overlap, so absolute positions never appear.
+//!
+//! Statics is exact: every contact force is the sum of the loads above it, `N[j+1] = N[j] + load[j]`, and every
+//! overlap follows from its force in closed form.
+
+pub mod effects;
+mod energy;
+mod probe;
+pub mod hertz;
+mod system;
+
+pub use effects::{Effect, EffectsSpec, Gravity, MagnetPreload};
+pub use energy::Energy;
+pub use probe::{ForceProbe, ForceSegment};
+pub use hertz::Elasticity;
+pub use system::ChainSystem;
+
+/// A rigid body with two elastic faces.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Body {
+    /// What the scene calls it.
+    pub name: String,
+    /// Mass (kg).
+    pub mass: f64,
+    /// Extent along the chain (m).
+    pub length: f64,
+    /// Curvature of its faces, `1/R`; 0 is flat (1/m).
+    pub curvature: f64,
+    /// Elastic constants.
+    pub elasticity: Elasticity,
+}
+
+/// What stands at an end of the chain.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum End {
+    /// Nothing.
+    Free,
+    /// A constant force that presses on the outermost particle, along the chain (N).
+    Force(f64),
+    /// A flat, immovable wall.
+    Wall(Elasticity),
+}
+
+/// Everything that defines a chain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChainSpec {
+    /// The body that hits particle 1, if any.
+    pub striker: Option<Body>,
+    /// The particles from top to bottom.
+    pub particles: Vec<Body>,
+    /// What stands above particle 1.
+    pub top: End,
+    /// What stands below the last particle.
+    pub bottom: End,
+    /// Force with which a top wall presses in the static state (N).
+    pub wall_preload: f64,
+    /// Optional physics.
+    pub effects: EffectsSpec,
+}
+
+/// Why bodies cannot be put together to a chain.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ChainError {
+    /// No bodies.
+    #[error("found a chain without particles, expected at least one")]
+    Empty,
+    /// Two flat faces meet.
+    #[error("found flat on flat between {upper} and {lower}, expected at least one curved face: a Hertz contact has a radius")]
+    FlatOnFlat {
+        /// The body above.
+        upper: String,
+        /// The body below.
+        lower: String,
+    },
+    /// The striker would have to pass through a wall.
+    #[error("found both a striker and a wall at the top, expected one of them")]
+    StrikerBehindWall,
+    /// A contact would have to pull.
+    #[error("found no static state: the contact above {body} would have to bear {force:e} N, expected a force that presses")]
+    Pulling {
+        /// The body below the contact.
+        body: String,
+        /// Static force (N).
+        force: f64,
+    },
+    /// Loads do not balance and no wall takes the rest.
+    #[error("found no static state: {rest:e} N remain at the bottom, expected a wall there or balanced forces")]
+    Unbalanced {
+        /// What is left (N).
+        rest: f64,
+    },
+}
+
+/// One contact and its static state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// `A` in `F = A overlap^1.5`; 0 where there is nothing to touch (N/m^1.5).
+    pub stiffness: f64,
+    /// Static force (N).
+    pub static_force: f64,
+    /// Static overlap (m).
+    pub static_overlap: f64,
+}
+
+/// A chain in static equilibrium, the striker at rest where it first touches.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chain {
+    bodies: Vec<Body>,
+    contacts: Vec<Contact>,
+    /// Force on each body that the static contacts do not balance: the striker's weight (N).
+    residual: Vec<f64>,
+    striker: bool,
+}
+
+impl Chain {
+    /// Puts the bodies together and solves the static state.
+    ///
+    /// # Errors
+    /// [`ChainError`] when the chain is empty, two flat faces meet, or no static state exists.
+    pub fn new(spec: &ChainSpec) -> Result<Self, ChainError> {
+        let striker = spec.striker.is_some();
+        if spec.particles.is_empty() {
+            return Err(ChainError::Empty);
+        }
+        if striker && matches!(spec.top, End::Wall(_)) {
+            return Err(ChainError::StrikerBehindWall);
+        }
+        let bodies: Vec<Body> = spec.striker.iter().chain(&spec.particles).cloned().collect();
+        let loads = loads(spec, &bodies);
+        let first = usize::from(striker);
+        let top_force = if matches!(spec.top, End::Wall(_)) { spec.wall_preload } else { 0.0 };
+        let mut contacts = Vec::with_capacity(bodies.len() + 1);
+        let mut bears = 0.0;
+        for j in 0..=bodies.len() {
+            bears = if j <= first { if j == first { top_force } else { 0.0 } } else { bears + loads[j - 1] };
+            contacts.push(contact(spec, &bodies, j, bears)?);
+        }
+        let mut residual = vec![0.0; bodies.len()];
+        if let (true, Some(rest), Some(load)) = (striker, residual.first_mut(), loads.first()) {
+            *rest = *load;
+        }
+        Ok(Self { bodies, contacts, residual, striker })
+    }
+
+    /// The bodies from top to bottom, the striker first.
+    #[must_use]
+    pub fn bodies(&self) -> &[Body] {
+        &self.bodies
+    }
+
+    /// The contacts from top to bottom: one more than bodies, those with the boundaries included.
+    #[must_use]
+    pub fn contacts(&self) -> &[Contact] {
+        &self.contacts
+    }
+
+    /// Number of particles; the striker is none.
+    #[must_use]
+    pub fn particles(&self) -> usize {
+        self.bodies.len() - usize::from(self.striker)
+    }
+
+    /// Whether body 0 is a striker.
+    #[must_use]
+    pub fn has_striker(&self) -> bool {
+        self.striker
+    }
+
+    /// Index of the body that is particle `particle`, counted from 1.
+    #[must_use]
+    pub fn body_of(&self, particle: usize) -> usize {
+        particle - usize::from(!self.striker)
+    }
+
+    /// Index of the contact with the wall at the bottom, if there is one.
+    #[must_use]
+    pub fn wall_contact(&self) -> Option<usize> {
+        let last = self.contacts.len() - 1;
+        self.contacts.get(last).filter(|c| c.stiffness > 0.0).map(|_| last)
+    }
+
+    /// Static distance between the centres of two particles, overlaps subtracted (m).
+    #[must_use]
+    pub fn distance(&self, upper: usize, lower: usize) -> f64 {
+        let (from, to) = (self.body_of(upper.min(lower)), self.body_of(upper.max(lower)));
+        let between = |pair: &[Body]| pair.iter().map(|b| 0.5 * b.length).sum::<f64>();
+        let lengths: f64 = self.bodies[from..=to].windows(2).map(between).sum();
+        let overlaps: f64 = self.contacts[from + 1..=to].iter().map(|c| c.static_overlap).sum();
+        lengths - overlaps
+    }
+
+    /// Distance from a particle's centre to the wall at the bottom, overlaps subtracted (m).
+    #[must_use]
+    pub fn distance_to_wall(&self, particle: usize) -> f64 {
+        let body = self.body_of(particle);
+        let half = self.bodies.get(body).map_or(0.0, |b| 0.5 * b.length);
+        let below: f64 = self.bodies[body + 1..].iter().map(|b| b.length).sum();
+        let overlaps: f64 = self.contacts[body + 1..].iter().map(|c| c.static_overlap).sum();
+        half + below - overlaps
+    }
+
+    /// The overlap that bodies with these velocities (m/s) will reach: the yardstick for errors (m).
+    ///
+    /// For each moving body the larger of two closed forms: `v/omega` on its static contacts, and the two-body
+    /// collision for contacts without preload.
+    #[must_use]
+    pub fn impact_overlap(&self, velocity: &[f64]) -> f64 {
+        let mut most = 0.0_f64;
+        for (index, (body, speed)) in self.bodies.iter().zip(velocity).enumerate() {
+            if *speed == 0.0 {
+                continue;
+            }
+            for contact in &self.contacts[index..index + 2] {
+                if contact.stiffness > 0.0 {
+                    most = most.max(self.collision_overlap(contact, body.mass, *speed));
+                }
+            }
+        }
+        most
+    }
+
+    /// Dynamic overlap of one contact when a body of `mass` runs into it with `speed`.
+    fn collision_overlap(&self, contact: &Contact, mass: f64, speed: f64) -> f64 {
+        let free = hertz::collision_overlap(contact.stiffness, 0.5 * mass, speed);
+        if contact.static_overlap == 0.0 {
+            return free;
+        }
+        let stiffness = hertz::tangent_stiffness(contact.stiffness, contact.static_overlap);
+        free.min(speed.abs() * (mass / stiffness).sqrt())
+    }
+}
+
+/// Constant force on each body from effects and end forces, downward positive (N).
+fn loads(spec: &ChainSpec, bodies: &[Body]) -> Vec<f64> {
+    let masses: Vec<f64> = bodies.iter().map(|b| b.mass).collect();
+    let mut loads = vec![0.0; bodies.len()];
+    for effect in spec.effects.active() {
+        effect.add_load(&masses, spec.striker.is_some(), &mut loads);
+    }
+    if let (End::Force(force), Some(load)) = (spec.top, loads.get_mut(usize::from(spec.striker.is_some()))) {
+        *load += force;
+    }
+    loads
+}
+
+/// Contact `j`, between bodies `j - 1` and `j`, under the static force `bears` (N).
+fn contact(spec: &ChainSpec, bodies: &[Body], j: usize, bears: f64) -> Result<Contact, ChainError> {
+    let side = |body: &Body| (body.elasticity, body.curvature, body.name.clone());
+    let wall = |end: &End, name: &str| match end {
+        End::Wall(elasticity) => Some((*elasticity, 0.0, name.to_owned())),
+        End::Free | End::Force(_) => None,
+    };
+    let upper = match j.checked_sub(1) {
+        Some(above) => bodies.get(above).map(side),
+        None => wall(&spec.top, "the top wall"),
+    };
+    let lower = bodies.get(j).map(side).or_else(|| wall(&spec.bottom, "the bottom wall"));
+    let (Some(upper), Some(lower)) = (upper, lower) else {
+        return open_end(spec, bodies, j, bears);
+    };
+    let stiffness = hertz::stiffness((upper.0, upper.1), (lower.0, lower.1));
+    if !stiffness.is_finite() {
+        return Err(ChainError::FlatOnFlat { upper: upper.2, lower: lower.2 });
+    }
+    if bears < 0.0 {
+        return Err(ChainError::Pulling { body: lower.2, force: bears });
+    }
+    Ok(Contact { stiffness, static_force: bears, static_overlap: hertz::overlap(stiffness, bears) })
+}
+
+/// The place of a contact where nothing stands; at the bottom the loads must have cancelled.
+fn open_end(spec: &ChainSpec, bodies: &[Body], j: usize, bears: f64) -> Result<Contact, ChainError> {
+    if j == bodies.len() {
+        let support = if let End::Force(force) = spec.bottom { force } else { 0.0 };
+        let rest = bears - support;
+        if rest.abs() > 1e-12 * (bears.abs() + support.abs()) {
+            return Err(ChainError::Unbalanced { rest });
+        }
+    }
+    Ok(Contact { stiffness: 0.0, static_force: 0.0, static_overlap: 0.0 })
+}

@@ -1,0 +1,86 @@
+//! The chain as a system to integrate: a plan of plain arrays, made once before the first step.
+
+use super::{Chain, hertz};
+use crate::integrate::{Scales, System};
+
+/// Contacts and masses laid out for the force loop. Bodies feel only changes against the static state, so constant
+/// loads have vanished from it but for what statics leaves over, the striker's weight.
+#[derive(Debug, Clone)]
+pub struct ChainSystem {
+    stiffness: Vec<f64>,
+    static_overlap: Vec<f64>,
+    static_root: Vec<f64>,
+    inverse_mass: Vec<f64>,
+    residual_acceleration: Vec<f64>,
+    /// Displacements with a resting ghost at each end, so that boundary contacts need no branch.
+    displacement: Vec<f64>,
+    force_change: Vec<f64>,
+    /// Smallest meaningful overlap scale (m).
+    overlap_floor: f64,
+}
+
+impl ChainSystem {
+    /// Lowers `chain` to arrays; `initial_velocity` (m/s) sets the scale of what is to come.
+    #[must_use]
+    pub fn new(chain: &Chain, initial_velocity: &[f64]) -> Self {
+        let contacts = chain.contacts();
+        let bodies = chain.bodies();
+        Self {
+            stiffness: contacts.iter().map(|c| c.stiffness).collect(),
+            static_overlap: contacts.iter().map(|c| c.static_overlap).collect(),
+            static_root: contacts.iter().map(|c| c.static_overlap.sqrt()).collect(),
+            inverse_mass: bodies.iter().map(|b| 1.0 / b.mass).collect(),
+            residual_acceleration: chain
+                .residual
+                .iter()
+                .zip(bodies)
+                .map(|(force, body)| force / body.mass)
+                .collect(),
+            displacement: vec![0.0; bodies.len() + 2],
+            force_change: vec![0.0; contacts.len()],
+            overlap_floor: chain.impact_overlap(initial_velocity),
+        }
+    }
+}
+
+impl System for ChainSystem {
+    fn len(&self) -> usize {
+        self.inverse_mass.len()
+    }
+
+    fn accelerations(&mut self, position: &[f64], _velocity: &[f64], acceleration: &mut [f64]) {
+        let n = self.inverse_mass.len();
+        self.displacement[1..=n].copy_from_slice(position);
+        let above = &self.displacement[..=n];
+        let below = &self.displacement[1..];
+        let contacts = self.stiffness.iter().zip(&self.static_root).zip(above.iter().zip(below));
+        for (force, ((stiffness, root), (above, below))) in
+            self.force_change.iter_mut().zip(contacts)
+        {
+            *force = hertz::force_change(*stiffness, *root, above - below);
+        }
+        let forces = self.force_change.iter().zip(&self.force_change[1..]);
+        let bodies = self.inverse_mass.iter().zip(&self.residual_acceleration);
+        for (a, ((above, below), (inverse_mass, residual))) in
+            acceleration.iter_mut().zip(forces.zip(bodies))
+        {
+            *a = (above - below) * inverse_mass + residual;
+        }
+    }
+
+    fn scales(&self, position: &[f64], velocity: &[f64]) -> Scales {
+        let n = self.inverse_mass.len();
+        let at = |index: usize| if index == 0 || index > n { 0.0 } else { position[index - 1] };
+        let mut overlap = self.overlap_floor;
+        for (j, (stiffness, static_overlap)) in
+            self.stiffness.iter().zip(&self.static_overlap).enumerate()
+        {
+            if *stiffness > 0.0 {
+                // A gap's width is no overlap: count an open contact as having lost its static one.
+                overlap = overlap.max((at(j) - at(j + 1)).max(-static_overlap).abs());
+            }
+        }
+        let speed = velocity.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        Scales { position: overlap, velocity: speed }
+    }
+}

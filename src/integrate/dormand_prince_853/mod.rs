@@ -1,0 +1,313 @@
+//! Dormand and Prince's explicit Runge-Kutta pair of orders 8(5,3): the accurate end of the range.
+//!
+//! Twelve new force evaluations a step, an error estimate that blends embedded solutions of orders 5 and 3, and an
+//! interpolant of order 7 that costs three more evaluations and only where somebody reads it. The estimate falls
+//! apart, as it should, where a contact opens or closes within a step (the force is only C^1 there): the controller
+//! then shortens the step until the kink is harmless, so no event location is needed.
+//! Source: E. Hairer, S. P. Norsett, G. Wanner, "Solving Ordinary Differential Equations I" (Springer, 1993), II.5, II.6.
+
+mod tableau;
+
+use super::interpolant::{COEFFICIENTS, Interpolant};
+use super::{IntegrateError, Integrator, Scales, State, System, Work, first_not_finite};
+use tableau::{DENSE, DENSE_STAGES, ERROR_3, ERROR_5, Row, STAGE_WEIGHTS, STAGES};
+
+/// A step is chosen to meet the tolerance with this margin (1).
+const SAFETY: f64 = 0.9;
+/// A step shrinks at most by this factor (1).
+const SMALLEST_CHANGE: f64 = 0.2;
+/// A step grows at most by this factor (1).
+const LARGEST_CHANGE: f64 = 6.0;
+/// The error of a step goes as its length to this power (1).
+const ERROR_ORDER: f64 = 8.0;
+/// The first step, as a fraction of position scale over speed scale: the striker's contact has just begun (1).
+const FIRST_STEP: f64 = 1e-3;
+
+/// The pair at work on a system.
+pub struct DormandPrince853<'a> {
+    system: Box<dyn System + 'a>,
+    state: State,
+    previous: State,
+    scratch: State,
+    /// Stage derivatives: velocities (m/s) and accelerations (m/s²).
+    rates: Vec<Rates>,
+    scales: Scales,
+    tolerance: f64,
+    step: f64,
+    last_length: f64,
+    /// What rounding took from the last sums, per coordinate: positions, then velocities.
+    lost: Rates,
+    work: Work,
+}
+
+/// Time derivatives of position and velocity, or corrections to them.
+#[derive(Debug, Clone)]
+struct Rates {
+    position: Vec<f64>,
+    velocity: Vec<f64>,
+}
+
+impl<'a> DormandPrince853<'a> {
+    /// Name as written in scenes, options and recordings.
+    pub const NAME: &'static str = "dormand-prince-853";
+    /// Publication that defines the method.
+    pub const SOURCE: &'static str = "Hairer, Norsett, Wanner, Solving ODEs I, 2nd ed. (1993), II.5-II.6";
+
+    /// Starts at `state`, tolerating errors of `tolerance` a step relative to the system's scales (1).
+    #[must_use]
+    pub fn new(mut system: Box<dyn System + 'a>, state: State, tolerance: f64) -> Self {
+        let n = system.len();
+        let zero = Rates { position: vec![0.0; n], velocity: vec![0.0; n] };
+        let mut rates = vec![zero.clone(); DENSE_STAGES];
+        if let Some(first) = rates.first_mut() {
+            first.position.copy_from_slice(&state.velocity);
+            system.accelerations(&state.position, &state.velocity, &mut first.velocity);
+        }
+        let scales = system.scales(&state.position, &state.velocity);
+        let step = FIRST_STEP * scales.position / scales.velocity;
+        Self {
+            previous: state.clone(),
+            scratch: state.clone(),
+            lost: zero,
+            work: Work { force_evaluations: 1, ..Work::default() },
+            last_length: 0.0,
+            system,
+            state,
+            rates,
+            scales,
+            tolerance,
+            step,
+        }
+    }
+
+    /// Evaluates stage `stage` of a step of length `h` from `previous`.
+    fn evaluate_stage(&mut self, stage: usize, h: f64) {
+        let (before, rest) = self.rates.split_at_mut(stage);
+        let Some(rates) = rest.first_mut() else { return };
+        let weights = STAGE_WEIGHTS.get(stage).copied().unwrap_or_default();
+        combine(weights, before, |r| &r.position, &mut self.scratch.position);
+        combine(weights, before, |r| &r.velocity, &mut self.scratch.velocity);
+        shift(&mut self.scratch.position, &self.previous.position, h);
+        shift(&mut self.scratch.velocity, &self.previous.velocity, h);
+        rates.position.copy_from_slice(&self.scratch.velocity);
+        self.system.accelerations(
+            &self.scratch.position,
+            &self.scratch.velocity,
+            &mut rates.velocity,
+        );
+        self.work.force_evaluations += 1;
+    }
+
+    /// Error of the step just tried as a multiple of the tolerance (1); not finite if the state is not.
+    fn error(&mut self, h: f64) -> f64 {
+        let mut of_order = [0.0_f64; 2];
+        for (error, weights) in of_order.iter_mut().zip([ERROR_5, ERROR_3]) {
+            combine(weights, &self.rates, |r| &r.position, &mut self.scratch.position);
+            *error = largest(&self.scratch.position) / self.scales.position;
+            combine(weights, &self.rates, |r| &r.velocity, &mut self.scratch.velocity);
+            *error = error.max(largest(&self.scratch.velocity) / self.scales.velocity);
+        }
+        let [fifth, third] = of_order;
+        if fifth == 0.0 {
+            return 0.0;
+        }
+        h * fifth * fifth / fifth.hypot(0.1 * third) / self.tolerance
+    }
+
+    /// Adds the step's increment, keeping what rounding would lose (Kahan's compensated sum).
+    fn accept(&mut self, h: f64, next: f64) {
+        let solution = STAGES - 1;
+        let (before, _) = self.rates.split_at(solution);
+        let weights = STAGE_WEIGHTS.get(solution).copied().unwrap_or_default();
+        combine(weights, before, |r| &r.position, &mut self.scratch.position);
+        combine(weights, before, |r| &r.velocity, &mut self.scratch.velocity);
+        add(&mut self.state.position, &mut self.lost.position, &self.scratch.position, h);
+        add(&mut self.state.velocity, &mut self.lost.velocity, &self.scratch.velocity, h);
+        self.state.time = next;
+        self.last_length = h;
+        self.work.steps += 1;
+        let now = self.system.scales(&self.state.position, &self.state.velocity);
+        // A rebound's speed stays the yardstick for what it left behind.
+        self.scales.position = self.scales.position.max(now.position);
+        self.scales.velocity = self.scales.velocity.max(now.velocity);
+    }
+}
+
+impl Integrator for DormandPrince853<'_> {
+    fn state(&self) -> &State {
+        &self.state
+    }
+
+    fn step(&mut self, end: f64) -> Result<(), IntegrateError> {
+        if self.work.steps > 0 {
+            // First same as last: the previous step's final derivative opens this one.
+            self.rates.swap(0, STAGES - 1);
+        }
+        self.previous.clone_from(&self.state);
+        let start = self.state.time;
+        let mut after_rejection = false;
+        loop {
+            let left = end - start;
+            let (h, next) =
+                if self.step >= left { (left, end) } else { (self.step, start + self.step) };
+            if h <= f64::EPSILON * start.abs() || h < f64::MIN_POSITIVE {
+                return Err(IntegrateError::StepTooSmall { time: start, step: h });
+            }
+            for stage in 1..STAGES {
+                self.evaluate_stage(stage, h);
+            }
+            let error = self.error(h);
+            if !error.is_finite() && h <= 1e-6 * self.step.max(h) {
+                let body = first_not_finite(&self.scratch.position, &self.scratch.velocity);
+                return Err(IntegrateError::NotFinite { body: body.unwrap_or(0), time: start });
+            }
+            let change = if error.is_finite() {
+                (SAFETY * error.powf(-1.0 / ERROR_ORDER)).clamp(SMALLEST_CHANGE, LARGEST_CHANGE)
+            } else {
+                SMALLEST_CHANGE
+            };
+            if error <= 1.0 {
+                self.accept(h, next);
+                let growth = if after_rejection { change.min(1.0) } else { change };
+                // A step cut short by `end` says nothing about the next.
+                self.step = if next == end { self.step.max(h * growth) } else { h * growth };
+                return Ok(());
+            }
+            after_rejection = true;
+            self.work.rejected += 1;
+            self.step = h * change;
+        }
+    }
+
+    fn prepare_interpolation(&mut self) {
+        for stage in STAGES..DENSE_STAGES {
+            self.evaluate_stage(stage, self.last_length);
+        }
+    }
+
+    fn interpolant(&self, body: usize) -> Interpolant {
+        let at = |values: &[f64]| values.get(body).copied().unwrap_or(0.0);
+        let coefficients = |from: f64, to: f64, part: &dyn Fn(&Rates) -> f64| {
+            let h = self.last_length;
+            let rate = |stage: usize| self.rates.get(stage).map_or(0.0, part);
+            let rise = to - from;
+            let (first, last) = (h * rate(0), h * rate(STAGES - 1));
+            let mut nested = [rise, first - rise, 2.0 * rise - last - first, 0.0, 0.0, 0.0, 0.0];
+            for (value, row) in nested[3..].iter_mut().zip(DENSE) {
+                *value = h * row.iter().map(|(stage, weight)| weight * rate(*stage)).sum::<f64>();
+            }
+            to_powers(from, nested)
+        };
+        Interpolant {
+            position: coefficients(
+                at(&self.previous.position),
+                at(&self.state.position),
+                &|r: &Rates| at(&r.position),
+            ),
+            velocity: coefficients(
+                at(&self.previous.velocity),
+                at(&self.state.velocity),
+                &|r: &Rates| at(&r.velocity),
+            ),
+        }
+    }
+
+    fn last_step(&self) -> (f64, f64) {
+        (self.previous.time, self.last_length)
+    }
+
+    fn work(&self) -> Work {
+        self.work
+    }
+}
+
+/// `out = sum of weight * rates[stage]`.
+fn combine(weights: Row, rates: &[Rates], part: impl Fn(&Rates) -> &[f64], out: &mut [f64]) {
+    out.fill(0.0);
+    for (stage, weight) in weights {
+        if let Some(rates) = rates.get(*stage) {
+            for (sum, rate) in out.iter_mut().zip(part(rates)) {
+                *sum += weight * rate;
+            }
+        }
+    }
+}
+
+/// `values = from + h * values`.
+fn shift(values: &mut [f64], from: &[f64], h: f64) {
+    for (value, start) in values.iter_mut().zip(from) {
+        *value = start + h * *value;
+    }
+}
+
+/// `values += h * rates`, with the rounding of earlier sums made good.
+fn add(values: &mut [f64], lost: &mut [f64], rates: &[f64], h: f64) {
+    for ((value, lost), rate) in values.iter_mut().zip(lost).zip(rates) {
+        let increment = h * rate - *lost;
+        let sum = *value + increment;
+        *lost = (sum - *value) - increment;
+        *value = sum;
+    }
+}
+
+/// Largest magnitude; infinite if any value is not a number, which `f64::max` would hide.
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most: f64, value| {
+        if value.is_nan() { f64::INFINITY } else { most.max(value.abs()) }
+    })
+}
+
+/// From the nested form `y0 + t(f0 + s(f1 + t(f2 + s(...))))`, `s = 1 - t`, to powers of `t`.
+fn to_powers(start: f64, nested: [f64; 7]) -> [f64; COEFFICIENTS] {
+    let mut powers = [0.0; COEFFICIENTS];
+    for (index, value) in nested.iter().enumerate().rev() {
+        powers[0] += value;
+        // The outermost factor is t, and they alternate inward.
+        let mut shifted = [0.0; COEFFICIENTS];
+        shifted[1..].copy_from_slice(&powers[..COEFFICIENTS - 1]);
+        if index % 2 == 0 {
+            powers = shifted;
+        } else {
+            for (power, shifted) in powers.iter_mut().zip(shifted) {
+                *power -= shifted;
+            }
+        }
+    }
+    powers[0] += start;
+    powers
+}
+
+#[cfg(test)]
+mod tests {
+    use super::tableau::{ABSCISSAE, DENSE_STAGES, STAGE_WEIGHTS};
+    use super::*;
+
+    /// Row sums are the abscissae, and the solution integrates polynomials up to degree 7 exactly: the quadrature
+    /// conditions `sum b c^k = 1/(k+1)`.
+    #[test]
+    fn coefficients_meet_their_conditions() {
+        for stage in 1..DENSE_STAGES {
+            let sum: f64 = STAGE_WEIGHTS[stage].iter().map(|(_, weight)| weight).sum();
+            assert!((sum - ABSCISSAE[stage]).abs() < 1e-13, "stage {stage}: {sum}");
+        }
+        for power in 0..8 {
+            let sum: f64 =
+                STAGE_WEIGHTS[12].iter().map(|(s, b)| b * ABSCISSAE[*s].powi(power)).sum();
+            assert!((sum - 1.0 / f64::from(power + 1)).abs() < 1e-14, "degree {power}: {sum}");
+        }
+    }
+
+    #[test]
+    fn nested_form_and_powers_agree() {
+        let nested = [1.0, -2.0, 3.0, 0.5, -0.25, 4.0, 0.125];
+        let powers = to_powers(7.0, nested);
+        for theta in [0.0, 0.2, 0.5, 0.9, 1.0_f64] {
+            let mut value = 0.0;
+            for (index, term) in nested.iter().enumerate().rev() {
+                value = (value + term) * if index % 2 == 0 { theta } else { 1.0 - theta };
+            }
+            let sum: f64 = powers.iter().rev().fold(0.0, |s, c| s * theta + c);
+            assert!((sum - 7.0 - value).abs() < 1e-13);
+        }
+    }
+}
