@@ -2,9 +2,12 @@
 //! sensors embedded in beads feel the force, a virtual Tektronix TDS 2014 records it.
 
 pub mod chain;
+pub mod data;
 pub mod experiment;
 pub mod integrate;
 pub mod quantity;
 pub mod recording;
+pub mod scene;
 pub mod scope;
+pub mod sensor;
 pub mod trace;

@@ -68,6 +68,10 @@ impl Chain {
     /// Total momentum of `state`, downward positive (kg m/s).
     #[must_use]
     pub fn momentum(&self, state: &State) -> f64 {
-        self.bodies.iter().zip(&state.velocity).map(|(body, v)| body.mass * v).sum()
+        self.bodies
+            .iter()
+            .zip(&state.velocity)
+            .map(|(body, v)| body.mass * v)
+            .sum()
     }
 }

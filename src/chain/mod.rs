@@ -10,14 +10,14 @@
 
 pub mod effects;
 mod energy;
-mod probe;
 pub mod hertz;
+mod probe;
 mod system;
 
 pub use effects::{Effect, EffectsSpec, Gravity, MagnetPreload};
 pub use energy::Energy;
-pub use probe::{ForceProbe, ForceSegment};
 pub use hertz::Elasticity;
+pub use probe::{ForceProbe, ForceSegment};
 pub use system::ChainSystem;
 
 /// A rigid body with two elastic faces.
@@ -70,7 +70,9 @@ pub enum ChainError {
     #[error("found a chain without particles, expected at least one")]
     Empty,
     /// Two flat faces meet.
-    #[error("found flat on flat between {upper} and {lower}, expected at least one curved face: a Hertz contact has a radius")]
+    #[error(
+        "found flat on flat between {upper} and {lower}, expected at least one curved face: a Hertz contact has a radius"
+    )]
     FlatOnFlat {
         /// The body above.
         upper: String,
@@ -81,7 +83,9 @@ pub enum ChainError {
     #[error("found both a striker and a wall at the top, expected one of them")]
     StrikerBehindWall,
     /// A contact would have to pull.
-    #[error("found no static state: the contact above {body} would have to bear {force:e} N, expected a force that presses")]
+    #[error(
+        "found no static state: the contact above {body} would have to bear {force:e} N, expected a force that presses"
+    )]
     Pulling {
         /// The body below the contact.
         body: String,
@@ -89,7 +93,9 @@ pub enum ChainError {
         force: f64,
     },
     /// Loads do not balance and no wall takes the rest.
-    #[error("found no static state: {rest:e} N remain at the bottom, expected a wall there or balanced forces")]
+    #[error(
+        "found no static state: {rest:e} N remain at the bottom, expected a wall there or balanced forces"
+    )]
     Unbalanced {
         /// What is left (N).
         rest: f64,
@@ -130,21 +136,39 @@ impl Chain {
         if striker && matches!(spec.top, End::Wall(_)) {
             return Err(ChainError::StrikerBehindWall);
         }
-        let bodies: Vec<Body> = spec.striker.iter().chain(&spec.particles).cloned().collect();
+        let bodies: Vec<Body> = spec
+            .striker
+            .iter()
+            .chain(&spec.particles)
+            .cloned()
+            .collect();
         let loads = loads(spec, &bodies);
         let first = usize::from(striker);
-        let top_force = if matches!(spec.top, End::Wall(_)) { spec.wall_preload } else { 0.0 };
+        let top_force = if matches!(spec.top, End::Wall(_)) {
+            spec.wall_preload
+        } else {
+            0.0
+        };
         let mut contacts = Vec::with_capacity(bodies.len() + 1);
         let mut bears = 0.0;
         for j in 0..=bodies.len() {
-            bears = if j <= first { if j == first { top_force } else { 0.0 } } else { bears + loads[j - 1] };
+            bears = if j <= first {
+                if j == first { top_force } else { 0.0 }
+            } else {
+                bears + loads[j - 1]
+            };
             contacts.push(contact(spec, &bodies, j, bears)?);
         }
         let mut residual = vec![0.0; bodies.len()];
         if let (true, Some(rest), Some(load)) = (striker, residual.first_mut(), loads.first()) {
             *rest = *load;
         }
-        Ok(Self { bodies, contacts, residual, striker })
+        Ok(Self {
+            bodies,
+            contacts,
+            residual,
+            striker,
+        })
     }
 
     /// The bodies from top to bottom, the striker first.
@@ -181,16 +205,25 @@ impl Chain {
     #[must_use]
     pub fn wall_contact(&self) -> Option<usize> {
         let last = self.contacts.len() - 1;
-        self.contacts.get(last).filter(|c| c.stiffness > 0.0).map(|_| last)
+        self.contacts
+            .get(last)
+            .filter(|c| c.stiffness > 0.0)
+            .map(|_| last)
     }
 
     /// Static distance between the centres of two particles, overlaps subtracted (m).
     #[must_use]
     pub fn distance(&self, upper: usize, lower: usize) -> f64 {
-        let (from, to) = (self.body_of(upper.min(lower)), self.body_of(upper.max(lower)));
+        let (from, to) = (
+            self.body_of(upper.min(lower)),
+            self.body_of(upper.max(lower)),
+        );
         let between = |pair: &[Body]| pair.iter().map(|b| 0.5 * b.length).sum::<f64>();
         let lengths: f64 = self.bodies[from..=to].windows(2).map(between).sum();
-        let overlaps: f64 = self.contacts[from + 1..=to].iter().map(|c| c.static_overlap).sum();
+        let overlaps: f64 = self.contacts[from + 1..=to]
+            .iter()
+            .map(|c| c.static_overlap)
+            .sum();
         lengths - overlaps
     }
 
@@ -200,7 +233,10 @@ impl Chain {
         let body = self.body_of(particle);
         let half = self.bodies.get(body).map_or(0.0, |b| 0.5 * b.length);
         let below: f64 = self.bodies[body + 1..].iter().map(|b| b.length).sum();
-        let overlaps: f64 = self.contacts[body + 1..].iter().map(|c| c.static_overlap).sum();
+        let overlaps: f64 = self.contacts[body + 1..]
+            .iter()
+            .map(|c| c.static_overlap)
+            .sum();
         half + below - overlaps
     }
 
@@ -242,7 +278,9 @@ fn loads(spec: &ChainSpec, bodies: &[Body]) -> Vec<f64> {
     for effect in spec.effects.active() {
         effect.add_load(&masses, spec.striker.is_some(), &mut loads);
     }
-    if let (End::Force(force), Some(load)) = (spec.top, loads.get_mut(usize::from(spec.striker.is_some()))) {
+    if let (End::Force(force), Some(load)) =
+        (spec.top, loads.get_mut(usize::from(spec.striker.is_some())))
+    {
         *load += force;
     }
     loads
@@ -259,28 +297,54 @@ fn contact(spec: &ChainSpec, bodies: &[Body], j: usize, bears: f64) -> Result<Co
         Some(above) => bodies.get(above).map(side),
         None => wall(&spec.top, "the top wall"),
     };
-    let lower = bodies.get(j).map(side).or_else(|| wall(&spec.bottom, "the bottom wall"));
+    let lower = bodies
+        .get(j)
+        .map(side)
+        .or_else(|| wall(&spec.bottom, "the bottom wall"));
     let (Some(upper), Some(lower)) = (upper, lower) else {
         return open_end(spec, bodies, j, bears);
     };
     let stiffness = hertz::stiffness((upper.0, upper.1), (lower.0, lower.1));
     if !stiffness.is_finite() {
-        return Err(ChainError::FlatOnFlat { upper: upper.2, lower: lower.2 });
+        return Err(ChainError::FlatOnFlat {
+            upper: upper.2,
+            lower: lower.2,
+        });
     }
     if bears < 0.0 {
-        return Err(ChainError::Pulling { body: lower.2, force: bears });
+        return Err(ChainError::Pulling {
+            body: lower.2,
+            force: bears,
+        });
     }
-    Ok(Contact { stiffness, static_force: bears, static_overlap: hertz::overlap(stiffness, bears) })
+    Ok(Contact {
+        stiffness,
+        static_force: bears,
+        static_overlap: hertz::overlap(stiffness, bears),
+    })
 }
 
 /// The place of a contact where nothing stands; at the bottom the loads must have cancelled.
-fn open_end(spec: &ChainSpec, bodies: &[Body], j: usize, bears: f64) -> Result<Contact, ChainError> {
+fn open_end(
+    spec: &ChainSpec,
+    bodies: &[Body],
+    j: usize,
+    bears: f64,
+) -> Result<Contact, ChainError> {
     if j == bodies.len() {
-        let support = if let End::Force(force) = spec.bottom { force } else { 0.0 };
+        let support = if let End::Force(force) = spec.bottom {
+            force
+        } else {
+            0.0
+        };
         let rest = bears - support;
         if rest.abs() > 1e-12 * (bears.abs() + support.abs()) {
             return Err(ChainError::Unbalanced { rest });
         }
     }
-    Ok(Contact { stiffness: 0.0, static_force: 0.0, static_overlap: 0.0 })
+    Ok(Contact {
+        stiffness: 0.0,
+        static_force: 0.0,
+        static_overlap: 0.0,
+    })
 }

@@ -21,30 +21,50 @@ impl ForceProbe {
     #[must_use]
     pub fn inside(chain: &Chain, particle: usize, offset: f64) -> Option<Self> {
         let body = chain.body_of(particle);
-        let contacts = [*chain.contacts().get(body)?, *chain.contacts().get(body + 1)?];
+        let contacts = [
+            *chain.contacts().get(body)?,
+            *chain.contacts().get(body + 1)?,
+        ];
         chain.bodies().get(body)?;
-        Some(Self { contacts, weights: [0.5 - offset, 0.5 + offset], body })
+        Some(Self {
+            contacts,
+            weights: [0.5 - offset, 0.5 + offset],
+            body,
+        })
     }
 
     /// The force in the contact above body `contact` (from 0).
     #[must_use]
     pub fn contact(chain: &Chain, contact: usize) -> Option<Self> {
         let above = contact.checked_sub(1)?;
-        let contacts = [*chain.contacts().get(above)?, *chain.contacts().get(contact)?];
-        Some(Self { contacts, weights: [0.0, 1.0], body: above })
+        let contacts = [
+            *chain.contacts().get(above)?,
+            *chain.contacts().get(contact)?,
+        ];
+        Some(Self {
+            contacts,
+            weights: [0.0, 1.0],
+            body: above,
+        })
     }
 
     /// Force at static equilibrium (N).
     #[must_use]
     pub fn static_force(&self) -> f64 {
-        self.contacts.iter().zip(self.weights).map(|(c, w)| w * c.static_force).sum()
+        self.contacts
+            .iter()
+            .zip(self.weights)
+            .map(|(c, w)| w * c.static_force)
+            .sum()
     }
 
     /// The probe's view of the integrator's last step, whose interpolation is prepared.
     #[must_use]
     pub fn over_step(&self, integrator: &dyn Integrator, bodies: usize) -> ForceSegment {
         let body = |index: Option<usize>| {
-            index.filter(|i| *i < bodies).map_or(Interpolant::REST, |i| integrator.interpolant(i))
+            index
+                .filter(|i| *i < bodies)
+                .map_or(Interpolant::REST, |i| integrator.interpolant(i))
         };
         let (start, length) = integrator.last_step();
         ForceSegment {

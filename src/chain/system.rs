@@ -53,7 +53,11 @@ impl System for ChainSystem {
         self.displacement[1..=n].copy_from_slice(position);
         let above = &self.displacement[..=n];
         let below = &self.displacement[1..];
-        let contacts = self.stiffness.iter().zip(&self.static_root).zip(above.iter().zip(below));
+        let contacts = self
+            .stiffness
+            .iter()
+            .zip(&self.static_root)
+            .zip(above.iter().zip(below));
         for (force, ((stiffness, root), (above, below))) in
             self.force_change.iter_mut().zip(contacts)
         {
@@ -70,7 +74,13 @@ impl System for ChainSystem {
 
     fn scales(&self, position: &[f64], velocity: &[f64]) -> Scales {
         let n = self.inverse_mass.len();
-        let at = |index: usize| if index == 0 || index > n { 0.0 } else { position[index - 1] };
+        let at = |index: usize| {
+            if index == 0 || index > n {
+                0.0
+            } else {
+                position[index - 1]
+            }
+        };
         let mut overlap = self.overlap_floor;
         for (j, (stiffness, static_overlap)) in
             self.stiffness.iter().zip(&self.static_overlap).enumerate()
@@ -81,6 +91,9 @@ impl System for ChainSystem {
             }
         }
         let speed = velocity.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-        Scales { position: overlap, velocity: speed }
+        Scales {
+            position: overlap,
+            velocity: speed,
+        }
     }
 }

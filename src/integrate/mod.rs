@@ -67,7 +67,9 @@ pub struct Work {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum IntegrateError {
     /// A position or velocity is infinite or not a number.
-    #[error("the state of body {body} stopped being a number at t = {time:e} s: the step is too long for this chain")]
+    #[error(
+        "the state of body {body} stopped being a number at t = {time:e} s: the step is too long for this chain"
+    )]
     NotFinite {
         /// Index of the first such body.
         body: usize,
@@ -75,7 +77,9 @@ pub enum IntegrateError {
         time: f64,
     },
     /// The error control asks for steps that rounding swallows.
-    #[error("at t = {time:e} s the error control asks for a step of {step:e} s, below rounding: the accuracy asked for is out of reach")]
+    #[error(
+        "at t = {time:e} s the error control asks for a step of {step:e} s, below rounding: the accuracy asked for is out of reach"
+    )]
     StepTooSmall {
         /// Time (s).
         time: f64,
@@ -120,7 +124,11 @@ impl Method {
 
     /// Starts the method on `system` at `state`.
     #[must_use]
-    pub fn start<'a>(&self, system: Box<dyn System + 'a>, state: State) -> Box<dyn Integrator + 'a> {
+    pub fn start<'a>(
+        &self,
+        system: Box<dyn System + 'a>,
+        state: State,
+    ) -> Box<dyn Integrator + 'a> {
         match *self {
             Self::VelocityVerlet { step } => Box::new(VelocityVerlet::new(system, state, step)),
             Self::DormandPrince853 { tolerance } => {
@@ -168,5 +176,8 @@ pub trait Integrator {
 
 /// Index of the first body whose state is not finite.
 fn first_not_finite(position: &[f64], velocity: &[f64]) -> Option<usize> {
-    position.iter().zip(velocity).position(|(x, v)| !(x.is_finite() && v.is_finite()))
+    position
+        .iter()
+        .zip(velocity)
+        .position(|(x, v)| !(x.is_finite() && v.is_finite()))
 }

@@ -66,7 +66,10 @@ pub fn parse(text: &str, dimension: Dimension) -> Result<f64, QuantityError> {
     if found == dimension {
         Ok(value)
     } else {
-        Err(QuantityError::WrongDimension { text: text.trim().to_owned(), found })
+        Err(QuantityError::WrongDimension {
+            text: text.trim().to_owned(),
+            found,
+        })
     }
 }
 
@@ -79,21 +82,33 @@ pub fn parse_any(text: &str) -> Result<(f64, Dimension), QuantityError> {
     let split = number_length(trimmed);
     let (number, unit) = trimmed.split_at(split);
     let digits: String = number.chars().filter(|c| *c != '_').collect();
-    let value: f64 =
-        digits.parse().map_err(|_| QuantityError::NoNumber { text: trimmed.to_owned() })?;
+    let value: f64 = digits.parse().map_err(|_| QuantityError::NoNumber {
+        text: trimmed.to_owned(),
+    })?;
     let unit = unit::parse(unit.trim())?;
     let si = unit.to_si(value);
     if si.is_finite() {
         Ok((si, unit.dimension))
     } else {
-        Err(QuantityError::NotFinite { text: trimmed.to_owned() })
+        Err(QuantityError::NotFinite {
+            text: trimmed.to_owned(),
+        })
     }
 }
 
 /// Length of the longest prefix that reads as a decimal number; `nan` and `inf` count, so that they
 /// can be refused by name instead of as a missing number.
 fn number_length(text: &str) -> usize {
-    for word in ["nan", "inf", "+inf", "-inf", "+nan", "-nan", "infinity", "-infinity"] {
+    for word in [
+        "nan",
+        "inf",
+        "+inf",
+        "-inf",
+        "+nan",
+        "-nan",
+        "infinity",
+        "-infinity",
+    ] {
         let head = text.get(..word.len()).unwrap_or_default();
         let tail = text.get(word.len()..).unwrap_or_default();
         if head.eq_ignore_ascii_case(word) && !tail.starts_with(|c: char| c.is_alphanumeric()) {
@@ -102,7 +117,10 @@ fn number_length(text: &str) -> usize {
     }
     let bytes = text.as_bytes();
     let digits = |mut at: usize| {
-        while bytes.get(at).is_some_and(|b| b.is_ascii_digit() || *b == b'_') {
+        while bytes
+            .get(at)
+            .is_some_and(|b| b.is_ascii_digit() || *b == b'_')
+        {
             at += 1;
         }
         at
@@ -146,11 +164,17 @@ pub fn engineering(value: f64, unit: &str, digits: usize) -> String {
     ];
     let digits = digits.max(1);
     if value == 0.0 || !value.is_finite() {
-        let number = if value == 0.0 { format!("{:.*}", digits - 1, 0.0) } else { value.to_string() };
+        let number = if value == 0.0 {
+            format!("{:.*}", digits - 1, 0.0)
+        } else {
+            value.to_string()
+        };
         return join(&number, "", unit);
     }
     // Round first: 999.96 to four digits is 1.000 k, not 1000.
-    let rounded: f64 = format!("{:.*e}", digits - 1, value).parse().unwrap_or(value);
+    let rounded: f64 = format!("{:.*e}", digits - 1, value)
+        .parse()
+        .unwrap_or(value);
     let exponent = decimal_exponent(rounded);
     let group = exponent.div_euclid(3) * 3;
     let Some((prefix, power)) = PREFIXES.iter().find(|(_, power)| *power == group) else {
@@ -158,7 +182,11 @@ pub fn engineering(value: f64, unit: &str, digits: usize) -> String {
     };
     let before = usize::try_from(exponent - power).unwrap_or(0) + 1;
     let mantissa = rounded / 10f64.powi(*power);
-    join(&format!("{:.*}", digits.saturating_sub(before), mantissa), prefix, unit)
+    join(
+        &format!("{:.*}", digits.saturating_sub(before), mantissa),
+        prefix,
+        unit,
+    )
 }
 
 fn join(number: &str, prefix: &str, unit: &str) -> String {
@@ -172,7 +200,11 @@ fn join(number: &str, prefix: &str, unit: &str) -> String {
 /// Decimal exponent of a finite, non-zero number: the `e` in its scientific notation, free of the
 /// rounding a logarithm would add.
 fn decimal_exponent(value: f64) -> i32 {
-    format!("{value:e}").rsplit('e').next().and_then(|e| e.parse().ok()).unwrap_or(0)
+    format!("{value:e}")
+        .rsplit('e')
+        .next()
+        .and_then(|e| e.parse().ok())
+        .unwrap_or(0)
 }
 
 /// A number with C's `%.{decimals}e`: two exponent digits at least, always signed (`2.500000e+03`).
@@ -227,16 +259,31 @@ mod tests {
             ("1 min", Dimension::TIME, 60.0),
         ] {
             let value = parse(text, dimension).expect(text);
-            assert!((value - si).abs() <= 2.0 * f64::EPSILON * si.abs(), "{text}: {value} is not {si}");
+            assert!(
+                (value - si).abs() <= 2.0 * f64::EPSILON * si.abs(),
+                "{text}: {value} is not {si}"
+            );
         }
     }
 
     #[test]
     fn bad_text_is_named() {
-        assert!(matches!(parse("mm", Dimension::LENGTH), Err(QuantityError::NoNumber { .. })));
-        assert!(matches!(parse("3 furlong", Dimension::LENGTH), Err(QuantityError::UnknownUnit { .. })));
-        assert!(matches!(parse("nan m", Dimension::LENGTH), Err(QuantityError::NotFinite { .. })));
-        assert!(matches!(parse("1e999 m", Dimension::LENGTH), Err(QuantityError::NotFinite { .. })));
+        assert!(matches!(
+            parse("mm", Dimension::LENGTH),
+            Err(QuantityError::NoNumber { .. })
+        ));
+        assert!(matches!(
+            parse("3 furlong", Dimension::LENGTH),
+            Err(QuantityError::UnknownUnit { .. })
+        ));
+        assert!(matches!(
+            parse("nan m", Dimension::LENGTH),
+            Err(QuantityError::NotFinite { .. })
+        ));
+        assert!(matches!(
+            parse("1e999 m", Dimension::LENGTH),
+            Err(QuantityError::NotFinite { .. })
+        ));
         let error = parse("3 kg", Dimension::LENGTH).expect_err("a mass is no length");
         assert_eq!(error.to_string(), "`3 kg` is a mass (kg)");
     }

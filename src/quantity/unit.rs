@@ -91,9 +91,15 @@ impl Dimension {
             (Dimension::STIFFNESS, "a stiffness (N/m)"),
             (Dimension::HERTZ_STIFFNESS, "a Hertz stiffness (N/m^1.5)"),
             (Dimension::TEMPERATURE, "a temperature (K)"),
-            (Dimension::MAGNETIC_FLUX_DENSITY, "a magnetic flux density (T)"),
+            (
+                Dimension::MAGNETIC_FLUX_DENSITY,
+                "a magnetic flux density (T)",
+            ),
             (Dimension::CHARGE, "a charge (C)"),
-            (Dimension::CHARGE_PER_FORCE, "a piezoelectric coefficient (C/N)"),
+            (
+                Dimension::CHARGE_PER_FORCE,
+                "a piezoelectric coefficient (C/N)",
+            ),
             (Dimension::VOLTAGE, "a voltage (V)"),
             (Dimension::VOLTAGE_PER_FORCE, "a sensitivity (V/N)"),
             (Dimension::RESISTANCE, "a resistance (Ohm)"),
@@ -102,7 +108,10 @@ impl Dimension {
             (Dimension::VOLTAGE_PER_DIVISION, "a vertical scale (V/div)"),
             (Dimension::TIME_PER_DIVISION, "a time base (s/div)"),
         ];
-        NAMES.iter().find(|(dimension, _)| *dimension == self).map(|(_, name)| *name)
+        NAMES
+            .iter()
+            .find(|(dimension, _)| *dimension == self)
+            .map(|(_, name)| *name)
     }
 
     /// The dimension spelled in base units: `kg*m^-0.5*s^-2`.
@@ -206,16 +215,25 @@ const PREFIXES: [(&str, f64); 12] = [
 pub(super) fn parse(text: &str) -> Result<Unit, QuantityError> {
     let plain = Unit {
         dimension: Dimension::NONE,
-        scale: Scale { power_of_ten: 0.0, factor: 1.0 },
+        scale: Scale {
+            power_of_ten: 0.0,
+            factor: 1.0,
+        },
         offset: 0.0,
     };
     if text.is_empty() {
         return Ok(plain);
     }
     if matches!(text, "°C" | "degC") {
-        return Ok(Unit { dimension: Dimension::TEMPERATURE, offset: 273.15, ..plain });
+        return Ok(Unit {
+            dimension: Dimension::TEMPERATURE,
+            offset: 273.15,
+            ..plain
+        });
     }
-    let unknown = |symbol: &str| QuantityError::UnknownUnit { unit: symbol.trim().to_owned() };
+    let unknown = |symbol: &str| QuantityError::UnknownUnit {
+        unit: symbol.trim().to_owned(),
+    };
     let mut unit = plain;
     let mut rest = text;
     let mut sign = 1;
@@ -226,14 +244,23 @@ pub(super) fn parse(text: &str) -> Result<Unit, QuantityError> {
         let (power, scale, dimension) = look_up(symbol).ok_or_else(|| unknown(text))?;
         let halves = halves * sign;
         let exponent = f64::from(halves) / 2.0;
-        unit.dimension = unit.dimension.plus(dimension, halves).ok_or_else(|| unknown(text))?;
+        unit.dimension = unit
+            .dimension
+            .plus(dimension, halves)
+            .ok_or_else(|| unknown(text))?;
         unit.scale.power_of_ten += power * exponent;
         unit.scale.factor *= scale.powf(exponent);
         let tail = tail.trim_start();
-        let Some(joint) = tail.chars().next() else { return Ok(unit) };
+        let Some(joint) = tail.chars().next() else {
+            return Ok(unit);
+        };
         // Only what stands right behind a slash is divided: `N*s/m`, but `m/s/s` as well.
         sign = if joint == '/' { -1 } else { 1 };
-        rest = if matches!(joint, '*' | '·' | '/') { tail[joint.len_utf8()..].trim_start() } else { tail };
+        rest = if matches!(joint, '*' | '·' | '/') {
+            tail[joint.len_utf8()..].trim_start()
+        } else {
+            tail
+        };
         if rest.is_empty() {
             return Err(unknown(text));
         }
@@ -248,9 +275,14 @@ fn split_exponent(factor: &str) -> Option<(&str, i16)> {
     if let Some(symbol) = factor.strip_suffix('³') {
         return Some((symbol, 6));
     }
-    let Some((symbol, exponent)) = factor.split_once('^') else { return Some((factor, 2)) };
+    let Some((symbol, exponent)) = factor.split_once('^') else {
+        return Some((factor, 2));
+    };
     let halves = exponent.parse::<f64>().ok()? * 2.0;
-    #[allow(clippy::cast_possible_truncation, reason = "checked to be a whole number within range")]
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "checked to be a whole number within range"
+    )]
     (halves.fract() == 0.0 && halves.abs() <= 40.0).then_some((symbol, halves as i16))
 }
 
@@ -264,8 +296,9 @@ fn look_up(symbol: &str) -> Option<(f64, f64, Dimension)> {
     }
     PREFIXES.iter().find_map(|(prefix, power_of_prefix)| {
         let name = symbol.strip_prefix(prefix)?;
-        let (_, power, factor, dimension, _) =
-            SYMBOLS.iter().find(|(candidate, .., prefixed)| *prefixed && *candidate == name)?;
+        let (_, power, factor, dimension, _) = SYMBOLS
+            .iter()
+            .find(|(candidate, .., prefixed)| *prefixed && *candidate == name)?;
         Some((power + power_of_prefix, *factor, *dimension))
     })
 }

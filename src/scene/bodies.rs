@@ -1,0 +1,287 @@
+//! Materials, particles, chain and striker: the part of a scene that moves.
+
+use std::collections::BTreeMap;
+
+use super::library;
+use super::reader::{Bound, Problems, Table};
+use crate::chain::{Body, Chain, ChainSpec, EffectsSpec, Elasticity, End, Gravity, MagnetPreload};
+use crate::quantity::Dimension;
+
+/// Most particles a chain may have: memory and time stay within what one machine offers.
+const MOST_PARTICLES: usize = 1_000_000;
+
+/// Looks materials up, in the scene first and among the instruments then.
+pub struct Materials<'a> {
+    problems: &'a Problems,
+    own: BTreeMap<String, Option<Elasticity>>,
+}
+
+impl<'a> Materials<'a> {
+    /// Reads `[materials.<name>]`.
+    pub fn read(root: &Table<'_>, problems: &'a Problems) -> Self {
+        let mut own = BTreeMap::new();
+        for (name, table) in root.tables("materials") {
+            own.insert(name.to_owned(), elasticity(&table));
+            table.finish();
+        }
+        Self { problems, own }
+    }
+
+    /// The elasticity of the material that `table` names under `key`.
+    fn named(&self, table: &Table<'_>, key: &'static str) -> Option<Elasticity> {
+        let name = table.required_text(key, "the name of a material")?;
+        if let Some(own) = self.own.get(name) {
+            return *own;
+        }
+        let path = table.path_of(key);
+        match library::instrument("materials", name, table.place_of(key), &path) {
+            Ok(node) => {
+                let table = Table::of(&node, "", self.problems)?;
+                let found = elasticity(&table);
+                table.finish();
+                found
+            }
+            Err(problems) => {
+                self.problems.extend(problems);
+                None
+            }
+        }
+    }
+}
+
+fn elasticity(table: &Table<'_>) -> Option<Elasticity> {
+    let _ = table.text("source");
+    let modulus = table.required("youngs_modulus", Dimension::PRESSURE, Bound::Positive);
+    let ratio = table.required("poissons_ratio", Dimension::NONE, Bound::Between(-1.0, 0.5));
+    Some(Elasticity {
+        youngs_modulus: modulus?,
+        poissons_ratio: ratio?,
+    })
+}
+
+/// Reads a body: material, mass, and its shape. A diameter makes a sphere, a height in addition a cylinder with flat
+/// faces; without either the faces are flat and the length is zero.
+fn body(table: &Table<'_>, name: &str, materials: &Materials<'_>, shaped: bool) -> Option<Body> {
+    let _ = table.text("source");
+    let elasticity = materials.named(table, "material");
+    let mass = table.required("mass", Dimension::MASS, Bound::Positive);
+    let read = if shaped {
+        Table::required
+    } else {
+        Table::quantity
+    };
+    let diameter = read(table, "diameter", Dimension::LENGTH, Bound::Positive);
+    let height = table.quantity("height", Dimension::LENGTH, Bound::Positive);
+    let (length, curvature) = match (diameter, height) {
+        (_, Some(height)) => (height, 0.0),
+        (Some(diameter), None) => (diameter, 2.0 / diameter),
+        (None, None) => (0.0, 0.0),
+    };
+    Some(Body {
+        name: name.to_owned(),
+        mass: mass?,
+        length,
+        curvature,
+        elasticity: elasticity?,
+    })
+}
+
+/// The striker and its speed (m/s).
+pub struct Striker {
+    /// The body.
+    pub body: Body,
+    /// Speed at first contact (m/s).
+    pub speed: f64,
+}
+
+/// Reads `[striker]`.
+pub fn striker(root: &Table<'_>, materials: &Materials<'_>) -> Option<Striker> {
+    let table = root.table("striker")?;
+    let _ = table.text("model");
+    let body = body(&table, "striker", materials, false);
+    let speed = table.required("speed", Dimension::SPEED, Bound::Positive);
+    table.finish();
+    Some(Striker {
+        body: body?,
+        speed: speed?,
+    })
+}
+
+/// The particles in order, each with its kind.
+pub struct Particles {
+    /// Bodies from the top; a kind that could not be read is missing.
+    pub bodies: Vec<Body>,
+    /// Kind of each place, from the top.
+    pub kinds: Vec<String>,
+}
+
+/// Reads `[particles.<kind>]` and `[chain]` with its segments.
+pub fn particles(root: &Table<'_>, chain: &Table<'_>, materials: &Materials<'_>) -> Particles {
+    let mut kinds = BTreeMap::new();
+    for (name, table) in root.tables("particles") {
+        kinds.insert(name, body(&table, name, materials, true));
+        table.finish();
+    }
+    let mut particles = Particles {
+        bodies: Vec::new(),
+        kinds: Vec::new(),
+    };
+    for segment in chain.list("segments") {
+        let repeat = segment.count("repeat", 1, MOST_PARTICLES as u64);
+        let repeat = usize::try_from(repeat.unwrap_or(1)).unwrap_or(1);
+        let names = segment.texts("particles");
+        for (name, place) in &names {
+            if !kinds.contains_key(name) {
+                let known: Vec<&str> = kinds.keys().copied().collect();
+                let expected = format!("a kind of particle: one of {}", known.join(", "));
+                segment.problem_at(place, "particles", format!("\"{name}\""), expected);
+            }
+        }
+        if particles.kinds.len() + repeat.saturating_mul(names.len()) > MOST_PARTICLES {
+            segment.problem(
+                "repeat",
+                "a longer chain",
+                format!("at most {MOST_PARTICLES} particles"),
+            );
+        } else {
+            for _ in 0..repeat {
+                for (name, _) in &names {
+                    particles.kinds.push((*name).to_owned());
+                    particles.bodies.extend(kinds.get(name).cloned().flatten());
+                }
+            }
+        }
+        if names.is_empty() {
+            segment.problem("particles", "no particles", "a list of kinds of particles");
+        }
+        segment.finish();
+    }
+    if particles.kinds.is_empty() {
+        chain.problem(
+            "segments",
+            "no particles",
+            "at least one [[chain.segments]]",
+        );
+    }
+    particles
+}
+
+/// What stands at an end: `"free"`, `{ wall = "steel" }` or `{ force = "2 N" }`; a wall may press with a `preload`.
+pub fn end(chain: &Table<'_>, key: &'static str, materials: &Materials<'_>) -> Option<(End, f64)> {
+    const EXPECTED: &str = "\"free\", { wall = \"<material>\" } or { force = \"<force>\" }";
+    let Some(node) = chain.node(key) else {
+        chain.problem(key, "no such key", EXPECTED);
+        return None;
+    };
+    if matches!(&node.value, super::document::Value::Text(text) if text == "free") {
+        return Some((End::Free, 0.0));
+    }
+    if !matches!(&node.value, super::document::Value::Table(_)) {
+        chain.problem(key, node.describe(), EXPECTED);
+        return None;
+    }
+    let table = chain.table(key)?;
+    let found = match (table.has("wall"), table.has("force")) {
+        (true, false) => {
+            let wall = materials.named(&table, "wall");
+            let preload = table.quantity("preload", Dimension::FORCE, Bound::NotNegative);
+            wall.map(|elasticity| (End::Wall(elasticity), preload.unwrap_or(0.0)))
+        }
+        (false, true) => table
+            .quantity("force", Dimension::FORCE, Bound::NotNegative)
+            .map(|force| (End::Force(force), 0.0)),
+        _ => {
+            chain.problem(key, node.describe(), EXPECTED);
+            return None;
+        }
+    };
+    table.finish();
+    found
+}
+
+/// Reads `[effects]`, the noise of the scope excepted.
+pub fn effects(effects: Option<&Table<'_>>, particles: usize) -> EffectsSpec {
+    let mut spec = EffectsSpec::default();
+    let Some(effects) = effects else { return spec };
+    if let Some(table) = effect(effects, "gravity") {
+        let acceleration = table.required("acceleration", Dimension::ACCELERATION, Bound::Any);
+        spec.gravity = acceleration.map(|acceleration| Gravity { acceleration });
+        table.finish();
+    }
+    if let Some(table) = effect(effects, "magnet_preload") {
+        let _ = (table.text("model"), table.text("source"));
+        let force = table.required("force", Dimension::FORCE, Bound::NotNegative);
+        if !table.has("particle") {
+            table.problem(
+                "particle",
+                "no such key",
+                "the particle that the magnet pulls, e.g. 1",
+            );
+        }
+        let particle = table.count("particle", 1, particles.max(1) as u64);
+        let particle = particle.and_then(|p| usize::try_from(p).ok());
+        spec.magnet_preload = force
+            .zip(particle)
+            .map(|(force, particle)| MagnetPreload { force, particle });
+        table.finish();
+    }
+    spec
+}
+
+/// The table of an effect; `false` in its place switches off what a base scene switched on.
+pub fn effect<'a>(effects: &Table<'a>, name: &'static str) -> Option<Table<'a>> {
+    let node = effects.node(name)?;
+    if matches!(node.value, super::document::Value::Flag(false)) {
+        return None;
+    }
+    effects.table(name)
+}
+
+/// Initial velocity of each body (m/s): the striker's, and `[[initial_velocities]]`.
+pub fn initial_velocities(
+    root: &Table<'_>,
+    striker: Option<&Striker>,
+    particles: usize,
+) -> Vec<f64> {
+    let first = usize::from(striker.is_some());
+    let mut velocities = vec![0.0; particles + first];
+    if let (Some(striker), Some(velocity)) = (striker, velocities.first_mut()) {
+        *velocity = striker.speed;
+    }
+    for table in root.list("initial_velocities") {
+        if !table.has("particle") {
+            table.problem(
+                "particle",
+                "no such key",
+                "a particle, counted from 1 at the top",
+            );
+        }
+        let particle = table.count("particle", 1, particles.max(1) as u64);
+        let velocity = table.required("velocity", Dimension::SPEED, Bound::Any);
+        let place = particle
+            .and_then(|p| usize::try_from(p).ok())
+            .map(|p| p - 1 + first);
+        if let (Some(velocity), Some(slot)) = (velocity, place.and_then(|p| velocities.get_mut(p)))
+        {
+            *slot = velocity;
+        }
+        table.finish();
+    }
+    velocities
+}
+
+/// Puts the chain together; what does not fit is a problem of `[chain]`.
+pub fn assemble(spec: &ChainSpec, chain: &Table<'_>) -> Option<Chain> {
+    match Chain::new(spec) {
+        Ok(built) => Some(built),
+        Err(error) => {
+            let text = error.to_string();
+            let (found, expected) = text
+                .split_once(", expected ")
+                .unwrap_or((&text, "another chain"));
+            let found = found.strip_prefix("found ").unwrap_or(found);
+            chain.problem("segments", found, expected);
+            None
+        }
+    }
+}

@@ -1,0 +1,234 @@
+//! TOML text as a tree in which every value knows its file, line and column.
+//!
+//! A scene may stand on another (`base = "magnet-0.61g"`): tables are merged key by key, everything else is
+//! replaced, and each value keeps the place where it was typed.
+
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::problem::Problem;
+
+/// Where a value was typed.
+#[derive(Debug, Clone)]
+pub struct Place {
+    source: Rc<Source>,
+    offset: usize,
+}
+
+#[derive(Debug)]
+struct Source {
+    file: String,
+    text: String,
+}
+
+impl Place {
+    /// A problem at this place.
+    #[must_use]
+    pub fn problem(&self, key: &str, found: String, expected: String) -> Problem {
+        let before = self
+            .source
+            .text
+            .get(..self.offset)
+            .unwrap_or(&self.source.text);
+        let line_start = before.rfind('\n').map_or(0, |at| at + 1);
+        Problem {
+            file: self.source.file.clone(),
+            line: before.matches('\n').count() + 1,
+            column: before[line_start..].chars().count() + 1,
+            key: key.to_owned(),
+            found,
+            expected,
+        }
+    }
+
+    /// The whole text it was typed in.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.source.text
+    }
+
+    /// The file's name.
+    #[must_use]
+    pub fn file(&self) -> &str {
+        &self.source.file
+    }
+}
+
+/// A value of the tree.
+#[derive(Debug, Clone)]
+pub enum Value {
+    /// Text.
+    Text(String),
+    /// A number, as typed and as read; infinite or not a number where TOML allows it.
+    Number {
+        /// As typed.
+        typed: String,
+        /// As read (1).
+        value: f64,
+        /// Whether it is typed without point and exponent.
+        whole: bool,
+    },
+    /// `true` or `false`.
+    Flag(bool),
+    /// A date or time, which no key takes.
+    Date(String),
+    /// A list.
+    List(Vec<Node>),
+    /// A table.
+    Table(BTreeMap<String, Entry>),
+}
+
+/// A key's place and its value.
+#[derive(Debug, Clone)]
+pub struct Entry {
+    /// Where the key was typed.
+    pub key_place: Place,
+    /// The value.
+    pub node: Node,
+}
+
+/// A value and its place.
+#[derive(Debug, Clone)]
+pub struct Node {
+    /// Where it was typed.
+    pub place: Place,
+    /// What was typed.
+    pub value: Value,
+}
+
+impl Node {
+    /// Reads `text`, naming it `file` in problems.
+    ///
+    /// # Errors
+    /// Every syntax error, with its place.
+    pub fn parse(file: &str, text: &str) -> Result<Self, Vec<Problem>> {
+        let source = Rc::new(Source {
+            file: file.to_owned(),
+            text: text.to_owned(),
+        });
+        let (table, errors) = DeTable::parse_recoverable(text);
+        if !errors.is_empty() {
+            let place = |error: &toml::de::Error| Place {
+                source: Rc::clone(&source),
+                offset: error.span().map_or(0, |span| span.start),
+            };
+            return Err(errors
+                .iter()
+                .map(|e| place(e).problem("", e.message().to_owned(), "valid TOML".to_owned()))
+                .collect());
+        }
+        let place = Place {
+            source: Rc::clone(&source),
+            offset: 0,
+        };
+        Ok(Self {
+            place,
+            value: Value::Table(table_of(&source, table.get_ref())),
+        })
+    }
+
+    /// What stands here, in words for a message.
+    #[must_use]
+    pub fn describe(&self) -> String {
+        match &self.value {
+            Value::Text(text) => format!("\"{text}\""),
+            Value::Number { typed, .. } => format!("the number {typed}"),
+            Value::Flag(flag) => flag.to_string(),
+            Value::Date(date) => format!("the date {date}"),
+            Value::List(items) => format!("a list of {}", items.len()),
+            Value::Table(_) => "a table".to_owned(),
+        }
+    }
+
+    /// This tree on top of `base`: tables merge, everything else replaces.
+    #[must_use]
+    pub fn over(self, base: Self) -> Self {
+        let Self { place, value } = self;
+        match (value, base.value) {
+            (Value::Table(upper), Value::Table(mut merged)) => {
+                for (key, entry) in upper {
+                    let node = match merged.remove(&key) {
+                        Some(below) => entry.node.over(below.node),
+                        None => entry.node,
+                    };
+                    merged.insert(
+                        key,
+                        Entry {
+                            key_place: entry.key_place,
+                            node,
+                        },
+                    );
+                }
+                Self {
+                    place,
+                    value: Value::Table(merged),
+                }
+            }
+            (value, _) => Self { place, value },
+        }
+    }
+
+    /// The text under `key`, if this is a table and has one.
+    #[must_use]
+    pub fn text(&self, key: &str) -> Option<(&str, &Place)> {
+        let Value::Table(table) = &self.value else {
+            return None;
+        };
+        let node = &table.get(key)?.node;
+        let Value::Text(text) = &node.value else {
+            return None;
+        };
+        Some((text, &node.place))
+    }
+}
+
+fn table_of(source: &Rc<Source>, table: &DeTable<'_>) -> BTreeMap<String, Entry> {
+    let entry = |key: &Spanned<std::borrow::Cow<'_, str>>, value: &Spanned<DeValue<'_>>| Entry {
+        key_place: Place {
+            source: Rc::clone(source),
+            offset: key.span().start,
+        },
+        node: node_of(source, value),
+    };
+    table
+        .iter()
+        .map(|(key, value)| (key.get_ref().to_string(), entry(key, value)))
+        .collect()
+}
+
+fn node_of(source: &Rc<Source>, value: &Spanned<DeValue<'_>>) -> Node {
+    let value_of = match value.get_ref() {
+        DeValue::String(text) => Value::Text(text.to_string()),
+        DeValue::Integer(number) => Value::Number {
+            typed: number.to_string(),
+            #[allow(
+                clippy::cast_precision_loss,
+                reason = "as a quantity; counts are checked"
+            )]
+            value: i64::from_str_radix(number.as_str(), number.radix())
+                .map_or(f64::NAN, |whole| whole as f64),
+            whole: true,
+        },
+        DeValue::Float(number) => Value::Number {
+            typed: number.to_string(),
+            value: number.as_str().parse().unwrap_or(f64::NAN),
+            whole: false,
+        },
+        DeValue::Boolean(flag) => Value::Flag(*flag),
+        DeValue::Datetime(date) => Value::Date(date.to_string()),
+        DeValue::Array(items) => {
+            Value::List(items.iter().map(|item| node_of(source, item)).collect())
+        }
+        DeValue::Table(table) => Value::Table(table_of(source, table)),
+    };
+    Node {
+        place: Place {
+            source: Rc::clone(source),
+            offset: value.span().start,
+        },
+        value: value_of,
+    }
+}

@@ -1,0 +1,235 @@
+//! Finds scenes and instruments by name or path, and puts each on what it stands on.
+//!
+//! A name is looked up among the embedded files; a text with a path separator or ending in `.toml` is a file, relative to
+//! the one that names it.
+
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest, Sha256};
+
+use super::document::{Entry, Node, Place, Value};
+use super::problem::{Problem, SceneError};
+use crate::data;
+
+/// A scene may stand on a scene that stands on a scene; deeper is a mistake or a circle.
+const DEEPEST_BASE: usize = 8;
+
+/// Tables that may name an instrument file in `model`, and the folder it lies in.
+const MODELS: [(&str, &str); 3] = [
+    ("striker", "strikers"),
+    ("scope", ""),
+    ("magnet_preload", "magnets"),
+];
+
+/// Where a file was found.
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Origin {
+    Embedded,
+    File(PathBuf),
+}
+
+/// A scene's tree with everything it stands on, and the text as typed.
+#[derive(Debug)]
+pub struct Loaded {
+    /// Short name: the embedded name or the file's stem.
+    pub name: String,
+    /// The scene's own text.
+    pub text: String,
+    /// SHA-256 over every text that went into the tree, in hexadecimal.
+    pub hash: String,
+    /// The merged tree.
+    pub root: Node,
+}
+
+/// Loads scene `name`, an embedded one or a path.
+///
+/// # Errors
+/// [`SceneError`] when there is no such scene or its text is no TOML.
+pub fn load(name: &str) -> Result<Loaded, SceneError> {
+    let (text, file, origin) =
+        find("scenes", name, &Origin::Embedded)?.ok_or_else(|| SceneError::Unknown {
+            name: name.to_owned(),
+            shipped: data::instrument_names("scenes"),
+        })?;
+    let stem = Path::new(name)
+        .file_stem()
+        .and_then(|s| s.to_str())
+        .unwrap_or(name);
+    let short = if origin == Origin::Embedded {
+        name
+    } else {
+        stem
+    };
+    let mut library = Library {
+        texts: Sha256::new(),
+    };
+    let root = library.assemble(&text, &file, &origin, 0)?;
+    let hash = library
+        .texts
+        .finalize()
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect();
+    Ok(Loaded {
+        name: short.to_owned(),
+        text,
+        hash,
+        root,
+    })
+}
+
+/// The tree of the instrument file `kind/name`, which `place` names.
+///
+/// # Errors
+/// Problems at `place` when there is no such file, or in the file when it is no TOML.
+pub fn instrument(kind: &str, name: &str, place: &Place, key: &str) -> Result<Node, Vec<Problem>> {
+    let origin = origin_of(place);
+    let missing = |found: String| {
+        let names = data::instrument_names(kind).join(", ");
+        vec![place.problem(
+            key,
+            found,
+            format!("one of {names}, or the path of a .toml file"),
+        )]
+    };
+    match find(kind, name, &origin) {
+        Ok(Some((text, file, _))) => Node::parse(&file, &text),
+        Ok(None) => Err(missing(format!("\"{name}\", which does not exist"))),
+        Err(error) => Err(missing(error.to_string())),
+    }
+}
+
+struct Library {
+    texts: Sha256,
+}
+
+impl Library {
+    fn assemble(
+        &mut self,
+        text: &str,
+        file: &str,
+        origin: &Origin,
+        depth: usize,
+    ) -> Result<Node, SceneError> {
+        self.texts.update(text.as_bytes());
+        let mut root = Node::parse(file, text).map_err(SceneError::Problems)?;
+        let Some((base, place)) = root.text("base").map(|(b, p)| (b.to_owned(), p.clone())) else {
+            self.insert_models(&mut root)?;
+            return Ok(root);
+        };
+        let wrong = |found: String| {
+            let expected = format!(
+                "one of {}, or the path of a scene",
+                data::instrument_names("scenes").join(", ")
+            );
+            SceneError::Problems(vec![place.problem("base", found, expected)])
+        };
+        if depth >= DEEPEST_BASE {
+            return Err(wrong(format!(
+                "more than {DEEPEST_BASE} scenes standing on one another"
+            )));
+        }
+        let found = find("scenes", &base, origin).map_err(|error| wrong(error.to_string()))?;
+        let (base_text, base_file, base_origin) =
+            found.ok_or_else(|| wrong(format!("\"{base}\", which does not exist")))?;
+        let below = self.assemble(&base_text, &base_file, &base_origin, depth + 1)?;
+        // Models go in before merging, so that naming another model replaces all the first one said.
+        self.insert_models(&mut root)?;
+        Ok(root.over(below))
+    }
+
+    /// Puts each table that names an instrument file on top of that file.
+    fn insert_models(&mut self, root: &mut Node) -> Result<(), SceneError> {
+        let mut problems = Vec::new();
+        let Value::Table(top) = &mut root.value else {
+            return Ok(());
+        };
+        for (key, kind) in MODELS {
+            if let Some(entry) = top.get_mut(key) {
+                self.insert_model(entry, kind, key, &mut problems);
+            }
+        }
+        if let Some(Value::Table(effects)) = top.get_mut("effects").map(|e| &mut e.node.value) {
+            for (key, kind) in MODELS {
+                if let Some(entry) = effects.get_mut(key) {
+                    self.insert_model(entry, kind, &format!("effects.{key}"), &mut problems);
+                }
+            }
+        }
+        if let Some(Value::Table(sensors)) = top.get_mut("sensors").map(|e| &mut e.node.value) {
+            for (name, entry) in sensors.iter_mut() {
+                self.insert_model(entry, "sensors", &format!("sensors.{name}"), &mut problems);
+            }
+        }
+        if problems.is_empty() {
+            Ok(())
+        } else {
+            Err(SceneError::Problems(problems))
+        }
+    }
+
+    fn insert_model(
+        &mut self,
+        entry: &mut Entry,
+        kind: &str,
+        path: &str,
+        problems: &mut Vec<Problem>,
+    ) {
+        let Some((name, place)) = entry.node.text("model") else {
+            return;
+        };
+        let place = place.clone();
+        match instrument(kind, name, &place, &format!("{path}.model")) {
+            Ok(below) => {
+                self.texts.update(below.place.text().as_bytes());
+                entry.node = entry.node.clone().over(below);
+            }
+            Err(found) => problems.extend(found),
+        }
+    }
+}
+
+/// Where the file of `place` lies, so that paths in it can be relative.
+fn origin_of(place: &Place) -> Origin {
+    let path = Path::new(place.file());
+    if path.exists() {
+        Origin::File(path.to_owned())
+    } else {
+        Origin::Embedded
+    }
+}
+
+/// Text, display name and origin of `name` in folder `kind`; `None` if there is none.
+fn find(
+    kind: &str,
+    name: &str,
+    from: &Origin,
+) -> Result<Option<(String, String, Origin)>, SceneError> {
+    let looks_like_path =
+        name.contains(['/', '\\']) || Path::new(name).extension().is_some_and(|e| e == "toml");
+    if !looks_like_path {
+        let text = data::instrument(kind, name);
+        let shown = if kind.is_empty() {
+            format!("{name}.toml")
+        } else {
+            format!("{kind}/{name}.toml")
+        };
+        return Ok(text.map(|text| {
+            (
+                text.to_owned(),
+                format!("instruments/{shown}"),
+                Origin::Embedded,
+            )
+        }));
+    }
+    let path = match from {
+        Origin::File(file) => file.parent().unwrap_or(Path::new("")).join(name),
+        Origin::Embedded => PathBuf::from(name),
+    };
+    let file = path.display().to_string();
+    let text = std::fs::read_to_string(&path).map_err(|source| SceneError::Read {
+        file: file.clone(),
+        source,
+    })?;
+    Ok(Some((text, file, Origin::File(path))))
+}

@@ -1,0 +1,68 @@
+//! What is wrong with a scene, each with its place: all of it is reported at once.
+
+use std::fmt;
+
+/// One thing wrong with a file that describes a scene or an instrument.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Problem {
+    /// File, or the name of an embedded one.
+    pub file: String,
+    /// Line, counted from 1.
+    pub line: usize,
+    /// Column in characters, counted from 1.
+    pub column: usize,
+    /// Where in the table tree, e.g. `striker.mass`.
+    pub key: String,
+    /// What stands there.
+    pub found: String,
+    /// What should stand there.
+    pub expected: String,
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}:{}: ", self.file, self.line, self.column)?;
+        if !self.key.is_empty() {
+            write!(f, "{}: ", self.key)?;
+        }
+        write!(f, "found {}, expected {}", self.found, self.expected)
+    }
+}
+
+/// Why there is no scene.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// The file could not be read.
+    #[error("{file}: {source}")]
+    Read {
+        /// The file.
+        file: String,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// Neither an embedded scene nor a file.
+    #[error("found `{name}`, which is neither a file nor one of the scenes shipped, expected one of: {}", shipped.join(", "))]
+    Unknown {
+        /// What was asked for.
+        name: String,
+        /// The scenes there are.
+        shipped: Vec<&'static str>,
+    },
+    /// The text is wrong in at least one place.
+    #[error("{}", list(.0))]
+    Problems(Vec<Problem>),
+}
+
+fn list(problems: &[Problem]) -> String {
+    let mut text = String::new();
+    for problem in problems {
+        text.push_str(&problem.to_string());
+        text.push('\n');
+    }
+    let count = problems.len();
+    text.push_str(&format!(
+        "{count} problem{} in the scene",
+        if count == 1 { "" } else { "s" }
+    ));
+    text
+}

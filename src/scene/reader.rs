@@ -1,0 +1,357 @@
+//! Reads typed values out of a table, collecting every problem instead of stopping at the first.
+//!
+//! Each getter returns `None` where the key is absent or wrong; wrong ones leave a [`Problem`]. A table that is done
+//! reports the keys that nobody asked for.
+
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::document::{Entry, Node, Place, Value};
+use super::problem::Problem;
+use crate::quantity::{self, Dimension, QuantityError};
+
+/// The problems found so far.
+#[derive(Debug, Default)]
+pub struct Problems(RefCell<Vec<Problem>>);
+
+impl Problems {
+    /// Adds one.
+    pub fn push(&self, problem: Problem) {
+        self.0.borrow_mut().push(problem);
+    }
+
+    /// Adds several.
+    pub fn extend(&self, problems: Vec<Problem>) {
+        self.0.borrow_mut().extend(problems);
+    }
+
+    /// All of them, in the order of file and place; none twice.
+    #[must_use]
+    pub fn into_sorted(self) -> Vec<Problem> {
+        let mut problems = self.0.into_inner();
+        let key = |p: &Problem| (p.file.clone(), p.line, p.column, p.key.clone());
+        problems.sort_by_key(key);
+        problems.dedup();
+        problems
+    }
+}
+
+/// What a number must be beyond having the right unit.
+#[derive(Debug, Clone, Copy)]
+pub enum Bound {
+    /// Any finite number.
+    Any,
+    /// Above zero.
+    Positive,
+    /// Zero or above.
+    NotNegative,
+    /// Strictly between two limits.
+    Between(f64, f64),
+    /// Within two limits, both included.
+    Within(f64, f64),
+}
+
+impl Bound {
+    fn holds(self, value: f64) -> bool {
+        match self {
+            Self::Any => true,
+            Self::Positive => value > 0.0,
+            Self::NotNegative => value >= 0.0,
+            Self::Between(low, high) => low < value && value < high,
+            Self::Within(low, high) => (low..=high).contains(&value),
+        }
+    }
+
+    fn words(self) -> String {
+        match self {
+            Self::Any => String::new(),
+            Self::Positive => " above zero".to_owned(),
+            Self::NotNegative => " of zero or more".to_owned(),
+            Self::Between(low, high) => format!(" above {low} and below {high}"),
+            Self::Within(low, high) => format!(" from {low} to {high}"),
+        }
+    }
+}
+
+/// A table being read.
+pub struct Table<'a> {
+    entries: &'a BTreeMap<String, Entry>,
+    place: &'a Place,
+    path: String,
+    problems: &'a Problems,
+    asked: RefCell<BTreeSet<&'static str>>,
+}
+
+impl<'a> Table<'a> {
+    /// The table in `node`, whose keys are named behind `path`; a problem if it is none.
+    pub fn of(node: &'a Node, path: &str, problems: &'a Problems) -> Option<Self> {
+        let Value::Table(entries) = &node.value else {
+            problems.push(
+                node.place
+                    .problem(path, node.describe(), "a table".to_owned()),
+            );
+            return None;
+        };
+        Some(Self {
+            entries,
+            place: &node.place,
+            path: path.to_owned(),
+            problems,
+            asked: RefCell::default(),
+        })
+    }
+
+    /// The path of `key` from the top.
+    #[must_use]
+    pub fn path_of(&self, key: &str) -> String {
+        if self.path.is_empty() {
+            key.to_owned()
+        } else {
+            format!("{}.{key}", self.path)
+        }
+    }
+
+    /// Where `key` stands, or where the table begins.
+    #[must_use]
+    pub fn place_of(&self, key: &str) -> &Place {
+        self.entries
+            .get(key)
+            .map_or(self.place, |entry| &entry.node.place)
+    }
+
+    /// Notes a problem with the value of `key`.
+    pub fn problem(&self, key: &str, found: impl Into<String>, expected: impl Into<String>) {
+        let place = self.place_of(key);
+        self.problems
+            .push(place.problem(&self.path_of(key), found.into(), expected.into()));
+    }
+
+    /// Notes a problem at a place inside the value of `key`.
+    pub fn problem_at(&self, place: &Place, key: &str, found: String, expected: String) {
+        self.problems
+            .push(place.problem(&self.path_of(key), found, expected));
+    }
+
+    /// Whether `key` is there; does not count as asking for it.
+    #[must_use]
+    pub fn has(&self, key: &str) -> bool {
+        self.entries.contains_key(key)
+    }
+
+    /// The value of `key` as it stands.
+    pub fn node(&self, key: &'static str) -> Option<&'a Node> {
+        self.asked.borrow_mut().insert(key);
+        self.entries.get(key).map(|entry| &entry.node)
+    }
+
+    /// Notes that `key` is missing if it is, and says so.
+    fn missing(&self, key: &str, expected: &str) -> bool {
+        let missing = !self.has(key);
+        if missing {
+            self.problem(key, "no such key", expected);
+        }
+        missing
+    }
+
+    /// A quantity with a unit.
+    pub fn quantity(&self, key: &'static str, dimension: Dimension, bound: Bound) -> Option<f64> {
+        let node = self.node(key)?;
+        let expected = || format!("{dimension}{}", bound.words());
+        let value = match &node.value {
+            Value::Text(text) => match quantity::parse(text, dimension) {
+                Ok(value) => value,
+                Err(error) => {
+                    let found = match error {
+                        QuantityError::WrongDimension { .. } | QuantityError::NotFinite { .. } => {
+                            error.to_string()
+                        }
+                        _ => format!("\"{text}\" ({error})"),
+                    };
+                    self.problem(key, found, expected());
+                    return None;
+                }
+            },
+            Value::Number { value, .. } if dimension == Dimension::NONE && value.is_finite() => {
+                *value
+            }
+            Value::Number { typed, value, .. } if value.is_finite() => {
+                let unit = dimension.base_units();
+                self.problem(
+                    key,
+                    format!("the number {typed} without a unit"),
+                    format!("{}, typed like \"{typed} {unit}\"", expected()),
+                );
+                return None;
+            }
+            _ => {
+                self.problem(key, node.describe(), expected());
+                return None;
+            }
+        };
+        if bound.holds(value) {
+            return Some(value);
+        }
+        self.problem(key, node.describe(), expected());
+        None
+    }
+
+    /// A quantity that must be there.
+    pub fn required(&self, key: &'static str, dimension: Dimension, bound: Bound) -> Option<f64> {
+        let expected = format!("{dimension}{}", bound.words());
+        if self.missing(key, &expected) {
+            self.asked.borrow_mut().insert(key);
+            return None;
+        }
+        self.quantity(key, dimension, bound)
+    }
+
+    /// A whole number from `least` to `most`.
+    #[allow(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "checked to be whole and within both limits, which are below 2^53"
+    )]
+    pub fn count(&self, key: &'static str, least: u64, most: u64) -> Option<u64> {
+        let node = self.node(key)?;
+        match node.value {
+            Value::Number {
+                value, whole: true, ..
+            } if value >= least as f64 && value <= most as f64 => Some(value as u64),
+            _ => {
+                let expected = format!("a whole number from {least} to {most}");
+                self.problem(key, node.describe(), expected);
+                None
+            }
+        }
+    }
+
+    /// Text.
+    pub fn text(&self, key: &'static str) -> Option<&'a str> {
+        let node = self.node(key)?;
+        match &node.value {
+            Value::Text(text) => Some(text),
+            _ => {
+                self.problem(key, node.describe(), "text in quotes");
+                None
+            }
+        }
+    }
+
+    /// Text that must be there.
+    pub fn required_text(&self, key: &'static str, what: &str) -> Option<&'a str> {
+        if self.missing(key, what) {
+            self.asked.borrow_mut().insert(key);
+            return None;
+        }
+        self.text(key)
+    }
+
+    /// One of several words.
+    pub fn choice<T: Copy>(&self, key: &'static str, words: &[(&str, T)]) -> Option<T> {
+        let node = self.node(key)?;
+        let found = match &node.value {
+            Value::Text(text) => words
+                .iter()
+                .find(|(word, _)| word.eq_ignore_ascii_case(text)),
+            _ => None,
+        };
+        if found.is_none() {
+            let names: Vec<String> = words
+                .iter()
+                .map(|(word, _)| format!("\"{word}\""))
+                .collect();
+            self.problem(key, node.describe(), format!("one of {}", names.join(", ")));
+        }
+        found.map(|(_, value)| *value)
+    }
+
+    /// `true` or `false`.
+    pub fn flag(&self, key: &'static str) -> Option<bool> {
+        let node = self.node(key)?;
+        if let Value::Flag(flag) = node.value {
+            return Some(flag);
+        }
+        self.problem(key, node.describe(), "true or false");
+        None
+    }
+
+    /// A table.
+    pub fn table(&self, key: &'static str) -> Option<Table<'a>> {
+        Table::of(self.node(key)?, &self.path_of(key), self.problems)
+    }
+
+    /// A table of tables with free names, in the order of the names.
+    pub fn tables(&self, key: &'static str) -> Vec<(&'a str, Table<'a>)> {
+        let Some(table) = self.table(key) else {
+            return Vec::new();
+        };
+        let of = |(name, entry): (&'a String, &'a Entry)| {
+            let inner = Table::of(&entry.node, &table.path_of(name), self.problems)?;
+            Some((name.as_str(), inner))
+        };
+        table.entries.iter().filter_map(of).collect()
+    }
+
+    /// A list of tables.
+    pub fn list(&self, key: &'static str) -> Vec<Table<'a>> {
+        let Some(node) = self.node(key) else {
+            return Vec::new();
+        };
+        let Value::List(items) = &node.value else {
+            self.problem(
+                key,
+                node.describe(),
+                format!("a list of tables, [[{}]]", self.path_of(key)),
+            );
+            return Vec::new();
+        };
+        let path = |index: usize| format!("{}[{}]", self.path_of(key), index + 1);
+        let tables = items.iter().enumerate();
+        tables
+            .filter_map(|(i, item)| Table::of(item, &path(i), self.problems))
+            .collect()
+    }
+
+    /// A list of texts, each with its place.
+    pub fn texts(&self, key: &'static str) -> Vec<(&'a str, &'a Place)> {
+        let Some(node) = self.node(key) else {
+            return Vec::new();
+        };
+        let Value::List(items) = &node.value else {
+            self.problem(key, node.describe(), "a list of names");
+            return Vec::new();
+        };
+        let mut texts = Vec::with_capacity(items.len());
+        for item in items {
+            if let Value::Text(text) = &item.value {
+                texts.push((text.as_str(), &item.place));
+            } else {
+                let problem =
+                    item.place
+                        .problem(&self.path_of(key), item.describe(), "a name".to_owned());
+                self.problems.push(problem);
+            }
+        }
+        texts
+    }
+
+    /// Reports every key that was not asked for.
+    pub fn finish(self) {
+        let asked = self.asked.borrow();
+        for (key, entry) in self.entries {
+            if !asked.contains(key.as_str()) {
+                let known: Vec<&str> = asked.iter().copied().collect();
+                let expected = if known.is_empty() {
+                    "nothing here".to_owned()
+                } else {
+                    format!("one of {}", known.join(", "))
+                };
+                let path = self.path_of(key);
+                let found = format!("the unknown key `{key}`");
+                self.problems
+                    .push(entry.key_place.problem(&path, found, expected));
+            }
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! Trigger and digitiser: from signals on a common sample grid to records.
+
+use super::model::Model;
+use super::setup::{ChannelSetup, Setup, Slope, TriggerMode};
+use super::waveform::{
+    HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE, PointFormat, Preamble, Source, Waveform,
+};
+
+/// Samples of a sinc on either side of a point when a record is denser than the converter's samples.
+const SINC_REACH: i64 = 10;
+
+/// Where a trigger was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Found {
+    /// Index of the first sample past the level.
+    pub index: usize,
+    /// Whether the signal crossed the level; an automatic trigger did not.
+    pub crossed: bool,
+}
+
+/// First sample at which the conditioned source `signal` (V) has crossed the trigger level in the right direction,
+/// having been `hysteresis` beyond it before. Without one, automatic mode triggers at `automatic`.
+#[must_use]
+pub fn find_trigger(setup: &Setup, scale: f64, signal: &[f64], automatic: usize) -> Option<Found> {
+    let sign = match setup.trigger.slope {
+        Slope::Rise => 1.0,
+        Slope::Fall => -1.0,
+    };
+    let hysteresis = setup.model.trigger_hysteresis * scale;
+    let mut armed = false;
+    for (index, volts) in signal.iter().enumerate() {
+        let beyond = sign * (volts - setup.trigger.level);
+        if armed && beyond >= 0.0 {
+            return Some(Found {
+                index,
+                crossed: true,
+            });
+        }
+        armed |= beyond <= -hysteresis;
+    }
+    (setup.trigger.mode == TriggerMode::Auto).then_some(Found {
+        index: automatic,
+        crossed: false,
+    })
+}
+
+/// The record of one channel around the trigger sample `trigger` of its conditioned `signal` (V), whose samples come
+/// every `setup.model.sample_interval`. Points beyond the signal hold its nearest sample.
+#[must_use]
+pub fn digitise(
+    setup: &Setup,
+    source: Source,
+    channel: &ChannelSetup,
+    signal: &[f64],
+    trigger: usize,
+) -> Waveform {
+    let model = &setup.model;
+    let interval = model.interval(setup.time_base);
+    let trigger_point = setup.trigger_point();
+    let vertical = channel.vertical;
+    let y_mult = vertical.scale / LEVELS_PER_DIVISION;
+    let y_off = LEVELS_PER_DIVISION * vertical.position;
+    let level = |volts: f64| {
+        let level = (volts / y_mult + y_off).round();
+        #[allow(
+            clippy::cast_possible_truncation,
+            reason = "clamped to the converter's range"
+        )]
+        let code = level.clamp(f64::from(LOWEST_CODE), f64::from(HIGHEST_CODE)) as i16;
+        code
+    };
+    let codes = points(model, setup.time_base, signal, trigger, trigger_point);
+    Waveform {
+        source,
+        codes: codes.into_iter().map(level).collect(),
+        preamble: Preamble {
+            x_zero: -trigger_point * interval,
+            x_incr: interval,
+            pt_off: 0,
+            x_unit: "s".to_owned(),
+            y_mult,
+            y_zero: 0.0,
+            y_off,
+            y_unit: "V".to_owned(),
+            pt_fmt: PointFormat::Sample,
+        },
+        vertical,
+        horizontal_scale: setup.time_base,
+        trigger_point,
+    }
+}
+
+/// Volts at the record's points: the samples themselves, or a windowed sin(x)/x between them where the record is denser
+/// than the converter's fastest rate.
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    reason = "indices stay far below 2^53"
+)]
+fn points(
+    model: &Model,
+    time_base: f64,
+    signal: &[f64],
+    trigger: usize,
+    trigger_point: f64,
+) -> Vec<f64> {
+    let last = signal.len().saturating_sub(1) as i64;
+    let sample = |index: i64| {
+        signal
+            .get(index.clamp(0, last) as usize)
+            .copied()
+            .unwrap_or(0.0)
+    };
+    let density = model.sample_interval(time_base) / model.interval(time_base);
+    let point = |n: usize| {
+        let place = (n as f64 - trigger_point) / density + trigger as f64;
+        let nearest = place.round();
+        if (place - nearest).abs() < 1e-6 {
+            sample(nearest as i64)
+        } else {
+            sinc(place, &sample)
+        }
+    };
+    (0..model.record_length).map(point).collect()
+}
+
+/// Lanczos interpolation at `place`, in samples.
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    reason = "indices stay far below 2^53"
+)]
+fn sinc(place: f64, sample: &dyn Fn(i64) -> f64) -> f64 {
+    let kernel = |x: f64| {
+        if x == 0.0 {
+            1.0
+        } else {
+            (std::f64::consts::PI * x).sin() / (std::f64::consts::PI * x)
+        }
+    };
+    let base = place.floor() as i64;
+    let mut sum = 0.0;
+    let mut weights = 0.0;
+    for index in base - SINC_REACH + 1..=base + SINC_REACH {
+        let x = place - index as f64;
+        let weight = kernel(x) * kernel(x / SINC_REACH as f64);
+        sum += weight * sample(index);
+        weights += weight;
+    }
+    sum / weights
+}
