@@ -5,15 +5,17 @@
 
 use std::collections::BTreeMap;
 
+pub mod tek_csv;
+
 use crate::scope::Waveform;
 use crate::trace::Trace;
 
 /// The instrument that took a capture, as its files name it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Instrument {
-    /// Model without a space, e.g. `TDS2014`.
+    /// Model without a space, e.g. `TDS2014`; empty where a file does not tell.
     pub model: String,
-    /// Serial number, e.g. `C031611`; `0` on the original TDS 2014.
+    /// Serial number, e.g. `C031611`; `0` on the original TDS 2014, empty where a file does not tell.
     pub serial: String,
     /// Firmware, e.g. `FV:v4.12`.
     pub firmware: String,

@@ -70,12 +70,12 @@ pub struct VerticalSetup {
     pub scale: f64,
     /// Where zero volts stands, upward from the screen's centre (div).
     pub position: f64,
-    /// Input coupling.
-    pub coupling: Coupling,
-    /// Whether the 20 MHz limiter is on.
-    pub bandwidth_limited: bool,
-    /// Whether the trace is turned upside down.
-    pub inverted: bool,
+    /// Input coupling; `None` where a file does not tell.
+    pub coupling: Option<Coupling>,
+    /// Whether the 20 MHz limiter is on; `None` where a file does not tell.
+    pub bandwidth_limited: Option<bool>,
+    /// Whether the trace is turned upside down; `None` where a file does not tell.
+    pub inverted: Option<bool>,
     /// Probe attenuation: 1, 10, 100 or 1000 (1).
     pub probe: f64,
 }

@@ -1,0 +1,194 @@
+//! What can be wrong with a native CSV file, or with a capture that is to become one. Used by the reader
+//! and the writer of this folder; source of the rules: the module above.
+
+use std::fmt;
+
+use super::Dialect;
+
+/// A place in a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Place {
+    /// The file's name as the reader was told.
+    pub file: String,
+    /// Line, counted from 1.
+    pub line: usize,
+    /// Character in the line, counted from 1.
+    pub column: usize,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{}, line {}, column {}",
+            self.file, self.line, self.column
+        )
+    }
+}
+
+/// Why a file could not be read, or a capture not be written.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum TekCsvError {
+    /// The file is larger than any of this format.
+    #[error("{file}: found {found} bytes, expected at most {limit}")]
+    TooLarge {
+        /// The file's name.
+        file: String,
+        /// Its size in bytes.
+        found: usize,
+        /// The largest size that is read, in bytes.
+        limit: usize,
+    },
+    /// There is nothing in the file.
+    #[error("{file}: found no bytes, expected a Tektronix CSV file")]
+    Empty {
+        /// The file's name.
+        file: String,
+    },
+    /// A byte that is no text.
+    #[error("{place}: found byte 0x{found:02X}, expected UTF-8 text")]
+    NotText {
+        /// Where.
+        place: Place,
+        /// The first byte that does not belong.
+        found: u8,
+    },
+    /// A CSV file of an oscilloscope, but not as the instrument itself writes it.
+    #[error(
+        "{file}, line {line}: found {found}, which looks like {dialect}; \
+         expected the native CSV of a TDS1000/2000"
+    )]
+    UnsupportedDialect {
+        /// The file's name.
+        file: String,
+        /// What it looks like.
+        dialect: Dialect,
+        /// The line that tells, counted from 1.
+        line: usize,
+        /// Its beginning.
+        found: String,
+    },
+    /// A row has not six fields.
+    #[error("{place}: found {found} fields, expected {expected}, the last one empty")]
+    FieldCount {
+        /// Where the row ends.
+        place: Place,
+        /// Fields in the row.
+        found: usize,
+        /// Fields in every row of the format.
+        expected: usize,
+    },
+    /// A header row is missing, misplaced or misnamed.
+    #[error("{place}: found {found}, expected {expected}")]
+    Header {
+        /// Where the key should stand.
+        place: Place,
+        /// What stands there.
+        found: String,
+        /// The key that belongs there.
+        expected: String,
+    },
+    /// A header row's value is not what it can be.
+    #[error("{place}: `{key}` is {found}, expected {expected}")]
+    Entry {
+        /// Where the value stands.
+        place: Place,
+        /// Its key.
+        key: String,
+        /// The value.
+        found: String,
+        /// What it may be.
+        expected: String,
+    },
+    /// A field that should be empty or a number is not.
+    #[error("{place}: found {found}, expected {expected}")]
+    Field {
+        /// Where.
+        place: Place,
+        /// What stands there.
+        found: String,
+        /// What belongs there.
+        expected: &'static str,
+    },
+    /// A row's time or frequency disagrees with sample interval and trigger point.
+    #[error(
+        "{place}: found {found}, expected {expected} {unit} by sample interval and trigger point"
+    )]
+    Abscissa {
+        /// Where.
+        place: Place,
+        /// What stands there.
+        found: String,
+        /// What belongs there.
+        expected: String,
+        /// Its unit.
+        unit: &'static str,
+    },
+    /// A value is no level of the 8-bit converter at this scale and offset.
+    #[error("{place}: found {found}, expected a digitiser level, the nearest is {expected} {unit}")]
+    Level {
+        /// Where.
+        place: Place,
+        /// What stands there.
+        found: String,
+        /// The nearest level from -128 to 127.
+        expected: String,
+        /// Its unit.
+        unit: &'static str,
+    },
+    /// The file ends early or goes on too long.
+    #[error("{file}: found {found} rows, expected {expected} by its Record Length")]
+    RowCount {
+        /// The file's name.
+        file: String,
+        /// Rows in the file.
+        found: usize,
+        /// Rows that its header promises.
+        expected: usize,
+    },
+    /// The last row is cut off.
+    #[error("{place}: found the end of the file, expected a line end")]
+    NoLineEnd {
+        /// Where the file ends.
+        place: Place,
+    },
+    /// The capture does not name the instrument that took it.
+    #[error("the capture names no instrument, expected at least its firmware")]
+    NoInstrument,
+    /// The capture holds something that this format cannot say.
+    #[error("cannot write: {what} is {found}, expected {expected}")]
+    Unwritable {
+        /// What part of the capture.
+        what: String,
+        /// Its value.
+        found: String,
+        /// What the format can say.
+        expected: String,
+    },
+}
+
+/// `text` between backticks, control characters escaped, cut to a length that fits a message.
+pub(super) fn excerpt(text: &str) -> String {
+    const LONGEST: usize = 40;
+    let mut shown: String = text
+        .chars()
+        .take(LONGEST)
+        .flat_map(char::escape_debug)
+        .collect();
+    if text.chars().nth(LONGEST).is_some() {
+        shown.push('…');
+    }
+    format!("`{shown}`")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn excerpts_are_short_and_printable() {
+        assert_eq!(excerpt("Sample Interval"), "`Sample Interval`");
+        assert_eq!(excerpt("a\r\n"), "`a\\r\\n`");
+        assert_eq!(excerpt(&"x".repeat(1000)).chars().count(), 43);
+    }
+}

@@ -1,0 +1,255 @@
+//! Reads a native CSV file into a capture: header first, then the digitiser level behind every printed
+//! value. Nothing is repaired: what disagrees is an error with its line and column. Equations and
+//! sources: the module above.
+
+use super::abscissa::Abscissa;
+use super::dialect;
+use super::error::{TekCsvError, excerpt};
+use super::header::{Header, Row, place};
+use super::layout::{Domain, Numbers, PRINTING_ERROR};
+use crate::recording::Capture;
+use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
+use crate::scope::{Preamble, VerticalSetup, Waveform};
+
+/// Larger files are refused unread; the family's own have less than 100 000 bytes.
+pub const MAXIMUM_BYTES: usize = 16 << 20;
+
+/// Field of the time or frequency in a row.
+const ABSCISSA: usize = 3;
+/// Field of the voltage or level in a row.
+const ORDINATE: usize = 4;
+
+/// Reads the `bytes` of a native CSV file; `file_name` is for messages.
+///
+/// # Errors
+/// [`TekCsvError`] when the file is too large, empty, no text, of another dialect, or when any field
+/// of it disagrees with the format or with the file's own header.
+pub fn read(bytes: &[u8], file_name: &str) -> Result<Capture, TekCsvError> {
+    let text = checked_text(bytes, file_name)?;
+    if let Some((dialect, line)) = dialect::foreign(text) {
+        return Err(TekCsvError::UnsupportedDialect {
+            file: file_name.to_owned(),
+            dialect,
+            line,
+            found: excerpt(text.lines().nth(line - 1).unwrap_or_default()),
+        });
+    }
+    let longest = usize::from(Domain::Time.record_length());
+    let lines: Vec<&str> = text
+        .split_terminator('\n')
+        .take(longest)
+        .map(|line| line.strip_suffix('\r').unwrap_or(line))
+        .collect();
+    let header = Header::read(file_name, &lines)?;
+    let samples = Samples::new(file_name, &header);
+    let record = lines
+        .iter()
+        .take(usize::from(header.domain.record_length()));
+    let codes = (0_u32..)
+        .zip(record)
+        .map(|(index, line)| samples.code(index, line))
+        .collect::<Result<Vec<i16>, TekCsvError>>()?;
+    check_end(text, file_name, header.domain)?;
+    Ok(capture(header, codes))
+}
+
+fn checked_text<'a>(bytes: &'a [u8], file_name: &str) -> Result<&'a str, TekCsvError> {
+    let file = || file_name.to_owned();
+    if bytes.is_empty() {
+        return Err(TekCsvError::Empty { file: file() });
+    }
+    if bytes.len() > MAXIMUM_BYTES {
+        return Err(TekCsvError::TooLarge {
+            file: file(),
+            found: bytes.len(),
+            limit: MAXIMUM_BYTES,
+        });
+    }
+    std::str::from_utf8(bytes).map_err(|error| {
+        let (good, bad) = bytes.split_at(error.valid_up_to());
+        let before = String::from_utf8_lossy(good);
+        let line = before.matches('\n').count() + 1;
+        let column = before.chars().rev().take_while(|c| *c != '\n').count() + 1;
+        TekCsvError::NotText {
+            place: place(file_name, line, column),
+            found: bad.first().copied().unwrap_or_default(),
+        }
+    })
+}
+
+/// Refuses a file with too few or too many rows, or with its last row cut.
+fn check_end(text: &str, file_name: &str, domain: Domain) -> Result<(), TekCsvError> {
+    let expected = usize::from(domain.record_length());
+    let found = text.split_terminator('\n').count();
+    if found != expected {
+        return Err(TekCsvError::RowCount {
+            file: file_name.to_owned(),
+            found,
+            expected,
+        });
+    }
+    if !text.ends_with('\n') {
+        let last = text.lines().last().unwrap_or_default();
+        return Err(TekCsvError::NoLineEnd {
+            place: place(file_name, found, last.chars().count() + 1),
+        });
+    }
+    Ok(())
+}
+
+/// What it takes to find the level behind a row.
+struct Samples<'a> {
+    file: &'a str,
+    abscissa: Abscissa,
+    /// Volts or decibels of a level.
+    level: f64,
+    /// Level of zero volts.
+    zero_level: f64,
+    /// Value of that level.
+    y_zero: f64,
+    /// Rows with a key and a value.
+    header_rows: u32,
+}
+
+impl<'a> Samples<'a> {
+    fn new(file: &'a str, header: &Header) -> Self {
+        let numbers = &header.numbers;
+        Self {
+            file,
+            abscissa: Abscissa {
+                domain: header.domain,
+                layout: header.layout,
+                interval: numbers.interval,
+                trigger_point: numbers.trigger_point,
+            },
+            level: numbers.level(),
+            zero_level: zero_level(numbers),
+            y_zero: numbers.y_zero,
+            header_rows: header.layout.rows(),
+        }
+    }
+
+    /// The digitiser level of row `index`, counted from 0.
+    fn code(&self, index: u32, line: &str) -> Result<i16, TekCsvError> {
+        let number = usize::try_from(index)
+            .unwrap_or(usize::MAX)
+            .saturating_add(1);
+        let row = Row::split(self.file, number, line)?;
+        if index >= self.header_rows {
+            row.expect_empty(0)?;
+            row.expect_empty(1)?;
+        }
+        row.expect_empty(2)?;
+        self.check_abscissa(index, &row)?;
+        let code = self.level_of(&row)?;
+        row.expect_empty(5)?;
+        Ok(code)
+    }
+
+    fn check_abscissa(&self, index: u32, row: &Row) -> Result<(), TekCsvError> {
+        let found = number(row, ABSCISSA)?;
+        let expected = self.abscissa.value(index);
+        // A difference that is not a number is refused too.
+        if (found - expected).abs() <= self.abscissa.tolerance(expected) {
+            return Ok(());
+        }
+        Err(TekCsvError::Abscissa {
+            place: row.place(ABSCISSA),
+            found: field(row, ABSCISSA),
+            expected: self.abscissa.text(index).trim().to_owned(),
+            unit: self.abscissa.domain.x_unit(),
+        })
+    }
+
+    fn level_of(&self, row: &Row) -> Result<i16, TekCsvError> {
+        let domain = self.abscissa.domain;
+        let found = number(row, ORDINATE)?;
+        let steps = (found - self.y_zero) / self.level + self.zero_level;
+        let nearest = steps
+            .round()
+            .clamp(f64::from(LOWEST_CODE), f64::from(HIGHEST_CODE));
+        let value = (nearest - self.zero_level) * self.level + self.y_zero;
+        if (found - value).abs() <= domain.ordinate_tolerance(value) {
+            #[allow(
+                clippy::cast_possible_truncation,
+                reason = "clamped to -128..=127 above"
+            )]
+            return Ok(nearest as i16);
+        }
+        Err(TekCsvError::Level {
+            place: row.place(ORDINATE),
+            found: field(row, ORDINATE),
+            expected: format!("{value:.5}"),
+            unit: domain.y_unit(),
+        })
+    }
+}
+
+fn field(row: &Row, index: usize) -> String {
+    row.fields
+        .get(index)
+        .map(|text| excerpt(text))
+        .unwrap_or_default()
+}
+
+/// A decimal number, padded with spaces or not.
+fn number(row: &Row, index: usize) -> Result<f64, TekCsvError> {
+    let text = row
+        .fields
+        .get(index)
+        .map(|text| text.trim_matches(' '))
+        .unwrap_or_default();
+    text.parse()
+        .ok()
+        .filter(|value: &f64| value.is_finite())
+        .ok_or_else(|| TekCsvError::Field {
+            place: row.place(index),
+            found: field(row, index),
+            expected: "a number",
+        })
+}
+
+/// The level of zero volts: a whole number where the printed offset allows one, since the family moves
+/// a trace in steps of one level.
+fn zero_level(numbers: &Numbers) -> f64 {
+    let levels = numbers.offset / numbers.level();
+    let whole = levels.round();
+    if (whole - levels).abs() <= PRINTING_ERROR * levels.abs() {
+        whole
+    } else {
+        levels
+    }
+}
+
+fn capture(header: Header, codes: Vec<i16>) -> Capture {
+    let numbers = header.numbers;
+    let y_off = zero_level(&numbers);
+    Capture {
+        waveform: Waveform {
+            source: header.source,
+            codes,
+            preamble: Preamble {
+                x_zero: (0.0 - numbers.trigger_point) * numbers.interval,
+                x_incr: numbers.interval,
+                pt_off: 0,
+                x_unit: header.domain.x_unit().to_owned(),
+                y_mult: numbers.level(),
+                y_zero: numbers.y_zero,
+                y_off,
+                y_unit: header.domain.y_unit().to_owned(),
+                pt_fmt: header.point_format,
+            },
+            vertical: VerticalSetup {
+                scale: numbers.scale,
+                position: y_off / LEVELS_PER_DIVISION,
+                coupling: None,
+                bandwidth_limited: None,
+                inverted: None,
+                probe: numbers.probe,
+            },
+            horizontal_scale: numbers.horizontal_scale,
+            trigger_point: numbers.trigger_point,
+        },
+        instrument: Some(header.instrument),
+    }
+}

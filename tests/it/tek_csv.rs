@@ -1,0 +1,13 @@
+//! The native Tektronix CSV dialect: rows that real instruments wrote, captures from disk, synthetic
+//! round trips, and what the reader and the writer refuse.
+//!
+//! Reference rows come from files of published repositories, quoted in the project's fact sheet on the
+//! TDS2000 family. Whole captures have no licence and stay outside the project: the environment variable
+//! `HERTZSCOPE_CAPTURES` names their folder.
+
+mod captures;
+mod made_up;
+mod random;
+mod refused;
+mod round_trip;
+mod rows;

@@ -1,0 +1,63 @@
+//! Whole captures, where the environment variable `HERTZSCOPE_CAPTURES` names their folder.
+
+use std::path::Path;
+
+use hertzscope::recording::tek_csv::{Dialect, TekCsvError, read, write};
+
+/// Files that instruments of the family saved themselves.
+const NATIVE_CAPTURES: [&str; 12] = [
+    "fft-tds1012c-edu-F0022MTH.CSV",
+    "tbs1022-v26.02-F0000CH1.CSV",
+    "tbs1062-v26.01-CH1.CSV",
+    "tbs1072b-scan-F0000CH1.CSV",
+    "tds1001b-v22.11-TEK0000.CSV",
+    "tds1012b-clipped-F0001CH2.CSV",
+    "tds2002b-v21.20-F0000CH1.CSV",
+    "tds2002c-v24.17-TEK0001.CSV",
+    "tds2004c-v24.26-F0001CH1.CSV",
+    "tds2004c-v24.26-F0001CH3.CSV",
+    "tds2022b-v22.01-F0000CH1.CSV",
+    "tds2024c-v24.09-F0001CH1.CSV",
+];
+
+/// Files of every other dialect.
+const FOREIGN_CAPTURES: [(&str, Dialect); 5] = [
+    ("headless-TEK0001.CSV", Dialect::Headerless),
+    ("openchoice-rod-piezo-2.csv", Dialect::OpenChoice),
+    ("openchoice-rod-piezo-3.csv", Dialect::OpenChoice),
+    ("spreadsheet-tds2001c-F0000CH1.CSV", Dialect::Spreadsheet),
+    ("tbs1052c-TEK00000.CSV", Dialect::NewerModel),
+];
+
+#[test]
+fn native_captures_come_back_byte_for_byte() {
+    let Some(folder) = std::env::var_os("HERTZSCOPE_CAPTURES") else {
+        println!(
+            "skipped: HERTZSCOPE_CAPTURES is unset, and the captures are not part of the project"
+        );
+        return;
+    };
+    for name in NATIVE_CAPTURES {
+        let path = Path::new(&folder).join(name);
+        let bytes =
+            std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        let capture = read(&bytes, name).expect("a native file");
+        let text = write(&capture).expect("what was read can be written");
+        let stored = String::from_utf8(bytes).expect("text");
+        for (number, (found, expected)) in text.lines().zip(stored.lines()).enumerate() {
+            assert_eq!(found, expected, "{name}, row {}", number + 1);
+        }
+        assert_eq!(text, stored, "{name}");
+    }
+    for (name, wanted) in FOREIGN_CAPTURES {
+        let path = Path::new(&folder).join(name);
+        let bytes =
+            std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        match read(&bytes, name) {
+            Err(TekCsvError::UnsupportedDialect { dialect, .. }) => {
+                assert_eq!(dialect, wanted, "{name}");
+            }
+            other => panic!("{name}: {other:?}"),
+        }
+    }
+}
