@@ -14,7 +14,7 @@ pub struct Trace {
     pub start: f64,
     /// Time from one sample to the next (s).
     pub interval: f64,
-    /// The samples, in `unit`.
+    /// The samples, in the unit that the field `unit` names (unit).
     pub values: Vec<f64>,
 }
 

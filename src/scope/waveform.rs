@@ -145,7 +145,7 @@ pub struct Waveform {
 pub const LOWEST_CODE: i16 = -128;
 /// Highest level of the 8-bit converter; a sample that reads it may have been cut off.
 pub const HIGHEST_CODE: i16 = 127;
-/// Digitiser levels in one vertical division.
+/// Digitiser levels in one vertical division (1).
 pub const LEVELS_PER_DIVISION: f64 = 25.0;
 
 impl Waveform {
@@ -160,7 +160,7 @@ impl Waveform {
             + self.preamble.x_incr * (index as f64 - f64::from(self.preamble.pt_off))
     }
 
-    /// Ordinate of point `index` (V, or dB for an FFT); `None` beyond the record.
+    /// Ordinate of point `index`, `None` beyond the record (V, or dB for an FFT).
     #[must_use]
     pub fn volts(&self, index: usize) -> Option<f64> {
         self.codes.get(index).map(|code| self.volts_of(*code))

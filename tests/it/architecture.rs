@@ -1,0 +1,91 @@
+//! Holds the walls of the house: which module may use which, how numbers are documented, how long files
+//! may grow, and that the README tells the truth about folders.
+//!
+//! What is allowed stands in `ARCHITECTURE.md`; this test reads it there, so that the document cannot
+//! drift away from the code. Each rule is a function from sources to violations, and each is shown
+//! to find a violation in a small source of its own, since a check that cannot fail checks nothing.
+//!
+//! Limits: the sources are read, not compiled. A module that is reached through a macro of another crate,
+//! or a file pulled in by `include!`, is not seen.
+
+mod readme;
+mod sizes;
+mod source;
+mod table;
+mod units;
+mod walls;
+
+use source::{SourceFile, Violation};
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use table::Table;
+
+/// The repository's root folder.
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// A text file of the repository; a missing one is a violation of its own.
+fn read(name: &str) -> Result<String, Violation> {
+    std::fs::read_to_string(root().join(name))
+        .map_err(|error| Violation::new(name, 1, format!("cannot be read: {error}")))
+}
+
+/// All sources under `src/`, or the first one that is no Rust.
+fn sources() -> Vec<SourceFile> {
+    let files = source::read_folder(&root(), Path::new("src"))
+        .unwrap_or_else(|violation| panic!("{violation}"));
+    assert!(!files.is_empty(), "no sources under src/");
+    files
+}
+
+/// Fails with every violation on a line of its own.
+fn refuse(mut violations: Vec<Violation>) {
+    violations.sort();
+    violations.dedup();
+    let mut list = String::new();
+    for violation in &violations {
+        let _ = writeln!(list, "  {violation}");
+    }
+    assert!(
+        violations.is_empty(),
+        "{} violation(s):\n{list}",
+        violations.len()
+    );
+}
+
+#[test]
+fn modules_use_only_what_the_table_allows() {
+    match read("ARCHITECTURE.md").and_then(|text| Table::parse("ARCHITECTURE.md", &text)) {
+        Ok(table) => refuse(walls::check(&sources(), &table)),
+        Err(violation) => refuse(vec![violation]),
+    }
+}
+
+#[test]
+fn the_table_has_no_cycle_and_names_only_its_own_modules() {
+    match read("ARCHITECTURE.md").and_then(|text| Table::parse("ARCHITECTURE.md", &text)) {
+        Ok(table) => refuse(table.check()),
+        Err(violation) => refuse(vec![violation]),
+    }
+}
+
+#[test]
+fn every_public_f64_names_its_unit() {
+    refuse(units::check(&sources()));
+}
+
+#[test]
+fn files_and_functions_keep_their_size() {
+    refuse(sizes::check(&sources()));
+}
+
+#[test]
+fn every_folder_in_the_readme_exists() {
+    match read("README.md") {
+        Ok(text) => refuse(readme::check("README.md", &text, |folder| {
+            root().join(folder).is_dir()
+        })),
+        Err(violation) => refuse(vec![violation]),
+    }
+}
