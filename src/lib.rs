@@ -2,12 +2,16 @@
 //! sensors embedded in beads feel the force, a virtual Tektronix TDS 2014 records it.
 
 pub mod chain;
+pub mod cli;
 pub mod data;
 pub mod experiment;
 pub mod integrate;
 pub mod quantity;
 pub mod recording;
+pub mod report;
 pub mod scene;
 pub mod scope;
 pub mod sensor;
 pub mod trace;
+#[cfg(feature = "tui")]
+pub mod tui;

@@ -1,1 +1,7 @@
-fn main() {}
+//! The `hertzscope` command: everything is in the library, this only hands over.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    hertzscope::cli::main()
+}

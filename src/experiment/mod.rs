@@ -1,1 +1,378 @@
+//! Runs a scene from the striker's first contact to the scope's records.
+//!
+//! The chain moves under an integrator; at every place where somebody looks the force is read from the interpolant, at
+//! the scope's own sample times; sensors turn it into volts; the scope conditions, triggers and digitises. Where the
+//! scope's record ends after the scene's duration, the chain simply moves on until the record is full.
+
+pub mod bench;
+pub mod facts;
+pub mod outcome;
 pub mod pulse;
+
+use std::time::Instant;
+
+use rand_distr::{Distribution, StandardUniform};
+
+use crate::chain::{ForceProbe, StabilityLimit};
+use crate::integrate::{IntegrateError, Method};
+use crate::recording::{Capture, Instrument, Origin, Shot};
+use crate::scene::{Scene, Site, input_load};
+use crate::scope::acquire::{Found, digitise, find_trigger};
+use crate::scope::front_end::{condition, noise_stream};
+use crate::scope::{ChannelSetup, Source};
+use crate::sensor::Load;
+use crate::trace::Trace;
+use bench::{Bench, Grid};
+use outcome::{EnergyLedger, Reading, Summary, TriggerReport};
+
+/// Frames of the film over a scene's duration.
+const FRAMES: f64 = 200.0;
+/// Samples kept before the earliest that a record can need.
+const SPARE_SAMPLES: f64 = 20.0;
+/// Global errors over a table scene exceed the error tolerated in a step by up to 66 times (measured on the scenes of
+/// `instruments/scenes` from 1e-3 to 1e-9); a step is held to the accuracy asked for divided by this (1).
+const STEP_MARGIN: f64 = 200.0;
+/// Stream of the sample clock's phase; channels use 1 to 4.
+const CLOCK_STREAM: u8 = 0;
+
+/// How a run is integrated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Integration {
+    /// To the accuracy that is asked for: relative error of first-peak forces and times (1).
+    Accuracy(f64),
+    /// Velocity Verlet with this step (s).
+    FixedStep(f64),
+}
+
+/// Why a run has no result.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RunError {
+    /// A step chosen by hand is beyond what can be stable.
+    #[error("found a step of {step:e} s, expected at most {:e} s: the contact between {} and {} makes longer ones unstable", limit.step, limit.upper, limit.lower)]
+    Unstable {
+        /// The step (s).
+        step: f64,
+        /// What limits it.
+        limit: StabilityLimit,
+    },
+    /// The integrator could not go on.
+    #[error(transparent)]
+    Integrate(#[from] IntegrateError),
+}
+
+/// Everything a run leaves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// Numbers for people and scripts.
+    pub summary: Summary,
+    /// The scope's records and the truth behind them.
+    pub shot: Shot,
+}
+
+/// Runs `scene`; `progress` hears the share of the work done, 0 to 1.
+///
+/// # Errors
+/// [`RunError`] for a step that cannot be stable and for states that stop being numbers.
+pub fn run(
+    scene: &Scene,
+    integration: Integration,
+    shot: u32,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Outcome, RunError> {
+    let started = Instant::now();
+    let method = method(scene, integration)?;
+    let grid = sample_grid(scene, shot);
+    let frames = Grid {
+        start: 0.0,
+        interval: scene.duration / FRAMES,
+    };
+    let probes = probes(scene);
+    let mut bench = Bench::new(
+        &scene.chain,
+        &scene.initial_velocities,
+        method,
+        &probes,
+        (grid, frames),
+    );
+    let (_, span) = scene.scope.record_span();
+    let expected_end = scene.duration.max(span);
+    let mut report = |time: f64| progress((time / expected_end).min(1.0));
+    bench.run_until(scene.duration, true, &mut report)?;
+    let found = trigger(scene, &bench, grid, shot);
+    if let Some(found) = found {
+        let end = grid.time(found.index) + span + 2.0 * grid.interval;
+        bench.run_until(end, false, &mut report)?;
+    }
+    let wall_s = started.elapsed().as_secs_f64();
+    let shot = record(scene, &bench, grid, found, shot);
+    let summary = summarise(scene, integration, method, &bench, &shot, found, wall_s);
+    Ok(Outcome { summary, shot })
+}
+
+fn method(scene: &Scene, integration: Integration) -> Result<Method, RunError> {
+    match integration {
+        Integration::Accuracy(accuracy) => Ok(Method::DormandPrince853 {
+            tolerance: accuracy / STEP_MARGIN,
+        }),
+        Integration::FixedStep(step) => {
+            match scene.chain.stability_limit(&scene.initial_velocities) {
+                Some(limit) if step > limit.step => Err(RunError::Unstable { step, limit }),
+                _ => Ok(Method::VelocityVerlet { step }),
+            }
+        }
+    }
+}
+
+/// The scope's sample times on the bench's clock: its own clock runs freely, so the phase is drawn from the seed.
+fn sample_grid(scene: &Scene, shot: u32) -> Grid {
+    let setup = &scene.scope;
+    let interval = setup.model.sample_interval(setup.time_base);
+    let phase: f64 = StandardUniform.sample(&mut noise_stream(scene.seed, shot, CLOCK_STREAM));
+    let (start, _) = setup.record_span();
+    let before = (-start / interval).max(0.0).ceil() + SPARE_SAMPLES;
+    Grid {
+        start: (phase - before) * interval,
+        interval,
+    }
+}
+
+/// One probe a sensor, in their order, and the wall's contact last if there is a wall.
+fn probes(scene: &Scene) -> Vec<ForceProbe> {
+    let chain = &scene.chain;
+    let wall = || {
+        chain
+            .wall_contact()
+            .and_then(|j| ForceProbe::contact(chain, j))
+    };
+    let sensor = |site: Site, offset: f64| match site {
+        Site::Particle(particle) => ForceProbe::inside(chain, particle, offset),
+        Site::Wall => wall(),
+    };
+    let sensors = scene
+        .sensors
+        .iter()
+        .filter_map(|s| sensor(s.site, s.offset));
+    sensors.chain(wall()).collect()
+}
+
+/// The volts at each channel's probe, conditioned by the front end; `None` for channels that are off.
+fn signals(scene: &Scene, bench: &Bench<'_>, grid: Grid, shot: u32) -> Vec<Option<Vec<f64>>> {
+    let setup = &scene.scope;
+    let signal = |number: u8, channel: &ChannelSetup| {
+        let volts = volts(scene, bench, grid, channel);
+        let mut noise = noise_stream(scene.seed, shot, number);
+        condition(setup, channel, grid.interval, &volts, &mut noise)
+    };
+    (1..)
+        .zip(&setup.channels)
+        .map(|(n, c)| c.as_ref().map(|c| signal(n, c)))
+        .collect()
+}
+
+fn volts(scene: &Scene, bench: &Bench<'_>, grid: Grid, channel: &ChannelSetup) -> Vec<f64> {
+    let index = scene
+        .sensors
+        .iter()
+        .position(|s| Some(&s.name) == channel.input.as_ref());
+    let watched = index.and_then(|i| bench.watches().get(i).zip(scene.sensors.get(i)));
+    let Some((watch, placed)) = watched else {
+        let samples = bench.watches().first().map_or(0, |w| w.samples.len());
+        return vec![0.0; samples];
+    };
+    let load: Load = input_load(&scene.scope.model, channel);
+    let force = Trace {
+        name: placed.name.clone(),
+        unit: "N".to_owned(),
+        start: grid.start,
+        interval: grid.interval,
+        values: watch.samples.clone(),
+    };
+    placed.sensor.connect(load).respond(&force).values
+}
+
+fn trigger(scene: &Scene, bench: &Bench<'_>, grid: Grid, shot: u32) -> Option<Found> {
+    let setup = &scene.scope;
+    let Source::Channel(number) = setup.trigger.source else {
+        return None;
+    };
+    let index = usize::from(number) - 1;
+    let scale = setup.channels.get(index)?.as_ref()?.vertical.scale;
+    let signals = signals(scene, bench, grid, shot);
+    let signal = signals.get(index)?.as_ref()?;
+    let automatic = (0..).take_while(|i| grid.time(*i) < 0.0).count();
+    find_trigger(setup, scale, signal, automatic)
+}
+
+/// Captures and truth of one trigger.
+fn record(scene: &Scene, bench: &Bench<'_>, grid: Grid, found: Option<Found>, number: u32) -> Shot {
+    let setup = &scene.scope;
+    let instrument = Instrument {
+        model: setup.model.name.replace(' ', ""),
+        serial: setup.model.serial.clone(),
+        firmware: setup.model.firmware.clone(),
+    };
+    let signals = signals(scene, bench, grid, number);
+    let capture = |number: u8, channel: &ChannelSetup, signal: &[f64], found: Found| Capture {
+        waveform: digitise(setup, Source::Channel(number), channel, signal, found.index),
+        instrument: Some(instrument.clone()),
+    };
+    let channels = (1..).zip(setup.channels.iter().zip(&signals));
+    let captures = found.map_or_else(Vec::new, |found| {
+        channels
+            .filter_map(|(n, (c, s))| Some(capture(n, c.as_ref()?, s.as_ref()?, found)))
+            .collect()
+    });
+    let trigger_time = found.map(|found| grid.time(found.index));
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a time in ns, not below zero"
+    )]
+    let timestamp_ns = (trigger_time.unwrap_or(0.0).max(0.0) * 1e9).round() as u64;
+    Shot {
+        number,
+        origin: Origin::Simulated,
+        timestamp_ns,
+        captures,
+        truth: truth(scene, bench, grid),
+        trigger_time,
+    }
+}
+
+/// What no scope saw: the force at each sensor on the sample grid, and the film.
+fn truth(scene: &Scene, bench: &Bench<'_>, grid: Grid) -> Vec<Trace> {
+    let trace = |name: String, unit: &str, grid: Grid, values: Vec<f64>| Trace {
+        name,
+        unit: unit.to_owned(),
+        start: grid.start,
+        interval: grid.interval,
+        values,
+    };
+    let mut truth = Vec::new();
+    for (placed, watch) in scene.sensors.iter().zip(bench.watches()) {
+        let static_force = watch.pulse.probe().static_force();
+        let place = match placed.site {
+            Site::Particle(particle) => format!("inside particle {particle}"),
+            Site::Wall => "at the wall".to_owned(),
+        };
+        let values = watch
+            .samples
+            .iter()
+            .map(|force| force + static_force)
+            .collect();
+        let name = format!("sensor/{}: force {place}", placed.name);
+        truth.push(trace(name, "N", grid, values));
+    }
+    let film = bench.film();
+    for (j, forces) in film.contact_forces.iter().enumerate() {
+        if scene
+            .chain
+            .contacts()
+            .get(j)
+            .is_some_and(|c| c.stiffness > 0.0)
+        {
+            let name = format!("contact/{j}: force in contact {j}");
+            truth.push(trace(name, "N", film.grid, forces.clone()));
+        }
+    }
+    for (i, track) in film.displacements.iter().enumerate() {
+        let name = format!("bead/{i}: displacement of body {i}");
+        truth.push(trace(name, "m", film.grid, track.clone()));
+    }
+    truth
+}
+
+fn summarise(
+    scene: &Scene,
+    integration: Integration,
+    method: Method,
+    bench: &Bench<'_>,
+    shot: &Shot,
+    found: Option<Found>,
+    wall_s: f64,
+) -> Summary {
+    let watches = bench.watches();
+    let reading = |placed: &crate::scene::PlacedSensor, pulse| {
+        let particle = match placed.site {
+            Site::Particle(particle) => Some(particle),
+            Site::Wall => None,
+        };
+        Reading::of(&placed.name, particle, placed.offset, pulse)
+    };
+    let sensors: Vec<Reading> = scene
+        .sensors
+        .iter()
+        .zip(watches)
+        .map(|(s, w)| reading(s, &w.pulse))
+        .collect();
+    let wall = scene.chain.wall_contact().and_then(|_| watches.last());
+    let effects = outcome::effects(scene);
+    let (initial, last) = bench.energies();
+    let work = bench.work();
+    let (accuracy, step_s) = match integration {
+        Integration::Accuracy(accuracy) => (Some(accuracy), None),
+        Integration::FixedStep(step) => (None, Some(step)),
+    };
+    Summary {
+        scene: scene.name.clone(),
+        title: scene.title.clone(),
+        scene_hash: scene.hash.clone(),
+        seed: scene.seed,
+        method: method.name().to_owned(),
+        method_source: method.source().to_owned(),
+        accuracy,
+        step_s,
+        force_evaluations: work.force_evaluations,
+        steps: work.steps,
+        rejected_steps: work.rejected,
+        wall_s,
+        simulated_s: bench.state().time,
+        duration_s: scene.duration,
+        effect_settings: effects
+            .iter()
+            .map(|(name, set)| format!("{name}: {set}"))
+            .collect(),
+        effects: effects.into_iter().map(|(name, _)| name).collect(),
+        energy: EnergyLedger::conservative(initial, last),
+        speeds: outcome::speeds(&scene.chain, &sensors),
+        wall: wall.map(|watch| Reading::of("wall", None, 0.0, &watch.pulse)),
+        notes: notes(&sensors, shot, found),
+        sensors: sensors
+            .into_iter()
+            .filter(|s| s.particle.is_some())
+            .collect(),
+        trigger: TriggerReport {
+            recorded: found.is_some(),
+            crossed: found.is_some_and(|f| f.crossed),
+            time_s: shot.trigger_time,
+        },
+    }
+}
+
+/// What a user would otherwise find out late.
+fn notes(sensors: &[Reading], shot: &Shot, found: Option<Found>) -> Vec<String> {
+    let mut notes = Vec::new();
+    match found {
+        None => notes.push(
+            "the scope was not triggered: its level was never crossed, so there are no captures"
+                .to_owned(),
+        ),
+        Some(found) if !found.crossed => {
+            notes.push("the trigger level was never crossed; automatic mode recorded from the striker's first contact".to_owned());
+        }
+        Some(_) => {}
+    }
+    for capture in &shot.captures {
+        let clipped = capture.waveform.clipped();
+        if clipped > 0 {
+            notes.push(format!("{}: {clipped} samples stand at the end of the converter's range and may be clipped", capture.waveform.source));
+        }
+    }
+    for sensor in sensors.iter().filter(|s| s.first_peak.is_none()) {
+        notes.push(format!(
+            "{}: no pulse arrived within the scene's duration",
+            sensor.name
+        ));
+    }
+    notes
+}

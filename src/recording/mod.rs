@@ -5,6 +5,8 @@
 
 use std::collections::BTreeMap;
 
+pub mod format;
+pub mod mcap;
 pub mod tek_csv;
 
 use crate::scope::Waveform;

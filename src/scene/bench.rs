@@ -296,9 +296,9 @@ fn channel_setup(
     let vertical = VerticalSetup {
         scale: scale?,
         position,
-        coupling: table.choice("coupling", &coupling).unwrap_or(Coupling::Dc),
-        bandwidth_limited: table.flag("bandwidth_limit").unwrap_or(false),
-        inverted: table.flag("invert").unwrap_or(false),
+        coupling: table.choice("coupling", &coupling).or(Some(Coupling::Dc)),
+        bandwidth_limited: table.flag("bandwidth_limit").or(Some(false)),
+        inverted: table.flag("invert").or(Some(false)),
         probe,
     };
     Some(ChannelSetup { vertical, input })

@@ -36,11 +36,12 @@ pub fn condition(
     let model = &setup.model;
     let vertical = &channel.vertical;
     let mut signal = match vertical.coupling {
-        Coupling::Dc => volts.to_vec(),
-        Coupling::Ac => high_pass(volts, interval * TAU * model.ac_corner),
-        Coupling::Ground => vec![0.0; volts.len()],
+        // A set-up that does not tell leaves the input as it is.
+        Some(Coupling::Dc) | None => volts.to_vec(),
+        Some(Coupling::Ac) => high_pass(volts, interval * TAU * model.ac_corner),
+        Some(Coupling::Ground) => vec![0.0; volts.len()],
     };
-    let limited = vertical.bandwidth_limited;
+    let limited = vertical.bandwidth_limited == Some(true);
     let bandwidth = if limited {
         model.limited_bandwidth
     } else {
@@ -50,7 +51,7 @@ pub fn condition(
     if ratio * NEGLIGIBLE_DELAY < 1.0 {
         signal = low_pass(&signal, ratio);
     }
-    if vertical.inverted {
+    if vertical.inverted == Some(true) {
         signal.iter_mut().for_each(|v| *v = -*v);
     }
     if setup.noise > 0.0 {

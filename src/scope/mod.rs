@@ -7,6 +7,7 @@
 pub mod acquire;
 pub mod front_end;
 pub mod model;
+pub mod set_up;
 pub mod setup;
 pub mod waveform;
 

@@ -1,0 +1,96 @@
+//! `hertzscope convert`: between recordings and the files a TDS2000 saves.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail};
+use clap::Args;
+
+use crate::recording::format::open;
+use crate::recording::{Shot, TraceSet, mcap, tek_csv};
+use crate::scope::Source;
+
+/// Convert between recordings (.mcap) and TDS2000 files (.csv, or folders ALL0000 with one file a channel)
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// A recording (.mcap), a TDS2000 file (.csv), or a folder of them
+    input: PathBuf,
+    /// A recording (.mcap), one file (.csv) for a single capture, or a folder in which ALL0000, ALL0001, ... are made
+    output: PathBuf,
+    /// Do not name the files written
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let set = open(&arguments.input)?;
+    for problem in &set.problems {
+        eprintln!("warning: {}: {problem}", arguments.input.display());
+    }
+    let output = &arguments.output;
+    let extension = output.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+    let written = match extension.as_deref() {
+        Some("mcap") => {
+            mcap::write(output, &set)?;
+            vec![output.clone()]
+        }
+        Some("csv") => csv_file(&set, output)?,
+        None => folders(&set, output)?,
+        Some(other) => bail!("{}: found the ending .{other}, expected .mcap, .csv, or a folder", output.display()),
+    };
+    if !arguments.quiet {
+        for file in written {
+            super::print(&file.display().to_string())?;
+        }
+    }
+    Ok(())
+}
+
+/// A single capture goes into the file itself, several into folders beside each other in one of the file's name.
+fn csv_file(set: &TraceSet, file: &Path) -> anyhow::Result<Vec<PathBuf>> {
+    let mut captures = set.shots.iter().flat_map(|shot| &shot.captures);
+    match (captures.next(), captures.next()) {
+        (None, _) => bail!("found no capture, expected at least one: the scope was not triggered"),
+        (Some(capture), None) => {
+            let text = tek_csv::write(capture)?;
+            std::fs::write(file, text).with_context(|| file.display().to_string())?;
+            Ok(vec![file.to_owned()])
+        }
+        (Some(_), Some(_)) => folders(set, &file.with_extension("")),
+    }
+}
+
+/// One folder a shot, one file a channel, numbered on from what is there as the scope does.
+fn folders(set: &TraceSet, parent: &Path) -> anyhow::Result<Vec<PathBuf>> {
+    let mut written = Vec::new();
+    let mut number = 0;
+    for shot in set.shots.iter().filter(|shot| !shot.captures.is_empty()) {
+        while parent.join(format!("ALL{number:04}")).exists() {
+            number += 1;
+        }
+        written.extend(folder(shot, parent, number)?);
+    }
+    if written.is_empty() {
+        bail!("found no capture, expected at least one: the scope was not triggered");
+    }
+    Ok(written)
+}
+
+fn folder(shot: &Shot, parent: &Path, number: u32) -> anyhow::Result<Vec<PathBuf>> {
+    let folder = parent.join(format!("ALL{number:04}"));
+    // Everything is put into words before the folder is made: a capture that cannot be written leaves no half of it.
+    let mut files = Vec::new();
+    for capture in &shot.captures {
+        let channel = match capture.waveform.source {
+            Source::Channel(channel) => format!("CH{channel}"),
+            Source::Math => "MTH".to_owned(),
+            Source::Reference(letter) => format!("RF{letter}"),
+        };
+        let text = tek_csv::write(capture)?;
+        files.push((folder.join(format!("F{number:04}{channel}.CSV")), text));
+    }
+    std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
+    for (file, text) in &files {
+        std::fs::write(file, text).with_context(|| file.display().to_string())?;
+    }
+    Ok(files.into_iter().map(|(file, _)| file).collect())
+}

@@ -1,0 +1,95 @@
+//! `hertzscope info`: what is in a recording.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::{Value, json};
+
+use crate::recording::format::open;
+use crate::recording::{Capture, Origin, Shot, TraceSet};
+use crate::report;
+use crate::trace::Trace;
+
+/// Show what is in a recording or a scope's CSV file
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// A recording (.mcap), a TDS2000 file (.csv), or a folder of them
+    file: PathBuf,
+    /// Print as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let set = open(&arguments.file)?;
+    if arguments.json {
+        super::print(&serde_json::to_string_pretty(&as_json(&set))?)
+    } else {
+        super::print(&report::contents(&set))
+    }
+}
+
+fn as_json(set: &TraceSet) -> Value {
+    let attachments = set.attachments.iter().map(
+        |a| json!({ "name": a.name, "media_type": a.media_type, "bytes": a.data.len() }),
+    );
+    json!({
+        "metadata": set.metadata,
+        "shots": set.shots.iter().map(shot).collect::<Vec<_>>(),
+        "attachments": attachments.collect::<Vec<_>>(),
+        "log": set.log,
+        "problems": set.problems,
+    })
+}
+
+fn shot(shot: &Shot) -> Value {
+    json!({
+        "number": shot.number,
+        "origin": match shot.origin {
+            Origin::Simulated => "simulated",
+            Origin::Measured => "measured",
+        },
+        "timestamp_ns": shot.timestamp_ns,
+        "trigger_time_s": shot.trigger_time,
+        "captures": shot.captures.iter().map(capture).collect::<Vec<_>>(),
+        "truth": shot.truth.iter().map(series).collect::<Vec<_>>(),
+    })
+}
+
+fn capture(capture: &Capture) -> Value {
+    let waveform = &capture.waveform;
+    let preamble = &waveform.preamble;
+    let volts = |code: Option<&i16>| code.map(|code| waveform.volts_of(*code));
+    json!({
+        "source": waveform.source.to_string(),
+        "points": waveform.codes.len(),
+        "x_incr": preamble.x_incr,
+        "x_zero": preamble.x_zero,
+        "x_unit": preamble.x_unit,
+        "y_mult": preamble.y_mult,
+        "y_off": preamble.y_off,
+        "y_zero": preamble.y_zero,
+        "y_unit": preamble.y_unit,
+        "vertical_scale": waveform.vertical.scale,
+        "position_div": waveform.vertical.position,
+        "coupling": waveform.vertical.coupling.map(|c| c.to_string()),
+        "probe": waveform.vertical.probe,
+        "horizontal_scale": waveform.horizontal_scale,
+        "trigger_point": waveform.trigger_point,
+        "lowest": volts(waveform.codes.iter().min()),
+        "highest": volts(waveform.codes.iter().max()),
+        "clipped": waveform.clipped(),
+        "model": capture.instrument.as_ref().map(|i| &i.model),
+        "firmware": capture.instrument.as_ref().map(|i| &i.firmware),
+    })
+}
+
+fn series(trace: &Trace) -> Value {
+    json!({
+        "name": trace.name,
+        "unit": trace.unit,
+        "start_s": trace.start,
+        "interval_s": trace.interval,
+        "values": trace.values.len(),
+    })
+}

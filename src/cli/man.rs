@@ -1,0 +1,27 @@
+//! `hertzscope man`: manual pages made from the same descriptions as `--help`.
+
+use std::path::PathBuf;
+
+use anyhow::Context as _;
+use clap::{Args, CommandFactory};
+use clap_mangen::Man;
+
+/// Print the manual page, or write one a command into a folder
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// Folder for hertzscope.1, hertzscope-run.1, ...
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+}
+
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let command = super::Arguments::command();
+    if let Some(folder) = &arguments.output {
+        std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+        return clap_mangen::generate_to(command, folder)
+            .with_context(|| folder.display().to_string());
+    }
+    let mut page = Vec::new();
+    Man::new(command).render(&mut page)?;
+    super::print(String::from_utf8_lossy(&page).trim_end())
+}

@@ -1,0 +1,79 @@
+//! The command line: one file a subcommand. Printing and exit codes happen here and nowhere else.
+//!
+//! Exit code 0: done; 1: done, and the answer is no; 2: could not.
+
+mod completions;
+mod convert;
+mod info;
+mod man;
+mod progress;
+mod run;
+mod scenes;
+#[cfg(feature = "tui")]
+mod view;
+
+use std::io::{ErrorKind, Write as _};
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Exit code of what could not be done; clap uses the same for wrong options.
+const COULD_NOT: u8 = 2;
+
+/// Digital twin of a granular-chain lab bench: beads with Hertz contacts, piezo sensors, a virtual Tektronix TDS 2014.
+#[derive(Debug, Parser)]
+#[command(name = "hertzscope", version, max_term_width = 100)]
+pub struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Run(run::Arguments),
+    Info(info::Arguments),
+    Convert(convert::Arguments),
+    Scenes(scenes::Arguments),
+    #[cfg(feature = "tui")]
+    View(view::Arguments),
+    Completions(completions::Arguments),
+    Man(man::Arguments),
+}
+
+/// Runs the program on the process's own arguments.
+#[must_use]
+pub fn main() -> ExitCode {
+    let done = match Arguments::parse().command {
+        Command::Run(arguments) => run::run(&arguments),
+        Command::Info(arguments) => info::run(&arguments),
+        Command::Convert(arguments) => convert::run(&arguments),
+        Command::Scenes(arguments) => scenes::run(&arguments),
+        #[cfg(feature = "tui")]
+        Command::View(arguments) => view::run(&arguments),
+        Command::Completions(arguments) => completions::run(&arguments),
+        Command::Man(arguments) => man::run(&arguments),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        // Whoever reads our output through `head` has seen enough: no error, and no noise.
+        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(COULD_NOT)
+        }
+    }
+}
+
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    let kind = error.downcast_ref::<std::io::Error>().map(std::io::Error::kind);
+    kind == Some(ErrorKind::BrokenPipe)
+}
+
+/// Prints `text` and a line end on standard output.
+fn print(text: &str) -> anyhow::Result<()> {
+    let mut out = std::io::stdout().lock();
+    out.write_all(text.as_bytes())?;
+    out.write_all(b"\n")?;
+    out.flush()?;
+    Ok(())
+}

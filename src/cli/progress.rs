@@ -1,0 +1,50 @@
+//! A progress bar on standard error for whatever takes longer than a second.
+
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// How long something may take without a bar.
+const PATIENCE: Duration = Duration::from_secs(1);
+/// Parts in which progress is counted.
+const PARTS: u64 = 1000;
+
+/// Progress of one job.
+pub struct Progress {
+    started: Instant,
+    bar: Option<ProgressBar>,
+    quiet: bool,
+    what: String,
+}
+
+impl Progress {
+    /// A job called `what`, never shown if `quiet`.
+    pub fn new(what: &str, quiet: bool) -> Self {
+        Self { started: Instant::now(), bar: None, quiet, what: what.to_owned() }
+    }
+
+    /// Hears that `share` of the work is done, 0 to 1.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss, reason = "a share of a thousand parts")]
+    pub fn at(&mut self, share: f64) {
+        if self.quiet || (self.bar.is_none() && self.started.elapsed() < PATIENCE) {
+            return;
+        }
+        let bar = self.bar.get_or_insert_with(|| {
+            let bar = ProgressBar::with_draw_target(Some(PARTS), ProgressDrawTarget::stderr())
+                .with_elapsed(self.started.elapsed())
+                .with_message(self.what.clone());
+            let template = "{msg} [{bar:30}] {percent:>3} %, {eta} left";
+            let style = ProgressStyle::with_template(template);
+            bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
+            bar
+        });
+        bar.set_position((share.clamp(0.0, 1.0) * PARTS as f64) as u64);
+    }
+
+    /// Takes the bar away.
+    pub fn done(self) {
+        if let Some(bar) = self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}

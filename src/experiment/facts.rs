@@ -1,0 +1,140 @@
+//! What a recording says about itself before the first sample: everything needed to make it again.
+
+use std::collections::BTreeMap;
+
+use super::outcome::effects;
+use super::{Integration, Outcome, RunError, method};
+use crate::recording::Attachment;
+use crate::recording::mcap::ShotNotes;
+use crate::recording::mcap::message::Energy;
+use crate::scene::{PlacedSensor, Scene, Site, input_load};
+use crate::scope::set_up::set_up_text;
+
+/// Metadata records by name.
+pub type Facts = BTreeMap<String, BTreeMap<String, String>>;
+
+/// The metadata of a recording of `scene`.
+///
+/// # Errors
+/// [`RunError::Unstable`] for a step that no run could survive: better before the file is made.
+pub fn facts(scene: &Scene, integration: Integration) -> Result<Facts, RunError> {
+    let method = method(scene, integration)?;
+    let accuracy = match integration {
+        Integration::Accuracy(accuracy) => format!("{accuracy:e}"),
+        Integration::FixedStep(step) => format!("step {step:e} s by hand"),
+    };
+    let on: Vec<String> = effects(scene)
+        .into_iter()
+        .map(|(name, set)| format!("{name} ({set})"))
+        .collect();
+    let setup = &scene.scope;
+    let mut facts = Facts::new();
+    let mut add = |group: &str, pairs: Vec<(&str, String)>| {
+        let pairs = pairs
+            .into_iter()
+            .map(|(key, value)| (key.to_owned(), value));
+        facts.insert(group.to_owned(), pairs.collect());
+    };
+    add(
+        "hertzscope:recording",
+        vec![
+            ("version", env!("CARGO_PKG_VERSION").to_owned()),
+            ("scene", scene.name.clone()),
+            ("title", scene.title.clone()),
+            ("scene_sha256", scene.hash.clone()),
+            ("seed", scene.seed.to_string()),
+            ("method", method.to_string()),
+            ("accuracy", accuracy),
+            ("effects", on.join("; ")),
+            (
+                "time_base",
+                "seconds after the striker's first contact".to_owned(),
+            ),
+        ],
+    );
+    add(
+        "hertzscope:scope",
+        vec![
+            ("model", setup.model.name.clone()),
+            ("serial", setup.model.serial.clone()),
+            ("firmware", setup.model.firmware.clone()),
+            ("set_up", set_up_text(setup)),
+        ],
+    );
+    for (number, sensor) in (1..).zip(&scene.sensors) {
+        add(
+            &format!("hertzscope:sensor/{number}"),
+            sensor_facts(scene, sensor),
+        );
+    }
+    Ok(facts)
+}
+
+fn sensor_facts(scene: &Scene, placed: &PlacedSensor) -> Vec<(&'static str, String)> {
+    let sensor = &placed.sensor;
+    let mut facts = vec![
+        ("name", placed.name.clone()),
+        (
+            "site",
+            match placed.site {
+                Site::Particle(particle) => format!("particle {particle}"),
+                Site::Wall => "wall".to_owned(),
+            },
+        ),
+        ("offset", placed.offset.to_string()),
+        ("model", sensor.model.clone()),
+        ("d33_c_per_n", sensor.d33.to_string()),
+        (
+            "plate_capacitance_f",
+            sensor.plate_capacitance().to_string(),
+        ),
+        ("cable_capacitance_f", sensor.cable_capacitance.to_string()),
+    ];
+    let wired = (1..)
+        .zip(&scene.scope.channels)
+        .find_map(|(number, channel)| {
+            let channel = channel.as_ref()?;
+            (channel.input.as_ref() == Some(&placed.name)).then_some((number, channel))
+        });
+    if let Some((number, channel)) = wired {
+        let circuit = sensor.connect(input_load(&scene.scope.model, channel));
+        facts.push(("channel", format!("CH{number}")));
+        facts.push(("sensitivity_v_per_n", circuit.sensitivity.to_string()));
+        facts.push(("time_constant_s", circuit.time_constant.to_string()));
+    }
+    facts
+}
+
+/// The scene as typed, to travel with the recording.
+#[must_use]
+pub fn scene_attachment(scene: &Scene) -> Attachment {
+    Attachment {
+        name: format!("{}.toml", scene.name),
+        media_type: "application/toml".to_owned(),
+        data: scene.text.clone().into_bytes(),
+    }
+}
+
+/// What goes into the recording beside a shot's traces.
+#[must_use]
+pub fn shot_notes(scene: &Scene, outcome: &Outcome) -> ShotNotes {
+    let energy = &outcome.summary.energy;
+    let summary = &outcome.summary;
+    let done = format!(
+        "{}: {} steps, {} force evaluations, energy drift {:.1e}",
+        summary.method, summary.steps, summary.force_evaluations, energy.drift
+    );
+    let notes = summary.notes.iter().map(|note| (true, note.clone()));
+    ShotNotes {
+        set_up: set_up_text(&scene.scope),
+        energy: Some(Energy {
+            timestamp: None,
+            shot: outcome.shot.number,
+            initial_j: energy.initial,
+            final_j: energy.r#final,
+            dissipated_j: energy.dissipated,
+            drift: energy.drift,
+        }),
+        log: std::iter::once((false, done)).chain(notes).collect(),
+    }
+}

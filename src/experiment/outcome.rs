@@ -1,0 +1,224 @@
+//! What a run found, in the words of `run --json`: names and units are part of the interface.
+
+use serde::Serialize;
+
+use super::pulse::{FOOT, HALF_RISE, Peak, PulseRecorder};
+use crate::chain::{Chain, Energy};
+use crate::scene::{PlacedSensor, Scene, Site};
+
+/// Summary of a run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    /// Scene name.
+    pub scene: String,
+    /// One line about the scene.
+    pub title: String,
+    /// SHA-256 of what the scene was made of.
+    pub scene_hash: String,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// Integration method.
+    pub method: String,
+    /// Publication that defines the method.
+    pub method_source: String,
+    /// Accuracy that was asked for; none for a method with a step by hand (1).
+    pub accuracy: Option<f64>,
+    /// Fixed step, where there is one (s).
+    pub step_s: Option<f64>,
+    /// Evaluations of all contact forces of the chain.
+    pub force_evaluations: u64,
+    /// Accepted steps.
+    pub steps: u64,
+    /// Steps thrown away by the error control.
+    pub rejected_steps: u64,
+    /// Wall-clock time of the simulation, recording excluded (s).
+    pub wall_s: f64,
+    /// Time simulated on the bench (s).
+    pub simulated_s: f64,
+    /// End of the time in which peaks and arrivals were looked for (s).
+    pub duration_s: f64,
+    /// Names of the effects that were on.
+    pub effects: Vec<String>,
+    /// The effects that were on, each with its setting.
+    pub effect_settings: Vec<String>,
+    /// The energy ledger.
+    pub energy: EnergyLedger,
+    /// What each particle with a sensor felt, before any electronics.
+    pub sensors: Vec<Reading>,
+    /// What the wall felt; none without a wall.
+    pub wall: Option<Reading>,
+    /// Speeds between pairs of particles with sensors, by every estimator.
+    pub speeds: Vec<Speed>,
+    /// Whether the scope triggered, and when.
+    pub trigger: TriggerReport,
+    /// What the user should know about this run.
+    pub notes: Vec<String>,
+}
+
+/// The energy ledger of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct EnergyLedger {
+    /// At the striker's first contact (J).
+    pub initial: f64,
+    /// At the end (J).
+    pub r#final: f64,
+    /// Booked as lost by the effects that were on (J).
+    pub dissipated: f64,
+    /// `(final + dissipated - initial) / initial`: the integrator's error (1).
+    pub drift: f64,
+    /// The initial energy by kind.
+    pub initial_by_kind: Energy,
+    /// The final energy by kind.
+    pub final_by_kind: Energy,
+}
+
+impl EnergyLedger {
+    /// The ledger of a run without losses.
+    #[must_use]
+    pub fn conservative(initial: Energy, last: Energy) -> Self {
+        let (before, after) = (initial.total(), last.total());
+        Self {
+            initial: before,
+            r#final: after,
+            dissipated: 0.0,
+            drift: (after - before) / before,
+            initial_by_kind: initial,
+            final_by_kind: last,
+        }
+    }
+}
+
+/// What one watched place felt.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Reading {
+    /// Name of the sensor, or `wall`.
+    pub name: String,
+    /// The particle, counted from 1; none for the wall.
+    pub particle: Option<usize>,
+    /// Offset of the plate in particle lengths; 0 is centred (1).
+    pub offset: f64,
+    /// Static force (N).
+    pub static_n: f64,
+    /// First local maximum of the dynamic force above a quarter of its largest value; none if nothing arrived.
+    pub first_peak: Option<Peak>,
+    /// When the dynamic force first reached half of its first peak (s).
+    pub half_rise_s: Option<f64>,
+    /// When it first reached a tenth (s).
+    pub ten_percent_s: Option<f64>,
+}
+
+impl Reading {
+    /// Reads a recorder out.
+    #[must_use]
+    pub fn of(name: &str, particle: Option<usize>, offset: f64, pulse: &PulseRecorder) -> Self {
+        let first_peak = pulse.first_peak();
+        let reach =
+            |share: f64| first_peak.and_then(|peak| pulse.first_reach(share * peak.dynamic_n));
+        Self {
+            name: name.to_owned(),
+            particle,
+            offset,
+            static_n: pulse.probe().static_force(),
+            first_peak,
+            half_rise_s: reach(HALF_RISE),
+            ten_percent_s: reach(FOOT),
+        }
+    }
+}
+
+/// A speed between two particles.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Speed {
+    /// Particle from which.
+    pub from: usize,
+    /// Particle to which.
+    pub to: usize,
+    /// Static distance of their centres, overlaps subtracted (m).
+    pub distance_m: f64,
+    /// Which arrival was taken: `half_rise`, `peak` or `ten_percent`.
+    pub estimator: &'static str,
+    /// Distance over difference of arrivals (m/s).
+    pub m_per_s: f64,
+}
+
+/// Speeds between all pairs of particles with a reading, nearest pairs first.
+#[must_use]
+pub fn speeds(chain: &Chain, readings: &[Reading]) -> Vec<Speed> {
+    type Arrival = fn(&Reading) -> Option<f64>;
+    const ESTIMATORS: [(&str, Arrival); 3] = [
+        ("half_rise", |r| r.half_rise_s),
+        ("peak", |r| r.first_peak.map(|p| p.time_s)),
+        ("ten_percent", |r| r.ten_percent_s),
+    ];
+    let mut speeds = Vec::new();
+    for gap in 1..readings.len() {
+        for (upper, lower) in readings.iter().zip(&readings[gap..]) {
+            let (Some(from), Some(to)) = (upper.particle, lower.particle) else {
+                continue;
+            };
+            let distance_m = chain.distance(from, to);
+            for (estimator, arrival) in ESTIMATORS {
+                let (Some(start), Some(end)) = (arrival(upper), arrival(lower)) else {
+                    continue;
+                };
+                if from != to && end != start {
+                    let m_per_s = distance_m / (end - start);
+                    speeds.push(Speed {
+                        from,
+                        to,
+                        distance_m,
+                        estimator,
+                        m_per_s,
+                    });
+                }
+            }
+        }
+    }
+    speeds
+}
+
+/// What the scope's trigger did.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct TriggerReport {
+    /// Whether a record was taken.
+    pub recorded: bool,
+    /// Whether the level was crossed; automatic mode records without.
+    pub crossed: bool,
+    /// Time of the trigger after the striker's first contact (s).
+    pub time_s: Option<f64>,
+}
+
+/// Names and settings of all effects that were on: the chain's, then those of sensors and scope.
+#[must_use]
+pub fn effects(scene: &Scene) -> Vec<(String, String)> {
+    let mut effects: Vec<(String, String)> = scene
+        .spec
+        .effects
+        .active()
+        .map(|effect| (effect.name().to_owned(), effect.summary()))
+        .collect();
+    if !scene.sensors.is_empty() {
+        effects.push((
+            "sensor_droop".to_owned(),
+            "RC of plate, cable and scope input".to_owned(),
+        ));
+    }
+    let off_centre = |sensor: &&PlacedSensor| sensor.offset != 0.0 && sensor.site != Site::Wall;
+    if let Some(sensor) = scene.sensors.iter().find(off_centre) {
+        effects.push((
+            "sensor_offset".to_owned(),
+            format!("{} and maybe others", sensor.name),
+        ));
+    }
+    if scene.scope.noise > 0.0 {
+        effects.push((
+            "scope_noise".to_owned(),
+            format!("{} div rms", scene.scope.noise),
+        ));
+    }
+    effects.push((
+        "quantisation".to_owned(),
+        "8 bits, 25 levels a division".to_owned(),
+    ));
+    effects
+}

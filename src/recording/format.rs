@@ -1,0 +1,141 @@
+//! Which format a file is in, and opening whatever a user brings.
+
+use std::path::{Path, PathBuf};
+
+use super::mcap::{self, ReadError};
+use super::tek_csv::{self, TekCsvError};
+use super::{Attachment, Capture, Origin, Shot, TraceSet};
+
+/// The formats that files come in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// This program's recordings.
+    Mcap,
+    /// One channel of a TDS2000.
+    TekCsv,
+    /// A folder of such files, as the scope makes for one trigger: `ALL0000`.
+    Folder,
+}
+
+/// Why a file or folder could not be opened.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    /// Not a recording.
+    #[error(transparent)]
+    Mcap(#[from] ReadError),
+    /// Not a TDS2000 file.
+    #[error(transparent)]
+    TekCsv(#[from] TekCsvError),
+    /// The file or folder could not be read.
+    #[error("{file}: {source}")]
+    File {
+        /// The file or folder.
+        file: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// The name tells no format.
+    #[error("{file}: found no known format, expected .mcap, .csv, or a folder of .csv files as the scope saves them")]
+    UnknownFormat {
+        /// The file.
+        file: PathBuf,
+    },
+    /// A folder without a single capture.
+    #[error("{file}: found no .csv file in this folder, expected at least one, e.g. F0000CH1.CSV")]
+    EmptyFolder {
+        /// The folder.
+        file: PathBuf,
+    },
+    /// Two captures of one folder claim the same channel.
+    #[error("{file}: found a second capture of {channel}, expected one file a channel")]
+    SameChannel {
+        /// The file.
+        file: PathBuf,
+        /// The channel.
+        channel: String,
+    },
+}
+
+impl Format {
+    /// The format that a path's ending or kind tells.
+    #[must_use]
+    pub fn of(path: &Path) -> Option<Self> {
+        let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+        match extension.as_deref() {
+            Some("mcap") => Some(Self::Mcap),
+            Some("csv") => Some(Self::TekCsv),
+            _ if path.is_dir() => Some(Self::Folder),
+            _ => None,
+        }
+    }
+}
+
+/// Opens a recording, a scope's CSV file, or a folder of them.
+///
+/// # Errors
+/// [`OpenError`] with the file and what is wrong with it.
+pub fn open(path: &Path) -> Result<TraceSet, OpenError> {
+    match Format::of(path) {
+        Some(Format::Mcap) => Ok(mcap::read(path)?),
+        Some(Format::TekCsv) => import(&[path.to_owned()]),
+        Some(Format::Folder) => folder(path),
+        None if path.exists() => Err(OpenError::UnknownFormat { file: path.to_owned() }),
+        None => {
+            let source = std::io::Error::from(std::io::ErrorKind::NotFound);
+            Err(OpenError::File { file: path.to_owned(), source })
+        }
+    }
+}
+
+fn folder(path: &Path) -> Result<TraceSet, OpenError> {
+    let failed = |source| OpenError::File { file: path.to_owned(), source };
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(path).map_err(failed)? {
+        let file = entry.map_err(failed)?.path();
+        if Format::of(&file) == Some(Format::TekCsv) {
+            files.push(file);
+        }
+    }
+    if files.is_empty() {
+        return Err(OpenError::EmptyFolder { file: path.to_owned() });
+    }
+    files.sort();
+    import(&files)
+}
+
+/// One measured shot from files of one trigger; each file travels along as it was.
+fn import(files: &[PathBuf]) -> Result<TraceSet, OpenError> {
+    let mut set = TraceSet::default();
+    let mut captures: Vec<Capture> = Vec::new();
+    for file in files {
+        let bytes = read_limited(file)?;
+        let capture = tek_csv::read(&bytes, &file.display().to_string())?;
+        let source = capture.waveform.source;
+        if captures.iter().any(|c| c.waveform.source == source) {
+            return Err(OpenError::SameChannel { file: file.clone(), channel: source.to_string() });
+        }
+        captures.push(capture);
+        let name = file.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        set.attachments.push(Attachment { name, media_type: "text/csv".to_owned(), data: bytes });
+    }
+    captures.sort_by_key(|capture| capture.waveform.source);
+    set.shots.push(Shot {
+        number: 1,
+        origin: Origin::Measured,
+        timestamp_ns: 0,
+        captures,
+        truth: Vec::new(),
+        trigger_time: None,
+    });
+    Ok(set)
+}
+
+/// The file's bytes, at most one more than the reader takes, so that it can refuse what is too large.
+fn read_limited(file: &Path) -> Result<Vec<u8>, OpenError> {
+    use std::io::Read as _;
+    let failed = |source| OpenError::File { file: file.to_owned(), source };
+    let mut bytes = Vec::new();
+    let limit = tek_csv::MAXIMUM_BYTES as u64 + 1;
+    std::fs::File::open(file).map_err(failed)?.take(limit).read_to_end(&mut bytes).map_err(failed)?;
+    Ok(bytes)
+}

@@ -1,0 +1,377 @@
+//! The protobuf messages of a recording, and the descriptors by which other readers decode them.
+//!
+//! Field numbers are an interface: they never change meaning. [`tests`](self) checks that the structures and the
+//! descriptors agree.
+
+use prost::Message;
+use prost_types::field_descriptor_proto::{Label, Type};
+use prost_types::{
+    DescriptorProto, EnumDescriptorProto, EnumValueDescriptorProto, FieldDescriptorProto,
+    FileDescriptorProto, FileDescriptorSet, Timestamp,
+};
+
+/// One channel's record of one trigger.
+#[derive(Clone, PartialEq, Message)]
+pub struct Capture {
+    /// Time of the trigger.
+    #[prost(message, optional, tag = "1")]
+    pub timestamp: Option<Timestamp>,
+    /// Counted from 1.
+    #[prost(uint32, tag = "2")]
+    pub shot: u32,
+    /// `CH1` to `CH4`, `MATH`, `REFA` to `REFD`.
+    #[prost(string, tag = "3")]
+    pub source: String,
+    /// First point after the trigger (s).
+    #[prost(double, tag = "4")]
+    pub t0_s: f64,
+    /// From point to point (s).
+    #[prost(double, tag = "5")]
+    pub dt_s: f64,
+    /// One digitiser level (V).
+    #[prost(double, tag = "6")]
+    pub y_mult: f64,
+    /// Level of zero volts (1).
+    #[prost(double, tag = "7")]
+    pub y_off: f64,
+    /// Volts at that level (V).
+    #[prost(double, tag = "8")]
+    pub y_zero: f64,
+    /// Unit of the ordinate.
+    #[prost(string, tag = "9")]
+    pub unit: String,
+    /// Digitiser levels: one signed byte each, or two (most significant first) where one does not suffice.
+    #[prost(bytes = "vec", tag = "10")]
+    pub codes: Vec<u8>,
+    /// The same in volts, for readers that do not want to know about levels.
+    #[prost(float, repeated, tag = "11")]
+    pub volts: Vec<f32>,
+    /// `simulated` or `measured`.
+    #[prost(string, tag = "12")]
+    pub origin: String,
+    /// Index of the trigger in the record (1).
+    #[prost(double, tag = "13")]
+    pub trigger_point: f64,
+    /// Vertical scale (V/div).
+    #[prost(double, tag = "14")]
+    pub vertical_scale: f64,
+    /// Time base (s/div).
+    #[prost(double, tag = "15")]
+    pub horizontal_scale: f64,
+    /// Vertical position (div).
+    #[prost(double, tag = "16")]
+    pub position_div: f64,
+    /// Probe attenuation (1).
+    #[prost(double, tag = "17")]
+    pub probe: f64,
+    /// `DC`, `AC`, `GND`, or empty where it is not known.
+    #[prost(string, tag = "18")]
+    pub coupling: String,
+    /// Whether the bandwidth limiter was on.
+    #[prost(bool, optional, tag = "19")]
+    pub bandwidth_limited: Option<bool>,
+    /// Whether the trace was turned upside down.
+    #[prost(bool, optional, tag = "20")]
+    pub inverted: Option<bool>,
+    /// Model of the instrument, empty where it is not known.
+    #[prost(string, tag = "21")]
+    pub model: String,
+    /// Its serial number.
+    #[prost(string, tag = "22")]
+    pub serial: String,
+    /// Its firmware.
+    #[prost(string, tag = "23")]
+    pub firmware: String,
+    /// `Y` or `ENV`.
+    #[prost(string, tag = "24")]
+    pub point_format: String,
+    /// Unit of the abscissa.
+    #[prost(string, tag = "25")]
+    pub x_unit: String,
+    /// Time of the trigger on the simulation's clock; absent for measurements (s).
+    #[prost(double, optional, tag = "26")]
+    pub trigger_time_s: Option<f64>,
+}
+
+/// The front panel at a trigger.
+#[derive(Clone, PartialEq, Message)]
+pub struct Setup {
+    /// Time of the trigger.
+    #[prost(message, optional, tag = "1")]
+    pub timestamp: Option<Timestamp>,
+    /// Counted from 1.
+    #[prost(uint32, tag = "2")]
+    pub shot: u32,
+    /// As the instrument's `SET?` would tell it.
+    #[prost(string, tag = "3")]
+    pub set: String,
+}
+
+/// What no sensor saw: an evenly sampled series of a simulation.
+#[derive(Clone, PartialEq, Message)]
+pub struct Series {
+    /// Time of the trigger.
+    #[prost(message, optional, tag = "1")]
+    pub timestamp: Option<Timestamp>,
+    /// Counted from 1.
+    #[prost(uint32, tag = "2")]
+    pub shot: u32,
+    /// What it is.
+    #[prost(string, tag = "3")]
+    pub name: String,
+    /// Unit of the values.
+    #[prost(string, tag = "4")]
+    pub unit: String,
+    /// First value, on the simulation's clock (s).
+    #[prost(double, tag = "5")]
+    pub t0_s: f64,
+    /// From value to value (s).
+    #[prost(double, tag = "6")]
+    pub dt_s: f64,
+    /// The values, in the unit named (unit).
+    #[prost(double, repeated, tag = "7")]
+    pub values: Vec<f64>,
+}
+
+/// The energy ledger of one shot.
+#[derive(Clone, PartialEq, Message)]
+pub struct Energy {
+    /// Time of the trigger.
+    #[prost(message, optional, tag = "1")]
+    pub timestamp: Option<Timestamp>,
+    /// Counted from 1.
+    #[prost(uint32, tag = "2")]
+    pub shot: u32,
+    /// At the striker's first contact (J).
+    #[prost(double, tag = "3")]
+    pub initial_j: f64,
+    /// At the end (J).
+    #[prost(double, tag = "4")]
+    pub final_j: f64,
+    /// Booked as lost (J).
+    #[prost(double, tag = "5")]
+    pub dissipated_j: f64,
+    /// `(final + dissipated - initial) / initial` (1).
+    #[prost(double, tag = "6")]
+    pub drift: f64,
+}
+
+/// `foxglove.Log`: a line for people. Source: Foxglove's public message schemas.
+#[derive(Clone, PartialEq, Message)]
+pub struct Log {
+    /// Time of the trigger.
+    #[prost(message, optional, tag = "1")]
+    pub timestamp: Option<Timestamp>,
+    /// 2 is information, 3 a warning.
+    #[prost(int32, tag = "2")]
+    pub level: i32,
+    /// The line.
+    #[prost(string, tag = "3")]
+    pub message: String,
+    /// Who says so.
+    #[prost(string, tag = "4")]
+    pub name: String,
+    /// Unused.
+    #[prost(string, tag = "5")]
+    pub file: String,
+    /// Unused.
+    #[prost(fixed32, tag = "6")]
+    pub line: u32,
+}
+
+/// Name, type, cardinality. Fields are numbered in order from 1.
+type Field = (&'static str, Type, Label);
+
+/// proto3 calls every single field optional.
+const SINGLE: Label = Label::Optional;
+const TIMESTAMP: Field = ("timestamp", Type::Message, SINGLE);
+
+const CAPTURE: [Field; 26] = [
+    TIMESTAMP,
+    ("shot", Type::Uint32, SINGLE),
+    ("source", Type::String, SINGLE),
+    ("t0_s", Type::Double, SINGLE),
+    ("dt_s", Type::Double, SINGLE),
+    ("y_mult", Type::Double, SINGLE),
+    ("y_off", Type::Double, SINGLE),
+    ("y_zero", Type::Double, SINGLE),
+    ("unit", Type::String, SINGLE),
+    ("codes", Type::Bytes, SINGLE),
+    ("volts", Type::Float, Label::Repeated),
+    ("origin", Type::String, SINGLE),
+    ("trigger_point", Type::Double, SINGLE),
+    ("vertical_scale", Type::Double, SINGLE),
+    ("horizontal_scale", Type::Double, SINGLE),
+    ("position_div", Type::Double, SINGLE),
+    ("probe", Type::Double, SINGLE),
+    ("coupling", Type::String, SINGLE),
+    ("bandwidth_limited", Type::Bool, SINGLE),
+    ("inverted", Type::Bool, SINGLE),
+    ("model", Type::String, SINGLE),
+    ("serial", Type::String, SINGLE),
+    ("firmware", Type::String, SINGLE),
+    ("point_format", Type::String, SINGLE),
+    ("x_unit", Type::String, SINGLE),
+    ("trigger_time_s", Type::Double, SINGLE),
+];
+
+const SETUP: [Field; 3] = [
+    TIMESTAMP,
+    ("shot", Type::Uint32, SINGLE),
+    ("set", Type::String, SINGLE),
+];
+
+const SERIES: [Field; 7] = [
+    TIMESTAMP,
+    ("shot", Type::Uint32, SINGLE),
+    ("name", Type::String, SINGLE),
+    ("unit", Type::String, SINGLE),
+    ("t0_s", Type::Double, SINGLE),
+    ("dt_s", Type::Double, SINGLE),
+    ("values", Type::Double, Label::Repeated),
+];
+
+const ENERGY: [Field; 6] = [
+    TIMESTAMP,
+    ("shot", Type::Uint32, SINGLE),
+    ("initial_j", Type::Double, SINGLE),
+    ("final_j", Type::Double, SINGLE),
+    ("dissipated_j", Type::Double, SINGLE),
+    ("drift", Type::Double, SINGLE),
+];
+
+const LOG: [Field; 6] = [
+    TIMESTAMP,
+    ("level", Type::Enum, SINGLE),
+    ("message", Type::String, SINGLE),
+    ("name", Type::String, SINGLE),
+    ("file", Type::String, SINGLE),
+    ("line", Type::Fixed32, SINGLE),
+];
+
+/// The kinds of messages, by the names of their schemas.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Schema {
+    /// `hertzscope.Capture`
+    Capture,
+    /// `hertzscope.Setup`
+    Setup,
+    /// `hertzscope.Series`
+    Series,
+    /// `hertzscope.Energy`
+    Energy,
+    /// `foxglove.Log`
+    Log,
+}
+
+impl Schema {
+    /// Full name, package included.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Capture => "hertzscope.Capture",
+            Self::Setup => "hertzscope.Setup",
+            Self::Series => "hertzscope.Series",
+            Self::Energy => "hertzscope.Energy",
+            Self::Log => "foxglove.Log",
+        }
+    }
+
+    fn fields(self) -> &'static [Field] {
+        match self {
+            Self::Capture => &CAPTURE,
+            Self::Setup => &SETUP,
+            Self::Series => &SERIES,
+            Self::Energy => &ENERGY,
+            Self::Log => &LOG,
+        }
+    }
+
+    /// The serialised `FileDescriptorSet` by which any protobuf reader decodes this message.
+    #[must_use]
+    pub fn descriptor(self) -> Vec<u8> {
+        let (package, message) = self.name().split_once('.').unwrap_or(("", self.name()));
+        let field = |(number, (name, kind, label)): (i32, &Field)| FieldDescriptorProto {
+            name: Some((*name).to_owned()),
+            number: Some(number),
+            label: Some((*label).into()),
+            r#type: Some((*kind).into()),
+            type_name: match kind {
+                Type::Message => Some(".google.protobuf.Timestamp".to_owned()),
+                Type::Enum => Some(".foxglove.Log.Level".to_owned()),
+                _ => None,
+            },
+            ..Default::default()
+        };
+        let descriptor = DescriptorProto {
+            name: Some(message.to_owned()),
+            field: (1..).zip(self.fields()).map(field).collect(),
+            enum_type: if self == Self::Log {
+                vec![log_level()]
+            } else {
+                Vec::new()
+            },
+            ..Default::default()
+        };
+        let file = FileDescriptorProto {
+            name: Some(format!("{package}/{message}.proto")),
+            package: Some(package.to_owned()),
+            dependency: vec!["google/protobuf/timestamp.proto".to_owned()],
+            message_type: vec![descriptor],
+            syntax: Some("proto3".to_owned()),
+            ..Default::default()
+        };
+        FileDescriptorSet {
+            file: vec![timestamp_file(), file],
+        }
+        .encode_to_vec()
+    }
+}
+
+fn log_level() -> EnumDescriptorProto {
+    let names = ["UNKNOWN", "DEBUG", "INFO", "WARNING", "ERROR", "FATAL"];
+    let value = |(number, name): (i32, &&str)| EnumValueDescriptorProto {
+        name: Some((*name).to_owned()),
+        number: Some(number),
+        ..Default::default()
+    };
+    EnumDescriptorProto {
+        name: Some("Level".to_owned()),
+        value: (0..).zip(&names).map(value).collect(),
+        ..Default::default()
+    }
+}
+
+fn timestamp_file() -> FileDescriptorProto {
+    let field = |name: &str, number: i32, kind: Type| FieldDescriptorProto {
+        name: Some(name.to_owned()),
+        number: Some(number),
+        label: Some(Label::Optional.into()),
+        r#type: Some(kind.into()),
+        ..Default::default()
+    };
+    FileDescriptorProto {
+        name: Some("google/protobuf/timestamp.proto".to_owned()),
+        package: Some("google.protobuf".to_owned()),
+        message_type: vec![DescriptorProto {
+            name: Some("Timestamp".to_owned()),
+            field: vec![
+                field("seconds", 1, Type::Int64),
+                field("nanos", 2, Type::Int32),
+            ],
+            ..Default::default()
+        }],
+        syntax: Some("proto3".to_owned()),
+        ..Default::default()
+    }
+}
+
+/// Nanoseconds since 1970 as protobuf keeps them.
+#[must_use]
+pub fn timestamp(nanoseconds: u64) -> Timestamp {
+    const BILLION: u64 = 1_000_000_000;
+    Timestamp {
+        seconds: i64::try_from(nanoseconds / BILLION).unwrap_or(i64::MAX),
+        nanos: i32::try_from(nanoseconds % BILLION).unwrap_or(0),
+    }
+}

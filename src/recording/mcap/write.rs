@@ -1,0 +1,320 @@
+//! Writes recordings so that an abort loses nothing already triggered, and the same seed gives the same bytes.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+
+use mcap::records::{MessageHeader, Metadata};
+use mcap::{Attachment as McapAttachment, Compression, WriteOptions, Writer};
+use prost::Message as _;
+
+use super::message::{self, Schema, timestamp};
+use crate::recording::{Attachment, Capture, Origin, Shot, TraceSet};
+use crate::trace::Trace;
+
+/// Profile that the file's header names.
+pub const PROFILE: &str = "hertzscope";
+/// Uncompressed size at which a chunk ends: a damaged chunk takes no more than this with it.
+const CHUNK_BYTES: u64 = 256 * 1024;
+
+/// Why a recording could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum WriteError {
+    /// The file could not be created, written or synchronised.
+    #[error("{file}: {source}")]
+    File {
+        /// The file.
+        file: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// The container could not be written.
+    #[error("{file}: {source}")]
+    Container {
+        /// The file.
+        file: PathBuf,
+        /// What the container's writer says.
+        source: mcap::McapError,
+    },
+}
+
+/// What a shot leaves beside its captures and truth.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ShotNotes {
+    /// The front panel as `SET?` would tell it.
+    pub set_up: String,
+    /// The energy ledger, of a simulation.
+    pub energy: Option<message::Energy>,
+    /// Lines for people; `true` marks a warning.
+    pub log: Vec<(bool, String)>,
+}
+
+/// An open recording.
+pub struct RecordingWriter {
+    file: PathBuf,
+    writer: Writer<BufWriter<File>>,
+    schemas: BTreeMap<Schema, u16>,
+    channels: BTreeMap<String, u16>,
+    sequence: u32,
+}
+
+impl RecordingWriter {
+    /// Creates `file`, overwriting it, with the facts that hold for all of it.
+    ///
+    /// # Errors
+    /// [`WriteError`] where the file cannot be written.
+    pub fn create(
+        file: &Path,
+        metadata: &BTreeMap<String, BTreeMap<String, String>>,
+        attachments: &[Attachment],
+    ) -> Result<Self, WriteError> {
+        let path = file.to_owned();
+        let system = |source| WriteError::File {
+            file: path.clone(),
+            source,
+        };
+        let container = |source| WriteError::Container {
+            file: path.clone(),
+            source,
+        };
+        if let Some(folder) = file.parent().filter(|f| !f.as_os_str().is_empty()) {
+            std::fs::create_dir_all(folder).map_err(system)?;
+        }
+        let target = BufWriter::new(File::create(file).map_err(system)?);
+        let mut writer = WriteOptions::new()
+            .profile(PROFILE)
+            .library(concat!("hertzscope ", env!("CARGO_PKG_VERSION")))
+            .compression(Some(Compression::Zstd))
+            .compression_threads(0)
+            .chunk_size(Some(CHUNK_BYTES))
+            .disable_seeking(true)
+            .create(target)
+            .map_err(container)?;
+        for (name, facts) in metadata {
+            let record = Metadata {
+                name: name.clone(),
+                metadata: facts.clone(),
+            };
+            writer.write_metadata(&record).map_err(container)?;
+        }
+        for attachment in attachments {
+            writer
+                .attach(&McapAttachment {
+                    log_time: 0,
+                    create_time: 0,
+                    name: attachment.name.clone(),
+                    media_type: attachment.media_type.clone(),
+                    data: std::borrow::Cow::Borrowed(&attachment.data),
+                })
+                .map_err(container)?;
+        }
+        writer.flush().map_err(container)?;
+        Ok(Self {
+            file: path.clone(),
+            writer,
+            schemas: BTreeMap::new(),
+            channels: BTreeMap::new(),
+            sequence: 0,
+        })
+    }
+
+    /// Adds one shot and hands it to the operating system before returning.
+    ///
+    /// # Errors
+    /// [`WriteError`] where the file cannot be written.
+    pub fn add(&mut self, shot: &Shot, notes: &ShotNotes) -> Result<(), WriteError> {
+        let at = shot.timestamp_ns;
+        let set_up = message::Setup {
+            timestamp: Some(timestamp(at)),
+            shot: shot.number,
+            set: notes.set_up.clone(),
+        };
+        self.message("/scope/setup", Schema::Setup, at, &set_up.encode_to_vec())?;
+        for capture in &shot.captures {
+            let topic = format!(
+                "/scope/{}",
+                capture.waveform.source.to_string().to_lowercase()
+            );
+            let message = capture_message(shot, capture);
+            self.message(&topic, Schema::Capture, at, &message.encode_to_vec())?;
+        }
+        for trace in &shot.truth {
+            let (topic, _) = trace.name.split_once(": ").unwrap_or((&trace.name, ""));
+            let message = series_message(shot, trace);
+            let topic = format!("/truth/{topic}");
+            self.message(&topic, Schema::Series, at, &message.encode_to_vec())?;
+        }
+        if let Some(energy) = &notes.energy {
+            let energy = message::Energy {
+                timestamp: Some(timestamp(at)),
+                shot: shot.number,
+                ..*energy
+            };
+            self.message("/energy", Schema::Energy, at, &energy.encode_to_vec())?;
+        }
+        for (warning, line) in &notes.log {
+            let log = message::Log {
+                timestamp: Some(timestamp(at)),
+                level: if *warning { 3 } else { 2 },
+                message: line.clone(),
+                name: "hertzscope".to_owned(),
+                ..Default::default()
+            };
+            self.message("/log", Schema::Log, at, &log.encode_to_vec())?;
+        }
+        self.writer.flush().map_err(|source| self.container(source))
+    }
+
+    /// Writes the summary section and waits until the disk has all of it.
+    ///
+    /// # Errors
+    /// [`WriteError`] where the file cannot be written.
+    pub fn finish(mut self) -> Result<(), WriteError> {
+        self.writer
+            .finish()
+            .map_err(|source| self.container(source))?;
+        let file = self.file;
+        let system = |source| WriteError::File {
+            file: file.clone(),
+            source,
+        };
+        let buffer = self.writer.into_inner();
+        let target = buffer.into_inner().map_err(|e| system(e.into_error()))?;
+        target.sync_all().map_err(system)
+    }
+
+    fn message(
+        &mut self,
+        topic: &str,
+        schema: Schema,
+        at: u64,
+        data: &[u8],
+    ) -> Result<(), WriteError> {
+        let channel_id = self
+            .channel(topic, schema)
+            .map_err(|source| self.container(source))?;
+        let header = MessageHeader {
+            channel_id,
+            sequence: self.sequence,
+            log_time: at,
+            publish_time: at,
+        };
+        self.sequence = self.sequence.wrapping_add(1);
+        self.writer
+            .write_to_known_channel(&header, data)
+            .map_err(|source| self.container(source))
+    }
+
+    fn channel(&mut self, topic: &str, schema: Schema) -> Result<u16, mcap::McapError> {
+        if let Some(id) = self.channels.get(topic) {
+            return Ok(*id);
+        }
+        let schema_id = match self.schemas.get(&schema) {
+            Some(id) => *id,
+            None => {
+                let id = self
+                    .writer
+                    .add_schema(schema.name(), "protobuf", &schema.descriptor())?;
+                self.schemas.insert(schema, id);
+                id
+            }
+        };
+        let id = self
+            .writer
+            .add_channel(schema_id, topic, "protobuf", &BTreeMap::new())?;
+        self.channels.insert(topic.to_owned(), id);
+        Ok(id)
+    }
+
+    fn container(&self, source: mcap::McapError) -> WriteError {
+        WriteError::Container {
+            file: self.file.clone(),
+            source,
+        }
+    }
+}
+
+/// Writes a whole set, such as an import, to `file`.
+///
+/// # Errors
+/// [`WriteError`] where the file cannot be written.
+pub fn write(file: &Path, set: &TraceSet) -> Result<(), WriteError> {
+    let mut writer = RecordingWriter::create(file, &set.metadata, &set.attachments)?;
+    for shot in &set.shots {
+        writer.add(shot, &ShotNotes::default())?;
+    }
+    writer.finish()
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "volts are kept as f32 for display; codes keep them exactly"
+)]
+fn capture_message(shot: &Shot, capture: &Capture) -> message::Capture {
+    let waveform = &capture.waveform;
+    let preamble = &waveform.preamble;
+    let vertical = &waveform.vertical;
+    let narrow: Option<Vec<i8>> = waveform
+        .codes
+        .iter()
+        .map(|code| i8::try_from(*code).ok())
+        .collect();
+    let codes = match narrow {
+        Some(codes) => codes.into_iter().flat_map(i8::to_be_bytes).collect(),
+        None => waveform
+            .codes
+            .iter()
+            .copied()
+            .flat_map(i16::to_be_bytes)
+            .collect(),
+    };
+    let instrument = capture.instrument.as_ref();
+    message::Capture {
+        timestamp: Some(timestamp(shot.timestamp_ns)),
+        shot: shot.number,
+        source: waveform.source.to_string(),
+        t0_s: preamble.x_zero,
+        dt_s: preamble.x_incr,
+        y_mult: preamble.y_mult,
+        y_off: preamble.y_off,
+        y_zero: preamble.y_zero,
+        unit: preamble.y_unit.clone(),
+        codes,
+        volts: waveform
+            .codes
+            .iter()
+            .map(|code| waveform.volts_of(*code) as f32)
+            .collect(),
+        origin: match shot.origin {
+            Origin::Simulated => "simulated".to_owned(),
+            Origin::Measured => "measured".to_owned(),
+        },
+        trigger_point: waveform.trigger_point,
+        vertical_scale: vertical.scale,
+        horizontal_scale: waveform.horizontal_scale,
+        position_div: vertical.position,
+        probe: vertical.probe,
+        coupling: vertical.coupling.map(|c| c.to_string()).unwrap_or_default(),
+        bandwidth_limited: vertical.bandwidth_limited,
+        inverted: vertical.inverted,
+        model: instrument.map(|i| i.model.clone()).unwrap_or_default(),
+        serial: instrument.map(|i| i.serial.clone()).unwrap_or_default(),
+        firmware: instrument.map(|i| i.firmware.clone()).unwrap_or_default(),
+        point_format: preamble.pt_fmt.to_string(),
+        x_unit: preamble.x_unit.clone(),
+        trigger_time_s: shot.trigger_time,
+    }
+}
+
+fn series_message(shot: &Shot, trace: &Trace) -> message::Series {
+    message::Series {
+        timestamp: Some(timestamp(shot.timestamp_ns)),
+        shot: shot.number,
+        name: trace.name.clone(),
+        unit: trace.unit.clone(),
+        t0_s: trace.start,
+        dt_s: trace.interval,
+        values: trace.values.clone(),
+    }
+}

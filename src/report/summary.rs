@@ -1,0 +1,144 @@
+//! The summary of a run as a page of text.
+
+use super::table;
+use crate::experiment::outcome::{Reading, Speed, Summary};
+use crate::quantity::engineering;
+
+/// The page that `run` prints.
+#[must_use]
+pub fn summary(summary: &Summary) -> String {
+    let mut lines = vec![
+        format!("{}: {}", summary.scene, summary.title),
+        String::new(),
+    ];
+    lines.extend(readings(summary));
+    if !summary.speeds.is_empty() {
+        lines.push(String::new());
+        lines.extend(speeds(&summary.speeds));
+    }
+    lines.push(String::new());
+    lines.extend(costs(summary));
+    for note in &summary.notes {
+        lines.push(format!("  note        {note}"));
+    }
+    lines.join("\n")
+}
+
+fn readings(summary: &Summary) -> Vec<String> {
+    let heading = [
+        "where",
+        "static",
+        "first peak",
+        "dynamic",
+        "at",
+        "half-rise",
+        "10 %",
+    ];
+    let mut rows = vec![heading.map(str::to_owned).to_vec()];
+    let newton = |force: f64| engineering(force, "N", 4);
+    let seconds = |time: Option<f64>| time.map_or("-".to_owned(), |t| engineering(t, "s", 4));
+    let row = |reading: &Reading| {
+        let place = match reading.particle {
+            Some(particle) if reading.offset == 0.0 => format!("particle {particle}"),
+            Some(particle) => format!("particle {particle}, offset {}", reading.offset),
+            None => "wall".to_owned(),
+        };
+        let peak = reading.first_peak;
+        vec![
+            place,
+            newton(reading.static_n),
+            peak.map_or("-".to_owned(), |p| newton(p.total_n)),
+            peak.map_or("-".to_owned(), |p| newton(p.dynamic_n)),
+            seconds(peak.map(|p| p.time_s)),
+            seconds(reading.half_rise_s),
+            seconds(reading.ten_percent_s),
+        ]
+    };
+    rows.extend(summary.sensors.iter().chain(&summary.wall).map(row));
+    let mut lines = vec![
+        "force inside the particle, before any electronics; times from the striker's first contact"
+            .to_owned(),
+    ];
+    lines.extend(table::lines(&rows, &[0]));
+    lines
+}
+
+/// One row a pair of neighbouring sensors, one column an estimator.
+fn speeds(speeds: &[Speed]) -> Vec<String> {
+    let mut rows = vec![
+        ["from -> to", "distance", "half-rise", "peak", "10 %"]
+            .map(str::to_owned)
+            .to_vec(),
+    ];
+    for pair in speeds.chunk_by(|a, b| (a.from, a.to) == (b.from, b.to)) {
+        let Some(first) = pair.first() else { continue };
+        let by = |estimator: &str| {
+            let found = pair.iter().find(|speed| speed.estimator == estimator);
+            found.map_or("-".to_owned(), |speed| engineering(speed.m_per_s, "m/s", 4))
+        };
+        rows.push(vec![
+            format!("{} -> {}", first.from, first.to),
+            engineering(first.distance_m, "m", 5),
+            by("half_rise"),
+            by("peak"),
+            by("ten_percent"),
+        ]);
+    }
+    let mut lines = vec!["pulse speed by each estimator of the arrival".to_owned()];
+    lines.extend(table::lines(&rows, &[0]));
+    lines
+}
+
+fn costs(summary: &Summary) -> Vec<String> {
+    let energy = &summary.energy;
+    let setting = match (summary.accuracy, summary.step_s) {
+        (Some(accuracy), _) => format!("accuracy {accuracy:e} asked for"),
+        (None, Some(step)) => format!("step {} by hand", engineering(step, "s", 4)),
+        (None, None) => String::new(),
+    };
+    let trigger = match (summary.trigger.time_s, summary.trigger.crossed) {
+        (Some(time), true) => format!(
+            "triggered {} after the first contact",
+            engineering(time, "s", 4)
+        ),
+        (Some(time), false) => format!("automatic trigger at {}", engineering(time, "s", 4)),
+        (None, _) => "not triggered".to_owned(),
+    };
+    let steps = if summary.steps == 0 {
+        "-".to_owned()
+    } else {
+        #[allow(clippy::cast_precision_loss, reason = "an average for display")]
+        let mean = summary.simulated_s / summary.steps as f64;
+        format!(
+            "{} steps of {} on average, {} rejected",
+            summary.steps,
+            engineering(mean, "s", 3),
+            summary.rejected_steps
+        )
+    };
+    let mut lines = vec![
+        format!("  method      {}, {setting}", summary.method),
+        format!("  steps       {steps}"),
+        format!(
+            "  evaluations {} of all contact forces",
+            summary.force_evaluations
+        ),
+        format!(
+            "  time        {} simulated in {} of wall time",
+            engineering(summary.simulated_s, "s", 4),
+            engineering(summary.wall_s, "s", 3)
+        ),
+        format!(
+            "  energy      {} at first, {} dissipated, drift {:.1e}",
+            engineering(energy.initial, "J", 4),
+            engineering(energy.dissipated, "J", 3),
+            energy.drift
+        ),
+        format!("  scope       {trigger}"),
+    ];
+    for (index, effect) in summary.effect_settings.iter().enumerate() {
+        let label = if index == 0 { "effects on" } else { "" };
+        lines.push(format!("  {label:<11} {effect}"));
+    }
+    lines
+}
