@@ -14,11 +14,7 @@ pub fn instrument(kind: &str, name: &str) -> Option<&'static str> {
 /// Names of all instrument files of one kind, sorted; an empty `kind` is the top folder.
 #[must_use]
 pub fn instrument_names(kind: &str) -> Vec<&'static str> {
-    let folder = if kind.is_empty() {
-        Some(&INSTRUMENTS)
-    } else {
-        INSTRUMENTS.get_dir(kind)
-    };
+    let folder = if kind.is_empty() { Some(&INSTRUMENTS) } else { INSTRUMENTS.get_dir(kind) };
     let mut names: Vec<&str> = folder
         .into_iter()
         .flat_map(Dir::files)
@@ -36,9 +32,5 @@ pub fn recording(name: &str) -> Option<&'static [u8]> {
 }
 
 fn path(kind: &str, name: &str) -> String {
-    if kind.is_empty() {
-        format!("{name}.toml")
-    } else {
-        format!("{kind}/{name}.toml")
-    }
+    if kind.is_empty() { format!("{name}.toml") } else { format!("{kind}/{name}.toml") }
 }

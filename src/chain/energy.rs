@@ -6,7 +6,7 @@
 
 use serde::Serialize;
 
-use super::{Chain, hertz};
+use super::Chain;
 use crate::integrate::State;
 
 /// The chain's energy by kind.
@@ -41,8 +41,7 @@ impl Chain {
     pub fn contact_force(&self, position: &[f64], j: usize) -> f64 {
         self.contacts.get(j).map_or(0.0, |contact| {
             let change = self.overlap_change(position, j);
-            contact.static_force
-                + hertz::force_change(contact.stiffness, contact.static_overlap.sqrt(), change)
+            contact.static_force + contact.force_change(change)
         })
     }
 
@@ -56,7 +55,7 @@ impl Chain {
         };
         for (j, contact) in self.contacts.iter().enumerate() {
             let change = self.overlap_change(&state.position, j);
-            energy.elastic += hertz::energy(contact.stiffness, contact.static_overlap + change);
+            energy.elastic += contact.energy(change);
             energy.potential -= contact.static_force * change;
         }
         for (force, u) in self.residual.iter().zip(&state.position) {
@@ -68,10 +67,6 @@ impl Chain {
     /// Total momentum of `state`, downward positive (kg m/s).
     #[must_use]
     pub fn momentum(&self, state: &State) -> f64 {
-        self.bodies
-            .iter()
-            .zip(&state.velocity)
-            .map(|(body, v)| body.mass * v)
-            .sum()
+        self.bodies.iter().zip(&state.velocity).map(|(body, v)| body.mass * v).sum()
     }
 }

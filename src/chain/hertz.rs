@@ -92,10 +92,7 @@ mod tests {
         for change in [-1e-5, -7.35e-6, -3e-6, -1e-9, 0.0, 1e-9, 4e-6, 2e-5] {
             let plain = force(a, d0 + change) - force(a, d0);
             let exact = force_change(a, d0.sqrt(), change);
-            assert!(
-                (plain - exact).abs() <= 4e-15 * force(a, d0 + change.abs()),
-                "{change}"
-            );
+            assert!((plain - exact).abs() <= 4e-15 * force(a, d0 + change.abs()), "{change}");
         }
         assert!((force_change(a, 0.0, 4e-6) - force(a, 4e-6)).abs() < 1e-15);
         assert_eq!(force_change(a, 0.0, -1.0), 0.0);

@@ -14,7 +14,7 @@ pub mod hertz;
 mod probe;
 mod system;
 
-pub use effects::{Effect, EffectsSpec, Gravity, MagnetPreload};
+pub use effects::{Effect, EffectsSpec, Gravity, LinearisedContacts, MagnetPreload};
 pub use energy::Energy;
 pub use hertz::Elasticity;
 pub use probe::{ForceProbe, ForceSegment};
@@ -92,6 +92,14 @@ pub enum ChainError {
         /// Static force (N).
         force: f64,
     },
+    /// A contact without preload has no tangent.
+    #[error(
+        "found no static force above {body}, expected one: effects.linearised_contacts needs every contact precompressed"
+    )]
+    NothingToLinearise {
+        /// The body below the contact.
+        body: String,
+    },
     /// Loads do not balance and no wall takes the rest.
     #[error(
         "found no static state: {rest:e} N remain at the bottom, expected a wall there or balanced forces"
@@ -100,6 +108,15 @@ pub enum ChainError {
         /// What is left (N).
         rest: f64,
     },
+}
+
+/// How a contact's force follows its overlap.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Law {
+    /// Hertz: `F = A overlap^1.5`, nothing once open.
+    Hertz,
+    /// Hertz linearised about the static state, by [`LinearisedContacts`].
+    Linearised,
 }
 
 /// One contact and its static state.
@@ -111,6 +128,50 @@ pub struct Contact {
     pub static_force: f64,
     /// Static overlap (m).
     pub static_overlap: f64,
+    /// How the force follows the overlap.
+    pub law: Law,
+}
+
+impl Contact {
+    /// Nothing stands here.
+    const OPEN: Self =
+        Self { stiffness: 0.0, static_force: 0.0, static_overlap: 0.0, law: Law::Hertz };
+
+    /// Stiffness against small changes of the static state (N/m).
+    #[must_use]
+    pub fn static_stiffness(&self) -> f64 {
+        hertz::tangent_stiffness(self.stiffness, self.static_overlap)
+    }
+
+    /// Change of the force when the overlap grows by `change` (m) over the static one (N).
+    #[must_use]
+    pub fn force_change(&self, change: f64) -> f64 {
+        match self.law {
+            Law::Hertz => hertz::force_change(self.stiffness, self.static_overlap.sqrt(), change),
+            Law::Linearised => self.static_stiffness() * change,
+        }
+    }
+
+    /// Stiffness against further changes (N/m).
+    #[must_use]
+    pub fn tangent_stiffness(&self, change: f64) -> f64 {
+        match self.law {
+            Law::Hertz => hertz::tangent_stiffness(self.stiffness, self.static_overlap + change),
+            Law::Linearised => self.static_stiffness(),
+        }
+    }
+
+    /// Elastic energy, that of the static overlap included (J).
+    #[must_use]
+    pub fn energy(&self, change: f64) -> f64 {
+        match self.law {
+            Law::Hertz => hertz::energy(self.stiffness, self.static_overlap + change),
+            Law::Linearised => {
+                hertz::energy(self.stiffness, self.static_overlap)
+                    + (self.static_force + 0.5 * self.static_stiffness() * change) * change
+            }
+        }
+    }
 }
 
 /// A chain in static equilibrium, the striker at rest where it first touches.
@@ -136,19 +197,10 @@ impl Chain {
         if striker && matches!(spec.top, End::Wall(_)) {
             return Err(ChainError::StrikerBehindWall);
         }
-        let bodies: Vec<Body> = spec
-            .striker
-            .iter()
-            .chain(&spec.particles)
-            .cloned()
-            .collect();
+        let bodies: Vec<Body> = spec.striker.iter().chain(&spec.particles).cloned().collect();
         let loads = loads(spec, &bodies);
         let first = usize::from(striker);
-        let top_force = if matches!(spec.top, End::Wall(_)) {
-            spec.wall_preload
-        } else {
-            0.0
-        };
+        let top_force = if matches!(spec.top, End::Wall(_)) { spec.wall_preload } else { 0.0 };
         let mut contacts = Vec::with_capacity(bodies.len() + 1);
         let mut bears = 0.0;
         for j in 0..=bodies.len() {
@@ -163,12 +215,7 @@ impl Chain {
         if let (true, Some(rest), Some(load)) = (striker, residual.first_mut(), loads.first()) {
             *rest = *load;
         }
-        Ok(Self {
-            bodies,
-            contacts,
-            residual,
-            striker,
-        })
+        Ok(Self { bodies, contacts, residual, striker })
     }
 
     /// The bodies from top to bottom, the striker first.
@@ -205,25 +252,16 @@ impl Chain {
     #[must_use]
     pub fn wall_contact(&self) -> Option<usize> {
         let last = self.contacts.len() - 1;
-        self.contacts
-            .get(last)
-            .filter(|c| c.stiffness > 0.0)
-            .map(|_| last)
+        self.contacts.get(last).filter(|c| c.stiffness > 0.0).map(|_| last)
     }
 
     /// Static distance between the centres of two particles, overlaps subtracted (m).
     #[must_use]
     pub fn distance(&self, upper: usize, lower: usize) -> f64 {
-        let (from, to) = (
-            self.body_of(upper.min(lower)),
-            self.body_of(upper.max(lower)),
-        );
+        let (from, to) = (self.body_of(upper.min(lower)), self.body_of(upper.max(lower)));
         let between = |pair: &[Body]| pair.iter().map(|b| 0.5 * b.length).sum::<f64>();
         let lengths: f64 = self.bodies[from..=to].windows(2).map(between).sum();
-        let overlaps: f64 = self.contacts[from + 1..=to]
-            .iter()
-            .map(|c| c.static_overlap)
-            .sum();
+        let overlaps: f64 = self.contacts[from + 1..=to].iter().map(|c| c.static_overlap).sum();
         lengths - overlaps
     }
 
@@ -233,10 +271,7 @@ impl Chain {
         let body = self.body_of(particle);
         let half = self.bodies.get(body).map_or(0.0, |b| 0.5 * b.length);
         let below: f64 = self.bodies[body + 1..].iter().map(|b| b.length).sum();
-        let overlaps: f64 = self.contacts[body + 1..]
-            .iter()
-            .map(|c| c.static_overlap)
-            .sum();
+        let overlaps: f64 = self.contacts[body + 1..].iter().map(|c| c.static_overlap).sum();
         half + below - overlaps
     }
 
@@ -266,8 +301,7 @@ impl Chain {
         if contact.static_overlap == 0.0 {
             return free;
         }
-        let stiffness = hertz::tangent_stiffness(contact.stiffness, contact.static_overlap);
-        free.min(speed.abs() * (mass / stiffness).sqrt())
+        free.min(speed.abs() * (mass / contact.static_stiffness()).sqrt())
     }
 }
 
@@ -341,31 +375,26 @@ fn contact(spec: &ChainSpec, bodies: &[Body], j: usize, bears: f64) -> Result<Co
         Some(above) => bodies.get(above).map(side),
         None => wall(&spec.top, "the top wall"),
     };
-    let lower = bodies
-        .get(j)
-        .map(side)
-        .or_else(|| wall(&spec.bottom, "the bottom wall"));
+    let lower = bodies.get(j).map(side).or_else(|| wall(&spec.bottom, "the bottom wall"));
     let (Some(upper), Some(lower)) = (upper, lower) else {
         return open_end(spec, bodies, j, bears);
     };
     let stiffness = hertz::stiffness((upper.0, upper.1), (lower.0, lower.1));
     if !stiffness.is_finite() {
-        return Err(ChainError::FlatOnFlat {
-            upper: upper.2,
-            lower: lower.2,
-        });
+        return Err(ChainError::FlatOnFlat { upper: upper.2, lower: lower.2 });
     }
     if bears < 0.0 {
-        return Err(ChainError::Pulling {
-            body: lower.2,
-            force: bears,
-        });
+        return Err(ChainError::Pulling { body: lower.2, force: bears });
     }
-    Ok(Contact {
-        stiffness,
-        static_force: bears,
-        static_overlap: hertz::overlap(stiffness, bears),
-    })
+    let law = match spec.effects.linearised_contacts {
+        Some(LinearisedContacts) if bears == 0.0 => {
+            return Err(ChainError::NothingToLinearise { body: lower.2 });
+        }
+        Some(LinearisedContacts) => Law::Linearised,
+        None => Law::Hertz,
+    };
+    let static_overlap = hertz::overlap(stiffness, bears);
+    Ok(Contact { stiffness, static_force: bears, static_overlap, law })
 }
 
 /// The place of a contact where nothing stands; at the bottom the loads must have cancelled.
@@ -376,19 +405,11 @@ fn open_end(
     bears: f64,
 ) -> Result<Contact, ChainError> {
     if j == bodies.len() {
-        let support = if let End::Force(force) = spec.bottom {
-            force
-        } else {
-            0.0
-        };
+        let support = if let End::Force(force) = spec.bottom { force } else { 0.0 };
         let rest = bears - support;
         if rest.abs() > 1e-12 * (bears.abs() + support.abs()) {
             return Err(ChainError::Unbalanced { rest });
         }
     }
-    Ok(Contact {
-        stiffness: 0.0,
-        static_force: 0.0,
-        static_overlap: 0.0,
-    })
+    Ok(Contact::OPEN)
 }

@@ -1,6 +1,6 @@
 //! Forces where somebody looks: inside a particle or in one contact, anywhere within an integrator's step.
 
-use super::{Chain, Contact, hertz};
+use super::{Chain, Contact};
 use crate::integrate::{Integrator, Interpolant};
 
 /// A weighted sum of two neighbouring contact forces: what a plate in a particle feels.
@@ -21,50 +21,30 @@ impl ForceProbe {
     #[must_use]
     pub fn inside(chain: &Chain, particle: usize, offset: f64) -> Option<Self> {
         let body = chain.body_of(particle);
-        let contacts = [
-            *chain.contacts().get(body)?,
-            *chain.contacts().get(body + 1)?,
-        ];
+        let contacts = [*chain.contacts().get(body)?, *chain.contacts().get(body + 1)?];
         chain.bodies().get(body)?;
-        Some(Self {
-            contacts,
-            weights: [0.5 - offset, 0.5 + offset],
-            body,
-        })
+        Some(Self { contacts, weights: [0.5 - offset, 0.5 + offset], body })
     }
 
     /// The force in the contact above body `contact` (from 0).
     #[must_use]
     pub fn contact(chain: &Chain, contact: usize) -> Option<Self> {
         let above = contact.checked_sub(1)?;
-        let contacts = [
-            *chain.contacts().get(above)?,
-            *chain.contacts().get(contact)?,
-        ];
-        Some(Self {
-            contacts,
-            weights: [0.0, 1.0],
-            body: above,
-        })
+        let contacts = [*chain.contacts().get(above)?, *chain.contacts().get(contact)?];
+        Some(Self { contacts, weights: [0.0, 1.0], body: above })
     }
 
     /// Force at static equilibrium (N).
     #[must_use]
     pub fn static_force(&self) -> f64 {
-        self.contacts
-            .iter()
-            .zip(self.weights)
-            .map(|(c, w)| w * c.static_force)
-            .sum()
+        self.contacts.iter().zip(self.weights).map(|(c, w)| w * c.static_force).sum()
     }
 
     /// The probe's view of the integrator's last step, whose interpolation is prepared.
     #[must_use]
     pub fn over_step(&self, integrator: &dyn Integrator, bodies: usize) -> ForceSegment {
         let body = |index: Option<usize>| {
-            index
-                .filter(|i| *i < bodies)
-                .map_or(Interpolant::REST, |i| integrator.interpolant(i))
+            index.filter(|i| *i < bodies).map_or(Interpolant::REST, |i| integrator.interpolant(i))
         };
         let (start, length) = integrator.last_step();
         ForceSegment {
@@ -99,10 +79,7 @@ impl ForceSegment {
         let terms = self.probe.contacts.iter().zip(self.probe.weights);
         terms
             .zip([above - here, here - below])
-            .map(|((contact, weight), change)| {
-                weight
-                    * hertz::force_change(contact.stiffness, contact.static_overlap.sqrt(), change)
-            })
+            .map(|((contact, weight), change)| weight * contact.force_change(change))
             .sum()
     }
 
@@ -117,8 +94,7 @@ impl ForceSegment {
         terms
             .zip(overlaps.into_iter().zip(closing))
             .map(|((contact, weight), (change, closing))| {
-                let overlap = contact.static_overlap + change;
-                weight * hertz::tangent_stiffness(contact.stiffness, overlap) * closing
+                weight * contact.tangent_stiffness(change) * closing
             })
             .sum()
     }

@@ -1,12 +1,14 @@
 //! The chain as a system to integrate: a plan of plain arrays, made once before the first step.
 
-use super::{Chain, hertz};
+use super::{Chain, Law, hertz};
 use crate::integrate::{Scales, System};
 
 /// Contacts and masses laid out for the force loop. Bodies feel only changes against the static state, so constant
 /// loads have vanished from it but for what statics leaves over, the striker's weight.
 #[derive(Debug, Clone)]
 pub struct ChainSystem {
+    law: Law,
+    /// `A` of each contact, or its tangent where contacts are linearised.
     stiffness: Vec<f64>,
     static_overlap: Vec<f64>,
     static_root: Vec<f64>,
@@ -25,8 +27,18 @@ impl ChainSystem {
     pub fn new(chain: &Chain, initial_velocity: &[f64]) -> Self {
         let contacts = chain.contacts();
         let bodies = chain.bodies();
+        let law = if contacts.iter().any(|c| c.law == Law::Linearised) {
+            Law::Linearised
+        } else {
+            Law::Hertz
+        };
+        let stiffness = |contact: &super::Contact| match law {
+            Law::Hertz => contact.stiffness,
+            Law::Linearised => contact.static_stiffness(),
+        };
         Self {
-            stiffness: contacts.iter().map(|c| c.stiffness).collect(),
+            law,
+            stiffness: contacts.iter().map(stiffness).collect(),
             static_overlap: contacts.iter().map(|c| c.static_overlap).collect(),
             static_root: contacts.iter().map(|c| c.static_overlap.sqrt()).collect(),
             inverse_mass: bodies.iter().map(|b| 1.0 / b.mass).collect(),
@@ -53,15 +65,19 @@ impl System for ChainSystem {
         self.displacement[1..=n].copy_from_slice(position);
         let above = &self.displacement[..=n];
         let below = &self.displacement[1..];
-        let contacts = self
-            .stiffness
-            .iter()
-            .zip(&self.static_root)
-            .zip(above.iter().zip(below));
-        for (force, ((stiffness, root), (above, below))) in
-            self.force_change.iter_mut().zip(contacts)
-        {
-            *force = hertz::force_change(*stiffness, *root, above - below);
+        let changes = above.iter().zip(below).map(|(above, below)| above - below);
+        let contacts = self.force_change.iter_mut().zip(changes).zip(&self.stiffness);
+        match self.law {
+            Law::Hertz => {
+                for (((force, change), stiffness), root) in contacts.zip(&self.static_root) {
+                    *force = hertz::force_change(*stiffness, *root, change);
+                }
+            }
+            Law::Linearised => {
+                for ((force, change), stiffness) in contacts {
+                    *force = stiffness * change;
+                }
+            }
         }
         let forces = self.force_change.iter().zip(&self.force_change[1..]);
         let bodies = self.inverse_mass.iter().zip(&self.residual_acceleration);
@@ -75,11 +91,7 @@ impl System for ChainSystem {
     fn scales(&self, position: &[f64], velocity: &[f64]) -> Scales {
         let n = self.inverse_mass.len();
         let at = |index: usize| {
-            if index == 0 || index > n {
-                0.0
-            } else {
-                position[index - 1]
-            }
+            if index == 0 || index > n { 0.0 } else { position[index - 1] }
         };
         let mut overlap = self.overlap_floor;
         for (j, (stiffness, static_overlap)) in
@@ -91,9 +103,6 @@ impl System for ChainSystem {
             }
         }
         let speed = velocity.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-        Scales {
-            position: overlap,
-            velocity: speed,
-        }
+        Scales { position: overlap, velocity: speed }
     }
 }

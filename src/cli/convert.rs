@@ -35,7 +35,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         }
         Some("csv") => csv_file(&set, output)?,
         None => folders(&set, output)?,
-        Some(other) => bail!("{}: found the ending .{other}, expected .mcap, .csv, or a folder", output.display()),
+        Some(other) => bail!(
+            "{}: found the ending .{other}, expected .mcap, .csv, or a folder",
+            output.display()
+        ),
     };
     if !arguments.quiet {
         for file in written {

@@ -30,9 +30,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 fn as_json(set: &TraceSet) -> Value {
-    let attachments = set.attachments.iter().map(
-        |a| json!({ "name": a.name, "media_type": a.media_type, "bytes": a.data.len() }),
-    );
+    let attachments = set
+        .attachments
+        .iter()
+        .map(|a| json!({ "name": a.name, "media_type": a.media_type, "bytes": a.data.len() }));
     json!({
         "metadata": set.metadata,
         "shots": set.shots.iter().map(shot).collect::<Vec<_>>(),

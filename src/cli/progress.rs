@@ -24,7 +24,12 @@ impl Progress {
     }
 
     /// Hears that `share` of the work is done, 0 to 1.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss, reason = "a share of a thousand parts")]
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_precision_loss,
+        reason = "a share of a thousand parts"
+    )]
     pub fn at(&mut self, share: f64) {
         if self.quiet || (self.bar.is_none() && self.started.elapsed() < PATIENCE) {
             return;
@@ -35,7 +40,9 @@ impl Progress {
                 .with_message(self.what.clone());
             let template = "{msg} [{bar:30}] {percent:>3} %, {eta} left";
             let style = ProgressStyle::with_template(template);
-            bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
+            bar.set_style(
+                style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "),
+            );
             bar
         });
         bar.set_position((share.clamp(0.0, 1.0) * PARTS as f64) as u64);

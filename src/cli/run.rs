@@ -76,14 +76,16 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let known = facts::facts(&scene, integration)?;
     let output = match &arguments.output {
         Some(output) if output.extension().is_none_or(|e| e != "mcap") => {
-            bail!("{}: found no .mcap at the end, expected the name of a recording (see `hertzscope convert` for CSV)", output.display())
+            bail!(
+                "{}: found no .mcap at the end, expected the name of a recording (see `hertzscope convert` for CSV)",
+                output.display()
+            )
         }
         Some(output) => output.clone(),
         None => free_name(&scene.name),
     };
     // Before the work, so that a folder that cannot be written to costs no simulation.
-    let mut writer =
-        RecordingWriter::create(&output, &known, &[facts::scene_attachment(&scene)])?;
+    let mut writer = RecordingWriter::create(&output, &known, &[facts::scene_attachment(&scene)])?;
     let mut progress = Progress::new(&scene.name, arguments.quiet);
     let outcome = experiment::run(&scene, integration, 1, &mut |share| progress.at(share));
     progress.done();

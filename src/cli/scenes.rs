@@ -18,10 +18,8 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(name) = &arguments.name {
-        let text = data::instrument("scenes", name).ok_or_else(|| SceneError::Unknown {
-            name: name.clone(),
-            shipped: Scene::names(),
-        })?;
+        let text = data::instrument("scenes", name)
+            .ok_or_else(|| SceneError::Unknown { name: name.clone(), shipped: Scene::names() })?;
         return super::print(text.trim_end());
     }
     let scenes = Scene::names().into_iter().map(Scene::load).collect::<Result<Vec<_>, _>>()?;

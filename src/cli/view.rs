@@ -19,7 +19,9 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let set = open(&arguments.file)?;
     if !std::io::stdout().is_terminal() {
-        bail!("found no terminal on standard output, expected one; `hertzscope info` prints what is in the file");
+        bail!(
+            "found no terminal on standard output, expected one; `hertzscope info` prints what is in the file"
+        );
     }
     let name = arguments.file.file_name().map(|n| n.to_string_lossy().into_owned());
     tui::run(set, name.unwrap_or_default())?;

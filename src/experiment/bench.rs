@@ -17,10 +17,7 @@ pub struct Grid {
 impl Grid {
     /// Time of sample `index` (s).
     #[must_use]
-    #[allow(
-        clippy::cast_precision_loss,
-        reason = "runs have far fewer than 2^53 samples"
-    )]
+    #[allow(clippy::cast_precision_loss, reason = "runs have far fewer than 2^53 samples")]
     pub fn time(&self, index: usize) -> f64 {
         self.start + index as f64 * self.interval
     }
@@ -69,11 +66,8 @@ impl<'a> Bench<'a> {
     ) -> Self {
         let (grid, film_grid) = grids;
         let bodies = chain.bodies().len();
-        let state = State {
-            time: 0.0,
-            position: vec![0.0; bodies],
-            velocity: initial_velocities.to_vec(),
-        };
+        let state =
+            State { time: 0.0, position: vec![0.0; bodies], velocity: initial_velocities.to_vec() };
         let initial_energy = chain.energy(&state);
         let system = ChainSystem::new(chain, initial_velocities);
         // Before the first contact nothing moves: those samples are known.
@@ -138,10 +132,7 @@ impl<'a> Bench<'a> {
     /// Energy at the start and now.
     #[must_use]
     pub fn energies(&self) -> (Energy, Energy) {
-        (
-            self.initial_energy,
-            self.chain.energy(self.integrator.state()),
-        )
+        (self.initial_energy, self.chain.energy(self.integrator.state()))
     }
 
     /// The present state.
@@ -167,8 +158,7 @@ impl Watch {
         let end = integrator.state().time;
         let mut time = grid.time(self.samples.len());
         while time <= end {
-            self.samples
-                .push(segment.force((time - segment.start) / segment.length));
+            self.samples.push(segment.force((time - segment.start) / segment.length));
             time = grid.time(self.samples.len());
         }
     }
@@ -182,9 +172,8 @@ impl Film {
         if self.grid.time(self.frames) > end {
             return;
         }
-        let motion: Vec<Interpolant> = (0..chain.bodies().len())
-            .map(|body| integrator.interpolant(body))
-            .collect();
+        let motion: Vec<Interpolant> =
+            (0..chain.bodies().len()).map(|body| integrator.interpolant(body)).collect();
         while self.grid.time(self.frames) <= end {
             let theta = (self.grid.time(self.frames) - start) / length;
             let position: Vec<f64> = motion.iter().map(|m| m.position(theta)).collect();

@@ -23,16 +23,12 @@ pub fn facts(scene: &Scene, integration: Integration) -> Result<Facts, RunError>
         Integration::Accuracy(accuracy) => format!("{accuracy:e}"),
         Integration::FixedStep(step) => format!("step {step:e} s by hand"),
     };
-    let on: Vec<String> = effects(scene)
-        .into_iter()
-        .map(|(name, set)| format!("{name} ({set})"))
-        .collect();
+    let on: Vec<String> =
+        effects(scene).into_iter().map(|(name, set)| format!("{name} ({set})")).collect();
     let setup = &scene.scope;
     let mut facts = Facts::new();
     let mut add = |group: &str, pairs: Vec<(&str, String)>| {
-        let pairs = pairs
-            .into_iter()
-            .map(|(key, value)| (key.to_owned(), value));
+        let pairs = pairs.into_iter().map(|(key, value)| (key.to_owned(), value));
         facts.insert(group.to_owned(), pairs.collect());
     };
     add(
@@ -46,10 +42,7 @@ pub fn facts(scene: &Scene, integration: Integration) -> Result<Facts, RunError>
             ("method", method.to_string()),
             ("accuracy", accuracy),
             ("effects", on.join("; ")),
-            (
-                "time_base",
-                "seconds after the striker's first contact".to_owned(),
-            ),
+            ("time_base", "seconds after the striker's first contact".to_owned()),
         ],
     );
     add(
@@ -62,10 +55,7 @@ pub fn facts(scene: &Scene, integration: Integration) -> Result<Facts, RunError>
         ],
     );
     for (number, sensor) in (1..).zip(&scene.sensors) {
-        add(
-            &format!("hertzscope:sensor/{number}"),
-            sensor_facts(scene, sensor),
-        );
+        add(&format!("hertzscope:sensor/{number}"), sensor_facts(scene, sensor));
     }
     Ok(facts)
 }
@@ -84,18 +74,13 @@ fn sensor_facts(scene: &Scene, placed: &PlacedSensor) -> Vec<(&'static str, Stri
         ("offset", placed.offset.to_string()),
         ("model", sensor.model.clone()),
         ("d33_c_per_n", sensor.d33.to_string()),
-        (
-            "plate_capacitance_f",
-            sensor.plate_capacitance().to_string(),
-        ),
+        ("plate_capacitance_f", sensor.plate_capacitance().to_string()),
         ("cable_capacitance_f", sensor.cable_capacitance.to_string()),
     ];
-    let wired = (1..)
-        .zip(&scene.scope.channels)
-        .find_map(|(number, channel)| {
-            let channel = channel.as_ref()?;
-            (channel.input.as_ref() == Some(&placed.name)).then_some((number, channel))
-        });
+    let wired = (1..).zip(&scene.scope.channels).find_map(|(number, channel)| {
+        let channel = channel.as_ref()?;
+        (channel.input.as_ref() == Some(&placed.name)).then_some((number, channel))
+    });
     if let Some((number, channel)) = wired {
         let circuit = sensor.connect(input_load(&scene.scope.model, channel));
         facts.push(("channel", format!("CH{number}")));

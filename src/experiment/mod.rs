@@ -82,18 +82,10 @@ pub fn run(
     let started = Instant::now();
     let method = method(scene, integration)?;
     let grid = sample_grid(scene, shot);
-    let frames = Grid {
-        start: 0.0,
-        interval: scene.duration / FRAMES,
-    };
+    let frames = Grid { start: 0.0, interval: scene.duration / FRAMES };
     let probes = probes(scene);
-    let mut bench = Bench::new(
-        &scene.chain,
-        &scene.initial_velocities,
-        method,
-        &probes,
-        (grid, frames),
-    );
+    let mut bench =
+        Bench::new(&scene.chain, &scene.initial_velocities, method, &probes, (grid, frames));
     let (_, span) = scene.scope.record_span();
     let expected_end = scene.duration.max(span);
     let mut report = |time: f64| progress((time / expected_end).min(1.0));
@@ -111,9 +103,9 @@ pub fn run(
 
 fn method(scene: &Scene, integration: Integration) -> Result<Method, RunError> {
     match integration {
-        Integration::Accuracy(accuracy) => Ok(Method::DormandPrince853 {
-            tolerance: accuracy / STEP_MARGIN,
-        }),
+        Integration::Accuracy(accuracy) => {
+            Ok(Method::DormandPrince853 { tolerance: accuracy / STEP_MARGIN })
+        }
         Integration::FixedStep(step) => {
             match scene.chain.stability_limit(&scene.initial_velocities) {
                 Some(limit) if step > limit.step => Err(RunError::Unstable { step, limit }),
@@ -130,28 +122,18 @@ fn sample_grid(scene: &Scene, shot: u32) -> Grid {
     let phase: f64 = StandardUniform.sample(&mut noise_stream(scene.seed, shot, CLOCK_STREAM));
     let (start, _) = setup.record_span();
     let before = (-start / interval).max(0.0).ceil() + SPARE_SAMPLES;
-    Grid {
-        start: (phase - before) * interval,
-        interval,
-    }
+    Grid { start: (phase - before) * interval, interval }
 }
 
 /// One probe a sensor, in their order, and the wall's contact last if there is a wall.
 fn probes(scene: &Scene) -> Vec<ForceProbe> {
     let chain = &scene.chain;
-    let wall = || {
-        chain
-            .wall_contact()
-            .and_then(|j| ForceProbe::contact(chain, j))
-    };
+    let wall = || chain.wall_contact().and_then(|j| ForceProbe::contact(chain, j));
     let sensor = |site: Site, offset: f64| match site {
         Site::Particle(particle) => ForceProbe::inside(chain, particle, offset),
         Site::Wall => wall(),
     };
-    let sensors = scene
-        .sensors
-        .iter()
-        .filter_map(|s| sensor(s.site, s.offset));
+    let sensors = scene.sensors.iter().filter_map(|s| sensor(s.site, s.offset));
     sensors.chain(wall()).collect()
 }
 
@@ -163,17 +145,11 @@ fn signals(scene: &Scene, bench: &Bench<'_>, grid: Grid, shot: u32) -> Vec<Optio
         let mut noise = noise_stream(scene.seed, shot, number);
         condition(setup, channel, grid.interval, &volts, &mut noise)
     };
-    (1..)
-        .zip(&setup.channels)
-        .map(|(n, c)| c.as_ref().map(|c| signal(n, c)))
-        .collect()
+    (1..).zip(&setup.channels).map(|(n, c)| c.as_ref().map(|c| signal(n, c))).collect()
 }
 
 fn volts(scene: &Scene, bench: &Bench<'_>, grid: Grid, channel: &ChannelSetup) -> Vec<f64> {
-    let index = scene
-        .sensors
-        .iter()
-        .position(|s| Some(&s.name) == channel.input.as_ref());
+    let index = scene.sensors.iter().position(|s| Some(&s.name) == channel.input.as_ref());
     let watched = index.and_then(|i| bench.watches().get(i).zip(scene.sensors.get(i)));
     let Some((watch, placed)) = watched else {
         let samples = bench.watches().first().map_or(0, |w| w.samples.len());
@@ -255,22 +231,13 @@ fn truth(scene: &Scene, bench: &Bench<'_>, grid: Grid) -> Vec<Trace> {
             Site::Particle(particle) => format!("inside particle {particle}"),
             Site::Wall => "at the wall".to_owned(),
         };
-        let values = watch
-            .samples
-            .iter()
-            .map(|force| force + static_force)
-            .collect();
+        let values = watch.samples.iter().map(|force| force + static_force).collect();
         let name = format!("sensor/{}: force {place}", placed.name);
         truth.push(trace(name, "N", grid, values));
     }
     let film = bench.film();
     for (j, forces) in film.contact_forces.iter().enumerate() {
-        if scene
-            .chain
-            .contacts()
-            .get(j)
-            .is_some_and(|c| c.stiffness > 0.0)
-        {
+        if scene.chain.contacts().get(j).is_some_and(|c| c.stiffness > 0.0) {
             let name = format!("contact/{j}: force in contact {j}");
             truth.push(trace(name, "N", film.grid, forces.clone()));
         }
@@ -299,12 +266,8 @@ fn summarise(
         };
         Reading::of(&placed.name, particle, placed.offset, pulse)
     };
-    let sensors: Vec<Reading> = scene
-        .sensors
-        .iter()
-        .zip(watches)
-        .map(|(s, w)| reading(s, &w.pulse))
-        .collect();
+    let sensors: Vec<Reading> =
+        scene.sensors.iter().zip(watches).map(|(s, w)| reading(s, &w.pulse)).collect();
     let wall = scene.chain.wall_contact().and_then(|_| watches.last());
     let effects = outcome::effects(scene);
     let (initial, last) = bench.energies();
@@ -328,19 +291,13 @@ fn summarise(
         wall_s,
         simulated_s: bench.state().time,
         duration_s: scene.duration,
-        effect_settings: effects
-            .iter()
-            .map(|(name, set)| format!("{name}: {set}"))
-            .collect(),
+        effect_settings: effects.iter().map(|(name, set)| format!("{name}: {set}")).collect(),
         effects: effects.into_iter().map(|(name, _)| name).collect(),
         energy: EnergyLedger::conservative(initial, last),
         speeds: outcome::speeds(&scene.chain, &sensors),
         wall: wall.map(|watch| Reading::of("wall", None, 0.0, &watch.pulse)),
         notes: notes(&sensors, shot, found),
-        sensors: sensors
-            .into_iter()
-            .filter(|s| s.particle.is_some())
-            .collect(),
+        sensors: sensors.into_iter().filter(|s| s.particle.is_some()).collect(),
         trigger: TriggerReport {
             recorded: found.is_some(),
             crossed: found.is_some_and(|f| f.crossed),
@@ -369,10 +326,7 @@ fn notes(sensors: &[Reading], shot: &Shot, found: Option<Found>) -> Vec<String> 
         }
     }
     for sensor in sensors.iter().filter(|s| s.first_peak.is_none()) {
-        notes.push(format!(
-            "{}: no pulse arrived within the scene's duration",
-            sensor.name
-        ));
+        notes.push(format!("{}: no pulse arrived within the scene's duration", sensor.name));
     }
     notes
 }

@@ -163,13 +163,7 @@ pub fn speeds(chain: &Chain, readings: &[Reading]) -> Vec<Speed> {
                 };
                 if from != to && end != start {
                     let m_per_s = distance_m / (end - start);
-                    speeds.push(Speed {
-                        from,
-                        to,
-                        distance_m,
-                        estimator,
-                        m_per_s,
-                    });
+                    speeds.push(Speed { from, to, distance_m, estimator, m_per_s });
                 }
             }
         }
@@ -198,27 +192,15 @@ pub fn effects(scene: &Scene) -> Vec<(String, String)> {
         .map(|effect| (effect.name().to_owned(), effect.summary()))
         .collect();
     if !scene.sensors.is_empty() {
-        effects.push((
-            "sensor_droop".to_owned(),
-            "RC of plate, cable and scope input".to_owned(),
-        ));
+        effects.push(("sensor_droop".to_owned(), "RC of plate, cable and scope input".to_owned()));
     }
     let off_centre = |sensor: &&PlacedSensor| sensor.offset != 0.0 && sensor.site != Site::Wall;
     if let Some(sensor) = scene.sensors.iter().find(off_centre) {
-        effects.push((
-            "sensor_offset".to_owned(),
-            format!("{} and maybe others", sensor.name),
-        ));
+        effects.push(("sensor_offset".to_owned(), format!("{} and maybe others", sensor.name)));
     }
     if scene.scope.noise > 0.0 {
-        effects.push((
-            "scope_noise".to_owned(),
-            format!("{} div rms", scene.scope.noise),
-        ));
+        effects.push(("scope_noise".to_owned(), format!("{} div rms", scene.scope.noise)));
     }
-    effects.push((
-        "quantisation".to_owned(),
-        "8 bits, 25 levels a division".to_owned(),
-    ));
+    effects.push(("quantisation".to_owned(), "8 bits, 25 levels a division".to_owned()));
     effects
 }

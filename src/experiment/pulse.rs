@@ -48,13 +48,7 @@ impl PulseRecorder {
     /// Starts with nothing felt.
     #[must_use]
     pub fn new(probe: ForceProbe) -> Self {
-        Self {
-            probe,
-            peaks: Vec::new(),
-            rises: Vec::new(),
-            largest: 0.0,
-            rate_before: 0.0,
-        }
+        Self { probe, peaks: Vec::new(), rises: Vec::new(), largest: 0.0, rate_before: 0.0 }
     }
 
     /// The probe that is followed.
@@ -74,8 +68,7 @@ impl PulseRecorder {
             if self.rate_before > 0.0 && rate <= 0.0 {
                 let top = root(&|t| segment.rate(t), theta_before, theta);
                 let force = segment.force(top);
-                self.peaks
-                    .push((segment.start + top * segment.length, force));
+                self.peaks.push((segment.start + top * segment.length, force));
                 reached = reached.max(force);
             }
             reached = reached.max(segment.force(theta));
@@ -84,10 +77,7 @@ impl PulseRecorder {
         }
         if reached > self.largest {
             self.largest = reached;
-            self.rises.push(Rise {
-                segment: segment.clone(),
-                reached,
-            });
+            self.rises.push(Rise { segment: segment.clone(), reached });
         }
         segment
     }
@@ -97,11 +87,7 @@ impl PulseRecorder {
     pub fn first_peak(&self) -> Option<Peak> {
         let threshold = PEAK_SHARE * self.largest;
         let (time_s, dynamic_n) = *self.peaks.iter().find(|(_, force)| *force > threshold)?;
-        Some(Peak {
-            total_n: dynamic_n + self.probe.static_force(),
-            dynamic_n,
-            time_s,
-        })
+        Some(Peak { total_n: dynamic_n + self.probe.static_force(), dynamic_n, time_s })
     }
 
     /// The time when the dynamic force first reached `level` (N), which is positive (s).

@@ -15,10 +15,7 @@ pub struct Interpolant {
 
 impl Interpolant {
     /// A body that does not move: walls.
-    pub const REST: Self = Self {
-        position: [0.0; COEFFICIENTS],
-        velocity: [0.0; COEFFICIENTS],
-    };
+    pub const REST: Self = Self { position: [0.0; COEFFICIENTS], velocity: [0.0; COEFFICIENTS] };
 
     /// Displacement at the fraction `theta` of the step (m).
     #[must_use]
@@ -34,8 +31,5 @@ impl Interpolant {
 }
 
 fn horner(coefficients: &[f64; COEFFICIENTS], theta: f64) -> f64 {
-    coefficients
-        .iter()
-        .rev()
-        .fold(0.0, |sum, c| sum * theta + c)
+    coefficients.iter().rev().fold(0.0, |sum, c| sum * theta + c)
 }

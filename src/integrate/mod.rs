@@ -176,8 +176,5 @@ pub trait Integrator {
 
 /// Index of the first body whose state is not finite.
 fn first_not_finite(position: &[f64], velocity: &[f64]) -> Option<usize> {
-    position
-        .iter()
-        .zip(velocity)
-        .position(|(x, v)| !(x.is_finite() && v.is_finite()))
+    position.iter().zip(velocity).position(|(x, v)| !(x.is_finite() && v.is_finite()))
 }

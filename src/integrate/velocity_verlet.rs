@@ -36,10 +36,7 @@ impl<'a> VelocityVerlet<'a> {
             previous: state.clone(),
             previous_acceleration: acceleration.clone(),
             start: state.time,
-            work: Work {
-                force_evaluations: 1,
-                ..Work::default()
-            },
+            work: Work { force_evaluations: 1, ..Work::default() },
             system,
             state,
             acceleration,
@@ -53,39 +50,25 @@ impl Integrator for VelocityVerlet<'_> {
         &self.state
     }
 
-    #[allow(
-        clippy::cast_precision_loss,
-        reason = "runs take far fewer than 2^53 steps"
-    )]
+    #[allow(clippy::cast_precision_loss, reason = "runs take far fewer than 2^53 steps")]
     fn step(&mut self, end: f64) -> Result<(), IntegrateError> {
         self.previous.clone_from(&self.state);
-        self.previous_acceleration
-            .copy_from_slice(&self.acceleration);
+        self.previous_acceleration.copy_from_slice(&self.acceleration);
         let regular = self.start + (self.work.steps + 1) as f64 * self.step;
         let next = regular.min(end);
         let h = next - self.state.time;
         let half = 0.5 * h;
-        let State {
-            position, velocity, ..
-        } = &mut self.state;
-        for ((x, v), a) in position
-            .iter_mut()
-            .zip(velocity.iter_mut())
-            .zip(&self.acceleration)
-        {
+        let State { position, velocity, .. } = &mut self.state;
+        for ((x, v), a) in position.iter_mut().zip(velocity.iter_mut()).zip(&self.acceleration) {
             *v += half * a;
             *x += h * *v;
         }
-        self.system
-            .accelerations(position, velocity, &mut self.acceleration);
+        self.system.accelerations(position, velocity, &mut self.acceleration);
         for (v, a) in velocity.iter_mut().zip(&self.acceleration) {
             *v += half * a;
         }
         if let Some(body) = first_not_finite(position, velocity) {
-            return Err(IntegrateError::NotFinite {
-                body,
-                time: self.previous.time,
-            });
+            return Err(IntegrateError::NotFinite { body, time: self.previous.time });
         }
         self.state.time = next;
         self.work.steps += 1;
@@ -101,14 +84,8 @@ impl Integrator for VelocityVerlet<'_> {
         let at = |values: &[f64]| values.get(body).copied().unwrap_or(0.0);
         let h = self.state.time - self.previous.time;
         let x0 = at(&self.previous.position);
-        let (v0, v1) = (
-            h * at(&self.previous.velocity),
-            h * at(&self.state.velocity),
-        );
-        let (a0, a1) = (
-            h * h * at(&self.previous_acceleration),
-            h * h * at(&self.acceleration),
-        );
+        let (v0, v1) = (h * at(&self.previous.velocity), h * at(&self.state.velocity));
+        let (a0, a1) = (h * h * at(&self.previous_acceleration), h * h * at(&self.acceleration));
         let rise = at(&self.state.position) - x0;
         let p = rise - v0 - 0.5 * a0;
         let q = v1 - v0 - a0;

@@ -66,10 +66,7 @@ pub fn parse(text: &str, dimension: Dimension) -> Result<f64, QuantityError> {
     if found == dimension {
         Ok(value)
     } else {
-        Err(QuantityError::WrongDimension {
-            text: text.trim().to_owned(),
-            found,
-        })
+        Err(QuantityError::WrongDimension { text: text.trim().to_owned(), found })
     }
 }
 
@@ -82,33 +79,21 @@ pub fn parse_any(text: &str) -> Result<(f64, Dimension), QuantityError> {
     let split = number_length(trimmed);
     let (number, unit) = trimmed.split_at(split);
     let digits: String = number.chars().filter(|c| *c != '_').collect();
-    let value: f64 = digits.parse().map_err(|_| QuantityError::NoNumber {
-        text: trimmed.to_owned(),
-    })?;
+    let value: f64 =
+        digits.parse().map_err(|_| QuantityError::NoNumber { text: trimmed.to_owned() })?;
     let unit = unit::parse(unit.trim())?;
     let si = unit.to_si(value);
     if si.is_finite() {
         Ok((si, unit.dimension))
     } else {
-        Err(QuantityError::NotFinite {
-            text: trimmed.to_owned(),
-        })
+        Err(QuantityError::NotFinite { text: trimmed.to_owned() })
     }
 }
 
 /// Length of the longest prefix that reads as a decimal number; `nan` and `inf` count, so that they
 /// can be refused by name instead of as a missing number.
 fn number_length(text: &str) -> usize {
-    for word in [
-        "nan",
-        "inf",
-        "+inf",
-        "-inf",
-        "+nan",
-        "-nan",
-        "infinity",
-        "-infinity",
-    ] {
+    for word in ["nan", "inf", "+inf", "-inf", "+nan", "-nan", "infinity", "-infinity"] {
         let head = text.get(..word.len()).unwrap_or_default();
         let tail = text.get(word.len()..).unwrap_or_default();
         if head.eq_ignore_ascii_case(word) && !tail.starts_with(|c: char| c.is_alphanumeric()) {
@@ -117,10 +102,7 @@ fn number_length(text: &str) -> usize {
     }
     let bytes = text.as_bytes();
     let digits = |mut at: usize| {
-        while bytes
-            .get(at)
-            .is_some_and(|b| b.is_ascii_digit() || *b == b'_')
-        {
+        while bytes.get(at).is_some_and(|b| b.is_ascii_digit() || *b == b'_') {
             at += 1;
         }
         at
@@ -164,17 +146,12 @@ pub fn engineering(value: f64, unit: &str, digits: usize) -> String {
     ];
     let digits = digits.max(1);
     if value == 0.0 || !value.is_finite() {
-        let number = if value == 0.0 {
-            format!("{:.*}", digits - 1, 0.0)
-        } else {
-            value.to_string()
-        };
+        let number =
+            if value == 0.0 { format!("{:.*}", digits - 1, 0.0) } else { value.to_string() };
         return join(&number, "", unit);
     }
     // Round first: 999.96 to four digits is 1.000 k, not 1000.
-    let rounded: f64 = format!("{:.*e}", digits - 1, value)
-        .parse()
-        .unwrap_or(value);
+    let rounded: f64 = format!("{:.*e}", digits - 1, value).parse().unwrap_or(value);
     let exponent = decimal_exponent(rounded);
     let group = exponent.div_euclid(3) * 3;
     let Some((prefix, power)) = PREFIXES.iter().find(|(_, power)| *power == group) else {
@@ -182,11 +159,7 @@ pub fn engineering(value: f64, unit: &str, digits: usize) -> String {
     };
     let before = usize::try_from(exponent - power).unwrap_or(0) + 1;
     let mantissa = rounded / 10f64.powi(*power);
-    join(
-        &format!("{:.*}", digits.saturating_sub(before), mantissa),
-        prefix,
-        unit,
-    )
+    join(&format!("{:.*}", digits.saturating_sub(before), mantissa), prefix, unit)
 }
 
 fn join(number: &str, prefix: &str, unit: &str) -> String {
@@ -200,11 +173,7 @@ fn join(number: &str, prefix: &str, unit: &str) -> String {
 /// Decimal exponent of a finite, non-zero number: the `e` in its scientific notation, free of the
 /// rounding a logarithm would add.
 fn decimal_exponent(value: f64) -> i32 {
-    format!("{value:e}")
-        .rsplit('e')
-        .next()
-        .and_then(|e| e.parse().ok())
-        .unwrap_or(0)
+    format!("{value:e}").rsplit('e').next().and_then(|e| e.parse().ok()).unwrap_or(0)
 }
 
 /// A number with C's `%.{decimals}e`: two exponent digits at least, always signed (`2.500000e+03`).
@@ -268,18 +237,12 @@ mod tests {
 
     #[test]
     fn bad_text_is_named() {
-        assert!(matches!(
-            parse("mm", Dimension::LENGTH),
-            Err(QuantityError::NoNumber { .. })
-        ));
+        assert!(matches!(parse("mm", Dimension::LENGTH), Err(QuantityError::NoNumber { .. })));
         assert!(matches!(
             parse("3 furlong", Dimension::LENGTH),
             Err(QuantityError::UnknownUnit { .. })
         ));
-        assert!(matches!(
-            parse("nan m", Dimension::LENGTH),
-            Err(QuantityError::NotFinite { .. })
-        ));
+        assert!(matches!(parse("nan m", Dimension::LENGTH), Err(QuantityError::NotFinite { .. })));
         assert!(matches!(
             parse("1e999 m", Dimension::LENGTH),
             Err(QuantityError::NotFinite { .. })

@@ -91,15 +91,9 @@ impl Dimension {
             (Dimension::STIFFNESS, "a stiffness (N/m)"),
             (Dimension::HERTZ_STIFFNESS, "a Hertz stiffness (N/m^1.5)"),
             (Dimension::TEMPERATURE, "a temperature (K)"),
-            (
-                Dimension::MAGNETIC_FLUX_DENSITY,
-                "a magnetic flux density (T)",
-            ),
+            (Dimension::MAGNETIC_FLUX_DENSITY, "a magnetic flux density (T)"),
             (Dimension::CHARGE, "a charge (C)"),
-            (
-                Dimension::CHARGE_PER_FORCE,
-                "a piezoelectric coefficient (C/N)",
-            ),
+            (Dimension::CHARGE_PER_FORCE, "a piezoelectric coefficient (C/N)"),
             (Dimension::VOLTAGE, "a voltage (V)"),
             (Dimension::VOLTAGE_PER_FORCE, "a sensitivity (V/N)"),
             (Dimension::RESISTANCE, "a resistance (Ohm)"),
@@ -108,10 +102,7 @@ impl Dimension {
             (Dimension::VOLTAGE_PER_DIVISION, "a vertical scale (V/div)"),
             (Dimension::TIME_PER_DIVISION, "a time base (s/div)"),
         ];
-        NAMES
-            .iter()
-            .find(|(dimension, _)| *dimension == self)
-            .map(|(_, name)| *name)
+        NAMES.iter().find(|(dimension, _)| *dimension == self).map(|(_, name)| *name)
     }
 
     /// The dimension spelled in base units: `kg*m^-0.5*s^-2`.
@@ -157,11 +148,8 @@ struct Scale {
 impl Unit {
     pub(super) fn to_si(self, number: f64) -> f64 {
         let power = self.scale.power_of_ten;
-        let scaled = if power >= 0.0 {
-            number * 10f64.powf(power)
-        } else {
-            number / 10f64.powf(-power)
-        };
+        let scaled =
+            if power >= 0.0 { number * 10f64.powf(power) } else { number / 10f64.powf(-power) };
         scaled * self.scale.factor + self.offset
     }
 }
@@ -215,25 +203,16 @@ const PREFIXES: [(&str, f64); 12] = [
 pub(super) fn parse(text: &str) -> Result<Unit, QuantityError> {
     let plain = Unit {
         dimension: Dimension::NONE,
-        scale: Scale {
-            power_of_ten: 0.0,
-            factor: 1.0,
-        },
+        scale: Scale { power_of_ten: 0.0, factor: 1.0 },
         offset: 0.0,
     };
     if text.is_empty() {
         return Ok(plain);
     }
     if matches!(text, "°C" | "degC") {
-        return Ok(Unit {
-            dimension: Dimension::TEMPERATURE,
-            offset: 273.15,
-            ..plain
-        });
+        return Ok(Unit { dimension: Dimension::TEMPERATURE, offset: 273.15, ..plain });
     }
-    let unknown = |symbol: &str| QuantityError::UnknownUnit {
-        unit: symbol.trim().to_owned(),
-    };
+    let unknown = |symbol: &str| QuantityError::UnknownUnit { unit: symbol.trim().to_owned() };
     let mut unit = plain;
     let mut rest = text;
     let mut sign = 1;
@@ -244,10 +223,7 @@ pub(super) fn parse(text: &str) -> Result<Unit, QuantityError> {
         let (power, scale, dimension) = look_up(symbol).ok_or_else(|| unknown(text))?;
         let halves = halves * sign;
         let exponent = f64::from(halves) / 2.0;
-        unit.dimension = unit
-            .dimension
-            .plus(dimension, halves)
-            .ok_or_else(|| unknown(text))?;
+        unit.dimension = unit.dimension.plus(dimension, halves).ok_or_else(|| unknown(text))?;
         unit.scale.power_of_ten += power * exponent;
         unit.scale.factor *= scale.powf(exponent);
         let tail = tail.trim_start();
@@ -279,10 +255,7 @@ fn split_exponent(factor: &str) -> Option<(&str, i16)> {
         return Some((factor, 2));
     };
     let halves = exponent.parse::<f64>().ok()? * 2.0;
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "checked to be a whole number within range"
-    )]
+    #[allow(clippy::cast_possible_truncation, reason = "checked to be a whole number within range")]
     (halves.fract() == 0.0 && halves.abs() <= 40.0).then_some((symbol, halves as i16))
 }
 
@@ -296,9 +269,8 @@ fn look_up(symbol: &str) -> Option<(f64, f64, Dimension)> {
     }
     PREFIXES.iter().find_map(|(prefix, power_of_prefix)| {
         let name = symbol.strip_prefix(prefix)?;
-        let (_, power, factor, dimension, _) = SYMBOLS
-            .iter()
-            .find(|(candidate, .., prefixed)| *prefixed && *candidate == name)?;
+        let (_, power, factor, dimension, _) =
+            SYMBOLS.iter().find(|(candidate, .., prefixed)| *prefixed && *candidate == name)?;
         Some((power + power_of_prefix, *factor, *dimension))
     })
 }

@@ -35,7 +35,9 @@ pub enum OpenError {
         source: std::io::Error,
     },
     /// The name tells no format.
-    #[error("{file}: found no known format, expected .mcap, .csv, or a folder of .csv files as the scope saves them")]
+    #[error(
+        "{file}: found no known format, expected .mcap, .csv, or a folder of .csv files as the scope saves them"
+    )]
     UnknownFormat {
         /// The file.
         file: PathBuf,
@@ -136,6 +138,10 @@ fn read_limited(file: &Path) -> Result<Vec<u8>, OpenError> {
     let failed = |source| OpenError::File { file: file.to_owned(), source };
     let mut bytes = Vec::new();
     let limit = tek_csv::MAXIMUM_BYTES as u64 + 1;
-    std::fs::File::open(file).map_err(failed)?.take(limit).read_to_end(&mut bytes).map_err(failed)?;
+    std::fs::File::open(file)
+        .map_err(failed)?
+        .take(limit)
+        .read_to_end(&mut bytes)
+        .map_err(failed)?;
     Ok(bytes)
 }

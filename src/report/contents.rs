@@ -10,10 +10,8 @@ pub fn contents(set: &TraceSet) -> String {
     let mut lines = Vec::new();
     for (group, facts) in &set.metadata {
         lines.push(group.clone());
-        let rows: Vec<Vec<String>> = facts
-            .iter()
-            .map(|(key, value)| vec![key.clone(), value.clone()])
-            .collect();
+        let rows: Vec<Vec<String>> =
+            facts.iter().map(|(key, value)| vec![key.clone(), value.clone()]).collect();
         lines.extend(table::lines(&rows, &[0, 1]));
         lines.push(String::new());
     }
@@ -30,11 +28,7 @@ pub fn contents(set: &TraceSet) -> String {
         ));
     }
     lines.extend(set.log.iter().map(|line| format!("log: {line}")));
-    lines.extend(
-        set.problems
-            .iter()
-            .map(|problem| format!("problem: {problem}")),
-    );
+    lines.extend(set.problems.iter().map(|problem| format!("problem: {problem}")));
     lines.join("\n").trim_end().to_owned()
 }
 
@@ -60,10 +54,7 @@ fn shot_lines(shot: &Shot) -> Vec<String> {
     let mut lines = vec![format!("shot {}, {origin}", shot.number)];
     lines.extend(table::lines(&rows, &[0]));
     if !shot.truth.is_empty() {
-        lines.push(format!(
-            "  and {} series of what no sensor saw",
-            shot.truth.len()
-        ));
+        lines.push(format!("  and {} series of what no sensor saw", shot.truth.len()));
     }
     lines
 }
@@ -79,21 +70,10 @@ fn capture_row(capture: &Capture) -> Vec<String> {
     vec![
         waveform.source.to_string(),
         waveform.codes.len().to_string(),
-        engineering(
-            waveform.vertical.scale,
-            &format!("{}/div", preamble.y_unit),
-            3,
-        ),
+        engineering(waveform.vertical.scale, &format!("{}/div", preamble.y_unit), 3),
         format!("{} div", waveform.vertical.position),
-        waveform
-            .vertical
-            .coupling
-            .map_or("?".to_owned(), |c| c.to_string()),
-        engineering(
-            waveform.horizontal_scale,
-            &format!("{}/div", preamble.x_unit),
-            3,
-        ),
+        waveform.vertical.coupling.map_or("?".to_owned(), |c| c.to_string()),
+        engineering(waveform.horizontal_scale, &format!("{}/div", preamble.x_unit), 3),
         waveform.trigger_point.to_string(),
         extreme(waveform.codes.iter().min()),
         extreme(waveform.codes.iter().max()),

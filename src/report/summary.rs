@@ -7,10 +7,7 @@ use crate::quantity::engineering;
 /// The page that `run` prints.
 #[must_use]
 pub fn summary(summary: &Summary) -> String {
-    let mut lines = vec![
-        format!("{}: {}", summary.scene, summary.title),
-        String::new(),
-    ];
+    let mut lines = vec![format!("{}: {}", summary.scene, summary.title), String::new()];
     lines.extend(readings(summary));
     if !summary.speeds.is_empty() {
         lines.push(String::new());
@@ -25,15 +22,7 @@ pub fn summary(summary: &Summary) -> String {
 }
 
 fn readings(summary: &Summary) -> Vec<String> {
-    let heading = [
-        "where",
-        "static",
-        "first peak",
-        "dynamic",
-        "at",
-        "half-rise",
-        "10 %",
-    ];
+    let heading = ["where", "static", "first peak", "dynamic", "at", "half-rise", "10 %"];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
     let newton = |force: f64| engineering(force, "N", 4);
     let seconds = |time: Option<f64>| time.map_or("-".to_owned(), |t| engineering(t, "s", 4));
@@ -65,11 +54,8 @@ fn readings(summary: &Summary) -> Vec<String> {
 
 /// One row a pair of neighbouring sensors, one column an estimator.
 fn speeds(speeds: &[Speed]) -> Vec<String> {
-    let mut rows = vec![
-        ["from -> to", "distance", "half-rise", "peak", "10 %"]
-            .map(str::to_owned)
-            .to_vec(),
-    ];
+    let mut rows =
+        vec![["from -> to", "distance", "half-rise", "peak", "10 %"].map(str::to_owned).to_vec()];
     for pair in speeds.chunk_by(|a, b| (a.from, a.to) == (b.from, b.to)) {
         let Some(first) = pair.first() else { continue };
         let by = |estimator: &str| {
@@ -97,10 +83,9 @@ fn costs(summary: &Summary) -> Vec<String> {
         (None, None) => String::new(),
     };
     let trigger = match (summary.trigger.time_s, summary.trigger.crossed) {
-        (Some(time), true) => format!(
-            "triggered {} after the first contact",
-            engineering(time, "s", 4)
-        ),
+        (Some(time), true) => {
+            format!("triggered {} after the first contact", engineering(time, "s", 4))
+        }
         (Some(time), false) => format!("automatic trigger at {}", engineering(time, "s", 4)),
         (None, _) => "not triggered".to_owned(),
     };
@@ -119,10 +104,7 @@ fn costs(summary: &Summary) -> Vec<String> {
     let mut lines = vec![
         format!("  method      {}, {setting}", summary.method),
         format!("  steps       {steps}"),
-        format!(
-            "  evaluations {} of all contact forces",
-            summary.force_evaluations
-        ),
+        format!("  evaluations {} of all contact forces", summary.force_evaluations),
         format!(
             "  time        {} simulated in {} of wall time",
             engineering(summary.simulated_s, "s", 4),

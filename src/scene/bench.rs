@@ -65,19 +65,13 @@ fn sensor(
     problems: &Problems,
 ) -> Option<PlacedSensor> {
     let site = site(table, hosts);
-    let offset = table
-        .quantity("offset", Dimension::NONE, Bound::Within(-0.5, 0.5))
-        .unwrap_or(0.0);
+    let offset = table.quantity("offset", Dimension::NONE, Bound::Within(-0.5, 0.5)).unwrap_or(0.0);
     let model = table.text("model").unwrap_or(name).to_owned();
     let _ = table.text("source");
     let ceramic = ceramic(table, problems);
     let side = table.required("side", Dimension::LENGTH, Bound::Positive);
     let thickness = table.required("thickness", Dimension::LENGTH, Bound::Positive);
-    let cable = table.required(
-        "cable_capacitance",
-        Dimension::CAPACITANCE,
-        Bound::NotNegative,
-    );
+    let cable = table.required("cable_capacitance", Dimension::CAPACITANCE, Bound::NotNegative);
     let leak = table.quantity("leak_resistance", Dimension::RESISTANCE, Bound::Positive);
     let (relative_permittivity, d33) = ceramic?;
     let sensor = Sensor {
@@ -89,12 +83,7 @@ fn sensor(
         cable_capacitance: cable?,
         leak_resistance: leak.unwrap_or(f64::INFINITY),
     };
-    Some(PlacedSensor {
-        name: name.to_owned(),
-        site: site?,
-        offset,
-        sensor,
-    })
+    Some(PlacedSensor { name: name.to_owned(), site: site?, offset, sensor })
 }
 
 fn site(table: &Table<'_>, hosts: &Hosts<'_>) -> Option<Site> {
@@ -110,11 +99,7 @@ fn site(table: &Table<'_>, hosts: &Hosts<'_>) -> Option<Site> {
             );
         }
         if !hosts.wall {
-            table.problem(
-                "wall",
-                "a sensor at the wall",
-                "a chain whose bottom is a wall",
-            );
+            table.problem("wall", "a sensor at the wall", "a chain whose bottom is a wall");
             return None;
         }
         return Some(Site::Wall);
@@ -193,9 +178,7 @@ pub fn scope(table: &Table<'_>, sensors: &[PlacedSensor]) -> Option<Setup> {
             ),
         );
     }
-    let position = table
-        .quantity("position", Dimension::TIME, Bound::Any)
-        .unwrap_or(0.0);
+    let position = table.quantity("position", Dimension::TIME, Bound::Any).unwrap_or(0.0);
     let keys: [&'static str; 4] = ["ch1", "ch2", "ch3", "ch4"];
     let mut channels = Vec::new();
     for key in keys.into_iter().take(usize::from(model.channels)) {
@@ -207,11 +190,7 @@ pub fn scope(table: &Table<'_>, sensors: &[PlacedSensor]) -> Option<Setup> {
         }));
     }
     if keys.iter().all(|key| !table.has(key)) {
-        table.problem(
-            "ch1",
-            "no channel",
-            "at least one channel, [scope.ch1] to [scope.ch4]",
-        );
+        table.problem("ch1", "no channel", "at least one channel, [scope.ch1] to [scope.ch4]");
     }
     let trigger = match table.table("trigger") {
         Some(trigger) => {
@@ -243,15 +222,9 @@ fn channel_setup(
     model: &Model,
     sensors: &[PlacedSensor],
 ) -> Option<ChannelSetup> {
-    let probe = table
-        .quantity("probe", Dimension::NONE, Bound::Positive)
-        .unwrap_or(1.0);
+    let probe = table.quantity("probe", Dimension::NONE, Bound::Positive).unwrap_or(1.0);
     if !is_one_of(probe, &model.probes) {
-        table.problem(
-            "probe",
-            probe.to_string(),
-            format!("one of {:?}", model.probes),
-        );
+        table.problem("probe", probe.to_string(), format!("one of {:?}", model.probes));
     }
     let scale = table.required("scale", Dimension::VOLTAGE_PER_DIVISION, Bound::Positive);
     if let Some(scale) = scale {
@@ -265,22 +238,14 @@ fn channel_setup(
             table.problem("scale", engineering(scale, "V/div", 3), range);
         }
     }
-    let position = table
-        .quantity("position", Dimension::DIVISION, Bound::Any)
-        .unwrap_or(0.0);
+    let position = table.quantity("position", Dimension::DIVISION, Bound::Any).unwrap_or(0.0);
     let steps = position / model.position_step;
     if (steps - steps.round()).abs() > 1e-9 * steps.abs().max(1.0) {
-        let expected = format!(
-            "a multiple of {} div, as on the front panel",
-            model.position_step
-        );
+        let expected = format!("a multiple of {} div, as on the front panel", model.position_step);
         table.problem("position", format!("{position} div"), expected);
     }
     let input = table.text("input").map(ToOwned::to_owned);
-    if let Some(name) = input
-        .as_ref()
-        .filter(|name| sensors.iter().all(|s| s.name != **name))
-    {
+    if let Some(name) = input.as_ref().filter(|name| sensors.iter().all(|s| s.name != **name)) {
         let names: Vec<&str> = sensors.iter().map(|s| s.name.as_str()).collect();
         table.problem(
             "input",
@@ -288,11 +253,7 @@ fn channel_setup(
             format!("a sensor: one of {}", names.join(", ")),
         );
     }
-    let coupling = [
-        ("DC", Coupling::Dc),
-        ("AC", Coupling::Ac),
-        ("GND", Coupling::Ground),
-    ];
+    let coupling = [("DC", Coupling::Dc), ("AC", Coupling::Ac), ("GND", Coupling::Ground)];
     let vertical = VerticalSetup {
         scale: scale?,
         position,
@@ -309,20 +270,12 @@ fn trigger_setup(
     model: &Model,
     channels: &[Option<ChannelSetup>],
 ) -> Option<Trigger> {
-    let sources: Vec<(String, Source)> = (1..=model.channels)
-        .map(|n| (format!("CH{n}"), Source::Channel(n)))
-        .collect();
-    let words: Vec<(&str, Source)> = sources
-        .iter()
-        .map(|(name, s)| (name.as_str(), *s))
-        .collect();
+    let sources: Vec<(String, Source)> =
+        (1..=model.channels).map(|n| (format!("CH{n}"), Source::Channel(n))).collect();
+    let words: Vec<(&str, Source)> = sources.iter().map(|(name, s)| (name.as_str(), *s)).collect();
     let source = table.choice("source", &words);
     if source.is_none() && !table.has("source") {
-        table.problem(
-            "source",
-            "no such key",
-            "the channel to watch, e.g. \"CH1\"",
-        );
+        table.problem("source", "no such key", "the channel to watch, e.g. \"CH1\"");
     }
     let level = table.required("level", Dimension::VOLTAGE, Bound::Any);
     let slopes = [("rise", Slope::Rise), ("fall", Slope::Fall)];
@@ -333,36 +286,22 @@ fn trigger_setup(
     let Source::Channel(number) = source else {
         return None;
     };
-    let Some(channel) = channels
-        .get(usize::from(number) - 1)
-        .and_then(Option::as_ref)
-    else {
+    let Some(channel) = channels.get(usize::from(number) - 1).and_then(Option::as_ref) else {
         table.problem("source", source.to_string(), "a channel that is on");
         return None;
     };
     let vertical = channel.vertical;
     let divisions = level / vertical.scale + vertical.position;
     if divisions.abs() > model.trigger_range {
-        let expected = format!(
-            "a level within {} div of the screen's centre",
-            model.trigger_range
-        );
+        let expected = format!("a level within {} div of the screen's centre", model.trigger_range);
         table.problem("level", engineering(level, "V", 3), expected);
     }
-    Some(Trigger {
-        source,
-        level,
-        slope,
-        mode,
-    })
+    Some(Trigger { source, level, slope, mode })
 }
 
 /// Reads the keys of an oscilloscope's data file.
 fn model(table: &Table<'_>) -> Option<Model> {
-    if table
-        .required_text("model", "the name of an oscilloscope, e.g. \"tds2014\"")
-        .is_none()
-    {
+    if table.required_text("model", "the name of an oscilloscope, e.g. \"tds2014\"").is_none() {
         return None;
     }
     let positive = Bound::Positive;
@@ -418,10 +357,7 @@ fn series(table: &Table<'_>, key: &'static str, dimension: Dimension) -> Option<
 }
 
 fn ends(values: &[f64]) -> (f64, f64) {
-    (
-        values.first().copied().unwrap_or(0.0),
-        values.last().copied().unwrap_or(f64::INFINITY),
-    )
+    (values.first().copied().unwrap_or(0.0), values.last().copied().unwrap_or(f64::INFINITY))
 }
 
 fn is_one_of(value: f64, values: &[f64]) -> bool {
@@ -430,25 +366,15 @@ fn is_one_of(value: f64, values: &[f64]) -> bool {
 
 fn nearest(value: f64, values: &[f64]) -> f64 {
     let distance = |v: &f64| (v / value).ln().abs();
-    values
-        .iter()
-        .copied()
-        .min_by(|a, b| distance(a).total_cmp(&distance(b)))
-        .unwrap_or(value)
+    values.iter().copied().min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(value)
 }
 
 /// What a sensor at this channel's input is loaded with.
 #[must_use]
 pub fn load(model: &Model, channel: &ChannelSetup) -> Load {
     if channel.vertical.probe > 1.0 {
-        Load {
-            resistance: model.probe_resistance,
-            capacitance: model.probe_capacitance,
-        }
+        Load { resistance: model.probe_resistance, capacitance: model.probe_capacitance }
     } else {
-        Load {
-            resistance: model.input_resistance,
-            capacitance: model.input_capacitance,
-        }
+        Load { resistance: model.input_resistance, capacitance: model.input_capacitance }
     }
 }

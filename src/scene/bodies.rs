@@ -4,7 +4,10 @@ use std::collections::BTreeMap;
 
 use super::library;
 use super::reader::{Bound, Problems, Table};
-use crate::chain::{Body, Chain, ChainSpec, EffectsSpec, Elasticity, End, Gravity, MagnetPreload};
+use crate::chain::{
+    Body, Chain, ChainSpec, EffectsSpec, Elasticity, End, Gravity, LinearisedContacts,
+    MagnetPreload,
+};
 use crate::quantity::Dimension;
 
 /// Most particles a chain may have: memory and time stay within what one machine offers.
@@ -53,10 +56,7 @@ fn elasticity(table: &Table<'_>) -> Option<Elasticity> {
     let _ = table.text("source");
     let modulus = table.required("youngs_modulus", Dimension::PRESSURE, Bound::Positive);
     let ratio = table.required("poissons_ratio", Dimension::NONE, Bound::Between(-1.0, 0.5));
-    Some(Elasticity {
-        youngs_modulus: modulus?,
-        poissons_ratio: ratio?,
-    })
+    Some(Elasticity { youngs_modulus: modulus?, poissons_ratio: ratio? })
 }
 
 /// Reads a body: material, mass, and its shape. A diameter makes a sphere, a height in addition a cylinder with flat
@@ -65,11 +65,7 @@ fn body(table: &Table<'_>, name: &str, materials: &Materials<'_>, shaped: bool) 
     let _ = table.text("source");
     let elasticity = materials.named(table, "material");
     let mass = table.required("mass", Dimension::MASS, Bound::Positive);
-    let read = if shaped {
-        Table::required
-    } else {
-        Table::quantity
-    };
+    let read = if shaped { Table::required } else { Table::quantity };
     let diameter = read(table, "diameter", Dimension::LENGTH, Bound::Positive);
     let height = table.quantity("height", Dimension::LENGTH, Bound::Positive);
     let (length, curvature) = match (diameter, height) {
@@ -77,13 +73,7 @@ fn body(table: &Table<'_>, name: &str, materials: &Materials<'_>, shaped: bool) 
         (Some(diameter), None) => (diameter, 2.0 / diameter),
         (None, None) => (0.0, 0.0),
     };
-    Some(Body {
-        name: name.to_owned(),
-        mass: mass?,
-        length,
-        curvature,
-        elasticity: elasticity?,
-    })
+    Some(Body { name: name.to_owned(), mass: mass?, length, curvature, elasticity: elasticity? })
 }
 
 /// The striker and its speed (m/s).
@@ -101,10 +91,7 @@ pub fn striker(root: &Table<'_>, materials: &Materials<'_>) -> Option<Striker> {
     let body = body(&table, "striker", materials, false);
     let speed = table.required("speed", Dimension::SPEED, Bound::Positive);
     table.finish();
-    Some(Striker {
-        body: body?,
-        speed: speed?,
-    })
+    Some(Striker { body: body?, speed: speed? })
 }
 
 /// The particles in order, each with its kind.
@@ -122,10 +109,7 @@ pub fn particles(root: &Table<'_>, chain: &Table<'_>, materials: &Materials<'_>)
         kinds.insert(name, body(&table, name, materials, true));
         table.finish();
     }
-    let mut particles = Particles {
-        bodies: Vec::new(),
-        kinds: Vec::new(),
-    };
+    let mut particles = Particles { bodies: Vec::new(), kinds: Vec::new() };
     for segment in chain.list("segments") {
         let repeat = segment.count("repeat", 1, MOST_PARTICLES as u64);
         let repeat = usize::try_from(repeat.unwrap_or(1)).unwrap_or(1);
@@ -157,11 +141,7 @@ pub fn particles(root: &Table<'_>, chain: &Table<'_>, materials: &Materials<'_>)
         segment.finish();
     }
     if particles.kinds.is_empty() {
-        chain.problem(
-            "segments",
-            "no particles",
-            "at least one [[chain.segments]]",
-        );
+        chain.problem("segments", "no particles", "at least one [[chain.segments]]");
     }
     particles
 }
@@ -208,21 +188,20 @@ pub fn effects(effects: Option<&Table<'_>>, particles: usize) -> EffectsSpec {
         spec.gravity = acceleration.map(|acceleration| Gravity { acceleration });
         table.finish();
     }
+    if let Some(table) = effect(effects, "linearised_contacts") {
+        spec.linearised_contacts = Some(LinearisedContacts);
+        table.finish();
+    }
     if let Some(table) = effect(effects, "magnet_preload") {
         let _ = (table.text("model"), table.text("source"));
         let force = table.required("force", Dimension::FORCE, Bound::NotNegative);
         if !table.has("particle") {
-            table.problem(
-                "particle",
-                "no such key",
-                "the particle that the magnet pulls, e.g. 1",
-            );
+            table.problem("particle", "no such key", "the particle that the magnet pulls, e.g. 1");
         }
         let particle = table.count("particle", 1, particles.max(1) as u64);
         let particle = particle.and_then(|p| usize::try_from(p).ok());
-        spec.magnet_preload = force
-            .zip(particle)
-            .map(|(force, particle)| MagnetPreload { force, particle });
+        spec.magnet_preload =
+            force.zip(particle).map(|(force, particle)| MagnetPreload { force, particle });
         table.finish();
     }
     spec
@@ -250,17 +229,11 @@ pub fn initial_velocities(
     }
     for table in root.list("initial_velocities") {
         if !table.has("particle") {
-            table.problem(
-                "particle",
-                "no such key",
-                "a particle, counted from 1 at the top",
-            );
+            table.problem("particle", "no such key", "a particle, counted from 1 at the top");
         }
         let particle = table.count("particle", 1, particles.max(1) as u64);
         let velocity = table.required("velocity", Dimension::SPEED, Bound::Any);
-        let place = particle
-            .and_then(|p| usize::try_from(p).ok())
-            .map(|p| p - 1 + first);
+        let place = particle.and_then(|p| usize::try_from(p).ok()).map(|p| p - 1 + first);
         if let (Some(velocity), Some(slot)) = (velocity, place.and_then(|p| velocities.get_mut(p)))
         {
             *slot = velocity;
@@ -276,9 +249,8 @@ pub fn assemble(spec: &ChainSpec, chain: &Table<'_>) -> Option<Chain> {
         Ok(built) => Some(built),
         Err(error) => {
             let text = error.to_string();
-            let (found, expected) = text
-                .split_once(", expected ")
-                .unwrap_or((&text, "another chain"));
+            let (found, expected) =
+                text.split_once(", expected ").unwrap_or((&text, "another chain"));
             let found = found.strip_prefix("found ").unwrap_or(found);
             chain.problem("segments", found, expected);
             None

@@ -28,11 +28,7 @@ impl Place {
     /// A problem at this place.
     #[must_use]
     pub fn problem(&self, key: &str, found: String, expected: String) -> Problem {
-        let before = self
-            .source
-            .text
-            .get(..self.offset)
-            .unwrap_or(&self.source.text);
+        let before = self.source.text.get(..self.offset).unwrap_or(&self.source.text);
         let line_start = before.rfind('\n').map_or(0, |at| at + 1);
         Problem {
             file: self.source.file.clone(),
@@ -105,10 +101,7 @@ impl Node {
     /// # Errors
     /// Every syntax error, with its place.
     pub fn parse(file: &str, text: &str) -> Result<Self, Vec<Problem>> {
-        let source = Rc::new(Source {
-            file: file.to_owned(),
-            text: text.to_owned(),
-        });
+        let source = Rc::new(Source { file: file.to_owned(), text: text.to_owned() });
         let (table, errors) = DeTable::parse_recoverable(text);
         if !errors.is_empty() {
             let place = |error: &toml::de::Error| Place {
@@ -120,14 +113,8 @@ impl Node {
                 .map(|e| place(e).problem("", e.message().to_owned(), "valid TOML".to_owned()))
                 .collect());
         }
-        let place = Place {
-            source: Rc::clone(&source),
-            offset: 0,
-        };
-        Ok(Self {
-            place,
-            value: Value::Table(table_of(&source, table.get_ref())),
-        })
+        let place = Place { source: Rc::clone(&source), offset: 0 };
+        Ok(Self { place, value: Value::Table(table_of(&source, table.get_ref())) })
     }
 
     /// What stands here, in words for a message.
@@ -154,18 +141,9 @@ impl Node {
                         Some(below) => entry.node.over(below.node),
                         None => entry.node,
                     };
-                    merged.insert(
-                        key,
-                        Entry {
-                            key_place: entry.key_place,
-                            node,
-                        },
-                    );
+                    merged.insert(key, Entry { key_place: entry.key_place, node });
                 }
-                Self {
-                    place,
-                    value: Value::Table(merged),
-                }
+                Self { place, value: Value::Table(merged) }
             }
             (value, _) => Self { place, value },
         }
@@ -187,16 +165,10 @@ impl Node {
 
 fn table_of(source: &Rc<Source>, table: &DeTable<'_>) -> BTreeMap<String, Entry> {
     let entry = |key: &Spanned<std::borrow::Cow<'_, str>>, value: &Spanned<DeValue<'_>>| Entry {
-        key_place: Place {
-            source: Rc::clone(source),
-            offset: key.span().start,
-        },
+        key_place: Place { source: Rc::clone(source), offset: key.span().start },
         node: node_of(source, value),
     };
-    table
-        .iter()
-        .map(|(key, value)| (key.get_ref().to_string(), entry(key, value)))
-        .collect()
+    table.iter().map(|(key, value)| (key.get_ref().to_string(), entry(key, value))).collect()
 }
 
 fn node_of(source: &Rc<Source>, value: &Spanned<DeValue<'_>>) -> Node {
@@ -204,10 +176,7 @@ fn node_of(source: &Rc<Source>, value: &Spanned<DeValue<'_>>) -> Node {
         DeValue::String(text) => Value::Text(text.to_string()),
         DeValue::Integer(number) => Value::Number {
             typed: number.to_string(),
-            #[allow(
-                clippy::cast_precision_loss,
-                reason = "as a quantity; counts are checked"
-            )]
+            #[allow(clippy::cast_precision_loss, reason = "as a quantity; counts are checked")]
             value: i64::from_str_radix(number.as_str(), number.radix())
                 .map_or(f64::NAN, |whole| whole as f64),
             whole: true,
@@ -224,11 +193,5 @@ fn node_of(source: &Rc<Source>, value: &Spanned<DeValue<'_>>) -> Node {
         }
         DeValue::Table(table) => Value::Table(table_of(source, table)),
     };
-    Node {
-        place: Place {
-            source: Rc::clone(source),
-            offset: value.span().start,
-        },
-        value: value_of,
-    }
+    Node { place: Place { source: Rc::clone(source), offset: value.span().start }, value: value_of }
 }

@@ -15,11 +15,8 @@ use crate::data;
 const DEEPEST_BASE: usize = 8;
 
 /// Tables that may name an instrument file in `model`, and the folder it lies in.
-const MODELS: [(&str, &str); 3] = [
-    ("striker", "strikers"),
-    ("scope", ""),
-    ("magnet_preload", "magnets"),
-];
+const MODELS: [(&str, &str); 3] =
+    [("striker", "strikers"), ("scope", ""), ("magnet_preload", "magnets")];
 
 /// Where a file was found.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -46,36 +43,15 @@ pub struct Loaded {
 /// # Errors
 /// [`SceneError`] when there is no such scene or its text is no TOML.
 pub fn load(name: &str) -> Result<Loaded, SceneError> {
-    let (text, file, origin) =
-        find("scenes", name, &Origin::Embedded)?.ok_or_else(|| SceneError::Unknown {
-            name: name.to_owned(),
-            shipped: data::instrument_names("scenes"),
-        })?;
-    let stem = Path::new(name)
-        .file_stem()
-        .and_then(|s| s.to_str())
-        .unwrap_or(name);
-    let short = if origin == Origin::Embedded {
-        name
-    } else {
-        stem
-    };
-    let mut library = Library {
-        texts: Sha256::new(),
-    };
+    let (text, file, origin) = find("scenes", name, &Origin::Embedded)?.ok_or_else(|| {
+        SceneError::Unknown { name: name.to_owned(), shipped: data::instrument_names("scenes") }
+    })?;
+    let stem = Path::new(name).file_stem().and_then(|s| s.to_str()).unwrap_or(name);
+    let short = if origin == Origin::Embedded { name } else { stem };
+    let mut library = Library { texts: Sha256::new() };
     let root = library.assemble(&text, &file, &origin, 0)?;
-    let hash = library
-        .texts
-        .finalize()
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect();
-    Ok(Loaded {
-        name: short.to_owned(),
-        text,
-        hash,
-        root,
-    })
+    let hash = library.texts.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+    Ok(Loaded { name: short.to_owned(), text, hash, root })
 }
 
 /// The tree of the instrument file `kind/name`, which `place` names.
@@ -86,11 +62,7 @@ pub fn instrument(kind: &str, name: &str, place: &Place, key: &str) -> Result<No
     let origin = origin_of(place);
     let missing = |found: String| {
         let names = data::instrument_names(kind).join(", ");
-        vec![place.problem(
-            key,
-            found,
-            format!("one of {names}, or the path of a .toml file"),
-        )]
+        vec![place.problem(key, found, format!("one of {names}, or the path of a .toml file"))]
     };
     match find(kind, name, &origin) {
         Ok(Some((text, file, _))) => Node::parse(&file, &text),
@@ -125,9 +97,7 @@ impl Library {
             SceneError::Problems(vec![place.problem("base", found, expected)])
         };
         if depth >= DEEPEST_BASE {
-            return Err(wrong(format!(
-                "more than {DEEPEST_BASE} scenes standing on one another"
-            )));
+            return Err(wrong(format!("more than {DEEPEST_BASE} scenes standing on one another")));
         }
         let found = find("scenes", &base, origin).map_err(|error| wrong(error.to_string()))?;
         let (base_text, base_file, base_origin) =
@@ -161,11 +131,7 @@ impl Library {
                 self.insert_model(entry, "sensors", &format!("sensors.{name}"), &mut problems);
             }
         }
-        if problems.is_empty() {
-            Ok(())
-        } else {
-            Err(SceneError::Problems(problems))
-        }
+        if problems.is_empty() { Ok(()) } else { Err(SceneError::Problems(problems)) }
     }
 
     fn insert_model(
@@ -192,11 +158,7 @@ impl Library {
 /// Where the file of `place` lies, so that paths in it can be relative.
 fn origin_of(place: &Place) -> Origin {
     let path = Path::new(place.file());
-    if path.exists() {
-        Origin::File(path.to_owned())
-    } else {
-        Origin::Embedded
-    }
+    if path.exists() { Origin::File(path.to_owned()) } else { Origin::Embedded }
 }
 
 /// Text, display name and origin of `name` in folder `kind`; `None` if there is none.
@@ -209,27 +171,18 @@ fn find(
         name.contains(['/', '\\']) || Path::new(name).extension().is_some_and(|e| e == "toml");
     if !looks_like_path {
         let text = data::instrument(kind, name);
-        let shown = if kind.is_empty() {
-            format!("{name}.toml")
-        } else {
-            format!("{kind}/{name}.toml")
-        };
-        return Ok(text.map(|text| {
-            (
-                text.to_owned(),
-                format!("instruments/{shown}"),
-                Origin::Embedded,
-            )
-        }));
+        let shown =
+            if kind.is_empty() { format!("{name}.toml") } else { format!("{kind}/{name}.toml") };
+        return Ok(
+            text.map(|text| (text.to_owned(), format!("instruments/{shown}"), Origin::Embedded))
+        );
     }
     let path = match from {
         Origin::File(file) => file.parent().unwrap_or(Path::new("")).join(name),
         Origin::Embedded => PathBuf::from(name),
     };
     let file = path.display().to_string();
-    let text = std::fs::read_to_string(&path).map_err(|source| SceneError::Read {
-        file: file.clone(),
-        source,
-    })?;
+    let text = std::fs::read_to_string(&path)
+        .map_err(|source| SceneError::Read { file: file.clone(), source })?;
     Ok(Some((text, file, Origin::File(path))))
 }

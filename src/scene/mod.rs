@@ -81,27 +81,17 @@ impl Scene {
 }
 
 fn read(loaded: library::Loaded, problems: &Problems) -> Option<Scene> {
-    let library::Loaded {
-        name,
-        text,
-        hash,
-        root,
-    } = loaded;
+    let library::Loaded { name, text, hash, root } = loaded;
     let root = Table::of(&root, "", problems)?;
     let _ = root.text("base");
     let title = root.text("title").unwrap_or(&name).to_owned();
     let duration = root.required("duration", Dimension::TIME, Bound::Positive);
     let accuracy = Bound::Within(TIGHTEST_ACCURACY, LOOSEST_ACCURACY);
-    let accuracy = root
-        .quantity("accuracy", Dimension::NONE, accuracy)
-        .unwrap_or(DEFAULT_ACCURACY);
+    let accuracy = root.quantity("accuracy", Dimension::NONE, accuracy).unwrap_or(DEFAULT_ACCURACY);
     let seed = root.count("seed", 0, 1 << 53).unwrap_or(0);
     let moving = moving(&root, problems);
     let kinds: Vec<&str> = moving.kinds.iter().map(String::as_str).collect();
-    let hosts = bench::Hosts {
-        kinds: &kinds,
-        wall: moving.wall,
-    };
+    let hosts = bench::Hosts { kinds: &kinds, wall: moving.wall };
     let sensors = bench::sensors(&root, &hosts, problems);
     let scope = scope(&root, &sensors, moving.noise, duration);
     root.finish();
@@ -135,11 +125,7 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
     let materials = Materials::read(root, problems);
     let striker = bodies::striker(root, &materials);
     let Some(table) = root.table("chain") else {
-        root.problem(
-            "chain",
-            "no such table",
-            "[chain] with top, bottom and segments",
-        );
+        root.problem("chain", "no such table", "[chain] with top, bottom and segments");
         let velocities = bodies::initial_velocities(root, striker.as_ref(), 0);
         return Moving {
             kinds: Vec::new(),
@@ -161,11 +147,7 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
     }
     let initial_velocities = bodies::initial_velocities(root, striker.as_ref(), count);
     if initial_velocities.iter().all(|v| *v == 0.0) && !root.has("striker") {
-        root.problem(
-            "striker",
-            "nothing that moves",
-            "[striker] or [[initial_velocities]]",
-        );
+        root.problem("striker", "nothing that moves", "[striker] or [[initial_velocities]]");
     }
     // A kind that could not be read has already left its problem; half a chain would only add echoes of it.
     let whole =
@@ -186,13 +168,7 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
     };
     table.finish();
     let wall = matches!(bottom, Some((End::Wall(_), _)));
-    Moving {
-        kinds: particles.kinds,
-        wall,
-        noise,
-        initial_velocities,
-        built,
-    }
+    Moving { kinds: particles.kinds, wall, noise, initial_velocities, built }
 }
 
 /// `[effects.scope_noise]` (div).
@@ -243,28 +219,16 @@ fn check_time_base(table: &Table<'_>, setup: &Setup, duration: f64) {
     }
     let (start, end) = setup.record_span();
     if end <= 0.0 {
-        let found = format!(
-            "a record that ends {} before the trigger",
-            engineering(-end, "s", 3)
-        );
-        table.problem(
-            "position",
-            found,
-            "a record that shows something after the trigger",
-        );
+        let found = format!("a record that ends {} before the trigger", engineering(-end, "s", 3));
+        table.problem("position", found, "a record that shows something after the trigger");
     }
     if start >= duration {
-        let found = format!(
-            "a record that starts {} after the trigger",
-            engineering(start, "s", 3)
-        );
+        let found =
+            format!("a record that starts {} after the trigger", engineering(start, "s", 3));
         table.problem(
             "position",
             found,
-            format!(
-                "a start within the scene's {}",
-                engineering(duration, "s", 3)
-            ),
+            format!("a start within the scene's {}", engineering(duration, "s", 3)),
         );
     }
 }

@@ -60,9 +60,6 @@ fn list(problems: &[Problem]) -> String {
         text.push('\n');
     }
     let count = problems.len();
-    text.push_str(&format!(
-        "{count} problem{} in the scene",
-        if count == 1 { "" } else { "s" }
-    ));
+    text.push_str(&format!("{count} problem{} in the scene", if count == 1 { "" } else { "s" }));
     text
 }

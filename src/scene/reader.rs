@@ -86,10 +86,7 @@ impl<'a> Table<'a> {
     /// The table in `node`, whose keys are named behind `path`; a problem if it is none.
     pub fn of(node: &'a Node, path: &str, problems: &'a Problems) -> Option<Self> {
         let Value::Table(entries) = &node.value else {
-            problems.push(
-                node.place
-                    .problem(path, node.describe(), "a table".to_owned()),
-            );
+            problems.push(node.place.problem(path, node.describe(), "a table".to_owned()));
             return None;
         };
         Some(Self {
@@ -104,32 +101,24 @@ impl<'a> Table<'a> {
     /// The path of `key` from the top.
     #[must_use]
     pub fn path_of(&self, key: &str) -> String {
-        if self.path.is_empty() {
-            key.to_owned()
-        } else {
-            format!("{}.{key}", self.path)
-        }
+        if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) }
     }
 
     /// Where `key` stands, or where the table begins.
     #[must_use]
     pub fn place_of(&self, key: &str) -> &Place {
-        self.entries
-            .get(key)
-            .map_or(self.place, |entry| &entry.node.place)
+        self.entries.get(key).map_or(self.place, |entry| &entry.node.place)
     }
 
     /// Notes a problem with the value of `key`.
     pub fn problem(&self, key: &str, found: impl Into<String>, expected: impl Into<String>) {
         let place = self.place_of(key);
-        self.problems
-            .push(place.problem(&self.path_of(key), found.into(), expected.into()));
+        self.problems.push(place.problem(&self.path_of(key), found.into(), expected.into()));
     }
 
     /// Notes a problem at a place inside the value of `key`.
     pub fn problem_at(&self, place: &Place, key: &str, found: String, expected: String) {
-        self.problems
-            .push(place.problem(&self.path_of(key), found, expected));
+        self.problems.push(place.problem(&self.path_of(key), found, expected));
     }
 
     /// Whether `key` is there; does not count as asking for it.
@@ -215,9 +204,11 @@ impl<'a> Table<'a> {
     pub fn count(&self, key: &'static str, least: u64, most: u64) -> Option<u64> {
         let node = self.node(key)?;
         match node.value {
-            Value::Number {
-                value, whole: true, ..
-            } if value >= least as f64 && value <= most as f64 => Some(value as u64),
+            Value::Number { value, whole: true, .. }
+                if value >= least as f64 && value <= most as f64 =>
+            {
+                Some(value as u64)
+            }
             _ => {
                 let expected = format!("a whole number from {least} to {most}");
                 self.problem(key, node.describe(), expected);
@@ -251,16 +242,11 @@ impl<'a> Table<'a> {
     pub fn choice<T: Copy>(&self, key: &'static str, words: &[(&str, T)]) -> Option<T> {
         let node = self.node(key)?;
         let found = match &node.value {
-            Value::Text(text) => words
-                .iter()
-                .find(|(word, _)| word.eq_ignore_ascii_case(text)),
+            Value::Text(text) => words.iter().find(|(word, _)| word.eq_ignore_ascii_case(text)),
             _ => None,
         };
         if found.is_none() {
-            let names: Vec<String> = words
-                .iter()
-                .map(|(word, _)| format!("\"{word}\""))
-                .collect();
+            let names: Vec<String> = words.iter().map(|(word, _)| format!("\"{word}\"")).collect();
             self.problem(key, node.describe(), format!("one of {}", names.join(", ")));
         }
         found.map(|(_, value)| *value)
@@ -308,9 +294,7 @@ impl<'a> Table<'a> {
         };
         let path = |index: usize| format!("{}[{}]", self.path_of(key), index + 1);
         let tables = items.iter().enumerate();
-        tables
-            .filter_map(|(i, item)| Table::of(item, &path(i), self.problems))
-            .collect()
+        tables.filter_map(|(i, item)| Table::of(item, &path(i), self.problems)).collect()
     }
 
     /// A list of texts, each with its place.
@@ -328,8 +312,7 @@ impl<'a> Table<'a> {
                 texts.push((text.as_str(), &item.place));
             } else {
                 let problem =
-                    item.place
-                        .problem(&self.path_of(key), item.describe(), "a name".to_owned());
+                    item.place.problem(&self.path_of(key), item.describe(), "a name".to_owned());
                 self.problems.push(problem);
             }
         }
@@ -349,8 +332,7 @@ impl<'a> Table<'a> {
                 };
                 let path = self.path_of(key);
                 let found = format!("the unknown key `{key}`");
-                self.problems
-                    .push(entry.key_place.problem(&path, found, expected));
+                self.problems.push(entry.key_place.problem(&path, found, expected));
             }
         }
     }

@@ -31,17 +31,11 @@ pub fn find_trigger(setup: &Setup, scale: f64, signal: &[f64], automatic: usize)
     for (index, volts) in signal.iter().enumerate() {
         let beyond = sign * (volts - setup.trigger.level);
         if armed && beyond >= 0.0 {
-            return Some(Found {
-                index,
-                crossed: true,
-            });
+            return Some(Found { index, crossed: true });
         }
         armed |= beyond <= -hysteresis;
     }
-    (setup.trigger.mode == TriggerMode::Auto).then_some(Found {
-        index: automatic,
-        crossed: false,
-    })
+    (setup.trigger.mode == TriggerMode::Auto).then_some(Found { index: automatic, crossed: false })
 }
 
 /// The record of one channel around the trigger sample `trigger` of its conditioned `signal` (V), whose samples come
@@ -62,10 +56,7 @@ pub fn digitise(
     let y_off = LEVELS_PER_DIVISION * vertical.position;
     let level = |volts: f64| {
         let level = (volts / y_mult + y_off).round();
-        #[allow(
-            clippy::cast_possible_truncation,
-            reason = "clamped to the converter's range"
-        )]
+        #[allow(clippy::cast_possible_truncation, reason = "clamped to the converter's range")]
         let code = level.clamp(f64::from(LOWEST_CODE), f64::from(HIGHEST_CODE)) as i16;
         code
     };
@@ -106,21 +97,12 @@ fn points(
     trigger_point: f64,
 ) -> Vec<f64> {
     let last = signal.len().saturating_sub(1) as i64;
-    let sample = |index: i64| {
-        signal
-            .get(index.clamp(0, last) as usize)
-            .copied()
-            .unwrap_or(0.0)
-    };
+    let sample = |index: i64| signal.get(index.clamp(0, last) as usize).copied().unwrap_or(0.0);
     let density = model.sample_interval(time_base) / model.interval(time_base);
     let point = |n: usize| {
         let place = (n as f64 - trigger_point) / density + trigger as f64;
         let nearest = place.round();
-        if (place - nearest).abs() < 1e-6 {
-            sample(nearest as i64)
-        } else {
-            sinc(place, &sample)
-        }
+        if (place - nearest).abs() < 1e-6 { sample(nearest as i64) } else { sinc(place, &sample) }
     };
     (0..model.record_length).map(point).collect()
 }
@@ -133,11 +115,7 @@ fn points(
 )]
 fn sinc(place: f64, sample: &dyn Fn(i64) -> f64) -> f64 {
     let kernel = |x: f64| {
-        if x == 0.0 {
-            1.0
-        } else {
-            (std::f64::consts::PI * x).sin() / (std::f64::consts::PI * x)
-        }
+        if x == 0.0 { 1.0 } else { (std::f64::consts::PI * x).sin() / (std::f64::consts::PI * x) }
     };
     let base = place.floor() as i64;
     let mut sum = 0.0;

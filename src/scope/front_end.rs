@@ -18,10 +18,7 @@ const NEGLIGIBLE_DELAY: f64 = 0.01;
 /// what another shows.
 #[must_use]
 pub fn noise_stream(seed: u64, shot: u32, channel: u8) -> Pcg64 {
-    Pcg64::new(
-        u128::from(seed),
-        (u128::from(shot) << 8) | u128::from(channel),
-    )
+    Pcg64::new(u128::from(seed), (u128::from(shot) << 8) | u128::from(channel))
 }
 
 /// The signal of one channel as the converter sees it (V), from the signal at its probe.
@@ -42,11 +39,7 @@ pub fn condition(
         Some(Coupling::Ground) => vec![0.0; volts.len()],
     };
     let limited = vertical.bandwidth_limited == Some(true);
-    let bandwidth = if limited {
-        model.limited_bandwidth
-    } else {
-        model.bandwidth
-    };
+    let bandwidth = if limited { model.limited_bandwidth } else { model.bandwidth };
     let ratio = interval * TAU * bandwidth;
     if ratio * NEGLIGIBLE_DELAY < 1.0 {
         signal = low_pass(&signal, ratio);
@@ -67,11 +60,7 @@ pub fn condition(
 /// First-order high-pass; `ratio` is the interval over the time constant.
 fn high_pass(values: &[f64], ratio: f64) -> Vec<f64> {
     let slow = low_pass(values, ratio);
-    values
-        .iter()
-        .zip(slow)
-        .map(|(value, slow)| value - slow)
-        .collect()
+    values.iter().zip(slow).map(|(value, slow)| value - slow).collect()
 }
 
 /// First-order low-pass that starts settled: the exact response to straight lines between samples,

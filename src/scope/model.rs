@@ -48,10 +48,7 @@ pub struct Model {
 impl Model {
     /// Time from one point of a record to the next (s).
     #[must_use]
-    #[allow(
-        clippy::cast_precision_loss,
-        reason = "a record has a few thousand points"
-    )]
+    #[allow(clippy::cast_precision_loss, reason = "a record has a few thousand points")]
     pub fn interval(&self, time_base: f64) -> f64 {
         time_base * self.horizontal_divisions / self.record_length as f64
     }

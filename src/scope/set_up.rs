@@ -25,11 +25,7 @@ pub fn set_up_text(setup: &Setup) -> String {
     let mut select = String::new();
     for (number, channel) in (1..).zip(&setup.channels) {
         let on = u8::from(channel.is_some());
-        let _ = write!(
-            select,
-            "{}CH{number} {on}",
-            if number == 1 { "" } else { ";" }
-        );
+        let _ = write!(select, "{}CH{number} {on}", if number == 1 { "" } else { ";" });
         let Some(channel) = channel else { continue };
         let vertical = &channel.vertical;
         let _ = write!(

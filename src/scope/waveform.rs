@@ -151,10 +151,7 @@ pub const LEVELS_PER_DIVISION: f64 = 25.0;
 impl Waveform {
     /// Abscissa of point `index`: time after the trigger (s), or frequency of an FFT bin (Hz).
     #[must_use]
-    #[allow(
-        clippy::cast_precision_loss,
-        reason = "records are far shorter than 2^53 points"
-    )]
+    #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 points")]
     pub fn time(&self, index: usize) -> f64 {
         self.preamble.x_zero
             + self.preamble.x_incr * (index as f64 - f64::from(self.preamble.pt_off))
@@ -176,9 +173,6 @@ impl Waveform {
     /// How many points stand at the converter's ends, where the true voltage may lie beyond.
     #[must_use]
     pub fn clipped(&self) -> usize {
-        self.codes
-            .iter()
-            .filter(|c| matches!(**c, LOWEST_CODE | HIGHEST_CODE))
-            .count()
+        self.codes.iter().filter(|c| matches!(**c, LOWEST_CODE | HIGHEST_CODE)).count()
     }
 }

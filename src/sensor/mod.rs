@@ -63,10 +63,7 @@ impl Sensor {
     pub fn connect(&self, load: Load) -> Circuit {
         let capacitance = self.plate_capacitance() + self.cable_capacitance + load.capacitance;
         let resistance = 1.0 / (1.0 / self.leak_resistance + 1.0 / load.resistance);
-        Circuit {
-            sensitivity: self.d33 / capacitance,
-            time_constant: resistance * capacitance,
-        }
+        Circuit { sensitivity: self.d33 / capacitance, time_constant: resistance * capacitance }
     }
 }
 
@@ -103,10 +100,7 @@ mod tests {
     /// Against the closed form for a ramp and a hold: `V = S r tau (1 - exp(-t/tau))`, then `exp` decay.
     #[test]
     fn filter_is_exact_for_piecewise_linear_force() {
-        let circuit = Circuit {
-            sensitivity: 0.4,
-            time_constant: 1e-3,
-        };
+        let circuit = Circuit { sensitivity: 0.4, time_constant: 1e-3 };
         let (interval, ramp, hold) = (1e-6, 250_usize, 4000_usize);
         let slope = 3.0e4;
         let force = |i: usize| slope * interval * i.min(ramp) as f64;
@@ -121,15 +115,8 @@ mod tests {
         let rising = |t: f64| 0.4 * slope * 1e-3 * -(-t / 1e-3).exp_m1();
         for i in 0..=hold {
             let (t, top) = (trace.time(i), trace.time(ramp));
-            let exact = if i <= ramp {
-                rising(t)
-            } else {
-                rising(top) * (-(t - top) / 1e-3).exp()
-            };
-            assert!(
-                (voltage.values[i] - exact).abs() < 1e-12 * rising(top),
-                "sample {i}"
-            );
+            let exact = if i <= ramp { rising(t) } else { rising(top) * (-(t - top) / 1e-3).exp() };
+            assert!((voltage.values[i] - exact).abs() < 1e-12 * rising(top), "sample {i}");
         }
     }
 
@@ -146,10 +133,7 @@ mod tests {
         };
         // 0.15938 pF times the relative permittivity.
         assert!((sensor.plate_capacitance() / 1800.0 - 0.15938e-12).abs() < 1e-17);
-        let load = Load {
-            resistance: 1e6,
-            capacitance: 20e-12,
-        };
+        let load = Load { resistance: 1e6, capacitance: 20e-12 };
         let circuit = sensor.connect(load);
         assert!((circuit.time_constant - 1e-3).abs() < 0.03e-3);
         // S tau = d33 R whatever the cable.

@@ -1,3 +1,5 @@
 //! stub
 /// stub
-pub fn run(_set: crate::recording::TraceSet, _title: String) -> std::io::Result<()> { Ok(()) }
+pub fn run(_set: crate::recording::TraceSet, _title: String) -> std::io::Result<()> {
+    Ok(())
+}

@@ -47,11 +47,7 @@ fn refuse(mut violations: Vec<Violation>) {
     for violation in &violations {
         let _ = writeln!(list, "  {violation}");
     }
-    assert!(
-        violations.is_empty(),
-        "{} violation(s):\n{list}",
-        violations.len()
-    );
+    assert!(violations.is_empty(), "{} violation(s):\n{list}", violations.len());
 }
 
 #[test]
@@ -83,9 +79,9 @@ fn files_and_functions_keep_their_size() {
 #[test]
 fn every_folder_in_the_readme_exists() {
     match read("README.md") {
-        Ok(text) => refuse(readme::check("README.md", &text, |folder| {
-            root().join(folder).is_dir()
-        })),
+        Ok(text) => {
+            refuse(readme::check("README.md", &text, |folder| root().join(folder).is_dir()))
+        }
         Err(violation) => refuse(vec![violation]),
     }
 }

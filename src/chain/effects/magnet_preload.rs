@@ -21,11 +21,7 @@ impl Effect for MagnetPreload {
     }
 
     fn summary(&self) -> String {
-        format!(
-            "{} on particle {}",
-            engineering(self.force, "N", 4),
-            self.particle
-        )
+        format!("{} on particle {}", engineering(self.force, "N", 4), self.particle)
     }
 
     fn add_load(&self, _masses: &[f64], striker: bool, load: &mut [f64]) {

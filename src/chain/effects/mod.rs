@@ -4,9 +4,11 @@
 //! step and costs nothing during the run. Adding an effect: `chain/effects/<name>.rs` and a field in [`EffectsSpec`].
 
 mod gravity;
+mod linearised_contacts;
 mod magnet_preload;
 
 pub use gravity::Gravity;
+pub use linearised_contacts::LinearisedContacts;
 pub use magnet_preload::MagnetPreload;
 
 /// Something that acts on the chain beyond its contacts.
@@ -26,6 +28,8 @@ pub trait Effect {
 pub struct EffectsSpec {
     /// `[effects.gravity]`
     pub gravity: Option<Gravity>,
+    /// `[effects.linearised_contacts]`
+    pub linearised_contacts: Option<LinearisedContacts>,
     /// `[effects.magnet_preload]`
     pub magnet_preload: Option<MagnetPreload>,
 }
@@ -35,6 +39,7 @@ impl EffectsSpec {
     pub fn active(&self) -> impl Iterator<Item = &dyn Effect> {
         let gravity = self.gravity.as_ref().map(|e| e as &dyn Effect);
         let magnet_preload = self.magnet_preload.as_ref().map(|e| e as &dyn Effect);
-        [gravity, magnet_preload].into_iter().flatten()
+        let linearised = self.linearised_contacts.as_ref().map(|e| e as &dyn Effect);
+        [gravity, linearised, magnet_preload].into_iter().flatten()
     }
 }

@@ -58,10 +58,7 @@ impl<'a> DormandPrince853<'a> {
     #[must_use]
     pub fn new(mut system: Box<dyn System + 'a>, state: State, tolerance: f64) -> Self {
         let n = system.len();
-        let zero = Rates {
-            position: vec![0.0; n],
-            velocity: vec![0.0; n],
-        };
+        let zero = Rates { position: vec![0.0; n], velocity: vec![0.0; n] };
         let mut rates = vec![zero.clone(); DENSE_STAGES];
         if let Some(first) = rates.first_mut() {
             first.position.copy_from_slice(&state.velocity);
@@ -73,10 +70,7 @@ impl<'a> DormandPrince853<'a> {
             previous: state.clone(),
             scratch: state.clone(),
             lost: zero,
-            work: Work {
-                force_evaluations: 1,
-                ..Work::default()
-            },
+            work: Work { force_evaluations: 1, ..Work::default() },
             last_length: 0.0,
             system,
             state,
@@ -111,19 +105,9 @@ impl<'a> DormandPrince853<'a> {
     fn error(&mut self, h: f64) -> f64 {
         let mut of_order = [0.0_f64; 2];
         for (error, weights) in of_order.iter_mut().zip([ERROR_5, ERROR_3]) {
-            combine(
-                weights,
-                &self.rates,
-                |r| &r.position,
-                &mut self.scratch.position,
-            );
+            combine(weights, &self.rates, |r| &r.position, &mut self.scratch.position);
             *error = largest(&self.scratch.position) / self.scales.position;
-            combine(
-                weights,
-                &self.rates,
-                |r| &r.velocity,
-                &mut self.scratch.velocity,
-            );
+            combine(weights, &self.rates, |r| &r.velocity, &mut self.scratch.velocity);
             *error = error.max(largest(&self.scratch.velocity) / self.scales.velocity);
         }
         let [fifth, third] = of_order;
@@ -140,24 +124,12 @@ impl<'a> DormandPrince853<'a> {
         let weights = STAGE_WEIGHTS.get(solution).copied().unwrap_or_default();
         combine(weights, before, |r| &r.position, &mut self.scratch.position);
         combine(weights, before, |r| &r.velocity, &mut self.scratch.velocity);
-        add(
-            &mut self.state.position,
-            &mut self.lost.position,
-            &self.scratch.position,
-            h,
-        );
-        add(
-            &mut self.state.velocity,
-            &mut self.lost.velocity,
-            &self.scratch.velocity,
-            h,
-        );
+        add(&mut self.state.position, &mut self.lost.position, &self.scratch.position, h);
+        add(&mut self.state.velocity, &mut self.lost.velocity, &self.scratch.velocity, h);
         self.state.time = next;
         self.last_length = h;
         self.work.steps += 1;
-        let now = self
-            .system
-            .scales(&self.state.position, &self.state.velocity);
+        let now = self.system.scales(&self.state.position, &self.state.velocity);
         // A rebound's speed stays the yardstick for what it left behind.
         self.scales.position = self.scales.position.max(now.position);
         self.scales.velocity = self.scales.velocity.max(now.velocity);
@@ -179,16 +151,10 @@ impl Integrator for DormandPrince853<'_> {
         let mut after_rejection = false;
         loop {
             let left = end - start;
-            let (h, next) = if self.step >= left {
-                (left, end)
-            } else {
-                (self.step, start + self.step)
-            };
+            let (h, next) =
+                if self.step >= left { (left, end) } else { (self.step, start + self.step) };
             if h <= f64::EPSILON * start.abs() || h < f64::MIN_POSITIVE {
-                return Err(IntegrateError::StepTooSmall {
-                    time: start,
-                    step: h,
-                });
+                return Err(IntegrateError::StepTooSmall { time: start, step: h });
             }
             for stage in 1..STAGES {
                 self.evaluate_stage(stage, h);
@@ -196,10 +162,7 @@ impl Integrator for DormandPrince853<'_> {
             let error = self.error(h);
             if !error.is_finite() && h <= 1e-6 * self.step.max(h) {
                 let body = first_not_finite(&self.scratch.position, &self.scratch.velocity);
-                return Err(IntegrateError::NotFinite {
-                    body: body.unwrap_or(0),
-                    time: start,
-                });
+                return Err(IntegrateError::NotFinite { body: body.unwrap_or(0), time: start });
             }
             let change = if error.is_finite() {
                 (SAFETY * error.powf(-1.0 / ERROR_ORDER)).clamp(SMALLEST_CHANGE, LARGEST_CHANGE)
@@ -208,17 +171,9 @@ impl Integrator for DormandPrince853<'_> {
             };
             if error <= 1.0 {
                 self.accept(h, next);
-                let growth = if after_rejection {
-                    change.min(1.0)
-                } else {
-                    change
-                };
+                let growth = if after_rejection { change.min(1.0) } else { change };
                 // A step cut short by `end` says nothing about the next.
-                self.step = if next == end {
-                    self.step.max(h * growth)
-                } else {
-                    h * growth
-                };
+                self.step = if next == end { self.step.max(h * growth) } else { h * growth };
                 return Ok(());
             }
             after_rejection = true;
@@ -240,20 +195,9 @@ impl Integrator for DormandPrince853<'_> {
             let rate = |stage: usize| self.rates.get(stage).map_or(0.0, part);
             let rise = to - from;
             let (first, last) = (h * rate(0), h * rate(STAGES - 1));
-            let mut nested = [
-                rise,
-                first - rise,
-                2.0 * rise - last - first,
-                0.0,
-                0.0,
-                0.0,
-                0.0,
-            ];
+            let mut nested = [rise, first - rise, 2.0 * rise - last - first, 0.0, 0.0, 0.0, 0.0];
             for (value, row) in nested[3..].iter_mut().zip(DENSE) {
-                *value = h * row
-                    .iter()
-                    .map(|(stage, weight)| weight * rate(*stage))
-                    .sum::<f64>();
+                *value = h * row.iter().map(|(stage, weight)| weight * rate(*stage)).sum::<f64>();
             }
             to_powers(from, nested)
         };
@@ -311,13 +255,12 @@ fn add(values: &mut [f64], lost: &mut [f64], rates: &[f64], h: f64) {
 
 /// Largest magnitude; infinite if any value is not a number, which `f64::max` would hide.
 fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |most: f64, value| {
-        if value.is_nan() {
-            f64::INFINITY
-        } else {
-            most.max(value.abs())
-        }
-    })
+    values.iter().fold(
+        0.0,
+        |most: f64, value| {
+            if value.is_nan() { f64::INFINITY } else { most.max(value.abs()) }
+        },
+    )
 }
 
 /// From the nested form `y0 + t(f0 + s(f1 + t(f2 + s(...))))`, `s = 1 - t`, to powers of `t`.
@@ -351,20 +294,12 @@ mod tests {
     fn coefficients_meet_their_conditions() {
         for stage in 1..DENSE_STAGES {
             let sum: f64 = STAGE_WEIGHTS[stage].iter().map(|(_, weight)| weight).sum();
-            assert!(
-                (sum - ABSCISSAE[stage]).abs() < 1e-13,
-                "stage {stage}: {sum}"
-            );
+            assert!((sum - ABSCISSAE[stage]).abs() < 1e-13, "stage {stage}: {sum}");
         }
         for power in 0..8 {
-            let sum: f64 = STAGE_WEIGHTS[12]
-                .iter()
-                .map(|(s, b)| b * ABSCISSAE[*s].powi(power))
-                .sum();
-            assert!(
-                (sum - 1.0 / f64::from(power + 1)).abs() < 1e-14,
-                "degree {power}: {sum}"
-            );
+            let sum: f64 =
+                STAGE_WEIGHTS[12].iter().map(|(s, b)| b * ABSCISSAE[*s].powi(power)).sum();
+            assert!((sum - 1.0 / f64::from(power + 1)).abs() < 1e-14, "degree {power}: {sum}");
         }
     }
 

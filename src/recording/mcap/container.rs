@@ -56,9 +56,7 @@ struct Cursor<'a> {
 impl<'a> Cursor<'a> {
     fn take(&mut self, length: u64) -> Result<&'a [u8], String> {
         let available = self.rest.len();
-        let wanted = usize::try_from(length)
-            .ok()
-            .filter(|wanted| *wanted <= available);
+        let wanted = usize::try_from(length).ok().filter(|wanted| *wanted <= available);
         let Some((head, tail)) = wanted.and_then(|wanted| self.rest.split_at_checked(wanted))
         else {
             return Err(format!("found {available} bytes, expected {length}"));
@@ -68,9 +66,7 @@ impl<'a> Cursor<'a> {
     }
 
     fn number<const N: usize>(&mut self) -> Result<[u8; N], String> {
-        self.take(N as u64)?
-            .try_into()
-            .map_err(|_| "found too few bytes for a number".to_owned())
+        self.take(N as u64)?.try_into().map_err(|_| "found too few bytes for a number".to_owned())
     }
 
     fn u16(&mut self) -> Result<u16, String> {
@@ -115,32 +111,21 @@ pub fn parse(opcode: u8, body: &[u8]) -> Result<Record<'_>, String> {
         0x04 => {
             let (id, schema) = (cursor.u16()?, cursor.u16()?);
             let (topic, encoding) = (cursor.text()?, cursor.text()?);
-            Ok(Record::Channel {
-                id,
-                schema,
-                topic,
-                encoding,
-            })
+            Ok(Record::Channel { id, schema, topic, encoding })
         }
         0x05 => {
             let channel = cursor.u16()?;
             let _sequence = cursor.u32()?;
             let log_time = cursor.u64()?;
             let _publish_time = cursor.u64()?;
-            Ok(Record::Message {
-                channel,
-                log_time,
-                data: cursor.rest,
-            })
+            Ok(Record::Message { channel, log_time, data: cursor.rest })
         }
         0x06 => chunk(cursor).map(Record::Chunk),
         0x09 => attachment(body, cursor),
         0x0C => {
             let name = cursor.text()?;
             let length = cursor.u32()?;
-            let mut pairs = Cursor {
-                rest: cursor.take(u64::from(length))?,
-            };
+            let mut pairs = Cursor { rest: cursor.take(u64::from(length))? };
             let mut facts = BTreeMap::new();
             while !pairs.rest.is_empty() {
                 facts.insert(pairs.text()?, pairs.text()?);
@@ -170,22 +155,15 @@ fn chunk(mut cursor: Cursor<'_>) -> Result<Vec<u8>, String> {
         "zstd" => zstd::bulk::decompress(packed, capacity)
             .map_err(|error| format!("found a chunk that does not unpack ({error})"))?,
         other => {
-            return Err(format!(
-                "found compression `{other}`, expected zstd or none"
-            ));
+            return Err(format!("found compression `{other}`, expected zstd or none"));
         }
     };
     if bytes.len() != capacity {
-        return Err(format!(
-            "found a chunk of {} bytes, expected {capacity}",
-            bytes.len()
-        ));
+        return Err(format!("found a chunk of {} bytes, expected {capacity}", bytes.len()));
     }
     let found = crc32fast::hash(&bytes);
     if checksum != 0 && checksum != found {
-        return Err(format!(
-            "found checksum {found:08x}, expected {checksum:08x}"
-        ));
+        return Err(format!("found checksum {found:08x}, expected {checksum:08x}"));
     }
     Ok(bytes)
 }

@@ -215,11 +215,8 @@ const CAPTURE: [Field; 26] = [
     ("trigger_time_s", Type::Double, SINGLE),
 ];
 
-const SETUP: [Field; 3] = [
-    TIMESTAMP,
-    ("shot", Type::Uint32, SINGLE),
-    ("set", Type::String, SINGLE),
-];
+const SETUP: [Field; 3] =
+    [TIMESTAMP, ("shot", Type::Uint32, SINGLE), ("set", Type::String, SINGLE)];
 
 const SERIES: [Field; 7] = [
     TIMESTAMP,
@@ -306,11 +303,7 @@ impl Schema {
         let descriptor = DescriptorProto {
             name: Some(message.to_owned()),
             field: (1..).zip(self.fields()).map(field).collect(),
-            enum_type: if self == Self::Log {
-                vec![log_level()]
-            } else {
-                Vec::new()
-            },
+            enum_type: if self == Self::Log { vec![log_level()] } else { Vec::new() },
             ..Default::default()
         };
         let file = FileDescriptorProto {
@@ -321,10 +314,7 @@ impl Schema {
             syntax: Some("proto3".to_owned()),
             ..Default::default()
         };
-        FileDescriptorSet {
-            file: vec![timestamp_file(), file],
-        }
-        .encode_to_vec()
+        FileDescriptorSet { file: vec![timestamp_file(), file] }.encode_to_vec()
     }
 }
 
@@ -355,10 +345,7 @@ fn timestamp_file() -> FileDescriptorProto {
         package: Some("google.protobuf".to_owned()),
         message_type: vec![DescriptorProto {
             name: Some("Timestamp".to_owned()),
-            field: vec![
-                field("seconds", 1, Type::Int64),
-                field("nanos", 2, Type::Int32),
-            ],
+            field: vec![field("seconds", 1, Type::Int64), field("nanos", 2, Type::Int32)],
             ..Default::default()
         }],
         syntax: Some("proto3".to_owned()),

@@ -54,10 +54,7 @@ pub enum ReadError {
 }
 
 fn because(problem: &Option<String>) -> String {
-    problem
-        .as_ref()
-        .map(|p| format!(" ({p})"))
-        .unwrap_or_default()
+    problem.as_ref().map(|p| format!(" ({p})")).unwrap_or_default()
 }
 
 /// Reads `file`.
@@ -66,20 +63,12 @@ fn because(problem: &Option<String>) -> String {
 /// [`ReadError`] when nothing can be had from it; lesser damage is listed in [`TraceSet::problems`].
 pub fn read(file: &Path) -> Result<TraceSet, ReadError> {
     let path = || file.to_owned();
-    let size = std::fs::metadata(file).map_err(|source| ReadError::File {
-        file: path(),
-        source,
-    })?;
+    let size =
+        std::fs::metadata(file).map_err(|source| ReadError::File { file: path(), source })?;
     if size.len() > LARGEST_FILE {
-        return Err(ReadError::TooLarge {
-            file: path(),
-            bytes: size.len(),
-        });
+        return Err(ReadError::TooLarge { file: path(), bytes: size.len() });
     }
-    let bytes = std::fs::read(file).map_err(|source| ReadError::File {
-        file: path(),
-        source,
-    })?;
+    let bytes = std::fs::read(file).map_err(|source| ReadError::File { file: path(), source })?;
     read_bytes(&bytes, file)
 }
 
@@ -89,28 +78,20 @@ pub fn read(file: &Path) -> Result<TraceSet, ReadError> {
 /// As [`read`].
 pub fn read_bytes(bytes: &[u8], file: &Path) -> Result<TraceSet, ReadError> {
     let Some(records) = bytes.strip_prefix(&MAGIC) else {
-        let head = bytes
-            .get(..bytes.len().min(MAGIC.len()))
-            .unwrap_or_default();
+        let head = bytes.get(..bytes.len().min(MAGIC.len())).unwrap_or_default();
         let found = if head.is_empty() {
             "an empty file".to_owned()
         } else {
             head.escape_ascii().to_string()
         };
-        return Err(ReadError::NotMcap {
-            file: file.to_owned(),
-            found,
-        });
+        return Err(ReadError::NotMcap { file: file.to_owned(), found });
     };
     let mut reader = Reader::default();
     reader.data_section(records);
     let set = reader.finish();
     if set.shots.is_empty() && set.metadata.is_empty() && set.attachments.is_empty() {
         let first = set.problems.into_iter().next();
-        return Err(ReadError::Empty {
-            file: file.to_owned(),
-            first,
-        });
+        return Err(ReadError::Empty { file: file.to_owned(), first });
     }
     Ok(set)
 }
@@ -190,12 +171,7 @@ impl Reader {
             Record::Schema(id, name) => {
                 self.schemas.insert(id, name);
             }
-            Record::Channel {
-                id,
-                schema,
-                topic,
-                encoding,
-            } => {
+            Record::Channel { id, schema, topic, encoding } => {
                 let name = self.schemas.get(&schema).cloned().unwrap_or_default();
                 if encoding == "protobuf" {
                     self.channels.insert(id, (topic, name));
@@ -205,11 +181,7 @@ impl Reader {
                     ));
                 }
             }
-            Record::Message {
-                channel,
-                log_time,
-                data,
-            } => {
+            Record::Message { channel, log_time, data } => {
                 let Some((topic, schema)) = self.channels.get(&channel).cloned() else {
                     self.problem(format!(
                         "byte {offset}: found a message on the undeclared channel {channel}"
@@ -221,11 +193,7 @@ impl Reader {
                 }
             }
             Record::Attachment(name, media_type, data) => {
-                self.set.attachments.push(Attachment {
-                    name,
-                    media_type,
-                    data: data.to_vec(),
-                });
+                self.set.attachments.push(Attachment { name, media_type, data: data.to_vec() });
             }
             Record::Metadata(name, facts) => {
                 self.set.metadata.insert(name, facts);
@@ -241,11 +209,8 @@ impl Reader {
             let message = message::Capture::decode(data).map_err(undecodable)?;
             let capture = capture(&message)?;
             let shot = self.shot(message.shot, log_time);
-            shot.origin = if message.origin == "measured" {
-                Origin::Measured
-            } else {
-                Origin::Simulated
-            };
+            shot.origin =
+                if message.origin == "measured" { Origin::Measured } else { Origin::Simulated };
             shot.trigger_time = message.trigger_time_s;
             shot.captures.push(capture);
         } else if schema == Schema::Series.name() {
@@ -284,40 +249,23 @@ impl Reader {
 
     fn finish(mut self) -> TraceSet {
         if self.unlisted > 0 {
-            self.set
-                .problems
-                .push(format!("and {} more problems", self.unlisted));
+            self.set.problems.push(format!("and {} more problems", self.unlisted));
         }
         self.set.shots = self.shots.into_values().collect();
-        self.set
-            .shots
-            .sort_by_key(|shot| (shot.timestamp_ns, shot.number));
+        self.set.shots.sort_by_key(|shot| (shot.timestamp_ns, shot.number));
         self.set
     }
 }
 
 fn capture(message: &message::Capture) -> Result<Capture, String> {
     let source = Source::from_name(&message.source).ok_or_else(|| {
-        format!(
-            "found source `{}`, expected CH1 to CH4, MATH or REFA to REFD",
-            message.source
-        )
+        format!("found source `{}`, expected CH1 to CH4, MATH or REFA to REFD", message.source)
     })?;
     let points = message.volts.len();
     let codes: Vec<i16> = if message.codes.len() == points {
-        message
-            .codes
-            .iter()
-            .map(|byte| i16::from(i8::from_be_bytes([*byte])))
-            .collect()
+        message.codes.iter().map(|byte| i16::from(i8::from_be_bytes([*byte]))).collect()
     } else if message.codes.len() == 2 * points {
-        message
-            .codes
-            .as_chunks::<2>()
-            .0
-            .iter()
-            .map(|pair| i16::from_be_bytes(*pair))
-            .collect()
+        message.codes.as_chunks::<2>().0.iter().map(|pair| i16::from_be_bytes(*pair)).collect()
     } else {
         return Err(format!(
             "found {} bytes of levels, expected 1 or 2 for each of {points} points",

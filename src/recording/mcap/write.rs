@@ -70,14 +70,8 @@ impl RecordingWriter {
         attachments: &[Attachment],
     ) -> Result<Self, WriteError> {
         let path = file.to_owned();
-        let system = |source| WriteError::File {
-            file: path.clone(),
-            source,
-        };
-        let container = |source| WriteError::Container {
-            file: path.clone(),
-            source,
-        };
+        let system = |source| WriteError::File { file: path.clone(), source };
+        let container = |source| WriteError::Container { file: path.clone(), source };
         if let Some(folder) = file.parent().filter(|f| !f.as_os_str().is_empty()) {
             std::fs::create_dir_all(folder).map_err(system)?;
         }
@@ -92,10 +86,7 @@ impl RecordingWriter {
             .create(target)
             .map_err(container)?;
         for (name, facts) in metadata {
-            let record = Metadata {
-                name: name.clone(),
-                metadata: facts.clone(),
-            };
+            let record = Metadata { name: name.clone(), metadata: facts.clone() };
             writer.write_metadata(&record).map_err(container)?;
         }
         for attachment in attachments {
@@ -132,10 +123,7 @@ impl RecordingWriter {
         };
         self.message("/scope/setup", Schema::Setup, at, &set_up.encode_to_vec())?;
         for capture in &shot.captures {
-            let topic = format!(
-                "/scope/{}",
-                capture.waveform.source.to_string().to_lowercase()
-            );
+            let topic = format!("/scope/{}", capture.waveform.source.to_string().to_lowercase());
             let message = capture_message(shot, capture);
             self.message(&topic, Schema::Capture, at, &message.encode_to_vec())?;
         }
@@ -146,11 +134,8 @@ impl RecordingWriter {
             self.message(&topic, Schema::Series, at, &message.encode_to_vec())?;
         }
         if let Some(energy) = &notes.energy {
-            let energy = message::Energy {
-                timestamp: Some(timestamp(at)),
-                shot: shot.number,
-                ..*energy
-            };
+            let energy =
+                message::Energy { timestamp: Some(timestamp(at)), shot: shot.number, ..*energy };
             self.message("/energy", Schema::Energy, at, &energy.encode_to_vec())?;
         }
         for (warning, line) in &notes.log {
@@ -171,14 +156,9 @@ impl RecordingWriter {
     /// # Errors
     /// [`WriteError`] where the file cannot be written.
     pub fn finish(mut self) -> Result<(), WriteError> {
-        self.writer
-            .finish()
-            .map_err(|source| self.container(source))?;
+        self.writer.finish().map_err(|source| self.container(source))?;
         let file = self.file;
-        let system = |source| WriteError::File {
-            file: file.clone(),
-            source,
-        };
+        let system = |source| WriteError::File { file: file.clone(), source };
         let buffer = self.writer.into_inner();
         let target = buffer.into_inner().map_err(|e| system(e.into_error()))?;
         target.sync_all().map_err(system)
@@ -191,19 +171,11 @@ impl RecordingWriter {
         at: u64,
         data: &[u8],
     ) -> Result<(), WriteError> {
-        let channel_id = self
-            .channel(topic, schema)
-            .map_err(|source| self.container(source))?;
-        let header = MessageHeader {
-            channel_id,
-            sequence: self.sequence,
-            log_time: at,
-            publish_time: at,
-        };
+        let channel_id = self.channel(topic, schema).map_err(|source| self.container(source))?;
+        let header =
+            MessageHeader { channel_id, sequence: self.sequence, log_time: at, publish_time: at };
         self.sequence = self.sequence.wrapping_add(1);
-        self.writer
-            .write_to_known_channel(&header, data)
-            .map_err(|source| self.container(source))
+        self.writer.write_to_known_channel(&header, data).map_err(|source| self.container(source))
     }
 
     fn channel(&mut self, topic: &str, schema: Schema) -> Result<u16, mcap::McapError> {
@@ -213,25 +185,18 @@ impl RecordingWriter {
         let schema_id = match self.schemas.get(&schema) {
             Some(id) => *id,
             None => {
-                let id = self
-                    .writer
-                    .add_schema(schema.name(), "protobuf", &schema.descriptor())?;
+                let id = self.writer.add_schema(schema.name(), "protobuf", &schema.descriptor())?;
                 self.schemas.insert(schema, id);
                 id
             }
         };
-        let id = self
-            .writer
-            .add_channel(schema_id, topic, "protobuf", &BTreeMap::new())?;
+        let id = self.writer.add_channel(schema_id, topic, "protobuf", &BTreeMap::new())?;
         self.channels.insert(topic.to_owned(), id);
         Ok(id)
     }
 
     fn container(&self, source: mcap::McapError) -> WriteError {
-        WriteError::Container {
-            file: self.file.clone(),
-            source,
-        }
+        WriteError::Container { file: self.file.clone(), source }
     }
 }
 
@@ -255,19 +220,11 @@ fn capture_message(shot: &Shot, capture: &Capture) -> message::Capture {
     let waveform = &capture.waveform;
     let preamble = &waveform.preamble;
     let vertical = &waveform.vertical;
-    let narrow: Option<Vec<i8>> = waveform
-        .codes
-        .iter()
-        .map(|code| i8::try_from(*code).ok())
-        .collect();
+    let narrow: Option<Vec<i8>> =
+        waveform.codes.iter().map(|code| i8::try_from(*code).ok()).collect();
     let codes = match narrow {
         Some(codes) => codes.into_iter().flat_map(i8::to_be_bytes).collect(),
-        None => waveform
-            .codes
-            .iter()
-            .copied()
-            .flat_map(i16::to_be_bytes)
-            .collect(),
+        None => waveform.codes.iter().copied().flat_map(i16::to_be_bytes).collect(),
     };
     let instrument = capture.instrument.as_ref();
     message::Capture {
@@ -281,11 +238,7 @@ fn capture_message(shot: &Shot, capture: &Capture) -> message::Capture {
         y_zero: preamble.y_zero,
         unit: preamble.y_unit.clone(),
         codes,
-        volts: waveform
-            .codes
-            .iter()
-            .map(|code| waveform.volts_of(*code) as f32)
-            .collect(),
+        volts: waveform.codes.iter().map(|code| waveform.volts_of(*code) as f32).collect(),
         origin: match shot.origin {
             Origin::Simulated => "simulated".to_owned(),
             Origin::Measured => "measured".to_owned(),

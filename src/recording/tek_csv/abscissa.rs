@@ -60,16 +60,8 @@ impl Abscissa {
             (Domain::Frequency, false) => format!("{value:.5}"),
             (Domain::Time, true) => format!("{value:17.12}"),
             (Domain::Time, false) => {
-                let zero = if self.trigger_point >= f64::from(beside) {
-                    "0"
-                } else {
-                    ""
-                };
-                let sign = if f64::from(index) <= self.trigger_point {
-                    "-"
-                } else {
-                    ""
-                };
+                let zero = if self.trigger_point >= f64::from(beside) { "0" } else { "" };
+                let sign = if f64::from(index) <= self.trigger_point { "-" } else { "" };
                 format!("{sign}{zero}{:.12}", value.abs())
             }
         }
@@ -99,10 +91,7 @@ mod tests {
     #[test]
     fn old_fft_frequencies_add_printed_numbers() {
         let interval = exact_interval(Domain::Frequency, 12.33033, "1.233033e+01");
-        assert!(
-            (interval - 25e3 * 100.0 / 99.0 / 2048.0).abs() < 1e-12,
-            "{interval}"
-        );
+        assert!((interval - 25e3 * 100.0 / 99.0 / 2048.0).abs() < 1e-12, "{interval}");
         let column = Abscissa {
             domain: Domain::Frequency,
             layout: Layout::Old,

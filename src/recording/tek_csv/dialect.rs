@@ -47,11 +47,8 @@ pub(super) fn foreign(text: &str) -> Option<(Dialect, usize)> {
         return lacks_last_comma(first).then_some((Dialect::Spreadsheet, 1));
     }
     if is_record_length(second) {
-        let dialect = if lacks_last_comma(second) {
-            Dialect::Spreadsheet
-        } else {
-            Dialect::HandHeader
-        };
+        let dialect =
+            if lacks_last_comma(second) { Dialect::Spreadsheet } else { Dialect::HandHeader };
         return Some((dialect, 1));
     }
     if is_samples(first) {
@@ -61,8 +58,7 @@ pub(super) fn foreign(text: &str) -> Option<(Dialect, usize)> {
 }
 
 fn is_record_length(line: &str) -> bool {
-    line.strip_prefix("Record Length")
-        .is_some_and(|rest| rest.starts_with([',', ';', '\t']))
+    line.strip_prefix("Record Length").is_some_and(|rest| rest.starts_with([',', ';', '\t']))
 }
 
 /// Whether a first row of a native file lost its last comma, or has other separators.
@@ -72,14 +68,8 @@ fn lacks_last_comma(line: &str) -> bool {
 
 /// Whether a line holds nothing but two or more numbers.
 fn is_samples(line: &str) -> bool {
-    let mut filled = line
-        .split(',')
-        .map(str::trim)
-        .filter(|field| !field.is_empty());
-    let numbers = filled
-        .clone()
-        .filter(|field| field.parse::<f64>().is_ok())
-        .count();
+    let mut filled = line.split(',').map(str::trim).filter(|field| !field.is_empty());
+    let numbers = filled.clone().filter(|field| field.parse::<f64>().is_ok()).count();
     numbers >= 2 && filled.all(|field| field.parse::<f64>().is_ok())
 }
 
@@ -94,14 +84,8 @@ mod tests {
                 "Record Length,2500,Points,-880.000006873E-6,0.0,,Record Length,2500,Points,-8E-6,0.0,\r\n",
                 Dialect::OpenChoice,
             ),
-            (
-                "Model,TBS1102C\nFirmware Version,v1.29.38\n",
-                Dialect::NewerModel,
-            ),
-            (
-                ",,,x,y\nRecord Length,2.50E+03,,-0.0021,-0.0092\n",
-                Dialect::Spreadsheet,
-            ),
+            ("Model,TBS1102C\nFirmware Version,v1.29.38\n", Dialect::NewerModel),
+            (",,,x,y\nRecord Length,2.50E+03,,-0.0021,-0.0092\n", Dialect::Spreadsheet),
             ("Record Length,2.50E+03,,-0.0304,0\n", Dialect::Spreadsheet),
             ("Record Length;2,50E+03;;-0,0304;0\n", Dialect::Spreadsheet),
             (
@@ -109,10 +93,7 @@ mod tests {
                 Dialect::HandHeader,
             ),
             ("x,y\n-0.1,0.2\n", Dialect::HandHeader),
-            (
-                "-0.0004972,-1.2\r\n-0.0004968,-0.76\r\n",
-                Dialect::Headerless,
-            ),
+            ("-0.0004972,-1.2\r\n-0.0004968,-0.76\r\n", Dialect::Headerless),
             (",,,-00.078200000000,   0.00712,\n", Dialect::Headerless),
         ] {
             assert_eq!(foreign(text), Some((dialect, 1)), "{text}");

@@ -18,11 +18,7 @@ pub struct Place {
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "{}, line {}, column {}",
-            self.file, self.line, self.column
-        )
+        write!(f, "{}, line {}, column {}", self.file, self.line, self.column)
     }
 }
 
@@ -170,11 +166,7 @@ pub enum TekCsvError {
 /// `text` between backticks, control characters escaped, cut to a length that fits a message.
 pub(super) fn excerpt(text: &str) -> String {
     const LONGEST: usize = 40;
-    let mut shown: String = text
-        .chars()
-        .take(LONGEST)
-        .flat_map(char::escape_debug)
-        .collect();
+    let mut shown: String = text.chars().take(LONGEST).flat_map(char::escape_debug).collect();
     if text.chars().nth(LONGEST).is_some() {
         shown.push('…');
     }

@@ -71,11 +71,7 @@ impl<'a> Row<'a> {
 }
 
 pub(super) fn place(file: &str, line: usize, column: usize) -> Place {
-    Place {
-        file: file.to_owned(),
-        line,
-        column,
-    }
+    Place { file: file.to_owned(), line, column }
 }
 
 /// What a header says.
@@ -100,10 +96,7 @@ impl Header {
         let x_unit = rows.text(layout::HORIZONTAL_UNITS)?;
         let y_unit = rows.text(layout::VERTICAL_UNITS)?;
         let domain = Domain::from_units(y_unit, x_unit).ok_or_else(|| {
-            let expected = format!(
-                "`V` over `s` or `dB` over `Hz`, not over {}",
-                excerpt(x_unit)
-            );
+            let expected = format!("`V` over `s` or `dB` over `Hz`, not over {}", excerpt(x_unit));
             rows.wrong(layout::VERTICAL_UNITS, expected)
         })?;
         rows.record_length(domain)?;
@@ -134,12 +127,7 @@ impl<'a> Rows<'a> {
         for (index, key) in layout.keys().iter().enumerate() {
             let number = index + 1;
             let Some(line) = lines.get(index) else {
-                return Err(wrong_key(
-                    file,
-                    number,
-                    "the end of the file".to_owned(),
-                    key,
-                ));
+                return Err(wrong_key(file, number, "the end of the file".to_owned(), key));
             };
             if line.split(',').next() != Some(key) {
                 let found = line.split(',').next().map(excerpt).unwrap_or_default();
@@ -156,10 +144,7 @@ impl<'a> Rows<'a> {
 
     fn row(&self, key: &'static str) -> Result<&Row<'a>, TekCsvError> {
         let missing = || wrong_key(self.file, self.rows.len(), "no such row".to_owned(), key);
-        self.rows
-            .iter()
-            .find(|row| row.key() == key)
-            .ok_or_else(missing)
+        self.rows.iter().find(|row| row.key() == key).ok_or_else(missing)
     }
 
     fn text(&self, key: &'static str) -> Result<&'a str, TekCsvError> {
@@ -186,10 +171,7 @@ impl<'a> Rows<'a> {
             .ok()
             .filter(|value: &f64| value.is_finite() && c_exponential(*value, decimals) == text)
             .ok_or_else(|| {
-                self.wrong(
-                    key,
-                    format!("a number with {decimals} decimals and exponent"),
-                )
+                self.wrong(key, format!("a number with {decimals} decimals and exponent"))
             })
     }
 
@@ -199,10 +181,7 @@ impl<'a> Rows<'a> {
             Ok(())
         } else {
             let unit = domain.y_unit();
-            Err(self.wrong(
-                layout::RECORD_LENGTH,
-                format!("`{expected}` for a record in {unit}"),
-            ))
+            Err(self.wrong(layout::RECORD_LENGTH, format!("`{expected}` for a record in {unit}")))
         }
     }
 
@@ -223,14 +202,9 @@ impl<'a> Rows<'a> {
 
     fn source(&self) -> Result<Source, TekCsvError> {
         let text = self.text(layout::SOURCE)?;
-        Source::from_name(text)
-            .filter(|source| source.to_string() == text)
-            .ok_or_else(|| {
-                self.wrong(
-                    layout::SOURCE,
-                    "CH1 to CH4, MATH or REFA to REFD".to_owned(),
-                )
-            })
+        Source::from_name(text).filter(|source| source.to_string() == text).ok_or_else(|| {
+            self.wrong(layout::SOURCE, "CH1 to CH4, MATH or REFA to REFD".to_owned())
+        })
     }
 
     fn point_format(&self) -> Result<PointFormat, TekCsvError> {
@@ -246,11 +220,7 @@ impl<'a> Rows<'a> {
             Layout::Named => (self.name(layout::MODEL)?, self.printable(layout::SERIAL)?),
             Layout::Old => (String::new(), String::new()),
         };
-        Ok(Instrument {
-            model,
-            serial,
-            firmware: self.printable(layout::FIRMWARE)?,
-        })
+        Ok(Instrument { model, serial, firmware: self.printable(layout::FIRMWARE)? })
     }
 
     /// A text that is not empty.
@@ -273,14 +243,6 @@ impl<'a> Rows<'a> {
 }
 
 fn wrong_key(file: &str, line: usize, found: String, key: &str) -> TekCsvError {
-    let expected = if key.is_empty() {
-        "an empty field".to_owned()
-    } else {
-        format!("`{key}`")
-    };
-    TekCsvError::Header {
-        place: place(file, line, 1),
-        found,
-        expected,
-    }
+    let expected = if key.is_empty() { "an empty field".to_owned() } else { format!("`{key}`") };
+    TekCsvError::Header { place: place(file, line, 1), found, expected }
 }

@@ -216,10 +216,7 @@ impl Numbers {
         let smallest = ORDINATE_DIGIT * LEVELS_PER_DIVISION;
         let scale = format!("above {smallest} V/div, or five decimals cannot tell levels apart");
         let division = POINTS_PER_DIVISION * self.interval;
-        let width = format!(
-            "{}, 250 sample intervals",
-            c_exponential(division, DECIMALS)
-        );
+        let width = format!("{}, 250 sample intervals", c_exponential(division, DECIMALS));
         let horizontal = near(self.horizontal_scale, division);
         [
             Rule::new(VERTICAL_SCALE, self.scale, self.scale > smallest, &scale),
@@ -247,14 +244,7 @@ struct Rule {
 impl Rule {
     fn new(key: &'static str, found: f64, kept: bool, expected: &str) -> Self {
         let expected = expected.to_owned();
-        Self {
-            kept,
-            violation: Violation {
-                key,
-                found,
-                expected,
-            },
-        }
+        Self { kept, violation: Violation { key, found, expected } }
     }
 
     fn zero(key: &'static str, found: f64, expected: &str) -> Self {

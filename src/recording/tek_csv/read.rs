@@ -42,9 +42,7 @@ pub fn read(bytes: &[u8], file_name: &str) -> Result<Capture, TekCsvError> {
         .collect();
     let header = Header::read(file_name, &lines)?;
     let samples = Samples::new(file_name, &header);
-    let record = lines
-        .iter()
-        .take(usize::from(header.domain.record_length()));
+    let record = lines.iter().take(usize::from(header.domain.record_length()));
     let codes = (0_u32..)
         .zip(record)
         .map(|(index, line)| samples.code(index, line))
@@ -82,11 +80,7 @@ fn check_end(text: &str, file_name: &str, domain: Domain) -> Result<(), TekCsvEr
     let expected = usize::from(domain.record_length());
     let found = text.split_terminator('\n').count();
     if found != expected {
-        return Err(TekCsvError::RowCount {
-            file: file_name.to_owned(),
-            found,
-            expected,
-        });
+        return Err(TekCsvError::RowCount { file: file_name.to_owned(), found, expected });
     }
     if !text.ends_with('\n') {
         let last = text.lines().last().unwrap_or_default();
@@ -131,9 +125,7 @@ impl<'a> Samples<'a> {
 
     /// The digitiser level of row `index`, counted from 0.
     fn code(&self, index: u32, line: &str) -> Result<i16, TekCsvError> {
-        let number = usize::try_from(index)
-            .unwrap_or(usize::MAX)
-            .saturating_add(1);
+        let number = usize::try_from(index).unwrap_or(usize::MAX).saturating_add(1);
         let row = Row::split(self.file, number, line)?;
         if index >= self.header_rows {
             row.expect_empty(0)?;
@@ -165,15 +157,10 @@ impl<'a> Samples<'a> {
         let domain = self.abscissa.domain;
         let found = number(row, ORDINATE)?;
         let steps = (found - self.y_zero) / self.level + self.zero_level;
-        let nearest = steps
-            .round()
-            .clamp(f64::from(LOWEST_CODE), f64::from(HIGHEST_CODE));
+        let nearest = steps.round().clamp(f64::from(LOWEST_CODE), f64::from(HIGHEST_CODE));
         let value = (nearest - self.zero_level) * self.level + self.y_zero;
         if (found - value).abs() <= domain.ordinate_tolerance(value) {
-            #[allow(
-                clippy::cast_possible_truncation,
-                reason = "clamped to -128..=127 above"
-            )]
+            #[allow(clippy::cast_possible_truncation, reason = "clamped to -128..=127 above")]
             return Ok(nearest as i16);
         }
         Err(TekCsvError::Level {
@@ -186,27 +173,17 @@ impl<'a> Samples<'a> {
 }
 
 fn field(row: &Row, index: usize) -> String {
-    row.fields
-        .get(index)
-        .map(|text| excerpt(text))
-        .unwrap_or_default()
+    row.fields.get(index).map(|text| excerpt(text)).unwrap_or_default()
 }
 
 /// A decimal number, padded with spaces or not.
 fn number(row: &Row, index: usize) -> Result<f64, TekCsvError> {
-    let text = row
-        .fields
-        .get(index)
-        .map(|text| text.trim_matches(' '))
-        .unwrap_or_default();
-    text.parse()
-        .ok()
-        .filter(|value: &f64| value.is_finite())
-        .ok_or_else(|| TekCsvError::Field {
-            place: row.place(index),
-            found: field(row, index),
-            expected: "a number",
-        })
+    let text = row.fields.get(index).map(|text| text.trim_matches(' ')).unwrap_or_default();
+    text.parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(|| TekCsvError::Field {
+        place: row.place(index),
+        found: field(row, index),
+        expected: "a number",
+    })
 }
 
 /// The level of zero volts: a whole number where the printed offset allows one, since the family moves
@@ -214,11 +191,7 @@ fn number(row: &Row, index: usize) -> Result<f64, TekCsvError> {
 fn zero_level(numbers: &Numbers) -> f64 {
     let levels = numbers.offset / numbers.level();
     let whole = levels.round();
-    if (whole - levels).abs() <= PRINTING_ERROR * levels.abs() {
-        whole
-    } else {
-        levels
-    }
+    if (whole - levels).abs() <= PRINTING_ERROR * levels.abs() { whole } else { levels }
 }
 
 fn capture(header: Header, codes: Vec<i16>) -> Capture {

@@ -23,10 +23,7 @@ const ROW_BYTES: usize = 72;
 /// such as a comma in a serial number or a number with more digits than the header prints.
 pub fn write(capture: &Capture) -> Result<String, TekCsvError> {
     let waveform = &capture.waveform;
-    let instrument = capture
-        .instrument
-        .as_ref()
-        .ok_or(TekCsvError::NoInstrument)?;
+    let instrument = capture.instrument.as_ref().ok_or(TekCsvError::NoInstrument)?;
     let layout = layout_of(instrument)?;
     let (domain, numbers) = checked(waveform)?;
     let values = header_values(waveform, domain, &numbers, instrument, layout);
@@ -129,11 +126,7 @@ fn unwritable(what: &str, found: impl fmt::Display, expected: impl fmt::Display)
 fn checked(waveform: &Waveform) -> Result<(Domain, Numbers), TekCsvError> {
     let preamble = &waveform.preamble;
     let domain = Domain::from_units(&preamble.y_unit, &preamble.x_unit).ok_or_else(|| {
-        let units = format!(
-            "{} over {}",
-            excerpt(&preamble.y_unit),
-            excerpt(&preamble.x_unit)
-        );
+        let units = format!("{} over {}", excerpt(&preamble.y_unit), excerpt(&preamble.x_unit));
         unwritable("the waveform", units, "`V` over `s` or `dB` over `Hz`")
     })?;
     let numbers = Numbers {
@@ -146,11 +139,7 @@ fn checked(waveform: &Waveform) -> Result<(Domain, Numbers), TekCsvError> {
         probe: waveform.vertical.probe,
     };
     if let Some(violation) = numbers.violation(domain) {
-        return Err(unwritable(
-            violation.key,
-            violation.found,
-            violation.expected,
-        ));
+        return Err(unwritable(violation.key, violation.found, violation.expected));
     }
     check_codes(waveform, domain)?;
     check_agreement(waveform, &numbers)?;
@@ -160,27 +149,14 @@ fn checked(waveform: &Waveform) -> Result<(Domain, Numbers), TekCsvError> {
 fn check_codes(waveform: &Waveform, domain: Domain) -> Result<(), TekCsvError> {
     let expected = usize::from(domain.record_length());
     if waveform.codes.len() != expected {
-        return Err(unwritable(
-            "the number of points",
-            waveform.codes.len(),
-            expected,
-        ));
+        return Err(unwritable("the number of points", waveform.codes.len(), expected));
     }
     let outside = |code: &i16| !(LOWEST_CODE..=HIGHEST_CODE).contains(code);
-    match waveform
-        .codes
-        .iter()
-        .enumerate()
-        .find(|(_, code)| outside(code))
-    {
+    match waveform.codes.iter().enumerate().find(|(_, code)| outside(code)) {
         None => Ok(()),
         Some((index, code)) => {
             let what = format!("the level of point {index}, counted from 0,");
-            Err(unwritable(
-                &what,
-                code,
-                format!("{LOWEST_CODE} to {HIGHEST_CODE}"),
-            ))
+            Err(unwritable(&what, code, format!("{LOWEST_CODE} to {HIGHEST_CODE}")))
         }
     }
 }
@@ -238,11 +214,7 @@ fn held(what: &str, value: f64, read: f64) -> Result<f64, TekCsvError> {
     if near(value, read) {
         return Ok(read);
     }
-    Err(unwritable(
-        what,
-        value,
-        format!("{read}, all that the header's digits hold"),
-    ))
+    Err(unwritable(what, value, format!("{read}, all that the header's digits hold")))
 }
 
 /// Equal but for round-off.
@@ -253,9 +225,5 @@ fn near(found: f64, expected: f64) -> bool {
 /// `y_off` without round-off, where it means a whole number of levels.
 fn whole(y_off: f64) -> f64 {
     let round = y_off.round();
-    if (y_off - round).abs() <= ROUND_OFF * round.abs().max(1.0) {
-        round
-    } else {
-        y_off
-    }
+    if (y_off - round).abs() <= ROUND_OFF * round.abs().max(1.0) { round } else { y_off }
 }

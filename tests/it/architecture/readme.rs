@@ -27,11 +27,7 @@ pub fn check(file: &str, text: &str, exists: impl Fn(&str) -> bool) -> Vec<Viola
 
 /// The folder that a line of the list begins with.
 fn folder(line: &str) -> Option<&str> {
-    let entry = line
-        .trim_start()
-        .strip_prefix(['-', '*', '|'])?
-        .trim_start()
-        .strip_prefix('`')?;
+    let entry = line.trim_start().strip_prefix(['-', '*', '|'])?.trim_start().strip_prefix('`')?;
     let (name, _) = entry.split_once('`')?;
     (name.ends_with('/') && !name.contains(' ')).then_some(name)
 }
@@ -55,13 +51,5 @@ fn a_folder_that_does_not_exist_is_found() {
 
 #[test]
 fn a_readme_without_folders_is_refused() {
-    assert_eq!(
-        check(
-            "README.md",
-            "# Title\n\nThe folder `src/` holds code.\n",
-            |_| true
-        )
-        .len(),
-        1
-    );
+    assert_eq!(check("README.md", "# Title\n\nThe folder `src/` holds code.\n", |_| true).len(), 1);
 }

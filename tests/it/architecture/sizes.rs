@@ -19,21 +19,14 @@ pub fn check(files: &[SourceFile]) -> Vec<Violation> {
         let all = file.text.lines().count();
         if all > FILE_LINES_WITH_TESTS {
             let message = format!("{all} lines, at most {FILE_LINES_WITH_TESTS} with tests");
-            violations.push(Violation::new(
-                &file.path,
-                FILE_LINES_WITH_TESTS + 1,
-                message,
-            ));
+            violations.push(Violation::new(&file.path, FILE_LINES_WITH_TESTS + 1, message));
         }
         let code = all - test_lines(file);
         if code > FILE_LINES && !source::is_test_file(file, &test_modules) {
             let message = format!("{code} lines, at most {FILE_LINES} without tests");
             violations.push(Violation::new(&file.path, FILE_LINES + 1, message));
         }
-        let mut walk = Walk {
-            file,
-            violations: Vec::new(),
-        };
+        let mut walk = Walk { file, violations: Vec::new() };
         walk.visit_file(&file.syntax);
         violations.append(&mut walk.violations);
     }
@@ -64,8 +57,7 @@ impl Walk<'_> {
         let lines = (last - first).saturating_sub(1);
         if lines > FUNCTION_LINES {
             let message = format!("`{name}` has {lines} lines, at most {FUNCTION_LINES}");
-            self.violations
-                .push(self.file.violation(name.span(), message));
+            self.violations.push(self.file.violation(name.span(), message));
         }
     }
 }
@@ -90,10 +82,7 @@ impl<'ast> Visit<'ast> for Walk<'_> {
 }
 
 fn found(path: &str, text: &str) -> Vec<String> {
-    check(&[source::example(path, text)])
-        .iter()
-        .map(ToString::to_string)
-        .collect()
+    check(&[source::example(path, text)]).iter().map(ToString::to_string).collect()
 }
 
 #[test]
@@ -128,15 +117,8 @@ fn tests_at_the_end_have_room_of_their_own() {
 #[test]
 fn a_long_function_is_found() {
     let body = |lines: usize| format!("{{\n{}}}", "g();\n".repeat(lines));
-    for (before, after) in [
-        ("fn f()", ""),
-        ("impl A { fn f()", "}"),
-        ("trait A { fn f()", "}"),
-    ] {
-        assert_eq!(
-            found("src/a.rs", &format!("{before} {}{after}", body(80))),
-            [""; 0]
-        );
+    for (before, after) in [("fn f()", ""), ("impl A { fn f()", "}"), ("trait A { fn f()", "}")] {
+        assert_eq!(found("src/a.rs", &format!("{before} {}{after}", body(80))), [""; 0]);
         let too_long = found("src/a.rs", &format!("{before} {}{after}", body(81)));
         assert_eq!(too_long, ["src/a.rs:1: `f` has 81 lines, at most 80"]);
     }

@@ -18,11 +18,7 @@ pub struct Violation {
 
 impl Violation {
     pub fn new(file: &str, line: usize, message: impl Into<String>) -> Self {
-        Self {
-            file: file.to_owned(),
-            line,
-            message: message.into(),
-        }
+        Self { file: file.to_owned(), line, message: message.into() }
     }
 }
 
@@ -64,12 +60,8 @@ impl SourceFile {
 /// `src/scope/trigger.rs` is `scope::trigger`; `src/scope.rs` and `src/scope/mod.rs` are `scope`.
 fn module_path(path: &str) -> Vec<String> {
     let inner = path.strip_prefix("src/").unwrap_or(path);
-    let mut names: Vec<String> = inner
-        .strip_suffix(".rs")
-        .unwrap_or(inner)
-        .split('/')
-        .map(str::to_owned)
-        .collect();
+    let mut names: Vec<String> =
+        inner.strip_suffix(".rs").unwrap_or(inner).split('/').map(str::to_owned).collect();
     if names.len() > 1 && names.last().is_some_and(|name| name == "mod") {
         names.pop();
     }
@@ -79,11 +71,7 @@ fn module_path(path: &str) -> Vec<String> {
 /// Parses every `.rs` file under `folder`, in the order of their paths.
 pub fn read_folder(root: &Path, folder: &Path) -> Result<Vec<SourceFile>, Violation> {
     let unreadable = |path: &Path, error: std::io::Error| {
-        Violation::new(
-            &path.to_string_lossy(),
-            1,
-            format!("cannot be read: {error}"),
-        )
+        Violation::new(&path.to_string_lossy(), 1, format!("cannot be read: {error}"))
     };
     let mut files = Vec::new();
     let mut entries = std::fs::read_dir(root.join(folder))
@@ -97,10 +85,7 @@ pub fn read_folder(root: &Path, folder: &Path) -> Result<Vec<SourceFile>, Violat
         } else if path.extension().is_some_and(|extension| extension == "rs") {
             let text =
                 std::fs::read_to_string(entry.path()).map_err(|error| unreadable(&path, error))?;
-            files.push(SourceFile::parse(
-                &path.to_string_lossy().replace('\\', "/"),
-                &text,
-            )?);
+            files.push(SourceFile::parse(&path.to_string_lossy().replace('\\', "/"), &text)?);
         }
     }
     Ok(files)
@@ -111,9 +96,7 @@ pub fn only_in_tests(attributes: &[Attribute]) -> bool {
     attributes.iter().any(|attribute| {
         attribute.path().is_ident("test")
             || (attribute.path().is_ident("cfg")
-                && attribute
-                    .parse_args::<Meta>()
-                    .is_ok_and(|condition| requires_test(&condition)))
+                && attribute.parse_args::<Meta>().is_ok_and(|condition| requires_test(&condition)))
     })
 }
 
@@ -125,9 +108,8 @@ fn requires_test(condition: &Meta) -> bool {
     let Meta::List(list) = condition else {
         return false;
     };
-    let parts = list
-        .parse_args_with(Punctuated::<Meta, Token![,]>::parse_terminated)
-        .unwrap_or_default();
+    let parts =
+        list.parse_args_with(Punctuated::<Meta, Token![,]>::parse_terminated).unwrap_or_default();
     if list.path.is_ident("all") {
         parts.iter().any(requires_test)
     } else {

@@ -20,19 +20,12 @@ pub struct Table {
 impl Table {
     /// Reads the table whose columns are `Module | Holds | May use`.
     pub fn parse(file: &str, text: &str) -> Result<Self, Violation> {
-        let mut lines = text
-            .lines()
-            .enumerate()
-            .map(|(index, line)| (index + 1, cells(line)));
+        let mut lines = text.lines().enumerate().map(|(index, line)| (index + 1, cells(line)));
         let header = lines.find(|(_, cells)| {
             cells.len() == 3 && cells[0] == "Module" && cells[1] == "Holds" && cells[2] == "May use"
         });
         let Some((header_line, _)) = header else {
-            return Err(Violation::new(
-                file,
-                1,
-                "has no table `Module | Holds | May use`",
-            ));
+            return Err(Violation::new(file, 1, "has no table `Module | Holds | May use`"));
         };
         let mut rows = BTreeMap::new();
         for (line, cells) in lines.skip(1).take_while(|(_, cells)| !cells.is_empty()) {
@@ -47,41 +40,23 @@ impl Table {
             let may_use = if nothing {
                 BTreeSet::new()
             } else {
-                may_use
-                    .split(',')
-                    .map(|name| name.trim().to_owned())
-                    .collect()
+                may_use.split(',').map(|name| name.trim().to_owned()).collect()
             };
             if rows.insert(module.clone(), Row { may_use, line }).is_some() {
-                return Err(Violation::new(
-                    file,
-                    line,
-                    format!("`{module}` has two rows"),
-                ));
+                return Err(Violation::new(file, line, format!("`{module}` has two rows")));
             }
         }
         if rows.is_empty() {
-            return Err(Violation::new(
-                file,
-                header_line,
-                "the module table has no rows",
-            ));
+            return Err(Violation::new(file, header_line, "the module table has no rows"));
         }
-        Ok(Self {
-            file: file.to_owned(),
-            rows,
-        })
+        Ok(Self { file: file.to_owned(), rows })
     }
 
     /// Names without a row, and modules that reach themselves.
     pub fn check(&self) -> Vec<Violation> {
         let mut violations = Vec::new();
         for (module, row) in &self.rows {
-            for name in row
-                .may_use
-                .iter()
-                .filter(|name| !self.rows.contains_key(*name))
-            {
+            for name in row.may_use.iter().filter(|name| !self.rows.contains_key(*name)) {
                 let message = format!("`{module}` may use `{name}`, which has no row");
                 violations.push(Violation::new(&self.file, row.line, message));
             }
@@ -123,12 +98,7 @@ fn cells(line: &str) -> Vec<String> {
     line.trim()
         .strip_prefix('|')
         .and_then(|inner| inner.strip_suffix('|'))
-        .map(|inner| {
-            inner
-                .split('|')
-                .map(|cell| cell.replace('`', "").trim().to_owned())
-                .collect()
-        })
+        .map(|inner| inner.split('|').map(|cell| cell.replace('`', "").trim().to_owned()).collect())
         .unwrap_or_default()
 }
 
@@ -151,11 +121,7 @@ fn messages(table: &Table) -> Vec<String> {
 
 #[test]
 fn a_table_without_cycle_is_clean() {
-    let table = example(&[
-        ("quantity", "-"),
-        ("trace", "quantity"),
-        ("scope", "quantity, trace"),
-    ]);
+    let table = example(&[("quantity", "-"), ("trace", "quantity"), ("scope", "quantity, trace")]);
     assert!(table.rows["scope"].may_use.contains("trace"));
     assert!(table.rows["quantity"].may_use.is_empty());
     assert_eq!(messages(&table), [""; 0]);
@@ -176,19 +142,13 @@ fn a_cycle_is_found_across_several_modules() {
 
 #[test]
 fn a_module_that_uses_itself_is_a_cycle() {
-    assert_eq!(
-        messages(&example(&[("a", "a")])),
-        ["ARCHITECTURE.md:5: cycle: a -> a"]
-    );
+    assert_eq!(messages(&example(&[("a", "a")])), ["ARCHITECTURE.md:5: cycle: a -> a"]);
 }
 
 #[test]
 fn a_name_without_row_is_found() {
     let found = messages(&example(&[("a", "b")]));
-    assert_eq!(
-        found,
-        ["ARCHITECTURE.md:5: `a` may use `b`, which has no row"]
-    );
+    assert_eq!(found, ["ARCHITECTURE.md:5: `a` may use `b`, which has no row"]);
 }
 
 #[test]

@@ -21,14 +21,8 @@ const FURTHER_UNITS: [&str; 4] = ["unit", "dB", "rad", "deg"];
 pub fn check(files: &[SourceFile]) -> Vec<Violation> {
     let test_modules = source::test_modules(files);
     let mut violations = Vec::new();
-    for file in files
-        .iter()
-        .filter(|file| !source::is_test_file(file, &test_modules))
-    {
-        let mut walk = Walk {
-            file,
-            violations: Vec::new(),
-        };
+    for file in files.iter().filter(|file| !source::is_test_file(file, &test_modules)) {
+        let mut walk = Walk { file, violations: Vec::new() };
         walk.visit_file(&file.syntax);
         violations.append(&mut walk.violations);
     }
@@ -43,10 +37,7 @@ struct Walk<'a> {
 impl Walk<'_> {
     /// Asks the first of `docs` that says anything for the unit.
     fn ask(&mut self, what: &str, span: Span, docs: &[&[Attribute]]) {
-        let text = docs
-            .iter()
-            .map(|attributes| doc_text(attributes))
-            .find(|text| !text.is_empty());
+        let text = docs.iter().map(|attributes| doc_text(attributes)).find(|text| !text.is_empty());
         let message = match text.map(|text| unit_of(&text)) {
             None => format!("{what} is a public f64 without doc comment"),
             Some(Unit::Missing) => {
@@ -62,11 +53,7 @@ impl Walk<'_> {
         if let ReturnType::Type(_, returned) = &signature.output
             && is_f64(returned)
         {
-            self.ask(
-                &format!("`{}`", signature.ident),
-                signature.ident.span(),
-                &[attributes],
-            );
+            self.ask(&format!("`{}`", signature.ident), signature.ident.span(), &[attributes]);
         }
     }
 
@@ -107,18 +94,10 @@ impl<'ast> Visit<'ast> for Walk<'_> {
             }
             Item::Fn(item) if is_public(&item.vis) => self.ask_function(&item.sig, &item.attrs),
             Item::Const(item) if is_public(&item.vis) && is_f64(&item.ty) => {
-                self.ask(
-                    &format!("`{}`", item.ident),
-                    item.ident.span(),
-                    &[&item.attrs],
-                );
+                self.ask(&format!("`{}`", item.ident), item.ident.span(), &[&item.attrs]);
             }
             Item::Static(item) if is_public(&item.vis) && is_f64(&item.ty) => {
-                self.ask(
-                    &format!("`{}`", item.ident),
-                    item.ident.span(),
-                    &[&item.attrs],
-                );
+                self.ask(&format!("`{}`", item.ident), item.ident.span(), &[&item.attrs]);
             }
             Item::Trait(item) if is_public(&item.vis) => {
                 for method in &item.items {
@@ -179,10 +158,7 @@ fn is_f64(ty: &Type) -> bool {
 /// The lines of a doc comment.
 fn doc_text(attributes: &[Attribute]) -> String {
     let mut text = String::new();
-    for attribute in attributes
-        .iter()
-        .filter(|attribute| attribute.path().is_ident("doc"))
-    {
+    for attribute in attributes.iter().filter(|attribute| attribute.path().is_ident("doc")) {
         if let Meta::NameValue(pair) = &attribute.meta
             && let Expr::Lit(literal) = &pair.value
             && let Lit::Str(line) = &literal.lit
@@ -242,10 +218,7 @@ fn last_brackets(text: &str) -> Option<&str> {
 }
 
 fn found(text: &str) -> Vec<String> {
-    check(&[source::example("src/scope.rs", text)])
-        .iter()
-        .map(ToString::to_string)
-        .collect()
+    check(&[source::example("src/scope.rs", text)]).iter().map(ToString::to_string).collect()
 }
 
 #[test]
@@ -263,19 +236,12 @@ fn the_unit_ends_the_first_paragraph_or_the_comment() {
     ] {
         assert_eq!(unit_of(doc), Unit::Named, "{doc}");
     }
-    for doc in [
-        "Speed.",
-        "Speed (m/s) of the bead.",
-        "Speed [m/s].",
-        "Speed m/s).",
-    ] {
+    for doc in ["Speed.", "Speed (m/s) of the bead.", "Speed [m/s].", "Speed m/s)."] {
         assert_eq!(unit_of(doc), Unit::Missing, "{doc}");
     }
-    for (doc, unit) in [
-        ("Speed (of the bead).", "of the bead"),
-        ("Speed ().", ""),
-        ("Speed (f(x)).", "f(x)"),
-    ] {
+    for (doc, unit) in
+        [("Speed (of the bead).", "of the bead"), ("Speed ().", ""), ("Speed (f(x)).", "f(x)")]
+    {
         assert_eq!(unit_of(doc), Unit::Unknown(unit.to_owned()), "{doc}");
     }
 }
@@ -303,14 +269,8 @@ fn every_public_f64_is_seen() {
         "mod inner { pub fn a() -> f64 { 0.0 } }",
     ] {
         let found = found(&format!("\n{code}"));
-        assert!(
-            found.len() == 1 && found[0].starts_with("src/scope.rs:2: "),
-            "{code}: {found:?}"
-        );
-        assert!(
-            found[0].ends_with("without doc comment"),
-            "{code}: {found:?}"
-        );
+        assert!(found.len() == 1 && found[0].starts_with("src/scope.rs:2: "), "{code}: {found:?}");
+        assert!(found[0].ends_with("without doc comment"), "{code}: {found:?}");
     }
     assert_eq!(
         found(

@@ -18,10 +18,8 @@ pub fn check(files: &[SourceFile], table: &Table) -> Vec<Violation> {
     let test_modules = source::test_modules(files);
     let mut violations = Vec::new();
     for file in files {
-        if let Some(module) = file
-            .module_path
-            .first()
-            .filter(|module| !table.rows.contains_key(*module))
+        if let Some(module) =
+            file.module_path.first().filter(|module| !table.rows.contains_key(*module))
         {
             let message = format!("the module `{module}` has no row in ARCHITECTURE.md");
             violations.push(Violation::new(&file.path, 1, message));
@@ -66,14 +64,8 @@ impl Walk<'_> {
     /// Judges one path as written.
     fn judge(&mut self, segments: &[String], span: Span) {
         let written = segments.join("::");
-        if segments
-            .windows(2)
-            .any(|pair| pair[0] == "super" && pair[1] == "super")
-        {
-            self.violation(
-                span,
-                format!("`{written}`: no `super::super`; begin at `crate`"),
-            );
+        if segments.windows(2).any(|pair| pair[0] == "super" && pair[1] == "super") {
+            self.violation(span, format!("`{written}`: no `super::super`; begin at `crate`"));
         }
         let Some(module) = self.module_path.first().cloned() else {
             return;
@@ -110,11 +102,7 @@ impl Walk<'_> {
     /// The path from the crate's root; `None` for one that begins with a local or a foreign name.
     fn resolve(&self, segments: &[String]) -> Option<Vec<String>> {
         // `main.rs` is a crate of its own, whose root is not the library's.
-        let own_root = usize::from(
-            self.module_path
-                .first()
-                .is_some_and(|module| module == "main"),
-        );
+        let own_root = usize::from(self.module_path.first().is_some_and(|module| module == "main"));
         let (first, rest) = segments.split_first()?;
         let mut absolute = match first.as_str() {
             CRATE => Vec::new(),
@@ -223,10 +211,7 @@ impl Walk<'_> {
 }
 
 fn names(path: &syn::Path) -> Vec<String> {
-    path.segments
-        .iter()
-        .map(|segment| segment.ident.to_string())
-        .collect()
+    path.segments.iter().map(|segment| segment.ident.to_string()).collect()
 }
 
 fn is_colon(tree: Option<&TokenTree>) -> bool {
@@ -269,15 +254,11 @@ impl<'ast> Visit<'ast> for Walk<'_> {
     }
 
     fn visit_item_mod(&mut self, module: &'ast ItemMod) {
-        if let Some(attribute) = module
-            .attrs
-            .iter()
-            .find(|attribute| attribute.path().is_ident("path"))
+        if let Some(attribute) =
+            module.attrs.iter().find(|attribute| attribute.path().is_ident("path"))
         {
-            let message = format!(
-                "the module `{}` lies elsewhere than its name says",
-                module.ident
-            );
+            let message =
+                format!("the module `{}` lies elsewhere than its name says", module.ident);
             self.violation(attribute.pound_token.spans[0], message);
         }
         self.module_path.push(module.ident.to_string());
@@ -330,63 +311,28 @@ fn found(path: &str, text: &str) -> Vec<String> {
         ("cli", "quantity, scope, recording"),
         ("main", "cli"),
     ]);
-    check(&[source::example(path, text)], &table)
-        .iter()
-        .map(ToString::to_string)
-        .collect()
+    check(&[source::example(path, text)], &table).iter().map(ToString::to_string).collect()
 }
 
 #[test]
 fn every_way_to_use_another_module_is_seen() {
     let not_allowed = |written: &str| {
-        vec![format!(
-            "src/scope/a.rs:2: `scope` may not use `recording` (`{written}`)"
-        )]
+        vec![format!("src/scope/a.rs:2: `scope` may not use `recording` (`{written}`)")]
     };
     for (code, written) in [
-        (
-            "use crate::recording::Capture;",
-            "crate::recording::Capture",
-        ),
+        ("use crate::recording::Capture;", "crate::recording::Capture"),
         ("use crate::recording;", "crate::recording"),
         ("use crate::recording as r;", "crate::recording"),
         ("use crate::recording::*;", "crate::recording::*"),
-        (
-            "use crate::{quantity, recording::{Capture as C}};",
-            "crate::recording::Capture",
-        ),
-        (
-            "use hertzscope::recording::Capture;",
-            "hertzscope::recording::Capture",
-        ),
-        (
-            "pub use crate::recording::Capture;",
-            "crate::recording::Capture",
-        ),
-        (
-            "fn f() { crate::recording::read(); }",
-            "crate::recording::read",
-        ),
-        (
-            "fn f(c: &Vec<crate::recording::Capture>) {}",
-            "crate::recording::Capture",
-        ),
-        (
-            "impl crate::recording::Read for A {}",
-            "crate::recording::Read",
-        ),
-        (
-            "fn f() { use crate::recording::read; }",
-            "crate::recording::read",
-        ),
-        (
-            "fn f() { println!(\"{}\", crate::recording::read()); }",
-            "crate::recording::read",
-        ),
-        (
-            "macro_rules! m { () => { $crate::recording::read() } }",
-            "crate::recording::read",
-        ),
+        ("use crate::{quantity, recording::{Capture as C}};", "crate::recording::Capture"),
+        ("use hertzscope::recording::Capture;", "hertzscope::recording::Capture"),
+        ("pub use crate::recording::Capture;", "crate::recording::Capture"),
+        ("fn f() { crate::recording::read(); }", "crate::recording::read"),
+        ("fn f(c: &Vec<crate::recording::Capture>) {}", "crate::recording::Capture"),
+        ("impl crate::recording::Read for A {}", "crate::recording::Read"),
+        ("fn f() { use crate::recording::read; }", "crate::recording::read"),
+        ("fn f() { println!(\"{}\", crate::recording::read()); }", "crate::recording::read"),
+        ("macro_rules! m { () => { $crate::recording::read() } }", "crate::recording::read"),
         (
             "macro_rules! m { () => { use crate::{quantity, recording::A}; } }",
             "crate::recording::A",
@@ -395,20 +341,10 @@ fn every_way_to_use_another_module_is_seen() {
             "#[derive(D)] #[serde(with = \"crate::recording::text\")] struct A;",
             "crate::recording::text",
         ),
-        (
-            "mod inner { use crate::recording::Capture; }",
-            "crate::recording::Capture",
-        ),
-        (
-            "mod inner { fn f() { super::g(); crate::recording::h() } }",
-            "crate::recording::h",
-        ),
+        ("mod inner { use crate::recording::Capture; }", "crate::recording::Capture"),
+        ("mod inner { fn f() { super::g(); crate::recording::h() } }", "crate::recording::h"),
     ] {
-        assert_eq!(
-            found("src/scope/a.rs", &format!("\n{code}")),
-            not_allowed(written),
-            "{code}"
-        );
+        assert_eq!(found("src/scope/a.rs", &format!("\n{code}")), not_allowed(written), "{code}");
     }
 }
 
@@ -418,13 +354,7 @@ fn a_neighbour_is_reached_by_super_as_well() {
         found("src/scope.rs", "use super::recording::Capture;"),
         ["src/scope.rs:1: `scope` may not use `recording` (`super::recording::Capture`)"]
     );
-    assert_eq!(
-        found(
-            "src/scope/trigger.rs",
-            "use super::recording::Tape; use super::*;"
-        ),
-        [""; 0]
-    );
+    assert_eq!(found("src/scope/trigger.rs", "use super::recording::Tape; use super::*;"), [""; 0]);
 }
 
 #[test]
@@ -452,23 +382,10 @@ fn the_root_is_no_way_around_the_table() {
     ] {
         assert_eq!(found("src/scope/mod.rs", code).len(), 1, "{code}");
     }
+    assert_eq!(found("src/scope/mod.rs", "extern crate self as root;").len(), 1);
+    assert_eq!(found("src/scope/mod.rs", "#[path = \"../recording/tape.rs\"] mod tape;").len(), 1);
     assert_eq!(
-        found("src/scope/mod.rs", "extern crate self as root;").len(),
-        1
-    );
-    assert_eq!(
-        found(
-            "src/scope/mod.rs",
-            "#[path = \"../recording/tape.rs\"] mod tape;"
-        )
-        .len(),
-        1
-    );
-    assert_eq!(
-        found(
-            "src/lib.rs",
-            "pub mod scope; pub mod recording; pub use scope::Waveform;"
-        ),
+        found("src/lib.rs", "pub mod scope; pub mod recording; pub use scope::Waveform;"),
         [""; 0]
     );
 }
@@ -476,10 +393,7 @@ fn the_root_is_no_way_around_the_table() {
 #[test]
 fn main_sees_only_the_command_line() {
     assert_eq!(
-        found(
-            "src/main.rs",
-            "fn main() { hertzscope::cli::run() } mod a { use crate::b; }"
-        ),
+        found("src/main.rs", "fn main() { hertzscope::cli::run() } mod a { use crate::b; }"),
         [""; 0]
     );
     assert_eq!(
@@ -505,16 +419,10 @@ fn super_super_is_found_in_tests_as_well() {
         "pub(in super::super) fn f() {}",
     ] {
         let found = found("src/scope/trigger/edge.rs", code);
-        assert!(
-            found.len() == 1 && found[0].contains("no `super::super`"),
-            "{code}: {found:?}"
-        );
+        assert!(found.len() == 1 && found[0].contains("no `super::super`"), "{code}: {found:?}");
     }
     assert_eq!(
-        found(
-            "src/scope/trigger/edge.rs",
-            "use super::level; use crate::scope::a;"
-        ),
+        found("src/scope/trigger/edge.rs", "use super::level; use crate::scope::a;"),
         [""; 0]
     );
 }

@@ -5,11 +5,7 @@ use hertzscope::recording::{Capture, Instrument};
 use hertzscope::scope::{PointFormat, Preamble, Source, VerticalSetup, Waveform};
 
 pub(super) fn instrument(model: &str, serial: &str, firmware: &str) -> Instrument {
-    Instrument {
-        model: model.to_owned(),
-        serial: serial.to_owned(),
-        firmware: firmware.to_owned(),
-    }
+    Instrument { model: model.to_owned(), serial: serial.to_owned(), firmware: firmware.to_owned() }
 }
 
 /// Settings of a made-up record.
@@ -23,13 +19,8 @@ pub(super) struct Setup {
 }
 
 /// The Doppler file's settings.
-pub(super) const PLAIN: Setup = Setup {
-    scale: 2e-3,
-    probe: 1.0,
-    position_levels: -140,
-    interval: 1e-4,
-    trigger_point: 800.0,
-};
+pub(super) const PLAIN: Setup =
+    Setup { scale: 2e-3, probe: 1.0, position_levels: -140, interval: 1e-4, trigger_point: 800.0 };
 
 /// A record in volts. The preamble follows the programmer manual: `YMULT` = scale/25, `YOFF` = 25 times
 /// the position, `XZERO` = time of the first point.
@@ -90,12 +81,7 @@ pub(super) fn fft(interval: f64, horizontal_scale: f64, y_zero: f64, codes: Vec<
 
 /// `codes`, followed by a ramp over all levels, `length` in all.
 pub(super) fn ramp_after(codes: &[i16], length: usize) -> Vec<i16> {
-    codes
-        .iter()
-        .copied()
-        .chain((-128..=127).cycle())
-        .take(length)
-        .collect()
+    codes.iter().copied().chain((-128..=127).cycle()).take(length).collect()
 }
 
 pub(super) fn plain_record() -> Capture {

@@ -9,11 +9,7 @@ use super::made_up::{instrument, plain_record};
 fn edited(line: usize, from: &str, to: &str) -> String {
     let text = write(&plain_record()).expect("writable");
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
-    assert!(
-        lines[line - 1].contains(from),
-        "{from} is not in {}",
-        lines[line - 1]
-    );
+    assert!(lines[line - 1].contains(from), "{from} is not in {}", lines[line - 1]);
     lines[line - 1] = lines[line - 1].replace(from, to);
     lines.concat_lines()
 }
@@ -24,15 +20,12 @@ trait ConcatLines {
 
 impl ConcatLines for Vec<String> {
     fn concat_lines(&self) -> String {
-        self.iter()
-            .fold(String::new(), |text, line| text + line + "\n")
+        self.iter().fold(String::new(), |text, line| text + line + "\n")
     }
 }
 
 fn message(bytes: &[u8]) -> String {
-    read(bytes, "F.CSV")
-        .expect_err("the file is wrong")
-        .to_string()
+    read(bytes, "F.CSV").expect_err("the file is wrong").to_string()
 }
 
 /// Line, a piece of it, what it becomes, and the message that must follow.
@@ -43,18 +36,8 @@ const WRONG_FIELDS: [(usize, &str, &str, &str); 19] = [
         "Sample interval",
         "F.CSV, line 2, column 1: found `Sample interval`, expected `Sample Interval`",
     ),
-    (
-        4,
-        ",,,",
-        "Note,,,",
-        "F.CSV, line 4, column 1: found `Note`, expected an empty field",
-    ),
-    (
-        5,
-        ",,,",
-        ",x,,",
-        "F.CSV, line 5, column 2: found `x`, expected an empty field",
-    ),
+    (4, ",,,", "Note,,,", "F.CSV, line 4, column 1: found `Note`, expected an empty field"),
+    (5, ",,,", ",x,,", "F.CSV, line 5, column 2: found `x`, expected an empty field"),
     (
         1,
         "2.500000e+03",
@@ -103,24 +86,14 @@ const WRONG_FIELDS: [(usize, &str, &str, &str); 19] = [
         "5.000000e-02",
         "F.CSV, line 12, column 18: `Horizontal Scale` is `5.000000e-02`, expected 2.500000e-02, 250 sample intervals",
     ),
-    (
-        13,
-        "Y",
-        "Z",
-        "F.CSV, line 13, column 8: `Pt Fmt` is `Z`, expected Y or ENV",
-    ),
+    (13, "Y", "Z", "F.CSV, line 13, column 8: `Pt Fmt` is `Z`, expected Y or ENV"),
     (
         14,
         "0.000000e+00",
         "1.000000e+00",
         "F.CSV, line 14, column 7: `Yzero` is `1.000000e+00`, expected 0 in the time domain",
     ),
-    (
-        16,
-        "TDS2014C",
-        "",
-        "F.CSV, line 16, column 14: `Model Number` is ``, expected a name",
-    ),
+    (16, "TDS2014C", "", "F.CSV, line 16, column 14: `Model Number` is ``, expected a name"),
     (
         18,
         "Firmware Version",
@@ -133,24 +106,9 @@ const WRONG_FIELDS: [(usize, &str, &str, &str); 19] = [
         "-00.078100000000",
         "F.CSV, line 19, column 4: found `-00.078100000000`, expected -00.078200000000 s by sample interval and trigger point",
     ),
-    (
-        1000,
-        "00.019900000000",
-        "nan",
-        "F.CSV, line 1000, column 4: found `nan`, expected a number",
-    ),
-    (
-        2500,
-        ",,,",
-        ",,0,",
-        "F.CSV, line 2500, column 3: found `0`, expected an empty field",
-    ),
-    (
-        3,
-        ",,",
-        ",",
-        "F.CSV, line 3, column 63: found 5 fields, expected 6, the last one empty",
-    ),
+    (1000, "00.019900000000", "nan", "F.CSV, line 1000, column 4: found `nan`, expected a number"),
+    (2500, ",,,", ",,0,", "F.CSV, line 2500, column 3: found `0`, expected an empty field"),
+    (3, ",,", ",", "F.CSV, line 3, column 63: found 5 fields, expected 6, the last one empty"),
 ];
 
 #[test]
@@ -214,24 +172,15 @@ fn wrong_row_counts_are_refused() {
 
 #[test]
 fn what_is_no_text_is_refused() {
-    assert_eq!(
-        message(b""),
-        "F.CSV: found no bytes, expected a Tektronix CSV file"
-    );
+    assert_eq!(message(b""), "F.CSV: found no bytes, expected a Tektronix CSV file");
     assert_eq!(
         message(b"Record\nLe\xffngth"),
         "F.CSV, line 2, column 3: found byte 0xFF, expected UTF-8 text"
     );
     let huge = vec![b'\n'; MAXIMUM_BYTES + 1];
-    assert_eq!(
-        message(&huge),
-        "F.CSV: found 16777217 bytes, expected at most 16777216"
-    );
+    assert_eq!(message(&huge), "F.CSV: found 16777217 bytes, expected at most 16777216");
     let widest = vec![b','; MAXIMUM_BYTES];
-    assert_eq!(
-        message(&widest),
-        "F.CSV, line 1, column 1: found ``, expected `Record Length`"
-    );
+    assert_eq!(message(&widest), "F.CSV, line 1, column 1: found ``, expected `Record Length`");
 }
 
 #[test]
@@ -241,39 +190,21 @@ fn other_dialects_are_refused_by_name() {
             "Record Length,2500,Points,-1.0300000E-3,0.0,,Record Length,2500,Points,-1.0300000E-3,0.0,\r\n",
             Dialect::OpenChoice,
         ),
-        (
-            "Model,TBS1102C\nFirmware Version,v1.29.38\n",
-            Dialect::NewerModel,
-        ),
+        ("Model,TBS1102C\nFirmware Version,v1.29.38\n", Dialect::NewerModel),
         (
             "Record Length,2.50E+03,,-0.0304,0\nSample Interval,4.00E-05,,-0.03036,0.004\n",
             Dialect::Spreadsheet,
         ),
-        (
-            ",,,x,y\nRecord Length,2.50E+03,,-0.0021,-0.0092\n",
-            Dialect::Spreadsheet,
-        ),
+        (",,,x,y\nRecord Length,2.50E+03,,-0.0021,-0.0092\n", Dialect::Spreadsheet),
         (
             ",,,time,volt,\nRecord Length,2.500000e+03,,  -0.019300000000,   0.72800,\n",
             Dialect::HandHeader,
         ),
-        (
-            "-0.0004972,-1.2\r\n-0.0004968,-0.76\r\n",
-            Dialect::Headerless,
-        ),
+        ("-0.0004972,-1.2\r\n-0.0004968,-0.76\r\n", Dialect::Headerless),
     ] {
         match read(text.as_bytes(), "F.CSV") {
-            Err(TekCsvError::UnsupportedDialect {
-                file,
-                dialect,
-                line,
-                ..
-            }) => {
-                assert_eq!(
-                    (file.as_str(), dialect, line),
-                    ("F.CSV", wanted, 1),
-                    "{text}"
-                );
+            Err(TekCsvError::UnsupportedDialect { file, dialect, line, .. }) => {
+                assert_eq!((file.as_str(), dialect, line), ("F.CSV", wanted, 1), "{text}");
             }
             other => panic!("{text}: {other:?}"),
         }
@@ -309,22 +240,10 @@ fn captures_that_the_format_cannot_hold_are_refused() {
             |c| c.waveform.codes[7] = 128,
             "cannot write: the level of point 7, counted from 0, is 128, expected -128 to 127",
         ),
-        (
-            |c| c.waveform.preamble.y_mult = 1e-4,
-            "cannot write: y_mult is 0.0001, expected 0.00008",
-        ),
-        (
-            |c| c.waveform.preamble.y_off = 0.0,
-            "cannot write: y_off is 0, expected -140",
-        ),
-        (
-            |c| c.waveform.preamble.x_zero = 0.0,
-            "cannot write: x_zero is 0, expected -0.08",
-        ),
-        (
-            |c| c.waveform.preamble.pt_off = 1,
-            "cannot write: pt_off is 1, expected 0",
-        ),
+        (|c| c.waveform.preamble.y_mult = 1e-4, "cannot write: y_mult is 0.0001, expected 0.00008"),
+        (|c| c.waveform.preamble.y_off = 0.0, "cannot write: y_off is 0, expected -140"),
+        (|c| c.waveform.preamble.x_zero = 0.0, "cannot write: x_zero is 0, expected -0.08"),
+        (|c| c.waveform.preamble.pt_off = 1, "cannot write: pt_off is 1, expected 0"),
         (
             |c| c.waveform.preamble.y_unit = "A".to_owned(),
             "cannot write: the waveform is `A` over `s`, expected `V` over `s` or `dB` over `Hz`",

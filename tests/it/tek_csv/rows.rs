@@ -144,10 +144,7 @@ fn rows_of_a_scan() {
     let text = round_trip(&capture);
     assert_begins(&text, SCAN);
     let back = read(text.as_bytes(), "scan.csv").expect("a scan-mode file");
-    assert!(
-        back.waveform.trigger_point.is_sign_negative(),
-        "the sign of zero is kept"
-    );
+    assert!(back.waveform.trigger_point.is_sign_negative(), "the sign of zero is kept");
 }
 
 #[test]
