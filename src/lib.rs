@@ -1,6 +1,7 @@
 //! Digital twin of a physics lab bench: a chain of beads with Hertz contacts is hit by a striker, piezo
 //! sensors embedded in beads feel the force, a virtual Tektronix TDS 2014 records it.
 
+pub mod analysis;
 pub mod chain;
 pub mod cli;
 pub mod data;

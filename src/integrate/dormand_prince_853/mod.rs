@@ -151,8 +151,9 @@ impl Integrator for DormandPrince853<'_> {
         let mut after_rejection = false;
         loop {
             let left = end - start;
-            let (h, next) =
-                if self.step >= left { (left, end) } else { (self.step, start + self.step) };
+            let next = if self.step >= left { end } else { start + self.step };
+            // The step that is taken is the one that the clock shows, rounding included.
+            let h = next - start;
             if h <= f64::EPSILON * start.abs() || h < f64::MIN_POSITIVE {
                 return Err(IntegrateError::StepTooSmall { time: start, step: h });
             }

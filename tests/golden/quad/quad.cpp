@@ -1,5 +1,11 @@
-// Taylor-series integrator in __float128, explicit contact flags, closings located by root search and
-// restarted in s=sqrt(t-t0); openings approached by error-controlled steps.
+// Reference for the golden tests, independent of the program under test: the table scenes in quadruple precision.
+//
+// Taylor series of order 32 in __float128 with explicit contact flags. Closings are found by root search and restarted in
+// s = sqrt(t - t0), in which overlap^1.5 is smooth; openings are approached by error-controlled steps. Tolerance 1e-22 a step.
+// Against order 40 at 1e-26 the states differ by at most 1.5e-23 m and 6.7e-19 m/s, against a Gragg-Bulirsch-Stoer
+// extrapolation without events by 6.8e-22 m and 4.7e-17 m/s.
+//
+//   c++ -O2 quad.cpp -lquadmath -o quad && ./quad 1 0.00061 0.44
 #include <quadmath.h>
 #include <cstdio>
 #include <cstdlib>
@@ -91,28 +97,20 @@ static Q integrate(Q t,Q tend,int&sc){
   }
   return t;
 }
+// quad MAGNET MASS SPEED: MAGNET 1 or 0, MASS of the striker in kg, its SPEED in m/s; prints u and v at 1 ms and 2 ms, a line each.
 int main(int argc,char**argv){
-  // q scene(magnet 0/1) ms vs mode order tolexp dv : mode 0 = decimal quad params, 1 = table double A (static by formula), 2 = table A and table overlaps, double params
-  int mag=atoi(argv[1]); Q ms=strtoflt128(argv[2],0),vs=strtoflt128(argv[3],0); int mode=atoi(argv[4]); N=atoi(argv[5]); tolv=strtoflt128(argv[6],0); tolu=tolv*1e-6Q;
-  Q dv= argc>7? strtoflt128(argv[7],0):0; verbose=getenv("VERB")!=0;
+  if(argc!=4){fprintf(stderr,"usage: quad MAGNET MASS SPEED\n");return 2;}
+  int mag=atoi(argv[1]); Q ms=strtoflt128(argv[2],0),vs=strtoflt128(argv[3],0); N=32; tolv=1e-22Q; tolu=tolv*1e-6Q;
   for(int k=1;k<MAXN;k++)inv[k]=1/(Q)k;
   Q Ep=1.46e9Q,np=0.46Q,Es=193e9Q,ns=0.3Q,Ea=400e9Q,na=0.22Q,R=0.00238Q,mp=0.0001226Q,mc=0.000485Q,F0=2.38Q,g=9.81Q,m1=0.00045Q;
-  if(mode==2){np=0.46;ns=0.3;na=0.22;R=0.00238;mp=0.0001226;mc=0.000485;F0=2.38;g=9.81;m1=0.00045;ms=(double)ms;vs=(double)vs;}
   Q cp=(1-np*np)/Ep,cs=(1-ns*ns)/Es,ca=(1-na*na)/Ea;
   m[0]=ms;m[1]=m1;for(int i=2;i<NB;i++)m[i]=(i%2)?mc:mp;
   A[0]=(Q)4/3/(ca+cs)*sqrtq(R); A[1]=(Q)4/3/(cp+cs)*sqrtq(R/2); for(int c=2;c<NB;c++)A[c]=(Q)4/3/(cp+cs)*sqrtq(R);
-  double tA[NB],tO[NB]; FILE*f=fopen("tab.txt","r"); for(int p=0;p<(mag?1:2);p++){for(int i=0;i<NB;i++)if(fscanf(f,"%lf",tA+i)!=1)return 1;for(int i=0;i<NB;i++)if(fscanf(f,"%lf",tO+i)!=1)return 1;} fclose(f);
-  double ra=0,ro=0;
-  for(int c=0;c<NB;c++){ra=fmax(ra,(double)fabsq(tA[c]/A[c]-1)); if(mode>=1)A[c]=tA[c];}
-  Q F=mag?F0:(Q)0; ov[0]=0; for(int c=1;c<NB;c++){F+=m[c]*g; ov[c]=powq(F/A[c],(Q)2/3); ro=fmax(ro,(double)fabsq(tO[c]/ov[c]-1)); if(mode==2)ov[c]=tO[c];}
+  Q F=mag?F0:(Q)0; ov[0]=0; for(int c=1;c<NB;c++){F+=m[c]*g; ov[c]=powq(F/A[c],(Q)2/3);}
   for(int i=0;i<NB;i++)ext[i]=m[i]*g; if(mag)ext[1]+=F0;
-  for(int i=0;i<NB;i++){u[i]=v[i]=0;closed_[i]=true;} v[0]=vs+dv;
-  fprintf(stderr,"table A rel dev %.2e overlap rel dev %.2e\n",ra,ro);
-  int sc=0; Q t=0; clock_t c0=clock();
+  for(int i=0;i<NB;i++){u[i]=v[i]=0;closed_[i]=true;} v[0]=vs;
+  int sc=0; Q t=0;
   for(int o=1;o<=2;o++){ Q te=(Q)o/1000; t=integrate(t,te,sc);
-    for(int w=0;w<2;w++)for(int i=0;i<NB;i++){char b[64];quadmath_snprintf(b,64,"%.30Qe",w?v[i]:u[i]);printf("%s%c",b,i==NB-1?'\n':' ');}
-    // energy: kinetic+elastic-gravity (relative)
-    Q E=0; for(int i=0;i<NB;i++)E+=m[i]*v[i]*v[i]/2-ext[i]*u[i]; for(int c=0;c<NB;c++){Q d=u[c]-(c+1<NB?u[c+1]:(Q)0)+ov[c]; if(d>0)E+=A[c]*d*d*sqrtq(d)*2/5; E-=A[c]*ov[c]*ov[c]*sqrtq(ov[c])*2/5;}
-    fprintf(stderr,"t=%dms steps %ld opens %ld closes %ld vminclose %.2e  E/E0-1 %.2e  cpu %.1f\n",o,nstep,nopen,nclose,(double)vminclose,(double)(E/(ms*v[0]*0+ms*(vs+dv)*(vs+dv)/2)-1),(clock()-c0)/(double)CLOCKS_PER_SEC);
+    for(int w=0;w<2;w++)for(int i=0;i<NB;i++){char b[64];quadmath_snprintf(b,64,"%.20Qe",w?v[i]:u[i]);printf("%s%c",b,i==NB-1?'\n':' ');}
   }
 }

@@ -1,0 +1,83 @@
+//! The dispersion relation of a linear diatomic chain: what passes, what does not, how fast.
+//!
+//! `omega^2 = beta/(m M) [m + M -+ sqrt(m^2 + M^2 + 2 m M cos(k a))]`: minus is the acoustic branch, plus the optical one;
+//! between `f1` and `f2` nothing travels. Source: Herbold et al. (2009), Eqs (7) to (10). Valid for dynamic forces far below
+//! the static one.
+
+use std::f64::consts::{PI, TAU};
+
+/// A chain of light and heavy masses in turn, joined by equal springs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DiatomicChain {
+    /// The lighter mass `m` (kg).
+    pub light_mass: f64,
+    /// The heavier mass `M` (kg).
+    pub heavy_mass: f64,
+    /// Stiffness `beta` of every contact (N/m).
+    pub stiffness: f64,
+    /// Length `a` of a cell (m).
+    pub cell: f64,
+}
+
+impl DiatomicChain {
+    /// Top of the acoustic branch `f1`, the band gap's lower edge (Hz).
+    #[must_use]
+    pub fn gap_bottom(&self) -> f64 {
+        (2.0 * self.stiffness / self.heavy_mass).sqrt() / TAU
+    }
+
+    /// Bottom of the optical branch `f2`, the band gap's upper edge (Hz).
+    #[must_use]
+    pub fn gap_top(&self) -> f64 {
+        (2.0 * self.stiffness / self.light_mass).sqrt() / TAU
+    }
+
+    /// Top of the optical branch `f3`, above which nothing travels (Hz).
+    #[must_use]
+    pub fn cutoff(&self) -> f64 {
+        self.gap_bottom().hypot(self.gap_top())
+    }
+
+    /// Frequency of the mode that lives in the gap at a free end with a light mass (Hz).
+    #[must_use]
+    pub fn surface_mode(&self) -> f64 {
+        self.cutoff() / 2.0_f64.sqrt()
+    }
+
+    /// Long-wave sound speed `a sqrt(beta / (2 (m + M)))` (m/s).
+    #[must_use]
+    pub fn sound_speed(&self) -> f64 {
+        self.cell * (self.stiffness / (2.0 * (self.light_mass + self.heavy_mass))).sqrt()
+    }
+
+    /// Frequency of the acoustic branch at the phase `k a` a cell (rad) (Hz).
+    #[must_use]
+    pub fn acoustic(&self, phase: f64) -> f64 {
+        // Of the two roots this is the one that cancels: take it from the product of both.
+        let (m, big_m) = (self.light_mass, self.heavy_mass);
+        let product = 2.0 * self.stiffness.powi(2) / (m * big_m) * (1.0 - phase.cos());
+        (product / (TAU * self.optical(phase)).powi(2)).sqrt() / TAU
+    }
+
+    /// Frequency of the optical branch at the phase `k a` a cell (rad) (Hz).
+    #[must_use]
+    pub fn optical(&self, phase: f64) -> f64 {
+        let (m, big_m) = (self.light_mass, self.heavy_mass);
+        let root = (m * m + big_m * big_m + 2.0 * m * big_m * phase.cos()).sqrt();
+        (self.stiffness / (m * big_m) * (m + big_m + root)).sqrt() / TAU
+    }
+
+    /// How strongly a frequency (Hz) that does not travel dies out: natural logarithm of the amplitude ratio from cell to
+    /// cell; 0 for one that travels (1).
+    #[must_use]
+    pub fn decay(&self, frequency: f64) -> f64 {
+        let (m, big_m) = (self.light_mass, self.heavy_mass);
+        let omega_squared = (TAU * frequency).powi(2);
+        let shifted = omega_squared * m * big_m / self.stiffness - (m + big_m);
+        let cosine = (shifted * shifted - m * m - big_m * big_m) / (2.0 * m * big_m);
+        if cosine.abs() > 1.0 { cosine.abs().acosh() } else { 0.0 }
+    }
+
+    /// Phase a cell at which a branch ends (rad).
+    pub const ZONE_EDGE: f64 = PI;
+}
