@@ -2,3 +2,5 @@
 
 mod architecture;
 mod tek_csv;
+#[cfg(feature = "tui")]
+mod tui;
