@@ -13,3 +13,5 @@ mod golden;
 mod order;
 mod physics;
 mod tek_csv;
+#[cfg(feature = "tui")]
+mod tui;

@@ -1,0 +1,162 @@
+//! What stands around the graticule: ground and trigger markers, labels of both axes.
+
+use ratatui::Frame;
+use ratatui::buffer::Buffer;
+use ratatui::layout::{Position, Rect};
+use ratatui::style::{Color, Modifier, Style};
+
+use super::graticule::{dot_of_division, shown};
+use super::layout::Layout;
+use super::readout::{compact, digits_for, ordinate_unit};
+use super::{colour, colour_of};
+use crate::scope::Source;
+use crate::tui::axis::{DIVISIONS_ACROSS, DIVISIONS_UP, Window, is_spectrum};
+use crate::tui::model::Model;
+
+/// Draws markers and labels.
+pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
+    let buffer = frame.buffer_mut();
+    ground_markers(model, layout, buffer);
+    ordinate_labels(model, layout, buffer);
+    if let Some(window) = model.window() {
+        trigger_marker(model, layout, window, buffer);
+        abscissa_labels(model, layout, window, buffer);
+    }
+}
+
+/// Where each trace's zero stands, at the left edge; an arrow where it is beyond the screen.
+fn ground_markers(model: &Model, layout: &Layout, buffer: &mut Buffer) {
+    for waveform in shown(model) {
+        let dot = dot_of_division(layout, model.vertical(waveform).position).round();
+        let last = f64::from(layout.rows() - 1);
+        let arrow = if dot < 0.0 {
+            '▴'
+        } else if dot > last {
+            '▾'
+        } else {
+            '▸'
+        };
+        let y = layout.markers.y + whole(dot.clamp(0.0, last) / 4.0);
+        let text = format!("{}{arrow}", letter(waveform.source));
+        let style = trace_style(model, waveform.source);
+        put(buffer, layout.markers, y, &text, style);
+    }
+}
+
+/// The mark of a source where there is room for one letter.
+fn letter(source: Source) -> char {
+    match source {
+        Source::Channel(number) => char::from_digit(u32::from(number), 10).unwrap_or('#'),
+        Source::Math => 'M',
+        Source::Reference(letter) => letter,
+    }
+}
+
+fn trace_style(model: &Model, source: Source) -> Style {
+    let style = Style::new().fg(colour_of(model.palette(), source));
+    if model.is_selected(source) { style.add_modifier(Modifier::BOLD) } else { style }
+}
+
+/// Values of the selected trace at the division lines.
+fn ordinate_labels(model: &Model, layout: &Layout, buffer: &mut Buffer) {
+    let Some(waveform) = model.selected().map(|capture| &capture.waveform) else {
+        return;
+    };
+    let vertical = model.vertical(waveform);
+    let unit = ordinate_unit(waveform);
+    let style = Style::new().fg(colour_of(model.palette(), waveform.source));
+    // Two lines in one row would overwrite each other.
+    let every = if layout.y_dots < 4 { 2 } else { 1 };
+    for line in (0..=DIVISIONS_UP).step_by(every) {
+        let division = f64::from(DIVISIONS_UP) / 2.0 - f64::from(line);
+        let value = snapped((division - vertical.position) * vertical.scale, vertical.scale);
+        let text = label(value, vertical.scale, unit);
+        let y = layout.labels.y + line * layout.y_dots / 4;
+        let width = usize::from(layout.labels.width);
+        put(buffer, layout.labels, y, &format!("{text:<width$}"), style);
+    }
+}
+
+/// Zero where only round-off is left of a difference of labels.
+fn snapped(value: f64, scale: f64) -> f64 {
+    if value.abs() < scale * 1e-6 { 0.0 } else { value }
+}
+
+/// A label of an axis with `scale` a division: as many digits as tell one division from the next.
+fn label(value: f64, scale: f64, unit: &str) -> String {
+    if value == 0.0 { format!("0{unit}") } else { compact(value, unit, digits_for(value, scale)) }
+}
+
+/// The trigger's place above the graticule; an arrow to the side where it is beyond the screen.
+fn trigger_marker(model: &Model, layout: &Layout, window: Window, buffer: &mut Buffer) {
+    let Some(waveform) = model.selected().map(|capture| &capture.waveform) else {
+        return;
+    };
+    let preamble = &waveform.preamble;
+    let after_first = waveform.trigger_point - f64::from(preamble.pt_off);
+    let time = preamble.x_zero + after_first * preamble.x_incr;
+    if is_spectrum(waveform) || !time.is_finite() {
+        return;
+    }
+    let column = ((time - window.left()) / window.scale * f64::from(layout.x_dots)).round() / 2.0;
+    let last = f64::from(layout.graticule.width - 1);
+    let mark = if column < 0.0 {
+        "◀"
+    } else if column > last {
+        "▶"
+    } else {
+        "▼"
+    };
+    let x = layout.trigger.x + whole(column.clamp(0.0, last));
+    let place = Rect { x, width: 1, ..layout.trigger };
+    let style =
+        Style::new().fg(colour(model.palette(), Color::LightRed)).add_modifier(Modifier::BOLD);
+    put(buffer, place, place.y, mark, style);
+}
+
+/// Values of the abscissa below the division lines, as many as there is room for.
+fn abscissa_labels(model: &Model, layout: &Layout, window: Window, buffer: &mut Buffer) {
+    let unit = model.selected().map_or("s", |capture| capture.waveform.preamble.x_unit.as_str());
+    let largest = window.left().abs().max(window.right().abs());
+    let digits = digits_for(largest, window.scale);
+    let labels: Vec<String> = (0..=DIVISIONS_ACROSS)
+        .map(|line| {
+            let offset = f64::from(line) - f64::from(DIVISIONS_ACROSS) / 2.0;
+            let value = snapped(window.centre + offset * window.scale, window.scale);
+            if value == 0.0 { format!("0{unit}") } else { compact(value, unit, digits) }
+        })
+        .collect();
+    let widest = labels.iter().map(|l| l.chars().count()).max().unwrap_or(0);
+    let style = Style::new().fg(colour(model.palette(), Color::Gray));
+    let area = layout.abscissa;
+    let (first, every) = [(0, 1), (1, 2), (1, 4)]
+        .into_iter()
+        .find(|(_, every)| widest + 1 < usize::from(layout.x_dots) * every / 2)
+        .unwrap_or((5, usize::from(DIVISIONS_ACROSS)));
+    for (line, text) in (0..).zip(&labels).skip(first).step_by(every) {
+        let centre = layout.graticule.x + line * layout.x_dots / 2;
+        let length = u16::try_from(text.chars().count()).unwrap_or(u16::MAX);
+        let rightmost = area.right().saturating_sub(length);
+        let x = centre.saturating_sub(length / 2).clamp(area.x, rightmost.max(area.x));
+        let place = Rect { x, width: area.right() - x, ..area };
+        put(buffer, place, area.y, text, style);
+    }
+}
+
+/// A place on the screen from a number that is known to be one.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a cast from f64 stops at the ends"
+)]
+pub(super) fn whole(value: f64) -> u16 {
+    value as u16
+}
+
+/// Writes `text` into row `y` of `area`, no further than the area and the screen reach.
+pub(super) fn put(buffer: &mut Buffer, area: Rect, y: u16, text: &str, style: Style) {
+    let area = area.intersection(buffer.area);
+    if area.contains(Position::new(area.x, y)) {
+        buffer.set_stringn(area.x, y, text, area.width.into(), style);
+    }
+}

@@ -1,0 +1,148 @@
+//! The graticule with the traces on it.
+
+use ratatui::Frame;
+use ratatui::style::Color;
+use ratatui::symbols::Marker;
+use ratatui::widgets::canvas::{Canvas, Painter, Shape};
+
+use super::layout::Layout;
+use super::trace::{Line, Projection, Stroke, spans};
+use super::{colour, colour_of};
+use crate::scope::Waveform;
+use crate::tui::axis::{DIVISIONS_ACROSS, DIVISIONS_UP, Vertical, Window};
+use crate::tui::model::{Model, Palette, Visibility};
+
+/// Dots between two of a division line's own, at least.
+const SPARSE: u16 = 3;
+/// Marks of a division on axes and lines.
+const MARKS: u16 = 5;
+
+/// Draws divisions and traces.
+pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
+    let window = model.window();
+    let lines = window.map_or_else(Vec::new, |window| lines(model, layout, window));
+    let grid = Grid {
+        x_dots: layout.x_dots,
+        y_dots: layout.y_dots,
+        colour: colour(model.palette(), Color::DarkGray),
+    };
+    let canvas =
+        Canvas::default().marker(Marker::Braille).x_bounds([0.0, 1.0]).y_bounds([0.0, 1.0]).paint(
+            |context| {
+                context.draw(&grid);
+                context.layer();
+                for line in &lines {
+                    context.draw(line);
+                }
+            },
+        );
+    frame.render_widget(canvas, layout.graticule);
+}
+
+/// The traces as lines; the last one lies on top.
+fn lines(model: &Model, layout: &Layout, window: Window) -> Vec<Line> {
+    shown(model)
+        .into_iter()
+        .map(|waveform| {
+            let plain = model.palette() == Palette::Plain;
+            let stroke = if plain && !model.is_selected(waveform.source) {
+                Stroke::Dotted
+            } else {
+                Stroke::Solid
+            };
+            let projection = projection(layout, window, model.vertical(waveform));
+            Line {
+                spans: spans(waveform, &projection),
+                rows: projection.rows,
+                colour: colour_of(model.palette(), waveform.source),
+                stroke,
+            }
+        })
+        .collect()
+}
+
+/// What is on screen, the selected trace last.
+pub(super) fn shown(model: &Model) -> Vec<&Waveform> {
+    let mut shown: Vec<&Waveform> = model
+        .captures()
+        .iter()
+        .map(|capture| &capture.waveform)
+        .filter(|waveform| model.visibility(waveform) == Visibility::Shown)
+        .collect();
+    shown.sort_by_key(|waveform| model.is_selected(waveform.source));
+    shown
+}
+
+fn projection(layout: &Layout, window: Window, vertical: Vertical) -> Projection {
+    Projection {
+        left: window.left(),
+        x_density: f64::from(layout.x_dots) / window.scale,
+        zero: dot_of_division(layout, vertical.position),
+        y_density: f64::from(layout.y_dots) / vertical.scale,
+        columns: layout.columns(),
+        rows: layout.rows(),
+    }
+}
+
+/// Row of dots, from the top, of a place counted in divisions upward from the centre (dots).
+pub(super) fn dot_of_division(layout: &Layout, division: f64) -> f64 {
+    (f64::from(DIVISIONS_UP) / 2.0 - division) * f64::from(layout.y_dots)
+}
+
+/// The lines of the graticule: frame, dotted division lines, axes with ticks.
+struct Grid {
+    x_dots: u16,
+    y_dots: u16,
+    colour: Color,
+}
+
+impl Shape for Grid {
+    fn draw(&self, painter: &mut Painter) {
+        let width = self.x_dots * DIVISIONS_ACROSS;
+        let height = self.y_dots * DIVISIONS_UP;
+        let x_marks = marks(self.x_dots, DIVISIONS_ACROSS);
+        let y_marks = marks(self.y_dots, DIVISIONS_UP);
+        let mut dot = |x: u16, y: u16| painter.paint(x.into(), y.into(), self.colour);
+        for line in 0..=DIVISIONS_UP {
+            let y = line * self.y_dots;
+            for x in &x_marks {
+                dot(*x, y);
+            }
+        }
+        for line in 0..=DIVISIONS_ACROSS {
+            let x = line * self.x_dots;
+            for y in &y_marks {
+                dot(x, *y);
+            }
+        }
+        for x in 0..=width {
+            dot(x, 0);
+            dot(x, height);
+        }
+        for y in 0..=height {
+            dot(0, y);
+            dot(width, y);
+        }
+        for x in (0..=width).step_by(2) {
+            dot(x, height / 2);
+        }
+        for y in (0..=height).step_by(2) {
+            dot(width / 2, y);
+        }
+        // Ticks: a dot to either side of the axes.
+        for x in x_marks {
+            dot(x, height / 2 - 1);
+            dot(x, height / 2 + 1);
+        }
+        for y in y_marks {
+            dot(width / 2 - 1, y);
+            dot(width / 2 + 1, y);
+        }
+    }
+}
+
+/// Places of the marks along an axis: five a division as on the instrument, fewer where dots would touch.
+fn marks(dots: u16, divisions: u16) -> Vec<u16> {
+    let each = (dots / SPARSE).clamp(1, MARKS);
+    (0..=divisions * each).map(|mark| mark * dots / each).collect()
+}

@@ -1,0 +1,135 @@
+//! Where everything stands on the terminal.
+//!
+//! A graticule's division is a whole number of dots in both directions, so that division lines are exact and
+//! a trace at 2 divisions lies on the line of 2 divisions. A cell has 2 dots across and 4 up.
+
+use ratatui::layout::Rect;
+
+use crate::tui::axis::{DIVISIONS_ACROSS, DIVISIONS_UP};
+
+/// The narrowest terminal that the scope fits on, in columns.
+pub const SMALLEST_WIDTH: u16 = 40;
+/// The lowest terminal that the scope fits on, in rows.
+pub const SMALLEST_HEIGHT: u16 = 12;
+
+/// Columns for the ground markers.
+const MARKER_WIDTH: u16 = 2;
+/// Columns for the labels of the ordinate.
+const LABEL_WIDTH: u16 = 7;
+/// From this width on there is room for labels of the ordinate.
+const WIDTH_WITH_LABELS: u16 = 60;
+
+/// The parts of the screen; a part that the terminal has no room for has no height or no width.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Layout {
+    /// Title, state, shot and position of the centre.
+    pub status: Rect,
+    /// The trigger's marker, above the graticule or on its top row.
+    pub trigger: Rect,
+    /// Labels of the ordinate.
+    pub labels: Rect,
+    /// Ground markers.
+    pub markers: Rect,
+    /// The divisions with the traces.
+    pub graticule: Rect,
+    /// Labels of the abscissa.
+    pub abscissa: Rect,
+    /// One reading a channel, and the time base.
+    pub channels: Rect,
+    /// The selected trace in full.
+    pub detail: Rect,
+    /// Where in the record the screen is; on low terminals the same row as the hints.
+    pub overview: Rect,
+    /// The most important keys.
+    pub hints: Rect,
+    /// Dots in a division across.
+    pub x_dots: u16,
+    /// Dots in a division up.
+    pub y_dots: u16,
+}
+
+/// Heights of the rows around the graticule.
+struct Rows {
+    trigger: u16,
+    detail: u16,
+    overview: u16,
+    hints: u16,
+}
+
+impl Rows {
+    /// What there is room for on `height` rows; the graticule comes first.
+    fn new(height: u16) -> Self {
+        let (trigger, detail, overview, hints) = match height {
+            40.. => (1, 1, 2, 1),
+            24.. => (1, 1, 1, 1),
+            18.. => (1, 1, 0, 1),
+            14.. => (1, 1, 0, 0),
+            _ => (0, 0, 0, 0),
+        };
+        Self { trigger, detail, overview, hints }
+    }
+
+    /// All rows but the graticule's; status, abscissa and channels are always there.
+    fn sum(&self) -> u16 {
+        3 + self.trigger + self.detail + self.overview + self.hints
+    }
+}
+
+impl Layout {
+    /// Divides `area`; `None` if it is too small.
+    #[must_use]
+    pub fn new(area: Rect) -> Option<Self> {
+        if area.width < SMALLEST_WIDTH || area.height < SMALLEST_HEIGHT {
+            return None;
+        }
+        let rows = Rows::new(area.height);
+        let label_width = if area.width < WIDTH_WITH_LABELS { 0 } else { LABEL_WIDTH };
+        let gutter = label_width + MARKER_WIDTH;
+        let x_dots = ((area.width - gutter).saturating_mul(2) - 1) / DIVISIONS_ACROSS;
+        let y_dots = ((area.height - rows.sum()).saturating_mul(4) - 1) / DIVISIONS_UP;
+        let width = x_dots * DIVISIONS_ACROSS / 2 + 1;
+        let height = y_dots * DIVISIONS_UP / 4 + 1;
+
+        let mut y = area.y;
+        let mut next = |height: u16| {
+            let rect = Rect::new(area.x, y, area.width, height);
+            y += height;
+            rect
+        };
+        let status = next(1);
+        let above = next(rows.trigger);
+        let middle = next(height);
+        let abscissa = next(1);
+        let channels = next(1);
+        let detail = next(rows.detail);
+        let overview = next(rows.overview);
+        let hints = next(rows.hints);
+        let graticule = Rect::new(area.x + gutter, middle.y, width, height);
+        Some(Self {
+            status,
+            trigger: Rect { y: above.y, height: 1, ..graticule },
+            labels: Rect { width: label_width, ..middle },
+            markers: Rect { x: area.x + label_width, width: MARKER_WIDTH, ..middle },
+            graticule,
+            abscissa,
+            channels,
+            detail,
+            overview: if rows.overview == 0 { hints } else { overview },
+            hints,
+            x_dots,
+            y_dots,
+        })
+    }
+
+    /// Columns of dots on the graticule.
+    #[must_use]
+    pub fn columns(&self) -> u16 {
+        self.x_dots * DIVISIONS_ACROSS + 1
+    }
+
+    /// Rows of dots on the graticule.
+    #[must_use]
+    pub fn rows(&self) -> u16 {
+        self.y_dots * DIVISIONS_UP + 1
+    }
+}

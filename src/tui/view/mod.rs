@@ -1,0 +1,113 @@
+//! The model as a picture. Nothing here changes the model.
+
+mod axes;
+mod graticule;
+mod help;
+pub mod layout;
+mod log;
+mod overview;
+mod readout;
+mod status;
+mod trace;
+
+use ratatui::Frame;
+use ratatui::layout::{Alignment, Constraint, Margin, Rect};
+use ratatui::style::Color;
+use ratatui::text::Line;
+use ratatui::widgets::{Block, Clear, Paragraph, Wrap};
+
+use crate::scope::Source;
+use crate::tui::model::{Model, Palette, Panel};
+use layout::{Layout, SMALLEST_HEIGHT, SMALLEST_WIDTH};
+
+/// Draws the whole screen.
+pub fn draw(model: &Model, frame: &mut Frame) {
+    let area = frame.area();
+    let Some(layout) = Layout::new(area) else {
+        too_small(area, frame);
+        return;
+    };
+    status::draw(model, &layout, frame);
+    graticule::draw(model, &layout, frame);
+    axes::draw(model, &layout, frame);
+    readout::channels(model, &layout, frame);
+    readout::detail(model, &layout, frame);
+    let shared = layout.overview == layout.hints;
+    if !(shared && model.is_zoomed()) || model.notice().is_some() {
+        status::hints(model, &layout, frame);
+    }
+    if model.is_zoomed() && (!shared || model.notice().is_none()) {
+        overview::draw(model, &layout, frame);
+    }
+    if model.captures().is_empty() {
+        nothing(model, &layout, frame);
+    }
+    match model.panel() {
+        Panel::Scope => {}
+        Panel::Help => help::draw(model, frame),
+        Panel::Log => log::draw(model, frame),
+    }
+}
+
+/// The colour of a trace, as on the instrument's screen.
+fn colour_of(palette: Palette, source: Source) -> Color {
+    let wanted = match source {
+        Source::Channel(1) => Color::Yellow,
+        Source::Channel(2) => Color::Cyan,
+        Source::Channel(3) => Color::Magenta,
+        Source::Channel(4) => Color::Green,
+        Source::Channel(_) | Source::Reference(_) => Color::White,
+        Source::Math => Color::Red,
+    };
+    colour(palette, wanted)
+}
+
+/// `wanted`, or the terminal's own where there are to be no colours.
+fn colour(palette: Palette, wanted: Color) -> Color {
+    match palette {
+        Palette::Colour => wanted,
+        Palette::Plain => Color::Reset,
+    }
+}
+
+/// Says how much more room is needed.
+fn too_small(area: Rect, frame: &mut Frame) {
+    let text = format!(
+        "This terminal is {} x {}; the scope needs {SMALLEST_WIDTH} x {SMALLEST_HEIGHT}. Please enlarge it, or press q.",
+        area.width, area.height
+    );
+    frame.render_widget(Paragraph::new(text).wrap(Wrap { trim: true }), area);
+}
+
+/// Says why there is no trace.
+fn nothing(model: &Model, layout: &Layout, frame: &mut Frame) {
+    let text = match model.shot() {
+        None => "This recording holds no shots.",
+        Some(_) => "This shot holds no captures.",
+    };
+    let area = layout.graticule;
+    let middle = Rect { y: area.y + area.height / 2, height: 1, ..area };
+    frame.render_widget(Clear, middle);
+    frame.render_widget(Paragraph::new(text).alignment(Alignment::Center), middle);
+}
+
+/// Text in a frame over the screen, as large as it needs and the terminal allows.
+fn panel(model: &Model, title: &str, lines: Vec<Line>, frame: &mut Frame) {
+    let area = frame.area();
+    let widest = lines.iter().map(Line::width).max().unwrap_or(0);
+    let width = u16::try_from(widest + 4).unwrap_or(u16::MAX).min(area.width);
+    let height = u16::try_from(lines.len() + 2).unwrap_or(u16::MAX).min(area.height);
+    let place = area.centered(Constraint::Length(width), Constraint::Length(height));
+    let inner = place.inner(Margin::new(2, 1));
+    let hidden = lines.len().saturating_sub(usize::from(inner.height));
+    let first = model.scroll().min(hidden);
+    let more = if hidden > 0 {
+        format!(" {title} ({}/{}, ↑↓) ", first + 1, hidden + 1)
+    } else {
+        format!(" {title} ")
+    };
+    frame.render_widget(Clear, place);
+    frame.render_widget(Block::bordered().title(more), place);
+    let shown: Vec<Line> = lines.into_iter().skip(first).collect();
+    frame.render_widget(Paragraph::new(shown), inner);
+}

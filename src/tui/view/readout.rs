@@ -1,0 +1,224 @@
+//! Readings of the traces below the picture, after the instrument's own.
+//!
+//! A star stands behind every scale that is not the recorded one. Lines that are too long for the terminal
+//! leave out what matters least.
+
+use ratatui::Frame;
+use ratatui::layout::Rect;
+use ratatui::style::{Color, Modifier, Style};
+use ratatui::text::{Line, Span};
+
+use super::layout::Layout;
+use super::{colour, colour_of};
+use crate::quantity::engineering;
+use crate::recording::Capture;
+use crate::scope::{PointFormat, Waveform};
+use crate::tui::axis::{Vertical, is_spectrum};
+use crate::tui::model::{Model, Visibility};
+
+/// Digits of a reading, as on the instrument.
+const DIGITS: usize = 3;
+/// More digits than this no label has room for.
+const MOST_DIGITS: usize = 8;
+/// Between two readings.
+pub(super) const GAP: &str = "  ";
+
+/// A number as the instrument writes it: `500mV`, `1.00ms`; decibels without a prefix.
+pub(super) fn compact(value: f64, unit: &str, digits: usize) -> String {
+    if unit == "dB" {
+        let before = usize::try_from(exponent(value) + 1).unwrap_or(0).max(1);
+        let decimals = digits.saturating_sub(before);
+        format!("{value:.decimals$}{unit}")
+    } else {
+        engineering(value, unit, digits).replace(' ', "")
+    }
+}
+
+/// How many digits tell `value` from `value + scale / 10`.
+pub(super) fn digits_for(value: f64, scale: f64) -> usize {
+    let digits = exponent(value).saturating_sub(exponent(scale)) + 2;
+    usize::try_from(digits).unwrap_or(DIGITS).clamp(DIGITS, MOST_DIGITS)
+}
+
+/// Decimal exponent; 0 for zero.
+fn exponent(value: f64) -> i32 {
+    format!("{value:e}").rsplit('e').next().and_then(|exponent| exponent.parse().ok()).unwrap_or(0)
+}
+
+/// Unit of a record's ordinate; some files write `Volts`.
+pub(super) fn ordinate_unit(waveform: &Waveform) -> &str {
+    match waveform.preamble.y_unit.as_str() {
+        "Volts" => "V",
+        unit => unit,
+    }
+}
+
+/// Columns of `parts` with gaps between and before them.
+pub(super) fn width(parts: &[Span]) -> usize {
+    parts.iter().map(|part| part.width() + GAP.len()).sum()
+}
+
+pub(super) fn spaced(parts: Vec<Span>) -> Vec<Span> {
+    let mut line = Vec::new();
+    for part in parts {
+        if !line.is_empty() {
+            line.push(Span::raw(GAP));
+        }
+        line.push(part);
+    }
+    line
+}
+
+/// How much a channel's reading says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Form {
+    Words,
+    Signs,
+}
+
+/// One reading a trace, and the time base at the right.
+pub(super) fn channels(model: &Model, layout: &Layout, frame: &mut Frame) {
+    let area = layout.channels;
+    let base = model.window().zip(model.selected()).map(|(window, capture)| {
+        let reading = compact(window.scale, &capture.waveform.preamble.x_unit, DIGITS);
+        let star = if model.is_zoomed() { "*" } else { "" };
+        if is_spectrum(&capture.waveform) {
+            format!("{reading}/div{star}")
+        } else {
+            format!("M {reading}{star}")
+        }
+    });
+    let base = Line::from(Span::styled(
+        base.unwrap_or_default(),
+        Style::new().add_modifier(Modifier::BOLD),
+    ))
+    .right_aligned();
+    let room = usize::from(area.width).saturating_sub(base.width());
+    let readings = |form: Form| -> Vec<Span> {
+        model.captures().iter().map(|capture| reading(model, &capture.waveform, form)).collect()
+    };
+    let fitting =
+        [Form::Words, Form::Signs].into_iter().map(readings).find(|parts| width(parts) <= room);
+    // On a narrow terminal the selected trace's reading is worth more than all of them cut off.
+    let parts = fitting.unwrap_or_else(|| {
+        model
+            .selected()
+            .map(|capture| reading(model, &capture.waveform, Form::Words))
+            .into_iter()
+            .collect()
+    });
+    let left = Rect { width: u16::try_from(room).unwrap_or(area.width), ..area };
+    frame.render_widget(Line::from(spaced(parts)), left);
+    frame.render_widget(base, area);
+}
+
+/// `CH1 500mV`, with a star where the scale is not the recorded one.
+fn reading<'a>(model: &Model, waveform: &Waveform, form: Form) -> Span<'a> {
+    let source = waveform.source;
+    let visibility = model.visibility(waveform);
+    let text = match visibility {
+        Visibility::Off => format!("{source} off"),
+        Visibility::OtherAxis if is_spectrum(waveform) => format!("{source} (FFT)"),
+        Visibility::OtherAxis => format!("{source} (time)"),
+        Visibility::Shown => {
+            let vertical = model.vertical(waveform);
+            let scale = compact(vertical.scale, ordinate_unit(waveform), DIGITS);
+            let star = if vertical.same_as(&Vertical::recorded(waveform)) { "" } else { "*" };
+            let flag = match (flag(waveform), form) {
+                (None, _) => String::new(),
+                (Some(word), Form::Words) => format!(" {word}"),
+                (Some(_), Form::Signs) => "!".to_owned(),
+            };
+            format!("{source} {scale}{star}{flag}")
+        }
+    };
+    let mut style = if visibility == Visibility::Shown {
+        Style::new().fg(colour_of(model.palette(), source))
+    } else {
+        Style::new().fg(colour(model.palette(), Color::DarkGray))
+    };
+    if model.is_selected(source) {
+        style = style.add_modifier(Modifier::BOLD | Modifier::REVERSED);
+    }
+    Span::styled(text, style)
+}
+
+/// What a reading warns of.
+fn flag(waveform: &Waveform) -> Option<&'static str> {
+    if waveform.codes.is_empty() {
+        Some("no data")
+    } else if clipped(waveform) > 0 {
+        Some("clipped")
+    } else {
+        None
+    }
+}
+
+/// Points at the converter's ends; a spectrum has passed no converter.
+fn clipped(waveform: &Waveform) -> usize {
+    if is_spectrum(waveform) { 0 } else { waveform.clipped() }
+}
+
+/// Everything about the selected trace that there is room for.
+pub(super) fn detail(model: &Model, layout: &Layout, frame: &mut Frame) {
+    let Some(capture) = model.selected() else {
+        return;
+    };
+    let room = usize::from(layout.detail.width);
+    let mut parts: Vec<Span> = Vec::new();
+    for text in details(model, capture) {
+        parts.push(Span::raw(text));
+        if width(&parts) > room + GAP.len() {
+            parts.pop();
+        }
+    }
+    if let Some(first) = parts.first_mut() {
+        first.style = Style::new()
+            .fg(colour_of(model.palette(), capture.waveform.source))
+            .add_modifier(Modifier::BOLD);
+    }
+    frame.render_widget(Line::from(spaced(parts)), layout.detail);
+}
+
+/// What is known about a trace, the most important first.
+fn details(model: &Model, capture: &Capture) -> Vec<String> {
+    let waveform = &capture.waveform;
+    let setup = &waveform.vertical;
+    let unit = ordinate_unit(waveform);
+    let vertical = model.vertical(waveform);
+    let recorded = Vertical::recorded(waveform);
+    let points = waveform.codes.len();
+    let scale = |scale: f64| format!("{}/div", compact(scale, unit, DIGITS));
+
+    let mut texts = vec![format!("{} {}", waveform.source, scale(vertical.scale))];
+    let moved = Vertical { scale: recorded.scale, ..vertical };
+    if !moved.same_as(&recorded) {
+        let was = scale(recorded.scale);
+        texts.push(format!("*recorded {was} at {:.2}div", recorded.position));
+    } else if !vertical.same_as(&recorded) {
+        texts.push(format!("*recorded {}", scale(recorded.scale)));
+    }
+    if clipped(waveform) > 0 {
+        texts.push(format!("clipped {} of {points}", clipped(waveform)));
+    }
+    texts.push(format!("pos {:.2}div", vertical.position));
+    texts.extend(setup.coupling.map(|coupling| coupling.to_string()));
+    if setup.bandwidth_limited == Some(true) {
+        texts.push("20MHz BW".to_owned());
+    }
+    if setup.inverted == Some(true) {
+        texts.push("inverted".to_owned());
+    }
+    if !is_spectrum(waveform) {
+        texts.push(format!("probe {}X", setup.probe));
+    }
+    texts.push(format!("{points} points"));
+    if waveform.preamble.pt_fmt == PointFormat::Envelope {
+        texts.push("peak detect".to_owned());
+    }
+    if let Some(instrument) = &capture.instrument {
+        texts.push(instrument.model.clone());
+    }
+    texts.retain(|text| !text.is_empty());
+    texts
+}

@@ -1,0 +1,112 @@
+//! The line above the picture, and the line of hints below everything.
+//!
+//! What is too long for the terminal leaves out what matters least.
+
+use ratatui::Frame;
+use ratatui::style::{Color, Modifier, Style};
+use ratatui::text::{Line, Span};
+
+use super::colour;
+use super::layout::Layout;
+use super::readout::{GAP, compact, digits_for, spaced, width};
+use crate::recording::Origin;
+use crate::scope::Waveform;
+use crate::tui::axis::{Window, is_spectrum};
+use crate::tui::keys::{BINDINGS, Place};
+use crate::tui::model::Model;
+
+/// Columns that the title keeps at least while the line drops other things.
+const TITLE_WIDTH: usize = 12;
+
+/// Title, state, origin, problems, shot and position of the screen's centre.
+pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
+    let bold = Style::new().add_modifier(Modifier::BOLD);
+    let warning = bold.fg(colour(model.palette(), Color::LightRed));
+    let mut parts: Vec<Span> = Vec::new();
+    parts.push(Span::styled("Stop", bold));
+    if let Some(shot) = model.shot() {
+        parts.push(match shot.origin {
+            Origin::Simulated => Span::raw("simulated"),
+            Origin::Measured => Span::raw("measured"),
+        });
+    }
+    let problems = model.set().problems.len();
+    if problems > 0 {
+        let plural = if problems == 1 { "" } else { "s" };
+        parts.push(Span::styled(format!("{problems} problem{plural} (l)"), warning));
+    }
+    if let Some(shot) = model.shot() {
+        let place = model.shot_index() + 1;
+        let number = if usize::try_from(shot.number) == Ok(place) {
+            String::new()
+        } else {
+            format!(" (#{})", shot.number)
+        };
+        let count = model.set().shots.len();
+        parts.push(Span::styled(format!("Shot {place}/{count}{number}"), bold));
+    }
+    if let (Some(window), Some(capture)) = (model.window(), model.selected()) {
+        parts.push(Span::raw(centre(window, &capture.waveform)));
+    }
+    let area = layout.status;
+    let room = usize::from(area.width);
+    while parts.len() > 1 && width(&parts) + TITLE_WIDTH > room {
+        parts.remove(0);
+    }
+    let right = Line::from(spaced(parts)).right_aligned();
+    let left = room.saturating_sub(right.width() + GAP.len());
+    let title = Span::styled(shortened(model.title(), left), bold);
+    frame.render_widget(title, area);
+    frame.render_widget(right, area);
+}
+
+/// Where the screen's centre stands after the trigger, or in the spectrum.
+fn centre(window: Window, waveform: &Waveform) -> String {
+    let digits = digits_for(window.centre, window.scale);
+    let position = compact(window.centre, &waveform.preamble.x_unit, digits);
+    let name = if is_spectrum(waveform) { "Pos" } else { "M Pos" };
+    format!("{name}: {position}")
+}
+
+/// `text` in at most `room` columns, with an ellipsis where something is missing.
+fn shortened(text: &str, room: usize) -> String {
+    if Span::raw(text).width() <= room {
+        return text.to_owned();
+    }
+    let mut short = String::new();
+    for letter in text.chars() {
+        let longer = format!("{short}{letter}");
+        if Span::raw(&longer).width() + 1 > room {
+            break;
+        }
+        short = longer;
+    }
+    if room > 0 {
+        short.push('…');
+    }
+    short
+}
+
+/// What the last action came to, or else the most important keys.
+pub(super) fn hints(model: &Model, layout: &Layout, frame: &mut Frame) {
+    let area = layout.hints;
+    if let Some(notice) = model.notice() {
+        let style = Style::new().fg(colour(model.palette(), Color::LightRed));
+        frame.render_widget(Span::styled(notice, style), area);
+        return;
+    }
+    let room = usize::from(area.width);
+    let grey = Style::new().fg(colour(model.palette(), Color::Gray));
+    let mut parts: Vec<Span> = Vec::new();
+    for binding in BINDINGS {
+        if binding.place == Place::Panels || binding.hint.is_empty() {
+            continue;
+        }
+        let text = format!("{} {}", binding.label, binding.hint);
+        parts.push(Span::styled(text, grey));
+        if width(&parts) > room + GAP.len() {
+            parts.pop();
+        }
+    }
+    frame.render_widget(Line::from(spaced(parts)), area);
+}

@@ -1,0 +1,107 @@
+//! Events to actions.
+
+use hertzscope::tui::axis::Turn;
+use hertzscope::tui::keys::{BINDINGS, Place, key_action, mouse_action};
+use hertzscope::tui::model::{Action, Panel};
+use hertzscope::tui::view::layout::Layout;
+use ratatui::crossterm::event::{
+    KeyCode, KeyEvent, KeyEventKind, KeyModifiers, MouseEvent, MouseEventKind,
+};
+use ratatui::layout::Rect;
+
+fn press(code: KeyCode, modifiers: KeyModifiers) -> Option<Action> {
+    key_action(KeyEvent::new(code, modifiers), Panel::Scope)
+}
+
+#[test]
+fn keys_ask_for_what_their_labels_say() {
+    let none = KeyModifiers::NONE;
+    let shift = KeyModifiers::SHIFT;
+    let zoom_in = Action::TimePerDivision { turn: Turn::Down, anchor: 0.0 };
+    for (code, modifiers, action) in [
+        (KeyCode::Char('q'), none, Action::Quit),
+        (KeyCode::Char('c'), KeyModifiers::CONTROL, Action::Quit),
+        (KeyCode::Esc, none, Action::Back),
+        (KeyCode::Char('3'), none, Action::Channel(3)),
+        (KeyCode::Up, none, Action::VoltsPerDivision(Turn::Down)),
+        (KeyCode::Down, none, Action::VoltsPerDivision(Turn::Up)),
+        (KeyCode::Right, none, zoom_in),
+        (KeyCode::Up, shift, Action::Position(Turn::Up)),
+        (KeyCode::Left, shift, Action::Pan(Turn::Down)),
+        (KeyCode::Char('.'), none, Action::Shot(Turn::Up)),
+        (KeyCode::Tab, none, Action::NextTrace(Turn::Up)),
+        (KeyCode::Char('z'), none, Action::Reset),
+        (KeyCode::Char('l'), none, Action::Toggle(Panel::Log)),
+    ] {
+        assert_eq!(press(code, modifiers), Some(action), "{code:?} {modifiers:?}");
+    }
+    assert_eq!(press(KeyCode::Char('c'), none), None);
+    assert_eq!(press(KeyCode::F(1), none), None);
+}
+
+/// Some terminals report the Shift that a capital or a `?` needs, others do not.
+#[test]
+fn shift_on_a_letter_makes_no_difference() {
+    for modifiers in [KeyModifiers::NONE, KeyModifiers::SHIFT] {
+        let help = Some(Action::Toggle(Panel::Help));
+        assert_eq!(press(KeyCode::Char('?'), modifiers), help);
+        let up = Some(Action::Position(Turn::Up));
+        assert_eq!(press(KeyCode::Char('K'), modifiers), up);
+        let back = Some(Action::NextTrace(Turn::Down));
+        assert_eq!(press(KeyCode::BackTab, modifiers), back);
+    }
+}
+
+#[test]
+fn letting_go_of_a_key_does_nothing() {
+    let mut event = KeyEvent::new(KeyCode::Char('q'), KeyModifiers::NONE);
+    event.kind = KeyEventKind::Release;
+    assert_eq!(key_action(event, Panel::Scope), None);
+}
+
+#[test]
+fn in_a_panel_arrows_scroll_and_scope_keys_rest() {
+    let key = |code| key_action(KeyEvent::new(code, KeyModifiers::NONE), Panel::Log);
+    assert_eq!(key(KeyCode::Down), Some(Action::Scroll(Turn::Down)));
+    assert_eq!(key(KeyCode::Char('1')), None);
+    assert_eq!(key(KeyCode::Char('q')), Some(Action::Quit));
+}
+
+#[test]
+fn no_key_has_two_meanings_in_one_place() {
+    let keys: Vec<_> = BINDINGS
+        .iter()
+        .flat_map(|binding| binding.keys.iter().map(move |(key, _)| (binding.place, *key)))
+        .collect();
+    for (index, (place, key)) in keys.iter().enumerate() {
+        for (other_place, other_key) in &keys[index + 1..] {
+            let together = place == other_place
+                || *place == Place::Everywhere
+                || *other_place == Place::Everywhere;
+            assert!(!(together && key == other_key), "{key:?} is bound twice");
+        }
+    }
+}
+
+#[test]
+fn the_wheel_zooms_around_the_pointer() {
+    let layout = Layout::new(Rect::new(0, 0, 80, 24)).expect("room for the scope");
+    let wheel = |column, row| MouseEvent {
+        kind: MouseEventKind::ScrollUp,
+        column,
+        row,
+        modifiers: KeyModifiers::NONE,
+    };
+    let action = |column, row| mouse_action(wheel(column, row), Panel::Scope, Some(&layout));
+    // Three divisions right of the left edge, which is 2 left of the centre; half a cell is 1/14 division.
+    let Some(Action::TimePerDivision { turn, anchor }) = action(9 + 21, 10) else {
+        panic!("no zoom");
+    };
+    assert_eq!(turn, Turn::Down);
+    assert!((anchor + 2.0).abs() < 1.0 / 14.0, "{anchor}");
+    assert_eq!(action(3, 10), None, "left of the graticule");
+    assert_eq!(
+        mouse_action(wheel(3, 10), Panel::Help, Some(&layout)),
+        Some(Action::Scroll(Turn::Up))
+    );
+}
