@@ -8,15 +8,19 @@
 //! Statics is exact: every contact force is the sum of the loads above it, `N[j+1] = N[j] + load[j]`, and every
 //! overlap follows from its force in closed form.
 
+mod contact;
 pub mod effects;
 mod energy;
 pub mod hertz;
+mod impact;
 mod probe;
 mod system;
 
+pub use contact::{Contact, Law};
 pub use effects::{Effect, EffectsSpec, Gravity, LinearisedContacts, MagnetPreload};
 pub use energy::Energy;
 pub use hertz::Elasticity;
+pub use impact::StabilityLimit;
 pub use probe::{ForceProbe, ForceSegment};
 pub use system::ChainSystem;
 
@@ -108,70 +112,6 @@ pub enum ChainError {
         /// What is left (N).
         rest: f64,
     },
-}
-
-/// How a contact's force follows its overlap.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Law {
-    /// Hertz: `F = A overlap^1.5`, nothing once open.
-    Hertz,
-    /// Hertz linearised about the static state, by [`LinearisedContacts`].
-    Linearised,
-}
-
-/// One contact and its static state.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Contact {
-    /// `A` in `F = A overlap^1.5`; 0 where there is nothing to touch (N/m^1.5).
-    pub stiffness: f64,
-    /// Static force (N).
-    pub static_force: f64,
-    /// Static overlap (m).
-    pub static_overlap: f64,
-    /// How the force follows the overlap.
-    pub law: Law,
-}
-
-impl Contact {
-    /// Nothing stands here.
-    const OPEN: Self =
-        Self { stiffness: 0.0, static_force: 0.0, static_overlap: 0.0, law: Law::Hertz };
-
-    /// Stiffness against small changes of the static state (N/m).
-    #[must_use]
-    pub fn static_stiffness(&self) -> f64 {
-        hertz::tangent_stiffness(self.stiffness, self.static_overlap)
-    }
-
-    /// Change of the force when the overlap grows by `change` (m) over the static one (N).
-    #[must_use]
-    pub fn force_change(&self, change: f64) -> f64 {
-        match self.law {
-            Law::Hertz => hertz::force_change(self.stiffness, self.static_overlap.sqrt(), change),
-            Law::Linearised => self.static_stiffness() * change,
-        }
-    }
-
-    /// Stiffness against further changes (N/m).
-    #[must_use]
-    pub fn tangent_stiffness(&self, change: f64) -> f64 {
-        match self.law {
-            Law::Hertz => hertz::tangent_stiffness(self.stiffness, self.static_overlap + change),
-            Law::Linearised => self.static_stiffness(),
-        }
-    }
-
-    /// Elastic energy, that of the static overlap included (J).
-    #[must_use]
-    pub fn energy(&self, change: f64) -> f64 {
-        match self.law {
-            Law::Hertz => hertz::energy(self.stiffness, self.static_overlap + change),
-            Law::Linearised => {
-                hertz::energy(self.stiffness, self.static_overlap)
-                    + (self.static_force + 0.5 * self.static_stiffness() * change) * change
-            }
-        }
-    }
 }
 
 /// A chain in static equilibrium, the striker at rest where it first touches.
@@ -273,79 +213,6 @@ impl Chain {
         let below: f64 = self.bodies[body + 1..].iter().map(|b| b.length).sum();
         let overlaps: f64 = self.contacts[body + 1..].iter().map(|c| c.static_overlap).sum();
         half + below - overlaps
-    }
-
-    /// The overlap that bodies with these velocities (m/s) will reach: the yardstick for errors (m).
-    ///
-    /// For each moving body the larger of two closed forms: `v/omega` on its static contacts, and the two-body
-    /// collision for contacts without preload.
-    #[must_use]
-    pub fn impact_overlap(&self, velocity: &[f64]) -> f64 {
-        let mut most = 0.0_f64;
-        for (index, (body, speed)) in self.bodies.iter().zip(velocity).enumerate() {
-            if *speed == 0.0 {
-                continue;
-            }
-            for contact in &self.contacts[index..index + 2] {
-                if contact.stiffness > 0.0 {
-                    most = most.max(self.collision_overlap(contact, body.mass, *speed));
-                }
-            }
-        }
-        most
-    }
-
-    /// Dynamic overlap of one contact when a body of `mass` runs into it with `speed`.
-    fn collision_overlap(&self, contact: &Contact, mass: f64, speed: f64) -> f64 {
-        let free = hertz::collision_overlap(contact.stiffness, 0.5 * mass, speed);
-        if contact.static_overlap == 0.0 {
-            return free;
-        }
-        free.min(speed.abs() * (mass / contact.static_stiffness()).sqrt())
-    }
-}
-
-/// A step beyond which an explicit method cannot be stable.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StabilityLimit {
-    /// `2/omega` of the fastest contact (s).
-    pub step: f64,
-    /// The body above that contact.
-    pub upper: String,
-    /// The body below it, or the wall.
-    pub lower: String,
-}
-
-impl Chain {
-    /// The longest step (s) that velocity Verlet could survive: `2/omega` of the fastest single contact, its two bodies taken
-    /// alone, at its static overlap or, next to a moving body, at the overlap of the coming collision. Necessary, not
-    /// sufficient: neighbours make the chain's highest frequency up to sqrt(2) higher.
-    #[must_use]
-    pub fn stability_limit(&self, velocity: &[f64]) -> Option<StabilityLimit> {
-        let mut fastest: Option<StabilityLimit> = None;
-        for (j, contact) in self.contacts.iter().enumerate() {
-            let sides = [j.checked_sub(1), Some(j)].map(|i| i.filter(|i| *i < self.bodies.len()));
-            let [upper, lower] = sides.map(|i| i.and_then(|i| self.bodies.get(i)));
-            let inverse: f64 = [upper, lower].iter().flatten().map(|b| 1.0 / b.mass).sum();
-            let speed = |i: &usize| velocity.get(*i).copied().unwrap_or(0.0).abs();
-            let closing = sides.iter().flatten().map(speed).fold(0.0, f64::max);
-            if contact.stiffness == 0.0 {
-                continue;
-            }
-            let dynamic = hertz::collision_overlap(contact.stiffness, 1.0 / inverse, closing);
-            let overlap = contact.static_overlap.max(dynamic);
-            let omega = (hertz::tangent_stiffness(contact.stiffness, overlap) * inverse).sqrt();
-            if omega > 0.0 && fastest.as_ref().is_none_or(|f| 2.0 / omega < f.step) {
-                let name =
-                    |body: Option<&Body>| body.map_or("the wall".to_owned(), |b| b.name.clone());
-                fastest = Some(StabilityLimit {
-                    step: 2.0 / omega,
-                    upper: name(upper),
-                    lower: name(lower),
-                });
-            }
-        }
-        fastest
     }
 }
 

@@ -21,6 +21,22 @@ impl Grid {
     pub fn time(&self, index: usize) -> f64 {
         self.start + index as f64 * self.interval
     }
+
+    /// Number of samples at or before `time` (s).
+    #[must_use]
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "`as` takes negative numbers to zero, and runs have far fewer than 2^53 samples"
+    )]
+    pub fn samples_until(&self, time: f64) -> usize {
+        let mut count = ((time - self.start) / self.interval).floor() as usize;
+        // The division may be off by its rounding; the samples' own times decide.
+        while self.time(count) <= time {
+            count += 1;
+        }
+        count
+    }
 }
 
 /// One watched force.
@@ -71,7 +87,7 @@ impl<'a> Bench<'a> {
         let initial_energy = chain.energy(&state);
         let system = ChainSystem::new(chain, initial_velocities);
         // Before the first contact nothing moves: those samples are known.
-        let before = (0..).take_while(|i| grid.time(*i) <= 0.0).count();
+        let before = grid.samples_until(0.0);
         let watch = |probe: &ForceProbe| Watch {
             pulse: PulseRecorder::new(*probe),
             samples: vec![0.0; before],

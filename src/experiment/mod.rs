@@ -4,6 +4,7 @@
 //! the scope's own sample times; sensors turn it into volts; the scope conditions, triggers and digitises. Where the
 //! scope's record ends after the scene's duration, the chain simply moves on until the record is full.
 
+mod acquisition;
 pub mod bench;
 pub mod facts;
 pub mod outcome;
@@ -15,13 +16,11 @@ use rand_distr::{Distribution, StandardUniform};
 
 use crate::chain::{ForceProbe, StabilityLimit};
 use crate::integrate::{IntegrateError, Method};
-use crate::recording::{Capture, Instrument, Origin, Shot};
-use crate::scene::{Scene, Site, input_load};
-use crate::scope::acquire::{Found, digitise, find_trigger};
-use crate::scope::front_end::{condition, noise_stream};
-use crate::scope::{ChannelSetup, Source};
-use crate::sensor::Load;
-use crate::trace::Trace;
+use crate::recording::Shot;
+use crate::scene::{PlacedSensor, Scene, Site};
+use crate::scope::acquire::Found;
+use crate::scope::front_end::noise_stream;
+use acquisition::{record, trigger};
 use bench::{Bench, Grid};
 use outcome::{EnergyLedger, Reading, Summary, TriggerReport};
 
@@ -97,7 +96,8 @@ pub fn run(
     }
     let wall_s = started.elapsed().as_secs_f64();
     let shot = record(scene, &bench, grid, found, shot);
-    let summary = summarise(scene, integration, method, &bench, &shot, found, wall_s);
+    let finished = Finished { scene, integration, method, bench: &bench, found, wall_s };
+    let summary = finished.summarise(&shot);
     Ok(Outcome { summary, shot })
 }
 
@@ -137,172 +137,65 @@ fn probes(scene: &Scene) -> Vec<ForceProbe> {
     sensors.chain(wall()).collect()
 }
 
-/// The volts at each channel's probe, conditioned by the front end; `None` for channels that are off.
-fn signals(scene: &Scene, bench: &Bench<'_>, grid: Grid, shot: u32) -> Vec<Option<Vec<f64>>> {
-    let setup = &scene.scope;
-    let signal = |number: u8, channel: &ChannelSetup| {
-        let volts = volts(scene, bench, grid, channel);
-        let mut noise = noise_stream(scene.seed, shot, number);
-        condition(setup, channel, grid.interval, &volts, &mut noise)
-    };
-    (1..).zip(&setup.channels).map(|(n, c)| c.as_ref().map(|c| signal(n, c))).collect()
-}
-
-fn volts(scene: &Scene, bench: &Bench<'_>, grid: Grid, channel: &ChannelSetup) -> Vec<f64> {
-    let index = scene.sensors.iter().position(|s| Some(&s.name) == channel.input.as_ref());
-    let watched = index.and_then(|i| bench.watches().get(i).zip(scene.sensors.get(i)));
-    let Some((watch, placed)) = watched else {
-        let samples = bench.watches().first().map_or(0, |w| w.samples.len());
-        return vec![0.0; samples];
-    };
-    let load: Load = input_load(&scene.scope.model, channel);
-    let force = Trace {
-        name: placed.name.clone(),
-        unit: "N".to_owned(),
-        start: grid.start,
-        interval: grid.interval,
-        values: watch.samples.clone(),
-    };
-    placed.sensor.connect(load).respond(&force).values
-}
-
-fn trigger(scene: &Scene, bench: &Bench<'_>, grid: Grid, shot: u32) -> Option<Found> {
-    let setup = &scene.scope;
-    let Source::Channel(number) = setup.trigger.source else {
-        return None;
-    };
-    let index = usize::from(number) - 1;
-    let scale = setup.channels.get(index)?.as_ref()?.vertical.scale;
-    let signals = signals(scene, bench, grid, shot);
-    let signal = signals.get(index)?.as_ref()?;
-    let automatic = (0..).take_while(|i| grid.time(*i) < 0.0).count();
-    find_trigger(setup, scale, signal, automatic)
-}
-
-/// Captures and truth of one trigger.
-fn record(scene: &Scene, bench: &Bench<'_>, grid: Grid, found: Option<Found>, number: u32) -> Shot {
-    let setup = &scene.scope;
-    let instrument = Instrument {
-        model: setup.model.name.replace(' ', ""),
-        serial: setup.model.serial.clone(),
-        firmware: setup.model.firmware.clone(),
-    };
-    let signals = signals(scene, bench, grid, number);
-    let capture = |number: u8, channel: &ChannelSetup, signal: &[f64], found: Found| Capture {
-        waveform: digitise(setup, Source::Channel(number), channel, signal, found.index),
-        instrument: Some(instrument.clone()),
-    };
-    let channels = (1..).zip(setup.channels.iter().zip(&signals));
-    let captures = found.map_or_else(Vec::new, |found| {
-        channels
-            .filter_map(|(n, (c, s))| Some(capture(n, c.as_ref()?, s.as_ref()?, found)))
-            .collect()
-    });
-    let trigger_time = found.map(|found| grid.time(found.index));
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a time in ns, not below zero"
-    )]
-    let timestamp_ns = (trigger_time.unwrap_or(0.0).max(0.0) * 1e9).round() as u64;
-    Shot {
-        number,
-        origin: Origin::Simulated,
-        timestamp_ns,
-        captures,
-        truth: truth(scene, bench, grid),
-        trigger_time,
-    }
-}
-
-/// What no scope saw: the force at each sensor on the sample grid, and the film.
-fn truth(scene: &Scene, bench: &Bench<'_>, grid: Grid) -> Vec<Trace> {
-    let trace = |name: String, unit: &str, grid: Grid, values: Vec<f64>| Trace {
-        name,
-        unit: unit.to_owned(),
-        start: grid.start,
-        interval: grid.interval,
-        values,
-    };
-    let mut truth = Vec::new();
-    for (placed, watch) in scene.sensors.iter().zip(bench.watches()) {
-        let static_force = watch.pulse.probe().static_force();
-        let place = match placed.site {
-            Site::Particle(particle) => format!("inside particle {particle}"),
-            Site::Wall => "at the wall".to_owned(),
-        };
-        let values = watch.samples.iter().map(|force| force + static_force).collect();
-        let name = format!("sensor/{}: force {place}", placed.name);
-        truth.push(trace(name, "N", grid, values));
-    }
-    let film = bench.film();
-    for (j, forces) in film.contact_forces.iter().enumerate() {
-        if scene.chain.contacts().get(j).is_some_and(|c| c.stiffness > 0.0) {
-            let name = format!("contact/{j}: force in contact {j}");
-            truth.push(trace(name, "N", film.grid, forces.clone()));
-        }
-    }
-    for (i, track) in film.displacements.iter().enumerate() {
-        let name = format!("bead/{i}: displacement of body {i}");
-        truth.push(trace(name, "m", film.grid, track.clone()));
-    }
-    truth
-}
-
-fn summarise(
-    scene: &Scene,
+/// A run at its end, with all that its summary tells.
+struct Finished<'a> {
+    scene: &'a Scene,
     integration: Integration,
     method: Method,
-    bench: &Bench<'_>,
-    shot: &Shot,
+    bench: &'a Bench<'a>,
     found: Option<Found>,
     wall_s: f64,
-) -> Summary {
-    let watches = bench.watches();
-    let reading = |placed: &crate::scene::PlacedSensor, pulse| {
-        let particle = match placed.site {
-            Site::Particle(particle) => Some(particle),
-            Site::Wall => None,
+}
+
+impl Finished<'_> {
+    fn summarise(&self, shot: &Shot) -> Summary {
+        let Self { scene, integration, method, bench, found, wall_s } = *self;
+        let watches = bench.watches();
+        let reading = |placed: &PlacedSensor, pulse| {
+            let particle = match placed.site {
+                Site::Particle(particle) => Some(particle),
+                Site::Wall => None,
+            };
+            Reading::of(&placed.name, particle, placed.offset, pulse)
         };
-        Reading::of(&placed.name, particle, placed.offset, pulse)
-    };
-    let sensors: Vec<Reading> =
-        scene.sensors.iter().zip(watches).map(|(s, w)| reading(s, &w.pulse)).collect();
-    let wall = scene.chain.wall_contact().and_then(|_| watches.last());
-    let effects = outcome::effects(scene);
-    let (initial, last) = bench.energies();
-    let work = bench.work();
-    let (accuracy, step_s) = match integration {
-        Integration::Accuracy(accuracy) => (Some(accuracy), None),
-        Integration::FixedStep(step) => (None, Some(step)),
-    };
-    Summary {
-        scene: scene.name.clone(),
-        title: scene.title.clone(),
-        scene_hash: scene.hash.clone(),
-        seed: scene.seed,
-        method: method.name().to_owned(),
-        method_source: method.source().to_owned(),
-        accuracy,
-        step_s,
-        force_evaluations: work.force_evaluations,
-        steps: work.steps,
-        rejected_steps: work.rejected,
-        wall_s,
-        simulated_s: bench.state().time,
-        duration_s: scene.duration,
-        effect_settings: effects.iter().map(|(name, set)| format!("{name}: {set}")).collect(),
-        effects: effects.into_iter().map(|(name, _)| name).collect(),
-        energy: EnergyLedger::conservative(initial, last),
-        speeds: outcome::speeds(&scene.chain, &sensors),
-        wall: wall.map(|watch| Reading::of("wall", None, 0.0, &watch.pulse)),
-        notes: notes(&sensors, shot, found),
-        sensors: sensors.into_iter().filter(|s| s.particle.is_some()).collect(),
-        trigger: TriggerReport {
-            recorded: found.is_some(),
-            crossed: found.is_some_and(|f| f.crossed),
-            time_s: shot.trigger_time,
-        },
+        let sensors: Vec<Reading> =
+            scene.sensors.iter().zip(watches).map(|(s, w)| reading(s, &w.pulse)).collect();
+        let wall = scene.chain.wall_contact().and_then(|_| watches.last());
+        let effects = outcome::effects(scene);
+        let (initial, last) = bench.energies();
+        let work = bench.work();
+        let (accuracy, step_s) = match integration {
+            Integration::Accuracy(accuracy) => (Some(accuracy), None),
+            Integration::FixedStep(step) => (None, Some(step)),
+        };
+        Summary {
+            scene: scene.name.clone(),
+            title: scene.title.clone(),
+            scene_hash: scene.hash.clone(),
+            seed: scene.seed,
+            method: method.name().to_owned(),
+            method_source: method.source().to_owned(),
+            accuracy,
+            step_s,
+            force_evaluations: work.force_evaluations,
+            steps: work.steps,
+            rejected_steps: work.rejected,
+            wall_s,
+            simulated_s: bench.state().time,
+            duration_s: scene.duration,
+            effect_settings: effects.iter().map(|(name, set)| format!("{name}: {set}")).collect(),
+            effects: effects.into_iter().map(|(name, _)| name).collect(),
+            energy: EnergyLedger::conservative(initial, last),
+            speeds: outcome::speeds(&scene.chain, &sensors),
+            wall: wall.map(|watch| Reading::of("wall", None, 0.0, &watch.pulse)),
+            notes: notes(&sensors, shot, found),
+            sensors: sensors.into_iter().filter(|s| s.particle.is_some()).collect(),
+            trigger: TriggerReport {
+                recorded: found.is_some(),
+                crossed: found.is_some_and(|f| f.crossed),
+                time_s: shot.trigger_time,
+            },
+        }
     }
 }
 

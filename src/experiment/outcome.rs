@@ -161,7 +161,7 @@ pub fn speeds(chain: &Chain, readings: &[Reading]) -> Vec<Speed> {
                 let (Some(start), Some(end)) = (arrival(upper), arrival(lower)) else {
                     continue;
                 };
-                if from != to && end != start {
+                if from != to && (end - start).abs() > 0.0 {
                     let m_per_s = distance_m / (end - start);
                     speeds.push(Speed { from, to, distance_m, estimator, m_per_s });
                 }

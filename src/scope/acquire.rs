@@ -87,6 +87,7 @@ pub fn digitise(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
     clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
     reason = "indices stay far below 2^53"
 )]
 fn points(

@@ -21,7 +21,7 @@ pub fn noise_stream(seed: u64, shot: u32, channel: u8) -> Pcg64 {
     Pcg64::new(u128::from(seed), (u128::from(shot) << 8) | u128::from(channel))
 }
 
-/// The signal of one channel as the converter sees it (V), from the signal at its probe.
+/// The signal of one channel as the converter sees it, from the signal at its probe (V).
 #[must_use]
 pub fn condition(
     setup: &Setup,
@@ -45,7 +45,9 @@ pub fn condition(
         signal = low_pass(&signal, ratio);
     }
     if vertical.inverted == Some(true) {
-        signal.iter_mut().for_each(|v| *v = -*v);
+        for value in &mut signal {
+            *value = -*value;
+        }
     }
     if setup.noise > 0.0 {
         let rms = setup.noise * vertical.scale;
@@ -87,10 +89,9 @@ mod tests {
     fn low_pass_follows_a_ramp_exactly() {
         let (ratio, steps) = (0.25_f64, 40);
         let ramp: Vec<f64> = (0..steps).map(f64::from).collect();
-        for (n, value) in low_pass(&ramp, ratio).iter().enumerate() {
-            let t = n as f64;
+        for (t, value) in ramp.iter().zip(low_pass(&ramp, ratio)) {
             let exact = t - (1.0 - (-ratio * t).exp()) / ratio;
-            assert!((value - exact).abs() < 1e-12, "{n}: {value} {exact}");
+            assert!((value - exact).abs() < 1e-12, "{t}: {value} {exact}");
         }
     }
 

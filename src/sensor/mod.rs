@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use crate::trace::Trace;
 
-/// Permittivity of vacuum (F/m). Source: CODATA 2018.
+/// Permittivity of vacuum, CODATA 2018 (F/m).
 pub const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;
 
 /// A piezo plate with its wiring.
@@ -101,9 +101,9 @@ mod tests {
     #[test]
     fn filter_is_exact_for_piecewise_linear_force() {
         let circuit = Circuit { sensitivity: 0.4, time_constant: 1e-3 };
-        let (interval, ramp, hold) = (1e-6, 250_usize, 4000_usize);
+        let (interval, ramp, hold) = (1e-6, 250_u32, 4000_u32);
         let slope = 3.0e4;
-        let force = |i: usize| slope * interval * i.min(ramp) as f64;
+        let force = |i: u32| slope * interval * f64::from(i.min(ramp));
         let trace = Trace {
             name: "ramp".into(),
             unit: "N".into(),
@@ -114,9 +114,9 @@ mod tests {
         let voltage = circuit.respond(&trace);
         let rising = |t: f64| 0.4 * slope * 1e-3 * -(-t / 1e-3).exp_m1();
         for i in 0..=hold {
-            let (t, top) = (trace.time(i), trace.time(ramp));
+            let (t, top) = (interval * f64::from(i), interval * f64::from(ramp));
             let exact = if i <= ramp { rising(t) } else { rising(top) * (-(t - top) / 1e-3).exp() };
-            assert!((voltage.values[i] - exact).abs() < 1e-12 * rising(top), "sample {i}");
+            assert!((voltage.values[i as usize] - exact).abs() < 1e-12 * rising(top), "sample {i}");
         }
     }
 

@@ -1,9 +1,17 @@
 //! One binary for all integration tests.
+#![allow(
+    clippy::expect_used,
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test that cannot go on has failed"
+)]
+#![allow(clippy::unreadable_literal, reason = "digits as references print them")]
 #![allow(clippy::float_cmp, reason = "exact values are exact")]
 #![allow(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
-    reason = "small counts in tests"
+    clippy::cast_sign_loss,
+    reason = "small counts"
 )]
 
 mod architecture;

@@ -151,7 +151,8 @@ impl Integrator for DormandPrince853<'_> {
         let mut after_rejection = false;
         loop {
             let left = end - start;
-            let next = if self.step >= left { end } else { start + self.step };
+            let cut_short = self.step >= left;
+            let next = if cut_short { end } else { start + self.step };
             // The step that is taken is the one that the clock shows, rounding included.
             let h = next - start;
             if h <= f64::EPSILON * start.abs() || h < f64::MIN_POSITIVE {
@@ -174,7 +175,7 @@ impl Integrator for DormandPrince853<'_> {
                 self.accept(h, next);
                 let growth = if after_rejection { change.min(1.0) } else { change };
                 // A step cut short by `end` says nothing about the next.
-                self.step = if next == end { self.step.max(h * growth) } else { h * growth };
+                self.step = if cut_short { self.step.max(h * growth) } else { h * growth };
                 return Ok(());
             }
             after_rejection = true;

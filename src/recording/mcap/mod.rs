@@ -1,11 +1,13 @@
-//! The recording format: MCAP with protobuf, which Foxglove, PlotJuggler, Rerun and Python read without plug-ins.
+//! The recording format: MCAP with protobuf, which Foxglove, `PlotJuggler`, Rerun and Python read without plug-ins.
 //!
 //! Topics: `/scope/ch<n>` one [`message::Capture`] a trigger, `/scope/setup`, `/truth/...` of a simulation, `/energy`, `/log`;
 //! metadata `hertzscope:recording`, `hertzscope:scope`, `hertzscope:sensor/<n>`; the scene as an attachment.
 
 mod container;
+mod decode;
 pub mod message;
 mod read;
+mod schema;
 mod write;
 
 pub use read::{ReadError, read, read_bytes};

@@ -9,7 +9,8 @@ use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment as McapAttachment, Compression, WriteOptions, Writer};
 use prost::Message as _;
 
-use super::message::{self, Schema, timestamp};
+use super::message::{self, timestamp};
+use super::schema::Schema;
 use crate::recording::{Attachment, Capture, Origin, Shot, TraceSet};
 use crate::trace::Trace;
 
@@ -182,13 +183,13 @@ impl RecordingWriter {
         if let Some(id) = self.channels.get(topic) {
             return Ok(*id);
         }
-        let schema_id = match self.schemas.get(&schema) {
-            Some(id) => *id,
-            None => {
-                let id = self.writer.add_schema(schema.name(), "protobuf", &schema.descriptor())?;
-                self.schemas.insert(schema, id);
-                id
-            }
+        let known = self.schemas.get(&schema).copied();
+        let schema_id = if let Some(id) = known {
+            id
+        } else {
+            let id = self.writer.add_schema(schema.name(), "protobuf", &schema.descriptor())?;
+            self.schemas.insert(schema, id);
+            id
         };
         let id = self.writer.add_channel(schema_id, topic, "protobuf", &BTreeMap::new())?;
         self.channels.insert(topic.to_owned(), id);

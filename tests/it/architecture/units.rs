@@ -163,7 +163,8 @@ fn doc_text(attributes: &[Attribute]) -> String {
             && let Expr::Lit(literal) = &pair.value
             && let Lit::Str(line) = &literal.lit
         {
-            for part in line.value().lines() {
+            // Not `lines`: an empty line is a paragraph's end and must stay.
+            for part in line.value().split('\n') {
                 text.push_str(part.trim());
                 text.push('\n');
             }

@@ -1,0 +1,67 @@
+//! One contact: its static state, and how its force follows its overlap.
+
+use super::hertz;
+
+/// How a contact's force follows its overlap.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Law {
+    /// Hertz: `F = A overlap^1.5`, nothing once open.
+    Hertz,
+    /// Hertz linearised about the static state, by [`LinearisedContacts`].
+    Linearised,
+}
+
+/// One contact and its static state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// `A` in `F = A overlap^1.5`; 0 where there is nothing to touch (N/m^1.5).
+    pub stiffness: f64,
+    /// Static force (N).
+    pub static_force: f64,
+    /// Static overlap (m).
+    pub static_overlap: f64,
+    /// How the force follows the overlap.
+    pub law: Law,
+}
+
+impl Contact {
+    /// Nothing stands here.
+    pub(super) const OPEN: Self =
+        Self { stiffness: 0.0, static_force: 0.0, static_overlap: 0.0, law: Law::Hertz };
+
+    /// Stiffness against small changes of the static state (N/m).
+    #[must_use]
+    pub fn static_stiffness(&self) -> f64 {
+        hertz::tangent_stiffness(self.stiffness, self.static_overlap)
+    }
+
+    /// Change of the force when the overlap grows by `change` (m) over the static one (N).
+    #[must_use]
+    pub fn force_change(&self, change: f64) -> f64 {
+        match self.law {
+            Law::Hertz => hertz::force_change(self.stiffness, self.static_overlap.sqrt(), change),
+            Law::Linearised => self.static_stiffness() * change,
+        }
+    }
+
+    /// Stiffness against further changes (N/m).
+    #[must_use]
+    pub fn tangent_stiffness(&self, change: f64) -> f64 {
+        match self.law {
+            Law::Hertz => hertz::tangent_stiffness(self.stiffness, self.static_overlap + change),
+            Law::Linearised => self.static_stiffness(),
+        }
+    }
+
+    /// Elastic energy, that of the static overlap included (J).
+    #[must_use]
+    pub fn energy(&self, change: f64) -> f64 {
+        match self.law {
+            Law::Hertz => hertz::energy(self.stiffness, self.static_overlap + change),
+            Law::Linearised => {
+                hertz::energy(self.stiffness, self.static_overlap)
+                    + (self.static_force + 0.5 * self.static_stiffness() * change) * change
+            }
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! From the forces that were watched to what the scope keeps, and the truth behind it.
+
+use super::bench::{Bench, Grid};
+use crate::recording::{Capture, Instrument, Origin, Shot};
+use crate::scene::{Scene, Site, input_load};
+use crate::scope::acquire::{Found, digitise, find_trigger};
+use crate::scope::front_end::{condition, noise_stream};
+use crate::scope::{ChannelSetup, Source};
+use crate::sensor::Load;
+use crate::trace::Trace;
+
+/// The volts at each channel's probe, conditioned by the front end; `None` for channels that are off.
+fn signals(scene: &Scene, bench: &Bench<'_>, grid: Grid, shot: u32) -> Vec<Option<Vec<f64>>> {
+    let setup = &scene.scope;
+    let signal = |number: u8, channel: &ChannelSetup| {
+        let volts = volts(scene, bench, grid, channel);
+        let mut noise = noise_stream(scene.seed, shot, number);
+        condition(setup, channel, grid.interval, &volts, &mut noise)
+    };
+    (1..).zip(&setup.channels).map(|(n, c)| c.as_ref().map(|c| signal(n, c))).collect()
+}
+
+fn volts(scene: &Scene, bench: &Bench<'_>, grid: Grid, channel: &ChannelSetup) -> Vec<f64> {
+    let index = scene.sensors.iter().position(|s| Some(&s.name) == channel.input.as_ref());
+    let watched = index.and_then(|i| bench.watches().get(i).zip(scene.sensors.get(i)));
+    let Some((watch, placed)) = watched else {
+        let samples = bench.watches().first().map_or(0, |w| w.samples.len());
+        return vec![0.0; samples];
+    };
+    let load: Load = input_load(&scene.scope.model, channel);
+    let force = Trace {
+        name: placed.name.clone(),
+        unit: "N".to_owned(),
+        start: grid.start,
+        interval: grid.interval,
+        values: watch.samples.clone(),
+    };
+    placed.sensor.connect(load).respond(&force).values
+}
+
+pub fn trigger(scene: &Scene, bench: &Bench<'_>, grid: Grid, shot: u32) -> Option<Found> {
+    let setup = &scene.scope;
+    let Source::Channel(number) = setup.trigger.source else {
+        return None;
+    };
+    let index = usize::from(number) - 1;
+    let scale = setup.channels.get(index)?.as_ref()?.vertical.scale;
+    let signals = signals(scene, bench, grid, shot);
+    let signal = signals.get(index)?.as_ref()?;
+    let automatic = grid.samples_until(0.0);
+    find_trigger(setup, scale, signal, automatic)
+}
+
+/// Captures and truth of one trigger.
+pub fn record(
+    scene: &Scene,
+    bench: &Bench<'_>,
+    grid: Grid,
+    found: Option<Found>,
+    number: u32,
+) -> Shot {
+    let setup = &scene.scope;
+    let instrument = Instrument {
+        model: setup.model.name.replace(' ', ""),
+        serial: setup.model.serial.clone(),
+        firmware: setup.model.firmware.clone(),
+    };
+    let signals = signals(scene, bench, grid, number);
+    let capture = |number: u8, channel: &ChannelSetup, signal: &[f64], found: Found| Capture {
+        waveform: digitise(setup, Source::Channel(number), channel, signal, found.index),
+        instrument: Some(instrument.clone()),
+    };
+    let channels = (1..).zip(setup.channels.iter().zip(&signals));
+    let captures = found.map_or_else(Vec::new, |found| {
+        channels
+            .filter_map(|(n, (c, s))| Some(capture(n, c.as_ref()?, s.as_ref()?, found)))
+            .collect()
+    });
+    let trigger_time = found.map(|found| grid.time(found.index));
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a time in ns, not below zero"
+    )]
+    let timestamp_ns = (trigger_time.unwrap_or(0.0).max(0.0) * 1e9).round() as u64;
+    Shot {
+        number,
+        origin: Origin::Simulated,
+        timestamp_ns,
+        captures,
+        truth: truth(scene, bench, grid),
+        trigger_time,
+    }
+}
+
+/// What no scope saw: the force at each sensor on the sample grid, and the film.
+fn truth(scene: &Scene, bench: &Bench<'_>, grid: Grid) -> Vec<Trace> {
+    let trace = |name: String, unit: &str, grid: Grid, values: Vec<f64>| Trace {
+        name,
+        unit: unit.to_owned(),
+        start: grid.start,
+        interval: grid.interval,
+        values,
+    };
+    let mut truth = Vec::new();
+    for (placed, watch) in scene.sensors.iter().zip(bench.watches()) {
+        let static_force = watch.pulse.probe().static_force();
+        let place = match placed.site {
+            Site::Particle(particle) => format!("inside particle {particle}"),
+            Site::Wall => "at the wall".to_owned(),
+        };
+        let values = watch.samples.iter().map(|force| force + static_force).collect();
+        let name = format!("sensor/{}: force {place}", placed.name);
+        truth.push(trace(name, "N", grid, values));
+    }
+    let film = bench.film();
+    for (j, forces) in film.contact_forces.iter().enumerate() {
+        if scene.chain.contacts().get(j).is_some_and(|c| c.stiffness > 0.0) {
+            let name = format!("contact/{j}: force in contact {j}");
+            truth.push(trace(name, "N", film.grid, forces.clone()));
+        }
+    }
+    for (i, track) in film.displacements.iter().enumerate() {
+        let name = format!("bead/{i}: displacement of body {i}");
+        truth.push(trace(name, "m", film.grid, track.clone()));
+    }
+    truth
+}
