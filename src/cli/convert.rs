@@ -7,14 +7,16 @@ use clap::Args;
 
 use crate::recording::format::open;
 use crate::recording::{Shot, TraceSet, mcap, tek_csv};
+use crate::report;
 use crate::scope::Source;
 
-/// Convert between recordings (.mcap) and TDS2000 files (.csv, or folders ALL0000 with one file a channel)
+/// Convert between recordings (.mcap) and TDS2000 files (.csv, or folders ALL0000 with one file a channel), or draw (.svg)
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// A recording (.mcap), a TDS2000 file (.csv), or a folder of them
     input: PathBuf,
-    /// A recording (.mcap), one file (.csv) for a single capture, or a folder in which ALL0000, ALL0001, ... are made
+    /// A recording (.mcap), one file (.csv) for a single capture, a picture of the first shot (.svg), or a folder in which
+    /// ALL0000, ALL0001, ... are made
     output: PathBuf,
     /// Do not name the files written
     #[arg(short, long)]
@@ -34,9 +36,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             vec![output.clone()]
         }
         Some("csv") => csv_file(&set, output)?,
+        Some("svg") => picture(&set, output)?,
         None => folders(&set, output)?,
         Some(other) => bail!(
-            "{}: found the ending .{other}, expected .mcap, .csv, or a folder",
+            "{}: found the ending .{other}, expected .mcap, .csv, .svg, or a folder",
             output.display()
         ),
     };
@@ -46,6 +49,18 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         }
     }
     Ok(())
+}
+
+/// The screen at the first shot that has captures.
+fn picture(set: &TraceSet, file: &Path) -> anyhow::Result<Vec<PathBuf>> {
+    let Some(shot) = set.shots.iter().find(|shot| !shot.captures.is_empty()) else {
+        bail!("found no capture, expected at least one: the scope was not triggered");
+    };
+    let facts = set.metadata.get("hertzscope:recording");
+    let title = facts.and_then(|facts| facts.get("title")).map_or("", String::as_str);
+    let svg = report::screen(shot, title);
+    std::fs::write(file, svg).with_context(|| file.display().to_string())?;
+    Ok(vec![file.to_owned()])
 }
 
 /// A single capture goes into the file itself, several into folders beside each other in one of the file's name.

@@ -38,17 +38,19 @@ fn volts(scene: &Scene, bench: &Bench<'_>, grid: Grid, channel: &ChannelSetup) -
     placed.sensor.connect(load).respond(&force).values
 }
 
+/// Vertical scale of the channel that triggers (V/div).
+pub fn trigger_scale(scene: &Scene) -> Option<f64> {
+    let Source::Channel(number) = scene.scope.trigger.source else { return None };
+    Some(scene.scope.channels.get(usize::from(number) - 1)?.as_ref()?.vertical.scale)
+}
+
+/// Where the scope triggers.
 pub fn trigger(scene: &Scene, bench: &Bench<'_>, grid: Grid, shot: u32) -> Option<Found> {
-    let setup = &scene.scope;
-    let Source::Channel(number) = setup.trigger.source else {
-        return None;
-    };
-    let index = usize::from(number) - 1;
-    let scale = setup.channels.get(index)?.as_ref()?.vertical.scale;
+    let scale = trigger_scale(scene)?;
+    let Source::Channel(number) = scene.scope.trigger.source else { return None };
     let signals = signals(scene, bench, grid, shot);
-    let signal = signals.get(index)?.as_ref()?;
-    let automatic = grid.samples_until(0.0);
-    find_trigger(setup, scale, signal, automatic)
+    let signal = signals.get(usize::from(number) - 1)?.as_ref()?;
+    find_trigger(&scene.scope, scale, signal, grid.samples_until(0.0))
 }
 
 /// Captures and truth of one trigger.

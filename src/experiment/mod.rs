@@ -16,11 +16,12 @@ use rand_distr::{Distribution, StandardUniform};
 
 use crate::chain::{ForceProbe, StabilityLimit};
 use crate::integrate::{IntegrateError, Method};
+use crate::quantity::engineering;
 use crate::recording::Shot;
 use crate::scene::{PlacedSensor, Scene, Site};
 use crate::scope::acquire::Found;
 use crate::scope::front_end::noise_stream;
-use acquisition::{record, trigger};
+use acquisition::{record, trigger, trigger_scale};
 use bench::{Bench, Grid};
 use outcome::{EnergyLedger, Reading, Summary, TriggerReport};
 
@@ -188,7 +189,7 @@ impl Finished<'_> {
             energy: EnergyLedger::conservative(initial, last),
             speeds: outcome::speeds(&scene.chain, &sensors),
             wall: wall.map(|watch| Reading::of("wall", None, 0.0, &watch.pulse)),
-            notes: notes(&sensors, shot, found),
+            notes: notes(scene, &sensors, shot, found),
             sensors: sensors.into_iter().filter(|s| s.particle.is_some()).collect(),
             trigger: TriggerReport {
                 recorded: found.is_some(),
@@ -200,8 +201,15 @@ impl Finished<'_> {
 }
 
 /// What a user would otherwise find out late.
-fn notes(sensors: &[Reading], shot: &Shot, found: Option<Found>) -> Vec<String> {
+fn notes(scene: &Scene, sensors: &[Reading], shot: &Shot, found: Option<Found>) -> Vec<String> {
     let mut notes = Vec::new();
+    if let Some(scale) = trigger_scale(scene) {
+        let (level, deaf) =
+            (scene.scope.trigger.level, scene.scope.model.trigger_hysteresis * scale);
+        if level.abs() < deaf {
+            notes.push(format!("the trigger level {} is within the trigger's hysteresis of {} around zero: a pulse from rest may not trigger", engineering(level, "V", 3), engineering(deaf, "V", 3)));
+        }
+    }
     match found {
         None => notes.push(
             "the scope was not triggered: its level was never crossed, so there are no captures"
