@@ -216,3 +216,33 @@ fn linear_chain_states_meet_the_golden() {
         }
     }
 }
+
+/// Every shipped scene at three accuracies against the tightest one, which the tests above hold to other people's numbers.
+#[test]
+fn accuracy_asked_for_is_kept_in_every_shipped_scene() {
+    for scene in Scene::names() {
+        let reference = simulate(scene, 1e-11);
+        for accuracy in [1e-3, 1e-6, 1e-9] {
+            let found = simulate(scene, accuracy);
+            let readings = |summary: &Summary| -> Vec<Reading> {
+                summary.sensors.iter().chain(&summary.wall).cloned().collect()
+            };
+            for (found, exact) in readings(&found).iter().zip(readings(&reference)) {
+                let (Some(peak), Some(true_peak)) = (found.first_peak, exact.first_peak) else {
+                    assert_eq!(found.first_peak, exact.first_peak);
+                    continue;
+                };
+                let off = [
+                    peak.total_n / true_peak.total_n,
+                    peak.dynamic_n / true_peak.dynamic_n,
+                    peak.time_s / true_peak.time_s,
+                    found.half_rise_s.expect("half-rise") / exact.half_rise_s.expect("half-rise"),
+                    found.ten_percent_s.expect("foot") / exact.ten_percent_s.expect("foot"),
+                ]
+                .map(|ratio| (ratio - 1.0).abs());
+                let name = &found.name;
+                assert!(off.iter().all(|d| *d <= accuracy), "{scene} {name} {accuracy:e}: {off:?}");
+            }
+        }
+    }
+}

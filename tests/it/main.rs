@@ -20,6 +20,7 @@ mod conservation;
 mod golden;
 mod order;
 mod physics;
+mod readme;
 mod tek_csv;
 #[cfg(feature = "tui")]
 mod tui;

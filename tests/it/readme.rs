@@ -1,0 +1,42 @@
+//! What the README shows is what the program prints and takes.
+
+use std::path::Path;
+
+use hertzscope::experiment::{Integration, run};
+use hertzscope::report;
+use hertzscope::scene::Scene;
+
+/// The fenced blocks of one language.
+fn blocks(language: &str) -> Vec<String> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
+    let text = std::fs::read_to_string(path).expect("the README");
+    let mut parts = text.split("```").skip(1).step_by(2);
+    let blocks: Vec<String> =
+        parts.by_ref().filter_map(|b| Some(b.strip_prefix(language)?.to_owned())).collect();
+    assert!(!blocks.is_empty(), "a block of {language}");
+    blocks
+}
+
+#[test]
+fn the_summary_shown_is_printed() {
+    let scene = Scene::load("magnet-0.61g").expect("the default scene");
+    let integration = Integration::Accuracy(scene.accuracy);
+    let outcome = run(&scene, integration, 1, &mut |_| ()).expect("a run");
+    let printed = report::summary(&outcome.summary);
+    for block in blocks("text") {
+        assert!(printed.contains(block.trim()), "the README shows\n{block}\nprinted is\n{printed}");
+    }
+}
+
+#[test]
+fn the_scenes_shown_are_scenes() {
+    for (number, block) in blocks("toml").iter().enumerate() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join(format!("scene-{number}.toml"));
+        std::fs::write(&file, block).expect("a scene file");
+        let scene = Scene::load(&file.display().to_string()).expect("a scene without problems");
+        let integration = Integration::Accuracy(1e-3);
+        let outcome = run(&scene, integration, 1, &mut |_| ()).expect("a run");
+        assert!(outcome.summary.notes.is_empty(), "{:?}", outcome.summary.notes);
+    }
+}
