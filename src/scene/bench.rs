@@ -311,6 +311,7 @@ fn model(table: &Table<'_>) -> Option<Model> {
         name: table.text("name")?.to_owned(),
         serial: table.text("serial")?.to_owned(),
         firmware: table.text("firmware")?.to_owned(),
+        interface: table.text("interface")?.to_owned(),
         channels,
         bandwidth: table.required("bandwidth", Dimension::FREQUENCY, positive)?,
         limited_bandwidth: table.required("limited_bandwidth", Dimension::FREQUENCY, positive)?,
@@ -336,6 +337,12 @@ fn model(table: &Table<'_>) -> Option<Model> {
             Dimension::DIVISION,
             Bound::NotNegative,
         )?,
+        external_trigger_range: table.required(
+            "external_trigger_range",
+            Dimension::VOLTAGE,
+            positive,
+        )?,
+        event_queue: usize::try_from(table.count("event_queue", 2, 1000)?).ok()?,
     })
 }
 
