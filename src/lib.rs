@@ -13,6 +13,7 @@ pub mod recording;
 pub mod report;
 pub mod scene;
 pub mod scope;
+pub mod scpi;
 pub mod sensor;
 pub mod trace;
 #[cfg(feature = "tui")]

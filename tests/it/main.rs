@@ -21,6 +21,7 @@ mod golden;
 mod order;
 mod physics;
 mod readme;
+mod scpi;
 mod tek_csv;
 #[cfg(feature = "tui")]
 mod tui;
