@@ -8,6 +8,7 @@ mod acquisition;
 pub mod bench;
 pub mod facts;
 pub mod outcome;
+pub mod paper;
 pub mod pulse;
 
 use std::time::Instant;
@@ -187,6 +188,10 @@ impl Finished<'_> {
             effect_settings: effects.iter().map(|(name, set)| format!("{name}: {set}")).collect(),
             effects: effects.into_iter().map(|(name, _)| name).collect(),
             energy: EnergyLedger::conservative(initial, last),
+            paper: paper::speeds()
+                .unwrap_or_default()
+                .into_iter()
+                .find(|row| row.scene == scene.name),
             speeds: outcome::speeds(&scene.chain, &sensors),
             wall: wall.map(|watch| Reading::of("wall", None, 0.0, &watch.pulse)),
             notes: notes(scene, &sensors, shot, found),
