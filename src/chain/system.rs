@@ -1,7 +1,7 @@
 //! The chain as a system to integrate: a plan of plain arrays, made once before the first step.
 
 use super::{Chain, Law, hertz};
-use crate::integrate::{Scales, System};
+use crate::integrate::{Scales, State, System};
 
 /// Contacts and masses laid out for the force loop. Bodies feel only changes against the static state, so constant
 /// loads have vanished from it but for what statics leaves over, the striker's weight.
@@ -86,6 +86,30 @@ impl System for ChainSystem {
         {
             *a = (above - below) * inverse_mass + residual;
         }
+    }
+
+    fn jerks(&mut self, state: &State, jerk: &mut [f64]) -> bool {
+        let rest = 0.0;
+        let ghosted = |values: &[f64]| -> Vec<f64> {
+            std::iter::once(rest).chain(values.iter().copied()).chain([rest]).collect()
+        };
+        let (position, velocity) = (ghosted(&state.position), ghosted(&state.velocity));
+        for (j, rate) in self.force_change.iter_mut().enumerate() {
+            let closing = velocity[j] - velocity[j + 1];
+            let overlap = self.static_overlap[j] + position[j] - position[j + 1];
+            *rate = closing
+                * match self.law {
+                    Law::Hertz => hertz::tangent_stiffness(self.stiffness[j], overlap),
+                    Law::Linearised => self.stiffness[j],
+                };
+        }
+        let rates = self.force_change.iter().zip(&self.force_change[1..]);
+        for (jerk, ((above, below), inverse_mass)) in
+            jerk.iter_mut().zip(rates.zip(&self.inverse_mass))
+        {
+            *jerk = (above - below) * inverse_mass;
+        }
+        true
     }
 
     fn scales(&self, position: &[f64], velocity: &[f64]) -> Scales {

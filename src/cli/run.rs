@@ -7,6 +7,7 @@ use clap::{Args, ValueEnum};
 
 use super::progress::Progress;
 use crate::experiment::{self, Integration, facts};
+use crate::integrate::Method;
 use crate::quantity::{Dimension, parse};
 use crate::recording::mcap::RecordingWriter;
 use crate::report;
@@ -46,6 +47,20 @@ pub struct Arguments {
 enum ByHand {
     /// Order 2, symplectic
     VelocityVerlet,
+    /// Order 4, symplectic
+    Pefrl,
+    /// Order 6, symplectic
+    BlanesMoan,
+}
+
+impl ByHand {
+    fn with(self, step: f64) -> Method {
+        match self {
+            Self::VelocityVerlet => Method::VelocityVerlet { step },
+            Self::Pefrl => Method::Pefrl { step },
+            Self::BlanesMoan => Method::BlanesMoan { step },
+        }
+    }
 }
 
 fn accuracy(text: &str) -> Result<f64, String> {
@@ -70,7 +85,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut scene = Scene::load(&arguments.scene)?;
     scene.seed = arguments.seed.unwrap_or(scene.seed);
     let integration = match (arguments.method, arguments.step) {
-        (Some(ByHand::VelocityVerlet), Some(step)) => Integration::FixedStep(step),
+        (Some(method), Some(step)) => Integration::Method(method.with(step)),
         _ => Integration::Accuracy(arguments.accuracy.unwrap_or(scene.accuracy)),
     };
     let known = facts::facts(&scene, integration)?;

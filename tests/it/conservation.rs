@@ -16,9 +16,12 @@ fn drift(bench: &Bench<'_>) -> f64 {
 fn momentum_is_conserved() {
     let particles: Vec<_> = (0..10).flat_map(|_| [ptfe_sphere(), steel_cylinder()]).collect();
     let chain = Chain::new(&pressed(particles, 0.0, false)).expect("a chain");
-    for method in
-        [Method::DormandPrince853 { tolerance: 1e-8 }, Method::VelocityVerlet { step: 1e-6 }]
-    {
+    for method in [
+        Method::DormandPrince853 { tolerance: 1e-8 },
+        Method::DormandElMikkawyPrince86 { tolerance: 1e-8 },
+        Method::VelocityVerlet { step: 1e-6 },
+        Method::BlanesMoan { step: 5e-6 },
+    ] {
         let mut bench = kicked(&chain, 0, 0.44, method, &[], NEVER);
         let before = chain.momentum(bench.state());
         bench.run_until(2e-3, false, &mut |_| ()).expect("a run");
