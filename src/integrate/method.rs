@@ -109,6 +109,26 @@ impl Method {
         }
     }
 
+    /// The tolerated error of a step; none for fixed steps (1).
+    #[must_use]
+    pub fn tolerance(&self) -> Option<f64> {
+        match self.kind() {
+            Kind::Splitting(..) => None,
+            Kind::Nystrom(_, tolerance) | Kind::DormandPrince853(tolerance) => Some(tolerance),
+        }
+    }
+
+    /// Force evaluations of one step.
+    #[must_use]
+    pub fn stages(&self) -> u8 {
+        let count = match self.kind() {
+            Kind::Splitting(method, _) => method.drifts.len(),
+            Kind::Nystrom(pair, _) => pair.nodes.len() - 1,
+            Kind::DormandPrince853(_) => 12,
+        };
+        u8::try_from(count).unwrap_or(u8::MAX)
+    }
+
     /// Starts the method on `system` at `state`.
     #[must_use]
     pub fn start<'a>(
