@@ -40,6 +40,14 @@ pub enum SceneError {
         /// What the system says.
         source: std::io::Error,
     },
+    /// The file is no scene: nobody types that much.
+    #[error("{file}: found more than {limit} bytes, expected a scene")]
+    TooLarge {
+        /// The file.
+        file: String,
+        /// Most bytes that are read.
+        limit: u64,
+    },
     /// Neither an embedded scene nor a file.
     #[error("found `{name}`, which is neither a file nor one of the scenes shipped, expected one of: {}", shipped.join(", "))]
     Unknown {

@@ -217,6 +217,15 @@ impl<'a> Table<'a> {
         }
     }
 
+    /// A whole number that must be there.
+    pub fn required_count(&self, key: &'static str, least: u64, most: u64) -> Option<u64> {
+        if self.missing(key, &format!("a whole number from {least} to {most}")) {
+            self.asked.borrow_mut().insert(key);
+            return None;
+        }
+        self.count(key, least, most)
+    }
+
     /// Text.
     pub fn text(&self, key: &'static str) -> Option<&'a str> {
         let node = self.node(key)?;
@@ -295,6 +304,13 @@ impl<'a> Table<'a> {
         let path = |index: usize| format!("{}[{}]", self.path_of(key), index + 1);
         let tables = items.iter().enumerate();
         tables.filter_map(|(i, item)| Table::of(item, &path(i), self.problems)).collect()
+    }
+
+    /// Whether `key` is there and an empty list.
+    #[must_use]
+    pub fn is_empty_list(&self, key: &str) -> bool {
+        let node = self.entries.get(key).map(|entry| &entry.node.value);
+        matches!(node, Some(Value::List(items)) if items.is_empty())
     }
 
     /// A list of texts, each with its place.
