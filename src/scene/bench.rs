@@ -96,7 +96,7 @@ fn site(table: &Table<'_>, hosts: &Hosts<'_>) -> Option<Site> {
     let last = hosts.kinds.len();
     let host = table.text("host");
     if wall {
-        if table.has("particle") || table.has("offset") {
+        if table.node("particle").is_some() || table.has("offset") {
             table.problem(
                 "wall",
                 "both `wall` and `particle` or `offset`",

@@ -68,6 +68,11 @@ fn body(table: &Table<'_>, name: &str, materials: &Materials<'_>, shaped: bool) 
     let read = if shaped { Table::required } else { Table::quantity };
     let diameter = read(table, "diameter", Dimension::LENGTH, Bound::Positive);
     let height = table.quantity("height", Dimension::LENGTH, Bound::Positive);
+    // Without its shape, a body would look flat or round where it is neither.
+    let unread = |key, value: Option<f64>| value.is_none() && table.has(key);
+    if unread("diameter", diameter) || unread("height", height) || (shaped && diameter.is_none()) {
+        return None;
+    }
     let (length, curvature) = match (diameter, height) {
         (_, Some(height)) => (height, 0.0),
         (Some(diameter), None) => (diameter, 2.0 / diameter),
@@ -108,7 +113,11 @@ pub fn last_particle(particles: usize) -> u64 {
 }
 
 /// Reads `[particles.<kind>]` and `[chain]` with its segments.
-pub fn particles(root: &Table<'_>, chain: &Table<'_>, materials: &Materials<'_>) -> Particles {
+pub fn particles(
+    root: &Table<'_>,
+    chain: Option<&Table<'_>>,
+    materials: &Materials<'_>,
+) -> Particles {
     let mut kinds = BTreeMap::new();
     for (name, table) in root.tables("particles") {
         kinds.insert(name, body(&table, name, materials, true));
@@ -116,6 +125,7 @@ pub fn particles(root: &Table<'_>, chain: &Table<'_>, materials: &Materials<'_>)
     }
     let mut particles = Particles { bodies: Vec::new(), kinds: Vec::new() };
     let mut complete = true;
+    let Some(chain) = chain else { return particles };
     for segment in chain.list("segments") {
         let repeat = segment.count("repeat", 1, MOST_PARTICLES as u64);
         let names = segment.texts("particles");

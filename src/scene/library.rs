@@ -22,6 +22,10 @@ const LARGEST_TEXT: u64 = 16 * 1024 * 1024;
 const MODELS: [(&str, &str); 3] =
     [("striker", "strikers"), ("scope", ""), ("magnet_preload", "magnets")];
 
+/// Keys that name a file of constants, and the folder it lies in.
+const CONSTANTS: [(&str, &str); 3] =
+    [("material", "materials"), ("wall", "materials"), ("ceramic", "piezoceramics")];
+
 /// Where a file was found.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Origin {
@@ -56,6 +60,7 @@ pub fn load(name: &str) -> Result<Loaded, SceneError> {
     let short = if origin == Origin::Embedded { name } else { stem };
     let mut library = Library { texts: Sha256::new(), problems: Vec::new() };
     let root = library.assemble(&text, &file, &origin, 0)?;
+    library.hash_constants(&root);
     let hash = library.texts.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
     Ok(Loaded { name: short.to_owned(), text, hash, root, problems: library.problems })
 }
@@ -117,6 +122,23 @@ impl Library {
         // Models go in before merging, so that naming another model replaces all the first one said.
         self.insert_models(&mut root);
         Ok(root.over(below))
+    }
+
+    /// Adds the files of materials and ceramics to the hash. They are looked up again where their numbers are read.
+    fn hash_constants(&mut self, node: &Node) {
+        let items: Vec<&Node> = match &node.value {
+            Value::Table(table) => table.values().map(|entry| &entry.node).collect(),
+            Value::List(items) => items.iter().collect(),
+            _ => return,
+        };
+        for (key, kind) in CONSTANTS {
+            let Some((name, place)) = node.text(key) else { continue };
+            // What cannot be read is told by whoever needs its numbers.
+            if let Ok(file) = instrument(kind, name, place, key) {
+                self.texts.update(file.place.text().as_bytes());
+            }
+        }
+        items.into_iter().for_each(|item| self.hash_constants(item));
     }
 
     /// Puts each table that names an instrument file on top of that file.

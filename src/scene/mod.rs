@@ -129,21 +129,14 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
     if !root.has("chain") {
         root.problem("chain", "no such table", "[chain] with top, bottom and segments");
     }
-    let Some(table) = root.table("chain") else {
-        let velocities = bodies::initial_velocities(root, striker.as_ref(), 0);
-        return Moving {
-            kinds: Vec::new(),
-            wall: false,
-            noise: 0.0,
-            initial_velocities: velocities,
-            built: None,
-        };
-    };
-    let particles = bodies::particles(root, &table, &materials);
+    let table = root.table("chain");
+    let particles = bodies::particles(root, table.as_ref(), &materials);
     let count = particles.kinds.len();
-    let top = bodies::end(&table, "top", &materials);
-    let bottom = bodies::end(&table, "bottom", &materials);
-    bodies::no_preload_at_the_bottom(&table);
+    let end = |key| table.as_ref().and_then(|table| bodies::end(table, key, &materials));
+    let (top, bottom) = (end("top"), end("bottom"));
+    if let Some(table) = &table {
+        bodies::no_preload_at_the_bottom(table);
+    }
     let effects = root.table("effects");
     let effects_spec = bodies::effects(effects.as_ref(), count);
     let noise = effects.as_ref().and_then(scope_noise).unwrap_or(0.0);
@@ -154,8 +147,8 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
     // A kind that could not be read has already left its problem; half a chain would only add echoes of it.
     let whole =
         particles.bodies.len() == count && count > 0 && (striker.is_some() || !root.has("striker"));
-    let built = match (top, bottom) {
-        (Some((top, preload)), Some((bottom, _))) if whole => {
+    let built = match (&table, top, bottom) {
+        (Some(table), Some((top, preload)), Some((bottom, _))) if whole => {
             let spec = ChainSpec {
                 striker: striker.map(|s| s.body),
                 particles: particles.bodies,
@@ -164,11 +157,13 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
                 wall_preload: preload,
                 effects: effects_spec,
             };
-            bodies::assemble(&spec, &table).map(|chain| (spec, chain))
+            bodies::assemble(&spec, table).map(|chain| (spec, chain))
         }
         _ => None,
     };
-    table.finish();
+    if let Some(table) = table {
+        table.finish();
+    }
     // An end that could not be read has left its problem; a sensor at it is none.
     let wall = bottom.is_none_or(|(bottom, _)| matches!(bottom, End::Wall(_)));
     Moving { kinds: particles.kinds, wall, noise, initial_velocities, built }

@@ -1,4 +1,5 @@
 //! One binary for all integration tests.
 
 mod architecture;
+mod scene;
 mod tek_csv;
