@@ -4,10 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::library;
 use super::reader::{Bound, Problems, Table};
-use crate::chain::{
-    Body, Chain, ChainError, ChainSpec, EffectsSpec, Elasticity, End, Gravity, LinearisedContacts,
-    MagnetPreload,
-};
+use crate::chain::{Body, Chain, ChainError, ChainSpec, Elasticity, End};
 use crate::quantity::Dimension;
 
 /// Most particles a chain may have: memory and time stay within what one machine offers.
@@ -198,43 +195,6 @@ pub fn end(chain: &Table<'_>, key: &'static str, materials: &Materials<'_>) -> O
     found
 }
 
-/// Reads `[effects]`, the noise of the scope excepted.
-pub fn effects(effects: Option<&Table<'_>>, particles: usize) -> EffectsSpec {
-    let mut spec = EffectsSpec::default();
-    let Some(effects) = effects else { return spec };
-    if let Some(table) = effect(effects, "gravity") {
-        let acceleration = table.required("acceleration", Dimension::ACCELERATION, Bound::Any);
-        spec.gravity = acceleration.map(|acceleration| Gravity { acceleration });
-        table.finish();
-    }
-    if let Some(table) = effect(effects, "linearised_contacts") {
-        spec.linearised_contacts = Some(LinearisedContacts);
-        table.finish();
-    }
-    if let Some(table) = effect(effects, "magnet_preload") {
-        let _ = (table.text("model"), table.text("source"));
-        let force = table.required("force", Dimension::FORCE, Bound::NotNegative);
-        if !table.has("particle") {
-            table.problem("particle", "no such key", "the particle that the magnet pulls, e.g. 1");
-        }
-        let particle = table.count("particle", 1, last_particle(particles));
-        let particle = particle.and_then(|p| usize::try_from(p).ok());
-        spec.magnet_preload =
-            force.zip(particle).map(|(force, particle)| MagnetPreload { force, particle });
-        table.finish();
-    }
-    spec
-}
-
-/// The table of an effect; `false` in its place switches off what a base scene switched on.
-pub fn effect<'a>(effects: &Table<'a>, name: &'static str) -> Option<Table<'a>> {
-    let node = effects.node(name)?;
-    if matches!(node.value, super::document::Value::Flag(false)) {
-        return None;
-    }
-    effects.table(name)
-}
-
 /// Refuses a preload at the bottom: there the loads above decide what the wall bears.
 pub fn no_preload_at_the_bottom(chain: &Table<'_>) {
     let bottom = chain.node("bottom").map(|node| &node.value);
@@ -246,7 +206,7 @@ pub fn no_preload_at_the_bottom(chain: &Table<'_>) {
     }
 }
 
-/// Initial velocity of each body (m/s): the striker's, and `[[initial_velocities]]`.
+/// Initial velocity of each body: the striker's, and `[[initial_velocities]]` (m/s).
 pub fn initial_velocities(
     root: &Table<'_>,
     striker: Option<&Striker>,

@@ -1,18 +1,22 @@
 //! From the file as typed to a bench that can run, or to the list of everything wrong with it.
 //!
 //! First half of the program's door: `cli` names a scene, `experiment` runs what comes out. [`document`] keeps places,
-//! [`reader`] collects problems, `library` finds files and merges what they stand on, `bodies`, `bench` and `oscilloscope` know the keys.
+//! [`reader`] collects problems, `library` finds files and merges what they stand on, `bodies`, `effects`, `sensors`, `bench` and `oscilloscope` know the keys.
 
 mod bench;
 mod bodies;
+mod bound;
 pub mod document;
+mod effects;
 mod library;
 mod oscilloscope;
 pub mod problem;
 pub mod reader;
+mod sensors;
 
-pub use bench::{PlacedSensor, Site, load as input_load};
+pub use bench::load as input_load;
 pub use problem::{Problem, SceneError};
+pub use sensors::{PlacedSensor, Site};
 
 use crate::chain::{Chain, ChainSpec, End};
 use crate::quantity::Dimension;
@@ -93,8 +97,8 @@ fn read(loaded: library::Loaded, problems: &Problems) -> Option<Scene> {
     let seed = root.count("seed", 0, LARGEST_SEED).unwrap_or(0);
     let moving = moving(&root, problems);
     let kinds: Vec<&str> = moving.kinds.iter().map(String::as_str).collect();
-    let hosts = bench::Hosts { kinds: &kinds, wall: moving.wall };
-    let sensors = bench::sensors(&root, &hosts, problems);
+    let hosts = sensors::Hosts { kinds: &kinds, wall: moving.wall };
+    let sensors = sensors::sensors(&root, &hosts, problems);
     let scope = scope(&root, moving.noise, duration);
     root.finish();
     let (spec, chain) = moving.built?;
@@ -138,8 +142,8 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
         bodies::no_preload_at_the_bottom(table);
     }
     let effects = root.table("effects");
-    let effects_spec = bodies::effects(effects.as_ref(), count);
-    let noise = effects.as_ref().and_then(scope_noise).unwrap_or(0.0);
+    let effects_spec = effects::effects(effects.as_ref(), count);
+    let noise = effects.as_ref().and_then(effects::scope_noise).unwrap_or(0.0);
     if let Some(effects) = effects {
         effects.finish();
     }
@@ -169,14 +173,6 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
     Moving { kinds: particles.kinds, wall, noise, initial_velocities, built }
 }
 
-/// `[effects.scope_noise]` (div).
-fn scope_noise(effects: &Table<'_>) -> Option<f64> {
-    let table = bodies::effect(effects, "scope_noise")?;
-    let rms = table.required("rms", Dimension::DIVISION, Bound::NotNegative);
-    table.finish();
-    rms
-}
-
 fn scope(root: &Table<'_>, noise: f64, duration: Option<f64>) -> Option<Setup> {
     if !root.has("scope") {
         let expected = "[scope] with model, time_base, trigger and channels";
@@ -184,7 +180,7 @@ fn scope(root: &Table<'_>, noise: f64, duration: Option<f64>) -> Option<Setup> {
     }
     let table = root.table("scope")?;
     let _ = table.text("source");
-    let setup = bench::scope(&table, &bench::sensor_names(root), duration);
+    let setup = bench::scope(&table, &sensors::sensor_names(root), duration);
     table.finish();
     setup.map(|setup| Setup { noise, ..setup })
 }

@@ -1,5 +1,6 @@
 //! What is wrong with a scene, each with its place: all of it is reported at once.
 
+use std::cell::RefCell;
 use std::fmt;
 
 /// One thing wrong with a file that describes a scene or an instrument.
@@ -70,4 +71,30 @@ fn list(problems: &[Problem]) -> String {
     let count = problems.len();
     text.push_str(&format!("{count} problem{} in the scene", if count == 1 { "" } else { "s" }));
     text
+}
+
+/// The problems found so far.
+#[derive(Debug, Default)]
+pub struct Problems(RefCell<Vec<Problem>>);
+
+impl Problems {
+    /// Adds one.
+    pub fn push(&self, problem: Problem) {
+        self.0.borrow_mut().push(problem);
+    }
+
+    /// Adds several.
+    pub fn extend(&self, problems: Vec<Problem>) {
+        self.0.borrow_mut().extend(problems);
+    }
+
+    /// All of them, in the order of file and place; none twice.
+    #[must_use]
+    pub fn into_sorted(self) -> Vec<Problem> {
+        let mut problems = self.0.into_inner();
+        let key = |p: &Problem| (p.file.clone(), p.line, p.column, p.key.clone());
+        problems.sort_by_key(key);
+        problems.dedup();
+        problems
+    }
 }

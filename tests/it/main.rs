@@ -1,5 +1,6 @@
 //! One binary for all integration tests.
 
 mod architecture;
+mod recordings;
 mod scene;
 mod tek_csv;

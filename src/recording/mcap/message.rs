@@ -179,6 +179,11 @@ pub struct Log {
     pub line: u32,
 }
 
+/// Level of a line that tells something the user did not ask for.
+pub const WARNING: i32 = 3;
+/// Level of a line that only informs.
+pub const INFORMATION: i32 = 2;
+
 /// Name, type, cardinality. Fields are numbered in order from 1.
 type Field = (&'static str, Type, Label);
 
@@ -262,6 +267,9 @@ pub enum Schema {
 }
 
 impl Schema {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Capture, Self::Setup, Self::Series, Self::Energy, Self::Log];
+
     /// Full name, package included.
     #[must_use]
     pub fn name(self) -> &'static str {

@@ -4,9 +4,12 @@
 //! metadata `hertzscope:recording`, `hertzscope:scope`, `hertzscope:sensor/<n>`; the scene as an attachment.
 
 mod container;
+mod decode;
+mod error;
 pub mod message;
 mod read;
 mod write;
 
-pub use read::{ReadError, read, read_bytes};
+pub use error::ReadError;
+pub use read::{read, read_bytes};
 pub use write::{RecordingWriter, ShotNotes, WriteError, write};

@@ -141,7 +141,7 @@ impl RecordingWriter {
         for (warning, line) in &notes.log {
             let log = message::Log {
                 timestamp: Some(timestamp(at)),
-                level: if *warning { 3 } else { 2 },
+                level: if *warning { message::WARNING } else { message::INFORMATION },
                 message: line.clone(),
                 name: "hertzscope".to_owned(),
                 ..Default::default()
@@ -206,8 +206,16 @@ impl RecordingWriter {
 /// [`WriteError`] where the file cannot be written.
 pub fn write(file: &Path, set: &TraceSet) -> Result<(), WriteError> {
     let mut writer = RecordingWriter::create(file, &set.metadata, &set.attachments)?;
-    for shot in &set.shots {
-        writer.add(shot, &ShotNotes::default())?;
+    // Lines that belong to no shot go with the last one.
+    let known: usize = set.notes.values().map(|notes| notes.log.len()).sum();
+    let mut loose = if known == 0 { set.log.as_slice() } else { &[] };
+    let mut shots = set.shots.iter().peekable();
+    while let Some(shot) = shots.next() {
+        let mut notes = set.notes.get(&shot.number).cloned().unwrap_or_default();
+        if shots.peek().is_none() {
+            notes.log.extend(std::mem::take(&mut loose).iter().map(|line| (false, line.clone())));
+        }
+        writer.add(shot, &notes)?;
     }
     writer.finish()
 }
