@@ -3,6 +3,7 @@
 //! A name is looked up among the embedded files; a text with a path separator or ending in `.toml` is a file, relative to
 //! the one that names it.
 
+use std::fmt::Write as _;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
@@ -61,7 +62,10 @@ pub fn load(name: &str) -> Result<Loaded, SceneError> {
     let mut library = Library { texts: Sha256::new(), problems: Vec::new() };
     let root = library.assemble(&text, &file, &origin, 0)?;
     library.hash_constants(&root);
-    let hash = library.texts.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+    let mut hash = String::new();
+    for byte in library.texts.finalize() {
+        let _ = write!(hash, "{byte:02x}");
+    }
     Ok(Loaded { name: short.to_owned(), text, hash, root, problems: library.problems })
 }
 
@@ -138,7 +142,9 @@ impl Library {
                 self.texts.update(file.place.text().as_bytes());
             }
         }
-        items.into_iter().for_each(|item| self.hash_constants(item));
+        for item in items {
+            self.hash_constants(item);
+        }
     }
 
     /// Puts each table that names an instrument file on top of that file.

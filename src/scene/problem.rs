@@ -1,7 +1,7 @@
 //! What is wrong with a scene, each with its place: all of it is reported at once.
 
 use std::cell::RefCell;
-use std::fmt;
+use std::fmt::{self, Write as _};
 
 /// One thing wrong with a file that describes a scene or an instrument.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -69,7 +69,7 @@ fn list(problems: &[Problem]) -> String {
         text.push('\n');
     }
     let count = problems.len();
-    text.push_str(&format!("{count} problem{} in the scene", if count == 1 { "" } else { "s" }));
+    let _ = write!(text, "{count} problem{} in the scene", if count == 1 { "" } else { "s" });
     text
 }
 

@@ -167,13 +167,11 @@ impl<'a> Table<'a> {
     /// Text.
     pub fn text(&self, key: &'static str) -> Option<&'a str> {
         let node = self.node(key)?;
-        match &node.value {
-            Value::Text(text) => Some(text),
-            _ => {
-                self.problem(key, node.describe(), "text in quotes");
-                None
-            }
+        if let Value::Text(text) = &node.value {
+            return Some(text);
         }
+        self.problem(key, node.describe(), "text in quotes");
+        None
     }
 
     /// Text that must be there.

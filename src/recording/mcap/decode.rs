@@ -40,26 +40,30 @@ pub fn capture(message: &message::Capture) -> Result<Capture, String> {
     let codes: Vec<i16> = if message.codes.len() == points {
         message.codes.iter().map(|byte| i16::from(i8::from_be_bytes([*byte]))).collect()
     } else if message.codes.len() == 2 * points {
-        message.codes.as_chunks::<2>().0.iter().map(|pair| i16::from_be_bytes(*pair)).collect()
+        message.codes.chunks_exact(2).map(|pair| i16::from_be_bytes([pair[0], pair[1]])).collect()
     } else {
         return Err(format!(
             "found {} bytes of levels, expected 1 or 2 for each of {points} points",
             message.codes.len()
         ));
     };
+    let given = |number: Option<f64>| number.unwrap_or(0.0);
+    let (x_zero, y_off, y_zero) =
+        (given(message.t0_s), given(message.y_off), given(message.y_zero));
+    let (trigger_point, position) = (given(message.trigger_point), given(message.position_div));
     let numbers = [
-        ("t0_s", message.t0_s),
+        ("t0_s", x_zero),
         ("dt_s", message.dt_s),
         ("y_mult", message.y_mult),
-        ("y_off", message.y_off),
-        ("y_zero", message.y_zero),
-        ("trigger_point", message.trigger_point),
+        ("y_off", y_off),
+        ("y_zero", y_zero),
+        ("trigger_point", trigger_point),
         ("vertical_scale", message.vertical_scale),
         ("horizontal_scale", message.horizontal_scale),
-        ("position_div", message.position_div),
+        ("position_div", position),
         ("probe", message.probe),
     ];
-    let trigger_time = ("trigger_time_s", message.trigger_time_s.unwrap_or(0.0));
+    let trigger_time = ("trigger_time_s", given(message.trigger_time_s));
     let mut numbers = numbers.iter().chain([&trigger_time]);
     if let Some((name, value)) = numbers.find(|(_, value)| !value.is_finite()) {
         return Err(format!("found {name} = {value}, expected a finite number"));
@@ -79,13 +83,13 @@ pub fn capture(message: &message::Capture) -> Result<Capture, String> {
             source,
             codes,
             preamble: Preamble {
-                x_zero: message.t0_s,
+                x_zero,
                 x_incr: message.dt_s,
                 pt_off: 0,
                 x_unit: message.x_unit.clone(),
                 y_mult: message.y_mult,
-                y_zero: message.y_zero,
-                y_off: message.y_off,
+                y_zero,
+                y_off,
                 y_unit: message.unit.clone(),
                 pt_fmt: if message.point_format == "ENV" {
                     PointFormat::Envelope
@@ -95,14 +99,14 @@ pub fn capture(message: &message::Capture) -> Result<Capture, String> {
             },
             vertical: VerticalSetup {
                 scale: message.vertical_scale,
-                position: message.position_div,
+                position,
                 coupling,
                 bandwidth_limited: message.bandwidth_limited,
                 inverted: message.inverted,
                 probe: message.probe,
             },
             horizontal_scale: message.horizontal_scale,
-            trigger_point: message.trigger_point,
+            trigger_point,
         },
         instrument: known.then(|| Instrument {
             model: message.model.clone(),

@@ -32,7 +32,7 @@ pub enum ReadError {
         found: String,
     },
     /// MCAP, but nothing of ours in it.
-    #[error("{file}: found an MCAP file without a single readable capture, series or fact{}, expected a recording", because(.first))]
+    #[error("{file}: found an MCAP file without a single readable capture, series or fact{}, expected a recording", because(.first.as_ref()))]
     Empty {
         /// The file.
         file: PathBuf,
@@ -41,6 +41,6 @@ pub enum ReadError {
     },
 }
 
-fn because(problem: &Option<String>) -> String {
-    problem.as_ref().map(|p| format!(" ({p})")).unwrap_or_default()
+fn because(problem: Option<&String>) -> String {
+    problem.map(|p| format!(" ({p})")).unwrap_or_default()
 }

@@ -10,7 +10,8 @@ use prost_types::{
     FileDescriptorProto, FileDescriptorSet, Timestamp,
 };
 
-/// One channel's record of one trigger.
+/// One channel's record of one trigger. Numbers that an instrument may give as -0 are optional: a plain number that
+/// equals 0 is left out of a message, and its sign with it.
 #[derive(Clone, PartialEq, Message)]
 pub struct Capture {
     /// Time of the trigger.
@@ -23,8 +24,8 @@ pub struct Capture {
     #[prost(string, tag = "3")]
     pub source: String,
     /// First point after the trigger (s).
-    #[prost(double, tag = "4")]
-    pub t0_s: f64,
+    #[prost(double, optional, tag = "4")]
+    pub t0_s: Option<f64>,
     /// From point to point (s).
     #[prost(double, tag = "5")]
     pub dt_s: f64,
@@ -32,11 +33,11 @@ pub struct Capture {
     #[prost(double, tag = "6")]
     pub y_mult: f64,
     /// Level of zero volts (1).
-    #[prost(double, tag = "7")]
-    pub y_off: f64,
+    #[prost(double, optional, tag = "7")]
+    pub y_off: Option<f64>,
     /// Volts at that level (V).
-    #[prost(double, tag = "8")]
-    pub y_zero: f64,
+    #[prost(double, optional, tag = "8")]
+    pub y_zero: Option<f64>,
     /// Unit of the ordinate.
     #[prost(string, tag = "9")]
     pub unit: String,
@@ -50,8 +51,8 @@ pub struct Capture {
     #[prost(string, tag = "12")]
     pub origin: String,
     /// Index of the trigger in the record (1).
-    #[prost(double, tag = "13")]
-    pub trigger_point: f64,
+    #[prost(double, optional, tag = "13")]
+    pub trigger_point: Option<f64>,
     /// Vertical scale (V/div).
     #[prost(double, tag = "14")]
     pub vertical_scale: f64,
@@ -59,8 +60,8 @@ pub struct Capture {
     #[prost(double, tag = "15")]
     pub horizontal_scale: f64,
     /// Vertical position (div).
-    #[prost(double, tag = "16")]
-    pub position_div: f64,
+    #[prost(double, optional, tag = "16")]
+    pub position_div: Option<f64>,
     /// Probe attenuation (1).
     #[prost(double, tag = "17")]
     pub probe: f64,

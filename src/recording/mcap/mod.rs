@@ -1,4 +1,4 @@
-//! The recording format: MCAP with protobuf, which Foxglove, PlotJuggler, Rerun and Python read without plug-ins.
+//! The recording format: MCAP with protobuf, which Foxglove, `PlotJuggler`, Rerun and Python read without plug-ins.
 //!
 //! Topics: `/scope/ch<n>` one [`message::Capture`] a trigger, `/scope/setup`, `/truth/...` of a simulation, `/energy`, `/log`;
 //! metadata `hertzscope:recording`, `hertzscope:scope`, `hertzscope:sensor/<n>`; the scene as an attachment.

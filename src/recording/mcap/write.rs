@@ -182,13 +182,12 @@ impl RecordingWriter {
         if let Some(id) = self.channels.get(topic) {
             return Ok(*id);
         }
-        let schema_id = match self.schemas.get(&schema) {
-            Some(id) => *id,
-            None => {
-                let id = self.writer.add_schema(schema.name(), "protobuf", &schema.descriptor())?;
-                self.schemas.insert(schema, id);
-                id
-            }
+        let schema_id = if let Some(id) = self.schemas.get(&schema) {
+            *id
+        } else {
+            let id = self.writer.add_schema(schema.name(), "protobuf", &schema.descriptor())?;
+            self.schemas.insert(schema, id);
+            id
         };
         let id = self.writer.add_channel(schema_id, topic, "protobuf", &BTreeMap::new())?;
         self.channels.insert(topic.to_owned(), id);
@@ -239,11 +238,11 @@ fn capture_message(shot: &Shot, capture: &Capture) -> message::Capture {
         timestamp: Some(timestamp(shot.timestamp_ns)),
         shot: shot.number,
         source: waveform.source.to_string(),
-        t0_s: preamble.x_zero,
+        t0_s: Some(preamble.x_zero),
         dt_s: preamble.x_incr,
         y_mult: preamble.y_mult,
-        y_off: preamble.y_off,
-        y_zero: preamble.y_zero,
+        y_off: Some(preamble.y_off),
+        y_zero: Some(preamble.y_zero),
         unit: preamble.y_unit.clone(),
         codes,
         volts: waveform.codes.iter().map(|code| waveform.volts_of(*code) as f32).collect(),
@@ -251,10 +250,10 @@ fn capture_message(shot: &Shot, capture: &Capture) -> message::Capture {
             Origin::Simulated => "simulated".to_owned(),
             Origin::Measured => "measured".to_owned(),
         },
-        trigger_point: waveform.trigger_point,
+        trigger_point: Some(waveform.trigger_point),
         vertical_scale: vertical.scale,
         horizontal_scale: waveform.horizontal_scale,
-        position_div: vertical.position,
+        position_div: Some(vertical.position),
         probe: vertical.probe,
         coupling: vertical.coupling.map(|c| c.to_string()).unwrap_or_default(),
         bandwidth_limited: vertical.bandwidth_limited,

@@ -148,6 +148,18 @@ fn made_up_files_survive_a_recording_byte_for_byte() {
     }
 }
 
+/// Found with the file `tbs1072b-scan-F0000CH1.CSV`: a record in scan mode gives its trigger point as -0, and a recording
+/// forgot the sign, so that the file did not come back as it was.
+#[test]
+fn a_negative_zero_keeps_its_sign() {
+    let mut capture = channel(1, 1.0, 0);
+    capture.waveform.trigger_point = -0.0;
+    capture.waveform.preamble.x_zero = 0.0;
+    let text = csv(&capture);
+    assert!(text.contains("-0.000000000000e+00"), "the writer keeps it");
+    survives_a_recording(text.as_bytes(), "F0000CH1.CSV");
+}
+
 #[test]
 fn native_captures_survive_a_recording_byte_for_byte() {
     let Some(folder) = std::env::var_os("HERTZSCOPE_CAPTURES") else {

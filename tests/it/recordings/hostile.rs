@@ -254,15 +254,15 @@ fn captures_with_numbers_that_are_none() {
     let sound: TraceSet = read(&file(&with_capture(&good_capture()))).expect("sound");
     assert_eq!(sound.shots[0].captures[0].waveform.codes, [1, 2, 3]);
     let changes: [(&str, Change<Capture>); 11] = [
-        ("t0_s", |c, x| c.t0_s = x),
+        ("t0_s", |c, x| c.t0_s = Some(x)),
         ("dt_s", |c, x| c.dt_s = x),
         ("y_mult", |c, x| c.y_mult = x),
-        ("y_off", |c, x| c.y_off = x),
-        ("y_zero", |c, x| c.y_zero = x),
-        ("trigger_point", |c, x| c.trigger_point = x),
+        ("y_off", |c, x| c.y_off = Some(x)),
+        ("y_zero", |c, x| c.y_zero = Some(x)),
+        ("trigger_point", |c, x| c.trigger_point = Some(x)),
         ("vertical_scale", |c, x| c.vertical_scale = x),
         ("horizontal_scale", |c, x| c.horizontal_scale = x),
-        ("position_div", |c, x| c.position_div = x),
+        ("position_div", |c, x| c.position_div = Some(x)),
         ("probe", |c, x| c.probe = x),
         ("trigger_time_s", |c, x| c.trigger_time_s = Some(x)),
     ];
