@@ -1,6 +1,6 @@
 //! Reads typed values out of a table, collecting every problem instead of stopping at the first.
 //!
-//! Each getter returns `None` where the key is absent or wrong; wrong ones leave a [`Problem`]. A table that is done
+//! Each getter returns `None` where the key is absent or wrong; wrong ones leave a [`Problem`](super::Problem). A table that is done
 //! reports the keys that nobody asked for.
 
 use std::cell::RefCell;

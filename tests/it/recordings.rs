@@ -1,6 +1,7 @@
 //! Recordings: what is written comes back, and what is damaged, unfinished or hostile does no harm.
 
 mod damaged;
+mod descriptors;
 mod formats;
 mod hostile;
 mod round_trip;

@@ -36,17 +36,7 @@ pub fn capture(message: &message::Capture) -> Result<Capture, String> {
     let source = Source::from_name(&message.source).ok_or_else(|| {
         format!("found source `{}`, expected CH1 to CH4, MATH or REFA to REFD", message.source)
     })?;
-    let points = message.volts.len();
-    let codes: Vec<i16> = if message.codes.len() == points {
-        message.codes.iter().map(|byte| i16::from(i8::from_be_bytes([*byte]))).collect()
-    } else if message.codes.len() == 2 * points {
-        message.codes.chunks_exact(2).map(|pair| i16::from_be_bytes([pair[0], pair[1]])).collect()
-    } else {
-        return Err(format!(
-            "found {} bytes of levels, expected 1 or 2 for each of {points} points",
-            message.codes.len()
-        ));
-    };
+    let codes = levels(message)?;
     let given = |number: Option<f64>| number.unwrap_or(0.0);
     let (x_zero, y_off, y_zero) =
         (given(message.t0_s), given(message.y_off), given(message.y_zero));
@@ -114,4 +104,23 @@ pub fn capture(message: &message::Capture) -> Result<Capture, String> {
             firmware: message.firmware.clone(),
         }),
     })
+}
+
+/// The digitiser levels: a byte each, or two where one does not suffice.
+fn levels(message: &message::Capture) -> Result<Vec<i16>, String> {
+    let points = message.volts.len();
+    if message.codes.len() == points {
+        Ok(message.codes.iter().map(|byte| i16::from(i8::from_be_bytes([*byte]))).collect())
+    } else if message.codes.len() == 2 * points {
+        Ok(message
+            .codes
+            .chunks_exact(2)
+            .map(|pair| i16::from_be_bytes([pair[0], pair[1]]))
+            .collect())
+    } else {
+        Err(format!(
+            "found {} bytes of levels, expected 1 or 2 for each of {points} points",
+            message.codes.len()
+        ))
+    }
 }

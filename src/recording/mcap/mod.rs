@@ -8,6 +8,7 @@ mod decode;
 mod error;
 pub mod message;
 mod read;
+mod schema;
 mod write;
 
 pub use error::ReadError;

@@ -9,7 +9,8 @@ use prost::Message as _;
 use super::container::{self, MAGIC, Record};
 use super::decode;
 use super::error::{LARGEST_FILE, ReadError};
-use super::message::{self, Schema};
+use super::message;
+use super::schema::Schema;
 use super::write::ShotNotes;
 use crate::recording::{Attachment, Origin, Shot, TraceSet};
 

@@ -9,7 +9,8 @@ use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment as McapAttachment, Compression, WriteOptions, Writer};
 use prost::Message as _;
 
-use super::message::{self, Schema, timestamp};
+use super::message::{self, timestamp};
+use super::schema::Schema;
 use crate::recording::{Attachment, Capture, Origin, Shot, TraceSet};
 use crate::trace::Trace;
 

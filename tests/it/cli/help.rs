@@ -2,7 +2,7 @@
 
 use super::{COULD_NOT, files, hertzscope, printed, refused, says, temporary};
 
-const SUBCOMMANDS: [(&str, &[&str]); 7] = [
+const SUBCOMMANDS: &[(&str, &[&str])] = &[
     (
         "run",
         &["[SCENE]", "--output", "--accuracy", "--method", "--step", "--seed", "--json", "--quiet"],
@@ -10,6 +10,7 @@ const SUBCOMMANDS: [(&str, &[&str]); 7] = [
     ("info", &["<FILE>", "--json"]),
     ("convert", &["<INPUT>", "<OUTPUT>", "--quiet"]),
     ("scenes", &["[NAME]", "--json"]),
+    #[cfg(feature = "tui")]
     ("view", &["<FILE>"]),
     ("completions", &["<SHELL>", "bash", "zsh", "fish"]),
     ("man", &["--output"]),
@@ -41,7 +42,7 @@ fn what_is_typed_wrong_is_refused() {
         &["run", "--fast"],
         &["info"],
         &["convert", "a.mcap"],
-        &["view"],
+        &["info", "a.mcap", "b.mcap"],
         &["completions", "tcl"],
         &["run", "magnet-0.61g", "gravity-0.61g"],
     ] {

@@ -62,7 +62,7 @@ fn a_cut_file_keeps_every_shot_before_the_cut() {
             }
             Ok(back) => {
                 keeps_what_is_before(&back, &set, &chunks, at);
-                assert_eq!(back.problems.is_empty(), false, "cut at {at} is not named");
+                assert!(!back.problems.is_empty(), "cut at {at} is not named");
                 let whole = chunks.iter().filter(|end| **end <= at).count();
                 assert_eq!(back.shots.len(), whole, "cut at {at}: no half shots");
             }

@@ -219,7 +219,7 @@ fn a_file_of_someone_else_is_refused_with_the_reason() {
     bytes.extend(MAGIC);
     match read(&bytes) {
         Err(ReadError::Empty { first: Some(first), .. }) => {
-            assert!(first.contains("cdr"), "{first}")
+            assert!(first.contains("cdr"), "{first}");
         }
         other => panic!("{other:?}"),
     }

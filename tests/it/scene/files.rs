@@ -153,7 +153,7 @@ fn an_oscilloscope_file_with_gaps() {
     let shipped = hertzscope::data::instrument("", "tds2014").expect("it ships");
     let gone = ["name", "record_length", "bandwidth", "time_bases", "probes", "trigger_range"];
     let kept = |line: &&str| !gone.iter().any(|key| line.starts_with(&format!("{key} = ")));
-    let mut text: String = shipped.lines().filter(kept).map(|line| format!("{line}\n")).collect();
+    let mut text = shipped.lines().filter(kept).collect::<Vec<_>>().join("\n");
     // The list of time bases goes on over several lines.
     let list = text.find("  \"5 ns/div\"").expect("the list");
     let end = list + text[list..].find("]\n").expect("its end") + 2;
