@@ -20,7 +20,7 @@ pub struct Arguments {
     /// A scene that ships with the program (see `hertzscope scenes`), or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
     scene: String,
-    /// Recording to write, overwriting what is there [default: `<SCENE>.mcap`, numbered if that exists]
+    /// Recording to write, overwriting what is there; without it SCENE.mcap, numbered if that exists
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Relative error allowed in first-peak forces and times, e.g. 1e-6 [default: the scene's]
