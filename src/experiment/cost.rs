@@ -4,16 +4,12 @@
 //! another family of methods, which carries its own error bar: the difference to a second tight solution. Force evaluations
 //! are exact; wall times are informative, median and minimum of several runs.
 
-use std::time::Instant;
-
 use serde::Serialize;
 
-use super::bench::{Bench, Grid};
-use super::outcome::Reading;
-use super::{Integration, method, probes, sample_grid};
-use crate::integrate::{Method, Work};
-use crate::scene::{Scene, input_load};
-use crate::scope::waveform::LEVELS_PER_DIVISION;
+use super::comparison::{Run, arrival_error, compare, level, peak_error, run, trace_error, worst};
+use super::{Integration, method};
+use crate::integrate::Method;
+use crate::scene::Scene;
 
 /// Runs that are timed for each point.
 const TIMED_RUNS: usize = 10;
@@ -108,15 +104,6 @@ pub struct Chosen {
     pub force_evaluations: u64,
 }
 
-/// A run reduced to what is compared.
-struct Run {
-    readings: Vec<Reading>,
-    traces: Vec<Vec<f64>>,
-    drift: f64,
-    work: Work,
-    wall_s: f64,
-}
-
 /// Makes the study; `progress` hears the share of the work done.
 ///
 /// # Errors
@@ -155,25 +142,6 @@ pub fn study(scene: &Scene, progress: &mut dyn FnMut(f64)) -> Result<Study, Stri
 /// Accuracies at which the choice is shown (1).
 fn decades() -> impl Iterator<Item = f64> {
     (1..=11).map(|decade| 10f64.powi(-decade))
-}
-
-fn run(scene: &Scene, method: Method) -> Result<Run, String> {
-    let grid = sample_grid(scene, 1);
-    let never = Grid { start: f64::MAX, interval: 1.0 };
-    let probes = probes(scene);
-    let started = Instant::now();
-    let mut bench =
-        Bench::new(&scene.chain, &scene.initial_velocities, method, &probes, (grid, never));
-    bench.run_until(scene.duration, true, &mut |_| ()).map_err(|error| error.to_string())?;
-    let wall_s = started.elapsed().as_secs_f64();
-    let (before, after) = bench.energies();
-    Ok(Run {
-        readings: bench.watches().iter().map(|w| Reading::of("", None, 0.0, &w.pulse)).collect(),
-        traces: bench.watches().iter().map(|w| w.samples.clone()).collect(),
-        drift: (after.total() - before.total()) / before.kinetic,
-        work: bench.work(),
-        wall_s,
-    })
 }
 
 /// Every method over its range: steps from the edge of stability down, tolerances from coarse to tight.
@@ -253,47 +221,6 @@ fn choice(scene: &Scene, accuracy: f64, exact: &Run) -> Option<Chosen> {
     })
 }
 
-fn worst(found: &Run, exact: &Run) -> Option<f64> {
-    let peak = compare(found, exact, peak_error)?;
-    Some(peak.max(compare(found, exact, arrival_error)?))
-}
-
-/// Largest of `error` over all places that felt a pulse in the reference; none if one of them felt none here.
-fn compare(found: &Run, exact: &Run, error: fn(&Reading, &Reading) -> Option<f64>) -> Option<f64> {
-    let felt = found.readings.iter().zip(&exact.readings).filter(|(_, e)| e.first_peak.is_some());
-    let mut largest = 0.0;
-    for (found, exact) in felt {
-        largest = error(found, exact)?.max(largest);
-    }
-    Some(largest)
-}
-
-fn relative(found: f64, exact: f64) -> f64 {
-    (found / exact - 1.0).abs()
-}
-
-fn peak_error(found: &Reading, exact: &Reading) -> Option<f64> {
-    Some(relative(found.first_peak?.dynamic_n, exact.first_peak?.dynamic_n))
-}
-
-fn arrival_error(found: &Reading, exact: &Reading) -> Option<f64> {
-    let peak = relative(found.first_peak?.time_s, exact.first_peak?.time_s);
-    Some(peak.max(relative(found.half_rise_s?, exact.half_rise_s?)))
-}
-
-fn trace_error(found: &Run, exact: &Run) -> f64 {
-    let mut largest = 0.0_f64;
-    for (found, exact) in found.traces.iter().zip(&exact.traces) {
-        let scale = exact.iter().fold(0.0, |most: f64, f| most.max(f.abs()));
-        let off = found.iter().zip(exact).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
-        if scale > 0.0 {
-            // A trace that is no number compares with nothing: count it as lost.
-            largest = if off.is_finite() { largest.max(off / scale) } else { f64::INFINITY };
-        }
-    }
-    largest
-}
-
 /// Slopes of peak error against force evaluations, where neither the reference nor coarse steps blur them.
 fn orders(points: &[Point], reference: f64) -> Vec<Order> {
     let mut orders: Vec<Order> = Vec::new();
@@ -327,23 +254,4 @@ fn slope(points: &[(f64, f64)]) -> Option<f64> {
     let covariance: f64 = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
     let variance: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
     (variance > 0.0).then(|| covariance / variance)
-}
-
-/// The smallest digitiser level relative to the first peak at its channel's sensor.
-fn level(scene: &Scene, exact: &Run) -> Option<f64> {
-    let mut smallest: Option<f64> = None;
-    for channel in scene.scope.channels.iter().flatten() {
-        let wired = scene.sensors.iter().zip(&exact.readings);
-        let Some((sensor, reading)) =
-            wired.into_iter().find(|(s, _)| Some(&s.name) == channel.input.as_ref())
-        else {
-            continue;
-        };
-        let circuit = sensor.sensor.connect(input_load(&scene.scope.model, channel));
-        let Some(peak) = reading.first_peak else { continue };
-        let volts = channel.vertical.scale / LEVELS_PER_DIVISION;
-        let relative = volts / (circuit.sensitivity * peak.dynamic_n);
-        smallest = Some(smallest.map_or(relative, |s| s.min(relative)));
-    }
-    smallest
 }

@@ -6,6 +6,7 @@
 
 mod acquisition;
 pub mod bench;
+mod comparison;
 pub mod cost;
 pub mod facts;
 pub mod outcome;

@@ -1,5 +1,7 @@
 //! Blanes and Moan's Runge-Kutta-Nystrom splitting of order 6 in eleven stages ("SRKN 11 b").
 
+#![allow(clippy::unreadable_literal, reason = "digits as published")]
+
 use super::splitting::Splitting;
 
 const A: [f64; 5] = [
@@ -26,5 +28,5 @@ pub static BLANES_MOAN: Splitting = Splitting {
     order: 6,
     kicks: &[B[0], B[1], B[2], B[3], B[4], B6, B6, B[4], B[3], B[2], B[1], B[0]],
     drifts: &[A[0], A[1], A[2], A[3], A[4], A6, A[4], A[3], A[2], A[1], A[0]],
-    stability: 3.14,
+    stability: 3.1,
 };

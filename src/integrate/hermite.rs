@@ -40,20 +40,20 @@ pub fn quintic(from: End, to: End, length: f64) -> Interpolant {
 #[must_use]
 pub fn septic(from: End, to: End, jerks: (f64, f64), length: f64) -> Interpolant {
     let h = length;
-    let (v0, a0) = (h * from.velocity, h * h * from.acceleration);
-    let (j0, j1) = (h * h * h * jerks.0, h * h * h * jerks.1);
+    let jerk = h * h * h * jerks.0;
     let (p, q, r) = rises(from, to, h);
     // What the cubic Taylor polynomial of the start leaves over at the end, derivative by derivative.
-    let (p, q, r, s) = (p - j0 / 6.0, q - j0 / 2.0, r - j0, j1 - j0);
+    let (p, q, r) = (p - jerk / 6.0, q - jerk / 2.0, r - jerk);
+    let rest = h * h * h * jerks.1 - jerk;
     let position = [
         from.position,
-        v0,
-        0.5 * a0,
-        j0 / 6.0,
-        35.0 * p - 15.0 * q + 2.5 * r - s / 6.0,
-        -84.0 * p + 39.0 * q - 7.0 * r + 0.5 * s,
-        70.0 * p - 34.0 * q + 6.5 * r - 0.5 * s,
-        -20.0 * p + 10.0 * q - 2.0 * r + s / 6.0,
+        h * from.velocity,
+        0.5 * h * h * from.acceleration,
+        jerk / 6.0,
+        35.0 * p - 15.0 * q + 2.5 * r - rest / 6.0,
+        -84.0 * p + 39.0 * q - 7.0 * r + 0.5 * rest,
+        70.0 * p - 34.0 * q + 6.5 * r - 0.5 * rest,
+        -20.0 * p + 10.0 * q - 2.0 * r + rest / 6.0,
     ];
     Interpolant { position, velocity: derivative(&position, h) }
 }
@@ -82,15 +82,20 @@ fn derivative(position: &[f64; COEFFICIENTS], h: f64) -> [f64; COEFFICIENTS] {
 mod tests {
     use super::*;
 
+    /// Values of a polynomial, and its third derivative, by differentiating its coefficients.
     fn end(polynomial: &[f64], t: f64) -> (End, f64) {
-        let derivative = |order: usize| -> f64 {
-            let falling = |k: usize| (0..order).map(|i| k as f64 - i as f64).product::<f64>();
-            let term = |(k, c): (usize, &f64)| c * falling(k) * t.powi(k as i32 - order as i32);
-            polynomial.iter().enumerate().skip(order).map(term).sum()
+        let value = |c: &[f64]| c.iter().rev().fold(0.0, |sum, c| sum * t + c);
+        let rate = |c: &[f64]| -> Vec<f64> {
+            (1_u8..).zip(&c[1..]).map(|(power, c)| f64::from(power) * c).collect()
         };
-        let end =
-            End { position: derivative(0), velocity: derivative(1), acceleration: derivative(2) };
-        (end, derivative(3))
+        let velocity = rate(polynomial);
+        let acceleration = rate(&velocity);
+        let end = End {
+            position: value(polynomial),
+            velocity: value(&velocity),
+            acceleration: value(&acceleration),
+        };
+        (end, value(&rate(&acceleration)))
     }
 
     /// Polynomials of degree 5 and 7 come back exactly, velocities too.

@@ -5,6 +5,7 @@
 //! equations are autonomous: no method sees the time but for bookkeeping.
 
 pub mod blanes_moan;
+mod control;
 pub mod dormand_el_mikkawy_prince_64;
 pub mod dormand_el_mikkawy_prince_86;
 pub mod dormand_prince_853;
@@ -80,7 +81,7 @@ pub struct Work {
 pub enum IntegrateError {
     /// A position or velocity is infinite or not a number.
     #[error(
-        "the state of body {body} stopped being a number at t = {time:e} s: the step is too long for this chain"
+        "the state of body {body} stopped being a number at t = {time:e} s: the step is too long, or the scene beyond what numbers hold"
     )]
     NotFinite {
         /// Index of the first such body.
@@ -123,6 +124,13 @@ pub trait Integrator {
 
     /// What it has cost so far.
     fn work(&self) -> Work;
+}
+
+impl Scales {
+    /// Whether errors can be measured by them.
+    fn are_finite(&self) -> bool {
+        self.position.is_finite() && self.velocity.is_finite()
+    }
 }
 
 /// Index of the first body whose state is not finite.

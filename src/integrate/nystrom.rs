@@ -5,10 +5,9 @@
 //! difference to the embedded solution, in position and in velocity. Contacts that open or close within a step break the
 //! estimate's smoothness, and the controller shortens the step. Interpolation is septic Hermite.
 
+use super::control::{StepControl, add_compensated, largest};
 use super::hermite::{End, quintic, septic};
-use super::{
-    IntegrateError, Integrator, Interpolant, Scales, State, System, Work, first_not_finite,
-};
+use super::{IntegrateError, Integrator, Interpolant, Scales, State, System, Work};
 
 /// Terms of a weighted sum: stage and weight (1).
 pub type Row = &'static [(usize, f64)];
@@ -38,12 +37,6 @@ pub struct NystromPair {
     pub velocity_error: Row,
 }
 
-/// A step is chosen to meet the tolerance with this margin (1).
-const SAFETY: f64 = 0.9;
-/// A step shrinks at most by this factor (1).
-const SMALLEST_CHANGE: f64 = 0.2;
-/// A step grows at most by this factor (1).
-const LARGEST_CHANGE: f64 = 5.0;
 /// The first step, as a fraction of position scale over speed scale (1).
 const FIRST_STEP: f64 = 1e-3;
 
@@ -60,7 +53,7 @@ pub struct NystromIntegrator<'a> {
     jerks: Option<[Vec<f64>; 2]>,
     scales: Scales,
     tolerance: f64,
-    step: f64,
+    control: StepControl,
     last_length: f64,
     /// What rounding took from the last sums of position and velocity.
     lost: [Vec<f64>; 2],
@@ -87,7 +80,10 @@ impl<'a> NystromIntegrator<'a> {
             previous: state.clone(),
             scratch: vec![0.0; n],
             jerks: Some([vec![0.0; n], vec![0.0; n]]),
-            step: FIRST_STEP * scales.position / scales.velocity,
+            control: StepControl::new(
+                FIRST_STEP * scales.position / scales.velocity,
+                pair.error_order,
+            ),
             lost: [vec![0.0; n], vec![0.0; n]],
             work: Work { force_evaluations: 1, ..Work::default() },
             last_length: 0.0,
@@ -120,7 +116,12 @@ impl<'a> NystromIntegrator<'a> {
         let position = h * h * largest(&self.scratch) / self.scales.position;
         combine(self.pair.velocity_error, &self.stages, &mut self.scratch);
         let velocity = h * largest(&self.scratch) / self.scales.velocity;
-        position.max(velocity) / self.tolerance
+        // `max` would hide what is not a number; so would a scale that is infinite.
+        if position.is_finite() && velocity.is_finite() && self.scales.are_finite() {
+            position.max(velocity) / self.tolerance
+        } else {
+            f64::INFINITY
+        }
     }
 
     fn accept(&mut self, h: f64, next: f64) {
@@ -133,11 +134,11 @@ impl<'a> NystromIntegrator<'a> {
             .zip(lost_x)
             .zip(self.previous.velocity.iter().zip(&self.scratch))
         {
-            add(x, lost, h * (v + h * sum));
+            add_compensated(x, lost, h * (v + h * sum));
         }
         combine(self.pair.velocity, &self.stages, &mut self.scratch);
         for ((v, lost), sum) in self.state.velocity.iter_mut().zip(lost_v).zip(&self.scratch) {
-            add(v, lost, h * sum);
+            add_compensated(v, lost, h * sum);
         }
         self.state.time = next;
         self.last_length = h;
@@ -160,39 +161,18 @@ impl Integrator for NystromIntegrator<'_> {
             self.stages.swap(0, last);
         }
         self.previous.clone_from(&self.state);
-        let start = self.state.time;
-        let exponent = -1.0 / f64::from(self.pair.error_order + 1);
-        let mut after_rejection = false;
         loop {
-            let cut_short = self.step >= end - start;
-            let next = if cut_short { end } else { start + self.step };
-            // The step that is taken is the one that the clock shows, rounding included.
-            let h = next - start;
-            if h <= f64::EPSILON * start.abs() || h < f64::MIN_POSITIVE {
-                return Err(IntegrateError::StepTooSmall { time: start, step: h });
-            }
+            let trial = self.control.trial(self.state.time, end)?;
             for stage in 1..=last {
-                self.evaluate_stage(stage, h);
+                self.evaluate_stage(stage, trial.length);
             }
-            let error = self.error(h);
-            let change = if error.is_finite() {
-                (SAFETY * error.powf(exponent)).clamp(SMALLEST_CHANGE, LARGEST_CHANGE)
-            } else {
-                SMALLEST_CHANGE
-            };
-            if error <= 1.0 {
-                self.accept(h, next);
-                if let Some(body) = first_not_finite(&self.state.position, &self.state.velocity) {
-                    return Err(IntegrateError::NotFinite { body, time: start });
-                }
-                let growth = if after_rejection { change.min(1.0) } else { change };
-                // A step cut short by `end` says nothing about the next.
-                self.step = if cut_short { self.step.max(h * growth) } else { h * growth };
+            let error = self.error(trial.length);
+            let stages = &self.stages;
+            if self.control.accepts(trial, error, || first_lost(stages)) {
+                self.accept(trial.length, trial.next);
                 return Ok(());
             }
-            after_rejection = true;
             self.work.rejected += 1;
-            self.step = h * change;
         }
     }
 
@@ -241,20 +221,7 @@ fn combine(weights: Row, stages: &[Vec<f64>], out: &mut [f64]) {
     }
 }
 
-/// `value += increment`, keeping in `lost` what rounding takes (Kahan's compensated sum).
-fn add(value: &mut f64, lost: &mut f64, increment: f64) {
-    let increment = increment - *lost;
-    let sum = *value + increment;
-    *lost = (sum - *value) - increment;
-    *value = sum;
-}
-
-/// Largest magnitude; infinite if any value is not a number, which `f64::max` would hide.
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(
-        0.0,
-        |most: f64, value| {
-            if value.is_nan() { f64::INFINITY } else { most.max(value.abs()) }
-        },
-    )
+/// First body with a stage that is not a number.
+fn first_lost(stages: &[Vec<f64>]) -> usize {
+    stages.iter().find_map(|s| s.iter().position(|a| !a.is_finite())).unwrap_or(0)
 }

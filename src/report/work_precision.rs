@@ -135,10 +135,9 @@ fn plot(study: &Study) -> Vec<String> {
     let (columns, rows) = CELLS;
     let mut cells = vec![vec![' '; columns]; rows];
     let row_of = |y: f64| (y.clamp(0.0, 1.0) * (rows - 1) as f64).round() as usize;
-    if let Some(line) = study.level.map(|level| row_of(axes.place(1, level).1)) {
-        if let Some(row) = cells.get_mut(line) {
-            row.fill('·');
-        }
+    let line = study.level.map(|level| row_of(axes.place(1, level).1));
+    if let Some(row) = line.and_then(|line| cells.get_mut(line)) {
+        row.fill('·');
     }
     for (method, mark, _) in marks(study) {
         for point in study.points.iter().filter(|p| p.method == method) {

@@ -13,7 +13,7 @@ const ANY: f64 = 1e9;
 /// Velocities after [`TIME`], in steps of `step` (s).
 fn velocities(method: Method, step: f64) -> Vec<f64> {
     let chain = diatomic(10, 2.38, false);
-    let mut bench = kicked(&chain, 0, 0.1, method, &[], NEVER);
+    let mut bench = kicked(&chain, (0, 0.1), method, &[], NEVER);
     let steps = (TIME / step).round() as u32;
     for k in 1..=steps {
         bench.run_until(f64::from(k) * TIME / f64::from(steps), false, &mut |_| ()).expect("a run");
