@@ -128,14 +128,15 @@ fn body(plan: &Plan, displacement: &[f64], force: &mut [f64], acceleration: &mut
 
 #[cfg(test)]
 mod tests {
-    use super::super::hertz;
     use super::*;
+    use crate::chain::hertz;
 
     /// Closed, opened and never-loaded contacts, lengths around the vectors': every set against the formula.
     #[test]
     fn every_instruction_set_computes_the_formula() {
         for contacts in [2_u32, 7, 8, 9, 40, 129] {
-            let overlap = |j: u32| if j % 3 == 0 { 0.0 } else { 1e-6 * f64::from(1 + j % 5) };
+            let overlap =
+                |j: u32| if j.is_multiple_of(3) { 0.0 } else { 1e-6 * f64::from(1 + j % 5) };
             let overlaps: Vec<f64> = (0..contacts).map(overlap).collect();
             let bodies = contacts as usize - 1;
             let plan = Plan {
