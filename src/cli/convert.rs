@@ -29,6 +29,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         eprintln!("warning: {}: {problem}", arguments.input.display());
     }
     let output = &arguments.output;
+    let same = |input: PathBuf| std::fs::canonicalize(output).is_ok_and(|output| output == input);
+    if std::fs::canonicalize(&arguments.input).is_ok_and(same) && output.is_file() {
+        bail!("{}: found the input as the output, expected another file", output.display());
+    }
     let extension = output.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     let written = match extension.as_deref() {
         Some("mcap") => {

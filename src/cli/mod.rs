@@ -4,6 +4,7 @@
 
 mod completions;
 mod convert;
+mod cost;
 mod info;
 mod man;
 mod progress;
@@ -33,6 +34,7 @@ enum Command {
     Run(run::Arguments),
     Info(info::Arguments),
     Convert(convert::Arguments),
+    Cost(cost::Arguments),
     Scenes(scenes::Arguments),
     #[cfg(feature = "tui")]
     View(view::Arguments),
@@ -47,6 +49,7 @@ pub fn main() -> ExitCode {
         Command::Run(arguments) => run::run(&arguments),
         Command::Info(arguments) => info::run(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),
+        Command::Cost(arguments) => cost::run(&arguments),
         Command::Scenes(arguments) => scenes::run(&arguments),
         #[cfg(feature = "tui")]
         Command::View(arguments) => view::run(&arguments),

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::paper::PaperSpeed;
 use super::pulse::{FOOT, HALF_RISE, Peak, PulseRecorder};
 use crate::chain::{Chain, Energy};
 use crate::scene::{PlacedSensor, Scene, Site};
@@ -49,6 +50,8 @@ pub struct Summary {
     pub wall: Option<Reading>,
     /// Speeds between pairs of particles with sensors, by every estimator.
     pub speeds: Vec<Speed>,
+    /// What the paper prints for this scene, from particle 14 to 27.
+    pub paper: Option<PaperSpeed>,
     /// Whether the scope triggered, and when.
     pub trigger: TriggerReport,
     /// What the user should know about this run.

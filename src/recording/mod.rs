@@ -81,6 +81,8 @@ pub struct TraceSet {
     pub attachments: Vec<Attachment>,
     /// Lines of the log, in order of time.
     pub log: Vec<String>,
+    /// What a recording keeps of each shot beside captures and truth, by the shot's number; its lines stand in `log` too.
+    pub notes: BTreeMap<u32, mcap::ShotNotes>,
     /// What a reader could not make sense of, and passed over; empty for a sound file.
     pub problems: Vec<String>,
 }

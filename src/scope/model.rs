@@ -64,4 +64,21 @@ impl Model {
     pub fn sample_interval(&self, time_base: f64) -> f64 {
         self.interval(time_base).max(1.0 / self.sample_rate)
     }
+
+    /// Index of the trigger in the record at a time base (s/div) and horizontal position (s), possibly outside it:
+    /// `1250 - position/interval` on this family (1).
+    #[must_use]
+    #[allow(clippy::cast_precision_loss, reason = "a record has a few thousand points")]
+    pub fn trigger_point(&self, time_base: f64, position: f64) -> f64 {
+        0.5 * self.record_length as f64 - (position / self.interval(time_base)).round()
+    }
+
+    /// First and last time of the record after the trigger, at a time base (s/div) and horizontal position (s) (s).
+    #[must_use]
+    #[allow(clippy::cast_precision_loss, reason = "a record has a few thousand points")]
+    pub fn record_span(&self, time_base: f64, position: f64) -> (f64, f64) {
+        let interval = self.interval(time_base);
+        let start = -self.trigger_point(time_base, position) * interval;
+        (start, start + (self.record_length - 1) as f64 * interval)
+    }
 }

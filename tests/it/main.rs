@@ -16,11 +16,14 @@
 
 mod architecture;
 mod chains;
+mod cli;
 mod conservation;
 mod golden;
 mod order;
 mod physics;
 mod readme;
+mod recordings;
+mod scene;
 mod scpi;
 mod tek_csv;
 #[cfg(feature = "tui")]

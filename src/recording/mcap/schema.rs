@@ -1,6 +1,4 @@
-//! The descriptors by which other readers decode the messages, made in code: no compiler for protobuf is needed.
-//!
-//! That structures and descriptors agree is checked by other people's readers, `tests/readers/`.
+//! The descriptors by which other readers decode the messages of a recording.
 
 use prost::Message as _;
 use prost_types::field_descriptor_proto::{Label, Type};
@@ -92,6 +90,9 @@ pub enum Schema {
 }
 
 impl Schema {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Capture, Self::Setup, Self::Series, Self::Energy, Self::Log];
+
     /// Full name, package included.
     #[must_use]
     pub fn name(self) -> &'static str {

@@ -177,7 +177,7 @@ fn pulses_of_the_right_width_trigger() {
         ("POL NEGA;WHEN EQ;WID 2E-3", false),
     ] {
         let mut bench = armed();
-        bench.tell(&format!("TRIG:MAI:TYP PUL;PUL:WID:{}", settings));
+        bench.tell(&format!("TRIG:MAI:TYP PUL;PUL:WID:{settings}"));
         bench.wait(0.006);
         let mut signals = step(&bench.instrument);
         signals.volts[0].iter_mut().skip(2000).for_each(|volts| *volts = 0.0);
