@@ -219,7 +219,7 @@ impl Acquisition {
     fn complete(&mut self, panel: &Panel, records: Vec<Waveform>) {
         self.count = self.count.saturating_add(1);
         let averages = panel.acquire.mode == AcquireMode::Average;
-        let depth = if averages { panel.acquire.averages.number() } else { 1 };
+        let depth = if averages { panel.acquire.averages } else { 1 };
         for mut record in records {
             if averages
                 && let Source::Channel(number) = record.source

@@ -44,6 +44,8 @@ pub enum Event {
     QueryInterrupted,
     /// A reply was asked for where there is none.
     QueryUnterminated,
+    /// Replies grew beyond the output buffer.
+    QueryDeadlocked,
     /// A query after one whose reply has no known end.
     QueryAfterIndefinite,
     /// The record holds no full cycle.
@@ -125,6 +127,7 @@ impl Event {
             Self::OperationComplete => (402, "Operation complete"),
             Self::QueryInterrupted => (410, "Query INTERRUPTED"),
             Self::QueryUnterminated => (420, "Query UNTERMINATED"),
+            Self::QueryDeadlocked => (430, "Query DEADLOCKED"),
             Self::QueryAfterIndefinite => (440, "Query UNTERMINATED after indefinite response"),
             Self::NoPeriod => (2202, "Measurement error, No period found"),
             Self::NoCrossing => (2208, "Measurement error, No crossing found"),

@@ -81,7 +81,9 @@ impl Acquirer<'_> {
         let fallback = (self.setup.trigger.mode == TriggerMode::Auto)
             .then_some(Found { index: automatic, crossed: false });
         let Some(number) = self.panel.trigger.source.channel() else { return fallback };
-        let signal = signals.get(usize::from(number) - 1)?.as_ref()?;
+        let Some(signal) = signals.get(usize::from(number) - 1).and_then(Option::as_ref) else {
+            return fallback;
+        };
         let vertical = self.panel.channel(number).vertical;
         match self.panel.trigger.kind {
             TriggerType::Edge => {

@@ -22,4 +22,4 @@ pub mod setting;
 pub mod tree;
 pub mod value;
 
-pub use session::{Preferences, Reply, Session, Terminator};
+pub use session::{MAXIMUM_REPLY, Preferences, Reply, Session, Terminator};

@@ -36,12 +36,14 @@ pub fn measurement(value: f64) -> String {
     nr3(text.parse().unwrap_or(exact))
 }
 
-/// Reads a number, whole or with decimals and exponent, in any of the forms NR1 to NR3 (unit).
+/// Reads a number, whole or with decimals and exponent, in any of the forms NR1 to NR3, clamped to what single
+/// precision holds (unit).
 #[must_use]
 pub fn parse(text: &str) -> Option<f64> {
     let plain = text.bytes().all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b));
     let value: f64 = plain.then(|| text.parse().ok())??;
-    value.is_finite().then_some(value)
+    let largest = f64::from(f32::MAX);
+    value.is_finite().then_some(value.clamp(-largest, largest))
 }
 
 #[cfg(test)]

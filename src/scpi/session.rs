@@ -80,6 +80,9 @@ struct Progress {
     indefinite: bool,
 }
 
+/// Longest reply to one message. Where replies outgrow it, all of them and the rest of the message are lost.
+pub const MAXIMUM_REPLY: usize = 1 << 20;
+
 /// One connection.
 #[derive(Debug, Clone)]
 pub struct Session {
@@ -259,6 +262,11 @@ impl Session {
         let header = self.preferences.header || is_setup;
         let preferences = Preferences { header, ..self.preferences };
         progress.replies.push(reply::write(&answers, &preferences));
+        if progress.replies.iter().map(Vec::len).sum::<usize>() > MAXIMUM_REPLY {
+            progress.replies.clear();
+            progress.units.clear();
+            return Err(Event::QueryDeadlocked.into());
+        }
         progress.indefinite = matches!(found.row.header, "*IDN" | "ID");
         Ok(())
     }

@@ -20,53 +20,24 @@ words! {
         /// The end of one sequence.
         Sequence = "SEQuence",
     }
-
-    /// Records that make an average.
-    Averages {
-        /// Four.
-        Four = "4",
-        /// Sixteen.
-        Sixteen = "16",
-        /// Sixty-four.
-        SixtyFour = "64",
-        /// One hundred and twenty-eight.
-        OneHundredTwentyEight = "128",
-    }
 }
 
-impl Averages {
-    /// The choices as numbers.
-    pub const NUMBERS: [(Self, u32); 4] = [
-        (Self::Four, 4),
-        (Self::Sixteen, 16),
-        (Self::SixtyFour, 64),
-        (Self::OneHundredTwentyEight, 128),
-    ];
-
-    /// As a number.
-    #[must_use]
-    pub fn number(self) -> u32 {
-        Self::NUMBERS.iter().find(|(choice, _)| *choice == self).map_or(16, |(_, number)| *number)
-    }
-}
+/// Records that can make an average.
+pub const AVERAGES: [u32; 4] = [4, 16, 64, 128];
 
 /// The acquisition's part of the front panel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Acquire {
     /// Sample, peak detect or average.
     pub mode: AcquireMode,
-    /// Records in an average.
-    pub averages: Averages,
+    /// Records in an average, one of [`AVERAGES`].
+    pub averages: u32,
     /// What ends an acquisition.
     pub stop_after: StopAfter,
 }
 
 impl Default for Acquire {
     fn default() -> Self {
-        Self {
-            mode: AcquireMode::Sample,
-            averages: Averages::Sixteen,
-            stop_after: StopAfter::RunStop,
-        }
+        Self { mode: AcquireMode::Sample, averages: 16, stop_after: StopAfter::RunStop }
     }
 }

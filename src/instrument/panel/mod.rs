@@ -9,7 +9,7 @@ mod measurement;
 mod trigger;
 mod vertical;
 
-pub use acquire::{Acquire, AcquireMode, Averages, StopAfter};
+pub use acquire::{AVERAGES, Acquire, AcquireMode, StopAfter};
 pub use cursor::{BarUnits, Cursor, CursorFunction};
 pub use display::{Display, DisplayFormat, DisplayStyle, HardCopy, HardCopyFormat, Layout, Port};
 pub use horizontal::{Horizontal, View};

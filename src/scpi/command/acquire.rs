@@ -1,6 +1,6 @@
 //! Acquisition: `ACQuire`.
 
-use crate::instrument::panel::Averages;
+use crate::instrument::panel::AVERAGES;
 use crate::instrument::word::words;
 use crate::scpi::argument::{real, whole, word};
 use crate::scpi::message::Argument;
@@ -67,16 +67,14 @@ fn state(at: &mut At<'_>) -> Result<Value, Stop> {
 
 fn set_averages(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let asked = whole(arguments, 1, 1000)?;
-    let nearest = Averages::NUMBERS.iter().min_by_key(|(_, number)| number.abs_diff(asked));
-    if let Some((choice, _)) = nearest {
-        at.instrument.panel.acquire.averages = *choice;
-    }
+    let nearest = AVERAGES.iter().min_by_key(|number| number.abs_diff(asked));
+    at.instrument.panel.acquire.averages = nearest.copied().unwrap_or(asked);
     Ok(())
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
 fn averages(at: &mut At<'_>) -> Result<Value, Stop> {
-    Ok(Value::Integer(i64::from(at.instrument.panel.acquire.averages.number())))
+    Ok(Value::Integer(i64::from(at.instrument.panel.acquire.averages)))
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]

@@ -139,6 +139,17 @@ fn a_message_that_is_too_long_is_lost_and_the_next_is_not() {
     bench.transcript(&[("*ESR?", "8"), ("EVENT?", "363"), ("CH1:COUP?", "DC")]);
 }
 
+/// Output that outgrows its buffer is lost together with the rest of the message, as IEEE 488.2 says of a deadlock.
+#[test]
+fn replies_are_limited() {
+    let mut bench = Bench::new();
+    bench.quiet_record("DATA:WIDTH 2");
+    let most = hertzscope::scpi::MAXIMUM_REPLY / 5006;
+    bench.tell(&"CURVE?;".repeat(most + 2));
+    bench.transcript(&[("*ESR?", "4"), ("EVENT?", "430")]);
+    assert!(bench.bytes(&"CURVE?;".repeat(most)).len() > 5006 * most);
+}
+
 #[test]
 fn nothing_follows_the_identity() {
     let mut bench = Bench::new();
