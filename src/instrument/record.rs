@@ -1,8 +1,11 @@
 //! From volts at the inputs to records: conditioning, trigger, digitiser, peak detection.
 
+use std::borrow::Cow;
+use std::f64::consts::TAU;
+
 use super::panel::{AcquireMode, EdgeCoupling, Panel, PulsePolarity, PulseWhen, TriggerType};
 use crate::scope::acquire::{Found, digitise, find_trigger};
-use crate::scope::front_end::{condition, noise_stream};
+use crate::scope::front_end::{condition, high_pass, low_pass, noise_stream};
 use crate::scope::waveform::{HIGHEST_CODE, LOWEST_CODE};
 use crate::scope::{PointFormat, Setup, Source, TriggerMode, Waveform};
 
@@ -87,13 +90,30 @@ impl Acquirer<'_> {
         let vertical = self.panel.channel(number).vertical;
         match self.panel.trigger.kind {
             TriggerType::Edge => {
+                // Noise rejection asks for crossings twice as large.
                 let deaf = self.panel.trigger.coupling == EdgeCoupling::NoiseReject;
                 let scale = if deaf { 2.0 * vertical.scale } else { vertical.scale };
-                find_trigger(self.setup, scale, signal, automatic)
+                find_trigger(self.setup, scale, &self.coupled(signal), automatic)
             }
             TriggerType::Pulse => self.find_pulse(signal).or(fallback),
             // No input of this bench carries a video signal.
             TriggerType::Video => fallback,
+        }
+    }
+
+    /// The source as the edge trigger hears it.
+    fn coupled<'s>(&self, signal: &'s [f64]) -> Cow<'s, [f64]> {
+        let model = &self.setup.model;
+        let ratio = |corner: f64| TAU * corner * self.sample_interval();
+        match self.panel.trigger.coupling {
+            EdgeCoupling::Dc | EdgeCoupling::NoiseReject => signal.into(),
+            EdgeCoupling::Ac => high_pass(signal, ratio(model.ac_corner)).into(),
+            EdgeCoupling::LowFrequencyReject => {
+                high_pass(signal, ratio(model.low_frequency_reject)).into()
+            }
+            EdgeCoupling::HighFrequencyReject => {
+                low_pass(signal, ratio(model.high_frequency_reject)).into()
+            }
         }
     }
 

@@ -49,6 +49,8 @@ pub fn model(table: &Table<'_>) -> Option<Model> {
     let trigger_range = positive("trigger_range", Dimension::DIVISION);
     let trigger_hysteresis =
         number(table, "trigger_hysteresis", Dimension::DIVISION, Bound::NotNegative);
+    let high_frequency_reject = positive("high_frequency_reject", Dimension::FREQUENCY);
+    let low_frequency_reject = positive("low_frequency_reject", Dimension::FREQUENCY);
     let external_trigger_range = positive("external_trigger_range", Dimension::VOLTAGE);
     let event_queue = count(table, "event_queue", 2, LONGEST_QUEUE);
     if !named {
@@ -76,6 +78,8 @@ pub fn model(table: &Table<'_>) -> Option<Model> {
         ac_corner: ac_corner?,
         trigger_range: trigger_range?,
         trigger_hysteresis: trigger_hysteresis?,
+        high_frequency_reject: high_frequency_reject?,
+        low_frequency_reject: low_frequency_reject?,
         external_trigger_range: external_trigger_range?,
         event_queue: usize::try_from(event_queue?).ok()?,
     })

@@ -59,15 +59,17 @@ pub fn condition(
     signal
 }
 
-/// First-order high-pass; `ratio` is the interval over the time constant.
-fn high_pass(values: &[f64], ratio: f64) -> Vec<f64> {
+/// First-order high-pass; `ratio` is the interval over the time constant (V).
+#[must_use]
+pub fn high_pass(values: &[f64], ratio: f64) -> Vec<f64> {
     let slow = low_pass(values, ratio);
     values.iter().zip(slow).map(|(value, slow)| value - slow).collect()
 }
 
 /// First-order low-pass that starts settled: the exact response to straight lines between samples,
-/// `y[n] = x[n] - s + (y[n-1] - x[n-1] + s) exp(-r)`, `s = (x[n] - x[n-1])/r`.
-fn low_pass(values: &[f64], ratio: f64) -> Vec<f64> {
+/// `y[n] = x[n] - s + (y[n-1] - x[n-1] + s) exp(-r)`, `s = (x[n] - x[n-1])/r` (V).
+#[must_use]
+pub fn low_pass(values: &[f64], ratio: f64) -> Vec<f64> {
     let kept = (-ratio).exp();
     let mut before = values.first().copied().unwrap_or(0.0);
     let mut out = before;

@@ -45,6 +45,10 @@ pub struct Model {
     pub trigger_range: f64,
     /// How far a signal must have been on the other side of the level before a crossing counts (div).
     pub trigger_hysteresis: f64,
+    /// Corner above which the trigger's high-frequency rejection is deaf (Hz).
+    pub high_frequency_reject: f64,
+    /// Corner below which the trigger's low-frequency rejection is deaf (Hz).
+    pub low_frequency_reject: f64,
     /// Farthest trigger level at the external input; the input divided by five goes five times as far (V).
     pub external_trigger_range: f64,
     /// Events that wait at the remote interface before further ones are lost.

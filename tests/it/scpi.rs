@@ -8,6 +8,7 @@ mod acquisition;
 mod bench;
 mod clients;
 mod curve;
+mod impact;
 mod list;
 mod measurement;
 mod preamble;

@@ -85,7 +85,7 @@ pub const GROUP: Group = Group {
         Row::acts(
             "TRIGger:MAIn:EDGE:COUPling",
             &Words(|i, _| &mut i.panel.trigger.coupling),
-            "`DC` and `NOISErej` act; `AC`, `HFRej`, `LFRej` are kept",
+            "`DC`, `AC`, `HFRej`, `LFRej` or `NOISErej`",
         ),
         Row::acts(
             "TRIGger:MAIn:EDGE:SLOpe",

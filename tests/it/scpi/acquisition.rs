@@ -186,6 +186,39 @@ fn pulses_of_the_right_width_trigger() {
     }
 }
 
+/// A step of 2 V, and a peak of one sample, 4 us: what each coupling lets through to a level.
+#[test]
+fn the_trigger_is_deaf_as_its_coupling_says() {
+    for (settings, step_triggers, peak_triggers) in [
+        ("COUP DC;:TRIG:MAI:LEV 1.5", true, true),
+        // Corner 10 Hz: a step passes.
+        ("COUP AC;:TRIG:MAI:LEV 1.5", true, true),
+        // Corner 300 kHz: `(1 - exp(-7.5))/7.5` of a step that rises in one sample is 0.27 V.
+        ("COUP LFR;:TRIG:MAI:LEV 0.3", false, false),
+        ("COUP LFR;:TRIG:MAI:LEV 0.2", true, true),
+        // Corner 80 kHz: a step passes in the end, of the peak `1 - (1 - exp(-2))/2`, 1.14 V.
+        ("COUP HFR;:TRIG:MAI:LEV 1.5", true, false),
+        ("COUP HFR;:TRIG:MAI:LEV 1", true, true),
+        // Hysteresis of 0.4 div is 0.2 V: below a level of 0.15 V the signal has not been.
+        ("COUP NOISE;:TRIG:MAI:LEV 0.15", false, false),
+        ("COUP NOISE;:TRIG:MAI:LEV 0.25", true, true),
+        ("COUP DC;:TRIG:MAI:LEV 0.15", true, true),
+    ] {
+        for (peak, triggers) in [(false, step_triggers), (true, peak_triggers)] {
+            let mut bench = armed();
+            bench.tell(&format!("TRIG:MAI:EDGE:{settings}"));
+            bench.wait(0.006);
+            let mut signals = step(&bench.instrument);
+            if peak {
+                signals.volts[0].iter_mut().skip(1501).for_each(|volts| *volts = 0.0);
+            }
+            let found = bench.instrument.accept_signals(&signals);
+            let found = matches!(found, Accepted::Triggered { .. });
+            assert_eq!(found, triggers, "{settings}, peak: {peak}");
+        }
+    }
+}
+
 /// Captures of a finished run are shown as if just taken.
 #[test]
 fn captures_can_be_stored() {
