@@ -82,6 +82,7 @@ fn capture(capture: &Capture) -> Value {
         "clipped": waveform.clipped(),
         "model": capture.instrument.as_ref().map(|i| &i.model),
         "firmware": capture.instrument.as_ref().map(|i| &i.firmware),
+        "notes": capture.notes,
     })
 }
 

@@ -30,6 +30,8 @@ pub struct Capture {
     pub waveform: Waveform,
     /// The instrument; `None` where a file does not tell.
     pub instrument: Option<Instrument>,
+    /// What the file did not tell and had to be guessed, and what in it is suspicious; empty where there is nothing to say.
+    pub notes: Vec<String>,
 }
 
 /// Whether a capture comes from this program's bench or from a real one.

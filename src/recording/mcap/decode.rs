@@ -80,5 +80,6 @@ pub fn capture(message: &message::Capture) -> Result<Capture, String> {
             serial: message.serial.clone(),
             firmware: message.firmware.clone(),
         }),
+        notes: message.notes.clone(),
     })
 }

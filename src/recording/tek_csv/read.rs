@@ -224,5 +224,6 @@ fn capture(header: Header, codes: Vec<i16>) -> Capture {
             trigger_point: numbers.trigger_point,
         },
         instrument: Some(header.instrument),
+        notes: Vec::new(),
     }
 }
