@@ -111,12 +111,16 @@ fn import(files: &[PathBuf]) -> Result<TraceSet, OpenError> {
     let mut captures: Vec<Capture> = Vec::new();
     for file in files {
         let bytes = read_limited(file)?;
-        let capture = tek_csv::read(&bytes, &file.display().to_string())?;
-        let source = capture.waveform.source;
-        if captures.iter().any(|c| c.waveform.source == source) {
-            return Err(OpenError::SameChannel { file: file.clone(), channel: source.to_string() });
+        for capture in tek_csv::read_all(&bytes, &file.display().to_string())? {
+            let source = capture.waveform.source;
+            if captures.iter().any(|c| c.waveform.source == source) {
+                return Err(OpenError::SameChannel {
+                    file: file.clone(),
+                    channel: source.to_string(),
+                });
+            }
+            captures.push(capture);
         }
-        captures.push(capture);
         let name = file.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
         set.attachments.push(Attachment { name, media_type: "text/csv".to_owned(), data: bytes });
     }
