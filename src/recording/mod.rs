@@ -1,12 +1,15 @@
 //! Recordings: what the bench keeps. One file a format, one type for all of them.
 //!
-//! `experiment` fills a [`TraceSet`], [`mcap`] writes and reads it, `tek_csv` exchanges single captures with a
-//! real scope's files; `report`, `tui` and `analysis` read it.
+//! `experiment` fills a [`TraceSet`], [`mcap`] writes and reads it, [`tek_csv`] and [`isf`] exchange captures with
+//! a real scope's files, [`set_file`] adds the front panel beside them; `report`, `tui` and `analysis` read it.
 
 use std::collections::BTreeMap;
 
+mod command_text;
 pub mod format;
+pub mod isf;
 pub mod mcap;
+pub mod set_file;
 pub mod tek_csv;
 
 use crate::scope::Waveform;
