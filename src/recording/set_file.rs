@@ -91,7 +91,7 @@ impl SetFile {
                 let before = bytes.get(..found.offset).unwrap_or_default();
                 return Err(SetFileError::NoSetting {
                     file: file(),
-                    line: 1 + before.iter().filter(|byte| **byte == b'\n').count(),
+                    line: before.split(|byte| *byte == b'\n').count(),
                     offset: found.offset,
                     found: excerpt(bytes.get(found.offset..next).unwrap_or_default()),
                 });

@@ -8,13 +8,26 @@ use super::preamble::{self, Words};
 const CENTRE_OF_ONE_BYTE: i32 = 1 << 7;
 const CENTRE_OF_TWO_BYTES: i32 = 1 << 15;
 
+/// How a level is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Form {
+    /// As a number in words.
+    Words,
+    /// As one byte.
+    OneByte,
+    /// As two, the most significant first.
+    MostFirst,
+    /// As two, the least significant first.
+    LeastFirst,
+}
+
 /// How levels are encoded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Encoding {
-    words: bool,
+    form: Form,
+    /// Whether numbers in words go with two bytes a point.
     two_bytes: bool,
     positive: bool,
-    least_first: bool,
 }
 
 /// Levels as signed numbers.
@@ -45,12 +58,14 @@ impl Encoding {
             None if in_words => false,
             None => return Err(words.missing(preamble::BYTES)),
         };
-        Ok(Self {
-            words: in_words,
-            two_bytes,
-            positive: default(numbers, preamble::NUMBERS, "RI"),
-            least_first: two_bytes && default(order, preamble::BYTE_ORDER, "MSB"),
-        })
+        let least_first = two_bytes && default(order, preamble::BYTE_ORDER, "MSB");
+        let form = match (in_words, two_bytes, least_first) {
+            (true, ..) => Form::Words,
+            (false, false, _) => Form::OneByte,
+            (false, true, false) => Form::MostFirst,
+            (false, true, true) => Form::LeastFirst,
+        };
+        Ok(Self { form, two_bytes, positive: default(numbers, preamble::NUMBERS, "RI") })
     }
 
     /// The levels of the block at `start`.
@@ -61,13 +76,14 @@ impl Encoding {
         notes: &mut Vec<String>,
     ) -> Result<Levels, IsfError> {
         let start = words.block;
-        let codes = if self.words {
+        let in_words = self.form == Form::Words;
+        let codes = if in_words {
             numbers(words.file, bytes, start)?
         } else {
             self.split(words.file, bytes, block(words.file, bytes, start, notes)?)?
         };
         // Numbers in words are signed whatever BN_FMT says; seen on a TDS2024C.
-        let centre = match (self.positive && !self.words, self.two_bytes) {
+        let centre = match (self.positive && !in_words, self.two_bytes) {
             (false, _) => 0,
             (true, false) => CENTRE_OF_ONE_BYTE,
             (true, true) => CENTRE_OF_TWO_BYTES,
@@ -85,7 +101,7 @@ impl Encoding {
         let (offset, block) = (range.start, bytes.get(range).unwrap_or_default());
         // Counting from the lowest level instead of the centre flips the highest bit and nothing else.
         let (flip, wide_flip) = if self.positive { (0x80, 0x8000) } else { (0, 0) };
-        if !self.two_bytes {
+        if self.form == Form::OneByte {
             return Ok(block.iter().map(|b| i16::from((b ^ flip).cast_signed())).collect());
         }
         let (pairs, odd) = block.as_chunks::<2>();
@@ -97,11 +113,9 @@ impl Encoding {
                 expected: "an even number, two bytes a point".to_owned(),
             });
         }
-        let word = |pair: &[u8; 2]| match self.least_first {
-            true => u16::from_le_bytes(*pair),
-            false => u16::from_be_bytes(*pair),
-        };
-        Ok(pairs.iter().map(|pair| (word(pair) ^ wide_flip).cast_signed()).collect())
+        let join =
+            if self.form == Form::LeastFirst { u16::from_le_bytes } else { u16::from_be_bytes };
+        Ok(pairs.iter().map(|pair| (join(*pair) ^ wide_flip).cast_signed()).collect())
     }
 }
 

@@ -33,10 +33,10 @@ const CURVE: Key = Key("CURVE", 4);
 impl Key {
     /// Whether the last part of `header` names this key.
     fn is(self, header: &[u8]) -> bool {
-        let last = header.rsplit(|byte| *byte == b':').next().unwrap_or_default();
-        let Self(full, least) = self;
-        let fits = full.as_bytes().get(..last.len());
-        last.len() >= least && fits.is_some_and(|full| full.eq_ignore_ascii_case(last))
+        let part = header.rsplit(|byte| *byte == b':').next().unwrap_or_default();
+        let Self(full, shortest) = self;
+        let fits = full.as_bytes().get(..part.len());
+        part.len() >= shortest && fits.is_some_and(|full| full.eq_ignore_ascii_case(part))
     }
 
     pub(super) fn name(self) -> &'static str {
@@ -113,9 +113,9 @@ impl<'a> Words<'a> {
     ) -> Result<Option<T>, IsfError> {
         let Some((value, offset)) = self.entry(key) else { return Ok(None) };
         let upper = value.to_ascii_uppercase();
-        let is = |word: &str| match word.starts_with(|c: char| c.is_ascii_digit()) {
-            true => upper == word.as_bytes(),
-            false => upper.starts_with(word.as_bytes()),
+        let is = |word: &str| {
+            let whole = word.starts_with(|c: char| c.is_ascii_digit());
+            upper.starts_with(word.as_bytes()) && (!whole || upper.len() == word.len())
         };
         if let Some((_, choice)) = words.iter().find(|(word, _)| is(word)) {
             return Ok(Some(*choice));

@@ -41,7 +41,7 @@ pub(super) struct Cells<'a> {
     file: &'a str,
     line: usize,
     /// Content without quotes and padding, and the column where the cell begins, counted from 1.
-    cells: Vec<(&'a str, usize)>,
+    parts: Vec<(&'a str, usize)>,
     decimal_comma: bool,
 }
 
@@ -75,7 +75,7 @@ impl<'a> Table<'a> {
         Cells {
             file: self.file,
             line: index + 1,
-            cells: split(line, self.separator),
+            parts: split(line, self.separator),
             decimal_comma: self.decimal_comma,
         }
     }
@@ -86,22 +86,22 @@ impl<'a> Table<'a> {
             return false;
         }
         let row = self.row(index);
-        row.cells.iter().any(|(cell, _)| cell.contains(',') && printed(cell, true).is_some())
+        row.parts.iter().any(|(cell, _)| cell.contains(',') && printed(cell, true).is_some())
     }
 }
 
 impl<'a> Cells<'a> {
     /// Cell `index`, empty beyond the last.
     pub(super) fn text(&self, index: usize) -> &'a str {
-        self.cells.get(index).map(|(cell, _)| *cell).unwrap_or_default()
+        self.parts.get(index).map(|(cell, _)| *cell).unwrap_or_default()
     }
 
     pub(super) fn texts(&self) -> impl Iterator<Item = &'a str> + Clone + '_ {
-        self.cells.iter().map(|(cell, _)| *cell)
+        self.parts.iter().map(|(cell, _)| *cell)
     }
 
     pub(super) fn len(&self) -> usize {
-        self.cells.len()
+        self.parts.len()
     }
 
     pub(super) fn is_blank(&self) -> bool {
@@ -122,15 +122,16 @@ impl<'a> Cells<'a> {
         self.maybe_number(index).ok_or_else(|| TekCsvError::Field {
             place: self.place(index),
             found: excerpt(self.text(index)),
-            expected: match self.decimal_comma {
-                true => "a number with a decimal comma, as elsewhere in the file",
-                false => "a number",
+            expected: if self.decimal_comma {
+                "a number with a decimal comma, as elsewhere in the file"
+            } else {
+                "a number"
             },
         })
     }
 
     pub(super) fn place(&self, index: usize) -> Place {
-        let column = match (self.cells.get(index), self.cells.last()) {
+        let column = match (self.parts.get(index), self.parts.last()) {
             (Some((_, column)), _) => *column,
             (None, Some((cell, column))) => column + cell.chars().count(),
             (None, None) => 1,

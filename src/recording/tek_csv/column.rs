@@ -78,6 +78,19 @@ impl Column {
         fixed.max(floating) * (1.0 + 1e-6) + 4.0 * f64::EPSILON * value.abs()
     }
 
+    /// How many last digits make up `step`, if multiples of it are printed without rounding: a fixed number of
+    /// decimals, in which also the largest value has all of them, and a step that is a whole number of last digits.
+    pub(super) fn digits_of(&self, step: f64) -> Option<f64> {
+        let (low, high) = self.range();
+        let largest = low.abs().max(high.abs()).max(f64::MIN_POSITIVE);
+        #[allow(clippy::cast_possible_truncation, reason = "at most 308")]
+        let magnitude = largest.log10().floor() as i32;
+        let fixed = self.decimals <= self.digits.min(MOST_DIGITS) - 1 - magnitude;
+        let count = step / ten_to(-self.decimals);
+        let is_whole = count >= 0.5 && (count - count.round()).abs() <= 1e-6;
+        (fixed && is_whole).then(|| count.round())
+    }
+
     /// The largest tolerance of the column (unit).
     pub(super) fn largest_tolerance(&self) -> f64 {
         self.values.iter().map(|value| self.tolerance(*value)).fold(0.0, f64::max)

@@ -7,7 +7,8 @@
 //! 4. a grid of 16 bits over the range, with the largest error in a note.
 //!
 //! Only 1 and 2 are levels of a converter. Values are never forced onto a grid that misses them: rounding of
-//! more than a quarter of a level leaves more than one level possible, and rules a grid out.
+//! more than a quarter of a level leaves more than one level possible, and rules a grid out, unless a level is a
+//! whole number of last digits: then nothing was rounded (0.02 V at 0.5 V/div and two decimals).
 
 use super::column::{Column, one_two_five, ten_to};
 use crate::scope::waveform::LEVELS_PER_DIVISION;
@@ -16,6 +17,8 @@ use crate::scope::waveform::LEVELS_PER_DIVISION;
 const MOST_LEVELS: f64 = 65_000.0;
 /// How much of a level the printed digits may leave open.
 const QUARTER: f64 = 0.25;
+/// The same for a first guess, which `on_grid` judges: half a last digit of a level of two is just a quarter.
+const OF_A_GUESS: f64 = 0.3;
 /// What of a level means nothing.
 const NOTHING: f64 = 1e-6;
 /// A gap between neighbouring values is searched for levels up to this many.
@@ -72,16 +75,21 @@ impl Grid {
 fn on_grid(column: &Column, step: f64, evidence: Evidence) -> Option<Grid> {
     let (low, high) = column.range();
     let usable = step.is_finite() && step > 0.0 && high - low <= MOST_LEVELS * step;
-    if !usable || column.largest_tolerance() > QUARTER * step {
+    // That all values are multiples of one last digit shows nothing; of two or more, it does.
+    let least = if evidence == Evidence::Scale { 1.0 } else { 2.0 };
+    let exact = column.digits_of(step).is_some_and(|count| count >= least);
+    if !usable || !(exact || column.largest_tolerance() <= QUARTER * step) {
         return None;
     }
+    let tolerance =
+        |value| if exact { 4.0 * f64::EPSILON * f64::abs(value) } else { column.tolerance(value) };
     let first = column.values.first().copied().unwrap_or_default();
     [0.0, first].into_iter().find_map(|origin| {
-        let spare = if origin == 0.0 { 0.0 } else { column.tolerance(first) };
+        let spare = if origin == 0.0 { 0.0 } else { tolerance(first) };
         let index = |value: &f64| {
             let index = ((value - origin) / step).round();
             let off = (value - origin - index * step).abs();
-            (off <= column.tolerance(*value) + spare + NOTHING * step).then_some(whole(index))
+            (off <= tolerance(*value) + spare + NOTHING * step).then_some(whole(index))
         };
         let indices: Option<Vec<i64>> = column.values.iter().map(index).collect();
         indices.map(|indices| Grid { step, origin, indices, evidence })
@@ -93,7 +101,7 @@ fn from_gaps(column: &Column) -> Option<Grid> {
     let mut sorted = column.values.clone();
     sorted.sort_by(f64::total_cmp);
     let tolerance = column.largest_tolerance();
-    let mut gaps: Vec<f64> = sorted.windows(2).map(|pair| step_between(pair)).collect();
+    let mut gaps: Vec<f64> = sorted.windows(2).map(step_between).collect();
     gaps.retain(|gap| *gap > 2.0 * tolerance);
     let smallest = gaps.iter().copied().fold(f64::INFINITY, f64::min);
     if !smallest.is_finite() {
@@ -122,7 +130,7 @@ fn step_between(pair: &[f64]) -> f64 {
 
 /// A step near `guess`, from the whole range: the sum of the gaps over the sum of their levels.
 fn refined(gaps: &[f64], guess: f64, tolerance: f64) -> Option<f64> {
-    if tolerance > QUARTER * guess {
+    if tolerance > OF_A_GUESS * guess {
         return None;
     }
     let (mut levels, mut sum, mut step) = (0.0, 0.0, guess);
