@@ -259,7 +259,8 @@ impl SetFile {
 
 fn amount(value: f64, unit: &str) -> String {
     match unit {
-        "" => value.to_string(),
+        // Six decimals of a point or a ratio; the rest is round-off.
+        "" => ((value * 1e6).round() / 1e6).to_string(),
         _ => engineering(value, unit, 4),
     }
 }

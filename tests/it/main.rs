@@ -18,9 +18,11 @@ mod architecture;
 mod chains;
 mod conservation;
 mod golden;
+mod isf;
 mod order;
 mod physics;
 mod readme;
+mod set_file;
 mod tek_csv;
 #[cfg(feature = "tui")]
 mod tui;
