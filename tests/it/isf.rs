@@ -182,7 +182,7 @@ fn made_up(codes: Vec<i16>) -> Capture {
 }
 
 /// The preamble is what a TDS 2024 answered for these settings, fact sheet section 2.3, but for the channel and the
-/// byte order, which is that of RIBinary.
+/// byte order, which is that of `RIBinary`.
 #[test]
 fn the_preamble_is_the_instruments_own() {
     let capture = made_up((0..2500).map(|i| i16::try_from(i % 256 - 128).unwrap()).collect());
@@ -295,6 +295,10 @@ fn refusals_tell_byte_and_reason() {
     ] {
         assert_eq!(message(&bytes), wanted);
     }
+}
+
+#[test]
+fn what_cannot_be_held_is_refused() {
     let huge = vec![0; MAXIMUM_BYTES + 1];
     assert!(matches!(read(&huge, "a.isf"), Err(IsfError::TooLarge { .. })));
     let mut capture = made_up(Vec::new());

@@ -123,8 +123,8 @@ pub(super) fn one_two_five(value: f64, tolerance: f64) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::cells::Table;
     use super::*;
+    use crate::recording::tek_csv::cells::Table;
 
     fn column(text: &str) -> Column {
         let table = Table::new("a.csv", text).expect("short");
@@ -143,7 +143,7 @@ mod tests {
         // Six digits: 1.20479 is good to 5e-6, 0.000253912 to 5e-10.
         let floating = column("1.20479\n0.000253912\n");
         assert!((floating.tolerance(1.20479) - 5e-6).abs() < 1e-10);
-        assert!((floating.tolerance(0.000253912) - 5e-10).abs() < 1e-14);
+        assert!((floating.tolerance(0.000_253_912) - 5e-10).abs() < 1e-14);
     }
 
     #[test]

@@ -21,6 +21,7 @@ pub(super) fn read(table: &Table<'_>) -> Result<Vec<Capture>, TekCsvError> {
     let mut cells = (0..filled.len()).filter(|index| !filled.text(*index).is_empty());
     let Some(time) = cells.next() else { return Ok(Vec::new()) };
     let times = column(table, first, time)?;
+    let own_channel = Some(channel_in(table.file)).filter(|_| cells.clone().count() == 1).flatten();
     (1..)
         .zip(cells)
         .map(|(channel, cell)| {
@@ -33,12 +34,24 @@ pub(super) fn read(table: &Table<'_>) -> Result<Vec<Capture>, TekCsvError> {
                 None => draft.notes.push("the file has no header".to_owned()),
                 Some(names) => use_names(&mut draft, names, time, cell),
             }
+            if let Some(own) = own_channel.filter(|_| draft.source.is_none()) {
+                draft.notes.push(format!("source taken as {own} from the file's name"));
+                draft.source = Some(own);
+            }
             if table.decimal_comma {
                 draft.notes.push("numbers have a decimal comma".to_owned());
             }
             draft.capture(table.file, channel)
         })
         .collect()
+}
+
+/// The channel in a name that the instrument gave, `F0001CH2.CSV`.
+fn channel_in(file: &str) -> Option<Source> {
+    let name = file.rsplit(['/', '\\']).next().unwrap_or_default().to_ascii_uppercase();
+    let (_, rest) = name.rsplit_once("CH")?;
+    let number = rest.strip_suffix(".CSV")?;
+    Source::from_name(&format!("CH{number}"))
 }
 
 fn column(table: &Table<'_>, first: usize, cell: usize) -> Result<Column, TekCsvError> {
@@ -80,6 +93,13 @@ fn in_brackets(name: &str, units: &[&str]) -> Option<(String, i32)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn channels_in_file_names() {
+        assert_eq!(channel_in("lab/ALL0001/F0001CH2.CSV"), Some(Source::Channel(2)));
+        assert_eq!(channel_in("lab/CH2/TEK0001.CSV"), None);
+        assert_eq!(channel_in("march.csv"), None);
+    }
 
     #[test]
     fn units_in_brackets() {

@@ -218,6 +218,29 @@ fn samples_alone_are_read_with_every_guess_named() {
 }
 
 #[test]
+fn the_spacing_of_levels_tells_every_scale_of_the_family() {
+    for (scale, probe) in [2e-3, 5e-3, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0]
+        .into_iter()
+        .flat_map(|scale| [(scale, 1.0), (scale * 10.0, 10.0), (scale * 1000.0, 1000.0)])
+    {
+        let record = record(&Setup { scale, probe, ..COARSE }, ramp_after(&[], 2500));
+        let waveform = one(&headerless(&record)).waveform;
+        assert_eq!(waveform.vertical.scale, scale);
+        let off = |index| waveform.volts(index).unwrap() - record.waveform.volts(index).unwrap();
+        assert!((0..2500).all(|index| off(index).abs() < 1e-9 * scale), "{scale} V/div");
+    }
+}
+
+#[test]
+fn names_of_files_tell_the_channel_of_samples_alone() {
+    let captures = read_all(headerless(&coarse()).as_bytes(), "ALL0001/F0001CH3.CSV");
+    let capture = &captures.expect("readable")[0];
+    assert_eq!(capture.waveform.source, Source::Channel(3));
+    let named = "source taken as CH3 from the file's name";
+    assert!(capture.notes.iter().any(|note| note == named), "{:?}", capture.notes);
+}
+
+#[test]
 fn names_above_the_samples_tell_unit_and_channel() {
     let rows = "-1,100\n-0.5,140\n0,180\n0.5,100\n1,60\n";
     let found = one(&format!("Time (ms),CH2 (mV)\n{rows}"));
