@@ -19,11 +19,13 @@ mod chains;
 mod cli;
 mod conservation;
 mod golden;
+mod isf;
 mod order;
 mod physics;
 mod readme;
 mod recordings;
 mod scene;
+mod set_file;
 mod tek_csv;
 #[cfg(feature = "tui")]
 mod tui;
