@@ -85,7 +85,10 @@ impl SetFile {
         }
         let (mut at, mut settings) = (0, Vec::<Setting>::new());
         while let Some((found, next)) = command(bytes, at) {
-            let header = std::str::from_utf8(found.header).ok().filter(|text| is_header(text));
+            // The first setting starts at the root: that tells a set-up from any other text.
+            let starts = |text: &str| !settings.is_empty() || text.starts_with(':');
+            let header = std::str::from_utf8(found.header).ok();
+            let header = header.filter(|text| is_header(text) && starts(text));
             let value = std::str::from_utf8(found.value).ok().filter(|text| is_value(text));
             let (Some(header), Some(value)) = (header, value) else {
                 let before = bytes.get(..found.offset).unwrap_or_default();
