@@ -50,7 +50,8 @@ impl Model {
     #[must_use]
     #[allow(clippy::cast_precision_loss, reason = "a record has a few thousand points")]
     pub fn interval(&self, time_base: f64) -> f64 {
-        time_base * self.horizontal_divisions / self.record_length as f64
+        // As the instrument does it, time base over points in a division: the product would miss 1e-10 by an ulp.
+        time_base / (self.record_length as f64 / self.horizontal_divisions)
     }
 
     /// Time from one sample to the next: a record's interval, but no shorter than the converter's (s).

@@ -25,6 +25,7 @@ mod physics;
 mod readme;
 mod recordings;
 mod scene;
+mod scope;
 mod set_file;
 mod tek_csv;
 #[cfg(feature = "tui")]
