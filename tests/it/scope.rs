@@ -92,7 +92,7 @@ fn what_leaves_the_converter_is_clipped_and_told() {
     );
 }
 
-/// A 10x probe loads the sensor with 10 MOhm: ten times the time constant, hardly any droop.
+/// A 10x probe loads the sensor with ten megohms: ten times the time constant, hardly any droop.
 #[test]
 fn a_probe_takes_the_droop_away() {
     let outcome = with("[scope.ch2]\nprobe = 10\n");
