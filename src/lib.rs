@@ -6,12 +6,14 @@ pub mod chain;
 pub mod cli;
 pub mod data;
 pub mod experiment;
+pub mod instrument;
 pub mod integrate;
 pub mod quantity;
 pub mod recording;
 pub mod report;
 pub mod scene;
 pub mod scope;
+pub mod scpi;
 pub mod sensor;
 pub mod trace;
 #[cfg(feature = "tui")]

@@ -6,6 +6,8 @@ use crate::scope::Model;
 
 /// Most points that a record may have: what a scope of any make keeps in memory.
 const LONGEST_RECORD: u64 = 1_000_000;
+/// Most events that a remote interface may keep.
+const LONGEST_QUEUE: u64 = 1000;
 /// A time base that puts fewer points than this on the scene's duration shows nothing of it (1).
 const FEWEST_SAMPLES: f64 = 20.0;
 /// Most samples on the scene's duration: each place that is watched keeps them all, 160 MB (1).
@@ -28,6 +30,7 @@ pub fn model(table: &Table<'_>) -> Option<Model> {
     let name = text("name");
     let serial = text("serial");
     let firmware = text("firmware");
+    let interface = text("interface");
     let record_length = count(table, "record_length", 2, LONGEST_RECORD);
     let channels = count(table, "channels", 1, 4);
     let bandwidth = positive("bandwidth", Dimension::FREQUENCY);
@@ -46,6 +49,8 @@ pub fn model(table: &Table<'_>) -> Option<Model> {
     let trigger_range = positive("trigger_range", Dimension::DIVISION);
     let trigger_hysteresis =
         number(table, "trigger_hysteresis", Dimension::DIVISION, Bound::NotNegative);
+    let external_trigger_range = positive("external_trigger_range", Dimension::VOLTAGE);
+    let event_queue = count(table, "event_queue", 2, LONGEST_QUEUE);
     if !named {
         return None;
     }
@@ -53,6 +58,7 @@ pub fn model(table: &Table<'_>) -> Option<Model> {
         name: name?.to_owned(),
         serial: serial?.to_owned(),
         firmware: firmware?.to_owned(),
+        interface: interface?.to_owned(),
         channels: u8::try_from(channels?).ok()?,
         bandwidth: bandwidth?,
         limited_bandwidth: limited_bandwidth?,
@@ -70,6 +76,8 @@ pub fn model(table: &Table<'_>) -> Option<Model> {
         ac_corner: ac_corner?,
         trigger_range: trigger_range?,
         trigger_hysteresis: trigger_hysteresis?,
+        external_trigger_range: external_trigger_range?,
+        event_queue: usize::try_from(event_queue?).ok()?,
     })
 }
 

@@ -9,6 +9,8 @@ pub struct Model {
     pub serial: String,
     /// Firmware as its files write it.
     pub firmware: String,
+    /// The communication module with its version, as `*IDN?` writes it.
+    pub interface: String,
     /// Number of input channels.
     pub channels: u8,
     /// Analogue bandwidth (Hz).
@@ -43,6 +45,10 @@ pub struct Model {
     pub trigger_range: f64,
     /// How far a signal must have been on the other side of the level before a crossing counts (div).
     pub trigger_hysteresis: f64,
+    /// Farthest trigger level at the external input; the input divided by five goes five times as far (V).
+    pub external_trigger_range: f64,
+    /// Events that wait at the remote interface before further ones are lost.
+    pub event_queue: usize,
 }
 
 impl Model {

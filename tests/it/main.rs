@@ -26,6 +26,7 @@ mod readme;
 mod recordings;
 mod scene;
 mod scope;
+mod scpi;
 mod set_file;
 mod tek_csv;
 #[cfg(feature = "tui")]
