@@ -1,12 +1,15 @@
 //! Recordings: what the bench keeps. One file a format, one type for all of them.
 //!
-//! `experiment` fills a [`TraceSet`], [`mcap`] writes and reads it, `tek_csv` exchanges single captures with a
-//! real scope's files; `report`, `tui` and `analysis` read it.
+//! `experiment` fills a [`TraceSet`], [`mcap`] writes and reads it, [`tek_csv`] and [`isf`] exchange captures with
+//! a real scope's files, [`set_file`] adds the front panel beside them; `report`, `tui` and `analysis` read it.
 
 use std::collections::BTreeMap;
 
+mod command_text;
 pub mod format;
+pub mod isf;
 pub mod mcap;
+pub mod set_file;
 pub mod tek_csv;
 
 use crate::scope::Waveform;
@@ -30,6 +33,8 @@ pub struct Capture {
     pub waveform: Waveform,
     /// The instrument; `None` where a file does not tell.
     pub instrument: Option<Instrument>,
+    /// What the file did not tell and had to be guessed, and what in it is suspicious; empty where there is nothing to say.
+    pub notes: Vec<String>,
 }
 
 /// Whether a capture comes from this program's bench or from a real one.

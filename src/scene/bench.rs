@@ -86,6 +86,7 @@ fn channel_setup(
     let bandwidth_limited = table.flag("bandwidth_limit").or(Some(false));
     let inverted = table.flag("invert").or(Some(false));
     let input = table.text("input");
+    let offset = table.quantity("offset", Dimension::VOLTAGE, Bound::Any).unwrap_or(0.0);
     if let Some(name) = input.filter(|name| !sensors.contains(name)) {
         let expected = format!("a sensor: one of {}", sensors.join(", "));
         table.problem("input", format!("\"{name}\""), expected);
@@ -95,7 +96,7 @@ fn channel_setup(
     }
     let vertical =
         VerticalSetup { scale: scale?, position, coupling, bandwidth_limited, inverted, probe };
-    Some(ChannelSetup { vertical, input: input.map(ToOwned::to_owned) })
+    Some(ChannelSetup { vertical, input: input.map(ToOwned::to_owned), offset })
 }
 
 fn trigger_setup(

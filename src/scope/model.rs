@@ -60,7 +60,9 @@ impl Model {
     #[must_use]
     #[allow(clippy::cast_precision_loss, reason = "a record has a few thousand points")]
     pub fn interval(&self, time_base: f64) -> f64 {
-        time_base * self.horizontal_divisions / self.record_length as f64
+        let interval = time_base / (self.record_length as f64 / self.horizontal_divisions);
+        // The instrument's intervals are short decimals, which a binary quotient misses by an ulp: 25 ns / 250 is 0.1 ns.
+        format!("{interval:.11e}").parse().unwrap_or(interval)
     }
 
     /// Time from one sample to the next: a record's interval, but no shorter than the converter's (s).

@@ -10,6 +10,8 @@ pub struct ChannelSetup {
     pub vertical: VerticalSetup,
     /// Name of the sensor at its input; none leaves the input open, at zero volts.
     pub input: Option<String>,
+    /// What the channel's amplifier adds to every voltage: its offset error, at the probe's tip (V).
+    pub offset: f64,
 }
 
 /// Direction in which the signal crosses the trigger level.

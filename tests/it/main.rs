@@ -19,12 +19,15 @@ mod chains;
 mod cli;
 mod conservation;
 mod golden;
+mod isf;
 mod order;
 mod physics;
 mod readme;
 mod recordings;
 mod scene;
+mod scope;
 mod scpi;
+mod set_file;
 mod tek_csv;
 #[cfg(feature = "tui")]
 mod tui;

@@ -52,6 +52,7 @@ fn capture(source: Source, wide: bool, seed: i32) -> Capture {
             serial: "0".to_owned(),
             firmware: "FV:v4.12".to_owned(),
         }),
+        notes: vec!["a note".to_owned()],
     }
 }
 

@@ -143,7 +143,7 @@ impl Panel {
             let channel = self.channel(number);
             let on = channel.displayed || trigger_source == Some(number);
             let vertical: VerticalSetup = channel.vertical;
-            on.then_some(ChannelSetup { vertical, input: None })
+            on.then_some(ChannelSetup { vertical, input: None, offset: 0.0 })
         };
         Setup {
             model: model.clone(),

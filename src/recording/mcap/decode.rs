@@ -103,6 +103,7 @@ pub fn capture(message: &message::Capture) -> Result<Capture, String> {
             serial: message.serial.clone(),
             firmware: message.firmware.clone(),
         }),
+        notes: message.notes.clone(),
     })
 }
 

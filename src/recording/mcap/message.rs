@@ -88,6 +88,9 @@ pub struct Capture {
     /// Time of the trigger on the simulation's clock; absent for measurements (s).
     #[prost(double, optional, tag = "26")]
     pub trigger_time_s: Option<f64>,
+    /// What had to be guessed in the import, and what is suspicious.
+    #[prost(string, repeated, tag = "27")]
+    pub notes: Vec<String>,
 }
 
 /// The front panel at a trigger.

@@ -14,7 +14,7 @@ type Field = (&'static str, Type, Label);
 const SINGLE: Label = Label::Optional;
 const TIMESTAMP: Field = ("timestamp", Type::Message, SINGLE);
 
-const CAPTURE: [Field; 26] = [
+const CAPTURE: [Field; 27] = [
     TIMESTAMP,
     ("shot", Type::Uint32, SINGLE),
     ("source", Type::String, SINGLE),
@@ -41,6 +41,7 @@ const CAPTURE: [Field; 26] = [
     ("point_format", Type::String, SINGLE),
     ("x_unit", Type::String, SINGLE),
     ("trigger_time_s", Type::Double, SINGLE),
+    ("notes", Type::String, Label::Repeated),
 ];
 
 const SETUP: [Field; 3] =

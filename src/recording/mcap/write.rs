@@ -265,6 +265,7 @@ fn capture_message(shot: &Shot, capture: &Capture) -> message::Capture {
         point_format: preamble.pt_fmt.to_string(),
         x_unit: preamble.x_unit.clone(),
         trigger_time_s: shot.trigger_time,
+        notes: capture.notes.clone(),
     }
 }
 

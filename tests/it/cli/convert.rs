@@ -95,7 +95,7 @@ fn what_cannot_be_converted_is_refused() {
         ("none.mcap", "x.csv", &["none.mcap"]),
         ("bad.csv", "x.mcap", &["bad.csv"]),
         ("bad.mcap", "x.csv", &["bad.mcap", "MCAP"]),
-        ("empty", "x.mcap", &["empty", "no .csv file"]),
+        ("empty", "x.mcap", &["empty", "no .csv or .isf file"]),
         ("run.mcap", "bad.csv/x.mcap", &["bad.csv"]),
     ] {
         says(&refused(path, &["convert", input, output]), words);

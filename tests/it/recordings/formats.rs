@@ -41,6 +41,7 @@ fn channel(number: u8, scale: f64, position_levels: i16) -> Capture {
             serial: "C031611".to_owned(),
             firmware: "FV:v24.26".to_owned(),
         }),
+        notes: Vec::new(),
     }
 }
 
@@ -107,7 +108,8 @@ fn a_folder_is_one_trigger() {
     assert_eq!(set.shots[0].origin, Origin::Measured);
     assert_eq!(set.shots[0].captures, [channel(1, 1.0, 25), channel(2, 0.5, 0)]);
     let carried: Vec<&str> = set.attachments.iter().map(|a| a.name.as_str()).collect();
-    assert_eq!(carried, ["F0000CH1.CSV", "F0000CH2.CSV"]);
+    assert_eq!(carried, ["F0000CH1.CSV", "F0000CH2.CSV", "F0000TEK.SET"]);
+    assert_eq!(set.problems.len(), 1, "the text is no set-up: {:?}", set.problems);
     // A copy of the first channel under another name.
     std::fs::write(path("F0001CH1.CSV"), csv(&channel(1, 1.0, 25))).expect("a file");
     match open(folder.path()) {
