@@ -14,6 +14,7 @@
     reason = "small counts"
 )]
 
+mod analysis;
 mod architecture;
 mod chains;
 mod conservation;

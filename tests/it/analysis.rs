@@ -1,0 +1,5 @@
+//! Questions to signals, against closed forms, other people's numbers, and what the simulated bench knows.
+
+mod spectrum;
+mod spectrum_golden;
+mod time_frequency;
