@@ -2,6 +2,7 @@
 //!
 //! Exit code 0: done; 1: done, and the answer is no; 2: could not.
 
+mod arrivals;
 mod completions;
 mod convert;
 mod info;
@@ -9,6 +10,7 @@ mod man;
 mod progress;
 mod run;
 mod scenes;
+mod spectrum;
 #[cfg(feature = "tui")]
 mod view;
 
@@ -34,6 +36,8 @@ enum Command {
     Info(info::Arguments),
     Convert(convert::Arguments),
     Scenes(scenes::Arguments),
+    Spectrum(spectrum::Arguments),
+    Arrivals(arrivals::Arguments),
     #[cfg(feature = "tui")]
     View(view::Arguments),
     Completions(completions::Arguments),
@@ -48,6 +52,8 @@ pub fn main() -> ExitCode {
         Command::Info(arguments) => info::run(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),
         Command::Scenes(arguments) => scenes::run(&arguments),
+        Command::Spectrum(arguments) => spectrum::run(&arguments),
+        Command::Arrivals(arguments) => arrivals::run(&arguments),
         #[cfg(feature = "tui")]
         Command::View(arguments) => view::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),

@@ -5,10 +5,12 @@
 //! scope's record ends after the scene's duration, the chain simply moves on until the record is full.
 
 mod acquisition;
+pub mod arrivals;
 pub mod bench;
 pub mod facts;
 pub mod outcome;
 pub mod pulse;
+pub mod recorded;
 
 use std::time::Instant;
 

@@ -1,10 +1,21 @@
 //! Results as text and pictures for people.
 
+mod arrivals;
+mod chart;
 mod contents;
+pub mod plot;
 mod screen;
+pub mod spectrum;
 mod summary;
 mod table;
 
+pub use arrivals::arrivals;
+pub use chart::chart;
 pub use contents::contents;
 pub use screen::screen;
 pub use summary::summary;
+
+/// Text as SVG takes it.
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}

@@ -48,10 +48,22 @@ pub fn load(name: &str) -> Result<Loaded, SceneError> {
     })?;
     let stem = Path::new(name).file_stem().and_then(|s| s.to_str()).unwrap_or(name);
     let short = if origin == Origin::Embedded { name } else { stem };
+    assembled(short, text, &file, &origin)
+}
+
+/// Puts the scene `text`, which a recording carries as `file`, on what it stands on among the embedded files.
+///
+/// # Errors
+/// [`SceneError`] when the text is no TOML or stands on what is not there.
+pub fn load_text(name: &str, file: &str, text: &str) -> Result<Loaded, SceneError> {
+    assembled(name, text.to_owned(), file, &Origin::Embedded)
+}
+
+fn assembled(name: &str, text: String, file: &str, origin: &Origin) -> Result<Loaded, SceneError> {
     let mut library = Library { texts: Sha256::new() };
-    let root = library.assemble(&text, &file, &origin, 0)?;
+    let root = library.assemble(&text, file, origin, 0)?;
     let hash = library.texts.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
-    Ok(Loaded { name: short.to_owned(), text, hash, root })
+    Ok(Loaded { name: name.to_owned(), text, hash, root })
 }
 
 /// The tree of the instrument file `kind/name`, which `place` names.

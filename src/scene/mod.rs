@@ -63,7 +63,18 @@ impl Scene {
     /// # Errors
     /// [`SceneError`]: no such scene, not readable, or every problem found in it.
     pub fn load(name: &str) -> Result<Self, SceneError> {
-        let loaded = library::load(name)?;
+        Self::checked(library::load(name)?)
+    }
+
+    /// Reads a scene that came as text, such as the one that travels with a recording, as `file`.
+    ///
+    /// # Errors
+    /// As [`Scene::load`]; also where it stands on a file of another machine.
+    pub fn from_text(name: &str, file: &str, text: &str) -> Result<Self, SceneError> {
+        Self::checked(library::load_text(name, file, text)?)
+    }
+
+    fn checked(loaded: library::Loaded) -> Result<Self, SceneError> {
         let problems = Problems::default();
         let scene = read(loaded, &problems);
         let problems = problems.into_sorted();

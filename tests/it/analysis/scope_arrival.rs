@@ -4,24 +4,10 @@ use hertzscope::analysis::arrival::Estimator;
 use hertzscope::analysis::pulse::{Conditions, Pulse};
 use hertzscope::experiment::outcome::Reading;
 use hertzscope::experiment::{Integration, Outcome, run};
-use hertzscope::recording::Capture;
 use hertzscope::scene::{Scene, input_load};
-use hertzscope::trace::Trace;
 
 /// Runs of each scene, each with a seed of its own: other noise, another phase of the sample clock.
 const SEEDS: u64 = 200;
-
-/// Record of a capture in volts.
-fn volts(capture: &Capture) -> Trace {
-    let waveform = &capture.waveform;
-    Trace {
-        name: waveform.source.to_string(),
-        unit: "V".into(),
-        start: waveform.time(0),
-        interval: waveform.preamble.x_incr,
-        values: waveform.codes.iter().map(|code| waveform.volts_of(*code)).collect(),
-    }
-}
 
 /// One channel's arrival by one estimator: error and stated standard uncertainty (s).
 struct Error {
@@ -56,7 +42,8 @@ fn errors(scene: &Scene, outcome: &Outcome) -> Vec<Error> {
             time_constant: Some(circuit.time_constant),
             baseline: None,
         };
-        let pulse = Pulse::find(&volts(capture), conditions).expect("a pulse");
+        let pulse = Pulse::find(&capture.trace().expect("a record over time"), conditions)
+            .expect("a pulse");
         for estimator in [Estimator::HalfRise, Estimator::Peak, Estimator::TenPercent] {
             let found = pulse.arrival(estimator);
             let found = found.unwrap_or_else(|| panic!("{} {estimator}", reading.name));
