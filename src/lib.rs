@@ -7,6 +7,7 @@ pub mod cli;
 pub mod data;
 pub mod experiment;
 pub mod integrate;
+pub mod magnet;
 pub mod quantity;
 pub mod recording;
 pub mod report;

@@ -6,6 +6,7 @@ mod arrivals;
 mod completions;
 mod convert;
 mod info;
+mod magnet;
 mod man;
 mod progress;
 mod run;
@@ -38,6 +39,7 @@ enum Command {
     Scenes(scenes::Arguments),
     Spectrum(spectrum::Arguments),
     Arrivals(arrivals::Arguments),
+    Magnet(magnet::Arguments),
     #[cfg(feature = "tui")]
     View(view::Arguments),
     Completions(completions::Arguments),
@@ -54,6 +56,7 @@ pub fn main() -> ExitCode {
         Command::Scenes(arguments) => scenes::run(&arguments),
         Command::Spectrum(arguments) => spectrum::run(&arguments),
         Command::Arrivals(arguments) => arrivals::run(&arguments),
+        Command::Magnet(arguments) => magnet::run(&arguments),
         #[cfg(feature = "tui")]
         Command::View(arguments) => view::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),

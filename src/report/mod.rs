@@ -3,6 +3,7 @@
 mod arrivals;
 mod chart;
 mod contents;
+pub mod magnet;
 pub mod plot;
 mod screen;
 pub mod spectrum;

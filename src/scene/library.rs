@@ -83,6 +83,15 @@ pub fn instrument(kind: &str, name: &str, place: &Place, key: &str) -> Result<No
     }
 }
 
+/// The tree of an instrument file that a user names, by its name or path; none if there is no such file.
+///
+/// # Errors
+/// [`SceneError`] when it cannot be read or is no TOML.
+pub fn open(kind: &str, name: &str) -> Result<Option<Node>, SceneError> {
+    let found = find(kind, name, &Origin::Embedded)?;
+    found.map(|(text, file, _)| Node::parse(&file, &text).map_err(SceneError::Problems)).transpose()
+}
+
 struct Library {
     texts: Sha256,
 }

@@ -7,6 +7,7 @@ mod bench;
 mod bodies;
 pub mod document;
 mod library;
+pub mod magnets;
 pub mod problem;
 pub mod reader;
 

@@ -54,12 +54,13 @@ pub enum SceneError {
 }
 
 fn list(problems: &[Problem]) -> String {
-    let mut text = String::new();
-    for problem in problems {
-        text.push_str(&problem.to_string());
-        text.push('\n');
-    }
+    listed(problems, "the scene")
+}
+
+/// All problems of `what`, one a line, and how many there are.
+pub(super) fn listed(problems: &[Problem], what: &str) -> String {
+    let mut lines: Vec<String> = problems.iter().map(ToString::to_string).collect();
     let count = problems.len();
-    text.push_str(&format!("{count} problem{} in the scene", if count == 1 { "" } else { "s" }));
-    text
+    lines.push(format!("{count} problem{} in {what}", if count == 1 { "" } else { "s" }));
+    lines.join("\n")
 }

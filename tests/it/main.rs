@@ -19,6 +19,7 @@ mod architecture;
 mod chains;
 mod conservation;
 mod golden;
+mod magnet;
 mod order;
 mod physics;
 mod readme;

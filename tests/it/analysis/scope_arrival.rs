@@ -9,11 +9,11 @@ use hertzscope::scene::{Scene, input_load};
 /// Runs of each scene, each with a seed of its own: other noise, another phase of the sample clock.
 const SEEDS: u64 = 200;
 
-/// One channel's arrival by one estimator: error and stated standard uncertainty (s).
-struct Error {
+/// One channel's arrival by one estimator: its error and the stated standard uncertainty (s).
+struct Deviation {
     place: String,
     estimator: Estimator,
-    error: f64,
+    time: f64,
     stated: f64,
 }
 
@@ -27,7 +27,7 @@ fn truth(reading: &Reading, estimator: Estimator) -> Option<f64> {
     }
 }
 
-fn errors(scene: &Scene, outcome: &Outcome) -> Vec<Error> {
+fn errors(scene: &Scene, outcome: &Outcome) -> Vec<Deviation> {
     let shot = &outcome.shot;
     let trigger = shot.trigger_time.expect("a trigger");
     let readings = outcome.summary.sensors.iter().chain(&outcome.summary.wall);
@@ -48,10 +48,10 @@ fn errors(scene: &Scene, outcome: &Outcome) -> Vec<Error> {
             let found = pulse.arrival(estimator);
             let found = found.unwrap_or_else(|| panic!("{} {estimator}", reading.name));
             let exact = truth(reading, estimator).expect("a truth");
-            errors.push(Error {
+            errors.push(Deviation {
                 place: reading.name.clone(),
                 estimator,
-                error: found.value + trigger - exact,
+                time: found.value + trigger - exact,
                 stated: found.standard_uncertainty,
             });
         }
@@ -71,13 +71,13 @@ fn covered(name: &str, places: usize) {
     }
     let mut failed = Vec::new();
     for index in 0..3 * places {
-        let column: Vec<&Error> = all.iter().map(|errors| &errors[index]).collect();
-        let inside = column.iter().filter(|e| e.error.abs() <= 2.0 * e.stated).count();
-        let mean = |f: &dyn Fn(&Error) -> f64| {
+        let column: Vec<&Deviation> = all.iter().map(|errors| &errors[index]).collect();
+        let inside = column.iter().filter(|e| e.time.abs() <= 2.0 * e.stated).count();
+        let mean = |f: &dyn Fn(&Deviation) -> f64| {
             column.iter().map(|e| f(e)).sum::<f64>() / column.len() as f64
         };
-        let (bias, stated) = (mean(&|e| e.error), mean(&|e| e.stated));
-        let rms = mean(&|e| e.error * e.error).sqrt();
+        let (bias, stated) = (mean(&|e| e.time), mean(&|e| e.stated));
+        let rms = mean(&|e| e.time * e.time).sqrt();
         let share = inside as f64 / column.len() as f64;
         let line = format!(
             "{name} {:>5} {:<9} {:.1} % covered, bias {:+.2} us, rms {:.2} us, stated {:.2} us",
