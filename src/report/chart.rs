@@ -42,13 +42,18 @@ pub fn chart(curve: &Curve, title: &str, units: (&str, &str)) -> String {
         let _ =
             writeln!(svg, "<text x=\"-8\" y=\"{:.1}\" text-anchor=\"end\">{text}</text>", at + 4.0);
     }
-    for (place, name) in curve.marks.iter().filter(|(place, _)| (x0..=x1).contains(place)) {
+    let inside = curve.marks.iter().filter(|(place, _)| (x0..=x1).contains(place));
+    let mut line = 0.0;
+    for (place, name) in inside {
+        // Each name a line lower, so that marks close to each other stay readable.
+        line += 1.0;
         let at = x(*place);
         let _ = writeln!(
             svg,
             "<path d=\"M{at:.1} 0V{down}\" stroke=\"#c04020\" stroke-dasharray=\"5 4\"/>\n\
-             <text x=\"{:.1}\" y=\"14\" fill=\"#c04020\">{}</text>",
+             <text x=\"{:.1}\" y=\"{}\" fill=\"#c04020\">{}</text>",
             at + 4.0,
+            16.0 * line - 2.0,
             super::escape(name)
         );
     }
