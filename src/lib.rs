@@ -6,6 +6,7 @@ pub mod chain;
 pub mod cli;
 pub mod data;
 pub mod experiment;
+pub mod instrument;
 pub mod integrate;
 pub mod magnet;
 pub mod quantity;
@@ -13,6 +14,7 @@ pub mod recording;
 pub mod report;
 pub mod scene;
 pub mod scope;
+pub mod scpi;
 pub mod sensor;
 pub mod trace;
 #[cfg(feature = "tui")]

@@ -7,7 +7,7 @@ use super::hertz;
 pub enum Law {
     /// Hertz: `F = A overlap^1.5`, nothing once open.
     Hertz,
-    /// Hertz linearised about the static state, by [`LinearisedContacts`].
+    /// Hertz linearised about the static state, by [`super::LinearisedContacts`].
     Linearised,
 }
 

@@ -2,10 +2,10 @@
 
 use super::{Body, Chain, Contact, hertz};
 
-/// A step beyond which an explicit method cannot be stable.
+/// A step beyond which a method cannot be stable.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StabilityLimit {
-    /// `2/omega` of the fastest contact (s).
+    /// The longest step (s).
     pub step: f64,
     /// The body above that contact.
     pub upper: String,
@@ -34,11 +34,13 @@ impl Chain {
         most
     }
 
-    /// The longest step (s) that velocity Verlet could survive: `2/omega` of the fastest single contact, its two bodies taken
-    /// alone, at its static overlap or, next to a moving body, at the overlap of the coming collision. Necessary, not
-    /// sufficient: neighbours make the chain's highest frequency up to sqrt(2) higher.
+    /// The longest step that a method could survive whose longest stable step times angular frequency is `reach` (1).
+    ///
+    /// The frequency is that of the fastest single contact, its two bodies taken alone, at its static overlap or, next to a
+    /// moving body, at the overlap of the coming collision. Necessary, not sufficient: neighbours make the chain's highest
+    /// frequency up to sqrt(2) higher.
     #[must_use]
-    pub fn stability_limit(&self, velocity: &[f64]) -> Option<StabilityLimit> {
+    pub fn stability_limit(&self, velocity: &[f64], reach: f64) -> Option<StabilityLimit> {
         let mut fastest: Option<StabilityLimit> = None;
         for (j, contact) in self.contacts.iter().enumerate() {
             let sides = [j.checked_sub(1), Some(j)].map(|i| i.filter(|i| *i < self.bodies.len()));
@@ -52,11 +54,11 @@ impl Chain {
             let dynamic = hertz::collision_overlap(contact.stiffness, 1.0 / inverse, closing);
             let overlap = contact.static_overlap.max(dynamic);
             let omega = (hertz::tangent_stiffness(contact.stiffness, overlap) * inverse).sqrt();
-            if omega > 0.0 && fastest.as_ref().is_none_or(|f| 2.0 / omega < f.step) {
+            if omega > 0.0 && fastest.as_ref().is_none_or(|f| reach / omega < f.step) {
                 let name =
                     |body: Option<&Body>| body.map_or("the wall".to_owned(), |b| b.name.clone());
                 fastest = Some(StabilityLimit {
-                    step: 2.0 / omega,
+                    step: reach / omega,
                     upper: name(upper),
                     lower: name(lower),
                 });

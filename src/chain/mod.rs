@@ -13,6 +13,7 @@ pub mod effects;
 mod energy;
 pub mod hertz;
 mod impact;
+mod kernel;
 mod probe;
 mod system;
 

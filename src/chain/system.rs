@@ -1,21 +1,18 @@
 //! The chain as a system to integrate: a plan of plain arrays, made once before the first step.
 
-use super::{Chain, Law, hertz};
-use crate::integrate::{Scales, System};
+use super::kernel::{InstructionSet, Plan, accelerate};
+use super::{Chain, Contact, Law, hertz};
+use crate::integrate::{Scales, State, System};
 
-/// Contacts and masses laid out for the force loop. Bodies feel only changes against the static state, so constant
-/// loads have vanished from it but for what statics leaves over, the striker's weight.
+/// A chain ready to be integrated. Bodies feel only changes against the static state, so constant loads have vanished
+/// from the plan but for what statics leaves over, the striker's weight.
 #[derive(Debug, Clone)]
 pub struct ChainSystem {
-    law: Law,
-    /// `A` of each contact, or its tangent where contacts are linearised.
-    stiffness: Vec<f64>,
-    static_overlap: Vec<f64>,
-    static_root: Vec<f64>,
-    inverse_mass: Vec<f64>,
-    residual_acceleration: Vec<f64>,
-    /// Displacements with a resting ghost at each end, so that boundary contacts need no branch.
+    plan: Plan,
+    set: InstructionSet,
+    /// Displacements and velocities with a resting ghost at each end, so that boundary contacts need no branch.
     displacement: Vec<f64>,
+    velocity: Vec<f64>,
     force_change: Vec<f64>,
     /// Smallest meaningful overlap scale (m).
     overlap_floor: f64,
@@ -27,28 +24,26 @@ impl ChainSystem {
     pub fn new(chain: &Chain, initial_velocity: &[f64]) -> Self {
         let contacts = chain.contacts();
         let bodies = chain.bodies();
-        let law = if contacts.iter().any(|c| c.law == Law::Linearised) {
-            Law::Linearised
-        } else {
-            Law::Hertz
-        };
-        let stiffness = |contact: &super::Contact| match law {
+        let linearised = contacts.iter().any(|c| c.law == Law::Linearised);
+        let law = if linearised { Law::Linearised } else { Law::Hertz };
+        let stiffness = |contact: &Contact| match law {
             Law::Hertz => contact.stiffness,
             Law::Linearised => contact.static_stiffness(),
         };
-        Self {
+        let residual = chain.residual.iter().zip(bodies);
+        let plan = Plan {
             law,
             stiffness: contacts.iter().map(stiffness).collect(),
             static_overlap: contacts.iter().map(|c| c.static_overlap).collect(),
             static_root: contacts.iter().map(|c| c.static_overlap.sqrt()).collect(),
             inverse_mass: bodies.iter().map(|b| 1.0 / b.mass).collect(),
-            residual_acceleration: chain
-                .residual
-                .iter()
-                .zip(bodies)
-                .map(|(force, body)| force / body.mass)
-                .collect(),
+            residual_acceleration: residual.map(|(force, body)| force / body.mass).collect(),
+        };
+        Self {
+            plan,
+            set: InstructionSet::best(),
             displacement: vec![0.0; bodies.len() + 2],
+            velocity: vec![0.0; bodies.len() + 2],
             force_change: vec![0.0; contacts.len()],
             overlap_floor: chain.impact_overlap(initial_velocity),
         }
@@ -57,49 +52,47 @@ impl ChainSystem {
 
 impl System for ChainSystem {
     fn len(&self) -> usize {
-        self.inverse_mass.len()
+        self.plan.inverse_mass.len()
     }
 
     fn accelerations(&mut self, position: &[f64], _velocity: &[f64], acceleration: &mut [f64]) {
-        let n = self.inverse_mass.len();
-        self.displacement[1..=n].copy_from_slice(position);
-        let above = &self.displacement[..=n];
-        let below = &self.displacement[1..];
-        let changes = above.iter().zip(below).map(|(above, below)| above - below);
-        let contacts = self.force_change.iter_mut().zip(changes).zip(&self.stiffness);
-        match self.law {
-            Law::Hertz => {
-                for (((force, change), stiffness), root) in contacts.zip(&self.static_root) {
-                    *force = hertz::force_change(*stiffness, *root, change);
-                }
-            }
-            Law::Linearised => {
-                for ((force, change), stiffness) in contacts {
-                    *force = stiffness * change;
-                }
-            }
+        self.displacement[1..=position.len()].copy_from_slice(position);
+        let Self { plan, displacement, force_change, .. } = self;
+        accelerate(self.set, plan, displacement, force_change, acceleration);
+    }
+
+    fn jerks(&mut self, state: &State, jerk: &mut [f64]) -> bool {
+        let n = self.len();
+        self.displacement[1..=n].copy_from_slice(&state.position);
+        self.velocity[1..=n].copy_from_slice(&state.velocity);
+        let (x, v, plan) = (&self.displacement, &self.velocity, &self.plan);
+        for (j, rate) in self.force_change.iter_mut().enumerate() {
+            let overlap = plan.static_overlap[j] + x[j] - x[j + 1];
+            let stiffness = match plan.law {
+                Law::Hertz => hertz::tangent_stiffness(plan.stiffness[j], overlap),
+                Law::Linearised => plan.stiffness[j],
+            };
+            *rate = stiffness * (v[j] - v[j + 1]);
         }
-        let forces = self.force_change.iter().zip(&self.force_change[1..]);
-        let bodies = self.inverse_mass.iter().zip(&self.residual_acceleration);
-        for (a, ((above, below), (inverse_mass, residual))) in
-            acceleration.iter_mut().zip(forces.zip(bodies))
+        let rates = self.force_change.iter().zip(&self.force_change[1..]);
+        for (jerk, ((above, below), inverse_mass)) in
+            jerk.iter_mut().zip(rates.zip(&plan.inverse_mass))
         {
-            *a = (above - below) * inverse_mass + residual;
+            *jerk = (above - below) * inverse_mass;
         }
+        true
     }
 
     fn scales(&self, position: &[f64], velocity: &[f64]) -> Scales {
-        let n = self.inverse_mass.len();
-        let at = |index: usize| {
-            if index == 0 || index > n { 0.0 } else { position[index - 1] }
-        };
+        let above = std::iter::once(&0.0).chain(position);
+        let below = position.iter().chain([&0.0]);
+        let contacts = self.plan.stiffness.iter().zip(&self.plan.static_overlap);
         let mut overlap = self.overlap_floor;
-        for (j, (stiffness, static_overlap)) in
-            self.stiffness.iter().zip(&self.static_overlap).enumerate()
-        {
-            if *stiffness > 0.0 {
-                // A gap's width is no overlap: count an open contact as having lost its static one.
-                overlap = overlap.max((at(j) - at(j + 1)).max(-static_overlap).abs());
+        for ((above, below), (stiffness, static_overlap)) in above.zip(below).zip(contacts) {
+            // A gap's width is no overlap: count an open contact as having lost its static one.
+            let change = (above - below).max(-static_overlap).abs();
+            if *stiffness > 0.0 && change > overlap {
+                overlap = change;
             }
         }
         let speed = velocity.iter().fold(0.0, |most: f64, v| most.max(v.abs()));

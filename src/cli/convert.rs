@@ -6,16 +6,16 @@ use anyhow::{Context as _, bail};
 use clap::Args;
 
 use crate::recording::format::open;
-use crate::recording::{Shot, TraceSet, mcap, tek_csv};
+use crate::recording::{Capture, Shot, TraceSet, isf, mcap, tek_csv};
 use crate::report;
 use crate::scope::Source;
 
-/// Convert between recordings (.mcap) and TDS2000 files (.csv, or folders ALL0000 with one file a channel), or draw (.svg)
+/// Convert between recordings (.mcap) and TDS2000 files (.csv, .isf, or folders ALL0000 with one file a channel), or draw (.svg)
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A recording (.mcap), a TDS2000 file (.csv), or a folder of them
+    /// A recording (.mcap), a scope's file (.csv, .isf), or a folder of them
     input: PathBuf,
-    /// A recording (.mcap), one file (.csv) for a single capture, a picture of the first shot (.svg), or a folder in which
+    /// A recording (.mcap), one file (.csv, .isf) for a single capture, a picture of the first shot (.svg), or a folder in which
     /// ALL0000, ALL0001, ... are made
     output: PathBuf,
     /// Do not name the files written
@@ -29,6 +29,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         eprintln!("warning: {}: {problem}", arguments.input.display());
     }
     let output = &arguments.output;
+    let same = |input: PathBuf| std::fs::canonicalize(output).is_ok_and(|output| output == input);
+    if std::fs::canonicalize(&arguments.input).is_ok_and(same) && output.is_file() {
+        bail!("{}: found the input as the output, expected another file", output.display());
+    }
     let extension = output.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     let written = match extension.as_deref() {
         Some("mcap") => {
@@ -36,10 +40,11 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             vec![output.clone()]
         }
         Some("csv") => csv_file(&set, output)?,
+        Some("isf") => isf_file(&set, output)?,
         Some("svg") => picture(&set, output)?,
         None => folders(&set, output)?,
         Some(other) => bail!(
-            "{}: found the ending .{other}, expected .mcap, .csv, .svg, or a folder",
+            "{}: found the ending .{other}, expected .mcap, .csv, .isf, .svg, or a folder",
             output.display()
         ),
     };
@@ -60,6 +65,20 @@ fn picture(set: &TraceSet, file: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let title = facts.and_then(|facts| facts.get("title")).map_or("", String::as_str);
     let svg = report::screen(shot, title);
     std::fs::write(file, svg).with_context(|| file.display().to_string())?;
+    Ok(vec![file.to_owned()])
+}
+
+/// The single capture of a set.
+fn isf_file(set: &TraceSet, file: &Path) -> anyhow::Result<Vec<PathBuf>> {
+    let captures: Vec<&Capture> = set.shots.iter().flat_map(|shot| &shot.captures).collect();
+    let [capture] = captures.as_slice() else {
+        bail!(
+            "found {} captures, expected one: an .isf file holds a single channel",
+            captures.len()
+        );
+    };
+    let bytes = isf::write(capture, isf::Width::One)?;
+    std::fs::write(file, bytes).with_context(|| file.display().to_string())?;
     Ok(vec![file.to_owned()])
 }
 

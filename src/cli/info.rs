@@ -10,10 +10,10 @@ use crate::recording::{Capture, Origin, Shot, TraceSet};
 use crate::report;
 use crate::trace::Trace;
 
-/// Show what is in a recording or a scope's CSV file
+/// Show what is in a recording or a scope's file
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A recording (.mcap), a TDS2000 file (.csv), or a folder of them
+    /// A recording (.mcap), a scope's file (.csv, .isf), or a folder of them
     file: PathBuf,
     /// Print as JSON
     #[arg(long)]
@@ -82,6 +82,7 @@ fn capture(capture: &Capture) -> Value {
         "clipped": waveform.clipped(),
         "model": capture.instrument.as_ref().map(|i| &i.model),
         "firmware": capture.instrument.as_ref().map(|i| &i.firmware),
+        "notes": capture.notes,
     })
 }
 

@@ -5,6 +5,7 @@
 mod arrivals;
 mod completions;
 mod convert;
+mod cost;
 mod info;
 mod magnet;
 mod man;
@@ -36,6 +37,7 @@ enum Command {
     Run(run::Arguments),
     Info(info::Arguments),
     Convert(convert::Arguments),
+    Cost(cost::Arguments),
     Scenes(scenes::Arguments),
     Spectrum(spectrum::Arguments),
     Arrivals(arrivals::Arguments),
@@ -53,6 +55,7 @@ pub fn main() -> ExitCode {
         Command::Run(arguments) => run::run(&arguments),
         Command::Info(arguments) => info::run(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),
+        Command::Cost(arguments) => cost::run(&arguments),
         Command::Scenes(arguments) => scenes::run(&arguments),
         Command::Spectrum(arguments) => spectrum::run(&arguments),
         Command::Arrivals(arguments) => arrivals::run(&arguments),

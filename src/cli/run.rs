@@ -1,12 +1,15 @@
 //! `hertzscope run`: scene in, recording and summary out.
 
+use std::fs::OpenOptions;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use anyhow::bail;
+use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
 
 use super::progress::Progress;
 use crate::experiment::{self, Integration, facts};
+use crate::integrate::Method;
 use crate::quantity::{Dimension, parse};
 use crate::recording::mcap::RecordingWriter;
 use crate::report;
@@ -18,7 +21,7 @@ pub struct Arguments {
     /// A scene that ships with the program (see `hertzscope scenes`), or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
     scene: String,
-    /// Recording to write, overwriting what is there [default: <SCENE>.mcap, numbered if that exists]
+    /// Recording to write, overwriting what is there; without it SCENE.mcap, numbered if that exists
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Relative error allowed in first-peak forces and times, e.g. 1e-6 [default: the scene's]
@@ -46,6 +49,20 @@ pub struct Arguments {
 enum ByHand {
     /// Order 2, symplectic
     VelocityVerlet,
+    /// Order 4, symplectic
+    Pefrl,
+    /// Order 6, symplectic
+    BlanesMoan,
+}
+
+impl ByHand {
+    fn with(self, step: f64) -> Method {
+        match self {
+            Self::VelocityVerlet => Method::VelocityVerlet { step },
+            Self::Pefrl => Method::Pefrl { step },
+            Self::BlanesMoan => Method::BlanesMoan { step },
+        }
+    }
 }
 
 fn accuracy(text: &str) -> Result<f64, String> {
@@ -70,40 +87,87 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut scene = Scene::load(&arguments.scene)?;
     scene.seed = arguments.seed.unwrap_or(scene.seed);
     let integration = match (arguments.method, arguments.step) {
-        (Some(ByHand::VelocityVerlet), Some(step)) => Integration::FixedStep(step),
+        (Some(method), Some(step)) => Integration::Method(method.with(step)),
         _ => Integration::Accuracy(arguments.accuracy.unwrap_or(scene.accuracy)),
     };
     let known = facts::facts(&scene, integration)?;
-    let output = match &arguments.output {
-        Some(output) if output.extension().is_none_or(|e| e != "mcap") => {
-            bail!(
-                "{}: found no .mcap at the end, expected the name of a recording (see `hertzscope convert` for CSV)",
-                output.display()
-            )
-        }
-        Some(output) => output.clone(),
-        None => free_name(&scene.name),
-    };
     // Before the work, so that a folder that cannot be written to costs no simulation.
-    let mut writer = RecordingWriter::create(&output, &known, &[facts::scene_attachment(&scene)])?;
+    let output = Output::open(arguments.output.as_deref(), &scene.name)?;
+    let attachments = [facts::scene_attachment(&scene)];
+    let create = || RecordingWriter::create(&output.file, &known, &attachments);
+    // A new file tells at once what it will be; one that is there keeps what it has until there is something new.
+    let early = if output.new { Some(create().inspect_err(|_| output.give_up())?) } else { None };
     let mut progress = Progress::new(&scene.name, arguments.quiet);
     let outcome = experiment::run(&scene, integration, 1, &mut |share| progress.at(share));
     progress.done();
-    let outcome = outcome?;
+    let outcome = match outcome {
+        Ok(outcome) => outcome,
+        Err(error) => {
+            drop(early);
+            output.give_up();
+            return Err(error.into());
+        }
+    };
+    let mut writer = early.map_or_else(create, Ok)?;
     writer.add(&outcome.shot, &facts::shot_notes(&scene, &outcome))?;
     writer.finish()?;
     if arguments.json {
         super::print(&serde_json::to_string_pretty(&outcome.summary)?)?;
     } else if !arguments.quiet {
         super::print(&report::summary(&outcome.summary))?;
-        super::print(&format!("  recording   {}", output.display()))?;
+        super::print(&format!("  recording   {}", output.file.display()))?;
     }
     Ok(())
 }
 
-/// `<name>.mcap`, or the first of `<name>-2.mcap`, `<name>-3.mcap`, ... that does not exist: nothing is lost.
-fn free_name(name: &str) -> PathBuf {
-    let first = PathBuf::from(format!("{name}.mcap"));
-    let numbered = (2..).map(|number| PathBuf::from(format!("{name}-{number}.mcap")));
-    std::iter::once(first).chain(numbered).find(|path| !Path::exists(path)).unwrap_or_default()
+/// Where the recording goes: known to be writable, and what was there is kept until there is something new.
+struct Output {
+    file: PathBuf,
+    /// Whether the file was made for this run.
+    new: bool,
+}
+
+impl Output {
+    /// Opens `named`, or the first of `<scene>.mcap`, `<scene>-2.mcap`, ... that does not exist: nothing is lost.
+    fn open(named: Option<&Path>, scene: &str) -> anyhow::Result<Self> {
+        let Some(file) = named else {
+            let numbered = (2..).map(|number| PathBuf::from(format!("{scene}-{number}.mcap")));
+            for file in std::iter::once(PathBuf::from(format!("{scene}.mcap"))).chain(numbered) {
+                match OpenOptions::new().write(true).create_new(true).open(&file) {
+                    Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+                    opened => {
+                        opened.with_context(|| file.display().to_string())?;
+                        return Ok(Self { file, new: true });
+                    }
+                }
+            }
+            bail!("found no free name for a recording of {scene}");
+        };
+        let shown = || file.display().to_string();
+        if file.extension().is_none_or(|extension| extension != "mcap") {
+            bail!(
+                "{}: found no .mcap at the end, expected the name of a recording (see `hertzscope convert` for CSV)",
+                shown()
+            );
+        }
+        if let Some(folder) = file.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+            std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+        }
+        let new = !file.exists();
+        OpenOptions::new()
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(file)
+            .with_context(shown)?;
+        Ok(Self { file: file.to_owned(), new })
+    }
+
+    /// Takes the file away if there is nothing to go into it; what was there before stays as it was.
+    fn give_up(&self) {
+        if self.new {
+            // The run has failed already: that is what the user has to hear.
+            let _ = std::fs::remove_file(&self.file);
+        }
+    }
 }

@@ -71,6 +71,7 @@ pub fn record(
     let capture = |number: u8, channel: &ChannelSetup, signal: &[f64], found: Found| Capture {
         waveform: digitise(setup, Source::Channel(number), channel, signal, found.index),
         instrument: Some(instrument.clone()),
+        notes: Vec::new(),
     };
     let channels = (1..).zip(setup.channels.iter().zip(&signals));
     let captures = found.map_or_else(Vec::new, |found| {

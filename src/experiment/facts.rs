@@ -21,7 +21,7 @@ pub fn facts(scene: &Scene, integration: Integration) -> Result<Facts, RunError>
     let method = method(scene, integration)?;
     let accuracy = match integration {
         Integration::Accuracy(accuracy) => format!("{accuracy:e}"),
-        Integration::FixedStep(step) => format!("step {step:e} s by hand"),
+        Integration::Method(_) => "by hand".to_owned(),
     };
     let on: Vec<String> =
         effects(scene).into_iter().map(|(name, set)| format!("{name} ({set})")).collect();

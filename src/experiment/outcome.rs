@@ -2,8 +2,10 @@
 
 use serde::Serialize;
 
+use super::paper::PaperSpeed;
 use super::pulse::{FOOT, HALF_RISE, Peak, PulseRecorder};
 use crate::chain::{Chain, Energy};
+use crate::quantity::engineering;
 use crate::scene::{PlacedSensor, Scene, Site};
 
 /// Summary of a run.
@@ -49,6 +51,8 @@ pub struct Summary {
     pub wall: Option<Reading>,
     /// Speeds between pairs of particles with sensors, by every estimator.
     pub speeds: Vec<Speed>,
+    /// What the paper prints for this scene, from particle 14 to 27.
+    pub paper: Option<PaperSpeed>,
     /// Whether the scope triggered, and when.
     pub trigger: TriggerReport,
     /// What the user should know about this run.
@@ -197,6 +201,11 @@ pub fn effects(scene: &Scene) -> Vec<(String, String)> {
     let off_centre = |sensor: &&PlacedSensor| sensor.offset != 0.0 && sensor.site != Site::Wall;
     if let Some(sensor) = scene.sensors.iter().find(off_centre) {
         effects.push(("sensor_offset".to_owned(), format!("{} and maybe others", sensor.name)));
+    }
+    let mut channels = scene.scope.channels.iter().flatten();
+    if let Some(channel) = channels.find(|channel| channel.offset != 0.0) {
+        let volts = engineering(channel.offset, "V", 3);
+        effects.push(("scope_offset".to_owned(), format!("{volts} on the first channel with one")));
     }
     if scene.scope.noise > 0.0 {
         effects.push(("scope_noise".to_owned(), format!("{} div rms", scene.scope.noise)));

@@ -6,9 +6,9 @@ use serde::Serialize;
 use crate::chain::{ForceProbe, ForceSegment};
 use crate::integrate::Integrator;
 
-/// A step is looked at in this many places for a change of slope; steps of either method resolve the stiffest
-/// contact, so a force turns at most once between two looks.
-const LOOKS_PER_STEP: u8 = 8;
+/// A step is looked at in this many places for a change of slope. Steps resolve the stiffest contact, or they would not
+/// be accepted, so a force turns at most once between two looks.
+const LOOKS_PER_STEP: u8 = 4;
 /// A peak counts when it exceeds this share of the record's largest dynamic force (1).
 const PEAK_SHARE: f64 = 0.25;
 /// Share of the first peak at which a pulse is said to arrive by its half-rise (1).
@@ -71,10 +71,11 @@ impl PulseRecorder {
                 self.peaks.push((segment.start + top * segment.length, force));
                 reached = reached.max(force);
             }
-            reached = reached.max(segment.force(theta));
             self.rate_before = rate;
             theta_before = theta;
         }
+        // Between its peaks a force is largest at an end of the step.
+        reached = reached.max(segment.force(1.0));
         if reached > self.largest {
             self.largest = reached;
             self.rises.push(Rise { segment: segment.clone(), reached });

@@ -4,15 +4,22 @@
 //! [`Interpolant`], so that nothing downstream depends on where the integrator put its steps. The
 //! equations are autonomous: no method sees the time but for bookkeeping.
 
+pub mod blanes_moan;
+mod control;
+pub mod dormand_el_mikkawy_prince_64;
+pub mod dormand_el_mikkawy_prince_86;
 pub mod dormand_prince_853;
+pub mod hermite;
 pub mod interpolant;
+mod method;
+pub mod nystrom;
+pub mod pefrl;
+pub mod splitting;
 pub mod velocity_verlet;
-
-use std::fmt;
 
 pub use dormand_prince_853::DormandPrince853;
 pub use interpolant::Interpolant;
-pub use velocity_verlet::VelocityVerlet;
+pub use method::Method;
 
 /// A mechanical system of `len` coordinates.
 pub trait System {
@@ -26,6 +33,12 @@ pub trait System {
 
     /// Writes the accelerations (m/s²) for the given positions (m) and velocities (m/s).
     fn accelerations(&mut self, position: &[f64], velocity: &[f64], acceleration: &mut [f64]);
+
+    /// Writes the rates of the accelerations (m/s³) and returns true, or false where they are not known.
+    fn jerks(&mut self, state: &State, jerk: &mut [f64]) -> bool {
+        let _ = (state, jerk);
+        false
+    }
 
     /// The distance (m) and speed (m/s) to which a relative error in this state refers: what the user reads is
     /// a contact's overlap, not the drift of the whole chain.
@@ -68,7 +81,7 @@ pub struct Work {
 pub enum IntegrateError {
     /// A position or velocity is infinite or not a number.
     #[error(
-        "the state of body {body} stopped being a number at t = {time:e} s: the step is too long for this chain"
+        "the state of body {body} stopped being a number at t = {time:e} s: the step is too long, or the scene beyond what numbers hold"
     )]
     NotFinite {
         /// Index of the first such body.
@@ -86,67 +99,6 @@ pub enum IntegrateError {
         /// Step that was asked for (s).
         step: f64,
     },
-}
-
-/// The methods a scene or a user may name.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Method {
-    /// Velocity Verlet with a fixed step: order 2, symplectic.
-    VelocityVerlet {
-        /// The step (s).
-        step: f64,
-    },
-    /// Dormand and Prince's embedded Runge-Kutta pair of orders 8(5,3) with error control.
-    DormandPrince853 {
-        /// Tolerated error of a step, relative to [`Scales`] (1).
-        tolerance: f64,
-    },
-}
-
-impl Method {
-    /// Name as written in scenes, options and recordings.
-    #[must_use]
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::VelocityVerlet { .. } => VelocityVerlet::NAME,
-            Self::DormandPrince853 { .. } => DormandPrince853::NAME,
-        }
-    }
-
-    /// Publication that defines the method.
-    #[must_use]
-    pub fn source(&self) -> &'static str {
-        match self {
-            Self::VelocityVerlet { .. } => VelocityVerlet::SOURCE,
-            Self::DormandPrince853 { .. } => DormandPrince853::SOURCE,
-        }
-    }
-
-    /// Starts the method on `system` at `state`.
-    #[must_use]
-    pub fn start<'a>(
-        &self,
-        system: Box<dyn System + 'a>,
-        state: State,
-    ) -> Box<dyn Integrator + 'a> {
-        match *self {
-            Self::VelocityVerlet { step } => Box::new(VelocityVerlet::new(system, state, step)),
-            Self::DormandPrince853 { tolerance } => {
-                Box::new(DormandPrince853::new(system, state, tolerance))
-            }
-        }
-    }
-}
-
-impl fmt::Display for Method {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::VelocityVerlet { step } => write!(f, "{} (step {step:e} s)", self.name()),
-            Self::DormandPrince853 { tolerance } => {
-                write!(f, "{} (step tolerance {tolerance:.1e})", self.name())
-            }
-        }
-    }
 }
 
 /// A method at work on a system.
@@ -172,6 +124,13 @@ pub trait Integrator {
 
     /// What it has cost so far.
     fn work(&self) -> Work;
+}
+
+impl Scales {
+    /// Whether errors can be measured by them.
+    fn are_finite(&self) -> bool {
+        self.position.is_finite() && self.velocity.is_finite()
+    }
 }
 
 /// Index of the first body whose state is not finite.

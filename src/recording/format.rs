@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use super::isf::{self, IsfError};
 use super::mcap::{self, ReadError};
+use super::set_file::{self, SetFile};
 use super::tek_csv::{self, TekCsvError};
 use super::{Attachment, Capture, Origin, Shot, TraceSet};
 
@@ -11,8 +13,10 @@ use super::{Attachment, Capture, Origin, Shot, TraceSet};
 pub enum Format {
     /// This program's recordings.
     Mcap,
-    /// One channel of a TDS2000.
+    /// One channel of a TDS2000, or what other programs and models make of it.
     TekCsv,
+    /// One channel as an instrument sends it.
+    Isf,
     /// A folder of such files, as the scope makes for one trigger: `ALL0000`.
     Folder,
 }
@@ -26,6 +30,9 @@ pub enum OpenError {
     /// Not a TDS2000 file.
     #[error(transparent)]
     TekCsv(#[from] TekCsvError),
+    /// Not an ISF file.
+    #[error(transparent)]
+    Isf(#[from] IsfError),
     /// The file or folder could not be read.
     #[error("{file}: {source}")]
     File {
@@ -36,14 +43,16 @@ pub enum OpenError {
     },
     /// The name tells no format.
     #[error(
-        "{file}: found no known format, expected .mcap, .csv, or a folder of .csv files as the scope saves them"
+        "{file}: found no known format, expected .mcap, .csv, .isf, or a folder of .csv files as the scope saves them"
     )]
     UnknownFormat {
         /// The file.
         file: PathBuf,
     },
     /// A folder without a single capture.
-    #[error("{file}: found no .csv file in this folder, expected at least one, e.g. F0000CH1.CSV")]
+    #[error(
+        "{file}: found no .csv or .isf file in this folder, expected at least one, e.g. F0000CH1.CSV"
+    )]
     EmptyFolder {
         /// The folder.
         file: PathBuf,
@@ -66,20 +75,21 @@ impl Format {
         match extension.as_deref() {
             Some("mcap") => Some(Self::Mcap),
             Some("csv") => Some(Self::TekCsv),
+            Some("isf") => Some(Self::Isf),
             _ if path.is_dir() => Some(Self::Folder),
             _ => None,
         }
     }
 }
 
-/// Opens a recording, a scope's CSV file, or a folder of them.
+/// Opens a recording, a scope's CSV or ISF file, or a folder of them.
 ///
 /// # Errors
 /// [`OpenError`] with the file and what is wrong with it.
 pub fn open(path: &Path) -> Result<TraceSet, OpenError> {
     match Format::of(path) {
         Some(Format::Mcap) => Ok(mcap::read(path)?),
-        Some(Format::TekCsv) => import(&[path.to_owned()]),
+        Some(Format::TekCsv | Format::Isf) => import(&[path.to_owned()]),
         Some(Format::Folder) => folder(path),
         None if path.exists() => Err(OpenError::UnknownFormat { file: path.to_owned() }),
         None => {
@@ -91,18 +101,44 @@ pub fn open(path: &Path) -> Result<TraceSet, OpenError> {
 
 fn folder(path: &Path) -> Result<TraceSet, OpenError> {
     let failed = |source| OpenError::File { file: path.to_owned(), source };
-    let mut files = Vec::new();
+    let (mut files, mut set_ups) = (Vec::new(), Vec::new());
     for entry in std::fs::read_dir(path).map_err(failed)? {
         let file = entry.map_err(failed)?.path();
-        if Format::of(&file) == Some(Format::TekCsv) {
+        if matches!(Format::of(&file), Some(Format::TekCsv | Format::Isf)) {
             files.push(file);
+        } else if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("set")) {
+            set_ups.push(file);
         }
     }
     if files.is_empty() {
         return Err(OpenError::EmptyFolder { file: path.to_owned() });
     }
     files.sort();
-    import(&files)
+    let mut set = import(&files)?;
+    match set_ups.as_slice() {
+        [] => {}
+        [file] => complete(&mut set, file)?,
+        several => set.problems.push(format!(
+            "{}: found {} .SET files and used none, expected one",
+            path.display(),
+            several.len()
+        )),
+    }
+    Ok(set)
+}
+
+/// Adds what the front panel's file tells.
+fn complete(set: &mut TraceSet, file: &Path) -> Result<(), OpenError> {
+    let bytes = read_limited(file, set_file::MAXIMUM_BYTES)?;
+    match SetFile::read(&bytes, &file.display().to_string()) {
+        Ok(set_up) => {
+            let captures = set.shots.iter_mut().flat_map(|shot| &mut shot.captures);
+            captures.for_each(|capture| set_up.complete(capture));
+        }
+        Err(error) => set.problems.push(error.to_string()),
+    }
+    set.attachments.push(attachment(file, "text/plain", bytes));
+    Ok(())
 }
 
 /// One measured shot from files of one trigger; each file travels along as it was.
@@ -110,15 +146,23 @@ fn import(files: &[PathBuf]) -> Result<TraceSet, OpenError> {
     let mut set = TraceSet::default();
     let mut captures: Vec<Capture> = Vec::new();
     for file in files {
-        let bytes = read_limited(file)?;
-        let capture = tek_csv::read(&bytes, &file.display().to_string())?;
-        let source = capture.waveform.source;
-        if captures.iter().any(|c| c.waveform.source == source) {
-            return Err(OpenError::SameChannel { file: file.clone(), channel: source.to_string() });
+        let name = file.display().to_string();
+        let (found, bytes, media_type) = if Format::of(file) == Some(Format::Isf) {
+            let bytes = read_limited(file, isf::MAXIMUM_BYTES)?;
+            (vec![isf::read(&bytes, &name)?], bytes, "application/octet-stream")
+        } else {
+            let bytes = read_limited(file, tek_csv::MAXIMUM_BYTES)?;
+            (tek_csv::read_all(&bytes, &name)?, bytes, "text/csv")
+        };
+        for capture in found {
+            let source = capture.waveform.source;
+            if captures.iter().any(|c| c.waveform.source == source) {
+                let (file, channel) = (file.clone(), source.to_string());
+                return Err(OpenError::SameChannel { file, channel });
+            }
+            captures.push(capture);
         }
-        captures.push(capture);
-        let name = file.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-        set.attachments.push(Attachment { name, media_type: "text/csv".to_owned(), data: bytes });
+        set.attachments.push(attachment(file, media_type, bytes));
     }
     captures.sort_by_key(|capture| capture.waveform.source);
     set.shots.push(Shot {
@@ -132,12 +176,17 @@ fn import(files: &[PathBuf]) -> Result<TraceSet, OpenError> {
     Ok(set)
 }
 
+fn attachment(file: &Path, media_type: &str, data: Vec<u8>) -> Attachment {
+    let name = file.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    Attachment { name, media_type: media_type.to_owned(), data }
+}
+
 /// The file's bytes, at most one more than the reader takes, so that it can refuse what is too large.
-fn read_limited(file: &Path) -> Result<Vec<u8>, OpenError> {
+fn read_limited(file: &Path, most: usize) -> Result<Vec<u8>, OpenError> {
     use std::io::Read as _;
     let failed = |source| OpenError::File { file: file.to_owned(), source };
     let mut bytes = Vec::new();
-    let limit = tek_csv::MAXIMUM_BYTES as u64 + 1;
+    let limit = most as u64 + 1;
     std::fs::File::open(file)
         .map_err(failed)?
         .take(limit)

@@ -1,12 +1,15 @@
 //! Recordings: what the bench keeps. One file a format, one type for all of them.
 //!
-//! `experiment` fills a [`TraceSet`], [`mcap`] writes and reads it, `tek_csv` exchanges single captures with a
-//! real scope's files; `report`, `tui` and `analysis` read it.
+//! `experiment` fills a [`TraceSet`], [`mcap`] writes and reads it, [`tek_csv`] and [`isf`] exchange captures with
+//! a real scope's files, [`set_file`] adds the front panel beside them; `report`, `tui` and `analysis` read it.
 
 use std::collections::BTreeMap;
 
+mod command_text;
 pub mod format;
+pub mod isf;
 pub mod mcap;
+pub mod set_file;
 pub mod tek_csv;
 
 use crate::scope::Waveform;
@@ -30,6 +33,8 @@ pub struct Capture {
     pub waveform: Waveform,
     /// The instrument; `None` where a file does not tell.
     pub instrument: Option<Instrument>,
+    /// What the file did not tell and had to be guessed, and what in it is suspicious; empty where there is nothing to say.
+    pub notes: Vec<String>,
 }
 
 impl Capture {
@@ -96,6 +101,8 @@ pub struct TraceSet {
     pub attachments: Vec<Attachment>,
     /// Lines of the log, in order of time.
     pub log: Vec<String>,
+    /// What a recording keeps of each shot beside captures and truth, by the shot's number; its lines stand in `log` too.
+    pub notes: BTreeMap<u32, mcap::ShotNotes>,
     /// What a reader could not make sense of, and passed over; empty for a sound file.
     pub problems: Vec<String>,
 }

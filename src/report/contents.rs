@@ -53,6 +53,10 @@ fn shot_lines(shot: &Shot) -> Vec<String> {
     rows.extend(shot.captures.iter().map(capture_row));
     let mut lines = vec![format!("shot {}, {origin}", shot.number)];
     lines.extend(table::lines(&rows, &[0]));
+    for capture in &shot.captures {
+        let source = capture.waveform.source;
+        lines.extend(capture.notes.iter().map(|note| format!("  {source}: {note}")));
+    }
     if !shot.truth.is_empty() {
         lines.push(format!("  and {} series of what no sensor saw", shot.truth.len()));
     }

@@ -9,12 +9,14 @@ mod screen;
 pub mod spectrum;
 mod summary;
 mod table;
+mod work_precision;
 
 pub use arrivals::arrivals;
 pub use chart::chart;
 pub use contents::contents;
 pub use screen::screen;
 pub use summary::summary;
+pub use work_precision::{work_precision, work_precision_svg};
 
 /// Text as SVG takes it.
 fn escape(text: &str) -> String {

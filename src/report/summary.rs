@@ -13,6 +13,14 @@ pub fn summary(summary: &Summary) -> String {
         lines.push(String::new());
         lines.extend(speeds(&summary.speeds));
     }
+    if let Some(paper) = &summary.paper {
+        lines.push(format!(
+            "  the paper, 14 -> 27: {} measured, {} calculated (Table {}; estimator not stated)",
+            engineering(paper.experiment_m_per_s, "m/s", 3),
+            engineering(paper.numerics_m_per_s, "m/s", 3),
+            paper.table
+        ));
+    }
     lines.push(String::new());
     lines.extend(costs(summary));
     for note in &summary.notes {

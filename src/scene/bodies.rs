@@ -1,13 +1,10 @@
 //! Materials, particles, chain and striker: the part of a scene that moves.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::library;
 use super::reader::{Bound, Problems, Table};
-use crate::chain::{
-    Body, Chain, ChainSpec, EffectsSpec, Elasticity, End, Gravity, LinearisedContacts,
-    MagnetPreload,
-};
+use crate::chain::{Body, Chain, ChainError, ChainSpec, Elasticity, End};
 use crate::quantity::Dimension;
 
 /// Most particles a chain may have: memory and time stay within what one machine offers.
@@ -68,6 +65,11 @@ fn body(table: &Table<'_>, name: &str, materials: &Materials<'_>, shaped: bool) 
     let read = if shaped { Table::required } else { Table::quantity };
     let diameter = read(table, "diameter", Dimension::LENGTH, Bound::Positive);
     let height = table.quantity("height", Dimension::LENGTH, Bound::Positive);
+    // Without its shape, a body would look flat or round where it is neither.
+    let unread = |key, value: Option<f64>| value.is_none() && table.has(key);
+    if unread("diameter", diameter) || unread("height", height) || (shaped && diameter.is_none()) {
+        return None;
+    }
     let (length, curvature) = match (diameter, height) {
         (_, Some(height)) => (height, 0.0),
         (Some(diameter), None) => (diameter, 2.0 / diameter),
@@ -98,22 +100,34 @@ pub fn striker(root: &Table<'_>, materials: &Materials<'_>) -> Option<Striker> {
 pub struct Particles {
     /// Bodies from the top; a kind that could not be read is missing.
     pub bodies: Vec<Body>,
-    /// Kind of each place, from the top.
+    /// Kind of each place, from the top; empty where a segment could not be read.
     pub kinds: Vec<String>,
 }
 
+/// Largest number that a particle may have in a chain of `particles`, 0 where that is not known.
+pub fn last_particle(particles: usize) -> u64 {
+    if particles == 0 { MOST_PARTICLES as u64 } else { particles as u64 }
+}
+
 /// Reads `[particles.<kind>]` and `[chain]` with its segments.
-pub fn particles(root: &Table<'_>, chain: &Table<'_>, materials: &Materials<'_>) -> Particles {
+pub fn particles(
+    root: &Table<'_>,
+    chain: Option<&Table<'_>>,
+    materials: &Materials<'_>,
+) -> Particles {
     let mut kinds = BTreeMap::new();
     for (name, table) in root.tables("particles") {
         kinds.insert(name, body(&table, name, materials, true));
         table.finish();
     }
     let mut particles = Particles { bodies: Vec::new(), kinds: Vec::new() };
+    let mut complete = true;
+    let Some(chain) = chain else { return particles };
     for segment in chain.list("segments") {
         let repeat = segment.count("repeat", 1, MOST_PARTICLES as u64);
-        let repeat = usize::try_from(repeat.unwrap_or(1)).unwrap_or(1);
         let names = segment.texts("particles");
+        complete &= (repeat.is_some() || !segment.has("repeat")) && !names.is_empty();
+        let repeat = repeat.and_then(|repeat| usize::try_from(repeat).ok()).unwrap_or(1);
         for (name, place) in &names {
             if !kinds.contains_key(name) {
                 let known: Vec<&str> = kinds.keys().copied().collect();
@@ -122,11 +136,9 @@ pub fn particles(root: &Table<'_>, chain: &Table<'_>, materials: &Materials<'_>)
             }
         }
         if particles.kinds.len() + repeat.saturating_mul(names.len()) > MOST_PARTICLES {
-            segment.problem(
-                "repeat",
-                "a longer chain",
-                format!("at most {MOST_PARTICLES} particles"),
-            );
+            let expected = format!("at most {MOST_PARTICLES} particles");
+            segment.problem("repeat", "a longer chain", expected);
+            complete = false;
         } else {
             for _ in 0..repeat {
                 for (name, _) in &names {
@@ -135,13 +147,17 @@ pub fn particles(root: &Table<'_>, chain: &Table<'_>, materials: &Materials<'_>)
                 }
             }
         }
-        if names.is_empty() {
+        if !segment.has("particles") || segment.is_empty_list("particles") {
             segment.problem("particles", "no particles", "a list of kinds of particles");
         }
         segment.finish();
     }
-    if particles.kinds.is_empty() {
+    if !chain.has("segments") || chain.is_empty_list("segments") {
         chain.problem("segments", "no particles", "at least one [[chain.segments]]");
+    }
+    if !complete {
+        // How long the chain was meant to be is not known, so nothing can be said against a particle's number.
+        particles.kinds.clear();
     }
     particles
 }
@@ -179,44 +195,18 @@ pub fn end(chain: &Table<'_>, key: &'static str, materials: &Materials<'_>) -> O
     found
 }
 
-/// Reads `[effects]`, the noise of the scope excepted.
-pub fn effects(effects: Option<&Table<'_>>, particles: usize) -> EffectsSpec {
-    let mut spec = EffectsSpec::default();
-    let Some(effects) = effects else { return spec };
-    if let Some(table) = effect(effects, "gravity") {
-        let acceleration = table.required("acceleration", Dimension::ACCELERATION, Bound::Any);
-        spec.gravity = acceleration.map(|acceleration| Gravity { acceleration });
-        table.finish();
+/// Refuses a preload at the bottom: there the loads above decide what the wall bears.
+pub fn no_preload_at_the_bottom(chain: &Table<'_>) {
+    let bottom = chain.node("bottom").map(|node| &node.value);
+    let Some(super::document::Value::Table(table)) = bottom else { return };
+    if let Some(entry) = table.get("preload") {
+        let found = "a preload of the wall at the bottom".to_owned();
+        let expected = "a preload of a wall at the top, or { force = \"<force>\" } there";
+        chain.problem_at(&entry.node.place, "bottom.preload", found, expected.to_owned());
     }
-    if let Some(table) = effect(effects, "linearised_contacts") {
-        spec.linearised_contacts = Some(LinearisedContacts);
-        table.finish();
-    }
-    if let Some(table) = effect(effects, "magnet_preload") {
-        let _ = (table.text("model"), table.text("source"));
-        let force = table.required("force", Dimension::FORCE, Bound::NotNegative);
-        if !table.has("particle") {
-            table.problem("particle", "no such key", "the particle that the magnet pulls, e.g. 1");
-        }
-        let particle = table.count("particle", 1, particles.max(1) as u64);
-        let particle = particle.and_then(|p| usize::try_from(p).ok());
-        spec.magnet_preload =
-            force.zip(particle).map(|(force, particle)| MagnetPreload { force, particle });
-        table.finish();
-    }
-    spec
 }
 
-/// The table of an effect; `false` in its place switches off what a base scene switched on.
-pub fn effect<'a>(effects: &Table<'a>, name: &'static str) -> Option<Table<'a>> {
-    let node = effects.node(name)?;
-    if matches!(node.value, super::document::Value::Flag(false)) {
-        return None;
-    }
-    effects.table(name)
-}
-
-/// Initial velocity of each body (m/s): the striker's, and `[[initial_velocities]]`.
+/// Initial velocity of each body: the striker's, and `[[initial_velocities]]` (m/s).
 pub fn initial_velocities(
     root: &Table<'_>,
     striker: Option<&Striker>,
@@ -227,18 +217,32 @@ pub fn initial_velocities(
     if let (Some(striker), Some(velocity)) = (striker, velocities.first_mut()) {
         *velocity = striker.speed;
     }
+    let mut given = BTreeSet::new();
+    let mut all_read = particles > 0;
     for table in root.list("initial_velocities") {
         if !table.has("particle") {
             table.problem("particle", "no such key", "a particle, counted from 1 at the top");
         }
-        let particle = table.count("particle", 1, particles.max(1) as u64);
+        let particle = table.count("particle", 1, last_particle(particles));
+        if let Some(number) = particle.filter(|number| !given.insert(*number)) {
+            let found = format!("a second velocity of particle {number}");
+            table.problem("particle", found, "one velocity for each particle");
+        }
         let velocity = table.required("velocity", Dimension::SPEED, Bound::Any);
         let place = particle.and_then(|p| usize::try_from(p).ok()).map(|p| p - 1 + first);
-        if let (Some(velocity), Some(slot)) = (velocity, place.and_then(|p| velocities.get_mut(p)))
-        {
-            *slot = velocity;
+        match (velocity, place.and_then(|p| velocities.get_mut(p))) {
+            (Some(velocity), Some(slot)) => *slot = velocity,
+            _ => all_read = false,
         }
         table.finish();
+    }
+    let still = velocities.iter().all(|v| *v == 0.0) && !root.has("striker");
+    if still && (all_read || !root.has("initial_velocities")) {
+        root.problem(
+            "initial_velocities",
+            "nothing that moves",
+            "[striker] or [[initial_velocities]]",
+        );
     }
     velocities
 }
@@ -252,7 +256,12 @@ pub fn assemble(spec: &ChainSpec, chain: &Table<'_>) -> Option<Chain> {
             let (found, expected) =
                 text.split_once(", expected ").unwrap_or((&text, "another chain"));
             let found = found.strip_prefix("found ").unwrap_or(found);
-            chain.problem("segments", found, expected);
+            let key = match error {
+                ChainError::StrikerBehindWall => "top",
+                ChainError::Unbalanced { .. } => "bottom",
+                _ => "segments",
+            };
+            chain.problem(key, found, expected);
             None
         }
     }

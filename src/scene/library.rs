@@ -3,6 +3,8 @@
 //! A name is looked up among the embedded files; a text with a path separator or ending in `.toml` is a file, relative to
 //! the one that names it.
 
+use std::fmt::Write as _;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
@@ -14,9 +16,16 @@ use crate::data;
 /// A scene may stand on a scene that stands on a scene; deeper is a mistake or a circle.
 const DEEPEST_BASE: usize = 8;
 
+/// Largest file that is read as a scene or an instrument: ten thousand times what ships (bytes).
+const LARGEST_TEXT: u64 = 16 * 1024 * 1024;
+
 /// Tables that may name an instrument file in `model`, and the folder it lies in.
 const MODELS: [(&str, &str); 3] =
     [("striker", "strikers"), ("scope", ""), ("magnet_preload", "magnets")];
+
+/// Keys that name a file of constants, and the folder it lies in.
+const CONSTANTS: [(&str, &str); 3] =
+    [("material", "materials"), ("wall", "materials"), ("ceramic", "piezoceramics")];
 
 /// Where a file was found.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -36,6 +45,8 @@ pub struct Loaded {
     pub hash: String,
     /// The merged tree.
     pub root: Node,
+    /// Instrument files that are not there or no TOML; one that ships stands in for each, so that the rest can be checked.
+    pub problems: Vec<Problem>,
 }
 
 /// Loads scene `name`, an embedded one or a path.
@@ -60,10 +71,14 @@ pub fn load_text(name: &str, file: &str, text: &str) -> Result<Loaded, SceneErro
 }
 
 fn assembled(name: &str, text: String, file: &str, origin: &Origin) -> Result<Loaded, SceneError> {
-    let mut library = Library { texts: Sha256::new() };
+    let mut library = Library { texts: Sha256::new(), problems: Vec::new() };
     let root = library.assemble(&text, file, origin, 0)?;
-    let hash = library.texts.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
-    Ok(Loaded { name: name.to_owned(), text, hash, root })
+    library.hash_constants(&root);
+    let mut hash = String::new();
+    for byte in library.texts.finalize() {
+        let _ = write!(hash, "{byte:02x}");
+    }
+    Ok(Loaded { name: name.to_owned(), text, hash, root, problems: library.problems })
 }
 
 /// The tree of the instrument file `kind/name`, which `place` names.
@@ -79,6 +94,7 @@ pub fn instrument(kind: &str, name: &str, place: &Place, key: &str) -> Result<No
     match find(kind, name, &origin) {
         Ok(Some((text, file, _))) => Node::parse(&file, &text),
         Ok(None) => Err(missing(format!("\"{name}\", which does not exist"))),
+        Err(SceneError::Problems(problems)) => Err(problems),
         Err(error) => Err(missing(error.to_string())),
     }
 }
@@ -94,6 +110,7 @@ pub fn open(kind: &str, name: &str) -> Result<Option<Node>, SceneError> {
 
 struct Library {
     texts: Sha256,
+    problems: Vec<Problem>,
 }
 
 impl Library {
@@ -107,7 +124,7 @@ impl Library {
         self.texts.update(text.as_bytes());
         let mut root = Node::parse(file, text).map_err(SceneError::Problems)?;
         let Some((base, place)) = root.text("base").map(|(b, p)| (b.to_owned(), p.clone())) else {
-            self.insert_models(&mut root)?;
+            self.insert_models(&mut root);
             return Ok(root);
         };
         let wrong = |found: String| {
@@ -120,48 +137,60 @@ impl Library {
         if depth >= DEEPEST_BASE {
             return Err(wrong(format!("more than {DEEPEST_BASE} scenes standing on one another")));
         }
-        let found = find("scenes", &base, origin).map_err(|error| wrong(error.to_string()))?;
+        let found = find("scenes", &base, origin).map_err(|error| match error {
+            SceneError::Problems(problems) => SceneError::Problems(problems),
+            error => wrong(error.to_string()),
+        })?;
         let (base_text, base_file, base_origin) =
             found.ok_or_else(|| wrong(format!("\"{base}\", which does not exist")))?;
         let below = self.assemble(&base_text, &base_file, &base_origin, depth + 1)?;
         // Models go in before merging, so that naming another model replaces all the first one said.
-        self.insert_models(&mut root)?;
+        self.insert_models(&mut root);
         Ok(root.over(below))
     }
 
-    /// Puts each table that names an instrument file on top of that file.
-    fn insert_models(&mut self, root: &mut Node) -> Result<(), SceneError> {
-        let mut problems = Vec::new();
-        let Value::Table(top) = &mut root.value else {
-            return Ok(());
+    /// Adds the files of materials and ceramics to the hash. They are looked up again where their numbers are read.
+    fn hash_constants(&mut self, node: &Node) {
+        let items: Vec<&Node> = match &node.value {
+            Value::Table(table) => table.values().map(|entry| &entry.node).collect(),
+            Value::List(items) => items.iter().collect(),
+            _ => return,
         };
+        for (key, kind) in CONSTANTS {
+            let Some((name, place)) = node.text(key) else { continue };
+            // What cannot be read is told by whoever needs its numbers.
+            if let Ok(file) = instrument(kind, name, place, key) {
+                self.texts.update(file.place.text().as_bytes());
+            }
+        }
+        for item in items {
+            self.hash_constants(item);
+        }
+    }
+
+    /// Puts each table that names an instrument file on top of that file.
+    fn insert_models(&mut self, root: &mut Node) {
+        let Value::Table(top) = &mut root.value else { return };
         for (key, kind) in MODELS {
             if let Some(entry) = top.get_mut(key) {
-                self.insert_model(entry, kind, key, &mut problems);
+                self.insert_model(entry, kind, key);
             }
         }
         if let Some(Value::Table(effects)) = top.get_mut("effects").map(|e| &mut e.node.value) {
             for (key, kind) in MODELS {
                 if let Some(entry) = effects.get_mut(key) {
-                    self.insert_model(entry, kind, &format!("effects.{key}"), &mut problems);
+                    self.insert_model(entry, kind, &format!("effects.{key}"));
                 }
             }
         }
         if let Some(Value::Table(sensors)) = top.get_mut("sensors").map(|e| &mut e.node.value) {
             for (name, entry) in sensors.iter_mut() {
-                self.insert_model(entry, "sensors", &format!("sensors.{name}"), &mut problems);
+                self.insert_model(entry, "sensors", &format!("sensors.{name}"));
             }
         }
-        if problems.is_empty() { Ok(()) } else { Err(SceneError::Problems(problems)) }
     }
 
-    fn insert_model(
-        &mut self,
-        entry: &mut Entry,
-        kind: &str,
-        path: &str,
-        problems: &mut Vec<Problem>,
-    ) {
+    fn insert_model(&mut self, entry: &mut Entry, kind: &str, path: &str) {
         let Some((name, place)) = entry.node.text("model") else {
             return;
         };
@@ -171,9 +200,20 @@ impl Library {
                 self.texts.update(below.place.text().as_bytes());
                 entry.node = entry.node.clone().over(below);
             }
-            Err(found) => problems.extend(found),
+            Err(found) => {
+                self.problems.extend(found);
+                if let Some(below) = stand_in(kind) {
+                    entry.node = entry.node.clone().over(below);
+                }
+            }
         }
     }
+}
+
+/// An instrument of this kind that ships: without one, every key of a missing file would be missing as well.
+fn stand_in(kind: &str) -> Option<Node> {
+    let name = *data::instrument_names(kind).first()?;
+    Node::parse(name, data::instrument(kind, name)?).ok()
 }
 
 /// Where the file of `place` lies, so that paths in it can be relative.
@@ -203,7 +243,30 @@ fn find(
         Origin::Embedded => PathBuf::from(name),
     };
     let file = path.display().to_string();
-    let text = std::fs::read_to_string(&path)
-        .map_err(|source| SceneError::Read { file: file.clone(), source })?;
+    let text = read_text(&path, &file)?;
     Ok(Some((text, file, Origin::File(path))))
+}
+
+/// The file's text; what is no UTF-8 is a problem at its place.
+fn read_text(path: &Path, file: &str) -> Result<String, SceneError> {
+    let failed = |source| SceneError::Read { file: file.to_owned(), source };
+    let mut bytes = Vec::new();
+    let opened = std::fs::File::open(path).map_err(failed)?;
+    opened.take(LARGEST_TEXT + 1).read_to_end(&mut bytes).map_err(failed)?;
+    if bytes.len() as u64 > LARGEST_TEXT {
+        return Err(SceneError::TooLarge { file: file.to_owned(), limit: LARGEST_TEXT });
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let sound = error.utf8_error().valid_up_to();
+        let before = String::from_utf8_lossy(error.as_bytes().get(..sound).unwrap_or_default());
+        let column = before.rsplit('\n').next().unwrap_or_default().chars().count() + 1;
+        SceneError::Problems(vec![Problem {
+            file: file.to_owned(),
+            line: before.matches('\n').count() + 1,
+            column,
+            key: String::new(),
+            found: format!("byte 0x{:02x}", error.as_bytes().get(sound).copied().unwrap_or(0)),
+            expected: "text in UTF-8".to_owned(),
+        }])
+    })
 }

@@ -1,21 +1,26 @@
 //! From the file as typed to a bench that can run, or to the list of everything wrong with it.
 //!
 //! First half of the program's door: `cli` names a scene, `experiment` runs what comes out. [`document`] keeps places,
-//! [`reader`] collects problems, `library` finds files and merges what they stand on, `bodies` and `bench` know the keys.
+//! [`reader`] collects problems, `library` finds files and merges what they stand on, `bodies`, `effects`, `sensors`, `bench` and `oscilloscope` know the keys.
 
 mod bench;
 mod bodies;
+mod bound;
 pub mod document;
+mod effects;
 mod library;
 pub mod magnets;
+mod oscilloscope;
 pub mod problem;
 pub mod reader;
+mod sensors;
 
-pub use bench::{PlacedSensor, Site, load as input_load};
+pub use bench::load as input_load;
 pub use problem::{Problem, SceneError};
+pub use sensors::{PlacedSensor, Site};
 
 use crate::chain::{Chain, ChainSpec, End};
-use crate::quantity::{Dimension, engineering};
+use crate::quantity::Dimension;
 use crate::scope::Setup;
 use bodies::Materials;
 use reader::{Bound, Problems, Table};
@@ -26,8 +31,8 @@ pub const DEFAULT_ACCURACY: f64 = 1e-6;
 pub const TIGHTEST_ACCURACY: f64 = 1e-11;
 /// Loosest accuracy that still deserves the name (1).
 pub const LOOSEST_ACCURACY: f64 = 0.1;
-/// A time base that puts fewer samples than this on the scene's duration shows nothing of it (1).
-const FEWEST_SAMPLES: f64 = 20.0;
+/// Largest seed that a scene may name: whole numbers up to here are exact however a file is read.
+const LARGEST_SEED: u64 = (1 << 53) - 1;
 
 /// A checked scene: everything a run needs.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,8 +80,9 @@ impl Scene {
         Self::checked(library::load_text(name, file, text)?)
     }
 
-    fn checked(loaded: library::Loaded) -> Result<Self, SceneError> {
+    fn checked(mut loaded: library::Loaded) -> Result<Self, SceneError> {
         let problems = Problems::default();
+        problems.extend(std::mem::take(&mut loaded.problems));
         let scene = read(loaded, &problems);
         let problems = problems.into_sorted();
         match scene {
@@ -93,19 +99,19 @@ impl Scene {
 }
 
 fn read(loaded: library::Loaded, problems: &Problems) -> Option<Scene> {
-    let library::Loaded { name, text, hash, root } = loaded;
+    let library::Loaded { name, text, hash, root, .. } = loaded;
     let root = Table::of(&root, "", problems)?;
     let _ = root.text("base");
     let title = root.text("title").unwrap_or(&name).to_owned();
     let duration = root.required("duration", Dimension::TIME, Bound::Positive);
     let accuracy = Bound::Within(TIGHTEST_ACCURACY, LOOSEST_ACCURACY);
     let accuracy = root.quantity("accuracy", Dimension::NONE, accuracy).unwrap_or(DEFAULT_ACCURACY);
-    let seed = root.count("seed", 0, 1 << 53).unwrap_or(0);
+    let seed = root.count("seed", 0, LARGEST_SEED).unwrap_or(0);
     let moving = moving(&root, problems);
     let kinds: Vec<&str> = moving.kinds.iter().map(String::as_str).collect();
-    let hosts = bench::Hosts { kinds: &kinds, wall: moving.wall };
-    let sensors = bench::sensors(&root, &hosts, problems);
-    let scope = scope(&root, &sensors, moving.noise, duration);
+    let hosts = sensors::Hosts { kinds: &kinds, wall: moving.wall };
+    let sensors = sensors::sensors(&root, &hosts, problems);
+    let scope = scope(&root, moving.noise, duration);
     root.finish();
     let (spec, chain) = moving.built?;
     Some(Scene {
@@ -136,36 +142,29 @@ struct Moving {
 fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
     let materials = Materials::read(root, problems);
     let striker = bodies::striker(root, &materials);
-    let Some(table) = root.table("chain") else {
+    if !root.has("chain") {
         root.problem("chain", "no such table", "[chain] with top, bottom and segments");
-        let velocities = bodies::initial_velocities(root, striker.as_ref(), 0);
-        return Moving {
-            kinds: Vec::new(),
-            wall: false,
-            noise: 0.0,
-            initial_velocities: velocities,
-            built: None,
-        };
-    };
-    let particles = bodies::particles(root, &table, &materials);
+    }
+    let table = root.table("chain");
+    let particles = bodies::particles(root, table.as_ref(), &materials);
     let count = particles.kinds.len();
-    let top = bodies::end(&table, "top", &materials);
-    let bottom = bodies::end(&table, "bottom", &materials);
+    let end = |key| table.as_ref().and_then(|table| bodies::end(table, key, &materials));
+    let (top, bottom) = (end("top"), end("bottom"));
+    if let Some(table) = &table {
+        bodies::no_preload_at_the_bottom(table);
+    }
     let effects = root.table("effects");
-    let effects_spec = bodies::effects(effects.as_ref(), count);
-    let noise = effects.as_ref().and_then(scope_noise).unwrap_or(0.0);
+    let effects_spec = effects::effects(effects.as_ref(), count);
+    let noise = effects.as_ref().and_then(effects::scope_noise).unwrap_or(0.0);
     if let Some(effects) = effects {
         effects.finish();
     }
     let initial_velocities = bodies::initial_velocities(root, striker.as_ref(), count);
-    if initial_velocities.iter().all(|v| *v == 0.0) && !root.has("striker") {
-        root.problem("striker", "nothing that moves", "[striker] or [[initial_velocities]]");
-    }
     // A kind that could not be read has already left its problem; half a chain would only add echoes of it.
     let whole =
         particles.bodies.len() == count && count > 0 && (striker.is_some() || !root.has("striker"));
-    let built = match (top, bottom) {
-        (Some((top, preload)), Some((bottom, _))) if whole => {
+    let built = match (&table, top, bottom) {
+        (Some(table), Some((top, preload)), Some((bottom, _))) if whole => {
             let spec = ChainSpec {
                 striker: striker.map(|s| s.body),
                 particles: particles.bodies,
@@ -174,73 +173,26 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
                 wall_preload: preload,
                 effects: effects_spec,
             };
-            bodies::assemble(&spec, &table).map(|chain| (spec, chain))
+            bodies::assemble(&spec, table).map(|chain| (spec, chain))
         }
         _ => None,
     };
-    table.finish();
-    let wall = matches!(bottom, Some((End::Wall(_), _)));
+    if let Some(table) = table {
+        table.finish();
+    }
+    // An end that could not be read has left its problem; a sensor at it is none.
+    let wall = bottom.is_none_or(|(bottom, _)| matches!(bottom, End::Wall(_)));
     Moving { kinds: particles.kinds, wall, noise, initial_velocities, built }
 }
 
-/// `[effects.scope_noise]` (div).
-fn scope_noise(effects: &Table<'_>) -> Option<f64> {
-    let table = bodies::effect(effects, "scope_noise")?;
-    let rms = table.required("rms", Dimension::DIVISION, Bound::NotNegative);
-    table.finish();
-    rms
-}
-
-fn scope(
-    root: &Table<'_>,
-    sensors: &[PlacedSensor],
-    noise: f64,
-    duration: Option<f64>,
-) -> Option<Setup> {
-    let Some(table) = root.table("scope") else {
-        root.problem(
-            "scope",
-            "no such table",
-            "[scope] with model, time_base, trigger and channels",
-        );
-        return None;
-    };
+fn scope(root: &Table<'_>, noise: f64, duration: Option<f64>) -> Option<Setup> {
+    if !root.has("scope") {
+        let expected = "[scope] with model, time_base, trigger and channels";
+        root.problem("scope", "no such table", expected);
+    }
+    let table = root.table("scope")?;
     let _ = table.text("source");
-    let setup = bench::scope(&table, sensors).map(|setup| Setup { noise, ..setup });
-    if let (Some(setup), Some(duration)) = (&setup, duration) {
-        check_time_base(&table, setup, duration);
-    }
+    let setup = bench::scope(&table, &sensors::sensor_names(root), duration);
     table.finish();
-    setup
-}
-
-/// A time base that shows nothing of the scene is a mistake, not a setting.
-fn check_time_base(table: &Table<'_>, setup: &Setup, duration: f64) {
-    let samples = duration / setup.model.interval(setup.time_base);
-    if samples < FEWEST_SAMPLES {
-        let found = format!(
-            "{}, which puts {samples:.1} samples on {}",
-            engineering(setup.time_base, "s/div", 3),
-            engineering(duration, "s", 3)
-        );
-        table.problem(
-            "time_base",
-            found,
-            format!("at least {FEWEST_SAMPLES} samples: a faster time base"),
-        );
-    }
-    let (start, end) = setup.record_span();
-    if end <= 0.0 {
-        let found = format!("a record that ends {} before the trigger", engineering(-end, "s", 3));
-        table.problem("position", found, "a record that shows something after the trigger");
-    }
-    if start >= duration {
-        let found =
-            format!("a record that starts {} after the trigger", engineering(start, "s", 3));
-        table.problem(
-            "position",
-            found,
-            format!("a start within the scene's {}", engineering(duration, "s", 3)),
-        );
-    }
+    setup.map(|setup| Setup { noise, ..setup })
 }

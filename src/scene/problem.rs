@@ -1,5 +1,6 @@
 //! What is wrong with a scene, each with its place: all of it is reported at once.
 
+use std::cell::RefCell;
 use std::fmt;
 
 /// One thing wrong with a file that describes a scene or an instrument.
@@ -40,6 +41,14 @@ pub enum SceneError {
         /// What the system says.
         source: std::io::Error,
     },
+    /// The file is no scene: nobody types that much.
+    #[error("{file}: found more than {limit} bytes, expected a scene")]
+    TooLarge {
+        /// The file.
+        file: String,
+        /// Most bytes that are read.
+        limit: u64,
+    },
     /// Neither an embedded scene nor a file.
     #[error("found `{name}`, which is neither a file nor one of the scenes shipped, expected one of: {}", shipped.join(", "))]
     Unknown {
@@ -63,4 +72,30 @@ pub(super) fn listed(problems: &[Problem], what: &str) -> String {
     let count = problems.len();
     lines.push(format!("{count} problem{} in {what}", if count == 1 { "" } else { "s" }));
     lines.join("\n")
+}
+
+/// The problems found so far.
+#[derive(Debug, Default)]
+pub struct Problems(RefCell<Vec<Problem>>);
+
+impl Problems {
+    /// Adds one.
+    pub fn push(&self, problem: Problem) {
+        self.0.borrow_mut().push(problem);
+    }
+
+    /// Adds several.
+    pub fn extend(&self, problems: Vec<Problem>) {
+        self.0.borrow_mut().extend(problems);
+    }
+
+    /// All of them, in the order of file and place; none twice.
+    #[must_use]
+    pub fn into_sorted(self) -> Vec<Problem> {
+        let mut problems = self.0.into_inner();
+        let key = |p: &Problem| (p.file.clone(), p.line, p.column, p.key.clone());
+        problems.sort_by_key(key);
+        problems.dedup();
+        problems
+    }
 }

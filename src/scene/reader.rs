@@ -1,77 +1,15 @@
 //! Reads typed values out of a table, collecting every problem instead of stopping at the first.
 //!
-//! Each getter returns `None` where the key is absent or wrong; wrong ones leave a [`Problem`]. A table that is done
+//! Each getter returns `None` where the key is absent or wrong; wrong ones leave a [`Problem`](super::Problem). A table that is done
 //! reports the keys that nobody asked for.
 
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 
+pub use super::bound::Bound;
 use super::document::{Entry, Node, Place, Value};
-use super::problem::Problem;
+pub use super::problem::Problems;
 use crate::quantity::{self, Dimension, QuantityError};
-
-/// The problems found so far.
-#[derive(Debug, Default)]
-pub struct Problems(RefCell<Vec<Problem>>);
-
-impl Problems {
-    /// Adds one.
-    pub fn push(&self, problem: Problem) {
-        self.0.borrow_mut().push(problem);
-    }
-
-    /// Adds several.
-    pub fn extend(&self, problems: Vec<Problem>) {
-        self.0.borrow_mut().extend(problems);
-    }
-
-    /// All of them, in the order of file and place; none twice.
-    #[must_use]
-    pub fn into_sorted(self) -> Vec<Problem> {
-        let mut problems = self.0.into_inner();
-        let key = |p: &Problem| (p.file.clone(), p.line, p.column, p.key.clone());
-        problems.sort_by_key(key);
-        problems.dedup();
-        problems
-    }
-}
-
-/// What a number must be beyond having the right unit.
-#[derive(Debug, Clone, Copy)]
-pub enum Bound {
-    /// Any finite number.
-    Any,
-    /// Above zero.
-    Positive,
-    /// Zero or above.
-    NotNegative,
-    /// Strictly between two limits.
-    Between(f64, f64),
-    /// Within two limits, both included.
-    Within(f64, f64),
-}
-
-impl Bound {
-    fn holds(self, value: f64) -> bool {
-        match self {
-            Self::Any => true,
-            Self::Positive => value > 0.0,
-            Self::NotNegative => value >= 0.0,
-            Self::Between(low, high) => low < value && value < high,
-            Self::Within(low, high) => (low..=high).contains(&value),
-        }
-    }
-
-    fn words(self) -> String {
-        match self {
-            Self::Any => String::new(),
-            Self::Positive => " above zero".to_owned(),
-            Self::NotNegative => " of zero or more".to_owned(),
-            Self::Between(low, high) => format!(" above {low} and below {high}"),
-            Self::Within(low, high) => format!(" from {low} to {high}"),
-        }
-    }
-}
 
 /// A table being read.
 pub struct Table<'a> {
@@ -142,7 +80,7 @@ impl<'a> Table<'a> {
         missing
     }
 
-    /// A quantity with a unit.
+    /// A quantity with a unit, as a number of SI units (unit).
     pub fn quantity(&self, key: &'static str, dimension: Dimension, bound: Bound) -> Option<f64> {
         let node = self.node(key)?;
         let expected = || format!("{dimension}{}", bound.words());
@@ -184,7 +122,7 @@ impl<'a> Table<'a> {
         None
     }
 
-    /// A quantity that must be there.
+    /// A quantity that must be there, as a number of SI units (unit).
     pub fn required(&self, key: &'static str, dimension: Dimension, bound: Bound) -> Option<f64> {
         let expected = format!("{dimension}{}", bound.words());
         if self.missing(key, &expected) {
@@ -217,16 +155,23 @@ impl<'a> Table<'a> {
         }
     }
 
+    /// A whole number that must be there.
+    pub fn required_count(&self, key: &'static str, least: u64, most: u64) -> Option<u64> {
+        if self.missing(key, &format!("a whole number from {least} to {most}")) {
+            self.asked.borrow_mut().insert(key);
+            return None;
+        }
+        self.count(key, least, most)
+    }
+
     /// Text.
     pub fn text(&self, key: &'static str) -> Option<&'a str> {
         let node = self.node(key)?;
-        match &node.value {
-            Value::Text(text) => Some(text),
-            _ => {
-                self.problem(key, node.describe(), "text in quotes");
-                None
-            }
+        if let Value::Text(text) = &node.value {
+            return Some(text);
         }
+        self.problem(key, node.describe(), "text in quotes");
+        None
     }
 
     /// Text that must be there.
@@ -295,6 +240,13 @@ impl<'a> Table<'a> {
         let path = |index: usize| format!("{}[{}]", self.path_of(key), index + 1);
         let tables = items.iter().enumerate();
         tables.filter_map(|(i, item)| Table::of(item, &path(i), self.problems)).collect()
+    }
+
+    /// Whether `key` is there and an empty list.
+    #[must_use]
+    pub fn is_empty_list(&self, key: &str) -> bool {
+        let node = self.entries.get(key).map(|entry| &entry.node.value);
+        matches!(node, Some(Value::List(items)) if items.is_empty())
     }
 
     /// A list of texts, each with its place.

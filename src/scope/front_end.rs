@@ -1,4 +1,4 @@
-//! From the volts at a probe's tip to the volts the converter sees: coupling, bandwidth, inversion, noise.
+//! From the volts at a probe's tip to the volts the converter sees: coupling, bandwidth, inversion, offset, noise.
 //!
 //! Coupling and bandwidth are first-order filters, exact for input that runs straight between samples. A probe
 //! attenuates and the scope multiplies back, so volts stay volts at the tip.
@@ -47,6 +47,11 @@ pub fn condition(
     if vertical.inverted == Some(true) {
         for value in &mut signal {
             *value = -*value;
+        }
+    }
+    if channel.offset != 0.0 {
+        for value in &mut signal {
+            *value += channel.offset;
         }
     }
     if setup.noise > 0.0 {

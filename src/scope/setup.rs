@@ -10,6 +10,8 @@ pub struct ChannelSetup {
     pub vertical: VerticalSetup,
     /// Name of the sensor at its input; none leaves the input open, at zero volts.
     pub input: Option<String>,
+    /// What the channel's amplifier adds to every voltage: its offset error, at the probe's tip (V).
+    pub offset: f64,
 }
 
 /// Direction in which the signal crosses the trigger level.
@@ -63,18 +65,13 @@ pub struct Setup {
 impl Setup {
     /// Index of the trigger in the record, possibly outside it: `1250 - position/interval` on this family (1).
     #[must_use]
-    #[allow(clippy::cast_precision_loss, reason = "a record has a few thousand points")]
     pub fn trigger_point(&self) -> f64 {
-        let interval = self.model.interval(self.time_base);
-        0.5 * self.model.record_length as f64 - (self.horizontal_position / interval).round()
+        self.model.trigger_point(self.time_base, self.horizontal_position)
     }
 
     /// First and last time of the record after the trigger (s).
     #[must_use]
-    #[allow(clippy::cast_precision_loss, reason = "a record has a few thousand points")]
     pub fn record_span(&self) -> (f64, f64) {
-        let interval = self.model.interval(self.time_base);
-        let start = -self.trigger_point() * interval;
-        (start, start + (self.model.record_length - 1) as f64 * interval)
+        self.model.record_span(self.time_base, self.horizontal_position)
     }
 }

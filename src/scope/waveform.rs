@@ -170,9 +170,15 @@ impl Waveform {
         (f64::from(code) - p.y_off) * p.y_mult + p.y_zero
     }
 
-    /// How many points stand at the converter's ends, where the true voltage may lie beyond.
+    /// How many points stand at the converter's ends, where the true voltage may lie beyond; none where the levels are
+    /// not those of an 8-bit converter, 25 to a division.
     #[must_use]
     pub fn clipped(&self) -> usize {
+        const ROUND_OFF: f64 = 1e-6;
+        let level = self.vertical.scale / LEVELS_PER_DIVISION;
+        if (self.preamble.y_mult - level).abs() > ROUND_OFF * level.abs() {
+            return 0;
+        }
         self.codes.iter().filter(|c| matches!(**c, LOWEST_CODE | HIGHEST_CODE)).count()
     }
 }

@@ -80,7 +80,7 @@ fn files_and_functions_keep_their_size() {
 fn every_folder_in_the_readme_exists() {
     match read("README.md") {
         Ok(text) => {
-            refuse(readme::check("README.md", &text, |folder| root().join(folder).is_dir()))
+            refuse(readme::check("README.md", &text, |folder| root().join(folder).is_dir()));
         }
         Err(violation) => refuse(vec![violation]),
     }

@@ -53,16 +53,15 @@ pub fn diatomic(cells: usize, force: f64, linear: bool) -> Chain {
     Chain::new(&pressed(particles, force, linear)).expect("a chain")
 }
 
-/// Sets `chain` in motion with one body moving.
+/// Sets `chain` in motion: body `kick.0` with the speed `kick.1` (m/s).
 pub fn kicked<'a>(
     chain: &'a Chain,
-    body: usize,
-    speed: f64,
+    kick: (usize, f64),
     method: Method,
     probes: &[ForceProbe],
     grid: Grid,
 ) -> Bench<'a> {
     let mut velocities = vec![0.0; chain.bodies().len()];
-    velocities[body] = speed;
+    velocities[kick.0] = kick.1;
     Bench::new(chain, &velocities, method, probes, (grid, NEVER))
 }

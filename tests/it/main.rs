@@ -17,12 +17,19 @@
 mod analysis;
 mod architecture;
 mod chains;
+mod cli;
 mod conservation;
 mod golden;
+mod isf;
 mod magnet;
 mod order;
 mod physics;
 mod readme;
+mod recordings;
+mod scene;
+mod scope;
+mod scpi;
+mod set_file;
 mod tek_csv;
 #[cfg(feature = "tui")]
 mod tui;

@@ -64,7 +64,7 @@ fn chain_obeys_the_dispersion_relation() {
                 / (2.0 * expected.stiffness * (phase / 2.0).cos());
             assert_eq!(ratio < 0.0, optical, "branches differ by the sign of the ratio");
             let shape = |index: usize| {
-                let amplitude = if index % 2 == 0 { 1.0 } else { ratio };
+                let amplitude = if index.is_multiple_of(2) { 1.0 } else { ratio };
                 1e-9 * amplitude * (phase * index as f64 / 2.0 + 0.3).cos()
             };
             let position: Vec<f64> = (0..80).map(shape).collect();
@@ -98,7 +98,7 @@ fn two_body_collision() {
     let overlap = hertz::collision_overlap(stiffness, reduced, speed);
     agrees(overlap, 2.157182864375912e-6, 15);
     let probe = ForceProbe::contact(&chain, 1).expect("the contact");
-    let mut bench = kicked(&chain, 0, speed, TIGHT, &[probe], NEVER);
+    let mut bench = kicked(&chain, (0, speed), TIGHT, &[probe], NEVER);
     bench.run_until(20e-6, true, &mut |_| ()).expect("a run");
     let pulse = &bench.watches()[0].pulse;
     let peak = pulse.first_peak().expect("a peak");
@@ -126,7 +126,7 @@ fn solitary_wave_constants() {
     let inside = ForceProbe::inside(&chain, 61, 0.0).expect("a particle");
     // Settled long before contact 50: the kicked end's trains separate algebraically.
     let grid = Grid { start: 0.0, interval: 20e-9 };
-    let mut bench = kicked(&chain, 0, 0.44, TIGHT, &[contact(50), contact(90), inside], grid);
+    let mut bench = kicked(&chain, (0, 0.44), TIGHT, &[contact(50), contact(90), inside], grid);
     bench.run_until(3.5e-3, true, &mut |_| ()).expect("a run");
     let peaks: Vec<_> =
         bench.watches().iter().map(|watch| watch.pulse.first_peak().expect("a pulse")).collect();
@@ -152,7 +152,7 @@ fn sonic_vacuum_scales() {
         let particles: Vec<_> = (0..20).flat_map(|_| [ptfe_sphere(), steel_cylinder()]).collect();
         let chain = Chain::new(&pressed(particles, 0.0, false)).expect("a chain");
         let probe = ForceProbe::inside(&chain, 20, 0.0).expect("a particle");
-        let mut bench = kicked(&chain, 0, speed, TIGHT, &[probe], NEVER);
+        let mut bench = kicked(&chain, (0, speed), TIGHT, &[probe], NEVER);
         bench.run_until(2e-3 * speed.powf(-0.2), true, &mut |_| ()).expect("a run");
         bench.watches()[0].pulse.first_peak().expect("a pulse")
     };
@@ -179,7 +179,7 @@ fn linear_chain_with_free_end() {
     let chain = Chain::new(&pressed(particles, 2.38, true)).expect("a chain");
     let omega = (chain.contacts()[1].static_stiffness() / chain.bodies()[0].mass).sqrt();
     let speed = 0.01;
-    let mut bench = kicked(&chain, 0, speed, TIGHT, &[], NEVER);
+    let mut bench = kicked(&chain, (0, speed), TIGHT, &[], NEVER);
     let time = 100.0 / (2.0 * omega);
     bench.run_until(time, false, &mut |_| ()).expect("a run");
     for n in 0..100 {

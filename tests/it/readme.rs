@@ -40,3 +40,14 @@ fn the_scenes_shown_are_scenes() {
         assert!(outcome.summary.notes.is_empty(), "{:?}", outcome.summary.notes);
     }
 }
+
+#[test]
+fn the_papers_tables_are_whole() {
+    let rows = hertzscope::experiment::paper::speeds().expect("no problems");
+    let scenes: Vec<&str> = rows.iter().map(|row| row.scene.as_str()).collect();
+    assert_eq!(rows.len(), 8);
+    assert!(scenes.iter().all(|scene| Scene::names().contains(scene)), "{scenes:?}");
+    let sum: f64 = rows.iter().map(|r| r.experiment_m_per_s + r.numerics_m_per_s).sum();
+    // 175+177+181+179 + 171+173+176+169 + 118+121+122+115 + 134+141+146+138, as printed.
+    assert!((sum - 2436.0).abs() < 1e-9, "{sum}");
+}

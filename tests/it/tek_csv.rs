@@ -1,4 +1,4 @@
-//! The native Tektronix CSV dialect: rows that real instruments wrote, captures from disk, synthetic
+//! Tektronix CSV, native and foreign: rows that real instruments wrote, captures from disk, synthetic
 //! round trips, and what the reader and the writer refuse.
 //!
 //! Reference rows come from files of published repositories, quoted in the project's fact sheet on the
@@ -6,6 +6,10 @@
 //! `HERTZSCOPE_CAPTURES` names their folder.
 
 mod captures;
+mod foreign;
+mod foreign_captures;
+mod foreign_random;
+mod foreign_texts;
 mod made_up;
 mod random;
 mod refused;

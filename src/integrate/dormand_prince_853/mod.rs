@@ -8,18 +8,13 @@
 
 mod tableau;
 
+use super::control::{StepControl, add_compensated, largest};
 use super::interpolant::{COEFFICIENTS, Interpolant};
-use super::{IntegrateError, Integrator, Scales, State, System, Work, first_not_finite};
+use super::{IntegrateError, Integrator, Scales, State, System, Work};
 use tableau::{DENSE, DENSE_STAGES, ERROR_3, ERROR_5, Row, STAGE_WEIGHTS, STAGES};
 
-/// A step is chosen to meet the tolerance with this margin (1).
-const SAFETY: f64 = 0.9;
-/// A step shrinks at most by this factor (1).
-const SMALLEST_CHANGE: f64 = 0.2;
-/// A step grows at most by this factor (1).
-const LARGEST_CHANGE: f64 = 6.0;
-/// The error of a step goes as its length to this power (1).
-const ERROR_ORDER: f64 = 8.0;
+/// Order of the error estimate; it goes as the step to the power one higher.
+const ERROR_ORDER: u8 = 7;
 /// The first step, as a fraction of position scale over speed scale: the striker's contact has just begun (1).
 const FIRST_STEP: f64 = 1e-3;
 
@@ -33,7 +28,7 @@ pub struct DormandPrince853<'a> {
     rates: Vec<Rates>,
     scales: Scales,
     tolerance: f64,
-    step: f64,
+    control: StepControl,
     last_length: f64,
     /// What rounding took from the last sums, per coordinate: positions, then velocities.
     lost: Rates,
@@ -65,7 +60,7 @@ impl<'a> DormandPrince853<'a> {
             system.accelerations(&state.position, &state.velocity, &mut first.velocity);
         }
         let scales = system.scales(&state.position, &state.velocity);
-        let step = FIRST_STEP * scales.position / scales.velocity;
+        let first_step = FIRST_STEP * scales.position / scales.velocity;
         Self {
             previous: state.clone(),
             scratch: state.clone(),
@@ -77,7 +72,7 @@ impl<'a> DormandPrince853<'a> {
             rates,
             scales,
             tolerance,
-            step,
+            control: StepControl::new(first_step, ERROR_ORDER),
         }
     }
 
@@ -111,6 +106,9 @@ impl<'a> DormandPrince853<'a> {
             *error = error.max(largest(&self.scratch.velocity) / self.scales.velocity);
         }
         let [fifth, third] = of_order;
+        if !(fifth.is_finite() && third.is_finite() && self.scales.are_finite()) {
+            return f64::INFINITY;
+        }
         if fifth == 0.0 {
             return 0.0;
         }
@@ -147,40 +145,18 @@ impl Integrator for DormandPrince853<'_> {
             self.rates.swap(0, STAGES - 1);
         }
         self.previous.clone_from(&self.state);
-        let start = self.state.time;
-        let mut after_rejection = false;
         loop {
-            let left = end - start;
-            let cut_short = self.step >= left;
-            let next = if cut_short { end } else { start + self.step };
-            // The step that is taken is the one that the clock shows, rounding included.
-            let h = next - start;
-            if h <= f64::EPSILON * start.abs() || h < f64::MIN_POSITIVE {
-                return Err(IntegrateError::StepTooSmall { time: start, step: h });
-            }
+            let trial = self.control.trial(self.state.time, end)?;
             for stage in 1..STAGES {
-                self.evaluate_stage(stage, h);
+                self.evaluate_stage(stage, trial.length);
             }
-            let error = self.error(h);
-            if !error.is_finite() && h <= 1e-6 * self.step.max(h) {
-                let body = first_not_finite(&self.scratch.position, &self.scratch.velocity);
-                return Err(IntegrateError::NotFinite { body: body.unwrap_or(0), time: start });
-            }
-            let change = if error.is_finite() {
-                (SAFETY * error.powf(-1.0 / ERROR_ORDER)).clamp(SMALLEST_CHANGE, LARGEST_CHANGE)
-            } else {
-                SMALLEST_CHANGE
-            };
-            if error <= 1.0 {
-                self.accept(h, next);
-                let growth = if after_rejection { change.min(1.0) } else { change };
-                // A step cut short by `end` says nothing about the next.
-                self.step = if cut_short { self.step.max(h * growth) } else { h * growth };
+            let error = self.error(trial.length);
+            let rates = &self.rates;
+            if self.control.accepts(trial, error, || first_lost(rates)) {
+                self.accept(trial.length, trial.next);
                 return Ok(());
             }
-            after_rejection = true;
             self.work.rejected += 1;
-            self.step = h * change;
         }
     }
 
@@ -226,6 +202,12 @@ impl Integrator for DormandPrince853<'_> {
     }
 }
 
+/// First body with a stage that is not a number.
+fn first_lost(rates: &[Rates]) -> usize {
+    let lost = |r: &Rates| super::first_not_finite(&r.position, &r.velocity);
+    rates.iter().find_map(lost).unwrap_or(0)
+}
+
 /// `out = sum of weight * rates[stage]`.
 fn combine(weights: Row, rates: &[Rates], part: impl Fn(&Rates) -> &[f64], out: &mut [f64]) {
     out.fill(0.0);
@@ -248,21 +230,8 @@ fn shift(values: &mut [f64], from: &[f64], h: f64) {
 /// `values += h * rates`, with the rounding of earlier sums made good.
 fn add(values: &mut [f64], lost: &mut [f64], rates: &[f64], h: f64) {
     for ((value, lost), rate) in values.iter_mut().zip(lost).zip(rates) {
-        let increment = h * rate - *lost;
-        let sum = *value + increment;
-        *lost = (sum - *value) - increment;
-        *value = sum;
+        add_compensated(value, lost, h * rate);
     }
-}
-
-/// Largest magnitude; infinite if any value is not a number, which `f64::max` would hide.
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(
-        0.0,
-        |most: f64, value| {
-            if value.is_nan() { f64::INFINITY } else { most.max(value.abs()) }
-        },
-    )
 }
 
 /// From the nested form `y0 + t(f0 + s(f1 + t(f2 + s(...))))`, `s = 1 - t`, to powers of `t`.

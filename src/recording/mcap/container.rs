@@ -42,8 +42,8 @@ pub enum Record<'a> {
     Attachment(String, String, &'a [u8]),
     /// Opcode 0x0C.
     Metadata(String, BTreeMap<String, String>),
-    /// Opcode 0x0F: the summary follows, which repeats what is known.
-    DataEnd,
+    /// Opcode 0x0F: checksum of everything before, 0 if there is none. The summary follows, which repeats what is known.
+    DataEnd(u32),
     /// Everything else.
     Other,
 }
@@ -132,7 +132,7 @@ pub fn parse(opcode: u8, body: &[u8]) -> Result<Record<'_>, String> {
             }
             Ok(Record::Metadata(name, facts))
         }
-        0x0F => Ok(Record::DataEnd),
+        0x0F => cursor.u32().map(Record::DataEnd),
         _ => Ok(Record::Other),
     }
 }

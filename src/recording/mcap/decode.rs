@@ -1,42 +1,65 @@
-//! From a capture's message to a capture, with every number checked.
+//! From the messages of a recording to captures and traces; what cannot be is said in words.
 
 use super::message;
 use crate::recording::{Capture, Instrument};
 use crate::scope::{Coupling, PointFormat, Preamble, Source, VerticalSetup, Waveform};
+use crate::trace::Trace;
 
-/// The capture that `message` describes.
+/// The trace in `message`.
 ///
 /// # Errors
-/// What is wrong with the message, in words.
+/// What is wrong with it: numbers that are none, time that stands still.
+pub fn series(message: message::Series) -> Result<Trace, String> {
+    if !(message.t0_s.is_finite() && message.dt_s.is_finite() && message.dt_s > 0.0) {
+        return Err(format!(
+            "found times {} + i * {} s, expected finite, increasing ones",
+            message.t0_s, message.dt_s
+        ));
+    }
+    if let Some(index) = message.values.iter().position(|value| !value.is_finite()) {
+        return Err(format!("found no finite number as value {index}, expected one"));
+    }
+    Ok(Trace {
+        name: message.name,
+        unit: message.unit,
+        start: message.t0_s,
+        interval: message.dt_s,
+        values: message.values,
+    })
+}
+
+/// The capture in `message`.
+///
+/// # Errors
+/// What is wrong with it: an unknown source, levels without points, numbers that are none.
 pub fn capture(message: &message::Capture) -> Result<Capture, String> {
     let source = Source::from_name(&message.source).ok_or_else(|| {
         format!("found source `{}`, expected CH1 to CH4, MATH or REFA to REFD", message.source)
     })?;
-    let points = message.volts.len();
-    let codes: Vec<i16> = if message.codes.len() == points {
-        message.codes.iter().map(|byte| i16::from(i8::from_be_bytes([*byte]))).collect()
-    } else if message.codes.len() == 2 * points {
-        message.codes.as_chunks::<2>().0.iter().map(|pair| i16::from_be_bytes(*pair)).collect()
-    } else {
-        return Err(format!(
-            "found {} bytes of levels, expected 1 or 2 for each of {points} points",
-            message.codes.len()
-        ));
-    };
+    let codes = levels(message)?;
+    let given = |number: Option<f64>| number.unwrap_or(0.0);
+    let (x_zero, y_off, y_zero) =
+        (given(message.t0_s), given(message.y_off), given(message.y_zero));
+    let (trigger_point, position) = (given(message.trigger_point), given(message.position_div));
     let numbers = [
-        ("t0_s", message.t0_s),
+        ("t0_s", x_zero),
         ("dt_s", message.dt_s),
         ("y_mult", message.y_mult),
-        ("y_off", message.y_off),
-        ("y_zero", message.y_zero),
-        ("trigger_point", message.trigger_point),
+        ("y_off", y_off),
+        ("y_zero", y_zero),
+        ("trigger_point", trigger_point),
         ("vertical_scale", message.vertical_scale),
         ("horizontal_scale", message.horizontal_scale),
-        ("position_div", message.position_div),
+        ("position_div", position),
         ("probe", message.probe),
     ];
-    if let Some((name, value)) = numbers.iter().find(|(_, value)| !value.is_finite()) {
+    let trigger_time = ("trigger_time_s", given(message.trigger_time_s));
+    let mut numbers = numbers.iter().chain([&trigger_time]);
+    if let Some((name, value)) = numbers.find(|(_, value)| !value.is_finite()) {
         return Err(format!("found {name} = {value}, expected a finite number"));
+    }
+    if message.dt_s <= 0.0 {
+        return Err(format!("found dt_s = {}, expected a time above zero", message.dt_s));
     }
     let coupling = match message.coupling.as_str() {
         "DC" => Some(Coupling::Dc),
@@ -50,13 +73,13 @@ pub fn capture(message: &message::Capture) -> Result<Capture, String> {
             source,
             codes,
             preamble: Preamble {
-                x_zero: message.t0_s,
+                x_zero,
                 x_incr: message.dt_s,
                 pt_off: 0,
                 x_unit: message.x_unit.clone(),
                 y_mult: message.y_mult,
-                y_zero: message.y_zero,
-                y_off: message.y_off,
+                y_zero,
+                y_off,
                 y_unit: message.unit.clone(),
                 pt_fmt: if message.point_format == "ENV" {
                     PointFormat::Envelope
@@ -66,19 +89,39 @@ pub fn capture(message: &message::Capture) -> Result<Capture, String> {
             },
             vertical: VerticalSetup {
                 scale: message.vertical_scale,
-                position: message.position_div,
+                position,
                 coupling,
                 bandwidth_limited: message.bandwidth_limited,
                 inverted: message.inverted,
                 probe: message.probe,
             },
             horizontal_scale: message.horizontal_scale,
-            trigger_point: message.trigger_point,
+            trigger_point,
         },
         instrument: known.then(|| Instrument {
             model: message.model.clone(),
             serial: message.serial.clone(),
             firmware: message.firmware.clone(),
         }),
+        notes: message.notes.clone(),
     })
+}
+
+/// The digitiser levels: a byte each, or two where one does not suffice.
+fn levels(message: &message::Capture) -> Result<Vec<i16>, String> {
+    let points = message.volts.len();
+    if message.codes.len() == points {
+        Ok(message.codes.iter().map(|byte| i16::from(i8::from_be_bytes([*byte]))).collect())
+    } else if message.codes.len() == 2 * points {
+        Ok(message
+            .codes
+            .chunks_exact(2)
+            .map(|pair| i16::from_be_bytes([pair[0], pair[1]]))
+            .collect())
+    } else {
+        Err(format!(
+            "found {} bytes of levels, expected 1 or 2 for each of {points} points",
+            message.codes.len()
+        ))
+    }
 }

@@ -1,9 +1,13 @@
-//! The protobuf messages of a recording. Field numbers are an interface: they never change meaning.
+//! The protobuf messages of a recording.
+//!
+//! Field numbers are an interface: they never change meaning. `tests/it/recordings/descriptors.rs` checks that the
+//! structures and the descriptors of `schema.rs` agree.
 
 use prost::Message;
 use prost_types::Timestamp;
 
-/// One channel's record of one trigger.
+/// One channel's record of one trigger. Numbers that an instrument may give as -0 are optional: a plain number that
+/// equals 0 is left out of a message, and its sign with it.
 #[derive(Clone, PartialEq, Message)]
 pub struct Capture {
     /// Time of the trigger.
@@ -16,8 +20,8 @@ pub struct Capture {
     #[prost(string, tag = "3")]
     pub source: String,
     /// First point after the trigger (s).
-    #[prost(double, tag = "4")]
-    pub t0_s: f64,
+    #[prost(double, optional, tag = "4")]
+    pub t0_s: Option<f64>,
     /// From point to point (s).
     #[prost(double, tag = "5")]
     pub dt_s: f64,
@@ -25,11 +29,11 @@ pub struct Capture {
     #[prost(double, tag = "6")]
     pub y_mult: f64,
     /// Level of zero volts (1).
-    #[prost(double, tag = "7")]
-    pub y_off: f64,
+    #[prost(double, optional, tag = "7")]
+    pub y_off: Option<f64>,
     /// Volts at that level (V).
-    #[prost(double, tag = "8")]
-    pub y_zero: f64,
+    #[prost(double, optional, tag = "8")]
+    pub y_zero: Option<f64>,
     /// Unit of the ordinate.
     #[prost(string, tag = "9")]
     pub unit: String,
@@ -43,8 +47,8 @@ pub struct Capture {
     #[prost(string, tag = "12")]
     pub origin: String,
     /// Index of the trigger in the record (1).
-    #[prost(double, tag = "13")]
-    pub trigger_point: f64,
+    #[prost(double, optional, tag = "13")]
+    pub trigger_point: Option<f64>,
     /// Vertical scale (V/div).
     #[prost(double, tag = "14")]
     pub vertical_scale: f64,
@@ -52,8 +56,8 @@ pub struct Capture {
     #[prost(double, tag = "15")]
     pub horizontal_scale: f64,
     /// Vertical position (div).
-    #[prost(double, tag = "16")]
-    pub position_div: f64,
+    #[prost(double, optional, tag = "16")]
+    pub position_div: Option<f64>,
     /// Probe attenuation (1).
     #[prost(double, tag = "17")]
     pub probe: f64,
@@ -84,6 +88,9 @@ pub struct Capture {
     /// Time of the trigger on the simulation's clock; absent for measurements (s).
     #[prost(double, optional, tag = "26")]
     pub trigger_time_s: Option<f64>,
+    /// What had to be guessed in the import, and what is suspicious.
+    #[prost(string, repeated, tag = "27")]
+    pub notes: Vec<String>,
 }
 
 /// The front panel at a trigger.
@@ -171,6 +178,11 @@ pub struct Log {
     #[prost(fixed32, tag = "6")]
     pub line: u32,
 }
+
+/// Level of a line that tells something the user did not ask for.
+pub const WARNING: i32 = 3;
+/// Level of a line that only informs.
+pub const INFORMATION: i32 = 2;
 
 /// Nanoseconds since 1970 as protobuf keeps them.
 #[must_use]

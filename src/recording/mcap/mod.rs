@@ -5,10 +5,12 @@
 
 mod container;
 mod decode;
+mod error;
 pub mod message;
 mod read;
 mod schema;
 mod write;
 
-pub use read::{ReadError, read, read_bytes};
+pub use error::ReadError;
+pub use read::{read, read_bytes};
 pub use write::{RecordingWriter, ShotNotes, WriteError, write};

@@ -1,62 +1,25 @@
 //! Reads recordings, finished, unfinished or damaged: what is sound is kept, what is not is named.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::io::Read as _;
+use std::path::Path;
 
 use prost::Message as _;
 
 use super::container::{self, MAGIC, Record};
-use super::decode::capture;
+use super::decode;
+use super::error::{LARGEST_FILE, ReadError};
 use super::message;
 use super::schema::Schema;
+use super::write::ShotNotes;
 use crate::recording::{Attachment, Origin, Shot, TraceSet};
-use crate::trace::Trace;
 
-/// Largest file that is read into memory.
-pub const LARGEST_FILE: u64 = 4 * 1024 * 1024 * 1024;
 /// More problems than this are counted but not listed.
 const MOST_PROBLEMS: usize = 100;
-
-/// Why a file is no recording at all.
-#[derive(Debug, thiserror::Error)]
-pub enum ReadError {
-    /// The file could not be read.
-    #[error("{file}: {source}")]
-    File {
-        /// The file.
-        file: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
-    /// The file is too large to be held in memory.
-    #[error("{file}: found {bytes} bytes, expected at most {LARGEST_FILE}")]
-    TooLarge {
-        /// The file.
-        file: PathBuf,
-        /// Its size.
-        bytes: u64,
-    },
-    /// It does not begin like MCAP.
-    #[error("{file}: found {found}, expected an MCAP file, which begins with \\x89MCAP0\\r\\n")]
-    NotMcap {
-        /// The file.
-        file: PathBuf,
-        /// Its first bytes, escaped.
-        found: String,
-    },
-    /// MCAP, but nothing of ours in it.
-    #[error("{file}: found an MCAP file without a single readable capture, series or fact{}, expected a recording", because(.first.as_ref()))]
-    Empty {
-        /// The file.
-        file: PathBuf,
-        /// The first problem met.
-        first: Option<String>,
-    },
-}
-
-fn because(problem: Option<&String>) -> String {
-    problem.map(|p| format!(" ({p})")).unwrap_or_default()
-}
+/// All chunks of a file may unpack to this and [`LARGEST_EXPANSION`] times the file's size (bytes).
+const LARGEST_TOTAL: u64 = 1024 * 1024 * 1024;
+/// Recordings shrink to a third or so; on the whole only a bomb shrinks to a hundredth (1).
+const LARGEST_EXPANSION: u64 = 100;
 
 /// Reads `file`.
 ///
@@ -64,12 +27,18 @@ fn because(problem: Option<&String>) -> String {
 /// [`ReadError`] when nothing can be had from it; lesser damage is listed in [`TraceSet::problems`].
 pub fn read(file: &Path) -> Result<TraceSet, ReadError> {
     let path = || file.to_owned();
-    let size =
-        std::fs::metadata(file).map_err(|source| ReadError::File { file: path(), source })?;
-    if size.len() > LARGEST_FILE {
-        return Err(ReadError::TooLarge { file: path(), bytes: size.len() });
+    let failed = |source| ReadError::File { file: path(), source };
+    let opened = std::fs::File::open(file).map_err(failed)?;
+    let size = opened.metadata().map_err(failed)?.len();
+    if size > LARGEST_FILE {
+        return Err(ReadError::TooLarge { file: path(), bytes: size });
     }
-    let bytes = std::fs::read(file).map_err(|source| ReadError::File { file: path(), source })?;
+    // A device tells no size, and may have no end.
+    let mut bytes = Vec::new();
+    opened.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(failed)?;
+    if bytes.len() as u64 > LARGEST_FILE {
+        return Err(ReadError::TooLarge { file: path(), bytes: bytes.len() as u64 });
+    }
     read_bytes(&bytes, file)
 }
 
@@ -87,7 +56,8 @@ pub fn read_bytes(bytes: &[u8], file: &Path) -> Result<TraceSet, ReadError> {
         };
         return Err(ReadError::NotMcap { file: file.to_owned(), found });
     };
-    let mut reader = Reader::default();
+    let budget = LARGEST_TOTAL + LARGEST_EXPANSION * bytes.len() as u64;
+    let mut reader = Reader { budget, ..Reader::default() };
     reader.data_section(records);
     let set = reader.finish();
     if set.shots.is_empty() && set.metadata.is_empty() && set.attachments.is_empty() {
@@ -104,6 +74,10 @@ struct Reader {
     /// Topic and schema name by channel.
     channels: BTreeMap<u16, (String, String)>,
     shots: BTreeMap<u32, Shot>,
+    /// The shot whose messages are being read: lines of the log belong to it.
+    current: u32,
+    /// Bytes that chunks may still unpack to.
+    budget: u64,
     unlisted: usize,
 }
 
@@ -117,11 +91,11 @@ impl Reader {
     }
 
     /// Goes through the data section; the summary behind it only repeats.
-    fn data_section(&mut self, mut rest: &[u8]) {
-        let whole = rest.len();
-        let mut ended = false;
+    fn data_section(&mut self, records: &[u8]) {
+        let mut rest = records;
         while !rest.is_empty() && !rest.starts_with(&MAGIC) {
-            let offset = whole - rest.len() + MAGIC.len();
+            let start = records.len() - rest.len();
+            let offset = start + MAGIC.len();
             let (opcode, body, tail) = match container::split(rest) {
                 Ok(parts) => parts,
                 Err(error) => {
@@ -131,17 +105,41 @@ impl Reader {
             };
             rest = tail;
             match container::parse(opcode, body) {
-                Ok(Record::Chunk(records)) => self.chunk(&records, offset),
-                Ok(Record::DataEnd) => {
-                    ended = true;
-                    break;
+                Ok(Record::Chunk(records)) => {
+                    let size = records.len() as u64;
+                    let Some(left) = self.budget.checked_sub(size) else {
+                        self.problem(format!(
+                            "byte {offset}: found chunks that unpack to more than {LARGEST_EXPANSION} times the file, expected a recording"
+                        ));
+                        return;
+                    };
+                    self.budget = left;
+                    self.chunk(&records, offset);
+                }
+                Ok(Record::DataEnd(checksum)) => {
+                    self.end(checksum, records.get(..start).unwrap_or_default(), tail);
+                    return;
                 }
                 Ok(record) => self.record(record, offset),
                 Err(error) => self.problem(format!("byte {offset}: {error}")),
             }
         }
-        if !ended {
-            self.problem("the file has no end: it was not finished, or cut".to_owned());
+        self.problem("the file has no end: it was not finished, or cut".to_owned());
+    }
+
+    /// Holds the data section against its checksum, and looks whether the file goes on to its end.
+    fn end(&mut self, checksum: u32, records: &[u8], summary: &[u8]) {
+        let mut hasher = crc32fast::Hasher::new();
+        hasher.update(&MAGIC);
+        hasher.update(records);
+        let found = hasher.finalize();
+        if checksum != 0 && checksum != found {
+            self.problem(format!(
+                "found checksum {found:08x} of all data, expected {checksum:08x}: something was changed"
+            ));
+        }
+        if !summary.ends_with(&MAGIC) {
+            self.problem("the file is cut behind its data, which are whole".to_owned());
         }
     }
 
@@ -173,14 +171,7 @@ impl Reader {
                 self.schemas.insert(id, name);
             }
             Record::Channel { id, schema, topic, encoding } => {
-                let name = self.schemas.get(&schema).cloned().unwrap_or_default();
-                if encoding == "protobuf" {
-                    self.channels.insert(id, (topic, name));
-                } else {
-                    self.problem(format!(
-                        "{topic}: found encoding `{encoding}`, expected protobuf"
-                    ));
-                }
+                self.channel(id, schema, topic, &encoding);
             }
             Record::Message { channel, log_time, data } => {
                 let Some((topic, schema)) = self.channels.get(&channel).cloned() else {
@@ -199,8 +190,25 @@ impl Reader {
             Record::Metadata(name, facts) => {
                 self.set.metadata.insert(name, facts);
             }
-            Record::Chunk(_) | Record::DataEnd | Record::Other => {}
+            Record::Chunk(_) | Record::DataEnd(_) | Record::Other => {}
         }
+    }
+
+    fn channel(&mut self, id: u16, schema: u16, topic: String, encoding: &str) {
+        let name = self.schemas.get(&schema).cloned().unwrap_or_default();
+        let declared = (topic, name);
+        if self.channels.get(&id) == Some(&declared) {
+            return;
+        }
+        let (topic, name) = &declared;
+        if encoding != "protobuf" {
+            self.problem(format!("{topic}: found encoding `{encoding}`, expected protobuf"));
+            return;
+        }
+        if !Schema::ALL.iter().any(|schema| schema.name() == name) {
+            self.problem(format!("{topic}: found messages of the kind `{name}`, expected one of hertzscope's: they are passed over"));
+        }
+        self.channels.insert(id, declared);
     }
 
     fn message(&mut self, schema: &str, log_time: u64, data: &[u8]) -> Result<(), String> {
@@ -208,36 +216,47 @@ impl Reader {
             |error: prost::DecodeError| format!("found a message that is no {schema} ({error})");
         if schema == Schema::Capture.name() {
             let message = message::Capture::decode(data).map_err(undecodable)?;
-            let capture = capture(&message)?;
+            let capture = decode::capture(&message)?;
             let shot = self.shot(message.shot, log_time);
+            let source = capture.waveform.source;
+            if shot.captures.iter().any(|other| other.waveform.source == source) {
+                return Err(format!("found a second capture of {source} in shot {}", shot.number));
+            }
             shot.origin =
                 if message.origin == "measured" { Origin::Measured } else { Origin::Simulated };
             shot.trigger_time = message.trigger_time_s;
             shot.captures.push(capture);
         } else if schema == Schema::Series.name() {
             let message = message::Series::decode(data).map_err(undecodable)?;
-            if !(message.t0_s.is_finite() && message.dt_s.is_finite() && message.dt_s > 0.0) {
-                return Err(format!(
-                    "found times {} + i * {} s, expected finite, increasing ones",
-                    message.t0_s, message.dt_s
-                ));
+            let number = message.shot;
+            let trace = decode::series(message)?;
+            self.shot(number, log_time).truth.push(trace);
+        } else if schema == Schema::Setup.name() {
+            let message = message::Setup::decode(data).map_err(undecodable)?;
+            let _ = self.shot(message.shot, log_time);
+            self.notes().set_up = message.set;
+        } else if schema == Schema::Energy.name() {
+            let message = message::Energy::decode(data).map_err(undecodable)?;
+            let numbers = [message.initial_j, message.final_j, message.dissipated_j, message.drift];
+            if !numbers.iter().all(|number| number.is_finite()) {
+                return Err("found an energy that is no finite number, expected one".to_owned());
             }
-            let shot = self.shot(message.shot, log_time);
-            shot.truth.push(Trace {
-                name: message.name,
-                unit: message.unit,
-                start: message.t0_s,
-                interval: message.dt_s,
-                values: message.values,
-            });
+            let _ = self.shot(message.shot, log_time);
+            self.notes().energy = Some(message);
         } else if schema == Schema::Log.name() {
             let message = message::Log::decode(data).map_err(undecodable)?;
-            self.set.log.push(message.message);
+            self.set.log.push(message.message.clone());
+            self.notes().log.push((message.level >= message::WARNING, message.message));
         }
         Ok(())
     }
 
+    fn notes(&mut self) -> &mut ShotNotes {
+        self.set.notes.entry(self.current).or_default()
+    }
+
     fn shot(&mut self, number: u32, timestamp_ns: u64) -> &mut Shot {
+        self.current = number;
         self.shots.entry(number).or_insert_with(|| Shot {
             number,
             origin: Origin::Simulated,

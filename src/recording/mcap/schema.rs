@@ -1,6 +1,4 @@
-//! The descriptors by which other readers decode the messages, made in code: no compiler for protobuf is needed.
-//!
-//! That structures and descriptors agree is checked by other people's readers, `tests/readers/`.
+//! The descriptors by which other readers decode the messages of a recording.
 
 use prost::Message as _;
 use prost_types::field_descriptor_proto::{Label, Type};
@@ -16,7 +14,7 @@ type Field = (&'static str, Type, Label);
 const SINGLE: Label = Label::Optional;
 const TIMESTAMP: Field = ("timestamp", Type::Message, SINGLE);
 
-const CAPTURE: [Field; 26] = [
+const CAPTURE: [Field; 27] = [
     TIMESTAMP,
     ("shot", Type::Uint32, SINGLE),
     ("source", Type::String, SINGLE),
@@ -43,6 +41,7 @@ const CAPTURE: [Field; 26] = [
     ("point_format", Type::String, SINGLE),
     ("x_unit", Type::String, SINGLE),
     ("trigger_time_s", Type::Double, SINGLE),
+    ("notes", Type::String, Label::Repeated),
 ];
 
 const SETUP: [Field; 3] =
@@ -92,6 +91,9 @@ pub enum Schema {
 }
 
 impl Schema {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Capture, Self::Setup, Self::Series, Self::Energy, Self::Log];
+
     /// Full name, package included.
     #[must_use]
     pub fn name(self) -> &'static str {

@@ -142,7 +142,7 @@ impl RecordingWriter {
         for (warning, line) in &notes.log {
             let log = message::Log {
                 timestamp: Some(timestamp(at)),
-                level: if *warning { 3 } else { 2 },
+                level: if *warning { message::WARNING } else { message::INFORMATION },
                 message: line.clone(),
                 name: "hertzscope".to_owned(),
                 ..Default::default()
@@ -183,9 +183,8 @@ impl RecordingWriter {
         if let Some(id) = self.channels.get(topic) {
             return Ok(*id);
         }
-        let known = self.schemas.get(&schema).copied();
-        let schema_id = if let Some(id) = known {
-            id
+        let schema_id = if let Some(id) = self.schemas.get(&schema) {
+            *id
         } else {
             let id = self.writer.add_schema(schema.name(), "protobuf", &schema.descriptor())?;
             self.schemas.insert(schema, id);
@@ -207,8 +206,16 @@ impl RecordingWriter {
 /// [`WriteError`] where the file cannot be written.
 pub fn write(file: &Path, set: &TraceSet) -> Result<(), WriteError> {
     let mut writer = RecordingWriter::create(file, &set.metadata, &set.attachments)?;
-    for shot in &set.shots {
-        writer.add(shot, &ShotNotes::default())?;
+    // Lines that belong to no shot go with the last one.
+    let known: usize = set.notes.values().map(|notes| notes.log.len()).sum();
+    let mut loose = if known == 0 { set.log.as_slice() } else { &[] };
+    let mut shots = set.shots.iter().peekable();
+    while let Some(shot) = shots.next() {
+        let mut notes = set.notes.get(&shot.number).cloned().unwrap_or_default();
+        if shots.peek().is_none() {
+            notes.log.extend(std::mem::take(&mut loose).iter().map(|line| (false, line.clone())));
+        }
+        writer.add(shot, &notes)?;
     }
     writer.finish()
 }
@@ -232,11 +239,11 @@ fn capture_message(shot: &Shot, capture: &Capture) -> message::Capture {
         timestamp: Some(timestamp(shot.timestamp_ns)),
         shot: shot.number,
         source: waveform.source.to_string(),
-        t0_s: preamble.x_zero,
+        t0_s: Some(preamble.x_zero),
         dt_s: preamble.x_incr,
         y_mult: preamble.y_mult,
-        y_off: preamble.y_off,
-        y_zero: preamble.y_zero,
+        y_off: Some(preamble.y_off),
+        y_zero: Some(preamble.y_zero),
         unit: preamble.y_unit.clone(),
         codes,
         volts: waveform.codes.iter().map(|code| waveform.volts_of(*code) as f32).collect(),
@@ -244,10 +251,10 @@ fn capture_message(shot: &Shot, capture: &Capture) -> message::Capture {
             Origin::Simulated => "simulated".to_owned(),
             Origin::Measured => "measured".to_owned(),
         },
-        trigger_point: waveform.trigger_point,
+        trigger_point: Some(waveform.trigger_point),
         vertical_scale: vertical.scale,
         horizontal_scale: waveform.horizontal_scale,
-        position_div: vertical.position,
+        position_div: Some(vertical.position),
         probe: vertical.probe,
         coupling: vertical.coupling.map(|c| c.to_string()).unwrap_or_default(),
         bandwidth_limited: vertical.bandwidth_limited,
@@ -258,6 +265,7 @@ fn capture_message(shot: &Shot, capture: &Capture) -> message::Capture {
         point_format: preamble.pt_fmt.to_string(),
         x_unit: preamble.x_unit.clone(),
         trigger_time_s: shot.trigger_time,
+        notes: capture.notes.clone(),
     }
 }
 

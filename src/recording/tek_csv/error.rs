@@ -23,7 +23,7 @@ impl fmt::Display for Place {
 }
 
 /// Why a file could not be read, or a capture not be written.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TekCsvError {
     /// The file is larger than any of this format.
     #[error("{file}: found {found} bytes, expected at most {limit}")]
@@ -147,6 +147,30 @@ pub enum TekCsvError {
     NoLineEnd {
         /// Where the file ends.
         place: Place,
+    },
+    /// Times that are not evenly spaced.
+    #[error("{place}: found {found} {unit}, expected {expected} {unit} by even spacing")]
+    Uneven {
+        /// Where.
+        place: Place,
+        /// What stands there (unit).
+        found: f64,
+        /// What belongs there.
+        expected: String,
+        /// Its unit.
+        unit: &'static str,
+    },
+    /// Too few rows of samples, or too many.
+    #[error("{file}: found {found} rows, expected {lowest} to {highest} with samples")]
+    SampleCount {
+        /// The file's name.
+        file: String,
+        /// Rows with samples.
+        found: usize,
+        /// Fewest that make a record.
+        lowest: usize,
+        /// Most that are read.
+        highest: usize,
     },
     /// The capture does not name the instrument that took it.
     #[error("the capture names no instrument, expected at least its firmware")]

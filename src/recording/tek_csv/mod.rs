@@ -34,19 +34,34 @@
 //!
 //! # Limits
 //! Records of 2500 points, or 1024 for an FFT, in V over s and dB over Hz. Time-domain rows of the old
-//! dialect have not been seen; they follow the rule of the newer one from row 17 on. Files of other
-//! dialects (`OpenChoice`, newer models, spreadsheets) are recognised and refused. The file tells
+//! dialect have not been seen; they follow the rule of the newer one from row 17 on. The file tells
 //! neither coupling nor bandwidth nor inversion.
+//!
+//! # Other dialects
+//! [`read_all`] also takes what `OpenChoice`, newer models, spreadsheets and people made of such files; one file
+//! a dialect, `openchoice`, `newer`, `spreadsheet`, `headerless`. They bring rows to `draft`, where `times` finds the
+//! even spacing and `levels` the digitiser's levels, and every guess is written into the capture's notes. [`read()`]
+//! stays strict and refuses them by name.
 
 mod abscissa;
+mod beside;
+mod cells;
+mod column;
 mod dialect;
+mod draft;
 mod error;
 mod header;
+mod headerless;
 mod layout;
+mod levels;
+mod newer;
+mod openchoice;
 mod read;
+mod spreadsheet;
+mod times;
 mod write;
 
 pub use dialect::Dialect;
 pub use error::{Place, TekCsvError};
-pub use read::{MAXIMUM_BYTES, read};
+pub use read::{MAXIMUM_BYTES, read, read_all};
 pub use write::write;

@@ -3,10 +3,12 @@
 //! sources: the module above.
 
 use super::abscissa::Abscissa;
-use super::dialect;
+use super::cells::{MOST_ROWS, Table};
+use super::dialect::{self, Dialect};
 use super::error::{TekCsvError, excerpt};
 use super::header::{Header, Row, place};
 use super::layout::{Domain, Numbers, PRINTING_ERROR};
+use super::{headerless, newer, openchoice, spreadsheet};
 use crate::recording::Capture;
 use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
 use crate::scope::{Preamble, VerticalSetup, Waveform};
@@ -26,14 +28,43 @@ const ORDINATE: usize = 4;
 /// of it disagrees with the format or with the file's own header.
 pub fn read(bytes: &[u8], file_name: &str) -> Result<Capture, TekCsvError> {
     let text = checked_text(bytes, file_name)?;
-    if let Some((dialect, line)) = dialect::foreign(text) {
+    if let Some(dialect) = dialect::foreign(&Table::new(file_name, text)?) {
         return Err(TekCsvError::UnsupportedDialect {
             file: file_name.to_owned(),
             dialect,
-            line,
-            found: excerpt(text.lines().nth(line - 1).unwrap_or_default()),
+            line: 1,
+            found: excerpt(text.lines().next().unwrap_or_default()),
         });
     }
+    native(text, file_name)
+}
+
+/// Reads the `bytes` of a CSV file of any [`Dialect`] or of none; one capture for each channel in it. What had to
+/// be guessed stands in their notes.
+///
+/// # Errors
+/// As [`read`], and for other dialects [`TekCsvError`] when a number is none, or the times are not even.
+pub fn read_all(bytes: &[u8], file_name: &str) -> Result<Vec<Capture>, TekCsvError> {
+    let text = checked_text(bytes, file_name)?;
+    let table = Table::new(file_name, text)?;
+    let captures = match dialect::foreign(&table) {
+        None => vec![native(text, file_name)?],
+        Some(Dialect::OpenChoice) => openchoice::read(&table)?,
+        Some(Dialect::NewerModel) => newer::read(&table)?,
+        Some(Dialect::Spreadsheet) => spreadsheet::read(&table)?,
+        Some(Dialect::HandHeader) if dialect::rows_above(&table).is_some() => {
+            spreadsheet::read(&table)?
+        }
+        Some(Dialect::HandHeader | Dialect::Headerless) => headerless::read(&table)?,
+    };
+    if captures.is_empty() {
+        let file = file_name.to_owned();
+        return Err(TekCsvError::SampleCount { file, found: 0, lowest: 2, highest: MOST_ROWS });
+    }
+    Ok(captures)
+}
+
+fn native(text: &str, file_name: &str) -> Result<Capture, TekCsvError> {
     let longest = usize::from(Domain::Time.record_length());
     let lines: Vec<&str> = text
         .split_terminator('\n')
@@ -224,5 +255,6 @@ fn capture(header: Header, codes: Vec<i16>) -> Capture {
             trigger_point: numbers.trigger_point,
         },
         instrument: Some(header.instrument),
+        notes: Vec::new(),
     }
 }

@@ -53,6 +53,7 @@ pub(super) fn record(setup: &Setup, codes: Vec<i16>) -> Capture {
             trigger_point: setup.trigger_point,
         },
         instrument: Some(instrument("TDS2014C", "C031611", "FV:v24.26")),
+        notes: Vec::new(),
     }
 }
 

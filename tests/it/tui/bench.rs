@@ -50,6 +50,7 @@ pub fn channel(number: u8, scale: f64, position: f64, volts: impl Fn(f64) -> f64
             serial: "0".to_owned(),
             firmware: "FV:v4.12".to_owned(),
         }),
+        notes: Vec::new(),
     }
 }
 

@@ -1,0 +1,115 @@
+//! Runs of one scene by different methods, held against each other in terms of what a user reads.
+
+use std::time::Instant;
+
+use super::bench::{Bench, Grid};
+use super::outcome::Reading;
+use super::{probes, sample_grid};
+use crate::integrate::{Method, Work};
+use crate::scene::{Scene, input_load};
+use crate::scope::waveform::LEVELS_PER_DIVISION;
+
+/// A run reduced to what is compared.
+pub struct Run {
+    /// Peaks and arrivals, one a watched place.
+    pub readings: Vec<Reading>,
+    /// Forces at the scope's sample times, one a watched place (N).
+    pub traces: Vec<Vec<f64>>,
+    /// Energy drift relative to the energy of the impact (1).
+    pub drift: f64,
+    /// What it cost.
+    pub work: Work,
+    /// Wall time (s).
+    pub wall_s: f64,
+}
+
+/// Runs `scene` by `method` to the end of its duration.
+///
+/// # Errors
+/// The integrator's error, in words.
+pub fn run(scene: &Scene, method: Method) -> Result<Run, String> {
+    let grid = sample_grid(scene, 1);
+    let never = Grid { start: f64::MAX, interval: 1.0 };
+    let probes = probes(scene);
+    let started = Instant::now();
+    let mut bench =
+        Bench::new(&scene.chain, &scene.initial_velocities, method, &probes, (grid, never));
+    bench.run_until(scene.duration, true, &mut |_| ()).map_err(|error| error.to_string())?;
+    let wall_s = started.elapsed().as_secs_f64();
+    let (before, after) = bench.energies();
+    Ok(Run {
+        readings: bench.watches().iter().map(|w| Reading::of("", None, 0.0, &w.pulse)).collect(),
+        traces: bench.watches().iter().map(|w| w.samples.clone()).collect(),
+        drift: (after.total() - before.total()) / before.kinetic,
+        work: bench.work(),
+        wall_s,
+    })
+}
+
+/// The larger of the largest errors of peaks and arrivals; none if a pulse was lost (1).
+pub fn worst(found: &Run, exact: &Run) -> Option<f64> {
+    let peak = compare(found, exact, peak_error)?;
+    Some(peak.max(compare(found, exact, arrival_error)?))
+}
+
+/// Largest of `error` over all places that felt a pulse in the reference; none if one of them felt none here (1).
+pub fn compare(
+    found: &Run,
+    exact: &Run,
+    error: fn(&Reading, &Reading) -> Option<f64>,
+) -> Option<f64> {
+    let felt = found.readings.iter().zip(&exact.readings).filter(|(_, e)| e.first_peak.is_some());
+    let mut largest = 0.0;
+    for (found, exact) in felt {
+        largest = error(found, exact)?.max(largest);
+    }
+    Some(largest)
+}
+
+fn relative(found: f64, exact: f64) -> f64 {
+    (found / exact - 1.0).abs()
+}
+
+/// Relative error of the first peak's dynamic force (1).
+pub fn peak_error(found: &Reading, exact: &Reading) -> Option<f64> {
+    Some(relative(found.first_peak?.dynamic_n, exact.first_peak?.dynamic_n))
+}
+
+/// Larger relative error of first-peak time and half-rise (1).
+pub fn arrival_error(found: &Reading, exact: &Reading) -> Option<f64> {
+    let peak = relative(found.first_peak?.time_s, exact.first_peak?.time_s);
+    Some(peak.max(relative(found.half_rise_s?, exact.half_rise_s?)))
+}
+
+/// Largest deviation of any trace, relative to its largest force (1).
+pub fn trace_error(found: &Run, exact: &Run) -> f64 {
+    let mut largest = 0.0_f64;
+    for (found, exact) in found.traces.iter().zip(&exact.traces) {
+        let scale = exact.iter().fold(0.0, |most: f64, f| most.max(f.abs()));
+        let off = found.iter().zip(exact).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+        if scale > 0.0 {
+            // A trace that is no number compares with nothing: count it as lost.
+            largest = if off.is_finite() { largest.max(off / scale) } else { f64::INFINITY };
+        }
+    }
+    largest
+}
+
+/// The smallest digitiser level relative to the first peak at its channel's sensor (1).
+pub fn level(scene: &Scene, exact: &Run) -> Option<f64> {
+    let mut smallest: Option<f64> = None;
+    for channel in scene.scope.channels.iter().flatten() {
+        let wired = scene.sensors.iter().zip(&exact.readings);
+        let Some((sensor, reading)) =
+            wired.into_iter().find(|(s, _)| Some(&s.name) == channel.input.as_ref())
+        else {
+            continue;
+        };
+        let circuit = sensor.sensor.connect(input_load(&scene.scope.model, channel));
+        let Some(peak) = reading.first_peak else { continue };
+        let volts = channel.vertical.scale / LEVELS_PER_DIVISION;
+        let relative = volts / (circuit.sensitivity * peak.dynamic_n);
+        smallest = Some(smallest.map_or(relative, |s| s.min(relative)));
+    }
+    smallest
+}

@@ -1,0 +1,273 @@
+//! The acquisition's states, and the memories of the channels.
+//!
+//! `Armed` until the part of the record before the trigger is full, `Ready` until a trigger comes, `Trigger` until the
+//! part after it is full, then `Save` after a single sequence and `Armed` again otherwise. In automatic mode a scope
+//! that waits for long shows records without trigger: `Auto`, or `Scan` where the time base is slow. Time is passed in,
+//! in seconds on any clock that does not run backwards.
+
+use super::panel::{AcquireMode, Panel, StopAfter};
+use super::record::{Acquirer, Signals, fold_average};
+use super::word::words;
+use crate::scope::{Model, Setup, Source, TriggerMode, Waveform};
+
+/// Slowest time base that is not scanned in automatic mode is below this one (s/div).
+const SCAN: f64 = 0.1;
+/// Automatic mode waits for a trigger at least this long (s).
+const PATIENCE: f64 = 0.05;
+
+words! {
+    /// What the acquisition is doing.
+    State {
+        /// Taking what comes before the trigger.
+        Armed = "ARMED",
+        /// Waiting for a trigger.
+        Ready = "READY",
+        /// Taking what comes after the trigger.
+        Trigger = "TRIGGER",
+        /// Taking records without trigger.
+        Auto = "AUTO",
+        /// Stopped.
+        Save = "SAVE",
+        /// Taking slow records without trigger.
+        Scan = "SCAN",
+    }
+}
+
+/// What became of signals.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Accepted {
+    /// The scope triggered; the record will be complete at this time (s).
+    Triggered {
+        /// When the record is complete (s).
+        complete_at: f64,
+    },
+    /// No trigger was found.
+    NoTrigger,
+    /// The scope was stopped or still filling the part before the trigger.
+    NotReady,
+}
+
+/// Records on their way into memory.
+#[derive(Debug, Clone, PartialEq)]
+struct InFlight {
+    complete_at: f64,
+    records: Vec<Waveform>,
+}
+
+/// State and memories.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Acquisition {
+    running: bool,
+    now: f64,
+    armed_at: f64,
+    untriggered: bool,
+    in_flight: Option<InFlight>,
+    count: u32,
+    shots: u32,
+    memories: [Option<Waveform>; 4],
+    means: [Vec<f64>; 4],
+}
+
+impl Acquisition {
+    /// Starts a new acquisition; the memories stay until it has a record.
+    pub fn run(&mut self) {
+        self.running = true;
+        self.rearm();
+        self.count = 0;
+    }
+
+    /// Stops; records on their way are lost.
+    pub fn stop(&mut self) {
+        self.running = false;
+        self.in_flight = None;
+    }
+
+    /// Begins anew with other settings, if running.
+    pub fn restart(&mut self) {
+        if self.running {
+            self.run();
+        }
+    }
+
+    /// Empties all memories.
+    pub fn forget(&mut self) {
+        self.memories = Default::default();
+        self.means = Default::default();
+        self.count = 0;
+    }
+
+    /// Whether it runs.
+    #[must_use]
+    pub fn is_running(&self) -> bool {
+        self.running
+    }
+
+    /// Records taken since the acquisition was started.
+    #[must_use]
+    pub fn count(&self) -> u32 {
+        self.count
+    }
+
+    /// Whether something has to end before `*OPC?` answers: a running single sequence.
+    #[must_use]
+    pub fn is_pending(&self, panel: &Panel) -> bool {
+        self.running && panel.acquire.stop_after == StopAfter::Sequence
+    }
+
+    /// The present state.
+    #[must_use]
+    pub fn state(&self, setup: &Setup) -> State {
+        let automatic = setup.trigger.mode == TriggerMode::Auto;
+        if !self.running {
+            State::Save
+        } else if automatic && is_slow(setup) {
+            State::Scan
+        } else if self.in_flight.is_some() {
+            State::Trigger
+        } else if automatic && self.untriggered {
+            State::Auto
+        } else if self.now < self.armed_at + before_trigger(setup) {
+            State::Armed
+        } else {
+            State::Ready
+        }
+    }
+
+    /// The record of a channel.
+    #[must_use]
+    pub fn memory(&self, channel: u8) -> Option<&Waveform> {
+        self.memories.get(usize::from(channel).checked_sub(1)?)?.as_ref()
+    }
+
+    /// Puts a record into its channel's memory.
+    pub fn keep(&mut self, record: Waveform) {
+        if let Source::Channel(number) = record.source
+            && let Some(memory) = self.memories.get_mut(usize::from(number).saturating_sub(1))
+        {
+            *memory = Some(record);
+        }
+    }
+
+    /// Moves on to `now` (s): completes records, and lets automatic mode lose its patience.
+    pub fn advance(&mut self, by: &Acquirer<'_>, now: f64) {
+        if now.is_finite() {
+            self.now = self.now.max(now);
+        }
+        if let Some(done) = self.in_flight.take_if(|r| r.complete_at <= self.now) {
+            self.armed_at = done.complete_at;
+            self.complete(by.panel, done.records);
+        }
+        let automatic = by.setup.trigger.mode == TriggerMode::Auto;
+        let patience = before_trigger(by.setup) + after_trigger(by.setup).max(PATIENCE);
+        let waiting = self.running && self.in_flight.is_none() && automatic;
+        if waiting && self.now >= self.armed_at + patience {
+            let records = self.quiet(by);
+            self.armed_at = self.now;
+            self.untriggered = true;
+            self.complete(by.panel, records);
+        }
+    }
+
+    /// Takes signals that arrive now, if the scope waits for a trigger.
+    pub fn accept(&mut self, by: &Acquirer<'_>, signals: &Signals) -> Accepted {
+        match self.state(by.setup) {
+            State::Ready | State::Auto | State::Scan => {}
+            State::Armed | State::Trigger | State::Save => return Accepted::NotReady,
+        }
+        let Some(records) = by.take(signals) else { return Accepted::NoTrigger };
+        self.untriggered = false;
+        Accepted::Triggered { complete_at: self.launch(by.setup, records) }
+    }
+
+    /// Triggers now, if the scope waits for a trigger; nothing is at the inputs.
+    pub fn force(&mut self, by: &Acquirer<'_>) {
+        if self.state(by.setup) == State::Ready {
+            let records = self.quiet(by);
+            self.launch(by.setup, records);
+        }
+    }
+
+    fn rearm(&mut self) {
+        self.armed_at = self.now;
+        self.in_flight = None;
+        self.untriggered = false;
+    }
+
+    fn launch(&mut self, setup: &Setup, records: Vec<Waveform>) -> f64 {
+        let complete_at = self.now + after_trigger(setup);
+        self.in_flight = Some(InFlight { complete_at, records });
+        complete_at
+    }
+
+    /// Records of inputs at which nothing happens.
+    fn quiet(&mut self, by: &Acquirer<'_>) -> Vec<Waveform> {
+        self.shots = self.shots.wrapping_add(1);
+        let silence = vec![0.0; by.setup.model.record_length];
+        let signals = Signals {
+            interval: by.setup.model.sample_interval(by.setup.time_base),
+            automatic: silence.len() / 2,
+            volts: vec![silence],
+            shot: u32::MAX - self.shots,
+        };
+        let mut setup = by.setup.clone();
+        setup.trigger.mode = TriggerMode::Auto;
+        Acquirer { panel: by.panel, setup: &setup, seed: by.seed }
+            .take(&signals)
+            .unwrap_or_default()
+    }
+
+    fn complete(&mut self, panel: &Panel, records: Vec<Waveform>) {
+        self.count = self.count.saturating_add(1);
+        let averages = panel.acquire.mode == AcquireMode::Average;
+        let depth = if averages { panel.acquire.averages } else { 1 };
+        for mut record in records {
+            if averages
+                && let Source::Channel(number) = record.source
+                && let Some(mean) = self.means.get_mut(usize::from(number).saturating_sub(1))
+            {
+                fold_average(mean, &mut record, self.count, depth);
+            }
+            self.keep(record);
+        }
+        if panel.acquire.stop_after == StopAfter::Sequence && self.count >= depth {
+            self.running = false;
+        }
+    }
+}
+
+fn is_slow(setup: &Setup) -> bool {
+    setup.time_base >= SCAN * (1.0 - 1e-9)
+}
+
+/// Time that the part of the record before the trigger takes (s).
+fn before_trigger(setup: &Setup) -> f64 {
+    (-setup.record_span().0).max(0.0)
+}
+
+/// Time that the part of the record after the trigger takes (s).
+fn after_trigger(setup: &Setup) -> f64 {
+    setup.record_span().1.max(0.0)
+}
+
+/// The grid on which the instrument wants its signals, and how much of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wanted {
+    /// From one sample to the next (s).
+    pub interval: f64,
+    /// Time before the trigger that the record shows (s).
+    pub before: f64,
+    /// Time after the trigger that the record shows (s).
+    pub after: f64,
+}
+
+impl Wanted {
+    /// What a scope with these settings wants.
+    #[must_use]
+    pub fn of(model: &Model, setup: &Setup) -> Self {
+        Self {
+            interval: model.sample_interval(setup.time_base),
+            before: before_trigger(setup),
+            after: after_trigger(setup),
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! Memories: waveforms on the screen, references, set-ups.
+
+use super::event::Event;
+use super::{Instrument, math};
+use crate::scope::{Source, Waveform};
+
+impl Instrument {
+    /// A displayed waveform.
+    ///
+    /// # Errors
+    /// [`Event::NotActive`] for one that is not displayed or has nothing to show.
+    pub fn waveform(&self, source: Source) -> Result<Waveform, Event> {
+        if !self.panel.displays(source) {
+            return Err(Event::NotActive);
+        }
+        self.memory(source).ok_or(Event::NotActive)
+    }
+
+    /// What stands in memory, displayed or not; the math trace is computed from its channels.
+    fn memory(&self, source: Source) -> Option<Waveform> {
+        match source {
+            Source::Channel(number) => self.acquisition.memory(number).cloned(),
+            Source::Math => {
+                math::math(self.panel.math.function, |number| self.acquisition.memory(number))
+            }
+            Source::Reference(letter) => self.references.get(reference_index(letter)?)?.clone(),
+        }
+    }
+
+    /// Copies a displayed waveform into reference memory `letter`.
+    ///
+    /// # Errors
+    /// [`Event::NotActive`] for a waveform that is not displayed, [`Event::NotAReference`] for a memory that is none.
+    pub fn save_waveform(&mut self, source: Source, letter: char) -> Result<(), Event> {
+        let waveform = self.waveform(source)?;
+        self.put_reference(waveform, letter)
+    }
+
+    /// Puts a waveform into reference memory `letter`.
+    ///
+    /// # Errors
+    /// [`Event::NotAReference`] for a memory that is none.
+    pub fn put_reference(&mut self, waveform: Waveform, letter: char) -> Result<(), Event> {
+        let index = reference_index(letter).ok_or(Event::NotAReference)?;
+        let memory = self.references.get_mut(index).ok_or(Event::NotAReference)?;
+        *memory = Some(Waveform { source: Source::Reference(letter), ..waveform });
+        Ok(())
+    }
+
+    /// Keeps the front panel in set-up memory `number`, counted from 1.
+    ///
+    /// # Errors
+    /// [`Event::OutOfRange`] for a memory that is none.
+    pub fn save_setup(&mut self, number: usize) -> Result<(), Event> {
+        let index = number.checked_sub(1).ok_or(Event::OutOfRange)?;
+        *self.setups.get_mut(index).ok_or(Event::OutOfRange)? = self.panel.clone();
+        Ok(())
+    }
+
+    /// Sets the front panel as in set-up memory `number`, counted from 1.
+    ///
+    /// # Errors
+    /// [`Event::OutOfRange`] for a memory that is none.
+    pub fn recall_setup(&mut self, number: usize) -> Result<(), Event> {
+        let index = number.checked_sub(1).ok_or(Event::OutOfRange)?;
+        self.panel = self.setups.get(index).ok_or(Event::OutOfRange)?.clone();
+        self.settle();
+        Ok(())
+    }
+}
+
+fn reference_index(letter: char) -> Option<usize> {
+    "ABCD".find(letter)
+}

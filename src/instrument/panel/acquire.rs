@@ -1,0 +1,43 @@
+//! How records are taken.
+
+use crate::instrument::word::words;
+
+words! {
+    /// What a point of the record is made of.
+    AcquireMode {
+        /// The first sample of each interval.
+        Sample = "SAMple",
+        /// Lowest and highest sample of each two intervals.
+        PeakDetect = "PEAKdetect",
+        /// The mean of several records.
+        Average = "AVErage",
+    }
+
+    /// What ends an acquisition.
+    StopAfter {
+        /// The RUN/STOP key.
+        RunStop = "RUNSTop",
+        /// The end of one sequence.
+        Sequence = "SEQuence",
+    }
+}
+
+/// Records that can make an average.
+pub const AVERAGES: [u32; 4] = [4, 16, 64, 128];
+
+/// The acquisition's part of the front panel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Acquire {
+    /// Sample, peak detect or average.
+    pub mode: AcquireMode,
+    /// Records in an average, one of [`AVERAGES`].
+    pub averages: u32,
+    /// What ends an acquisition.
+    pub stop_after: StopAfter,
+}
+
+impl Default for Acquire {
+    fn default() -> Self {
+        Self { mode: AcquireMode::Sample, averages: 16, stop_after: StopAfter::RunStop }
+    }
+}

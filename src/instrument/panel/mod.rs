@@ -1,0 +1,162 @@
+//! The whole front panel: everything that a set-up memory holds and `SET?` tells.
+
+mod acquire;
+mod cursor;
+mod display;
+mod horizontal;
+mod math;
+mod measurement;
+mod trigger;
+mod vertical;
+
+pub use acquire::{AVERAGES, Acquire, AcquireMode, StopAfter};
+pub use cursor::{BarUnits, Cursor, CursorFunction};
+pub use display::{Display, DisplayFormat, DisplayStyle, HardCopy, HardCopyFormat, Layout, Port};
+pub use horizontal::{Horizontal, View};
+pub use math::{FftWindow, Math, MathFunction};
+pub use measurement::{Measurement, MeasurementType};
+pub use trigger::{
+    EdgeCoupling, Polarity, PulsePolarity, PulseWhen, TriggerPanel, TriggerSource, TriggerType,
+    VideoStandard, VideoSync,
+};
+pub use vertical::Channel;
+
+use crate::scope::{ChannelSetup, Model, Setup, Source, Trigger, VerticalSetup};
+
+/// Every setting of the front panel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Panel {
+    /// Input channels, whether displayed, and their vertical settings.
+    channels: [Channel; 4],
+    /// Time base.
+    pub horizontal: Horizontal,
+    /// Trigger.
+    pub trigger: TriggerPanel,
+    /// Acquisition.
+    pub acquire: Acquire,
+    /// Math trace.
+    pub math: Math,
+    /// Which reference memories are displayed, A to D.
+    references: [bool; 4],
+    /// Cursors.
+    pub cursor: Cursor,
+    /// The five measurements on the screen.
+    measurements: [Measurement; 5],
+    /// The measurement of the remote interface.
+    pub immediate: Measurement,
+    /// Screen.
+    pub display: Display,
+    /// Printer.
+    pub hard_copy: HardCopy,
+}
+
+impl Default for Panel {
+    /// The factory set-up.
+    fn default() -> Self {
+        let off = Channel::default();
+        Self {
+            channels: [Channel { displayed: true, ..off }, off, off, off],
+            horizontal: Horizontal::default(),
+            trigger: TriggerPanel::default(),
+            acquire: Acquire::default(),
+            math: Math::default(),
+            references: [false; 4],
+            cursor: Cursor::default(),
+            measurements: [Measurement::default(); 5],
+            immediate: Measurement { kind: MeasurementType::Period, source: Source::Channel(1) },
+            display: Display::default(),
+            hard_copy: HardCopy::default(),
+        }
+    }
+}
+
+impl Panel {
+    /// Settings of channel `number`, counted from 1; numbers beyond the last mean the last.
+    #[must_use]
+    pub fn channel(&self, number: u8) -> &Channel {
+        let [one, two, three, four] = &self.channels;
+        match number {
+            0 | 1 => one,
+            2 => two,
+            3 => three,
+            _ => four,
+        }
+    }
+
+    /// Settings of channel `number`, counted from 1; numbers beyond the last mean the last.
+    pub fn channel_mut(&mut self, number: u8) -> &mut Channel {
+        let [one, two, three, four] = &mut self.channels;
+        match number {
+            0 | 1 => one,
+            2 => two,
+            3 => three,
+            _ => four,
+        }
+    }
+
+    /// Measurement `number` of the screen, counted from 1; numbers beyond the last mean the last.
+    pub fn measurement_mut(&mut self, number: u8) -> &mut Measurement {
+        let [one, two, three, four, five] = &mut self.measurements;
+        match number {
+            0 | 1 => one,
+            2 => two,
+            3 => three,
+            4 => four,
+            _ => five,
+        }
+    }
+
+    /// Whether a waveform is displayed.
+    #[must_use]
+    pub fn displays(&self, source: Source) -> bool {
+        let [a, b, c, d] = self.references;
+        match source {
+            Source::Channel(number) => self.channel(number).displayed,
+            Source::Math => self.math.displayed,
+            Source::Reference('A') => a,
+            Source::Reference('B') => b,
+            Source::Reference('C') => c,
+            Source::Reference(_) => d,
+        }
+    }
+
+    /// The switch that displays a waveform.
+    pub fn displayed_mut(&mut self, source: Source) -> &mut bool {
+        if let Source::Channel(number) = source {
+            return &mut self.channel_mut(number).displayed;
+        }
+        let [a, b, c, d] = &mut self.references;
+        match source {
+            Source::Math => &mut self.math.displayed,
+            Source::Reference('A') => a,
+            Source::Reference('B') => b,
+            Source::Reference('C') => c,
+            Source::Reference(_) | Source::Channel(_) => d,
+        }
+    }
+
+    /// What the front end and the digitiser need: channels that are displayed or trigger are on.
+    #[must_use]
+    pub fn setup(&self, model: &Model, noise: f64) -> Setup {
+        let trigger_source = self.trigger.source.channel();
+        let channel = |number: u8| {
+            let channel = self.channel(number);
+            let on = channel.displayed || trigger_source == Some(number);
+            let vertical: VerticalSetup = channel.vertical;
+            on.then_some(ChannelSetup { vertical, input: None, offset: 0.0 })
+        };
+        Setup {
+            model: model.clone(),
+            channels: (1..=model.channels).map(channel).collect(),
+            time_base: self.horizontal.scale,
+            horizontal_position: self.horizontal.position,
+            trigger: Trigger {
+                source: Source::Channel(trigger_source.unwrap_or(1)),
+                level: self.trigger.level,
+                slope: self.trigger.slope,
+                mode: self.trigger.mode,
+            },
+            noise,
+        }
+    }
+}

@@ -1,0 +1,212 @@
+//! From volts at the inputs to records: conditioning, trigger, digitiser, peak detection.
+
+use super::panel::{AcquireMode, EdgeCoupling, Panel, PulsePolarity, PulseWhen, TriggerType};
+use crate::scope::acquire::{Found, digitise, find_trigger};
+use crate::scope::front_end::{condition, noise_stream};
+use crate::scope::waveform::{HIGHEST_CODE, LOWEST_CODE};
+use crate::scope::{PointFormat, Setup, Source, TriggerMode, Waveform};
+
+/// What the bench puts at the inputs: volts at the probes' tips on one sample grid.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Signals {
+    /// From one sample to the next (s).
+    pub interval: f64,
+    /// Index of the sample at which automatic mode triggers when nothing crosses the level.
+    pub automatic: usize,
+    /// Signal of each channel in order; a missing or empty one is an open input, at zero volts (V).
+    pub volts: Vec<Vec<f64>>,
+    /// Number of the shot, which the noise is drawn for.
+    pub shot: u32,
+}
+
+/// Widths that count as equal: this share of the one asked for, or [`GUARD_BAND`] (1).
+const EQUAL_SHARE: f64 = 0.05;
+/// Widths that count as equal at least: service manual of the TDS2014B, page 1-7 (s).
+const GUARD_BAND: f64 = 16.5e-9;
+
+/// One acquisition: settings and the seed of the noise.
+pub struct Acquirer<'a> {
+    /// Front panel.
+    pub panel: &'a Panel,
+    /// The same as front end and digitiser take it.
+    pub setup: &'a Setup,
+    /// Seed of the noise.
+    pub seed: u64,
+}
+
+impl Acquirer<'_> {
+    /// The records of every displayed channel, or none if nothing triggers.
+    #[must_use]
+    pub fn take(&self, signals: &Signals) -> Option<Vec<Waveform>> {
+        let model = &self.setup.model;
+        let interval = self.sample_interval();
+        let resampled = |volts: &[f64]| resample(volts, signals.interval, interval);
+        let samples = signals.volts.iter().map(|v| resampled(v).len()).max().unwrap_or(0);
+        let samples = samples.max(1);
+        let conditioned: Vec<Option<Vec<f64>>> = (1..)
+            .zip(&self.setup.channels)
+            .map(|(number, channel)| {
+                let volts = signals.volts.get(usize::from(number) - 1);
+                let mut volts = volts.map(|v| resampled(v)).unwrap_or_default();
+                let last = volts.last().copied().unwrap_or(0.0);
+                volts.resize(samples, last);
+                let mut noise = noise_stream(self.seed, signals.shot, number);
+                let channel = channel.as_ref()?;
+                Some(condition(self.setup, channel, interval, &volts, &mut noise))
+            })
+            .collect();
+        let ratio = if interval > 0.0 { signals.interval / interval } else { 1.0 };
+        let found = self.find(&conditioned, scaled(signals.automatic, ratio))?;
+        let record = |number: u8, signal: Option<&Vec<f64>>| {
+            let channel = self.setup.channels.get(usize::from(number) - 1)?.as_ref()?;
+            let source = Source::Channel(number);
+            let signal = self.panel.displays(source).then_some(signal)??;
+            let waveform = digitise(self.setup, source, channel, signal, found.index);
+            Some(if self.panel.acquire.mode == AcquireMode::PeakDetect {
+                envelope(waveform, self, signal, found.index)
+            } else {
+                waveform
+            })
+        };
+        let numbers = 1..=model.channels;
+        Some(numbers.zip(&conditioned).filter_map(|(n, s)| record(n, s.as_ref())).collect())
+    }
+
+    /// Time between the converter's samples with these settings (s).
+    fn sample_interval(&self) -> f64 {
+        self.setup.model.sample_interval(self.setup.time_base)
+    }
+
+    fn find(&self, signals: &[Option<Vec<f64>>], automatic: usize) -> Option<Found> {
+        let fallback = (self.setup.trigger.mode == TriggerMode::Auto)
+            .then_some(Found { index: automatic, crossed: false });
+        let Some(number) = self.panel.trigger.source.channel() else { return fallback };
+        let Some(signal) = signals.get(usize::from(number) - 1).and_then(Option::as_ref) else {
+            return fallback;
+        };
+        let vertical = self.panel.channel(number).vertical;
+        match self.panel.trigger.kind {
+            TriggerType::Edge => {
+                let deaf = self.panel.trigger.coupling == EdgeCoupling::NoiseReject;
+                let scale = if deaf { 2.0 * vertical.scale } else { vertical.scale };
+                find_trigger(self.setup, scale, signal, automatic)
+            }
+            TriggerType::Pulse => self.find_pulse(signal).or(fallback),
+            // No input of this bench carries a video signal.
+            TriggerType::Video => fallback,
+        }
+    }
+
+    /// The end of the first pulse whose width is as asked for.
+    fn find_pulse(&self, signal: &[f64]) -> Option<Found> {
+        let trigger = &self.panel.trigger;
+        let sign = match trigger.pulse_polarity {
+            PulsePolarity::Positive => 1.0,
+            PulsePolarity::Negative => -1.0,
+        };
+        let above = |volts: &f64| sign * (volts - trigger.level) >= 0.0;
+        let mut inside = signal.first().is_some_and(above);
+        let mut begun = None;
+        for (index, volts) in signal.iter().enumerate() {
+            let now = above(volts);
+            if now && !inside {
+                begun = Some(index);
+            } else if !now
+                && inside
+                && let Some(start) = begun
+                && self.is_wanted(count(index - start) * self.sample_interval())
+            {
+                return Some(Found { index, crossed: true });
+            }
+            inside = now;
+        }
+        None
+    }
+
+    fn is_wanted(&self, width: f64) -> bool {
+        let trigger = &self.panel.trigger;
+        let tolerance = (EQUAL_SHARE * trigger.pulse_width).max(GUARD_BAND);
+        let equal = (width - trigger.pulse_width).abs() <= tolerance;
+        match trigger.pulse_when {
+            PulseWhen::Equal => equal,
+            PulseWhen::NotEqual => !equal,
+            PulseWhen::Inside => width < trigger.pulse_width,
+            PulseWhen::Outside => width > trigger.pulse_width,
+        }
+    }
+}
+
+#[allow(clippy::cast_precision_loss, reason = "far fewer than 2^53 samples")]
+fn count(samples: usize) -> f64 {
+    samples as f64
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "`as` takes what is below zero to zero, and there are far fewer than 2^53 samples"
+)]
+fn scaled(index: usize, ratio: f64) -> usize {
+    (count(index) * ratio).round() as usize
+}
+
+/// A signal on a grid of another interval, straight between its samples.
+fn resample(volts: &[f64], from: f64, to: f64) -> Vec<f64> {
+    let usable = from > 0.0 && to > 0.0 && from.is_finite();
+    if !usable || (from / to - 1.0).abs() < 1e-9 || volts.is_empty() {
+        return volts.to_vec();
+    }
+    let last = volts.len() - 1;
+    let sample = |n: usize| {
+        let place = count(n) * to / from;
+        let before = scaled(1, place.floor()).min(last);
+        let share = (place - count(before)).clamp(0.0, 1.0);
+        let at = |index: usize| volts.get(index).copied().unwrap_or(0.0);
+        at(before) * (1.0 - share) + at((before + 1).min(last)) * share
+    };
+    (0..=scaled(last, from / to)).map(sample).collect()
+}
+
+/// The record in peak-detect mode: lowest and highest sample of each two intervals in turn.
+fn envelope(mut record: Waveform, by: &Acquirer<'_>, signal: &[f64], trigger: usize) -> Waveform {
+    let preamble = &mut record.preamble;
+    preamble.pt_fmt = PointFormat::Envelope;
+    let step = preamble.x_incr / by.sample_interval();
+    let (y_mult, y_off) = (preamble.y_mult, preamble.y_off);
+    let code = |volts: f64| {
+        let level = (volts / y_mult + y_off).round();
+        #[allow(clippy::cast_possible_truncation, reason = "clamped to the converter's range")]
+        let code = level.clamp(f64::from(LOWEST_CODE), f64::from(HIGHEST_CODE)) as i16;
+        code
+    };
+    let last = signal.len().saturating_sub(1);
+    let place =
+        |n: usize| scaled(1, (count(n) - record.trigger_point) * step + count(trigger)).min(last);
+    for (pair, points) in record.codes.chunks_exact_mut(2).enumerate() {
+        let (from, to) = (place(2 * pair), place(2 * pair + 2));
+        let window = signal.get(from..to.max(from + 1)).unwrap_or_default();
+        let low = window.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = window.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        if let [first, second] = points
+            && low <= high
+        {
+            (*first, *second) = (code(low), code(high));
+        }
+    }
+    record
+}
+
+/// Folds record `number` (counted from 1) of an average of up to `depth` into the mean of those before, in levels.
+pub fn fold_average(mean: &mut Vec<f64>, record: &mut Waveform, number: u32, depth: u32) {
+    if mean.len() != record.codes.len() || number <= 1 {
+        *mean = record.codes.iter().map(|code| f64::from(*code)).collect();
+        return;
+    }
+    let weight = 1.0 / f64::from(number.min(depth).max(1));
+    for (mean, code) in mean.iter_mut().zip(&mut record.codes) {
+        *mean += weight * (f64::from(*code) - *mean);
+        #[allow(clippy::cast_possible_truncation, reason = "a mean of levels is a level")]
+        let level = mean.round() as i16;
+        *code = level;
+    }
+}

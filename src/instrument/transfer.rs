@@ -1,0 +1,188 @@
+//! How waveforms travel: the settings of `DATa`, and the preamble that comes with a waveform sent in.
+
+use super::word::words;
+use crate::scope::{PointFormat, Source};
+
+words! {
+    /// Encoding of a curve: one view of [`Transfer`]'s ASCII, sign and byte order.
+    Encoding {
+        /// Numbers as text.
+        Ascii = "ASCIi",
+        /// Signed, high byte first.
+        SignedHighFirst = "RIBinary",
+        /// Positive, high byte first.
+        PositiveHighFirst = "RPBinary",
+        /// Signed, low byte first.
+        SignedLowFirst = "SRIbinary",
+        /// Positive, low byte first.
+        PositiveLowFirst = "SRPbinary",
+    }
+
+    /// Whether a curve is text.
+    CurveFormat {
+        /// Numbers as text.
+        Ascii = "ASC",
+        /// A block of bytes.
+        Binary = "BIN",
+    }
+
+    /// Whether levels have a sign.
+    NumberFormat {
+        /// Signed.
+        Signed = "RI",
+        /// From zero.
+        Positive = "RP",
+    }
+
+    /// Order of two bytes.
+    ByteOrder {
+        /// High byte first.
+        HighFirst = "MSB",
+        /// Low byte first.
+        LowFirst = "LSB",
+    }
+
+    /// What the points of a waveform are.
+    Points {
+        /// One sample each.
+        Samples = "Y",
+        /// Lowest and highest in turn.
+        Envelope = "ENV",
+    }
+}
+
+impl From<Points> for PointFormat {
+    fn from(points: Points) -> Self {
+        match points {
+            Points::Samples => Self::Sample,
+            Points::Envelope => Self::Envelope,
+        }
+    }
+}
+
+/// Steps of a two-byte point in a level of the converter, which is its high byte (1).
+const STEPS_PER_LEVEL: f64 = 256.0;
+/// Levels below zero (1).
+const LEVELS_BELOW_ZERO: f64 = 128.0;
+
+/// Settings of `DATa`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Transfer {
+    /// Text or block.
+    pub format: CurveFormat,
+    /// Signed or positive.
+    pub numbers: NumberFormat,
+    /// Order of bytes.
+    pub byte_order: ByteOrder,
+    /// Bytes in a point, 1 or 2.
+    pub width: u8,
+    /// The waveform that is sent out.
+    pub source: Source,
+    /// The reference memory that takes waveforms in.
+    pub destination: Source,
+    /// First point, counted from 1.
+    pub start: usize,
+    /// Last point, counted from 1.
+    pub stop: usize,
+}
+
+impl Transfer {
+    /// The settings after `DATa INIT`, for records of `points`.
+    #[must_use]
+    pub fn initial(points: usize) -> Self {
+        Self {
+            format: CurveFormat::Binary,
+            numbers: NumberFormat::Signed,
+            byte_order: ByteOrder::HighFirst,
+            width: 1,
+            source: Source::Channel(1),
+            destination: Source::Reference('A'),
+            start: 1,
+            stop: points,
+        }
+    }
+
+    /// Text, sign and byte order in one word.
+    #[must_use]
+    pub fn encoding(&self) -> Encoding {
+        match (self.format, self.numbers, self.byte_order) {
+            (CurveFormat::Ascii, ..) => Encoding::Ascii,
+            (_, NumberFormat::Signed, ByteOrder::HighFirst) => Encoding::SignedHighFirst,
+            (_, NumberFormat::Positive, ByteOrder::HighFirst) => Encoding::PositiveHighFirst,
+            (_, NumberFormat::Signed, ByteOrder::LowFirst) => Encoding::SignedLowFirst,
+            (_, NumberFormat::Positive, ByteOrder::LowFirst) => Encoding::PositiveLowFirst,
+        }
+    }
+
+    /// Sets text, sign and byte order; text leaves the other two as they are.
+    pub fn set_encoding(&mut self, encoding: Encoding) {
+        let (numbers, byte_order) = match encoding {
+            Encoding::Ascii => {
+                self.format = CurveFormat::Ascii;
+                return;
+            }
+            Encoding::SignedHighFirst => (NumberFormat::Signed, ByteOrder::HighFirst),
+            Encoding::PositiveHighFirst => (NumberFormat::Positive, ByteOrder::HighFirst),
+            Encoding::SignedLowFirst => (NumberFormat::Signed, ByteOrder::LowFirst),
+            Encoding::PositiveLowFirst => (NumberFormat::Positive, ByteOrder::LowFirst),
+        };
+        (self.format, self.numbers, self.byte_order) = (CurveFormat::Binary, numbers, byte_order);
+    }
+
+    /// Steps of a sent point in a level (1).
+    #[must_use]
+    pub fn steps(&self) -> f64 {
+        if self.width == 2 { STEPS_PER_LEVEL } else { 1.0 }
+    }
+
+    /// What is added to levels before they are sent: positive numbers begin at the lowest level, text is signed (1).
+    #[must_use]
+    pub fn shift(&self) -> f64 {
+        match (self.format, self.numbers) {
+            (CurveFormat::Binary, NumberFormat::Positive) => LEVELS_BELOW_ZERO,
+            _ => 0.0,
+        }
+    }
+
+    /// First and last point of a record of `points` that are sent, as indices in the right order.
+    #[must_use]
+    pub fn range(&self, points: usize) -> std::ops::Range<usize> {
+        let (low, high) = (self.start.min(self.stop), self.start.max(self.stop));
+        low.saturating_sub(1).min(points)..high.min(points)
+    }
+}
+
+/// The preamble that the next waveform sent in will have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Incoming {
+    /// Points in it.
+    pub nr_pt: usize,
+    /// Sample or envelope.
+    pub pt_fmt: Points,
+    /// From one point to the next (s).
+    pub x_incr: f64,
+    /// Time of the first point (s).
+    pub x_zero: f64,
+    /// One level (V).
+    pub y_mult: f64,
+    /// Value added after scaling (V).
+    pub y_zero: f64,
+    /// Level of zero volts (1).
+    pub y_off: f64,
+}
+
+impl Incoming {
+    /// A record of `points` at the factory's scales.
+    #[must_use]
+    pub fn initial(points: usize) -> Self {
+        Self {
+            nr_pt: points,
+            pt_fmt: Points::Samples,
+            x_incr: 2e-6,
+            x_zero: -2.5e-3,
+            y_mult: 0.04,
+            y_zero: 0.0,
+            y_off: 0.0,
+        }
+    }
+}

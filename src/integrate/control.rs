@@ -1,0 +1,95 @@
+//! Choosing steps by the error they make: shared by all methods that estimate their own error.
+
+use super::IntegrateError;
+
+/// A step is chosen to meet the tolerance with this margin (1).
+const SAFETY: f64 = 0.9;
+/// A step shrinks at most by this factor (1).
+const SMALLEST_CHANGE: f64 = 0.2;
+/// A step grows at most by this factor (1).
+const LARGEST_CHANGE: f64 = 5.0;
+
+/// The controller: knows the next step and what the last attempts ran into.
+#[derive(Debug, Clone)]
+pub struct StepControl {
+    step: f64,
+    /// Step changes go as the error to this power (1).
+    exponent: f64,
+    after_rejection: bool,
+    /// Body whose values were not numbers at the last attempt.
+    lost: Option<usize>,
+}
+
+/// A step about to be tried.
+#[derive(Debug, Clone, Copy)]
+pub struct Trial {
+    /// Its length (s).
+    pub length: f64,
+    /// Time at its end (s).
+    pub next: f64,
+    /// Whether the end of the interval made it shorter than the controller wanted.
+    cut_short: bool,
+}
+
+impl StepControl {
+    /// Starts with `step` (s); a step's error goes as its length to the power `error_order + 1`.
+    pub fn new(step: f64, error_order: u8) -> Self {
+        let exponent = -1.0 / (f64::from(error_order) + 1.0);
+        Self { step, exponent, after_rejection: false, lost: None }
+    }
+
+    /// The step to try from `start` towards `end` (s).
+    ///
+    /// # Errors
+    /// [`IntegrateError`] when the clock's rounding would swallow the step, so that a run would never end.
+    pub fn trial(&self, start: f64, end: f64) -> Result<Trial, IntegrateError> {
+        let cut_short = self.step >= end - start;
+        let next = if cut_short { end } else { start + self.step };
+        // The step that is taken is the one that the clock shows, rounding included.
+        let length = next - start;
+        // The rest of an interval may be as short as it likes.
+        if length > 0.0 && (cut_short || length > f64::EPSILON * end.abs()) {
+            return Ok(Trial { length, next, cut_short });
+        }
+        Err(match self.lost {
+            Some(body) => IntegrateError::NotFinite { body, time: start },
+            None => IntegrateError::StepTooSmall { time: start, step: length },
+        })
+    }
+
+    /// Judges a trial by its error in multiples of the tolerance (1), and chooses the next step. `lost` names a body whose
+    /// values are not numbers, asked for only where the error is none.
+    pub fn accepts(&mut self, trial: Trial, error: f64, lost: impl FnOnce() -> usize) -> bool {
+        self.lost = (!error.is_finite()).then(lost);
+        let change = if error.is_finite() {
+            (SAFETY * error.powf(self.exponent)).clamp(SMALLEST_CHANGE, LARGEST_CHANGE)
+        } else {
+            SMALLEST_CHANGE
+        };
+        let accepted = error <= 1.0;
+        let wanted = if accepted && self.after_rejection { change.min(1.0) } else { change };
+        // A step cut short by the interval's end says nothing against longer ones.
+        let least = if accepted && trial.cut_short { self.step } else { 0.0 };
+        self.step = (trial.length * wanted).max(least);
+        self.after_rejection = !accepted;
+        accepted
+    }
+}
+
+/// Largest magnitude; infinite if any value is not a number, which `f64::max` would hide (unit).
+pub fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(
+        0.0,
+        |most: f64, value| {
+            if value.is_nan() { f64::INFINITY } else { most.max(value.abs()) }
+        },
+    )
+}
+
+/// `value += increment`, keeping in `lost` what rounding takes. Source: W. Kahan, Commun. ACM 8, 40 (1965).
+pub fn add_compensated(value: &mut f64, lost: &mut f64, increment: f64) {
+    let increment = increment - *lost;
+    let sum = *value + increment;
+    *lost = (sum - *value) - increment;
+    *value = sum;
+}

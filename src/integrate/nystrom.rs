@@ -1,0 +1,227 @@
+//! Embedded Runge-Kutta-Nystrom pairs with error control: `x'' = a(x)` integrated as what it is, at two thirds of the
+//! evaluations of a first-order method of the same order.
+//!
+//! Stages stand at `x + c h v + h^2 sum a f`; the step ends at `x + h v + h^2 sum b f`, `v + h sum b' f`. The error estimate is the
+//! difference to the embedded solution, in position and in velocity. Contacts that open or close within a step break the
+//! estimate's smoothness, and the controller shortens the step. Interpolation is septic Hermite.
+
+use super::control::{StepControl, add_compensated, largest};
+use super::hermite::{End, quintic, septic};
+use super::{IntegrateError, Integrator, Interpolant, Scales, State, System, Work};
+
+/// Terms of a weighted sum: stage and weight (1).
+pub type Row = &'static [(usize, f64)];
+
+/// Coefficients of a pair whose last stage opens the next step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NystromPair {
+    /// Name as written in scenes, options and recordings.
+    pub name: &'static str,
+    /// Publication that defines the method.
+    pub source: &'static str,
+    /// Order of the solution that is continued.
+    pub order: u8,
+    /// Order of the embedded solution.
+    pub error_order: u8,
+    /// Times of the stages, fractions of a step (1).
+    pub nodes: &'static [f64],
+    /// Position weights of each stage's argument.
+    pub stages: &'static [Row],
+    /// Position weights of the solution.
+    pub position: Row,
+    /// Velocity weights of the solution.
+    pub velocity: Row,
+    /// Position weights of the error.
+    pub position_error: Row,
+    /// Velocity weights of the error.
+    pub velocity_error: Row,
+}
+
+/// The first step, as a fraction of position scale over speed scale (1).
+const FIRST_STEP: f64 = 1e-3;
+
+/// A pair at work on a system.
+pub struct NystromIntegrator<'a> {
+    pair: &'static NystromPair,
+    system: Box<dyn System + 'a>,
+    state: State,
+    previous: State,
+    scratch: Vec<f64>,
+    /// Accelerations at the stages (m/s²).
+    stages: Vec<Vec<f64>>,
+    /// Rates of the accelerations at both ends; none where the system does not know them.
+    jerks: Option<[Vec<f64>; 2]>,
+    scales: Scales,
+    tolerance: f64,
+    control: StepControl,
+    last_length: f64,
+    /// What rounding took from the last sums of position and velocity.
+    lost: [Vec<f64>; 2],
+    work: Work,
+}
+
+impl<'a> NystromIntegrator<'a> {
+    /// Starts `pair` at `state`, tolerating errors of `tolerance` a step relative to the system's scales (1).
+    #[must_use]
+    pub fn new(
+        pair: &'static NystromPair,
+        mut system: Box<dyn System + 'a>,
+        state: State,
+        tolerance: f64,
+    ) -> Self {
+        let n = system.len();
+        let mut stages = vec![vec![0.0; n]; pair.nodes.len()];
+        if let Some(first) = stages.first_mut() {
+            system.accelerations(&state.position, &state.velocity, first);
+        }
+        let scales = system.scales(&state.position, &state.velocity);
+        Self {
+            pair,
+            previous: state.clone(),
+            scratch: vec![0.0; n],
+            jerks: Some([vec![0.0; n], vec![0.0; n]]),
+            control: StepControl::new(
+                FIRST_STEP * scales.position / scales.velocity,
+                pair.error_order,
+            ),
+            lost: [vec![0.0; n], vec![0.0; n]],
+            work: Work { force_evaluations: 1, ..Work::default() },
+            last_length: 0.0,
+            system,
+            state,
+            stages,
+            scales,
+            tolerance,
+        }
+    }
+
+    fn evaluate_stage(&mut self, stage: usize, h: f64) {
+        let (before, rest) = self.stages.split_at_mut(stage);
+        let Some(acceleration) = rest.first_mut() else { return };
+        let weights = self.pair.stages.get(stage).copied().unwrap_or_default();
+        let node = self.pair.nodes.get(stage).copied().unwrap_or(0.0);
+        combine(weights, before, &mut self.scratch);
+        let start = self.previous.position.iter().zip(&self.previous.velocity);
+        for (value, (x, v)) in self.scratch.iter_mut().zip(start) {
+            *value = x + h * (node * v + h * *value);
+        }
+        // These pairs are for forces of position alone; the velocity they are given is the step's first.
+        self.system.accelerations(&self.scratch, &self.previous.velocity, acceleration);
+        self.work.force_evaluations += 1;
+    }
+
+    /// Error of the step just tried as a multiple of the tolerance (1).
+    fn error(&mut self, h: f64) -> f64 {
+        combine(self.pair.position_error, &self.stages, &mut self.scratch);
+        let position = h * h * largest(&self.scratch) / self.scales.position;
+        combine(self.pair.velocity_error, &self.stages, &mut self.scratch);
+        let velocity = h * largest(&self.scratch) / self.scales.velocity;
+        // `max` would hide what is not a number; so would a scale that is infinite.
+        if position.is_finite() && velocity.is_finite() && self.scales.are_finite() {
+            position.max(velocity) / self.tolerance
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    fn accept(&mut self, h: f64, next: f64) {
+        combine(self.pair.position, &self.stages, &mut self.scratch);
+        let [lost_x, lost_v] = &mut self.lost;
+        for ((x, lost), (v, sum)) in self
+            .state
+            .position
+            .iter_mut()
+            .zip(lost_x)
+            .zip(self.previous.velocity.iter().zip(&self.scratch))
+        {
+            add_compensated(x, lost, h * (v + h * sum));
+        }
+        combine(self.pair.velocity, &self.stages, &mut self.scratch);
+        for ((v, lost), sum) in self.state.velocity.iter_mut().zip(lost_v).zip(&self.scratch) {
+            add_compensated(v, lost, h * sum);
+        }
+        self.state.time = next;
+        self.last_length = h;
+        self.work.steps += 1;
+        let now = self.system.scales(&self.state.position, &self.state.velocity);
+        // A rebound's speed stays the yardstick for what it left behind.
+        self.scales.position = self.scales.position.max(now.position);
+        self.scales.velocity = self.scales.velocity.max(now.velocity);
+    }
+}
+
+impl Integrator for NystromIntegrator<'_> {
+    fn state(&self) -> &State {
+        &self.state
+    }
+
+    fn step(&mut self, end: f64) -> Result<(), IntegrateError> {
+        let last = self.stages.len() - 1;
+        if self.work.steps > 0 {
+            self.stages.swap(0, last);
+        }
+        self.previous.clone_from(&self.state);
+        loop {
+            let trial = self.control.trial(self.state.time, end)?;
+            for stage in 1..=last {
+                self.evaluate_stage(stage, trial.length);
+            }
+            let error = self.error(trial.length);
+            let stages = &self.stages;
+            if self.control.accepts(trial, error, || first_lost(stages)) {
+                self.accept(trial.length, trial.next);
+                return Ok(());
+            }
+            self.work.rejected += 1;
+        }
+    }
+
+    fn prepare_interpolation(&mut self) {
+        let Some([before, after]) = &mut self.jerks else { return };
+        let known =
+            self.system.jerks(&self.previous, before) && self.system.jerks(&self.state, after);
+        if !known {
+            self.jerks = None;
+        }
+    }
+
+    fn interpolant(&self, body: usize) -> Interpolant {
+        let at = |values: &[f64]| values.get(body).copied().unwrap_or(0.0);
+        let end = |state: &State, acceleration: Option<&Vec<f64>>| End {
+            position: at(&state.position),
+            velocity: at(&state.velocity),
+            acceleration: acceleration.map_or(0.0, |a| at(a)),
+        };
+        let from = end(&self.previous, self.stages.first());
+        let to = end(&self.state, self.stages.last());
+        match &self.jerks {
+            Some([before, after]) => septic(from, to, (at(before), at(after)), self.last_length),
+            None => quintic(from, to, self.last_length),
+        }
+    }
+
+    fn last_step(&self) -> (f64, f64) {
+        (self.previous.time, self.last_length)
+    }
+
+    fn work(&self) -> Work {
+        self.work
+    }
+}
+
+/// `out = sum of weight * stages[stage]`.
+fn combine(weights: Row, stages: &[Vec<f64>], out: &mut [f64]) {
+    out.fill(0.0);
+    for (stage, weight) in weights {
+        if let Some(rates) = stages.get(*stage) {
+            for (sum, rate) in out.iter_mut().zip(rates) {
+                *sum += weight * rate;
+            }
+        }
+    }
+}
+
+/// First body with a stage that is not a number.
+fn first_lost(stages: &[Vec<f64>]) -> usize {
+    stages.iter().find_map(|s| s.iter().position(|a| !a.is_finite())).unwrap_or(0)
+}

@@ -1,0 +1,140 @@
+//! Reads the words before an ISF's block: which key stands for what, and what each value may be.
+
+use super::error::{IsfError, excerpt};
+use crate::recording::command_text::{command, unquoted};
+
+/// The preamble's words take a few hundred bytes; a block not found after this many is not there.
+const LONGEST: usize = 64 * 1024;
+
+/// What a preamble's value is about: the full key, and how much of it is the least that names it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Key(&'static str, usize);
+
+pub(super) const BYTES: Key = Key("BYT_NR", 5);
+pub(super) const BITS: Key = Key("BIT_NR", 5);
+pub(super) const ENCODING: Key = Key("ENCDG", 3);
+pub(super) const NUMBERS: Key = Key("BN_FMT", 4);
+pub(super) const BYTE_ORDER: Key = Key("BYT_OR", 5);
+pub(super) const POINTS: Key = Key("NR_PT", 4);
+pub(super) const NAME: Key = Key("WFID", 3);
+pub(super) const POINT_FORMAT: Key = Key("PT_FMT", 4);
+pub(super) const X_INCR: Key = Key("XINCR", 3);
+pub(super) const PT_OFF: Key = Key("PT_OFF", 4);
+pub(super) const X_ZERO: Key = Key("XZERO", 3);
+pub(super) const X_UNIT: Key = Key("XUNIT", 3);
+pub(super) const Y_MULT: Key = Key("YMULT", 3);
+pub(super) const Y_ZERO: Key = Key("YZERO", 3);
+pub(super) const Y_OFF: Key = Key("YOFF", 3);
+pub(super) const Y_UNIT: Key = Key("YUNIT", 3);
+pub(super) const V_SCALE: Key = Key("VSCALE", 6);
+pub(super) const V_POSITION: Key = Key("VPOS", 4);
+const CURVE: Key = Key("CURVE", 4);
+
+impl Key {
+    /// Whether the last part of `header` names this key.
+    fn is(self, header: &[u8]) -> bool {
+        let part = header.rsplit(|byte| *byte == b':').next().unwrap_or_default();
+        let Self(full, shortest) = self;
+        let fits = full.as_bytes().get(..part.len());
+        part.len() >= shortest && fits.is_some_and(|full| full.eq_ignore_ascii_case(part))
+    }
+
+    pub(super) fn name(self) -> &'static str {
+        let Self(full, _) = self;
+        full
+    }
+}
+
+/// One setting: header, value, and where the value begins.
+type Entry<'a> = (&'a [u8], &'a [u8], usize);
+
+/// The words of a file, and where its block begins.
+#[derive(Debug)]
+pub(super) struct Words<'a> {
+    pub(super) file: &'a str,
+    entries: Vec<Entry<'a>>,
+    /// Where the block begins, in bytes.
+    pub(super) block: usize,
+}
+
+impl<'a> Words<'a> {
+    pub(super) fn read(file: &'a str, bytes: &'a [u8]) -> Result<Self, IsfError> {
+        let head = bytes.get(..bytes.len().min(LONGEST)).unwrap_or_default();
+        let (mut at, mut entries) = (0, Vec::new());
+        while let Some((found, next)) = command(head, at) {
+            if CURVE.is(found.header) {
+                return Ok(Self { file, entries, block: found.value_offset });
+            }
+            entries.push((found.header, found.value, found.value_offset));
+            at = next;
+        }
+        Err(IsfError::NoCurve { file: file.to_owned(), searched: head.len() })
+    }
+
+    /// The last value of `key`, without quotes, and where it stands.
+    fn entry(&self, key: Key) -> Option<(&'a [u8], usize)> {
+        let found = self.entries.iter().rev().find(|(header, ..)| key.is(header));
+        found.map(|(_, value, offset)| (*value, *offset))
+    }
+
+    pub(super) fn text(&self, key: Key) -> Result<Option<String>, IsfError> {
+        let Some((value, offset)) = self.entry(key) else { return Ok(None) };
+        let text = std::str::from_utf8(value).ok().map(unquoted);
+        match text.filter(|text| !text.chars().any(char::is_control)) {
+            Some(text) => Ok(Some(text.trim().to_owned())),
+            None => Err(self.wrong(key, value, offset, "text")),
+        }
+    }
+
+    pub(super) fn number(&self, key: Key) -> Result<Option<f64>, IsfError> {
+        let Some((value, offset)) = self.entry(key) else { return Ok(None) };
+        let number = std::str::from_utf8(value).ok().and_then(|text| text.parse::<f64>().ok());
+        match number.filter(|number| number.is_finite()) {
+            Some(number) => Ok(Some(number)),
+            None => Err(self.wrong(key, value, offset, "a number")),
+        }
+    }
+
+    /// A number that must be there and be above zero.
+    pub(super) fn positive(&self, key: Key) -> Result<f64, IsfError> {
+        let number = self.number(key)?.ok_or_else(|| self.missing(key))?;
+        if number > 0.0 {
+            return Ok(number);
+        }
+        let (value, offset) = self.entry(key).unwrap_or_default();
+        Err(self.wrong(key, value, offset, "a number above 0"))
+    }
+
+    /// Which of `words` the value of `key` is; words count by their first letters, as keys do.
+    pub(super) fn choice<T: Copy>(
+        &self,
+        key: Key,
+        words: &[(&str, T)],
+    ) -> Result<Option<T>, IsfError> {
+        let Some((value, offset)) = self.entry(key) else { return Ok(None) };
+        let upper = value.to_ascii_uppercase();
+        let is = |word: &str| {
+            let whole = word.starts_with(|c: char| c.is_ascii_digit());
+            upper.starts_with(word.as_bytes()) && (!whole || upper.len() == word.len())
+        };
+        if let Some((_, choice)) = words.iter().find(|(word, _)| is(word)) {
+            return Ok(Some(*choice));
+        }
+        let expected = words.iter().map(|(word, _)| *word).collect::<Vec<_>>().join(" or ");
+        Err(self.wrong(key, value, offset, &expected))
+    }
+
+    pub(super) fn missing(&self, key: Key) -> IsfError {
+        IsfError::Missing { file: self.file.to_owned(), key: key.name() }
+    }
+
+    fn wrong(&self, key: Key, value: &[u8], offset: usize, expected: &str) -> IsfError {
+        IsfError::Entry {
+            file: self.file.to_owned(),
+            offset,
+            key: key.name(),
+            found: excerpt(value),
+            expected: expected.to_owned(),
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! From an ISF's words and levels to a capture.
+
+use super::block::{Encoding, Levels};
+use super::error::IsfError;
+use super::preamble::{self, Words};
+use crate::quantity::{Dimension, engineering, parse_any};
+use crate::recording::Capture;
+use crate::scope::waveform::LEVELS_PER_DIVISION;
+use crate::scope::{Coupling, PointFormat, Preamble, Source, VerticalSetup, Waveform};
+
+/// Larger files are refused unread; a million points of two bytes take 2 MB.
+pub const MAXIMUM_BYTES: usize = 64 << 20;
+/// Levels of two bytes for one of one byte.
+const LOWER_BYTE: i16 = 256;
+/// Points in one horizontal division of the family.
+const POINTS_PER_DIVISION: f64 = 250.0;
+/// How far two statements of the same may differ, relative; files print 5 digits.
+const PRINTED: f64 = 1e-4;
+
+/// Reads the `bytes` of an ISF file; `file_name` is for messages.
+///
+/// # Errors
+/// [`IsfError`] with the byte where the file stops making sense.
+pub fn read(bytes: &[u8], file_name: &str) -> Result<Capture, IsfError> {
+    if bytes.len() > MAXIMUM_BYTES {
+        let (file, found) = (file_name.to_owned(), bytes.len());
+        return Err(IsfError::TooLarge { file, found, limit: MAXIMUM_BYTES });
+    }
+    let words = Words::read(file_name, bytes)?;
+    let mut notes = Vec::new();
+    let x_incr = words.positive(preamble::X_INCR)?;
+    let y_mult = words.positive(preamble::Y_MULT)?;
+    let encoding = Encoding::read(&words, &mut notes)?;
+    let levels = encoding.levels(&words, bytes, &mut notes)?;
+    note_points(&words, levels.codes.len(), &mut notes)?;
+    let mut or_zero = |key: preamble::Key| -> Result<f64, IsfError> {
+        let number = words.number(key)?;
+        if number.is_none() {
+            notes.push(format!("{} taken as 0: the file does not tell it", key.name()));
+        }
+        Ok(number.unwrap_or_default())
+    };
+    let (y_off, y_zero) = (or_zero(preamble::Y_OFF)?, or_zero(preamble::Y_ZERO)?);
+    let x_zero = or_zero(preamble::X_ZERO)?;
+    let pt_off = words.number(preamble::PT_OFF)?.unwrap_or_default();
+    let x_unit = words.text(preamble::X_UNIT)?;
+    let y_unit = words.text(preamble::Y_UNIT)?;
+    let scaled = eight_bits(levels, y_mult, y_off);
+    let preamble = Preamble {
+        x_zero: x_zero - pt_off * x_incr,
+        x_incr,
+        pt_off: 0,
+        x_unit: unit(x_unit.as_deref().unwrap_or("s")),
+        y_mult: scaled.y_mult,
+        y_zero,
+        y_off: scaled.y_off,
+        y_unit: unit(y_unit.as_deref().unwrap_or("V")),
+        pt_fmt: words
+            .choice(
+                preamble::POINT_FORMAT,
+                &[("Y", PointFormat::Sample), ("ENV", PointFormat::Envelope)],
+            )?
+            .unwrap_or(PointFormat::Sample),
+    };
+    settings(&words, scaled.codes, preamble, notes)
+}
+
+struct Scaled {
+    codes: Vec<i16>,
+    y_mult: f64,
+    y_off: f64,
+}
+
+/// Two-byte levels of an 8-bit converter as that converter's own.
+fn eight_bits(levels: Levels, y_mult: f64, y_off: f64) -> Scaled {
+    let y_off = y_off - f64::from(levels.centre);
+    let codes = levels.codes;
+    if !levels.two_bytes || codes.iter().any(|code| code % LOWER_BYTE != 0) {
+        return Scaled { codes, y_mult, y_off };
+    }
+    let factor = f64::from(LOWER_BYTE);
+    let codes = codes.iter().map(|code| code / LOWER_BYTE).collect();
+    Scaled { codes, y_mult: y_mult * factor, y_off: y_off / factor }
+}
+
+#[allow(clippy::cast_precision_loss, reason = "at most 2^26 points")]
+fn note_points(words: &Words<'_>, found: usize, notes: &mut Vec<String>) -> Result<(), IsfError> {
+    if found == 0 {
+        let (file, offset) = (words.file.to_owned(), words.block);
+        let (found, expected) = ("no points".to_owned(), "at least one".to_owned());
+        return Err(IsfError::Block { file, offset, found, expected });
+    }
+    let stated = words.number(preamble::POINTS)?;
+    if let Some(stated) = stated.filter(|stated| (stated - found as f64).abs() > 0.0) {
+        notes.push(format!("found {found} points, the preamble says {stated}"));
+    }
+    Ok(())
+}
+
+/// What `WFID` says: `Ch1, DC coupling, 5.0E-1 V/div, 5.0E-2 s/div, 2500 points, Sample mode`.
+#[derive(Debug, Default)]
+struct Name {
+    source: Option<Source>,
+    coupling: Option<Coupling>,
+    /// Vertical scale (V/div; dB/div for an FFT).
+    scale: Option<f64>,
+    /// Time base (s/div; Hz/div for an FFT).
+    horizontal_scale: Option<f64>,
+}
+
+impl Name {
+    fn read(text: &str) -> Self {
+        let mut name = Self::default();
+        for (index, item) in text.split(',').map(str::trim).enumerate() {
+            if index == 0 {
+                name.source = Source::from_name(&item.replace(' ', ""));
+            }
+            match item {
+                "DC coupling" => name.coupling = Some(Coupling::Dc),
+                "AC coupling" => name.coupling = Some(Coupling::Ac),
+                "GND coupling" => name.coupling = Some(Coupling::Ground),
+                _ => {}
+            }
+            let Some(amount) = item.strip_suffix("/div") else { continue };
+            let number = |unit| amount.strip_suffix(unit)?.trim().parse().ok();
+            let quantity = parse_any(amount).ok();
+            let of = |kind| quantity.filter(|(_, found)| *found == kind).map(|(value, _)| value);
+            name.scale = name.scale.or(of(Dimension::VOLTAGE)).or(number("dB"));
+            let time = of(Dimension::TIME).or(number("Hz"));
+            name.horizontal_scale = name.horizontal_scale.or(time);
+        }
+        name
+    }
+}
+
+/// The capture, with the settings that levels and preamble were taken under.
+fn settings(
+    words: &Words<'_>,
+    codes: Vec<i16>,
+    preamble: Preamble,
+    mut notes: Vec<String>,
+) -> Result<Capture, IsfError> {
+    let name = Name::read(&words.text(preamble::NAME)?.unwrap_or_default());
+    let mut assume = |what: &str, taken: &str| {
+        notes.push(format!("{what} taken as {taken}: the file does not tell it"));
+    };
+    let source = name.source.unwrap_or_else(|| {
+        assume("source", "CH1");
+        Source::Channel(1)
+    });
+    assume("probe attenuation", "1");
+    let stated = words.number(preamble::V_SCALE)?.or(name.scale);
+    let scale = stated.filter(|scale| *scale > 0.0).unwrap_or_else(|| {
+        let scale = preamble.y_mult * LEVELS_PER_DIVISION;
+        assume("vertical scale", &engineering(scale, &format!("{}/div", preamble.y_unit), 3));
+        scale
+    });
+    let horizontal_scale = name.horizontal_scale.filter(|s| *s > 0.0).unwrap_or_else(|| {
+        let scale = preamble.x_incr * POINTS_PER_DIVISION;
+        assume("time base", &engineering(scale, &format!("{}/div", preamble.x_unit), 3));
+        scale
+    });
+    let level = scale / LEVELS_PER_DIVISION;
+    let of_the_family = (preamble.y_mult - level).abs() <= PRINTED * level;
+    if codes.iter().all(|code| i8::try_from(*code).is_ok()) && !of_the_family {
+        notes.push(format!(
+            "a level is {} {}, not 1/25 of a division",
+            preamble.y_mult, preamble.y_unit
+        ));
+    }
+    let position = match words.number(preamble::V_POSITION)? {
+        Some(position) if !of_the_family => position,
+        _ => preamble.y_off * (preamble.y_mult / scale),
+    };
+    let trigger_point = whole_if_near(0.0 - preamble.x_zero / preamble.x_incr);
+    let vertical = VerticalSetup {
+        scale,
+        position: if of_the_family { preamble.y_off / LEVELS_PER_DIVISION } else { position },
+        coupling: name.coupling,
+        bandwidth_limited: None,
+        inverted: None,
+        probe: 1.0,
+    };
+    let waveform = Waveform { source, codes, preamble, vertical, horizontal_scale, trigger_point };
+    Ok(Capture { waveform, instrument: None, notes })
+}
+
+/// The unit as this program writes it.
+fn unit(text: &str) -> String {
+    match text {
+        "Volts" => "V",
+        "S" => "s",
+        other => other,
+    }
+    .to_owned()
+}
+
+/// `points` without the preamble's rounding, where it means a whole number.
+fn whole_if_near(points: f64) -> f64 {
+    let whole = points.round();
+    if (points - whole).abs() <= 1e-9 * whole.abs().max(1.0) { whole + 0.0 } else { points }
+}

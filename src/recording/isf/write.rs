@@ -1,0 +1,131 @@
+//! Writes a capture as an instrument of the TDS2000 family sends it: the 16 fields of `WFMPre?` in their order, with
+//! headers on, then the levels, signed, most significant byte first.
+
+use super::error::IsfError;
+use crate::recording::Capture;
+use crate::scope::set_up::nr3;
+use crate::scope::{PointFormat, Source, Waveform};
+
+/// Bytes for each level: `DATa:WIDth`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Width {
+    /// One.
+    One,
+    /// Two; an 8-bit level is the upper one.
+    Two,
+}
+
+/// Largest block whose length takes nine digits.
+const LARGEST_BLOCK: usize = 999_999_999;
+
+/// Writes `capture`; levels that do not fit one byte take two whatever `width` says.
+///
+/// # Errors
+/// [`IsfError::Unwritable`] for a number that is not finite, a quote in a unit, or a record without points.
+pub fn write(capture: &Capture, width: Width) -> Result<Vec<u8>, IsfError> {
+    let waveform = &capture.waveform;
+    check(waveform)?;
+    let narrow: Option<Vec<i8>> =
+        waveform.codes.iter().map(|code| i8::try_from(*code).ok()).collect();
+    let (bytes, factor, block): (u8, f64, Vec<u8>) = match (narrow, width) {
+        (Some(codes), Width::One) => {
+            (1, 1.0, codes.into_iter().flat_map(i8::to_be_bytes).collect())
+        }
+        (Some(codes), Width::Two) => {
+            (2, 256.0, codes.into_iter().flat_map(|code| [code.cast_unsigned(), 0]).collect())
+        }
+        (None, _) => (2, 1.0, waveform.codes.iter().copied().flat_map(i16::to_be_bytes).collect()),
+    };
+    let length = block.len().to_string();
+    let mut file = preamble(waveform, bytes, factor).into_bytes();
+    file.extend_from_slice(format!(";:CURVE #{}{length}", length.len()).as_bytes());
+    file.extend_from_slice(&block);
+    Ok(file)
+}
+
+fn preamble(waveform: &Waveform, bytes: u8, factor: f64) -> String {
+    let preamble = &waveform.preamble;
+    let y_unit = if preamble.y_unit == "V" { "Volts" } else { &preamble.y_unit };
+    let number = |value: f64| nr3(without_round_off(value));
+    format!(
+        ":WFMPRE:BYT_NR {bytes};BIT_NR {};ENCDG BIN;BN_FMT RI;BYT_OR MSB;NR_PT {};WFID \"{}\";PT_FMT {};\
+         XINCR {};PT_OFF {};XZERO {};XUNIT \"{}\";YMULT {};YZERO {};YOFF {};YUNIT \"{y_unit}\"",
+        8 * bytes,
+        waveform.codes.len(),
+        name(waveform),
+        preamble.pt_fmt,
+        number(preamble.x_incr),
+        preamble.pt_off,
+        number(preamble.x_zero),
+        preamble.x_unit,
+        number(preamble.y_mult / factor),
+        number(preamble.y_zero),
+        number(preamble.y_off * factor),
+    )
+}
+
+/// `WFID`; a coupling that is not known is left out.
+fn name(waveform: &Waveform) -> String {
+    let preamble = &waveform.preamble;
+    let source = match waveform.source {
+        Source::Channel(number) => format!("Ch{number}"),
+        Source::Math => "Math".to_owned(),
+        Source::Reference(letter) => format!("Ref{letter}"),
+    };
+    let coupling =
+        waveform.vertical.coupling.map(|c| format!(", {c} coupling")).unwrap_or_default();
+    let mode = match preamble.pt_fmt {
+        PointFormat::Sample => "Sample",
+        PointFormat::Envelope => "Peak Detect",
+    };
+    format!(
+        "{source}{coupling}, {} {}/div, {} {}/div, {} points, {mode} mode",
+        nr3(waveform.vertical.scale),
+        preamble.y_unit,
+        nr3(waveform.horizontal_scale),
+        preamble.x_unit,
+        waveform.codes.len(),
+    )
+}
+
+fn check(waveform: &Waveform) -> Result<(), IsfError> {
+    let preamble = &waveform.preamble;
+    let points = waveform.codes.len();
+    if points == 0 || points > LARGEST_BLOCK / 2 {
+        let expected = format!("1 to {}", LARGEST_BLOCK / 2);
+        return Err(unwritable("the number of points", points, expected));
+    }
+    for (what, value) in [
+        ("x_incr", preamble.x_incr),
+        ("x_zero", preamble.x_zero),
+        ("y_mult", preamble.y_mult),
+        ("y_zero", preamble.y_zero),
+        ("y_off", preamble.y_off),
+        ("the vertical scale", waveform.vertical.scale),
+        ("the time base", waveform.horizontal_scale),
+    ] {
+        if !value.is_finite() {
+            return Err(unwritable(what, value, "a finite number"));
+        }
+    }
+    for (what, unit) in [("x_unit", &preamble.x_unit), ("y_unit", &preamble.y_unit)] {
+        if unit.chars().any(|c| c == '"' || c.is_control()) {
+            return Err(unwritable(what, unit.escape_debug(), "text without quotes"));
+        }
+    }
+    Ok(())
+}
+
+fn unwritable(
+    what: &'static str,
+    found: impl std::fmt::Display,
+    expected: impl std::fmt::Display,
+) -> IsfError {
+    IsfError::Unwritable { what, found: found.to_string(), expected: expected.to_string() }
+}
+
+/// `value` to 13 digits, where the rest is round-off of a few operations.
+fn without_round_off(value: f64) -> f64 {
+    let short: f64 = format!("{value:.12e}").parse().unwrap_or(value);
+    if (short - value).abs() <= 4.0 * f64::EPSILON * value.abs() { short } else { value }
+}

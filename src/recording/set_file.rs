@@ -1,0 +1,283 @@
+//! Reads `.SET` files: the front panel at the time of a save, as the instrument's answer to `SET?`.
+//!
+//! A folder `ALLnnnn` holds one beside its `.CSV` files. [`SetFile::complete`] takes from it what those do not tell
+//! (coupling, bandwidth limit, inversion) and notes where the two disagree: of 308 published pairs 6 do, three
+//! saved in scan mode, three after the time base was turned on a stopped instrument.
+//!
+//! # Sources
+//! Tektronix programmer manual 071-1075, `SET?`; the project's fact sheet on the TDS2000 family, section 2.7, with
+//! files of two firmwares. `trigger point = 1250 - horizontal position / sample interval`.
+
+use super::Capture;
+use super::command_text::{command, path, unquoted};
+use crate::quantity::engineering;
+use crate::scope::waveform::LEVELS_PER_DIVISION;
+use crate::scope::{Coupling, Slope, Source};
+
+/// Larger files are refused unread; the family's own have less than 2000 bytes.
+pub const MAXIMUM_BYTES: usize = 1 << 20;
+/// Index of the point in the middle of the screen (1).
+const MIDDLE: f64 = 1250.0;
+/// How far two statements of the same may differ, relative; a `.CSV` prints seven digits.
+const PRINTED: f64 = 1e-6;
+
+/// Why a file is no `.SET` file.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum SetFileError {
+    /// The file is larger than any of this format.
+    #[error("{file}: found {found} bytes, expected at most {limit}")]
+    TooLarge {
+        /// The file's name.
+        file: String,
+        /// Its size in bytes.
+        found: usize,
+        /// The largest size that is read, in bytes.
+        limit: usize,
+    },
+    /// Something that is no setting.
+    #[error(
+        "{file}, line {line}, byte {offset}: found `{found}`, expected a setting such as `:CH1:SCALE 1.0E0`"
+    )]
+    NoSetting {
+        /// The file's name.
+        file: String,
+        /// Line, counted from 1.
+        line: usize,
+        /// Where in the file, counted from 0.
+        offset: usize,
+        /// What stands there.
+        found: String,
+    },
+    /// Not one setting.
+    #[error("{file}: found no setting, expected at least one, such as `:CH1:SCALE 1.0E0`")]
+    Empty {
+        /// The file's name.
+        file: String,
+    },
+}
+
+/// One setting.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Setting {
+    /// Where it belongs, in capitals: `CH1:SCALE`.
+    pub path: String,
+    /// As written, without quotes.
+    pub value: String,
+}
+
+/// The settings of one file, in its order.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SetFile {
+    /// The settings.
+    pub settings: Vec<Setting>,
+}
+
+impl SetFile {
+    /// Reads the `bytes` of a `.SET` file; `file_name` is for messages.
+    ///
+    /// # Errors
+    /// [`SetFileError`] for anything that is not a list of settings.
+    pub fn read(bytes: &[u8], file_name: &str) -> Result<Self, SetFileError> {
+        let file = || file_name.to_owned();
+        if bytes.len() > MAXIMUM_BYTES {
+            let found = bytes.len();
+            return Err(SetFileError::TooLarge { file: file(), found, limit: MAXIMUM_BYTES });
+        }
+        let (mut at, mut settings) = (0, Vec::<Setting>::new());
+        while let Some((found, next)) = command(bytes, at) {
+            // The first setting starts at the root: that tells a set-up from any other text.
+            let starts = |text: &str| !settings.is_empty() || text.starts_with(':');
+            let header = std::str::from_utf8(found.header).ok();
+            let header = header.filter(|text| is_header(text) && starts(text));
+            let value = std::str::from_utf8(found.value).ok().filter(|text| is_value(text));
+            let (Some(header), Some(value)) = (header, value) else {
+                let before = bytes.get(..found.offset).unwrap_or_default();
+                return Err(SetFileError::NoSetting {
+                    file: file(),
+                    line: before.split(|byte| *byte == b'\n').count(),
+                    offset: found.offset,
+                    found: excerpt(bytes.get(found.offset..next).unwrap_or_default()),
+                });
+            };
+            let before = settings.last().map(|setting| setting.path.as_str()).unwrap_or_default();
+            let path = path(header, before);
+            settings.push(Setting { path, value: unquoted(value).to_owned() });
+            at = next;
+        }
+        if settings.is_empty() {
+            return Err(SetFileError::Empty { file: file() });
+        }
+        Ok(Self { settings })
+    }
+
+    /// The last value of `path`, which is in capitals.
+    #[must_use]
+    pub fn value(&self, path: &str) -> Option<&str> {
+        let found = self.settings.iter().rev().find(|setting| setting.path == path);
+        found.map(|setting| setting.value.as_str())
+    }
+
+    /// A finite number at `path` (unit).
+    #[must_use]
+    pub fn number(&self, path: &str) -> Option<f64> {
+        self.value(path)?.parse().ok().filter(|number: &f64| number.is_finite())
+    }
+
+    /// A switch at `path`.
+    #[must_use]
+    pub fn is_on(&self, path: &str) -> Option<bool> {
+        match self.value(path)? {
+            "ON" | "1" => Some(true),
+            "OFF" | "0" => Some(false),
+            _ => None,
+        }
+    }
+
+    /// Vertical scale of channel `number`, probe included (V/div).
+    #[must_use]
+    pub fn scale(&self, number: u8) -> Option<f64> {
+        self.number(&format!("CH{number}:SCALE"))
+    }
+
+    /// Where zero volts of channel `number` stands, upward from the centre (div).
+    #[must_use]
+    pub fn position(&self, number: u8) -> Option<f64> {
+        self.number(&format!("CH{number}:POSITION"))
+    }
+
+    /// Probe attenuation of channel `number` (1).
+    #[must_use]
+    pub fn probe(&self, number: u8) -> Option<f64> {
+        self.number(&format!("CH{number}:PROBE"))
+    }
+
+    /// Coupling of channel `number`.
+    #[must_use]
+    pub fn coupling(&self, number: u8) -> Option<Coupling> {
+        match self.value(&format!("CH{number}:COUPLING"))? {
+            "DC" => Some(Coupling::Dc),
+            "AC" => Some(Coupling::Ac),
+            "GND" => Some(Coupling::Ground),
+            _ => None,
+        }
+    }
+
+    /// Time base (s/div).
+    #[must_use]
+    pub fn time_base(&self) -> Option<f64> {
+        self.number("HORIZONTAL:MAIN:SCALE").or_else(|| self.number("HORIZONTAL:SCALE"))
+    }
+
+    /// From the trigger to the middle of the screen (s).
+    #[must_use]
+    pub fn horizontal_position(&self) -> Option<f64> {
+        self.number("HORIZONTAL:MAIN:POSITION")
+    }
+
+    /// What the edge trigger looks at; `None` for the external inputs and the mains too.
+    #[must_use]
+    pub fn trigger_source(&self) -> Option<Source> {
+        self.value("TRIGGER:MAIN:EDGE:SOURCE").and_then(Source::from_name)
+    }
+
+    /// Trigger level (V).
+    #[must_use]
+    pub fn trigger_level(&self) -> Option<f64> {
+        self.number("TRIGGER:MAIN:LEVEL")
+    }
+
+    /// Direction of the edge trigger.
+    #[must_use]
+    pub fn trigger_slope(&self) -> Option<Slope> {
+        match self.value("TRIGGER:MAIN:EDGE:SLOPE")? {
+            "RISE" => Some(Slope::Rise),
+            "FALL" => Some(Slope::Fall),
+            _ => None,
+        }
+    }
+
+    /// Whether a trace was on the screen.
+    #[must_use]
+    pub fn is_selected(&self, source: Source) -> Option<bool> {
+        let name = match source {
+            Source::Reference(letter) => format!("REF{letter}"),
+            other => other.to_string(),
+        };
+        self.is_on(&format!("SELECT:{name}"))
+    }
+
+    /// Fills in what a channel's file does not tell, and notes what disagrees with it. Other traces have no settings
+    /// of their own; of those only the selection is compared.
+    pub fn complete(&self, capture: &mut Capture) {
+        let source = capture.waveform.source;
+        if self.is_selected(source) == Some(false) {
+            capture.notes.push(format!("the .SET file says that {source} was off"));
+        }
+        let Source::Channel(number) = source else { return };
+        let vertical = &mut capture.waveform.vertical;
+        vertical.coupling = vertical.coupling.or(self.coupling(number));
+        let bandwidth_limited = self.is_on(&format!("CH{number}:BANDWIDTH"));
+        vertical.bandwidth_limited = vertical.bandwidth_limited.or(bandwidth_limited);
+        vertical.inverted = vertical.inverted.or(self.is_on(&format!("CH{number}:INVERT")));
+        let disagreements = self.disagreements(capture, number);
+        capture.notes.extend(disagreements);
+    }
+
+    fn disagreements(&self, capture: &Capture, number: u8) -> Vec<String> {
+        let waveform = &capture.waveform;
+        let vertical = &waveform.vertical;
+        let expected = self.horizontal_position().map(|at| MIDDLE - at / waveform.preamble.x_incr);
+        let printed = |value: f64| PRINTED * value.abs();
+        // The file's scale and offset are rounded; half a level is less than the panel can be turned.
+        let level = 0.5 / LEVELS_PER_DIVISION;
+        let point = 0.5;
+        [
+            (
+                "vertical scale",
+                vertical.scale,
+                self.scale(number),
+                printed(vertical.scale),
+                "V/div",
+            ),
+            ("vertical position", vertical.position, self.position(number), level, "div"),
+            ("probe attenuation", vertical.probe, self.probe(number), printed(vertical.probe), ""),
+            (
+                "time base",
+                waveform.horizontal_scale,
+                self.time_base(),
+                printed(waveform.horizontal_scale),
+                "s/div",
+            ),
+            ("trigger point", waveform.trigger_point, expected, point, ""),
+        ]
+        .into_iter()
+        .filter_map(|(what, found, other, tolerance, unit)| {
+            let other = other.filter(|other| (other - found).abs() > tolerance)?;
+            let (found, other) = (amount(found, unit), amount(other, unit));
+            Some(format!("{what} is {found}, the .SET file says {other}"))
+        })
+        .collect()
+    }
+}
+
+fn amount(value: f64, unit: &str) -> String {
+    match unit {
+        // Six decimals of a point or a ratio; the rest is round-off.
+        "" => ((value * 1e6).round() / 1e6).to_string(),
+        _ => engineering(value, unit, 4),
+    }
+}
+
+fn is_header(text: &str) -> bool {
+    let known = |c: char| c.is_ascii_alphanumeric() || matches!(c, ':' | '_' | '*');
+    text.contains(|c: char| c.is_ascii_alphabetic()) && text.chars().all(known)
+}
+
+fn is_value(text: &str) -> bool {
+    !text.is_empty() && !text.chars().any(char::is_control)
+}
+
+fn excerpt(bytes: &[u8]) -> String {
+    const LONGEST: usize = 40;
+    bytes.get(..bytes.len().min(LONGEST)).unwrap_or_default().escape_ascii().to_string()
+}

@@ -1,0 +1,230 @@
+//! Splits a CSV file that is not as an instrument wrote it: whatever separator, decimal mark, quotes and line
+//! ends a program put there. Comes before the readers of the foreign dialects; the native reader is stricter
+//! and does not use it.
+//!
+//! A number is kept with the digits it was printed with, because they bound how far it may lie from the true one.
+
+use super::error::{Place, TekCsvError, excerpt};
+use super::header::place;
+
+/// Most rows that are read; the longest records of these dialects have 200 000 points.
+pub(super) const MOST_ROWS: usize = 1_000_064;
+/// Cells of a row that are looked at: 4 channels of `OpenChoice` take 24.
+const MOST_CELLS: usize = 32;
+/// Sets a UTF-8 file's beginning apart; spreadsheets write it.
+const BYTE_ORDER_MARK: char = '\u{feff}';
+
+/// A number and its digits.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Printed {
+    /// The number (unit).
+    pub(super) value: f64,
+    /// Place of the last digit: 2 for `0.04`, -1 for `1.2E2`.
+    pub(super) decimals: i32,
+    /// Digits from the first that is not zero.
+    pub(super) digits: i32,
+}
+
+/// A file's rows, not yet split.
+#[derive(Debug, Clone)]
+pub(super) struct Table<'a> {
+    pub(super) file: &'a str,
+    lines: Vec<&'a str>,
+    pub(super) separator: char,
+    /// Whether numbers have a comma where others have a point.
+    pub(super) decimal_comma: bool,
+}
+
+/// One row of a table.
+#[derive(Debug, Clone)]
+pub(super) struct Cells<'a> {
+    file: &'a str,
+    line: usize,
+    /// Content without quotes and padding, and the column where the cell begins, counted from 1.
+    parts: Vec<(&'a str, usize)>,
+    decimal_comma: bool,
+}
+
+impl<'a> Table<'a> {
+    /// Finds the separator and the decimal mark of `text`.
+    pub(super) fn new(file: &'a str, text: &'a str) -> Result<Self, TekCsvError> {
+        let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
+        let found = text.lines().count();
+        if found > MOST_ROWS {
+            let file = file.to_owned();
+            return Err(TekCsvError::SampleCount { file, found, lowest: 2, highest: MOST_ROWS });
+        }
+        let mut lines: Vec<&str> = text.lines().collect();
+        while lines.last().is_some_and(|line| line.trim().is_empty()) {
+            lines.pop();
+        }
+        let separator = separator(&lines);
+        let mut table = Self { file, lines, separator, decimal_comma: false };
+        table.decimal_comma = (0..table.len()).any(|index| table.has_decimal_comma(index));
+        Ok(table)
+    }
+
+    /// Rows up to the last that is not blank.
+    pub(super) fn len(&self) -> usize {
+        self.lines.len()
+    }
+
+    /// Row `index`, counted from 0; without cells beyond the last.
+    pub(super) fn row(&self, index: usize) -> Cells<'a> {
+        let line = self.lines.get(index).copied().unwrap_or_default();
+        Cells {
+            file: self.file,
+            line: index + 1,
+            parts: split(line, self.separator),
+            decimal_comma: self.decimal_comma,
+        }
+    }
+
+    fn has_decimal_comma(&self, index: usize) -> bool {
+        let line = self.lines.get(index).copied().unwrap_or_default();
+        if !line.contains(',') || (self.separator == ',' && !line.contains('"')) {
+            return false;
+        }
+        let row = self.row(index);
+        row.parts.iter().any(|(cell, _)| cell.contains(',') && printed(cell, true).is_some())
+    }
+}
+
+impl<'a> Cells<'a> {
+    /// Cell `index`, empty beyond the last.
+    pub(super) fn text(&self, index: usize) -> &'a str {
+        self.parts.get(index).map(|(cell, _)| *cell).unwrap_or_default()
+    }
+
+    pub(super) fn texts(&self) -> impl Iterator<Item = &'a str> + Clone + '_ {
+        self.parts.iter().map(|(cell, _)| *cell)
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.parts.len()
+    }
+
+    pub(super) fn is_blank(&self) -> bool {
+        self.texts().all(str::is_empty)
+    }
+
+    /// Whether every cell with something in it holds a number, and at least two do.
+    pub(super) fn is_samples(&self) -> bool {
+        let mut filled = self.texts().filter(|cell| !cell.is_empty());
+        filled.clone().count() >= 2 && filled.all(|cell| self.parse(cell).is_some())
+    }
+
+    pub(super) fn maybe_number(&self, index: usize) -> Option<Printed> {
+        self.parse(self.text(index))
+    }
+
+    pub(super) fn number(&self, index: usize) -> Result<Printed, TekCsvError> {
+        self.maybe_number(index).ok_or_else(|| TekCsvError::Field {
+            place: self.place(index),
+            found: excerpt(self.text(index)),
+            expected: if self.decimal_comma {
+                "a number with a decimal comma, as elsewhere in the file"
+            } else {
+                "a number"
+            },
+        })
+    }
+
+    pub(super) fn place(&self, index: usize) -> Place {
+        let column = match (self.parts.get(index), self.parts.last()) {
+            (Some((_, column)), _) => *column,
+            (None, Some((cell, column))) => column + cell.chars().count(),
+            (None, None) => 1,
+        };
+        place(self.file, self.line, column)
+    }
+
+    fn parse(&self, cell: &str) -> Option<Printed> {
+        printed(cell, self.decimal_comma)
+    }
+}
+
+/// What stands between cells: a semicolon or a tab where there is one in the first rows, else a comma.
+fn separator(lines: &[&str]) -> char {
+    let head = || lines.iter().take(4);
+    [';', '\t'].into_iter().find(|mark| head().any(|line| line.contains(*mark))).unwrap_or(',')
+}
+
+fn split(line: &str, separator: char) -> Vec<(&str, usize)> {
+    let mut cells = Vec::new();
+    let (mut start, mut column, mut quoted) = (0, 1, false);
+    let mut next_column = 1;
+    for (at, character) in line.char_indices() {
+        next_column += 1;
+        if character == '"' {
+            quoted = !quoted;
+        } else if character == separator && !quoted {
+            cells.push((bare(line.get(start..at)), column));
+            if cells.len() == MOST_CELLS {
+                return cells;
+            }
+            (start, column) = (at + character.len_utf8(), next_column);
+        }
+    }
+    cells.push((bare(line.get(start..)), column));
+    cells
+}
+
+fn bare(cell: Option<&str>) -> &str {
+    let cell = cell.unwrap_or_default().trim();
+    cell.strip_prefix('"').and_then(|rest| rest.strip_suffix('"')).unwrap_or(cell).trim()
+}
+
+/// Reads a finite decimal number with its digits.
+fn printed(cell: &str, decimal_comma: bool) -> Option<Printed> {
+    const LONGEST: usize = 40;
+    const LARGEST: i32 = 30;
+    let allowed = |c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | 'e' | 'E' | '.' | ',');
+    if cell.len() > LONGEST || !cell.chars().all(allowed) {
+        return None;
+    }
+    let text = match (decimal_comma, cell.contains(','), cell.contains('.')) {
+        (true, _, false) => cell.replace(',', "."),
+        (false, false, _) => cell.to_owned(),
+        _ => return None,
+    };
+    let value = text.parse().ok().filter(|value: &f64| value.is_finite())?;
+    let (mantissa, exponent) = text.split_once(['e', 'E']).unwrap_or((&text, "0"));
+    let exponent: i32 = exponent.parse().ok().filter(|e| (-LARGEST..=LARGEST).contains(e))?;
+    let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
+    let figures = || whole.chars().chain(fraction.chars()).filter(char::is_ascii_digit);
+    let digits = i32::try_from(figures().skip_while(|c| *c == '0').count()).ok()?;
+    let decimals = i32::try_from(fraction.len()).ok()?.checked_sub(exponent)?;
+    Some(Printed { value, decimals, digits })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_keep_their_digits() {
+        for (text, value, decimals, digits) in [
+            ("0.04", 0.04, 2, 1),
+            ("-1.2", -1.2, 1, 2),
+            ("2.50E+03", 2500.0, -1, 3),
+            ("79.999998212E-3", 79.999_998_212e-3, 12, 11),
+            ("0", 0.0, 0, 0),
+        ] {
+            assert_eq!(printed(text, false), Some(Printed { value, decimals, digits }), "{text}");
+        }
+        assert_eq!(printed("-0,04", true).map(|p| p.value), Some(-0.04));
+        for text in ["", "nan", "inf", "1e999", "1,5", "0x1", "1.5.2", "-"] {
+            assert_eq!(printed(text, false), None, "{text}");
+        }
+        assert_eq!(printed("1.234,5", true), None);
+    }
+
+    #[test]
+    fn quotes_hold_separators() {
+        let table = Table::new("a.csv", "\u{feff}\"-0,03\",\"0,5\"\r\n\"-0,02\",\"1\"\r\n\r\n");
+        let table = table.expect("short");
+        assert_eq!((table.len(), table.separator, table.decimal_comma), (2, ',', true));
+        assert_eq!(table.row(0).number(1).map(|p| p.value), Ok(0.5));
+    }
+}

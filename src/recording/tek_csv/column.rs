@@ -1,0 +1,155 @@
+//! A column of printed numbers, and how far each may lie from the true one. Shared by `times` and `levels`.
+//!
+//! A program prints either a fixed number of decimals or a fixed number of digits, and may drop zeros at the
+//! end. The longest number of the column tells how many; the larger of the two errors bounds the true one:
+//! `max(10^-D / 2, 10^(m + 1 - S) / 2)` with the most decimals `D` and the most digits `S` of the column
+//! and the number's magnitude `m = floor(log10 |v|)`.
+
+use super::cells::{Cells, Printed};
+use super::error::{Place, TekCsvError};
+
+/// Digits of single precision that can be relied on; numbers that went through it are printed with more.
+pub(super) const SINGLE_PRECISION_DIGITS: i32 = 6;
+/// Digits beyond which double precision is the limit.
+const MOST_DIGITS: i32 = 15;
+
+/// One column of samples.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Column {
+    /// The numbers (unit).
+    pub(super) values: Vec<f64>,
+    file: String,
+    /// Line and column of each.
+    spots: Vec<(usize, usize)>,
+    decimals: i32,
+    digits: i32,
+}
+
+impl Column {
+    /// Adds cell `index` of `row`.
+    pub(super) fn push(&mut self, row: &Cells<'_>, index: usize) -> Result<(), TekCsvError> {
+        let Printed { value, decimals, digits } = row.number(index)?;
+        self.decimals = if self.values.is_empty() { decimals } else { self.decimals.max(decimals) };
+        self.digits = self.digits.max(digits);
+        self.values.push(value);
+        let Place { file, line, column } = row.place(index);
+        self.spots.push((line, column));
+        self.file = file;
+        Ok(())
+    }
+
+    /// Multiplies every number, as a unit such as `ms` wants it; `power` is that of ten.
+    pub(super) fn scale(&mut self, power: i32) {
+        let factor = ten_to(power.abs());
+        for value in &mut self.values {
+            *value = if power < 0 { *value / factor } else { *value * factor };
+        }
+        self.decimals = self.decimals.saturating_sub(power);
+    }
+
+    pub(super) fn limit_digits(&mut self, digits: i32) {
+        self.digits = self.digits.min(digits);
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.values.len()
+    }
+
+    /// Where number `index` stands.
+    pub(super) fn place(&self, index: usize) -> Place {
+        let (line, column) = self.spots.get(index).copied().unwrap_or_default();
+        Place { file: self.file.clone(), line, column }
+    }
+
+    /// Last place of the column's longest number.
+    pub(super) fn decimals(&self) -> i32 {
+        self.decimals
+    }
+
+    /// Half the last digit of `value`, and the round-off of double precision (unit).
+    pub(super) fn tolerance(&self, value: f64) -> f64 {
+        let fixed = 0.5 * ten_to(-self.decimals);
+        let digits = self.digits.clamp(1, MOST_DIGITS);
+        let floating = match value.abs() {
+            0.0 => 0.0,
+            #[allow(clippy::cast_possible_truncation, reason = "at most 308")]
+            size => 0.5 * ten_to(size.log10().floor() as i32 + 1 - digits),
+        };
+        fixed.max(floating) * (1.0 + 1e-6) + 4.0 * f64::EPSILON * value.abs()
+    }
+
+    /// How many last digits make up `step`, if multiples of it are printed without rounding: a fixed number of
+    /// decimals, in which also the largest value has all of them, and a step that is a whole number of last digits.
+    pub(super) fn digits_of(&self, step: f64) -> Option<f64> {
+        let (low, high) = self.range();
+        let largest = low.abs().max(high.abs()).max(f64::MIN_POSITIVE);
+        #[allow(clippy::cast_possible_truncation, reason = "at most 308")]
+        let magnitude = largest.log10().floor() as i32;
+        let fixed = self.decimals <= self.digits.min(MOST_DIGITS) - 1 - magnitude;
+        let count = step / ten_to(-self.decimals);
+        let is_whole = count >= 0.5 && (count - count.round()).abs() <= 1e-6;
+        (fixed && is_whole).then(|| count.round())
+    }
+
+    /// The largest tolerance of the column (unit).
+    pub(super) fn largest_tolerance(&self) -> f64 {
+        self.values.iter().map(|value| self.tolerance(*value)).fold(0.0, f64::max)
+    }
+
+    /// Lowest and highest value (unit).
+    pub(super) fn range(&self) -> (f64, f64) {
+        let fold = |f: fn(f64, f64) -> f64, start| self.values.iter().copied().fold(start, f);
+        (fold(f64::min, f64::INFINITY), fold(f64::max, f64::NEG_INFINITY))
+    }
+}
+
+/// A power of ten, as a decimal literal would give it (1).
+pub(super) fn ten_to(power: i32) -> f64 {
+    format!("1e{power}").parse().unwrap_or(f64::NAN)
+}
+
+/// `value` rounded to `digits` significant digits (unit).
+pub(super) fn rounded(value: f64, digits: usize) -> f64 {
+    format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value)
+}
+
+/// The step 1, 2 or 5 times a power of ten within `tolerance`, relative, of `value` (unit).
+pub(super) fn one_two_five(value: f64, tolerance: f64) -> Option<f64> {
+    let nearest = rounded(value, 1);
+    let first = format!("{nearest:e}").chars().next();
+    let near = (value - nearest).abs() <= tolerance * nearest.abs();
+    (near && matches!(first, Some('1' | '2' | '5'))).then_some(nearest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::tek_csv::cells::Table;
+
+    fn column(text: &str) -> Column {
+        let table = Table::new("a.csv", text).expect("short");
+        let mut column = Column::default();
+        for index in 0..table.len() {
+            column.push(&table.row(index), 0).expect("numbers");
+        }
+        column
+    }
+
+    #[test]
+    fn the_longest_number_tells_the_precision() {
+        // Two decimals, zeros dropped: -1 means -1.00.
+        let fixed = column("-1.32\n-0.4\n-1\n");
+        assert!((fixed.tolerance(-1.0) - 0.005).abs() < 1e-7);
+        // Six digits: 1.20479 is good to 5e-6, 0.000253912 to 5e-10.
+        let floating = column("1.20479\n0.000253912\n");
+        assert!((floating.tolerance(1.20479) - 5e-6).abs() < 1e-10);
+        assert!((floating.tolerance(0.000_253_912) - 5e-10).abs() < 1e-14);
+    }
+
+    #[test]
+    fn steps_of_one_two_five() {
+        assert_eq!(one_two_five(0.999_999_9, 1e-6), Some(1.0));
+        assert_eq!(one_two_five(0.02, 1e-6), Some(0.02));
+        assert_eq!(one_two_five(0.03, 1e-6), None);
+    }
+}

@@ -1,0 +1,184 @@
+//! Finds the digitiser levels behind a printed column of voltages. In this order, the first that explains every
+//! value within its printed digits:
+//!
+//! 1. the grid that the header's scale gives, one level = V/div / 25 (10 dB/div: 0.4 dB);
+//! 2. an even grid that the values themselves show by the gaps between them;
+//! 3. the grid of the last printed digit: the file exactly as printed, if that takes no more than 16 bits;
+//! 4. a grid of 16 bits over the range, with the largest error in a note.
+//!
+//! Only 1 and 2 are levels of a converter. Values are never forced onto a grid that misses them: rounding of
+//! more than a quarter of a level leaves more than one level possible, and rules a grid out, unless a level is a
+//! whole number of last digits: then nothing was rounded (0.02 V at 0.5 V/div and two decimals).
+
+use super::column::{Column, one_two_five, ten_to};
+use crate::scope::waveform::LEVELS_PER_DIVISION;
+
+/// Levels that 16 bits can tell apart, with some to spare at the ends.
+const MOST_LEVELS: f64 = 65_000.0;
+/// How much of a level the printed digits may leave open.
+const QUARTER: f64 = 0.25;
+/// The same for a first guess, which `on_grid` judges: half a last digit of a level of two is just a quarter.
+const OF_A_GUESS: f64 = 0.3;
+/// What of a level means nothing.
+const NOTHING: f64 = 1e-6;
+/// A gap between neighbouring values is searched for levels up to this many.
+const MOST_IN_A_GAP: u32 = 8;
+
+/// Where the levels come from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Evidence {
+    /// The header's scale.
+    Scale,
+    /// The gaps between the values.
+    Gaps,
+    /// The last printed digit.
+    Digits,
+    /// Nothing; the largest error is given (V; dB for an FFT).
+    Rounded(f64),
+}
+
+/// Values on an even grid: `value = origin + step * index`.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Grid {
+    /// One level (V; dB for an FFT).
+    pub(super) step: f64,
+    /// Value of index 0 (V; dB for an FFT).
+    pub(super) origin: f64,
+    pub(super) indices: Vec<i64>,
+    pub(super) evidence: Evidence,
+}
+
+impl Grid {
+    /// The grid of `column`; `scale` is the header's (V/div; dB/div for an FFT).
+    pub(super) fn find(column: &Column, scale: Option<f64>) -> Self {
+        let stated = scale.map(|scale| scale / LEVELS_PER_DIVISION);
+        stated
+            .and_then(|step| on_grid(column, step, Evidence::Scale))
+            .or_else(|| from_gaps(column))
+            .or_else(|| from_digits(column))
+            .unwrap_or_else(|| rounded(column))
+    }
+
+    /// Lowest and highest index.
+    pub(super) fn range(&self) -> (i64, i64) {
+        let low = self.indices.iter().min().copied().unwrap_or_default();
+        (low, self.indices.iter().max().copied().unwrap_or_default())
+    }
+
+    /// Whether the levels are a converter's.
+    pub(super) fn is_converter(&self) -> bool {
+        matches!(self.evidence, Evidence::Scale | Evidence::Gaps)
+    }
+}
+
+/// `column` on a grid of `step`, through zero or else through its first value.
+fn on_grid(column: &Column, step: f64, evidence: Evidence) -> Option<Grid> {
+    let (low, high) = column.range();
+    let usable = step.is_finite() && step > 0.0 && high - low <= MOST_LEVELS * step;
+    // That all values are multiples of one last digit shows nothing; of two or more, it does.
+    let least = if evidence == Evidence::Scale { 1.0 } else { 2.0 };
+    let exact = column.digits_of(step).is_some_and(|count| count >= least);
+    if !usable || !(exact || column.largest_tolerance() <= QUARTER * step) {
+        return None;
+    }
+    let tolerance =
+        |value| if exact { 4.0 * f64::EPSILON * f64::abs(value) } else { column.tolerance(value) };
+    let first = column.values.first().copied().unwrap_or_default();
+    [0.0, first].into_iter().find_map(|origin| {
+        let spare = if origin == 0.0 { 0.0 } else { tolerance(first) };
+        let index = |value: &f64| {
+            let index = ((value - origin) / step).round();
+            let off = (value - origin - index * step).abs();
+            (off <= tolerance(*value) + spare + NOTHING * step).then_some(whole(index))
+        };
+        let indices: Option<Vec<i64>> = column.values.iter().map(index).collect();
+        indices.map(|indices| Grid { step, origin, indices, evidence })
+    })
+}
+
+/// The grid on which the gaps between neighbouring values are whole numbers of steps.
+fn from_gaps(column: &Column) -> Option<Grid> {
+    let mut sorted = column.values.clone();
+    sorted.sort_by(f64::total_cmp);
+    let tolerance = column.largest_tolerance();
+    let mut gaps: Vec<f64> = sorted.windows(2).map(step_between).collect();
+    gaps.retain(|gap| *gap > 2.0 * tolerance);
+    let smallest = gaps.iter().copied().fold(f64::INFINITY, f64::min);
+    if !smallest.is_finite() {
+        return None;
+    }
+    let mut found: Option<Grid> = None;
+    for parts in 1..=MOST_IN_A_GAP {
+        let Some(step) = refined(&gaps, smallest / f64::from(parts), tolerance) else { continue };
+        let nice = one_two_five(step * LEVELS_PER_DIVISION, 1e-3);
+        let exact =
+            nice.and_then(|scale| on_grid(column, scale / LEVELS_PER_DIVISION, Evidence::Gaps));
+        if exact.is_some() {
+            return exact;
+        }
+        found = found.or_else(|| on_grid(column, step, Evidence::Gaps));
+    }
+    found
+}
+
+fn step_between(pair: &[f64]) -> f64 {
+    match pair {
+        [low, high] => high - low,
+        _ => 0.0,
+    }
+}
+
+/// A step near `guess`, from the whole range: the sum of the gaps over the sum of their levels.
+fn refined(gaps: &[f64], guess: f64, tolerance: f64) -> Option<f64> {
+    if tolerance > OF_A_GUESS * guess {
+        return None;
+    }
+    let (mut levels, mut sum, mut step) = (0.0, 0.0, guess);
+    for gap in gaps {
+        levels += (gap / step).round();
+        sum += gap;
+        // Short gaps carry the rounding of two values; the longer the way, the better the step is known.
+        if sum > 64.0 * guess {
+            step = sum / levels;
+        }
+    }
+    (levels > 0.0).then_some(sum / levels)
+}
+
+/// The values as printed.
+fn from_digits(column: &Column) -> Option<Grid> {
+    let step = ten_to(-column.decimals());
+    let (low, high) = column.range();
+    let usable = step.is_finite() && step > 0.0 && high - low <= MOST_LEVELS * step;
+    usable.then(|| {
+        let indices = column.values.iter().map(|value| whole((value / step).round())).collect();
+        Grid { step, origin: 0.0, indices, evidence: Evidence::Digits }
+    })
+}
+
+/// The values in 16 bits, as well as that goes.
+fn rounded(column: &Column) -> Grid {
+    let (low, high) = column.range();
+    let least = ((high - low) / MOST_LEVELS).max(f64::MIN_POSITIVE);
+    let decade = ten_to(whole_power(least));
+    let steps = [1.0, 2.0, 5.0, 10.0, 20.0].map(|digit| digit * decade);
+    let step = steps.into_iter().find(|step| *step >= least).unwrap_or(least);
+    let index = |value: &f64| ((value - low) / step).round();
+    let error = column
+        .values
+        .iter()
+        .map(|value| (value - low - index(value) * step).abs())
+        .fold(0.0, f64::max);
+    let indices = column.values.iter().map(|value| whole(index(value))).collect();
+    Grid { step, origin: low, indices, evidence: Evidence::Rounded(error) }
+}
+
+#[allow(clippy::cast_possible_truncation, reason = "saturates; codes are checked against 16 bits")]
+fn whole(index: f64) -> i64 {
+    index as i64
+}
+
+#[allow(clippy::cast_possible_truncation, reason = "at most 308")]
+fn whole_power(value: f64) -> i32 {
+    value.log10().floor() as i32
+}

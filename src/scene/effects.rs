@@ -1,0 +1,52 @@
+//! The physics that a scene switches on: `[effects.<name>]`.
+
+use super::bodies::last_particle;
+use super::document::Value;
+use super::reader::{Bound, Table};
+use crate::chain::{EffectsSpec, Gravity, LinearisedContacts, MagnetPreload};
+use crate::quantity::Dimension;
+
+/// Reads `[effects]`, the noise of the scope excepted.
+pub fn effects(effects: Option<&Table<'_>>, particles: usize) -> EffectsSpec {
+    let mut spec = EffectsSpec::default();
+    let Some(effects) = effects else { return spec };
+    if let Some(table) = effect(effects, "gravity") {
+        let acceleration = table.required("acceleration", Dimension::ACCELERATION, Bound::Any);
+        spec.gravity = acceleration.map(|acceleration| Gravity { acceleration });
+        table.finish();
+    }
+    if let Some(table) = effect(effects, "linearised_contacts") {
+        spec.linearised_contacts = Some(LinearisedContacts);
+        table.finish();
+    }
+    if let Some(table) = effect(effects, "magnet_preload") {
+        let _ = (table.text("model"), table.text("source"));
+        let force = table.required("force", Dimension::FORCE, Bound::NotNegative);
+        if !table.has("particle") {
+            table.problem("particle", "no such key", "the particle that the magnet pulls, e.g. 1");
+        }
+        let particle = table.count("particle", 1, last_particle(particles));
+        let particle = particle.and_then(|p| usize::try_from(p).ok());
+        spec.magnet_preload =
+            force.zip(particle).map(|(force, particle)| MagnetPreload { force, particle });
+        table.finish();
+    }
+    spec
+}
+
+/// The table of an effect; `false` in its place switches off what a base scene switched on.
+fn effect<'a>(effects: &Table<'a>, name: &'static str) -> Option<Table<'a>> {
+    let node = effects.node(name)?;
+    if matches!(node.value, Value::Flag(false)) {
+        return None;
+    }
+    effects.table(name)
+}
+
+/// `[effects.scope_noise]` (div).
+pub fn scope_noise(effects: &Table<'_>) -> Option<f64> {
+    let table = effect(effects, "scope_noise")?;
+    let rms = table.required("rms", Dimension::DIVISION, Bound::NotNegative);
+    table.finish();
+    rms
+}

@@ -1,0 +1,189 @@
+//! An oscilloscope's data file, `instruments/<model>.toml`: the limits that a front panel is checked against.
+
+use super::reader::{Bound, Table};
+use crate::quantity::{Dimension, engineering, parse};
+use crate::scope::Model;
+
+/// Most points that a record may have: what a scope of any make keeps in memory.
+const LONGEST_RECORD: u64 = 1_000_000;
+/// Most events that a remote interface may keep.
+const LONGEST_QUEUE: u64 = 1000;
+/// A time base that puts fewer points than this on the scene's duration shows nothing of it (1).
+const FEWEST_SAMPLES: f64 = 20.0;
+/// Most samples on the scene's duration: each place that is watched keeps them all, 160 MB (1).
+const MOST_SAMPLES: f64 = 2e7;
+/// What dividing by a probe's attenuation may cost (1).
+const ROUND_OFF: f64 = 1e-12;
+
+/// Reads the keys of an oscilloscope's data file. Every key is asked for before anything is given up, so that all that is
+/// wrong is told at once and nothing right is called unknown.
+pub fn model(table: &Table<'_>) -> Option<Model> {
+    let what = "the name of an oscilloscope, e.g. \"tds2014\"";
+    let named = table.required_text("model", what).is_some();
+    // Without a model every key of its file would be missing: once is enough.
+    let number = if named { Table::required } else { Table::quantity };
+    let count = if named { Table::required_count } else { Table::count };
+    let text =
+        |key| if named { table.required_text(key, "text in quotes") } else { table.text(key) };
+    let list = |key, dimension| series(table, key, dimension, named);
+    let positive = |key, dimension| number(table, key, dimension, Bound::Positive);
+    let name = text("name");
+    let serial = text("serial");
+    let firmware = text("firmware");
+    let interface = text("interface");
+    let record_length = count(table, "record_length", 2, LONGEST_RECORD);
+    let channels = count(table, "channels", 1, 4);
+    let bandwidth = positive("bandwidth", Dimension::FREQUENCY);
+    let limited_bandwidth = positive("limited_bandwidth", Dimension::FREQUENCY);
+    let sample_rate = positive("sample_rate", Dimension::FREQUENCY);
+    let horizontal_divisions = positive("horizontal_divisions", Dimension::DIVISION);
+    let vertical_scales = list("vertical_scales", Dimension::VOLTAGE_PER_DIVISION);
+    let time_bases = list("time_bases", Dimension::TIME_PER_DIVISION);
+    let probes = list("probes", Dimension::NONE);
+    let position_step = positive("position_step", Dimension::DIVISION);
+    let input_resistance = positive("input_resistance", Dimension::RESISTANCE);
+    let input_capacitance = positive("input_capacitance", Dimension::CAPACITANCE);
+    let probe_resistance = positive("probe_resistance", Dimension::RESISTANCE);
+    let probe_capacitance = positive("probe_capacitance", Dimension::CAPACITANCE);
+    let ac_corner = positive("ac_corner", Dimension::FREQUENCY);
+    let trigger_range = positive("trigger_range", Dimension::DIVISION);
+    let trigger_hysteresis =
+        number(table, "trigger_hysteresis", Dimension::DIVISION, Bound::NotNegative);
+    let external_trigger_range = positive("external_trigger_range", Dimension::VOLTAGE);
+    let event_queue = count(table, "event_queue", 2, LONGEST_QUEUE);
+    if !named {
+        return None;
+    }
+    Some(Model {
+        name: name?.to_owned(),
+        serial: serial?.to_owned(),
+        firmware: firmware?.to_owned(),
+        interface: interface?.to_owned(),
+        channels: u8::try_from(channels?).ok()?,
+        bandwidth: bandwidth?,
+        limited_bandwidth: limited_bandwidth?,
+        sample_rate: sample_rate?,
+        record_length: usize::try_from(record_length?).ok()?,
+        horizontal_divisions: horizontal_divisions?,
+        vertical_scales: vertical_scales?,
+        time_bases: time_bases?,
+        probes: probes?,
+        position_step: position_step?,
+        input_resistance: input_resistance?,
+        input_capacitance: input_capacitance?,
+        probe_resistance: probe_resistance?,
+        probe_capacitance: probe_capacitance?,
+        ac_corner: ac_corner?,
+        trigger_range: trigger_range?,
+        trigger_hysteresis: trigger_hysteresis?,
+        external_trigger_range: external_trigger_range?,
+        event_queue: usize::try_from(event_queue?).ok()?,
+    })
+}
+
+/// A list of quantities, ascending.
+fn series(
+    table: &Table<'_>,
+    key: &'static str,
+    dimension: Dimension,
+    required: bool,
+) -> Option<Vec<f64>> {
+    let expected = format!("{dimension} above zero");
+    if required && !table.has(key) {
+        table.problem(key, "no such key", format!("a list, each {expected}"));
+    }
+    if table.is_empty_list(key) {
+        table.problem(key, "an empty list", format!("a list, each {expected}"));
+    }
+    let mut values = Vec::new();
+    for (text, place) in table.texts(key) {
+        match parse(text, dimension) {
+            Ok(value) if value > 0.0 => values.push(value),
+            _ => table.problem_at(place, key, format!("\"{text}\""), expected.clone()),
+        }
+    }
+    values.sort_by(f64::total_cmp);
+    (!values.is_empty()).then_some(values)
+}
+
+/// A time base that the instrument does not have or that shows nothing of the scene is a mistake, not a setting; so is a
+/// record that begins after the scene or ends before it. `window`: time base (s/div) and horizontal position (s), if read.
+pub fn check_window(
+    table: &Table<'_>,
+    model: &Model,
+    window: (f64, Option<f64>),
+    duration: Option<f64>,
+) {
+    let (time_base, position) = window;
+    if !is_one_of(time_base, &model.time_bases) {
+        let nearest = engineering(nearest(time_base, &model.time_bases), "s/div", 3);
+        let expected = format!("a time base of the {}, the nearest is {nearest}", model.name);
+        table.problem("time_base", engineering(time_base, "s/div", 4), expected);
+    }
+    let Some(duration) = duration else { return };
+    let seconds = |time: f64| engineering(time, "s", 3);
+    let shown = |samples: f64| {
+        let time_base = engineering(time_base, "s/div", 3);
+        format!("{time_base}, which puts {samples:.4} samples on {}", seconds(duration))
+    };
+    let points = duration / model.interval(time_base);
+    if points < FEWEST_SAMPLES {
+        let expected = format!("at least {FEWEST_SAMPLES} samples: a faster time base");
+        table.problem("time_base", shown(points), expected);
+    }
+    let samples = duration / model.sample_interval(time_base);
+    if samples > MOST_SAMPLES {
+        let expected = format!("at most {MOST_SAMPLES:e}: a slower time base, or less time");
+        table.problem("time_base", shown(samples), expected);
+    }
+    let Some(position) = position else { return };
+    let (start, end) = model.record_span(time_base, position);
+    if end <= 0.0 {
+        let found = format!("a record that ends {} before the trigger", seconds(-end));
+        table.problem("position", found, "a record that shows something after the trigger");
+    }
+    if start >= duration {
+        let found = format!("a record that starts {} after the trigger", seconds(start));
+        let expected = format!("a start within the scene's {}", seconds(duration));
+        table.problem("position", found, expected);
+    }
+}
+
+/// What a channel's knobs can be turned to: probe (1), scale (V/div) if read, position (div).
+pub fn check_vertical(table: &Table<'_>, model: &Model, knobs: (f64, Option<f64>, f64)) {
+    let (probe, scale, position) = knobs;
+    if !is_one_of(probe, &model.probes) {
+        table.problem("probe", probe.to_string(), format!("one of {:?}", model.probes));
+    }
+    let (low, high) = ends(&model.vertical_scales);
+    let beyond = |scale: f64| {
+        let at_input = scale / probe;
+        at_input < low * (1.0 - ROUND_OFF) || at_input > high * (1.0 + ROUND_OFF)
+    };
+    if let Some(scale) = scale.filter(|scale| beyond(*scale)) {
+        let volts = |scale: f64| engineering(scale, "V/div", 3);
+        let range = format!("{} to {} through this probe", volts(low * probe), volts(high * probe));
+        table.problem("scale", volts(scale), range);
+    }
+    let steps = position / model.position_step;
+    if (steps - steps.round()).abs() > 1e-9 * steps.abs().max(1.0) {
+        let expected = format!("a multiple of {} div, as on the front panel", model.position_step);
+        table.problem("position", format!("{position} div"), expected);
+    }
+}
+
+/// The smallest and the largest of ascending values.
+fn ends(values: &[f64]) -> (f64, f64) {
+    (values.first().copied().unwrap_or(0.0), values.last().copied().unwrap_or(f64::INFINITY))
+}
+
+/// Whether `value` is one of `values`, to round-off.
+fn is_one_of(value: f64, values: &[f64]) -> bool {
+    values.iter().any(|v| (value - v).abs() <= 1e-9 * v)
+}
+
+/// The one of `values` whose ratio to `value` is closest to one.
+fn nearest(value: f64, values: &[f64]) -> f64 {
+    let distance = |v: &f64| (v / value).ln().abs();
+    values.iter().copied().min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(value)
+}

@@ -1,0 +1,83 @@
+//! Acquisition: `ACQuire`.
+
+use crate::instrument::panel::AVERAGES;
+use crate::instrument::word::words;
+use crate::scpi::argument::{real, whole, word};
+use crate::scpi::message::Argument;
+use crate::scpi::row::{Group, Row};
+use crate::scpi::setting::{Asks, At, Both, Parts, Stop, Tells, Words};
+use crate::scpi::value::Value;
+
+words! {
+    /// What the RUN/STOP key does.
+    RunStop {
+        /// Start.
+        On = "ON",
+        /// Stop.
+        Off = "OFF",
+        /// Start.
+        Run = "RUN",
+        /// Stop.
+        Stop = "STOP",
+    }
+}
+
+/// The group.
+pub const GROUP: Group = Group {
+    title: "Acquisition",
+    rows: &[
+        Row::acts("ACQuire", &Tells(Parts::Below), "all settings of the acquisition"),
+        Row::acts(
+            "ACQuire:STOPAfter",
+            &Words(|i, _| &mut i.panel.acquire.stop_after),
+            "`RUNSTop` or `SEQuence`",
+        ),
+        Row::acts(
+            "ACQuire:STATE",
+            &Both(set_state, state),
+            "`ON`, `OFF`, `RUN`, `STOP` or a number",
+        ),
+        Row::acts(
+            "ACQuire:MODe",
+            &Words(|i, _| &mut i.panel.acquire.mode),
+            "`SAMple`, `PEAKdetect` or `AVErage`",
+        ),
+        Row::acts("ACQuire:NUMAVg", &Both(set_averages, averages), "4, 16, 64 or 128 records"),
+        Row::acts("ACQuire:NUMACq", &Asks(count), "records taken since the start").apart(),
+    ],
+};
+
+fn set_state(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    let run = match real(arguments) {
+        Ok(value) => value.round().abs() > 0.0,
+        Err(_) => matches!(word(arguments)?, RunStop::On | RunStop::Run),
+    };
+    if run {
+        at.instrument.run();
+    } else {
+        at.instrument.stop();
+    }
+    Ok(())
+}
+
+#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
+fn state(at: &mut At<'_>) -> Result<Value, Stop> {
+    Ok(Value::flag(at.instrument.is_running()))
+}
+
+fn set_averages(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    let asked = whole(arguments, 1, 1000)?;
+    let nearest = AVERAGES.iter().min_by_key(|number| number.abs_diff(asked));
+    at.instrument.panel.acquire.averages = nearest.copied().unwrap_or(asked);
+    Ok(())
+}
+
+#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
+fn averages(at: &mut At<'_>) -> Result<Value, Stop> {
+    Ok(Value::Integer(i64::from(at.instrument.panel.acquire.averages)))
+}
+
+#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
+fn count(at: &mut At<'_>) -> Result<Value, Stop> {
+    Ok(Value::Integer(i64::from(at.instrument.acquisitions())))
+}

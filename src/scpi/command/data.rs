@@ -1,0 +1,108 @@
+//! Waveform transfer: `DATa`.
+
+use crate::instrument::Event;
+use crate::instrument::transfer::{Encoding, Transfer};
+use crate::instrument::word::{Word as _, words};
+use crate::scope::Source;
+use crate::scpi::argument::{whole, word};
+use crate::scpi::message::Argument;
+use crate::scpi::row::{Group, Row};
+use crate::scpi::setting::{At, Both, Parts, Stop, TellsAndDoes, Words};
+use crate::scpi::value::Value;
+
+words! {
+    /// What `DATa` does.
+    Initialise {
+        /// Set everything as at power on.
+        Everything = "INIT",
+    }
+}
+
+/// The group.
+pub const GROUP: Group = Group {
+    title: "Waveform: how it travels",
+    rows: &[
+        Row::acts(
+            "DATa",
+            &TellsAndDoes(Parts::Below, initialise),
+            "`INIT` sets all of this as at power on",
+        ),
+        Row::acts(
+            "DATa:ENCdg",
+            &Both(set_encoding, encoding),
+            "`ASCIi`, `RIBinary`, `RPBinary`, `SRIbinary` or `SRPbinary`",
+        ),
+        Row::acts(
+            "DATa:DESTination",
+            &Both(set_destination, |at| Ok(Value::Word(at.instrument.transfer.destination.word()))),
+            "the reference memory that `CURVe` writes",
+        ),
+        Row::alias("DATa:TARget", "DATa:DESTination"),
+        Row::acts(
+            "DATa:SOUrce",
+            &Words(|i, _| &mut i.transfer.source),
+            "the waveform that `CURVe?` reads",
+        ),
+        Row::acts(
+            "DATa:STARt",
+            &Both(set_start, |at| Ok(Value::Plain(at.instrument.transfer.start.to_string()))),
+            "first point, counted from 1",
+        ),
+        Row::acts(
+            "DATa:STOP",
+            &Both(set_stop, |at| Ok(Value::Plain(at.instrument.transfer.stop.to_string()))),
+            "last point",
+        ),
+        Row::acts(
+            "DATa:WIDth",
+            &Both(set_width, |at| Ok(Value::Integer(i64::from(at.instrument.transfer.width)))),
+            "bytes a point, 1 or 2",
+        ),
+    ],
+};
+
+fn initialise(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    let Initialise::Everything = word(arguments)?;
+    at.instrument.transfer = Transfer::initial(at.instrument.model.record_length);
+    Ok(())
+}
+
+fn set_encoding(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    at.instrument.transfer.set_encoding(word::<Encoding>(arguments)?);
+    Ok(())
+}
+
+#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
+fn encoding(at: &mut At<'_>) -> Result<Value, Stop> {
+    Ok(Value::Word(at.instrument.transfer.encoding().word()))
+}
+
+fn set_destination(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    let destination = word(arguments)?;
+    if !matches!(destination, Source::Reference(_)) {
+        return Err(Event::NotAReference.into());
+    }
+    at.instrument.transfer.destination = destination;
+    Ok(())
+}
+
+/// A point of a record, counted from 1.
+fn point(at: &At<'_>, arguments: &[Argument]) -> Result<usize, Stop> {
+    let last = u32::try_from(at.instrument.model.record_length).unwrap_or(u32::MAX);
+    Ok(usize::try_from(whole(arguments, 1, last)?).unwrap_or(1))
+}
+
+fn set_start(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    at.instrument.transfer.start = point(at, arguments)?;
+    Ok(())
+}
+
+fn set_stop(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    at.instrument.transfer.stop = point(at, arguments)?;
+    Ok(())
+}
+
+pub(super) fn set_width(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    at.instrument.transfer.width = if whole(arguments, 1, 2)? == 2 { 2 } else { 1 };
+    Ok(())
+}

@@ -1,0 +1,80 @@
+//! Horizontal: `HORizontal`.
+
+use crate::instrument::limits;
+use crate::scpi::argument::real;
+use crate::scpi::message::Argument;
+use crate::scpi::row::{Group, Row};
+use crate::scpi::setting::{Asks, At, Both, Number, Parts, Stop, Tells, Words};
+use crate::scpi::value::Value;
+
+/// The group.
+pub const GROUP: Group = Group {
+    title: "Horizontal",
+    rows: &[
+        Row::acts("HORizontal", &Tells(Parts::Below), "all settings of the time base"),
+        Row::accepted(
+            "HORizontal:VIEw",
+            &Words(|i, _| &mut i.panel.horizontal.view),
+            "`MAIn`, `WINDOW` or `ZONE`",
+        ),
+        Row::acts("HORizontal:RECOrdlength", &Asks(record_length), "points in a record"),
+        Row::acts("HORizontal:MAIn", &Tells(Parts::Below), "the main time base"),
+        Row::acts("HORizontal:MAIn:SCAle", &SCALE, "s/div, the nearest step of 1-2.5-5"),
+        Row::acts(
+            "HORizontal:MAIn:POSition",
+            &POSITION,
+            "the screen's centre after the trigger, in seconds",
+        ),
+        Row::alias("HORizontal:MAIn:SECdiv", "HORizontal:MAIn:SCAle"),
+        Row::accepted("HORizontal:DELay", &Tells(Parts::Below), "the window's time base"),
+        Row::accepted(
+            "HORizontal:DELay:SCAle",
+            &Number(
+                |i, _| &mut i.panel.horizontal.delay_scale,
+                |i, _, scale| limits::time_base(&i.model, scale).min(i.panel.horizontal.scale),
+            ),
+            "s/div of the window",
+        ),
+        Row::accepted(
+            "HORizontal:DELay:POSition",
+            &Number(
+                |i, _| &mut i.panel.horizontal.delay_position,
+                |i, _, position| {
+                    limits::horizontal_position(position, i.panel.horizontal.delay_scale)
+                },
+            ),
+            "the window's centre after the trigger, in seconds",
+        ),
+        Row::alias("HORizontal:DELay:SECdiv", "HORizontal:DELay:SCAle"),
+        Row::acts("HORizontal:SCAle", &SCALE, "the main time base").apart(),
+        Row::alias("HORizontal:SECdiv", "HORizontal:SCAle"),
+        Row::acts("HORizontal:POSition", &POSITION, "the main position").apart(),
+    ],
+};
+
+const SCALE: Both = Both(set_scale, scale);
+const POSITION: Number = Number(
+    |i, _| &mut i.panel.horizontal.position,
+    |i, _, position| limits::horizontal_position(position, i.panel.horizontal.scale),
+);
+
+fn set_scale(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    let asked = real(arguments)?;
+    let scale = limits::time_base(&at.instrument.model, asked);
+    let horizontal = &mut at.instrument.panel.horizontal;
+    horizontal.scale = scale;
+    horizontal.position = limits::horizontal_position(horizontal.position, scale);
+    horizontal.delay_scale = horizontal.delay_scale.min(scale);
+    Ok(())
+}
+
+#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
+fn scale(at: &mut At<'_>) -> Result<Value, Stop> {
+    Ok(Value::Number(at.instrument.panel.horizontal.scale))
+}
+
+#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
+fn record_length(at: &mut At<'_>) -> Result<Value, Stop> {
+    let points = at.instrument.model.record_length;
+    Ok(Value::Plain(points.to_string()))
+}

@@ -1,0 +1,74 @@
+//! Math: `MATH`.
+
+use crate::instrument::Event;
+use crate::instrument::limits::nearest;
+use crate::instrument::panel::MathFunction;
+use crate::scpi::argument::text;
+use crate::scpi::message::Argument;
+use crate::scpi::row::{Group, Row};
+use crate::scpi::setting::{At, Both, Number, Parts, Stop, Tells};
+use crate::scpi::value::Value;
+
+/// Horizontal zooms of a spectrum (1).
+const HORIZONTAL_ZOOMS: [f64; 4] = [1.0, 2.0, 5.0, 10.0];
+/// Vertical zooms of a spectrum (1).
+const VERTICAL_ZOOMS: [f64; 5] = [0.5, 1.0, 2.0, 5.0, 10.0];
+/// Farthest vertical position of a spectrum (div).
+const FARTHEST: f64 = 100.0;
+
+/// The group.
+pub const GROUP: Group = Group {
+    title: "Math",
+    rows: &[
+        Row::acts("MATH", &Tells(Parts::Below), "all settings of the math trace"),
+        Row::acts(
+            "MATH:DEFINE",
+            &Both(define, definition),
+            "e.g. `\"CH1 - CH2\"` or `\"FFT(CH1,HANNING)\"`",
+        ),
+        Row::accepted("MATH:FFT", &Tells(Parts::Below), "how a spectrum is shown"),
+        Row::accepted(
+            "MATH:FFT:HORizontal:POSition",
+            &Number(
+                |i, _| &mut i.panel.math.fft_horizontal_position,
+                |_, _, percent| percent.clamp(0.0, 100.0),
+            ),
+            "percent of the spectrum in the screen's centre",
+        ),
+        Row::accepted(
+            "MATH:FFT:HORizontal:SCAle",
+            &Number(
+                |i, _| &mut i.panel.math.fft_horizontal_scale,
+                |_, _, zoom| nearest(zoom, &HORIZONTAL_ZOOMS),
+            ),
+            "zoom 1, 2, 5 or 10",
+        ),
+        Row::accepted(
+            "MATH:FFT:VERtical:POSition",
+            &Number(
+                |i, _| &mut i.panel.math.fft_vertical_position,
+                |_, _, divisions| divisions.clamp(-FARTHEST, FARTHEST),
+            ),
+            "divisions",
+        ),
+        Row::accepted(
+            "MATH:FFT:VERtical:SCAle",
+            &Number(
+                |i, _| &mut i.panel.math.fft_vertical_scale,
+                |_, _, zoom| nearest(zoom, &VERTICAL_ZOOMS),
+            ),
+            "zoom 0.5, 1, 2, 5 or 10",
+        ),
+    ],
+};
+
+fn define(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    let function = MathFunction::parse(text(arguments)?, at.instrument.model.channels);
+    at.instrument.panel.math.function = function.ok_or(Event::InvalidMath)?;
+    Ok(())
+}
+
+#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
+fn definition(at: &mut At<'_>) -> Result<Value, Stop> {
+    Ok(Value::Text(at.instrument.panel.math.function.definition()))
+}

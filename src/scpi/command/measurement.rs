@@ -1,0 +1,125 @@
+//! Measurements: `MEASUrement`.
+//!
+//! A measurement without result answers 9.9E37 and reports why: 2225 for a waveform that is not displayed, 2202 for a
+//! record without a full cycle, 2231 for a measurement that measures nothing.
+
+use crate::instrument::Event;
+use crate::instrument::measure::{INVALID, measure, unit};
+use crate::instrument::panel::{Measurement, MeasurementType};
+use crate::instrument::word::Word as _;
+use crate::scpi::argument::word;
+use crate::scpi::message::Argument;
+use crate::scpi::row::{Group, Row};
+use crate::scpi::setting::{Asks, At, Both, Parts, Stop, Tells, Words};
+use crate::scpi::value::Value;
+
+/// Type and source of the five measurements on the screen.
+const MEASUREMENTS: [&str; 5] = [
+    "MEASUrement:MEAS1",
+    "MEASUrement:MEAS2",
+    "MEASUrement:MEAS3",
+    "MEASUrement:MEAS4",
+    "MEASUrement:MEAS5",
+];
+
+/// The group.
+pub const GROUP: Group = Group {
+    title: "Measurement",
+    rows: &[
+        Row::acts(
+            "MEASUrement",
+            &Tells(Parts::Of(&MEASUREMENTS)),
+            "the measurements on the screen",
+        ),
+        Row::acts(
+            "MEASUrement:IMMed",
+            &Tells(Parts::Below),
+            "the measurement of the remote interface",
+        ),
+        Row::acts("MEASUrement:IMMed:TYPe", &Both(set_immediate, immediate), "what is measured"),
+        Row::acts(
+            "MEASUrement:IMMed:UNIts",
+            &Asks(|at| Ok(units(at.instrument.panel.immediate))),
+            "unit of the result",
+        ),
+        Row::acts(
+            "MEASUrement:IMMed:SOUrce1",
+            &Words(|i, _| &mut i.panel.immediate.source),
+            "the waveform",
+        ),
+        Row::alias("MEASUrement:IMMed:SOU1", "MEASUrement:IMMed:SOUrce1"),
+        Row::acts(
+            "MEASUrement:IMMed:VALue",
+            &Asks(|at| {
+                let m = at.instrument.panel.immediate;
+                Ok(value(at, m))
+            }),
+            "the result, 9.9E37 if there is none",
+        )
+        .apart(),
+        Row::acts("MEASUrement:MEAS<x>", &Tells(Parts::Below), "one of the five on the screen"),
+        Row::acts(
+            "MEASUrement:MEAS<x>:TYPe",
+            &Words(|i, at| &mut i.panel.measurement_mut(at.number).kind),
+            "what is measured, or `NONe`",
+        ),
+        Row::acts(
+            "MEASUrement:MEAS<x>:UNIts",
+            &Asks(|at| Ok(units(slot(at)))),
+            "unit of the result",
+        )
+        .apart(),
+        Row::acts(
+            "MEASUrement:MEAS<x>:SOUrce",
+            &Words(|i, at| &mut i.panel.measurement_mut(at.number).source),
+            "the waveform",
+        ),
+        Row::acts(
+            "MEASUrement:MEAS<x>:VALue",
+            &Asks(|at| {
+                let m = slot(at);
+                Ok(value(at, m))
+            }),
+            "the result, 9.9E37 if there is none",
+        )
+        .apart(),
+    ],
+};
+
+fn slot(at: &mut At<'_>) -> Measurement {
+    *at.instrument.panel.measurement_mut(at.place.number)
+}
+
+fn set_immediate(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    let kind = word(arguments)?;
+    if kind == MeasurementType::None {
+        return Err(Event::IllegalParameter.into());
+    }
+    at.instrument.panel.immediate.kind = kind;
+    Ok(())
+}
+
+#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
+fn immediate(at: &mut At<'_>) -> Result<Value, Stop> {
+    Ok(Value::Word(at.instrument.panel.immediate.kind.word()))
+}
+
+fn units(measurement: Measurement) -> Value {
+    Value::Text(unit(measurement.kind).to_owned())
+}
+
+fn value(at: &mut At<'_>, measurement: Measurement) -> Value {
+    let result = if measurement.kind == MeasurementType::None {
+        Err(Event::NoMeasurementType)
+    } else {
+        let record = at.instrument.waveform(measurement.source);
+        record.map_err(|_| Event::NoWaveform).and_then(|record| measure(measurement.kind, &record))
+    };
+    match result {
+        Ok(value) => Value::Measurement(value),
+        Err(event) => {
+            at.instrument.status.report(event);
+            Value::Number(INVALID)
+        }
+    }
+}

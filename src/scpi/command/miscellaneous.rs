@@ -1,0 +1,208 @@
+//! Miscellaneous: identity, headers, locks, set-up text.
+
+use crate::instrument::Event;
+use crate::instrument::word::words;
+use crate::scpi::argument::{flag, only, text, word};
+use crate::scpi::message::Argument;
+use crate::scpi::row::{Group, Row};
+use crate::scpi::setting::{Asks, At, Both, Does, Parts, Stop, Tells};
+use crate::scpi::value::Value;
+
+words! {
+    /// What is locked.
+    Lock {
+        /// The keys.
+        All = "ALL",
+        /// Nothing.
+        None = "NONe",
+    }
+
+    /// What `AUTOSet` does.
+    Execute {
+        /// Set everything up.
+        Everything = "EXECute",
+    }
+}
+
+/// Longest text of `*DDT` and `REM`.
+const LONGEST_REMARK: usize = 80;
+
+/// The settings of a set-up in the order of `.SET` files of this family.
+const SETUP: [&str; 54] = [
+    "DISplay:FORMat",
+    "DISplay:STYle",
+    "DISplay:PERSistence",
+    "ACQuire:MODe",
+    "ACQuire:NUMAVg",
+    "ACQuire:STATE",
+    "ACQuire:STOPAfter",
+    "CH1",
+    "CH2",
+    "CH3",
+    "CH4",
+    "HORizontal:VIEw",
+    "HORizontal:MAIn:SCAle",
+    "HORizontal:MAIn:POSition",
+    "HORizontal:DELay:SCAle",
+    "HORizontal:DELay:POSition",
+    "HORizontal:SCAle",
+    "TRIGger:MAIn:MODe",
+    "TRIGger:MAIn:TYPe",
+    "TRIGger:MAIn:HOLDOff:VALue",
+    "TRIGger:MAIn:EDGE:SOUrce",
+    "TRIGger:MAIn:EDGE:COUPling",
+    "TRIGger:MAIn:EDGE:SLOpe",
+    "TRIGger:MAIn:VIDeo:SYNC",
+    "TRIGger:MAIn:VIDeo:POLarity",
+    "TRIGger:MAIn:VIDeo:LINE",
+    "TRIGger:MAIn:VIDeo:STANdard",
+    "TRIGger:MAIn:PULse:WIDth:POLarity",
+    "TRIGger:MAIn:PULse:WIDth:WHEN",
+    "TRIGger:MAIn:PULse:WIDth:WIDth",
+    "TRIGger:MAIn:LEVel",
+    "SELect:CH1",
+    "SELect:CH2",
+    "SELect:CH3",
+    "SELect:CH4",
+    "SELect:MATH",
+    "SELect:REFA",
+    "SELect:REFB",
+    "SELect:REFC",
+    "SELect:REFD",
+    "CURSor:FUNCtion",
+    "CURSor:SELect:SOUrce",
+    "CURSor:VBArs:UNIts",
+    "CURSor:VBArs:POSITION1",
+    "CURSor:VBArs:POSITION2",
+    "CURSor:HBArs:POSITION1",
+    "CURSor:HBArs:POSITION2",
+    "MEASUrement:MEAS1",
+    "MEASUrement:MEAS2",
+    "MEASUrement:MEAS3",
+    "MEASUrement:MEAS4",
+    "MEASUrement:MEAS5",
+    "MATH:DEFINE",
+    "MATH:FFT",
+];
+
+/// The group.
+pub const GROUP: Group = Group {
+    title: "Miscellaneous",
+    rows: &[
+        Row::acts(
+            "*IDN",
+            &Asks(identity),
+            "maker, model, serial number, firmware; the last query of a message",
+        ),
+        Row::acts("ID", &Asks(identity_in_short), "the same in the family's older form"),
+        Row::acts("*LRN", &Tells(Parts::Of(&SETUP)), "the whole set-up, with headers"),
+        Row::acts("SET", &Tells(Parts::Of(&SETUP)), "the whole set-up, with headers"),
+        Row::acts(
+            "HEADer",
+            &Both(
+                |at, a| {
+                    at.preferences.header = flag(a)?;
+                    Ok(())
+                },
+                |at| Ok(Value::flag(at.preferences.header)),
+            ),
+            "headers before answers, on this connection",
+        ),
+        Row::alias("HDR", "HEADer"),
+        Row::acts(
+            "VERBose",
+            &Both(
+                |at, a| {
+                    at.preferences.verbose = flag(a)?;
+                    Ok(())
+                },
+                |at| Ok(Value::flag(at.preferences.verbose)),
+            ),
+            "words in full, on this connection",
+        ),
+        Row::acts(
+            "AUTOSet",
+            &Does(autoset),
+            "`EXECute` scales the channels and triggers at half height",
+        ),
+        Row::accepted(
+            "LOCk",
+            &Both(lock, |at| {
+                Ok(Value::Word(if at.instrument.service.locked { "ALL" } else { "NONe" }))
+            }),
+            "`ALL` or `NONe` of the keys",
+        ),
+        Row::accepted("UNLock", &Does(unlock), "`ALL`"),
+        Row::accepted(
+            "LANGuage",
+            &Both(
+                |_, a| {
+                    only(a)?;
+                    Ok(())
+                },
+                |_| Ok(Value::Word("ENGLish")),
+            ),
+            "always `ENGLish`",
+        ),
+        Row::accepted(
+            "*DDT",
+            &Both(set_device_trigger, |at| {
+                Ok(Value::Text(at.instrument.service.device_trigger.clone()))
+            }),
+            "up to 80 characters; `*TRG` triggers whatever they say",
+        ),
+        Row::acts(
+            "REM",
+            &Does(|_, a| {
+                remark(a)?;
+                Ok(())
+            }),
+            "a remark of up to 80 characters",
+        ),
+    ],
+};
+
+#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
+fn identity(at: &mut At<'_>) -> Result<Value, Stop> {
+    let model = &at.instrument.model;
+    Ok(Value::Plain(format!(
+        "TEKTRONIX,{},{},CF:91.1CT {} {}",
+        model.name, model.serial, model.firmware, model.interface
+    )))
+}
+
+#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
+fn identity_in_short(at: &mut At<'_>) -> Result<Value, Stop> {
+    let model = &at.instrument.model;
+    let name = &model.name;
+    Ok(Value::Plain(format!("TEK/{name},CF:91.1CT,{} {}", model.firmware, model.interface)))
+}
+
+fn autoset(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    let Execute::Everything = word(arguments)?;
+    at.instrument.autoset();
+    Ok(())
+}
+
+fn lock(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    at.instrument.service.locked = word::<Lock>(arguments)? == Lock::All;
+    Ok(())
+}
+
+fn unlock(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    match word(arguments)? {
+        Lock::All => at.instrument.service.locked = false,
+        Lock::None => return Err(Event::IllegalParameter.into()),
+    }
+    Ok(())
+}
+
+fn remark(arguments: &[Argument]) -> Result<&str, Event> {
+    let remark = text(arguments)?;
+    if remark.len() > LONGEST_REMARK { Err(Event::InvalidString) } else { Ok(remark) }
+}
+
+fn set_device_trigger(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    remark(arguments)?.clone_into(&mut at.instrument.service.device_trigger);
+    Ok(())
+}

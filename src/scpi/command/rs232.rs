@@ -1,0 +1,57 @@
+//! RS-232: `RS232`. The line itself is gone; the terminator acts on the connection that sets it.
+
+use crate::instrument::word::Word as _;
+use crate::scpi::argument::{flag, real, word};
+use crate::scpi::message::Argument;
+use crate::scpi::row::{Group, Row};
+use crate::scpi::setting::{At, Both, Parts, Stop, Tells};
+use crate::scpi::value::Value;
+
+/// The group.
+pub const GROUP: Group = Group {
+    title: "RS-232",
+    rows: &[
+        Row::acts("RS232", &Tells(Parts::Below), "all settings of the line"),
+        Row::accepted(
+            "RS232:BAUd",
+            &Both(
+                |_, a| {
+                    real(a)?;
+                    Ok(())
+                },
+                |_| Ok(Value::Integer(9600)),
+            ),
+            "always 9600",
+        ),
+        Row::accepted(
+            "RS232:HARDFlagging",
+            &Both(ignore_flag, |_| Ok(Value::Word("ON"))),
+            "always `ON`",
+        ),
+        Row::accepted(
+            "RS232:SOFTFlagging",
+            &Both(ignore_flag, |_| Ok(Value::Word("OFF"))),
+            "always `OFF`",
+        ),
+        Row::accepted(
+            "RS232:PARity",
+            &Both(|_, _| Ok(()), |_| Ok(Value::Word("NONe"))),
+            "always `NONe`",
+        ),
+        Row::acts(
+            "RS232:TRANsmit:TERMinator",
+            &Both(set_terminator, |at| Ok(Value::Word(at.preferences.terminator.word()))),
+            "end of this connection's replies: `CR`, `LF`, `CRLf` or `LFCr`",
+        ),
+    ],
+};
+
+fn ignore_flag(_: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    flag(arguments)?;
+    Ok(())
+}
+
+fn set_terminator(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    at.preferences.terminator = word(arguments)?;
+    Ok(())
+}

@@ -1,0 +1,112 @@
+//! Save and recall: `*SAV`, `*RCL`, `SAVe`, `RECAll`, `FACtory`, `*RST`.
+
+use crate::instrument::word::{Word as _, words};
+use crate::instrument::{Event, SETUPS};
+use crate::scope::Source;
+use crate::scpi::argument::{none, real, word};
+use crate::scpi::message::Argument;
+use crate::scpi::row::{Group, Row};
+use crate::scpi::setting::{At, Does, Stop};
+
+words! {
+    /// A set-up that is recalled.
+    Recalled {
+        /// The factory's.
+        Factory = "FACtory",
+    }
+}
+
+/// The group.
+pub const GROUP: Group = Group {
+    title: "Save and recall",
+    rows: &[
+        Row::acts("*SAV", &Does(save_setup), "keeps the front panel in memory 1 to 10"),
+        Row::acts("*RCL", &Does(recall_setup), "sets the front panel as in memory 1 to 10"),
+        Row::acts("*RST", &Does(reset), "the factory's set-up"),
+        Row::acts(
+            "FACtory",
+            &Does(factory),
+            "the factory's set-up and headers, and no enabled events",
+        ),
+        Row::acts("SAVe:SETUp", &Does(save_setup), "as `*SAV`"),
+        Row::acts("RECAll:SETUp", &Does(recall_setup), "as `*RCL`, or `FACtory`"),
+        Row::acts(
+            "SAVe:WAVEform",
+            &Does(save_waveform),
+            "`<wfm>,REF<x>` copies a waveform into a reference memory",
+        ),
+        Row::acts(
+            "RECAll:WAVEform",
+            &Does(recall_waveform),
+            "`REF<x>` displays a reference memory",
+        ),
+        Row::refused("SAVe:IMAge", &Does(missing), "no memory card (event 241)"),
+        Row::refused("FILESystem", &Does(missing), "no memory card (event 241)"),
+    ],
+};
+
+fn number(arguments: &[Argument]) -> Result<usize, Stop> {
+    let value = real(arguments)?.round();
+    (1..=SETUPS)
+        .zip(1_u32..)
+        .find(|(_, number)| (f64::from(*number) - value).abs() < 0.5)
+        .map(|(number, _)| number)
+        .ok_or_else(|| Event::OutOfRange.into())
+}
+
+fn save_setup(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    Ok(at.instrument.save_setup(number(arguments)?)?)
+}
+
+fn recall_setup(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    if word(arguments) == Ok(Recalled::Factory) {
+        at.instrument.reset();
+        return Ok(());
+    }
+    Ok(at.instrument.recall_setup(number(arguments)?)?)
+}
+
+fn reset(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    none(arguments)?;
+    at.instrument.reset();
+    Ok(())
+}
+
+fn factory(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    reset(at, arguments)?;
+    let status = &mut at.instrument.status;
+    (status.device_enable, status.event_enable, status.service_enable) = (u8::MAX, 0, 0);
+    status.power_on_clear = true;
+    at.preferences.header = at.preferences.initial_header;
+    at.preferences.verbose = true;
+    Ok(())
+}
+
+/// A waveform's name.
+fn waveform(argument: &Argument) -> Result<Source, Event> {
+    match argument {
+        Argument::Word(typed) => Source::from_word(typed).ok_or(Event::IllegalParameter),
+        Argument::Text(_) | Argument::Block(_) => Err(Event::DataType),
+    }
+}
+
+fn save_waveform(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    let [from, to] = arguments else { return Err(Event::MissingParameter.into()) };
+    let Source::Reference(letter) = waveform(to)? else {
+        return Err(Event::NotAReference.into());
+    };
+    Ok(at.instrument.save_waveform(waveform(from)?, letter)?)
+}
+
+fn recall_waveform(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    let source = word(arguments)?;
+    if !matches!(source, Source::Reference(_)) {
+        return Err(Event::NotAReference.into());
+    }
+    *at.instrument.panel.displayed_mut(source) = true;
+    Ok(())
+}
+
+fn missing(_: &mut At<'_>, _: &[Argument]) -> Result<(), Stop> {
+    Err(Event::HardwareMissing.into())
+}

@@ -1,0 +1,184 @@
+//! Trigger: `TRIGger` and `*TRG`.
+
+use crate::instrument::limits::{self, HOLDOFFS, PULSE_WIDTHS};
+use crate::instrument::measure::{INVALID, measure};
+use crate::instrument::panel::MeasurementType;
+use crate::instrument::word::{Word as _, words};
+use crate::scope::Source;
+use crate::scpi::argument::{none, whole, word};
+use crate::scpi::message::Argument;
+use crate::scpi::row::{Group, Row};
+use crate::scpi::setting::{Asks, At, Both, Does, Number, Parts, Stop, Tells, TellsAndDoes, Words};
+use crate::scpi::value::Value;
+
+words! {
+    /// What `TRIGger` does.
+    Force {
+        /// Trigger now.
+        Now = "FORCe",
+    }
+
+    /// What `TRIGger:MAIn` does.
+    SetLevel {
+        /// Set the level to half height.
+        HalfHeight = "SETLevel",
+    }
+}
+
+/// Lines of a field of PAL, the standard with more.
+const LINES: u32 = 625;
+
+/// The group.
+pub const GROUP: Group = Group {
+    title: "Trigger",
+    rows: &[
+        Row::acts(
+            "*TRG",
+            &Does(|at, arguments| {
+                none(arguments)?;
+                at.instrument.force_trigger();
+                Ok(())
+            }),
+            "triggers, if the scope is ready",
+        ),
+        Row::acts(
+            "TRIGger",
+            &TellsAndDoes(Parts::Below, force),
+            "`FORCe` triggers, if the scope is ready",
+        ),
+        Row::acts(
+            "TRIGger:STATE",
+            &Asks(|at| Ok(Value::Word(at.instrument.state().word()))),
+            "what the acquisition is doing",
+        )
+        .apart(),
+        Row::acts(
+            "TRIGger:MAIn",
+            &TellsAndDoes(Parts::Below, set_level),
+            "`SETLevel` puts the level at half height",
+        ),
+        Row::acts(
+            "TRIGger:MAIn:MODe",
+            &Words(|i, _| &mut i.panel.trigger.mode),
+            "`AUTO` or `NORMal`",
+        ),
+        Row::acts(
+            "TRIGger:MAIn:TYPe",
+            &Words(|i, _| &mut i.panel.trigger.kind),
+            "`EDGE`, `VIDeo` or `PULse`; no input carries video",
+        ),
+        Row::accepted("TRIGger:MAIn:HOLDOff", &Tells(Parts::Below), "holdoff"),
+        Row::accepted(
+            "TRIGger:MAIn:HOLDOff:VALue",
+            &Number(
+                |i, _| &mut i.panel.trigger.holdoff,
+                |_, _, time| time.clamp(HOLDOFFS.0, HOLDOFFS.1),
+            ),
+            "seconds after a trigger without another",
+        ),
+        Row::acts("TRIGger:MAIn:EDGE", &Tells(Parts::Below), "the edge trigger"),
+        Row::acts(
+            "TRIGger:MAIn:EDGE:SOUrce",
+            &SOURCE,
+            "`CH<x>`, `EXT`, `EXT5` or `LINE`; the last three are silent",
+        ),
+        Row::acts(
+            "TRIGger:MAIn:EDGE:COUPling",
+            &Words(|i, _| &mut i.panel.trigger.coupling),
+            "`DC` and `NOISErej` act; `AC`, `HFRej`, `LFRej` are kept",
+        ),
+        Row::acts(
+            "TRIGger:MAIn:EDGE:SLOpe",
+            &Words(|i, _| &mut i.panel.trigger.slope),
+            "`RISe` or `FALL`",
+        ),
+        Row::accepted("TRIGger:MAIn:VIDeo", &Tells(Parts::Below), "the video trigger"),
+        Row::acts("TRIGger:MAIn:VIDeo:SOUrce", &SOURCE, "the same source as the edge trigger's")
+            .apart(),
+        Row::accepted(
+            "TRIGger:MAIn:VIDeo:SYNC",
+            &Words(|i, _| &mut i.panel.trigger.video_sync),
+            "`FIELD`, `LINE`, `ODD`, `EVEN` or `LINENum`",
+        ),
+        Row::accepted(
+            "TRIGger:MAIn:VIDeo:POLarity",
+            &Words(|i, _| &mut i.panel.trigger.video_polarity),
+            "`NORMal` or `INVert`",
+        ),
+        Row::accepted("TRIGger:MAIn:VIDeo:LINE", &Both(set_line, line), "number of the line"),
+        Row::accepted(
+            "TRIGger:MAIn:VIDeo:STANdard",
+            &Words(|i, _| &mut i.panel.trigger.video_standard),
+            "`NTSC` or `PAL`",
+        ),
+        Row::acts("TRIGger:MAIn:PULse", &Tells(Parts::Below), "the pulse trigger"),
+        Row::acts("TRIGger:MAIn:PULse:SOUrce", &SOURCE, "the same source as the edge trigger's")
+            .apart(),
+        Row::acts("TRIGger:MAIn:PULse:WIDth", &Tells(Parts::Below), "which pulses trigger"),
+        Row::acts(
+            "TRIGger:MAIn:PULse:WIDth:POLarity",
+            &Words(|i, _| &mut i.panel.trigger.pulse_polarity),
+            "`POSITIVe` or `NEGAtive`",
+        ),
+        Row::acts(
+            "TRIGger:MAIn:PULse:WIDth:WHEN",
+            &Words(|i, _| &mut i.panel.trigger.pulse_when),
+            "`EQual`, `NOTEqual`, `INside` or `OUTside`",
+        ),
+        Row::acts(
+            "TRIGger:MAIn:PULse:WIDth:WIDth",
+            &Number(
+                |i, _| &mut i.panel.trigger.pulse_width,
+                |_, _, width| width.clamp(PULSE_WIDTHS.0, PULSE_WIDTHS.1),
+            ),
+            "seconds, 33 ns to 10 s",
+        ),
+        Row::acts(
+            "TRIGger:MAIn:LEVel",
+            &Number(
+                |i, _| &mut i.panel.trigger.level,
+                |i, _, level| limits::trigger_level(&i.model, &i.panel, level),
+            ),
+            "volts",
+        ),
+        Row::acts(
+            "TRIGger:MAIn:FREQuency",
+            &Asks(frequency),
+            "frequency of the source, six digits",
+        )
+        .apart(),
+    ],
+};
+
+const SOURCE: Words<crate::instrument::panel::TriggerSource> =
+    Words(|i, _| &mut i.panel.trigger.source);
+
+fn force(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    let Force::Now = word(arguments)?;
+    at.instrument.force_trigger();
+    Ok(())
+}
+
+fn set_level(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    let SetLevel::HalfHeight = word(arguments)?;
+    at.instrument.centre_trigger();
+    Ok(())
+}
+
+fn set_line(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    at.instrument.panel.trigger.video_line = whole(arguments, 1, LINES)?;
+    Ok(())
+}
+
+#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
+fn line(at: &mut At<'_>) -> Result<Value, Stop> {
+    Ok(Value::Integer(i64::from(at.instrument.panel.trigger.video_line)))
+}
+
+#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
+fn frequency(at: &mut At<'_>) -> Result<Value, Stop> {
+    let number = at.instrument.panel.trigger.source.channel();
+    let record = number.and_then(|n| at.instrument.waveform(Source::Channel(n)).ok());
+    let found = record.and_then(|record| measure(MeasurementType::Frequency, &record).ok());
+    Ok(Value::Number(found.map_or(INVALID, |value| limits::rounded(value, 6))))
+}

@@ -1,0 +1,106 @@
+//! Vertical: `CH<x>` and `SELect`.
+
+use crate::instrument::limits;
+use crate::scope::{Coupling, Source};
+use crate::scpi::argument::real;
+use crate::scpi::message::Argument;
+use crate::scpi::row::{Group, Row};
+use crate::scpi::setting::{At, Both, Number, OnOff, Parts, Stop, Switch, Tells, Words};
+use crate::scpi::value::Value;
+
+/// The group.
+pub const GROUP: Group = Group {
+    title: "Vertical",
+    rows: &[
+        Row::acts("CH<x>", &Tells(Parts::Below), "all settings of a channel"),
+        Row::acts(
+            "CH<x>:PRObe",
+            &Both(set_probe, probe),
+            "attenuation 1, 10, 100 or 1000; V/div at the input stays",
+        ),
+        Row::acts("CH<x>:SCAle", &Both(set_scale, scale), "V/div, the nearest step of 1-2-5"),
+        Row::alias("CH<x>:VOLts", "CH<x>:SCAle"),
+        Row::acts(
+            "CH<x>:POSition",
+            &Number(
+                |i, at| &mut i.panel.channel_mut(at.number).vertical.position,
+                |i, at, position| {
+                    let vertical = i.panel.channel(at.number).vertical;
+                    limits::vertical_position(&i.model, position, vertical.scale, vertical.probe)
+                },
+            ),
+            "divisions above the centre, in steps of 1/25",
+        ),
+        Row::acts(
+            "CH<x>:COUPling",
+            &Words(|i, at| {
+                i.panel.channel_mut(at.number).vertical.coupling.get_or_insert(Coupling::Dc)
+            }),
+            "`DC`, `AC` or `GND`",
+        ),
+        Row::acts(
+            "CH<x>:BANdwidth",
+            &OnOff(|i, at| {
+                i.panel.channel_mut(at.number).vertical.bandwidth_limited.get_or_insert(false)
+            }),
+            "the 20 MHz limiter, `ON` or `OFF`",
+        ),
+        Row::acts(
+            "CH<x>:INVert",
+            &OnOff(|i, at| i.panel.channel_mut(at.number).vertical.inverted.get_or_insert(false)),
+            "`ON` turns the trace upside down",
+        ),
+        Row::acts("SELect", &Tells(Parts::Of(&SELECT)), "which waveforms are displayed"),
+        Row::acts("SELect:CH<x>", &SHOWN, "`ON` displays the channel"),
+        Row::acts(
+            "SELect:MATH",
+            &Switch(|i, _| i.panel.displayed_mut(Source::Math)),
+            "`ON` displays the math trace",
+        ),
+        Row::acts("SELect:REF<x>", &SHOWN, "`ON` displays the reference memory"),
+    ],
+};
+
+/// The waveforms in the order of `SELect?`.
+const SELECT: [&str; 9] = [
+    "SELect:CH1",
+    "SELect:CH2",
+    "SELect:CH3",
+    "SELect:CH4",
+    "SELect:MATH",
+    "SELect:REFA",
+    "SELect:REFB",
+    "SELect:REFC",
+    "SELect:REFD",
+];
+
+const SHOWN: Switch = Switch(|i, at| i.panel.displayed_mut(at.source));
+
+fn set_probe(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    let probe = limits::nearest(real(arguments)?, &at.instrument.model.probes);
+    let vertical = &mut at.instrument.panel.channel_mut(at.place.number).vertical;
+    vertical.scale = limits::rounded(vertical.scale / vertical.probe * probe, 9);
+    vertical.probe = probe;
+    Ok(())
+}
+
+#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
+fn probe(at: &mut At<'_>) -> Result<Value, Stop> {
+    let probe = at.instrument.panel.channel(at.place.number).vertical.probe;
+    Ok(Value::Plain(format!("{probe}")))
+}
+
+fn set_scale(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    let asked = real(arguments)?;
+    let model = &at.instrument.model;
+    let vertical = &mut at.instrument.panel.channel_mut(at.place.number).vertical;
+    vertical.scale = limits::vertical_scale(model, asked, vertical.probe);
+    vertical.position =
+        limits::vertical_position(model, vertical.position, vertical.scale, vertical.probe);
+    Ok(())
+}
+
+#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
+fn scale(at: &mut At<'_>) -> Result<Value, Stop> {
+    Ok(Value::Number(at.instrument.panel.channel(at.place.number).vertical.scale))
+}

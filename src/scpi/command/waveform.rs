@@ -1,0 +1,290 @@
+//! Waveform preambles: `WFMPre`.
+//!
+//! Queries tell of the waveform that `DATa:SOUrce` names, commands of the one that `CURVe` will bring. With two bytes a
+//! point the level of the converter is the high byte, so a step is 1/256 of a level; positive numbers begin at the lowest
+//! level. Text is always signed. Sources: user manuals of the TDS1012 (p. 182, 187) and TDS2022 (p. 190), real replies.
+
+use crate::instrument::panel::AcquireMode;
+use crate::instrument::transfer::{Points, Transfer};
+use crate::instrument::word::Word as _;
+use crate::scope::{Coupling, PointFormat, Preamble, Source, Waveform};
+use crate::scpi::argument::{real, text, whole, word};
+use crate::scpi::message::Argument;
+use crate::scpi::number::setting;
+use crate::scpi::row::{Group, Place, Row};
+use crate::scpi::setting::{Access, Asks, At, Both, Parts, Setting, Stop, Tells, Words};
+use crate::scpi::value::Value;
+
+/// The fields in the order of a reply.
+const FIELDS: [&str; 16] = [
+    "WFMPre:BYT_Nr",
+    "WFMPre:BIT_Nr",
+    "WFMPre:ENCdg",
+    "WFMPre:BN_Fmt",
+    "WFMPre:BYT_Or",
+    "WFMPre:NR_Pt",
+    "WFMPre:WFId",
+    "WFMPre:PT_Fmt",
+    "WFMPre:XINcr",
+    "WFMPre:PT_Off",
+    "WFMPre:XZEro",
+    "WFMPre:XUNit",
+    "WFMPre:YMUlt",
+    "WFMPre:YZEro",
+    "WFMPre:YOFf",
+    "WFMPre:YUNit",
+];
+
+/// The group.
+pub const GROUP: Group = Group {
+    title: "Waveform: preamble",
+    rows: &[
+        Row::acts("WFMPre", &Tells(Parts::Of(&FIELDS)), "all of the preamble"),
+        Row::acts(
+            "WFMPre:BYT_Nr",
+            &Both(super::data::set_width, |at| {
+                Ok(Value::Integer(i64::from(at.instrument.transfer.width)))
+            }),
+            "bytes a point",
+        ),
+        Row::acts(
+            "WFMPre:BIT_Nr",
+            &Both(set_bits, |at| Ok(Value::Integer(8 * i64::from(at.instrument.transfer.width)))),
+            "bits a point",
+        ),
+        Row::acts("WFMPre:ENCdg", &Words(|i, _| &mut i.transfer.format), "`ASC` or `BIN`"),
+        Row::acts(
+            "WFMPre:BN_Fmt",
+            &Words(|i, _| &mut i.transfer.numbers),
+            "`RI` signed, `RP` positive",
+        ),
+        Row::acts(
+            "WFMPre:BYT_Or",
+            &Words(|i, _| &mut i.transfer.byte_order),
+            "`MSB` or `LSB` first",
+        ),
+        Row::acts("WFMPre:NR_Pt", &Field(nr_pt, set_nr_pt), "points"),
+        Row::acts(
+            "WFMPre:WFId",
+            &Asks(|at| {
+                let source = at.instrument.transfer.source;
+                wfid(at, source)
+            }),
+            "what the waveform is, in words",
+        ),
+        Row::acts(
+            "WFMPre:PT_Fmt",
+            &Field(pt_fmt, |at, a| {
+                at.instrument.incoming.pt_fmt = word::<Points>(a)?;
+                Ok(())
+            }),
+            "`Y` samples, `ENV` lowest and highest in turn",
+        ),
+        Row::acts(
+            "WFMPre:XINcr",
+            &Field(x_incr, |at, a| {
+                at.instrument.incoming.x_incr = real(a)?;
+                Ok(())
+            }),
+            "from one point to the next",
+        ),
+        Row::acts(
+            "WFMPre:PT_Off",
+            &Field(
+                |_, _| Value::Integer(0),
+                |_, a| {
+                    real(a)?;
+                    Ok(())
+                },
+            ),
+            "always 0",
+        ),
+        Row::acts(
+            "WFMPre:XZEro",
+            &Field(x_zero, |at, a| {
+                at.instrument.incoming.x_zero = real(a)?;
+                Ok(())
+            }),
+            "abscissa of the first point",
+        ),
+        Row::accepted(
+            "WFMPre:XUNit",
+            &Field(x_unit, |_, a| {
+                text(a)?;
+                Ok(())
+            }),
+            "unit of the abscissa",
+        ),
+        Row::acts(
+            "WFMPre:YMUlt",
+            &Field(y_mult, |at, a| {
+                at.instrument.incoming.y_mult = real(a)?;
+                Ok(())
+            }),
+            "one step of the ordinate",
+        ),
+        Row::acts(
+            "WFMPre:YZEro",
+            &Field(y_zero, |at, a| {
+                at.instrument.incoming.y_zero = real(a)?;
+                Ok(())
+            }),
+            "added after scaling",
+        ),
+        Row::acts(
+            "WFMPre:YOFf",
+            &Field(y_off, |at, a| {
+                at.instrument.incoming.y_off = real(a)?;
+                Ok(())
+            }),
+            "step at which the ordinate is `YZEro`",
+        ),
+        Row::accepted(
+            "WFMPre:YUNit",
+            &Field(y_unit, |_, a| {
+                text(a)?;
+                Ok(())
+            }),
+            "unit of the ordinate",
+        ),
+        Row::acts(
+            "WFMPre:<wfm>",
+            &Tells(Parts::Below),
+            "the preamble of a waveform that `DATa:SOUrce` need not name",
+        ),
+        Row::acts(
+            "WFMPre:<wfm>:WFId",
+            &Asks(|at| {
+                let source = at.place.source;
+                wfid(at, source)
+            }),
+            "see above",
+        ),
+        Row::acts("WFMPre:<wfm>:NR_Pt", &Of(nr_pt), "see above"),
+        Row::acts("WFMPre:<wfm>:PT_Fmt", &Of(pt_fmt), "see above"),
+        Row::acts("WFMPre:<wfm>:XINcr", &Of(x_incr), "see above"),
+        Row::acts("WFMPre:<wfm>:PT_Off", &Of(|_, _| Value::Integer(0)), "see above"),
+        Row::acts("WFMPre:<wfm>:XZEro", &Of(x_zero), "see above"),
+        Row::acts("WFMPre:<wfm>:XUNit", &Of(x_unit), "see above"),
+        Row::acts("WFMPre:<wfm>:YMUlt", &Of(y_mult), "see above"),
+        Row::acts("WFMPre:<wfm>:YZEro", &Of(y_zero), "see above"),
+        Row::acts("WFMPre:<wfm>:YOFf", &Of(y_off), "see above"),
+        Row::acts("WFMPre:<wfm>:YUNit", &Of(y_unit), "see above"),
+    ],
+};
+
+/// One field of a waveform's preamble as it is sent.
+type Tell = fn(&Waveform, &Transfer) -> Value;
+type Take = fn(&mut At<'_>, &[Argument]) -> Result<(), Stop>;
+
+/// A field of the waveform that `DATa:SOUrce` names, and of the one to come.
+struct Field(Tell, Take);
+
+impl Setting for Field {
+    fn access(&self) -> Access {
+        Access { sets: true, asks: true }
+    }
+
+    fn set(&self, at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+        (self.1)(at, arguments)
+    }
+
+    fn get(&self, at: &mut At<'_>) -> Result<Value, Stop> {
+        let transfer = at.instrument.transfer;
+        Ok((self.0)(&at.instrument.waveform(transfer.source)?, &transfer))
+    }
+}
+
+/// A field of the waveform in the header.
+struct Of(Tell);
+
+impl Setting for Of {
+    fn access(&self) -> Access {
+        Access { sets: false, asks: true }
+    }
+
+    fn get(&self, at: &mut At<'_>) -> Result<Value, Stop> {
+        let Place { source, .. } = at.place;
+        let transfer = at.instrument.transfer;
+        Ok((self.0)(&at.instrument.waveform(source)?, &transfer))
+    }
+}
+
+fn set_bits(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    at.instrument.transfer.width = if whole(arguments, 8, 16)? > 8 { 2 } else { 1 };
+    Ok(())
+}
+
+fn nr_pt(waveform: &Waveform, transfer: &Transfer) -> Value {
+    Value::Plain(transfer.range(waveform.codes.len()).len().to_string())
+}
+
+fn set_nr_pt(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    let last = u32::try_from(at.instrument.model.record_length).unwrap_or(u32::MAX);
+    at.instrument.incoming.nr_pt = usize::try_from(whole(arguments, 1, last)?).unwrap_or(1);
+    Ok(())
+}
+
+fn pt_fmt(waveform: &Waveform, _: &Transfer) -> Value {
+    Value::Word(match waveform.preamble.pt_fmt {
+        PointFormat::Sample => Points::Samples.word(),
+        PointFormat::Envelope => Points::Envelope.word(),
+    })
+}
+
+fn x_incr(waveform: &Waveform, _: &Transfer) -> Value {
+    Value::Number(waveform.preamble.x_incr)
+}
+
+fn x_zero(waveform: &Waveform, _: &Transfer) -> Value {
+    Value::Number(waveform.preamble.x_zero)
+}
+
+fn x_unit(waveform: &Waveform, _: &Transfer) -> Value {
+    Value::Text(waveform.preamble.x_unit.clone())
+}
+
+fn y_mult(waveform: &Waveform, transfer: &Transfer) -> Value {
+    Value::Number(waveform.preamble.y_mult / transfer.steps())
+}
+
+fn y_zero(waveform: &Waveform, _: &Transfer) -> Value {
+    Value::Number(waveform.preamble.y_zero)
+}
+
+fn y_off(waveform: &Waveform, transfer: &Transfer) -> Value {
+    let Preamble { y_off, .. } = waveform.preamble;
+    Value::Number((y_off + transfer.shift()) * transfer.steps())
+}
+
+fn y_unit(waveform: &Waveform, _: &Transfer) -> Value {
+    let unit = &waveform.preamble.y_unit;
+    Value::Text(if unit == "V" { "Volts".to_owned() } else { unit.clone() })
+}
+
+/// The waveform in words: `Ch1, DC coupling, 5.0E-1 V/div, 5.0E-2 s/div, 2500 points, Sample mode`.
+fn wfid(at: &mut At<'_>, source: Source) -> Result<Value, Stop> {
+    let waveform = at.instrument.waveform(source)?;
+    let coupling = match waveform.vertical.coupling {
+        Some(Coupling::Ac) => "AC coupling, ",
+        Some(Coupling::Ground) => "GND coupling, ",
+        _ => "DC coupling, ",
+    };
+    let mode = match (waveform.preamble.pt_fmt, at.instrument.panel.acquire.mode) {
+        (PointFormat::Envelope, _) => "Peak Detect",
+        (PointFormat::Sample, AcquireMode::Average) => "Average",
+        (PointFormat::Sample, _) => "Sample",
+    };
+    let (name, coupling) = match source {
+        Source::Channel(number) => (format!("Ch{number}"), coupling),
+        Source::Math => ("Math".to_owned(), ""),
+        Source::Reference(letter) => (format!("Ref{letter}"), coupling),
+    };
+    let across = if waveform.preamble.x_unit == "Hz" { "Hz/div" } else { "s/div" };
+    Ok(Value::Text(format!(
+        "{name}, {coupling}{} V/div, {} {across}, {} points, {mode} mode",
+        setting(waveform.vertical.scale),
+        setting(waveform.horizontal_scale),
+        waveform.codes.len(),
+    )))
+}

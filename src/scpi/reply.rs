@@ -1,0 +1,43 @@
+//! Writes answers as one reply, with headers or without.
+
+use super::session::Preferences;
+use super::value::{Value, spelled};
+
+/// What one row answers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Answer {
+    /// The header's words, short forms in capitals.
+    pub nodes: Vec<String>,
+    /// The answer.
+    pub value: Value,
+}
+
+/// The answers to one query, without terminator.
+///
+/// With headers the first answer begins at the root, `:TRIGGER:MAIN:MODE AUTO`; the next ones leave out the path that
+/// they share with the one before, `TYPE EDGE`, where all of that path is theirs, and begin at the root where not.
+#[must_use]
+pub fn write(answers: &[Answer], preferences: &Preferences) -> Vec<u8> {
+    let mut out = Vec::new();
+    let mut path: &[String] = &[];
+    for (index, answer) in answers.iter().enumerate() {
+        if index > 0 {
+            out.push(b';');
+        }
+        let is_common = answer.nodes.first().is_some_and(|node| node.starts_with('*'));
+        if preferences.header && !is_common {
+            let rest = answer.nodes.strip_prefix(path).filter(|rest| index > 0 && !rest.is_empty());
+            let nodes = rest.unwrap_or_else(|| {
+                out.push(b':');
+                &answer.nodes
+            });
+            let words: Vec<String> =
+                nodes.iter().map(|node| spelled(node, preferences.verbose)).collect();
+            out.extend_from_slice(words.join(":").as_bytes());
+            out.push(b' ');
+            path = answer.nodes.split_last().map_or(&[], |(_, path)| path);
+        }
+        answer.value.write(preferences.verbose, &mut out);
+    }
+    out
+}

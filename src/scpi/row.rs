@@ -1,0 +1,104 @@
+//! One row of the table of commands.
+
+use super::setting::Setting;
+use crate::scope::Source;
+
+/// What a command does in this program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Standing {
+    /// It does what the manual says.
+    Acts,
+    /// It is kept and told, and changes nothing else.
+    Accepted,
+    /// It is known and refused with an event.
+    Refused,
+    /// Another spelling of the row that is named.
+    Alias(&'static str),
+}
+
+/// One command.
+pub struct Row {
+    /// Header as in the manual: short forms in capitals, `<x>` for a number, `<wfm>` for a waveform.
+    pub header: &'static str,
+    /// What is set and told.
+    pub setting: &'static dyn Setting,
+    /// What it does here.
+    pub standing: Standing,
+    /// Whether queries of the group that it is in tell it.
+    pub in_group: bool,
+    /// One line about it.
+    pub about: &'static str,
+}
+
+impl Row {
+    /// A command that does what the manual says.
+    #[must_use]
+    pub const fn acts(
+        header: &'static str,
+        setting: &'static dyn Setting,
+        about: &'static str,
+    ) -> Self {
+        Self { header, setting, standing: Standing::Acts, in_group: true, about }
+    }
+
+    /// A command that is kept and told.
+    #[must_use]
+    pub const fn accepted(
+        header: &'static str,
+        setting: &'static dyn Setting,
+        about: &'static str,
+    ) -> Self {
+        Self { header, setting, standing: Standing::Accepted, in_group: true, about }
+    }
+
+    /// A command that is refused.
+    #[must_use]
+    pub const fn refused(
+        header: &'static str,
+        setting: &'static dyn Setting,
+        about: &'static str,
+    ) -> Self {
+        Self { header, setting, standing: Standing::Refused, in_group: false, about }
+    }
+
+    /// Another spelling of the row `of`.
+    #[must_use]
+    pub const fn alias(header: &'static str, of: &'static str) -> Self {
+        let setting = &super::setting::Nothing;
+        Self { header, setting, standing: Standing::Alias(of), in_group: false, about: "" }
+    }
+
+    /// The same, left out when its group is asked for.
+    #[must_use]
+    pub const fn apart(self) -> Self {
+        Self { in_group: false, ..self }
+    }
+
+    /// The header's words.
+    pub fn nodes(&self) -> impl Iterator<Item = &'static str> {
+        self.header.split(':')
+    }
+}
+
+/// Rows that belong together.
+pub struct Group {
+    /// Heading in the manual.
+    pub title: &'static str,
+    /// Its commands, in the order in which queries of a group tell them.
+    pub rows: &'static [Row],
+}
+
+/// What the placeholder in a header stood for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Place {
+    /// The number of `CH<x>`, `MEAS<x>`, `POSITION<x>`; 1 without placeholder.
+    pub number: u8,
+    /// The waveform of `CH<x>`, `REF<x>`, `<wfm>`; channel 1 without placeholder.
+    pub source: Source,
+}
+
+impl Default for Place {
+    fn default() -> Self {
+        Self { number: 1, source: Source::Channel(1) }
+    }
+}

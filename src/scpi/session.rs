@@ -1,0 +1,273 @@
+//! One connection: takes bytes, gives replies, remembers what waits.
+
+use std::collections::VecDeque;
+
+use super::argument::none;
+use super::input::{Input, MAXIMUM_BYTES, Piece};
+use super::message::{Unit, units};
+use super::reply;
+use super::setting::{At, Stop};
+use super::tree;
+use crate::instrument::word::words;
+use crate::instrument::{Event, Instrument};
+
+words! {
+    /// What ends a reply.
+    Terminator {
+        /// Carriage return.
+        Cr = "CR",
+        /// Line feed.
+        Lf = "LF",
+        /// Carriage return, line feed.
+        CrLf = "CRLf",
+        /// Line feed, carriage return.
+        LfCr = "LFCr",
+    }
+}
+
+impl Terminator {
+    /// The bytes.
+    #[must_use]
+    pub fn bytes(self) -> &'static [u8] {
+        match self {
+            Self::Cr => b"\r",
+            Self::Lf => b"\n",
+            Self::CrLf => b"\r\n",
+            Self::LfCr => b"\n\r",
+        }
+    }
+}
+
+/// How replies on one connection look.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Preferences {
+    /// Whether headers stand before answers (`HEADer`).
+    pub header: bool,
+    /// Whether words are written in full (`VERBose`).
+    pub verbose: bool,
+    /// What ends a reply (`RS232:TRANsmit:TERMinator`).
+    pub terminator: Terminator,
+    /// What `header` is after `FACtory`.
+    pub initial_header: bool,
+}
+
+impl Preferences {
+    /// Words in full, a line feed at the end, headers as asked for. The original answers with headers over RS-232, most
+    /// programs expect none.
+    #[must_use]
+    pub fn new(header: bool) -> Self {
+        Self { header, verbose: true, terminator: Terminator::Lf, initial_header: header }
+    }
+}
+
+/// What is to be sent.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Reply {
+    /// Nothing.
+    None,
+    /// These bytes, terminators included.
+    Now(Vec<u8>),
+    /// These bytes, which may be none; more comes from [`Session::resume`] when the acquisition is done.
+    WhenIdle(Vec<u8>),
+}
+
+/// A message that is being executed.
+#[derive(Debug, Clone, Default)]
+struct Progress {
+    units: VecDeque<Result<Unit, Event>>,
+    path: Vec<String>,
+    replies: Vec<Vec<u8>>,
+    indefinite: bool,
+}
+
+/// Longest reply to one message. Where replies outgrow it, all of them and the rest of the message are lost.
+pub const MAXIMUM_REPLY: usize = 1 << 20;
+
+/// One connection.
+#[derive(Debug, Clone)]
+pub struct Session {
+    input: Input,
+    preferences: Preferences,
+    waiting: Option<Progress>,
+    backlog: VecDeque<Vec<u8>>,
+}
+
+impl Session {
+    /// A fresh connection.
+    #[must_use]
+    pub fn new(preferences: Preferences) -> Self {
+        Self { input: Input::default(), preferences, waiting: None, backlog: VecDeque::new() }
+    }
+
+    /// How replies look.
+    #[must_use]
+    pub fn preferences(&self) -> &Preferences {
+        &self.preferences
+    }
+
+    /// Takes bytes as they come, in pieces of any size.
+    pub fn receive(&mut self, instrument: &mut Instrument, bytes: &[u8]) -> Reply {
+        let mut out = Vec::new();
+        for byte in bytes {
+            if let Some(piece) = self.input.push(*byte) {
+                self.take(instrument, piece, &mut out);
+            }
+        }
+        self.reply(out)
+    }
+
+    /// The link tells that the message is complete, where no line end does.
+    pub fn end_of_message(&mut self, instrument: &mut Instrument) -> Reply {
+        let mut out = Vec::new();
+        if let Some(piece) = self.input.finish() {
+            self.take(instrument, piece, &mut out);
+        }
+        self.reply(out)
+    }
+
+    /// Goes on with what waits, if the acquisition is done. To be called whenever time has passed.
+    pub fn resume(&mut self, instrument: &mut Instrument) -> Reply {
+        let mut out = Vec::new();
+        if let Some(progress) = self.waiting.take() {
+            self.execute(instrument, progress, &mut out);
+        }
+        while self.waiting.is_none()
+            && let Some(message) = self.backlog.pop_front()
+        {
+            self.start(instrument, &message, &mut out);
+        }
+        self.reply(out)
+    }
+
+    /// Device clear: forgets input and whatever waits.
+    pub fn clear(&mut self) {
+        self.input.clear();
+        self.waiting = None;
+        self.backlog.clear();
+    }
+
+    /// Whether a reply or a message waits for the end of an acquisition.
+    #[must_use]
+    pub fn is_waiting(&self) -> bool {
+        self.waiting.is_some()
+    }
+
+    fn reply(&self, out: Vec<u8>) -> Reply {
+        match (self.is_waiting(), out.is_empty()) {
+            (true, _) => Reply::WhenIdle(out),
+            (false, true) => Reply::None,
+            (false, false) => Reply::Now(out),
+        }
+    }
+
+    fn take(&mut self, instrument: &mut Instrument, piece: Piece, out: &mut Vec<u8>) {
+        let message = match piece {
+            Piece::Message(message) => message,
+            Piece::Overrun => return instrument.status.report(Event::InputOverrun),
+        };
+        let waits_for_reply = self.waiting.as_ref().map(|progress| {
+            progress.units.front().is_some_and(|unit| unit.as_ref().is_ok_and(|u| u.is_query))
+        });
+        let asks = || units(&message).iter().any(|unit| unit.as_ref().is_ok_and(|u| u.is_query));
+        match waits_for_reply {
+            None => self.start(instrument, &message, out),
+            Some(true) if asks() => {
+                self.waiting = None;
+                instrument.status.report(Event::QueryInterrupted);
+                self.start(instrument, &message, out);
+            }
+            Some(true) => {
+                // What waits is only its reply: commands go on.
+                let waiting = self.waiting.take();
+                self.start(instrument, &message, out);
+                if self.waiting.is_some() {
+                    self.postpone(instrument, message);
+                }
+                self.waiting = waiting;
+            }
+            Some(false) => self.postpone(instrument, message),
+        }
+    }
+
+    fn postpone(&mut self, instrument: &mut Instrument, message: Vec<u8>) {
+        let held: usize = self.backlog.iter().map(Vec::len).sum();
+        if held + message.len() > MAXIMUM_BYTES {
+            instrument.status.report(Event::InputOverrun);
+        } else {
+            self.backlog.push_back(message);
+        }
+    }
+
+    fn start(&mut self, instrument: &mut Instrument, message: &[u8], out: &mut Vec<u8>) {
+        let progress = Progress { units: units(message).into(), ..Progress::default() };
+        self.execute(instrument, progress, out);
+    }
+
+    fn execute(&mut self, instrument: &mut Instrument, mut progress: Progress, out: &mut Vec<u8>) {
+        while let Some(unit) = progress.units.pop_front() {
+            let done = match &unit {
+                Ok(unit) => self.execute_unit(instrument, unit, &mut progress),
+                Err(event) => Err(Stop::Event(*event)),
+            };
+            match done {
+                Ok(()) => {}
+                Err(Stop::Event(event)) => instrument.status.report(event),
+                Err(Stop::UntilIdle) => {
+                    progress.units.push_front(unit);
+                    self.waiting = Some(progress);
+                    return;
+                }
+            }
+        }
+        if !progress.replies.is_empty() {
+            out.extend_from_slice(&progress.replies.join(&b';'));
+            out.extend_from_slice(self.preferences.terminator.bytes());
+        }
+    }
+
+    fn execute_unit(
+        &mut self,
+        instrument: &mut Instrument,
+        unit: &Unit,
+        progress: &mut Progress,
+    ) -> Result<(), Stop> {
+        let is_common = unit.header.first().is_some_and(|word| word.starts_with('*'));
+        let mut words =
+            if unit.from_root || is_common { Vec::new() } else { progress.path.clone() };
+        words.extend(unit.header.iter().cloned());
+        let channels = instrument.model.channels;
+        let found = tree::find(&words, channels).filter(|_| !(is_common && unit.from_root));
+        let found = found.ok_or(Event::UndefinedHeader)?;
+        if !is_common {
+            words.pop();
+            progress.path = words;
+        }
+        let mut at = At {
+            instrument,
+            preferences: &mut self.preferences,
+            place: found.place,
+            message_available: !progress.replies.is_empty(),
+        };
+        if !unit.is_query {
+            found.row.setting.set(&mut at, &unit.arguments)?;
+            at.instrument.settle();
+            return Ok(());
+        }
+        none(&unit.arguments)?;
+        if progress.indefinite {
+            return Err(Event::QueryAfterIndefinite.into());
+        }
+        let answers = tree::ask(found, &mut at)?;
+        let is_setup = matches!(found.row.header, "SET" | "*LRN");
+        let header = self.preferences.header || is_setup;
+        let preferences = Preferences { header, ..self.preferences };
+        progress.replies.push(reply::write(&answers, &preferences));
+        if progress.replies.iter().map(Vec::len).sum::<usize>() > MAXIMUM_REPLY {
+            progress.replies.clear();
+            progress.units.clear();
+            return Err(Event::QueryDeadlocked.into());
+        }
+        progress.indefinite = matches!(found.row.header, "*IDN" | "ID");
+        Ok(())
+    }
+}

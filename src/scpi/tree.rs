@@ -1,0 +1,148 @@
+//! Finds the row of a header.
+
+use super::command::GROUPS;
+use super::reply::Answer;
+use super::row::{Place, Row, Standing};
+use super::setting::{At, Parts, Stop};
+use crate::instrument::Event;
+use crate::instrument::word::abbreviates;
+use crate::scope::Source;
+
+/// How deep rows may answer by other rows: `SET?`, then a group.
+const DEEPEST: u8 = 3;
+
+/// A row and what its placeholder stood for.
+#[derive(Clone, Copy)]
+pub struct Found {
+    /// The row.
+    pub row: &'static Row,
+    /// What its placeholder stood for.
+    pub place: Place,
+}
+
+/// The row that a header's words name, on an instrument with so many channels.
+#[must_use]
+pub fn find(words: &[String], channels: u8) -> Option<Found> {
+    let found = rows().find_map(|row| {
+        let place = matches(row, words, channels)?;
+        Some(Found { row, place })
+    })?;
+    match found.row.standing {
+        Standing::Alias(of) => {
+            let row = rows().find(|row| row.header == of)?;
+            Some(Found { row, ..found })
+        }
+        _ => Some(found),
+    }
+}
+
+/// Every row, group after group.
+pub fn rows() -> impl Iterator<Item = &'static Row> {
+    GROUPS.iter().flat_map(|group| group.rows)
+}
+
+fn matches(row: &Row, words: &[String], channels: u8) -> Option<Place> {
+    let mut place = Place::default();
+    let mut nodes = row.nodes();
+    for word in words {
+        node_matches(nodes.next()?, word, channels, &mut place).then_some(())?;
+    }
+    nodes.next().is_none().then_some(place)
+}
+
+/// Whether `word` is `node`; a placeholder is noted in `place`.
+fn node_matches(node: &str, word: &str, channels: u8, place: &mut Place) -> bool {
+    let exists = |source: Source| match source {
+        Source::Channel(number) => number <= channels,
+        Source::Math | Source::Reference(_) => true,
+    };
+    if matches!(node, "<wfm>" | "CH<x>" | "REF<x>") {
+        let Some(source) = Source::from_name(word).filter(|source| exists(*source)) else {
+            return false;
+        };
+        place.source = source;
+        if let Source::Channel(number) = source {
+            place.number = number;
+        }
+        return match node {
+            "CH<x>" => matches!(source, Source::Channel(_)),
+            "REF<x>" => matches!(source, Source::Reference(_)),
+            _ => true,
+        };
+    }
+    let Some((stem, last)) = node.strip_suffix("<x>").map(|stem| (stem, last_number(stem))) else {
+        return abbreviates(word, node);
+    };
+    let Some((name, digit)) = word.split_at_checked(stem.len()) else { return false };
+    match digit.parse() {
+        Ok(number) if name.eq_ignore_ascii_case(stem) && (1..=last).contains(&number) => {
+            place.number = number;
+            true
+        }
+        _ => false,
+    }
+}
+
+/// The highest number of a placeholder.
+fn last_number(stem: &str) -> u8 {
+    if stem == "MEAS" { 5 } else { 2 }
+}
+
+/// A node with its placeholder filled in.
+#[must_use]
+pub fn filled(node: &str, place: Place) -> String {
+    match node {
+        "<wfm>" | "CH<x>" | "REF<x>" => place.source.to_string(),
+        _ => match node.strip_suffix("<x>") {
+            Some(stem) => format!("{stem}{}", place.number),
+            None => node.to_owned(),
+        },
+    }
+}
+
+/// Everything that the query of a row tells.
+///
+/// # Errors
+/// [`Stop`] where a row cannot tell.
+pub fn ask(found: Found, at: &mut At<'_>) -> Result<Vec<Answer>, Stop> {
+    let mut answers = Vec::new();
+    collect(found, at, DEEPEST, &mut answers)?;
+    Ok(answers)
+}
+
+fn collect(
+    found: Found,
+    at: &mut At<'_>,
+    depth: u8,
+    answers: &mut Vec<Answer>,
+) -> Result<(), Stop> {
+    at.place = found.place;
+    let depth = depth.checked_sub(1).ok_or(Event::UndefinedHeader)?;
+    match found.row.setting.parts() {
+        None => {
+            let value = found.row.setting.get(at)?;
+            let nodes = found.row.nodes().map(|node| filled(node, found.place)).collect();
+            answers.push(Answer { nodes, value });
+        }
+        Some(Parts::Below) => {
+            for row in rows().filter(|row| row.in_group && is_below(row, found.row)) {
+                if row.setting.access().asks && row.setting.parts().is_none() {
+                    collect(Found { row, place: found.place }, at, depth, answers)?;
+                }
+            }
+        }
+        Some(Parts::Of(headers)) => {
+            for header in headers {
+                let words: Vec<String> = header.split(':').map(str::to_owned).collect();
+                // A header of a channel that this model has not.
+                let Some(part) = find(&words, at.instrument.model.channels) else { continue };
+                collect(part, at, depth, answers)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn is_below(row: &Row, group: &Row) -> bool {
+    row.header.strip_prefix(group.header).is_some_and(|rest| rest.starts_with(':'))
+}

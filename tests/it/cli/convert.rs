@@ -1,0 +1,184 @@
+//! `hertzscope info`, `convert` and `view`.
+
+use std::path::Path;
+
+use hertzscope::recording::format::open;
+use serde_json::Value;
+
+use super::{QUICK, files, hertzscope, printed, refused, says, temporary};
+
+/// A folder with a recording `run.mcap` of four channels.
+fn recorded() -> tempfile::TempDir {
+    let folder = temporary();
+    let run = [&["run", "-q", "-o", "run.mcap"][..], &QUICK].concat();
+    assert_eq!(printed(folder.path(), &run), "");
+    folder
+}
+
+fn bytes(folder: &Path, name: &str) -> Vec<u8> {
+    std::fs::read(folder.join(name)).expect(name)
+}
+
+#[test]
+fn recordings_folders_and_files_become_one_another() {
+    let folder = recorded();
+    let path = folder.path();
+    let names: Vec<String> = (1..=4).map(|n| format!("out/ALL0000/F0000CH{n}.CSV")).collect();
+    let told = printed(path, &["convert", "run.mcap", "out"]);
+    assert_eq!(told.lines().collect::<Vec<_>>(), names);
+    assert_eq!(files(&path.join("out")), ["ALL0000"]);
+    // Again: numbered on, as the scope does.
+    printed(path, &["convert", "run.mcap", "out"]);
+    assert_eq!(files(&path.join("out")), ["ALL0000", "ALL0001"]);
+    assert_eq!(files(&path.join("out/ALL0001"))[0], "F0001CH1.CSV");
+
+    // A folder into a recording and back: the same bytes.
+    assert_eq!(printed(path, &["convert", "out/ALL0000", "back.mcap"]), "back.mcap\n");
+    printed(path, &["convert", "back.mcap", "again"]);
+    for number in 1..=4 {
+        let name = format!("ALL0000/F0000CH{number}.CSV");
+        assert_eq!(bytes(path, &format!("again/{name}")), bytes(path, &format!("out/{name}")));
+    }
+    // One file into a recording and back into a file.
+    printed(path, &["convert", "out/ALL0000/F0000CH3.CSV", "one.mcap"]);
+    assert_eq!(printed(path, &["convert", "one.mcap", "one.csv"]), "one.csv\n");
+    assert_eq!(bytes(path, "one.csv"), bytes(path, "out/ALL0000/F0000CH3.CSV"));
+    // Several captures do not go into one file: a folder of its name.
+    let told = printed(path, &["convert", "run.mcap", "all.csv"]);
+    assert_eq!(told.lines().next(), Some("all/ALL0000/F0000CH1.CSV"));
+    assert_eq!(printed(path, &["convert", "-q", "run.mcap", "quiet"]), "");
+}
+
+/// The levels in the files are the levels in the recording.
+#[test]
+fn nothing_is_lost_between_formats() {
+    let folder = recorded();
+    let path = folder.path();
+    printed(path, &["convert", "-q", "run.mcap", "out"]);
+    let recording = open(&path.join("run.mcap")).expect("a recording");
+    let imported = open(&path.join("out/ALL0000")).expect("a folder");
+    assert_eq!(imported.shots[0].captures.len(), 4);
+    for (ours, theirs) in recording.shots[0].captures.iter().zip(&imported.shots[0].captures) {
+        assert_eq!(ours.waveform.codes, theirs.waveform.codes);
+        assert_eq!(ours.waveform.source, theirs.waveform.source);
+        // The file has five digits of a scale and picoseconds of a time.
+        let near = |a: f64, b: f64, unit: f64| (a - b).abs() <= unit;
+        assert!(near(ours.waveform.preamble.y_mult, theirs.waveform.preamble.y_mult, 1e-12));
+        assert!(near(ours.waveform.preamble.x_zero, theirs.waveform.preamble.x_zero, 1e-12));
+    }
+    // A recording into a recording: everything, the notes too.
+    printed(path, &["convert", "-q", "run.mcap", "copy.mcap"]);
+    let copy = open(&path.join("copy.mcap")).expect("a recording");
+    assert_eq!(copy, recording);
+    assert!(copy.notes[&1].energy.is_some());
+    assert!(!copy.log.is_empty());
+}
+
+#[test]
+fn the_input_is_never_the_output() {
+    let folder = recorded();
+    let before = bytes(folder.path(), "run.mcap");
+    let error = refused(folder.path(), &["convert", "run.mcap", "./run.mcap"]);
+    says(&error, &["run.mcap", "found the input as the output"]);
+    assert_eq!(bytes(folder.path(), "run.mcap"), before);
+}
+
+#[test]
+fn what_cannot_be_converted_is_refused() {
+    let folder = recorded();
+    let path = folder.path();
+    std::fs::write(path.join("bad.csv"), "a,b\n").expect("a file");
+    std::fs::write(path.join("bad.mcap"), "a,b\n").expect("a file");
+    std::fs::create_dir(path.join("empty")).expect("a folder");
+    for (input, output, words) in [
+        ("run.mcap", "x.txt", &["x.txt", ".txt", "expected .mcap, .csv"][..]),
+        ("none.mcap", "x.csv", &["none.mcap"]),
+        ("bad.csv", "x.mcap", &["bad.csv"]),
+        ("bad.mcap", "x.csv", &["bad.mcap", "MCAP"]),
+        ("empty", "x.mcap", &["empty", "no .csv or .isf file"]),
+        ("run.mcap", "bad.csv/x.mcap", &["bad.csv"]),
+    ] {
+        says(&refused(path, &["convert", input, output]), words);
+    }
+    assert_eq!(files(path), ["bad.csv", "bad.mcap", "empty", "run.mcap"]);
+}
+
+/// What a damaged recording still holds is converted, and what it lost is told.
+#[test]
+fn a_damaged_recording_is_converted_with_warnings() {
+    let folder = recorded();
+    let path = folder.path();
+    let whole = bytes(path, "run.mcap");
+    // Cut in the summary behind the data: the magic at the end is gone.
+    std::fs::write(path.join("cut.mcap"), &whole[..whole.len() - 8]).expect("a file");
+    let done = hertzscope(path, &["convert", "cut.mcap", "out"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    says(&done.stderr, &["warning: cut.mcap:", "cut behind its data"]);
+    assert_eq!(files(&path.join("out/ALL0000")).len(), 4);
+    let info = printed(path, &["info", "cut.mcap"]);
+    says(&info, &["problem: ", "cut behind its data"]);
+}
+
+#[test]
+fn info_tells_what_is_in_every_format() {
+    let folder = recorded();
+    let path = folder.path();
+    printed(path, &["convert", "-q", "run.mcap", "out"]);
+    says(
+        &printed(path, &["info", "run.mcap"]),
+        &[
+            "hertzscope:recording",
+            "magnet-0.61g",
+            "shot 1, simulated",
+            "CH1",
+            "CH4",
+            "2500",
+            "1.00 V/div",
+            "250 µs/div",
+            "magnet-0.61g.toml",
+        ],
+    );
+    says(&printed(path, &["info", "out/ALL0000"]), &["shot 1, measured", "CH1", "CH4"]);
+    let one = printed(path, &["info", "out/ALL0000/F0000CH2.CSV"]);
+    says(&one, &["shot 1, measured", "CH2"]);
+    assert!(!one.contains("CH1 "), "{one}");
+
+    for (file, channels) in [("run.mcap", 4), ("out/ALL0000", 4), ("out/ALL0000/F0000CH2.CSV", 1)] {
+        let json: Value =
+            serde_json::from_str(&printed(path, &["info", "--json", file])).expect("JSON");
+        let captures = json["shots"][0]["captures"].as_array().expect("a list");
+        assert_eq!(captures.len(), channels, "{file}");
+        for capture in captures {
+            assert_eq!(capture["points"], 2500, "{file}");
+            let volts = |key: &str| capture[key].as_f64().expect("volts");
+            assert!(volts("lowest") <= volts("highest"), "{file}");
+        }
+        assert_eq!(json["problems"], serde_json::json!([]), "{file}");
+    }
+    let json: Value =
+        serde_json::from_str(&printed(path, &["info", "--json", "run.mcap"])).expect("JSON");
+    assert_eq!(json["metadata"]["hertzscope:recording"]["scene"], "magnet-0.61g");
+    assert_eq!(json["attachments"][0]["name"], "magnet-0.61g.toml");
+}
+
+#[test]
+fn info_refuses_what_it_cannot_read() {
+    let folder = temporary();
+    let path = folder.path();
+    std::fs::write(path.join("x.txt"), "x").expect("a file");
+    std::fs::write(path.join("x.mcap"), "x").expect("a file");
+    for file in ["x.txt", "x.mcap", "absent.mcap", "absent.csv", "absent", "."] {
+        let error = refused(path, &["info", file]);
+        says(&error, &[file]);
+        assert!(!error.contains("panicked"), "{error}");
+    }
+}
+
+#[cfg(feature = "tui")]
+#[test]
+fn view_needs_a_terminal() {
+    let folder = recorded();
+    let error = refused(folder.path(), &["view", "run.mcap"]);
+    says(&error, &["no terminal", "hertzscope info"]);
+    says(&refused(folder.path(), &["view", "absent.mcap"]), &["absent.mcap"]);
+}

@@ -1,0 +1,106 @@
+//! Help, completions, manual pages, the list of scenes.
+
+use super::{COULD_NOT, files, hertzscope, printed, refused, says, temporary};
+
+const SUBCOMMANDS: &[(&str, &[&str])] = &[
+    (
+        "run",
+        &["[SCENE]", "--output", "--accuracy", "--method", "--step", "--seed", "--json", "--quiet"],
+    ),
+    ("info", &["<FILE>", "--json"]),
+    ("convert", &["<INPUT>", "<OUTPUT>", "--quiet"]),
+    ("scenes", &["[NAME]", "--json"]),
+    #[cfg(feature = "tui")]
+    ("view", &["<FILE>"]),
+    ("completions", &["<SHELL>", "bash", "zsh", "fish"]),
+    ("man", &["--output"]),
+];
+
+#[test]
+fn every_subcommand_has_help() {
+    let folder = temporary();
+    let all = printed(folder.path(), &["--help"]);
+    for (command, options) in SUBCOMMANDS {
+        says(&all, &[command]);
+        let page = printed(folder.path(), &[command, "--help"]);
+        says(&page, &[&format!("Usage: hertzscope {command}")]);
+        says(&page, options);
+        for line in page.lines() {
+            assert!(line.chars().count() <= 100, "{command}: {line}");
+        }
+    }
+    says(&printed(folder.path(), &["--version"]), &[env!("CARGO_PKG_VERSION")]);
+    assert_eq!(files(folder.path()), [""; 0], "help leaves nothing behind");
+}
+
+#[test]
+fn what_is_typed_wrong_is_refused() {
+    let folder = temporary();
+    for arguments in [
+        &["fly"][..],
+        &[],
+        &["run", "--fast"],
+        &["info"],
+        &["convert", "a.mcap"],
+        &["info", "a.mcap", "b.mcap"],
+        &["completions", "tcl"],
+        &["run", "magnet-0.61g", "gravity-0.61g"],
+    ] {
+        let done = hertzscope(folder.path(), arguments);
+        assert_eq!(done.code, COULD_NOT, "{arguments:?}");
+        assert_eq!(done.stdout, "", "{arguments:?}");
+        says(&done.stderr, &["--help"]);
+    }
+    assert_eq!(files(folder.path()), [""; 0]);
+}
+
+#[test]
+fn completions_know_every_subcommand() {
+    let folder = temporary();
+    for shell in ["bash", "zsh", "fish"] {
+        let script = printed(folder.path(), &["completions", shell]);
+        for (command, _) in SUBCOMMANDS {
+            says(&script, &[command]);
+        }
+        says(&script, &["accuracy", "hertzscope"]);
+    }
+}
+
+#[test]
+fn manual_pages_are_printed_and_written() {
+    let folder = temporary();
+    let page = printed(folder.path(), &["man"]);
+    says(&page, &[".TH hertzscope 1", "SYNOPSIS", "run"]);
+    assert_eq!(printed(folder.path(), &["man", "--output", "pages"]), "");
+    let pages = files(&folder.path().join("pages"));
+    for (command, _) in SUBCOMMANDS {
+        assert!(pages.contains(&format!("hertzscope-{command}.1")), "{pages:?}");
+    }
+    let page =
+        std::fs::read_to_string(folder.path().join("pages/hertzscope-run.1")).expect("a page");
+    says(&page, &["accuracy"]);
+    std::fs::write(folder.path().join("file"), "").expect("a file");
+    says(&refused(folder.path(), &["man", "-o", "file"]), &["file"]);
+}
+
+#[test]
+fn scenes_are_listed_and_printed() {
+    let folder = temporary();
+    let list = printed(folder.path(), &["scenes"]);
+    for name in hertzscope::scene::Scene::names() {
+        assert!(list.lines().any(|line| line.starts_with(&format!("{name} "))), "{name} in {list}");
+    }
+    let json: serde_json::Value =
+        serde_json::from_str(&printed(folder.path(), &["scenes", "--json"])).expect("JSON");
+    let scenes = json.as_array().expect("a list");
+    assert_eq!(scenes.len(), hertzscope::scene::Scene::names().len());
+    assert!(scenes.iter().all(|s| s["name"].is_string() && s["title"].is_string()), "{json}");
+    // What is printed is a scene to start from.
+    let text = printed(folder.path(), &["scenes", "magnet-0.61g"]);
+    let shipped = hertzscope::data::instrument("scenes", "magnet-0.61g").expect("it ships");
+    assert_eq!(text.trim_end(), shipped.trim_end());
+    std::fs::write(folder.path().join("mine.toml"), text).expect("a file");
+    assert_eq!(printed(folder.path(), &["run", "mine.toml", "--accuracy", "1e-3", "--quiet"]), "");
+    assert_eq!(files(folder.path()), ["mine.mcap", "mine.toml"]);
+    says(&refused(folder.path(), &["scenes", "magnet-0.62g"]), &["`magnet-0.62g`", "magnet-0.61g"]);
+}

@@ -1,0 +1,246 @@
+//! `hertzscope run`.
+
+use serde_json::Value;
+
+use super::{COULD_NOT, QUICK, files, hertzscope, printed, refused, says, temporary};
+
+#[test]
+fn without_arguments_it_records_the_default_scene() {
+    let folder = temporary();
+    let page = printed(folder.path(), &["run"]);
+    says(
+        &page,
+        &[
+            "magnet-0.61g:",
+            "particle 2",
+            "particle 14",
+            "particle 27",
+            "wall",
+            "m/s",
+            "recording   magnet-0.61g.mcap",
+        ],
+    );
+    assert_eq!(files(folder.path()), ["magnet-0.61g.mcap"]);
+    says(
+        &printed(folder.path(), &["info", "magnet-0.61g.mcap"]),
+        &["CH1", "CH4", "2500", "scene_sha256"],
+    );
+}
+
+#[test]
+fn a_second_run_overwrites_nothing() {
+    let folder = temporary();
+    let read = |name: &str| std::fs::read(folder.path().join(name)).expect("a recording");
+    let run = [&["run"][..], &QUICK].concat();
+    says(&printed(folder.path(), &run), &["recording   magnet-0.61g.mcap"]);
+    let first = read("magnet-0.61g.mcap");
+    says(&printed(folder.path(), &run), &["recording   magnet-0.61g-2.mcap"]);
+    let seeded = [&run[..], &["--seed", "7"]].concat();
+    says(&printed(folder.path(), &seeded), &["recording   magnet-0.61g-3.mcap"]);
+    assert_eq!(read("magnet-0.61g.mcap"), first);
+    assert_eq!(read("magnet-0.61g-2.mcap"), first, "the same seed, the same bytes");
+    assert_ne!(read("magnet-0.61g-3.mcap"), first, "another seed, other bytes");
+}
+
+#[test]
+fn a_named_output_is_overwritten() {
+    let folder = temporary();
+    let run = [&["run", "-o", "deep/down/x.mcap", "--quiet"][..], &QUICK].concat();
+    assert_eq!(printed(folder.path(), &run), "");
+    let file = folder.path().join("deep/down/x.mcap");
+    let first = std::fs::read(&file).expect("a recording");
+    std::fs::write(&file, vec![0; 2 * first.len()]).expect("something longer");
+    assert_eq!(printed(folder.path(), &run), "");
+    assert_eq!(std::fs::read(&file).expect("a recording"), first);
+}
+
+fn is_number(value: &Value) -> bool {
+    value.as_f64().is_some_and(f64::is_finite)
+}
+
+#[test]
+fn the_summary_as_json_has_its_keys() {
+    let folder = temporary();
+    let run = [&["run", "--json", "--quiet"][..], &QUICK].concat();
+    let json: Value = serde_json::from_str(&printed(folder.path(), &run)).expect("JSON alone");
+    assert_eq!(json["scene"], "magnet-0.61g");
+    assert_eq!(json["accuracy"], 1e-3);
+    assert!(json["method"].as_str().is_some_and(|m| !m.is_empty()), "{json}");
+    for key in ["force_evaluations", "steps"] {
+        assert!(json[key].as_u64().is_some_and(|n| n > 0), "{key}: {json}");
+    }
+    for key in ["wall_s", "simulated_s"] {
+        assert!(is_number(&json[key]), "{key}: {json}");
+    }
+    // The record goes on to 9 divisions of 250 us behind the trigger, past the scene's 2 ms.
+    assert!(json["simulated_s"].as_f64().is_some_and(|t| t > 2.25e-3), "{json}");
+    let effects: Vec<&str> =
+        json["effects"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();
+    assert!(effects.contains(&"gravity") && effects.contains(&"magnet_preload"), "{effects:?}");
+    for key in ["initial", "final", "dissipated", "drift"] {
+        assert!(is_number(&json["energy"][key]), "energy.{key}: {json}");
+    }
+    let sensors = json["sensors"].as_array().expect("a list");
+    let particles: Vec<u64> = sensors.iter().filter_map(|s| s["particle"].as_u64()).collect();
+    assert_eq!(particles, [2, 14, 27]);
+    for sensor in sensors {
+        assert!(is_number(&sensor["static_n"]) && is_number(&sensor["half_rise_s"]), "{sensor}");
+        for key in ["total_n", "dynamic_n", "time_s"] {
+            assert!(is_number(&sensor["first_peak"][key]), "{key}: {sensor}");
+        }
+        // The static force is the magnet's 2.38 N and some weight; the total is what is static and what is not.
+        let number = |value: &Value| value.as_f64().expect("a number");
+        let peak = &sensor["first_peak"];
+        let sum = number(&sensor["static_n"]) + number(&peak["dynamic_n"]);
+        assert!((number(&peak["total_n"]) - sum).abs() < 1e-12 * sum, "{sensor}");
+    }
+    assert!(is_number(&json["wall"]["first_peak"]["total_n"]), "{json}");
+    let speeds = json["speeds"].as_array().expect("a list");
+    assert!(!speeds.is_empty());
+    for speed in speeds {
+        assert!(is_number(&speed["distance_m"]) && is_number(&speed["m_per_s"]), "{speed}");
+        assert!(
+            speed["from"].is_u64() && speed["to"].is_u64() && speed["estimator"].is_string(),
+            "{speed}"
+        );
+    }
+}
+
+#[test]
+fn a_step_of_ones_own() {
+    let folder = temporary();
+    let run = ["run", "--method", "velocity-verlet", "--step", "100ns", "--json"];
+    let json: Value = serde_json::from_str(&printed(folder.path(), &run)).expect("JSON");
+    assert_eq!(json["accuracy"], Value::Null);
+    assert_eq!(json["step_s"], 1e-7);
+    assert!(json["method"].as_str().is_some_and(|m| m.contains("verlet")), "{json}");
+}
+
+#[test]
+fn quiet_says_nothing() {
+    let folder = temporary();
+    let done = hertzscope(folder.path(), &[&["run", "-q"][..], &QUICK].concat());
+    assert_eq!((done.code, done.stdout.as_str(), done.stderr.as_str()), (0, "", ""));
+    assert_eq!(files(folder.path()), ["magnet-0.61g.mcap"]);
+}
+
+#[test]
+fn a_bad_scene_is_told_with_places_and_leaves_nothing() {
+    let folder = temporary();
+    let text = "base = \"magnet-0.61g\"\nseed = -1\n\n[striker]\nmass = \"0 g\"\n";
+    std::fs::write(folder.path().join("bad.toml"), text).expect("a file");
+    for arguments in [&["run", "bad.toml"][..], &["run", "bad.toml", "-o", "x.mcap", "--json"]] {
+        let error = refused(folder.path(), arguments);
+        says(&error, &["bad.toml:2:8: seed: found the number -1, expected"]);
+        says(
+            &error,
+            &["bad.toml:5:8: striker.mass: found \"0 g\", expected a mass (kg) above zero"],
+        );
+        says(&error, &["2 problems in the scene"]);
+        assert_eq!(files(folder.path()), ["bad.toml"]);
+    }
+    says(&refused(folder.path(), &["run", "nothing.toml"]), &["nothing.toml"]);
+    says(&refused(folder.path(), &["run", "magnet-9g"]), &["magnet-9g", "magnet-0.61g"]);
+    assert_eq!(files(folder.path()), ["bad.toml"]);
+}
+
+#[test]
+fn options_out_of_range_are_refused() {
+    let folder = temporary();
+    for (arguments, words) in [
+        (&["run", "--accuracy", "1e-12"][..], &["1e-12", "1e-11"][..]),
+        (&["run", "--accuracy", "0.2"], &["0.1"]),
+        (&["run", "--accuracy", "nan"], &["nan"]),
+        (&["run", "--accuracy", "1 m"], &["a length"]),
+        (&["run", "--accuracy=-1"], &["expected"]),
+        (&["run", "--step", "50ns"], &["--method"]),
+        (&["run", "--method", "velocity-verlet"], &["--step"]),
+        (&["run", "--method", "euler", "--step", "1ns"], &["euler", "velocity-verlet"]),
+        (&["run", "--method", "velocity-verlet", "--step", "0s"], &["above zero"]),
+        (&["run", "--method", "velocity-verlet", "--step", "50"], &["50ns"]),
+        (&["run", "--method", "velocity-verlet", "--step", "1kg"], &["a mass"]),
+        (
+            &["run", "--accuracy", "1e-6", "--method", "velocity-verlet", "--step", "1ns"],
+            &["--accuracy"],
+        ),
+        (&["run", "--seed", "-1"], &["-1"]),
+    ] {
+        let error = refused(folder.path(), arguments);
+        says(&error, words);
+    }
+    assert_eq!(files(folder.path()), [""; 0]);
+}
+
+#[test]
+fn an_unstable_step_is_refused_with_its_contact_and_limit() {
+    let folder = temporary();
+    let step = ["run", "--method", "velocity-verlet", "--step", "1ms"];
+    let error = refused(folder.path(), &step);
+    says(&error, &["1e-3 s", "expected at most", "the contact between striker and", "unstable"]);
+    assert_eq!(files(folder.path()), [""; 0]);
+    // An output that is there stays as it was.
+    std::fs::write(folder.path().join("old.mcap"), "precious").expect("a file");
+    refused(folder.path(), &[&step[..], &["-o", "old.mcap"]].concat());
+    assert_eq!(std::fs::read(folder.path().join("old.mcap")).expect("the file"), b"precious");
+}
+
+/// A run that fails on its way: nothing was triggered, so nothing is left, and what was there before is there still.
+/// This striker's kinetic energy is no finite number.
+#[test]
+fn a_run_that_fails_leaves_nothing_and_takes_nothing() {
+    let folder = temporary();
+    let scene = "base = \"magnet-0.61g\"\n[striker]\nmass = \"1e300 kg\"\nspeed = \"1e200 m/s\"\n";
+    std::fs::write(folder.path().join("wild.toml"), scene).expect("a file");
+    std::fs::write(folder.path().join("old.mcap"), "precious").expect("a file");
+    let error = refused(folder.path(), &["run", "wild.toml"]);
+    says(&error, &["body", "stopped being a number"]);
+    refused(folder.path(), &["run", "wild.toml", "-o", "old.mcap"]);
+    refused(folder.path(), &["run", "wild.toml", "-o", "new.mcap"]);
+    assert_eq!(files(folder.path()), ["old.mcap", "wild.toml"]);
+    assert_eq!(std::fs::read(folder.path().join("old.mcap")).expect("the file"), b"precious");
+}
+
+#[test]
+fn outputs_that_cannot_be_written_are_refused_before_the_work() {
+    let folder = temporary();
+    std::fs::write(folder.path().join("file"), "").expect("a file");
+    std::fs::create_dir(folder.path().join("folder.mcap")).expect("a folder");
+    for (output, words) in [
+        ("x.csv", &["x.csv", "expected", "hertzscope convert"][..]),
+        ("x", &["x:", ".mcap"]),
+        ("folder.mcap", &["folder.mcap"]),
+        ("file/x.mcap", &["file"]),
+    ] {
+        says(&refused(folder.path(), &["run", "-o", output]), words);
+    }
+    assert_eq!(files(folder.path()), ["file", "folder.mcap"]);
+}
+
+/// A disk that is full, as Linux offers one.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_told() {
+    let folder = temporary();
+    std::os::unix::fs::symlink("/dev/full", folder.path().join("full.mcap")).expect("a link");
+    let error = refused(folder.path(), &[&["run", "-o", "full.mcap"][..], &QUICK].concat());
+    says(&error, &["full.mcap", "No space left"]);
+}
+
+/// Whoever reads through `head` has seen enough.
+#[cfg(unix)]
+#[test]
+fn a_reader_that_goes_away_is_no_error() {
+    let folder = temporary();
+    let program = assert_cmd::cargo::cargo_bin("hertzscope");
+    let mut child = std::process::Command::new(program)
+        .args(["completions", "bash"])
+        .current_dir(folder.path())
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    drop(child.stdout.take());
+    let output = child.wait_with_output().expect("the program ends");
+    assert_ne!(output.status.code(), Some(COULD_NOT));
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "");
+}
