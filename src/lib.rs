@@ -8,6 +8,7 @@ pub mod data;
 pub mod experiment;
 pub mod instrument;
 pub mod integrate;
+pub mod magnet;
 pub mod quantity;
 pub mod recording;
 pub mod report;

@@ -1,3 +1,15 @@
 //! What signals and chains mean: numbers that a physicist would read off.
 
+pub mod arrival;
+pub mod baseline;
+pub mod correlation;
 pub mod dispersion;
+pub mod droop;
+pub mod gate;
+mod local_fit;
+pub mod pulse;
+pub mod spectral_peak;
+pub mod spectrum;
+pub mod speed;
+pub mod time_frequency;
+pub mod window;

@@ -2,14 +2,17 @@
 //!
 //! Exit code 0: done; 1: done, and the answer is no; 2: could not.
 
+mod arrivals;
 mod completions;
 mod convert;
 mod cost;
 mod info;
+mod magnet;
 mod man;
 mod progress;
 mod run;
 mod scenes;
+mod spectrum;
 #[cfg(feature = "tui")]
 mod view;
 
@@ -36,6 +39,9 @@ enum Command {
     Convert(convert::Arguments),
     Cost(cost::Arguments),
     Scenes(scenes::Arguments),
+    Spectrum(spectrum::Arguments),
+    Arrivals(arrivals::Arguments),
+    Magnet(magnet::Arguments),
     #[cfg(feature = "tui")]
     View(view::Arguments),
     Completions(completions::Arguments),
@@ -51,6 +57,9 @@ pub fn main() -> ExitCode {
         Command::Convert(arguments) => convert::run(&arguments),
         Command::Cost(arguments) => cost::run(&arguments),
         Command::Scenes(arguments) => scenes::run(&arguments),
+        Command::Spectrum(arguments) => spectrum::run(&arguments),
+        Command::Arrivals(arguments) => arrivals::run(&arguments),
+        Command::Magnet(arguments) => magnet::run(&arguments),
         #[cfg(feature = "tui")]
         Command::View(arguments) => view::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),

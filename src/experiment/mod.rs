@@ -5,6 +5,7 @@
 //! scope's record ends after the scene's duration, the chain simply moves on until the record is full.
 
 mod acquisition;
+pub mod arrivals;
 pub mod bench;
 mod comparison;
 pub mod cost;
@@ -12,6 +13,7 @@ pub mod facts;
 pub mod outcome;
 pub mod paper;
 pub mod pulse;
+pub mod recorded;
 
 use std::time::Instant;
 

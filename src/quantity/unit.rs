@@ -51,6 +51,8 @@ impl Dimension {
     pub const HERTZ_STIFFNESS: Self = Self([2, -1, -4, 0, 0, 0]);
     /// K.
     pub const TEMPERATURE: Self = whole([0, 0, 0, 0, 1, 0]);
+    /// 1/K.
+    pub const PER_TEMPERATURE: Self = whole([0, 0, 0, 0, -1, 0]);
     /// T.
     pub const MAGNETIC_FLUX_DENSITY: Self = whole([1, 0, -2, -1, 0, 0]);
     /// C.
@@ -75,7 +77,7 @@ impl Dimension {
     /// What the field calls a quantity of this dimension, with its unit: `a mass (kg)`.
     #[must_use]
     pub fn name(self) -> Option<&'static str> {
-        const NAMES: [(Dimension, &str); 25] = [
+        const NAMES: [(Dimension, &str); 26] = [
             (Dimension::NONE, "a plain number"),
             (Dimension::MASS, "a mass (kg)"),
             (Dimension::LENGTH, "a length (m)"),
@@ -91,6 +93,7 @@ impl Dimension {
             (Dimension::STIFFNESS, "a stiffness (N/m)"),
             (Dimension::HERTZ_STIFFNESS, "a Hertz stiffness (N/m^1.5)"),
             (Dimension::TEMPERATURE, "a temperature (K)"),
+            (Dimension::PER_TEMPERATURE, "a temperature coefficient (1/K)"),
             (Dimension::MAGNETIC_FLUX_DENSITY, "a magnetic flux density (T)"),
             (Dimension::CHARGE, "a charge (C)"),
             (Dimension::CHARGE_PER_FORCE, "a piezoelectric coefficient (C/N)"),

@@ -37,6 +37,21 @@ pub struct Capture {
     pub notes: Vec<String>,
 }
 
+impl Capture {
+    /// The record as an evenly sampled signal in time after the trigger; none for a record over frequency.
+    #[must_use]
+    pub fn trace(&self) -> Option<Trace> {
+        let waveform = &self.waveform;
+        (waveform.preamble.x_unit == "s").then(|| Trace {
+            name: waveform.source.to_string(),
+            unit: waveform.preamble.y_unit.clone(),
+            start: waveform.time(0),
+            interval: waveform.preamble.x_incr,
+            values: waveform.codes.iter().map(|code| waveform.volts_of(*code)).collect(),
+        })
+    }
+}
+
 /// Whether a capture comes from this program's bench or from a real one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Origin {

@@ -27,7 +27,7 @@ pub fn screen(shot: &Shot, title: &str) -> String {
          <text x=\"{side}\" y=\"22\" fill=\"#d0d4d8\">{}</text>\n\
          <clipPath id=\"screen\"><rect width=\"{across}\" height=\"{down}\"/></clipPath>\n\
          <g transform=\"translate({side} {above})\">\n",
-        escape(title)
+        super::escape(title)
     );
     graticule(&mut svg);
     let captures: Vec<&Capture> =
@@ -124,8 +124,4 @@ fn colour(source: Source) -> &'static str {
         Source::Math => "#ff5040",
         Source::Reference(_) => "#e0e0e0",
     }
-}
-
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }

@@ -59,14 +59,26 @@ pub fn load(name: &str) -> Result<Loaded, SceneError> {
     })?;
     let stem = Path::new(name).file_stem().and_then(|s| s.to_str()).unwrap_or(name);
     let short = if origin == Origin::Embedded { name } else { stem };
+    assembled(short, text, &file, &origin)
+}
+
+/// Puts the scene `text`, which a recording carries as `file`, on what it stands on among the embedded files.
+///
+/// # Errors
+/// [`SceneError`] when the text is no TOML or stands on what is not there.
+pub fn load_text(name: &str, file: &str, text: &str) -> Result<Loaded, SceneError> {
+    assembled(name, text.to_owned(), file, &Origin::Embedded)
+}
+
+fn assembled(name: &str, text: String, file: &str, origin: &Origin) -> Result<Loaded, SceneError> {
     let mut library = Library { texts: Sha256::new(), problems: Vec::new() };
-    let root = library.assemble(&text, &file, &origin, 0)?;
+    let root = library.assemble(&text, file, origin, 0)?;
     library.hash_constants(&root);
     let mut hash = String::new();
     for byte in library.texts.finalize() {
         let _ = write!(hash, "{byte:02x}");
     }
-    Ok(Loaded { name: short.to_owned(), text, hash, root, problems: library.problems })
+    Ok(Loaded { name: name.to_owned(), text, hash, root, problems: library.problems })
 }
 
 /// The tree of the instrument file `kind/name`, which `place` names.
@@ -85,6 +97,15 @@ pub fn instrument(kind: &str, name: &str, place: &Place, key: &str) -> Result<No
         Err(SceneError::Problems(problems)) => Err(problems),
         Err(error) => Err(missing(error.to_string())),
     }
+}
+
+/// The tree of an instrument file that a user names, by its name or path; none if there is no such file.
+///
+/// # Errors
+/// [`SceneError`] when it cannot be read or is no TOML.
+pub fn open(kind: &str, name: &str) -> Result<Option<Node>, SceneError> {
+    let found = find(kind, name, &Origin::Embedded)?;
+    found.map(|(text, file, _)| Node::parse(&file, &text).map_err(SceneError::Problems)).transpose()
 }
 
 struct Library {

@@ -9,6 +9,7 @@ mod bound;
 pub mod document;
 mod effects;
 mod library;
+pub mod magnets;
 mod oscilloscope;
 pub mod problem;
 pub mod reader;
@@ -68,7 +69,18 @@ impl Scene {
     /// # Errors
     /// [`SceneError`]: no such scene, not readable, or every problem found in it.
     pub fn load(name: &str) -> Result<Self, SceneError> {
-        let mut loaded = library::load(name)?;
+        Self::checked(library::load(name)?)
+    }
+
+    /// Reads a scene that came as text, such as the one that travels with a recording, as `file`.
+    ///
+    /// # Errors
+    /// As [`Scene::load`]; also where it stands on a file of another machine.
+    pub fn from_text(name: &str, file: &str, text: &str) -> Result<Self, SceneError> {
+        Self::checked(library::load_text(name, file, text)?)
+    }
+
+    fn checked(mut loaded: library::Loaded) -> Result<Self, SceneError> {
         let problems = Problems::default();
         problems.extend(std::mem::take(&mut loaded.problems));
         let scene = read(loaded, &problems);

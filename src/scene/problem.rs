@@ -1,7 +1,7 @@
 //! What is wrong with a scene, each with its place: all of it is reported at once.
 
 use std::cell::RefCell;
-use std::fmt::{self, Write as _};
+use std::fmt;
 
 /// One thing wrong with a file that describes a scene or an instrument.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -63,14 +63,15 @@ pub enum SceneError {
 }
 
 fn list(problems: &[Problem]) -> String {
-    let mut text = String::new();
-    for problem in problems {
-        text.push_str(&problem.to_string());
-        text.push('\n');
-    }
+    listed(problems, "the scene")
+}
+
+/// All problems of `what`, one a line, and how many there are.
+pub(super) fn listed(problems: &[Problem], what: &str) -> String {
+    let mut lines: Vec<String> = problems.iter().map(ToString::to_string).collect();
     let count = problems.len();
-    let _ = write!(text, "{count} problem{} in the scene", if count == 1 { "" } else { "s" });
-    text
+    lines.push(format!("{count} problem{} in {what}", if count == 1 { "" } else { "s" }));
+    lines.join("\n")
 }
 
 /// The problems found so far.

@@ -14,12 +14,14 @@
     reason = "small counts"
 )]
 
+mod analysis;
 mod architecture;
 mod chains;
 mod cli;
 mod conservation;
 mod golden;
 mod isf;
+mod magnet;
 mod order;
 mod physics;
 mod readme;

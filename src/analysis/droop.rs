@@ -1,0 +1,26 @@
+//! Undoes the droop of a piezo sensor: from the voltage that leaks away back to what the sensor felt.
+//!
+//! `V' + V/tau = S N'` has the inverse `S N = V + (1/tau) integral of V dt`. Sample by sample, exact where the force runs straight
+//! between samples: `S N[n] = S N[n-1] + (V[n] - a V[n-1]) dt / (tau (1 - a))`, `a = exp(-dt/tau)`.
+//! Source: the charge equation of a leaking capacitor, solved for the force. Valid from a start at rest and discharged; an error
+//! `b` of the baseline grows to `b (1 + T/tau)` after the time `T`, and noise of standard deviation `s` in each sample walks off
+//! by `s sqrt(T dt)/tau`.
+
+use crate::trace::Trace;
+
+/// `S N` for a voltage that starts at rest, without its baseline, with the circuit's time constant `tau` (s).
+#[must_use]
+pub fn undo_droop(voltage: &Trace, time_constant: f64) -> Trace {
+    let ratio = voltage.interval / time_constant;
+    let kept = (-ratio).exp();
+    let gained = ratio / -(-ratio).exp_m1();
+    let mut before = 0.0;
+    let mut felt = 0.0;
+    let mut step = |now: &f64| {
+        felt += (now - kept * before) * gained;
+        before = *now;
+        felt
+    };
+    let values = voltage.values.iter().map(&mut step).collect();
+    Trace { values, ..voltage.clone() }
+}

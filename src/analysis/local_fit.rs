@@ -1,0 +1,201 @@
+//! A polynomial through a few neighbouring samples: what lies between them, and how well it is known.
+//!
+//! `y(x) = sum over k of c[k] x^k`, `x = (t - centre)/scale` from -1 to 1 over the samples taken; the `c` that make the sum of
+//! squared differences smallest. If every sample carries independent noise of variance `s^2`, the coefficients have the
+//! covariance `s^2 (V^T V)^-1`, `V[i][k] = x[i]^k`. Source:
+//! W. H. Press et al., Numerical Recipes (2007), section 15.4. Valid where the signal is close to a polynomial over the samples
+//! taken: the caller's choice of how many.
+
+use std::ops::Range;
+
+use crate::trace::Trace;
+
+/// How far beyond the samples a place may lie that they tell of, in their half-width (1).
+const FARTHEST: f64 = 1.2;
+/// A polynomial changes its sign at most once in each of this many parts of the samples.
+const LOOKS: u8 = 48;
+
+/// Polynomial with the covariance that noise of unit variance gives its coefficients.
+#[derive(Debug, Clone)]
+pub(super) struct LocalFit {
+    centre: f64,
+    scale: f64,
+    pub(super) coefficients: Vec<f64>,
+    covariance: Vec<Vec<f64>>,
+}
+
+impl LocalFit {
+    /// A polynomial of degree `highest`, or less where samples are few, through the samples `range` of `trace`.
+    pub(super) fn of(trace: &Trace, range: Range<usize>, highest: usize) -> Option<Self> {
+        let values = trace.values.get(range.clone())?;
+        if values.len() < 3 {
+            return None;
+        }
+        let degree = highest.min(values.len() - 2);
+        let (first, last) = (trace.time(range.start), trace.time(range.end - 1));
+        let (centre, scale) = (0.5 * (first + last), 0.5 * (last - first));
+        let size = degree + 1;
+        let mut normal = vec![vec![0.0; size]; size];
+        let mut right = vec![0.0; size];
+        for (index, y) in range.zip(values) {
+            let basis = powers((trace.time(index) - centre) / scale, size);
+            for ((row, total), b) in normal.iter_mut().zip(&mut right).zip(&basis) {
+                *total += b * y;
+                for (entry, c) in row.iter_mut().zip(&basis) {
+                    *entry += b * c;
+                }
+            }
+        }
+        let covariance = inverse(normal)?;
+        let coefficients = covariance.iter().map(|row| dot(row, &right)).collect();
+        Some(Self { centre, scale, coefficients, covariance })
+    }
+
+    /// Coefficient of `x^k`, zero beyond the degree.
+    pub(super) fn coefficient(&self, k: usize) -> f64 {
+        self.coefficients.get(k).copied().unwrap_or(0.0)
+    }
+
+    /// Time at `x`.
+    pub(super) fn time(&self, x: f64) -> f64 {
+        self.centre + self.scale * x
+    }
+
+    /// Seconds in a unit of `x`.
+    pub(super) fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    pub(super) fn value(&self, x: f64) -> f64 {
+        dot(&powers(x, self.coefficients.len()), &self.coefficients)
+    }
+
+    /// `dy/dx`.
+    pub(super) fn slope(&self, x: f64) -> f64 {
+        dot(&slopes(x, self.coefficients.len()), &self.coefficients)
+    }
+
+    /// `d2y/dx2`.
+    pub(super) fn curvature(&self, x: f64) -> f64 {
+        2.0 * self.coefficient(2) + (6.0 * self.coefficient(3) + 12.0 * self.coefficient(4) * x) * x
+    }
+
+    /// `d3y/dx3`.
+    pub(super) fn bend(&self, x: f64) -> f64 {
+        6.0 * self.coefficient(3) + 24.0 * self.coefficient(4) * x
+    }
+
+    /// Variance of the value at `x` from noise of unit variance.
+    pub(super) fn value_variance(&self, x: f64) -> f64 {
+        self.variance(&powers(x, self.coefficients.len()))
+    }
+
+    /// Variance of the slope at `x` from noise of unit variance.
+    pub(super) fn slope_variance(&self, x: f64) -> f64 {
+        self.variance(&slopes(x, self.coefficients.len()))
+    }
+
+    /// Variance of the sum of coefficients with the weights `gradient`, from noise of unit variance.
+    pub(super) fn variance(&self, gradient: &[f64]) -> f64 {
+        self.covariance.iter().zip(gradient).map(|(row, g)| g * dot(row, gradient)).sum()
+    }
+}
+
+/// The `x` nearest to the middle where `f`, something read off a polynomial, falls through zero.
+pub(super) fn nearest_fall(f: &dyn Fn(f64) -> f64) -> Option<f64> {
+    let width = 2.0 * FARTHEST / f64::from(LOOKS);
+    let edges = (0..LOOKS).map(|look| width * f64::from(look) - FARTHEST);
+    let falls = edges.filter_map(|low| {
+        let high = low + width;
+        (f(low) > 0.0 && f(high) <= 0.0).then(|| bisect(f, low, high))
+    });
+    falls.min_by(|a, b| a.abs().total_cmp(&b.abs()))
+}
+
+/// Where `f` falls through zero between `low` and `high`, to the last bit but some.
+fn bisect(f: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+    for _ in 0..50 {
+        let middle = 0.5 * (low + high);
+        if f(middle) > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+fn powers(x: f64, size: usize) -> Vec<f64> {
+    std::iter::successors(Some(1.0), |power| Some(power * x)).take(size).collect()
+}
+
+/// Derivatives of the powers.
+fn slopes(x: f64, size: usize) -> Vec<f64> {
+    let mut factor = 0.0;
+    let mut term = |power: f64| {
+        factor += 1.0;
+        factor * power
+    };
+    std::iter::once(0.0)
+        .chain(powers(x, size.saturating_sub(1)).into_iter().map(&mut term))
+        .collect()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+/// Inverse of a small, symmetric, positive definite matrix by Gauss and Jordan; none if it is singular.
+fn inverse(mut matrix: Vec<Vec<f64>>) -> Option<Vec<Vec<f64>>> {
+    let size = matrix.len();
+    for (index, row) in matrix.iter_mut().enumerate() {
+        row.extend((0..size).map(|column| if column == index { 1.0 } else { 0.0 }));
+    }
+    for column in 0..size {
+        let mut pivot_row = matrix.get(column)?.clone();
+        let pivot = *pivot_row.get(column)?;
+        if pivot.abs() < f64::MIN_POSITIVE {
+            return None;
+        }
+        for entry in &mut pivot_row {
+            *entry /= pivot;
+        }
+        for (index, row) in matrix.iter_mut().enumerate() {
+            if index == column {
+                row.clone_from(&pivot_row);
+                continue;
+            }
+            let factor = *row.get(column)?;
+            for (entry, p) in row.iter_mut().zip(&pivot_row) {
+                *entry -= factor * p;
+            }
+        }
+    }
+    Some(matrix.into_iter().map(|row| row.into_iter().skip(size).collect()).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A cubic is its own fit; noise of unit variance gives the middle of `n` points the variance of a Savitzky-Golay filter,
+    /// `3 (3 m^2 + 3 m - 1) / ((2 m - 1)(2 m + 1)(2 m + 3))`, `n = 2 m + 1`.
+    #[test]
+    fn a_cubic_is_its_own_fit() {
+        let cubic = |t: f64| 1.0 + 2.0 * t - 3.0 * t * t + 0.5 * t * t * t;
+        let values = (0..9).map(|i| cubic(0.25 * f64::from(i))).collect();
+        let (name, unit) = (String::new(), String::new());
+        let trace = Trace { name, unit, start: 0.0, interval: 0.25, values };
+        let fit = LocalFit::of(&trace, 0..9, 3).expect("a fit");
+        for x in [-1.0, -0.3, 0.0, 0.8] {
+            assert!((fit.value(x) - cubic(fit.time(x))).abs() < 1e-12);
+        }
+        let m = 4.0;
+        let gain = 3.0 * (3.0 * m * m + 3.0 * m - 1.0)
+            / ((2.0 * m - 1.0) * (2.0 * m + 1.0) * (2.0 * m + 3.0));
+        assert!((fit.value_variance(0.0) - gain).abs() < 1e-12);
+        let x = nearest_fall(&|x| cubic(0.9) - fit.value(x)).expect("a crossing");
+        assert!((cubic(fit.time(x)) - cubic(0.9)).abs() < 1e-12);
+        assert!(LocalFit::of(&trace, 0..2, 3).is_none());
+    }
+}

@@ -1,0 +1,255 @@
+//! The first pulse in a sampled trace: where it stands out of the noise, how high and wide it is.
+//!
+//! Behind the scope and before [`super::arrival`]: takes the baseline away, undoes the droop where the time constant is known,
+//! turns negative pulses over, and finds the first peak: the first local maximum above a quarter of the largest value, as a run's
+//! summary defines it for the force itself. A maximum counts when the signal falls off behind it by six standard deviations
+//! of the smoothed noise and by 0.5 % of the largest value; shallower ones cannot be told from noise.
+
+use std::ops::Range;
+
+use super::baseline::{Baseline, FEWEST_BASELINE, noise_of, together};
+use super::droop::undo_droop;
+use super::gate::Gate;
+use super::local_fit::LocalFit;
+use crate::trace::Trace;
+
+/// A peak counts when it exceeds this share of the trace's largest value (1).
+pub const PEAK_SHARE: f64 = 0.25;
+/// A maximum must stand out by this many standard deviations: two samples differ by 1.4 of one, and a rise has many (1).
+const OUTSTANDING: f64 = 6.0;
+/// As long as nothing is smoothed, there are more samples to be wrong: then by this many (1).
+const OUTSTANDING_RAW: f64 = 8.0;
+/// And by this share of the largest value (1).
+const SHALLOWEST: f64 = 0.005;
+/// Half-width of the smoothing in units of the rise from a quarter of the largest value to the peak (1).
+const SMOOTHING: f64 = 1.0 / 6.0;
+
+/// What is known about how a trace was taken.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Conditions {
+    /// Distance of the digitiser's levels; 0 for a trace that was never digitised (unit).
+    pub level: f64,
+    /// Time constant of the sensor's circuit, where known: then its droop is undone (s).
+    pub time_constant: Option<f64>,
+    /// Where nothing has arrived yet; by default two thirds of the time before the pulse.
+    pub baseline: Option<Gate>,
+}
+
+/// A number with its standard uncertainty.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measure {
+    /// The number (unit).
+    pub value: f64,
+    /// Its standard uncertainty; twice as much covers 95 % (unit).
+    pub standard_uncertainty: f64,
+}
+
+/// Why a trace has no pulse to measure.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PulseError {
+    /// Nothing before the pulse.
+    #[error(
+        "found {samples} samples of {trace} before the pulse, expected at least {FEWEST_BASELINE} to take the baseline from"
+    )]
+    NoBaseline {
+        /// The trace's name.
+        trace: String,
+        /// How many there are.
+        samples: usize,
+    },
+    /// Nothing above the noise.
+    #[error(
+        "found a largest deviation of {largest:e} in {trace}, expected more than {OUTSTANDING} times its noise of {noise:e}"
+    )]
+    NoPulse {
+        /// The trace's name.
+        trace: String,
+        /// Largest deviation from the baseline (unit).
+        largest: f64,
+        /// Standard uncertainty of one sample (unit).
+        noise: f64,
+    },
+    /// A value or interval that is no number.
+    #[error(
+        "found a value or interval of {trace} that is not finite or not above zero, expected numbers"
+    )]
+    NotFinite {
+        /// The trace's name.
+        trace: String,
+    },
+}
+
+/// A trace with a pulse, ready to be measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pulse {
+    /// The signal with baseline and droop taken away, turned so that the pulse is positive.
+    pub signal: Trace,
+    /// The baseline that was taken away.
+    pub baseline: Baseline,
+    /// Whether the pulse was negative.
+    pub inverted: bool,
+    /// Standard uncertainty of one sample (unit).
+    pub noise: f64,
+    pub(super) conditions: Conditions,
+    pub(super) smoothed: Vec<f64>,
+    /// Standard uncertainty of a smoothed sample.
+    pub(super) smoothed_noise: f64,
+    /// Sample of the first peak, and the first at half of it.
+    pub(super) peak: usize,
+    pub(super) half: usize,
+}
+
+impl Pulse {
+    /// Finds the first pulse of `trace`.
+    ///
+    /// # Errors
+    /// [`PulseError`] without a baseline, without a pulse, and for values that are no numbers.
+    pub fn find(trace: &Trace, conditions: Conditions) -> Result<Self, PulseError> {
+        let name = || trace.name.clone();
+        let sound = trace.interval > 0.0 && trace.interval.is_finite();
+        if !sound || trace.values.iter().any(|v| !v.is_finite()) {
+            return Err(PulseError::NotFinite { trace: name() });
+        }
+        let baseline = Baseline::of(trace, &conditions)?;
+        let noise = noise_of(baseline.rms, conditions.level);
+        let mut signal = trace.clone();
+        for value in &mut signal.values {
+            *value -= baseline.level;
+        }
+        if let Some(time_constant) = conditions.time_constant {
+            signal = undo_droop(&signal, time_constant);
+        }
+        let (_, inverted) = largest(&signal.values);
+        if inverted {
+            for value in &mut signal.values {
+                *value = -*value;
+            }
+        }
+        let (top, _) = largest(&signal.values);
+        if top <= OUTSTANDING * noise {
+            return Err(PulseError::NoPulse { trace: name(), largest: top, noise });
+        }
+        let drop = |noise: f64| noise.max(SHALLOWEST * top);
+        let rough = first_maximum(&signal.values, PEAK_SHARE * top, drop(OUTSTANDING_RAW * noise));
+        let reach = smoothing_reach(rough.1 - rough.0);
+        let (smoothed, gain) = smooth(&signal.values, reach);
+        let smoothed_noise = noise * gain;
+        let (_, peak) =
+            first_maximum(&smoothed, PEAK_SHARE * top, drop(OUTSTANDING * smoothed_noise));
+        let height = smoothed.get(peak).copied().unwrap_or(top);
+        let half = smoothed.iter().position(|v| *v >= 0.5 * height).unwrap_or(peak);
+        Ok(Self {
+            signal,
+            baseline,
+            inverted,
+            noise,
+            conditions,
+            smoothed,
+            smoothed_noise,
+            peak,
+            half,
+        })
+    }
+
+    /// Samples from half of the first peak to the peak: the pulse's own measure of time.
+    pub(super) fn rise(&self) -> usize {
+        (self.peak - self.half).max(1)
+    }
+
+    /// A polynomial through the samples up to `reach` on either side of sample `at`, and the variance that counts for each.
+    pub(super) fn fit(&self, at: usize, reach: usize, degree: usize) -> Option<(LocalFit, f64)> {
+        let reach = reach.max(2);
+        let range = at.saturating_sub(reach)..(at + reach + 1).min(self.signal.values.len());
+        let fit = LocalFit::of(&self.signal, range.clone(), degree)?;
+        Some((fit, self.noise * self.noise * self.rounding_together(range)))
+    }
+
+    /// How many times fewer independent samples there are than samples, for lack of noise.
+    fn rounding_together(&self, range: Range<usize>) -> f64 {
+        let values = self.signal.values.get(range).unwrap_or_default();
+        together(values, self.baseline.rms, self.conditions.level)
+    }
+
+    /// Variance of the signal's zero at `time` (s): the baseline's, grown by undoing the droop.
+    pub(super) fn zero_variance(&self, time: f64) -> f64 {
+        let mean = self.baseline.uncertainty;
+        let Some(tau) = self.conditions.time_constant else { return mean * mean };
+        let after = (time - self.baseline.middle).max(0.0);
+        let walk = self.noise * (after * self.signal.interval).sqrt() / tau;
+        (mean * (1.0 + after / tau)).powi(2) + walk * walk
+    }
+
+    /// Number of maxima that stand out of what is around them by six standard deviations and by `share` of the largest (1).
+    #[must_use]
+    pub fn count(&self, share: f64) -> usize {
+        let (top, _) = largest(&self.smoothed);
+        let drop = (OUTSTANDING * self.smoothed_noise).max(share * top);
+        let (mut high, mut low) = (0.0_f64, 0.0_f64);
+        let (mut rising, mut count) = (false, 0);
+        for value in &self.smoothed {
+            high = high.max(*value);
+            low = low.min(*value);
+            if rising && *value < high - drop {
+                count += 1;
+                (rising, low) = (false, *value);
+            } else if !rising && *value > low + drop {
+                (rising, high) = (true, *value);
+            }
+        }
+        count
+    }
+}
+
+/// The value farthest from zero, as its distance, and whether it is negative.
+fn largest(values: &[f64]) -> (f64, bool) {
+    let farther = |far: f64, v: &f64| if v.abs() > far.abs() { *v } else { far };
+    let far = values.iter().fold(0.0, farther);
+    (far.abs(), far < 0.0)
+}
+
+/// First sample at `threshold`, and that of the highest value from there until the values have fallen by `drop`.
+fn first_maximum(values: &[f64], threshold: f64, drop: f64) -> (usize, usize) {
+    let start = values.iter().position(|v| *v >= threshold).unwrap_or(0);
+    let (mut at, mut high) = (start, f64::NEG_INFINITY);
+    for (index, value) in values.iter().enumerate().skip(start) {
+        if *value > high {
+            (at, high) = (index, *value);
+        } else if *value < high - drop {
+            break;
+        }
+    }
+    (start, at)
+}
+
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a share of a number of samples"
+)]
+fn smoothing_reach(rise: usize) -> usize {
+    (SMOOTHING * rise as f64).round() as usize
+}
+
+/// Savitzky and Golay's quadratic smoothing over `reach` samples on either side, and what is left of white noise (1).
+/// Source: A. Savitzky, M. J. E. Golay, Anal. Chem. 36, 1627 (1964). Beyond the ends the outermost samples stand.
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "indices stay far below 2^53"
+)]
+fn smooth(values: &[f64], reach: usize) -> (Vec<f64>, f64) {
+    if reach < 2 {
+        return (values.to_vec(), 1.0);
+    }
+    let m = reach as f64;
+    let scale = 3.0 / ((2.0 * m - 1.0) * (2.0 * m + 1.0) * (2.0 * m + 3.0));
+    let weight = |j: i64| scale * (3.0 * m * m + 3.0 * m - 1.0 - 5.0 * (j * j) as f64);
+    let (reach, last) = (reach as i64, values.len() as i64 - 1);
+    let weights: Vec<(i64, f64)> = (-reach..=reach).map(|j| (j, weight(j))).collect();
+    let at = |index: i64| values.get(index.clamp(0, last) as usize).copied().unwrap_or(0.0);
+    let smoothed = (0..=last).map(|i| weights.iter().map(|(j, w)| w * at(i + j)).sum()).collect();
+    (smoothed, weight(0).sqrt())
+}

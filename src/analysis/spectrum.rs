@@ -1,0 +1,243 @@
+//! What frequencies a signal holds.
+//!
+//! Stands behind `recording` and `experiment`: a [`Trace`] in, amplitudes over frequency out. Two conventions:
+//!
+//! - The paper's: `C[k] = |X[k]| / M`, `X[k] = sum over j from 0 to N - 1 of x[j] exp(-2 pi i j k/N)`, at `f[k] = k/(N dt)`.
+//!   `M` is the number of samples of the record inside the gate, spaced `dt`; `N = padding M` its length after zeros were put
+//!   behind it, 5 times as long in the paper. Only the coefficients of positive frequencies are kept, and not doubled: `C[0]` is
+//!   the mean over the record, and a lasting sine of amplitude `A` makes a line `A/2` high. A pulse's coefficients fall as the
+//!   record gets longer, since `M` counts the silence behind it too: only records of one length may be compared.
+//!   With a window `w` other than the rectangular one, `M` becomes `sum of w`, so that lines keep their height.
+//!   Source: Herbold et al. (2009), Eq. (11) and the text below it; in that equation indices count from 1.
+//! - The density: `S[k] = sqrt(c dt / sum of w^2) |X[k]|`, `c = 2` except at zero and at half the sampling frequency, where it
+//!   is 1: the root of the one-sided power spectral density. `sum of S[k]^2 / (N dt)` is the mean square of the windowed record
+//!   (Parseval). Noise keeps its height whatever the record's length; lines grow with its root.
+//!   Source: G. Heinzel, A. Ruediger, R. Schilling, MPI report (2002), Eqs (23) and (24).
+//!
+//! Valid below half the sampling frequency; what the signal holds above that is folded down and cannot be told apart.
+
+use std::fmt;
+
+use realfft::RealFftPlanner;
+
+use super::gate::Gate;
+use super::window::Window;
+use crate::trace::Trace;
+
+/// Ratio `N/M` of the paper.
+pub const PAPER_PADDING: usize = 5;
+
+/// What a spectrum's ordinate is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Convention {
+    /// `|X[k]|/M`, as in the paper.
+    #[default]
+    Paper,
+    /// Root of the one-sided power spectral density.
+    Density,
+}
+
+impl fmt::Display for Convention {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Paper => "|X|/M, the paper's Eq. (11)",
+            Self::Density => "one-sided amplitude spectral density",
+        })
+    }
+}
+
+/// How a spectrum is made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// What the ordinate is.
+    pub convention: Convention,
+    /// What the record is multiplied with.
+    pub window: Window,
+    /// `N/M`: how many times as long the record is made with zeros.
+    pub padding: usize,
+    /// The part of the record that is looked at.
+    pub gate: Gate,
+    /// Subtracted from every sample first, such as the static force (unit).
+    pub offset: f64,
+}
+
+impl Default for Settings {
+    /// As in the paper: no window, five times as long, everything.
+    fn default() -> Self {
+        Self {
+            convention: Convention::Paper,
+            window: Window::Rectangular,
+            padding: PAPER_PADDING,
+            gate: Gate::ALL,
+            offset: 0.0,
+        }
+    }
+}
+
+/// Why there is no spectrum.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SpectrumError {
+    /// Nothing to transform.
+    #[error("found {samples} samples of {trace} inside the gate, expected at least 2")]
+    TooShort {
+        /// The trace's name.
+        trace: String,
+        /// Samples inside the gate.
+        samples: usize,
+    },
+    /// A value that is no number.
+    #[error("found a value that is not finite in {trace} at {time:e} s, expected numbers only")]
+    NotFinite {
+        /// The trace's name.
+        trace: String,
+        /// Where it stands (s).
+        time: f64,
+    },
+    /// A time axis that does not go on.
+    #[error("found a sample interval of {interval:e} s in {trace}, expected one above zero")]
+    Interval {
+        /// The trace's name.
+        trace: String,
+        /// The interval (s).
+        interval: f64,
+    },
+    /// The padding is below one.
+    #[error("found a padding of {padding}, expected 1 (none) or more")]
+    Padding {
+        /// `N/M`.
+        padding: usize,
+    },
+}
+
+/// Amplitudes at evenly spaced frequencies from zero.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spectrum {
+    /// Unit of the amplitudes, `N` or `N/sqrt(Hz)`.
+    pub unit: String,
+    /// What the amplitudes are.
+    pub convention: Convention,
+    /// Window of the record.
+    pub window: Window,
+    /// From one bin to the next, `1/(N dt)` (Hz).
+    pub step: f64,
+    /// What two lines must be apart to be told from each other, `1/(M dt)` (Hz).
+    pub resolution: f64,
+    /// Samples of the record, `M`.
+    pub samples: usize,
+    /// Length after padding, `N`.
+    pub padded: usize,
+    /// Amplitude of each bin (unit).
+    pub amplitude: Vec<f64>,
+}
+
+/// Makes spectra; keeps what it has worked out for a record's length, so one of them serves for many records.
+#[derive(Default)]
+pub struct Analyser {
+    planner: RealFftPlanner<f64>,
+}
+
+impl Analyser {
+    /// One that has worked out nothing yet.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The spectrum of `trace`.
+    ///
+    /// # Errors
+    /// [`SpectrumError`] for fewer than two samples in the gate, samples that are no numbers, a padding of zero.
+    pub fn spectrum(
+        &mut self,
+        trace: &Trace,
+        settings: &Settings,
+    ) -> Result<Spectrum, SpectrumError> {
+        let range = settings.gate.range(trace);
+        let record = trace.values.get(range.clone()).unwrap_or_default();
+        check(trace, settings, range.start, record)?;
+        let samples = record.len();
+        let padded = samples * settings.padding;
+        let weights: Vec<f64> = (0..samples).map(|i| settings.window.weight(i, samples)).collect();
+        let mut input: Vec<f64> =
+            record.iter().zip(&weights).map(|(x, w)| (x - settings.offset) * w).collect();
+        input.resize(padded, 0.0);
+        let modulus = self.moduli(&mut input);
+        #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
+        let (m, n) = (samples as f64, padded as f64);
+        let amplitude = scaled(modulus, settings.convention, &weights, trace.interval, padded);
+        Ok(Spectrum {
+            unit: match settings.convention {
+                Convention::Paper => trace.unit.clone(),
+                Convention::Density => format!("{}/sqrt(Hz)", trace.unit),
+            },
+            convention: settings.convention,
+            window: settings.window,
+            step: 1.0 / (n * trace.interval),
+            resolution: 1.0 / (m * trace.interval),
+            samples,
+            padded,
+            amplitude,
+        })
+    }
+
+    /// `|X[k]|` for `k` from 0 to half the length.
+    fn moduli(&mut self, input: &mut [f64]) -> Vec<f64> {
+        let plan = self.planner.plan_fft_forward(input.len());
+        let mut output = plan.make_output_vec();
+        // Both lengths come from the plan: it has nothing to refuse.
+        if plan.process(input, &mut output).is_err() {
+            output.clear();
+        }
+        output.iter().map(|x| x.re.hypot(x.im)).collect()
+    }
+}
+
+fn check(
+    trace: &Trace,
+    settings: &Settings,
+    start: usize,
+    record: &[f64],
+) -> Result<(), SpectrumError> {
+    let name = || trace.name.clone();
+    if !(trace.interval > 0.0 && trace.interval.is_finite()) {
+        return Err(SpectrumError::Interval { trace: name(), interval: trace.interval });
+    }
+    if settings.padding == 0 {
+        return Err(SpectrumError::Padding { padding: settings.padding });
+    }
+    if record.len() < 2 {
+        return Err(SpectrumError::TooShort { trace: name(), samples: record.len() });
+    }
+    if let Some(at) = record.iter().position(|x| !x.is_finite()) {
+        return Err(SpectrumError::NotFinite { trace: name(), time: trace.time(start + at) });
+    }
+    Ok(())
+}
+
+fn scaled(
+    modulus: Vec<f64>,
+    convention: Convention,
+    weights: &[f64],
+    interval: f64,
+    padded: usize,
+) -> Vec<f64> {
+    let sum: f64 = weights.iter().sum();
+    let squares: f64 = weights.iter().map(|w| w * w).sum();
+    let factor = |bin: usize| match convention {
+        Convention::Paper => 1.0 / sum,
+        Convention::Density => {
+            let sides = if bin == 0 || 2 * bin == padded { 1.0 } else { 2.0 };
+            (sides * interval / squares).sqrt()
+        }
+    };
+    modulus.into_iter().enumerate().map(|(bin, x)| x * factor(bin)).collect()
+}
+
+impl Spectrum {
+    /// Frequency of bin `bin` (Hz).
+    #[must_use]
+    #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
+    pub fn frequency(&self, bin: usize) -> f64 {
+        bin as f64 * self.step
+    }
+}

@@ -1,0 +1,56 @@
+//! How fast a pulse travels from sensor to sensor, and how it fades.
+//!
+//! Speed `v = d/(t2 - t1)`, `(u_v/v)^2 = (u_d/d)^2 + (u_1^2 + u_2^2)/(t2 - t1)^2`: distance and arrivals independent of each other.
+//! Decay: `A(x) = A0 exp(-g x)`, `g` from a straight line through `ln A`, each weighted with `(A/u_A)^2`.
+//! Propagation: JCGM 100:2008, Eq. (10); line: W. H. Press et al., Numerical Recipes (2007), Eq. (15.2.6). Valid for uncertainties
+//! far below the values; amplitudes of one line must come from hosts of one kind, since a plate in a steel cylinder feels
+//! 0.69 of what one in a PTFE sphere feels of the same pulse.
+
+use super::pulse::Measure;
+
+/// Speed over `distance` (m) between two arrivals (s), in m/s; none where the second is not later or earlier than the first.
+#[must_use]
+pub fn speed(distance: Measure, from: Measure, to: Measure) -> Option<Measure> {
+    let time = to.value - from.value;
+    let of_time = from.standard_uncertainty.hypot(to.standard_uncertainty);
+    speed_over(distance, Measure { value: time, standard_uncertainty: of_time })
+}
+
+/// Speed over `distance` (m) in a time (s) measured at one go, such as by cross-correlation.
+#[must_use]
+pub fn speed_over(distance: Measure, time: Measure) -> Option<Measure> {
+    let value = distance.value / time.value;
+    let relative = (distance.standard_uncertainty / distance.value)
+        .hypot(time.standard_uncertainty / time.value);
+    let found = Measure { value, standard_uncertainty: (value * relative).abs() };
+    (found.value.is_finite() && found.standard_uncertainty.is_finite()).then_some(found)
+}
+
+/// Decay constant `g` of amplitudes at their positions (m), in 1/m, positive where they fall; none for fewer than two positions or
+/// amplitudes that are not positive.
+#[must_use]
+pub fn decay(amplitudes: &[(f64, Measure)]) -> Option<Measure> {
+    let (mut s, mut sx, mut sy) = (0.0, 0.0, 0.0);
+    let certain = amplitudes.iter().any(|(_, a)| a.standard_uncertainty <= 0.0);
+    let weight = |a: &Measure| {
+        if certain { 1.0 } else { (a.value / a.standard_uncertainty).powi(2) }
+    };
+    for (x, a) in amplitudes {
+        if a.value <= 0.0 {
+            return None;
+        }
+        let w = weight(a);
+        s += w;
+        sx += w * x;
+        sy += w * a.value.ln();
+    }
+    let (mut sxx, mut sxy) = (0.0, 0.0);
+    for (x, a) in amplitudes {
+        let off = x - sx / s;
+        sxx += weight(a) * off * off;
+        sxy += weight(a) * off * (a.value.ln() - sy / s);
+    }
+    let standard_uncertainty = if certain { 0.0 } else { 1.0 / sxx.sqrt() };
+    let found = Measure { value: -sxy / sxx, standard_uncertainty };
+    found.value.is_finite().then_some(found)
+}

@@ -1,0 +1,92 @@
+//! How a signal's spectrum changes with time: short pieces of it, one after the other.
+//!
+//! Piece `p` holds `segment` samples from sample `p hop` on; its time is that of its middle. A piece of `segment dt` seconds tells
+//! frequencies `1/(segment dt)` apart and times `segment dt` apart, and no choice of it gives both: their product is 1.
+//! Source: J. B. Allen, L. R. Rabiner, Proc. IEEE 65, 1558 (1977). Valid while the signal changes little within a piece.
+
+use super::gate::Gate;
+use super::spectrum::{Analyser, Settings, Spectrum, SpectrumError};
+use crate::trace::Trace;
+
+/// How a signal is cut into pieces.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pieces {
+    /// Samples of a piece.
+    pub segment: usize,
+    /// Samples from the start of one to the start of the next.
+    pub hop: usize,
+}
+
+/// Why there is no spectrogram.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SpectrogramError {
+    /// No piece fits.
+    #[error("found pieces of {segment} samples in a gate of {samples}, expected 2 to {samples}")]
+    Segment {
+        /// Samples of a piece.
+        segment: usize,
+        /// Samples inside the gate.
+        samples: usize,
+    },
+    /// Pieces that do not move on.
+    #[error("found a hop of 0 samples, expected at least 1")]
+    Hop,
+    /// A piece cannot be transformed.
+    #[error(transparent)]
+    Spectrum(#[from] SpectrumError),
+}
+
+/// Spectra of the pieces of a signal, in order of time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spectrogram {
+    /// Time of the middle of each piece (s).
+    pub times: Vec<f64>,
+    /// The spectrum of each piece.
+    pub columns: Vec<Spectrum>,
+}
+
+impl Spectrogram {
+    /// Cuts the gated part of `trace` into `pieces` and transforms each.
+    ///
+    /// # Errors
+    /// [`SpectrogramError`] for pieces that do not fit or do not move on, and as [`Analyser::spectrum`].
+    pub fn of(
+        analyser: &mut Analyser,
+        trace: &Trace,
+        settings: &Settings,
+        pieces: Pieces,
+    ) -> Result<Self, SpectrogramError> {
+        let Pieces { segment, hop } = pieces;
+        let range = settings.gate.range(trace);
+        if segment < 2 || segment > range.len() {
+            return Err(SpectrogramError::Segment { segment, samples: range.len() });
+        }
+        if hop == 0 {
+            return Err(SpectrogramError::Hop);
+        }
+        let whole = Settings { gate: Gate::ALL, ..*settings };
+        let mut spectrogram = Self { times: Vec::new(), columns: Vec::new() };
+        for start in (range.start..=range.end - segment).step_by(hop) {
+            let piece = Trace {
+                name: trace.name.clone(),
+                unit: trace.unit.clone(),
+                start: trace.time(start),
+                interval: trace.interval,
+                values: trace.values.get(start..start + segment).unwrap_or_default().to_vec(),
+            };
+            spectrogram.times.push(0.5 * (piece.start + piece.time(segment - 1)));
+            spectrogram.columns.push(analyser.spectrum(&piece, &whole)?);
+        }
+        Ok(spectrogram)
+    }
+
+    /// Where each column is highest between two frequencies (Hz), interpolated between bins; none where no maximum lies there (Hz).
+    #[must_use]
+    pub fn ridge(&self, low: f64, high: f64) -> Vec<Option<f64>> {
+        let top = |column: &Spectrum| {
+            let peaks = column.peaks(0.0).into_iter();
+            peaks.map(|peak| peak.frequency).find(|f| (low..=high).contains(f))
+        };
+        self.columns.iter().map(top).collect()
+    }
+}

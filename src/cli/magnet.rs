@@ -1,0 +1,112 @@
+//! `hertzscope magnet`: how hard a magnet pulls the sphere, and where it pulls as hard as is wanted.
+
+use std::path::PathBuf;
+
+use anyhow::{Context as _, bail};
+use clap::Args;
+use serde_json::{Value, json};
+
+use crate::magnet::ForceLaw;
+use crate::quantity::{Dimension, parse};
+use crate::report;
+use crate::report::magnet::{MagnetPage, Place};
+use crate::scene::magnets;
+
+/// The paper's preload (N).
+const PAPER_FORCE: f64 = 2.38;
+/// Temperature where neither the user nor the magnet's file tells one (K).
+const ROOM_TEMPERATURE: f64 = 293.15;
+
+/// Show a magnet's force over distance, and find the distance for a force
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// A magnet that ships with the program, or the path of a magnet's file
+    #[arg(default_value = "ring-15-6-6")]
+    name: String,
+    /// Find where the magnet pulls this hard, e.g. 2.38N [default: the paper's 2.38 N]
+    #[arg(long, value_name = "F", value_parser = force)]
+    force: Option<f64>,
+    /// Show what it does with the sphere's centre this far outside its face, e.g. 0.4mm
+    #[arg(long, value_name = "D", value_parser = distance, conflicts_with = "force", allow_hyphen_values = true)]
+    distance: Option<f64>,
+    /// Temperature of the magnet, e.g. 40°C [default: the one its remanence is stated at]
+    #[arg(long, value_name = "T", value_parser = temperature)]
+    temperature: Option<f64>,
+    /// Print as JSON
+    #[arg(long)]
+    json: bool,
+    /// Draw into this file as well
+    #[arg(long, value_name = "FILE.svg")]
+    plot: Option<PathBuf>,
+}
+
+fn force(text: &str) -> Result<f64, String> {
+    parse(text, Dimension::FORCE).map_err(|error| format!("{error}, expected a force, e.g. 2.38N"))
+}
+
+fn distance(text: &str) -> Result<f64, String> {
+    parse(text, Dimension::LENGTH)
+        .map_err(|error| format!("{error}, expected a length, e.g. 0.4mm"))
+}
+
+fn temperature(text: &str) -> Result<f64, String> {
+    match parse(text, Dimension::TEMPERATURE) {
+        Ok(kelvin) if kelvin > 0.0 => Ok(kelvin),
+        Ok(_) => Err(format!("found {text}, expected a temperature above absolute zero")),
+        Err(error) => Err(format!("{error}, expected a temperature, e.g. 40°C")),
+    }
+}
+
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let magnet = magnets::load(&arguments.name)?;
+    let stated = match &magnet.law {
+        ForceLaw::Ring(ring, _) => ring.reference_temperature,
+        ForceLaw::Constant(_) | ForceLaw::Measured(_) => ROOM_TEMPERATURE,
+    };
+    let temperature = arguments.temperature.unwrap_or(stated);
+    let (wanted, distances) = if let Some(distance) = arguments.distance {
+        (None, vec![distance])
+    } else {
+        let wanted = arguments.force.unwrap_or(PAPER_FORCE);
+        (Some(wanted), magnet.distances(wanted, temperature))
+    };
+    let place = |distance: &f64| Place::of(&magnet, *distance, temperature);
+    let places: Vec<Place> = distances.iter().filter_map(place).collect();
+    if let (Some(distance), true) = (arguments.distance, places.is_empty()) {
+        let [near, far] = magnet.span();
+        bail!("found a distance of {distance} m, expected one within the table, {near} to {far} m");
+    }
+    let page = MagnetPage { magnet, temperature, wanted, places };
+    if let Some(file) = &arguments.plot {
+        let picture = report::chart(&page.curve(), &page.magnet.name, ("m", "N"));
+        std::fs::write(file, picture).with_context(|| file.display().to_string())?;
+    }
+    if arguments.json {
+        super::print(&serde_json::to_string_pretty(&as_json(&page))?)
+    } else {
+        super::print(&page.text())
+    }
+}
+
+fn as_json(page: &MagnetPage) -> Value {
+    let places = page.places.iter().map(|place| {
+        json!({
+            "distance_m": place.distance,
+            "force_n": place.force,
+            "slope_n_per_m": place.slope,
+            "field_t": place.field,
+            "gradient_t_per_m": place.gradient,
+            "saturation": place.saturation,
+        })
+    });
+    let curve = page.curve();
+    let of = |f: fn(&(f64, f64)) -> f64| curve.points.iter().map(f).collect::<Vec<_>>();
+    json!({
+        "magnet": page.magnet.name,
+        "source": page.magnet.source,
+        "temperature_k": page.temperature,
+        "wanted_n": page.wanted,
+        "places": places.collect::<Vec<_>>(),
+        "curve": { "distance_m": of(|p| p.0), "force_n": of(|p| p.1) },
+    })
+}

@@ -1,0 +1,226 @@
+//! `hertzscope spectrum`: the frequencies in a recording's signal.
+
+use std::path::PathBuf;
+
+use anyhow::{Context as _, bail};
+use clap::{Args, ValueEnum};
+use serde_json::{Value, json};
+
+use crate::analysis::gate::Gate;
+use crate::analysis::spectrum::{Analyser, Convention, Settings};
+use crate::analysis::window::Window;
+use crate::experiment::recorded;
+use crate::quantity::{Dimension, parse};
+use crate::recording::format::open;
+use crate::recording::{Shot, TraceSet};
+use crate::report;
+use crate::report::spectrum::{SpectrumPage, band};
+use crate::scene::Site;
+use crate::trace::Trace;
+
+/// Maxima lower than this share of the highest are not listed (1).
+const LISTED: f64 = 0.05;
+/// Said wherever band edges are shown.
+const SMALL_SIGNALS: &str =
+    "band edges are those of small signals about the static force at the sensor";
+/// At most this many maxima are listed.
+const MOST: usize = 12;
+
+/// Show which frequencies a signal holds: its main peaks, and where the chain's band gap lies
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// A recording (.mcap), a TDS2000 file (.csv), or a folder of them
+    file: PathBuf,
+    /// Channel to transform, e.g. CH2 [default: the first]
+    #[arg(long, value_name = "CH", conflicts_with = "truth")]
+    channel: Option<String>,
+    /// What no sensor saw, less its static part: a sensor's name, contact/3, bead/7
+    #[arg(long, value_name = "NAME")]
+    truth: Option<String>,
+    /// Shot to look at
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    shot: u32,
+    /// What the ordinate is
+    #[arg(long, value_enum, default_value_t = ConventionChoice::Paper)]
+    convention: ConventionChoice,
+    /// What the record is multiplied with
+    #[arg(long, value_enum, default_value_t = WindowChoice::Rectangular)]
+    window: WindowChoice,
+    /// First time to take, e.g. 200us: after the trigger, or with --truth after the striker's first contact
+    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
+    from: Option<f64>,
+    /// First time to leave out
+    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
+    to: Option<f64>,
+    /// Print as JSON, all bins included
+    #[arg(long)]
+    json: bool,
+    /// Draw into this file as well
+    #[arg(long, value_name = "FILE.svg")]
+    plot: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum ConventionChoice {
+    /// |X|/M with N/M = 5, Eq. (11) of the paper
+    Paper,
+    /// One-sided amplitude spectral density, per root hertz
+    Density,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum WindowChoice {
+    /// None: for pulses that end within the record
+    Rectangular,
+    /// For lines close to each other
+    Hann,
+    /// For the height of lines
+    FlatTop,
+}
+
+fn time(text: &str) -> Result<f64, String> {
+    parse(text, Dimension::TIME).map_err(|error| format!("{error}, expected a time, e.g. 200us"))
+}
+
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let set = open(&arguments.file)?;
+    let Some(shot) = set.shots.iter().find(|shot| shot.number == arguments.shot) else {
+        bail!("found {} shots, expected one with number {}", set.shots.len(), arguments.shot);
+    };
+    let (trace, site, offset) = match &arguments.truth {
+        Some(name) => truth(&set, shot, name)?,
+        None => capture(&set, shot, arguments.channel.as_deref())?,
+    };
+    let settings = Settings {
+        convention: match arguments.convention {
+            ConventionChoice::Paper => Convention::Paper,
+            ConventionChoice::Density => Convention::Density,
+        },
+        window: match arguments.window {
+            WindowChoice::Rectangular => Window::Rectangular,
+            WindowChoice::Hann => Window::Hann,
+            WindowChoice::FlatTop => Window::FlatTop,
+        },
+        gate: Gate {
+            from: arguments.from.unwrap_or(f64::NEG_INFINITY),
+            to: arguments.to.unwrap_or(f64::INFINITY),
+        },
+        offset,
+        ..Settings::default()
+    };
+    let spectrum = Analyser::new().spectrum(&trace, &settings)?;
+    let mut peaks = spectrum.peaks(LISTED);
+    peaks.truncate(MOST);
+    let (chain, notes) = chain(&set, site);
+    let title = format!("{}: {}", arguments.file.display(), trace.name);
+    let page = SpectrumPage { title, spectrum, peaks, chain, offset, notes };
+    if let Some(file) = &arguments.plot {
+        let picture = report::chart(&page.curve(), &page.title, ("Hz", &page.spectrum.unit));
+        std::fs::write(file, picture).with_context(|| file.display().to_string())?;
+    }
+    if arguments.json {
+        super::print(&serde_json::to_string_pretty(&as_json(&page))?)
+    } else {
+        super::print(&page.text())
+    }
+}
+
+/// A signal, where it was felt, and what is subtracted from it.
+type Signal = (Trace, Option<Site>, f64);
+
+fn capture(set: &TraceSet, shot: &Shot, channel: Option<&str>) -> anyhow::Result<Signal> {
+    let name_of = |capture: &crate::recording::Capture| capture.waveform.source.to_string();
+    let wanted = |c: &&crate::recording::Capture| {
+        channel.is_none_or(|channel| name_of(c).eq_ignore_ascii_case(channel))
+    };
+    let Some(capture) = shot.captures.iter().find(wanted) else {
+        let names: Vec<String> = shot.captures.iter().map(name_of).collect();
+        bail!(
+            "found no capture {}, expected one of: {}",
+            channel.unwrap_or("at all"),
+            names.join(", ")
+        );
+    };
+    let name = name_of(capture);
+    let Some(mut trace) = capture.trace() else {
+        bail!("{name}: found a record over frequency, expected one over time");
+    };
+    let sensors = recorded::sensors(set);
+    let sensor = sensors.iter().find(|sensor| sensor.channel.as_ref() == Some(&name));
+    if let Some(sensor) = sensor {
+        trace.name = format!("{name}, sensor {}", sensor.name);
+    }
+    Ok((trace, sensor.and_then(|sensor| sensor.site), 0.0))
+}
+
+/// The truth called `name`, in full, by its topic, or a sensor's by the sensor's name. What it starts from is its static part.
+fn truth(set: &TraceSet, shot: &Shot, name: &str) -> anyhow::Result<Signal> {
+    let name = name.trim_start_matches("/truth/");
+    let topic = |trace: &Trace| {
+        trace.name.split_once(": ").map_or(&*trace.name, |(topic, _)| topic).to_owned()
+    };
+    let sensor_topic = format!("sensor/{name}");
+    let found = shot.truth.iter().find(|trace| {
+        let topic = topic(trace);
+        topic == name || topic == sensor_topic || trace.name == name
+    });
+    let Some(trace) = found else {
+        let names: Vec<String> = shot.truth.iter().map(topic).collect();
+        bail!("found no truth `{name}`, expected one of: {}", names.join(", "));
+    };
+    let sensors = recorded::sensors(set);
+    let topic = topic(trace);
+    let sensor = sensors.iter().find(|s| Some(s.name.as_str()) == topic.strip_prefix("sensor/"));
+    let offset = trace.values.first().copied().unwrap_or(0.0);
+    Ok((trace.clone(), sensor.and_then(|sensor| sensor.site), offset))
+}
+
+/// The chain around the sensor, and why there is none if there is none.
+fn chain(
+    set: &TraceSet,
+    site: Option<Site>,
+) -> (Option<crate::analysis::dispersion::DiatomicChain>, Vec<String>) {
+    let Some(site) = site else {
+        return (None, vec!["no band edges: where the signal was felt is not told".to_owned()]);
+    };
+    match recorded::scene(set) {
+        Some(Ok(scene)) => match recorded::cell(&scene, site) {
+            Some(cell) => (Some(cell), vec![SMALL_SIGNALS.to_owned()]),
+            None => (
+                None,
+                vec!["no band edges: no two kinds take turns there, or nothing presses".to_owned()],
+            ),
+        },
+        Some(Err(error)) => (None, vec![format!("no band edges: {error}")]),
+        None => (None, vec!["no band edges: the file carries no scene".to_owned()]),
+    }
+}
+
+fn as_json(page: &SpectrumPage) -> Value {
+    let spectrum = &page.spectrum;
+    let peaks = page.peaks.iter().map(|peak| {
+        json!({
+            "frequency_hz": peak.frequency,
+            "uncertainty_hz": peak.uncertainty,
+            "amplitude": peak.amplitude,
+            "band": page.chain.map(|chain| band(&chain, peak.frequency)),
+        })
+    });
+    json!({
+        "signal": page.title,
+        "convention": spectrum.convention.to_string(),
+        "unit": spectrum.unit,
+        "window": spectrum.window.to_string(),
+        "samples": spectrum.samples,
+        "padded": spectrum.padded,
+        "step_hz": spectrum.step,
+        "resolution_hz": spectrum.resolution,
+        "offset": page.offset,
+        "f1_hz": page.chain.map(|chain| chain.gap_bottom()),
+        "f2_hz": page.chain.map(|chain| chain.gap_top()),
+        "f3_hz": page.chain.map(|chain| chain.cutoff()),
+        "peaks": peaks.collect::<Vec<_>>(),
+        "amplitude": spectrum.amplitude,
+        "notes": page.notes,
+    })
+}

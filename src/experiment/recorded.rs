@@ -1,0 +1,102 @@
+//! What a recording remembers of the bench it was taken on: its scene, its sensors, and what its chain lets pass.
+
+use std::collections::BTreeMap;
+
+use crate::analysis::dispersion::DiatomicChain;
+use crate::recording::TraceSet;
+use crate::scene::{Scene, SceneError, Site};
+
+/// A sensor as the recording's metadata describe it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordedSensor {
+    /// Name in the scene.
+    pub name: String,
+    /// Channel it was wired to, `CH1`.
+    pub channel: Option<String>,
+    /// Where it sat, where that is told.
+    pub site: Option<Site>,
+    /// Voltage per force before any droop (V/N).
+    pub sensitivity: Option<f64>,
+    /// Time constant of sensor and scope input (s).
+    pub time_constant: Option<f64>,
+}
+
+/// The scene that travels with a recording; none where none does, as with a real scope's files.
+///
+/// # Errors
+/// [`SceneError`] for a scene that this version cannot read, or that stands on a file that is not there.
+pub fn scene(set: &TraceSet) -> Option<Result<Scene, SceneError>> {
+    let attachment = set.attachments.iter().find(|a| a.media_type == "application/toml")?;
+    let text = String::from_utf8_lossy(&attachment.data);
+    let name = attachment.name.strip_suffix(".toml").unwrap_or(&attachment.name);
+    Some(Scene::from_text(name, &attachment.name, &text))
+}
+
+/// The sensors that a recording's metadata name.
+#[must_use]
+pub fn sensors(set: &TraceSet) -> Vec<RecordedSensor> {
+    let groups = set.metadata.iter().filter(|(name, _)| name.starts_with("hertzscope:sensor/"));
+    groups.map(|(_, facts)| sensor(facts)).collect()
+}
+
+fn sensor(facts: &BTreeMap<String, String>) -> RecordedSensor {
+    let number = |key: &str| {
+        let value: f64 = facts.get(key)?.parse().ok()?;
+        (value.is_finite() && value > 0.0).then_some(value)
+    };
+    let site = facts.get("site").and_then(|site| match site.strip_prefix("particle ") {
+        Some(particle) => particle.parse().ok().map(Site::Particle),
+        None => (site == "wall").then_some(Site::Wall),
+    });
+    RecordedSensor {
+        name: facts.get("name").cloned().unwrap_or_default(),
+        channel: facts.get("channel").cloned(),
+        site,
+        sensitivity: number("sensitivity_v_per_n"),
+        time_constant: number("time_constant_s"),
+    }
+}
+
+/// The linear chain of two masses in turn that `scene`'s chain is around `site`, at the static force there; none where kinds do
+/// not take turns or nothing presses.
+#[must_use]
+pub fn cell(scene: &Scene, site: Site) -> Option<DiatomicChain> {
+    let chain = &scene.chain;
+    let last = chain.particles();
+    let particle = match site {
+        Site::Particle(particle) => particle,
+        Site::Wall => last,
+    };
+    let body = |particle: usize| chain.bodies().get(chain.body_of(particle));
+    // A particle, its neighbour of the other kind and the next of its own, downward if that is a cell, else upward.
+    let is_cell = |upper: usize| {
+        let (first, second, third) = (body(upper)?, body(upper + 1)?, body(upper + 2)?);
+        let turns = first.name == third.name && first.name != second.name;
+        (turns && upper >= 1 && upper + 2 <= last).then_some(upper)
+    };
+    let upper = is_cell(particle).or_else(|| is_cell(particle.checked_sub(2)?))?;
+    let (here, other) = (body(upper)?, body(upper + 1)?);
+    let contact = chain.contacts().get(chain.body_of(upper) + 1)?;
+    let stiffness = contact.static_stiffness();
+    (stiffness > 0.0).then(|| DiatomicChain {
+        light_mass: here.mass.min(other.mass),
+        heavy_mass: here.mass.max(other.mass),
+        stiffness,
+        cell: chain.distance(upper, upper + 2),
+    })
+}
+
+/// Distance between two sites along the chain at rest, overlaps subtracted (m).
+#[must_use]
+pub fn distance(scene: &Scene, from: Site, to: Site) -> Option<f64> {
+    let chain = &scene.chain;
+    match (from, to) {
+        (Site::Particle(from), Site::Particle(to)) => {
+            (from.max(to) <= chain.particles()).then(|| chain.distance(from.min(to), from.max(to)))
+        }
+        (Site::Particle(particle), Site::Wall) | (Site::Wall, Site::Particle(particle)) => {
+            (particle <= chain.particles()).then(|| chain.distance_to_wall(particle))
+        }
+        (Site::Wall, Site::Wall) => None,
+    }
+}

@@ -1,0 +1,109 @@
+//! Magnets that press the chain: the force on a ferromagnetic sphere over its distance.
+//!
+//! Stands beside `chain`: `scene` reads the files of `instruments/magnets`, `cli` answers questions about them. Distance is that
+//! of the sphere's centre from the plane of the magnet's face, along the axis, positive outside; a force is positive where the
+//! magnet attracts. A constant force is what the paper's calculations use; a ring's force falls by 1.4 to 3.9 N a millimetre,
+//! nothing against the contacts' stiffness, but 3 to 8 % of 2.38 N over 50 um of travel.
+
+mod ring;
+mod table;
+
+pub use ring::{RingField, RingMagnet, Sphere, VACUUM_PERMEABILITY};
+pub use table::{ForceTable, TableError};
+
+/// Places at which a law is looked at to find where it takes a force.
+const LOOKS: u32 = 4000;
+/// Halvings of an interval in which a force is taken: to the last bit.
+const HALVINGS: usize = 60;
+/// Step of the difference that stands for the force's slope, in the span of the law (1).
+const SLOPE_STEP: f64 = 1e-6;
+
+/// How a magnet's force depends on distance.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ForceLaw {
+    /// The same everywhere (N).
+    Constant(f64),
+    /// A ring and a soft sphere on its axis.
+    Ring(RingMagnet, Sphere),
+    /// Measured forces.
+    Measured(ForceTable),
+}
+
+/// A magnet as its file describes it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Magnet {
+    /// Name of its file.
+    pub name: String,
+    /// Where its numbers come from.
+    pub source: String,
+    /// The force.
+    pub law: ForceLaw,
+}
+
+impl Magnet {
+    /// Distances over which the law holds or is of interest: from the middle of a ring to an outer diameter from its face; a
+    /// table's own; a constant force is shown over a millimetre (m).
+    #[must_use]
+    pub fn span(&self) -> [f64; 2] {
+        match &self.law {
+            ForceLaw::Constant(_) => [0.0, 1e-3],
+            ForceLaw::Ring(ring, _) => [-0.5 * ring.length, 2.0 * ring.outer_radius],
+            ForceLaw::Measured(table) => table.span(),
+        }
+    }
+
+    /// Attraction at `distance` (m) and `temperature` (K), none outside a table (N).
+    #[must_use]
+    pub fn force(&self, distance: f64, temperature: f64) -> Option<f64> {
+        match &self.law {
+            ForceLaw::Constant(force) => Some(*force),
+            ForceLaw::Ring(ring, sphere) => {
+                let field = ring.at(temperature);
+                Some(field.attraction(0.5 * ring.length + distance, sphere))
+            }
+            ForceLaw::Measured(table) => table.force(distance),
+        }
+    }
+
+    /// Change of the force with distance at `distance` (m), by a central difference (N/m).
+    #[must_use]
+    pub fn slope(&self, distance: f64, temperature: f64) -> Option<f64> {
+        let [near, far] = self.span();
+        let step = SLOPE_STEP * (far - near);
+        let (low, high) = ((distance - step).max(near), (distance + step).min(far));
+        let difference = self.force(high, temperature)? - self.force(low, temperature)?;
+        Some(difference / (high - low))
+    }
+
+    /// Distances within the span at which the magnet attracts with `force` (N), the one nearest to the face first (m).
+    #[must_use]
+    pub fn distances(&self, force: f64, temperature: f64) -> Vec<f64> {
+        let [near, far] = self.span();
+        let place = |look: u32| near + (far - near) * f64::from(look) / f64::from(LOOKS);
+        let excess = |distance: f64| self.force(distance, temperature).map(|f| f - force);
+        let mut found: Vec<f64> = (0..LOOKS)
+            .filter_map(|look| {
+                let (low, high) = (place(look), place(look + 1));
+                let (before, after) = (excess(low)?, excess(high)?);
+                let crosses = (before > 0.0) != (after > 0.0);
+                crosses.then(|| bisect(&|d| excess(d).unwrap_or(0.0), low, high))
+            })
+            .collect();
+        found.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+        found
+    }
+}
+
+/// Where `f` changes its sign between `low` and `high`.
+fn bisect(f: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+    let low_is_positive = f(low) > 0.0;
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if (f(middle) > 0.0) == low_is_positive {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}

@@ -1,0 +1,117 @@
+//! A measured force over distance, read between its points by a cubic that never swings beyond them.
+//!
+//! Between two points `y = h00 y0 + h10 w m0 + h01 y1 + h11 w m1`, Hermite's cubic over the width `w`, with slopes `m` that are zero
+//! where the data turn and else the weighted harmonic mean of the two neighbouring secants: it rises where the data rise.
+//! Source: F. N. Fritsch, J. Butland, SIAM J. Sci. Stat. Comput. 5, 300 (1984); ends: one-sided parabola, limited. Valid between
+//! the outermost points; there is no force beyond them.
+
+/// Why points are no table.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum TableError {
+    /// Too few points.
+    #[error("found {points} points, expected at least 2")]
+    TooFew {
+        /// How many there are.
+        points: usize,
+    },
+    /// Distances that do not rise.
+    #[error("found {next:e} m after {before:e} m, expected distances that rise")]
+    Order {
+        /// One distance (m).
+        before: f64,
+        /// The next (m).
+        next: f64,
+    },
+}
+
+/// Measured forces by distance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ForceTable {
+    distances: Vec<f64>,
+    forces: Vec<f64>,
+    slopes: Vec<f64>,
+}
+
+impl ForceTable {
+    /// A table of points (distance in m, force in N).
+    ///
+    /// # Errors
+    /// [`TableError`] for fewer than two points and distances that do not rise.
+    pub fn new(points: &[(f64, f64)]) -> Result<Self, TableError> {
+        if points.len() < 2 {
+            return Err(TableError::TooFew { points: points.len() });
+        }
+        for pair in points.windows(2) {
+            let (before, next) = (pair[0].0, pair[1].0);
+            if next.partial_cmp(&before) != Some(std::cmp::Ordering::Greater) {
+                return Err(TableError::Order { before, next });
+            }
+        }
+        let (distances, forces) = points.iter().copied().unzip();
+        Ok(Self { distances, forces, slopes: slopes(points) })
+    }
+
+    /// First and last distance (m).
+    #[must_use]
+    pub fn span(&self) -> [f64; 2] {
+        let of = |value: Option<&f64>| value.copied().unwrap_or(0.0);
+        [of(self.distances.first()), of(self.distances.last())]
+    }
+
+    /// The force at `distance` (m), none beyond the table (N).
+    #[must_use]
+    pub fn force(&self, distance: f64) -> Option<f64> {
+        let [first, last] = self.span();
+        if !(first..=last).contains(&distance) {
+            return None;
+        }
+        let after = self.distances.partition_point(|d| *d <= distance);
+        let upper = after.clamp(1, self.distances.len() - 1);
+        let point =
+            |i: usize| Some((*self.distances.get(i)?, *self.forces.get(i)?, *self.slopes.get(i)?));
+        let ((x0, y0, m0), (x1, y1, m1)) = (point(upper - 1)?, point(upper)?);
+        let width = x1 - x0;
+        let t = (distance - x0) / width;
+        let (s, t2) = (1.0 - t, t * t);
+        let s2 = s * s;
+        Some(
+            y0 * (1.0 + 2.0 * t) * s2
+                + width * m0 * t * s2
+                + y1 * t2 * (3.0 - 2.0 * t)
+                + width * m1 * t2 * (t - 1.0),
+        )
+    }
+}
+
+/// Slopes at the points that keep the curve between them.
+fn slopes(points: &[(f64, f64)]) -> Vec<f64> {
+    let secants: Vec<(f64, f64)> = points
+        .windows(2)
+        .map(|pair| (pair[1].0 - pair[0].0, (pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0)))
+        .collect();
+    let inner = secants.windows(2).map(|pair| {
+        let ((w0, s0), (w1, s1)) = (pair[0], pair[1]);
+        if s0 * s1 <= 0.0 {
+            return 0.0;
+        }
+        let (a, b) = (2.0 * w1 + w0, w1 + 2.0 * w0);
+        (a + b) / (a / s0 + b / s1)
+    });
+    let reversed: Vec<(f64, f64)> = secants.iter().rev().copied().collect();
+    std::iter::once(end_slope(&secants)).chain(inner).chain([end_slope(&reversed)]).collect()
+}
+
+/// Slope at the end whose secants come first: of the parabola through three points, kept to the sign of the outermost secant
+/// and to three times its size.
+fn end_slope(secants: &[(f64, f64)]) -> f64 {
+    let Some((w0, s0)) = secants.first() else { return 0.0 };
+    let Some((w1, s1)) = secants.get(1) else { return *s0 };
+    let slope = ((2.0 * w0 + w1) * s0 - w0 * s1) / (w0 + w1);
+    if slope * s0 <= 0.0 {
+        0.0
+    } else if s0 * s1 <= 0.0 && slope.abs() > 3.0 * s0.abs() {
+        3.0 * s0
+    } else {
+        slope
+    }
+}

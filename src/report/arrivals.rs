@@ -1,0 +1,90 @@
+//! Arrivals and speeds as a page of text.
+
+use super::table;
+use crate::experiment::arrivals::{ChannelArrivals, Survey, Uncertain};
+use crate::quantity::engineering;
+
+/// Coverage factor of what is printed: 95 % (1).
+const COVERAGE: f64 = 2.0;
+
+/// The page that `arrivals` prints.
+#[must_use]
+pub fn arrivals(survey: &Survey) -> String {
+    let mut lines =
+        vec![format!("shot {}: times after the trigger, ± covers 95 % (k = 2)", survey.shot)];
+    let heading =
+        ["", "sensor", "height", "width", "pulses", "half-rise", "peak", "10 %", "max. slope"];
+    let mut rows = vec![heading.map(str::to_owned).to_vec()];
+    rows.extend(survey.channels.iter().map(row));
+    lines.extend(table::lines(&rows, &[0, 1]));
+    if !survey.speeds.is_empty() {
+        lines.push(String::new());
+        lines.push("pulse speed by each estimator of the arrival".to_owned());
+        lines.extend(speeds(survey));
+    }
+    for channel in &survey.channels {
+        let name = &channel.channel;
+        if let Some(problem) = &channel.problem {
+            lines.push(format!("  note  {name}: {problem}"));
+        }
+        if channel.clipped > 0 {
+            let clipped = channel.clipped;
+            lines.push(format!(
+                "  note  {name}: {clipped} samples may be clipped, heights and peaks with them"
+            ));
+        }
+    }
+    lines.extend(survey.notes.iter().map(|note| format!("  note  {note}")));
+    lines.join("\n")
+}
+
+fn row(channel: &ChannelArrivals) -> Vec<String> {
+    let height = match (channel.height_n, channel.height_v) {
+        (Some(force), _) => with(Some(force), "N"),
+        (None, volts) => with(volts, "V"),
+    };
+    let mut row = vec![
+        channel.channel.clone(),
+        channel.sensor.clone().unwrap_or_else(|| "?".to_owned()),
+        height,
+        with(channel.width_s, "s"),
+        channel.pulses.map_or("-".to_owned(), |count| count.to_string()),
+    ];
+    row.extend(channel.arrivals.iter().map(|arrival| with(arrival.time_s, "s")));
+    row
+}
+
+fn speeds(survey: &Survey) -> Vec<String> {
+    let keys = ["half_rise", "peak", "ten_percent", "maximum_slope", "cross_correlation"];
+    let heading =
+        ["from -> to", "distance", "half-rise", "peak", "10 %", "max. slope", "correlation"];
+    let mut rows = vec![heading.map(str::to_owned).to_vec()];
+    for pair in survey.speeds.chunk_by(|a, b| (&a.from, &a.to) == (&b.from, &b.to)) {
+        let Some(first) = pair.first() else { continue };
+        let mut row =
+            vec![format!("{} -> {}", first.from, first.to), engineering(first.distance_m, "m", 5)];
+        row.extend(keys.map(|key| {
+            with(pair.iter().find(|speed| speed.estimator == key).map(|s| s.m_per_s), "m/s")
+        }));
+        rows.push(row);
+    }
+    table::lines(&rows, &[0])
+}
+
+/// A number with its expanded uncertainty in the same prefix: `309.8 ± 0.7 µs`.
+fn with(measure: Option<Uncertain>, unit: &str) -> String {
+    let Some(Uncertain { value, u }) = measure else { return "-".to_owned() };
+    let shown = engineering(value, unit, 4);
+    let Some((number, prefixed)) = shown.split_once(' ') else { return shown };
+    let Ok(mantissa) = number.parse::<f64>() else { return shown };
+    if mantissa == 0.0 || !u.is_finite() {
+        return shown;
+    }
+    // The power of ten that the prefix stands for.
+    let scale = 10f64.powf((mantissa / value).log10().round());
+    let around = COVERAGE * u * scale;
+    // Two digits of the uncertainty, and the value to the same place.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few digits")]
+    let decimals = (1.0 - around.log10().floor()).clamp(0.0, 6.0) as usize;
+    format!("{:.decimals$} ± {around:.decimals$} {prefixed}", value * scale)
+}

@@ -1,0 +1,92 @@
+//! Curves as an SVG picture: axes with round numbers, the curve, marked places.
+
+use std::fmt::Write as _;
+
+use super::plot::Curve;
+use crate::quantity::engineering;
+
+/// Size of the picture and of the frame's margins: left, right, above, below (pixels).
+const SIZE: (f64, f64) = (880.0, 460.0);
+const MARGINS: (f64, f64, f64, f64) = (90.0, 30.0, 48.0, 56.0);
+/// Wanted number of intervals on an axis.
+const INTERVALS: f64 = 6.0;
+
+/// The picture of `curve`, titled `title`, with the units of `x` and `y`.
+#[must_use]
+pub fn chart(curve: &Curve, title: &str, units: (&str, &str)) -> String {
+    let (width, height) = SIZE;
+    let (left, right, above, below) = MARGINS;
+    let (across, down) = (width - left - right, height - above - below);
+    let ((x0, x1), (y0, y1)) = curve.bounds();
+    let x = |value: f64| (value - x0) / (x1 - x0) * across;
+    let y = |value: f64| down - (value - y0) / (y1 - y0) * down;
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"13\">\n\
+         <rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>\n\
+         <text x=\"{left}\" y=\"26\" font-size=\"15\">{}</text>\n\
+         <g transform=\"translate({left} {above})\">\n",
+        super::escape(title)
+    );
+    for tick in ticks(x0, x1) {
+        let (at, text) = (x(tick), engineering(tick, units.0, 3));
+        let _ = writeln!(svg, "<path d=\"M{at:.1} 0V{down}\" stroke=\"#e0e0e0\"/>");
+        let _ = writeln!(
+            svg,
+            "<text x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\">{text}</text>",
+            down + 18.0
+        );
+    }
+    for tick in ticks(y0, y1) {
+        let (at, text) = (y(tick), engineering(tick, units.1, 3));
+        let _ = writeln!(svg, "<path d=\"M0 {at:.1}H{across}\" stroke=\"#e0e0e0\"/>");
+        let _ =
+            writeln!(svg, "<text x=\"-8\" y=\"{:.1}\" text-anchor=\"end\">{text}</text>", at + 4.0);
+    }
+    let inside = curve.marks.iter().filter(|(place, _)| (x0..=x1).contains(place));
+    let mut line = 0.0;
+    for (place, name) in inside {
+        // Each name a line lower, so that marks close to each other stay readable.
+        line += 1.0;
+        let at = x(*place);
+        let _ = writeln!(
+            svg,
+            "<path d=\"M{at:.1} 0V{down}\" stroke=\"#c04020\" stroke-dasharray=\"5 4\"/>\n\
+             <text x=\"{:.1}\" y=\"{}\" fill=\"#c04020\">{}</text>",
+            at + 4.0,
+            16.0 * line - 2.0,
+            super::escape(name)
+        );
+    }
+    let mut path = String::new();
+    for (index, (px, py)) in curve.points.iter().enumerate() {
+        let start = if index == 0 { 'M' } else { 'L' };
+        let _ = write!(path, "{start}{:.1} {:.1}", x(*px), y(*py));
+    }
+    let _ = writeln!(
+        svg,
+        "<path d=\"{path}\" fill=\"none\" stroke=\"#1060b0\" stroke-width=\"1.6\"/>\n\
+         <rect width=\"{across}\" height=\"{down}\" fill=\"none\" stroke=\"#404040\"/>\n\
+         <text x=\"{across}\" y=\"{}\" text-anchor=\"end\">{}</text>\n\
+         <text x=\"0\" y=\"-6\">{}</text>",
+        down + 40.0,
+        super::escape(&curve.x_label),
+        super::escape(&curve.y_label)
+    );
+    svg.push_str("</g>\n</svg>\n");
+    svg
+}
+
+/// Round numbers from `low` to `high`: steps of 1, 2 or 5 of a power of ten.
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    reason = "the number of ticks is small"
+)]
+fn ticks(low: f64, high: f64) -> Vec<f64> {
+    let rough = (high - low) / INTERVALS;
+    let power = 10f64.powf(rough.log10().floor());
+    let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|step| *step >= rough);
+    let step = step.unwrap_or(rough);
+    let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
+    (first..=last).map(|n| n as f64 * step).collect()
+}

@@ -1,0 +1,139 @@
+//! A magnet's force over distance as a page of text and as a curve.
+
+use super::plot::{Curve, braille};
+use super::table;
+use crate::magnet::{ForceLaw, Magnet};
+use crate::quantity::engineering;
+
+/// Points of the curve.
+const POINTS: u32 = 600;
+/// What a temperature in kelvin is above one in degrees Celsius.
+const ZERO_CELSIUS: f64 = 273.15;
+
+/// What the magnet does at one distance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Place {
+    /// From the face to the sphere's centre (m).
+    pub distance: f64,
+    /// Attraction (N).
+    pub force: f64,
+    /// Its change with distance (N/m).
+    pub slope: f64,
+    /// Flux density on the axis, of a ring (T).
+    pub field: Option<f64>,
+    /// Its change along the axis, of a ring (T/m).
+    pub gradient: Option<f64>,
+    /// How far the sphere is magnetised, of a ring; 1 is saturated (1).
+    pub saturation: Option<f64>,
+}
+
+/// A magnet at a temperature, with the places that were asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MagnetPage {
+    /// The magnet.
+    pub magnet: Magnet,
+    /// Temperature (K).
+    pub temperature: f64,
+    /// The force that was asked for (N).
+    pub wanted: Option<f64>,
+    /// The places found, the one nearest to the face first.
+    pub places: Vec<Place>,
+}
+
+impl Place {
+    /// What `magnet` does at `distance` (m); none beyond a table.
+    #[must_use]
+    pub fn of(magnet: &Magnet, distance: f64, temperature: f64) -> Option<Self> {
+        let ring = match &magnet.law {
+            ForceLaw::Ring(ring, sphere) => {
+                Some((ring.at(temperature), 0.5 * ring.length + distance, sphere))
+            }
+            _ => None,
+        };
+        Some(Self {
+            distance,
+            force: magnet.force(distance, temperature)?,
+            slope: magnet.slope(distance, temperature)?,
+            field: ring.map(|(field, z, _)| field.field(z)),
+            gradient: ring.map(|(field, z, _)| field.gradient(z)),
+            saturation: ring.map(|(field, z, sphere)| field.saturation(z, sphere)),
+        })
+    }
+}
+
+impl MagnetPage {
+    /// Force over distance, with the places marked.
+    #[must_use]
+    pub fn curve(&self) -> Curve {
+        let [near, far] = self.magnet.span();
+        let place = |i: u32| near + (far - near) * f64::from(i) / f64::from(POINTS);
+        let point =
+            |distance: f64| Some((distance, self.magnet.force(distance, self.temperature)?));
+        let mark = |place: &Place| (place.distance, engineering(place.force, "N", 4));
+        Curve {
+            points: (0..=POINTS).map(place).filter_map(point).collect(),
+            marks: self.places.iter().map(mark).collect(),
+            x_label: "from the face to the sphere's centre".to_owned(),
+            y_label: "attraction (N)".to_owned(),
+        }
+    }
+
+    /// The page that `magnet` prints.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let mut lines = vec![format!("{}: {}", self.magnet.name, self.describe())];
+        if !self.magnet.source.is_empty() {
+            lines.push(format!("  source      {}", self.magnet.source));
+        }
+        lines.push(String::new());
+        if let (Some(wanted), true) = (self.wanted, self.places.is_empty()) {
+            let [near, far] = self.magnet.span().map(|d| engineering(d, "m", 3));
+            let wanted = engineering(wanted, "N", 4);
+            lines.push(format!("  {wanted} is not reached between {near} and {far}"));
+        } else {
+            lines.extend(self.place_lines());
+        }
+        lines.push(String::new());
+        let metres = |distance: f64| engineering(distance, "m", 4);
+        lines.extend(braille(&self.curve(), &metres, &|force| engineering(force, "N", 3)));
+        lines.join("\n")
+    }
+
+    fn describe(&self) -> String {
+        match &self.magnet.law {
+            ForceLaw::Constant(force) => {
+                format!("a constant {} whatever the distance", engineering(*force, "N", 4))
+            }
+            ForceLaw::Ring(ring, sphere) => {
+                let millimetres = |metres: f64| engineering(metres, "m", 3);
+                format!(
+                    "ring {} / {} / {} long, Br {} at {:.0} °C, on a sphere of {}",
+                    millimetres(2.0 * ring.outer_radius),
+                    millimetres(2.0 * ring.inner_radius),
+                    millimetres(ring.length),
+                    engineering(ring.at(self.temperature).remanence, "T", 4),
+                    self.temperature - ZERO_CELSIUS,
+                    millimetres(2.0 * sphere.radius)
+                )
+            }
+            ForceLaw::Measured(_) => "measured forces".to_owned(),
+        }
+    }
+
+    fn place_lines(&self) -> Vec<String> {
+        let heading = ["distance", "attraction", "slope", "B", "B'", "magnetised"];
+        let mut rows = vec![heading.map(str::to_owned).to_vec()];
+        let or_none = |value: Option<String>| value.unwrap_or_else(|| "-".to_owned());
+        rows.extend(self.places.iter().map(|place| {
+            vec![
+                engineering(place.distance, "m", 4),
+                engineering(place.force, "N", 4),
+                format!("{:.3} N/mm", place.slope * 1e-3),
+                or_none(place.field.map(|b| engineering(b, "T", 4))),
+                or_none(place.gradient.map(|b| engineering(b, "T/m", 4))),
+                or_none(place.saturation.map(|share| format!("{:.0} %", 100.0 * share))),
+            ]
+        }));
+        table::lines(&rows, &[])
+    }
+}

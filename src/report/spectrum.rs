@@ -1,0 +1,119 @@
+//! A spectrum as a page of text and as a curve.
+
+use super::plot::{Curve, braille};
+use super::table;
+use crate::analysis::dispersion::DiatomicChain;
+use crate::analysis::spectral_peak::SpectralPeak;
+use crate::analysis::spectrum::Spectrum;
+use crate::quantity::engineering;
+
+/// Without band edges the plot ends a little behind the last amplitude higher than this share of the highest (1).
+const SHOWN: f64 = 0.01;
+/// With band edges it ends at this multiple of the highest (1).
+const BEYOND: f64 = 1.5;
+
+/// A spectrum with what is known about the chain it comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpectrumPage {
+    /// What was transformed.
+    pub title: String,
+    /// Its spectrum.
+    pub spectrum: Spectrum,
+    /// The maxima to list.
+    pub peaks: Vec<SpectralPeak>,
+    /// The chain around the sensor, where the recording tells.
+    pub chain: Option<DiatomicChain>,
+    /// What was subtracted from every sample before (unit).
+    pub offset: f64,
+    /// What the reader should know.
+    pub notes: Vec<String>,
+}
+
+/// Which band of `chain` a frequency (Hz) lies in.
+#[must_use]
+pub fn band(chain: &DiatomicChain, frequency: f64) -> &'static str {
+    if frequency <= chain.gap_bottom() {
+        "acoustic branch"
+    } else if frequency < chain.gap_top() {
+        "gap"
+    } else if frequency <= chain.cutoff() {
+        "optical branch"
+    } else {
+        "above the optical branch"
+    }
+}
+
+impl SpectrumPage {
+    /// The spectrum from zero to where little is left, with the band edges marked.
+    #[must_use]
+    pub fn curve(&self) -> Curve {
+        let spectrum = &self.spectrum;
+        let top = spectrum.amplitude.iter().copied().fold(0.0, f64::max);
+        let last = spectrum.amplitude.iter().rposition(|a| *a >= SHOWN * top).unwrap_or(0);
+        let end = match &self.chain {
+            Some(chain) => BEYOND * chain.cutoff(),
+            None => 1.1 * spectrum.frequency(last),
+        };
+        let points = spectrum.amplitude.iter().enumerate();
+        let points = points.map(|(bin, a)| (spectrum.frequency(bin), *a));
+        let marks = self.chain.iter().flat_map(|chain| {
+            [
+                (chain.gap_bottom(), "f1, the gap's lower edge".to_owned()),
+                (chain.gap_top(), "f2, the gap's upper edge".to_owned()),
+                (chain.cutoff(), "f3, top of the optical branch".to_owned()),
+            ]
+        });
+        Curve {
+            points: points.take_while(|(f, _)| *f <= end.max(2.0 * spectrum.step)).collect(),
+            marks: marks.collect(),
+            x_label: "frequency".to_owned(),
+            y_label: format!("{} ({})", spectrum.convention, spectrum.unit),
+        }
+    }
+
+    /// The page that `spectrum` prints.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let spectrum = &self.spectrum;
+        let hertz = |f: f64| engineering(f, "Hz", 4);
+        let mut lines = vec![
+            self.title.clone(),
+            format!("  ordinate    {}, in {}", spectrum.convention, spectrum.unit),
+            format!(
+                "  record      M = {} samples, {} window, N = {} with zeros behind them",
+                spectrum.samples, spectrum.window, spectrum.padded
+            ),
+            format!(
+                "  frequency   bins {} apart, lines told apart at {}",
+                hertz(spectrum.step),
+                hertz(spectrum.resolution)
+            ),
+        ];
+        if self.offset != 0.0 {
+            lines.push(format!("  offset      {:.6e} subtracted from every sample", self.offset));
+        }
+        lines.push(String::new());
+        lines.extend(self.peak_lines());
+        lines.push(String::new());
+        let label_y = |value: f64| format!("{value:.2e}");
+        lines.extend(braille(&self.curve(), &hertz, &label_y));
+        lines.extend(self.notes.iter().map(|note| format!("  note        {note}")));
+        lines.join("\n")
+    }
+
+    fn peak_lines(&self) -> Vec<String> {
+        let mut heading = vec!["peak".to_owned(), "±".to_owned(), "height".to_owned()];
+        heading.extend(self.chain.map(|_| "where".to_owned()));
+        let mut rows = vec![heading];
+        rows.extend(self.peaks.iter().map(|peak| {
+            let mut row = vec![
+                engineering(peak.frequency, "Hz", 5),
+                engineering(peak.uncertainty, "Hz", 2),
+                format!("{:.4e}", peak.amplitude),
+            ];
+            row.extend(self.chain.map(|chain| band(&chain, peak.frequency).to_owned()));
+            row
+        }));
+        table::lines(&rows, &[3])
+    }
+}

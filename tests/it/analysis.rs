@@ -1,0 +1,8 @@
+//! Questions to signals, against closed forms, other people's numbers, and what the simulated bench knows.
+
+mod arrival;
+mod commands;
+mod scope_arrival;
+mod spectrum;
+mod spectrum_golden;
+mod time_frequency;

@@ -1,0 +1,60 @@
+//! The spectrogram of signals whose frequency at each time is known.
+
+use std::f64::consts::TAU;
+
+use hertzscope::analysis::gate::Gate;
+use hertzscope::analysis::spectrum::{Analyser, Settings};
+use hertzscope::analysis::time_frequency::{Pieces, Spectrogram, SpectrogramError};
+use hertzscope::analysis::window::Window;
+
+use super::spectrum::sampled;
+
+/// A chirp's frequency is `f0 + rate t`: each piece's top is the frequency at its middle, by symmetry, to a bin.
+#[test]
+fn a_chirps_ridge_is_its_frequency() {
+    let (start, rate) = (5e3, 2e6);
+    let trace = sampled(10_000, 1e-6, |t| (TAU * (start + 0.5 * rate * t) * t).sin());
+    let settings = Settings { window: Window::Hann, ..Settings::default() };
+    let pieces = Pieces { segment: 1000, hop: 250 };
+    let found = Spectrogram::of(&mut Analyser::new(), &trace, &settings, pieces).expect("one");
+    assert_eq!(found.columns.len(), 37);
+    for (time, frequency) in found.times.iter().zip(found.ridge(0.0, 5e5)) {
+        let off = frequency.expect("a ridge") - (start + rate * time);
+        assert!(off.abs() <= found.columns[0].step, "{time}: {off} Hz");
+    }
+}
+
+/// A tone that ends and another that begins: pieces on either side hold one of them only.
+#[test]
+fn tones_are_where_they_sound() {
+    let trace = sampled(8000, 1e-6, |t| {
+        let frequency = if t < 4e-3 { 8e3 } else { 20e3 };
+        (TAU * frequency * t).sin()
+    });
+    let pieces = Pieces { segment: 1000, hop: 1000 };
+    let settings = Settings {
+        gate: Gate { from: 1e-3, to: 7e-3 },
+        window: Window::Hann,
+        ..Settings::default()
+    };
+    let found = Spectrogram::of(&mut Analyser::new(), &trace, &settings, pieces).expect("one");
+    assert_eq!(found.times.len(), 6);
+    for (time, column) in found.times.iter().zip(&found.columns) {
+        let height = |low, high| column.highest_between(low, high).expect("bins").1;
+        let (low, high) = (height(7e3, 9e3), height(19e3, 21e3));
+        let (sounding, silent) = if *time < 4e-3 { (low, high) } else { (high, low) };
+        assert!((sounding - 0.5).abs() < 1e-3 && silent < 1e-3, "{time}: {low} {high}");
+    }
+}
+
+#[test]
+fn pieces_that_do_not_fit_are_named() {
+    let trace = sampled(100, 1e-6, |t| t);
+    let of = |segment, hop| {
+        let pieces = Pieces { segment, hop };
+        Spectrogram::of(&mut Analyser::new(), &trace, &Settings::default(), pieces)
+    };
+    assert_eq!(of(101, 1), Err(SpectrogramError::Segment { segment: 101, samples: 100 }));
+    assert_eq!(of(10, 0), Err(SpectrogramError::Hop));
+    assert_eq!(of(100, 7).expect("one piece").times.len(), 1);
+}
