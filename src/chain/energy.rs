@@ -56,7 +56,10 @@ impl Chain {
         for (j, contact) in self.contacts.iter().enumerate() {
             let change = self.overlap_change(&state.position, j);
             energy.elastic += contact.energy(change);
-            energy.potential -= contact.static_force * change;
+            // An end force's own work and the share of it that the static contacts seem to do cancel.
+            if contact.stiffness > 0.0 {
+                energy.potential -= contact.static_force * change;
+            }
         }
         for (force, u) in self.residual.iter().zip(&state.position) {
             energy.potential -= force * u;

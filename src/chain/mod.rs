@@ -141,7 +141,11 @@ impl Chain {
         let bodies: Vec<Body> = spec.striker.iter().chain(&spec.particles).cloned().collect();
         let loads = loads(spec, &bodies);
         let first = usize::from(striker);
-        let top_force = if matches!(spec.top, End::Wall(_)) { spec.wall_preload } else { 0.0 };
+        let top_force = match spec.top {
+            End::Wall(_) => spec.wall_preload,
+            End::Force(force) if !striker => force,
+            End::Force(_) | End::Free => 0.0,
+        };
         let mut contacts = Vec::with_capacity(bodies.len() + 1);
         let mut bears = 0.0;
         for j in 0..=bodies.len() {
@@ -224,8 +228,9 @@ fn loads(spec: &ChainSpec, bodies: &[Body]) -> Vec<f64> {
     for effect in spec.effects.active() {
         effect.add_load(&masses, spec.striker.is_some(), &mut loads);
     }
-    if let (End::Force(force), Some(load)) =
-        (spec.top, loads.get_mut(usize::from(spec.striker.is_some())))
+    // Below a striker the end force has no face of its own to press on: it pulls on particle 1.
+    if let (End::Force(force), true, Some(load)) =
+        (spec.top, spec.striker.is_some(), loads.get_mut(1))
     {
         *load += force;
     }
@@ -279,5 +284,6 @@ fn open_end(
             return Err(ChainError::Unbalanced { rest });
         }
     }
-    Ok(Contact::OPEN)
+    // An end force presses on the outermost face without giving: a plate next to it feels it.
+    Ok(Contact { static_force: bears, ..Contact::OPEN })
 }

@@ -108,9 +108,12 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             return Err(error.into());
         }
     };
-    let mut writer = early.map_or_else(create, Ok)?;
-    writer.add(&outcome.shot, &facts::shot_notes(&scene, &outcome))?;
-    writer.finish()?;
+    let written = early.map_or_else(create, Ok).and_then(|mut writer| {
+        writer.add(&outcome.shot, &facts::shot_notes(&scene, &outcome))?;
+        writer.finish()
+    });
+    // Half a recording must not look like a whole one.
+    written.inspect_err(|_| output.give_up())?;
     if arguments.json {
         super::print(&serde_json::to_string_pretty(&outcome.summary)?)?;
     } else if !arguments.quiet {

@@ -3,7 +3,7 @@
 use super::bench::{Bench, Grid};
 use crate::recording::{Capture, Instrument, Origin, Shot};
 use crate::scene::{Scene, Site, input_load};
-use crate::scope::acquire::{Found, digitise, find_trigger};
+use crate::scope::acquire::{Found, before_trigger, digitise, find_trigger};
 use crate::scope::front_end::{condition, noise_stream};
 use crate::scope::{ChannelSetup, Source};
 use crate::sensor::Load;
@@ -50,7 +50,8 @@ pub fn trigger(scene: &Scene, bench: &Bench<'_>, grid: Grid, shot: u32) -> Optio
     let Source::Channel(number) = scene.scope.trigger.source else { return None };
     let signals = signals(scene, bench, grid, shot);
     let signal = signals.get(usize::from(number) - 1)?.as_ref()?;
-    find_trigger(&scene.scope, scale, signal, grid.samples_until(0.0))
+    let earliest = before_trigger(&scene.scope);
+    find_trigger(&scene.scope, scale, signal, grid.samples_until(0.0), earliest)
 }
 
 /// Captures and truth of one trigger.

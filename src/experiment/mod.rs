@@ -37,6 +37,8 @@ const SPARE_SAMPLES: f64 = 20.0;
 /// A step is held to the accuracy asked for divided by this. Errors of first peaks and arrivals stayed below 1.4 times the
 /// error tolerated in a step, measured on six of the shipped scenes from 1e-4 to 1e-13 (1).
 const STEP_MARGIN: f64 = 4.0;
+/// Most steps of a method with a step by hand: hours of work for a chain of the bench's size (1).
+const MOST_STEPS: f64 = 1e9;
 /// Stream of the sample clock's phase; channels use 1 to 4.
 const CLOCK_STREAM: u8 = 0;
 
@@ -59,6 +61,16 @@ pub enum RunError {
         step: f64,
         /// What limits it.
         limit: StabilityLimit,
+    },
+    /// A step chosen by hand would take longer than anyone waits.
+    #[error(
+        "found a step of {step:e} s, which takes {steps:.1e} steps, expected at most {MOST_STEPS:.0e} steps"
+    )]
+    TooManySteps {
+        /// The step (s).
+        step: f64,
+        /// Steps in the scene's duration (1).
+        steps: f64,
     },
     /// The integrator could not go on.
     #[error(transparent)]
@@ -114,6 +126,12 @@ fn method(scene: &Scene, integration: Integration) -> Result<Method, RunError> {
         }
         Integration::Method(method) => method,
     };
+    if let Some((step, _)) = method.fixed_step() {
+        let steps = scene.duration / step;
+        if steps > MOST_STEPS {
+            return Err(RunError::TooManySteps { step, steps });
+        }
+    }
     let limit = method.fixed_step().and_then(|(step, reach)| {
         let limit = scene.chain.stability_limit(&scene.initial_velocities, reach)?;
         (step > limit.step).then_some((step, limit))
@@ -195,10 +213,7 @@ impl Finished<'_> {
             effect_settings: effects.iter().map(|(name, set)| format!("{name}: {set}")).collect(),
             effects: effects.into_iter().map(|(name, _)| name).collect(),
             energy: EnergyLedger::conservative(initial, last),
-            paper: paper::speeds()
-                .unwrap_or_default()
-                .into_iter()
-                .find(|row| row.scene == scene.name),
+            paper: paper::speed_of(scene),
             speeds: outcome::speeds(&scene.chain, &sensors),
             wall: wall.map(|watch| Reading::of("wall", None, 0.0, &watch.pulse)),
             notes: notes(scene, &sensors, shot, found),
@@ -239,7 +254,13 @@ fn notes(scene: &Scene, sensors: &[Reading], shot: &Shot, found: Option<Found>) 
         }
     }
     for sensor in sensors.iter().filter(|s| s.first_peak.is_none()) {
-        notes.push(format!("{}: no pulse arrived within the scene's duration", sensor.name));
+        let felt = if sensor.largest_n > 0.0 {
+            let force = engineering(sensor.largest_n, "N", 3);
+            format!("the force was still rising, at {force}, when the scene's duration ended")
+        } else {
+            "no pulse arrived within the scene's duration".to_owned()
+        };
+        notes.push(format!("{}: {felt}", sensor.name));
     }
     notes
 }

@@ -103,6 +103,8 @@ pub struct Reading {
     pub offset: f64,
     /// Static force (N).
     pub static_n: f64,
+    /// Largest dynamic force felt (N).
+    pub largest_n: f64,
     /// First local maximum of the dynamic force above a quarter of its largest value; none if nothing arrived.
     pub first_peak: Option<Peak>,
     /// When the dynamic force first reached half of its first peak (s).
@@ -123,6 +125,7 @@ impl Reading {
             particle,
             offset,
             static_n: pulse.probe().static_force(),
+            largest_n: pulse.largest(),
             first_peak,
             half_rise_s: reach(HALF_RISE),
             ten_percent_s: reach(FOOT),
@@ -137,7 +140,7 @@ pub struct Speed {
     pub from: usize,
     /// Particle to which.
     pub to: usize,
-    /// Static distance of their centres, overlaps subtracted (m).
+    /// Static distance of the plates, overlaps subtracted (m).
     pub distance_m: f64,
     /// Which arrival was taken: `half_rise`, `peak` or `ten_percent`.
     pub estimator: &'static str,
@@ -160,7 +163,12 @@ pub fn speeds(chain: &Chain, readings: &[Reading]) -> Vec<Speed> {
             let (Some(from), Some(to)) = (upper.particle, lower.particle) else {
                 continue;
             };
-            let distance_m = chain.distance(from, to);
+            let place = |particle: usize, offset: f64| {
+                let body = chain.bodies().get(chain.body_of(particle));
+                body.map_or(0.0, |body| offset * body.length)
+            };
+            let distance_m =
+                chain.distance(from, to) + place(to, lower.offset) - place(from, upper.offset);
             for (estimator, arrival) in ESTIMATORS {
                 let (Some(start), Some(end)) = (arrival(upper), arrival(lower)) else {
                     continue;

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use crate::data;
 use crate::quantity::Dimension;
+use crate::scene::Scene;
 use crate::scene::document::Node;
 use crate::scene::problem::Problem;
 use crate::scene::reader::{Bound, Problems, Table};
@@ -20,6 +21,15 @@ pub struct PaperSpeed {
     pub experiment_m_per_s: f64,
     /// Calculated, by an estimator that the paper does not name (m/s).
     pub numerics_m_per_s: f64,
+}
+
+/// What the paper prints for `scene`, if it is one of the paper's, unchanged.
+#[must_use]
+pub fn speed_of(scene: &Scene) -> Option<PaperSpeed> {
+    let row = speeds().ok()?.into_iter().find(|row| row.scene == scene.name)?;
+    // A file of the same name may say something else.
+    let shipped = Scene::load(&row.scene).ok()?;
+    (shipped.hash == scene.hash).then_some(row)
 }
 
 /// All rows.

@@ -83,6 +83,12 @@ impl PulseRecorder {
         segment
     }
 
+    /// Largest dynamic force so far (N).
+    #[must_use]
+    pub fn largest(&self) -> f64 {
+        self.largest
+    }
+
     /// The first local maximum of the dynamic force above a quarter of its largest value so far.
     #[must_use]
     pub fn first_peak(&self) -> Option<Peak> {

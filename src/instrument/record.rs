@@ -93,7 +93,8 @@ impl Acquirer<'_> {
                 // Noise rejection asks for crossings twice as large.
                 let deaf = self.panel.trigger.coupling == EdgeCoupling::NoiseReject;
                 let scale = if deaf { 2.0 * vertical.scale } else { vertical.scale };
-                find_trigger(self.setup, scale, &self.coupled(signal), automatic)
+                // The acquisition has seen to it that the part before the trigger is full.
+                find_trigger(self.setup, scale, &self.coupled(signal), automatic, 0)
             }
             TriggerType::Pulse => self.find_pulse(signal).or(fallback),
             // No input of this bench carries a video signal.

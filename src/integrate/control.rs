@@ -1,6 +1,7 @@
 //! Choosing steps by the error they make: shared by all methods that estimate their own error.
 
 use super::IntegrateError;
+use super::splitting::REMAINDER;
 
 /// A step is chosen to meet the tolerance with this margin (1).
 const SAFETY: f64 = 0.9;
@@ -43,7 +44,8 @@ impl StepControl {
     /// # Errors
     /// [`IntegrateError`] when the clock's rounding would swallow the step, so that a run would never end.
     pub fn trial(&self, start: f64, end: f64) -> Result<Trial, IntegrateError> {
-        let cut_short = self.step >= end - start;
+        // A remainder that is nothing but the rounding of the times is taken along.
+        let cut_short = self.step * (1.0 + REMAINDER) >= end - start;
         let next = if cut_short { end } else { start + self.step };
         // The step that is taken is the one that the clock shows, rounding included.
         let length = next - start;

@@ -8,6 +8,9 @@
 use super::hermite::{End, quintic, septic};
 use super::{IntegrateError, Integrator, Interpolant, State, System, Work, first_not_finite};
 
+/// A rest of an interval shorter than this share of a step belongs to the step (1).
+pub const REMAINDER: f64 = 1e-6;
+
 /// Fractions of a symmetric kick-drift-...-drift-kick method.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Splitting {
@@ -36,8 +39,9 @@ pub struct SplittingIntegrator<'a> {
     /// Rates of the accelerations at both ends, where the system knows them and the order deserves them.
     jerks: Option<[Vec<f64>; 2]>,
     step: f64,
-    /// Time is `start + steps * step`, never a running sum.
-    start: f64,
+    /// Time is `origin + count * step`, never a running sum; an interval's end starts a new count.
+    origin: f64,
+    count: u64,
     work: Work,
 }
 
@@ -59,7 +63,8 @@ impl<'a> SplittingIntegrator<'a> {
             method,
             previous: state.clone(),
             previous_acceleration: acceleration.clone(),
-            start: state.time,
+            origin: state.time,
+            count: 0,
             work: Work { force_evaluations: 1, ..Work::default() },
             system,
             state,
@@ -79,8 +84,16 @@ impl Integrator for SplittingIntegrator<'_> {
     fn step(&mut self, end: f64) -> Result<(), IntegrateError> {
         self.previous.clone_from(&self.state);
         self.previous_acceleration.copy_from_slice(&self.acceleration);
-        let regular = self.start + (self.work.steps + 1) as f64 * self.step;
-        let next = regular.min(end);
+        let regular = self.origin + (self.count + 1) as f64 * self.step;
+        // A remainder that is nothing but the rounding of the times is taken along, not stepped over on its own.
+        let next = if regular + REMAINDER * self.step < end {
+            self.count += 1;
+            regular
+        } else {
+            self.origin = end;
+            self.count = 0;
+            end
+        };
         let h = next - self.state.time;
         let State { position, velocity, .. } = &mut self.state;
         let (first, kicks) = self.method.kicks.split_first().unwrap_or((&0.0, &[]));

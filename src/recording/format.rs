@@ -34,7 +34,7 @@ pub enum OpenError {
     #[error(transparent)]
     Isf(#[from] IsfError),
     /// The file or folder could not be read.
-    #[error("{file}: {source}")]
+    #[error("{file}")]
     File {
         /// The file or folder.
         file: PathBuf,
@@ -51,7 +51,7 @@ pub enum OpenError {
     },
     /// A folder without a single capture.
     #[error(
-        "{file}: found no .csv or .isf file in this folder, expected at least one, e.g. F0000CH1.CSV"
+        "{file}: found no .csv or .isf file in this folder, expected at least one, e.g. F0000CH1.CSV, or one folder ALLnnnn"
     )]
     EmptyFolder {
         /// The folder.
@@ -101,14 +101,22 @@ pub fn open(path: &Path) -> Result<TraceSet, OpenError> {
 
 fn folder(path: &Path) -> Result<TraceSet, OpenError> {
     let failed = |source| OpenError::File { file: path.to_owned(), source };
-    let (mut files, mut set_ups) = (Vec::new(), Vec::new());
+    let (mut files, mut set_ups, mut shots) = (Vec::new(), Vec::new(), Vec::new());
     for entry in std::fs::read_dir(path).map_err(failed)? {
         let file = entry.map_err(failed)?.path();
         if matches!(Format::of(&file), Some(Format::TekCsv | Format::Isf)) {
             files.push(file);
         } else if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("set")) {
             set_ups.push(file);
+        } else if file.is_dir()
+            && file.file_name().is_some_and(|n| n.as_encoded_bytes().starts_with(b"ALL"))
+        {
+            shots.push(file);
         }
+    }
+    // The folder around the one folder of a trigger means that one.
+    if let ([], [shot]) = (files.as_slice(), shots.as_slice()) {
+        return folder(shot);
     }
     if files.is_empty() {
         return Err(OpenError::EmptyFolder { file: path.to_owned() });

@@ -7,8 +7,8 @@ use super::reader::{Bound, Problems, Table};
 use crate::chain::{Body, Chain, ChainError, ChainSpec, Elasticity, End};
 use crate::quantity::Dimension;
 
-/// Most particles a chain may have: memory and time stay within what one machine offers.
-const MOST_PARTICLES: usize = 1_000_000;
+/// Most particles a chain may have: a recording has a topic for each bead and each contact, and room for 65535.
+const MOST_PARTICLES: usize = 30_000;
 
 /// Looks materials up, in the scene first and among the instruments then.
 pub struct Materials<'a> {

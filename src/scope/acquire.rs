@@ -18,10 +18,32 @@ pub struct Found {
     pub crossed: bool,
 }
 
-/// First sample at which the conditioned source `signal` (V) has crossed the trigger level in the right direction,
-/// having been `hysteresis` beyond it before. Without one, automatic mode triggers at `automatic`.
+/// Samples that must have been taken before a trigger is accepted: the record's part before it, and what interpolation
+/// reaches for.
 #[must_use]
-pub fn find_trigger(setup: &Setup, scale: f64, signal: &[f64], automatic: usize) -> Option<Found> {
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "`as` takes a trigger left of the record to zero"
+)]
+pub fn before_trigger(setup: &Setup) -> usize {
+    let (start, _) = setup.record_span();
+    let samples = (-start / setup.model.sample_interval(setup.time_base)).ceil();
+    if samples > 0.0 { samples as usize + SINC_REACH as usize } else { 0 }
+}
+
+/// First sample at which the conditioned source `signal` (V) has crossed the trigger level in the right direction,
+/// having been `hysteresis` beyond it before. A crossing before sample
+/// `earliest` does not count: the part of the record before the trigger is not full yet. Without one, automatic mode triggers at
+/// `automatic`.
+#[must_use]
+pub fn find_trigger(
+    setup: &Setup,
+    scale: f64,
+    signal: &[f64],
+    automatic: usize,
+    earliest: usize,
+) -> Option<Found> {
     let sign = match setup.trigger.slope {
         Slope::Rise => 1.0,
         Slope::Fall => -1.0,
@@ -30,7 +52,7 @@ pub fn find_trigger(setup: &Setup, scale: f64, signal: &[f64], automatic: usize)
     let mut armed = false;
     for (index, volts) in signal.iter().enumerate() {
         let beyond = sign * (volts - setup.trigger.level);
-        if armed && beyond >= 0.0 {
+        if armed && beyond >= 0.0 && index >= earliest {
             return Some(Found { index, crossed: true });
         }
         armed |= beyond <= -hysteresis;

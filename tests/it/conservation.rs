@@ -1,6 +1,6 @@
 //! Momentum always, energy where nothing takes it.
 
-use hertzscope::chain::Chain;
+use hertzscope::chain::{Chain, ForceProbe};
 use hertzscope::experiment::bench::Bench;
 use hertzscope::integrate::Method;
 
@@ -62,4 +62,36 @@ fn verlet_energy_is_bounded_while_contacts_stay_closed() {
     assert!(long < 1.5 * short, "{short:e} became {long:e}");
     let finer = worst(0.5e-6, 1e-3);
     assert!((2.5..6.0).contains(&(short / finer)), "{short:e} and {finer:e}");
+}
+
+/// Times that do not divide evenly leave a remainder of the rounding's size; a step of its own would divide by it. The
+/// first peak of a force that is still rising is none.
+#[test]
+fn remainders_of_rounding_are_no_steps() {
+    let chain = diatomic(10, 2.38, false);
+    let probe = ForceProbe::inside(&chain, 9, 0.0).expect("a particle");
+    for step in [25e-9, 50e-9, 100e-9] {
+        for end in [120e-6, 150e-6, 180e-6] {
+            let method = Method::VelocityVerlet { step };
+            let mut bench = kicked(&chain, (0, 0.2), method, &[probe], NEVER);
+            bench.run_until(end, true, &mut |_| ()).expect("a run");
+            let steps = (end / step).round() as u64;
+            assert_eq!(bench.work().steps, steps, "{step:e} into {end:e}");
+            let exact = Method::DormandPrince853 { tolerance: 1e-12 };
+            let mut tight = kicked(&chain, (0, 0.2), exact, &[probe], NEVER);
+            tight.run_until(end, true, &mut |_| ()).expect("a run");
+            let peaks = [&bench, &tight].map(|b| b.watches()[0].pulse.first_peak().is_some());
+            assert_eq!(peaks[0], peaks[1], "{step:e} into {end:e}");
+        }
+    }
+}
+
+/// A step cut short by an interval's end starts a new count: no step is longer than the one chosen.
+#[test]
+fn no_step_is_longer_than_the_one_chosen() {
+    let chain = diatomic(10, 2.38, false);
+    let mut bench = kicked(&chain, (0, 0.2), Method::VelocityVerlet { step: 1e-6 }, &[], NEVER);
+    bench.run_until(10.05e-6, false, &mut |_| ()).expect("a run");
+    bench.run_until(20.05e-6, false, &mut |_| ()).expect("a run");
+    assert_eq!(bench.work().steps, 11 + 10);
 }

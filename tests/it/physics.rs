@@ -188,3 +188,21 @@ fn linear_chain_with_free_end() {
         assert!((found - exact).abs() < 1e-12 * speed, "mass {n}: {found} is not {exact}");
     }
 }
+
+/// An end force presses on the outermost face: plates in the end particles feel all of it, as those inside do.
+#[test]
+fn end_forces_are_felt_at_the_ends() {
+    let particles: Vec<_> = (0..6).map(|_| ptfe_sphere()).collect();
+    let chain = Chain::new(&pressed(particles, 5.0, false)).expect("a chain");
+    for particle in 1..=6 {
+        for offset in [-0.5, 0.0, 0.5] {
+            let probe = ForceProbe::inside(&chain, particle, offset).expect("a particle");
+            assert!((probe.static_force() - 5.0).abs() < 1e-14, "{particle} {offset}");
+        }
+    }
+    // And the energy still closes while the ends move against it.
+    let mut bench = kicked(&chain, (0, 0.2), TIGHT, &[], NEVER);
+    bench.run_until(2e-3, false, &mut |_| ()).expect("a run");
+    let (before, now) = bench.energies();
+    assert!((now.total() / before.total() - 1.0).abs() < 1e-11);
+}

@@ -9,8 +9,9 @@ use hertzscope::scope::waveform::{HIGHEST_CODE, LOWEST_CODE};
 fn with(changes: &str) -> Outcome {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("scene.toml");
-    let head = "base = \"magnet-0.61g\"\n[effects]\nscope_noise = false\n";
-    std::fs::write(&file, format!("{head}{changes}")).expect("a file");
+    let noise =
+        if changes.contains("scope_noise") { "" } else { "[effects]\nscope_noise = false\n" };
+    std::fs::write(&file, format!("base = \"magnet-0.61g\"\n{noise}{changes}")).expect("a file");
     let scene = Scene::load(&file.display().to_string()).expect("a scene");
     run(&scene, Integration::Accuracy(1e-6), 1, &mut |_| ()).expect("a run")
 }
@@ -175,4 +176,29 @@ fn the_shipped_recording_is_what_its_scene_gives() {
         assert_eq!(kept.waveform, made.waveform);
     }
     assert_eq!(set.shots[0].captures.len(), 4);
+}
+
+/// Noise crosses a low level long before the impact; a scope accepts no trigger before the part ahead of it is full, so every
+/// record is alive from its first point.
+#[test]
+fn noise_triggers_only_once_the_record_is_full() {
+    let outcome =
+        with("[effects.scope_noise]\nrms = \"0.5 div\"\n[scope.trigger]\nlevel = \"0.1 V\"\n");
+    let found = codes(&outcome.shot.captures[0]);
+    let still = found.windows(2).take_while(|pair| pair[0] == pair[1]).count();
+    assert!(still < 5, "{still} equal points at the start");
+}
+
+/// Speeds are between plates, wherever they sit in their hosts.
+#[test]
+fn speeds_count_from_plate_to_plate() {
+    let (centred, outer) =
+        (with(""), with("[sensors.p14]\noffset = -0.5\n[sensors.p27]\noffset = 0.5\n"));
+    let distance = |outcome: &Outcome| {
+        let speeds = &outcome.summary.speeds;
+        speeds.iter().find(|s| (s.from, s.to) == (14, 27)).expect("a pair").distance_m
+    };
+    // Half a sphere above, half a cylinder below.
+    let more = 0.5 * (4.76e-3 + 3.12e-3);
+    assert!((distance(&outer) - distance(&centred) - more).abs() < 1e-15);
 }

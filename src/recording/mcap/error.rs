@@ -8,7 +8,7 @@ pub const LARGEST_FILE: u64 = 4 * 1024 * 1024 * 1024;
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
     /// The file could not be read.
-    #[error("{file}: {source}")]
+    #[error("{file}")]
     File {
         /// The file.
         file: PathBuf,

@@ -23,7 +23,7 @@ const CHUNK_BYTES: u64 = 256 * 1024;
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
     /// The file could not be created, written or synchronised.
-    #[error("{file}: {source}")]
+    #[error("{file}")]
     File {
         /// The file.
         file: PathBuf,
@@ -31,7 +31,7 @@ pub enum WriteError {
         source: std::io::Error,
     },
     /// The container could not be written.
-    #[error("{file}: {source}")]
+    #[error("{file}")]
     Container {
         /// The file.
         file: PathBuf,

@@ -130,14 +130,12 @@ fn values_of_the_wrong_kind() {
         ["seed = 7", "seed = ¦9007199254740993", "seed", "9007199254740993", "9007199254740991"],
         ["repeat = 19", "repeat = ¦19.0", "chain.segments[1].repeat", "19.0", "a whole number"],
         ["repeat = 19", "repeat = ¦0", "chain.segments[1].repeat", "0", "from 1"],
-        ["repeat = 19", "repeat = ¦1_000_001", "chain.segments[1].repeat", "1000001", "1000000"],
-        [
-            "repeat = 19",
-            "repeat = ¦1000000",
+        ["repeat = 19", "repeat = ¦30_001", "chain.segments[1].repeat", "30001", "30000"],
+        ["repeat = 19", "repeat = ¦30000",
             "chain.segments[1].repeat",
             "a longer chain",
-            "1000000",
-        ],
+            "30000",
+        ].repeat", "a longer chain", "1000000"],
         [
             "particles = [\"ball\"]",
             "particles = ¦\"ball\"",
