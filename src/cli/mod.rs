@@ -10,6 +10,8 @@ mod man;
 mod progress;
 mod run;
 mod scenes;
+#[cfg(feature = "server")]
+mod serve;
 #[cfg(feature = "tui")]
 mod view;
 
@@ -36,6 +38,8 @@ enum Command {
     Convert(convert::Arguments),
     Cost(cost::Arguments),
     Scenes(scenes::Arguments),
+    #[cfg(feature = "server")]
+    Serve(serve::Arguments),
     #[cfg(feature = "tui")]
     View(view::Arguments),
     Completions(completions::Arguments),
@@ -51,6 +55,8 @@ pub fn main() -> ExitCode {
         Command::Convert(arguments) => convert::run(&arguments),
         Command::Cost(arguments) => cost::run(&arguments),
         Command::Scenes(arguments) => scenes::run(&arguments),
+        #[cfg(feature = "server")]
+        Command::Serve(arguments) => serve::run(&arguments),
         #[cfg(feature = "tui")]
         Command::View(arguments) => view::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),
