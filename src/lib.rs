@@ -16,6 +16,8 @@ pub mod scene;
 pub mod scope;
 pub mod scpi;
 pub mod sensor;
+#[cfg(feature = "server")]
+pub mod server;
 pub mod trace;
 #[cfg(feature = "tui")]
 pub mod tui;

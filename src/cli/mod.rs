@@ -12,6 +12,8 @@ mod man;
 mod progress;
 mod run;
 mod scenes;
+#[cfg(feature = "server")]
+mod serve;
 mod spectrum;
 #[cfg(feature = "tui")]
 mod view;
@@ -42,6 +44,8 @@ enum Command {
     Spectrum(spectrum::Arguments),
     Arrivals(arrivals::Arguments),
     Magnet(magnet::Arguments),
+    #[cfg(feature = "server")]
+    Serve(serve::Arguments),
     #[cfg(feature = "tui")]
     View(view::Arguments),
     Completions(completions::Arguments),
@@ -60,6 +64,8 @@ pub fn main() -> ExitCode {
         Command::Spectrum(arguments) => spectrum::run(&arguments),
         Command::Arrivals(arguments) => arrivals::run(&arguments),
         Command::Magnet(arguments) => magnet::run(&arguments),
+        #[cfg(feature = "server")]
+        Command::Serve(arguments) => serve::run(&arguments),
         #[cfg(feature = "tui")]
         Command::View(arguments) => view::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),

@@ -20,7 +20,8 @@ fn signals(scene: &Scene, bench: &Bench<'_>, grid: Grid, shot: u32) -> Vec<Optio
     (1..).zip(&setup.channels).map(|(n, c)| c.as_ref().map(|c| signal(n, c))).collect()
 }
 
-fn volts(scene: &Scene, bench: &Bench<'_>, grid: Grid, channel: &ChannelSetup) -> Vec<f64> {
+/// The signal at a channel's probe tip (V).
+pub fn volts(scene: &Scene, bench: &Bench<'_>, grid: Grid, channel: &ChannelSetup) -> Vec<f64> {
     let index = scene.sensors.iter().position(|s| Some(&s.name) == channel.input.as_ref());
     let watched = index.and_then(|i| bench.watches().get(i).zip(scene.sensors.get(i)));
     let Some((watch, placed)) = watched else {

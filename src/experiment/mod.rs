@@ -10,6 +10,7 @@ pub mod bench;
 mod comparison;
 pub mod cost;
 pub mod facts;
+pub mod inputs;
 pub mod outcome;
 pub mod paper;
 pub mod pulse;
@@ -142,13 +143,19 @@ fn method(scene: &Scene, integration: Integration) -> Result<Method, RunError> {
     }
 }
 
-/// The scope's sample times on the bench's clock: its own clock runs freely, so the phase is drawn from the seed.
+/// The scope's sample times on the bench's clock, set as in the scene.
 fn sample_grid(scene: &Scene, shot: u32) -> Grid {
     let setup = &scene.scope;
     let interval = setup.model.sample_interval(setup.time_base);
-    let phase: f64 = StandardUniform.sample(&mut noise_stream(scene.seed, shot, CLOCK_STREAM));
     let (start, _) = setup.record_span();
-    let before = (-start / interval).max(0.0).ceil() + SPARE_SAMPLES;
+    free_grid(scene, shot, interval, (-start).max(0.0))
+}
+
+/// Sample times every `interval` (s), from `before` (s) ahead of the first contact: the scope's own clock runs freely, so
+/// the phase is drawn from the seed.
+fn free_grid(scene: &Scene, shot: u32, interval: f64, before: f64) -> Grid {
+    let phase: f64 = StandardUniform.sample(&mut noise_stream(scene.seed, shot, CLOCK_STREAM));
+    let before = (before / interval).ceil() + SPARE_SAMPLES;
     Grid { start: (phase - before) * interval, interval }
 }
 

@@ -29,6 +29,8 @@ mod recordings;
 mod scene;
 mod scope;
 mod scpi;
+#[cfg(feature = "server")]
+mod server;
 mod set_file;
 mod tek_csv;
 #[cfg(feature = "tui")]

@@ -71,6 +71,35 @@ impl Default for Panel {
 }
 
 impl Panel {
+    /// The factory set-up with all that `setup` tells; channels that it leaves off are off.
+    #[must_use]
+    pub fn of(setup: &Setup) -> Self {
+        let mut panel = Self::default();
+        for (number, channel) in (1..=4).zip(&setup.channels) {
+            let knobs = panel.channel_mut(number);
+            knobs.displayed = channel.is_some();
+            let Some(channel) = channel else { continue };
+            let factory = knobs.vertical;
+            knobs.vertical = VerticalSetup {
+                coupling: channel.vertical.coupling.or(factory.coupling),
+                bandwidth_limited: channel.vertical.bandwidth_limited.or(factory.bandwidth_limited),
+                inverted: channel.vertical.inverted.or(factory.inverted),
+                ..channel.vertical
+            };
+        }
+        panel.horizontal.scale = setup.time_base;
+        panel.horizontal.position = setup.horizontal_position;
+        let Trigger { source, level, slope, mode } = setup.trigger;
+        let source = match source {
+            Source::Channel(2) => TriggerSource::Channel2,
+            Source::Channel(3) => TriggerSource::Channel3,
+            Source::Channel(4) => TriggerSource::Channel4,
+            _ => TriggerSource::Channel1,
+        };
+        panel.trigger = TriggerPanel { mode, source, level, slope, ..panel.trigger };
+        panel
+    }
+
     /// Settings of channel `number`, counted from 1; numbers beyond the last mean the last.
     #[must_use]
     pub fn channel(&self, number: u8) -> &Channel {

@@ -10,6 +10,8 @@ const SUBCOMMANDS: &[(&str, &[&str])] = &[
     ("info", &["<FILE>", "--json"]),
     ("convert", &["<INPUT>", "<OUTPUT>", "--quiet"]),
     ("scenes", &["[NAME]", "--json"]),
+    #[cfg(feature = "server")]
+    ("serve", &["[SCENE]", "--listen", "--impact-every", "--header"]),
     #[cfg(feature = "tui")]
     ("view", &["<FILE>"]),
     ("completions", &["<SHELL>", "bash", "zsh", "fish"]),
@@ -44,6 +46,10 @@ fn what_is_typed_wrong_is_refused() {
         &["convert", "a.mcap"],
         &["info", "a.mcap", "b.mcap"],
         &["completions", "tcl"],
+        #[cfg(feature = "server")]
+        &["serve", "--impact-every", "0s"],
+        #[cfg(feature = "server")]
+        &["serve", "--impact-every", "1e30 s"],
         &["run", "magnet-0.61g", "gravity-0.61g"],
     ] {
         let done = hertzscope(folder.path(), arguments);

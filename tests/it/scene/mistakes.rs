@@ -131,11 +131,7 @@ fn values_of_the_wrong_kind() {
         ["repeat = 19", "repeat = ¦19.0", "chain.segments[1].repeat", "19.0", "a whole number"],
         ["repeat = 19", "repeat = ¦0", "chain.segments[1].repeat", "0", "from 1"],
         ["repeat = 19", "repeat = ¦30_001", "chain.segments[1].repeat", "30001", "30000"],
-        ["repeat = 19", "repeat = ¦30000",
-            "chain.segments[1].repeat",
-            "a longer chain",
-            "30000",
-        ].repeat", "a longer chain", "1000000"],
+        ["repeat = 19", "repeat = ¦30000", "chain.segments[1].repeat", "a longer chain", "30000"],
         [
             "particles = [\"ball\"]",
             "particles = ¦\"ball\"",

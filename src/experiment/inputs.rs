@@ -1,0 +1,63 @@
+//! What an impact puts at the scope's inputs, for a scope that is set by somebody else than the scene.
+
+use super::acquisition::volts;
+use super::bench::{Bench, Grid};
+use super::{FRAMES, Integration, RunError, free_grid, method, probes};
+use crate::scene::Scene;
+
+/// Longest simulation, in durations of the scene (1).
+const LONGEST: f64 = 10.0;
+/// Most samples of a signal; most before the first contact are half of them.
+const MOST_SAMPLES: usize = 2_000_000;
+
+/// The sample grid that a scope wants its signals on, and how much of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Window {
+    /// From one sample to the next (s).
+    pub interval: f64,
+    /// Time before the trigger that the record shows (s).
+    pub before: f64,
+    /// Time after the trigger that the record shows (s).
+    pub after: f64,
+}
+
+/// Signals of one impact on a common grid.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Inputs {
+    /// From one sample to the next (s).
+    pub interval: f64,
+    /// Index of the first sample after the striker's first contact.
+    pub contact: usize,
+    /// Signal at each channel's probe tip in order; empty for a channel that the scene leaves open (V).
+    pub volts: Vec<Vec<f64>>,
+}
+
+/// Strikes the scene's chain and follows it for a trigger anywhere within the scene's duration, but for no longer than ten
+/// durations and no more than two million samples. Probes are those of the scene, whatever the scope takes them for.
+///
+/// # Errors
+/// [`RunError`] for states that stop being numbers.
+pub fn inputs(scene: &Scene, window: Window, shot: u32) -> Result<Inputs, RunError> {
+    let method = method(scene, Integration::Accuracy(scene.accuracy))?;
+    #[allow(clippy::cast_precision_loss, reason = "two million is far below 2^53")]
+    let longest_before = (MOST_SAMPLES / 2) as f64 * window.interval;
+    let grid = free_grid(scene, shot, window.interval, window.before.min(longest_before));
+    let frames = Grid { start: 0.0, interval: scene.duration / FRAMES };
+    let probes = probes(scene);
+    let mut bench =
+        Bench::new(&scene.chain, &scene.initial_velocities, method, &probes, (grid, frames));
+    let last = grid.time(MOST_SAMPLES - 1);
+    let end = (scene.duration + window.after + 2.0 * grid.interval)
+        .min(LONGEST * scene.duration)
+        .min(last);
+    // In the two strides of a scene's own run, so that both take the same steps.
+    bench.run_until(scene.duration.min(end), false, &mut |_| ())?;
+    bench.run_until(end, false, &mut |_| ())?;
+    let channels = scene.scope.channels.iter();
+    let signal = |channel| volts(scene, &bench, grid, channel);
+    Ok(Inputs {
+        interval: grid.interval,
+        contact: grid.samples_until(0.0),
+        volts: channels.map(|c| c.as_ref().map(signal).unwrap_or_default()).collect(),
+    })
+}

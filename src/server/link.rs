@@ -1,0 +1,101 @@
+//! One connection: carries bytes between a socket and the instrument's owner.
+//!
+//! A piece of input is handed on only when the answer to the one before has been written, so a client that does not read
+//! is not read from either, and nothing piles up.
+
+use std::io;
+use std::time::Duration;
+
+use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
+use tokio::net::TcpStream;
+use tokio::sync::mpsc;
+
+/// Longest piece of input that is handed on at once (bytes).
+const PIECE: usize = 1024;
+/// A client that takes nothing for so long is dropped.
+const STALL: Duration = Duration::from_secs(10);
+/// Answers that wait for the socket. One belongs to the last piece, others come from acquisitions that ended.
+const ANSWERS: usize = 16;
+
+/// What a connection tells the owner.
+#[derive(Debug)]
+pub enum News {
+    /// It is there.
+    Opened {
+        /// Number of the connection.
+        number: u64,
+        /// Where its answers go.
+        answers: mpsc::Sender<Answer>,
+    },
+    /// Bytes came. The owner has one answer to each piece, even if an empty one.
+    Bytes {
+        /// Number of the connection.
+        number: u64,
+        /// The bytes.
+        bytes: Vec<u8>,
+    },
+    /// It is gone.
+    Closed {
+        /// Number of the connection.
+        number: u64,
+    },
+}
+
+/// Bytes for a client.
+#[derive(Debug)]
+pub struct Answer {
+    /// The bytes, which may be none.
+    pub bytes: Vec<u8>,
+    /// Whether this answers a piece; what comes later, when an acquisition has ended, does not.
+    pub to_piece: bool,
+}
+
+/// Carries bytes until either side ends it.
+pub async fn carry(stream: TcpStream, number: u64, news: mpsc::Sender<News>) {
+    let (answers, inbox) = mpsc::channel(ANSWERS);
+    if news.send(News::Opened { number, answers }).await.is_ok() {
+        // However the connection ends, the client knows; nobody else has to.
+        let _ = exchange(stream, number, &news, inbox).await;
+        let _ = news.send(News::Closed { number }).await;
+    }
+}
+
+async fn exchange(
+    mut stream: TcpStream,
+    number: u64,
+    news: &mpsc::Sender<News>,
+    mut inbox: mpsc::Receiver<Answer>,
+) -> io::Result<()> {
+    // Clients give an unknown query a millisecond to stay silent.
+    stream.set_nodelay(true)?;
+    let mut buffer = [0; PIECE];
+    let mut asked = false;
+    loop {
+        tokio::select! {
+            answer = inbox.recv() => {
+                let Some(answer) = answer else { return Ok(()) };
+                write(&mut stream, &answer.bytes).await?;
+                asked &= !answer.to_piece;
+            }
+            length = stream.read(&mut buffer), if !asked => {
+                let bytes = buffer.get(..length?).unwrap_or_default().to_vec();
+                if bytes.is_empty() || news.send(News::Bytes { number, bytes }).await.is_err() {
+                    return Ok(());
+                }
+                asked = true;
+            }
+        }
+    }
+}
+
+/// Writes all of `bytes`, as long as the client takes some in time.
+async fn write(stream: &mut TcpStream, mut bytes: &[u8]) -> io::Result<()> {
+    while !bytes.is_empty() {
+        let written = tokio::time::timeout(STALL, stream.write(bytes)).await??;
+        if written == 0 {
+            return Err(io::ErrorKind::WriteZero.into());
+        }
+        bytes = bytes.get(written..).unwrap_or_default();
+    }
+    Ok(())
+}

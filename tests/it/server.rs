@@ -1,0 +1,257 @@
+//! The scope on the network. Every wait ends with an answer; the limits only end tests that have failed.
+
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
+use std::process::{Command, Stdio};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use hertzscope::experiment::inputs::{Window, inputs};
+use hertzscope::experiment::{Integration, run};
+use hertzscope::scene::Scene;
+use hertzscope::server::{MOST_CONNECTIONS, Options, ServeError, serve};
+use tokio::sync::oneshot;
+
+/// What a test waits for at most.
+const LIMIT: Duration = Duration::from_secs(120);
+/// `*IDN?` of the shipped TDS 2014.
+const IDENTITY: &str = "TEKTRONIX,TDS 2014,0,CF:91.1CT FV:v4.12 TDS2CM:CMV:v1.04\n";
+
+struct Server {
+    address: SocketAddr,
+    stop: Option<oneshot::Sender<()>>,
+    thread: Option<JoinHandle<Result<(), ServeError>>>,
+}
+
+impl Server {
+    fn with(options: Options) -> Self {
+        let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+        let address = listener.local_addr().expect("an address");
+        let (stop, stopped) = oneshot::channel::<()>();
+        let stopped = async {
+            let _ = stopped.await;
+        };
+        let thread = std::thread::spawn(move || serve(listener, &scene(), options, stopped));
+        Self { address, stop: Some(stop), thread: Some(thread) }
+    }
+
+    fn at_rest() -> Self {
+        Self::with(Options::default())
+    }
+
+    fn connect(&self) -> Client {
+        connect(self.address)
+    }
+}
+
+fn connect(address: SocketAddr) -> Client {
+    let stream = TcpStream::connect(address).expect("a connection");
+    stream.set_read_timeout(Some(LIMIT)).expect("a limit");
+    stream.set_write_timeout(Some(LIMIT)).expect("a limit");
+    Client { stream: BufReader::new(stream) }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        drop(self.stop.take());
+        let ended = self.thread.take().expect("one end").join();
+        if !std::thread::panicking() {
+            ended.expect("no panic").expect("a graceful end");
+        }
+    }
+}
+
+struct Client {
+    stream: BufReader<TcpStream>,
+}
+
+impl Client {
+    fn send(&mut self, bytes: &[u8]) {
+        self.stream.get_mut().write_all(bytes).expect("a client that can write");
+    }
+
+    fn line(&mut self) -> String {
+        let mut line = String::new();
+        self.stream.read_line(&mut line).expect("a line");
+        line
+    }
+
+    fn ask(&mut self, message: &str) -> String {
+        self.send(format!("{message}\n").as_bytes());
+        self.line()
+    }
+
+    /// Whether the server has closed the connection.
+    fn is_closed(&mut self) -> bool {
+        !matches!(self.stream.read(&mut [0]), Ok(1))
+    }
+}
+
+fn scene() -> Scene {
+    let mut scene = Scene::load("magnet-0.61g").expect("the default scene");
+    scene.accuracy = 1e-3;
+    scene
+}
+
+#[test]
+fn the_identity_byte_for_byte() {
+    let server = Server::at_rest();
+    let mut client = server.connect();
+    assert_eq!(client.ask("*IDN?"), IDENTITY);
+    client.send(b"*ID");
+    client.send(b"N?\r\n");
+    assert_eq!(client.line(), IDENTITY);
+}
+
+/// Front panel as in the scene; settings are everybody's, headers each one's own.
+#[test]
+fn two_clients_share_the_instrument() {
+    let server = Server::with(Options { header: true, ..Options::default() });
+    let (mut one, mut two) = (server.connect(), server.connect());
+    assert_eq!(one.ask("HEADER OFF;:CH1:SCALE?"), "1.0E0\n");
+    let panel = one.ask("HOR:SCA?;:TRIG:MAI:MOD?;:SEL:CH1?;CH2?;CH3?;CH4?");
+    let setup = scene().scope;
+    let on: Vec<u8> = setup.channels.iter().map(|c| u8::from(c.is_some())).collect();
+    let time_base = hertzscope::scope::set_up::nr3(setup.time_base);
+    let [a, b, c, d] = on.try_into().expect("four channels");
+    assert_eq!(panel, format!("{time_base};NORMAL;{a};{b};{c};{d}\n"));
+    assert_eq!(one.ask("CH1:SCALE 2;SCALE?"), "2.0E0\n");
+    assert_eq!(two.ask("CH1:SCALE?"), ":CH1:SCALE 2.0E0\n");
+}
+
+#[test]
+fn an_unknown_query_has_no_reply() {
+    let server = Server::at_rest();
+    let mut client = server.connect();
+    client.send(b"*CLS\n:CH5:POSITION?\n");
+    assert_eq!(client.ask("*ESR?"), "32\n");
+    assert_eq!(client.ask("EVENT?"), "113\n");
+}
+
+/// The records that the scene itself gives for the shot that was caught, whichever that was.
+#[test]
+fn a_single_sequence_catches_an_impact() {
+    let impact_every = Some(Duration::from_millis(20));
+    let server = Server::with(Options { impact_every, ..Options::default() });
+    let mut client = server.connect();
+    client.send(b"ACQ:STOPA SEQ\nACQ:STATE ON\n");
+    assert_eq!(client.ask("*OPC?"), "1\n");
+    assert_eq!(client.ask("ACQ:STATE?;NUMACQ?"), "0;1\n");
+    let scene = scene();
+    let levels = |line: String| -> Vec<i16> {
+        line.trim_end().split(',').map(|level| level.parse().expect("a level")).collect()
+    };
+    let mut records = Vec::new();
+    for (number, channel) in (1_u8..).zip(&scene.scope.channels) {
+        if channel.is_some() {
+            records.push(levels(client.ask(&format!("DATA:SOU CH{number};ENC ASCI;:CURVE?"))));
+        }
+    }
+    assert!(!records.is_empty());
+    // Levels within round-off of a step between two may differ, two a record.
+    let is_it = |shot: u32| {
+        let outcome = run(&scene, Integration::Accuracy(1e-3), shot, &mut |_| ()).expect("a run");
+        let captures = &outcome.shot.captures;
+        let differ = |(a, b): (&Vec<i16>, &Vec<i16>)| {
+            a.len() != b.len() || a.iter().zip(b).filter(|(a, b)| a != b).count() > 2
+        };
+        captures.len() == records.len()
+            && !records.iter().zip(captures.iter().map(|c| &c.waveform.codes)).any(differ)
+    };
+    assert!((1..=40).any(is_it), "no shot gives these records");
+}
+
+#[test]
+fn a_binary_curve_ends_with_one_terminator() {
+    let server = Server::at_rest();
+    let mut client = server.connect();
+    let sequence = "HOR:SCA 1E-4;:TRIG:MAI:MOD AUTO;:ACQ:STOPA SEQ;STATE ON;*OPC?";
+    assert_eq!(client.ask(sequence), "1\n");
+    client.send(b"DATA:SOU CH1;ENC RPB;WIDTH 1;:CURVE?\n*OPC?\n");
+    let mut reply = vec![0; 6 + 2500 + 3];
+    client.stream.read_exact(&mut reply).expect("a block");
+    assert!(reply.starts_with(b"#42500"));
+    assert!(reply.ends_with(b"\n1\n"));
+}
+
+/// Gone in the middle of a block, gone before its answer, a megabyte without end, answers that nobody reads.
+#[test]
+fn bad_clients_harm_nobody() {
+    let server = Server::at_rest();
+    let mut good = server.connect();
+    let mut client = server.connect();
+    client.send(b"CURVE #42500abc");
+    drop(client);
+    let mut client = server.connect();
+    client.send(b"ACQ:STOPA SEQ;STATE ON;*OPC?\n");
+    drop(client);
+    let mut flood = server.connect();
+    flood.send(&vec![b'x'; 1 << 20]);
+    let mut deaf = server.connect();
+    deaf.send("SET?\n".repeat(1000).as_bytes());
+    assert_eq!(good.ask("*IDN?"), IDENTITY);
+    flood.send(b"\n");
+    assert_eq!(flood.ask("*IDN?"), IDENTITY);
+    assert_eq!(good.ask("CH1:SCALE?"), "1.0E0\n");
+    deaf.stream.get_mut().shutdown(Shutdown::Both).expect("an end");
+    assert_eq!(good.ask("*IDN?"), IDENTITY);
+}
+
+#[test]
+fn connections_are_limited() {
+    let server = Server::at_rest();
+    let mut clients: Vec<Client> = (0..MOST_CONNECTIONS).map(|_| server.connect()).collect();
+    for client in &mut clients {
+        assert_eq!(client.ask("*IDN?"), IDENTITY);
+    }
+    assert!(server.connect().is_closed());
+    assert_eq!(clients[0].ask("*IDN?"), IDENTITY);
+    drop(clients);
+    // Room again, as soon as the server knows.
+    let answers = |mut client: Client| {
+        client.stream.get_mut().write_all(b"*IDN?\n").is_ok()
+            && client.stream.read_line(&mut String::new()).is_ok_and(|length| length > 0)
+    };
+    assert!((0..10_000).any(|_| answers(server.connect())));
+}
+
+#[test]
+fn clients_are_closed_at_the_end() {
+    let server = Server::at_rest();
+    let mut client = server.connect();
+    assert_eq!(client.ask("*IDN?"), IDENTITY);
+    drop(server);
+    assert!(client.is_closed());
+}
+
+/// However far a client moves the record away, an impact costs no more than so much.
+#[test]
+fn what_an_impact_costs_is_limited() {
+    let mut scene = scene();
+    scene.duration = 2e-4;
+    let samples = |interval: f64, before: f64, after: f64| {
+        let arrived = inputs(&scene, Window { interval, before, after }, 1).expect("signals");
+        assert!(arrived.contact <= arrived.volts[0].len());
+        arrived.volts[0].len()
+    };
+    assert!((1_999_990..=2_000_000).contains(&samples(1e-9, 50.0, 50.0)));
+    // Ten durations are 2 ms.
+    assert!((1_990..=2_030).contains(&samples(1e-6, 0.0, 50.0)));
+    assert!((1_200..=1_230).contains(&samples(1e-6, 1e-3, 0.0)));
+}
+
+#[test]
+fn the_command_says_where_it_listens() {
+    let mut server = Command::new(env!("CARGO_BIN_EXE_hertzscope"))
+        .args(["serve", "gravity-0.61g", "--listen", "127.0.0.1:0", "--header", "on"])
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("a server");
+    let mut line = String::new();
+    BufReader::new(server.stdout.take().expect("a pipe")).read_line(&mut line).expect("a line");
+    let address = line.trim_end().strip_prefix("listening on ").map(str::parse::<SocketAddr>);
+    let reply = address.and_then(Result::ok).map(|at| connect(at).ask("CH1:PROBE?"));
+    server.kill().expect("an end");
+    server.wait().expect("an end");
+    assert_eq!(reply.as_deref(), Some(":CH1:PROBE 1\n"), "{line}");
+}
