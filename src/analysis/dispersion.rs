@@ -4,7 +4,7 @@
 //! between `f1` and `f2` nothing travels. Source: Herbold et al. (2009), Eqs (7) to (10). Valid for dynamic forces far below
 //! the static one.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// A chain of light and heavy masses in turn, joined by equal springs.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,7 +77,4 @@ impl DiatomicChain {
         let cosine = (shifted * shifted - m * m - big_m * big_m) / (2.0 * m * big_m);
         if cosine.abs() > 1.0 { cosine.abs().acosh() } else { 0.0 }
     }
-
-    /// Phase a cell at which a branch ends (rad).
-    pub const ZONE_EDGE: f64 = PI;
 }

@@ -5,6 +5,7 @@
 //! Source: C. Hermite, J. reine angew. Math. 84, 70 (1878).
 
 use super::interpolant::{COEFFICIENTS, Interpolant};
+use super::{State, System};
 
 /// What is known of one body at one end of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,6 +16,45 @@ pub struct End {
     pub velocity: f64,
     /// Acceleration (m/s²).
     pub acceleration: f64,
+}
+
+/// A step between two states, with the accelerations there (m/s²) and, where they are known, their rates.
+pub(super) struct Between<'a> {
+    /// State and accelerations at the start.
+    pub from: (&'a State, &'a [f64]),
+    /// State and accelerations at the end.
+    pub to: (&'a State, &'a [f64]),
+    /// Rates of the accelerations at both (m/s^3).
+    pub jerks: Option<&'a [Vec<f64>; 2]>,
+}
+
+impl Between<'_> {
+    /// The motion of `body`: a septic where jerks are known, a quintic where not.
+    pub fn interpolant(&self, body: usize) -> Interpolant {
+        let at = |values: &[f64]| values.get(body).copied().unwrap_or(0.0);
+        let end = |(state, acceleration): (&State, &[f64])| End {
+            position: at(&state.position),
+            velocity: at(&state.velocity),
+            acceleration: at(acceleration),
+        };
+        let (from, to, length) = (end(self.from), end(self.to), self.to.0.time - self.from.0.time);
+        match self.jerks {
+            Some([before, after]) => septic(from, to, (at(before), at(after)), length),
+            None => quintic(from, to, length),
+        }
+    }
+}
+
+/// Has `system` write the jerks at both ends of a step; where it does not know them they are given up.
+pub(super) fn find_jerks(
+    system: &mut dyn System,
+    ends: [&State; 2],
+    jerks: &mut Option<[Vec<f64>; 2]>,
+) {
+    let Some(room) = jerks else { return };
+    if !ends.into_iter().zip(room).all(|(state, jerk)| system.jerks(state, jerk)) {
+        *jerks = None;
+    }
 }
 
 /// The quintic through both ends of a step of `length` (s).

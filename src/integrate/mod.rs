@@ -127,6 +127,12 @@ pub trait Integrator {
 }
 
 impl Scales {
+    /// Takes in the present ones: a rebound's speed stays the yardstick for what it left behind.
+    fn widen(&mut self, now: Self) {
+        self.position = self.position.max(now.position);
+        self.velocity = self.velocity.max(now.velocity);
+    }
+
     /// Whether errors can be measured by them.
     fn are_finite(&self) -> bool {
         self.position.is_finite() && self.velocity.is_finite()

@@ -6,7 +6,7 @@
 //! estimate's smoothness, and the controller shortens the step. Interpolation is septic Hermite.
 
 use super::control::{StepControl, add_compensated, largest};
-use super::hermite::{End, quintic, septic};
+use super::hermite::{Between, find_jerks};
 use super::{IntegrateError, Integrator, Interpolant, Scales, State, System, Work};
 
 /// Terms of a weighted sum: stage and weight (1).
@@ -143,10 +143,7 @@ impl<'a> NystromIntegrator<'a> {
         self.state.time = next;
         self.last_length = h;
         self.work.steps += 1;
-        let now = self.system.scales(&self.state.position, &self.state.velocity);
-        // A rebound's speed stays the yardstick for what it left behind.
-        self.scales.position = self.scales.position.max(now.position);
-        self.scales.velocity = self.scales.velocity.max(now.velocity);
+        self.scales.widen(self.system.scales(&self.state.position, &self.state.velocity));
     }
 }
 
@@ -177,27 +174,14 @@ impl Integrator for NystromIntegrator<'_> {
     }
 
     fn prepare_interpolation(&mut self) {
-        let Some([before, after]) = &mut self.jerks else { return };
-        let known =
-            self.system.jerks(&self.previous, before) && self.system.jerks(&self.state, after);
-        if !known {
-            self.jerks = None;
-        }
+        let ends = [&self.previous, &self.state];
+        find_jerks(self.system.as_mut(), ends, &mut self.jerks);
     }
 
     fn interpolant(&self, body: usize) -> Interpolant {
-        let at = |values: &[f64]| values.get(body).copied().unwrap_or(0.0);
-        let end = |state: &State, acceleration: Option<&Vec<f64>>| End {
-            position: at(&state.position),
-            velocity: at(&state.velocity),
-            acceleration: acceleration.map_or(0.0, |a| at(a)),
-        };
-        let from = end(&self.previous, self.stages.first());
-        let to = end(&self.state, self.stages.last());
-        match &self.jerks {
-            Some([before, after]) => septic(from, to, (at(before), at(after)), self.last_length),
-            None => quintic(from, to, self.last_length),
-        }
+        let from = (&self.previous, self.stages.first().map_or(&[][..], Vec::as_slice));
+        let to = (&self.state, self.stages.last().map_or(&[][..], Vec::as_slice));
+        Between { from, to, jerks: self.jerks.as_ref() }.interpolant(body)
     }
 
     fn last_step(&self) -> (f64, f64) {

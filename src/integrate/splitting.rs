@@ -5,7 +5,7 @@
 //! and keep the energy error bounded as long as every contact stays closed; where a contact opens or closes the force
 //! has no second derivative and all of them fall to about order 2.5.
 
-use super::hermite::{End, quintic, septic};
+use super::hermite::{Between, find_jerks};
 use super::{IntegrateError, Integrator, Interpolant, State, System, Work, first_not_finite};
 
 /// A rest of an interval shorter than this share of a step belongs to the step (1).
@@ -113,28 +113,14 @@ impl Integrator for SplittingIntegrator<'_> {
     }
 
     fn prepare_interpolation(&mut self) {
-        let Some([before, after]) = &mut self.jerks else { return };
-        let known =
-            self.system.jerks(&self.previous, before) && self.system.jerks(&self.state, after);
-        if !known {
-            self.jerks = None;
-        }
+        let ends = [&self.previous, &self.state];
+        find_jerks(self.system.as_mut(), ends, &mut self.jerks);
     }
 
     fn interpolant(&self, body: usize) -> Interpolant {
-        let at = |values: &[f64]| values.get(body).copied().unwrap_or(0.0);
-        let end = |state: &State, acceleration: &[f64]| End {
-            position: at(&state.position),
-            velocity: at(&state.velocity),
-            acceleration: at(acceleration),
-        };
-        let from = end(&self.previous, &self.previous_acceleration);
-        let to = end(&self.state, &self.acceleration);
-        let length = self.state.time - self.previous.time;
-        match &self.jerks {
-            Some([before, after]) => septic(from, to, (at(before), at(after)), length),
-            None => quintic(from, to, length),
-        }
+        let from = (&self.previous, self.previous_acceleration.as_slice());
+        let to = (&self.state, self.acceleration.as_slice());
+        Between { from, to, jerks: self.jerks.as_ref() }.interpolant(body)
     }
 
     fn last_step(&self) -> (f64, f64) {

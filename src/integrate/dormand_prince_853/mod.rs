@@ -127,10 +127,7 @@ impl<'a> DormandPrince853<'a> {
         self.state.time = next;
         self.last_length = h;
         self.work.steps += 1;
-        let now = self.system.scales(&self.state.position, &self.state.velocity);
-        // A rebound's speed stays the yardstick for what it left behind.
-        self.scales.position = self.scales.position.max(now.position);
-        self.scales.velocity = self.scales.velocity.max(now.velocity);
+        self.scales.widen(self.system.scales(&self.state.position, &self.state.velocity));
     }
 }
 
