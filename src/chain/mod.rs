@@ -15,6 +15,7 @@ pub mod hertz;
 mod impact;
 mod kernel;
 mod probe;
+pub mod stepper;
 mod system;
 
 pub use contact::{Contact, Law};

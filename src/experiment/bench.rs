@@ -1,5 +1,6 @@
 //! The chain in motion with everything that watches it: pulses, scope samples, truth.
 
+use crate::chain::stepper::{ChainStepper, InstructionSet};
 use crate::chain::{Chain, ChainSystem, Energy, ForceProbe};
 use crate::integrate::{IntegrateError, Integrator, Interpolant, Method, State, Work};
 
@@ -60,6 +61,16 @@ pub struct Film {
     frames: usize,
 }
 
+/// The method at work on the chain: Runge-Kutta-Nystrom pairs by the chain's own stepper.
+fn start(chain: &Chain, method: Method, state: State) -> Box<dyn Integrator> {
+    if let Some((pair, tolerance)) = method.nystrom() {
+        let set = InstructionSet::best();
+        return Box::new(ChainStepper::new(chain, &state.velocity, pair, tolerance, set));
+    }
+    let system = ChainSystem::new(chain, &state.velocity);
+    method.start(Box::new(system), state)
+}
+
 /// A running bench.
 pub struct Bench<'a> {
     chain: &'a Chain,
@@ -85,7 +96,6 @@ impl<'a> Bench<'a> {
         let state =
             State { time: 0.0, position: vec![0.0; bodies], velocity: initial_velocities.to_vec() };
         let initial_energy = chain.energy(&state);
-        let system = ChainSystem::new(chain, initial_velocities);
         // Before the first contact nothing moves: those samples are known.
         let before = grid.samples_until(0.0);
         let watch = |probe: &ForceProbe| Watch {
@@ -101,7 +111,7 @@ impl<'a> Bench<'a> {
         film.take(chain, &state.position);
         Self {
             chain,
-            integrator: method.start(Box::new(system), state),
+            integrator: start(chain, method, state),
             grid,
             watches: probes.iter().map(watch).collect(),
             film,
@@ -120,10 +130,10 @@ impl<'a> Bench<'a> {
         progress: &mut dyn FnMut(f64),
     ) -> Result<(), IntegrateError> {
         let bodies = self.chain.bodies().len();
-        while self.integrator.state().time < end {
+        while self.integrator.time() < end {
             self.integrator.step(end)?;
             self.integrator.prepare_interpolation();
-            let now = self.integrator.state().time;
+            let now = self.integrator.time();
             for watch in &mut self.watches {
                 watch.take(self.integrator.as_ref(), bodies, self.grid, pulses);
             }
@@ -148,12 +158,18 @@ impl<'a> Bench<'a> {
     /// Energy at the start and now.
     #[must_use]
     pub fn energies(&self) -> (Energy, Energy) {
-        (self.initial_energy, self.chain.energy(self.integrator.state()))
+        (self.initial_energy, self.chain.energy(&self.integrator.state()))
+    }
+
+    /// The present time (s).
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.integrator.time()
     }
 
     /// The present state.
     #[must_use]
-    pub fn state(&self) -> &State {
+    pub fn state(&self) -> State {
         self.integrator.state()
     }
 
@@ -171,7 +187,7 @@ impl Watch {
         } else {
             self.pulse.probe().over_step(integrator, bodies)
         };
-        let end = integrator.state().time;
+        let end = integrator.time();
         let mut time = grid.time(self.samples.len());
         while time <= end {
             self.samples.push(segment.force((time - segment.start) / segment.length));
@@ -184,7 +200,7 @@ impl Film {
     /// Takes every frame that falls into the integrator's last step.
     fn follow(&mut self, chain: &Chain, integrator: &dyn Integrator) {
         let (start, length) = integrator.last_step();
-        let end = integrator.state().time;
+        let end = integrator.time();
         if self.grid.time(self.frames) > end {
             return;
         }

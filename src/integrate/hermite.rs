@@ -19,7 +19,7 @@ pub struct End {
 }
 
 /// A step between two states, with the accelerations there (m/s²) and, where they are known, their rates.
-pub(super) struct Between<'a> {
+pub struct Between<'a> {
     /// State and accelerations at the start.
     pub from: (&'a State, &'a [f64]),
     /// State and accelerations at the end.
@@ -46,11 +46,7 @@ impl Between<'_> {
 }
 
 /// Has `system` write the jerks at both ends of a step; where it does not know them they are given up.
-pub(super) fn find_jerks(
-    system: &mut dyn System,
-    ends: [&State; 2],
-    jerks: &mut Option<[Vec<f64>; 2]>,
-) {
+pub fn find_jerks(system: &mut dyn System, ends: [&State; 2], jerks: &mut Option<[Vec<f64>; 2]>) {
     let Some(room) = jerks else { return };
     if !ends.into_iter().zip(room).all(|(state, jerk)| system.jerks(state, jerk)) {
         *jerks = None;

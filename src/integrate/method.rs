@@ -118,6 +118,15 @@ impl Method {
         }
     }
 
+    /// The Runge-Kutta-Nystrom pair and the tolerated error of a step; none for other methods (1).
+    #[must_use]
+    pub fn nystrom(&self) -> Option<(&'static NystromPair, f64)> {
+        match self.kind() {
+            Kind::Nystrom(pair, tolerance) => Some((pair, tolerance)),
+            Kind::Splitting(..) | Kind::DormandPrince853(_) => None,
+        }
+    }
+
     /// Force evaluations of one step.
     #[must_use]
     pub fn stages(&self) -> u8 {

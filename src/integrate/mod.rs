@@ -5,7 +5,7 @@
 //! equations are autonomous: no method sees the time but for bookkeeping.
 
 pub mod blanes_moan;
-mod control;
+pub mod control;
 pub mod dormand_el_mikkawy_prince_64;
 pub mod dormand_el_mikkawy_prince_86;
 pub mod dormand_prince_853;
@@ -103,8 +103,11 @@ pub enum IntegrateError {
 
 /// A method at work on a system.
 pub trait Integrator {
+    /// The present time (s).
+    fn time(&self) -> f64;
+
     /// The present state.
-    fn state(&self) -> &State;
+    fn state(&self) -> State;
 
     /// Takes one step, not beyond `end` (s).
     ///

@@ -148,8 +148,12 @@ impl<'a> NystromIntegrator<'a> {
 }
 
 impl Integrator for NystromIntegrator<'_> {
-    fn state(&self) -> &State {
-        &self.state
+    fn time(&self) -> f64 {
+        self.state.time
+    }
+
+    fn state(&self) -> State {
+        self.state.clone()
     }
 
     fn step(&mut self, end: f64) -> Result<(), IntegrateError> {

@@ -76,8 +76,12 @@ impl<'a> SplittingIntegrator<'a> {
 }
 
 impl Integrator for SplittingIntegrator<'_> {
-    fn state(&self) -> &State {
-        &self.state
+    fn time(&self) -> f64 {
+        self.state.time
+    }
+
+    fn state(&self) -> State {
+        self.state.clone()
     }
 
     #[allow(clippy::cast_precision_loss, reason = "runs take far fewer than 2^53 steps")]

@@ -128,7 +128,7 @@ fn states(scene: &Scene, times: &[f64]) -> Vec<State> {
         Bench::new(&scene.chain, &scene.initial_velocities, method, &[], (never, never));
     let mut at = |time: &f64| {
         bench.run_until(*time, false, &mut |_| ()).expect("a run");
-        bench.state().clone()
+        bench.state()
     };
     times.iter().map(&mut at).collect()
 }

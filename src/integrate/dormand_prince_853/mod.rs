@@ -132,8 +132,12 @@ impl<'a> DormandPrince853<'a> {
 }
 
 impl Integrator for DormandPrince853<'_> {
-    fn state(&self) -> &State {
-        &self.state
+    fn time(&self) -> f64 {
+        self.state.time
+    }
+
+    fn state(&self) -> State {
+        self.state.clone()
     }
 
     fn step(&mut self, end: f64) -> Result<(), IntegrateError> {

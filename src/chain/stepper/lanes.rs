@@ -1,0 +1,147 @@
+//! Eight doubles at a time, whatever the machine: one register with AVX-512, two with AVX2, four with the x86-64 baseline.
+//!
+//! Everything here is inlined into functions compiled for an instruction set; [`super::dispatch`] asks the machine before it
+//! calls them.
+#![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
+
+/// Doubles in a row.
+pub const WIDTH: usize = 8;
+
+/// Eight values side by side, aligned to a cache line.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[repr(C, align(64))]
+pub struct Row(pub [f64; WIDTH]);
+
+/// Arithmetic on eight doubles.
+pub trait Lanes: Copy {
+    /// Eight doubles.
+    type V: Copy;
+    /// From memory.
+    fn load(row: &Row) -> Self::V;
+    /// To memory.
+    fn store(value: Self::V, row: &mut Row);
+    /// Eight times the same.
+    fn splat(value: f64) -> Self::V;
+    /// `a + b`
+    fn add(a: Self::V, b: Self::V) -> Self::V;
+    /// `a - b`
+    fn sub(a: Self::V, b: Self::V) -> Self::V;
+    /// `a b`
+    fn mul(a: Self::V, b: Self::V) -> Self::V;
+    /// `a / b`
+    fn div(a: Self::V, b: Self::V) -> Self::V;
+    /// `a b + c`, rounded once where the machine can.
+    fn mul_add(a: Self::V, b: Self::V, c: Self::V) -> Self::V;
+    /// The larger; `b` where one is not a number.
+    fn max(a: Self::V, b: Self::V) -> Self::V;
+    /// `|a|`
+    fn abs(a: Self::V) -> Self::V;
+    /// Square root.
+    fn sqrt(a: Self::V) -> Self::V;
+    /// `a^1.5` within 2 ulp without the square-root unit where the machine can, for `a >= 1e-200`: 14 bits of `1/sqrt(a)`, then
+    /// Householder's correction of fourth order.
+    fn three_halves(a: Self::V) -> Self::V;
+    /// `[before[7], here[0], ..., here[6]]`
+    fn shift_up(before: Self::V, here: Self::V) -> Self::V;
+    /// `[here[1], ..., here[7], after[0]]`
+    fn shift_down(here: Self::V, after: Self::V) -> Self::V;
+    /// Largest of the eight.
+    fn largest(a: Self::V) -> f64;
+    /// Sum of the eight.
+    fn total(a: Self::V) -> f64;
+    /// Bit `i` tells whether value `i` is above zero.
+    fn positive(a: Self::V) -> u8;
+}
+
+/// Any machine: plain arrays, which the compiler puts into whatever registers there are.
+#[derive(Debug, Clone, Copy)]
+pub struct Baseline;
+
+impl Lanes for Baseline {
+    type V = [f64; WIDTH];
+
+    #[inline(always)]
+    fn load(row: &Row) -> Self::V {
+        row.0
+    }
+
+    #[inline(always)]
+    fn store(value: Self::V, row: &mut Row) {
+        row.0 = value;
+    }
+
+    #[inline(always)]
+    fn splat(value: f64) -> Self::V {
+        [value; WIDTH]
+    }
+
+    #[inline(always)]
+    fn add(a: Self::V, b: Self::V) -> Self::V {
+        std::array::from_fn(|i| a[i] + b[i])
+    }
+
+    #[inline(always)]
+    fn sub(a: Self::V, b: Self::V) -> Self::V {
+        std::array::from_fn(|i| a[i] - b[i])
+    }
+
+    #[inline(always)]
+    fn mul(a: Self::V, b: Self::V) -> Self::V {
+        std::array::from_fn(|i| a[i] * b[i])
+    }
+
+    #[inline(always)]
+    fn div(a: Self::V, b: Self::V) -> Self::V {
+        std::array::from_fn(|i| a[i] / b[i])
+    }
+
+    #[inline(always)]
+    fn mul_add(a: Self::V, b: Self::V, c: Self::V) -> Self::V {
+        std::array::from_fn(|i| a[i] * b[i] + c[i])
+    }
+
+    #[inline(always)]
+    fn max(a: Self::V, b: Self::V) -> Self::V {
+        std::array::from_fn(|i| if a[i] > b[i] { a[i] } else { b[i] })
+    }
+
+    #[inline(always)]
+    fn abs(a: Self::V) -> Self::V {
+        a.map(f64::abs)
+    }
+
+    #[inline(always)]
+    fn sqrt(a: Self::V) -> Self::V {
+        a.map(f64::sqrt)
+    }
+
+    #[inline(always)]
+    fn three_halves(a: Self::V) -> Self::V {
+        a.map(|d| d * d.sqrt())
+    }
+
+    #[inline(always)]
+    fn shift_up(b: Self::V, h: Self::V) -> Self::V {
+        [b[7], h[0], h[1], h[2], h[3], h[4], h[5], h[6]]
+    }
+
+    #[inline(always)]
+    fn shift_down(h: Self::V, a: Self::V) -> Self::V {
+        [h[1], h[2], h[3], h[4], h[5], h[6], h[7], a[0]]
+    }
+
+    #[inline(always)]
+    fn largest(a: Self::V) -> f64 {
+        a.iter().fold(f64::MIN, |most, value| if *value > most { *value } else { most })
+    }
+
+    #[inline(always)]
+    fn total(a: Self::V) -> f64 {
+        a.iter().sum()
+    }
+
+    #[inline(always)]
+    fn positive(a: Self::V) -> u8 {
+        (0..WIDTH).fold(0, |mask, i| mask | (u8::from(a[i] > 0.0) << i))
+    }
+}

@@ -1,0 +1,243 @@
+//! The same arithmetic in the registers of x86-64 machines.
+#![allow(
+    unsafe_code,
+    reason = "intrinsics are unsafe outside functions compiled for their instruction set; `dispatch` asks the machine first"
+)]
+#![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
+#![allow(clippy::undocumented_unsafe_blocks, reason = "one reason for all of them, above")]
+
+use std::arch::x86_64::*;
+
+use super::lanes::{Baseline, Lanes, Row};
+
+/// AVX-512 F, VL and DQ: one register.
+#[derive(Debug, Clone, Copy)]
+pub struct Avx512;
+
+impl Lanes for Avx512 {
+    type V = __m512d;
+
+    #[inline(always)]
+    fn load(row: &Row) -> Self::V {
+        unsafe { _mm512_load_pd(row.0.as_ptr()) }
+    }
+
+    #[inline(always)]
+    fn store(value: Self::V, row: &mut Row) {
+        unsafe { _mm512_store_pd(row.0.as_mut_ptr(), value) }
+    }
+
+    #[inline(always)]
+    fn splat(value: f64) -> Self::V {
+        unsafe { _mm512_set1_pd(value) }
+    }
+
+    #[inline(always)]
+    fn add(a: Self::V, b: Self::V) -> Self::V {
+        unsafe { _mm512_add_pd(a, b) }
+    }
+
+    #[inline(always)]
+    fn sub(a: Self::V, b: Self::V) -> Self::V {
+        unsafe { _mm512_sub_pd(a, b) }
+    }
+
+    #[inline(always)]
+    fn mul(a: Self::V, b: Self::V) -> Self::V {
+        unsafe { _mm512_mul_pd(a, b) }
+    }
+
+    #[inline(always)]
+    fn div(a: Self::V, b: Self::V) -> Self::V {
+        unsafe { _mm512_div_pd(a, b) }
+    }
+
+    #[inline(always)]
+    fn mul_add(a: Self::V, b: Self::V, c: Self::V) -> Self::V {
+        unsafe { _mm512_fmadd_pd(a, b, c) }
+    }
+
+    #[inline(always)]
+    fn max(a: Self::V, b: Self::V) -> Self::V {
+        unsafe { _mm512_max_pd(a, b) }
+    }
+
+    #[inline(always)]
+    fn abs(a: Self::V) -> Self::V {
+        unsafe { _mm512_abs_pd(a) }
+    }
+
+    #[inline(always)]
+    fn sqrt(a: Self::V) -> Self::V {
+        unsafe { _mm512_sqrt_pd(a) }
+    }
+
+    #[inline(always)]
+    fn three_halves(a: Self::V) -> Self::V {
+        unsafe {
+            let inverse = _mm512_rsqrt14_pd(a);
+            let root = _mm512_mul_pd(a, inverse);
+            // e = 1 - a inverse^2; sqrt(a) = root (1 - e)^(-1/2) = root (1 + e/2 + 3 e^2/8 + 5 e^3/16 + ...), e < 2^-13.
+            let e = _mm512_fnmadd_pd(root, inverse, _mm512_set1_pd(1.0));
+            let series = _mm512_fmadd_pd(e, _mm512_set1_pd(0.3125), _mm512_set1_pd(0.375));
+            let series = _mm512_fmadd_pd(e, series, _mm512_set1_pd(0.5));
+            let root = _mm512_fmadd_pd(_mm512_mul_pd(root, e), series, root);
+            _mm512_mul_pd(a, root)
+        }
+    }
+
+    #[inline(always)]
+    fn shift_up(before: Self::V, here: Self::V) -> Self::V {
+        unsafe {
+            let (before, here) = (_mm512_castpd_si512(before), _mm512_castpd_si512(here));
+            _mm512_castsi512_pd(_mm512_alignr_epi64::<7>(here, before))
+        }
+    }
+
+    #[inline(always)]
+    fn shift_down(here: Self::V, after: Self::V) -> Self::V {
+        unsafe {
+            let (here, after) = (_mm512_castpd_si512(here), _mm512_castpd_si512(after));
+            _mm512_castsi512_pd(_mm512_alignr_epi64::<1>(after, here))
+        }
+    }
+
+    #[inline(always)]
+    fn largest(a: Self::V) -> f64 {
+        unsafe { _mm512_reduce_max_pd(a) }
+    }
+
+    #[inline(always)]
+    fn total(a: Self::V) -> f64 {
+        unsafe { _mm512_reduce_add_pd(a) }
+    }
+
+    #[inline(always)]
+    fn positive(a: Self::V) -> u8 {
+        unsafe { _mm512_cmp_pd_mask::<_CMP_GT_OQ>(a, _mm512_setzero_pd()) }
+    }
+}
+
+/// AVX2 and FMA: two registers.
+#[derive(Debug, Clone, Copy)]
+pub struct Avx2;
+
+/// The same of both halves.
+macro_rules! halves {
+    ($call:ident($($argument:ident),+)) => {
+        unsafe { [$call($($argument[0]),+), $call($($argument[1]),+)] }
+    };
+}
+
+impl Lanes for Avx2 {
+    type V = [__m256d; 2];
+
+    #[inline(always)]
+    fn load(row: &Row) -> Self::V {
+        unsafe { [_mm256_load_pd(row.0.as_ptr()), _mm256_load_pd(row.0.as_ptr().add(4))] }
+    }
+
+    #[inline(always)]
+    fn store(value: Self::V, row: &mut Row) {
+        unsafe {
+            _mm256_store_pd(row.0.as_mut_ptr(), value[0]);
+            _mm256_store_pd(row.0.as_mut_ptr().add(4), value[1]);
+        }
+    }
+
+    #[inline(always)]
+    fn splat(value: f64) -> Self::V {
+        unsafe { [_mm256_set1_pd(value); 2] }
+    }
+
+    #[inline(always)]
+    fn add(a: Self::V, b: Self::V) -> Self::V {
+        halves!(_mm256_add_pd(a, b))
+    }
+
+    #[inline(always)]
+    fn sub(a: Self::V, b: Self::V) -> Self::V {
+        halves!(_mm256_sub_pd(a, b))
+    }
+
+    #[inline(always)]
+    fn mul(a: Self::V, b: Self::V) -> Self::V {
+        halves!(_mm256_mul_pd(a, b))
+    }
+
+    #[inline(always)]
+    fn div(a: Self::V, b: Self::V) -> Self::V {
+        halves!(_mm256_div_pd(a, b))
+    }
+
+    #[inline(always)]
+    fn mul_add(a: Self::V, b: Self::V, c: Self::V) -> Self::V {
+        halves!(_mm256_fmadd_pd(a, b, c))
+    }
+
+    #[inline(always)]
+    fn max(a: Self::V, b: Self::V) -> Self::V {
+        halves!(_mm256_max_pd(a, b))
+    }
+
+    #[inline(always)]
+    fn abs(a: Self::V) -> Self::V {
+        let sign = Self::splat(-0.0);
+        halves!(_mm256_andnot_pd(sign, a))
+    }
+
+    #[inline(always)]
+    fn sqrt(a: Self::V) -> Self::V {
+        halves!(_mm256_sqrt_pd(a))
+    }
+
+    #[inline(always)]
+    fn three_halves(a: Self::V) -> Self::V {
+        Self::mul(a, Self::sqrt(a))
+    }
+
+    #[inline(always)]
+    fn shift_up(before: Self::V, here: Self::V) -> Self::V {
+        let up = |before: __m256d, here: __m256d| unsafe {
+            let middle = _mm256_permute2f128_pd::<0x21>(before, here);
+            _mm256_shuffle_pd::<0b0101>(middle, here)
+        };
+        [up(before[1], here[0]), up(here[0], here[1])]
+    }
+
+    #[inline(always)]
+    fn shift_down(here: Self::V, after: Self::V) -> Self::V {
+        let down = |here: __m256d, after: __m256d| unsafe {
+            let middle = _mm256_permute2f128_pd::<0x21>(here, after);
+            _mm256_shuffle_pd::<0b0101>(here, middle)
+        };
+        [down(here[0], here[1]), down(here[1], after[0])]
+    }
+
+    #[inline(always)]
+    fn largest(a: Self::V) -> f64 {
+        let mut row = Row::default();
+        Self::store(a, &mut row);
+        Baseline::largest(row.0)
+    }
+
+    #[inline(always)]
+    fn total(a: Self::V) -> f64 {
+        let mut row = Row::default();
+        Self::store(a, &mut row);
+        Baseline::total(row.0)
+    }
+
+    #[inline(always)]
+    #[allow(
+        clippy::cast_sign_loss,
+        clippy::cast_possible_truncation,
+        reason = "masks have four bits"
+    )]
+    fn positive(a: Self::V) -> u8 {
+        let mask = |a: __m256d| unsafe {
+            _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(a, _mm256_setzero_pd())) as u8
+        };
+        mask(a[0]) | (mask(a[1]) << 4)
+    }
+}

@@ -1,0 +1,18 @@
+//! The lossless chain's own stepper: Runge-Kutta-Nystrom pairs on rows of eight contacts, contacts that open or close put right.
+//!
+//! For chains whose forces depend on positions alone. Everything is allocated before the first step. What the machine can do is
+//! asked once, at the start.
+
+mod dispatch;
+mod kinks;
+mod lanes;
+#[cfg(target_arch = "x86_64")]
+mod lanes_x86;
+mod passes;
+mod plan;
+mod single;
+mod tasks;
+mod workspace;
+
+pub use dispatch::InstructionSet;
+pub use single::ChainStepper;

@@ -1,0 +1,314 @@
+//! The loops over a chain: one stage of a Runge-Kutta-Nystrom step is one pass, from positions over forces to accelerations,
+//! and nothing but the accelerations is written.
+#![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
+
+use super::kinks::Quadrature;
+use super::lanes::{Lanes, Row};
+use super::plan::{Layout, Plan};
+use super::workspace::{Motion, Workspace};
+use crate::integrate::nystrom::{NystromPair, Row as Terms};
+
+/// Forms as constants of the generic loops.
+pub const PLAIN: u8 = 0;
+/// Without cancellation.
+pub const EXACT: u8 = 1;
+/// Linearised.
+pub const LINEAR: u8 = 2;
+
+/// A weighted sum of `M` stages.
+#[derive(Clone, Copy)]
+struct Sum<'a, L: Lanes, const M: usize> {
+    stages: [&'a [Row]; M],
+    weights: [L::V; M],
+}
+
+impl<'a, L: Lanes, const M: usize> Sum<'a, L, M> {
+    /// The first `M` terms, each weight times `scale`; every stage cut to `rows` rows.
+    #[inline(always)]
+    fn new(terms: Terms, stages: &'a [Vec<Row>], scale: L::V, rows: usize) -> Self {
+        let mut stages_of = [&stages[0][..rows]; M];
+        let mut weights = [scale; M];
+        for m in 0..M {
+            stages_of[m] = &stages[terms[m].0][..rows];
+            weights[m] = L::mul(scale, L::splat(terms[m].1));
+        }
+        Self { stages: stages_of, weights }
+    }
+
+    /// `start` plus the sum in row `r`.
+    #[inline(always)]
+    fn plus(&self, start: L::V, r: usize) -> L::V {
+        // The newest stage comes last: all others can be summed while it is still being computed.
+        let mut sum = start;
+        for m in 0..M {
+            sum = L::mul_add(self.weights[m], L::load(&self.stages[m][r]), sum);
+        }
+        sum
+    }
+}
+
+/// Calls a function for the number of terms there are: the loops over terms are unrolled.
+macro_rules! for_terms {
+    ($terms:expr, $call:ident::<$($generic:ident),*>($($argument:expr),*)) => {
+        match $terms.len() {
+            0 => $call::<$($generic,)* 0>($($argument),*),
+            1 => $call::<$($generic,)* 1>($($argument),*),
+            2 => $call::<$($generic,)* 2>($($argument),*),
+            3 => $call::<$($generic,)* 3>($($argument),*),
+            4 => $call::<$($generic,)* 4>($($argument),*),
+            5 => $call::<$($generic,)* 5>($($argument),*),
+            6 => $call::<$($generic,)* 6>($($argument),*),
+            7 => $call::<$($generic,)* 7>($($argument),*),
+            _ => $call::<$($generic,)* 8>($($argument),*),
+        }
+    };
+}
+
+/// The plan's rows, all cut to the same length, so that the loops need not check it.
+#[derive(Clone, Copy)]
+pub struct Cut<'a> {
+    stiffness: &'a [Row],
+    static_overlap: &'a [Row],
+    static_root: &'a [Row],
+    static_force: &'a [Row],
+    inverse_mass: &'a [Row],
+    residual: &'a [Row],
+    active: &'a [Row],
+}
+
+impl<'a> Cut<'a> {
+    /// The first `rows` rows.
+    #[inline(always)]
+    pub fn new(plan: &'a Plan, rows: usize) -> Self {
+        Self {
+            stiffness: &plan.stiffness[..rows],
+            static_overlap: &plan.static_overlap[..rows],
+            static_root: &plan.static_root[..rows],
+            static_force: &plan.static_force[..rows],
+            inverse_mass: &plan.inverse_mass[..rows],
+            residual: &plan.residual[..rows],
+            active: &plan.active[..rows],
+        }
+    }
+}
+
+/// Change of the forces in row `r` for overlaps that have changed by `change`, and the overlaps themselves.
+#[inline(always)]
+pub fn forces<L: Lanes, const FORM: u8>(plan: Cut, r: usize, change: L::V) -> (L::V, L::V) {
+    let stiffness = L::load(&plan.stiffness[r]);
+    let static_overlap = L::load(&plan.static_overlap[r]);
+    let overlap = L::add(change, static_overlap);
+    let force = match FORM {
+        // Every other row leaves the square-root unit alone: it and the multipliers work side by side.
+        PLAIN if r % 2 == 1 => {
+            let power = L::three_halves(L::max(overlap, L::splat(1e-200)));
+            L::sub(L::mul(stiffness, power), L::load(&plan.static_force[r]))
+        }
+        PLAIN => {
+            let closed = L::max(overlap, L::splat(0.0));
+            let force = L::mul(L::mul(stiffness, closed), L::sqrt(closed));
+            L::sub(force, L::load(&plan.static_force[r]))
+        }
+        EXACT => {
+            // `hertz::force_change`
+            let static_root = L::load(&plan.static_root[r]);
+            let lost = L::sub(L::splat(0.0), static_overlap);
+            let change = L::max(change, lost);
+            let root = L::sqrt(L::add(static_overlap, change));
+            let sum = L::add(root, static_root);
+            let divisor = L::max(sum, L::splat(f64::MIN_POSITIVE));
+            let rest = L::sub(sum, L::div(L::mul(root, static_root), divisor));
+            L::mul(L::mul(stiffness, change), rest)
+        }
+        _ => L::mul(stiffness, change),
+    };
+    (force, overlap)
+}
+
+/// Writes the accelerations of row `r` between the forces above and those of the next row.
+#[inline(always)]
+fn accelerate<L: Lanes, Y: Layout>(plan: Cut, r: usize, force: [L::V; 2], out: &mut [Row]) {
+    let net = L::sub(force[0], Y::below::<L>(force[0], force[1]));
+    let inverse_mass = L::load(&plan.inverse_mass[r]);
+    L::store(L::mul_add(net, inverse_mass, L::load(&plan.residual[r])), &mut out[r]);
+}
+
+/// Accelerations at `x + c h v + h^2 sum`.
+#[inline(always)]
+fn stage<L: Lanes, Y: Layout, const FORM: u8, const M: usize>(
+    plan: &Plan,
+    now: &Motion,
+    (terms, node, h): (Terms, f64, L::V),
+    before: &[Vec<Row>],
+    out: &mut [Row],
+) {
+    let rows = plan.rows();
+    let plan = Cut::new(plan, rows);
+    let sum = Sum::<L, M>::new(terms, before, L::mul(h, h), rows);
+    let reach = L::mul(h, L::splat(node));
+    let (x, v, out) = (&now.position[..rows], &now.velocity[..rows], &mut out[..rows]);
+    let mut last = L::splat(0.0);
+    let mut force = L::splat(0.0);
+    for r in 0..rows {
+        let here = sum.plus(L::mul_add(reach, L::load(&v[r]), L::load(&x[r])), r);
+        let (next, _) = forces::<L, FORM>(plan, r, L::sub(Y::above::<L>(last, here), here));
+        if r > 0 {
+            accelerate::<L, Y>(plan, r - 1, [force, next], out);
+        }
+        (last, force) = (here, next);
+    }
+    if rows > 0 {
+        accelerate::<L, Y>(plan, rows - 1, [force, L::splat(0.0)], out);
+    }
+}
+
+/// The new positions, with what rounding took from them, and the accelerations there; which contacts are closed, and how far the
+/// overlaps have changed.
+#[inline(always)]
+fn arrive<L: Lanes, Y: Layout, const FORM: u8, const M: usize>(
+    plan: &Plan,
+    now: &Motion,
+    (terms, h): (Terms, L::V),
+    (before, out): (&[Vec<Row>], &mut [Row]),
+    next: &mut Motion,
+) -> L::V {
+    let rows = plan.rows();
+    let sum = Sum::<L, M>::new(terms, before, L::mul(h, h), rows);
+    let (x, v, lost) = (&now.position[..rows], &now.velocity[..rows], &now.lost_position[..rows]);
+    let (new_x, new_lost) = (&mut next.position[..rows], &mut next.lost_position[..rows]);
+    let position = |r: usize| {
+        let rise = sum.plus(L::mul(h, L::load(&v[r])), r);
+        let (position, rest) = add_compensated::<L>(L::load(&x[r]), L::load(&lost[r]), rise);
+        L::store(position, &mut new_x[r]);
+        L::store(rest, &mut new_lost[r]);
+        position
+    };
+    sweep::<L, Y, FORM>(plan, position, (&mut next.closed, out))
+}
+
+/// Accelerations at the positions of `motion`, and which contacts are closed there. Returns the largest change of an overlap, an
+/// open contact counting as having lost its static one.
+#[inline(always)]
+pub fn evaluate<L: Lanes, Y: Layout, const FORM: u8>(
+    plan: &Plan,
+    motion: &mut Motion,
+    out: &mut [Row],
+) -> L::V {
+    let x = &motion.position[..plan.rows()];
+    sweep::<L, Y, FORM>(plan, |r| L::load(&x[r]), (&mut motion.closed, out))
+}
+
+/// Accelerations, closed contacts and largest overlap change at the positions that `position` makes, row by row.
+#[inline(always)]
+fn sweep<L: Lanes, Y: Layout, const FORM: u8>(
+    plan: &Plan,
+    mut position: impl FnMut(usize) -> L::V,
+    (closed, out): (&mut [u8], &mut [Row]),
+) -> L::V {
+    let rows = plan.rows();
+    let plan = Cut::new(plan, rows);
+    let (closed, out) = (&mut closed[..rows], &mut out[..rows]);
+    let mut last = L::splat(0.0);
+    let mut force = L::splat(0.0);
+    let mut largest = L::splat(0.0);
+    for r in 0..rows {
+        let here = position(r);
+        let change = L::sub(Y::above::<L>(last, here), here);
+        let (next, overlap) = forces::<L, FORM>(plan, r, change);
+        closed[r] = L::positive(overlap);
+        let lost = L::sub(L::splat(0.0), L::load(&plan.static_overlap[r]));
+        let counted = L::mul(L::abs(L::max(change, lost)), L::load(&plan.active[r]));
+        largest = L::max(counted, largest);
+        if r > 0 {
+            accelerate::<L, Y>(plan, r - 1, [force, next], out);
+        }
+        (last, force) = (here, next);
+    }
+    if rows > 0 {
+        accelerate::<L, Y>(plan, rows - 1, [force, L::splat(0.0)], out);
+    }
+    largest
+}
+
+/// The new velocities, with what rounding took from them, and the estimated errors, by the weights `ends` of each stage; their largest magnitudes, and a sum that is
+/// not finite if anything is not.
+#[inline(always)]
+fn speed_up<L: Lanes, Y: Layout, const M: usize>(ends: &[[f64; 3]], h: L::V, work: &mut Workspace) {
+    let Workspace { now, next, stages, error_position, error_velocity, largest } = work;
+    let rows = now.velocity.len();
+    let square = L::mul(h, h);
+    let mut stages_of = [&stages[0][..rows]; M];
+    let mut weights = [[h; 3]; M];
+    for m in 0..M {
+        stages_of[m] = &stages[m][..rows];
+        let [velocity, position_error, velocity_error] = ends[m];
+        weights[m] = [
+            L::mul(h, L::splat(velocity)),
+            L::mul(square, L::splat(position_error)),
+            L::mul(h, L::splat(velocity_error)),
+        ];
+    }
+    let (v, lost) = (&now.velocity[..rows], &now.lost_velocity[..rows]);
+    let (new_v, new_lost) = (&mut next.velocity[..rows], &mut next.lost_velocity[..rows]);
+    let (out_position, out_velocity) = (&mut error_position[..rows], &mut error_velocity[..rows]);
+    let mut most = [L::splat(0.0); 3];
+    let mut total = L::splat(0.0);
+    for r in 0..rows {
+        let mut sums = [L::splat(0.0); 3];
+        for m in 0..M {
+            let stage = L::load(&stages_of[m][r]);
+            for kind in 0..3 {
+                sums[kind] = L::mul_add(weights[m][kind], stage, sums[kind]);
+            }
+        }
+        let (velocity, rest) = add_compensated::<L>(L::load(&v[r]), L::load(&lost[r]), sums[0]);
+        L::store(velocity, &mut new_v[r]);
+        L::store(rest, &mut new_lost[r]);
+        L::store(sums[1], &mut out_position[r]);
+        L::store(sums[2], &mut out_velocity[r]);
+        for (most, value) in most.iter_mut().zip([velocity, sums[1], sums[2]]) {
+            *most = L::max(L::abs(value), *most);
+        }
+        total = L::add(total, velocity);
+    }
+    L::store(Y::largest::<L>(most[0]), &mut largest.speed);
+    L::store(Y::largest::<L>(most[1]), &mut largest.error_position);
+    L::store(Y::largest::<L>(most[2]), &mut largest.error_velocity);
+    L::store(Y::total::<L>(total), &mut largest.total);
+}
+
+/// `value + increment`, and what rounding took. Source: W. Kahan, Commun. ACM 8, 40 (1965).
+#[inline(always)]
+fn add_compensated<L: Lanes>(value: L::V, lost: L::V, increment: L::V) -> (L::V, L::V) {
+    let increment = L::sub(increment, lost);
+    let sum = L::add(value, increment);
+    (sum, L::sub(L::sub(sum, value), increment))
+}
+
+/// Tries a step of `h` (s) from `work.now`: everything of `work` but that is written.
+#[inline(always)]
+pub fn attempt<L: Lanes, Y: Layout, const FORM: u8>(
+    plan: &Plan,
+    (pair, quadrature): (&NystromPair, &Quadrature),
+    work: &mut Workspace,
+    h: L::V,
+) {
+    let last = pair.nodes.len() - 1;
+    for stage_number in 1..last {
+        let (before, rest) = work.stages.split_at_mut(stage_number);
+        let terms = pair.stages[stage_number];
+        let setting = (terms, pair.nodes[stage_number], h);
+        for_terms!(terms, stage::<L, Y, FORM>(plan, &work.now, setting, before, &mut rest[0]));
+    }
+    let (before, rest) = work.stages.split_at_mut(last);
+    let (now, next) = (&work.now, &mut work.next);
+    let overlap = for_terms!(
+        pair.position,
+        arrive::<L, Y, FORM>(plan, now, (pair.position, h), (before, &mut rest[0]), next)
+    );
+    L::store(Y::largest::<L>(overlap), &mut work.largest.overlap);
+    match pair.nodes.len() {
+        6 => speed_up::<L, Y, 6>(&quadrature.ends[..6], h, work),
+        _ => speed_up::<L, Y, 9>(&quadrature.ends[..9], h, work),
+    }
+}

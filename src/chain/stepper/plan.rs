@@ -1,0 +1,215 @@
+//! A chain as the loops read it: rows of eight, padded with contacts that bear nothing and bodies that never move.
+//!
+//! Along: one chain, eight neighbouring contacts in a row. Across: eight chains of equal length, contact `j` of each in row `j`.
+//! Entry `j` holds contact `j` and the body below it; behind the last body stands a ghost, the bottom wall, that nothing moves.
+
+use super::lanes::{Lanes, Row, WIDTH};
+use crate::chain::{Chain, Contact, Law};
+
+/// How rows lie in the chain.
+pub trait Layout: Copy {
+    /// What stands above `here`, given the row before.
+    fn above<L: Lanes>(before: L::V, here: L::V) -> L::V;
+    /// What stands below `here`, given the row after.
+    fn below<L: Lanes>(here: L::V, after: L::V) -> L::V;
+    /// Largest value of a chain, in all its lanes.
+    fn largest<L: Lanes>(values: L::V) -> L::V;
+    /// Sum over a chain, in all its lanes.
+    fn total<L: Lanes>(values: L::V) -> L::V;
+    /// Where the body above contact (`row`, `lane`) is; none above the first.
+    fn upper(row: usize, lane: usize) -> Option<(usize, usize)>;
+}
+
+/// One chain along the rows.
+#[derive(Debug, Clone, Copy)]
+pub struct Along;
+
+/// Eight chains across the rows.
+#[derive(Debug, Clone, Copy)]
+pub struct Across;
+
+#[allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
+impl Layout for Along {
+    #[inline(always)]
+    fn above<L: Lanes>(before: L::V, here: L::V) -> L::V {
+        L::shift_up(before, here)
+    }
+
+    #[inline(always)]
+    fn below<L: Lanes>(here: L::V, after: L::V) -> L::V {
+        L::shift_down(here, after)
+    }
+
+    #[inline(always)]
+    fn largest<L: Lanes>(values: L::V) -> L::V {
+        L::splat(L::largest(values))
+    }
+
+    #[inline(always)]
+    fn total<L: Lanes>(values: L::V) -> L::V {
+        L::splat(L::total(values))
+    }
+
+    #[inline(always)]
+    fn upper(row: usize, lane: usize) -> Option<(usize, usize)> {
+        let index = (row * WIDTH + lane).checked_sub(1)?;
+        Some((index / WIDTH, index % WIDTH))
+    }
+}
+
+#[allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
+impl Layout for Across {
+    #[inline(always)]
+    fn above<L: Lanes>(before: L::V, _here: L::V) -> L::V {
+        before
+    }
+
+    #[inline(always)]
+    fn below<L: Lanes>(_here: L::V, after: L::V) -> L::V {
+        after
+    }
+
+    #[inline(always)]
+    fn largest<L: Lanes>(values: L::V) -> L::V {
+        values
+    }
+
+    #[inline(always)]
+    fn total<L: Lanes>(values: L::V) -> L::V {
+        values
+    }
+
+    #[inline(always)]
+    fn upper(row: usize, lane: usize) -> Option<(usize, usize)> {
+        Some((row.checked_sub(1)?, lane))
+    }
+}
+
+/// How forces are computed from overlaps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// `A overlap^1.5 - F0`: rounds to 2 ulp of the larger of the two.
+    Plain,
+    /// Without cancellation, for waves far below the preload; one division more.
+    Exact,
+    /// Linearised contacts.
+    Linear,
+}
+
+/// Contacts and bodies in rows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// How forces are computed.
+    pub form: Form,
+    /// `A` of each contact, or its tangent where contacts are linearised (unit).
+    pub stiffness: Vec<Row>,
+    /// Static overlap of each contact (m).
+    pub static_overlap: Vec<Row>,
+    /// Its square root (m^0.5).
+    pub static_root: Vec<Row>,
+    /// Static force of each contact as these loops compute it, so that rest is rest to the last bit (N).
+    pub static_force: Vec<Row>,
+    /// Inverse mass of each body (1/kg).
+    pub inverse_mass: Vec<Row>,
+    /// Acceleration of each body that statics does not balance (m/s²).
+    pub residual: Vec<Row>,
+    /// 1 for a contact, 0 where there is nothing to touch (1).
+    pub active: Vec<Row>,
+}
+
+/// Relative rounding of a force in plain form (1).
+const ROUNDING: f64 = 5e-16;
+/// The plain form's rounding stays below this share of the accuracy asked for (1).
+const ROUNDING_SHARE: f64 = 1e-3;
+
+impl Form {
+    /// What `chain` needs when its velocities (m/s) are to be followed to `accuracy` (1): the exact form only where the
+    /// rounding of the static force could be seen in the wave.
+    #[must_use]
+    pub fn needed(chain: &Chain, velocity: &[f64], accuracy: f64) -> Self {
+        let contacts = chain.contacts();
+        if contacts.iter().any(|c| c.law == Law::Linearised) {
+            return Self::Linear;
+        }
+        let overlap = chain.impact_overlap(velocity);
+        let visible = |c: &&Contact| {
+            let wave = c.force_change(overlap);
+            ROUNDING * c.static_force > ROUNDING_SHARE * accuracy * wave
+        };
+        if contacts.iter().filter(|c| c.stiffness > 0.0).any(|c| visible(&c)) {
+            Self::Exact
+        } else {
+            Self::Plain
+        }
+    }
+}
+
+impl Plan {
+    /// One chain along the rows.
+    #[must_use]
+    pub fn along(chain: &Chain, form: Form) -> Self {
+        let rows = chain.contacts().len().div_ceil(WIDTH);
+        let mut plan = Self::empty(form, rows);
+        for j in 0..chain.contacts().len() {
+            plan.set(chain, j, (j / WIDTH, j % WIDTH));
+        }
+        plan
+    }
+
+    /// Up to eight chains of the same number of bodies across the rows; lanes left over hold nothing.
+    #[must_use]
+    pub fn across(chains: &[&Chain], form: Form) -> Self {
+        let rows = chains.first().map_or(0, |chain| chain.contacts().len());
+        let mut plan = Self::empty(form, rows);
+        for (lane, chain) in chains.iter().enumerate().take(WIDTH) {
+            for j in 0..rows.min(chain.contacts().len()) {
+                plan.set(chain, j, (j, lane));
+            }
+        }
+        plan
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.stiffness.len()
+    }
+
+    fn empty(form: Form, rows: usize) -> Self {
+        let zeros = || vec![Row::default(); rows];
+        Self {
+            form,
+            stiffness: zeros(),
+            static_overlap: zeros(),
+            static_root: zeros(),
+            static_force: zeros(),
+            inverse_mass: zeros(),
+            residual: zeros(),
+            active: zeros(),
+        }
+    }
+
+    fn set(&mut self, chain: &Chain, j: usize, place: (usize, usize)) {
+        let put = |rows: &mut Vec<Row>, value: f64| {
+            if let Some(row) = rows.get_mut(place.0) {
+                row.0[place.1] = value;
+            }
+        };
+        let contact = chain.contacts()[j];
+        let touches = contact.stiffness > 0.0;
+        let stiffness = match self.form {
+            Form::Linear => contact.static_stiffness(),
+            Form::Plain | Form::Exact => contact.stiffness,
+        };
+        // Where there is nothing to touch, there is a gap that nothing closes.
+        let overlap = if touches { contact.static_overlap } else { -1.0 };
+        put(&mut self.stiffness, stiffness);
+        put(&mut self.static_overlap, overlap);
+        put(&mut self.static_root, overlap.max(0.0).sqrt());
+        put(&mut self.active, if touches { 1.0 } else { 0.0 });
+        if let (Some(body), Some(force)) = (chain.bodies().get(j), chain.residual.get(j)) {
+            put(&mut self.inverse_mass, 1.0 / body.mass);
+            put(&mut self.residual, force / body.mass);
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! What the stepper asks of the loops, each to be compiled for every instruction set.
+#![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
+
+use std::marker::PhantomData;
+
+use super::dispatch::Task;
+use super::kinks::{self, Guard, Quadrature};
+use super::lanes::{Lanes, Row};
+use super::passes::{self, Cut, EXACT, LINEAR, PLAIN};
+use super::plan::{Form, Layout, Plan};
+use super::workspace::{Motion, Workspace};
+use crate::integrate::nystrom::NystromPair;
+
+/// Finds the static forces as the loops compute them.
+pub struct Settle<'a, Y>(pub &'a mut Plan, pub PhantomData<Y>);
+
+impl<Y: Layout> Task for Settle<'_, Y> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self(plan, _) = self;
+        for force in &mut plan.static_force {
+            *force = Row::default();
+        }
+        let rest = L::splat(0.0);
+        for r in 0..plan.rows() {
+            if plan.form == Form::Plain {
+                let cut = Cut::new(plan, plan.rows());
+                let (force, _) = passes::forces::<L, PLAIN>(cut, r, rest);
+                L::store(force, &mut plan.static_force[r]);
+            }
+        }
+    }
+}
+
+/// Finds accelerations (m/s²) and closed contacts at a motion's positions; returns the largest change of an overlap (m).
+pub struct Evaluate<'a, Y> {
+    pub plan: &'a Plan,
+    pub motion: &'a mut Motion,
+    pub acceleration: &'a mut [Row],
+    pub layout: PhantomData<Y>,
+}
+
+impl<Y: Layout> Task for Evaluate<'_, Y> {
+    type Output = Row;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Row {
+        let Self { plan, motion, acceleration, .. } = self;
+        let mut largest = Row::default();
+        let most = evaluate::<L, Y>(plan, motion, acceleration);
+        L::store(Y::largest::<L>(most), &mut largest);
+        largest
+    }
+}
+
+#[inline(always)]
+fn evaluate<L: Lanes, Y: Layout>(plan: &Plan, motion: &mut Motion, out: &mut [Row]) -> L::V {
+    match plan.form {
+        Form::Plain => passes::evaluate::<L, Y, PLAIN>(plan, motion, out),
+        Form::Exact => passes::evaluate::<L, Y, EXACT>(plan, motion, out),
+        Form::Linear => passes::evaluate::<L, Y, LINEAR>(plan, motion, out),
+    }
+}
+
+/// Tries a step, and corrects it where contacts opened or closed.
+pub struct Attempt<'a, Y> {
+    pub plan: &'a Plan,
+    pub pair: &'a NystromPair,
+    pub quadrature: &'a Quadrature,
+    pub work: &'a mut Workspace,
+    /// Length of the step in each lane (s).
+    pub step: Row,
+    pub layout: PhantomData<Y>,
+}
+
+impl<Y: Layout> Task for Attempt<'_, Y> {
+    /// What corrections leave uncertain; none where no contact changed sides.
+    type Output = Option<Guard>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Option<Guard> {
+        let Self { plan, pair, quadrature, work, step, .. } = self;
+        let h = L::load(&step);
+        match plan.form {
+            Form::Plain => passes::attempt::<L, Y, PLAIN>(plan, (pair, quadrature), work, h),
+            Form::Exact => passes::attempt::<L, Y, EXACT>(plan, (pair, quadrature), work, h),
+            Form::Linear => {
+                // These contacts never open.
+                passes::attempt::<L, Y, LINEAR>(plan, (pair, quadrature), work, h);
+                return None;
+            }
+        }
+        if !kinks::any(work) {
+            return None;
+        }
+        let guard = kinks::correct::<Y>(plan, quadrature, work, &step);
+        let largest = |rows: &[Row], least: &Row| {
+            let mut most = L::load(least);
+            for row in rows {
+                most = L::max(L::abs(L::load(row)), most);
+            }
+            let mut out = Row::default();
+            L::store(Y::largest::<L>(most), &mut out);
+            out
+        };
+        work.largest.error_position = largest(&work.error_position, &guard.position);
+        work.largest.error_velocity = largest(&work.error_velocity, &guard.velocity);
+        Some(guard)
+    }
+}

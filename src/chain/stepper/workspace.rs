@@ -1,0 +1,78 @@
+//! What a step reads and writes.
+
+use super::lanes::Row;
+
+/// Positions and velocities in rows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Motion {
+    /// Displacements (m).
+    pub position: Vec<Row>,
+    /// Velocities (m/s).
+    pub velocity: Vec<Row>,
+    /// What rounding took from the displacements (m).
+    pub lost_position: Vec<Row>,
+    /// What rounding took from the velocities (m/s).
+    pub lost_velocity: Vec<Row>,
+    /// Which contacts are closed, a bit each.
+    pub closed: Vec<u8>,
+}
+
+/// Largest magnitudes: of each lane where lanes are chains, of the whole chain in every lane otherwise.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Largest {
+    /// Change of an overlap (m).
+    pub overlap: Row,
+    /// Speed (m/s).
+    pub speed: Row,
+    /// A sum over all velocities: finite if they are (m/s).
+    pub total: Row,
+    /// Estimated error of a position (m).
+    pub error_position: Row,
+    /// Estimated error of a velocity (m/s).
+    pub error_velocity: Row,
+}
+
+/// All arrays of a run; made once.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Workspace {
+    /// Where the step starts.
+    pub now: Motion,
+    /// Where it ends.
+    pub next: Motion,
+    /// Accelerations at the stages (m/s²).
+    pub stages: Vec<Vec<Row>>,
+    /// Estimated error of each position (m).
+    pub error_position: Vec<Row>,
+    /// Estimated error of each velocity (m/s).
+    pub error_velocity: Vec<Row>,
+    /// Largest magnitudes of the step last tried.
+    pub largest: Largest,
+}
+
+impl Motion {
+    fn at_rest(rows: usize) -> Self {
+        let zeros = || vec![Row::default(); rows];
+        Self {
+            position: zeros(),
+            velocity: zeros(),
+            lost_position: zeros(),
+            lost_velocity: zeros(),
+            closed: vec![0; rows],
+        }
+    }
+}
+
+impl Workspace {
+    /// Everything at rest, for `rows` rows and `stages` stages.
+    #[must_use]
+    pub fn new(rows: usize, stages: usize) -> Self {
+        Self {
+            now: Motion::at_rest(rows),
+            next: Motion::at_rest(rows),
+            stages: vec![vec![Row::default(); rows]; stages],
+            error_position: vec![Row::default(); rows],
+            error_velocity: vec![Row::default(); rows],
+            largest: Largest::default(),
+        }
+    }
+}
