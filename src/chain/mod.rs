@@ -9,19 +9,29 @@
 //! overlap follows from its force in closed form.
 
 mod contact;
+mod damping;
+mod dissipative;
 pub mod effects;
 mod energy;
 pub mod hertz;
 mod impact;
 mod kernel;
+mod ledger;
+pub mod loss;
 mod probe;
 mod system;
 
 pub use contact::{Contact, Law};
-pub use effects::{Effect, EffectsSpec, Gravity, LinearisedContacts, MagnetPreload};
+pub use dissipative::DissipativeSystem;
+pub use effects::{
+    ContactOverride, Dashpot, Effect, EffectsSpec, Gravity, KuwabaraKono, LinearisedContacts,
+    LossSpec, MagnetPreload, PowerLawLoss,
+};
 pub use energy::Energy;
 pub use hertz::Elasticity;
 pub use impact::StabilityLimit;
+pub use ledger::Dissipated;
+pub use loss::{ContactLoss, EndOfContact};
 pub use probe::{ForceProbe, ForceSegment};
 pub use system::ChainSystem;
 
@@ -102,6 +112,14 @@ pub enum ChainError {
         "found no static force above {body}, expected one: effects.linearised_contacts needs every contact precompressed"
     )]
     NothingToLinearise {
+        /// The body below the contact.
+        body: String,
+    },
+    /// A linearised contact never ends, so a loss in it has no end either.
+    #[error(
+        "found a loss in the linearised contact above {body}, expected one of the two: a linearised contact never opens"
+    )]
+    LossWithoutEnd {
         /// The body below the contact.
         body: String,
     },
@@ -267,7 +285,12 @@ fn contact(spec: &ChainSpec, bodies: &[Body], j: usize, bears: f64) -> Result<Co
         None => Law::Hertz,
     };
     let static_overlap = hertz::overlap(stiffness, bears);
-    Ok(Contact { stiffness, static_force: bears, static_overlap, law })
+    let short = |name: &'_ str| if name.ends_with(" wall") { "wall".to_owned() } else { name.to_owned() };
+    let loss = spec.effects.loss_between(&short(&upper.2), &short(&lower.2));
+    if loss.is_some() && law == Law::Linearised {
+        return Err(ChainError::LossWithoutEnd { body: lower.2 });
+    }
+    Ok(Contact { stiffness, static_force: bears, static_overlap, law, loss })
 }
 
 /// The place of a contact where nothing stands; at the bottom the loads must have cancelled.

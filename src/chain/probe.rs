@@ -40,6 +40,12 @@ impl ForceProbe {
         self.contacts.iter().zip(self.weights).map(|(c, w)| w * c.static_force).sum()
     }
 
+    /// Whether a contact it feels has a loss: its force may then jump.
+    #[must_use]
+    pub fn is_lossy(&self) -> bool {
+        self.contacts.iter().any(|contact| contact.loss.is_some())
+    }
+
     /// The probe's view of the integrator's last step, whose interpolation is prepared.
     #[must_use]
     pub fn over_step(&self, integrator: &dyn Integrator, bodies: usize) -> ForceSegment {
@@ -56,6 +62,7 @@ impl ForceProbe {
                 body(Some(self.body)),
                 body(Some(self.body + 1)),
             ],
+            closed: [self.body, self.body + 1].map(|contact| integrator.was_on(contact)),
         }
     }
 }
@@ -69,12 +76,17 @@ pub struct ForceSegment {
     /// Length of the step (s).
     pub length: f64,
     bodies: [Interpolant; 3],
+    /// Whether each of the two contacts counted as closed.
+    closed: [bool; 2],
 }
 
 impl ForceSegment {
     /// Dynamic force, the static one subtracted, at the fraction `theta` of the step (N).
     #[must_use]
     pub fn force(&self, theta: f64) -> f64 {
+        if self.probe.is_lossy() {
+            return self.lossy_force(theta);
+        }
         let [above, here, below] = self.bodies.map(|b| b.position(theta));
         let terms = self.probe.contacts.iter().zip(self.probe.weights);
         terms
@@ -86,10 +98,11 @@ impl ForceSegment {
     /// Its rate of change at the fraction `theta` of the step (N/s).
     #[must_use]
     pub fn rate(&self, theta: f64) -> f64 {
-        let [above, here, below] = self.bodies.map(|b| b.position(theta));
-        let [above_v, here_v, below_v] = self.bodies.map(|b| b.velocity(theta));
-        let overlaps = [above - here, here - below];
-        let closing = [above_v - here_v, here_v - below_v];
+        let overlaps = self.differences(|b| b.position(theta));
+        let closing = self.differences(|b| b.velocity(theta));
+        if self.probe.is_lossy() {
+            return self.lossy_rate(overlaps, closing, theta);
+        }
         let terms = self.probe.contacts.iter().zip(self.probe.weights);
         terms
             .zip(overlaps.into_iter().zip(closing))
@@ -97,5 +110,38 @@ impl ForceSegment {
                 weight * contact.tangent_stiffness(change) * closing
             })
             .sum()
+    }
+
+    /// Differences over the two contacts.
+    fn differences(&self, of: impl Fn(&Interpolant) -> f64) -> [f64; 2] {
+        let [above, here, below] = self.bodies.each_ref().map(of);
+        [above - here, here - below]
+    }
+
+    fn lossy_force(&self, theta: f64) -> f64 {
+        let overlaps = self.differences(|b| b.position(theta));
+        let closing = self.differences(|b| b.velocity(theta));
+        let weighted = |i: usize| {
+            let contact = &self.probe.contacts[i];
+            let force = contact.lossy_force_change(overlaps[i], closing[i], self.closed[i]);
+            self.probe.weights[i] * force
+        };
+        weighted(0) + weighted(1)
+    }
+
+    /// The closing accelerations are those of the interpolant.
+    fn lossy_rate(&self, overlaps: [f64; 2], closing: [f64; 2], theta: f64) -> f64 {
+        let accelerations = self.differences(|b| b.acceleration(theta, self.length));
+        let weighted = |i: usize| {
+            let contact = &self.probe.contacts[i];
+            let elastic = contact.tangent_stiffness(overlaps[i]);
+            let touch = contact.touch(overlaps[i], closing[i], self.closed[i]);
+            let (stiffness, damping) = contact.loss.map_or((elastic, 0.0), |loss| {
+                let tangent = loss.tangent(contact.stiffness, elastic, touch);
+                (tangent.stiffness, tangent.damping)
+            });
+            self.probe.weights[i] * (stiffness * closing[i] + damping * accelerations[i])
+        };
+        weighted(0) + weighted(1)
     }
 }

@@ -1,6 +1,6 @@
 //! The chain in motion with everything that watches it: pulses, scope samples, truth.
 
-use crate::chain::{Chain, ChainSystem, Energy, ForceProbe};
+use crate::chain::{Chain, Dissipated, Energy, ForceProbe};
 use crate::integrate::{IntegrateError, Integrator, Interpolant, Method, State, Work};
 
 use super::pulse::PulseRecorder;
@@ -68,6 +68,7 @@ pub struct Bench<'a> {
     watches: Vec<Watch>,
     film: Film,
     initial_energy: Energy,
+    initial_velocities: Vec<f64>,
 }
 
 impl<'a> Bench<'a> {
@@ -82,10 +83,8 @@ impl<'a> Bench<'a> {
     ) -> Self {
         let (grid, film_grid) = grids;
         let bodies = chain.bodies().len();
-        let state =
-            State { time: 0.0, position: vec![0.0; bodies], velocity: initial_velocities.to_vec() };
+        let state = chain.initial_state(initial_velocities);
         let initial_energy = chain.energy(&state);
-        let system = ChainSystem::new(chain, initial_velocities);
         // Before the first contact nothing moves: those samples are known.
         let before = grid.samples_until(0.0);
         let watch = |probe: &ForceProbe| Watch {
@@ -98,14 +97,15 @@ impl<'a> Bench<'a> {
             displacements: vec![Vec::new(); bodies],
             frames: 0,
         };
-        film.take(chain, &state.position);
+        film.take(chain, (&state.position, &state.velocity), &|_| true);
         Self {
             chain,
-            integrator: method.start(Box::new(system), state),
+            integrator: method.start(chain.system(initial_velocities), state),
             grid,
             watches: probes.iter().map(watch).collect(),
             film,
             initial_energy,
+            initial_velocities: initial_velocities.to_vec(),
         }
     }
 
@@ -145,10 +145,18 @@ impl<'a> Bench<'a> {
         &self.film
     }
 
-    /// Energy at the start and now.
+    /// Energy at the start and now, without what contacts held at zero force will not give back.
     #[must_use]
     pub fn energies(&self) -> (Energy, Energy) {
-        (self.initial_energy, self.chain.energy(self.integrator.state()))
+        let closed = |contact: usize| self.integrator.was_on(contact);
+        (self.initial_energy, self.chain.free_energy(self.integrator.state(), &closed))
+    }
+
+    /// What the losses have taken so far.
+    #[must_use]
+    pub fn dissipated(&self) -> Dissipated {
+        let closed = |contact: usize| self.integrator.was_on(contact);
+        self.chain.dissipated(self.integrator.state(), &self.initial_velocities, &closed)
     }
 
     /// The present state.
@@ -193,13 +201,15 @@ impl Film {
         while self.grid.time(self.frames) <= end {
             let theta = (self.grid.time(self.frames) - start) / length;
             let position: Vec<f64> = motion.iter().map(|m| m.position(theta)).collect();
-            self.take(chain, &position);
+            let velocity: Vec<f64> = motion.iter().map(|m| m.velocity(theta)).collect();
+            self.take(chain, (&position, &velocity), &|contact| integrator.was_on(contact));
         }
     }
 
-    fn take(&mut self, chain: &Chain, position: &[f64]) {
+    fn take(&mut self, chain: &Chain, motion: (&[f64], &[f64]), closed: &dyn Fn(usize) -> bool) {
+        let (position, velocity) = motion;
         for (j, forces) in self.contact_forces.iter_mut().enumerate() {
-            forces.push(chain.contact_force(position, j));
+            forces.push(chain.contact_force(position, velocity, j, closed(j)));
         }
         for (track, x) in self.displacements.iter_mut().zip(position) {
             track.push(*x);

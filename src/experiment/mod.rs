@@ -11,6 +11,7 @@ mod comparison;
 pub mod cost;
 pub mod facts;
 pub mod inputs;
+mod losses;
 pub mod outcome;
 pub mod paper;
 pub mod pulse;
@@ -73,6 +74,30 @@ pub enum RunError {
         /// Steps in the scene's duration (1).
         steps: f64,
     },
+    /// The method chosen by hand takes forces to follow from positions alone.
+    #[error(
+        "found the method {method} for a scene with losses ({losses}), expected one that lets forces depend on velocity: {expected}"
+    )]
+    NotForLosses {
+        /// The method.
+        method: &'static str,
+        /// The losses that are on.
+        losses: String,
+        /// Methods that would do.
+        expected: &'static str,
+    },
+    /// A step chosen by hand is beyond what losses let be stable.
+    #[error(
+        "found a step of {step:e} s, expected at most {limit:e} s: the losses let velocities decay at up to {decay:.3e} 1/s, which makes longer ones unstable"
+    )]
+    UnstableLoss {
+        /// The step (s).
+        step: f64,
+        /// The longest step (s).
+        limit: f64,
+        /// The fastest decay (1/s).
+        decay: f64,
+    },
     /// The integrator could not go on.
     #[error(transparent)]
     Integrate(#[from] IntegrateError),
@@ -122,11 +147,10 @@ pub fn run(
 
 fn method(scene: &Scene, integration: Integration) -> Result<Method, RunError> {
     let method = match integration {
-        Integration::Accuracy(accuracy) => {
-            return Ok(Method::DormandElMikkawyPrince86 { tolerance: accuracy / STEP_MARGIN });
-        }
+        Integration::Accuracy(accuracy) => return Ok(losses::method(scene, accuracy)),
         Integration::Method(method) => method,
     };
+    losses::refuse(scene, method)?;
     if let Some((step, _)) = method.fixed_step() {
         let steps = scene.duration / step;
         if steps > MOST_STEPS {
@@ -219,7 +243,7 @@ impl Finished<'_> {
             duration_s: scene.duration,
             effect_settings: effects.iter().map(|(name, set)| format!("{name}: {set}")).collect(),
             effects: effects.into_iter().map(|(name, _)| name).collect(),
-            energy: EnergyLedger::conservative(initial, last),
+            energy: EnergyLedger::new(initial, last, bench.dissipated()),
             paper: paper::speed_of(scene),
             speeds: outcome::speeds(&scene.chain, &sensors),
             wall: wall.map(|watch| Reading::of("wall", None, 0.0, &watch.pulse)),

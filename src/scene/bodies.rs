@@ -266,3 +266,19 @@ pub fn assemble(spec: &ChainSpec, chain: &Table<'_>) -> Option<Chain> {
         }
     }
 }
+
+/// Names of the bodies that touch, from the top; none where the chain or an end could not be read.
+pub fn pairs<'a>(
+    kinds: &'a [String],
+    striker: bool,
+    ends: (Option<&(End, f64)>, Option<&(End, f64)>),
+) -> Vec<(&'a str, &'a str)> {
+    let (Some((top, _)), Some((bottom, _)), false) = (ends.0, ends.1, kinds.is_empty()) else {
+        return Vec::new();
+    };
+    let wall = |end: &End| matches!(end, End::Wall(_)).then_some("wall");
+    let above = if striker { Some("striker") } else { wall(top) };
+    let names = above.into_iter().chain(kinds.iter().map(String::as_str)).chain(wall(bottom));
+    let names: Vec<&str> = names.collect();
+    names.windows(2).map(|pair| (pair[0], pair[1])).collect()
+}
