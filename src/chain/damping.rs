@@ -44,16 +44,34 @@ impl Chain {
         high
     }
 
+    /// The largest decay of any contact, its two bodies taken alone, in units of its own angular frequency: twice its damping ratio;
+    /// 0 without losses (1).
+    #[must_use]
+    pub fn largest_damping(&self, velocity: &[f64]) -> f64 {
+        let speed = velocity.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        let ratio = |j: usize| {
+            let (slope, (overlap, inverse)) = (self.damping(j, speed), self.reach(j, speed));
+            let stiffness = hertz::tangent_stiffness(self.contacts[j].stiffness, overlap);
+            if slope > 0.0 { slope * (inverse / stiffness).sqrt() } else { 0.0 }
+        };
+        (0..self.contacts.len()).map(ratio).fold(0.0, f64::max)
+    }
+
+    /// The larger of contact `j`'s static overlap and that of a collision at `speed` (m/s), and its inverse reduced mass.
+    fn reach(&self, j: usize, speed: f64) -> (f64, f64) {
+        let beside = [j.checked_sub(1), Some(j)].into_iter().flatten();
+        let masses = beside.filter_map(|i| self.bodies.get(i)).map(|body| 1.0 / body.mass);
+        let (contact, inverse): (_, f64) = (&self.contacts[j], masses.sum());
+        let dynamic = hertz::collision_overlap(contact.stiffness, 1.0 / inverse, speed);
+        (contact.static_overlap.max(dynamic), inverse)
+    }
+
     /// Slope of the loss in contact `j` against the closing speed, at the larger of its static overlap and that of a
     /// collision at `speed` (m/s) (N s/m).
     pub(super) fn damping(&self, j: usize, speed: f64) -> f64 {
         let Some((contact, loss)) = self.contacts.get(j).and_then(|c| Some((c, c.loss?))) else {
             return 0.0;
         };
-        let beside = [j.checked_sub(1), Some(j)].into_iter().flatten();
-        let masses = beside.filter_map(|i| self.bodies.get(i)).map(|body| 1.0 / body.mass);
-        let inverse: f64 = masses.sum();
-        let dynamic = hertz::collision_overlap(contact.stiffness, 1.0 / inverse, speed);
-        loss.damping(contact.stiffness, contact.static_overlap.max(dynamic), speed)
+        loss.damping(contact.stiffness, self.reach(j, speed).0, speed)
     }
 }

@@ -132,13 +132,11 @@ impl<I: Restart> Switched<I> {
                     before = theta;
                     continue;
                 }
-                let closing = above.velocity(theta) - below.velocity(theta);
+                let at = if wrong(before) { theta } else { root(&wrong, before, theta) };
+                let closing = above.velocity(at) - below.velocity(at);
                 let jump = self.inner.system().switching().map_or(0.0, |s| s.jump(switch, closing));
-                if jump * length > tolerated {
-                    let at = if wrong(before) { theta } else { root(&wrong, before, theta) };
-                    if first.is_none_or(|(earliest, _)| at < earliest) {
-                        first = Some((at, switch));
-                    }
+                if jump * length > tolerated && first.is_none_or(|(earliest, _)| at < earliest) {
+                    first = Some((at, switch));
                 }
                 break;
             }
