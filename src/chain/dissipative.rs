@@ -192,9 +192,8 @@ impl Linearised for DissipativeSystem {
 
     fn forces_of(&self, position: &[f64], out: &mut [f64]) {
         let zeros = &self.masses;
-        let force = |j: usize| {
-            self.tangents[j].stiffness * motion(position, zeros, self.bodies, j).0
-        };
+        let force =
+            |j: usize| self.tangents[j].stiffness * motion(position, zeros, self.bodies, j).0;
         let mut above = force(0);
         for (i, out) in out.iter_mut().enumerate().take(self.bodies) {
             let below = force(i + 1);

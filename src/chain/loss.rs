@@ -163,14 +163,10 @@ impl ContactLoss {
         let viscous = self.relaxation * hertz::tangent_stiffness(stiffness, overlap);
         // d sqrt(d)/dd = 1/(2 sqrt(d)) has a pole at first touch, where no step could follow it.
         let root = overlap.max(0.0).sqrt().max(SMALLEST_ROOT);
-        let steepening = if overlap > 0.0 {
-            0.75 * self.relaxation * stiffness * closing / root
-        } else {
-            0.0
-        };
+        let steepening =
+            if overlap > 0.0 { 0.75 * self.relaxation * stiffness * closing / root } else { 0.0 };
         let at_zero = Self { relaxation: 0.0, ..*self };
-        let jumping =
-            if closed { at_zero.damping(stiffness, overlap, closing) } else { 0.0 };
+        let jumping = if closed { at_zero.damping(stiffness, overlap, closing) } else { 0.0 };
         tangent.stiffness = elastic_tangent + steepening;
         tangent.damping = viscous + jumping;
         tangent.power_by_overlap[1] = steepening * closing;

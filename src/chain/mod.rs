@@ -285,7 +285,8 @@ fn contact(spec: &ChainSpec, bodies: &[Body], j: usize, bears: f64) -> Result<Co
         None => Law::Hertz,
     };
     let static_overlap = hertz::overlap(stiffness, bears);
-    let short = |name: &'_ str| if name.ends_with(" wall") { "wall".to_owned() } else { name.to_owned() };
+    let short =
+        |name: &'_ str| if name.ends_with(" wall") { "wall".to_owned() } else { name.to_owned() };
     let loss = spec.effects.loss_between(&short(&upper.2), &short(&lower.2));
     if loss.is_some() && law == Law::Linearised {
         return Err(ChainError::LossWithoutEnd { body: lower.2 });

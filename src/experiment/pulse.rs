@@ -52,7 +52,14 @@ impl PulseRecorder {
     /// Starts with nothing felt.
     #[must_use]
     pub fn new(probe: ForceProbe) -> Self {
-        Self { probe, peaks: Vec::new(), rises: Vec::new(), largest: 0.0, rate_before: 0.0, last: 0.0 }
+        Self {
+            probe,
+            peaks: Vec::new(),
+            rises: Vec::new(),
+            largest: 0.0,
+            rate_before: 0.0,
+            last: 0.0,
+        }
     }
 
     /// The probe that is followed.

@@ -28,16 +28,6 @@ impl Interpolant {
     pub fn velocity(&self, theta: f64) -> f64 {
         horner(&self.velocity, theta)
     }
-
-    /// Acceleration at the fraction `theta` of the step, which is `length` (s) long: the velocity's derivative (m/s²).
-    #[must_use]
-    pub fn acceleration(&self, theta: f64, length: f64) -> f64 {
-        let mut slope = 0.0;
-        for (power, c) in (0_u8..8).zip(self.velocity).skip(1).rev() {
-            slope = slope * theta + f64::from(power) * c;
-        }
-        slope / length
-    }
 }
 
 fn horner(coefficients: &[f64; COEFFICIENTS], theta: f64) -> f64 {

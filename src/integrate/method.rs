@@ -149,6 +149,13 @@ impl Method {
         !matches!(self.kind(), Kind::Splitting(..) | Kind::Nystrom(..))
     }
 
+    /// Whether the method is one for systems with or without losses: some need to be without, and one needs the tangent that
+    /// only those with losses tell.
+    #[must_use]
+    pub fn suits(&self, lossy: bool) -> bool {
+        if lossy { self.allows_losses() } else { !matches!(self.kind(), Kind::Rodas(_)) }
+    }
+
     /// Longest stable step times the fastest decay of a lossy system; none for methods that no decay limits, and for
     /// those that are not made for losses (1).
     #[must_use]

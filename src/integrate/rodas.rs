@@ -12,7 +12,9 @@ use super::control::{StepControl, add_compensated, largest};
 use super::hermite::Between;
 use super::linearised::Tridiagonal;
 use super::switching::Restart;
-use super::{IntegrateError, Integrator, Interpolant, Scales, State, System, Work, first_not_finite};
+use super::{
+    IntegrateError, Integrator, Interpolant, Scales, State, System, Work, first_not_finite,
+};
 
 /// Stages of a step.
 pub const STAGES: usize = 6;
@@ -68,7 +70,8 @@ impl<'a> Rodas<'a> {
     /// Name as written in scenes, options and recordings.
     pub const NAME: &'static str = "rodas";
     /// Publication that defines the method.
-    pub const SOURCE: &'static str = "Hairer, Wanner, Solving ODEs II, 2nd ed. (1996), IV.10, RODAS";
+    pub const SOURCE: &'static str =
+        "Hairer, Wanner, Solving ODEs II, 2nd ed. (1996), IV.10, RODAS";
     /// Order of convergence on smooth problems.
     pub const ORDER: u8 = 4;
 

@@ -7,7 +7,9 @@ use super::control::{StepControl, add_compensated, largest};
 use super::hermite::Between;
 use super::splitting::REMAINDER;
 use super::switching::Restart;
-use super::{IntegrateError, Integrator, Interpolant, Scales, State, System, Work, first_not_finite};
+use super::{
+    IntegrateError, Integrator, Interpolant, Scales, State, System, Work, first_not_finite,
+};
 
 /// Terms of a weighted sum: stage and weight (1).
 pub type Row = &'static [(usize, f64)];
@@ -37,8 +39,15 @@ const FIRST_STEP: f64 = 1e-3;
 /// How steps are chosen.
 enum Pace {
     /// Time is `origin + count * step`, never a running sum; an interval's end starts a new count.
-    Fixed { step: f64, origin: f64, count: u64 },
-    Controlled { control: StepControl, tolerance: f64 },
+    Fixed {
+        step: f64,
+        origin: f64,
+        count: u64,
+    },
+    Controlled {
+        control: StepControl,
+        tolerance: f64,
+    },
 }
 
 /// Rates of positions (m/s) and velocities (m/s²) at a stage.

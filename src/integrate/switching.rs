@@ -102,7 +102,8 @@ impl<I: Restart> Switched<I> {
         for (switch, (sides, on)) in self.sides.iter().zip(&mut self.on).enumerate() {
             let (margin, rate) = (sides.margin(|i| position[i]), sides.rate(|i| velocity[i]));
             let on_now = system.is_on(switch);
-            let wrong = if on_now { margin < 0.0 && rate < 0.0 } else { margin >= 0.0 && rate > 0.0 };
+            let wrong =
+                if on_now { margin < 0.0 && rate < 0.0 } else { margin >= 0.0 && rate > 0.0 };
             if wrong {
                 system.flip(switch);
                 any = true;

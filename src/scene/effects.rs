@@ -9,7 +9,11 @@ use crate::quantity::Dimension;
 
 /// Reads `[effects]`, the noise of the scope excepted.
 /// `pairs` are the names of the bodies that touch, none where they are not known.
-pub fn effects(effects: Option<&Table<'_>>, particles: usize, pairs: &[(&str, &str)]) -> EffectsSpec {
+pub fn effects(
+    effects: Option<&Table<'_>>,
+    particles: usize,
+    pairs: &[(&str, &str)],
+) -> EffectsSpec {
     let mut spec = EffectsSpec::default();
     let Some(effects) = effects else { return spec };
     if let Some(table) = effect(effects, "gravity") {

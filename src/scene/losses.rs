@@ -60,7 +60,8 @@ fn loss(
     if let (Some(end), Some(other)) = (end, ends.first())
         && end != *other
     {
-        let expected = format!("\"{}\", as for the other losses: a contact ends once", other.name());
+        let expected =
+            format!("\"{}\", as for the other losses: a contact ends once", other.name());
         table.problem("end_of_contact", format!("\"{}\"", end.name()), expected);
     }
     ends.extend(end);
@@ -77,9 +78,8 @@ fn loss(
             }
         };
         if let Some([upper, lower]) = &between {
-            let meets = |(a, b): &(&str, &str)| {
-                (a == upper && b == lower) || (a == lower && b == upper)
-            };
+            let meets =
+                |(a, b): &(&str, &str)| (a == upper && b == lower) || (a == lower && b == upper);
             if !pairs.is_empty() && !pairs.iter().any(meets) {
                 let found = format!("\"{upper}\" and \"{lower}\", which do not touch");
                 let mut known: Vec<String> =

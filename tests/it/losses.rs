@@ -34,8 +34,3 @@ fn viscoelastic(base: &str, eta: f64, end: &str) -> Scene {
 fn simulate(scene: &Scene, accuracy: f64) -> Summary {
     run(scene, Integration::Accuracy(accuracy), 1, &mut |_| ()).expect("a run").summary
 }
-
-fn speed(summary: &Summary, estimator: &str) -> f64 {
-    let found = summary.speeds.iter().find(|s| (s.from, s.to, s.estimator) == (14, 27, estimator));
-    found.expect("a speed from 14 to 27").m_per_s
-}

@@ -50,8 +50,7 @@ fn viscoelastic_restitution() {
         {
             let eta = x / 1.5 * (stiffness / reduced).powf(-0.4) * SPEED.powf(-0.2);
             let loss = KuwabaraKono { eta: everywhere(eta, end) };
-            let chain =
-                chain(EffectsSpec { kuwabara_kono: Some(loss), ..EffectsSpec::default() });
+            let chain = chain(EffectsSpec { kuwabara_kono: Some(loss), ..EffectsSpec::default() });
             let tolerance = 1e-9;
             for method in [Method::DormandPrince853 { tolerance }, Method::Rodas { tolerance }] {
                 let found = restitution(&chain, method);

@@ -11,8 +11,7 @@ use crate::chains::{NEVER, kicked, pressed, ptfe_sphere, steel_cylinder};
 fn rattling(gamma: f64) -> Chain {
     let particles = (0..5).map(|i| if i % 2 == 0 { ptfe_sphere() } else { steel_cylinder() });
     let mut spec = pressed(particles.collect(), 0.0, false);
-    let gamma =
-        LossSpec { value: gamma, overrides: Vec::new(), end: EndOfContact::ZeroOverlap };
+    let gamma = LossSpec { value: gamma, overrides: Vec::new(), end: EndOfContact::ZeroOverlap };
     spec.effects.dashpot = (gamma.value > 0.0).then_some(Dashpot { gamma });
     Chain::new(&spec).expect("a chain")
 }
@@ -94,7 +93,11 @@ fn flags_keep_the_order_that_signs_lose() {
             farthest(&integrator.state().velocity, &exact)
         })
         .collect();
-    println!("flags {flagged:?}: {:.2}\nsigns {unflagged:?}: {:.2}", order(&flagged), order(&unflagged));
+    println!(
+        "flags {flagged:?}: {:.2}\nsigns {unflagged:?}: {:.2}",
+        order(&flagged),
+        order(&unflagged)
+    );
     assert!(order(&flagged) > 2.2, "{flagged:?}");
     assert!(order(&unflagged) < 1.5, "{unflagged:?}");
 }
@@ -132,7 +135,10 @@ fn dashpots_of_any_size_are_served() {
                 let scene = dashpot(base, gamma, end);
                 let tight = simulate(&scene, 1e-9);
                 let found = simulate(&scene, 1e-6);
-                println!("{base} {gamma} {end}: {} {}, {} {}", found.method, found.force_evaluations, tight.method, tight.force_evaluations);
+                println!(
+                    "{base} {gamma} {end}: {} {}, {} {}",
+                    found.method, found.force_evaluations, tight.method, tight.force_evaluations
+                );
                 assert_eq!(found.method == "rodas", implicit, "{base} {gamma}");
                 for (reading, exact) in found.sensors.iter().zip(&tight.sensors) {
                     let (peak, true_peak) = (reading.first_peak, exact.first_peak);
@@ -147,11 +153,16 @@ fn dashpots_of_any_size_are_served() {
                     ]
                     .map(|ratio| (ratio - 1.0).abs());
                     println!("   {}: {off:?}", reading.name);
-                    assert!(off.iter().all(|d| *d <= 1e-6), "{base} {gamma} {end} {}: {off:?}", reading.name);
+                    assert!(
+                        off.iter().all(|d| *d <= 1e-6),
+                        "{base} {gamma} {end} {}: {off:?}",
+                        reading.name
+                    );
                 }
-                let drift = found.energy.drift.abs();
-                assert!(drift < 1e-5, "{base} {gamma}: {drift:e}");
-                assert!(found.force_evaluations < 30_000);
+                // Each step may be off by what it tolerates.
+                let (drift, bound) = (found.energy.drift.abs(), 0.25e-6 * found.steps as f64);
+                assert!(drift < bound, "{base} {gamma}: {drift:e}");
+                assert!(found.force_evaluations < 10_000);
             }
         }
     }
