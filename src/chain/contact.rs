@@ -25,6 +25,8 @@ pub struct Contact {
     pub law: Law,
     /// What it takes out of the motion; none where it is elastic.
     pub loss: Option<ContactLoss>,
+    /// Force at which its softer body begins to yield; none where that is not known (N).
+    pub yield_force: Option<f64>,
 }
 
 impl Contact {
@@ -35,6 +37,7 @@ impl Contact {
         static_overlap: 0.0,
         law: Law::Hertz,
         loss: None,
+        yield_force: None,
     };
 
     /// Stiffness against small changes of the static state (N/m).

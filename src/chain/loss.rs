@@ -9,7 +9,7 @@ use super::hertz;
 /// Kinds of loss, in the order of [`LossTerms`].
 pub const KINDS: usize = 3;
 
-/// Force (N) or power (W) of each kind: dashpot, Kuwabara-Kono, power law.
+/// Force (N) or power (J/s) of each kind: dashpot, Kuwabara-Kono, power law.
 pub type LossTerms = [f64; KINDS];
 
 /// Where the tangent of Kuwabara and Kono's force has its pole, overlaps are taken as this share of the root at 1 um (m^0.5).
@@ -68,9 +68,9 @@ pub struct Touch {
 pub struct Taken {
     /// Force (N).
     pub force: f64,
-    /// Power that each kind of loss takes (W).
+    /// Power that each kind of loss takes (J/s).
     pub power: LossTerms,
-    /// Elastic power that comes free in a contact held at zero force (W).
+    /// Elastic power that comes free in a contact held at zero force (J/s).
     pub released: f64,
 }
 
@@ -81,7 +81,7 @@ pub struct Tangent {
     pub stiffness: f64,
     /// Of the force against the closing speed (N s/m).
     pub damping: f64,
-    /// Of each account's power against the overlap (W/m).
+    /// Of each account's power against the overlap (J/s/m).
     pub power_by_overlap: [f64; KINDS + 1],
     /// Of each account's power against the closing speed (N).
     pub power_by_closing: [f64; KINDS + 1],

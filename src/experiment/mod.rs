@@ -16,6 +16,7 @@ pub mod outcome;
 pub mod paper;
 pub mod pulse;
 pub mod recorded;
+mod yielding;
 
 use std::time::Instant;
 
@@ -247,7 +248,11 @@ impl Finished<'_> {
             paper: paper::speed_of(scene),
             speeds: outcome::speeds(&scene.chain, &sensors),
             wall: wall.map(|watch| Reading::of("wall", None, 0.0, &watch.pulse)),
-            notes: notes(scene, &sensors, shot, found),
+            notes: {
+                let mut notes = notes(scene, &sensors, shot, found);
+                notes.extend(yielding::note(&scene.chain, bench.film()));
+                notes
+            },
             sensors: sensors.into_iter().filter(|s| s.particle.is_some()).collect(),
             trigger: TriggerReport {
                 recorded: found.is_some(),

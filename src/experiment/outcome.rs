@@ -81,8 +81,8 @@ pub struct EnergyLedger {
 impl EnergyLedger {
     /// The ledger of a run from its `initial` to its `last` energy.
     #[must_use]
-    pub fn new(initial: Energy, last: Energy, lost: Dissipated) -> Self {
-        let (before, after, dissipated) = (initial.total(), last.total(), lost.total());
+    pub fn new(initial: Energy, last: Energy, taken: Dissipated) -> Self {
+        let (before, after, dissipated) = (initial.total(), last.total(), taken.total());
         Self {
             initial: before,
             r#final: after,
@@ -90,7 +90,7 @@ impl EnergyLedger {
             drift: (after + dissipated - before) / before,
             initial_by_kind: initial,
             final_by_kind: last,
-            dissipated_by_kind: lost,
+            dissipated_by_kind: taken,
         }
     }
 }

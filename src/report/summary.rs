@@ -136,21 +136,21 @@ fn costs(summary: &Summary) -> Vec<String> {
 
 /// Where the energy is at the end of a run with losses.
 fn ledger(energy: &EnergyLedger) -> Vec<String> {
-    let lost = &energy.dissipated_by_kind;
-    if lost.losses.is_empty() {
+    let booked = &energy.dissipated_by_kind;
+    if booked.losses.is_empty() {
         return Vec::new();
     }
-    let last = &energy.final_by_kind;
+    let end = &energy.final_by_kind;
     let entry = |name: &str, joules: f64| format!("{} {name}", engineering(joules, "J", 4));
     let held = [
-        entry("kinetic", last.kinetic),
-        entry("elastic", last.elastic),
-        entry("against gravity and preload", last.potential),
+        entry("kinetic", end.kinetic),
+        entry("elastic", end.elastic),
+        entry("against gravity and preload", end.potential),
     ];
     let mut taken: Vec<String> =
-        lost.losses.iter().map(|loss| entry(loss.loss, loss.energy)).collect();
-    if lost.left_in_contacts > 0.0 {
-        taken.push(entry("left in contacts", lost.left_in_contacts));
+        booked.losses.iter().map(|loss| entry(loss.loss, loss.energy)).collect();
+    if booked.left_in_contacts > 0.0 {
+        taken.push(entry("left in contacts", booked.left_in_contacts));
     }
     vec![
         format!("              at the end {}", held.join(", ")),

@@ -70,12 +70,11 @@ fn loss(
     for own in table.list("contacts") {
         let names = own.texts("between");
         let value = own.required(key, dimension, bound);
-        let between = match names.as_slice() {
-            [(upper, _), (lower, _)] => Some([(*upper).to_owned(), (*lower).to_owned()]),
-            _ => {
-                own.problem("between", format!("{} names", names.len()), "two kinds of bodies");
-                None
-            }
+        let between = if let [(upper, _), (lower, _)] = names.as_slice() {
+            Some([(*upper).to_owned(), (*lower).to_owned()])
+        } else {
+            own.problem("between", format!("{} names", names.len()), "two kinds of bodies");
+            None
         };
         if let Some([upper, lower]) = &between {
             let meets =

@@ -155,7 +155,9 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
         bodies::no_preload_at_the_bottom(table);
     }
     let effects = root.table("effects");
-    let pairs = bodies::pairs(&particles.kinds, striker.is_some(), (top.as_ref(), bottom.as_ref()));
+    // An end that could not be read may be a wall.
+    let walls = [&top, &bottom].map(|e| e.is_none_or(|(end, _)| matches!(end, End::Wall(_))));
+    let pairs = bodies::pairs(&particles.kinds, striker.is_some(), walls);
     let effects_spec = effects::effects(effects.as_ref(), count, &pairs);
     let noise = effects.as_ref().and_then(effects::scope_noise).unwrap_or(0.0);
     if let Some(effects) = effects {

@@ -1,5 +1,7 @@
 //! A loss's coefficient for all contacts, and for some of them another one.
 
+use std::fmt::Write as _;
+
 use super::EndOfContact;
 
 /// A coefficient of its own for the contacts between two kinds of bodies.
@@ -37,7 +39,7 @@ impl LossSpec {
     pub fn summary(&self, name: &str, text: impl Fn(f64) -> String) -> String {
         let mut words = format!("{name} {}", text(self.value));
         for ContactOverride { between: [upper, lower], value } in &self.overrides {
-            words += &format!(", between {upper} and {lower} {}", text(*value));
+            let _ = write!(words, ", between {upper} and {lower} {}", text(*value));
         }
         format!("{words}; a contact ends at {}", self.end.name().replace('_', " "))
     }

@@ -213,8 +213,8 @@ impl Restart for DormandPrince853<'_> {
         self.lost.position.fill(0.0);
         self.lost.velocity.fill(0.0);
         // Where the step will look for it.
-        let stage = if self.work.steps > 0 { STAGES - 1 } else { 0 };
-        if let Some(rates) = self.rates.get_mut(stage) {
+        let opening = if self.work.steps > 0 { STAGES - 1 } else { 0 };
+        if let Some(rates) = self.rates.get_mut(opening) {
             rates.position.copy_from_slice(&state.velocity);
             self.system.accelerations(&state.position, &state.velocity, &mut rates.velocity);
             self.work.force_evaluations += 1;

@@ -162,7 +162,7 @@ fn dashpots_of_any_size_are_served() {
                 // Each step may be off by what it tolerates.
                 let (drift, bound) = (found.energy.drift.abs(), 0.25e-6 * found.steps as f64);
                 assert!(drift < bound, "{base} {gamma}: {drift:e}");
-                assert!(found.force_evaluations < 10_000);
+                assert!(!implicit || found.force_evaluations < 10_000);
             }
         }
     }
