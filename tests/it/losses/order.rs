@@ -16,6 +16,8 @@ fn rattling(gamma: f64) -> Chain {
     Chain::new(&spec).expect("a chain")
 }
 
+type Make = fn(f64) -> Method;
+
 const SPEED: f64 = 0.3;
 const TIME: f64 = 0.3e-3;
 
@@ -71,8 +73,8 @@ fn flags_keep_the_order_that_signs_lose() {
     let exact = run(&chain, Method::DormandPrince853 { tolerance: 1e-14 });
     let steps = [50_u32, 200, 800, 3200, 12800];
     let order = |errors: &[f64]| {
-        let decades = (steps[steps.len() - 1] as f64 / steps[0] as f64).log2();
-        (errors[0] / errors[errors.len() - 1]).log2() / decades
+        let octaves = f64::from(steps[steps.len() - 1] / steps[0]).log2();
+        (errors[0] / errors[errors.len() - 1]).log2() / octaves
     };
     let flagged: Vec<f64> = steps
         .iter()
@@ -107,7 +109,6 @@ fn flags_keep_the_order_that_signs_lose() {
 fn tolerances_are_kept_across_jumps() {
     let chain = rattling(2.0);
     let exact = run(&chain, Method::DormandPrince853 { tolerance: 1e-14 });
-    type Make = fn(f64) -> Method;
     let methods: [Make; 3] = [
         |tolerance| Method::DormandPrince54 { tolerance },
         |tolerance| Method::DormandPrince853 { tolerance },
