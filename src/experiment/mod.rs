@@ -222,7 +222,7 @@ impl Finished<'_> {
         let wall = scene.chain.wall_contact().and_then(|_| watches.last());
         let effects = outcome::effects(scene);
         let (initial, last) = bench.energies();
-        let work = bench.work();
+        let (work, yielded) = (bench.work(), yielding::note(&scene.chain, bench.film()));
         let (accuracy, step_s) = match integration {
             Integration::Accuracy(accuracy) => (Some(accuracy), None),
             Integration::Method(method) => (None, method.fixed_step().map(|(step, _)| step)),
@@ -248,11 +248,7 @@ impl Finished<'_> {
             paper: paper::speed_of(scene),
             speeds: outcome::speeds(&scene.chain, &sensors),
             wall: wall.map(|watch| Reading::of("wall", None, 0.0, &watch.pulse)),
-            notes: {
-                let mut notes = notes(scene, &sensors, shot, found);
-                notes.extend(yielding::note(&scene.chain, bench.film()));
-                notes
-            },
+            notes: notes(scene, &sensors, shot, found).into_iter().chain(yielded).collect(),
             sensors: sensors.into_iter().filter(|s| s.particle.is_some()).collect(),
             trigger: TriggerReport {
                 recorded: found.is_some(),
