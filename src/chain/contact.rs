@@ -1,6 +1,7 @@
 //! One contact: its static state, and how its force follows its overlap.
 
 use super::hertz;
+use super::loss::{ContactLoss, Touch};
 
 /// How a contact's force follows its overlap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,12 +23,22 @@ pub struct Contact {
     pub static_overlap: f64,
     /// How the force follows the overlap.
     pub law: Law,
+    /// What it takes out of the motion; none where it is elastic.
+    pub loss: Option<ContactLoss>,
+    /// Force at which its softer body begins to yield; none where that is not known (N).
+    pub yield_force: Option<f64>,
 }
 
 impl Contact {
     /// Nothing stands here.
-    pub(super) const OPEN: Self =
-        Self { stiffness: 0.0, static_force: 0.0, static_overlap: 0.0, law: Law::Hertz };
+    pub(super) const OPEN: Self = Self {
+        stiffness: 0.0,
+        static_force: 0.0,
+        static_overlap: 0.0,
+        law: Law::Hertz,
+        loss: None,
+        yield_force: None,
+    };
 
     /// Stiffness against small changes of the static state (N/m).
     #[must_use]
@@ -42,6 +53,22 @@ impl Contact {
             Law::Hertz => hertz::force_change(self.stiffness, self.static_overlap.sqrt(), change),
             Law::Linearised => self.static_stiffness() * change,
         }
+    }
+
+    /// The contact when its overlap has grown by `change` (m) over the static one and grows by `closing` (m/s).
+    #[must_use]
+    pub fn touch(&self, change: f64, closing: f64, closed: bool) -> Touch {
+        let elastic = self.static_force + self.force_change(change);
+        Touch { overlap: self.static_overlap + change, closing, elastic, closed }
+    }
+
+    /// Change of the force, losses included (N).
+    #[must_use]
+    pub fn lossy_force_change(&self, change: f64, closing: f64, closed: bool) -> f64 {
+        let taken = |loss: ContactLoss| {
+            loss.taken(self.stiffness, self.touch(change, closing, closed)).force
+        };
+        self.force_change(change) + self.loss.map_or(0.0, taken)
     }
 
     /// Stiffness against further changes (N/m).

@@ -32,16 +32,20 @@ impl Chain {
     /// Overlap change of contact `j` at the displacements `position` (m).
     #[must_use]
     pub fn overlap_change(&self, position: &[f64], j: usize) -> f64 {
-        let at = |index: Option<usize>| index.and_then(|i| position.get(i)).copied().unwrap_or(0.0);
+        // Behind the bodies there may be accounts.
+        let bodies = position.get(..self.bodies.len()).unwrap_or(position);
+        let at = |index: Option<usize>| index.and_then(|i| bodies.get(i)).copied().unwrap_or(0.0);
         at(j.checked_sub(1)) - at(Some(j))
     }
 
-    /// Force in contact `j` at the displacements `position`, static part included (N).
+    /// Force in contact `j` at these displacements (m) and velocities (m/s), static part and losses included; `closed`
+    /// tells whether it counts as closed (N).
     #[must_use]
-    pub fn contact_force(&self, position: &[f64], j: usize) -> f64 {
+    pub fn contact_force(&self, position: &[f64], velocity: &[f64], j: usize, closed: bool) -> f64 {
         self.contacts.get(j).map_or(0.0, |contact| {
             let change = self.overlap_change(position, j);
-            contact.static_force + contact.force_change(change)
+            let closing = self.overlap_change(velocity, j);
+            contact.static_force + contact.lossy_force_change(change, closing, closed)
         })
     }
 

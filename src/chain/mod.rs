@@ -9,20 +9,32 @@
 //! overlap follows from its force in closed form.
 
 mod contact;
+mod damping;
+mod dissipative;
 pub mod effects;
 mod energy;
+mod error;
 pub mod hertz;
 mod impact;
 mod kernel;
+mod ledger;
+pub mod loss;
 mod probe;
 pub mod stepper;
 mod system;
 
 pub use contact::{Contact, Law};
-pub use effects::{Effect, EffectsSpec, Gravity, LinearisedContacts, MagnetPreload};
+pub use dissipative::DissipativeSystem;
+pub use effects::{
+    ContactOverride, Dashpot, Effect, EffectsSpec, Gravity, KuwabaraKono, LinearisedContacts,
+    LossSpec, MagnetPreload, PowerLawLoss,
+};
 pub use energy::Energy;
+pub use error::ChainError;
 pub use hertz::Elasticity;
 pub use impact::StabilityLimit;
+pub use ledger::Dissipated;
+pub use loss::{ContactLoss, EndOfContact};
 pub use probe::{ForceProbe, ForceSegment};
 pub use system::ChainSystem;
 
@@ -39,6 +51,8 @@ pub struct Body {
     pub curvature: f64,
     /// Elastic constants.
     pub elasticity: Elasticity,
+    /// Uniaxial stress at which the material yields; none where that is not known (Pa).
+    pub yield_strength: Option<f64>,
 }
 
 /// What stands at an end of the chain.
@@ -67,53 +81,6 @@ pub struct ChainSpec {
     pub wall_preload: f64,
     /// Optional physics.
     pub effects: EffectsSpec,
-}
-
-/// Why bodies cannot be put together to a chain.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum ChainError {
-    /// No bodies.
-    #[error("found a chain without particles, expected at least one")]
-    Empty,
-    /// Two flat faces meet.
-    #[error(
-        "found flat on flat between {upper} and {lower}, expected at least one curved face: a Hertz contact has a radius"
-    )]
-    FlatOnFlat {
-        /// The body above.
-        upper: String,
-        /// The body below.
-        lower: String,
-    },
-    /// The striker would have to pass through a wall.
-    #[error("found both a striker and a wall at the top, expected one of them")]
-    StrikerBehindWall,
-    /// A contact would have to pull.
-    #[error(
-        "found no static state: the contact above {body} would have to bear {force:e} N, expected a force that presses"
-    )]
-    Pulling {
-        /// The body below the contact.
-        body: String,
-        /// Static force (N).
-        force: f64,
-    },
-    /// A contact without preload has no tangent.
-    #[error(
-        "found no static force above {body}, expected one: effects.linearised_contacts needs every contact precompressed"
-    )]
-    NothingToLinearise {
-        /// The body below the contact.
-        body: String,
-    },
-    /// Loads do not balance and no wall takes the rest.
-    #[error(
-        "found no static state: {rest:e} N remain at the bottom, expected a wall there or balanced forces"
-    )]
-    Unbalanced {
-        /// What is left (N).
-        rest: f64,
-    },
 }
 
 /// A chain in static equilibrium, the striker at rest where it first touches.
@@ -268,7 +235,18 @@ fn contact(spec: &ChainSpec, bodies: &[Body], j: usize, bears: f64) -> Result<Co
         None => Law::Hertz,
     };
     let static_overlap = hertz::overlap(stiffness, bears);
-    Ok(Contact { stiffness, static_force: bears, static_overlap, law })
+    let short =
+        |name: &'_ str| if name.ends_with(" wall") { "wall".to_owned() } else { name.to_owned() };
+    let yields = |body: Option<&Body>| body.and_then(|body| body.yield_strength);
+    let strengths = [yields(j.checked_sub(1).and_then(|i| bodies.get(i))), yields(bodies.get(j))];
+    let softest = strengths.into_iter().flatten().reduce(f64::min);
+    let yield_force = softest
+        .map(|strength| hertz::first_yield((upper.0, upper.1), (lower.0, lower.1), strength));
+    let loss = spec.effects.loss_between(&short(&upper.2), &short(&lower.2));
+    if loss.is_some() && law == Law::Linearised {
+        return Err(ChainError::LossWithoutEnd { body: lower.2 });
+    }
+    Ok(Contact { stiffness, static_force: bears, static_overlap, law, loss, yield_force })
 }
 
 /// The place of a contact where nothing stands; at the bottom the loads must have cancelled.

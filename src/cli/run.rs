@@ -53,6 +53,9 @@ enum ByHand {
     Pefrl,
     /// Order 6, symplectic
     BlanesMoan,
+    /// Order 4, for scenes with losses
+    #[value(name = "runge-kutta-4")]
+    RungeKutta4,
 }
 
 impl ByHand {
@@ -61,6 +64,7 @@ impl ByHand {
             Self::VelocityVerlet => Method::VelocityVerlet { step },
             Self::Pefrl => Method::Pefrl { step },
             Self::BlanesMoan => Method::BlanesMoan { step },
+            Self::RungeKutta4 => Method::RungeKutta4 { step },
         }
     }
 }

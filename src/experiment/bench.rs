@@ -1,7 +1,7 @@
 //! The chain in motion with everything that watches it: pulses, scope samples, truth.
 
 use crate::chain::stepper::{ChainStepper, InstructionSet};
-use crate::chain::{Chain, ChainSystem, Energy, ForceProbe};
+use crate::chain::{Chain, Dissipated, Energy, ForceProbe};
 use crate::integrate::{IntegrateError, Integrator, Interpolant, Method, State, Work};
 
 use super::pulse::PulseRecorder;
@@ -61,14 +61,18 @@ pub struct Film {
     frames: usize,
 }
 
-/// The method at work on the chain: Runge-Kutta-Nystrom pairs by the chain's own stepper.
-fn start(chain: &Chain, method: Method, state: State) -> Box<dyn Integrator> {
-    if let Some((pair, tolerance)) = method.nystrom() {
-        let set = InstructionSet::best();
-        return Box::new(ChainStepper::new(chain, &state.velocity, pair, tolerance, set));
+/// The method at work on the chain: without losses, Runge-Kutta-Nystrom pairs run on the chain's own stepper.
+fn start<'a>(
+    chain: &Chain,
+    velocities: &[f64],
+    (method, state): (Method, State),
+) -> Box<dyn Integrator + 'a> {
+    match method.nystrom() {
+        Some((pair, tolerance)) if !chain.is_dissipative() => {
+            Box::new(ChainStepper::new(chain, velocities, pair, tolerance, InstructionSet::best()))
+        }
+        _ => method.start(chain.system(velocities), state),
     }
-    let system = ChainSystem::new(chain, &state.velocity);
-    method.start(Box::new(system), state)
 }
 
 /// A running bench.
@@ -79,6 +83,7 @@ pub struct Bench<'a> {
     watches: Vec<Watch>,
     film: Film,
     initial_energy: Energy,
+    initial_velocities: Vec<f64>,
 }
 
 impl<'a> Bench<'a> {
@@ -93,8 +98,7 @@ impl<'a> Bench<'a> {
     ) -> Self {
         let (grid, film_grid) = grids;
         let bodies = chain.bodies().len();
-        let state =
-            State { time: 0.0, position: vec![0.0; bodies], velocity: initial_velocities.to_vec() };
+        let state = chain.initial_state(initial_velocities);
         let initial_energy = chain.energy(&state);
         // Before the first contact nothing moves: those samples are known.
         let before = grid.samples_until(0.0);
@@ -108,14 +112,15 @@ impl<'a> Bench<'a> {
             displacements: vec![Vec::new(); bodies],
             frames: 0,
         };
-        film.take(chain, &state.position);
+        film.take(chain, (&state.position, &state.velocity), &|_| true);
         Self {
             chain,
-            integrator: start(chain, method, state),
+            integrator: start(chain, initial_velocities, (method, state)),
             grid,
             watches: probes.iter().map(watch).collect(),
             film,
             initial_energy,
+            initial_velocities: initial_velocities.to_vec(),
         }
     }
 
@@ -155,10 +160,18 @@ impl<'a> Bench<'a> {
         &self.film
     }
 
-    /// Energy at the start and now.
+    /// Energy at the start and now, without what contacts held at zero force will not give back.
     #[must_use]
     pub fn energies(&self) -> (Energy, Energy) {
-        (self.initial_energy, self.chain.energy(&self.integrator.state()))
+        let closed = |contact: usize| self.integrator.was_on(contact);
+        (self.initial_energy, self.chain.free_energy(&self.integrator.state(), &closed))
+    }
+
+    /// What the losses have taken so far.
+    #[must_use]
+    pub fn dissipated(&self) -> Dissipated {
+        let closed = |contact: usize| self.integrator.was_on(contact);
+        self.chain.dissipated(&self.integrator.state(), &self.initial_velocities, &closed)
     }
 
     /// The present time (s).
@@ -209,13 +222,15 @@ impl Film {
         while self.grid.time(self.frames) <= end {
             let theta = (self.grid.time(self.frames) - start) / length;
             let position: Vec<f64> = motion.iter().map(|m| m.position(theta)).collect();
-            self.take(chain, &position);
+            let velocity: Vec<f64> = motion.iter().map(|m| m.velocity(theta)).collect();
+            self.take(chain, (&position, &velocity), &|contact| integrator.was_on(contact));
         }
     }
 
-    fn take(&mut self, chain: &Chain, position: &[f64]) {
+    fn take(&mut self, chain: &Chain, motion: (&[f64], &[f64]), closed: &dyn Fn(usize) -> bool) {
+        let (position, velocity) = motion;
         for (j, forces) in self.contact_forces.iter_mut().enumerate() {
-            forces.push(chain.contact_force(position, j));
+            forces.push(chain.contact_force(position, velocity, j, closed(j)));
         }
         for (track, x) in self.displacements.iter_mut().zip(position) {
             track.push(*x);

@@ -40,7 +40,7 @@ pub fn run(scene: &Scene, method: Method) -> Result<Run, String> {
     Ok(Run {
         readings: bench.watches().iter().map(|w| Reading::of("", None, 0.0, &w.pulse)).collect(),
         traces: bench.watches().iter().map(|w| w.samples.clone()).collect(),
-        drift: (after.total() - before.total()) / before.kinetic,
+        drift: (after.total() + bench.dissipated().total() - before.total()) / before.kinetic,
         work: bench.work(),
         wall_s,
     })

@@ -110,7 +110,11 @@ pub struct Chosen {
 /// The integrator's error where even the reference fails, in words.
 pub fn study(scene: &Scene, progress: &mut dyn FnMut(f64)) -> Result<Study, String> {
     let reference = Method::DormandPrince853 { tolerance: REFERENCE_TOLERANCE };
-    let second = Method::DormandElMikkawyPrince86 { tolerance: REFERENCE_TOLERANCE };
+    let second = if scene.chain.is_dissipative() {
+        Method::DormandPrince54 { tolerance: REFERENCE_TOLERANCE }
+    } else {
+        Method::DormandElMikkawyPrince86 { tolerance: REFERENCE_TOLERANCE }
+    };
     let exact = run(scene, reference)?;
     if exact.readings.iter().all(|reading| reading.first_peak.is_none()) {
         return Err("no sensor and no wall felt a pulse that could be compared".to_owned());
@@ -150,18 +154,22 @@ fn decades() -> impl Iterator<Item = f64> {
 /// Every method over its range: steps from the edge of stability down, tolerances from coarse to tight.
 fn settings(scene: &Scene) -> Vec<Method> {
     type Make = fn(f64) -> Method;
-    let fixed: [Make; 3] = [
+    let fixed: [Make; 4] = [
         |step| Method::VelocityVerlet { step },
         |step| Method::Pefrl { step },
         |step| Method::BlanesMoan { step },
+        |step| Method::RungeKutta4 { step },
     ];
-    let adaptive: [Make; 3] = [
+    let adaptive: [Make; 5] = [
         |tolerance| Method::DormandElMikkawyPrince64 { tolerance },
         |tolerance| Method::DormandElMikkawyPrince86 { tolerance },
+        |tolerance| Method::DormandPrince54 { tolerance },
         |tolerance| Method::DormandPrince853 { tolerance },
+        |tolerance| Method::Rodas { tolerance },
     ];
+    let suits = |method: Method| method.suits(scene.chain.is_dissipative());
     let mut settings = Vec::new();
-    for make in fixed {
+    for make in fixed.into_iter().filter(|make| suits(make(1.0))) {
         let (_, reach) = make(1.0).fixed_step().unwrap_or((1.0, 2.0));
         let limit = scene.chain.stability_limit(&scene.initial_velocities, reach);
         // From twice the limit, so that the edge is seen, in factors of two.
@@ -172,7 +180,7 @@ fn settings(scene: &Scene) -> Vec<Method> {
             step *= 0.5;
         }
     }
-    for make in adaptive {
+    for make in adaptive.into_iter().filter(|make| suits(make(1.0))) {
         settings.extend((1..=13).map(|decade| make(10f64.powi(-decade))));
     }
     settings

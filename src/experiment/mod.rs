@@ -11,10 +11,12 @@ mod comparison;
 pub mod cost;
 pub mod facts;
 pub mod inputs;
+mod losses;
 pub mod outcome;
 pub mod paper;
 pub mod pulse;
 pub mod recorded;
+mod yielding;
 
 use std::time::Instant;
 
@@ -35,8 +37,6 @@ use outcome::{EnergyLedger, Reading, Summary, TriggerReport};
 const FRAMES: f64 = 200.0;
 /// Samples kept before the earliest that a record can need.
 const SPARE_SAMPLES: f64 = 20.0;
-/// Above this accuracy the pair of order 6 is cheaper than that of order 8 (1).
-const SIXTH_ORDER_UP_TO: f64 = 1e-5;
 /// Most steps of a method with a step by hand: hours of work for a chain of the bench's size (1).
 const MOST_STEPS: f64 = 1e9;
 /// Stream of the sample clock's phase; channels use 1 to 4.
@@ -71,6 +71,30 @@ pub enum RunError {
         step: f64,
         /// Steps in the scene's duration (1).
         steps: f64,
+    },
+    /// The method chosen by hand takes forces to follow from positions alone.
+    #[error(
+        "found the method {method} for a scene with losses ({losses}), expected one that lets forces depend on velocity: {expected}"
+    )]
+    NotForLosses {
+        /// The method.
+        method: &'static str,
+        /// The losses that are on.
+        losses: String,
+        /// Methods that would do.
+        expected: &'static str,
+    },
+    /// A step chosen by hand is beyond what losses let be stable.
+    #[error(
+        "found a step of {step:e} s, expected at most {limit:e} s: the losses let velocities decay at up to {decay:.3e} 1/s, which makes longer ones unstable"
+    )]
+    UnstableLoss {
+        /// The step (s).
+        step: f64,
+        /// The longest step (s).
+        limit: f64,
+        /// The fastest decay (1/s).
+        decay: f64,
     },
     /// The integrator could not go on.
     #[error(transparent)]
@@ -121,16 +145,10 @@ pub fn run(
 
 fn method(scene: &Scene, integration: Integration) -> Result<Method, RunError> {
     let method = match integration {
-        Integration::Accuracy(accuracy) => {
-            let tolerance = accuracy;
-            return Ok(if accuracy > SIXTH_ORDER_UP_TO {
-                Method::DormandElMikkawyPrince64 { tolerance }
-            } else {
-                Method::DormandElMikkawyPrince86 { tolerance }
-            });
-        }
+        Integration::Accuracy(accuracy) => return Ok(losses::method(scene, accuracy)),
         Integration::Method(method) => method,
     };
+    losses::refuse(scene, method)?;
     if let Some((step, _)) = method.fixed_step() {
         let steps = scene.duration / step;
         if steps > MOST_STEPS {
@@ -201,7 +219,7 @@ impl Finished<'_> {
         let wall = scene.chain.wall_contact().and_then(|_| watches.last());
         let effects = outcome::effects(scene);
         let (initial, last) = bench.energies();
-        let work = bench.work();
+        let (work, yielded) = (bench.work(), yielding::note(&scene.chain, bench.film()));
         let (accuracy, step_s) = match integration {
             Integration::Accuracy(accuracy) => (Some(accuracy), None),
             Integration::Method(method) => (None, method.fixed_step().map(|(step, _)| step)),
@@ -223,11 +241,11 @@ impl Finished<'_> {
             duration_s: scene.duration,
             effect_settings: effects.iter().map(|(name, set)| format!("{name}: {set}")).collect(),
             effects: effects.into_iter().map(|(name, _)| name).collect(),
-            energy: EnergyLedger::conservative(initial, last),
+            energy: EnergyLedger::new(initial, last, bench.dissipated()),
             paper: paper::speed_of(scene),
             speeds: outcome::speeds(&scene.chain, &sensors),
             wall: wall.map(|watch| Reading::of("wall", None, 0.0, &watch.pulse)),
-            notes: notes(scene, &sensors, shot, found),
+            notes: notes(scene, &sensors, shot, found).into_iter().chain(yielded).collect(),
             sensors: sensors.into_iter().filter(|s| s.particle.is_some()).collect(),
             trigger: TriggerReport {
                 recorded: found.is_some(),

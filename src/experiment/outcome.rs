@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::paper::PaperSpeed;
 use super::pulse::{FOOT, HALF_RISE, Peak, PulseRecorder};
-use crate::chain::{Chain, Energy};
+use crate::chain::{Chain, Dissipated, Energy};
 use crate::quantity::engineering;
 use crate::scene::{PlacedSensor, Scene, Site};
 
@@ -60,7 +60,7 @@ pub struct Summary {
 }
 
 /// The energy ledger of a run.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct EnergyLedger {
     /// At the striker's first contact (J).
     pub initial: f64,
@@ -72,22 +72,25 @@ pub struct EnergyLedger {
     pub drift: f64,
     /// The initial energy by kind.
     pub initial_by_kind: Energy,
-    /// The final energy by kind.
+    /// The final energy by kind, without what is left in contacts held at zero force.
     pub final_by_kind: Energy,
+    /// What was lost, by loss, and what is left in contacts.
+    pub dissipated_by_kind: Dissipated,
 }
 
 impl EnergyLedger {
-    /// The ledger of a run without losses.
+    /// The ledger of a run from its `initial` to its `last` energy.
     #[must_use]
-    pub fn conservative(initial: Energy, last: Energy) -> Self {
-        let (before, after) = (initial.total(), last.total());
+    pub fn new(initial: Energy, last: Energy, taken: Dissipated) -> Self {
+        let (before, after, dissipated) = (initial.total(), last.total(), taken.total());
         Self {
             initial: before,
             r#final: after,
-            dissipated: 0.0,
-            drift: (after - before) / before,
+            dissipated,
+            drift: (after + dissipated - before) / before,
             initial_by_kind: initial,
             final_by_kind: last,
+            dissipated_by_kind: taken,
         }
     }
 }

@@ -11,6 +11,8 @@ use crate::integrate::Integrator;
 const LOOKS_PER_STEP: u8 = 4;
 /// A peak counts when it exceeds this share of the record's largest dynamic force (1).
 const PEAK_SHARE: f64 = 0.25;
+/// What two steps' interpolants may differ by where they meet is no jump, as a share of the largest force (1).
+const SMALLEST_JUMP: f64 = 1e-6;
 /// Share of the first peak at which a pulse is said to arrive by its half-rise (1).
 pub const HALF_RISE: f64 = 0.5;
 /// Share of the first peak at which a pulse is said to arrive by its foot (1).
@@ -36,6 +38,8 @@ pub struct PulseRecorder {
     rises: Vec<Rise>,
     largest: f64,
     rate_before: f64,
+    /// Force at the end of the last step where it may jump (N).
+    last: f64,
 }
 
 #[derive(Debug, Clone)]
@@ -48,7 +52,14 @@ impl PulseRecorder {
     /// Starts with nothing felt.
     #[must_use]
     pub fn new(probe: ForceProbe) -> Self {
-        Self { probe, peaks: Vec::new(), rises: Vec::new(), largest: 0.0, rate_before: 0.0 }
+        Self {
+            probe,
+            peaks: Vec::new(),
+            rises: Vec::new(),
+            largest: 0.0,
+            rate_before: 0.0,
+            last: 0.0,
+        }
     }
 
     /// The probe that is followed.
@@ -62,6 +73,9 @@ impl PulseRecorder {
         let segment = self.probe.over_step(integrator, bodies);
         let mut reached = self.largest;
         let mut theta_before = 0.0;
+        if self.probe.is_lossy() {
+            reached = reached.max(self.jump(&segment));
+        }
         for look in 1..=LOOKS_PER_STEP {
             let theta = f64::from(look) / f64::from(LOOKS_PER_STEP);
             let rate = segment.rate(theta);
@@ -81,6 +95,17 @@ impl PulseRecorder {
             self.rises.push(Rise { segment: segment.clone(), reached });
         }
         segment
+    }
+
+    /// A force that jumps up as a contact closes and then falls has its peak at the jump. Returns the force there (N).
+    fn jump(&mut self, segment: &ForceSegment) -> f64 {
+        let (force, rate) = (segment.force(0.0), segment.rate(0.0));
+        if force - self.last > SMALLEST_JUMP * self.largest && rate <= 0.0 {
+            self.peaks.push((segment.start, force));
+        }
+        self.rate_before = rate;
+        self.last = segment.force(1.0);
+        force
     }
 
     /// Largest dynamic force so far (N).

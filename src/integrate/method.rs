@@ -5,9 +5,14 @@ use std::fmt;
 use super::blanes_moan::BLANES_MOAN;
 use super::dormand_el_mikkawy_prince_64::DORMAND_EL_MIKKAWY_PRINCE_64;
 use super::dormand_el_mikkawy_prince_86::DORMAND_EL_MIKKAWY_PRINCE_86;
+use super::dormand_prince_54::DORMAND_PRINCE_54;
 use super::nystrom::{NystromIntegrator, NystromPair};
 use super::pefrl::PEFRL;
+use super::rodas::{self, Rodas};
+use super::runge_kutta::{RungeKutta, RungeKuttaIntegrator};
+use super::runge_kutta_4::RUNGE_KUTTA_4;
 use super::splitting::{Splitting, SplittingIntegrator};
+use super::switching::{Restart, Switched};
 use super::velocity_verlet::VELOCITY_VERLET;
 use super::{DormandPrince853, Integrator, State, System};
 
@@ -39,8 +44,23 @@ pub enum Method {
         /// Tolerated error of a step, relative to the system's scales (1).
         tolerance: f64,
     },
+    /// Dormand and Prince's Runge-Kutta pair of orders 5(4); forces may depend on velocity.
+    DormandPrince54 {
+        /// Tolerated error of a step, relative to the system's scales (1).
+        tolerance: f64,
+    },
     /// Dormand and Prince's Runge-Kutta pair of orders 8(5,3); forces may depend on velocity.
     DormandPrince853 {
+        /// Tolerated error of a step, relative to the system's scales (1).
+        tolerance: f64,
+    },
+    /// The classical Runge-Kutta method with a fixed step: order 4; forces may depend on velocity.
+    RungeKutta4 {
+        /// The step (s).
+        step: f64,
+    },
+    /// Hairer and Wanner's linearly implicit method of orders 4(3), for systems that know their tangent: losses may be stiff.
+    Rodas {
         /// Tolerated error of a step, relative to the system's scales (1).
         tolerance: f64,
     },
@@ -51,6 +71,8 @@ enum Kind {
     Splitting(&'static Splitting, f64),
     Nystrom(&'static NystromPair, f64),
     DormandPrince853(f64),
+    RungeKutta(&'static RungeKutta, f64),
+    Rodas(f64),
 }
 
 impl Method {
@@ -65,7 +87,10 @@ impl Method {
             Self::DormandElMikkawyPrince86 { tolerance } => {
                 Kind::Nystrom(&DORMAND_EL_MIKKAWY_PRINCE_86, tolerance)
             }
+            Self::DormandPrince54 { tolerance } => Kind::RungeKutta(&DORMAND_PRINCE_54, tolerance),
             Self::DormandPrince853 { tolerance } => Kind::DormandPrince853(tolerance),
+            Self::RungeKutta4 { step } => Kind::RungeKutta(&RUNGE_KUTTA_4, step),
+            Self::Rodas { tolerance } => Kind::Rodas(tolerance),
         }
     }
 
@@ -76,6 +101,8 @@ impl Method {
             Kind::Splitting(method, _) => method.name,
             Kind::Nystrom(pair, _) => pair.name,
             Kind::DormandPrince853(_) => DormandPrince853::NAME,
+            Kind::RungeKutta(method, _) => method.name,
+            Kind::Rodas(_) => Rodas::NAME,
         }
     }
 
@@ -86,6 +113,8 @@ impl Method {
             Kind::Splitting(method, _) => method.source,
             Kind::Nystrom(pair, _) => pair.source,
             Kind::DormandPrince853(_) => DormandPrince853::SOURCE,
+            Kind::RungeKutta(method, _) => method.source,
+            Kind::Rodas(_) => Rodas::SOURCE,
         }
     }
 
@@ -96,6 +125,8 @@ impl Method {
             Kind::Splitting(method, _) => method.order,
             Kind::Nystrom(pair, _) => pair.order,
             Kind::DormandPrince853(_) => 8,
+            Kind::RungeKutta(method, _) => method.order,
+            Kind::Rodas(_) => Rodas::ORDER,
         }
     }
 
@@ -105,7 +136,34 @@ impl Method {
     pub fn fixed_step(&self) -> Option<(f64, f64)> {
         match self.kind() {
             Kind::Splitting(method, step) => Some((step, method.stability)),
-            Kind::Nystrom(..) | Kind::DormandPrince853(_) => None,
+            Kind::RungeKutta(method @ RungeKutta { error: None, .. }, step) => {
+                Some((step, method.oscillation_reach))
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether forces may depend on velocities.
+    #[must_use]
+    pub fn allows_losses(&self) -> bool {
+        !matches!(self.kind(), Kind::Splitting(..) | Kind::Nystrom(..))
+    }
+
+    /// Whether the method is one for systems with or without losses: some need to be without, and one needs the tangent that
+    /// only those with losses tell.
+    #[must_use]
+    pub fn suits(&self, lossy: bool) -> bool {
+        if lossy { self.allows_losses() } else { !matches!(self.kind(), Kind::Rodas(_)) }
+    }
+
+    /// Longest stable step times the fastest decay of a lossy system; none for methods that no decay limits, and for
+    /// those that are not made for losses (1).
+    #[must_use]
+    pub fn decay_reach(&self) -> Option<f64> {
+        match self.kind() {
+            Kind::RungeKutta(method, _) => Some(method.decay_reach),
+            Kind::DormandPrince853(_) => Some(DormandPrince853::DECAY_REACH),
+            Kind::Splitting(..) | Kind::Nystrom(..) | Kind::Rodas(_) => None,
         }
     }
 
@@ -113,8 +171,11 @@ impl Method {
     #[must_use]
     pub fn tolerance(&self) -> Option<f64> {
         match self.kind() {
-            Kind::Splitting(..) => None,
-            Kind::Nystrom(_, tolerance) | Kind::DormandPrince853(tolerance) => Some(tolerance),
+            Kind::Splitting(..) | Kind::RungeKutta(RungeKutta { error: None, .. }, _) => None,
+            Kind::Nystrom(_, tolerance)
+            | Kind::DormandPrince853(tolerance)
+            | Kind::RungeKutta(_, tolerance)
+            | Kind::Rodas(tolerance) => Some(tolerance),
         }
     }
 
@@ -123,7 +184,7 @@ impl Method {
     pub fn nystrom(&self) -> Option<(&'static NystromPair, f64)> {
         match self.kind() {
             Kind::Nystrom(pair, tolerance) => Some((pair, tolerance)),
-            Kind::Splitting(..) | Kind::DormandPrince853(_) => None,
+            _ => None,
         }
     }
 
@@ -134,6 +195,8 @@ impl Method {
             Kind::Splitting(method, _) => method.drifts.len(),
             Kind::Nystrom(pair, _) => pair.nodes.len() - 1,
             Kind::DormandPrince853(_) => 12,
+            Kind::RungeKutta(method, _) => method.stages.len() - 1,
+            Kind::Rodas(_) => rodas::STAGES,
         };
         u8::try_from(count).unwrap_or(u8::MAX)
     }
@@ -153,9 +216,22 @@ impl Method {
                 Box::new(NystromIntegrator::new(pair, system, state, tolerance))
             }
             Kind::DormandPrince853(tolerance) => {
-                Box::new(DormandPrince853::new(system, state, tolerance))
+                watched(DormandPrince853::new(system, state, tolerance))
             }
+            Kind::RungeKutta(method, setting) => {
+                watched(RungeKuttaIntegrator::new(method, system, state, setting))
+            }
+            Kind::Rodas(tolerance) => watched(Rodas::new(system, state, tolerance)),
         }
+    }
+}
+
+/// The method, with its system's switches watched over if there are any.
+fn watched<'a>(mut method: impl Restart + 'a) -> Box<dyn Integrator + 'a> {
+    if method.system().switching().is_some() {
+        Box::new(Switched::new(method))
+    } else {
+        Box::new(method)
     }
 }
 
@@ -163,7 +239,13 @@ impl fmt::Display for Method {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.kind() {
             Kind::Splitting(method, step) => write!(f, "{} (step {step:e} s)", method.name),
-            Kind::Nystrom(_, tolerance) | Kind::DormandPrince853(tolerance) => {
+            Kind::RungeKutta(RungeKutta { error: None, name, .. }, step) => {
+                write!(f, "{name} (step {step:e} s)")
+            }
+            Kind::Nystrom(_, tolerance)
+            | Kind::DormandPrince853(tolerance)
+            | Kind::RungeKutta(_, tolerance)
+            | Kind::Rodas(tolerance) => {
                 write!(f, "{} (step tolerance {tolerance:.1e})", self.name())
             }
         }

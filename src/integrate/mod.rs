@@ -8,18 +8,27 @@ pub mod blanes_moan;
 pub mod control;
 pub mod dormand_el_mikkawy_prince_64;
 pub mod dormand_el_mikkawy_prince_86;
+pub mod dormand_prince_54;
 pub mod dormand_prince_853;
 pub mod hermite;
 pub mod interpolant;
+mod linearised;
 mod method;
 pub mod nystrom;
 pub mod pefrl;
+pub mod rodas;
+pub mod runge_kutta;
+pub mod runge_kutta_4;
 pub mod splitting;
+pub mod switching;
 pub mod velocity_verlet;
 
 pub use dormand_prince_853::DormandPrince853;
 pub use interpolant::Interpolant;
+pub use linearised::{Linearised, Tridiagonal};
 pub use method::Method;
+pub use rodas::Rodas;
+pub use switching::{Sides, Switching};
 
 /// A mechanical system of `len` coordinates.
 pub trait System {
@@ -43,6 +52,16 @@ pub trait System {
     /// The distance (m) and speed (m/s) to which a relative error in this state refers: what the user reads is
     /// a contact's overlap, not the drift of the whole chain.
     fn scales(&self, position: &[f64], velocity: &[f64]) -> Scales;
+
+    /// Its switches, if its law has any.
+    fn switching(&mut self) -> Option<&mut dyn Switching> {
+        None
+    }
+
+    /// Its tangent, if it can tell.
+    fn linearised(&mut self) -> Option<&mut dyn Linearised> {
+        None
+    }
 }
 
 /// Magnitudes by which errors are measured.
@@ -127,6 +146,12 @@ pub trait Integrator {
 
     /// What it has cost so far.
     fn work(&self) -> Work;
+
+    /// Whether the system's switch at `place` was on over the last step; places without a switch always are.
+    fn was_on(&self, place: usize) -> bool {
+        let _ = place;
+        true
+    }
 }
 
 impl Scales {

@@ -1,7 +1,7 @@
 //! The summary of a run as a page of text.
 
 use super::table;
-use crate::experiment::outcome::{Reading, Speed, Summary};
+use crate::experiment::outcome::{EnergyLedger, Reading, Speed, Summary};
 use crate::quantity::engineering;
 
 /// The page that `run` prints.
@@ -124,11 +124,36 @@ fn costs(summary: &Summary) -> Vec<String> {
             engineering(energy.dissipated, "J", 3),
             energy.drift
         ),
-        format!("  scope       {trigger}"),
     ];
+    lines.extend(ledger(energy));
+    lines.push(format!("  scope       {trigger}"));
     for (index, effect) in summary.effect_settings.iter().enumerate() {
         let label = if index == 0 { "effects on" } else { "" };
         lines.push(format!("  {label:<11} {effect}"));
     }
     lines
+}
+
+/// Where the energy is at the end of a run with losses.
+fn ledger(energy: &EnergyLedger) -> Vec<String> {
+    let booked = &energy.dissipated_by_kind;
+    if booked.losses.is_empty() {
+        return Vec::new();
+    }
+    let end = &energy.final_by_kind;
+    let entry = |name: &str, joules: f64| format!("{} {name}", engineering(joules, "J", 4));
+    let held = [
+        entry("kinetic", end.kinetic),
+        entry("elastic", end.elastic),
+        entry("against gravity and preload", end.potential),
+    ];
+    let mut taken: Vec<String> =
+        booked.losses.iter().map(|loss| entry(loss.loss, loss.energy)).collect();
+    if booked.left_in_contacts > 0.0 {
+        taken.push(entry("left in contacts", booked.left_in_contacts));
+    }
+    vec![
+        format!("              at the end {}", held.join(", ")),
+        format!("              taken by losses {}", taken.join(", ")),
+    ]
 }

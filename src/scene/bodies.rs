@@ -13,7 +13,14 @@ const MOST_PARTICLES: usize = 30_000;
 /// Looks materials up, in the scene first and among the instruments then.
 pub struct Materials<'a> {
     problems: &'a Problems,
-    own: BTreeMap<String, Option<Elasticity>>,
+    own: BTreeMap<String, Option<Material>>,
+}
+
+/// What a body is made of.
+#[derive(Clone, Copy)]
+struct Material {
+    elasticity: Elasticity,
+    yield_strength: Option<f64>,
 }
 
 impl<'a> Materials<'a> {
@@ -21,14 +28,14 @@ impl<'a> Materials<'a> {
     pub fn read(root: &Table<'_>, problems: &'a Problems) -> Self {
         let mut own = BTreeMap::new();
         for (name, table) in root.tables("materials") {
-            own.insert(name.to_owned(), elasticity(&table));
+            own.insert(name.to_owned(), material(&table));
             table.finish();
         }
         Self { problems, own }
     }
 
-    /// The elasticity of the material that `table` names under `key`.
-    fn named(&self, table: &Table<'_>, key: &'static str) -> Option<Elasticity> {
+    /// The material that `table` names under `key`.
+    fn named(&self, table: &Table<'_>, key: &'static str) -> Option<Material> {
         let name = table.required_text(key, "the name of a material")?;
         if let Some(own) = self.own.get(name) {
             return *own;
@@ -37,7 +44,7 @@ impl<'a> Materials<'a> {
         match library::instrument("materials", name, table.place_of(key), &path) {
             Ok(node) => {
                 let table = Table::of(&node, "", self.problems)?;
-                let found = elasticity(&table);
+                let found = material(&table);
                 table.finish();
                 found
             }
@@ -49,18 +56,20 @@ impl<'a> Materials<'a> {
     }
 }
 
-fn elasticity(table: &Table<'_>) -> Option<Elasticity> {
+fn material(table: &Table<'_>) -> Option<Material> {
     let _ = table.text("source");
     let modulus = table.required("youngs_modulus", Dimension::PRESSURE, Bound::Positive);
     let ratio = table.required("poissons_ratio", Dimension::NONE, Bound::Between(-1.0, 0.5));
-    Some(Elasticity { youngs_modulus: modulus?, poissons_ratio: ratio? })
+    let yield_strength = table.quantity("yield_strength", Dimension::PRESSURE, Bound::Positive);
+    let elasticity = Elasticity { youngs_modulus: modulus?, poissons_ratio: ratio? };
+    Some(Material { elasticity, yield_strength })
 }
 
 /// Reads a body: material, mass, and its shape. A diameter makes a sphere, a height in addition a cylinder with flat
 /// faces; without either the faces are flat and the length is zero.
 fn body(table: &Table<'_>, name: &str, materials: &Materials<'_>, shaped: bool) -> Option<Body> {
     let _ = table.text("source");
-    let elasticity = materials.named(table, "material");
+    let material = materials.named(table, "material");
     let mass = table.required("mass", Dimension::MASS, Bound::Positive);
     let read = if shaped { Table::required } else { Table::quantity };
     let diameter = read(table, "diameter", Dimension::LENGTH, Bound::Positive);
@@ -75,7 +84,9 @@ fn body(table: &Table<'_>, name: &str, materials: &Materials<'_>, shaped: bool) 
         (Some(diameter), None) => (diameter, 2.0 / diameter),
         (None, None) => (0.0, 0.0),
     };
-    Some(Body { name: name.to_owned(), mass: mass?, length, curvature, elasticity: elasticity? })
+    let Material { elasticity, yield_strength } = material?;
+    let name = name.to_owned();
+    Some(Body { name, mass: mass?, length, curvature, elasticity, yield_strength })
 }
 
 /// The striker and its speed (m/s).
@@ -181,7 +192,7 @@ pub fn end(chain: &Table<'_>, key: &'static str, materials: &Materials<'_>) -> O
         (true, false) => {
             let wall = materials.named(&table, "wall");
             let preload = table.quantity("preload", Dimension::FORCE, Bound::NotNegative);
-            wall.map(|elasticity| (End::Wall(elasticity), preload.unwrap_or(0.0)))
+            wall.map(|wall| (End::Wall(wall.elasticity), preload.unwrap_or(0.0)))
         }
         (false, true) => table
             .quantity("force", Dimension::FORCE, Bound::NotNegative)
@@ -265,4 +276,16 @@ pub fn assemble(spec: &ChainSpec, chain: &Table<'_>) -> Option<Chain> {
             None
         }
     }
+}
+
+/// Names of the bodies that touch, from the top; none where the chain could not be read.
+pub fn pairs(kinds: &[String], striker: bool, [top, bottom]: [bool; 2]) -> Vec<(&str, &str)> {
+    if kinds.is_empty() {
+        return Vec::new();
+    }
+    let above = if striker { Some("striker") } else { top.then_some("wall") };
+    let below = bottom.then_some("wall");
+    let names = above.into_iter().chain(kinds.iter().map(String::as_str)).chain(below);
+    let names: Vec<&str> = names.collect();
+    names.windows(2).map(|pair| (pair[0], pair[1])).collect()
 }

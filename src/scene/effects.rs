@@ -2,12 +2,18 @@
 
 use super::bodies::last_particle;
 use super::document::Value;
+use super::losses::losses;
 use super::reader::{Bound, Table};
 use crate::chain::{EffectsSpec, Gravity, LinearisedContacts, MagnetPreload};
 use crate::quantity::Dimension;
 
 /// Reads `[effects]`, the noise of the scope excepted.
-pub fn effects(effects: Option<&Table<'_>>, particles: usize) -> EffectsSpec {
+/// `pairs` are the names of the bodies that touch, none where they are not known.
+pub fn effects(
+    effects: Option<&Table<'_>>,
+    particles: usize,
+    pairs: &[(&str, &str)],
+) -> EffectsSpec {
     let mut spec = EffectsSpec::default();
     let Some(effects) = effects else { return spec };
     if let Some(table) = effect(effects, "gravity") {
@@ -31,11 +37,12 @@ pub fn effects(effects: Option<&Table<'_>>, particles: usize) -> EffectsSpec {
             force.zip(particle).map(|(force, particle)| MagnetPreload { force, particle });
         table.finish();
     }
+    losses(effects, pairs, &mut spec);
     spec
 }
 
 /// The table of an effect; `false` in its place switches off what a base scene switched on.
-fn effect<'a>(effects: &Table<'a>, name: &'static str) -> Option<Table<'a>> {
+pub(super) fn effect<'a>(effects: &Table<'a>, name: &'static str) -> Option<Table<'a>> {
     let node = effects.node(name)?;
     if matches!(node.value, Value::Flag(false)) {
         return None;

@@ -9,6 +9,7 @@ mod bound;
 pub mod document;
 mod effects;
 mod library;
+mod losses;
 pub mod magnets;
 mod oscilloscope;
 pub mod problem;
@@ -154,7 +155,10 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
         bodies::no_preload_at_the_bottom(table);
     }
     let effects = root.table("effects");
-    let effects_spec = effects::effects(effects.as_ref(), count);
+    // An end that could not be read may be a wall.
+    let walls = [&top, &bottom].map(|e| e.is_none_or(|(end, _)| matches!(end, End::Wall(_))));
+    let pairs = bodies::pairs(&particles.kinds, striker.is_some(), walls);
+    let effects_spec = effects::effects(effects.as_ref(), count, &pairs);
     let noise = effects.as_ref().and_then(effects::scope_noise).unwrap_or(0.0);
     if let Some(effects) = effects {
         effects.finish();

@@ -21,6 +21,7 @@ mod cli;
 mod conservation;
 mod golden;
 mod isf;
+mod losses;
 mod magnet;
 mod order;
 mod physics;

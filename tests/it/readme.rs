@@ -37,7 +37,10 @@ fn the_scenes_shown_are_scenes() {
         let scene = Scene::load(&file.display().to_string()).expect("a scene without problems");
         let integration = Integration::Accuracy(1e-3);
         let outcome = run(&scene, integration, 1, &mut |_| ()).expect("a run");
-        assert!(outcome.summary.notes.is_empty(), "{:?}", outcome.summary.notes);
+        // These pulses do exceed what PTFE bears; nothing else is to be said.
+        let (yields, others): (Vec<_>, Vec<_>) =
+            outcome.summary.notes.iter().partition(|note| note.contains("body yield"));
+        assert_eq!((yields.len(), others.len()), (1, 0), "{:?}", outcome.summary.notes);
     }
 }
 

@@ -1,6 +1,7 @@
 //! From text to a bench or to the list of everything wrong with it: every kind of mistake, at its place.
 
 mod files;
+mod losses;
 mod mistakes;
 mod mutated;
 mod scope;

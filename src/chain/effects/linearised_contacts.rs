@@ -18,6 +18,4 @@ impl Effect for LinearisedContacts {
     fn summary(&self) -> String {
         "Eq. (3): never open, right only far below the static force".to_owned()
     }
-
-    fn add_load(&self, _masses: &[f64], _striker: bool, _load: &mut [f64]) {}
 }

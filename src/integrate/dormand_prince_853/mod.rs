@@ -10,6 +10,7 @@ mod tableau;
 
 use super::control::{StepControl, add_compensated, largest};
 use super::interpolant::{COEFFICIENTS, Interpolant};
+use super::switching::Restart;
 use super::{IntegrateError, Integrator, Scales, State, System, Work};
 use tableau::{DENSE, DENSE_STAGES, ERROR_3, ERROR_5, Row, STAGE_WEIGHTS, STAGES};
 
@@ -48,6 +49,9 @@ impl<'a> DormandPrince853<'a> {
     /// Publication that defines the method.
     pub const SOURCE: &'static str =
         "Hairer, Norsett, Wanner, Solving ODEs I, 2nd ed. (1993), II.5-II.6";
+
+    /// Longest stable step times the fastest decay (1).
+    pub const DECAY_REACH: f64 = 6.39;
 
     /// Starts at `state`, tolerating errors of `tolerance` a step relative to the system's scales (1).
     #[must_use]
@@ -200,6 +204,29 @@ impl Integrator for DormandPrince853<'_> {
 
     fn work(&self) -> Work {
         self.work
+    }
+}
+
+impl Restart for DormandPrince853<'_> {
+    fn system(&mut self) -> &mut dyn System {
+        self.system.as_mut()
+    }
+
+    fn restart(&mut self, state: &State) {
+        self.state.clone_from(state);
+        self.lost.position.fill(0.0);
+        self.lost.velocity.fill(0.0);
+        // Where the step will look for it.
+        let opening = if self.work.steps > 0 { STAGES - 1 } else { 0 };
+        if let Some(rates) = self.rates.get_mut(opening) {
+            rates.position.copy_from_slice(&state.velocity);
+            self.system.accelerations(&state.position, &state.velocity, &mut rates.velocity);
+            self.work.force_evaluations += 1;
+        }
+    }
+
+    fn tolerated(&self) -> f64 {
+        self.tolerance * self.scales.velocity
     }
 }
 

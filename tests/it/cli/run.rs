@@ -184,6 +184,38 @@ fn an_unstable_step_is_refused_with_its_contact_and_limit() {
     assert_eq!(std::fs::read(folder.path().join("old.mcap")).expect("the file"), b"precious");
 }
 
+/// Methods that take forces for functions of position, and steps too long for a loss.
+#[test]
+fn methods_that_losses_rule_out_are_refused() {
+    let folder = temporary();
+    let scene = |gamma: &str| {
+        let text = format!(
+            "base = \"magnet-0.61g\"\n[effects.dashpot]\ngamma = \"{gamma}\"\nend_of_contact = \"zero_force\"\n"
+        );
+        std::fs::write(folder.path().join("lossy.toml"), text).expect("a file");
+    };
+    scene("1 N s/m");
+    for method in ["velocity-verlet", "pefrl", "blanes-moan"] {
+        let error =
+            refused(folder.path(), &["run", "lossy.toml", "--method", method, "--step", "50ns"]);
+        says(&error, &[method, "dashpot", "expected", "depend on velocity", "runge-kutta-4"]);
+    }
+    // 2.785/(20437 gamma), and the light sphere at the end is as fast.
+    scene("1000 N s/m");
+    let long = ["run", "lossy.toml", "--method", "runge-kutta-4", "--step", "140ns"];
+    says(&refused(folder.path(), &long), &["1.4e-7 s", "at most 1.36", "decay"]);
+    assert_eq!(files(folder.path()), ["lossy.toml"]);
+    scene("1 N s/m");
+    let done = hertzscope(
+        folder.path(),
+        &["run", "lossy.toml", "--method", "runge-kutta-4", "--step", "200ns"],
+    );
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let booked =
+        ["dissipated", "dashpot", "left in contacts", "a contact ends at zero force", "yield"];
+    says(&done.stdout, &booked);
+}
+
 /// A run that fails on its way: nothing was triggered, so nothing is left, and what was there before is there still.
 /// This striker's kinetic energy is no finite number.
 #[test]

@@ -1,0 +1,117 @@
+//! What the losses have taken, read from the accounts of a [`super::DissipativeSystem`].
+
+use serde::Serialize;
+
+use super::dissipative::ACCOUNTS;
+use super::{Chain, ChainSystem, DissipativeSystem, Energy};
+use crate::integrate::{State, System};
+
+/// Names of the kinds of loss, in the order of a contact's terms.
+const NAMES: [&str; 3] = ["dashpot", "kuwabara_kono", "power_law_loss"];
+
+/// Energy taken by the losses of a run.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Dissipated {
+    /// By each loss that is on.
+    pub losses: Vec<LossEntry>,
+    /// Elastic energy that nobody gets back: given up by contacts held at zero force, and still in those held at the end (J).
+    pub left_in_contacts: f64,
+}
+
+/// One loss's account.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LossEntry {
+    /// Name of the effect.
+    pub loss: &'static str,
+    /// What it has taken (J).
+    pub energy: f64,
+}
+
+impl Dissipated {
+    /// All of it (J).
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        self.losses.iter().map(|entry| entry.energy).sum::<f64>() + self.left_in_contacts
+    }
+}
+
+impl Chain {
+    /// Whether a contact has a loss: forces then depend on velocities.
+    #[must_use]
+    pub fn is_dissipative(&self) -> bool {
+        self.contacts.iter().any(|contact| contact.loss.is_some())
+    }
+
+    /// The chain as what it is to be integrated as: a lossless chain pays nothing for losses.
+    #[must_use]
+    pub fn system(&self, initial_velocity: &[f64]) -> Box<dyn System> {
+        if self.is_dissipative() {
+            Box::new(DissipativeSystem::new(self, initial_velocity))
+        } else {
+            Box::new(ChainSystem::new(self, initial_velocity))
+        }
+    }
+
+    /// The state at rest in static equilibrium but for `initial_velocity` (m/s), with room for the accounts.
+    #[must_use]
+    pub fn initial_state(&self, initial_velocity: &[f64]) -> State {
+        let accounts = if self.is_dissipative() { ACCOUNTS } else { 0 };
+        let mut velocity = initial_velocity.to_vec();
+        velocity.resize(self.bodies.len() + accounts, 0.0);
+        State { time: 0.0, position: vec![0.0; velocity.len()], velocity }
+    }
+
+    /// Speed that stands for one joule in the accounts: the largest initial speed for the initial kinetic energy (m/s/J).
+    pub(super) fn account_unit(&self, initial_velocity: &[f64]) -> f64 {
+        let moving = self.bodies.iter().zip(initial_velocity);
+        let kinetic: f64 = moving.map(|(body, v)| 0.5 * body.mass * v * v).sum();
+        let fastest = initial_velocity.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        if kinetic > 0.0 { fastest / kinetic } else { 1.0 }
+    }
+
+    /// What the losses have taken up to `state`; `closed` tells of each contact whether it counts as closed.
+    #[must_use]
+    pub fn dissipated(
+        &self,
+        state: &State,
+        initial_velocity: &[f64],
+        closed: &dyn Fn(usize) -> bool,
+    ) -> Dissipated {
+        let unit = self.account_unit(initial_velocity);
+        let accounts = state.velocity.get(self.bodies.len()..).unwrap_or_default();
+        let on = |kind: usize| {
+            let coefficient = |contact: &super::Contact| {
+                contact.loss.map_or(0.0, |l| [l.dashpot, l.relaxation, l.power_force][kind])
+            };
+            self.contacts.iter().any(|contact| coefficient(contact) > 0.0)
+        };
+        let entries = NAMES.into_iter().zip(accounts).enumerate();
+        let losses = entries.filter(|(kind, _)| on(*kind));
+        let losses = losses.map(|(_, (loss, value))| LossEntry { loss, energy: value / unit });
+        let given_up = accounts.get(ACCOUNTS - 1).map_or(0.0, |value| value / unit);
+        let held: f64 = (0..self.contacts.len()).map(|j| self.held(state, j, closed(j))).sum();
+        Dissipated { losses: losses.collect(), left_in_contacts: given_up + held }
+    }
+
+    /// Energy of `state` without that in contacts held at zero force, which nobody gets back.
+    #[must_use]
+    pub fn free_energy(&self, state: &State, closed: &dyn Fn(usize) -> bool) -> Energy {
+        let mut energy = self.energy(state);
+        if self.is_dissipative() {
+            let held = (0..self.contacts.len()).map(|j| self.held(state, j, closed(j)));
+            energy.elastic -= held.sum::<f64>();
+        }
+        energy
+    }
+
+    /// Elastic energy of contact `j` if it is held at zero force in `state` (J).
+    pub(super) fn held(&self, state: &State, j: usize, closed: bool) -> f64 {
+        let Some((contact, loss)) = self.contacts.get(j).and_then(|c| Some((c, c.loss?))) else {
+            return 0.0;
+        };
+        let change = self.overlap_change(&state.position, j);
+        let closing = self.overlap_change(&state.velocity, j);
+        let touch = contact.touch(change, closing, closed);
+        if loss.is_held(contact.stiffness, touch) { contact.energy(change) } else { 0.0 }
+    }
+}

@@ -1,0 +1,178 @@
+//! What one contact takes out of the motion: the part of its force that follows the closing speed.
+//!
+//! `F_loss = gamma ddot + 3/2 A eta sqrt(d) ddot + F1 sgn(ddot) (|ddot| / 1 m/s)^alpha`, `d` the overlap: dashpot, Kuwabara and Kono,
+//! power law; their sources stand with the effects. A contact ends where its overlap ends, and then pulls before it ends, or where its
+//! whole force would turn into a pull: there it is held at zero, and the elastic energy that comes free goes to nobody.
+
+use super::hertz;
+
+/// Kinds of loss, in the order of [`LossTerms`].
+pub const KINDS: usize = 3;
+
+/// Force (N) or power (J/s) of each kind: dashpot, Kuwabara-Kono, power law.
+pub type LossTerms = [f64; KINDS];
+
+/// Where the tangent of Kuwabara and Kono's force has its pole, overlaps are taken as this share of the root at 1 um (m^0.5).
+const SMALLEST_ROOT: f64 = 1e-6;
+
+/// What ends a contact with losses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EndOfContact {
+    /// The overlap comes back to zero; before that the contact pulls.
+    ZeroOverlap,
+    /// The force comes back to zero; the contact never pulls.
+    ZeroForce,
+}
+
+impl EndOfContact {
+    /// As written in scenes.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::ZeroOverlap => "zero_overlap",
+            Self::ZeroForce => "zero_force",
+        }
+    }
+}
+
+/// The losses of one contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactLoss {
+    /// Coefficient `gamma` of the dashpot (N s/m).
+    pub dashpot: f64,
+    /// Time `eta` of Kuwabara and Kono (s).
+    pub relaxation: f64,
+    /// Force `F1` of the power law at 1 m/s (N).
+    pub power_force: f64,
+    /// Exponent `alpha` of the power law (1).
+    pub power_exponent: f64,
+    /// What ends the contact.
+    pub end: EndOfContact,
+}
+
+/// A contact at one instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Touch {
+    /// Overlap, negative across a gap (m).
+    pub overlap: f64,
+    /// Its rate (m/s).
+    pub closing: f64,
+    /// Elastic force, static part included (N).
+    pub elastic: f64,
+    /// Whether the contact counts as closed: where forces jump, the sign of a vanishing overlap must not decide.
+    pub closed: bool,
+}
+
+/// A lossy contact's force beyond the elastic one, and where the energy goes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Taken {
+    /// Force (N).
+    pub force: f64,
+    /// Power that each kind of loss takes (J/s).
+    pub power: LossTerms,
+    /// Elastic power that comes free in a contact held at zero force (J/s).
+    pub released: f64,
+}
+
+/// Tangents of what a lossy contact takes.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Tangent {
+    /// Of the force against the overlap, the elastic part included (N/m).
+    pub stiffness: f64,
+    /// Of the force against the closing speed (N s/m).
+    pub damping: f64,
+    /// Of each account's power against the overlap (J/s/m).
+    pub power_by_overlap: [f64; KINDS + 1],
+    /// Of each account's power against the closing speed (N).
+    pub power_by_closing: [f64; KINDS + 1],
+}
+
+impl ContactLoss {
+    /// Whether the force jumps where the contact opens or closes.
+    #[must_use]
+    pub fn jumps(&self) -> bool {
+        self.dashpot > 0.0 || self.power_force > 0.0
+    }
+
+    /// Whether anything is lost at all.
+    #[must_use]
+    pub fn is_some(&self) -> bool {
+        self.jumps() || self.relaxation > 0.0
+    }
+
+    fn terms(&self, stiffness: f64, touch: Touch) -> LossTerms {
+        let Touch { overlap, closing, closed, .. } = touch;
+        let viscous = self.relaxation * hertz::tangent_stiffness(stiffness, overlap) * closing;
+        if !closed {
+            return [0.0, viscous, 0.0];
+        }
+        let power = if self.power_force > 0.0 {
+            self.power_force * closing.abs().powf(self.power_exponent).copysign(closing)
+        } else {
+            0.0
+        };
+        [self.dashpot * closing, viscous, power]
+    }
+
+    /// What a contact of stiffness `A` (N/m^1.5) takes.
+    #[must_use]
+    pub fn taken(&self, stiffness: f64, touch: Touch) -> Taken {
+        let terms = self.terms(stiffness, touch);
+        let force: f64 = terms.iter().sum();
+        if self.holds(force, touch) {
+            let released = -touch.elastic * touch.closing;
+            return Taken { force: -touch.elastic, power: [0.0; KINDS], released };
+        }
+        Taken { force, power: terms.map(|term| term * touch.closing), released: 0.0 }
+    }
+
+    /// Whether the contact is held at zero force where its losses would pull with `force` (N).
+    fn holds(&self, force: f64, touch: Touch) -> bool {
+        self.end == EndOfContact::ZeroForce && touch.elastic + force < 0.0
+    }
+
+    /// Whether the contact is held at zero force.
+    #[must_use]
+    pub fn is_held(&self, stiffness: f64, touch: Touch) -> bool {
+        self.holds(self.terms(stiffness, touch).iter().sum(), touch)
+    }
+
+    /// Slope of the loss against the closing speed, nothing held (N s/m).
+    #[must_use]
+    pub fn damping(&self, stiffness: f64, overlap: f64, closing: f64) -> f64 {
+        let power = if self.power_force > 0.0 {
+            let speed = closing.abs().max(f64::MIN_POSITIVE);
+            self.power_force * self.power_exponent * speed.powf(self.power_exponent - 1.0)
+        } else {
+            0.0
+        };
+        self.dashpot + self.relaxation * hertz::tangent_stiffness(stiffness, overlap) + power
+    }
+
+    /// Tangents for an implicit method; the elastic one (N/m) is `elastic_tangent`.
+    #[must_use]
+    pub fn tangent(&self, stiffness: f64, elastic_tangent: f64, touch: Touch) -> Tangent {
+        let Touch { overlap, closing, elastic, closed } = touch;
+        let terms = self.terms(stiffness, touch);
+        let mut tangent = Tangent::default();
+        if self.holds(terms.iter().sum(), touch) {
+            tangent.power_by_overlap[KINDS] = -elastic_tangent * closing;
+            tangent.power_by_closing[KINDS] = -elastic;
+            return tangent;
+        }
+        let viscous = self.relaxation * hertz::tangent_stiffness(stiffness, overlap);
+        // d sqrt(d)/dd = 1/(2 sqrt(d)) has a pole at first touch, where no step could follow it.
+        let root = overlap.max(0.0).sqrt().max(SMALLEST_ROOT);
+        let steepening =
+            if overlap > 0.0 { 0.75 * self.relaxation * stiffness * closing / root } else { 0.0 };
+        let at_zero = Self { relaxation: 0.0, ..*self };
+        let jumping = if closed { at_zero.damping(stiffness, overlap, closing) } else { 0.0 };
+        tangent.stiffness = elastic_tangent + steepening;
+        tangent.damping = viscous + jumping;
+        tangent.power_by_overlap[1] = steepening * closing;
+        tangent.power_by_closing[1] = 2.0 * viscous * closing;
+        tangent.power_by_closing[0] = 2.0 * terms[0];
+        tangent.power_by_closing[2] = (self.power_exponent + 1.0) * terms[2];
+        tangent
+    }
+}

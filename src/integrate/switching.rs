@@ -1,0 +1,237 @@
+//! Systems whose law changes by switches: contacts whose forces jump where they open or close.
+//!
+//! Within a step all switches stand still, so the method sees a smooth law and keeps its order; where one should have changed within
+//! the step, the step is cut at the root of its margin on the step's own interpolant, and the method starts anew there. A step over
+//! a jump would be of order 1. Jumps that are lost in the tolerance change at the end of a step without a search, or a
+//! rattling chain would stop at tens of thousands of them. Source: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary
+//! Differential Equations I (1993), II.6, "Event location".
+
+use super::{IntegrateError, Integrator, Interpolant, State, System, Work};
+
+/// Parts of a step at whose ends margins are looked at.
+const LOOKS: u8 = 2;
+/// Halvings of the part in which a margin has its root: to the last bit.
+const HALVINGS: usize = 60;
+/// A step is not cut to less than this share (1).
+const SHORTEST: f64 = 1e-9;
+/// Jumps below this share of what the error control tolerates are not searched for (1).
+const NEGLIGIBLE: f64 = 0.1;
+
+/// What a switch depends on: `margin + x[above] - x[below]`, on above zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sides {
+    /// Index of the body above; none at a wall.
+    pub above: Option<usize>,
+    /// Index of the body below; none at a wall.
+    pub below: Option<usize>,
+    /// Margin at rest (m).
+    pub margin: f64,
+    /// What users of the system call its place: the contact's index.
+    pub place: usize,
+}
+
+/// A system with switches.
+pub trait Switching {
+    /// How many there are.
+    fn switches(&self) -> usize;
+
+    /// Whether `switch` is on.
+    fn is_on(&self, switch: usize) -> bool;
+
+    /// Changes `switch`.
+    fn flip(&mut self, switch: usize);
+
+    /// What decides about `switch`.
+    fn sides(&self, switch: usize) -> Sides;
+
+    /// By how much the acceleration of a body jumps when `switch` changes while its margin grows by `closing` (m/s) (m/s²).
+    fn jump(&self, switch: usize, closing: f64) -> f64;
+}
+
+/// A method that can start anew from another state.
+pub trait Restart: Integrator {
+    /// The system.
+    fn system(&mut self) -> &mut dyn System;
+
+    /// Starts anew at `state`, with the step that the last one suggested.
+    fn restart(&mut self, state: &State);
+
+    /// Error of velocities that the control tolerates in a step; 0 without a control (m/s).
+    fn tolerated(&self) -> f64;
+}
+
+impl Sides {
+    fn margin(&self, at: impl Fn(usize) -> f64) -> f64 {
+        self.margin + self.above.map_or(0.0, &at) - self.below.map_or(0.0, &at)
+    }
+
+    fn rate(&self, at: impl Fn(usize) -> f64) -> f64 {
+        self.above.map_or(0.0, &at) - self.below.map_or(0.0, &at)
+    }
+}
+
+/// A method at work on a system with switches.
+pub struct Switched<I> {
+    inner: I,
+    state: State,
+    sides: Vec<Sides>,
+    /// Whether each switch was on over the last step.
+    on: Vec<bool>,
+    start: f64,
+    /// Share of the method's last step that counts.
+    share: f64,
+    prepared: bool,
+}
+
+impl<I: Restart> Switched<I> {
+    /// Watches over `inner`.
+    pub fn new(mut inner: I) -> Self {
+        let sides = inner.system().switching().map_or_else(Vec::new, |system| {
+            (0..system.switches()).map(|switch| system.sides(switch)).collect()
+        });
+        let state = inner.state().clone();
+        let on = vec![true; sides.len()];
+        Self { start: state.time, inner, state, sides, on, share: 1.0, prepared: false }
+    }
+
+    /// Sets the switches right that stand wrong and move further from where they would stand right.
+    fn settle(&mut self) -> bool {
+        let State { position, velocity, .. } = &self.state;
+        let mut any = false;
+        let Some(system) = self.inner.system().switching() else { return false };
+        for (switch, (sides, on)) in self.sides.iter().zip(&mut self.on).enumerate() {
+            let (margin, rate) = (sides.margin(|i| position[i]), sides.rate(|i| velocity[i]));
+            let on_now = system.is_on(switch);
+            let wrong =
+                if on_now { margin < 0.0 && rate < 0.0 } else { margin >= 0.0 && rate > 0.0 };
+            if wrong {
+                system.flip(switch);
+                any = true;
+            }
+            *on = system.is_on(switch);
+        }
+        any
+    }
+
+    /// The first place in the method's last step where a switch should have changed: share of the step, and the switch.
+    fn event(&mut self) -> Option<(f64, usize)> {
+        let (_, length) = self.inner.last_step();
+        let tolerated = NEGLIGIBLE * self.inner.tolerated();
+        let mut first: Option<(f64, usize)> = None;
+        for switch in 0..self.sides.len() {
+            let (sides, on) = (self.sides[switch], self.on[switch]);
+            let body = |index: Option<usize>| {
+                index.map_or(Interpolant::REST, |index| self.inner.interpolant(index))
+            };
+            let (above, below) = (body(sides.above), body(sides.below));
+            let margin = |theta: f64| sides.margin + above.position(theta) - below.position(theta);
+            let wrong = |theta: f64| (margin(theta) >= 0.0) != on;
+            let mut before = 0.0;
+            for look in 1..=LOOKS {
+                let theta = f64::from(look) / f64::from(LOOKS);
+                if !wrong(theta) {
+                    before = theta;
+                    continue;
+                }
+                let at = if wrong(before) { theta } else { root(&wrong, before, theta) };
+                let closing = above.velocity(at) - below.velocity(at);
+                let jump = self.inner.system().switching().map_or(0.0, |s| s.jump(switch, closing));
+                if jump * length > tolerated && first.is_none_or(|(earliest, _)| at < earliest) {
+                    first = Some((at, switch));
+                }
+                break;
+            }
+        }
+        first
+    }
+}
+
+/// Where `wrong` begins between `low` and `high`.
+fn root(wrong: &dyn Fn(f64) -> bool, mut low: f64, mut high: f64) -> f64 {
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if wrong(middle) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    high
+}
+
+impl<I: Restart> Integrator for Switched<I> {
+    fn time(&self) -> f64 {
+        self.state.time
+    }
+
+    fn state(&self) -> State {
+        self.state.clone()
+    }
+
+    fn step(&mut self, end: f64) -> Result<(), IntegrateError> {
+        if self.settle() || self.share < 1.0 {
+            self.inner.restart(&self.state);
+        }
+        // Each switch may change once without time passing; more would be no motion.
+        for _ in 0..=self.sides.len() {
+            self.start = self.state.time;
+            self.share = 1.0;
+            self.prepared = true;
+            self.inner.step(end)?;
+            self.inner.prepare_interpolation();
+            let Some((theta, switch)) = self.event() else { break };
+            let (start, length) = self.inner.last_step();
+            let Some(system) = self.inner.system().switching() else { break };
+            system.flip(switch);
+            if theta < SHORTEST {
+                self.on[switch] = system.is_on(switch);
+                self.inner.restart(&self.state);
+                continue;
+            }
+            self.share = theta;
+            for body in 0..self.state.position.len() {
+                let motion = self.inner.interpolant(body);
+                self.state.position[body] = motion.position(theta);
+                self.state.velocity[body] = motion.velocity(theta);
+            }
+            self.state.time = start + theta * length;
+            return Ok(());
+        }
+        self.state = self.inner.state();
+        Ok(())
+    }
+
+    fn prepare_interpolation(&mut self) {
+        if !self.prepared {
+            self.inner.prepare_interpolation();
+            self.prepared = true;
+        }
+    }
+
+    fn interpolant(&self, body: usize) -> Interpolant {
+        let mut motion = self.inner.interpolant(body);
+        if self.share < 1.0 {
+            for coefficients in [&mut motion.position, &mut motion.velocity] {
+                let mut power = 1.0;
+                for coefficient in coefficients {
+                    *coefficient *= power;
+                    power *= self.share;
+                }
+            }
+        }
+        motion
+    }
+
+    fn last_step(&self) -> (f64, f64) {
+        (self.start, self.state.time - self.start)
+    }
+
+    fn work(&self) -> Work {
+        self.inner.work()
+    }
+
+    fn was_on(&self, place: usize) -> bool {
+        let switch = self.sides.iter().position(|sides| sides.place == place);
+        switch.is_none_or(|switch| self.on[switch])
+    }
+}
