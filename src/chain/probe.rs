@@ -51,6 +51,24 @@ impl ForceProbe {
         Self { contacts, weights, body, outer, inertia }
     }
 
+    /// The two contacts that are felt, the one above first.
+    #[must_use]
+    pub fn contacts(&self) -> &[Contact; 2] {
+        &self.contacts
+    }
+
+    /// What each of them weighs (1).
+    #[must_use]
+    pub fn weights(&self) -> &[f64; 2] {
+        &self.weights
+    }
+
+    /// Index of the body between them.
+    #[must_use]
+    pub fn body(&self) -> usize {
+        self.body
+    }
+
     /// Force at static equilibrium (N).
     #[must_use]
     pub fn static_force(&self) -> f64 {

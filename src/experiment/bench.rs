@@ -1,6 +1,6 @@
 //! The chain in motion with everything that watches it: pulses, scope samples, truth.
 
-use crate::chain::stepper::{ChainStepper, InstructionSet};
+use crate::chain::stepper::{ChainStepper, InstructionSet, View};
 use crate::chain::{Chain, Dissipated, Energy, ForceProbe};
 use crate::integrate::{IntegrateError, Integrator, Interpolant, Method, State, Work};
 
@@ -61,24 +61,41 @@ pub struct Film {
     frames: usize,
 }
 
-/// The method at work on the chain: without losses, Runge-Kutta-Nystrom pairs run on the chain's own stepper.
-fn start<'a>(
-    chain: &Chain,
-    velocities: &[f64],
-    (method, state): (Method, State),
-) -> Box<dyn Integrator + 'a> {
-    match method.nystrom() {
-        Some((pair, tolerance)) if !chain.is_dissipative() => {
-            Box::new(ChainStepper::new(chain, velocities, pair, tolerance, InstructionSet::best()))
+/// The method at work on the chain.
+enum Engine<'a> {
+    /// Without losses, Runge-Kutta-Nystrom pairs run on the chain's own stepper; with a view for each watch.
+    Stepper(Box<ChainStepper>, Vec<View>),
+    /// Everything else.
+    General(Box<dyn Integrator + 'a>),
+}
+
+impl<'a> Engine<'a> {
+    fn start(chain: &Chain, velocities: &[f64], method: Method, probes: &[ForceProbe]) -> Self {
+        match method.nystrom() {
+            Some((pair, tolerance)) if !chain.is_dissipative() => {
+                let set = InstructionSet::best();
+                let stepper = ChainStepper::new(chain, velocities, pair, tolerance, set);
+                Self::Stepper(Box::new(stepper), probes.iter().map(View::new).collect())
+            }
+            _ => {
+                let state = chain.initial_state(velocities);
+                Self::General(method.start(chain.system(velocities), state))
+            }
         }
-        _ => method.start(chain.system(velocities), state),
+    }
+
+    fn integrator(&self) -> &(dyn Integrator + 'a) {
+        match self {
+            Self::Stepper(stepper, _) => stepper.as_ref(),
+            Self::General(integrator) => integrator.as_ref(),
+        }
     }
 }
 
 /// A running bench.
 pub struct Bench<'a> {
     chain: &'a Chain,
-    integrator: Box<dyn Integrator + 'a>,
+    engine: Engine<'a>,
     grid: Grid,
     watches: Vec<Watch>,
     film: Film,
@@ -115,7 +132,7 @@ impl<'a> Bench<'a> {
         film.take(chain, (&state.position, &state.velocity), &|_| true);
         Self {
             chain,
-            integrator: start(chain, initial_velocities, (method, state)),
+            engine: Engine::start(chain, initial_velocities, method, probes),
             grid,
             watches: probes.iter().map(watch).collect(),
             film,
@@ -134,16 +151,28 @@ impl<'a> Bench<'a> {
         pulses: bool,
         progress: &mut dyn FnMut(f64),
     ) -> Result<(), IntegrateError> {
-        let bodies = self.chain.bodies().len();
-        while self.integrator.time() < end {
-            self.integrator.step(end)?;
-            self.integrator.prepare_interpolation();
-            let now = self.integrator.time();
-            for watch in &mut self.watches {
-                watch.take(self.integrator.as_ref(), bodies, self.grid, pulses);
+        let Self { chain, engine, grid, watches, film, .. } = self;
+        let bodies = chain.bodies().len();
+        match engine {
+            Engine::Stepper(stepper, views) => {
+                while stepper.time() < end {
+                    stepper.step(end)?;
+                    follow(stepper, views, (watches, *grid), pulses);
+                    film.follow_stepper(chain, stepper);
+                    progress(stepper.time());
+                }
             }
-            self.film.follow(self.chain, self.integrator.as_ref());
-            progress(now);
+            Engine::General(integrator) => {
+                while integrator.time() < end {
+                    integrator.step(end)?;
+                    integrator.prepare_interpolation();
+                    for watch in &mut *watches {
+                        watch.take(integrator.as_ref(), bodies, *grid, pulses);
+                    }
+                    film.follow(chain, integrator.as_ref());
+                    progress(integrator.time());
+                }
+            }
         }
         Ok(())
     }
@@ -163,33 +192,63 @@ impl<'a> Bench<'a> {
     /// Energy at the start and now, without what contacts held at zero force will not give back.
     #[must_use]
     pub fn energies(&self) -> (Energy, Energy) {
-        let closed = |contact: usize| self.integrator.was_on(contact);
-        (self.initial_energy, self.chain.free_energy(&self.integrator.state(), &closed))
+        let closed = |contact: usize| self.engine.integrator().was_on(contact);
+        (self.initial_energy, self.chain.free_energy(&self.engine.integrator().state(), &closed))
     }
 
     /// What the losses have taken so far.
     #[must_use]
     pub fn dissipated(&self) -> Dissipated {
-        let closed = |contact: usize| self.integrator.was_on(contact);
-        self.chain.dissipated(&self.integrator.state(), &self.initial_velocities, &closed)
+        let closed = |contact: usize| self.engine.integrator().was_on(contact);
+        self.chain.dissipated(&self.engine.integrator().state(), &self.initial_velocities, &closed)
     }
 
     /// The present time (s).
     #[must_use]
     pub fn time(&self) -> f64 {
-        self.integrator.time()
+        self.engine.integrator().time()
     }
 
     /// The present state.
     #[must_use]
     pub fn state(&self) -> State {
-        self.integrator.state()
+        self.engine.integrator().state()
     }
 
     /// What the integration has cost so far.
     #[must_use]
     pub fn work(&self) -> Work {
-        self.integrator.work()
+        self.engine.integrator().work()
+    }
+}
+
+/// Takes the stepper's last step into the watches: samples that fall into it, and its pulses if `pulses`.
+fn follow(
+    stepper: &mut ChainStepper,
+    views: &mut [View],
+    (watches, grid): (&mut [Watch], Grid),
+    pulses: bool,
+) {
+    let (start, length) = stepper.last_step();
+    let end = stepper.time();
+    let sampled = watches.first().is_some_and(|watch| grid.time(watch.samples.len()) <= end);
+    for (view, watch) in views.iter_mut().zip(&*watches) {
+        view.deaf_below = if pulses { watch.pulse.deaf_below() } else { f64::INFINITY };
+    }
+    stepper.look(views, sampled);
+    for (view, watch) in views.iter().zip(watches) {
+        if sampled {
+            let before = watch.samples.len();
+            watch.samples.resize(grid.samples_until(end), 0.0);
+            let first = (grid.time(before) - start) / length;
+            let out = &mut watch.samples[before..];
+            stepper.sample(&view.track, (first, grid.interval / length), out);
+        }
+        if pulses && view.wanted {
+            watch.pulse.follow(&view.looks, &view.track);
+        } else if pulses {
+            watch.pulse.pass(view.end);
+        }
     }
 }
 
@@ -224,6 +283,23 @@ impl Film {
             let position: Vec<f64> = motion.iter().map(|m| m.position(theta)).collect();
             let velocity: Vec<f64> = motion.iter().map(|m| m.velocity(theta)).collect();
             self.take(chain, (&position, &velocity), &|contact| integrator.was_on(contact));
+        }
+    }
+
+    /// The same for the stepper.
+    fn follow_stepper(&mut self, chain: &Chain, stepper: &mut ChainStepper) {
+        let (start, length) = stepper.last_step();
+        while self.grid.time(self.frames) <= stepper.time() {
+            let theta = (self.grid.time(self.frames) - start) / length;
+            let (positions, changes) = stepper.frame(theta);
+            let forces = chain.contacts().iter().zip(changes);
+            for (track, (contact, change)) in self.contact_forces.iter_mut().zip(forces) {
+                track.push(contact.static_force + change);
+            }
+            for (track, x) in self.displacements.iter_mut().zip(positions) {
+                track.push(x);
+            }
+            self.frames += 1;
         }
     }
 

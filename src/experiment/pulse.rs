@@ -3,12 +3,13 @@
 
 use serde::Serialize;
 
+use crate::chain::stepper::{ForceTrack, LOOKS, Looks};
 use crate::chain::{ForceProbe, ForceSegment};
 use crate::integrate::Integrator;
 
-/// A step is looked at in this many places for a change of slope. Steps resolve the stiffest contact, or they would not
-/// be accepted, so a force turns at most once between two looks.
-const LOOKS_PER_STEP: u8 = 4;
+/// A maximum between two looks is at most this much above the larger of them: looks are a fifteenth of the fastest oscillation apart,
+/// or the step would not have been accepted (1).
+const BETWEEN_LOOKS: f64 = 1.25;
 /// A peak counts when it exceeds this share of the record's largest dynamic force (1).
 const PEAK_SHARE: f64 = 0.25;
 /// What two steps' interpolants may differ by where they meet is no jump, as a share of the largest force (1).
@@ -33,19 +34,83 @@ pub struct Peak {
 #[derive(Debug, Clone)]
 pub struct PulseRecorder {
     probe: ForceProbe,
-    peaks: Vec<(f64, f64)>,
-    /// Segments during which the force exceeded all before: where any level was first reached.
+    /// Maxima that may turn out to be the first above the threshold.
+    peaks: Vec<Bracket>,
+    /// Steps during which the force exceeded all before: where any level was first reached.
     rises: Vec<Rise>,
     largest: f64,
     rate_before: f64,
-    /// Force at the end of the last step where it may jump (N).
+    /// Force at the end of the last step (N).
     last: f64,
+}
+
+/// A force over one step. Steps resolve the stiffest contact, or they would not be accepted, so a force turns at most once
+/// between two of [`LOOKS`] evenly spaced places.
+#[derive(Debug, Clone)]
+enum Segment {
+    /// Of any method.
+    General(Box<ForceSegment>),
+    /// Of the stepper for lossless chains.
+    Lossless(Box<ForceTrack>),
+}
+
+/// A maximum, between two looks at a step's force or at a known time.
+#[derive(Debug, Clone)]
+struct Bracket {
+    segment: Segment,
+    low: f64,
+    high: f64,
+    /// The larger of the forces at both ends (N).
+    near: f64,
 }
 
 #[derive(Debug, Clone)]
 struct Rise {
-    segment: ForceSegment,
+    segment: Segment,
     reached: f64,
+}
+
+impl Segment {
+    fn force(&self, theta: f64) -> f64 {
+        match self {
+            Self::General(segment) => segment.force(theta),
+            Self::Lossless(track) => track.force(theta),
+        }
+    }
+
+    fn rate(&self, theta: f64) -> f64 {
+        match self {
+            Self::General(segment) => segment.rate(theta),
+            Self::Lossless(track) => track.rate(theta),
+        }
+    }
+
+    fn time(&self, theta: f64) -> f64 {
+        let (start, length) = match self {
+            Self::General(segment) => (segment.start, segment.length),
+            Self::Lossless(track) => (track.start, track.length),
+        };
+        start + theta * length
+    }
+}
+
+impl Bracket {
+    /// Time (s) and force (N) of the maximum.
+    fn top(&self) -> (f64, f64) {
+        let theta = if self.high > self.low {
+            root(&|theta| self.segment.rate(theta), self.low, self.high)
+        } else {
+            self.low
+        };
+        (self.segment.time(theta), self.segment.force(theta))
+    }
+}
+
+/// The fraction of a step at which look `index` stands (1).
+fn theta(index: usize) -> f64 {
+    #[allow(clippy::cast_precision_loss, reason = "a handful")]
+    let theta = (index + 1) as f64 / LOOKS as f64;
+    theta
 }
 
 impl PulseRecorder {
@@ -71,41 +136,73 @@ impl PulseRecorder {
     /// Takes in the integrator's last step and returns the force over it.
     pub fn take(&mut self, integrator: &dyn Integrator, bodies: usize) -> ForceSegment {
         let segment = self.probe.over_step(integrator, bodies);
-        let mut reached = self.largest;
-        let mut theta_before = 0.0;
+        let looks = Looks {
+            forces: std::array::from_fn(|i| segment.force(theta(i))),
+            rates: std::array::from_fn(|i| segment.rate(theta(i))),
+        };
         if self.probe.is_lossy() {
-            reached = reached.max(self.jump(&segment));
+            self.jump(&segment);
         }
-        for look in 1..=LOOKS_PER_STEP {
-            let theta = f64::from(look) / f64::from(LOOKS_PER_STEP);
-            let rate = segment.rate(theta);
-            if self.rate_before > 0.0 && rate <= 0.0 {
-                let top = root(&|t| segment.rate(t), theta_before, theta);
-                let force = segment.force(top);
-                self.peaks.push((segment.start + top * segment.length, force));
-                reached = reached.max(force);
-            }
-            self.rate_before = rate;
-            theta_before = theta;
-        }
-        // Between its peaks a force is largest at an end of the step.
-        reached = reached.max(segment.force(1.0));
-        if reached > self.largest {
-            self.largest = reached;
-            self.rises.push(Rise { segment: segment.clone(), reached });
-        }
+        self.see(&looks, &|| Segment::General(Box::new(segment.clone())));
         segment
     }
 
-    /// A force that jumps up as a contact closes and then falls has its peak at the jump. Returns the force there (N).
-    fn jump(&mut self, segment: &ForceSegment) -> f64 {
+    /// Takes in one step of the stepper for lossless chains.
+    pub fn follow(&mut self, looks: &Looks, track: &ForceTrack) {
+        self.see(looks, &|| Segment::Lossless(Box::new(track.clone())));
+    }
+
+    /// A step that ends with `force` (N) can be left out: no maximum in it could ever count.
+    pub fn pass(&mut self, force: f64) {
+        self.last = force;
+        self.rate_before = 0.0;
+    }
+
+    /// Forces below this can hold no first peak and reach no new level, and largest forces only grow (N).
+    #[must_use]
+    pub fn deaf_below(&self) -> f64 {
+        PEAK_SHARE * self.largest / BETWEEN_LOOKS
+    }
+
+    fn see(&mut self, looks: &Looks, segment: &dyn Fn() -> Segment) {
+        let mut reached = self.largest;
+        for index in 0..LOOKS {
+            let (rate, force) = (looks.rates[index], looks.forces[index]);
+            if self.rate_before > 0.0 && rate <= 0.0 {
+                let near = force.max(self.last);
+                let low = index.checked_sub(1).map_or(0.0, theta);
+                if near > self.deaf_below() {
+                    let bracket = Bracket { segment: segment(), low, high: theta(index), near };
+                    if near * BETWEEN_LOOKS > reached {
+                        reached = reached.max(bracket.top().1);
+                    }
+                    self.peaks.push(bracket);
+                }
+            }
+            self.rate_before = rate;
+            self.last = force;
+        }
+        // Between its peaks a force is largest at an end of the step.
+        reached = reached.max(self.last);
+        if reached > self.largest {
+            self.largest = reached;
+            self.rises.push(Rise { segment: segment(), reached });
+        }
+    }
+
+    /// A force that jumps up as a contact closes and then falls has its peak at the jump.
+    fn jump(&mut self, segment: &ForceSegment) {
         let (force, rate) = (segment.force(0.0), segment.rate(0.0));
+        let whole = || Segment::General(Box::new(segment.clone()));
         if force - self.last > SMALLEST_JUMP * self.largest && rate <= 0.0 {
-            self.peaks.push((segment.start, force));
+            self.peaks.push(Bracket { segment: whole(), low: 0.0, high: 0.0, near: force });
+            if force > self.largest {
+                self.largest = force;
+                self.rises.push(Rise { segment: whole(), reached: force });
+            }
         }
         self.rate_before = rate;
-        self.last = segment.force(1.0);
-        force
+        self.last = force;
     }
 
     /// Largest dynamic force so far (N).
@@ -118,7 +215,8 @@ impl PulseRecorder {
     #[must_use]
     pub fn first_peak(&self) -> Option<Peak> {
         let threshold = PEAK_SHARE * self.largest;
-        let (time_s, dynamic_n) = *self.peaks.iter().find(|(_, force)| *force > threshold)?;
+        let high = self.peaks.iter().filter(|peak| peak.near * BETWEEN_LOOKS > threshold);
+        let (time_s, dynamic_n) = high.map(Bracket::top).find(|(_, force)| *force > threshold)?;
         Some(Peak { total_n: dynamic_n + self.probe.static_force(), dynamic_n, time_s })
     }
 
@@ -127,32 +225,43 @@ impl PulseRecorder {
     pub fn first_reach(&self, level: f64) -> Option<f64> {
         let rise = self.rises.iter().find(|rise| rise.reached >= level)?;
         let excess = |theta: f64| rise.segment.force(theta) - level;
-        let mut theta_before = 0.0;
-        for look in 1..=LOOKS_PER_STEP {
-            let theta = f64::from(look) / f64::from(LOOKS_PER_STEP);
+        let mut before = 0.0;
+        for theta in (0..LOOKS).map(theta) {
             if excess(theta) >= 0.0 {
-                let at = root(&excess, theta_before, theta);
-                return Some(rise.segment.start + at * rise.segment.length);
+                return Some(rise.segment.time(root(&excess, before, theta)));
             }
-            theta_before = theta;
+            before = theta;
         }
         // The level lies between the last looks' forces and a peak between them.
         let top = root(&|t| rise.segment.rate(t), 0.0, 1.0);
-        let at = root(&excess, 0.0, top);
-        Some(rise.segment.start + at * rise.segment.length)
+        Some(rise.segment.time(root(&excess, 0.0, top)))
     }
 }
 
-/// Root of `f`, which changes sign between `low` and `high`, by bisection to the last bit: 60 cheap evaluations, and no
-/// shape of `f` can defeat it.
+/// Root of `f` between `low` and `high`, to the last bits: false position, the end that stays counting half each time, and bisection
+/// where that does not close in. No shape of `f` can defeat it. Source: M. Dowell, P. Jarratt, BIT 11, 168 (1971), "Illinois".
 fn root(f: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
-    let low_is_positive = f(low) > 0.0;
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if (f(middle) > 0.0) == low_is_positive {
-            low = middle;
+    let (mut at_low, mut at_high) = (f(low), f(high));
+    let mut side = 0_i8;
+    for count in 0..120_u8 {
+        if at_low == 0.0 || high - low <= f64::EPSILON * high {
+            return low;
+        }
+        let falsi = (low * at_high - high * at_low) / (at_high - at_low);
+        let inside = falsi > low && falsi < high && count < 60;
+        let middle = if inside { falsi } else { 0.5 * (low + high) };
+        let value = f(middle);
+        if value == 0.0 || middle == low || middle == high {
+            return middle;
+        }
+        if (value > 0.0) == (at_low > 0.0) {
+            (low, at_low) = (middle, value);
+            at_high *= if side == -1 { 0.5 } else { 1.0 };
+            side = -1;
         } else {
-            high = middle;
+            (high, at_high) = (middle, value);
+            at_low *= if side == 1 { 0.5 } else { 1.0 };
+            side = 1;
         }
     }
     0.5 * (low + high)

@@ -9,7 +9,7 @@ use super::lanes::{Lanes, Row, WIDTH};
 use crate::chain::{Contact, ForceProbe, Law};
 
 /// Coefficients of a septic.
-const COEFFICIENTS: usize = 8;
+pub const COEFFICIENTS: usize = 8;
 /// Contacts that a place feels.
 const CONTACTS: usize = 2;
 /// Places within a step at which a force is looked at.
@@ -26,6 +26,38 @@ pub struct ForceTrack {
     pub length: f64,
     /// Overlap changes as polynomials in the fraction of the step (m).
     overlaps: [[f64; COEFFICIENTS]; CONTACTS],
+}
+
+/// A place whose force is watched.
+#[derive(Debug, Clone, PartialEq)]
+pub struct View {
+    /// Index of the body between the two contacts.
+    pub body: usize,
+    /// The force over the last step, where it was wanted.
+    pub track: ForceTrack,
+    /// The force in a few places of the last step, where it was wanted.
+    pub looks: Looks,
+    /// Dynamic force at the end of the last step (N).
+    pub end: f64,
+    /// Dynamic force below which nobody wants to know more (N).
+    pub deaf_below: f64,
+    /// Whether the last step was wanted.
+    pub wanted: bool,
+}
+
+impl View {
+    /// A view of the place of `probe`, at rest.
+    #[must_use]
+    pub fn new(probe: &ForceProbe) -> Self {
+        Self {
+            body: probe.body(),
+            track: ForceTrack::new(probe),
+            looks: Looks::default(),
+            end: 0.0,
+            deaf_below: 0.0,
+            wanted: false,
+        }
+    }
 }
 
 /// A force at evenly spaced places within a step, its end the last.
@@ -57,14 +89,17 @@ impl ForceTrack {
         self.overlaps[which] = septic(ends, length);
     }
 
+    /// Dynamic force for these overlap changes (m) (N).
+    #[inline(always)]
+    pub fn force_of(&self, changes: [f64; CONTACTS]) -> f64 {
+        let part = |i: usize| self.weights[i] * self.contacts[i].force_change(changes[i]);
+        part(0) + part(1)
+    }
+
     /// Dynamic force at the fraction `theta` of the step (N).
     #[must_use]
     pub fn force(&self, theta: f64) -> f64 {
-        let part = |i: usize| {
-            let change = horner(&self.overlaps[i], theta);
-            self.weights[i] * self.contacts[i].force_change(change)
-        };
-        part(0) + part(1)
+        self.force_of(self.overlaps.each_ref().map(|overlap| horner(overlap, theta)))
     }
 
     /// Its rate of change there (N/s).
@@ -79,7 +114,7 @@ impl ForceTrack {
 }
 
 #[inline(always)]
-fn septic([from, to]: [[f64; 4]; 2], h: f64) -> [f64; COEFFICIENTS] {
+pub fn septic([from, to]: [[f64; 4]; 2], h: f64) -> [f64; COEFFICIENTS] {
     let (square, cube) = (h * h, h * h * h);
     let [x, v, a, j] = [from[0], h * from[1], 0.5 * square * from[2], cube * from[3] / 6.0];
     // What the cubic Taylor polynomial of the start leaves over at the end, derivative by derivative.
@@ -100,7 +135,7 @@ fn septic([from, to]: [[f64; 4]; 2], h: f64) -> [f64; COEFFICIENTS] {
 }
 
 #[inline(always)]
-fn horner(c: &[f64; COEFFICIENTS], t: f64) -> f64 {
+pub fn horner(c: &[f64; COEFFICIENTS], t: f64) -> f64 {
     c.iter().rev().fold(0.0, |sum, c| sum * t + c)
 }
 
@@ -141,6 +176,13 @@ impl ForceTrack {
         }
     }
 
+    /// The law of both contacts; an open end has none.
+    #[inline(always)]
+    fn law(&self) -> Law {
+        let [above, below] = &self.contacts;
+        if above.stiffness > 0.0 { above.law } else { below.law }
+    }
+
     /// The force in [`LOOKS`] places: both contacts side by side.
     #[inline(always)]
     pub fn looks<L: Lanes>(&self) -> Looks {
@@ -160,7 +202,7 @@ impl ForceTrack {
         }
         let [first, second] = [self.constants(0), self.constants(1)];
         let constants = [both([first[0], second[0]]), both([first[1], second[1]])];
-        let (force, tangent) = lane_forces::<L>(constants, change, self.contacts[0].law);
+        let (force, tangent) = lane_forces::<L>(constants, change, self.law());
         let weights = both(self.weights);
         let (mut forces, mut rates) = (Row::default(), Row::default());
         L::store(L::mul(weights, force), &mut forces);

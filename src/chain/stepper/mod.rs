@@ -4,6 +4,8 @@
 //! asked once, at the start.
 
 mod dispatch;
+mod force_track;
+mod frame;
 mod kinks;
 mod lanes;
 #[cfg(target_arch = "x86_64")]
@@ -15,4 +17,5 @@ mod tasks;
 mod workspace;
 
 pub use dispatch::InstructionSet;
+pub use force_track::{ForceTrack, LOOKS, Looks, View};
 pub use single::ChainStepper;

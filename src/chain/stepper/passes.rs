@@ -4,7 +4,7 @@
 
 use super::kinks::Quadrature;
 use super::lanes::{Lanes, Row};
-use super::plan::{Layout, Plan};
+use super::plan::{Form, Layout, Plan};
 use super::workspace::{Motion, Workspace};
 use crate::integrate::nystrom::{NystromPair, Row as Terms};
 
@@ -228,6 +228,40 @@ fn sweep<L: Lanes, Y: Layout, const FORM: u8>(
         accelerate::<L, Y>(plan, rows - 1, [force, L::splat(0.0)], out);
     }
     largest
+}
+
+/// Rates of the accelerations at `motion`.
+#[inline(always)]
+pub fn jerks<L: Lanes, Y: Layout>(plan: &Plan, motion: &Motion, out: &mut [Row]) {
+    let rows = plan.rows();
+    let linear = plan.form == Form::Linear;
+    let plan = Cut::new(plan, rows);
+    let (x, v, out) = (&motion.position[..rows], &motion.velocity[..rows], &mut out[..rows]);
+    let mut last = [L::splat(0.0); 2];
+    let mut rate = L::splat(0.0);
+    for r in 0..rows {
+        let here = [L::load(&x[r]), L::load(&v[r])];
+        let change = L::sub(Y::above::<L>(last[0], here[0]), here[0]);
+        let closing = L::sub(Y::above::<L>(last[1], here[1]), here[1]);
+        let stiffness = L::load(&plan.stiffness[r]);
+        let tangent = if linear {
+            stiffness
+        } else {
+            let overlap = L::add(change, L::load(&plan.static_overlap[r]));
+            let root = L::sqrt(L::max(overlap, L::splat(0.0)));
+            L::mul(L::mul(L::splat(1.5), stiffness), root)
+        };
+        let next = L::mul(tangent, closing);
+        if r > 0 {
+            let net = L::sub(rate, Y::below::<L>(rate, next));
+            L::store(L::mul(net, L::load(&plan.inverse_mass[r - 1])), &mut out[r - 1]);
+        }
+        (last, rate) = (here, next);
+    }
+    if rows > 0 {
+        let net = L::sub(rate, Y::below::<L>(rate, L::splat(0.0)));
+        L::store(L::mul(net, L::load(&plan.inverse_mass[rows - 1])), &mut out[rows - 1]);
+    }
 }
 
 /// The new velocities, with what rounding took from them, and the estimated errors, by the weights `ends` of each stage; their largest magnitudes, and a sum that is

@@ -3,14 +3,16 @@
 use std::marker::PhantomData;
 
 use super::dispatch::{InstructionSet, dispatch};
+use super::force_track::{ForceTrack, Sample, View};
+use super::frame::{Ends, Frame, Look};
 use super::kinks::Quadrature;
 use super::lanes::{Row, WIDTH};
 use super::plan::{Along, Form, Plan};
-use super::tasks::{Attempt, Evaluate, Settle};
+use super::tasks::{Attempt, Evaluate, Jerks, Settle};
 use super::workspace::Workspace;
-use crate::chain::{Chain, ChainSystem};
+use crate::chain::Chain;
 use crate::integrate::control::StepControl;
-use crate::integrate::hermite::{Between, find_jerks};
+use crate::integrate::hermite::{End, septic};
 use crate::integrate::nystrom::NystromPair;
 use crate::integrate::{IntegrateError, Integrator, Interpolant, State, Work};
 
@@ -36,11 +38,11 @@ pub struct ChainStepper {
     counts: Work,
     /// Contacts that changed sides in accepted steps.
     events: u64,
-    /// For interpolation.
-    system: ChainSystem,
-    ends: [State; 2],
-    accelerations: [Vec<f64>; 2],
-    jerks: Option<[Vec<f64>; 2]>,
+    /// Rates of the accelerations at the start and the end of the last step (m/s³), and which step that was.
+    jerks: [Vec<Row>; 2],
+    jerks_of: u64,
+    /// Room for a frame: positions (m) and force changes (N).
+    frame: [Vec<Row>; 2],
 }
 
 impl ChainStepper {
@@ -69,8 +71,7 @@ impl ChainStepper {
         let bodies = chain.bodies().len();
         let speed = velocities.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
         let scales = (chain.impact_overlap(velocities), speed);
-        let rest =
-            || State { time: 0.0, position: vec![0.0; bodies], velocity: velocities.to_vec() };
+        let zeros = || vec![Row::default(); plan.rows()];
         Self {
             set,
             pair,
@@ -84,10 +85,9 @@ impl ChainStepper {
             last_step: (0.0, 0.0),
             counts: Work { force_evaluations: 1, ..Work::default() },
             events: 0,
-            system: ChainSystem::new(chain, velocities),
-            ends: [rest(), rest()],
-            accelerations: [vec![0.0; bodies], vec![0.0; bodies]],
-            jerks: Some([vec![0.0; bodies], vec![0.0; bodies]]),
+            jerks: [zeros(), zeros()],
+            jerks_of: u64::MAX,
+            frame: [zeros(), zeros()],
             plan,
         }
     }
@@ -122,6 +122,64 @@ impl ChainStepper {
             Evaluate::<Along> { plan, motion: &mut work.next, acceleration, layout: PhantomData };
         work.largest.overlap = dispatch(*set, task);
         self.counts.force_evaluations += 1;
+    }
+}
+
+/// The first values of rows.
+fn flat(rows: &[Row], count: usize) -> impl Iterator<Item = f64> {
+    rows.iter().flat_map(|row| row.0).take(count)
+}
+
+impl ChainStepper {
+    /// Brings `views` up to the end of the last step; all of them if `all`, or only those that feel something.
+    pub fn look(&mut self, views: &mut [View], all: bool) {
+        self.find_jerks();
+        dispatch(self.set, Look { ends: self.ends(), views, all });
+    }
+
+    /// Displacements (m) and changes of the contact forces (N) at the fraction `theta` of the last step (1).
+    pub fn frame(&mut self, theta: f64) -> (impl Iterator<Item = f64>, impl Iterator<Item = f64>) {
+        self.find_jerks();
+        let mut frame = std::mem::take(&mut self.frame);
+        let [position, force] = &mut frame;
+        let task = Frame { plan: &self.plan, ends: self.ends(), theta, position, force };
+        dispatch(self.set, task);
+        self.frame = frame;
+        let [position, force] = &self.frame;
+        (flat(position, self.bodies), flat(force, self.bodies + 1))
+    }
+
+    /// The forces of `track` from the fraction `first` of the step on, every `interval` of it (1).
+    pub fn sample(&self, track: &ForceTrack, (first, interval): (f64, f64), out: &mut [f64]) {
+        dispatch(self.set, Sample { track, first, interval, out });
+    }
+
+    fn find_jerks(&mut self) {
+        if self.jerks_of == self.counts.steps {
+            return;
+        }
+        let Self { set, plan, work, jerks, .. } = self;
+        let [before, after] = jerks;
+        if self.jerks_of.wrapping_add(1) == self.counts.steps {
+            std::mem::swap(before, after);
+        } else {
+            let motion = &work.next;
+            dispatch(*set, Jerks::<Along> { plan, motion, out: before, layout: PhantomData });
+        }
+        let motion = &work.now;
+        dispatch(*set, Jerks::<Along> { plan, motion, out: after, layout: PhantomData });
+        self.jerks_of = self.counts.steps;
+    }
+
+    /// The last step's ends: what was the start stays where the next step will end.
+    fn ends(&self) -> Ends<'_> {
+        let Workspace { now, next, stages, .. } = &self.work;
+        let last = self.pair.nodes.len() - 1;
+        Ends {
+            from: [&next.position, &next.velocity, &stages[last], &self.jerks[0]],
+            to: [&now.position, &now.velocity, &stages[0], &self.jerks[1]],
+            span: self.last_step,
+        }
     }
 }
 
@@ -173,23 +231,16 @@ impl Integrator for ChainStepper {
     }
 
     fn prepare_interpolation(&mut self) {
-        let [before, after] = &mut self.ends;
-        let last = self.pair.nodes.len() - 1;
-        before.time = self.last_step.0;
-        after.time = self.time;
-        unpack(&self.work.next.position, &mut before.position);
-        unpack(&self.work.next.velocity, &mut before.velocity);
-        unpack(&self.work.now.position, &mut after.position);
-        unpack(&self.work.now.velocity, &mut after.velocity);
-        unpack(&self.work.stages[last], &mut self.accelerations[0]);
-        unpack(&self.work.stages[0], &mut self.accelerations[1]);
-        find_jerks(&mut self.system, [&self.ends[0], &self.ends[1]], &mut self.jerks);
+        self.find_jerks();
     }
 
     fn interpolant(&self, body: usize) -> Interpolant {
-        let from = (&self.ends[0], self.accelerations[0].as_slice());
-        let to = (&self.ends[1], self.accelerations[1].as_slice());
-        Between { from, to, jerks: self.jerks.as_ref() }.interpolant(body)
+        let Ends { from, to, span: (_, length) } = self.ends();
+        let at = |rows: [&[Row]; 4]| rows.map(|rows| rows[body / WIDTH].0[body % WIDTH]);
+        let ([x0, v0, a0, j0], [x1, v1, a1, j1]) = (at(from), at(to));
+        let from = End { position: x0, velocity: v0, acceleration: a0 };
+        let to = End { position: x1, velocity: v1, acceleration: a1 };
+        septic(from, to, (j0, j1), length)
     }
 
     fn last_step(&self) -> (f64, f64) {

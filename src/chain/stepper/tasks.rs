@@ -110,3 +110,20 @@ impl<Y: Layout> Task for Attempt<'_, Y> {
         Some(guard)
     }
 }
+
+/// Finds the rates of the accelerations (m/s³).
+pub struct Jerks<'a, Y> {
+    pub plan: &'a Plan,
+    pub motion: &'a Motion,
+    pub out: &'a mut [Row],
+    pub layout: PhantomData<Y>,
+}
+
+impl<Y: Layout> Task for Jerks<'_, Y> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        passes::jerks::<L, Y>(self.plan, self.motion, self.out);
+    }
+}

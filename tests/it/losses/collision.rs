@@ -67,7 +67,7 @@ fn viscoelastic_restitution() {
 fn dashpots_take_what_they_must() {
     let loss = |gamma| Dashpot { gamma: everywhere(gamma, EndOfContact::ZeroForce) };
     let with = |gamma| chain(EffectsSpec { dashpot: Some(loss(gamma)), ..EffectsSpec::default() });
-    let method = Method::DormandPrince853 { tolerance: 1e-9 };
+    let method = Method::DormandPrince853 { tolerance: 1e-10 };
     let mut before = 1.0;
     for gamma in [0.0, 0.5, 5.0, 50.0, 500.0] {
         let found = restitution(&with(gamma), method);

@@ -1,0 +1,104 @@
+//! The stepper's last step as others see it: forces at a few places, or the whole chain at one time.
+#![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
+
+use super::dispatch::Task;
+use super::force_track::{COEFFICIENTS, View, horner, septic};
+use super::lanes::{Lanes, Row, WIDTH};
+use super::passes::{self, Cut, EXACT, LINEAR};
+use super::plan::{Along, Form, Layout, Plan};
+
+/// Positions, velocities, accelerations and jerks in rows at both ends of a step.
+#[derive(Clone, Copy)]
+pub struct Ends<'a> {
+    pub from: [&'a [Row]; 4],
+    pub to: [&'a [Row]; 4],
+    /// Start and length of the step (s).
+    pub span: (f64, f64),
+}
+
+/// Value and derivatives of the overlap of the contact above body `body`.
+#[inline(always)]
+fn overlap(rows: &[&[Row]; 4], body: usize) -> [f64; 4] {
+    let here = (body / WIDTH, body % WIDTH);
+    let above = Along::upper(here.0, here.1);
+    rows.map(|rows| {
+        let upper = above.map_or(0.0, |(row, lane)| rows[row].0[lane]);
+        upper - rows[here.0].0[here.1]
+    })
+}
+
+/// Brings views up to the end of the step.
+pub struct Look<'a> {
+    pub ends: Ends<'a>,
+    pub views: &'a mut [View],
+    /// Whether every view is wanted.
+    pub all: bool,
+}
+
+impl Task for Look<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { ends, views, all } = self;
+        for view in views {
+            let contacts = [view.body, view.body + 1];
+            let to = contacts.map(|contact| overlap(&ends.to, contact));
+            let before = view.end;
+            view.end = view.track.force_of(to.map(|overlap| overlap[0]));
+            view.wanted = all || view.end > view.deaf_below || before > view.deaf_below;
+            if view.wanted {
+                for (which, contact) in contacts.into_iter().enumerate() {
+                    let from = overlap(&ends.from, contact);
+                    view.track.set(which, ends.span, [from, to[which]]);
+                }
+                view.looks = view.track.looks::<L>();
+            }
+        }
+    }
+}
+
+/// Positions (m) and force changes (N) of the whole chain at one time of the step.
+pub struct Frame<'a> {
+    pub plan: &'a Plan,
+    pub ends: Ends<'a>,
+    /// Fraction of the step (1).
+    pub theta: f64,
+    pub position: &'a mut [Row],
+    pub force: &'a mut [Row],
+}
+
+impl Task for Frame<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { plan, ends, theta, position, force } = self;
+        let weights = basis(theta, ends.span.1).map(|weight| L::splat(weight));
+        let cut = Cut::new(plan, plan.rows());
+        let mut last = L::splat(0.0);
+        for r in 0..plan.rows() {
+            let mut here = L::splat(0.0);
+            for (weight, rows) in weights.iter().zip(ends.from.iter().chain(&ends.to)) {
+                here = L::mul_add(*weight, L::load(&rows[r]), here);
+            }
+            L::store(here, &mut position[r]);
+            let change = L::sub(Along::above::<L>(last, here), here);
+            let (row, _) = match plan.form {
+                Form::Linear => passes::forces::<L, LINEAR>(cut, r, change),
+                Form::Plain | Form::Exact => passes::forces::<L, EXACT>(cut, r, change),
+            };
+            L::store(row, &mut force[r]);
+            last = here;
+        }
+    }
+}
+
+/// What value and derivatives at both ends weigh at `theta` in a step of `length` (s) (unit).
+fn basis(theta: f64, length: f64) -> [f64; COEFFICIENTS] {
+    std::array::from_fn(|which| {
+        let mut ends = [[0.0; 4]; 2];
+        ends[which / 4][which % 4] = 1.0;
+        horner(&septic(ends, length), theta)
+    })
+}
