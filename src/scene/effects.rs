@@ -6,7 +6,7 @@ use super::reader::{Bound, Table};
 use crate::chain::{EffectsSpec, Gravity, LinearisedContacts, MagnetPreload};
 use crate::quantity::Dimension;
 
-/// Reads `[effects]`, the noise of the scope excepted.
+/// Reads `[effects]`, noise and errors of the scope excepted.
 pub fn effects(effects: Option<&Table<'_>>, particles: usize) -> EffectsSpec {
     let mut spec = EffectsSpec::default();
     let Some(effects) = effects else { return spec };
@@ -41,6 +41,12 @@ fn effect<'a>(effects: &Table<'a>, name: &'static str) -> Option<Table<'a>> {
         return None;
     }
     effects.table(name)
+}
+
+/// Whether `[effects.scope_errors]` is on.
+pub fn scope_errors(effects: &Table<'_>) -> bool {
+    let table = effect(effects, "scope_errors");
+    table.map(Table::finish).is_some()
 }
 
 /// `[effects.scope_noise]` (div).

@@ -10,6 +10,7 @@ pub mod document;
 mod effects;
 mod library;
 pub mod magnets;
+mod model;
 mod oscilloscope;
 pub mod problem;
 pub mod reader;
@@ -21,7 +22,7 @@ pub use sensors::{PlacedSensor, Site};
 
 use crate::chain::{Chain, ChainSpec, End};
 use crate::quantity::Dimension;
-use crate::scope::Setup;
+use crate::scope::{Deviation, Setup};
 use bodies::Materials;
 use reader::{Bound, Problems, Table};
 
@@ -111,7 +112,8 @@ fn read(loaded: library::Loaded, problems: &Problems) -> Option<Scene> {
     let kinds: Vec<&str> = moving.kinds.iter().map(String::as_str).collect();
     let hosts = sensors::Hosts { kinds: &kinds, wall: moving.wall };
     let sensors = sensors::sensors(&root, &hosts, problems);
-    let scope = scope(&root, moving.noise, duration);
+    let errors_of = moving.scope_errors.then_some(seed);
+    let scope = scope(&root, (moving.noise, errors_of), duration);
     root.finish();
     let (spec, chain) = moving.built?;
     Some(Scene {
@@ -135,6 +137,7 @@ struct Moving {
     kinds: Vec<String>,
     wall: bool,
     noise: f64,
+    scope_errors: bool,
     initial_velocities: Vec<f64>,
     built: Option<(ChainSpec, Chain)>,
 }
@@ -156,6 +159,7 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
     let effects = root.table("effects");
     let effects_spec = effects::effects(effects.as_ref(), count);
     let noise = effects.as_ref().and_then(effects::scope_noise).unwrap_or(0.0);
+    let scope_errors = effects.as_ref().is_some_and(effects::scope_errors);
     if let Some(effects) = effects {
         effects.finish();
     }
@@ -182,10 +186,15 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
     }
     // An end that could not be read has left its problem; a sensor at it is none.
     let wall = bottom.is_none_or(|(bottom, _)| matches!(bottom, End::Wall(_)));
-    Moving { kinds: particles.kinds, wall, noise, initial_velocities, built }
+    Moving { kinds: particles.kinds, wall, noise, scope_errors, initial_velocities, built }
 }
 
-fn scope(root: &Table<'_>, noise: f64, duration: Option<f64>) -> Option<Setup> {
+/// The front panel, with the front end's noise (div), and its errors drawn from a seed, if any.
+fn scope(
+    root: &Table<'_>,
+    (noise, errors_of): (f64, Option<u64>),
+    duration: Option<f64>,
+) -> Option<Setup> {
     if !root.has("scope") {
         let expected = "[scope] with model, time_base, trigger and channels";
         root.problem("scope", "no such table", expected);
@@ -194,5 +203,11 @@ fn scope(root: &Table<'_>, noise: f64, duration: Option<f64>) -> Option<Setup> {
     let _ = table.text("source");
     let setup = bench::scope(&table, &sensors::sensor_names(root), duration);
     table.finish();
-    setup.map(|setup| Setup { noise, ..setup })
+    let mut setup = Setup { noise, ..setup? };
+    for (number, channel) in (1..).zip(&mut setup.channels) {
+        if let (Some(seed), Some(channel)) = (errors_of, channel) {
+            channel.deviation = Deviation::drawn(seed, number);
+        }
+    }
+    Some(setup)
 }

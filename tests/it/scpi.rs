@@ -9,6 +9,7 @@ mod bench;
 mod clients;
 mod curve;
 mod impact;
+mod instrument;
 mod list;
 mod measurement;
 mod preamble;
