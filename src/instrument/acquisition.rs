@@ -229,7 +229,9 @@ impl Acquisition {
             self.running = false;
             self.sweep = None;
         }
-        records.into_iter().for_each(|record| self.keep(record));
+        for record in records {
+            self.keep(record);
+        }
     }
 
     /// Whether the mains have gone through zero upward since the scope was ready for a trigger.

@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 use super::panel::{FftWindow, MathFunction};
 use crate::scope::model::{FftLaw, ROUNDED_UP};
 use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
-use crate::scope::{PointFormat, Preamble, Source, Waveform};
+use crate::scope::{PointFormat, Preamble, Source, VerticalSetup, Waveform};
 
 /// The math trace of the channels' records, where the records it needs are there.
 #[must_use]
@@ -86,7 +86,12 @@ fn spectrum(law: &FftLaw, record: &Waveform, window: FftWindow) -> Option<Wavefo
             y_unit: "dB".to_owned(),
             pt_fmt: PointFormat::Sample,
         },
-        vertical: record.vertical,
+        // A spectrum has a scale of its own.
+        vertical: VerticalSetup {
+            scale: LEVELS_PER_DIVISION * law.level,
+            position: 0.0,
+            ..record.vertical
+        },
         horizontal_scale: rate / 20.0,
         trigger_point: 0.0,
     })

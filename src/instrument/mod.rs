@@ -212,6 +212,11 @@ impl Instrument {
         if changed {
             self.acquisition.restart();
         }
+        // Cursors do not leave the screen.
+        let (start, end) = self.setup().record_span();
+        for time in &mut self.panel.cursor.vertical {
+            *time = limits::within(*time, (start, end));
+        }
         if self.panel != self.settled {
             self.settled = self.panel.clone();
         }

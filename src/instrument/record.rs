@@ -57,7 +57,7 @@ pub fn sample_interval(panel: &Panel, setup: &Setup) -> f64 {
 }
 
 impl Acquirer<'_> {
-    /// The records of every displayed channel, or none if nothing triggers. Signals arrive at `now` (s), which tells
+    /// The record of every channel that is recorded, or none if nothing triggers. Signals arrive at `now` (s), which tells
     /// where the mains stand.
     #[must_use]
     pub fn take(&self, signals: &Signals, now: f64) -> Option<Vec<Waveform>> {
@@ -81,22 +81,19 @@ impl Acquirer<'_> {
             .collect();
         let ratio = if interval > 0.0 { signals.interval / interval } else { 1.0 };
         let automatic = scaled(signals.automatic, ratio);
-        let found = match self.panel.trigger.source.channel() {
-            Some(number) => {
-                let signal = conditioned.get(usize::from(number) - 1).and_then(Option::as_ref);
-                let scale = self.panel.channel(number).vertical.scale;
-                self.find(signal.map(Vec::as_slice), scale, automatic)
-            }
-            None => {
-                let start = now - count(automatic) * interval;
-                let (signal, scale) = self.other_source(&external, samples, start);
-                self.find(Some(&signal), scale, automatic)
-            }
+        let found = if let Some(number) = self.panel.trigger.source.channel() {
+            let signal = conditioned.get(usize::from(number) - 1).and_then(Option::as_ref);
+            let scale = self.panel.channel(number).vertical.scale;
+            self.find(signal.map(Vec::as_slice), scale, automatic)
+        } else {
+            let start = now - count(automatic) * interval;
+            let (signal, scale) = self.other_source(&external, samples, start);
+            self.find(Some(&signal), scale, automatic)
         }?;
         let record = |number: u8, signal: Option<&Vec<f64>>| {
             let channel = self.setup.channels.get(usize::from(number) - 1)?.as_ref()?;
             let source = Source::Channel(number);
-            let signal = self.panel.displays(source).then_some(signal)??;
+            let signal = self.panel.records(number).then_some(signal)??;
             Some(if self.panel.acquire.mode == AcquireMode::PeakDetect {
                 let blank = digitise(self.setup, source, channel, &[], found.index);
                 envelope(blank, self, signal, found.index)

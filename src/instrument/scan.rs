@@ -50,7 +50,7 @@ impl Sweep {
     /// Puts down what arrives now: the next points are its first sample of each interval.
     pub fn accept(&mut self, by: &Acquirer<'_>, signals: &Signals) {
         let Some(step) = step(by, signals.interval) else { return };
-        for (number, channel, lane) in displayed(by, &mut self.lanes) {
+        for (number, channel, lane) in recorded(by, &mut self.lanes) {
             let volts = signals.volts.get(usize::from(number) - 1).map(Vec::as_slice);
             let volts = volts.unwrap_or_default();
             let mut noise = noise_stream(by.seed, signals.shot, number);
@@ -85,7 +85,7 @@ impl Sweep {
         let first = due - new.min(points);
         let lost = first - before;
         let batch = u32::MAX - self.batches;
-        for (number, channel, Lane { codes, ahead }) in displayed(by, &mut self.lanes) {
+        for (number, channel, Lane { codes, ahead }) in recorded(by, &mut self.lanes) {
             ahead.drain(..lost.min(ahead.len()));
             let mut noise = noise_stream(by.seed, batch, number);
             let quiet = condition(by.setup, channel, interval, &vec![0.0; due - first], &mut noise);
@@ -100,7 +100,7 @@ impl Sweep {
         Progress { moved: true, sweeps }
     }
 
-    /// What the screen shows of each displayed channel.
+    /// What the screen shows of each channel that is recorded.
     pub fn records(&self, by: &Acquirer<'_>) -> Vec<Waveform> {
         let points = by.setup.model.record_length.max(1);
         let gap = gap(by);
@@ -108,7 +108,7 @@ impl Sweep {
         let channels = (1..).zip(&by.setup.channels).zip(&self.lanes);
         let record = |((number, channel), lane): ((u8, &Option<ChannelSetup>), &Lane)| {
             let source = Source::Channel(number);
-            let channel = channel.as_ref().filter(|_| by.panel.displays(source))?;
+            let channel = channel.as_ref().filter(|_| by.panel.records(number))?;
             let mut record = digitise(by.setup, source, channel, &[], 0);
             record.codes.clone_from(&lane.codes);
             if self.written > points {
@@ -126,14 +126,14 @@ impl Sweep {
     }
 }
 
-/// Displayed channels with what belongs to each.
-fn displayed<'a>(
+/// Channels that are recorded, with what belongs to each.
+fn recorded<'a>(
     by: &'a Acquirer<'_>,
     lanes: &'a mut [Lane; 4],
 ) -> impl Iterator<Item = (u8, &'a ChannelSetup, &'a mut Lane)> {
     let channels = (1..).zip(&by.setup.channels).zip(lanes);
     channels.filter_map(|((number, channel), lane)| {
-        let on = by.panel.displays(Source::Channel(number));
+        let on = by.panel.records(number);
         Some((number, channel.as_ref().filter(|_| on)?, lane))
     })
 }

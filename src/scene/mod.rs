@@ -22,7 +22,7 @@ pub use sensors::{PlacedSensor, Site};
 
 use crate::chain::{Chain, ChainSpec, End};
 use crate::quantity::Dimension;
-use crate::scope::{Deviation, Setup};
+use crate::scope::{Deviation, Model, Setup};
 use bodies::Materials;
 use reader::{Bound, Problems, Table};
 
@@ -96,6 +96,24 @@ impl Scene {
     #[must_use]
     pub fn names() -> Vec<&'static str> {
         crate::data::instrument_names("scenes")
+    }
+}
+
+/// The oscilloscope of the data file `name`, an embedded one or a path.
+///
+/// # Errors
+/// [`SceneError`]: no such file, or every problem found in it.
+pub fn oscilloscope(name: &str) -> Result<Model, SceneError> {
+    let text = format!("[scope]\nmodel = {name:?}\n");
+    let mut loaded = library::load_text(name, name, &text)?;
+    let problems = Problems::default();
+    problems.extend(std::mem::take(&mut loaded.problems));
+    let scope = Table::of(&loaded.root, "", &problems).and_then(|root| root.table("scope"));
+    let model = scope.as_ref().and_then(oscilloscope::model);
+    let problems = problems.into_sorted();
+    match model {
+        Some(model) if problems.is_empty() => Ok(model),
+        _ => Err(SceneError::Problems(problems)),
     }
 }
 

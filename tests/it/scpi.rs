@@ -8,6 +8,7 @@ mod acquisition;
 mod bench;
 mod clients;
 mod curve;
+mod hard_copy;
 mod impact;
 mod instrument;
 mod list;

@@ -147,6 +147,13 @@ impl Panel {
         }
     }
 
+    /// Whether channel `number` is recorded: it is displayed, or the displayed math trace needs it.
+    #[must_use]
+    pub fn records(&self, number: u8) -> bool {
+        let displayed = self.displays(Source::Channel(number));
+        displayed || (self.math.displayed && self.math.function.uses(number))
+    }
+
     /// The switch that displays a waveform.
     pub fn displayed_mut(&mut self, source: Source) -> &mut bool {
         if let Source::Channel(number) = source {
@@ -162,13 +169,13 @@ impl Panel {
         }
     }
 
-    /// What the front end and the digitiser need: channels that are displayed or trigger are on. Free of errors and noise.
+    /// What the front end and the digitiser need: channels that are recorded or trigger are on. Free of errors and noise.
     #[must_use]
     pub fn setup(&self, model: &Model) -> Setup {
         let trigger_source = self.trigger.source.channel();
         let channel = |number: u8| {
             let channel = self.channel(number);
-            let on = channel.displayed || trigger_source == Some(number);
+            let on = self.records(number) || trigger_source == Some(number);
             let vertical: VerticalSetup = channel.vertical;
             let deviation = Deviation::default();
             on.then_some(ChannelSetup { vertical, input: None, offset: 0.0, deviation })
