@@ -88,17 +88,16 @@ fn trigger(picture: &mut Picture, trigger: &TriggerReadout, traces: &[Waveform])
     };
     text(picture, (x, y), &name, ink);
     let after = x + 5 * i32::try_from(name.len()).unwrap_or(0) + 4;
-    match trigger.other {
-        Some(kind) => text(picture, (after, y), type_name(kind), ink),
-        None => {
-            let (start, end) = match trigger.slope {
-                Slope::Rise => (y + 6, y),
-                Slope::Fall => (y, y + 6),
-            };
-            line(picture, (after, start), (after + 3, start), ink);
-            line(picture, (after + 3, start), (after + 3, end), ink);
-            line(picture, (after + 3, end), (after + 6, end), ink);
-        }
+    if let Some(kind) = trigger.other {
+        text(picture, (after, y), type_name(kind), ink);
+    } else {
+        let (start, end) = match trigger.slope {
+            Slope::Rise => (y + 6, y),
+            Slope::Fall => (y, y + 6),
+        };
+        line(picture, (after, start), (after + 3, start), ink);
+        line(picture, (after + 3, start), (after + 3, end), ink);
+        line(picture, (after + 3, end), (after + 6, end), ink);
     }
     if trigger.source != TriggerSource::Line {
         text_to(picture, (319, y), &readout(trigger.level, "V"), ink);

@@ -32,7 +32,9 @@ fn packed(set: &TraceSet) -> Vec<u8> {
 fn plain(packed: &[u8]) -> Vec<u8> {
     let mut rest = &packed[MAGIC.len()..];
     let mut out = MAGIC.to_vec();
-    let length = |bytes: &[u8]| usize::try_from(u64::from_le_bytes(bytes[..8].try_into().expect("8 bytes"))).expect("short");
+    let length = |bytes: &[u8]| {
+        usize::try_from(u64::from_le_bytes(bytes[..8].try_into().expect("8 bytes"))).expect("short")
+    };
     loop {
         let (head, body) = rest.split_at(9);
         let (body, tail) = body.split_at(length(&head[1..]));
@@ -63,7 +65,8 @@ fn main() {
     let pairs = |rows: usize, separator: &str, comma: bool| {
         let mut text = String::new();
         for index in 240..240 + rows {
-            let (t, v) = (capture.waveform.time(index), capture.waveform.volts(index).unwrap_or(0.0));
+            let (t, v) =
+                (capture.waveform.time(index), capture.waveform.volts(index).unwrap_or(0.0));
             let row = format!("{t:e}{separator}{v:.4}\r\n");
             text.push_str(&if comma { row.replace('.', ",") } else { row });
         }
@@ -77,7 +80,8 @@ fn main() {
                  Probe Attenuation,1\nVertical Units,V\nVertical Offset,0\nVertical Scale,1\nLabel,,\nTIME,CH1\n";
     put(&folder, "csv", "newer", format!("{newer}{}", pairs(24, ",", false)).as_bytes());
     let header: Vec<&str> = native.lines().take(18).collect();
-    let short: Vec<String> = header.iter().map(|row| row.trim_end_matches(',').replace(' ', "")).collect();
+    let short: Vec<String> =
+        header.iter().map(|row| row.trim_end_matches(',').replace(' ', "")).collect();
     put(&folder, "csv", "spreadsheet", (short.join("\n") + "\n").as_bytes());
     put(&folder, "csv", "hand", format!("a,b,c,x,y,d\r\n{}\r\n", header.join("\r\n")).as_bytes());
 
@@ -94,7 +98,12 @@ fn main() {
     let text = hertzscope::scope::set_up::set_up_text(
         &hertzscope::scene::Scene::load("magnet-0.61g").expect("a scene").scope,
     );
-    put(&folder, "set", "panel", format!("{text};:MATH:DEFINE \"FFT(CH1,HANNING)\";FFT:VERTICAL:SCALE 5.0E-1\n").as_bytes());
+    put(
+        &folder,
+        "set",
+        "panel",
+        format!("{text};:MATH:DEFINE \"FFT(CH1,HANNING)\";FFT:VERTICAL:SCALE 5.0E-1\n").as_bytes(),
+    );
 
     set.shots.truncate(1);
     set.attachments.clear();

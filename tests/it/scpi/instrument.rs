@@ -328,11 +328,11 @@ fn no_code_knows_a_model() {
                 let text = std::fs::read_to_string(&path).expect("source");
                 let code = text.split("#[cfg(test)]").next().unwrap_or_default();
                 let code = code.lines().map(|line| line.split("//").next().unwrap_or_default());
-                let names = |line: &str| {
+                let knows = |line: &str| {
                     let plain = line.to_ascii_uppercase().replace(' ', "");
                     ["TDS2014", "TDS2024"].iter().any(|name| plain.contains(name))
                 };
-                let named = code.filter(|line| names(line));
+                let named = code.filter(|line| knows(line));
                 found.extend(named.map(|line| format!("{}: {line}", path.display())));
             }
         }
