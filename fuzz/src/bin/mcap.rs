@@ -1,4 +1,4 @@
-//! Recordings, sound or damaged; a sound one is written and reads back as the same shots.
+//! Recordings, sound or damaged.
 
 #![no_main]
 

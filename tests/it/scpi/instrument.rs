@@ -343,3 +343,28 @@ fn no_code_knows_a_model() {
     found.retain(|line| !line.contains("the name of an oscilloscope, e.g."));
     assert_eq!(found, Vec::<String>::new());
 }
+
+/// `[scope.external]` puts a sensor at the external input: the same volts that a channel without probe would get. A sensor
+/// drives one input only.
+#[test]
+fn a_scene_wires_the_external_input() {
+    use hertzscope::experiment::inputs::{Window, inputs};
+    let window = Window { interval: 1e-6, before: 0.0, after: 1e-4 };
+    let wired =
+        scene("duration = \"100 us\"\n[scope]\nposition = \"0 s\"\ntime_base = \"25 us/div\"\n");
+    let mut other = wired.clone();
+    other.scope.external = Some("p2".to_owned());
+    other.scope.channels[0].as_mut().expect("channel 1").input = None;
+    let (wired, other) = (inputs(&wired, window, 1).expect("a run"), inputs(&other, window, 1));
+    let other = other.expect("a run");
+    assert!(wired.external.is_empty());
+    assert!(wired.volts[0].iter().any(|volts| *volts > 0.5), "particle 2 feels the striker");
+    assert_eq!(other.external, wired.volts[0]);
+
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("scene.toml");
+    let text = "base = \"magnet-0.61g\"\n[scope.external]\ninput = \"p2\"\n";
+    std::fs::write(&file, text).expect("a file");
+    let error = Scene::load(&file.display().to_string()).expect_err("one input a sensor");
+    assert!(error.to_string().contains("at the input of CH1"), "{error}");
+}
