@@ -15,6 +15,7 @@ pub mod report;
 pub mod scene;
 pub mod scope;
 pub mod scpi;
+pub mod screen;
 pub mod sensor;
 #[cfg(feature = "server")]
 pub mod server;

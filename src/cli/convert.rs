@@ -2,29 +2,40 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, bail};
+use anyhow::{Context as _, anyhow, bail};
 use clap::Args;
 
 use crate::recording::format::open;
-use crate::recording::{Capture, Shot, TraceSet, isf, mcap, tek_csv};
+use crate::recording::tek_csv::TekCsvError;
+use crate::recording::{Capture, Instrument, Shot, TraceSet, isf, mcap, tek_csv};
 use crate::report;
-use crate::scope::Source;
+use crate::scene::oscilloscope;
+use crate::scope::{Model, Source};
+use crate::screen::{PictureFormat, draw, file};
 
-/// Convert between recordings (.mcap) and TDS2000 files (.csv, .isf, or folders ALL0000 with one file a channel), or draw (.svg)
+use super::saved::saved;
+
+/// Convert between recordings (.mcap) and TDS2000 files (.csv, .isf, or folders ALL0000 with curves, set-up and screen), or draw
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// A recording (.mcap), a scope's file (.csv, .isf), or a folder of them
     input: PathBuf,
-    /// A recording (.mcap), one file (.csv, .isf) for a single capture, a picture of the first shot (.svg), or a folder in which
-    /// ALL0000, ALL0001, ... are made
+    /// A recording (.mcap), one file (.csv, .isf) for a single capture, a picture of the first shot (.svg, or as the scope makes
+    /// it: .bmp, .pcx, .tif, .eps), or a folder in which ALL0000, ALL0001, ... are made
     output: PathBuf,
+    /// The instrument that captures without one are said to be from: a native .csv must name it
+    #[arg(long, value_name = "MODEL")]
+    instrument: Option<String>,
     /// Do not name the files written
     #[arg(short, long)]
     quiet: bool,
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let set = open(&arguments.input)?;
+    let mut set = open(&arguments.input)?;
+    if let Some(name) = &arguments.instrument {
+        name_instrument(&mut set, &oscilloscope(name)?);
+    }
     for problem in &set.problems {
         eprintln!("warning: {}: {problem}", arguments.input.display());
     }
@@ -42,9 +53,13 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Some("csv") => csv_file(&set, output)?,
         Some("isf") => isf_file(&set, output)?,
         Some("svg") => picture(&set, output)?,
+        Some("bmp") => screen(&set, output, PictureFormat::Bmp)?,
+        Some("pcx") => screen(&set, output, PictureFormat::Pcx)?,
+        Some("tif" | "tiff") => screen(&set, output, PictureFormat::Tiff)?,
+        Some("eps") => screen(&set, output, PictureFormat::EpsColour)?,
         None => folders(&set, output)?,
         Some(other) => bail!(
-            "{}: found the ending .{other}, expected .mcap, .csv, .isf, .svg, or a folder",
+            "{}: found the ending .{other}, expected .mcap, .csv, .isf, .svg, .bmp, .pcx, .tif, .eps, or a folder",
             output.display()
         ),
     };
@@ -56,11 +71,36 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The screen at the first shot that has captures.
-fn picture(set: &TraceSet, file: &Path) -> anyhow::Result<Vec<PathBuf>> {
+/// Gives captures of an unknown instrument one of this model.
+fn name_instrument(set: &mut TraceSet, model: &Model) {
+    for capture in set.shots.iter_mut().flat_map(|shot| &mut shot.captures) {
+        capture.instrument.get_or_insert_with(|| Instrument {
+            model: model.name.replace(' ', ""),
+            serial: model.serial.clone(),
+            firmware: model.firmware.clone(),
+        });
+    }
+}
+
+/// The first shot that has captures.
+fn first_shot(set: &TraceSet) -> anyhow::Result<&Shot> {
     let Some(shot) = set.shots.iter().find(|shot| !shot.captures.is_empty()) else {
         bail!("found no capture, expected at least one: the scope was not triggered");
     };
+    Ok(shot)
+}
+
+/// The scope's own picture of its screen at the first shot that has captures.
+fn screen(set: &TraceSet, path: &Path, format: PictureFormat) -> anyhow::Result<Vec<PathBuf>> {
+    let saved = saved(set, first_shot(set)?)?;
+    let bytes = file(&draw(&saved.screen), format);
+    std::fs::write(path, bytes).with_context(|| path.display().to_string())?;
+    Ok(vec![path.to_owned()])
+}
+
+/// The screen at the first shot that has captures, as a drawing.
+fn picture(set: &TraceSet, file: &Path) -> anyhow::Result<Vec<PathBuf>> {
+    let shot = first_shot(set)?;
     let facts = set.metadata.get("hertzscope:recording");
     let title = facts.and_then(|facts| facts.get("title")).map_or("", String::as_str);
     let svg = report::screen(shot, title);
@@ -82,21 +122,30 @@ fn isf_file(set: &TraceSet, file: &Path) -> anyhow::Result<Vec<PathBuf>> {
     Ok(vec![file.to_owned()])
 }
 
+/// A capture as the scope saves it.
+fn native(capture: &Capture) -> anyhow::Result<String> {
+    match tek_csv::write(capture) {
+        Err(error @ TekCsvError::NoInstrument) => {
+            Err(anyhow!("{error}; `--instrument MODEL` gives it one"))
+        }
+        other => Ok(other?),
+    }
+}
+
 /// A single capture goes into the file itself, several into folders beside each other in one of the file's name.
 fn csv_file(set: &TraceSet, file: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let mut captures = set.shots.iter().flat_map(|shot| &shot.captures);
     match (captures.next(), captures.next()) {
         (None, _) => bail!("found no capture, expected at least one: the scope was not triggered"),
         (Some(capture), None) => {
-            let text = tek_csv::write(capture)?;
-            std::fs::write(file, text).with_context(|| file.display().to_string())?;
+            std::fs::write(file, native(capture)?).with_context(|| file.display().to_string())?;
             Ok(vec![file.to_owned()])
         }
         (Some(_), Some(_)) => folders(set, &file.with_extension("")),
     }
 }
 
-/// One folder a shot, one file a channel, numbered on from what is there as the scope does.
+/// One folder a shot, one file a channel with set-up and screen, numbered on from what is there as the scope does.
 fn folders(set: &TraceSet, parent: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let mut written = Vec::new();
     let mut number = 0;
@@ -104,7 +153,7 @@ fn folders(set: &TraceSet, parent: &Path) -> anyhow::Result<Vec<PathBuf>> {
         while parent.join(format!("ALL{number:04}")).exists() {
             number += 1;
         }
-        written.extend(folder(shot, parent, number)?);
+        written.extend(folder(set, shot, parent, number)?);
     }
     if written.is_empty() {
         bail!("found no capture, expected at least one: the scope was not triggered");
@@ -112,7 +161,7 @@ fn folders(set: &TraceSet, parent: &Path) -> anyhow::Result<Vec<PathBuf>> {
     Ok(written)
 }
 
-fn folder(shot: &Shot, parent: &Path, number: u32) -> anyhow::Result<Vec<PathBuf>> {
+fn folder(set: &TraceSet, shot: &Shot, parent: &Path, number: u32) -> anyhow::Result<Vec<PathBuf>> {
     let folder = parent.join(format!("ALL{number:04}"));
     // Everything is put into words before the folder is made: a capture that cannot be written leaves no half of it.
     let mut files = Vec::new();
@@ -122,12 +171,18 @@ fn folder(shot: &Shot, parent: &Path, number: u32) -> anyhow::Result<Vec<PathBuf
             Source::Math => "MTH".to_owned(),
             Source::Reference(letter) => format!("RF{letter}"),
         };
-        let text = tek_csv::write(capture)?;
-        files.push((folder.join(format!("F{number:04}{channel}.CSV")), text));
+        let text = native(capture)?;
+        files.push((folder.join(format!("F{number:04}{channel}.CSV")), text.into_bytes()));
     }
+    let saved = saved(set, shot)?;
+    let beside = |ending: &str| folder.join(format!("F{number:04}TEK.{ending}"));
+    if let Some(set_up) = saved.set_up {
+        files.push((beside("SET"), set_up));
+    }
+    files.push((beside("BMP"), file(&draw(&saved.screen), PictureFormat::Bmp)));
     std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
-    for (file, text) in &files {
-        std::fs::write(file, text).with_context(|| file.display().to_string())?;
+    for (file, bytes) in &files {
+        std::fs::write(file, bytes).with_context(|| file.display().to_string())?;
     }
     Ok(files.into_iter().map(|(file, _)| file).collect())
 }

@@ -11,6 +11,7 @@ mod magnet;
 mod man;
 mod progress;
 mod run;
+mod saved;
 mod scenes;
 #[cfg(feature = "server")]
 mod serve;

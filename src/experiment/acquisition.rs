@@ -22,13 +22,31 @@ fn signals(scene: &Scene, bench: &Bench<'_>, grid: Grid, shot: u32) -> Vec<Optio
 
 /// The signal at a channel's probe tip (V).
 pub fn volts(scene: &Scene, bench: &Bench<'_>, grid: Grid, channel: &ChannelSetup) -> Vec<f64> {
-    let index = scene.sensors.iter().position(|s| Some(&s.name) == channel.input.as_ref());
-    let watched = index.and_then(|i| bench.watches().get(i).zip(scene.sensors.get(i)));
-    let Some((watch, placed)) = watched else {
+    let load = input_load(&scene.scope.model, channel);
+    let name = channel.input.as_deref().unwrap_or_default();
+    sensed(scene, bench, grid, (name, load)).unwrap_or_else(|| {
         let samples = bench.watches().first().map_or(0, |w| w.samples.len());
-        return vec![0.0; samples];
-    };
-    let load: Load = input_load(&scene.scope.model, channel);
+        vec![0.0; samples]
+    })
+}
+
+/// The signal at the external trigger input, empty for an open one (V).
+pub fn external(scene: &Scene, bench: &Bench<'_>, grid: Grid) -> Vec<f64> {
+    let Some(name) = &scene.scope.external else { return Vec::new() };
+    let model = &scene.scope.model;
+    let load = Load { resistance: model.input_resistance, capacitance: model.input_capacitance };
+    sensed(scene, bench, grid, (name, load)).unwrap_or_default()
+}
+
+/// What a sensor, by its name, delivers into a load (V).
+fn sensed(
+    scene: &Scene,
+    bench: &Bench<'_>,
+    grid: Grid,
+    (name, load): (&str, Load),
+) -> Option<Vec<f64>> {
+    let index = scene.sensors.iter().position(|sensor| sensor.name == name)?;
+    let (watch, placed) = bench.watches().get(index).zip(scene.sensors.get(index))?;
     let force = Trace {
         name: placed.name.clone(),
         unit: "N".to_owned(),
@@ -36,7 +54,7 @@ pub fn volts(scene: &Scene, bench: &Bench<'_>, grid: Grid, channel: &ChannelSetu
         interval: grid.interval,
         values: watch.samples.clone(),
     };
-    placed.sensor.connect(load).respond(&force).values
+    Some(placed.sensor.connect(load).respond(&force).values)
 }
 
 /// Vertical scale of the channel that triggers (V/div).

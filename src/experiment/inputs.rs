@@ -1,6 +1,6 @@
 //! What an impact puts at the scope's inputs, for a scope that is set by somebody else than the scene.
 
-use super::acquisition::volts;
+use super::acquisition::{external, volts};
 use super::bench::{Bench, Grid};
 use super::{FRAMES, Integration, RunError, free_grid, method, probes};
 use crate::scene::Scene;
@@ -30,6 +30,8 @@ pub struct Inputs {
     pub contact: usize,
     /// Signal at each channel's probe tip in order; empty for a channel that the scene leaves open (V).
     pub volts: Vec<Vec<f64>>,
+    /// Signal at the external trigger input; empty if the scene leaves it open (V).
+    pub external: Vec<f64>,
 }
 
 /// Strikes the scene's chain and follows it for a trigger anywhere within the scene's duration, but for no longer than ten
@@ -59,5 +61,6 @@ pub fn inputs(scene: &Scene, window: Window, shot: u32) -> Result<Inputs, RunErr
         interval: grid.interval,
         contact: grid.samples_until(0.0),
         volts: channels.map(|c| c.as_ref().map(signal).unwrap_or_default()).collect(),
+        external: external(scene, &bench, grid),
     })
 }

@@ -7,6 +7,7 @@ use super::pulse::{FOOT, HALF_RISE, Peak, PulseRecorder};
 use crate::chain::{Chain, Dissipated, Energy};
 use crate::quantity::engineering;
 use crate::scene::{PlacedSensor, Scene, Site};
+use crate::scope::{ChannelSetup, Deviation};
 
 /// Summary of a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -217,6 +218,11 @@ pub fn effects(scene: &Scene) -> Vec<(String, String)> {
     if let Some(channel) = channels.find(|channel| channel.offset != 0.0) {
         let volts = engineering(channel.offset, "V", 3);
         effects.push(("scope_offset".to_owned(), format!("{volts} on the first channel with one")));
+    }
+    let deviates = |channel: &&ChannelSetup| channel.deviation != Deviation::default();
+    if scene.scope.channels.iter().flatten().any(|channel| deviates(&channel)) {
+        let drawn = "gain and zero of each channel, drawn within the data sheet".to_owned();
+        effects.push(("scope_errors".to_owned(), drawn));
     }
     if scene.scope.noise > 0.0 {
         effects.push(("scope_noise".to_owned(), format!("{} div rms", scene.scope.noise)));

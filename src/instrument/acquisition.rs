@@ -5,13 +5,13 @@
 //! that waits for long shows records without trigger: `Auto`, or `Scan` where the time base is slow. Time is passed in,
 //! in seconds on any clock that does not run backwards.
 
-use super::panel::{AcquireMode, Panel, StopAfter};
-use super::record::{Acquirer, Signals, fold_average};
+use super::panel::{AcquireMode, Panel, StopAfter, TriggerSource};
+use super::record::{Acquirer, Signals, fold_average, sample_interval};
+use super::scan::Sweep;
+use super::timing::{after_trigger, before_trigger, samples, scans};
 use super::word::words;
-use crate::scope::{Model, Setup, Source, TriggerMode, Waveform};
+use crate::scope::{Setup, Source, TriggerMode, Waveform};
 
-/// Slowest time base that is not scanned in automatic mode is below this one (s/div).
-const SCAN: f64 = 0.1;
 /// Automatic mode waits for a trigger at least this long (s).
 const PATIENCE: f64 = 0.05;
 
@@ -41,6 +41,8 @@ pub enum Accepted {
         /// When the record is complete (s).
         complete_at: f64,
     },
+    /// The scope scans: the signals go onto the sweep, without a trigger.
+    Scanned,
     /// No trigger was found.
     NoTrigger,
     /// The scope was stopped or still filling the part before the trigger.
@@ -62,6 +64,9 @@ pub struct Acquisition {
     armed_at: f64,
     untriggered: bool,
     in_flight: Option<InFlight>,
+    /// When the last trigger came; the holdoff counts from it (s).
+    triggered_at: Option<f64>,
+    sweep: Option<Sweep>,
     count: u32,
     shots: u32,
     memories: [Option<Waveform>; 4],
@@ -116,21 +121,28 @@ impl Acquisition {
 
     /// The present state.
     #[must_use]
-    pub fn state(&self, setup: &Setup) -> State {
+    pub fn state(&self, panel: &Panel, setup: &Setup) -> State {
         let automatic = setup.trigger.mode == TriggerMode::Auto;
         if !self.running {
             State::Save
-        } else if automatic && is_slow(setup) {
+        } else if scans(setup) {
             State::Scan
         } else if self.in_flight.is_some() {
             State::Trigger
         } else if automatic && self.untriggered {
             State::Auto
-        } else if self.now < self.armed_at + before_trigger(setup) {
+        } else if self.now < self.ready_at(panel, setup) {
             State::Armed
         } else {
             State::Ready
         }
+    }
+
+    /// When a trigger is welcome: the part of the record before it is full, and the holdoff is over (s).
+    fn ready_at(&self, panel: &Panel, setup: &Setup) -> f64 {
+        let full = self.armed_at + before_trigger(setup);
+        let held_off = self.triggered_at.map_or(full, |at| at + panel.trigger.holdoff);
+        full.max(held_off)
     }
 
     /// The record of a channel.
@@ -157,6 +169,16 @@ impl Acquisition {
             self.armed_at = done.complete_at;
             self.complete(by.panel, done.records);
         }
+        if self.running && scans(by.setup) {
+            return self.scan(by);
+        }
+        self.sweep = None;
+        // The mains come whatever the bench does.
+        let line = by.panel.trigger.source == TriggerSource::Line;
+        if line && self.state(by.panel, by.setup) == State::Ready && self.mains_passed(by) {
+            let records = self.quiet(by);
+            self.launch(by.setup, records);
+        }
         let automatic = by.setup.trigger.mode == TriggerMode::Auto;
         let patience = before_trigger(by.setup) + after_trigger(by.setup).max(PATIENCE);
         let waiting = self.running && self.in_flight.is_none() && automatic;
@@ -170,31 +192,64 @@ impl Acquisition {
 
     /// Takes signals that arrive now, if the scope waits for a trigger.
     pub fn accept(&mut self, by: &Acquirer<'_>, signals: &Signals) -> Accepted {
-        match self.state(by.setup) {
-            State::Ready | State::Auto | State::Scan => {}
+        match self.state(by.panel, by.setup) {
+            State::Ready | State::Auto => {}
+            State::Scan => {
+                let now = self.now;
+                self.sweep.get_or_insert_with(|| Sweep::start(by, now)).accept(by, signals);
+                return Accepted::Scanned;
+            }
             State::Armed | State::Trigger | State::Save => return Accepted::NotReady,
         }
-        let Some(records) = by.take(signals) else { return Accepted::NoTrigger };
+        let Some(records) = by.take(signals, self.now) else { return Accepted::NoTrigger };
         self.untriggered = false;
         Accepted::Triggered { complete_at: self.launch(by.setup, records) }
     }
 
     /// Triggers now, if the scope waits for a trigger; nothing is at the inputs.
     pub fn force(&mut self, by: &Acquirer<'_>) {
-        if self.state(by.setup) == State::Ready {
+        if self.state(by.panel, by.setup) == State::Ready {
             let records = self.quiet(by);
             self.launch(by.setup, records);
         }
     }
 
+    /// The sweep goes on until now.
+    fn scan(&mut self, by: &Acquirer<'_>) {
+        let now = self.now;
+        let sweep = self.sweep.get_or_insert_with(|| Sweep::start(by, now));
+        let single = by.panel.acquire.stop_after == StopAfter::Sequence;
+        let progress = sweep.advance(by, now, single);
+        if !progress.moved {
+            return;
+        }
+        let records = sweep.records(by);
+        self.count = self.count.saturating_add(progress.sweeps);
+        if single && progress.sweeps > 0 {
+            self.running = false;
+            self.sweep = None;
+        }
+        for record in records {
+            self.keep(record);
+        }
+    }
+
+    /// Whether the mains have gone through zero upward since the scope was ready for a trigger.
+    fn mains_passed(&self, by: &Acquirer<'_>) -> bool {
+        let cycles = |time: f64| (time * by.setup.model.line_frequency).floor();
+        cycles(self.now) > cycles(self.ready_at(by.panel, by.setup))
+    }
+
     fn rearm(&mut self) {
         self.armed_at = self.now;
         self.in_flight = None;
+        self.sweep = None;
         self.untriggered = false;
     }
 
     fn launch(&mut self, setup: &Setup, records: Vec<Waveform>) -> f64 {
         let complete_at = self.now + after_trigger(setup);
+        self.triggered_at = Some(self.now);
         self.in_flight = Some(InFlight { complete_at, records });
         complete_at
     }
@@ -202,17 +257,20 @@ impl Acquisition {
     /// Records of inputs at which nothing happens.
     fn quiet(&mut self, by: &Acquirer<'_>) -> Vec<Waveform> {
         self.shots = self.shots.wrapping_add(1);
-        let silence = vec![0.0; by.setup.model.record_length];
+        let interval = sample_interval(by.panel, by.setup);
+        let (start, end) = by.setup.record_span();
+        let silence = vec![0.0; samples((end - start) / interval) + 1];
         let signals = Signals {
-            interval: by.setup.model.sample_interval(by.setup.time_base),
+            interval,
             automatic: silence.len() / 2,
             volts: vec![silence],
+            external: Vec::new(),
             shot: u32::MAX - self.shots,
         };
         let mut setup = by.setup.clone();
         setup.trigger.mode = TriggerMode::Auto;
         Acquirer { panel: by.panel, setup: &setup, seed: by.seed }
-            .take(&signals)
+            .take(&signals, self.now)
             .unwrap_or_default()
     }
 
@@ -231,43 +289,6 @@ impl Acquisition {
         }
         if panel.acquire.stop_after == StopAfter::Sequence && self.count >= depth {
             self.running = false;
-        }
-    }
-}
-
-fn is_slow(setup: &Setup) -> bool {
-    setup.time_base >= SCAN * (1.0 - 1e-9)
-}
-
-/// Time that the part of the record before the trigger takes (s).
-fn before_trigger(setup: &Setup) -> f64 {
-    (-setup.record_span().0).max(0.0)
-}
-
-/// Time that the part of the record after the trigger takes (s).
-fn after_trigger(setup: &Setup) -> f64 {
-    setup.record_span().1.max(0.0)
-}
-
-/// The grid on which the instrument wants its signals, and how much of it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Wanted {
-    /// From one sample to the next (s).
-    pub interval: f64,
-    /// Time before the trigger that the record shows (s).
-    pub before: f64,
-    /// Time after the trigger that the record shows (s).
-    pub after: f64,
-}
-
-impl Wanted {
-    /// What a scope with these settings wants.
-    #[must_use]
-    pub fn of(model: &Model, setup: &Setup) -> Self {
-        Self {
-            interval: model.sample_interval(setup.time_base),
-            before: before_trigger(setup),
-            after: after_trigger(setup),
         }
     }
 }

@@ -1,30 +1,10 @@
 //! What a typed number becomes: the nearest setting that the instrument has.
 //!
-//! Numbers are clamped and snapped, never refused. Sources: vertical positions reach 2 V at the input up to 200 mV/div
-//! and 50 V above (programmer manual, table 2-27; 620 set-up files); horizontal positions as in the TDS1000 user manual,
-//! table 1-2; holdoff and pulse width as in the TDS2000 service manuals, chapter 1.
+//! Numbers are clamped and snapped, never refused. How far each knob turns is the model's data file's to say.
 
 use super::panel::{Panel, TriggerSource};
 use crate::scope::Model;
-use crate::scope::waveform::LEVELS_PER_DIVISION;
-
-/// Highest scale at the input up to which positions reach only [`NEAR_OFFSET`] (V/div).
-const FINE_SCALE: f64 = 0.2;
-/// Farthest position up to [`FINE_SCALE`] (V).
-const NEAR_OFFSET: f64 = 2.0;
-/// Farthest position above [`FINE_SCALE`] (V).
-const FAR_OFFSET: f64 = 50.0;
-/// Shortest and longest holdoff (s).
-pub const HOLDOFFS: (f64, f64) = (500e-9, 10.0);
-/// Shortest and longest pulse width (s).
-pub const PULSE_WIDTHS: (f64, f64) = (33e-9, 10.0);
-/// Latest horizontal position up to a time base, both in seconds.
-const LATEST_POSITIONS: [(f64, f64); 4] =
-    [(10e-9, 0.02), (100e-6, 0.05), (10.0, 50.0), (f64::INFINITY, 250.0)];
-/// Earliest horizontal position (div).
-const EARLIEST_POSITION: f64 = -4.0;
-/// A tolerance on ranges, so that their ends belong to them (1).
-const ROUNDING: f64 = 1e-9;
+use crate::scope::model::ROUNDED_UP;
 
 /// The nearest of `choices` on a logarithmic scale, or `value` if there are none (unit).
 #[must_use]
@@ -49,9 +29,11 @@ pub fn vertical_scale(model: &Model, scale: f64, probe: f64) -> f64 {
 #[must_use]
 pub fn vertical_position(model: &Model, position: f64, scale: f64, probe: f64) -> f64 {
     let at_input = scale / probe;
-    let reach = if at_input <= FINE_SCALE * (1.0 + ROUNDING) { NEAR_OFFSET } else { FAR_OFFSET };
+    let limits = &model.limits;
+    let is_near = at_input <= limits.near_offset_until * ROUNDED_UP;
+    let reach = if is_near { limits.near_offset } else { limits.far_offset };
     let steps_in_division = (1.0 / model.position_step).round().max(1.0);
-    let farthest = (reach / at_input * (1.0 + ROUNDING) * steps_in_division).floor();
+    let farthest = (reach / at_input * ROUNDED_UP * steps_in_division).floor();
     (position * steps_in_division).round().clamp(-farthest, farthest) / steps_in_division
 }
 
@@ -61,16 +43,25 @@ pub fn time_base(model: &Model, scale: f64) -> f64 {
     nearest(scale, &model.time_bases)
 }
 
-/// A horizontal position in steps of 1/25 division (s).
+/// A horizontal position in the model's steps of a division (s).
 #[must_use]
-pub fn horizontal_position(position: f64, scale: f64) -> f64 {
-    let step = scale / LEVELS_PER_DIVISION;
-    let latest = LATEST_POSITIONS
+pub fn horizontal_position(model: &Model, position: f64, scale: f64) -> f64 {
+    let step = scale * model.position_step;
+    let limits = &model.limits;
+    let latest = limits
+        .latest_positions
         .iter()
-        .find(|(until, _)| scale <= until * (1.0 + ROUNDING))
+        .find(|(until, _)| scale <= until * ROUNDED_UP)
+        .or(limits.latest_positions.last())
         .map_or(0.0, |(_, latest)| *latest);
-    let clamped = position.clamp(EARLIEST_POSITION * scale, latest.max(0.0));
+    let clamped = position.clamp(-limits.earliest_position * scale, latest.max(0.0));
     rounded((clamped / step).round() * step, 9)
+}
+
+/// A number within a range (unit).
+#[must_use]
+pub fn within(value: f64, (least, most): (f64, f64)) -> f64 {
+    value.max(least).min(most)
 }
 
 /// A trigger level: within the reach of its source (V).

@@ -1,36 +1,27 @@
 //! The math trace: sums, differences, and the spectrum.
 //!
-//! The spectrum's law was computed from real files of this family: 2048 of the 2500 points make 1024 bins;
-//! the sample rate of the transform is 250 points a division, and 100/99 of that from 250 us/div on; a level is 0.4 dB
-//! from `20 log10(V/div) - 20.9691`, and nothing lies lower than 100 levels below it.
+//! The spectrum's law stands in the model's data file; on this family it was computed from real files: 2048 of the 2500
+//! points make 1024 bins; the sample rate of the transform is 250 points a division, and 100/99 of that from 250 us/div
+//! on; a level is 0.4 dB from `20 log10(V/div) - 20.9691`, and nothing lies lower than 100 levels below it.
 
 use std::f64::consts::PI;
 
 use super::panel::{FftWindow, MathFunction};
+use crate::scope::model::{FftLaw, ROUNDED_UP};
 use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
-use crate::scope::{PointFormat, Preamble, Source, Waveform};
-
-/// Points that are transformed, from the middle of the record.
-const POINTS: usize = 2048;
-/// Fastest time base whose transform has the odd sample rate (s/div).
-const ODD_RATE_FROM: f64 = 250e-6;
-/// One level of a spectrum (dB).
-const DECIBELS_PER_LEVEL: f64 = 0.4;
-/// Reference level of a spectrum at 1 V/div (dB).
-const REFERENCE: f64 = -20.9691;
-/// Lowest level of a spectrum.
-const FLOOR: f64 = -100.0;
+use crate::scope::{PointFormat, Preamble, Source, VerticalSetup, Waveform};
 
 /// The math trace of the channels' records, where the records it needs are there.
 #[must_use]
 pub fn math<'a>(
+    law: &FftLaw,
     function: MathFunction,
     record: impl Fn(u8) -> Option<&'a Waveform>,
 ) -> Option<Waveform> {
     match function {
         MathFunction::Sum(a, b) => combine(record(a)?, record(b)?, 1.0),
         MathFunction::Difference(a, b) => combine(record(a)?, record(b)?, -1.0),
-        MathFunction::Fft(channel, window) => spectrum(record(channel)?, window),
+        MathFunction::Fft(channel, window) => spectrum(law, record(channel)?, window),
     }
 }
 
@@ -59,45 +50,48 @@ fn combine(a: &Waveform, b: &Waveform, sign: f64) -> Option<Waveform> {
 }
 
 #[allow(clippy::cast_precision_loss, reason = "a record has a few thousand points")]
-fn spectrum(record: &Waveform, window: FftWindow) -> Option<Waveform> {
-    let first = record.codes.len().checked_sub(POINTS)? / 2;
-    let codes = record.codes.get(first..first + POINTS)?;
-    let mut real = Vec::with_capacity(POINTS);
+fn spectrum(law: &FftLaw, record: &Waveform, window: FftWindow) -> Option<Waveform> {
+    let points = law.points;
+    let first = record.codes.len().checked_sub(points)? / 2;
+    let codes = record.codes.get(first..first + points)?;
+    let mut real = Vec::with_capacity(points);
     let mut gain = 0.0;
     for (n, code) in codes.iter().enumerate() {
-        let weight = weight(window, n as f64 / POINTS as f64);
+        let weight = weight(window, n as f64 / points as f64);
         gain += weight;
         real.push(weight * record.volts_of(*code));
     }
-    let mut imaginary = vec![0.0; POINTS];
+    let mut imaginary = vec![0.0; points];
     transform(&mut real, &mut imaginary);
-    let rate = if record.horizontal_scale < ODD_RATE_FROM * (1.0 - 1e-9) {
-        1.0 / record.preamble.x_incr
-    } else {
-        100.0 / 99.0 / record.preamble.x_incr
-    };
-    let y_zero = 20.0 * record.vertical.scale.log10() + REFERENCE;
+    let is_slow = record.horizontal_scale * ROUNDED_UP >= law.slow_from;
+    let rate = if is_slow { law.slow_rate } else { 1.0 } / record.preamble.x_incr;
+    let y_zero = 20.0 * record.vertical.scale.log10() + law.reference;
     let level = |(bin, (re, im)): (usize, (&f64, &f64))| {
         let peak = re.hypot(*im) / gain * if bin == 0 { 1.0 } else { 2.0 };
         let rms = if bin == 0 { peak } else { peak / 2f64.sqrt() };
-        to_code((20.0 * rms.log10() - y_zero) / DECIBELS_PER_LEVEL, FLOOR)
+        to_code((20.0 * rms.log10() - y_zero) / law.level, law.lowest_level)
     };
-    let bins = real.iter().zip(&imaginary).enumerate().take(POINTS / 2);
+    let bins = real.iter().zip(&imaginary).enumerate().take(points / 2);
     Some(Waveform {
         source: Source::Math,
         codes: bins.map(level).collect(),
         preamble: Preamble {
             x_zero: 0.0,
-            x_incr: rate / POINTS as f64,
+            x_incr: rate / points as f64,
             pt_off: 0,
             x_unit: "Hz".to_owned(),
-            y_mult: DECIBELS_PER_LEVEL,
+            y_mult: law.level,
             y_zero,
             y_off: 0.0,
             y_unit: "dB".to_owned(),
             pt_fmt: PointFormat::Sample,
         },
-        vertical: record.vertical,
+        // A spectrum has a scale of its own.
+        vertical: VerticalSetup {
+            scale: LEVELS_PER_DIVISION * law.level,
+            position: 0.0,
+            ..record.vertical
+        },
         horizontal_scale: rate / 20.0,
         trigger_point: 0.0,
     })

@@ -20,9 +20,9 @@ impl Instrument {
     fn memory(&self, source: Source) -> Option<Waveform> {
         match source {
             Source::Channel(number) => self.acquisition.memory(number).cloned(),
-            Source::Math => {
-                math::math(self.panel.math.function, |number| self.acquisition.memory(number))
-            }
+            Source::Math => math::math(&self.model.fft, self.panel.math.function, |number| {
+                self.acquisition.memory(number)
+            }),
             Source::Reference(letter) => self.references.get(reference_index(letter)?)?.clone(),
         }
     }

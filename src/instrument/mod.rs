@@ -6,6 +6,7 @@
 //! from here. No I/O, no clock, no threads: whoever owns the instrument decides when time passes.
 
 pub mod acquisition;
+mod autoset;
 pub mod event;
 pub mod limits;
 pub mod math;
@@ -13,20 +14,22 @@ pub mod measure;
 mod memory;
 pub mod panel;
 pub mod record;
+mod scan;
 pub mod status;
+pub mod timing;
 pub mod transfer;
 pub mod word;
 
-pub use acquisition::{Accepted, Wanted};
+pub use acquisition::Accepted;
 pub use event::Event;
 pub use panel::Panel;
 pub use record::Signals;
 pub use status::Status;
+pub use timing::Wanted;
 
 use crate::recording::Capture;
-use crate::scope::{Model, Setup, Source, Waveform};
+use crate::scope::{ChannelSetup, Deviation, Model, Setup, Source, Waveform};
 use acquisition::{Acquisition, State};
-use panel::MeasurementType;
 use record::Acquirer;
 use transfer::{Incoming, Transfer};
 
@@ -61,11 +64,32 @@ pub struct Instrument {
     acquisition: Acquisition,
     references: [Option<Waveform>; 4],
     setups: [Panel; SETUPS],
-    noise: f64,
+    front_end: FrontEnd,
     seed: u64,
 }
 
+/// What no knob of the instrument changes.
+#[derive(Debug, Clone, PartialEq, Default)]
+struct FrontEnd {
+    /// Root mean square (div).
+    noise: f64,
+    /// Each channel's offset (V) and deviation.
+    errors: Vec<(f64, Deviation)>,
+}
+
 impl Instrument {
+    /// An instrument that was just switched on with all the settings, the noise and the errors of `setup`, running.
+    #[must_use]
+    pub fn of(setup: &Setup, seed: u64) -> Self {
+        let mut instrument = Self::new(setup.model.clone(), setup.noise, seed);
+        let error = |channel: &ChannelSetup| (channel.offset, channel.deviation);
+        let errors = setup.channels.iter().map(|c| c.as_ref().map(error).unwrap_or_default());
+        instrument.front_end.errors = errors.collect();
+        instrument.panel = Panel::of(setup);
+        instrument.settle();
+        instrument
+    }
+
     /// An instrument that was just switched on, with its factory set-up, running. `noise` is that of its front end, root
     /// mean square (div).
     #[must_use]
@@ -83,7 +107,7 @@ impl Instrument {
             setups: std::array::from_fn(|_| panel.clone()),
             model,
             panel,
-            noise,
+            front_end: FrontEnd { noise, errors: Vec::new() },
             seed,
         };
         instrument.acquisition.run();
@@ -93,7 +117,7 @@ impl Instrument {
     /// The sample grid on which signals are welcome with the present settings.
     #[must_use]
     pub fn wanted(&self) -> Wanted {
-        Wanted::of(&self.model, &self.setup())
+        Wanted::of(&self.panel, &self.setup())
     }
 
     /// Time has passed: it is `now` (s), on any clock that does not run backwards.
@@ -128,7 +152,14 @@ impl Instrument {
     /// The front panel as front end and digitiser take it.
     #[must_use]
     pub fn setup(&self) -> Setup {
-        self.panel.setup(&self.model, self.noise)
+        let mut setup = self.panel.setup(&self.model);
+        setup.noise = self.front_end.noise;
+        for (channel, error) in setup.channels.iter_mut().zip(&self.front_end.errors) {
+            if let Some(channel) = channel {
+                (channel.offset, channel.deviation) = *error;
+            }
+        }
+        setup
     }
 
     /// Starts an acquisition.
@@ -157,7 +188,7 @@ impl Instrument {
     /// What the acquisition is doing.
     #[must_use]
     pub fn state(&self) -> State {
-        self.acquisition.state(&self.setup())
+        self.acquisition.state(&self.panel, &self.setup())
     }
 
     /// Records taken since the acquisition was started.
@@ -173,25 +204,18 @@ impl Instrument {
         self.acquisition.force(&by);
     }
 
-    /// Puts the trigger level half way between the extremes of its source, where there is a record.
-    pub fn centre_trigger(&mut self) {
-        let channel = self.panel.trigger.source.channel().unwrap_or(1);
-        if let Ok(record) = self.waveform(Source::Channel(channel)) {
-            let reading = |kind| measure::measure(kind, &record).unwrap_or(0.0);
-            let (low, high) =
-                (reading(MeasurementType::Minimum), reading(MeasurementType::Maximum));
-            let level = f64::midpoint(low, high);
-            self.panel.trigger.level = limits::trigger_level(&self.model, &self.panel, level);
-        }
-    }
-
     /// After a change of settings: what a running acquisition has so far no longer fits, and it begins anew.
     pub fn settle(&mut self) {
-        let changed = self.panel.setup(&self.model, 0.0) != self.settled.setup(&self.model, 0.0)
+        let changed = self.panel.setup(&self.model) != self.settled.setup(&self.model)
             || self.panel.trigger != self.settled.trigger
             || self.panel.acquire != self.settled.acquire;
         if changed {
             self.acquisition.restart();
+        }
+        // Cursors do not leave the screen.
+        let (start, end) = self.setup().record_span();
+        for time in &mut self.panel.cursor.vertical {
+            *time = limits::within(*time, (start, end));
         }
         if self.panel != self.settled {
             self.settled = self.panel.clone();
@@ -211,29 +235,9 @@ impl Instrument {
         self.note_completion();
     }
 
-    /// Scales every displayed channel to its record and triggers at half height, on its own.
-    pub fn autoset(&mut self) {
-        for number in 1..=self.model.channels {
-            let Ok(record) = self.waveform(Source::Channel(number)) else { continue };
-            let swing = measure::measure(MeasurementType::PeakToPeak, &record).unwrap_or(0.0);
-            let probe = self.panel.channel(number).vertical.probe;
-            let vertical = &mut self.panel.channel_mut(number).vertical;
-            vertical.position = 0.0;
-            vertical.scale = limits::vertical_scale(&self.model, swing / AUTOSET_SWING, probe);
-        }
-        self.panel.trigger.mode = crate::scope::TriggerMode::Auto;
-        self.panel.acquire.stop_after = panel::StopAfter::RunStop;
-        self.centre_trigger();
-        self.settled = self.panel.clone();
-        self.run();
-    }
-
     fn note_completion(&mut self) {
         if !self.is_busy() {
             self.status.complete();
         }
     }
 }
-
-/// Swing that autoset aims at (div).
-const AUTOSET_SWING: f64 = 4.0;

@@ -3,10 +3,11 @@
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 
-use super::panel::{AcquireMode, EdgeCoupling, Panel, PulsePolarity, PulseWhen, TriggerType};
-use crate::scope::acquire::{Found, digitise, find_trigger};
+use super::panel::{
+    AcquireMode, EdgeCoupling, Panel, PulsePolarity, PulseWhen, TriggerSource, TriggerType,
+};
+use crate::scope::acquire::{Found, digitise, find_trigger, level};
 use crate::scope::front_end::{condition, high_pass, low_pass, noise_stream};
-use crate::scope::waveform::{HIGHEST_CODE, LOWEST_CODE};
 use crate::scope::{PointFormat, Setup, Source, TriggerMode, Waveform};
 
 /// What the bench puts at the inputs: volts at the probes' tips on one sample grid.
@@ -18,14 +19,20 @@ pub struct Signals {
     pub automatic: usize,
     /// Signal of each channel in order; a missing or empty one is an open input, at zero volts (V).
     pub volts: Vec<Vec<f64>>,
+    /// Signal of the external trigger input on the same grid; empty at an open one, at zero volts (V).
+    pub external: Vec<f64>,
     /// Number of the shot, which the noise is drawn for.
     pub shot: u32,
 }
 
-/// Widths that count as equal: this share of the one asked for, or [`GUARD_BAND`] (1).
+/// Widths that count as equal: this share of the one asked for, or the model's guard band (1).
 const EQUAL_SHARE: f64 = 0.05;
-/// Widths that count as equal at least: service manual of the TDS2014B, page 1-7 (s).
-const GUARD_BAND: f64 = 16.5e-9;
+/// Part of the shortest pulse between samples that still shows nearly all of its height (1).
+const SHARE_OF_PEAK: f64 = 0.25;
+/// Most samples that peak detection looks at for one point.
+const DENSEST: f64 = 100.0;
+/// How much weaker the external input is with its divider (1).
+const DIVIDER: f64 = 5.0;
 
 /// One acquisition: settings and the seed of the noise.
 pub struct Acquirer<'a> {
@@ -37,15 +44,29 @@ pub struct Acquirer<'a> {
     pub seed: u64,
 }
 
+/// Time between the converter's samples: those of the record, or in peak detection close enough to keep the shortest
+/// pulse, as far as memory allows (s).
+#[must_use]
+pub fn sample_interval(panel: &Panel, setup: &Setup) -> f64 {
+    let slow = setup.model.sample_interval(setup.time_base);
+    if panel.acquire.mode != AcquireMode::PeakDetect {
+        return slow;
+    }
+    let dense = (SHARE_OF_PEAK * setup.model.peak_width).max(1.0 / setup.model.sample_rate);
+    slow / (slow / dense).floor().clamp(1.0, DENSEST)
+}
+
 impl Acquirer<'_> {
-    /// The records of every displayed channel, or none if nothing triggers.
+    /// The record of every channel that is recorded, or none if nothing triggers. Signals arrive at `now` (s), which tells
+    /// where the mains stand.
     #[must_use]
-    pub fn take(&self, signals: &Signals) -> Option<Vec<Waveform>> {
+    pub fn take(&self, signals: &Signals, now: f64) -> Option<Vec<Waveform>> {
         let model = &self.setup.model;
         let interval = self.sample_interval();
         let resampled = |volts: &[f64]| resample(volts, signals.interval, interval);
+        let external = resampled(&signals.external);
         let samples = signals.volts.iter().map(|v| resampled(v).len()).max().unwrap_or(0);
-        let samples = samples.max(1);
+        let samples = samples.max(external.len()).max(1);
         let conditioned: Vec<Option<Vec<f64>>> = (1..)
             .zip(&self.setup.channels)
             .map(|(number, channel)| {
@@ -59,16 +80,25 @@ impl Acquirer<'_> {
             })
             .collect();
         let ratio = if interval > 0.0 { signals.interval / interval } else { 1.0 };
-        let found = self.find(&conditioned, scaled(signals.automatic, ratio))?;
+        let automatic = scaled(signals.automatic, ratio);
+        let found = if let Some(number) = self.panel.trigger.source.channel() {
+            let signal = conditioned.get(usize::from(number) - 1).and_then(Option::as_ref);
+            let scale = self.panel.channel(number).vertical.scale;
+            self.find(signal.map(Vec::as_slice), scale, automatic)
+        } else {
+            let start = now - count(automatic) * interval;
+            let (signal, scale) = self.other_source(&external, samples, start);
+            self.find(Some(&signal), scale, automatic)
+        }?;
         let record = |number: u8, signal: Option<&Vec<f64>>| {
             let channel = self.setup.channels.get(usize::from(number) - 1)?.as_ref()?;
             let source = Source::Channel(number);
-            let signal = self.panel.displays(source).then_some(signal)??;
-            let waveform = digitise(self.setup, source, channel, signal, found.index);
+            let signal = self.panel.records(number).then_some(signal)??;
             Some(if self.panel.acquire.mode == AcquireMode::PeakDetect {
-                envelope(waveform, self, signal, found.index)
+                let blank = digitise(self.setup, source, channel, &[], found.index);
+                envelope(blank, self, signal, found.index)
             } else {
-                waveform
+                digitise(self.setup, source, channel, signal, found.index)
             })
         };
         let numbers = 1..=model.channels;
@@ -77,22 +107,33 @@ impl Acquirer<'_> {
 
     /// Time between the converter's samples with these settings (s).
     fn sample_interval(&self) -> f64 {
-        self.setup.model.sample_interval(self.setup.time_base)
+        sample_interval(self.panel, self.setup)
     }
 
-    fn find(&self, signals: &[Option<Vec<f64>>], automatic: usize) -> Option<Found> {
+    /// The external input or the mains on the grid of the signals, and the scale that its sensitivity counts in (V/div).
+    fn other_source(&self, external: &[f64], samples: usize, start: f64) -> (Vec<f64>, f64) {
+        let model = &self.setup.model;
+        let scale = model.external_trigger_range / model.trigger_range;
+        if self.panel.trigger.source == TriggerSource::Line {
+            let phase =
+                |n| TAU * model.line_frequency * (start + count(n) * self.sample_interval());
+            return ((0..samples).map(|n| phase(n).sin()).collect(), scale);
+        }
+        let mut volts = external.to_vec();
+        volts.resize(samples, external.last().copied().unwrap_or(0.0));
+        let divided = self.panel.trigger.source == TriggerSource::External5;
+        (volts, if divided { DIVIDER * scale } else { scale })
+    }
+
+    fn find(&self, signal: Option<&[f64]>, scale: f64, automatic: usize) -> Option<Found> {
         let fallback = (self.setup.trigger.mode == TriggerMode::Auto)
             .then_some(Found { index: automatic, crossed: false });
-        let Some(number) = self.panel.trigger.source.channel() else { return fallback };
-        let Some(signal) = signals.get(usize::from(number) - 1).and_then(Option::as_ref) else {
-            return fallback;
-        };
-        let vertical = self.panel.channel(number).vertical;
+        let Some(signal) = signal else { return fallback };
         match self.panel.trigger.kind {
             TriggerType::Edge => {
                 // Noise rejection asks for crossings twice as large.
                 let deaf = self.panel.trigger.coupling == EdgeCoupling::NoiseReject;
-                let scale = if deaf { 2.0 * vertical.scale } else { vertical.scale };
+                let scale = if deaf { 2.0 * scale } else { scale };
                 // The acquisition has seen to it that the part before the trigger is full.
                 find_trigger(self.setup, scale, &self.coupled(signal), automatic, 0)
             }
@@ -146,7 +187,8 @@ impl Acquirer<'_> {
 
     fn is_wanted(&self, width: f64) -> bool {
         let trigger = &self.panel.trigger;
-        let tolerance = (EQUAL_SHARE * trigger.pulse_width).max(GUARD_BAND);
+        let guard_band = self.setup.model.limits.pulse_guard_band;
+        let tolerance = (EQUAL_SHARE * trigger.pulse_width).max(guard_band);
         let equal = (width - trigger.pulse_width).abs() <= tolerance;
         match trigger.pulse_when {
             PulseWhen::Equal => equal,
@@ -190,16 +232,10 @@ fn resample(volts: &[f64], from: f64, to: f64) -> Vec<f64> {
 
 /// The record in peak-detect mode: lowest and highest sample of each two intervals in turn.
 fn envelope(mut record: Waveform, by: &Acquirer<'_>, signal: &[f64], trigger: usize) -> Waveform {
-    let preamble = &mut record.preamble;
-    preamble.pt_fmt = PointFormat::Envelope;
-    let step = preamble.x_incr / by.sample_interval();
-    let (y_mult, y_off) = (preamble.y_mult, preamble.y_off);
-    let code = |volts: f64| {
-        let level = (volts / y_mult + y_off).round();
-        #[allow(clippy::cast_possible_truncation, reason = "clamped to the converter's range")]
-        let code = level.clamp(f64::from(LOWEST_CODE), f64::from(HIGHEST_CODE)) as i16;
-        code
-    };
+    record.preamble.pt_fmt = PointFormat::Envelope;
+    let step = record.preamble.x_incr / by.sample_interval();
+    let vertical = record.vertical;
+    let code = |volts: f64| level(&vertical, volts);
     let last = signal.len().saturating_sub(1);
     let place =
         |n: usize| scaled(1, (count(n) - record.trigger_point) * step + count(trigger)).min(last);

@@ -4,7 +4,8 @@ use super::oscilloscope;
 use super::reader::{Bound, Table};
 use crate::quantity::{Dimension, engineering};
 use crate::scope::{
-    ChannelSetup, Coupling, Model, Setup, Slope, Source, Trigger, TriggerMode, VerticalSetup,
+    ChannelSetup, Coupling, Deviation, Model, Setup, Slope, Source, Trigger, TriggerMode,
+    VerticalSetup,
 };
 use crate::sensor::Load;
 
@@ -29,7 +30,12 @@ pub fn scope(table: &Table<'_>, sensors: &[&str], duration: Option<f64>) -> Opti
         setup
     };
     let channels: Vec<Option<ChannelSetup>> = keys.iter().map(channel).collect();
-    one_channel_a_sensor(table, keys, &channels);
+    let external = table.table("external").and_then(|external| {
+        let name = input(&external, sensors);
+        external.finish();
+        name
+    });
+    one_channel_a_sensor(table, keys, &channels, external.as_ref());
     if CHANNELS.iter().all(|key| !table.has(key)) {
         table.problem("ch1", "no channel", "at least one channel, [scope.ch1] to [scope.ch4]");
     }
@@ -46,6 +52,7 @@ pub fn scope(table: &Table<'_>, sensors: &[&str], duration: Option<f64>) -> Opti
     Some(Setup {
         model: model?,
         channels,
+        external,
         time_base: time_base?,
         horizontal_position: position.unwrap_or(0.0),
         trigger: trigger?,
@@ -58,9 +65,15 @@ fn one_channel_a_sensor(
     table: &Table<'_>,
     keys: &[&'static str],
     channels: &[Option<ChannelSetup>],
+    external: Option<&String>,
 ) {
     let input = |channel: &Option<ChannelSetup>| channel.as_ref().and_then(|c| c.input.clone());
     let inputs: Vec<Option<String>> = channels.iter().map(input).collect();
+    let taken = inputs.iter().position(|name| name.is_some() && name.as_ref() == external);
+    if let (Some(channel), Some(name), Some(table)) = (taken, external, table.table("external")) {
+        let found = format!("\"{name}\", which is at the input of CH{}", channel + 1);
+        table.problem("input", found, "a sensor of its own");
+    }
     for (index, (key, name)) in keys.iter().zip(&inputs).enumerate() {
         let Some(name) = name else { continue };
         let first = inputs.iter().position(|other| other.as_ref() == Some(name));
@@ -71,6 +84,16 @@ fn one_channel_a_sensor(
             channel.problem("input", found, "a sensor of its own for each channel");
         }
     }
+}
+
+/// The name of the sensor at an input.
+fn input(table: &Table<'_>, sensors: &[&str]) -> Option<String> {
+    let name = table.text("input")?;
+    if !sensors.contains(&name) {
+        let expected = format!("a sensor: one of {}", sensors.join(", "));
+        table.problem("input", format!("\"{name}\""), expected);
+    }
+    Some(name.to_owned())
 }
 
 fn channel_setup(
@@ -85,18 +108,14 @@ fn channel_setup(
     let coupling = table.choice("coupling", &coupling).or(Some(Coupling::Dc));
     let bandwidth_limited = table.flag("bandwidth_limit").or(Some(false));
     let inverted = table.flag("invert").or(Some(false));
-    let input = table.text("input");
+    let input = input(table, sensors);
     let offset = table.quantity("offset", Dimension::VOLTAGE, Bound::Any).unwrap_or(0.0);
-    if let Some(name) = input.filter(|name| !sensors.contains(name)) {
-        let expected = format!("a sensor: one of {}", sensors.join(", "));
-        table.problem("input", format!("\"{name}\""), expected);
-    }
     if let Some(model) = model {
         oscilloscope::check_vertical(table, model, (probe, scale, position));
     }
     let vertical =
         VerticalSetup { scale: scale?, position, coupling, bandwidth_limited, inverted, probe };
-    Some(ChannelSetup { vertical, input: input.map(ToOwned::to_owned), offset })
+    Some(ChannelSetup { vertical, input, offset, deviation: Deviation::default() })
 }
 
 fn trigger_setup(

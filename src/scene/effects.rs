@@ -7,7 +7,7 @@ use super::reader::{Bound, Table};
 use crate::chain::{EffectsSpec, Gravity, LinearisedContacts, MagnetPreload};
 use crate::quantity::Dimension;
 
-/// Reads `[effects]`, the noise of the scope excepted.
+/// Reads `[effects]`, noise and errors of the scope excepted.
 /// `pairs` are the names of the bodies that touch, none where they are not known.
 pub fn effects(
     effects: Option<&Table<'_>>,
@@ -48,6 +48,12 @@ pub(super) fn effect<'a>(effects: &Table<'a>, name: &'static str) -> Option<Tabl
         return None;
     }
     effects.table(name)
+}
+
+/// Whether `[effects.scope_errors]` is on.
+pub fn scope_errors(effects: &Table<'_>) -> bool {
+    let table = effect(effects, "scope_errors");
+    table.map(Table::finish).is_some()
 }
 
 /// `[effects.scope_noise]` (div).

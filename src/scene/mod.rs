@@ -11,6 +11,7 @@ mod effects;
 mod library;
 mod losses;
 pub mod magnets;
+mod model;
 mod oscilloscope;
 pub mod problem;
 pub mod reader;
@@ -22,7 +23,7 @@ pub use sensors::{PlacedSensor, Site};
 
 use crate::chain::{Chain, ChainSpec, End};
 use crate::quantity::Dimension;
-use crate::scope::Setup;
+use crate::scope::{Deviation, Model, Setup};
 use bodies::Materials;
 use reader::{Bound, Problems, Table};
 
@@ -99,6 +100,24 @@ impl Scene {
     }
 }
 
+/// The oscilloscope of the data file `name`, an embedded one or a path.
+///
+/// # Errors
+/// [`SceneError`]: no such file, or every problem found in it.
+pub fn oscilloscope(name: &str) -> Result<Model, SceneError> {
+    let text = format!("[scope]\nmodel = {name:?}\n");
+    let mut loaded = library::load_text(name, name, &text)?;
+    let problems = Problems::default();
+    problems.extend(std::mem::take(&mut loaded.problems));
+    let scope = Table::of(&loaded.root, "", &problems).and_then(|root| root.table("scope"));
+    let model = scope.as_ref().and_then(oscilloscope::model);
+    let problems = problems.into_sorted();
+    match model {
+        Some(model) if problems.is_empty() => Ok(model),
+        _ => Err(SceneError::Problems(problems)),
+    }
+}
+
 fn read(loaded: library::Loaded, problems: &Problems) -> Option<Scene> {
     let library::Loaded { name, text, hash, root, .. } = loaded;
     let root = Table::of(&root, "", problems)?;
@@ -112,7 +131,8 @@ fn read(loaded: library::Loaded, problems: &Problems) -> Option<Scene> {
     let kinds: Vec<&str> = moving.kinds.iter().map(String::as_str).collect();
     let hosts = sensors::Hosts { kinds: &kinds, wall: moving.wall };
     let sensors = sensors::sensors(&root, &hosts, problems);
-    let scope = scope(&root, moving.noise, duration);
+    let errors_of = moving.scope_errors.then_some(seed);
+    let scope = scope(&root, (moving.noise, errors_of), duration);
     root.finish();
     let (spec, chain) = moving.built?;
     Some(Scene {
@@ -136,6 +156,7 @@ struct Moving {
     kinds: Vec<String>,
     wall: bool,
     noise: f64,
+    scope_errors: bool,
     initial_velocities: Vec<f64>,
     built: Option<(ChainSpec, Chain)>,
 }
@@ -160,6 +181,7 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
     let pairs = bodies::pairs(&particles.kinds, striker.is_some(), walls);
     let effects_spec = effects::effects(effects.as_ref(), count, &pairs);
     let noise = effects.as_ref().and_then(effects::scope_noise).unwrap_or(0.0);
+    let scope_errors = effects.as_ref().is_some_and(effects::scope_errors);
     if let Some(effects) = effects {
         effects.finish();
     }
@@ -186,10 +208,15 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
     }
     // An end that could not be read has left its problem; a sensor at it is none.
     let wall = bottom.is_none_or(|(bottom, _)| matches!(bottom, End::Wall(_)));
-    Moving { kinds: particles.kinds, wall, noise, initial_velocities, built }
+    Moving { kinds: particles.kinds, wall, noise, scope_errors, initial_velocities, built }
 }
 
-fn scope(root: &Table<'_>, noise: f64, duration: Option<f64>) -> Option<Setup> {
+/// The front panel, with the front end's noise (div), and its errors drawn from a seed, if any.
+fn scope(
+    root: &Table<'_>,
+    (noise, errors_of): (f64, Option<u64>),
+    duration: Option<f64>,
+) -> Option<Setup> {
     if !root.has("scope") {
         let expected = "[scope] with model, time_base, trigger and channels";
         root.problem("scope", "no such table", expected);
@@ -198,5 +225,11 @@ fn scope(root: &Table<'_>, noise: f64, duration: Option<f64>) -> Option<Setup> {
     let _ = table.text("source");
     let setup = bench::scope(&table, &sensors::sensor_names(root), duration);
     table.finish();
-    setup.map(|setup| Setup { noise, ..setup })
+    let mut setup = Setup { noise, ..setup? };
+    for (number, channel) in (1..).zip(&mut setup.channels) {
+        if let (Some(seed), Some(channel)) = (errors_of, channel) {
+            channel.deviation = Deviation::drawn(seed, number);
+        }
+    }
+    Some(setup)
 }

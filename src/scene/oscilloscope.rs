@@ -1,11 +1,12 @@
 //! An oscilloscope's data file, `instruments/<model>.toml`: the limits that a front panel is checked against.
 
+use super::model;
 use super::reader::{Bound, Table};
 use crate::quantity::{Dimension, engineering, parse};
 use crate::scope::Model;
 
 /// Most points that a record may have: what a scope of any make keeps in memory.
-const LONGEST_RECORD: u64 = 1_000_000;
+pub const LONGEST_RECORD: u64 = 1_000_000;
 /// Most events that a remote interface may keep.
 const LONGEST_QUEUE: u64 = 1000;
 /// A time base that puts fewer points than this on the scene's duration shows nothing of it (1).
@@ -27,10 +28,8 @@ pub fn model(table: &Table<'_>) -> Option<Model> {
         |key| if named { table.required_text(key, "text in quotes") } else { table.text(key) };
     let list = |key, dimension| series(table, key, dimension, named);
     let positive = |key, dimension| number(table, key, dimension, Bound::Positive);
-    let name = text("name");
-    let serial = text("serial");
-    let firmware = text("firmware");
-    let interface = text("interface");
+    let (name, serial) = (text("name"), text("serial"));
+    let (firmware, interface) = (text("firmware"), text("interface"));
     let record_length = count(table, "record_length", 2, LONGEST_RECORD);
     let channels = count(table, "channels", 1, 4);
     let bandwidth = positive("bandwidth", Dimension::FREQUENCY);
@@ -52,10 +51,17 @@ pub fn model(table: &Table<'_>) -> Option<Model> {
     let high_frequency_reject = positive("high_frequency_reject", Dimension::FREQUENCY);
     let low_frequency_reject = positive("low_frequency_reject", Dimension::FREQUENCY);
     let external_trigger_range = positive("external_trigger_range", Dimension::VOLTAGE);
+    let line_frequency = positive("line_frequency", Dimension::FREQUENCY);
+    let full_bandwidth_from = positive("full_bandwidth_from", Dimension::VOLTAGE_PER_DIVISION);
+    let peak_width = positive("peak_width", Dimension::TIME);
+    let scan_from = positive("scan_from", Dimension::TIME_PER_DIVISION);
+    let scan_gap = positive("scan_gap", Dimension::DIVISION);
     let event_queue = count(table, "event_queue", 2, LONGEST_QUEUE);
     if !named {
         return None;
     }
+    let (limits, accuracy) = (model::limits(table), model::accuracy(table));
+    let fft = model::fft(table, record_length);
     Some(Model {
         name: name?.to_owned(),
         serial: serial?.to_owned(),
@@ -81,12 +87,20 @@ pub fn model(table: &Table<'_>) -> Option<Model> {
         high_frequency_reject: high_frequency_reject?,
         low_frequency_reject: low_frequency_reject?,
         external_trigger_range: external_trigger_range?,
+        line_frequency: line_frequency?,
+        full_bandwidth_from: full_bandwidth_from?,
+        peak_width: peak_width?,
+        scan_from: scan_from?,
+        scan_gap: scan_gap?,
         event_queue: usize::try_from(event_queue?).ok()?,
+        limits: limits?,
+        accuracy: accuracy?,
+        fft: fft?,
     })
 }
 
-/// A list of quantities, ascending.
-fn series(
+/// A list of quantities, ascending (unit).
+pub fn series(
     table: &Table<'_>,
     key: &'static str,
     dimension: Dimension,

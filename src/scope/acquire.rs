@@ -3,7 +3,8 @@
 use super::model::Model;
 use super::setup::{ChannelSetup, Setup, Slope, TriggerMode};
 use super::waveform::{
-    HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE, PointFormat, Preamble, Source, Waveform,
+    HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE, PointFormat, Preamble, Source, VerticalSetup,
+    Waveform,
 };
 
 /// Samples of a sinc on either side of a point when a record is denser than the converter's samples.
@@ -60,6 +61,15 @@ pub fn find_trigger(
     (setup.trigger.mode == TriggerMode::Auto).then_some(Found { index: automatic, crossed: false })
 }
 
+/// The converter's level for a voltage (V).
+#[must_use]
+#[allow(clippy::cast_possible_truncation, reason = "clamped to the converter's range")]
+pub fn level(vertical: &VerticalSetup, volts: f64) -> i16 {
+    let y_mult = vertical.scale / LEVELS_PER_DIVISION;
+    let level = (volts / y_mult + LEVELS_PER_DIVISION * vertical.position).round();
+    level.clamp(f64::from(LOWEST_CODE), f64::from(HIGHEST_CODE)) as i16
+}
+
 /// The record of one channel around the trigger sample `trigger` of its conditioned `signal` (V), whose samples come
 /// every `setup.model.sample_interval`. Points beyond the signal hold its nearest sample.
 #[must_use]
@@ -74,26 +84,18 @@ pub fn digitise(
     let interval = model.interval(setup.time_base);
     let trigger_point = setup.trigger_point();
     let vertical = channel.vertical;
-    let y_mult = vertical.scale / LEVELS_PER_DIVISION;
-    let y_off = LEVELS_PER_DIVISION * vertical.position;
-    let level = |volts: f64| {
-        let level = (volts / y_mult + y_off).round();
-        #[allow(clippy::cast_possible_truncation, reason = "clamped to the converter's range")]
-        let code = level.clamp(f64::from(LOWEST_CODE), f64::from(HIGHEST_CODE)) as i16;
-        code
-    };
     let codes = points(model, setup.time_base, signal, trigger, trigger_point);
     Waveform {
         source,
-        codes: codes.into_iter().map(level).collect(),
+        codes: codes.into_iter().map(|volts| level(&vertical, volts)).collect(),
         preamble: Preamble {
             x_zero: -trigger_point * interval,
             x_incr: interval,
             pt_off: 0,
             x_unit: "s".to_owned(),
-            y_mult,
+            y_mult: vertical.scale / LEVELS_PER_DIVISION,
             y_zero: 0.0,
-            y_off,
+            y_off: LEVELS_PER_DIVISION * vertical.position,
             y_unit: "V".to_owned(),
             pt_fmt: PointFormat::Sample,
         },

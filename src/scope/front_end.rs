@@ -1,4 +1,4 @@
-//! From the volts at a probe's tip to the volts the converter sees: coupling, bandwidth, inversion, offset, noise.
+//! From the volts at a probe's tip to the volts the converter sees: coupling, bandwidth, inversion, errors of gain and zero, noise.
 //!
 //! Coupling and bandwidth are first-order filters, exact for input that runs straight between samples. A probe
 //! attenuates and the scope multiplies back, so volts stay volts at the tip.
@@ -8,6 +8,7 @@ use std::f64::consts::TAU;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
+use super::model::{Model, ROUNDED_UP};
 use super::setup::{ChannelSetup, Setup};
 use super::waveform::Coupling;
 
@@ -35,10 +36,12 @@ pub fn condition(
     let mut signal = match vertical.coupling {
         // A set-up that does not tell leaves the input as it is.
         Some(Coupling::Dc) | None => volts.to_vec(),
-        Some(Coupling::Ac) => high_pass(volts, interval * TAU * model.ac_corner),
+        Some(Coupling::Ac) => high_pass(volts, interval * TAU * ac_corner(model, vertical.probe)),
         Some(Coupling::Ground) => vec![0.0; volts.len()],
     };
-    let limited = vertical.bandwidth_limited == Some(true);
+    let at_input = vertical.scale / vertical.probe;
+    let limited = vertical.bandwidth_limited == Some(true)
+        || at_input * ROUNDED_UP < model.full_bandwidth_from;
     let bandwidth = if limited { model.limited_bandwidth } else { model.bandwidth };
     let ratio = interval * TAU * bandwidth;
     if ratio * NEGLIGIBLE_DELAY < 1.0 {
@@ -49,9 +52,12 @@ pub fn condition(
             *value = -*value;
         }
     }
-    if channel.offset != 0.0 {
+    let gain = 1.0 + channel.deviation.gain * model.accuracy.gain_at(at_input);
+    let zero = channel.deviation.offset * model.accuracy.offset_at(at_input) * vertical.probe;
+    let offset = channel.offset + zero;
+    if gain.to_bits() != 1.0_f64.to_bits() || offset != 0.0 {
         for value in &mut signal {
-            *value += channel.offset;
+            *value = gain * *value + offset;
         }
     }
     if setup.noise > 0.0 {
@@ -62,6 +68,12 @@ pub fn condition(
         }
     }
     signal
+}
+
+/// Corner of AC coupling behind a probe, whose resistance lies in series with the coupling capacitor (Hz).
+fn ac_corner(model: &Model, probe: f64) -> f64 {
+    let seen = if probe > 1.0 { model.probe_resistance } else { model.input_resistance };
+    model.ac_corner * model.input_resistance / seen
 }
 
 /// First-order high-pass; `ratio` is the interval over the time constant (V).

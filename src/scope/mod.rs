@@ -12,5 +12,5 @@ pub mod setup;
 pub mod waveform;
 
 pub use model::Model;
-pub use setup::{ChannelSetup, Setup, Slope, Trigger, TriggerMode};
+pub use setup::{ChannelSetup, Deviation, Setup, Slope, Trigger, TriggerMode};
 pub use waveform::{Coupling, PointFormat, Preamble, Source, VerticalSetup, Waveform};

@@ -17,6 +17,8 @@ pub struct Model {
     pub bandwidth: f64,
     /// Bandwidth with the limiter on (Hz).
     pub limited_bandwidth: f64,
+    /// Smallest scale at the input with the full bandwidth; below it the limiter is always on (V/div).
+    pub full_bandwidth_from: f64,
     /// Highest real-time sample rate (Hz).
     pub sample_rate: f64,
     /// Points in a record.
@@ -51,9 +53,95 @@ pub struct Model {
     pub low_frequency_reject: f64,
     /// Farthest trigger level at the external input; the input divided by five goes five times as far (V).
     pub external_trigger_range: f64,
+    /// Frequency of the mains, which the trigger can follow (Hz).
+    pub line_frequency: f64,
+    /// Shortest pulse that peak detection keeps (s).
+    pub peak_width: f64,
+    /// Fastest time base that automatic mode scans (s/div).
+    pub scan_from: f64,
+    /// Blank part of the screen ahead of a scanned sweep (div).
+    pub scan_gap: f64,
     /// Events that wait at the remote interface before further ones are lost.
     pub event_queue: usize,
+    /// How far knobs turn.
+    pub limits: Limits,
+    /// Errors that the data sheet allows.
+    pub accuracy: Accuracy,
+    /// How a spectrum is computed and scaled.
+    pub fft: FftLaw,
 }
+
+/// How far knobs turn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Limits {
+    /// Farthest vertical position at the input on small scales (V).
+    pub near_offset: f64,
+    /// Largest of the small scales, at the input (V/div).
+    pub near_offset_until: f64,
+    /// Farthest vertical position at the input on large scales (V).
+    pub far_offset: f64,
+    /// Farthest that the screen's centre goes before the trigger (div).
+    pub earliest_position: f64,
+    /// Time base (s/div) up to which the screen's centre goes so far after the trigger (s).
+    pub latest_positions: Vec<(f64, f64)>,
+    /// Shortest and longest holdoff (s).
+    pub holdoff: (f64, f64),
+    /// Shortest and longest pulse width (s).
+    pub pulse_width: (f64, f64),
+    /// Pulse widths that differ by no more count as equal (s).
+    pub pulse_guard_band: f64,
+    /// Records that can make an average.
+    pub averages: Vec<u32>,
+}
+
+/// Errors that the data sheet allows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Accuracy {
+    /// Of the gain (1).
+    pub gain: f64,
+    /// Of the gain on the smallest scales (1).
+    pub low_scale_gain: f64,
+    /// Largest of the smallest scales, at the input (V/div).
+    pub low_scale_until: f64,
+    /// Of zero on the screen (div).
+    pub offset: f64,
+    /// Of zero at the input, in addition (V).
+    pub input_offset: f64,
+}
+
+impl Accuracy {
+    /// Largest error of the gain on `scale` (V/div) at the input (1).
+    #[must_use]
+    pub fn gain_at(&self, scale: f64) -> f64 {
+        if scale <= self.low_scale_until * ROUNDED_UP { self.low_scale_gain } else { self.gain }
+    }
+
+    /// Largest offset on `scale` (V/div) at the input, referred to the input (V).
+    #[must_use]
+    pub fn offset_at(&self, scale: f64) -> f64 {
+        self.offset * scale + self.input_offset
+    }
+}
+
+/// How a spectrum is computed and scaled: a level is `level` dB, level 0 is `20 log10(V/div) + reference` dB.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FftLaw {
+    /// Points of the record that are transformed, from its middle; twice as many as bins.
+    pub points: usize,
+    /// One level (dB).
+    pub level: f64,
+    /// Level 0 on a scale of 1 V/div (dB).
+    pub reference: f64,
+    /// Lowest level (1).
+    pub lowest_level: f64,
+    /// Fastest time base whose transform has the odd sample rate (s/div).
+    pub slow_from: f64,
+    /// The odd sample rate over the record's (1).
+    pub slow_rate: f64,
+}
+
+/// A hair above one, so that the end of a range of scales belongs to it.
+pub(crate) const ROUNDED_UP: f64 = 1.0 + 1e-9;
 
 impl Model {
     /// Time from one point of a record to the next (s).
@@ -69,6 +157,12 @@ impl Model {
     #[must_use]
     pub fn sample_interval(&self, time_base: f64) -> f64 {
         self.interval(time_base).max(1.0 / self.sample_rate)
+    }
+
+    /// Whether automatic mode scans at a time base (s/div).
+    #[must_use]
+    pub fn scans(&self, time_base: f64) -> bool {
+        time_base * ROUNDED_UP >= self.scan_from
     }
 
     /// Index of the trigger in the record at a time base (s/div) and horizontal position (s), possibly outside it:

@@ -1,5 +1,8 @@
 //! The front panel: how the scope is set before it is armed.
 
+use rand_distr::{Distribution as _, StandardUniform};
+use rand_pcg::Pcg64;
+
 use super::model::Model;
 use super::waveform::{Source, VerticalSetup};
 
@@ -12,7 +15,32 @@ pub struct ChannelSetup {
     pub input: Option<String>,
     /// What the channel's amplifier adds to every voltage: its offset error, at the probe's tip (V).
     pub offset: f64,
+    /// Errors of this amplifier within its data sheet.
+    pub deviation: Deviation,
 }
+
+/// How far one amplifier is off, in parts of what its data sheet allows, from -1 to 1.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Deviation {
+    /// Of the gain (1).
+    pub gain: f64,
+    /// Of zero (1).
+    pub offset: f64,
+}
+
+impl Deviation {
+    /// The deviation of channel `number`: even between the limits, the same for the same `seed` whatever is measured.
+    #[must_use]
+    pub fn drawn(seed: u64, number: u8) -> Self {
+        let mut numbers = Pcg64::new(u128::from(seed), DEVIATIONS | u128::from(number));
+        let mut draw = || StandardUniform.sample(&mut numbers);
+        let (gain, offset): (f64, f64) = (draw(), draw());
+        Self { gain: 2.0 * gain - 1.0, offset: 2.0 * offset - 1.0 }
+    }
+}
+
+/// Streams of random numbers that no noise takes: those count shots in the bits above the channel's.
+const DEVIATIONS: u128 = 1 << 64;
 
 /// Direction in which the signal crosses the trigger level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -52,6 +80,8 @@ pub struct Setup {
     pub model: Model,
     /// Channels 1 to 4; `None` is off.
     pub channels: Vec<Option<ChannelSetup>>,
+    /// Name of the sensor at the external trigger input; none leaves it open.
+    pub external: Option<String>,
     /// Time base (s/div).
     pub time_base: f64,
     /// Time of the screen's centre after the trigger: positive puts the trigger left of the centre (s).

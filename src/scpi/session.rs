@@ -77,6 +77,7 @@ struct Progress {
     units: VecDeque<Result<Unit, Event>>,
     path: Vec<String>,
     replies: Vec<Vec<u8>>,
+    raw: Vec<u8>,
     indefinite: bool,
 }
 
@@ -223,6 +224,7 @@ impl Session {
             out.extend_from_slice(&progress.replies.join(&b';'));
             out.extend_from_slice(self.preferences.terminator.bytes());
         }
+        out.append(&mut progress.raw);
     }
 
     fn execute_unit(
@@ -247,10 +249,16 @@ impl Session {
             preferences: &mut self.preferences,
             place: found.place,
             message_available: !progress.replies.is_empty(),
+            raw: &mut progress.raw,
         };
         if !unit.is_query {
             found.row.setting.set(&mut at, &unit.arguments)?;
             at.instrument.settle();
+            if progress.raw.len() > MAXIMUM_REPLY {
+                progress.raw.clear();
+                progress.units.clear();
+                return Err(Event::QueryDeadlocked.into());
+            }
             return Ok(());
         }
         none(&unit.arguments)?;

@@ -33,6 +33,8 @@ pub struct At<'a> {
     pub place: Place,
     /// Whether a reply of the same message waits.
     pub message_available: bool,
+    /// Bytes that are sent as they are, behind the replies to the message.
+    pub raw: &'a mut Vec<u8>,
 }
 
 /// What can be done with a setting.

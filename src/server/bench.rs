@@ -64,6 +64,7 @@ fn strike(scene: &Scene, wanted: Wanted, shot: u32) -> Result<Signals, ServeErro
         interval: arrived.interval,
         automatic: arrived.contact,
         volts: arrived.volts,
+        external: arrived.external,
         shot,
     })
 }

@@ -10,7 +10,7 @@ use tokio::time::{Instant, Interval, MissedTickBehavior, interval_at};
 use super::bench::Handle;
 use super::link::{Answer, News};
 use super::{Options, ServeError};
-use crate::instrument::{Instrument, Panel};
+use crate::instrument::Instrument;
 use crate::scene::Scene;
 use crate::scpi::{Preferences, Reply, Session};
 
@@ -37,10 +37,7 @@ pub struct Owner {
 impl Owner {
     /// Switches the instrument on, set as in the scene.
     pub fn new(scene: &Scene, options: Options, bench: Handle) -> Self {
-        let setup = &scene.scope;
-        let mut instrument = Instrument::new(setup.model.clone(), setup.noise, scene.seed);
-        instrument.panel = Panel::of(setup);
-        instrument.settle();
+        let instrument = Instrument::of(&scene.scope, scene.seed);
         let switched_on = Instant::now();
         Self { instrument, clients: BTreeMap::new(), bench, options, switched_on }
     }

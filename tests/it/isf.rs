@@ -359,3 +359,14 @@ proptest! {
         }
     }
 }
+
+/// Found by fuzzing: a level of 4E-322 V is read, but a 256th of it is none any more.
+#[test]
+fn levels_too_small_to_be_scaled_are_not_written() {
+    let text = ":WFMPRE:BYT_NR 1;ENCDG ASC;XINCR 1E-6;YMULT 4E-322;:CURVE 112,4,123,24";
+    let capture = read(text.as_bytes(), "a.isf").expect("readable");
+    for width in [Width::One, Width::Two] {
+        let error = write(&capture, width).expect_err("unwritable").to_string();
+        assert!(error.contains("y_mult") && error.contains("at least 1e-300"), "{error}");
+    }
+}

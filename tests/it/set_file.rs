@@ -232,3 +232,18 @@ proptest! {
         }
     }
 }
+
+/// What an instrument of the family saved is written as it was: paths cut short, text in quotes.
+#[test]
+fn set_ups_come_back_byte_for_byte() {
+    assert_eq!(settings().write(), SETTINGS);
+    let Some(folder) = std::env::var_os("HERTZSCOPE_CAPTURES") else {
+        println!("skipped the captures: HERTZSCOPE_CAPTURES is unset");
+        return;
+    };
+    for name in ["tds2004c-v24.26-F0001TEK.SET", "fft-tds1012c-edu-F0022TEK.SET"] {
+        let bytes = std::fs::read(Path::new(&folder).join(name)).expect(name);
+        let written = SetFile::read(&bytes, name).expect(name).write();
+        assert_eq!(written, String::from_utf8(bytes).expect("text"), "{name}");
+    }
+}

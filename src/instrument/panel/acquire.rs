@@ -22,15 +22,12 @@ words! {
     }
 }
 
-/// Records that can make an average.
-pub const AVERAGES: [u32; 4] = [4, 16, 64, 128];
-
 /// The acquisition's part of the front panel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Acquire {
     /// Sample, peak detect or average.
     pub mode: AcquireMode,
-    /// Records in an average, one of [`AVERAGES`].
+    /// Records in an average, one of the model's numbers.
     pub averages: u32,
     /// What ends an acquisition.
     pub stop_after: StopAfter,

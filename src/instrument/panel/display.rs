@@ -1,4 +1,4 @@
-//! Settings of screen and printer: kept and told, without effect on records.
+//! Settings of screen and printer: they change pictures of the screen, never records.
 
 use crate::instrument::word::words;
 

@@ -58,6 +58,15 @@ impl MathFunction {
         })
     }
 
+    /// Whether channel `number` is needed for it.
+    #[must_use]
+    pub fn uses(self, number: u8) -> bool {
+        match self {
+            Self::Sum(a, b) | Self::Difference(a, b) => a == number || b == number,
+            Self::Fft(channel, _) => channel == number,
+        }
+    }
+
     /// The definition as the instrument writes it.
     #[must_use]
     pub fn definition(self) -> String {

@@ -9,7 +9,7 @@ mod measurement;
 mod trigger;
 mod vertical;
 
-pub use acquire::{AVERAGES, Acquire, AcquireMode, StopAfter};
+pub use acquire::{Acquire, AcquireMode, StopAfter};
 pub use cursor::{BarUnits, Cursor, CursorFunction};
 pub use display::{Display, DisplayFormat, DisplayStyle, HardCopy, HardCopyFormat, Layout, Port};
 pub use horizontal::{Horizontal, View};
@@ -21,7 +21,7 @@ pub use trigger::{
 };
 pub use vertical::Channel;
 
-use crate::scope::{ChannelSetup, Model, Setup, Source, Trigger, VerticalSetup};
+use crate::scope::{ChannelSetup, Deviation, Model, Setup, Source, Trigger, VerticalSetup};
 
 /// Every setting of the front panel.
 #[derive(Debug, Clone, PartialEq)]
@@ -91,10 +91,8 @@ impl Panel {
         panel.horizontal.position = setup.horizontal_position;
         let Trigger { source, level, slope, mode } = setup.trigger;
         let source = match source {
-            Source::Channel(2) => TriggerSource::Channel2,
-            Source::Channel(3) => TriggerSource::Channel3,
-            Source::Channel(4) => TriggerSource::Channel4,
-            _ => TriggerSource::Channel1,
+            Source::Channel(number) => TriggerSource::of_channel(number),
+            Source::Math | Source::Reference(_) => TriggerSource::Channel1,
         };
         panel.trigger = TriggerPanel { mode, source, level, slope, ..panel.trigger };
         panel
@@ -149,6 +147,13 @@ impl Panel {
         }
     }
 
+    /// Whether channel `number` is recorded: it is displayed, or the displayed math trace needs it.
+    #[must_use]
+    pub fn records(&self, number: u8) -> bool {
+        let displayed = self.displays(Source::Channel(number));
+        displayed || (self.math.displayed && self.math.function.uses(number))
+    }
+
     /// The switch that displays a waveform.
     pub fn displayed_mut(&mut self, source: Source) -> &mut bool {
         if let Source::Channel(number) = source {
@@ -164,28 +169,35 @@ impl Panel {
         }
     }
 
-    /// What the front end and the digitiser need: channels that are displayed or trigger are on.
+    /// What the front end and the digitiser need: channels that are recorded or trigger are on. Free of errors and noise.
     #[must_use]
-    pub fn setup(&self, model: &Model, noise: f64) -> Setup {
+    pub fn setup(&self, model: &Model) -> Setup {
         let trigger_source = self.trigger.source.channel();
         let channel = |number: u8| {
             let channel = self.channel(number);
-            let on = channel.displayed || trigger_source == Some(number);
+            let on = self.records(number) || trigger_source == Some(number);
             let vertical: VerticalSetup = channel.vertical;
-            on.then_some(ChannelSetup { vertical, input: None, offset: 0.0 })
+            let deviation = Deviation::default();
+            on.then_some(ChannelSetup { vertical, input: None, offset: 0.0, deviation })
+        };
+        let horizontal = &self.horizontal;
+        let (time_base, horizontal_position) = match horizontal.view {
+            View::Window => (horizontal.delay_scale, horizontal.delay_position),
+            View::Main | View::Zone => (horizontal.scale, horizontal.position),
         };
         Setup {
             model: model.clone(),
             channels: (1..=model.channels).map(channel).collect(),
-            time_base: self.horizontal.scale,
-            horizontal_position: self.horizontal.position,
+            external: None,
+            time_base,
+            horizontal_position,
             trigger: Trigger {
                 source: Source::Channel(trigger_source.unwrap_or(1)),
                 level: self.trigger.level,
                 slope: self.trigger.slope,
                 mode: self.trigger.mode,
             },
-            noise,
+            noise: 0.0,
         }
     }
 }

@@ -98,6 +98,17 @@ words! {
 }
 
 impl TriggerSource {
+    /// Channel `number`, counted from 1; numbers beyond the last mean the last.
+    #[must_use]
+    pub fn of_channel(number: u8) -> Self {
+        match number {
+            0 | 1 => Self::Channel1,
+            2 => Self::Channel2,
+            3 => Self::Channel3,
+            _ => Self::Channel4,
+        }
+    }
+
     /// The channel's number, counted from 1; none for what is no channel.
     #[must_use]
     pub fn channel(self) -> Option<u8> {

@@ -18,10 +18,13 @@ pub enum Width {
 /// Largest block whose length takes nine digits.
 const LARGEST_BLOCK: usize = 999_999_999;
 
+/// Numbers up to this can be scaled by the steps of two bytes; so can those down to its inverse (unit).
+const LARGEST: f64 = 1e300;
+
 /// Writes `capture`; levels that do not fit one byte take two whatever `width` says.
 ///
 /// # Errors
-/// [`IsfError::Unwritable`] for a number that is not finite, a quote in a unit, or a record without points.
+/// [`IsfError::Unwritable`] for a number too large or too small to be scaled, a quote in a unit, or a record without points.
 pub fn write(capture: &Capture, width: Width) -> Result<Vec<u8>, IsfError> {
     let waveform = &capture.waveform;
     check(waveform)?;
@@ -104,8 +107,13 @@ fn check(waveform: &Waveform) -> Result<(), IsfError> {
         ("the vertical scale", waveform.vertical.scale),
         ("the time base", waveform.horizontal_scale),
     ] {
-        if !value.is_finite() {
-            return Err(unwritable(what, value, "a finite number"));
+        if value.is_nan() || value.abs() > LARGEST {
+            return Err(unwritable(what, value, format!("a number up to {LARGEST:e}")));
+        }
+    }
+    for (what, value) in [("x_incr", preamble.x_incr), ("y_mult", preamble.y_mult)] {
+        if value < 1.0 / LARGEST {
+            return Err(unwritable(what, value, format!("at least {:e}", 1.0 / LARGEST)));
         }
     }
     for (what, unit) in [("x_unit", &preamble.x_unit), ("y_unit", &preamble.y_unit)] {

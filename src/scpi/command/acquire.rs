@@ -1,6 +1,5 @@
 //! Acquisition: `ACQuire`.
 
-use crate::instrument::panel::AVERAGES;
 use crate::instrument::word::words;
 use crate::scpi::argument::{real, whole, word};
 use crate::scpi::message::Argument;
@@ -67,7 +66,8 @@ fn state(at: &mut At<'_>) -> Result<Value, Stop> {
 
 fn set_averages(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let asked = whole(arguments, 1, 1000)?;
-    let nearest = AVERAGES.iter().min_by_key(|number| number.abs_diff(asked));
+    let averages = &at.instrument.model.limits.averages;
+    let nearest = averages.iter().min_by_key(|number| number.abs_diff(asked));
     at.instrument.panel.acquire.averages = nearest.copied().unwrap_or(asked);
     Ok(())
 }

@@ -11,7 +11,7 @@ use crate::scpi::value::Value;
 pub const GROUP: Group = Group {
     title: "Cursor",
     rows: &[
-        Row::accepted(
+        Row::acts(
             "CURSor",
             &Tells(Parts::Of(&[
                 "CURSor:FUNCtion",
@@ -21,18 +21,18 @@ pub const GROUP: Group = Group {
             ])),
             "all settings of the cursors",
         ),
-        Row::accepted(
+        Row::acts(
             "CURSor:FUNCtion",
             &Words(|i, _| &mut i.panel.cursor.function),
             "`OFF`, `HBArs` or `VBArs`",
         ),
-        Row::accepted(
+        Row::acts(
             "CURSor:SELect:SOUrce",
             &Words(|i, _| &mut i.panel.cursor.source),
             "the waveform",
         ),
         Row::alias("CURSor:SELect", "CURSor:SELect:SOUrce"),
-        Row::accepted(
+        Row::acts(
             "CURSor:VBArs",
             &Tells(Parts::Of(&[
                 "CURSor:VBArs:UNIts",
@@ -42,14 +42,14 @@ pub const GROUP: Group = Group {
             ])),
             "the vertical bars",
         ),
-        Row::accepted(
+        Row::acts(
             "CURSor:VBArs:UNIts",
             &Words(|i, _| &mut i.panel.cursor.vertical_units),
             "`SECOnds` or `HERtz`",
         ),
         Row::acts("CURSor:VBArs:DELTa", &Asks(vertical_delta), "their distance").apart(),
-        Row::accepted("CURSor:VBArs:POSITION<x>", &VERTICAL, "seconds after the trigger").apart(),
-        Row::accepted(
+        Row::acts("CURSor:VBArs:POSITION<x>", &VERTICAL, "seconds after the trigger").apart(),
+        Row::acts(
             "CURSor:HBArs",
             &Tells(Parts::Of(&[
                 "CURSor:HBArs:UNIts",
@@ -62,7 +62,7 @@ pub const GROUP: Group = Group {
         Row::acts("CURSor:HBArs:UNIts", &Asks(|_| Ok(Value::Word("VOLts"))), "always volts")
             .apart(),
         Row::acts("CURSor:HBArs:DELTa", &Asks(horizontal_delta), "their distance").apart(),
-        Row::accepted("CURSor:HBArs:POSITION<x>", &HORIZONTAL, "volts").apart(),
+        Row::acts("CURSor:HBArs:POSITION<x>", &HORIZONTAL, "volts").apart(),
     ],
 };
 

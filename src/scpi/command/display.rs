@@ -1,4 +1,4 @@
-//! Display: `DISplay`. There is no screen behind it; settings are kept and told.
+//! Display: `DISplay`. Format and style show in the picture that `HARDCopy` sends; the rest is kept and told.
 
 use crate::instrument::word::words;
 use crate::scpi::argument::{real, whole, word};
@@ -32,8 +32,8 @@ pub const GROUP: Group = Group {
             }),
             "1 to 100",
         ),
-        Row::accepted("DISplay:FORMat", &Words(|i, _| &mut i.panel.display.format), "`YT` or `XY`"),
-        Row::accepted(
+        Row::acts("DISplay:FORMat", &Words(|i, _| &mut i.panel.display.format), "`YT` or `XY`"),
+        Row::acts(
             "DISplay:STYle",
             &Words(|i, _| &mut i.panel.display.style),
             "`DOTs` or `VECtors`",

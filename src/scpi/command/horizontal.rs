@@ -12,10 +12,10 @@ pub const GROUP: Group = Group {
     title: "Horizontal",
     rows: &[
         Row::acts("HORizontal", &Tells(Parts::Below), "all settings of the time base"),
-        Row::accepted(
+        Row::acts(
             "HORizontal:VIEw",
             &Words(|i, _| &mut i.panel.horizontal.view),
-            "`MAIn`, `WINDOW` or `ZONE`",
+            "`MAIn`, `WINDOW` (records are those of the window) or `ZONE`",
         ),
         Row::acts("HORizontal:RECOrdlength", &Asks(record_length), "points in a record"),
         Row::acts("HORizontal:MAIn", &Tells(Parts::Below), "the main time base"),
@@ -26,8 +26,8 @@ pub const GROUP: Group = Group {
             "the screen's centre after the trigger, in seconds",
         ),
         Row::alias("HORizontal:MAIn:SECdiv", "HORizontal:MAIn:SCAle"),
-        Row::accepted("HORizontal:DELay", &Tells(Parts::Below), "the window's time base"),
-        Row::accepted(
+        Row::acts("HORizontal:DELay", &Tells(Parts::Below), "the window's time base"),
+        Row::acts(
             "HORizontal:DELay:SCAle",
             &Number(
                 |i, _| &mut i.panel.horizontal.delay_scale,
@@ -35,12 +35,12 @@ pub const GROUP: Group = Group {
             ),
             "s/div of the window",
         ),
-        Row::accepted(
+        Row::acts(
             "HORizontal:DELay:POSition",
             &Number(
                 |i, _| &mut i.panel.horizontal.delay_position,
                 |i, _, position| {
-                    limits::horizontal_position(position, i.panel.horizontal.delay_scale)
+                    limits::horizontal_position(&i.model, position, i.panel.horizontal.delay_scale)
                 },
             ),
             "the window's centre after the trigger, in seconds",
@@ -55,15 +55,16 @@ pub const GROUP: Group = Group {
 const SCALE: Both = Both(set_scale, scale);
 const POSITION: Number = Number(
     |i, _| &mut i.panel.horizontal.position,
-    |i, _, position| limits::horizontal_position(position, i.panel.horizontal.scale),
+    |i, _, position| limits::horizontal_position(&i.model, position, i.panel.horizontal.scale),
 );
 
 fn set_scale(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let asked = real(arguments)?;
     let scale = limits::time_base(&at.instrument.model, asked);
+    let model = &at.instrument.model;
     let horizontal = &mut at.instrument.panel.horizontal;
     horizontal.scale = scale;
-    horizontal.position = limits::horizontal_position(horizontal.position, scale);
+    horizontal.position = limits::horizontal_position(model, horizontal.position, scale);
     horizontal.delay_scale = horizontal.delay_scale.min(scale);
     Ok(())
 }

@@ -26,8 +26,8 @@ pub const GROUP: Group = Group {
             &Both(define, definition),
             "e.g. `\"CH1 - CH2\"` or `\"FFT(CH1,HANNING)\"`",
         ),
-        Row::accepted("MATH:FFT", &Tells(Parts::Below), "how a spectrum is shown"),
-        Row::accepted(
+        Row::acts("MATH:FFT", &Tells(Parts::Below), "how the screen shows a spectrum"),
+        Row::acts(
             "MATH:FFT:HORizontal:POSition",
             &Number(
                 |i, _| &mut i.panel.math.fft_horizontal_position,
@@ -35,7 +35,7 @@ pub const GROUP: Group = Group {
             ),
             "percent of the spectrum in the screen's centre",
         ),
-        Row::accepted(
+        Row::acts(
             "MATH:FFT:HORizontal:SCAle",
             &Number(
                 |i, _| &mut i.panel.math.fft_horizontal_scale,
@@ -43,7 +43,7 @@ pub const GROUP: Group = Group {
             ),
             "zoom 1, 2, 5 or 10",
         ),
-        Row::accepted(
+        Row::acts(
             "MATH:FFT:VERtical:POSition",
             &Number(
                 |i, _| &mut i.panel.math.fft_vertical_position,
@@ -51,7 +51,7 @@ pub const GROUP: Group = Group {
             ),
             "divisions",
         ),
-        Row::accepted(
+        Row::acts(
             "MATH:FFT:VERtical:SCAle",
             &Number(
                 |i, _| &mut i.panel.math.fft_vertical_scale,

@@ -1,6 +1,6 @@
 //! Trigger: `TRIGger` and `*TRG`.
 
-use crate::instrument::limits::{self, HOLDOFFS, PULSE_WIDTHS};
+use crate::instrument::limits;
 use crate::instrument::measure::{INVALID, measure};
 use crate::instrument::panel::MeasurementType;
 use crate::instrument::word::{Word as _, words};
@@ -67,12 +67,12 @@ pub const GROUP: Group = Group {
             &Words(|i, _| &mut i.panel.trigger.kind),
             "`EDGE`, `VIDeo` or `PULse`; no input carries video",
         ),
-        Row::accepted("TRIGger:MAIn:HOLDOff", &Tells(Parts::Below), "holdoff"),
-        Row::accepted(
+        Row::acts("TRIGger:MAIn:HOLDOff", &Tells(Parts::Below), "holdoff"),
+        Row::acts(
             "TRIGger:MAIn:HOLDOff:VALue",
             &Number(
                 |i, _| &mut i.panel.trigger.holdoff,
-                |_, _, time| time.clamp(HOLDOFFS.0, HOLDOFFS.1),
+                |i, _, time| limits::within(time, i.model.limits.holdoff),
             ),
             "seconds after a trigger without another",
         ),
@@ -80,7 +80,7 @@ pub const GROUP: Group = Group {
         Row::acts(
             "TRIGger:MAIn:EDGE:SOUrce",
             &SOURCE,
-            "`CH<x>`, `EXT`, `EXT5` or `LINE`; the last three are silent",
+            "`CH<x>`, `EXT`, `EXT5` (what the bench puts there) or `LINE` (the mains)",
         ),
         Row::acts(
             "TRIGger:MAIn:EDGE:COUPling",
@@ -129,7 +129,7 @@ pub const GROUP: Group = Group {
             "TRIGger:MAIn:PULse:WIDth:WIDth",
             &Number(
                 |i, _| &mut i.panel.trigger.pulse_width,
-                |_, _, width| width.clamp(PULSE_WIDTHS.0, PULSE_WIDTHS.1),
+                |i, _, width| limits::within(width, i.model.limits.pulse_width),
             ),
             "seconds, 33 ns to 10 s",
         ),

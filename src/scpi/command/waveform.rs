@@ -282,8 +282,9 @@ fn wfid(at: &mut At<'_>, source: Source) -> Result<Value, Stop> {
     };
     let across = if waveform.preamble.x_unit == "Hz" { "Hz/div" } else { "s/div" };
     Ok(Value::Text(format!(
-        "{name}, {coupling}{} V/div, {} {across}, {} points, {mode} mode",
+        "{name}, {coupling}{} {}/div, {} {across}, {} points, {mode} mode",
         setting(waveform.vertical.scale),
+        waveform.preamble.y_unit,
         setting(waveform.horizontal_scale),
         waveform.codes.len(),
     )))

@@ -23,7 +23,11 @@ fn bytes(folder: &Path, name: &str) -> Vec<u8> {
 fn recordings_folders_and_files_become_one_another() {
     let folder = recorded();
     let path = folder.path();
-    let names: Vec<String> = (1..=4).map(|n| format!("out/ALL0000/F0000CH{n}.CSV")).collect();
+    let curves = (1..=4).map(|n| format!("CH{n}.CSV"));
+    let names: Vec<String> = curves
+        .chain(["TEK.SET".to_owned(), "TEK.BMP".to_owned()])
+        .map(|name| format!("out/ALL0000/F0000{name}"))
+        .collect();
     let told = printed(path, &["convert", "run.mcap", "out"]);
     assert_eq!(told.lines().collect::<Vec<_>>(), names);
     assert_eq!(files(&path.join("out")), ["ALL0000"]);
@@ -37,6 +41,10 @@ fn recordings_folders_and_files_become_one_another() {
     printed(path, &["convert", "back.mcap", "again"]);
     for number in 1..=4 {
         let name = format!("ALL0000/F0000CH{number}.CSV");
+        assert_eq!(bytes(path, &format!("again/{name}")), bytes(path, &format!("out/{name}")));
+    }
+    // So are the set-up, and the screen that is drawn by it.
+    for name in ["ALL0000/F0000TEK.SET", "ALL0000/F0000TEK.BMP"] {
         assert_eq!(bytes(path, &format!("again/{name}")), bytes(path, &format!("out/{name}")));
     }
     // One file into a recording and back into a file.
@@ -114,7 +122,7 @@ fn a_damaged_recording_is_converted_with_warnings() {
     let done = hertzscope(path, &["convert", "cut.mcap", "out"]);
     assert_eq!(done.code, 0, "{}", done.stderr);
     says(&done.stderr, &["warning: cut.mcap:", "cut behind its data"]);
-    assert_eq!(files(&path.join("out/ALL0000")).len(), 4);
+    assert_eq!(files(&path.join("out/ALL0000")).len(), 6);
     let info = printed(path, &["info", "cut.mcap"]);
     says(&info, &["problem: ", "cut behind its data"]);
 }
@@ -181,4 +189,49 @@ fn view_needs_a_terminal() {
     let error = refused(folder.path(), &["view", "run.mcap"]);
     says(&error, &["no terminal", "hertzscope info"]);
     says(&refused(folder.path(), &["view", "absent.mcap"]), &["absent.mcap"]);
+}
+
+/// The scope's own pictures of its screen; captures without set-up show only what they tell.
+#[test]
+fn screens_are_drawn_as_the_scope_does() {
+    let folder = recorded();
+    let path = folder.path();
+    printed(path, &["convert", "run.mcap", "out"]);
+    for (name, start) in [
+        ("s.bmp", &b"BM"[..]),
+        ("s.pcx", &[0x0A, 5, 1, 8]),
+        ("s.tif", b"II*\0"),
+        ("s.eps", b"%!PS-Adobe-3.0 EPSF-3.0\n"),
+    ] {
+        assert_eq!(printed(path, &["convert", "run.mcap", name]), format!("{name}\n"));
+        assert!(bytes(path, name).starts_with(start), "{name}");
+    }
+    assert_eq!(bytes(path, "s.bmp"), bytes(path, "out/ALL0000/F0000TEK.BMP"));
+    printed(path, &["convert", "out/ALL0000/F0000CH1.CSV", "one.bmp"]);
+    assert_ne!(bytes(path, "one.bmp"), bytes(path, "s.bmp"));
+    // A file alone tells no front panel: curve and screen, no set-up.
+    printed(path, &["convert", "out/ALL0000/F0000CH1.CSV", "alone"]);
+    assert_eq!(files(&path.join("alone/ALL0000")), ["F0000CH1.CSV", "F0000TEK.BMP"]);
+}
+
+/// A file that lost its header becomes native once the user says what instrument it is from.
+#[test]
+fn an_instrument_can_be_supplied() {
+    let folder = temporary();
+    let path = folder.path();
+    let rows = (0..2500)
+        .map(|n| format!("{:e},{:.2}\n", f64::from(n - 250) * 1e-6, f64::from(n % 50) * 0.04));
+    std::fs::write(path.join("bare.csv"), rows.collect::<String>()).expect("a file");
+    let error = refused(path, &["convert", "bare.csv", "native.csv"]);
+    says(&error, &["names no instrument", "--instrument MODEL"]);
+    printed(path, &["convert", "bare.csv", "native.csv", "--instrument", "tds2024"]);
+    let text = String::from_utf8(bytes(path, "native.csv")).expect("text");
+    assert!(text.contains("\nModel Number,TDS2024,,") && text.contains("\nSerial Number,0,,"));
+    assert!(
+        text.starts_with("Record Length,2.500000e+03,,  -0.000250000000,   0.00000,\n"),
+        "{}",
+        &text[..80]
+    );
+    let error = refused(path, &["convert", "bare.csv", "x.csv", "--instrument", "tds9"]);
+    says(&error, &["tds9", "tds2014, tds2024"]);
 }

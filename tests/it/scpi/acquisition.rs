@@ -8,7 +8,7 @@ use hertzscope::scpi::{Preferences, Reply, Session};
 fn step(instrument: &Instrument) -> Signals {
     let volts = (0..4000).map(|n| if n < 1500 { 0.0 } else { 2.0 }).collect();
     let interval = instrument.wanted().interval;
-    Signals { interval, automatic: 1500, volts: vec![volts], shot: 1 }
+    Signals { interval, automatic: 1500, volts: vec![volts], shot: 1, ..Signals::default() }
 }
 
 fn armed() -> Bench {

@@ -94,7 +94,13 @@ impl Bench {
         let after = (wanted.after / wanted.interval).round() as usize;
         let time = |n: usize| (n as f64 - before as f64) * wanted.interval;
         let volts = vec![(0..=before + after).map(|n| volts(time(n))).collect()];
-        let signals = Signals { interval: wanted.interval, automatic: before, volts, shot: 1 };
+        let signals = Signals {
+            interval: wanted.interval,
+            automatic: before,
+            volts,
+            shot: 1,
+            ..Signals::default()
+        };
         let accepted = self.instrument.accept_signals(&signals);
         assert!(matches!(accepted, Accepted::Triggered { .. }), "{accepted:?}");
         self.wait(wanted.after + 1e-9);

@@ -69,7 +69,8 @@ fn pylablib_acquires_and_reads() {
     assert_eq!(reply, Reply::WhenIdle(Vec::new()));
     let volts = (0..5000).map(|n| if n < 2000 { 0.0 } else { 0.5 }).collect();
     let interval = bench.instrument.wanted().interval;
-    let signals = Signals { interval, automatic: 0, volts: vec![volts], shot: 1 };
+    let signals =
+        Signals { interval, automatic: 0, volts: vec![volts], shot: 1, ..Signals::default() };
     bench.instrument.accept_signals(&signals);
     bench.wait(0.1);
     assert_eq!(bench.session.resume(&mut bench.instrument), Reply::Now(b"1\r\n".to_vec()));

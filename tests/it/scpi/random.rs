@@ -17,7 +17,13 @@ fn survive(instrument: &Instrument, bytes: &[u8]) {
     let mut session = Session::new(Preferences::new(true));
     session.receive(&mut instrument, bytes);
     session.end_of_message(&mut instrument);
-    let signals = Signals { interval: 1e-6, automatic: 3, volts: vec![vec![1.0; 10]], shot: 1 };
+    let signals = Signals {
+        interval: 1e-6,
+        automatic: 3,
+        volts: vec![vec![1.0; 10]],
+        shot: 1,
+        ..Signals::default()
+    };
     instrument.accept_signals(&signals);
     instrument.advance(1e3);
     session.resume(&mut instrument);

@@ -1,4 +1,4 @@
-//! Reads `.SET` files: the front panel at the time of a save, as the instrument's answer to `SET?`.
+//! Reads and writes `.SET` files: the front panel at the time of a save, as the instrument's answer to `SET?`.
 //!
 //! A folder `ALLnnnn` holds one beside its `.CSV` files. [`SetFile::complete`] takes from it what those do not tell
 //! (coupling, bandwidth limit, inversion) and notes where the two disagree: of 308 published pairs 6 do, three
@@ -7,6 +7,12 @@
 //! # Sources
 //! Tektronix programmer manual 071-1075, `SET?`; the project's fact sheet on the TDS2000 family, section 2.7, with
 //! files of two firmwares. `trigger point = 1250 - horizontal position / sample interval`.
+
+mod error;
+
+use std::fmt::Write as _;
+
+pub use error::SetFileError;
 
 use super::Capture;
 use super::command_text::{command, path, unquoted};
@@ -21,41 +27,6 @@ const MIDDLE: f64 = 1250.0;
 /// How far two statements of the same may differ, relative; a `.CSV` prints seven digits.
 const PRINTED: f64 = 1e-6;
 
-/// Why a file is no `.SET` file.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum SetFileError {
-    /// The file is larger than any of this format.
-    #[error("{file}: found {found} bytes, expected at most {limit}")]
-    TooLarge {
-        /// The file's name.
-        file: String,
-        /// Its size in bytes.
-        found: usize,
-        /// The largest size that is read, in bytes.
-        limit: usize,
-    },
-    /// Something that is no setting.
-    #[error(
-        "{file}, line {line}, byte {offset}: found `{found}`, expected a setting such as `:CH1:SCALE 1.0E0`"
-    )]
-    NoSetting {
-        /// The file's name.
-        file: String,
-        /// Line, counted from 1.
-        line: usize,
-        /// Where in the file, counted from 0.
-        offset: usize,
-        /// What stands there.
-        found: String,
-    },
-    /// Not one setting.
-    #[error("{file}: found no setting, expected at least one, such as `:CH1:SCALE 1.0E0`")]
-    Empty {
-        /// The file's name.
-        file: String,
-    },
-}
-
 /// One setting.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Setting {
@@ -63,6 +34,8 @@ pub struct Setting {
     pub path: String,
     /// As written, without quotes.
     pub value: String,
+    /// Whether it stood in quotes.
+    pub quoted: bool,
 }
 
 /// The settings of one file, in its order.
@@ -101,13 +74,34 @@ impl SetFile {
             };
             let before = settings.last().map(|setting| setting.path.as_str()).unwrap_or_default();
             let path = path(header, before);
-            settings.push(Setting { path, value: unquoted(value).to_owned() });
+            let bare = unquoted(value);
+            let quoted = bare.len() < value.len();
+            settings.push(Setting { path, value: bare.to_owned(), quoted });
             at = next;
         }
         if settings.is_empty() {
             return Err(SetFileError::Empty { file: file() });
         }
         Ok(Self { settings })
+    }
+
+    /// The settings as the instrument writes them: a header leaves out the path that it shares with all of the one before,
+    /// and begins at the root where it does not. What an instrument of the family saved comes back byte for byte.
+    #[must_use]
+    pub fn write(&self) -> String {
+        let mut text = String::new();
+        let mut stem: Option<String> = None;
+        for setting in &self.settings {
+            let shared = stem.as_deref().and_then(|stem| setting.path.strip_prefix(stem));
+            let header = shared.map_or_else(|| format!(":{}", setting.path), str::to_owned);
+            let mark = if setting.quoted { "\"" } else { "" };
+            let separator = if text.is_empty() { "" } else { ";" };
+            // Writing to a String cannot fail.
+            let _ = write!(text, "{separator}{header} {mark}{}{mark}", setting.value);
+            stem = setting.path.rsplit_once(':').map(|(stem, _)| format!("{stem}:"));
+        }
+        text.push('\n');
+        text
     }
 
     /// The last value of `path`, which is in capitals.

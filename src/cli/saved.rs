@@ -1,0 +1,55 @@
+//! What a scope saves beside its curves: the set-up and the screen.
+
+use crate::data;
+use crate::experiment::recorded;
+use crate::instrument::Instrument;
+use crate::recording::{Shot, TraceSet};
+use crate::scene::{SceneError, oscilloscope};
+use crate::scpi::{Preferences, Reply, Session};
+use crate::screen::Screen;
+
+/// Set-up and screen of one shot.
+pub struct Saved {
+    /// Content of the `.SET` file; none where the whole front panel is not known.
+    pub set_up: Option<Vec<u8>>,
+    /// What the screen showed.
+    pub screen: Screen,
+}
+
+/// Set-up and screen of a shot: by the scene that travels with the recording, by the `.SET` file that was imported with the
+/// captures, or, for the screen, by what the captures tell.
+///
+/// # Errors
+/// [`SceneError`] for a recording whose scene cannot be read any more.
+pub fn saved(set: &TraceSet, shot: &Shot) -> Result<Saved, SceneError> {
+    let is_set_up = |name: &str| name.to_ascii_uppercase().ends_with(".SET");
+    let mut set_ups = set.attachments.iter().filter(|a| is_set_up(&a.name));
+    if let (Some(file), None, [_]) = (set_ups.next(), set_ups.next(), set.shots.as_slice()) {
+        // Whatever model it was: any of the family draws it.
+        let model = data::instrument_names("").first().copied().unwrap_or_default();
+        let mut instrument = Instrument::new(oscilloscope(model)?, 0.0, 0);
+        let mut session = Session::new(Preferences::new(false));
+        session.receive(&mut instrument, &file.data);
+        let screen = screen_of(&mut instrument, shot);
+        return Ok(Saved { set_up: Some(file.data.clone()), screen });
+    }
+    let Some(scene) = recorded::scene(set) else {
+        return Ok(Saved { set_up: None, screen: Screen::of_captures(&shot.captures) });
+    };
+    let scene = scene?;
+    let mut instrument = Instrument::of(&scene.scope, scene.seed);
+    let screen = screen_of(&mut instrument, shot);
+    let mut session = Session::new(Preferences::new(true));
+    let set_up = match session.receive(&mut instrument, b"SET?\n") {
+        Reply::Now(bytes) => Some(bytes),
+        Reply::None | Reply::WhenIdle(_) => None,
+    };
+    Ok(Saved { set_up, screen })
+}
+
+/// The instrument's screen with the traces of a shot, spectra and references included.
+fn screen_of(instrument: &mut Instrument, shot: &Shot) -> Screen {
+    instrument.store(&shot.captures);
+    let traces = Screen::of_captures(&shot.captures).traces;
+    Screen { traces, ..Screen::of(instrument) }
+}

@@ -1,0 +1,94 @@
+//! AUTOSET: finds settings that show what is at the inputs.
+//!
+//! What is set follows the table "Autoset settings" of the TDS1000/2000 user manual (071-1064); how large and how many
+//! cycles a signal becomes is this program's choice, within what the manual describes.
+
+use super::limits;
+use super::measure::measure;
+use super::panel::{
+    AcquireMode, Cursor, CursorFunction, DisplayFormat, EdgeCoupling, MeasurementType, StopAfter,
+    TriggerSource, TriggerType, View,
+};
+use super::{Instrument, Source};
+use crate::scope::{Coupling, TriggerMode};
+
+/// Swing that is aimed at (div).
+const SWING: f64 = 4.0;
+/// Cycles on the screen that are aimed at (1).
+const CYCLES: f64 = 4.0;
+
+impl Instrument {
+    /// Scales every displayed channel to its record and the time base to the cycles of the lowest one, and triggers on
+    /// that at half height.
+    pub fn autoset(&mut self) {
+        let shown: Vec<u8> = (1..=self.model.channels)
+            .filter(|number| self.panel.displays(Source::Channel(*number)))
+            .collect();
+        let reading = |number: u8, kind| {
+            let record = self.waveform(Source::Channel(number)).ok()?;
+            measure(kind, &record).ok().filter(|value: &f64| *value > 0.0)
+        };
+        let first = shown.first().copied().unwrap_or(1);
+        let period = reading(first, MeasurementType::Period);
+        let swing = |number| reading(number, MeasurementType::PeakToPeak);
+        let swings: Vec<(u8, Option<f64>)> = shown.iter().map(|n| (*n, swing(*n))).collect();
+        self.centre_trigger_on(first);
+        for (number, swing) in swings {
+            let vertical = &mut self.panel.channel_mut(number).vertical;
+            vertical.position = 0.0;
+            vertical.bandwidth_limited = Some(false);
+            vertical.inverted = Some(false);
+            if vertical.coupling == Some(Coupling::Ground) {
+                vertical.coupling = Some(Coupling::Dc);
+            }
+            if let Some(swing) = swing {
+                let scale = limits::vertical_scale(&self.model, swing / SWING, vertical.probe);
+                vertical.scale = scale;
+            }
+        }
+        if let Some(period) = period {
+            let screen = CYCLES * period / self.model.horizontal_divisions;
+            self.panel.horizontal.scale = limits::time_base(&self.model, screen);
+        }
+        self.panel.horizontal.position = 0.0;
+        self.panel.horizontal.view = View::Main;
+        self.settings_for_repeated_signals();
+        let level = self.panel.trigger.level;
+        self.panel.trigger.level = limits::trigger_level(&self.model, &self.panel, level);
+        self.settled = self.panel.clone();
+        self.run();
+    }
+
+    fn settings_for_repeated_signals(&mut self) {
+        let panel = &mut self.panel;
+        panel.cursor = Cursor { function: CursorFunction::Off, ..panel.cursor };
+        panel.display.format = DisplayFormat::Yt;
+        panel.trigger.mode = TriggerMode::Auto;
+        panel.trigger.kind = TriggerType::Edge;
+        panel.trigger.coupling = EdgeCoupling::Dc;
+        panel.trigger.holdoff = self.model.limits.holdoff.0;
+        panel.acquire.stop_after = StopAfter::RunStop;
+        if panel.acquire.mode == AcquireMode::Average {
+            panel.acquire.mode = AcquireMode::Sample;
+        }
+    }
+
+    /// Puts the trigger level half way between the extremes of its source, where there is a record.
+    pub fn centre_trigger(&mut self) {
+        match self.panel.trigger.source.channel() {
+            Some(channel) => self.centre_trigger_on(channel),
+            // Nothing on the screen tells what is at the external input.
+            None => self.panel.trigger.level = 0.0,
+        }
+    }
+
+    /// The trigger looks at channel `number`, half way between the extremes of its record, if there is one.
+    fn centre_trigger_on(&mut self, number: u8) {
+        self.panel.trigger.source = TriggerSource::of_channel(number);
+        let Ok(record) = self.waveform(Source::Channel(number)) else { return };
+        let reading = |kind| measure(kind, &record).unwrap_or(0.0);
+        let level =
+            f64::midpoint(reading(MeasurementType::Minimum), reading(MeasurementType::Maximum));
+        self.panel.trigger.level = limits::trigger_level(&self.model, &self.panel, level);
+    }
+}

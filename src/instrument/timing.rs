@@ -1,0 +1,52 @@
+//! How long the parts of a record take, and on which grid signals are welcome.
+
+use super::panel::Panel;
+use super::record::sample_interval;
+use crate::scope::{Setup, TriggerMode};
+
+/// Whether the scope scans instead of waiting for triggers.
+pub fn scans(setup: &Setup) -> bool {
+    setup.trigger.mode == TriggerMode::Auto && setup.model.scans(setup.time_base)
+}
+
+/// The nearest count of samples.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a record has at most a few hundred thousand samples"
+)]
+pub fn samples(number: f64) -> usize {
+    number.round() as usize
+}
+
+/// Time that the part of the record before the trigger takes (s).
+pub fn before_trigger(setup: &Setup) -> f64 {
+    (-setup.record_span().0).max(0.0)
+}
+
+/// Time that the part of the record after the trigger takes (s).
+pub fn after_trigger(setup: &Setup) -> f64 {
+    setup.record_span().1.max(0.0)
+}
+
+/// The grid on which the instrument wants its signals, and how much of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wanted {
+    /// From one sample to the next (s).
+    pub interval: f64,
+    /// Time before the trigger that the record shows (s).
+    pub before: f64,
+    /// Time after the trigger that the record shows (s).
+    pub after: f64,
+}
+
+impl Wanted {
+    /// What a scope with these settings wants.
+    pub fn of(panel: &Panel, setup: &Setup) -> Self {
+        Self {
+            interval: sample_interval(panel, setup),
+            before: before_trigger(setup),
+            after: after_trigger(setup),
+        }
+    }
+}
