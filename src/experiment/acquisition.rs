@@ -2,11 +2,10 @@
 
 use super::bench::{Bench, Grid};
 use crate::recording::{Capture, Instrument, Origin, Shot};
-use crate::scene::{Scene, Site, input_load};
+use crate::scene::{Scene, Site};
 use crate::scope::acquire::{Found, before_trigger, digitise, find_trigger};
 use crate::scope::front_end::{condition, noise_stream};
 use crate::scope::{ChannelSetup, Source};
-use crate::sensor::Load;
 use crate::trace::Trace;
 
 /// The volts at each channel's probe, conditioned by the front end; `None` for channels that are off.
@@ -23,12 +22,12 @@ fn signals(scene: &Scene, bench: &Bench<'_>, grid: Grid, shot: u32) -> Vec<Optio
 /// The signal at a channel's probe tip (V).
 pub fn volts(scene: &Scene, bench: &Bench<'_>, grid: Grid, channel: &ChannelSetup) -> Vec<f64> {
     let index = scene.sensors.iter().position(|s| Some(&s.name) == channel.input.as_ref());
+    let circuit = index.and_then(|i| scene.circuit(i, channel));
     let watched = index.and_then(|i| bench.watches().get(i).zip(scene.sensors.get(i)));
-    let Some((watch, placed)) = watched else {
+    let (Some((watch, placed)), Some(circuit)) = (watched, circuit) else {
         let samples = bench.watches().first().map_or(0, |w| w.samples.len());
         return vec![0.0; samples];
     };
-    let load: Load = input_load(&scene.scope.model, channel);
     let force = Trace {
         name: placed.name.clone(),
         unit: "N".to_owned(),
@@ -36,7 +35,7 @@ pub fn volts(scene: &Scene, bench: &Bench<'_>, grid: Grid, channel: &ChannelSetu
         interval: grid.interval,
         values: watch.samples.clone(),
     };
-    placed.sensor.connect(load).respond(&force).values
+    circuit.respond(&force).values
 }
 
 /// Vertical scale of the channel that triggers (V/div).

@@ -159,9 +159,10 @@ fn channel(capture: &Capture, sensor: Option<&RecordedSensor>) -> (ChannelArriva
     };
     let height = pulse.as_ref().and_then(Pulse::height);
     let sensitivity = sensor.and_then(|sensor| sensor.sensitivity);
+    let sensitivity_u = sensor.and_then(|sensor| sensor.sensitivity_u).unwrap_or(0.0);
     let force = height.zip(sensitivity).map(|(height, sensitivity)| Uncertain {
         value: height.value / sensitivity,
-        u: height.standard_uncertainty / sensitivity,
+        u: height.standard_uncertainty.hypot(height.value * sensitivity_u) / sensitivity,
     });
     let arrival = |estimator: Estimator| Arrival {
         estimator: estimator.key(),

@@ -17,8 +17,12 @@ pub struct RecordedSensor {
     pub site: Option<Site>,
     /// Voltage per force before any droop (V/N).
     pub sensitivity: Option<f64>,
+    /// Relative standard uncertainty of the sensitivity, where the sensor was calibrated (1).
+    pub sensitivity_u: Option<f64>,
     /// Time constant of sensor and scope input (s).
     pub time_constant: Option<f64>,
+    /// Relative standard uncertainty of the time constant, where the sensor was calibrated (1).
+    pub time_constant_u: Option<f64>,
 }
 
 /// The scene that travels with a recording; none where none does, as with a real scope's files.
@@ -53,7 +57,9 @@ fn sensor(facts: &BTreeMap<String, String>) -> RecordedSensor {
         channel: facts.get("channel").cloned(),
         site,
         sensitivity: number("sensitivity_v_per_n"),
+        sensitivity_u: number("sensitivity_u_relative"),
         time_constant: number("time_constant_s"),
+        time_constant_u: number("time_constant_u_relative"),
     }
 }
 

@@ -21,7 +21,8 @@ pub use sensors::{PlacedSensor, Site};
 
 use crate::chain::{Chain, ChainSpec, End};
 use crate::quantity::Dimension;
-use crate::scope::Setup;
+use crate::scope::{ChannelSetup, Setup};
+use crate::sensor::{Circuit, Tolerance};
 use bodies::Materials;
 use reader::{Bound, Problems, Table};
 
@@ -61,6 +62,8 @@ pub struct Scene {
     pub accuracy: f64,
     /// Seed of everything random.
     pub seed: u64,
+    /// How far the sensors' plates may be from their data; drawn from the seed.
+    pub sensor_tolerance: Option<Tolerance>,
 }
 
 impl Scene {
@@ -89,6 +92,18 @@ impl Scene {
             Some(scene) if problems.is_empty() => Ok(scene),
             _ => Err(SceneError::Problems(problems)),
         }
+    }
+
+    /// The circuit that sensor `index` really forms with `channel`'s input: with a tolerance, not the one its data tell.
+    #[must_use]
+    pub fn circuit(&self, index: usize, channel: &ChannelSetup) -> Option<Circuit> {
+        let sensor = &self.sensors.get(index)?.sensor;
+        let load = input_load(&self.scope.model, channel);
+        let number = u32::try_from(index).unwrap_or(u32::MAX);
+        Some(match &self.sensor_tolerance {
+            Some(tolerance) => tolerance.draw(sensor, self.seed, number).connect(load),
+            None => sensor.connect(load),
+        })
     }
 
     /// Names of the scenes that ship with the program.
@@ -127,6 +142,7 @@ fn read(loaded: library::Loaded, problems: &Problems) -> Option<Scene> {
         duration: duration?,
         accuracy,
         seed,
+        sensor_tolerance: moving.sensor_tolerance,
     })
 }
 
@@ -135,6 +151,7 @@ struct Moving {
     kinds: Vec<String>,
     wall: bool,
     noise: f64,
+    sensor_tolerance: Option<Tolerance>,
     initial_velocities: Vec<f64>,
     built: Option<(ChainSpec, Chain)>,
 }
@@ -146,8 +163,13 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
         root.problem("chain", "no such table", "[chain] with top, bottom and segments");
     }
     let table = root.table("chain");
-    let particles = bodies::particles(root, table.as_ref(), &materials);
+    let mut particles = bodies::particles(root, table.as_ref(), &materials);
     let count = particles.kinds.len();
+    for (particle, mass) in sensors::host_masses(root, count) {
+        if let Some(body) = particles.bodies.get_mut(particle - 1) {
+            body.mass = mass;
+        }
+    }
     let end = |key| table.as_ref().and_then(|table| bodies::end(table, key, &materials));
     let (top, bottom) = (end("top"), end("bottom"));
     if let Some(table) = &table {
@@ -156,6 +178,7 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
     let effects = root.table("effects");
     let effects_spec = effects::effects(effects.as_ref(), count);
     let noise = effects.as_ref().and_then(effects::scope_noise).unwrap_or(0.0);
+    let sensor_tolerance = effects.as_ref().and_then(effects::sensor_tolerance);
     if let Some(effects) = effects {
         effects.finish();
     }
@@ -182,7 +205,7 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
     }
     // An end that could not be read has left its problem; a sensor at it is none.
     let wall = bottom.is_none_or(|(bottom, _)| matches!(bottom, End::Wall(_)));
-    Moving { kinds: particles.kinds, wall, noise, initial_velocities, built }
+    Moving { kinds: particles.kinds, wall, noise, sensor_tolerance, initial_velocities, built }
 }
 
 fn scope(root: &Table<'_>, noise: f64, duration: Option<f64>) -> Option<Setup> {

@@ -5,7 +5,10 @@ use super::document::Node;
 use super::library;
 use super::reader::{Bound, Problems, Table};
 use crate::quantity::Dimension;
-use crate::sensor::Sensor;
+use crate::sensor::{Load, Measured, Sensor, Tolerance, Wiring};
+
+/// Most plates of a stack.
+const MOST_PLATES: u64 = 1000;
 
 /// Where a sensor sits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,24 +67,124 @@ fn sensor(
 ) -> Option<PlacedSensor> {
     let place = site(table, hosts);
     let offset = table.quantity("offset", Dimension::NONE, Bound::Within(-0.5, 0.5)).unwrap_or(0.0);
+    // Read where the host's body is made.
+    let _ = table.node("host_mass");
+    let sensor = plate(name, table, problems);
+    Some(PlacedSensor { name: name.to_owned(), site: place?, offset, sensor: sensor? })
+}
+
+/// The sensor itself, without its place: the keys of the files in `instruments/sensors`.
+pub fn plate(name: &str, table: &Table<'_>, problems: &Problems) -> Option<Sensor> {
     let model = table.text("model").unwrap_or(name).to_owned();
-    let _ = table.text("source");
-    let ceramic = ceramic(table, problems);
-    let side = table.required("side", Dimension::LENGTH, Bound::Positive);
-    let thickness = table.required("thickness", Dimension::LENGTH, Bound::Positive);
-    let cable = table.required("cable_capacitance", Dimension::CAPACITANCE, Bound::NotNegative);
+    let _ = (table.text("source"), table.text("certificate"));
+    let measured = measured(table)?;
+    let known = measured.time_constant.is_some() && measured.sensitivity.is_some();
+    // A circuit that is known whole needs no plate.
+    let ceramic = if known && !table.has("ceramic") && !table.has("d33") {
+        Some((1.0, 0.0))
+    } else {
+        ceramic(table, problems)
+    };
+    let needed = if known { Table::quantity } else { Table::required };
+    let side = needed(table, "side", Dimension::LENGTH, Bound::Positive);
+    let thickness = needed(table, "thickness", Dimension::LENGTH, Bound::Positive);
+    let plates = table.count("plates", 1, MOST_PLATES).unwrap_or(1);
+    let wiring = [("parallel", Wiring::Parallel), ("series", Wiring::Series)];
+    let wiring = table.choice("wiring", &wiring).unwrap_or_default();
     let leak = table.quantity("leak_resistance", Dimension::RESISTANCE, Bound::Positive);
+    let cable = if measured.time_constant.is_some() {
+        if table.has("cable_capacitance") {
+            let expected =
+                "one of the two: the measured time constant holds the cable's capacitance";
+            table.problem("cable_capacitance", "both `cable_capacitance` and `tau`", expected);
+            let _ = table.node("cable_capacitance");
+        }
+        Some(0.0)
+    } else {
+        table.required("cable_capacitance", Dimension::CAPACITANCE, Bound::NotNegative)
+    };
     let (relative_permittivity, d33) = ceramic?;
-    let sensor = Sensor {
+    let (side, thickness) =
+        if known { (side.or(Some(1.0)), thickness.or(Some(1.0))) } else { (side, thickness) };
+    Some(Sensor {
         model,
         d33,
         relative_permittivity,
         side: side?,
         thickness: thickness?,
+        plates: u32::try_from(plates).ok()?,
+        wiring,
         cable_capacitance: cable?,
         leak_resistance: leak.unwrap_or(f64::INFINITY),
+        measured,
+    })
+}
+
+/// What is known of the circuit from measurement; none where that is wrong.
+fn measured(table: &Table<'_>) -> Option<Measured> {
+    let number = |key, dimension| table.quantity(key, dimension, Bound::Positive);
+    let uncertainty = |key| table.quantity(key, Dimension::NONE, Bound::NotNegative);
+    let measured = Measured {
+        sensitivity: number("sensitivity", Dimension::VOLTAGE_PER_FORCE),
+        sensitivity_u: uncertainty("sensitivity_u"),
+        time_constant: number("tau", Dimension::TIME),
+        time_constant_u: uncertainty("tau_u"),
+        load: None,
     };
-    Some(PlacedSensor { name: name.to_owned(), site: place?, offset, sensor })
+    let resistance = number("input_resistance", Dimension::RESISTANCE);
+    let capacitance =
+        table.quantity("input_capacitance", Dimension::CAPACITANCE, Bound::NotNegative);
+    let given = ["input_resistance", "input_capacitance"].map(|key| table.has(key));
+    if given[0] != given[1] {
+        let missing = if given[0] { "input_capacitance" } else { "input_resistance" };
+        table.problem(
+            missing,
+            "no such key",
+            "both of the input that `tau` and `sensitivity` were measured with",
+        );
+    }
+    let load = resistance.zip(capacitance);
+    let load = load.map(|(resistance, capacitance)| Load { resistance, capacitance });
+    let unread = |key: &str, value: Option<f64>| table.has(key) && value.is_none();
+    let wrong =
+        unread("sensitivity", measured.sensitivity) || unread("tau", measured.time_constant);
+    (!wrong).then_some(Measured { load, ..measured })
+}
+
+/// Masses of hosts that differ from their kind's, by the particle's number from 1 (kg).
+pub fn host_masses(root: &Table<'_>, particles: usize) -> Vec<(usize, f64)> {
+    let mut masses: Vec<(usize, f64)> = Vec::new();
+    for (_, table) in root.tables("sensors") {
+        let Some(mass) = table.quantity("host_mass", Dimension::MASS, Bound::Positive) else {
+            continue;
+        };
+        if !table.has("particle") {
+            table.problem("host_mass", "a mass", "none: only a sensor in a particle has a host");
+            continue;
+        }
+        let particle = table.count("particle", 1, last_particle(particles));
+        let Some(particle) = particle.and_then(|p| usize::try_from(p).ok()) else { continue };
+        if masses.iter().any(|(other, before)| *other == particle && (before - mass).abs() > 0.0) {
+            table.problem("host_mass", "a second mass of the same host", "one mass");
+        }
+        masses.push((particle, mass));
+    }
+    masses
+}
+
+/// `[effects.sensor_tolerance]`.
+pub fn tolerance(table: &Table<'_>) -> Tolerance {
+    let spread = table.required("spread", Dimension::NONE, Bound::Within(0.0, 0.5));
+    let temperature =
+        table.quantity("temperature_change", Dimension::TEMPERATURE, Bound::NotNegative);
+    let read = if temperature.is_some() { Table::required } else { Table::quantity };
+    let coefficient = |key| read(table, key, Dimension::PER_TEMPERATURE, Bound::Any).unwrap_or(0.0);
+    Tolerance {
+        spread: spread.unwrap_or(0.0),
+        temperature: temperature.unwrap_or(0.0),
+        permittivity_coefficient: coefficient("permittivity_coefficient"),
+        d33_coefficient: coefficient("d33_coefficient"),
+    }
 }
 
 fn site(table: &Table<'_>, hosts: &Hosts<'_>) -> Option<Site> {
