@@ -11,6 +11,7 @@ mod effects;
 mod library;
 pub mod magnets;
 mod oscilloscope;
+pub mod plan;
 pub mod problem;
 pub mod reader;
 mod sensors;
