@@ -3,6 +3,7 @@
 //! Exit code 0: done; 1: done, and the answer is no; 2: could not.
 
 mod arrivals;
+mod calibrate;
 mod completions;
 mod convert;
 mod cost;
@@ -44,6 +45,7 @@ enum Command {
     Spectrum(spectrum::Arguments),
     Arrivals(arrivals::Arguments),
     Magnet(magnet::Arguments),
+    Calibrate(calibrate::Arguments),
     #[cfg(feature = "server")]
     Serve(serve::Arguments),
     #[cfg(feature = "tui")]
@@ -64,6 +66,7 @@ pub fn main() -> ExitCode {
         Command::Spectrum(arguments) => spectrum::run(&arguments),
         Command::Arrivals(arguments) => arrivals::run(&arguments),
         Command::Magnet(arguments) => magnet::run(&arguments),
+        Command::Calibrate(arguments) => calibrate::run(&arguments),
         #[cfg(feature = "server")]
         Command::Serve(arguments) => serve::run(&arguments),
         #[cfg(feature = "tui")]

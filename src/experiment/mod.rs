@@ -7,6 +7,7 @@
 mod acquisition;
 pub mod arrivals;
 pub mod bench;
+pub mod calibration;
 mod comparison;
 pub mod cost;
 pub mod facts;

@@ -1,8 +1,10 @@
 //! Results as text and pictures for people.
 
 mod arrivals;
+pub mod calibration;
 mod chart;
 mod contents;
+mod document;
 pub mod magnet;
 pub mod plot;
 mod screen;
@@ -12,7 +14,7 @@ mod table;
 mod work_precision;
 
 pub use arrivals::arrivals;
-pub use chart::chart;
+pub use chart::{chart, chart_over};
 pub use contents::contents;
 pub use screen::screen;
 pub use summary::summary;
