@@ -2,6 +2,7 @@
 
 mod arrivals;
 pub mod calibration;
+pub mod calibration_design;
 mod chart;
 mod contents;
 mod document;
