@@ -15,6 +15,8 @@ const NOISE_TIMES: f64 = 4.0;
 const OUTSTANDING: f64 = 20.0;
 /// Without a window given, the integral begins and ends this share of the contact outside it (1).
 const MARGIN: f64 = 0.15;
+/// The sum of the voltage begins this part of the rise before the contact is seen.
+const LEAD: usize = 3;
 /// A further pulse counts above this share of the first (1).
 const SECOND: f64 = 0.1;
 /// A window that ends above this share of the peak cuts the pulse (1).
@@ -135,6 +137,12 @@ impl Prepared {
         self.signal.values.get(..self.peak)?.iter().rposition(|v| *v <= self.threshold)
     }
 
+    /// Sample from which on the voltage is summed: what the pulse has before it passes the threshold counts as well.
+    pub fn start(&self) -> Option<usize> {
+        let rise = self.rise()?;
+        Some(rise.saturating_sub((self.peak - rise) / LEAD))
+    }
+
     /// First sample behind the peak where `values` are below `level`.
     pub fn fall(&self, values: &[f64], level: f64) -> Option<usize> {
         let behind = values.get(self.peak..)?.iter().position(|v| *v <= level)?;
@@ -158,7 +166,7 @@ impl Impact {
         let signal = &prepared.signal;
         let rise = prepared.rise().ok_or(Exclusion::NoPreTrigger { samples: 0 })?;
         let length = signal.values.len();
-        let whole = restored(signal, rise, tau);
+        let whole = restored(signal, prepared.start().unwrap_or(rise), tau);
         let cut = |what, index| Exclusion::Cut { what, time: signal.time(index) };
         let fall = prepared.fall(&whole.values, prepared.threshold);
         let fall = fall.ok_or_else(|| cut("record", length - 1))?;
@@ -183,7 +191,8 @@ impl Impact {
             return Err(cut("window", to));
         }
         let second = (SECOND * top).max(2.0 * NOISE_TIMES * prepared.noise);
-        let before = signal.values.get(..rise).unwrap_or_default();
+        // Where the pulse begins, noise crosses the threshold more than once.
+        let before = signal.values.get(..rise.saturating_sub(margin)).unwrap_or_default();
         let early = before.iter().position(|v| v.abs() > second);
         let late = whole.values.iter().skip(fall + margin).position(|v| *v > second);
         if let Some(index) = early.or(late.map(|i| fall + margin + i)) {

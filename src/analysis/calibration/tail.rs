@@ -34,7 +34,7 @@ impl Tail {
 pub fn fit(record: &Record) -> Option<Tail> {
     let prepared = Prepared::new(record).ok()?;
     let signal = &prepared.signal;
-    let rise = prepared.rise()?;
+    let start = prepared.start()?;
     // The voltage passes zero a little before the contact ends.
     let zero = prepared.fall(&signal.values, 0.0)?;
     #[allow(
@@ -43,8 +43,8 @@ pub fn fit(record: &Record) -> Option<Tail> {
         clippy::cast_sign_loss,
         reason = "a share of a number of samples"
     )]
-    let first = zero + (CLEARANCE * (zero - rise) as f64) as usize - rise;
-    let values = signal.values.get(rise..)?;
+    let first = zero + (CLEARANCE * (zero - start) as f64) as usize - start;
+    let values = signal.values.get(start..)?;
     if values.len() < first + FEWEST {
         return None;
     }
