@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail};
 use clap::Args;
 
+use super::sensor::{Wired, wire_all, wired};
 use crate::recording::format::open;
 use crate::recording::{Capture, Shot, TraceSet, isf, mcap, tek_csv};
 use crate::report;
@@ -18,13 +19,17 @@ pub struct Arguments {
     /// A recording (.mcap), one file (.csv, .isf) for a single capture, a picture of the first shot (.svg), or a folder in which
     /// ALL0000, ALL0001, ... are made
     output: PathBuf,
+    /// A channel's sensor, a name or a file such as `calibrate` writes, to be noted in the recording (.mcap)
+    #[arg(long, value_name = "CH=SENSOR", value_parser = wired)]
+    sensor: Vec<Wired>,
     /// Do not name the files written
     #[arg(short, long)]
     quiet: bool,
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let set = open(&arguments.input)?;
+    let mut set = open(&arguments.input)?;
+    wire_all(&mut set, &arguments.sensor)?;
     for problem in &set.problems {
         eprintln!("warning: {}: {problem}", arguments.input.display());
     }

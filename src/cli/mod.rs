@@ -7,12 +7,14 @@ mod calibrate;
 mod completions;
 mod convert;
 mod cost;
+mod force;
 mod info;
 mod magnet;
 mod man;
 mod progress;
 mod run;
 mod scenes;
+mod sensor;
 #[cfg(feature = "server")]
 mod serve;
 mod spectrum;
@@ -46,6 +48,7 @@ enum Command {
     Arrivals(arrivals::Arguments),
     Magnet(magnet::Arguments),
     Calibrate(calibrate::Arguments),
+    Force(force::Arguments),
     #[cfg(feature = "server")]
     Serve(serve::Arguments),
     #[cfg(feature = "tui")]
@@ -67,6 +70,7 @@ pub fn main() -> ExitCode {
         Command::Arrivals(arguments) => arrivals::run(&arguments),
         Command::Magnet(arguments) => magnet::run(&arguments),
         Command::Calibrate(arguments) => calibrate::run(&arguments),
+        Command::Force(arguments) => force::run(&arguments),
         #[cfg(feature = "server")]
         Command::Serve(arguments) => serve::run(&arguments),
         #[cfg(feature = "tui")]

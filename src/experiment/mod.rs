@@ -16,6 +16,7 @@ pub mod outcome;
 pub mod paper;
 pub mod pulse;
 pub mod recorded;
+pub mod wired;
 
 use std::time::Instant;
 

@@ -29,6 +29,15 @@ fn percent(share: f64) -> String {
     format!("{:.2} %", 100.0 * share)
 }
 
+/// A number with its unit; a kilogram has its prefix already, and a plain number has none.
+fn in_unit(value: f64, unit: &str, digits: usize) -> String {
+    match unit {
+        "kg" => engineering(1e3 * value, "g", digits),
+        "1" => format!("{value:.digits$}"),
+        _ => engineering(value, unit, digits),
+    }
+}
+
 fn or_not_stated(text: Option<&String>) -> String {
     text.cloned().unwrap_or_else(|| "not stated".to_owned())
 }
@@ -132,8 +141,8 @@ fn budget_rows(report: &CalibrationReport) -> Vec<Vec<String>> {
         }
         rows.push(vec![
             line.input.clone(),
-            engineering(line.value, &line.unit, 5).trim_end_matches(" 1").to_owned(),
-            engineering(line.standard_uncertainty, &line.unit, 3).trim_end_matches(" 1").to_owned(),
+            in_unit(line.value, &line.unit, 5),
+            in_unit(line.standard_uncertainty, &line.unit, 3),
             engineering(line.contribution_v_per_n.abs(), "V/N", 3),
             percent(line.share),
         ]);

@@ -12,6 +12,7 @@ mod library;
 pub mod magnets;
 mod oscilloscope;
 pub mod plan;
+pub mod plates;
 pub mod problem;
 pub mod reader;
 mod sensors;
