@@ -3,6 +3,7 @@
 //! Exit code 0: done; 1: done, and the answer is no; 2: could not.
 
 mod arrivals;
+mod bands;
 mod calibrate;
 mod completions;
 mod convert;
@@ -17,6 +18,8 @@ mod scenes;
 mod sensor;
 #[cfg(feature = "server")]
 mod serve;
+mod signal;
+mod spectrogram;
 mod spectrum;
 #[cfg(feature = "tui")]
 mod view;
@@ -45,6 +48,8 @@ enum Command {
     Cost(cost::Arguments),
     Scenes(scenes::Arguments),
     Spectrum(spectrum::Arguments),
+    Spectrogram(spectrogram::Arguments),
+    Bands(bands::Arguments),
     Arrivals(arrivals::Arguments),
     Magnet(magnet::Arguments),
     Calibrate(calibrate::Arguments),
@@ -67,6 +72,8 @@ pub fn main() -> ExitCode {
         Command::Cost(arguments) => cost::run(&arguments),
         Command::Scenes(arguments) => scenes::run(&arguments),
         Command::Spectrum(arguments) => spectrum::run(&arguments),
+        Command::Spectrogram(arguments) => spectrogram::run(&arguments),
+        Command::Bands(arguments) => bands::run(&arguments),
         Command::Arrivals(arguments) => arrivals::run(&arguments),
         Command::Magnet(arguments) => magnet::run(&arguments),
         Command::Calibrate(arguments) => calibrate::run(&arguments),

@@ -67,6 +67,12 @@ fn sensor(facts: &BTreeMap<String, String>) -> RecordedSensor {
 /// not take turns or nothing presses.
 #[must_use]
 pub fn cell(scene: &Scene, site: Site) -> Option<DiatomicChain> {
+    cell_and_force(scene, site).map(|(cell, _)| cell)
+}
+
+/// The same with the static force there (N).
+#[must_use]
+pub fn cell_and_force(scene: &Scene, site: Site) -> Option<(DiatomicChain, f64)> {
     let chain = &scene.chain;
     let last = chain.particles();
     let particle = match site {
@@ -84,12 +90,13 @@ pub fn cell(scene: &Scene, site: Site) -> Option<DiatomicChain> {
     let (here, other) = (body(upper)?, body(upper + 1)?);
     let contact = chain.contacts().get(chain.body_of(upper) + 1)?;
     let stiffness = contact.static_stiffness();
-    (stiffness > 0.0).then(|| DiatomicChain {
+    let cell = DiatomicChain {
         light_mass: here.mass.min(other.mass),
         heavy_mass: here.mass.max(other.mass),
         stiffness,
         cell: chain.distance(upper, upper + 2),
-    })
+    };
+    (stiffness > 0.0).then_some((cell, contact.static_force))
 }
 
 /// Distance between two sites along the chain at rest, overlaps subtracted (m).

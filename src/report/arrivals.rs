@@ -22,6 +22,17 @@ pub fn arrivals(survey: &Survey) -> String {
         lines.push("pulse speed by each estimator of the arrival".to_owned());
         lines.extend(speeds(survey));
     }
+    for decay in &survey.decays {
+        let rate =
+            decay.per_metre.map_or(String::new(), |rate| format!(", {rate:+.2} nepers a metre"));
+        lines.push(format!(
+            "  first peak  {} -> {}: {:.3} ± {:.3} of its height{rate}",
+            decay.from,
+            decay.to,
+            decay.ratio.value,
+            COVERAGE * decay.ratio.u
+        ));
+    }
     for channel in &survey.channels {
         let name = &channel.channel;
         if let Some(problem) = &channel.problem {

@@ -1,6 +1,7 @@
 //! Results as text and pictures for people.
 
 mod arrivals;
+mod bands;
 pub mod calibration;
 pub mod calibration_design;
 mod chart;
@@ -10,12 +11,14 @@ mod forces;
 pub mod magnet;
 pub mod plot;
 mod screen;
+pub mod spectrogram;
 pub mod spectrum;
 mod summary;
 mod table;
 mod work_precision;
 
 pub use arrivals::arrivals;
+pub use bands::{bands, bands_curve};
 pub use chart::{chart, chart_over};
 pub use contents::contents;
 pub use forces::{force_curve, forces};

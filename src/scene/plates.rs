@@ -1,5 +1,7 @@
 //! The files of `instruments/sensors`: a plate with its wiring, what is known of both from measurement, or both.
 
+use std::path::Path;
+
 use super::document::Node;
 use super::library;
 use super::problem::SceneError;
@@ -18,7 +20,8 @@ pub fn load(name: &str) -> Result<Option<Sensor>, SceneError> {
     let Some(node) = library::open("sensors", name)? else { return Ok(None) };
     let problems = Problems::default();
     let sensor = Table::of(&node, "", &problems).and_then(|table| {
-        let sensor = plate(name, &table, &problems);
+        let stem = Path::new(name).file_stem().and_then(|stem| stem.to_str()).unwrap_or(name);
+        let sensor = plate(stem, &table, &problems);
         table.finish();
         sensor
     });
