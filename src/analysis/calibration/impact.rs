@@ -107,6 +107,11 @@ impl Prepared {
         let conditions = Conditions { level: record.level, ..Conditions::default() };
         let baseline = match Baseline::of(trace, &conditions) {
             Ok(baseline) if baseline.samples >= FEWEST_BASELINE => baseline,
+            Ok(_) | Err(PulseError::NoBaseline { .. })
+                if !stands_out(&trace.values, record.level) =>
+            {
+                return Err(Exclusion::NoPulse);
+            }
             Ok(Baseline { samples, .. }) | Err(PulseError::NoBaseline { samples, .. }) => {
                 return Err(Exclusion::NoPreTrigger { samples });
             }
@@ -262,6 +267,15 @@ impl Impact {
         let squares: f64 = (0..=last).map(square).sum();
         self.interval * (ratio / leaked) * self.noise * squares.sqrt()
     }
+}
+
+/// Whether the values differ more than neighbours do, which is what noise does.
+#[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
+fn stands_out(values: &[f64], level: f64) -> bool {
+    let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
+    let steps: f64 = values.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum();
+    let noise = noise_of((0.5 * steps / values.len() as f64).sqrt(), level);
+    high - low >= OUTSTANDING * noise
 }
 
 /// `signal` with its droop undone from sample `from` on; zero before.
