@@ -12,8 +12,9 @@ use crate::experiment::calibration::design::{Candidate, Designer, Lab, strikers}
 use crate::experiment::calibration::{self, Calibrated, sensor_file};
 use crate::quantity::{Dimension, parse};
 use crate::recording::mcap;
-use crate::report::calibration::{certificate, page, pictures};
+use crate::report::calibration::page;
 use crate::report::calibration_design::design_page;
+use crate::report::certificate::{certificate, pictures};
 use crate::scene::plan;
 
 /// Calibrate a sensor through linear momentum: sensitivity, time constant, uncertainty budget, certificate

@@ -41,7 +41,7 @@ pub fn markdown(parts: &[Part]) -> String {
                 let Some((heading, rest)) = rows.split_first() else { continue };
                 text.push_str(&row(heading));
                 text.push_str(&row(&vec!["---".to_owned(); heading.len()]));
-                rest.iter().for_each(|cells| text.push_str(&row(cells)));
+                text.push_str(&rest.iter().map(|cells| row(cells)).collect::<Vec<_>>().concat());
             }
             Part::Picture(file, shown, _) => {
                 let _ = writeln!(text, "![{shown}]({file})");
@@ -65,15 +65,21 @@ pub fn html(title: &str, parts: &[Part]) -> String {
             }
             Part::Paragraph(paragraph) => writeln!(body, "<p>{}</p>", escape(paragraph)),
             Part::List(items) => {
-                let items: String =
-                    items.iter().map(|item| format!("<li>{}</li>\n", escape(item))).collect();
+                let items = items
+                    .iter()
+                    .map(|item| format!("<li>{}</li>\n", escape(item)))
+                    .collect::<Vec<_>>()
+                    .concat();
                 writeln!(body, "<ul>\n{items}</ul>")
             }
             Part::Table(rows) => {
                 let line = |(index, row): (usize, &Vec<String>)| {
                     let tag = if index == 0 { "th" } else { "td" };
-                    let cells: String =
-                        row.iter().map(|c| format!("<{tag}>{}</{tag}>", escape(c))).collect();
+                    let cells = row
+                        .iter()
+                        .map(|c| format!("<{tag}>{}</{tag}>", escape(c)))
+                        .collect::<Vec<_>>()
+                        .concat();
                     format!("<tr>{cells}</tr>\n")
                 };
                 let lines: String = rows.iter().enumerate().map(line).collect();

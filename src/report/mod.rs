@@ -4,6 +4,7 @@ mod arrivals;
 mod bands;
 pub mod calibration;
 pub mod calibration_design;
+pub mod certificate;
 mod chart;
 mod contents;
 mod document;

@@ -42,7 +42,8 @@ impl SpectrogramPage {
                 let Some(row) = self.row(column.frequency(bin), down) else { break };
                 let above = self.row(column.frequency(bin + 1), down).unwrap_or(down);
                 let Some(rows) = cells.get_mut(row..above.max(row + 1)) else { continue };
-                for cell in rows.iter_mut().flat_map(|row| row.get_mut(places.clone())).flatten() {
+                for cell in rows.iter_mut().filter_map(|row| row.get_mut(places.clone())).flatten()
+                {
                     *cell = cell.max(*amplitude);
                 }
             }
@@ -80,6 +81,7 @@ impl SpectrogramPage {
 /// The page that `spectrogram` prints.
 #[must_use]
 #[allow(
+    clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "one of a handful of shades"

@@ -1,30 +1,22 @@
 //! One record of one impact: where its contact is, and the sums from which its integral follows for any baseline and tau.
 
 use super::Exclusion;
-use crate::analysis::baseline::{Baseline, noise_of};
+use super::prepared::Prepared;
+use crate::analysis::baseline::Baseline;
 use crate::analysis::droop::undo_droop;
 use crate::analysis::gate::Gate;
-use crate::analysis::pulse::{Conditions, PulseError};
 use crate::trace::Trace;
 
-/// The contact begins and ends where the force passes this share of its peak, or the noise if that is more (1).
-const CONTACT_SHARE: f64 = 0.01;
 /// What the noise is taken times there: thousands of samples, none of which may pass by chance (1).
-const NOISE_TIMES: f64 = 4.0;
-/// A pulse must stand out of the noise this many times (1).
-const OUTSTANDING: f64 = 20.0;
+pub(super) const NOISE_TIMES: f64 = 4.0;
 /// Without a window given, the integral begins and ends this share of the contact outside it (1).
 const MARGIN: f64 = 0.15;
-/// The sum of the voltage begins this part of the rise before the contact is seen.
-const LEAD: usize = 3;
 /// A further pulse counts above this share of the first (1).
 const SECOND: f64 = 0.1;
 /// A window that ends above this share of the peak cuts the pulse (1).
 const CUT_SHARE: f64 = 0.03;
 /// Standard uncertainty of the contact's duration over itself: where Hertz's force passes 1 % of its peak, 3 % are left (1).
 const DURATION_U: f64 = 0.05;
-/// Fewer samples of baseline than this are none.
-const FEWEST_BASELINE: usize = 50;
 
 /// A record as it came from the scope.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,17 +29,6 @@ pub struct Record {
     pub clipped: usize,
     /// Where to integrate; by default the contact and a little on either side.
     pub window: Option<Gate>,
-}
-
-/// A record whose pulse is positive and stands out of the noise; its baseline is known.
-pub(super) struct Prepared {
-    pub baseline: Baseline,
-    pub noise: f64,
-    pub negative: bool,
-    /// The voltage without its baseline.
-    pub signal: Trace,
-    pub peak: usize,
-    pub threshold: f64,
 }
 
 /// Sums over a window, from which the integral follows: those of the voltage, and those of 1, which the baseline is taken times.
@@ -92,67 +73,6 @@ pub struct Impact {
     pub signal: Trace,
     /// The same with its droop undone from the window's start on.
     pub restored: Trace,
-}
-
-impl Prepared {
-    pub fn new(record: &Record) -> Result<Self, Exclusion> {
-        let trace = &record.trace;
-        if record.clipped > 0 {
-            return Err(Exclusion::Saturated { samples: record.clipped });
-        }
-        let sound = trace.interval > 0.0 && trace.interval.is_finite();
-        if !sound || trace.values.iter().any(|v| !v.is_finite()) {
-            return Err(Exclusion::NotFinite);
-        }
-        let conditions = Conditions { level: record.level, ..Conditions::default() };
-        let baseline = match Baseline::of(trace, &conditions) {
-            Ok(baseline) if baseline.samples >= FEWEST_BASELINE => baseline,
-            Ok(_) | Err(PulseError::NoBaseline { .. })
-                if !stands_out(&trace.values, record.level) =>
-            {
-                return Err(Exclusion::NoPulse);
-            }
-            Ok(Baseline { samples, .. }) | Err(PulseError::NoBaseline { samples, .. }) => {
-                return Err(Exclusion::NoPreTrigger { samples });
-            }
-            Err(_) => return Err(Exclusion::NoPulse),
-        };
-        let noise = noise_of(baseline.rms, record.level);
-        let mut signal = trace.clone();
-        signal.values.iter_mut().for_each(|v| *v -= baseline.level);
-        let highest = |values: &[f64], sign: f64| {
-            let top = values.iter().enumerate().map(|(i, v)| (i, sign * v));
-            top.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0))
-        };
-        let (up, down) = (highest(&signal.values, 1.0), highest(&signal.values, -1.0));
-        let negative = down.1 > up.1;
-        let (peak, top) = if negative { down } else { up };
-        if negative {
-            signal.values.iter_mut().for_each(|v| *v = -*v);
-        }
-        if top < OUTSTANDING * noise {
-            return Err(Exclusion::NoPulse);
-        }
-        let threshold = (CONTACT_SHARE * top).max(NOISE_TIMES * noise);
-        Ok(Self { baseline, noise, negative, signal, peak, threshold })
-    }
-
-    /// Last sample before the peak that is below the threshold.
-    pub fn rise(&self) -> Option<usize> {
-        self.signal.values.get(..self.peak)?.iter().rposition(|v| *v <= self.threshold)
-    }
-
-    /// Sample from which on the voltage is summed: what the pulse has before it passes the threshold counts as well.
-    pub fn start(&self) -> Option<usize> {
-        let rise = self.rise()?;
-        Some(rise.saturating_sub((self.peak - rise) / LEAD))
-    }
-
-    /// First sample behind the peak where `values` are below `level`.
-    pub fn fall(&self, values: &[f64], level: f64) -> Option<usize> {
-        let behind = values.get(self.peak..)?.iter().position(|v| *v <= level)?;
-        Some(self.peak + behind)
-    }
 }
 
 impl Impact {
@@ -267,15 +187,6 @@ impl Impact {
         let squares: f64 = (0..=last).map(square).sum();
         self.interval * (ratio / leaked) * self.noise * squares.sqrt()
     }
-}
-
-/// Whether the values differ more than neighbours do, which is what noise does.
-#[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
-fn stands_out(values: &[f64], level: f64) -> bool {
-    let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
-    let steps: f64 = values.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum();
-    let noise = noise_of((0.5 * steps / values.len() as f64).sqrt(), level);
-    high - low >= OUTSTANDING * noise
 }
 
 /// `signal` with its droop undone from sample `from` on; zero before.

@@ -104,6 +104,7 @@ fn speed(
 }
 
 /// `window = ["-10 us", "200 us"]`; `Some(None)` without one, none where it is wrong.
+#[allow(clippy::option_option, reason = "wrong, or not there, or there")]
 fn window(table: &Table<'_>) -> Option<Option<[f64; 2]>> {
     if !table.has("window") {
         let _ = table.node("window");

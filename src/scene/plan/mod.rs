@@ -162,9 +162,10 @@ pub fn load(file: &Path) -> Result<Plan, PlanError> {
 
 fn read(file: &Path, node: &Node, problems: &Problems) -> Option<Plan> {
     let root = Table::of(node, "", problems)?;
-    let gravity = match root.has("gravity") {
-        true => uncertain(&root, ("gravity", "gravity_u"), Dimension::ACCELERATION, false),
-        false => Some(Uncertain { value: FREE_FALL, u: 0.0 }),
+    let gravity = if root.has("gravity") {
+        uncertain(&root, ("gravity", "gravity_u"), Dimension::ACCELERATION, false)
+    } else {
+        Some(Uncertain { value: FREE_FALL, u: 0.0 })
     };
     let seed = root.count("seed", 0, (1 << 53) - 1).unwrap_or(0);
     let draws = root.count("draws", 1000, 10_000_000).unwrap_or(DRAWS);
@@ -182,8 +183,8 @@ fn read(file: &Path, node: &Node, problems: &Problems) -> Option<Plan> {
     });
     let mut tau = None;
     if let Some(table) = root.table("sensor") {
-        particulars.item = table.text("item").unwrap_or_default().to_owned();
-        particulars.sensor = table.text("name").unwrap_or("sensor").to_owned();
+        table.text("item").unwrap_or_default().clone_into(&mut particulars.item);
+        table.text("name").unwrap_or("sensor").clone_into(&mut particulars.sensor);
         if table.has("tau") {
             tau = uncertain(&table, ("tau", "tau_u"), Dimension::TIME, true);
         }

@@ -52,7 +52,7 @@ fn a_measured_sensor_needs_no_data_sheet() {
     let text = "sensitivity = \"0.41 V/N\"\nsensitivity_u = 0.004\ntau = \"1.1 ms\"\ntau_u = \"0.5 %\"\n\
                 input_resistance = \"1 MOhm\"\ninput_capacitance = \"20 pF\"\n";
     std::fs::write(&file, text).expect("a file");
-    let wired = format!("{}", sensor.replace("SENSOR", &file.display().to_string()));
+    let wired = sensor.replace("SENSOR", &file.display().to_string());
     let (s, tau) = circuit(&scene(&wired), 0);
     assert!((s / 0.41 - 1.0).abs() < 1e-12 && (tau / 1.1e-3 - 1.0).abs() < 1e-12);
     let (s, tau) = circuit(&scene(&format!("{wired}[scope.ch1]\nprobe = 10\n")), 0);
