@@ -33,6 +33,9 @@ pub fn arrivals(survey: &Survey) -> String {
             COVERAGE * decay.ratio.u
         ));
     }
+    if !survey.decays.is_empty() {
+        lines.push("  note  a light host, a heavy one and a wall feel different shares of one pulse: compare like with like".to_owned());
+    }
     for channel in &survey.channels {
         let name = &channel.channel;
         if let Some(problem) = &channel.problem {

@@ -18,14 +18,14 @@ pub struct Tail {
     pub inverse_tau: f64,
     /// Its standard uncertainty from the noise (1/s).
     pub noise_u: f64,
-    /// Its change with the baseline (1/(s V)).
+    /// Its change with the baseline (1/s/V).
     pub per_baseline: f64,
     /// Standard uncertainty of the baseline (V).
     pub baseline_u: f64,
 }
 
 impl Tail {
-    /// Weight among several.
+    /// Weight among several, one over the square of the standard uncertainty (s^2).
     pub fn weight(&self) -> f64 {
         1.0 / (self.noise_u.powi(2) + (self.per_baseline * self.baseline_u).powi(2))
     }
