@@ -20,6 +20,17 @@ pub struct DiatomicChain {
 }
 
 impl DiatomicChain {
+    /// The chain of Hertz contacts that is this one under the preload `now` (N), under another one, `force` (N).
+    ///
+    /// `F = A overlap^1.5` has the stiffness `1.5 F/overlap`: it goes with the cubic root of the force, and cells give by the overlaps.
+    #[must_use]
+    pub fn pressed(&self, now: f64, force: f64) -> Self {
+        let stiffness = self.stiffness * (force / now).cbrt();
+        let overlap = |force: f64, stiffness: f64| 1.5 * force / stiffness;
+        let given = overlap(force, stiffness) - overlap(now, self.stiffness);
+        Self { stiffness, cell: self.cell - 2.0 * given, ..*self }
+    }
+
     /// Top of the acoustic branch `f1`, the band gap's lower edge (Hz).
     #[must_use]
     pub fn gap_bottom(&self) -> f64 {

@@ -8,6 +8,31 @@
 
 use crate::trace::Trace;
 
+/// What the inverse makes of errors in the voltage.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ErrorGain {
+    /// Standard deviation of `S N` over that of independent noise in each sample (1).
+    pub noise: f64,
+    /// Error of `S N` over an error of the baseline (1).
+    pub baseline: f64,
+}
+
+/// Gains at `sample`, counted from 0 where the inverse starts, for samples `interval` (s) apart and `time_constant` (s).
+///
+/// `S N[n] = g (V[n] + (1 - a) sum over k < n of V[k])`, `g = dt/(tau (1 - a))`: so the noise of `n + 1` samples makes
+/// `g sqrt(1 + n (1 - a)^2)`, and a baseline error `g (1 + n (1 - a))`, which grows as `T/tau`.
+#[must_use]
+#[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
+pub fn error_gain(sample: usize, interval: f64, time_constant: f64) -> ErrorGain {
+    let ratio = interval / time_constant;
+    let leaked = -(-ratio).exp_m1();
+    let (gained, count) = (ratio / leaked, sample as f64);
+    ErrorGain {
+        noise: gained * (1.0 + count * leaked * leaked).sqrt(),
+        baseline: gained * (1.0 + count * leaked),
+    }
+}
+
 /// `S N` for a voltage that starts at rest, without its baseline, with the circuit's time constant `tau` (s).
 #[must_use]
 pub fn undo_droop(voltage: &Trace, time_constant: f64) -> Trace {

@@ -2,6 +2,7 @@
 
 pub mod arrival;
 pub mod baseline;
+pub mod calibration;
 pub mod correlation;
 pub mod dispersion;
 pub mod droop;

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, anyhow, bail};
 use clap::Args;
 
+use super::sensor::{Wired, wire_all, wired};
 use crate::recording::format::open;
 use crate::recording::tek_csv::TekCsvError;
 use crate::recording::{Capture, Instrument, Shot, TraceSet, isf, mcap, tek_csv};
@@ -26,6 +27,9 @@ pub struct Arguments {
     /// The instrument that captures without one are said to be from: a native .csv must name it
     #[arg(long, value_name = "MODEL")]
     instrument: Option<String>,
+    /// A channel's sensor, a name or a file such as `calibrate` writes, to be noted in the recording (.mcap)
+    #[arg(long, value_name = "CH=SENSOR", value_parser = wired)]
+    sensor: Vec<Wired>,
     /// Do not name the files written
     #[arg(short, long)]
     quiet: bool,
@@ -36,6 +40,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(name) = &arguments.instrument {
         name_instrument(&mut set, &oscilloscope(name)?);
     }
+    wire_all(&mut set, &arguments.sensor)?;
     for problem in &set.problems {
         eprintln!("warning: {}: {problem}", arguments.input.display());
     }

@@ -3,9 +3,12 @@
 //! Exit code 0: done; 1: done, and the answer is no; 2: could not.
 
 mod arrivals;
+mod bands;
+mod calibrate;
 mod completions;
 mod convert;
 mod cost;
+mod force;
 mod info;
 mod magnet;
 mod man;
@@ -13,8 +16,11 @@ mod progress;
 mod run;
 mod saved;
 mod scenes;
+mod sensor;
 #[cfg(feature = "server")]
 mod serve;
+mod signal;
+mod spectrogram;
 mod spectrum;
 #[cfg(feature = "tui")]
 mod view;
@@ -43,8 +49,12 @@ enum Command {
     Cost(cost::Arguments),
     Scenes(scenes::Arguments),
     Spectrum(spectrum::Arguments),
+    Spectrogram(spectrogram::Arguments),
+    Bands(bands::Arguments),
     Arrivals(arrivals::Arguments),
     Magnet(magnet::Arguments),
+    Calibrate(calibrate::Arguments),
+    Force(force::Arguments),
     #[cfg(feature = "server")]
     Serve(serve::Arguments),
     #[cfg(feature = "tui")]
@@ -63,8 +73,12 @@ pub fn main() -> ExitCode {
         Command::Cost(arguments) => cost::run(&arguments),
         Command::Scenes(arguments) => scenes::run(&arguments),
         Command::Spectrum(arguments) => spectrum::run(&arguments),
+        Command::Spectrogram(arguments) => spectrogram::run(&arguments),
+        Command::Bands(arguments) => bands::run(&arguments),
         Command::Arrivals(arguments) => arrivals::run(&arguments),
         Command::Magnet(arguments) => magnet::run(&arguments),
+        Command::Calibrate(arguments) => calibrate::run(&arguments),
+        Command::Force(arguments) => force::run(&arguments),
         #[cfg(feature = "server")]
         Command::Serve(arguments) => serve::run(&arguments),
         #[cfg(feature = "tui")]

@@ -6,17 +6,15 @@ use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 
+use super::signal::{WindowChoice, signal, time};
 use crate::analysis::gate::Gate;
 use crate::analysis::spectrum::{Analyser, Convention, Settings};
-use crate::analysis::window::Window;
 use crate::experiment::recorded;
-use crate::quantity::{Dimension, parse};
+use crate::recording::TraceSet;
 use crate::recording::format::open;
-use crate::recording::{Shot, TraceSet};
 use crate::report;
 use crate::report::spectrum::{SpectrumPage, band};
 use crate::scene::Site;
-use crate::trace::Trace;
 
 /// Maxima lower than this share of the highest are not listed (1).
 const LISTED: f64 = 0.05;
@@ -68,39 +66,19 @@ enum ConventionChoice {
     Density,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum WindowChoice {
-    /// None: for pulses that end within the record
-    Rectangular,
-    /// For lines close to each other
-    Hann,
-    /// For the height of lines
-    FlatTop,
-}
-
-fn time(text: &str) -> Result<f64, String> {
-    parse(text, Dimension::TIME).map_err(|error| format!("{error}, expected a time, e.g. 200us"))
-}
-
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let set = open(&arguments.file)?;
     let Some(shot) = set.shots.iter().find(|shot| shot.number == arguments.shot) else {
         bail!("found {} shots, expected one with number {}", set.shots.len(), arguments.shot);
     };
-    let (trace, site, offset) = match &arguments.truth {
-        Some(name) => truth(&set, shot, name)?,
-        None => capture(&set, shot, arguments.channel.as_deref())?,
-    };
+    let (trace, site, offset) =
+        signal(&set, shot, arguments.channel.as_deref(), arguments.truth.as_deref())?;
     let settings = Settings {
         convention: match arguments.convention {
             ConventionChoice::Paper => Convention::Paper,
             ConventionChoice::Density => Convention::Density,
         },
-        window: match arguments.window {
-            WindowChoice::Rectangular => Window::Rectangular,
-            WindowChoice::Hann => Window::Hann,
-            WindowChoice::FlatTop => Window::FlatTop,
-        },
+        window: arguments.window.window(),
         gate: Gate {
             from: arguments.from.unwrap_or(f64::NEG_INFINITY),
             to: arguments.to.unwrap_or(f64::INFINITY),
@@ -123,56 +101,6 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     } else {
         super::print(&page.text())
     }
-}
-
-/// A signal, where it was felt, and what is subtracted from it.
-type Signal = (Trace, Option<Site>, f64);
-
-fn capture(set: &TraceSet, shot: &Shot, channel: Option<&str>) -> anyhow::Result<Signal> {
-    let name_of = |capture: &crate::recording::Capture| capture.waveform.source.to_string();
-    let wanted = |c: &&crate::recording::Capture| {
-        channel.is_none_or(|channel| name_of(c).eq_ignore_ascii_case(channel))
-    };
-    let Some(capture) = shot.captures.iter().find(wanted) else {
-        let names: Vec<String> = shot.captures.iter().map(name_of).collect();
-        bail!(
-            "found no capture {}, expected one of: {}",
-            channel.unwrap_or("at all"),
-            names.join(", ")
-        );
-    };
-    let name = name_of(capture);
-    let Some(mut trace) = capture.trace() else {
-        bail!("{name}: found a record over frequency, expected one over time");
-    };
-    let sensors = recorded::sensors(set);
-    let sensor = sensors.iter().find(|sensor| sensor.channel.as_ref() == Some(&name));
-    if let Some(sensor) = sensor {
-        trace.name = format!("{name}, sensor {}", sensor.name);
-    }
-    Ok((trace, sensor.and_then(|sensor| sensor.site), 0.0))
-}
-
-/// The truth called `name`, in full, by its topic, or a sensor's by the sensor's name. What it starts from is its static part.
-fn truth(set: &TraceSet, shot: &Shot, name: &str) -> anyhow::Result<Signal> {
-    let name = name.trim_start_matches("/truth/");
-    let topic = |trace: &Trace| {
-        trace.name.split_once(": ").map_or(&*trace.name, |(topic, _)| topic).to_owned()
-    };
-    let sensor_topic = format!("sensor/{name}");
-    let found = shot.truth.iter().find(|trace| {
-        let topic = topic(trace);
-        topic == name || topic == sensor_topic || trace.name == name
-    });
-    let Some(trace) = found else {
-        let names: Vec<String> = shot.truth.iter().map(topic).collect();
-        bail!("found no truth `{name}`, expected one of: {}", names.join(", "));
-    };
-    let sensors = recorded::sensors(set);
-    let topic = topic(trace);
-    let sensor = sensors.iter().find(|s| Some(s.name.as_str()) == topic.strip_prefix("sensor/"));
-    let offset = trace.values.first().copied().unwrap_or(0.0);
-    Ok((trace.clone(), sensor.and_then(|sensor| sensor.site), offset))
 }
 
 /// The chain around the sensor, and why there is none if there is none.

@@ -47,6 +47,7 @@ fn sensed(
 ) -> Option<Vec<f64>> {
     let index = scene.sensors.iter().position(|sensor| sensor.name == name)?;
     let (watch, placed) = bench.watches().get(index).zip(scene.sensors.get(index))?;
+    let circuit = scene.circuit_into(index, load)?;
     let force = Trace {
         name: placed.name.clone(),
         unit: "N".to_owned(),
@@ -54,7 +55,7 @@ fn sensed(
         interval: grid.interval,
         values: watch.samples.clone(),
     };
-    Some(placed.sensor.connect(load).respond(&force).values)
+    Some(circuit.respond(&force).values)
 }
 
 /// Vertical scale of the channel that triggers (V/div).

@@ -80,6 +80,19 @@ pub struct SpeedBetween {
     pub m_per_s: Uncertain,
 }
 
+/// How much lower the first peak is from one channel's sensor to the next.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Decay {
+    /// Channel from which.
+    pub from: String,
+    /// Channel to which.
+    pub to: String,
+    /// Height there over height here, both as forces.
+    pub ratio: Uncertain,
+    /// Natural logarithm of the loss over the distance; none where that is not known (1/m).
+    pub per_metre: Option<f64>,
+}
+
 /// What a shot tells about arrivals.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Survey {
@@ -89,6 +102,8 @@ pub struct Survey {
     pub channels: Vec<ChannelArrivals>,
     /// Speeds between neighbouring sensors, from the top.
     pub speeds: Vec<SpeedBetween>,
+    /// Decay of the first peak between neighbouring sensors, from the top.
+    pub decays: Vec<Decay>,
     /// What could not be told, and why.
     pub notes: Vec<String>,
 }
@@ -133,7 +148,23 @@ pub fn survey(set: &TraceSet, shot: &Shot) -> Survey {
     let speeds = scene.iter().flat_map(|scene| {
         placed.iter().zip(placed.iter().skip(1)).flat_map(|(a, b)| between(scene, a, b))
     });
-    Survey { shot: shot.number, speeds: speeds.collect(), channels, notes }
+    let decay = |(a, b): (&Placed, &Placed)| {
+        let height = |placed: &Placed| {
+            channels.iter().find(|channel| channel.channel == placed.channel)?.height_n
+        };
+        let (here, there) = (height(a)?, height(b)?);
+        let value = there.value / here.value;
+        let u = value * (there.u / there.value).hypot(here.u / here.value);
+        let distance = scene.as_ref().and_then(|scene| recorded::distance(scene, a.site, b.site));
+        Some(Decay {
+            from: a.channel.clone(),
+            to: b.channel.clone(),
+            ratio: Uncertain { value, u },
+            per_metre: distance.map(|distance| -value.ln() / distance),
+        })
+    };
+    let decays = placed.iter().zip(placed.iter().skip(1)).filter_map(decay).collect();
+    Survey { shot: shot.number, speeds: speeds.collect(), decays, channels, notes }
 }
 
 /// A pulse and where it was felt.
@@ -159,9 +190,10 @@ fn channel(capture: &Capture, sensor: Option<&RecordedSensor>) -> (ChannelArriva
     };
     let height = pulse.as_ref().and_then(Pulse::height);
     let sensitivity = sensor.and_then(|sensor| sensor.sensitivity);
+    let sensitivity_u = sensor.and_then(|sensor| sensor.sensitivity_u).unwrap_or(0.0);
     let force = height.zip(sensitivity).map(|(height, sensitivity)| Uncertain {
         value: height.value / sensitivity,
-        u: height.standard_uncertainty / sensitivity,
+        u: height.standard_uncertainty.hypot(height.value * sensitivity_u) / sensitivity,
     });
     let arrival = |estimator: Estimator| Arrival {
         estimator: estimator.key(),

@@ -62,6 +62,7 @@ pub fn facts(scene: &Scene, integration: Integration) -> Result<Facts, RunError>
 
 fn sensor_facts(scene: &Scene, placed: &PlacedSensor) -> Vec<(&'static str, String)> {
     let sensor = &placed.sensor;
+    let measured = &sensor.measured;
     let mut facts = vec![
         ("name", placed.name.clone()),
         (
@@ -73,19 +74,34 @@ fn sensor_facts(scene: &Scene, placed: &PlacedSensor) -> Vec<(&'static str, Stri
         ),
         ("offset", placed.offset.to_string()),
         ("model", sensor.model.clone()),
-        ("d33_c_per_n", sensor.d33.to_string()),
-        ("plate_capacitance_f", sensor.plate_capacitance().to_string()),
-        ("cable_capacitance_f", sensor.cable_capacitance.to_string()),
     ];
+    // A circuit that was measured whole outranks the plate's data.
+    if measured.time_constant.is_none() || measured.sensitivity.is_none() {
+        facts.push(("d33_c_per_n", sensor.stack_charge().to_string()));
+        facts.push(("plate_capacitance_f", sensor.stack_capacitance().to_string()));
+        facts.push(("cable_capacitance_f", sensor.cable_capacitance.to_string()));
+    }
+    let mut number = |key: &'static str, value: Option<f64>| {
+        facts.extend(value.map(|value| (key, value.to_string())));
+    };
+    number("sensitivity_u_relative", measured.sensitivity_u);
+    number("time_constant_u_relative", measured.time_constant_u);
     let wired = (1..).zip(&scene.scope.channels).find_map(|(number, channel)| {
         let channel = channel.as_ref()?;
         (channel.input.as_ref() == Some(&placed.name)).then_some((number, channel))
     });
     if let Some((number, channel)) = wired {
+        // What the experimenter knows; with a tolerance, the plate at the bench is another one.
         let circuit = sensor.connect(input_load(&scene.scope.model, channel));
         facts.push(("channel", format!("CH{number}")));
         facts.push(("sensitivity_v_per_n", circuit.sensitivity.to_string()));
         facts.push(("time_constant_s", circuit.time_constant.to_string()));
+        let index = scene.sensors.iter().position(|other| other.name == placed.name);
+        let there = scene.sensor_tolerance.and(index).and_then(|i| scene.circuit(i, channel));
+        if let Some(there) = there {
+            facts.push(("true_sensitivity_v_per_n", there.sensitivity.to_string()));
+            facts.push(("true_time_constant_s", there.time_constant.to_string()));
+        }
     }
     facts
 }

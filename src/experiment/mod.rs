@@ -7,6 +7,7 @@
 mod acquisition;
 pub mod arrivals;
 pub mod bench;
+pub mod calibration;
 mod comparison;
 pub mod cost;
 pub mod facts;
@@ -16,6 +17,7 @@ pub mod outcome;
 pub mod paper;
 pub mod pulse;
 pub mod recorded;
+pub mod wired;
 mod yielding;
 
 use std::time::Instant;

@@ -1,5 +1,7 @@
 //! What a run found, in the words of `run --json`: names and units are part of the interface.
 
+use std::fmt::Write as _;
+
 use serde::Serialize;
 
 use super::paper::PaperSpeed;
@@ -209,6 +211,13 @@ pub fn effects(scene: &Scene) -> Vec<(String, String)> {
         .collect();
     if !scene.sensors.is_empty() {
         effects.push(("sensor_droop".to_owned(), "RC of plate, cable and scope input".to_owned()));
+    }
+    if let Some(tolerance) = &scene.sensor_tolerance {
+        let mut set = format!("d33 and permittivity within {} %", 100.0 * tolerance.spread);
+        if tolerance.temperature > 0.0 {
+            let _ = write!(set, ", temperature within {} K", tolerance.temperature);
+        }
+        effects.push(("sensor_tolerance".to_owned(), set));
     }
     let off_centre = |sensor: &&PlacedSensor| sensor.offset != 0.0 && sensor.site != Site::Wall;
     if let Some(sensor) = scene.sensors.iter().find(off_centre) {

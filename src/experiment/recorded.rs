@@ -17,8 +17,12 @@ pub struct RecordedSensor {
     pub site: Option<Site>,
     /// Voltage per force before any droop (V/N).
     pub sensitivity: Option<f64>,
+    /// Relative standard uncertainty of the sensitivity, where the sensor was calibrated (1).
+    pub sensitivity_u: Option<f64>,
     /// Time constant of sensor and scope input (s).
     pub time_constant: Option<f64>,
+    /// Relative standard uncertainty of the time constant, where the sensor was calibrated (1).
+    pub time_constant_u: Option<f64>,
 }
 
 /// The scene that travels with a recording; none where none does, as with a real scope's files.
@@ -53,7 +57,9 @@ fn sensor(facts: &BTreeMap<String, String>) -> RecordedSensor {
         channel: facts.get("channel").cloned(),
         site,
         sensitivity: number("sensitivity_v_per_n"),
+        sensitivity_u: number("sensitivity_u_relative"),
         time_constant: number("time_constant_s"),
+        time_constant_u: number("time_constant_u_relative"),
     }
 }
 
@@ -61,6 +67,12 @@ fn sensor(facts: &BTreeMap<String, String>) -> RecordedSensor {
 /// not take turns or nothing presses.
 #[must_use]
 pub fn cell(scene: &Scene, site: Site) -> Option<DiatomicChain> {
+    cell_and_force(scene, site).map(|(cell, _)| cell)
+}
+
+/// The same with the static force there (N).
+#[must_use]
+pub fn cell_and_force(scene: &Scene, site: Site) -> Option<(DiatomicChain, f64)> {
     let chain = &scene.chain;
     let last = chain.particles();
     let particle = match site {
@@ -78,12 +90,13 @@ pub fn cell(scene: &Scene, site: Site) -> Option<DiatomicChain> {
     let (here, other) = (body(upper)?, body(upper + 1)?);
     let contact = chain.contacts().get(chain.body_of(upper) + 1)?;
     let stiffness = contact.static_stiffness();
-    (stiffness > 0.0).then(|| DiatomicChain {
+    let cell = DiatomicChain {
         light_mass: here.mass.min(other.mass),
         heavy_mass: here.mass.max(other.mass),
         stiffness,
         cell: chain.distance(upper, upper + 2),
-    })
+    };
+    (stiffness > 0.0).then_some((cell, contact.static_force))
 }
 
 /// Distance between two sites along the chain at rest, overlaps subtracted (m).

@@ -22,6 +22,20 @@ pub fn arrivals(survey: &Survey) -> String {
         lines.push("pulse speed by each estimator of the arrival".to_owned());
         lines.extend(speeds(survey));
     }
+    for decay in &survey.decays {
+        let rate =
+            decay.per_metre.map_or(String::new(), |rate| format!(", {rate:+.2} nepers a metre"));
+        lines.push(format!(
+            "  first peak  {} -> {}: {:.3} ± {:.3} of its height{rate}",
+            decay.from,
+            decay.to,
+            decay.ratio.value,
+            COVERAGE * decay.ratio.u
+        ));
+    }
+    if !survey.decays.is_empty() {
+        lines.push("  note  a light host, a heavy one and a wall feel different shares of one pulse: compare like with like".to_owned());
+    }
     for channel in &survey.channels {
         let name = &channel.channel;
         if let Some(problem) = &channel.problem {

@@ -14,10 +14,17 @@ const INTERVALS: f64 = 6.0;
 /// The picture of `curve`, titled `title`, with the units of `x` and `y`.
 #[must_use]
 pub fn chart(curve: &Curve, title: &str, units: (&str, &str)) -> String {
+    chart_over(curve, &[], title, units)
+}
+
+/// The same with the points `under` as a second, thinner line below it.
+#[must_use]
+pub fn chart_over(curve: &Curve, under: &[(f64, f64)], title: &str, units: (&str, &str)) -> String {
     let (width, height) = SIZE;
     let (left, right, above, below) = MARGINS;
     let (across, down) = (width - left - right, height - above - below);
-    let ((x0, x1), (y0, y1)) = curve.bounds();
+    let all = Curve { points: [&curve.points, under].concat(), ..curve.clone() };
+    let ((x0, x1), (y0, y1)) = all.bounds();
     let x = |value: f64| (value - x0) / (x1 - x0) * across;
     let y = |value: f64| down - (value - y0) / (y1 - y0) * down;
     let mut svg = format!(
@@ -57,15 +64,22 @@ pub fn chart(curve: &Curve, title: &str, units: (&str, &str)) -> String {
             super::escape(name)
         );
     }
-    let mut path = String::new();
-    for (index, (px, py)) in curve.points.iter().enumerate() {
-        let start = if index == 0 { 'M' } else { 'L' };
-        let _ = write!(path, "{start}{:.1} {:.1}", x(*px), y(*py));
+    for (points, stroke) in [
+        (under, "stroke=\"#909090\" stroke-width=\"1\""),
+        (&*curve.points, "stroke=\"#1060b0\" stroke-width=\"1.6\""),
+    ] {
+        let mut path = String::new();
+        for (index, (px, py)) in points.iter().enumerate() {
+            let start = if index == 0 { 'M' } else { 'L' };
+            let _ = write!(path, "{start}{:.1} {:.1}", x(*px), y(*py));
+        }
+        if !points.is_empty() {
+            let _ = writeln!(svg, "<path d=\"{path}\" fill=\"none\" {stroke}/>");
+        }
     }
     let _ = writeln!(
         svg,
-        "<path d=\"{path}\" fill=\"none\" stroke=\"#1060b0\" stroke-width=\"1.6\"/>\n\
-         <rect width=\"{across}\" height=\"{down}\" fill=\"none\" stroke=\"#404040\"/>\n\
+        "<rect width=\"{across}\" height=\"{down}\" fill=\"none\" stroke=\"#404040\"/>\n\
          <text x=\"{across}\" y=\"{}\" text-anchor=\"end\">{}</text>\n\
          <text x=\"0\" y=\"-6\">{}</text>",
         down + 40.0,

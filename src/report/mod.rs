@@ -1,19 +1,28 @@
 //! Results as text and pictures for people.
 
 mod arrivals;
+mod bands;
+pub mod calibration;
+pub mod calibration_design;
+pub mod certificate;
 mod chart;
 mod contents;
+mod document;
+mod forces;
 pub mod magnet;
 pub mod plot;
 mod screen;
+pub mod spectrogram;
 pub mod spectrum;
 mod summary;
 mod table;
 mod work_precision;
 
 pub use arrivals::arrivals;
-pub use chart::chart;
+pub use bands::{bands, bands_curve};
+pub use chart::{chart, chart_over};
 pub use contents::contents;
+pub use forces::{force_curve, forces};
 pub use screen::screen;
 pub use summary::summary;
 pub use work_precision::{work_precision, work_precision_svg};

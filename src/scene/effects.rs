@@ -4,8 +4,10 @@ use super::bodies::last_particle;
 use super::document::Value;
 use super::losses::losses;
 use super::reader::{Bound, Table};
+use super::sensors;
 use crate::chain::{EffectsSpec, Gravity, LinearisedContacts, MagnetPreload};
 use crate::quantity::Dimension;
+use crate::sensor::Tolerance;
 
 /// Reads `[effects]`, noise and errors of the scope excepted.
 /// `pairs` are the names of the bodies that touch, none where they are not known.
@@ -62,4 +64,12 @@ pub fn scope_noise(effects: &Table<'_>) -> Option<f64> {
     let rms = table.required("rms", Dimension::DIVISION, Bound::NotNegative);
     table.finish();
     rms
+}
+
+/// `[effects.sensor_tolerance]`.
+pub fn sensor_tolerance(effects: &Table<'_>) -> Option<Tolerance> {
+    let table = effect(effects, "sensor_tolerance")?;
+    let tolerance = sensors::tolerance(&table);
+    table.finish();
+    Some(tolerance)
 }

@@ -13,6 +13,8 @@ mod losses;
 pub mod magnets;
 mod model;
 mod oscilloscope;
+pub mod plan;
+pub mod plates;
 pub mod problem;
 pub mod reader;
 mod sensors;
@@ -23,7 +25,8 @@ pub use sensors::{PlacedSensor, Site};
 
 use crate::chain::{Chain, ChainSpec, End};
 use crate::quantity::Dimension;
-use crate::scope::{Deviation, Model, Setup};
+use crate::scope::{ChannelSetup, Deviation, Model, Setup};
+use crate::sensor::{Circuit, Load, Tolerance};
 use bodies::Materials;
 use reader::{Bound, Problems, Table};
 
@@ -63,6 +66,8 @@ pub struct Scene {
     pub accuracy: f64,
     /// Seed of everything random.
     pub seed: u64,
+    /// How far the sensors' plates may be from their data; drawn from the seed.
+    pub sensor_tolerance: Option<Tolerance>,
 }
 
 impl Scene {
@@ -91,6 +96,23 @@ impl Scene {
             Some(scene) if problems.is_empty() => Ok(scene),
             _ => Err(SceneError::Problems(problems)),
         }
+    }
+
+    /// The circuit that sensor `index` really forms with `channel`'s input: with a tolerance, not the one its data tell.
+    #[must_use]
+    pub fn circuit(&self, index: usize, channel: &ChannelSetup) -> Option<Circuit> {
+        self.circuit_into(index, input_load(&self.scope.model, channel))
+    }
+
+    /// The same with any load.
+    #[must_use]
+    pub fn circuit_into(&self, index: usize, load: Load) -> Option<Circuit> {
+        let sensor = &self.sensors.get(index)?.sensor;
+        let number = u32::try_from(index).unwrap_or(u32::MAX);
+        Some(match &self.sensor_tolerance {
+            Some(tolerance) => tolerance.draw(sensor, self.seed, number).connect(load),
+            None => sensor.connect(load),
+        })
     }
 
     /// Names of the scenes that ship with the program.
@@ -148,6 +170,7 @@ fn read(loaded: library::Loaded, problems: &Problems) -> Option<Scene> {
         duration: duration?,
         accuracy,
         seed,
+        sensor_tolerance: moving.sensor_tolerance,
     })
 }
 
@@ -157,6 +180,7 @@ struct Moving {
     wall: bool,
     noise: f64,
     scope_errors: bool,
+    sensor_tolerance: Option<Tolerance>,
     initial_velocities: Vec<f64>,
     built: Option<(ChainSpec, Chain)>,
 }
@@ -168,8 +192,13 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
         root.problem("chain", "no such table", "[chain] with top, bottom and segments");
     }
     let table = root.table("chain");
-    let particles = bodies::particles(root, table.as_ref(), &materials);
+    let mut particles = bodies::particles(root, table.as_ref(), &materials);
     let count = particles.kinds.len();
+    for (particle, mass) in sensors::host_masses(root, count) {
+        if let Some(body) = particles.bodies.get_mut(particle - 1) {
+            body.mass = mass;
+        }
+    }
     let end = |key| table.as_ref().and_then(|table| bodies::end(table, key, &materials));
     let (top, bottom) = (end("top"), end("bottom"));
     if let Some(table) = &table {
@@ -182,6 +211,7 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
     let effects_spec = effects::effects(effects.as_ref(), count, &pairs);
     let noise = effects.as_ref().and_then(effects::scope_noise).unwrap_or(0.0);
     let scope_errors = effects.as_ref().is_some_and(effects::scope_errors);
+    let sensor_tolerance = effects.as_ref().and_then(effects::sensor_tolerance);
     if let Some(effects) = effects {
         effects.finish();
     }
@@ -208,7 +238,15 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
     }
     // An end that could not be read has left its problem; a sensor at it is none.
     let wall = bottom.is_none_or(|(bottom, _)| matches!(bottom, End::Wall(_)));
-    Moving { kinds: particles.kinds, wall, noise, scope_errors, initial_velocities, built }
+    Moving {
+        kinds: particles.kinds,
+        wall,
+        noise,
+        scope_errors,
+        sensor_tolerance,
+        initial_velocities,
+        built,
+    }
 }
 
 /// The front panel, with the front end's noise (div), and its errors drawn from a seed, if any.

@@ -1,11 +1,10 @@
 //! Sensors in their places: `[sensors.<name>]`.
 
 use super::bodies::last_particle;
-use super::document::Node;
-use super::library;
+use super::plates::plate;
 use super::reader::{Bound, Problems, Table};
 use crate::quantity::Dimension;
-use crate::sensor::Sensor;
+use crate::sensor::{Sensor, Tolerance};
 
 /// Where a sensor sits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,24 +63,46 @@ fn sensor(
 ) -> Option<PlacedSensor> {
     let place = site(table, hosts);
     let offset = table.quantity("offset", Dimension::NONE, Bound::Within(-0.5, 0.5)).unwrap_or(0.0);
-    let model = table.text("model").unwrap_or(name).to_owned();
-    let _ = table.text("source");
-    let ceramic = ceramic(table, problems);
-    let side = table.required("side", Dimension::LENGTH, Bound::Positive);
-    let thickness = table.required("thickness", Dimension::LENGTH, Bound::Positive);
-    let cable = table.required("cable_capacitance", Dimension::CAPACITANCE, Bound::NotNegative);
-    let leak = table.quantity("leak_resistance", Dimension::RESISTANCE, Bound::Positive);
-    let (relative_permittivity, d33) = ceramic?;
-    let sensor = Sensor {
-        model,
-        d33,
-        relative_permittivity,
-        side: side?,
-        thickness: thickness?,
-        cable_capacitance: cable?,
-        leak_resistance: leak.unwrap_or(f64::INFINITY),
-    };
-    Some(PlacedSensor { name: name.to_owned(), site: place?, offset, sensor })
+    // Read where the host's body is made.
+    let _ = table.node("host_mass");
+    let sensor = plate(name, table, problems);
+    Some(PlacedSensor { name: name.to_owned(), site: place?, offset, sensor: sensor? })
+}
+
+/// Masses of hosts that differ from their kind's, by the particle's number from 1 (kg).
+pub fn host_masses(root: &Table<'_>, particles: usize) -> Vec<(usize, f64)> {
+    let mut masses: Vec<(usize, f64)> = Vec::new();
+    for (_, table) in root.tables("sensors") {
+        let Some(mass) = table.quantity("host_mass", Dimension::MASS, Bound::Positive) else {
+            continue;
+        };
+        if !table.has("particle") {
+            table.problem("host_mass", "a mass", "none: only a sensor in a particle has a host");
+            continue;
+        }
+        let particle = table.count("particle", 1, last_particle(particles));
+        let Some(particle) = particle.and_then(|p| usize::try_from(p).ok()) else { continue };
+        if masses.iter().any(|(other, before)| *other == particle && (before - mass).abs() > 0.0) {
+            table.problem("host_mass", "a second mass of the same host", "one mass");
+        }
+        masses.push((particle, mass));
+    }
+    masses
+}
+
+/// `[effects.sensor_tolerance]`.
+pub fn tolerance(table: &Table<'_>) -> Tolerance {
+    let spread = table.required("spread", Dimension::NONE, Bound::Within(0.0, 0.5));
+    let temperature =
+        table.quantity("temperature_change", Dimension::TEMPERATURE, Bound::NotNegative);
+    let read = if temperature.is_some() { Table::required } else { Table::quantity };
+    let coefficient = |key| read(table, key, Dimension::PER_TEMPERATURE, Bound::Any).unwrap_or(0.0);
+    Tolerance {
+        spread: spread.unwrap_or(0.0),
+        temperature: temperature.unwrap_or(0.0),
+        permittivity_coefficient: coefficient("permittivity_coefficient"),
+        d33_coefficient: coefficient("d33_coefficient"),
+    }
 }
 
 fn site(table: &Table<'_>, hosts: &Hosts<'_>) -> Option<Site> {
@@ -121,42 +142,6 @@ fn site(table: &Table<'_>, hosts: &Hosts<'_>) -> Option<Site> {
         );
     }
     Some(Site::Particle(particle))
-}
-
-/// Relative permittivity and d33, from the named ceramic or typed directly.
-fn ceramic(table: &Table<'_>, problems: &Problems) -> Option<(f64, f64)> {
-    let named = table.text("ceramic").and_then(|name| {
-        let place = table.place_of("ceramic");
-        match library::instrument("piezoceramics", name, place, &table.path_of("ceramic")) {
-            Ok(node) => Some(node),
-            Err(found) => {
-                problems.extend(found);
-                None
-            }
-        }
-    });
-    if table.has("ceramic") && named.is_none() {
-        return None;
-    }
-    let from_file = named.as_ref().and_then(|node| constants_of(node, problems));
-    let bound = Bound::Positive;
-    if let Some((permittivity, d33)) = from_file {
-        let typed = table.quantity("relative_permittivity", Dimension::NONE, bound);
-        let typed_d33 = table.quantity("d33", Dimension::CHARGE_PER_FORCE, bound);
-        return Some((typed.unwrap_or(permittivity), typed_d33.unwrap_or(d33)));
-    }
-    let permittivity = table.required("relative_permittivity", Dimension::NONE, bound);
-    let d33 = table.required("d33", Dimension::CHARGE_PER_FORCE, bound);
-    Some((permittivity?, d33?))
-}
-
-fn constants_of(node: &Node, problems: &Problems) -> Option<(f64, f64)> {
-    let table = Table::of(node, "", problems)?;
-    let _ = table.text("source");
-    let permittivity = table.required("relative_permittivity", Dimension::NONE, Bound::Positive);
-    let d33 = table.required("d33", Dimension::CHARGE_PER_FORCE, Bound::Positive);
-    table.finish();
-    Some((permittivity?, d33?))
 }
 
 /// Names of the sensors as typed, those included that could not be read.

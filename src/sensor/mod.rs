@@ -6,15 +6,47 @@
 //! `V' + V/tau = (d33/C) N'`, `tau = R C`. So a static force is invisible and every pulse droops.
 //! Source: the charge equation of a thickness-poled plate (IEEE Std 176-1987), lumped circuit; valid far below the
 //! plate's own resonance (MHz) and while the plate takes the host's whole axial force.
+//!
+//! Several plates on top of each other feel the same force. Wired in parallel they give `n d33` on `n` times the capacitance,
+//! in series `d33` on one `n`-th of it. A circuit that was measured, by [`Measured`], outranks what follows from the plate.
+
+mod tolerance;
 
 use serde::Serialize;
 
 use crate::trace::Trace;
+pub use tolerance::Tolerance;
 
 /// Permittivity of vacuum, CODATA 2018 (F/m).
 pub const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;
 
-/// A piezo plate with its wiring.
+/// How the plates of a stack are wired.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Wiring {
+    /// All electrodes of one polarity together: the charges add.
+    #[default]
+    Parallel,
+    /// One after the other: the voltages add.
+    Series,
+}
+
+/// What a measurement of the sensor with its wiring found, such as a calibration.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Measured {
+    /// Voltage per force before any droop (V/N).
+    pub sensitivity: Option<f64>,
+    /// Relative standard uncertainty of the sensitivity (1).
+    pub sensitivity_u: Option<f64>,
+    /// `R C` (s).
+    pub time_constant: Option<f64>,
+    /// Relative standard uncertainty of the time constant (1).
+    pub time_constant_u: Option<f64>,
+    /// The input it was measured with; without one it holds for any.
+    pub load: Option<Load>,
+}
+
+/// A stack of equal piezo plates, mostly one, with its wiring.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Sensor {
     /// What the instrument file calls it.
@@ -27,10 +59,16 @@ pub struct Sensor {
     pub side: f64,
     /// Thickness of the plate (m).
     pub thickness: f64,
+    /// Plates on top of each other.
+    pub plates: u32,
+    /// How several plates are wired.
+    pub wiring: Wiring,
     /// Capacitance of wires and cable (F).
     pub cable_capacitance: f64,
     /// Leakage of plate and wiring; infinite where none is stated (Ohm).
     pub leak_resistance: f64,
+    /// What is known from measurement.
+    pub measured: Measured,
 }
 
 /// What the sensor is connected to: a scope input, seen through its probe.
@@ -58,12 +96,44 @@ impl Sensor {
         VACUUM_PERMITTIVITY * self.relative_permittivity * self.side * self.side / self.thickness
     }
 
+    /// Capacitance of the stack at its terminals (F).
+    #[must_use]
+    pub fn stack_capacitance(&self) -> f64 {
+        let plates = f64::from(self.plates);
+        match self.wiring {
+            Wiring::Parallel => plates * self.plate_capacitance(),
+            Wiring::Series => self.plate_capacitance() / plates,
+        }
+    }
+
+    /// Charge per force at the terminals of the stack (C/N).
+    #[must_use]
+    pub fn stack_charge(&self) -> f64 {
+        match self.wiring {
+            Wiring::Parallel => f64::from(self.plates) * self.d33,
+            Wiring::Series => self.d33,
+        }
+    }
+
     /// The circuit that this sensor forms with `load`.
+    ///
+    /// What was measured with another load is taken over: charge and own capacitance stay, those of the inputs are exchanged.
     #[must_use]
     pub fn connect(&self, load: Load) -> Circuit {
-        let capacitance = self.plate_capacitance() + self.cable_capacitance + load.capacitance;
-        let resistance = 1.0 / (1.0 / self.leak_resistance + 1.0 / load.resistance);
-        Circuit { sensitivity: self.d33 / capacitance, time_constant: resistance * capacitance }
+        let with = self.measured.load.unwrap_or(load);
+        let derived = self.stack_capacitance() + self.cable_capacitance + with.capacitance;
+        let before = self.measured.time_constant.map_or(derived, |tau| tau / self.parallel(with));
+        let charge = self.measured.sensitivity.map_or(self.stack_charge(), |s| s * before);
+        let capacitance = before + (load.capacitance - with.capacitance);
+        Circuit {
+            sensitivity: charge / capacitance,
+            time_constant: self.parallel(load) * capacitance,
+        }
+    }
+
+    /// Resistance of the leak and `load` side by side (Ohm).
+    fn parallel(&self, load: Load) -> f64 {
+        1.0 / (1.0 / self.leak_resistance + 1.0 / load.resistance)
     }
 }
 
@@ -128,8 +198,11 @@ mod tests {
             relative_permittivity: 1800.0,
             side: 3e-3,
             thickness: 0.5e-3,
+            plates: 1,
+            wiring: Wiring::Parallel,
             cable_capacitance: 710e-12,
             leak_resistance: f64::INFINITY,
+            measured: Measured::default(),
         };
         // 0.15938 pF times the relative permittivity.
         assert!((sensor.plate_capacitance() / 1800.0 - 0.15938e-12).abs() < 1e-17);
@@ -141,5 +214,48 @@ mod tests {
         sensor.cable_capacitance = 3e-9;
         let other = sensor.connect(load);
         assert!((other.sensitivity * other.time_constant / product - 1.0).abs() < 1e-15);
+        // Two plates: twice the charge on twice the plate's capacitance, or the same on half of it.
+        sensor.plates = 2;
+        let plate = sensor.plate_capacitance();
+        let expected = |charge: f64, stack: f64| charge / (stack + 3e-9 + 20e-12);
+        let parallel = sensor.connect(load);
+        sensor.wiring = Wiring::Series;
+        let series = sensor.connect(load);
+        assert!((parallel.sensitivity / expected(800e-12, 2.0 * plate) - 1.0).abs() < 1e-15);
+        assert!((series.sensitivity / expected(400e-12, 0.5 * plate) - 1.0).abs() < 1e-15);
+    }
+
+    /// A circuit measured at one input gives what the plate's own data give at another.
+    #[test]
+    fn a_measured_circuit_is_taken_over_to_another_input() {
+        let plate = Sensor {
+            model: "test".into(),
+            d33: 600e-12,
+            relative_permittivity: 3400.0,
+            side: 3e-3,
+            thickness: 0.5e-3,
+            plates: 1,
+            wiring: Wiring::Parallel,
+            cable_capacitance: 440e-12,
+            leak_resistance: 50e6,
+            measured: Measured::default(),
+        };
+        let (input, probe) = (
+            Load { resistance: 1e6, capacitance: 20e-12 },
+            Load { resistance: 10e6, capacitance: 16e-12 },
+        );
+        let found = plate.connect(input);
+        let measured = Measured {
+            sensitivity: Some(found.sensitivity),
+            time_constant: Some(found.time_constant),
+            load: Some(input),
+            ..Measured::default()
+        };
+        let calibrated = Sensor { d33: 1.0, cable_capacitance: 0.0, measured, ..plate.clone() };
+        for load in [input, probe] {
+            let (a, b) = (plate.connect(load), calibrated.connect(load));
+            assert!((a.sensitivity / b.sensitivity - 1.0).abs() < 1e-14);
+            assert!((a.time_constant / b.time_constant - 1.0).abs() < 1e-14);
+        }
     }
 }

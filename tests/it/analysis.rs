@@ -3,6 +3,7 @@
 mod arrival;
 mod commands;
 mod scope_arrival;
+mod scope_spectrum;
 mod spectrum;
 mod spectrum_golden;
 mod time_frequency;

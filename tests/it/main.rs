@@ -16,6 +16,7 @@
 
 mod analysis;
 mod architecture;
+mod calibration;
 mod chains;
 mod cli;
 mod conservation;

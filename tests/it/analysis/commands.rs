@@ -92,3 +92,70 @@ fn what_is_not_known_is_said() {
         assert!(error.contains(told), "{wrong:?}: {error}");
     }
 }
+
+/// The map of the linear chain: 100 cells on nothing lies in the gap, whenever; and its picture.
+#[test]
+fn spectrogram_of_the_linear_chain() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let (file, picture) = (path("linear.mcap"), path("map.svg"));
+    hertzscope(&["run", "linear-300-cells", "--quiet", "--output", &file]).assert().success();
+    let arguments = ["spectrogram", &file, "--truth", "p101", "--segment", "1ms", "--hop", "250us"];
+    let found = json(&[&arguments[..], &["--json", "--plot", &picture]].concat());
+    let step = number(&found["step_hz"]);
+    let columns = found["amplitude"].as_array().expect("columns");
+    assert_eq!(columns.len(), found["times_s"].as_array().expect("times").len());
+    let highest = |column: &Value, low: f64, high: f64| {
+        let bins = column.as_array().expect("bins").iter().enumerate();
+        let inside = bins.filter(|(i, _)| (low..=high).contains(&(*i as f64 * step)));
+        inside.map(|(_, a)| number(a)).fold(0.0, f64::max)
+    };
+    // A Hann window's line is 2 kHz wide to either side: from f1 and f2 inward that much.
+    let over_all = |low, high| columns.iter().map(|c| highest(c, low, high)).fold(0.0, f64::max);
+    let (gap, passing) = (over_all(9.2e3, 12.1e3), over_all(0.0, 7.1e3));
+    assert!(gap < 0.01 * passing, "{gap} {passing}");
+    // Nothing is there before the slowest 100 half cells at 157 m/s are through: 393 mm of them take 2.5 ms.
+    let early: Vec<&Value> = columns
+        .iter()
+        .zip(found["times_s"].as_array().expect("times"))
+        .filter_map(|(c, t)| (number(t) < 1.5e-3).then_some(c))
+        .collect();
+    assert!(early.len() > 3 && early.iter().all(|c| highest(c, 0.0, 20e3) < 0.01 * passing));
+    let svg = std::fs::read_to_string(&picture).expect("a picture");
+    assert!(svg.starts_with("<svg") && svg.contains("f2 14.17 kHz"));
+    let page = hertzscope(&arguments).assert().success();
+    let page = String::from_utf8_lossy(&page.get_output().stdout).into_owned();
+    assert!(page.contains("█") && page.contains("f1 7.122 kHz"), "{page}");
+    for (wrong, told) in
+        [("--segment=1s", "found pieces"), ("--hop=0s", "hop of 0"), ("--segment=1kg", "a mass")]
+    {
+        let failed = hertzscope(&["spectrogram", &file, "--truth", "p101", wrong]).assert().code(2);
+        let error = String::from_utf8_lossy(&failed.get_output().stderr).into_owned();
+        assert!(error.contains(told), "{wrong}: {error}");
+    }
+}
+
+/// Band edges go with the sixth root of the preload; at the paper's they are the paper's.
+#[test]
+fn bands_against_preload() {
+    let found = json(&["bands", "linear-300-cells", "--from", "1N", "--to", "64N", "--json"]);
+    let bands = found["bands"].as_array().expect("points");
+    assert_eq!(bands.len(), 14);
+    let now = bands.iter().find(|b| b["preload_n"] == found["preload_n"]).expect("the scene's own");
+    assert!((number(&now["f1_hz"]) / 7122.383196957213 - 1.0).abs() < 1e-12);
+    assert!((number(&now["long_wave_speed_m_per_s"]) / 157.236 - 1.0).abs() < 1e-5);
+    let (first, last) = (&bands[0], &bands[13]);
+    for key in ["f1_hz", "f2_hz", "f3_hz"] {
+        assert!((number(&last[key]) / number(&first[key]) - 2.0).abs() < 1e-12, "{key}");
+    }
+    // Cells are shorter by two overlaps, (F/A)^(2/3) each.
+    let overlap = |force: f64| (force / 119414718.6458183_f64).powf(2.0 / 3.0);
+    let cell = 7.865298e-3 + 2.0 * (overlap(2.38) - overlap(64.0));
+    let speed = cell
+        * std::f64::consts::PI
+        * number(&last["f1_hz"])
+        * (0.485_f64 / (0.485 + 0.1226)).sqrt();
+    assert!((number(&last["long_wave_speed_m_per_s"]) / speed - 1.0).abs() < 1e-6);
+    hertzscope(&["bands", "monatomic-vacuum"]).assert().code(2);
+    hertzscope(&["bands", "--from", "2N", "--to", "1N"]).assert().code(2);
+}

@@ -1,0 +1,163 @@
+//! Puts a calibration's answers together: each impact, the whole, the non-linearity, and what the user should know.
+
+use super::budget::propagate;
+use super::impact::Impact;
+use super::model::{Common, Kind, Model, Motion};
+use super::{Calibration, Draws, Exclusion, ImpactResult, NonLinearity, Strike, monte_carlo};
+
+/// Impacts that a calibration should have, and levels of force among them.
+pub const WANTED: (usize, usize) = (5, 3);
+/// Forces further apart than this are two levels (1).
+const LEVEL_STEP: f64 = 0.1;
+/// Everything that `model` and the records tell.
+pub fn assemble(
+    (strikes, common): (&[Strike], &Common),
+    read: Vec<Result<Impact, Exclusion>>,
+    excluded: &[(usize, Exclusion)],
+    model: &Model,
+    draws: Draws,
+) -> Calibration {
+    let budget = propagate(model);
+    let (sensitivity, tau) = (model.sensitivity(), model.tau());
+    let mut impacts: Vec<ImpactResult> = Vec::new();
+    for (index, (impact, strike)) in read.into_iter().zip(strikes).enumerate() {
+        let why = excluded.iter().find(|(i, _)| *i == index).map(|(_, why)| why.clone());
+        impacts.push(result_of(impact.ok(), &strike.motion, common, tau, why));
+    }
+    for (place, (_, own)) in model.places().iter().zip(model.each()) {
+        if let Some(result) = impacts.get_mut(*place) {
+            result.own_uncertainty = Some(own);
+        }
+    }
+    let used = || impacts.iter().filter(|impact| impact.exclusion.is_none());
+    #[allow(clippy::cast_precision_loss, reason = "a handful of impacts")]
+    let count = used().count() as f64;
+    let peaks: Vec<f64> = used().filter_map(|impact| impact.peak_force).collect();
+    let low = peaks.iter().copied().fold(f64::INFINITY, f64::min);
+    let mut calibration = Calibration {
+        sensitivity,
+        u: budget.iter().map(|line| line.contribution.powi(2)).sum::<f64>().sqrt(),
+        tau,
+        tau_u: model.tau_u(),
+        tau_fitted: common.tau.is_none(),
+        naive: used().filter_map(|impact| impact.naive).sum::<f64>() / count,
+        negative: used().all(|i| i.impact.as_ref().is_some_and(|impact| impact.negative)),
+        monte_carlo: monte_carlo::run(model, draws),
+        budget,
+        nonlinearity: nonlinearity(model, &peaks),
+        levels: levels(&peaks),
+        force_range: [low, peaks.iter().copied().fold(0.0, f64::max)],
+        birge_ratio: model.birge_ratio(),
+        impacts,
+        notes: Vec::new(),
+    };
+    calibration.notes = notes(&calibration, common, model.tail_tau());
+    calibration
+}
+
+fn result_of(
+    impact: Option<Impact>,
+    motion: &Motion,
+    common: &Common,
+    tau: f64,
+    exclusion: Option<Exclusion>,
+) -> ImpactResult {
+    let integral = impact.as_ref().map(|impact| impact.integral(tau));
+    let momentum = impact.as_ref().map(|impact| common.momentum(motion, impact.duration));
+    let over = |integral: Option<f64>| Some(integral? / momentum? * common.gain.value);
+    let sensitivity = over(integral);
+    ImpactResult {
+        naive: over(impact.as_ref().map(Impact::naive_integral)),
+        peak_force: impact.as_ref().zip(sensitivity).map(|(i, s)| i.peak * common.gain.value / s),
+        impact,
+        momentum,
+        integral,
+        sensitivity,
+        own_uncertainty: None,
+        exclusion,
+    }
+}
+
+/// Groups of forces within a tenth of each other.
+fn levels(peaks: &[f64]) -> usize {
+    let mut sorted = peaks.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let mut first = f64::NEG_INFINITY;
+    let mut count = 0;
+    for peak in sorted {
+        if count == 0 || peak > (1.0 + LEVEL_STEP) * first {
+            (first, count) = (peak, count + 1);
+        }
+    }
+    count
+}
+
+/// The straight line through the sensitivities over force, each impact with its own uncertainty.
+fn nonlinearity(model: &Model, peaks: &[f64]) -> Option<NonLinearity> {
+    if peaks.len() < 3 || levels(peaks) < 2 {
+        return None;
+    }
+    let points: Vec<(f64, f64, f64)> =
+        peaks.iter().zip(model.each()).map(|(p, (s, u))| (*p, s, u.powi(-2))).collect();
+    let weight: f64 = points.iter().map(|(_, _, w)| w).sum();
+    let mean = |f: &dyn Fn(&(f64, f64, f64)) -> f64| {
+        points.iter().map(|point| point.2 * f(point)).sum::<f64>() / weight
+    };
+    let (force, sensitivity) = (mean(&|p| p.0), mean(&|p| p.1));
+    let spread: f64 = points.iter().map(|(p, _, w)| w * (p - force).powi(2)).sum();
+    let together: f64 = points.iter().map(|(p, s, w)| w * (p - force) * (s - sensitivity)).sum();
+    let reach = peaks.iter().copied().fold(0.0, f64::max)
+        - peaks.iter().copied().fold(f64::INFINITY, f64::min);
+    let relative = reach / model.sensitivity();
+    Some(NonLinearity {
+        change: together / spread * relative,
+        u: spread.powf(-0.5) * relative * model.birge_ratio().max(1.0),
+    })
+}
+
+fn notes(found: &Calibration, common: &Common, tail: Option<(f64, f64)>) -> Vec<String> {
+    let mut notes = Vec::new();
+    let used = found.impacts.iter().filter(|impact| impact.exclusion.is_none());
+    let (impacts, levels) = WANTED;
+    let count = used.clone().count();
+    if count < impacts || found.levels < levels {
+        notes.push(format!(
+            "{count} usable impacts at {} levels of force: the non-linearity wants at least {impacts} at {levels}",
+            found.levels
+        ));
+    }
+    let short = used.clone().filter_map(|i| i.impact.as_ref()).any(|i| i.pre_trigger < 0.2);
+    if short {
+        notes.push(
+            "a record has less than 20 % pre-trigger: its baseline is less certain".to_owned(),
+        );
+    }
+    let mixed = used.filter_map(|i| i.impact.as_ref()).any(|i| i.negative != found.negative);
+    if mixed {
+        notes.push("some pulses are positive and some negative: check the polarity".to_owned());
+    }
+    if found.birge_ratio > 1.0 && found.budget.iter().any(|line| line.kind == Kind::Scatter) {
+        notes.push(format!(
+            "impacts scatter {:.1} times as much as their inputs explain: the difference is an input of its own",
+            found.birge_ratio
+        ));
+    }
+    if let Some(line) = found.nonlinearity.filter(|line| line.change.abs() > 2.0 * line.u) {
+        notes.push(format!(
+            "the sensitivity changes by {:.2} % over the range of forces, more than twice its uncertainty of {:.2} %; the stated uncertainty leaves that out",
+            100.0 * line.change,
+            100.0 * line.u
+        ));
+    }
+    if let (Some(given), Some((tau, u))) = (common.tau, tail)
+        && (tau - given.value).abs() > 3.0 * u.hypot(given.u)
+    {
+        notes.push(format!(
+            "the records' ends tell a time constant of {:.4} ms, {:.1} standard uncertainties from the {:.4} ms given",
+            1e3 * tau,
+            (tau - given.value).abs() / u.hypot(given.u),
+            1e3 * given.value
+        ));
+    }
+    notes
+}

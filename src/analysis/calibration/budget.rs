@@ -1,0 +1,58 @@
+//! Propagation of uncertainty: every input's part in that of the sensitivity.
+//!
+//! `u^2 = sum of (c_i u_i)^2`, `c_i u_i` taken as half the change of the result between one standard uncertainty below and above.
+//! Inputs are independent of each other; what impacts share is one input.
+//! Source: JCGM 100:2008, 5.1.2, with 5.1.3 note 2. Valid where the result is nearly linear over that range: the Monte-Carlo part tells.
+
+use super::model::{Kind, Model};
+
+/// One input's part.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BudgetLine {
+    /// What it is.
+    pub kind: Kind,
+    /// Which one; empty where there is one only.
+    pub which: String,
+    /// Its estimate (unit).
+    pub value: f64,
+    /// Its standard uncertainty (unit).
+    pub u: f64,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Change of the sensitivity with one standard uncertainty of it (V/N).
+    pub contribution: f64,
+    /// Its share of the variance (1).
+    pub share: f64,
+}
+
+impl BudgetLine {
+    /// Its name, as in a table.
+    #[must_use]
+    pub fn name(&self) -> String {
+        if self.which.is_empty() {
+            self.kind.name().to_owned()
+        } else {
+            format!("{}, {}", self.kind.name(), self.which)
+        }
+    }
+}
+
+/// The budget of `model`: all inputs that are uncertain.
+#[must_use]
+pub fn propagate(model: &Model) -> Vec<BudgetLine> {
+    let sensitivity = |values: &[f64]| model.evaluate(values);
+    let changes: Vec<f64> = model.changes(&sensitivity).collect();
+    let variance: f64 = changes.iter().map(|change| change * change).sum();
+    let lines = model.inputs().iter().zip(changes).filter(|(input, _)| input.u > 0.0);
+    lines
+        .map(|(input, contribution)| BudgetLine {
+            kind: input.kind,
+            which: input.which.clone(),
+            value: input.value,
+            u: input.u,
+            unit: input.unit,
+            contribution,
+            share: contribution * contribution / variance,
+        })
+        .collect()
+}

@@ -1,0 +1,219 @@
+//! One record of one impact: where its contact is, and the sums from which its integral follows for any baseline and tau.
+
+use super::Exclusion;
+use super::prepared::Prepared;
+use crate::analysis::baseline::Baseline;
+use crate::analysis::droop::undo_droop;
+use crate::analysis::gate::Gate;
+use crate::trace::Trace;
+
+/// What the noise is taken times there: thousands of samples, none of which may pass by chance (1).
+pub(super) const NOISE_TIMES: f64 = 4.0;
+/// Without a window given, the integral begins and ends this share of the contact outside it (1).
+const MARGIN: f64 = 0.15;
+/// A further pulse counts above this share of the first (1).
+const SECOND: f64 = 0.1;
+/// A window that ends above this share of the peak cuts the pulse (1).
+const CUT_SHARE: f64 = 0.03;
+/// Standard uncertainty of the contact's duration over itself: where Hertz's force passes 1 % of its peak, 3 % are left (1).
+const DURATION_U: f64 = 0.05;
+
+/// A record as it came from the scope.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Record {
+    /// Voltage over time.
+    pub trace: Trace,
+    /// Distance of the digitiser's levels; 0 for what was never digitised (V).
+    pub level: f64,
+    /// Samples at the converter's ends.
+    pub clipped: usize,
+    /// Where to integrate; by default the contact and a little on either side.
+    pub window: Option<Gate>,
+}
+
+/// Sums over a window, from which the integral follows: those of the voltage, and those of 1, which the baseline is taken times.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Sums {
+    /// Of the voltage without its baseline, the first and the last by half (V).
+    pub volts: f64,
+    /// Of all samples before each of these (V).
+    pub volts_before: f64,
+    /// Of ones, weighted alike (1).
+    pub count: f64,
+    /// Of the samples before each of these (1).
+    pub count_before: f64,
+}
+
+/// What one record tells.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Impact {
+    /// Its baseline.
+    pub baseline: Baseline,
+    /// Standard uncertainty of one sample (V).
+    pub noise: f64,
+    /// Whether the pulse is negative; everything here is turned over.
+    pub negative: bool,
+    /// From one sample to the next (s).
+    pub interval: f64,
+    /// Start of the contact (s).
+    pub contact: f64,
+    /// Duration of the contact (s).
+    pub duration: f64,
+    /// Its standard uncertainty (s).
+    pub duration_u: f64,
+    /// First and last time of the integral (s).
+    pub window: [f64; 2],
+    /// Share of the record before the contact (1).
+    pub pre_trigger: f64,
+    /// Largest value with the droop undone, `S` times the force (V).
+    pub peak: f64,
+    /// Sums over the window.
+    pub sums: Sums,
+    /// The voltage without its baseline.
+    pub signal: Trace,
+    /// The same with its droop undone from the window's start on.
+    pub restored: Trace,
+}
+
+impl Impact {
+    /// Reads `record` with the time constant `tau` (s).
+    ///
+    /// # Errors
+    /// [`Exclusion`]: why it is no good.
+    #[allow(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "records are far shorter than 2^53 samples"
+    )]
+    pub fn read(record: &Record, tau: f64) -> Result<Self, Exclusion> {
+        let prepared = Prepared::new(record)?;
+        let signal = &prepared.signal;
+        let rise = prepared.rise().ok_or(Exclusion::NoPreTrigger { samples: 0 })?;
+        let length = signal.values.len();
+        let whole = restored(signal, prepared.start().unwrap_or(rise), tau);
+        let cut = |what, index| Exclusion::Cut { what, time: signal.time(index) };
+        let fall = prepared.fall(&whole.values, prepared.threshold);
+        let fall = fall.ok_or_else(|| cut("record", length - 1))?;
+        let margin = (MARGIN * (fall - rise) as f64).max(3.0) as usize;
+        let (from, to) = if let Some(gate) = record.window {
+            let range = gate.range(&record.trace);
+            (range.start, range.end.saturating_sub(1))
+        } else {
+            if fall + margin >= length {
+                return Err(cut("record", length - 1));
+            }
+            (rise.saturating_sub(margin), fall + margin)
+        };
+        let top = whole.values.iter().copied().fold(0.0, f64::max);
+        let edge = (CUT_SHARE * top).max(NOISE_TIMES * prepared.noise);
+        // A window may begin and end inside the outermost of the contact, where next to nothing is left.
+        let inside = |index: usize| whole.values.get(index).is_some_and(|v| *v > edge);
+        if from > rise && inside(from) || from >= prepared.peak {
+            return Err(cut("window", from));
+        }
+        if to < fall && inside(to) || to <= prepared.peak {
+            return Err(cut("window", to));
+        }
+        let second = (SECOND * top).max(2.0 * NOISE_TIMES * prepared.noise);
+        // Where the pulse begins, noise crosses the threshold more than once.
+        let before = signal.values.get(..rise.saturating_sub(margin)).unwrap_or_default();
+        let early = before.iter().position(|v| v.abs() > second);
+        let late = whole.values.iter().skip(fall + margin).position(|v| *v > second);
+        if let Some(index) = early.or(late.map(|i| fall + margin + i)) {
+            return Err(Exclusion::TwoImpacts { time: signal.time(index) });
+        }
+        let duration = (fall - rise) as f64 * signal.interval;
+        Ok(Self {
+            baseline: prepared.baseline,
+            noise: prepared.noise,
+            negative: prepared.negative,
+            interval: signal.interval,
+            contact: signal.time(rise),
+            duration,
+            duration_u: (DURATION_U * duration).max(2.0 * signal.interval),
+            window: [signal.time(from), signal.time(to)],
+            pre_trigger: rise as f64 / length as f64,
+            peak: top,
+            sums: sums(signal.values.get(from..=to).unwrap_or_default()),
+            restored: restored(signal, from, tau),
+            signal: prepared.signal,
+        })
+    }
+
+    /// Integral of the voltage with its droop undone: exact where the force runs straight between samples (V s).
+    #[must_use]
+    pub fn integral(&self, tau: f64) -> f64 {
+        self.integral_off(1.0 / tau, 0.0)
+    }
+
+    /// The same for `1/tau` (1/s) and a baseline that is `off` higher (V) (V s).
+    #[must_use]
+    pub fn integral_off(&self, inverse_tau: f64, off: f64) -> f64 {
+        let Sums { volts, volts_before, count, count_before } = self.sums;
+        let ratio = self.interval * inverse_tau;
+        let leaked = -(-ratio).exp_m1();
+        let gained = if ratio == 0.0 { 1.0 } else { ratio / leaked };
+        let felt = (volts - off * count) + leaked * (volts_before - off * count_before);
+        self.interval * gained * felt
+    }
+
+    /// Integral of the voltage as it is (V s).
+    #[must_use]
+    pub fn naive_integral(&self) -> f64 {
+        self.interval * self.sums.volts
+    }
+
+    /// Standard uncertainty of the integral from the noise of its samples (V s).
+    ///
+    /// Sample `k` of the window takes part in itself and in all later ones: `g (w[k] + (1 - a) sum over i > k of w[i])`.
+    #[must_use]
+    #[allow(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "records are far shorter than 2^53 samples"
+    )]
+    pub fn noise_u(&self, tau: f64) -> f64 {
+        let ratio = self.interval / tau;
+        let leaked = -(-ratio).exp_m1();
+        // The outermost two count by half: one interval less than samples.
+        let last = self.sums.count.round() as usize;
+        let square = |k: usize| {
+            let own = if k == 0 || k == last { 0.5 } else { 1.0 };
+            let later = if k == last { 0.0 } else { (last - k) as f64 - 0.5 };
+            (own + leaked * later).powi(2)
+        };
+        let squares: f64 = (0..=last).map(square).sum();
+        self.interval * (ratio / leaked) * self.noise * squares.sqrt()
+    }
+}
+
+/// `signal` with its droop undone from sample `from` on; zero before.
+fn restored(signal: &Trace, from: usize, tau: f64) -> Trace {
+    let part = Trace {
+        start: signal.time(from),
+        values: signal.values.get(from..).unwrap_or_default().to_vec(),
+        ..signal.clone()
+    };
+    let felt = if tau.is_finite() { undo_droop(&part, tau) } else { part };
+    let mut values = vec![0.0; from.min(signal.values.len())];
+    values.extend(felt.values);
+    Trace { values, ..signal.clone() }
+}
+
+#[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
+fn sums(window: &[f64]) -> Sums {
+    let mut sums = Sums::default();
+    let mut before = 0.0;
+    let last = window.len().saturating_sub(1);
+    for (index, value) in window.iter().enumerate() {
+        let weight = if index == 0 || index == last { 0.5 } else { 1.0 };
+        sums.volts += weight * value;
+        sums.volts_before += weight * before;
+        sums.count += weight;
+        sums.count_before += weight * index as f64;
+        before += value;
+    }
+    sums
+}

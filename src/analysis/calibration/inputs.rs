@@ -1,0 +1,178 @@
+//! The inputs of the measurement equation: what impacts share, and what each striker did.
+
+/// A number with its standard uncertainty.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quantity {
+    /// The number (unit).
+    pub value: f64,
+    /// Its standard uncertainty (unit).
+    pub u: f64,
+}
+
+/// How a speed is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Speed {
+    /// Directly (m/s).
+    Speed(Quantity),
+    /// From the height that the striker falls from, or rises to: `sqrt(2 g h)` (m).
+    Height(Quantity),
+    /// From the time between two light gates: their distance over it (s).
+    GateTime(Quantity),
+    /// From the time until the striker comes back: `g t/2` (s).
+    FlightTime(Quantity),
+}
+
+/// What the striker of one impact did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Motion {
+    /// Which of the strikers, from 0.
+    pub striker: usize,
+    /// Before the contact.
+    pub incoming: Speed,
+    /// After it, the other way.
+    pub rebound: Speed,
+}
+
+/// What all impacts share.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Common {
+    /// Name and mass of each striker (kg).
+    pub strikers: Vec<(String, Quantity)>,
+    /// True voltage over what the scope shows (1).
+    pub gain: Quantity,
+    /// True speed over what the set-up shows, the same for all speeds (1).
+    pub speed_scale: Quantity,
+    /// Distance of the light gates, where there are any (m).
+    pub gate_distance: Option<Quantity>,
+    /// Acceleration of free fall (m/s^2).
+    pub gravity: Quantity,
+    /// Time constant, if it is not to be read off the records (s).
+    pub tau: Option<Quantity>,
+}
+
+/// What an input is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    /// The scope's gain.
+    Gain,
+    /// The scale of all speeds.
+    SpeedScale,
+    /// The acceleration of free fall.
+    Gravity,
+    /// The distance of the light gates.
+    GateDistance,
+    /// A given time constant.
+    TimeConstant,
+    /// A striker's mass.
+    Mass,
+    /// A speed before the contact.
+    Incoming,
+    /// A speed after the contact.
+    Rebound,
+    /// A record's baseline, with what it does to a fitted time constant.
+    Baseline,
+    /// Noise and rounding in the integral.
+    Noise,
+    /// The contact's duration.
+    Duration,
+    /// Noise in the time constant's fit.
+    Tail,
+    /// What the impacts differ more than all this explains.
+    Scatter,
+}
+
+impl Kind {
+    /// Its name in a table.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Gain => "scope gain",
+            Self::SpeedScale => "scale of all speeds",
+            Self::Gravity => "free fall",
+            Self::GateDistance => "distance of the gates",
+            Self::TimeConstant => "time constant",
+            Self::Mass => "striker's mass",
+            Self::Incoming => "impact speed",
+            Self::Rebound => "rebound speed",
+            Self::Baseline => "baseline",
+            Self::Noise => "noise and rounding",
+            Self::Duration => "contact duration",
+            Self::Tail => "time constant's fit",
+            Self::Scatter => "unexplained scatter",
+        }
+    }
+}
+
+/// An input of the measurement equation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Input {
+    /// What it is.
+    pub kind: Kind,
+    /// Which one, e.g. a striker's name or `impact 3`; empty where there is one only.
+    pub which: String,
+    /// Its estimate (unit).
+    pub value: f64,
+    /// Its standard uncertainty (unit).
+    pub u: f64,
+    /// Its unit.
+    pub unit: &'static str,
+}
+
+impl Speed {
+    /// The reading and its unit.
+    pub(super) fn quantity(self) -> (Quantity, &'static str) {
+        match self {
+            Self::Speed(q) => (q, "m/s"),
+            Self::Height(q) => (q, "m"),
+            Self::GateTime(q) | Self::FlightTime(q) => (q, "s"),
+        }
+    }
+
+    /// The speed where the reading is `raw`; a height or time below zero is none (m/s).
+    #[must_use]
+    pub fn of(self, raw: f64, gravity: f64, gates: f64) -> f64 {
+        match self {
+            Self::Speed(_) => raw,
+            Self::Height(_) => (2.0 * gravity * raw.max(0.0)).sqrt(),
+            Self::GateTime(_) => gates / raw,
+            Self::FlightTime(_) => 0.5 * gravity * raw,
+        }
+    }
+}
+
+impl Common {
+    /// Momentum that an impact of `duration` (s) hands over (N s).
+    #[must_use]
+    pub fn momentum(&self, motion: &Motion, duration: f64) -> f64 {
+        let mass = self.strikers.get(motion.striker).map_or(f64::NAN, |(_, mass)| mass.value);
+        let gates = self.gate_distance.map_or(f64::NAN, |gates| gates.value);
+        let speed = |s: Speed| s.of(s.quantity().0.value, self.gravity.value, gates);
+        let sum = self.speed_scale.value * (speed(motion.incoming) + speed(motion.rebound));
+        mass * (sum + self.gravity.value * duration)
+    }
+
+    /// The shared inputs, in the places that the model looks for them.
+    pub(super) fn inputs(&self) -> Vec<Input> {
+        let none = Quantity { value: f64::NAN, u: 0.0 };
+        let one = |kind, quantity: Quantity, unit| Input {
+            kind,
+            which: String::new(),
+            value: quantity.value,
+            u: quantity.u,
+            unit,
+        };
+        let mut inputs = vec![
+            one(Kind::Gain, self.gain, "1"),
+            one(Kind::SpeedScale, self.speed_scale, "1"),
+            one(Kind::Gravity, self.gravity, "m/s^2"),
+            one(Kind::GateDistance, self.gate_distance.unwrap_or(none), "m"),
+            one(Kind::TimeConstant, self.tau.unwrap_or(none), "s"),
+        ];
+        inputs.extend(
+            self.strikers
+                .iter()
+                .map(|(name, mass)| Input { which: name.clone(), ..one(Kind::Mass, *mass, "kg") }),
+        );
+        inputs
+    }
+}

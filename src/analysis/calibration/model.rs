@@ -1,0 +1,287 @@
+//! The measurement equation with all its inputs in one vector, so that what impacts share is shared.
+
+use super::impact::Impact;
+pub use super::inputs::{Common, Input, Kind, Motion, Quantity, Speed};
+use super::tail::Tail;
+
+/// One impact within the model.
+#[derive(Debug, Clone, PartialEq)]
+struct Part {
+    impact: Impact,
+    motion: Motion,
+    tail: Option<Tail>,
+    tail_weight: f64,
+    /// Weight in the mean.
+    weight: f64,
+    /// Own standard uncertainty (V/N).
+    own: f64,
+}
+
+/// The measurement equation of a whole calibration.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Model {
+    inputs: Vec<Input>,
+    parts: Vec<Part>,
+    places: Vec<usize>,
+    strikers: usize,
+    fitted: bool,
+}
+
+/// Places of the shared inputs; masses come next, then [`OWN`] inputs for each impact, then the scatter.
+const GAIN: usize = 0;
+const SCALE: usize = 1;
+const GRAVITY: usize = 2;
+const GATES: usize = 3;
+const TAU: usize = 4;
+const MASSES: usize = 5;
+/// Inputs of an impact's own: two speeds, baseline, noise, duration, tail.
+const OWN: usize = 6;
+
+impl Model {
+    /// Puts the impacts, each with its place in the plan, and what they share together; none without a time constant.
+    pub(super) fn new<'a>(
+        impacts: impl Iterator<Item = (usize, &'a Impact, &'a Motion, Option<&'a Tail>)>,
+        common: &Common,
+    ) -> Option<Self> {
+        let mut model = Self {
+            inputs: common.inputs(),
+            parts: Vec::new(),
+            places: Vec::new(),
+            strikers: common.strikers.len(),
+            fitted: common.tau.is_none(),
+        };
+        for (place, impact, motion, tail) in impacts {
+            model.places.push(place);
+            model.parts.push(Part {
+                impact: impact.clone(),
+                motion: *motion,
+                tail: tail.copied(),
+                tail_weight: 0.0,
+                weight: 0.0,
+                own: 0.0,
+            });
+        }
+        model.weigh_tails();
+        let tau = model.tau();
+        if !(tau > 0.0 && tau.is_finite()) {
+            return None;
+        }
+        for index in 0..model.parts.len() {
+            model.add_own_inputs(index, tau);
+        }
+        model.inputs.push(Input {
+            kind: Kind::Scatter,
+            which: String::new(),
+            value: 0.0,
+            u: 0.0,
+            unit: "V/N",
+        });
+        model.weigh_impacts();
+        model.add_scatter();
+        Some(model)
+    }
+
+    fn weigh_tails(&mut self) {
+        let weight = |part: &Part| part.tail.map_or(0.0, |tail| tail.weight());
+        let sum: f64 = self.parts.iter().map(weight).sum();
+        for part in &mut self.parts {
+            part.tail_weight = weight(part) / sum;
+        }
+    }
+
+    fn add_own_inputs(&mut self, index: usize, tau: f64) {
+        let Some(Part { impact, motion, tail, .. }) = self.parts.get(index) else { return };
+        let which = format!("impact {}", self.places.get(index).map_or(0, |place| place + 1));
+        let input = |kind, value, u, unit| Input { kind, which: which.clone(), value, u, unit };
+        let speed = |kind, speed: Speed| {
+            let (quantity, unit) = speed.quantity();
+            input(kind, quantity.value, quantity.u, unit)
+        };
+        let tail_u = tail.map_or(0.0, |tail| tail.noise_u);
+        let own = [
+            speed(Kind::Incoming, motion.incoming),
+            speed(Kind::Rebound, motion.rebound),
+            // What the baseline may be off; the level itself has been taken away.
+            input(Kind::Baseline, 0.0, impact.baseline.uncertainty, "V"),
+            input(Kind::Noise, 0.0, impact.noise_u(tau), "V*s"),
+            input(Kind::Duration, impact.duration, impact.duration_u, "s"),
+            input(Kind::Tail, 0.0, if self.fitted { tail_u } else { 0.0 }, "1/s"),
+        ];
+        self.inputs.extend(own);
+    }
+
+    /// The mean takes each impact by what its own inputs leave uncertain.
+    fn weigh_impacts(&mut self) {
+        let estimates = self.estimates();
+        let inverse_tau = self.inverse_tau(&estimates);
+        let own: Vec<f64> = (0..self.parts.len())
+            .map(|index| {
+                let first = self.first_own(index);
+                let change = |input: usize| {
+                    let moved = |by: f64| {
+                        let mut values = estimates.clone();
+                        if let (Some(value), Some(input)) =
+                            (values.get_mut(input), self.inputs.get(input))
+                        {
+                            *value += by * input.u;
+                        }
+                        self.one(index, &values, inverse_tau)
+                    };
+                    0.5 * (moved(1.0) - moved(-1.0))
+                };
+                (first..first + OWN).map(|i| change(i).powi(2)).sum::<f64>().sqrt()
+            })
+            .collect();
+        let floor = f64::EPSILON * self.one(0, &estimates, inverse_tau).abs();
+        let weight = |own: f64| 1.0 / own.max(floor).powi(2);
+        let sum: f64 = own.iter().map(|own| weight(*own)).sum();
+        for (part, own) in self.parts.iter_mut().zip(own) {
+            part.own = own;
+            part.weight = weight(own) / sum;
+        }
+    }
+
+    /// Where impacts differ more than their own inputs explain, the rest is an input of its own.
+    fn add_scatter(&mut self) {
+        let ratio = self.birge_ratio();
+        let free = self.parts.len().saturating_sub(1);
+        #[allow(clippy::cast_precision_loss, reason = "a handful of impacts")]
+        let limit = 1.0 + 3.0 * (2.0 / free.max(1) as f64).sqrt();
+        if ratio * ratio <= limit {
+            return;
+        }
+        let explained: f64 = self.parts.iter().map(|p| (p.weight * p.own).powi(2)).sum();
+        if let Some(scatter) = self.inputs.last_mut() {
+            scatter.u = ((ratio * ratio - 1.0) * explained).sqrt();
+        }
+    }
+
+    /// Root of chi squared over the degrees of freedom, of the impacts about their mean (1).
+    #[must_use]
+    #[allow(clippy::cast_precision_loss, reason = "a handful of impacts")]
+    pub fn birge_ratio(&self) -> f64 {
+        let mean = self.sensitivity();
+        let squares = self.each().into_iter().map(|(s, u)| ((s - mean) / u).powi(2));
+        (squares.sum::<f64>() / (self.parts.len().max(2) - 1) as f64).sqrt()
+    }
+
+    /// The inputs.
+    #[must_use]
+    pub fn inputs(&self) -> &[Input] {
+        &self.inputs
+    }
+
+    /// Places of the impacts in the plan.
+    #[must_use]
+    pub fn places(&self) -> &[usize] {
+        &self.places
+    }
+
+    /// All inputs at their estimates (unit).
+    #[must_use]
+    pub fn estimates(&self) -> Vec<f64> {
+        self.inputs.iter().map(|input| input.value).collect()
+    }
+
+    fn first_own(&self, index: usize) -> usize {
+        MASSES + self.strikers + OWN * index
+    }
+
+    /// `1/tau` (1/s): the one given, or the mean of what the records tell, each with its baseline.
+    fn inverse_tau(&self, values: &[f64]) -> f64 {
+        if !self.fitted {
+            return values.get(TAU).map_or(f64::NAN, |tau| 1.0 / tau);
+        }
+        let part = |(index, part): (usize, &Part)| {
+            let Some(tail) = &part.tail else { return 0.0 };
+            let first = self.first_own(index);
+            let at = |place: usize| values.get(first + place).copied().unwrap_or(0.0);
+            part.tail_weight * (tail.inverse_tau + tail.per_baseline * at(2) + at(5))
+        };
+        self.parts.iter().enumerate().map(part).sum()
+    }
+
+    /// Sensitivity of impact `index` alone.
+    fn one(&self, index: usize, values: &[f64], inverse_tau: f64) -> f64 {
+        let Some(Part { impact, motion, .. }) = self.parts.get(index) else { return f64::NAN };
+        let at = |place: usize| values.get(place).copied().unwrap_or(f64::NAN);
+        let first = self.first_own(index);
+        let (gravity, gates) = (at(GRAVITY), at(GATES));
+        let speeds = motion.incoming.of(at(first), gravity, gates)
+            + motion.rebound.of(at(first + 1), gravity, gates);
+        let momentum = at(MASSES + motion.striker) * (at(SCALE) * speeds + gravity * at(first + 4));
+        let integral = impact.integral_off(inverse_tau, at(first + 2)) + at(first + 3);
+        at(GAIN) * integral / momentum
+    }
+
+    /// The sensitivity (V/N) for given values of all inputs (V/N).
+    #[must_use]
+    pub fn evaluate(&self, values: &[f64]) -> f64 {
+        let inverse_tau = self.inverse_tau(values);
+        let parts = self.parts.iter().enumerate();
+        let mean: f64 =
+            parts.map(|(index, part)| part.weight * self.one(index, values, inverse_tau)).sum();
+        mean + values.last().copied().unwrap_or(0.0)
+    }
+
+    /// The time constant for given values of all inputs (s).
+    #[must_use]
+    pub fn evaluate_tau(&self, values: &[f64]) -> f64 {
+        1.0 / self.inverse_tau(values)
+    }
+
+    /// The sensitivity (V/N).
+    #[must_use]
+    pub fn sensitivity(&self) -> f64 {
+        self.evaluate(&self.estimates())
+    }
+
+    /// The time constant (s).
+    #[must_use]
+    pub fn tau(&self) -> f64 {
+        self.evaluate_tau(&self.estimates())
+    }
+
+    /// Standard uncertainty of the time constant (s).
+    #[must_use]
+    pub fn tau_u(&self) -> f64 {
+        self.changes(&|values| self.evaluate_tau(values)).map(|c| c * c).sum::<f64>().sqrt()
+    }
+
+    /// What the records' ends tell of the time constant, and its standard uncertainty, used or not (s).
+    #[must_use]
+    pub fn tail_tau(&self) -> Option<(f64, f64)> {
+        let tails: Vec<&Tail> = self.parts.iter().filter_map(|part| part.tail.as_ref()).collect();
+        let weights: f64 = tails.iter().map(|tail| tail.weight()).sum();
+        let inverse = tails.iter().map(|t| t.weight() * t.inverse_tau).sum::<f64>() / weights;
+        (weights > 0.0).then(|| (1.0 / inverse, weights.powf(-0.5) / (inverse * inverse)))
+    }
+
+    /// Each impact's sensitivity and its own standard uncertainty (V/N).
+    #[must_use]
+    pub fn each(&self) -> Vec<(f64, f64)> {
+        let estimates = self.estimates();
+        let inverse_tau = self.inverse_tau(&estimates);
+        let parts = self.parts.iter().enumerate();
+        parts.map(|(i, part)| (self.one(i, &estimates, inverse_tau), part.own)).collect()
+    }
+
+    /// Change of `output` when each input in turn goes from one standard uncertainty below to one above, halved (unit).
+    pub fn changes<'a>(
+        &'a self,
+        output: &'a dyn Fn(&[f64]) -> f64,
+    ) -> impl Iterator<Item = f64> + 'a {
+        let mut values = self.estimates();
+        self.inputs.iter().enumerate().map(move |(index, input)| {
+            let mut moved = |by: f64| {
+                if let Some(value) = values.get_mut(index) {
+                    *value = input.value + by * input.u;
+                }
+                output(&values)
+            };
+            let change = if input.u == 0.0 { 0.0 } else { 0.5 * (moved(1.0) - moved(-1.0)) };
+            moved(0.0);
+            change
+        })
+    }
+}

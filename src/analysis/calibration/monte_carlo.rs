@@ -1,0 +1,91 @@
+//! Propagation of distributions: all inputs drawn at once, many times.
+//!
+//! Every input is drawn from a normal distribution with its estimate and standard uncertainty. Checked against the propagation of
+//! uncertainty: the ends of both 95 % intervals agree to half a unit of the last of `DIGITS` significant digits of the uncertainty.
+//! Source: JCGM 101:2008, clauses 7 and 8. Valid for any measurement equation; the ends of the interval scatter by 0.6 % of the
+//! standard uncertainty with 200,000 draws.
+
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
+
+use super::model::Model;
+use super::{COVERAGE_95, Draws};
+
+/// Significant digits of the standard uncertainty that both propagations are to agree in.
+const DIGITS: i32 = 1;
+/// Stream of the draws.
+const STREAM: u128 = 101;
+
+/// What the draws gave.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MonteCarlo {
+    /// Number of draws.
+    pub draws: usize,
+    /// Seed.
+    pub seed: u64,
+    /// Mean of the sensitivity (V/N).
+    pub mean: f64,
+    /// Its standard deviation (V/N).
+    pub u: f64,
+    /// Where 2.5 % are below and 2.5 % above (V/N).
+    pub interval_95: [f64; 2],
+    /// How far the ends of the interval may be from those of the propagated uncertainty (V/N).
+    pub tolerance: f64,
+    /// The larger of how far they are (V/N).
+    pub difference: f64,
+    /// Whether they agree.
+    pub agrees: bool,
+}
+
+/// Draws; none for none.
+#[must_use]
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a share of a number of draws"
+)]
+pub fn run(model: &Model, draws: Draws) -> Option<MonteCarlo> {
+    if draws.count < 2 {
+        return None;
+    }
+    let mut stream = Pcg64::new(u128::from(draws.seed), STREAM);
+    let mut values = model.estimates();
+    let mut found: Vec<f64> = Vec::with_capacity(draws.count);
+    for _ in 0..draws.count {
+        for (value, input) in values.iter_mut().zip(model.inputs()) {
+            if input.u > 0.0 {
+                let deviate: f64 = StandardNormal.sample(&mut stream);
+                *value = input.value + input.u * deviate;
+            }
+        }
+        found.push(model.evaluate(&values));
+    }
+    let count = found.len() as f64;
+    let mean = found.iter().sum::<f64>() / count;
+    let u = (found.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt();
+    found.sort_by(f64::total_cmp);
+    let quantile = |share: f64| {
+        let index = (share * count) as usize;
+        found.get(index.min(found.len() - 1)).copied().unwrap_or(mean)
+    };
+    let interval_95 = [quantile(0.025), quantile(0.975)];
+    let changes = |values: &[f64]| model.evaluate(values);
+    let propagated = model.changes(&changes).map(|c| c * c).sum::<f64>().sqrt();
+    let (center, half) = (model.sensitivity(), COVERAGE_95 * propagated);
+    let low = (interval_95[0] - (center - half)).abs();
+    let difference = low.max((interval_95[1] - (center + half)).abs());
+    let digit = 10f64.powi(propagated.log10().floor() as i32 - DIGITS + 1);
+    let tolerance = 0.5 * digit;
+    let agrees = difference <= tolerance;
+    Some(MonteCarlo {
+        draws: draws.count,
+        seed: draws.seed,
+        mean,
+        u,
+        interval_95,
+        tolerance,
+        difference,
+        agrees,
+    })
+}

@@ -1,0 +1,106 @@
+//! A record before its integral: is it sound, where is its zero, where its pulse.
+
+use super::Exclusion;
+use super::impact::{NOISE_TIMES, Record};
+use crate::analysis::baseline::{Baseline, noise_of};
+use crate::analysis::pulse::{Conditions, PulseError};
+use crate::trace::Trace;
+
+/// The contact begins and ends where the force passes this share of its peak, or the noise if that is more (1).
+const CONTACT_SHARE: f64 = 0.01;
+/// A pulse must stand out of the noise this many times (1).
+const OUTSTANDING: f64 = 20.0;
+/// Fewer samples of baseline than this are none.
+const FEWEST_BASELINE: usize = 50;
+/// The sum of the voltage begins this part of the rise before the contact is seen.
+const LEAD: usize = 3;
+
+/// A record whose pulse is positive and stands out of the noise; its baseline is known.
+pub struct Prepared {
+    /// Its baseline.
+    pub baseline: Baseline,
+    /// Standard uncertainty of one sample (V).
+    pub noise: f64,
+    /// Whether it was turned over.
+    pub negative: bool,
+    /// The voltage without its baseline.
+    pub signal: Trace,
+    /// Sample of the highest value.
+    pub peak: usize,
+    /// What the contact begins and ends at (V).
+    pub threshold: f64,
+}
+
+impl Prepared {
+    /// Looks at `record`.
+    ///
+    /// # Errors
+    /// [`Exclusion`]: why it is no good.
+    pub fn new(record: &Record) -> Result<Self, Exclusion> {
+        let trace = &record.trace;
+        if record.clipped > 0 {
+            return Err(Exclusion::Saturated { samples: record.clipped });
+        }
+        let sound = trace.interval > 0.0 && trace.interval.is_finite();
+        if !sound || trace.values.iter().any(|v| !v.is_finite()) {
+            return Err(Exclusion::NotFinite);
+        }
+        let conditions = Conditions { level: record.level, ..Conditions::default() };
+        let baseline = match Baseline::of(trace, &conditions) {
+            Ok(baseline) if baseline.samples >= FEWEST_BASELINE => baseline,
+            Ok(_) | Err(PulseError::NoBaseline { .. })
+                if !stands_out(&trace.values, record.level) =>
+            {
+                return Err(Exclusion::NoPulse);
+            }
+            Ok(Baseline { samples, .. }) | Err(PulseError::NoBaseline { samples, .. }) => {
+                return Err(Exclusion::NoPreTrigger { samples });
+            }
+            Err(_) => return Err(Exclusion::NoPulse),
+        };
+        let noise = noise_of(baseline.rms, record.level);
+        let mut signal = trace.clone();
+        signal.values.iter_mut().for_each(|v| *v -= baseline.level);
+        let highest = |values: &[f64], sign: f64| {
+            let top = values.iter().enumerate().map(|(i, v)| (i, sign * v));
+            top.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0))
+        };
+        let (up, down) = (highest(&signal.values, 1.0), highest(&signal.values, -1.0));
+        let negative = down.1 > up.1;
+        let (peak, top) = if negative { down } else { up };
+        if negative {
+            signal.values.iter_mut().for_each(|v| *v = -*v);
+        }
+        if top < OUTSTANDING * noise {
+            return Err(Exclusion::NoPulse);
+        }
+        let threshold = (CONTACT_SHARE * top).max(NOISE_TIMES * noise);
+        Ok(Self { baseline, noise, negative, signal, peak, threshold })
+    }
+
+    /// Last sample before the peak that is below the threshold.
+    pub fn rise(&self) -> Option<usize> {
+        self.signal.values.get(..self.peak)?.iter().rposition(|v| *v <= self.threshold)
+    }
+
+    /// Sample from which on the voltage is summed: what the pulse has before it passes the threshold counts as well.
+    pub fn start(&self) -> Option<usize> {
+        let rise = self.rise()?;
+        Some(rise.saturating_sub((self.peak - rise) / LEAD))
+    }
+
+    /// First sample behind the peak where `values` are below `level`.
+    pub fn fall(&self, values: &[f64], level: f64) -> Option<usize> {
+        let behind = values.get(self.peak..)?.iter().position(|v| *v <= level)?;
+        Some(self.peak + behind)
+    }
+}
+
+/// Whether the values differ more than neighbours do, which is what noise does.
+#[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
+fn stands_out(values: &[f64], level: f64) -> bool {
+    let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
+    let steps: f64 = values.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum();
+    let noise = noise_of((0.5 * steps / values.len() as f64).sqrt(), level);
+    high - low >= OUTSTANDING * noise
+}

@@ -1,0 +1,111 @@
+//! The time constant from what a record shows behind the contact: no force, only the charge that is left, leaking away.
+//!
+//! Without force `V[i] + (1 - a) sum over k < i of V[k] = 0`; least squares of these gives `1 - a = 1 - exp(-dt/tau)`.
+//! Valid where the sensor feels nothing behind the contact, as one that only the striker presses on.
+
+use super::impact::Record;
+use super::prepared::Prepared;
+
+/// The end of the contact is not sharp: the fit begins this share of the contact later (1).
+const CLEARANCE: f64 = 0.3;
+/// Fewer samples behind the contact than this tell nothing.
+const FEWEST: usize = 100;
+
+/// What one record tells of `1/tau`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tail {
+    /// `1/tau` (1/s).
+    pub inverse_tau: f64,
+    /// Its standard uncertainty from the noise (1/s).
+    pub noise_u: f64,
+    /// Its change with the baseline (1/s/V).
+    pub per_baseline: f64,
+    /// Standard uncertainty of the baseline (V).
+    pub baseline_u: f64,
+}
+
+impl Tail {
+    /// Weight among several, one over the square of the standard uncertainty (s^2).
+    pub fn weight(&self) -> f64 {
+        1.0 / (self.noise_u.powi(2) + (self.per_baseline * self.baseline_u).powi(2))
+    }
+}
+
+/// Fits the end of `record`; none where there is too little, or no leak above the noise.
+pub fn fit(record: &Record) -> Option<Tail> {
+    let prepared = Prepared::new(record).ok()?;
+    let signal = &prepared.signal;
+    let start = prepared.start()?;
+    // The voltage passes zero a little before the contact ends.
+    let zero = prepared.fall(&signal.values, 0.0)?;
+    #[allow(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a share of a number of samples"
+    )]
+    let first = zero + (CLEARANCE * (zero - start) as f64) as usize - start;
+    let values = signal.values.get(start..)?;
+    if values.len() < first + FEWEST {
+        return None;
+    }
+    let leak = leaked(values, first, 0.0)?;
+    let interval = signal.interval;
+    let inverse = |leak: f64| -(-leak).ln_1p() / interval;
+    let steps = prepared.baseline.uncertainty.max(f64::MIN_POSITIVE);
+    let (higher, lower) = (leaked(values, first, steps)?, leaked(values, first, -steps)?);
+    let slope = 1.0 / (interval * (1.0 - leak));
+    let tail = Tail {
+        inverse_tau: inverse(leak),
+        noise_u: slope * prepared.noise * influence(values, first, leak),
+        per_baseline: (inverse(higher) - inverse(lower)) / (2.0 * steps),
+        baseline_u: prepared.baseline.uncertainty,
+    };
+    // Two thousand time constants in a record or none at all: that is no droop.
+    (tail.inverse_tau > 3.0 * tail.weight().powf(-0.5)).then_some(tail)
+}
+
+/// `tau` from several records (s).
+pub fn together(tails: &[Option<Tail>]) -> Option<f64> {
+    let (mut sum, mut weights) = (0.0, 0.0);
+    for tail in tails.iter().flatten() {
+        sum += tail.weight() * tail.inverse_tau;
+        weights += tail.weight();
+    }
+    (sum > 0.0).then(|| weights / sum)
+}
+
+/// `1 - a` for a baseline that is `off` higher.
+fn leaked(values: &[f64], first: usize, off: f64) -> Option<f64> {
+    let (mut before, mut numerator, mut denominator) = (0.0, 0.0, 0.0);
+    for (index, value) in values.iter().enumerate() {
+        let value = value - off;
+        if index >= first {
+            numerator -= value * before;
+            denominator += before * before;
+        }
+        before += value;
+    }
+    let leak = numerator / denominator;
+    (leak.is_finite() && leak < 1.0).then_some(leak)
+}
+
+/// Root of the sum of squares of the change of `1 - a` with each sample.
+fn influence(values: &[f64], first: usize, leak: f64) -> f64 {
+    let mut before: Vec<f64> = Vec::with_capacity(values.len());
+    let mut sum = 0.0;
+    for value in values {
+        before.push(sum);
+        sum += value;
+    }
+    let denominator: f64 = before.iter().skip(first).map(|b| b * b).sum();
+    let (mut later, mut squares) = (0.0, 0.0);
+    for (index, (value, before)) in values.iter().zip(&before).enumerate().rev() {
+        let own = if index >= first { *before } else { 0.0 };
+        squares += (own + later).powi(2);
+        if index >= first {
+            later += value + 2.0 * leak * before;
+        }
+    }
+    squares.sqrt() / denominator
+}

@@ -1,0 +1,96 @@
+//! `hertzscope bands`: where a chain's band gap lies, and how it moves with the preload.
+
+use std::path::PathBuf;
+
+use anyhow::{Context as _, bail};
+use clap::Args;
+use serde_json::json;
+
+use crate::analysis::dispersion::DiatomicChain;
+use crate::experiment::recorded;
+use crate::quantity::{Dimension, parse};
+use crate::report;
+use crate::scene::{Scene, Site};
+
+/// Points from the lowest to the highest preload.
+const POINTS: u32 = 13;
+
+/// Show a chain's band edges against its preload: pass bands, gap, speed of long waves
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// A scene that ships with the program, or the path of a scene file
+    #[arg(default_value = "magnet-0.61g")]
+    scene: String,
+    /// Particle whose neighbourhood is meant [default: the first sensor's, else 2]
+    #[arg(long, value_name = "N")]
+    particle: Option<usize>,
+    /// Lowest preload
+    #[arg(long, value_name = "F", default_value = "0.1N", value_parser = force)]
+    from: f64,
+    /// Highest preload
+    #[arg(long, value_name = "F", default_value = "100N", value_parser = force)]
+    to: f64,
+    /// Print as JSON
+    #[arg(long)]
+    json: bool,
+    /// Draw the gap's lower edge into this file
+    #[arg(long, value_name = "FILE.svg")]
+    plot: Option<PathBuf>,
+}
+
+fn force(text: &str) -> Result<f64, String> {
+    match parse(text, Dimension::FORCE) {
+        Ok(force) if force > 0.0 => Ok(force),
+        Ok(_) => Err(format!("found {text}, expected a force above zero")),
+        Err(error) => Err(format!("{error}, expected a force, e.g. 2.38N")),
+    }
+}
+
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    if arguments.to <= arguments.from {
+        bail!(
+            "found a highest preload of {} N, expected more than the lowest, {} N",
+            arguments.to,
+            arguments.from
+        );
+    }
+    let scene = Scene::load(&arguments.scene)?;
+    let sensor = scene.sensors.iter().find_map(|sensor| match sensor.site {
+        Site::Particle(particle) => Some(particle),
+        Site::Wall => None,
+    });
+    let particle = arguments.particle.or(sensor).unwrap_or(2);
+    let Some((chain, now)) = recorded::cell_and_force(&scene, Site::Particle(particle)) else {
+        bail!(
+            "found no band gap at particle {particle} of {}, expected two kinds that take turns and a preload",
+            scene.name
+        );
+    };
+    // Hertz: the stiffness goes with the cubic root of the force, the cell with what contacts give.
+    let at = |force: f64| (force, chain.pressed(now, force));
+    let step = (arguments.to / arguments.from).powf(1.0 / f64::from(POINTS - 1));
+    let mut rows: Vec<(f64, DiatomicChain)> =
+        (0..POINTS).map(|i| at(arguments.from * step.powf(f64::from(i)))).collect();
+    rows.push(at(now));
+    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let title = format!("{}, around particle {particle}", scene.name);
+    if let Some(file) = &arguments.plot {
+        let picture = report::chart(&report::bands_curve(&rows, now), &title, ("N", "Hz"));
+        std::fs::write(file, picture).with_context(|| file.display().to_string())?;
+    }
+    if !arguments.json {
+        return super::print(&report::bands(&title, &rows, now));
+    }
+    let points = rows.iter().map(|(force, chain)| {
+        json!({
+            "preload_n": force,
+            "f1_hz": chain.gap_bottom(),
+            "f2_hz": chain.gap_top(),
+            "f3_hz": chain.cutoff(),
+            "long_wave_speed_m_per_s": chain.sound_speed(),
+        })
+    });
+    super::print(&serde_json::to_string_pretty(&json!({
+        "scene": scene.name, "particle": particle, "preload_n": now, "bands": points.collect::<Vec<_>>(),
+    }))?)
+}

@@ -1,0 +1,145 @@
+//! `hertzscope calibrate`: a sensor's sensitivity from impacts of known momentum.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail};
+use clap::Args;
+use serde_json::json;
+
+use super::progress::Progress;
+use crate::experiment::calibration::coverage::coverage;
+use crate::experiment::calibration::design::{Candidate, Designer, Lab, strikers};
+use crate::experiment::calibration::{self, Calibrated, sensor_file};
+use crate::quantity::{Dimension, parse};
+use crate::recording::mcap;
+use crate::report::calibration::page;
+use crate::report::calibration_design::design_page;
+use crate::report::certificate::{certificate, pictures};
+use crate::scene::plan;
+
+/// Calibrate a sensor through linear momentum: sensitivity, time constant, uncertainty budget, certificate
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// The plan: recordings, strikers, speeds, each with its standard uncertainty
+    #[arg(required_unless_present = "simulate")]
+    plan: Option<PathBuf>,
+    /// Design the test for a sensor instead, a name or a file: tries strikers, heights, V/div and s/div, calibrates blind, and with
+    /// --output writes the best test's plan and recordings
+    #[arg(long, value_name = "SENSOR", conflicts_with = "plan")]
+    simulate: Option<String>,
+    /// With --simulate: try only strikers whose name contains this, e.g. ptfe
+    #[arg(long, value_name = "NAME", requires = "simulate", default_value = "")]
+    striker: String,
+    /// With --simulate: repeat the best calibration blind this many times, and tell its bias and coverage
+    #[arg(long, value_name = "N", requires = "simulate", value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    repeat: Option<u32>,
+    /// With --simulate: seed of readings, noise, and hidden truths
+    #[arg(long, value_name = "N", requires = "simulate", default_value_t = 1)]
+    seed: u64,
+    /// With --simulate: relative standard uncertainty of the scope's gain, e.g. 3% [default: sensor and scope are one chain]
+    #[arg(long, value_name = "U", requires = "simulate", value_parser = share)]
+    gain_u: Option<f64>,
+    /// Write certificate, JSON, pictures and the sensor's file into this folder
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Print as JSON
+    #[arg(long)]
+    json: bool,
+    /// No progress bar
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    match parse(text, Dimension::NONE) {
+        Ok(share) if (0.0..1.0).contains(&share) => Ok(share),
+        Ok(_) => Err(format!("found {text}, expected a share from 0 to below 1, e.g. 3%")),
+        Err(error) => Err(format!("{error}, expected a share, e.g. 3%")),
+    }
+}
+
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let Some(plan) = &arguments.plan else { return simulate(arguments) };
+    let plan = plan::load(plan)?;
+    let found = calibration::run(&plan)?;
+    if let Some(folder) = &arguments.output {
+        write(folder, &found)?;
+    }
+    if arguments.json {
+        return super::print(&serde_json::to_string_pretty(&found.report)?);
+    }
+    super::print(&page(&found.report))?;
+    if let Some(folder) = &arguments.output {
+        super::print(&format!("  certificate {}", folder.join("certificate.md").display()))?;
+    }
+    Ok(())
+}
+
+fn simulate(arguments: &Arguments) -> anyhow::Result<()> {
+    let sensor = arguments.simulate.as_deref().unwrap_or_default();
+    let lab = Lab { gain_u: arguments.gain_u, ..Lab::default() };
+    let designer = Designer::new(sensor, lab, arguments.seed)?;
+    let mut progress = Progress::new("tests", arguments.quiet);
+    let candidates = designer.search(&arguments.striker, &mut |share| progress.at(share));
+    progress.done();
+    let candidates = candidates?;
+    let Some(best) = candidates.first().filter(|best| best.u_relative_k2.is_some()) else {
+        bail!(
+            "found no test that works with {sensor}, expected one: strikers are {}",
+            strikers().iter().map(|s| s.name.clone()).collect::<Vec<_>>().join(", ")
+        );
+    };
+    let mut progress = Progress::new("blind calibrations", arguments.quiet);
+    let checked = arguments.repeat.map(|repeats| {
+        coverage(&designer, best, (repeats, arguments.seed), &mut |share| progress.at(share))
+    });
+    progress.done();
+    let checked = checked.transpose()?;
+    let written = match &arguments.output {
+        Some(folder) => Some(write_test(folder, &designer, best)?),
+        None => None,
+    };
+    if arguments.json {
+        let design = json!({
+            "sensor": sensor, "lab": lab, "best": best, "candidates": candidates, "blind": checked,
+        });
+        return super::print(&serde_json::to_string_pretty(&design)?);
+    }
+    super::print(&design_page(sensor, &lab, &candidates, checked.as_ref()))?;
+    if let Some(plan) = written {
+        super::print(&format!("  plan        {}", plan.display()))?;
+    }
+    Ok(())
+}
+
+/// The best test's plan and recordings, as a lab would bring them.
+fn write_test(folder: &Path, designer: &Designer, best: &Candidate) -> anyhow::Result<PathBuf> {
+    let test = designer.test(best)?;
+    std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    for (name, set) in &test.recordings {
+        mcap::write(&folder.join(name), set)?;
+    }
+    let plan = folder.join("plan.toml");
+    std::fs::write(&plan, test.plan).with_context(|| plan.display().to_string())?;
+    Ok(plan)
+}
+
+fn write(folder: &Path, found: &Calibrated) -> anyhow::Result<()> {
+    let report = &found.report;
+    let pictures = pictures(&found.calibration, report);
+    let (markdown, html) = certificate(report, &pictures);
+    // A name is a name, no path.
+    let sensor = report.sensor.replace(['/', '\\'], "-");
+    let files = [
+        ("certificate.md".to_owned(), markdown),
+        ("certificate.html".to_owned(), html),
+        ("calibration.json".to_owned(), serde_json::to_string_pretty(report)? + "\n"),
+        (format!("{sensor}.toml"), sensor_file(report)),
+    ];
+    std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    for (name, text) in files.into_iter().chain(pictures) {
+        let file = folder.join(name);
+        std::fs::write(&file, text).with_context(|| file.display().to_string())?;
+    }
+    Ok(())
+}

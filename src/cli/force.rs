@@ -1,0 +1,105 @@
+//! `hertzscope force`: volts become newtons, with their uncertainty.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use anyhow::{Context as _, bail};
+use clap::Args;
+use serde_json::{Value, json};
+
+use super::sensor::{Wired, wire_all, wired};
+use crate::experiment::wired::{Forces, forces};
+use crate::recording::format::open;
+use crate::report;
+
+/// Turn volts into newtons by the sensors' calibration: droop undone, uncertainties carried along
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// A recording (.mcap), a scope's file (.csv, .isf), or a folder of them
+    file: PathBuf,
+    /// A channel's sensor, a name or a file such as `calibrate` writes; without it, the one that the recording names
+    #[arg(long, value_name = "CH=SENSOR", value_parser = wired)]
+    sensor: Vec<Wired>,
+    /// Shot to look at
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    shot: u32,
+    /// Write times, forces and standard uncertainties into this file
+    #[arg(short, long, value_name = "FILE.csv")]
+    output: Option<PathBuf>,
+    /// Draw the first channel's force into this file
+    #[arg(long, value_name = "FILE.svg")]
+    plot: Option<PathBuf>,
+    /// Print as JSON, all samples included
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let mut set = open(&arguments.file)?;
+    wire_all(&mut set, &arguments.sensor)?;
+    let Some(shot) = set.shots.iter().find(|shot| shot.number == arguments.shot) else {
+        bail!("found {} shots, expected one with number {}", set.shots.len(), arguments.shot);
+    };
+    let (mut found, mut problems) = (Vec::new(), Vec::new());
+    for channel in forces(&set, shot) {
+        match channel {
+            Ok(forces) => found.push(forces),
+            Err(problem) => problems.push(problem.to_string()),
+        }
+    }
+    let Some(first) = found.first() else {
+        bail!("found no channel with forces, expected at least one: {}", problems.join("; "));
+    };
+    if let Some(file) = &arguments.plot {
+        let picture = report::chart(&report::force_curve(first), &first.force.name, ("s", "N"));
+        std::fs::write(file, picture).with_context(|| file.display().to_string())?;
+    }
+    if let Some(file) = &arguments.output {
+        std::fs::write(file, csv(&found)).with_context(|| file.display().to_string())?;
+    }
+    if arguments.json {
+        let channels: Vec<Value> = found.iter().map(as_json).collect();
+        let all = json!({ "shot": shot.number, "channels": channels, "problems": problems });
+        return super::print(&serde_json::to_string_pretty(&all)?);
+    }
+    super::print(&report::forces(&found, &problems))
+}
+
+fn csv(found: &[Forces]) -> String {
+    let mut text = "time_s".to_owned();
+    for forces in found {
+        let channel = forces.channel.to_lowercase();
+        let _ = write!(text, ",{channel}_n,{channel}_u_n");
+    }
+    text.push('\n');
+    let Some(first) = found.first() else { return text };
+    for index in 0..first.force.values.len() {
+        let _ = write!(text, "{:e}", first.force.time(index));
+        for forces in found {
+            match (forces.force.values.get(index), forces.u.get(index)) {
+                (Some(force), Some(u)) => {
+                    let _ = write!(text, ",{force:e},{u:e}");
+                }
+                _ => text.push_str(",,"),
+            }
+        }
+        text.push('\n');
+    }
+    text
+}
+
+fn as_json(forces: &Forces) -> Value {
+    json!({
+        "channel": forces.channel,
+        "sensor": forces.sensor.name,
+        "sensitivity_v_per_n": forces.sensor.sensitivity,
+        "sensitivity_u_relative": forces.sensor.sensitivity_u,
+        "tau_s": forces.sensor.time_constant,
+        "tau_u_relative": forces.sensor.time_constant_u,
+        "start_s": forces.force.start,
+        "interval_s": forces.force.interval,
+        "force_n": forces.force.values,
+        "u_n": forces.u,
+        "noise_u_n": forces.noise_u,
+    })
+}

@@ -1,0 +1,118 @@
+//! `hertzscope spectrogram`: how a signal's frequencies change with time.
+
+use std::path::PathBuf;
+
+use anyhow::{Context as _, bail};
+use clap::Args;
+use serde_json::json;
+
+use super::signal::{WindowChoice, signal, time};
+use crate::analysis::gate::Gate;
+use crate::analysis::spectrum::{Analyser, Settings};
+use crate::analysis::time_frequency::{Pieces, Spectrogram};
+use crate::experiment::recorded;
+use crate::recording::format::open;
+use crate::report::spectrogram::{SpectrogramPage, svg, text};
+
+/// Without a segment given, pieces are this part of the record.
+const SEGMENTS: usize = 16;
+/// Without a hop given, pieces move on by this part of themselves.
+const OVERLAP: usize = 8;
+/// Without a highest frequency or band edges, the map ends at this share of half the sampling frequency (1).
+const SHOWN: f64 = 0.25;
+/// With band edges it ends at this multiple of the highest (1).
+const BEYOND: f64 = 1.5;
+
+/// Show how a signal's frequencies change with time: spectra of short pieces, one after the other
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// A recording (.mcap), a TDS2000 file (.csv), or a folder of them
+    file: PathBuf,
+    /// Channel to transform, e.g. CH2 [default: the first]
+    #[arg(long, value_name = "CH", conflicts_with = "truth")]
+    channel: Option<String>,
+    /// What no sensor saw, less its static part: a sensor's name, contact/3, bead/7
+    #[arg(long, value_name = "NAME")]
+    truth: Option<String>,
+    /// Shot to look at
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    shot: u32,
+    /// Length of a piece, e.g. 200us: frequencies closer than one over it are one [default: a sixteenth of the record]
+    #[arg(long, value_name = "T", value_parser = time)]
+    segment: Option<f64>,
+    /// From one piece to the next [default: an eighth of a piece]
+    #[arg(long, value_name = "T", value_parser = time)]
+    hop: Option<f64>,
+    /// What each piece is multiplied with
+    #[arg(long, value_enum, default_value_t = WindowChoice::Hann)]
+    window: WindowChoice,
+    /// First time to take, e.g. 200us: after the trigger, or with --truth after the striker's first contact
+    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
+    from: Option<f64>,
+    /// First time to leave out
+    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
+    to: Option<f64>,
+    /// Print as JSON, the whole map included
+    #[arg(long)]
+    json: bool,
+    /// Draw into this file as well
+    #[arg(long, value_name = "FILE.svg")]
+    plot: Option<PathBuf>,
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "`as` takes what is below zero to zero and what is too large to the largest"
+)]
+fn samples(time: Option<f64>, interval: f64, otherwise: usize) -> usize {
+    time.map_or(otherwise, |time| (time / interval).round() as usize)
+}
+
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let set = open(&arguments.file)?;
+    let Some(shot) = set.shots.iter().find(|shot| shot.number == arguments.shot) else {
+        bail!("found {} shots, expected one with number {}", set.shots.len(), arguments.shot);
+    };
+    let (trace, site, offset) =
+        signal(&set, shot, arguments.channel.as_deref(), arguments.truth.as_deref())?;
+    let gate = Gate {
+        from: arguments.from.unwrap_or(f64::NEG_INFINITY),
+        to: arguments.to.unwrap_or(f64::INFINITY),
+    };
+    let length = gate.range(&trace).len();
+    let segment = samples(arguments.segment, trace.interval, (length / SEGMENTS).max(2));
+    let hop = samples(arguments.hop, trace.interval, (segment / OVERLAP).max(1));
+    let settings =
+        Settings { window: arguments.window.window(), gate, offset, ..Settings::default() };
+    let map = Spectrogram::of(&mut Analyser::new(), &trace, &settings, Pieces { segment, hop })?;
+    let scene = recorded::scene(&set).and_then(Result::ok);
+    let chain = site.zip(scene).and_then(|(site, scene)| recorded::cell(&scene, site));
+    let highest = chain.map_or(SHOWN * 0.5 / trace.interval, |chain| BEYOND * chain.cutoff());
+    let title = format!("{}: {}", arguments.file.display(), trace.name);
+    let page = SpectrogramPage { title, map, chain, highest };
+    if let Some(file) = &arguments.plot {
+        std::fs::write(file, svg(&page)).with_context(|| file.display().to_string())?;
+    }
+    if !arguments.json {
+        return super::print(&text(&page));
+    }
+    let map = &page.map;
+    let first = map.columns.first();
+    super::print(&serde_json::to_string_pretty(&json!({
+        "signal": page.title,
+        "unit": first.map(|column| &column.unit),
+        "convention": first.map(|column| column.convention.to_string()),
+        "window": first.map(|column| column.window.to_string()),
+        "segment_samples": segment,
+        "hop_samples": hop,
+        "step_hz": first.map(|column| column.step),
+        "resolution_hz": first.map(|column| column.resolution),
+        "f1_hz": page.chain.map(|chain| chain.gap_bottom()),
+        "f2_hz": page.chain.map(|chain| chain.gap_top()),
+        "f3_hz": page.chain.map(|chain| chain.cutoff()),
+        "times_s": map.times,
+        "ridge_hz": map.ridge(0.0, f64::INFINITY),
+        "amplitude": map.columns.iter().map(|column| &column.amplitude).collect::<Vec<_>>(),
+    }))?)
+}

@@ -1,0 +1,172 @@
+//! A calibration as a page of text, as a certificate, and as pictures of its impacts.
+
+use super::table;
+use crate::experiment::calibration::CalibrationReport;
+use crate::experiment::calibration::words::ImpactReport;
+use crate::quantity::engineering;
+
+/// Inputs with a smaller share of the variance than this are one line of the page together (1).
+const SHOWN_SHARE: f64 = 0.005;
+
+/// `0.4012 ± 0.0031 V/N`: a number with its expanded uncertainty to two digits (text).
+fn with(value: f64, expanded: f64, unit: &str) -> String {
+    let shown = engineering(value, unit, 6);
+    let Some((number, prefixed)) = shown.split_once(' ') else { return shown };
+    let Ok(mantissa) = number.parse::<f64>() else { return shown };
+    let scale = 10f64.powf((mantissa / value).log10().round());
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few digits")]
+    let decimals = (1.0 - (expanded * scale).log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{:.decimals$} ± {:.decimals$} {prefixed}", value * scale, expanded * scale)
+}
+
+pub(super) fn percent(share: f64) -> String {
+    format!("{:.2} %", 100.0 * share)
+}
+
+/// A number with its unit; a kilogram has its prefix already, and a plain number has none.
+fn in_unit(value: f64, unit: &str, digits: usize) -> String {
+    match unit {
+        "kg" => engineering(1e3 * value, "g", digits),
+        "1" => format!("{value:.digits$}"),
+        _ => engineering(value, unit, digits),
+    }
+}
+
+pub(super) fn or_not_stated(text: Option<&String>) -> String {
+    text.cloned().unwrap_or_else(|| "not stated".to_owned())
+}
+
+/// The result, line by line: what it is, and the number.
+pub(super) fn results(report: &CalibrationReport) -> Vec<[String; 2]> {
+    let s = report.sensitivity_v_per_n;
+    let row = |what: &str, number: String| [what.to_owned(), number];
+    let mut rows = vec![
+        row(
+            "sensitivity S",
+            format!(
+                "{} (k = 2), {} of it",
+                with(s, 2.0 * report.standard_uncertainty_v_per_n, "V/N"),
+                percent(report.u_relative_k2)
+            ),
+        ),
+        row(
+            "time constant tau",
+            format!(
+                "{} (k = 2), {}",
+                with(report.tau_s, 2.0 * report.tau_u_s, "s"),
+                report.tau_source
+            ),
+        ),
+        row(
+            "force range",
+            format!(
+                "{} to {}, {} levels",
+                engineering(report.force_range_n[0], "N", 3),
+                engineering(report.force_range_n[1], "N", 3),
+                report.levels
+            ),
+        ),
+    ];
+    if let (Some(change), Some(u)) = (report.nonlinearity, report.nonlinearity_u) {
+        rows.push(row(
+            "non-linearity",
+            format!(
+                "{:+.2} % ± {:.2} % (k = 2) from the lowest to the highest force",
+                100.0 * change,
+                200.0 * u
+            ),
+        ));
+    }
+    if let Some(drawn) = &report.monte_carlo {
+        let [low, high] = drawn.interval_95_v_per_n.map(|s| engineering(s, "V/N", 6));
+        let verdict = if drawn.agrees_with_gum { "agrees" } else { "DISAGREES" };
+        rows.push(row("Monte Carlo", format!(
+            "95 % within {low} to {high}; {verdict} with the propagation ({} draws, JCGM 101 clause 8)",
+            drawn.draws
+        )));
+    }
+    rows.push(row(
+        "raw voltage",
+        format!(
+            "its integral would give {}, {:+.1} %: droop ignored",
+            engineering(report.naive_v_per_n, "V/N", 4),
+            100.0 * (report.naive_v_per_n / s - 1.0)
+        ),
+    ));
+    rows
+}
+
+pub(super) fn impact_rows(report: &CalibrationReport) -> Vec<Vec<String>> {
+    let heading = ["", "striker", "peak force", "contact", "momentum", "S", "u (own)", "raw"];
+    let number = |value: Option<f64>, unit: &str, digits| {
+        value.map_or("-".to_owned(), |value| engineering(value, unit, digits))
+    };
+    let row = |impact: &ImpactReport| {
+        let own = impact.own_u_v_per_n.zip(impact.sensitivity_v_per_n);
+        vec![
+            format!("{}{}", impact.number, if impact.used { "" } else { " left out" }),
+            impact.striker.clone(),
+            number(impact.peak_force_n, "N", 4),
+            number(impact.duration_s, "s", 3),
+            number(impact.momentum_n_s, "N*s", 4),
+            number(impact.sensitivity_v_per_n, "V/N", 5),
+            own.map_or("-".to_owned(), |(u, s)| percent(u / s)),
+            number(impact.naive_v_per_n, "V/N", 4),
+        ]
+    };
+    std::iter::once(heading.map(str::to_owned).to_vec())
+        .chain(report.impacts.iter().map(row))
+        .collect()
+}
+
+/// The budget, small shares of impacts' own inputs put together.
+pub(super) fn budget_rows(report: &CalibrationReport) -> Vec<Vec<String>> {
+    let mut rows = vec![
+        ["input", "estimate", "standard uncertainty", "in S", "share"].map(str::to_owned).to_vec(),
+    ];
+    let (mut count, mut rest) = (0, 0.0);
+    let mut lines: Vec<_> = report.budget.iter().collect();
+    lines.sort_by(|a, b| b.share.total_cmp(&a.share));
+    for line in lines {
+        if line.share < SHOWN_SHARE {
+            count += 1;
+            rest += line.share;
+            continue;
+        }
+        rows.push(vec![
+            line.input.clone(),
+            in_unit(line.value, &line.unit, 5),
+            in_unit(line.standard_uncertainty, &line.unit, 3),
+            engineering(line.contribution_v_per_n.abs(), "V/N", 3),
+            percent(line.share),
+        ]);
+    }
+    if count > 0 {
+        let dash = || "-".to_owned();
+        rows.push(vec![format!("{count} smaller inputs"), dash(), dash(), dash(), percent(rest)]);
+    }
+    rows
+}
+
+pub(super) fn exclusions(report: &CalibrationReport) -> Vec<String> {
+    let line = |impact: &ImpactReport| {
+        let why = impact.excluded.as_ref()?;
+        Some(format!("impact {} ({}) is left out: {why}", impact.number, impact.evidence.recording))
+    };
+    report.impacts.iter().filter_map(line).collect()
+}
+
+/// The page that `calibrate` prints.
+#[must_use]
+pub fn page(report: &CalibrationReport) -> String {
+    let mut lines = vec![report.title.clone()];
+    lines.extend(results(report).iter().map(|[what, number]| format!("  {what:<18} {number}")));
+    lines.push(String::new());
+    lines.extend(table::lines(&impact_rows(report), &[0, 1]));
+    lines.push(String::new());
+    lines.push("uncertainty budget, largest shares first".to_owned());
+    lines.extend(table::lines(&budget_rows(report), &[0]));
+    lines.extend(exclusions(report).iter().map(|line| format!("  note  {line}")));
+    lines.extend(report.notes.iter().map(|note| format!("  note  {note}")));
+    lines.join("\n")
+}

@@ -1,0 +1,86 @@
+//! The design of a momentum test as a page of text.
+
+use super::table;
+use crate::experiment::calibration::coverage::Coverage;
+use crate::experiment::calibration::design::{Candidate, Lab};
+use crate::quantity::engineering;
+
+/// Candidates shown.
+const SHOWN: usize = 12;
+
+/// The page that `calibrate --simulate` prints.
+#[must_use]
+pub fn design_page(
+    sensor: &str,
+    lab: &Lab,
+    candidates: &[Candidate],
+    checked: Option<&Coverage>,
+) -> String {
+    let gain = lab.gain_u.map_or("sensor and scope as one chain".to_owned(), |u| {
+        format!("scope gain {:.1} %", 100.0 * u)
+    });
+    let mut lines = vec![
+        format!("momentum tests of {sensor}, the best first: six impacts each, calibrated blind"),
+        format!(
+            "  known to (standard uncertainties): mass {}, height {}, rebound {:.1} %; {gain}",
+            engineering(lab.mass_u * 1e3, "g", 2),
+            engineering(lab.height_u, "m", 2),
+            100.0 * lab.rebound_u
+        ),
+    ];
+    let heading =
+        ["striker", "mass", "heights", "V/div", "s/div", "peak force", "contact", "U (k = 2)"];
+    let mut rows = vec![heading.map(str::to_owned).to_vec()];
+    rows.extend(candidates.iter().take(SHOWN).map(|candidate| {
+        let height = |share: f64| {
+            engineering(share * candidate.height_m, "m", 3).trim_end_matches(" mm").to_owned()
+        };
+        vec![
+            candidate.striker.clone(),
+            engineering(candidate.mass_kg * 1e3, "g", 4),
+            format!("{}, {}, {} mm", height(1.0), height(0.5), height(0.25)),
+            engineering(candidate.volts_per_div, "V", 3),
+            engineering(candidate.seconds_per_div, "s", 3),
+            engineering(candidate.peak_force_n, "N", 3),
+            engineering(candidate.contact_s, "s", 3),
+            candidate.u_relative_k2.map_or("-".to_owned(), |u| format!("{:.2} %", 100.0 * u)),
+        ]
+    }));
+    lines.extend(table::lines(&rows, &[0]));
+    if candidates.len() > SHOWN {
+        lines.push(format!("  ... and {} more, in --json", candidates.len() - SHOWN));
+    }
+    if let Some(checked) = checked {
+        lines.push(String::new());
+        lines.extend(coverage_lines(checked));
+    }
+    lines.join("\n")
+}
+
+fn coverage_lines(checked: &Coverage) -> [String; 5] {
+    let percent = |share: f64| format!("{:+.3} %", 100.0 * share);
+    [
+        format!(
+            "the best, {} times blind: other sensor, readings and noise each time",
+            checked.repeats
+        ),
+        format!("  bias        {} ± {:.3} %", percent(checked.bias), 100.0 * checked.bias_u),
+        format!(
+            "  coverage    {:.1} % of the 95 % intervals hold the truth, {:.1} % with k = 2",
+            100.0 * checked.coverage_95,
+            100.0 * checked.coverage_k2
+        ),
+        format!(
+            "  U (k = 2)   {:.2} % on average, {:.2} % at most; {} calibrations failed, {} impacts left out",
+            100.0 * checked.mean_u_relative_k2,
+            100.0 * checked.largest_u_relative_k2,
+            checked.failed,
+            checked.impacts_left_out
+        ),
+        format!(
+            "  raw voltage its integral is off by {}, its intervals hold the truth in {:.1} %",
+            percent(checked.naive_bias),
+            100.0 * checked.naive_coverage_95
+        ),
+    ]
+}

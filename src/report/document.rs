@@ -1,0 +1,105 @@
+//! A document of headings, paragraphs, tables and pictures, as Markdown or as a page of HTML that stands alone.
+
+use std::fmt::Write as _;
+
+use super::escape;
+
+/// A part of a document.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Part {
+    /// A heading of a level from 1.
+    Heading(u8, String),
+    /// A paragraph.
+    Paragraph(String),
+    /// Items of a list.
+    List(Vec<String>),
+    /// A table whose first row is its heading.
+    Table(Vec<Vec<String>>),
+    /// A picture: file name, what it shows, the SVG.
+    Picture(String, String, String),
+}
+
+/// `parts` as Markdown; pictures are files beside it.
+#[must_use]
+pub fn markdown(parts: &[Part]) -> String {
+    let cell = |text: &String| text.replace('|', "\\|");
+    let row =
+        |row: &[String]| format!("| {} |\n", row.iter().map(cell).collect::<Vec<_>>().join(" | "));
+    let mut text = String::new();
+    for part in parts {
+        match part {
+            Part::Heading(level, heading) => {
+                let _ = writeln!(text, "{} {heading}", "#".repeat(usize::from(*level)));
+            }
+            Part::Paragraph(paragraph) => {
+                let _ = writeln!(text, "{paragraph}");
+            }
+            Part::List(items) => items.iter().for_each(|item| {
+                let _ = writeln!(text, "- {item}");
+            }),
+            Part::Table(rows) => {
+                let Some((heading, rest)) = rows.split_first() else { continue };
+                text.push_str(&row(heading));
+                text.push_str(&row(&vec!["---".to_owned(); heading.len()]));
+                text.push_str(&rest.iter().map(|cells| row(cells)).collect::<Vec<_>>().concat());
+            }
+            Part::Picture(file, shown, _) => {
+                let _ = writeln!(text, "![{shown}]({file})");
+            }
+        }
+        text.push('\n');
+    }
+    text.truncate(text.trim_end().len());
+    text.push('\n');
+    text
+}
+
+/// `parts` as a page of HTML, pictures included.
+#[must_use]
+pub fn html(title: &str, parts: &[Part]) -> String {
+    let mut body = String::new();
+    for part in parts {
+        let _ = match part {
+            Part::Heading(level, heading) => {
+                writeln!(body, "<h{level}>{}</h{level}>", escape(heading))
+            }
+            Part::Paragraph(paragraph) => writeln!(body, "<p>{}</p>", escape(paragraph)),
+            Part::List(items) => {
+                let items = items
+                    .iter()
+                    .map(|item| format!("<li>{}</li>\n", escape(item)))
+                    .collect::<Vec<_>>()
+                    .concat();
+                writeln!(body, "<ul>\n{items}</ul>")
+            }
+            Part::Table(rows) => {
+                let line = |(index, row): (usize, &Vec<String>)| {
+                    let tag = if index == 0 { "th" } else { "td" };
+                    let cells = row
+                        .iter()
+                        .map(|c| format!("<{tag}>{}</{tag}>", escape(c)))
+                        .collect::<Vec<_>>()
+                        .concat();
+                    format!("<tr>{cells}</tr>\n")
+                };
+                let lines: String = rows.iter().enumerate().map(line).collect();
+                writeln!(body, "<table>\n{lines}</table>")
+            }
+            Part::Picture(_, shown, svg) => {
+                writeln!(
+                    body,
+                    "<figure>\n{svg}<figcaption>{}</figcaption>\n</figure>",
+                    escape(shown)
+                )
+            }
+        };
+    }
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{}</title>\n<style>\n\
+         body {{ font-family: sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; }}\n\
+         table {{ border-collapse: collapse; }} th, td {{ border: 1px solid #c0c0c0; padding: 0.2em 0.6em; text-align: left; }}\n\
+         figure {{ margin: 1em 0; }} td {{ overflow-wrap: anywhere; }}\n\
+         </style>\n</head>\n<body>\n{body}</body>\n</html>\n",
+        escape(title)
+    )
+}

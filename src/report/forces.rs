@@ -1,0 +1,65 @@
+//! Forces by calibrated sensors as a page of text and as a curve.
+
+use super::plot::{Curve, braille};
+use super::table;
+use crate::experiment::wired::Forces;
+use crate::quantity::engineering;
+
+/// Force over time.
+#[must_use]
+pub fn force_curve(forces: &Forces) -> Curve {
+    let values = forces.force.values.iter().enumerate();
+    Curve {
+        points: values.map(|(i, force)| (forces.force.time(i), *force)).collect(),
+        marks: Vec::new(),
+        x_label: "time after the trigger".to_owned(),
+        y_label: "force (N)".to_owned(),
+    }
+}
+
+/// The page that `force` prints.
+#[must_use]
+pub fn forces(found: &[Forces], problems: &[String]) -> String {
+    let heading =
+        ["", "sensor", "sensitivity", "tau", "largest force", "U (k = 2)", "at", "of it noise"];
+    let mut rows = vec![heading.map(str::to_owned).to_vec()];
+    for channel in found {
+        let values = channel.force.values.iter().zip(&channel.u).zip(&channel.noise_u).enumerate();
+        let Some((index, ((force, u), noise))) =
+            values.max_by(|a, b| a.1.0.0.abs().total_cmp(&b.1.0.0.abs()))
+        else {
+            continue;
+        };
+        let sensor = &channel.sensor;
+        let or_none = |value: Option<f64>, unit| {
+            value.map_or("-".to_owned(), |value| engineering(value, unit, 4))
+        };
+        rows.push(vec![
+            channel.channel.clone(),
+            sensor.name.clone(),
+            or_none(sensor.sensitivity, "V/N"),
+            or_none(sensor.time_constant, "s"),
+            engineering(*force, "N", 4),
+            engineering(2.0 * u, "N", 2),
+            engineering(channel.force.time(index), "s", 4),
+            engineering(2.0 * noise, "N", 2),
+        ]);
+    }
+    let mut lines = table::lines(&rows, &[0, 1]);
+    let unknown = found.iter().filter(|channel| channel.sensor.sensitivity_u.is_none());
+    lines.extend(unknown.map(|channel| {
+        format!(
+            "  note  {}: the sensitivity's uncertainty is not known, and left out",
+            channel.channel
+        )
+    }));
+    lines.extend(problems.iter().map(|problem| format!("  note  {problem}")));
+    if let Some(first) = found.first() {
+        lines.push(String::new());
+        let (seconds, newtons) =
+            (|time: f64| engineering(time, "s", 4), |force: f64| engineering(force, "N", 3));
+        lines.push(format!("  {}", first.force.name));
+        lines.extend(braille(&force_curve(first), &seconds, &newtons));
+    }
+    lines.join("\n")
+}

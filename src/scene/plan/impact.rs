@@ -1,0 +1,162 @@
+//! One of a plan's `[[impacts]]`, and quantities with their uncertainties.
+
+use std::path::Path;
+
+use super::{Means, PlannedImpact, Uncertain};
+use crate::quantity::{Dimension, parse, parse_any};
+use crate::scene::document::Value;
+use crate::scene::reader::{Bound, Table};
+
+/// Keys of a speed before the contact and after it, each with that of its uncertainty.
+const INCOMING: [(&str, &str, Means); 3] = [
+    ("speed", "speed_u", Means::Speed),
+    ("height", "height_u", Means::Height),
+    ("gate_time", "gate_time_u", Means::GateTime),
+];
+const REBOUND: [(&str, &str, Means); 4] = [
+    ("rebound_speed", "rebound_speed_u", Means::Speed),
+    ("rebound_height", "rebound_height_u", Means::Height),
+    ("rebound_gate_time", "rebound_gate_time_u", Means::GateTime),
+    ("flight_time", "flight_time_u", Means::FlightTime),
+];
+
+/// What impacts are checked against.
+pub struct Context<'a> {
+    /// The plan's file.
+    pub file: &'a Path,
+    /// The channel of impacts that name none.
+    pub channel: &'a str,
+    /// The strikers.
+    pub strikers: &'a [(String, Uncertain)],
+    /// Whether there are light gates with a known distance.
+    pub gates: bool,
+}
+
+/// Reads one of `[[impacts]]`.
+pub fn impact(table: &Table<'_>, context: &Context<'_>) -> Option<PlannedImpact> {
+    let recording = table.required_text("recording", "a file: .mcap, .csv, .isf, or a folder");
+    let path = recording.map(|name| context.file.parent().unwrap_or(Path::new("")).join(name));
+    if let (Some(name), Some(path)) = (recording, &path)
+        && !path.exists()
+    {
+        let found = format!("\"{name}\", which does not exist");
+        table.problem("recording", found, "a recording, its path relative to the plan");
+    }
+    let channel = table.text("channel").unwrap_or(context.channel).to_owned();
+    let shot = table.count("shot", 1, u64::from(u32::MAX)).unwrap_or(1);
+    let striker = match (table.text("striker"), context.strikers) {
+        (None, [_]) => Some(0),
+        (name, strikers) => {
+            let found = strikers.iter().position(|(known, _)| Some(known.as_str()) == name);
+            if found.is_none() {
+                let names: Vec<&str> = strikers.iter().map(|(name, _)| name.as_str()).collect();
+                let found = name.map_or("no such key".to_owned(), |name| format!("\"{name}\""));
+                table.problem("striker", found, format!("one of [strikers]: {}", names.join(", ")));
+            }
+            found
+        }
+    };
+    let incoming = speed(table, &INCOMING, context.gates);
+    let rebound = speed(table, &REBOUND, context.gates);
+    let window = window(table);
+    Some(PlannedImpact {
+        recording: path?,
+        place: table.place_of("recording").clone(),
+        channel,
+        shot: u32::try_from(shot).ok()?,
+        striker: striker?,
+        incoming: incoming?,
+        rebound: rebound?,
+        window: window?,
+    })
+}
+
+/// The one of several ways to tell a speed that is used.
+fn speed(
+    table: &Table<'_>,
+    ways: &[(&'static str, &'static str, Means)],
+    gates: bool,
+) -> Option<(Means, Uncertain)> {
+    let used: Vec<_> = ways.iter().filter(|(key, ..)| table.has(key)).collect();
+    let first = ways.first()?.0;
+    for (key, uncertainty, _) in ways {
+        let _ = (table.node(key), table.node(uncertainty));
+    }
+    let [(key, uncertainty, means)] = used.as_slice() else {
+        let names: Vec<&str> = ways.iter().map(|(key, ..)| *key).collect();
+        let found = if used.is_empty() {
+            "no such key".to_owned()
+        } else {
+            format!("{} of them", used.len())
+        };
+        table.problem(first, found, format!("one of {}", names.join(", ")));
+        return None;
+    };
+    let dimension = match means {
+        Means::Speed => Dimension::SPEED,
+        Means::Height => Dimension::LENGTH,
+        Means::GateTime | Means::FlightTime => Dimension::TIME,
+    };
+    if *means == Means::GateTime && !gates {
+        table.problem(key, "a time between gates", "[speeds] with gate_distance as well");
+    }
+    Some((*means, uncertain(table, (key, uncertainty), dimension, true)?))
+}
+
+/// `window = ["-10 us", "200 us"]`; `Some(None)` without one, none where it is wrong.
+#[allow(clippy::option_option, reason = "wrong, or not there, or there")]
+fn window(table: &Table<'_>) -> Option<Option<[f64; 2]>> {
+    if !table.has("window") {
+        let _ = table.node("window");
+        return Some(None);
+    }
+    let texts = table.texts("window");
+    let times: Vec<f64> =
+        texts.iter().filter_map(|(text, _)| parse(text, Dimension::TIME).ok()).collect();
+    match times.as_slice() {
+        [from, to] if from < to && texts.len() == 2 => Some(Some([*from, *to])),
+        _ => {
+            let found = texts.iter().map(|(text, _)| *text).collect::<Vec<_>>().join(", ");
+            let expected = "two times after the trigger, e.g. [\"-10 us\", \"200 us\"]";
+            table.problem("window", format!("[{found}]"), expected);
+            None
+        }
+    }
+}
+
+/// A quantity above zero and its standard uncertainty, in its unit or as a share of it.
+pub fn uncertain(
+    table: &Table<'_>,
+    (key, uncertainty): (&'static str, &'static str),
+    dimension: Dimension,
+    needed: bool,
+) -> Option<Uncertain> {
+    let value = table.required(key, dimension, Bound::Positive);
+    let Some(node) = table.node(uncertainty) else {
+        if needed {
+            let expected = format!(
+                "the standard uncertainty of {key}, as {dimension} or a share, e.g. \"0.5 %\""
+            );
+            table.problem(uncertainty, "no such key", expected);
+            return None;
+        }
+        return value.map(|value| Uncertain { value, u: 0.0 });
+    };
+    let share = match &node.value {
+        Value::Number { value, .. } => Some((*value, Dimension::NONE)),
+        Value::Text(text) => parse_any(text).ok(),
+        _ => None,
+    };
+    let u = match (share, value) {
+        (Some((u, found)), _) if found == dimension && u >= 0.0 => Some(u),
+        (Some((u, Dimension::NONE)), Some(value)) if u >= 0.0 => Some(u * value),
+        // Whether a share is right cannot be told before its quantity is.
+        (Some((u, Dimension::NONE)), None) if u >= 0.0 => None,
+        _ => {
+            let expected = format!("{dimension} of zero or more, or a share, e.g. \"0.5 %\"");
+            table.problem(uncertainty, node.describe(), expected);
+            None
+        }
+    };
+    Some(Uncertain { value: value?, u: u? })
+}

@@ -1,0 +1,278 @@
+//! The plan of a calibration: which recordings, which strikers, how fast, and how well all that is known.
+//!
+//! A key that ends in `_u` is the standard uncertainty (k = 1) of the key before it, in its unit or as a share of it.
+
+mod impact;
+
+use std::path::{Path, PathBuf};
+
+use self::impact::{Context, impact, uncertain};
+use crate::quantity::Dimension;
+use crate::scene::document::{Node, Place};
+use crate::scene::library;
+use crate::scene::problem::{Problem, SceneError, listed};
+use crate::scene::reader::{Bound, Problems, Table};
+use crate::sensor::Load;
+
+/// Standard acceleration of free fall (m/s^2).
+const FREE_FALL: f64 = 9.81;
+/// What a scope of this family has at its input.
+const INPUT: Load = Load { resistance: 1e6, capacitance: 20e-12 };
+/// Draws of the Monte-Carlo part.
+const DRAWS: u64 = 200_000;
+
+/// A number with its standard uncertainty.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Uncertain {
+    /// The number (unit).
+    pub value: f64,
+    /// Its standard uncertainty (unit).
+    pub u: f64,
+}
+
+/// How a speed was measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Means {
+    /// As a speed.
+    Speed,
+    /// As a height.
+    Height,
+    /// As the time between two gates.
+    GateTime,
+    /// As the time until the striker comes back.
+    FlightTime,
+}
+
+/// One impact of a plan.
+#[derive(Debug, Clone)]
+pub struct PlannedImpact {
+    /// File or folder of its recording.
+    pub recording: PathBuf,
+    /// Where the plan names it.
+    pub place: Place,
+    /// Channel.
+    pub channel: String,
+    /// Number of the shot.
+    pub shot: u32,
+    /// Which of the strikers, from 0.
+    pub striker: usize,
+    /// Speed before the contact, by what it was measured.
+    pub incoming: (Means, Uncertain),
+    /// Speed after it.
+    pub rebound: (Means, Uncertain),
+    /// First and last time to integrate, if not to be found (s).
+    pub window: Option<[f64; 2]>,
+}
+
+/// What a certificate names and nothing is calculated from.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Particulars {
+    /// One line about the calibration.
+    pub title: String,
+    /// What is calibrated.
+    pub item: String,
+    /// Name of the sensor's file.
+    pub sensor: String,
+    /// Day of the measurement, as typed.
+    pub date: Option<String>,
+    /// Who measured.
+    pub laboratory: Option<String>,
+    /// Whom it was for.
+    pub customer: Option<String>,
+    /// Temperature of the room (K).
+    pub temperature: Option<f64>,
+    /// What the mass is traced to.
+    pub mass_traceability: Option<String>,
+    /// What the speed is traced to.
+    pub speed_traceability: Option<String>,
+    /// What the voltage is traced to.
+    pub voltage_traceability: Option<String>,
+}
+
+/// A checked plan.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// The file.
+    pub file: PathBuf,
+    /// The file as typed.
+    pub text: String,
+    /// For the certificate.
+    pub particulars: Particulars,
+    /// Relative standard uncertainty of the scope's gain; none where sensor and scope are calibrated as one chain (1).
+    pub gain_u: Option<f64>,
+    /// What the sensor was connected to.
+    pub load: Load,
+    /// Relative standard uncertainty that all speeds share (1).
+    pub speed_scale_u: f64,
+    /// Distance of the gates (m).
+    pub gate_distance: Option<Uncertain>,
+    /// Acceleration of free fall (m/s^2).
+    pub gravity: Uncertain,
+    /// Time constant, if it is not to be read off the records (s).
+    pub tau: Option<Uncertain>,
+    /// Name and mass of each striker (kg).
+    pub strikers: Vec<(String, Uncertain)>,
+    /// The impacts.
+    pub impacts: Vec<PlannedImpact>,
+    /// Seed of the Monte-Carlo part.
+    pub seed: u64,
+    /// Its draws.
+    pub draws: u64,
+}
+
+/// Why there is no plan.
+#[derive(Debug, thiserror::Error)]
+pub enum PlanError {
+    /// The file could not be read.
+    #[error(transparent)]
+    Read(SceneError),
+    /// No file of that name.
+    #[error("found `{0}`, which is no file, expected the path of a plan, e.g. plan.toml")]
+    Unknown(String),
+    /// The plan is wrong in at least one place.
+    #[error("{}", listed(.0, "the plan"))]
+    Problems(Vec<Problem>),
+}
+
+/// Loads the plan in `file`.
+///
+/// # Errors
+/// [`PlanError`]: not readable, or every problem found in it, recordings that do not exist included.
+pub fn load(file: &Path) -> Result<Plan, PlanError> {
+    let name = file.display().to_string();
+    if !file.is_file() {
+        return Err(PlanError::Unknown(name));
+    }
+    // A bare name is a file here: nothing of the kind ships.
+    let named = if name.contains(['/', '\\']) { name } else { format!("./{name}") };
+    let node = match library::open("plans", &named) {
+        Ok(Some(node)) => node,
+        Ok(None) => return Err(PlanError::Unknown(named)),
+        Err(SceneError::Problems(problems)) => return Err(PlanError::Problems(problems)),
+        Err(error) => return Err(PlanError::Read(error)),
+    };
+    let problems = Problems::default();
+    let plan = read(file, &node, &problems);
+    let problems = problems.into_sorted();
+    match plan {
+        Some(plan) if problems.is_empty() => Ok(plan),
+        _ => Err(PlanError::Problems(problems)),
+    }
+}
+
+fn read(file: &Path, node: &Node, problems: &Problems) -> Option<Plan> {
+    let root = Table::of(node, "", problems)?;
+    let gravity = if root.has("gravity") {
+        uncertain(&root, ("gravity", "gravity_u"), Dimension::ACCELERATION, false)
+    } else {
+        Some(Uncertain { value: FREE_FALL, u: 0.0 })
+    };
+    let seed = root.count("seed", 0, (1 << 53) - 1).unwrap_or(0);
+    let draws = root.count("draws", 1000, 10_000_000).unwrap_or(DRAWS);
+    let mut particulars = particulars(&root, file);
+    let channel = root.text("channel").unwrap_or("CH1").to_owned();
+    let (gain_u, load) = scope(&root);
+    let (scale, gates) = root.table("speeds").map_or((Some(0.0), None), |table| {
+        let scale = table.quantity("scale_u", Dimension::NONE, Bound::NotNegative);
+        let gates = table.has("gate_distance").then(|| {
+            uncertain(&table, ("gate_distance", "gate_distance_u"), Dimension::LENGTH, true)
+        });
+        let scale = if table.has("scale_u") { scale } else { Some(0.0) };
+        table.finish();
+        (scale, gates.flatten())
+    });
+    let mut tau = None;
+    if let Some(table) = root.table("sensor") {
+        table.text("item").unwrap_or_default().clone_into(&mut particulars.item);
+        table.text("name").unwrap_or("sensor").clone_into(&mut particulars.sensor);
+        if table.has("tau") {
+            tau = uncertain(&table, ("tau", "tau_u"), Dimension::TIME, true);
+        }
+        table.finish();
+    } else if !root.has("sensor") {
+        root.problem("sensor", "no such table", "[sensor] with item and name: what is calibrated");
+    }
+    let mut strikers = Vec::new();
+    for (name, table) in root.tables("strikers") {
+        let mass = uncertain(&table, ("mass", "mass_u"), Dimension::MASS, true);
+        let _ = table.text("source");
+        table.finish();
+        // A mass that could not be read has left its problem; impacts may name its striker.
+        strikers.push((name.to_owned(), mass.unwrap_or(Uncertain { value: 1.0, u: 0.0 })));
+    }
+    let context = Context { file, channel: &channel, strikers: &strikers, gates: gates.is_some() };
+    let tables = root.list("impacts");
+    let count = tables.len();
+    let impacts: Vec<PlannedImpact> =
+        tables.iter().filter_map(|table| impact(table, &context)).collect();
+    tables.into_iter().for_each(Table::finish);
+    if count == 0 {
+        root.problem("impacts", "no impacts", "at least one [[impacts]]");
+    }
+    root.finish();
+    (impacts.len() == count).then_some(())?;
+    Some(Plan {
+        file: file.to_owned(),
+        text: node.place.text().to_owned(),
+        particulars,
+        gain_u,
+        load,
+        speed_scale_u: scale?,
+        gate_distance: gates,
+        gravity: gravity?,
+        tau,
+        strikers,
+        impacts,
+        seed,
+        draws,
+    })
+}
+
+fn particulars(root: &Table<'_>, file: &Path) -> Particulars {
+    let text = |table: Option<&Table<'_>>, key| table?.text(key).map(ToOwned::to_owned);
+    let conditions = root.table("conditions");
+    let traced = root.table("traceability");
+    let stem = file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    let found = Particulars {
+        title: text(Some(root), "title").or(stem).unwrap_or_default(),
+        date: text(Some(root), "date"),
+        laboratory: text(Some(root), "laboratory"),
+        customer: text(Some(root), "customer"),
+        temperature: conditions.as_ref().and_then(|table| {
+            table.quantity("temperature", Dimension::TEMPERATURE, Bound::Positive)
+        }),
+        mass_traceability: text(traced.as_ref(), "mass"),
+        speed_traceability: text(traced.as_ref(), "speed"),
+        voltage_traceability: text(traced.as_ref(), "voltage"),
+        ..Particulars::default()
+    };
+    conditions.into_iter().chain(traced).for_each(Table::finish);
+    found
+}
+
+/// The gain's uncertainty, none for a chain calibrated as one, and the input.
+fn scope(root: &Table<'_>) -> (Option<f64>, Load) {
+    let expected =
+        "gain_u = \"3 %\", or in_chain = true where sensor and scope are calibrated as one";
+    let Some(table) = root.table("scope") else {
+        if !root.has("scope") {
+            root.problem("scope", "no such table", format!("[scope] with {expected}"));
+        }
+        return (None, INPUT);
+    };
+    let in_chain = table.flag("in_chain").unwrap_or(false);
+    let gain_u = table.quantity("gain_u", Dimension::NONE, Bound::NotNegative);
+    if in_chain == table.has("gain_u") {
+        let found = if in_chain { "both gain_u and in_chain = true" } else { "no such key" };
+        table.problem("gain_u", found, expected);
+    }
+    let resistance = table.quantity("input_resistance", Dimension::RESISTANCE, Bound::Positive);
+    let capacitance =
+        table.quantity("input_capacitance", Dimension::CAPACITANCE, Bound::NotNegative);
+    table.finish();
+    let load = Load {
+        resistance: resistance.unwrap_or(INPUT.resistance),
+        capacitance: capacitance.unwrap_or(INPUT.capacitance),
+    };
+    (gain_u.filter(|_| !in_chain), load)
+}

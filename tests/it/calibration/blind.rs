@@ -1,0 +1,61 @@
+//! A thousand calibrations that do not know the truth. The same at will: `hertzscope calibrate --simulate SENSOR --repeat 1000`.
+
+use hertzscope::experiment::calibration::coverage::coverage;
+use hertzscope::experiment::calibration::design::Lab;
+
+use super::{BENCH, bench_with};
+
+/// Six impacts through droop and eight bits, sensor and scope as one chain; other sensor, phase, readings and noise each time. The
+/// coverage of a true 95 % interval scatters by 0.7 % among a thousand.
+#[test]
+fn stated_intervals_hold_the_truth() {
+    let found =
+        coverage(&BENCH.designer, &BENCH.candidate, (1000, 1), &mut |_| ()).expect("a test");
+    println!("{found:?}");
+    assert_eq!((found.repeats, found.failed), (1000, 0));
+    assert!(found.bias.abs() < 1e-3, "bias {}", found.bias);
+    assert!((0.935..=0.965).contains(&found.coverage_95), "coverage {}", found.coverage_95);
+    assert!(found.largest_u_relative_k2 <= 0.02, "U {}", found.largest_u_relative_k2);
+    assert!(found.tau_bias.abs() < 1e-3, "tau {}", found.tau_bias);
+    // The raw voltage's integral is off by far more than it would claim.
+    assert!(found.naive_bias < -0.06 && found.naive_coverage_95 == 0.0, "{}", found.naive_bias);
+}
+
+/// A gain known to 3 % is one input for all impacts: it does not average out.
+#[test]
+fn a_gain_does_not_average_out() {
+    let lab = Lab { gain_u: Some(0.03), ..Lab::default() };
+    let bench = bench_with(lab, 2.0, 3);
+    let found = bench.blind(1).calibrate().expect("a calibration");
+    let relative = found.u / found.sensitivity;
+    assert!(relative > 0.03 && relative < 0.0305, "{relative}");
+    let gain = found.budget.iter().find(|line| line.name() == "scope gain").expect("a line");
+    assert!(
+        gain.share > 0.97 && (gain.contribution / (0.03 * found.sensitivity) - 1.0).abs() < 1e-9
+    );
+}
+
+/// What the impact really was: Hertz's two-body collision, closed form, and momentum that balances.
+#[test]
+fn simulated_impacts_balance_and_obey_hertz() {
+    let (m, anvil) = (1.22e-3_f64, 10.0);
+    let compliance = |e: f64, nu: f64| (1.0 - nu * nu) / e;
+    let modulus = 1.0 / (compliance(1.46e9, 0.46) + compliance(193e9, 0.30));
+    let stiffness = 4.0 / 3.0 * modulus * 2.38e-3_f64.sqrt();
+    let reduced = m * anvil / (m + anvil);
+    for truth in &BENCH.truths {
+        let v = truth.incoming;
+        let overlap = (1.25 * reduced * v * v / stiffness).powf(0.4);
+        let duration = 2.943275184324705 * overlap / v;
+        let peak = truth.force.values.iter().copied().fold(0.0, f64::max);
+        // Weight presses on: g T/v is 0.2 % to 0.5 % of the speed.
+        let weight = 9.81 * duration / v;
+        assert!((truth.duration / duration - 1.0).abs() < weight, "{} {duration}", truth.duration);
+        assert!((peak / (stiffness * overlap.powf(1.5)) - 1.0).abs() < weight);
+        let impulse: f64 = truth.force.values.iter().sum::<f64>() * truth.force.interval;
+        let momentum = m * (v + truth.rebound) + m * 9.81 * truth.duration;
+        assert!((impulse / momentum - 1.0).abs() < 1e-5, "{impulse} {momentum}");
+        // The anvil takes m/M of the speed, twice.
+        assert!((truth.rebound / v - 1.0 + 2.0 * m / anvil).abs() < 1e-5, "{}", truth.rebound / v);
+    }
+}

@@ -1,0 +1,78 @@
+//! The budget and the Monte-Carlo part.
+
+use hertzscope::analysis::calibration::model::{Kind, Quantity, Speed};
+use hertzscope::analysis::calibration::{Draws, calibrate};
+
+use super::BENCH;
+
+const DRAWS: Draws = Draws { seed: 4, count: 100_000 };
+
+#[test]
+fn the_budget_is_complete_and_monte_carlo_confirms_it() {
+    let blind = BENCH.blind(7);
+    let found = calibrate(&blind.strikes, &blind.common, DRAWS).expect("a calibration");
+    let shares: f64 = found.budget.iter().map(|line| line.share).sum();
+    assert!((shares - 1.0).abs() < 1e-12);
+    let parts: f64 = found.budget.iter().map(|line| line.contribution.powi(2)).sum();
+    assert!((parts.sqrt() / found.u - 1.0).abs() < 1e-12);
+    let drawn = found.monte_carlo.expect("draws");
+    // A standard deviation from 100,000 draws is good to 0.22 %.
+    assert!(drawn.agrees && (drawn.u / found.u - 1.0).abs() < 0.01, "{drawn:?}");
+    let again = calibrate(&blind.strikes, &blind.common, DRAWS).expect("a calibration");
+    assert_eq!(again, found, "the same seed gives the same");
+    // Masses act in full, by their relative uncertainty.
+    let mass = found.budget.iter().find(|line| line.kind == Kind::Mass).expect("a mass");
+    assert!(
+        (mass.contribution.abs() / found.sensitivity / (mass.u / mass.value) - 1.0).abs() < 1e-6
+    );
+    let rebounds: Vec<f64> = found
+        .budget
+        .iter()
+        .filter(|line| line.kind == Kind::Rebound)
+        .map(|line| line.contribution.abs() / found.sensitivity)
+        .collect();
+    // 1 % of half the momentum in each, by weights that add up to 1 and are close to even.
+    assert_eq!(rebounds.len(), 6);
+    let squares: f64 = rebounds.iter().map(|part| part * part).sum();
+    assert!((rebounds.iter().sum::<f64>() / 0.005 - 1.0).abs() < 0.02, "{rebounds:?}");
+    assert!((squares.sqrt() / (0.005 / 6f64.sqrt()) - 1.0).abs() < 0.05, "{rebounds:?}");
+}
+
+/// The same motion told as heights, gate times, flight times or speeds is the same momentum.
+#[test]
+fn ways_to_tell_a_speed_agree() {
+    let mut blind = BENCH.blind(8);
+    blind.common.gate_distance = Some(Quantity { value: 20e-3, u: 20e-6 });
+    let plain = blind.calibrate().expect("a calibration").sensitivity;
+    for strike in &mut blind.strikes {
+        let Speed::Speed(rebound) = strike.motion.rebound else { panic!("a speed") };
+        let Speed::Height(height) = strike.motion.incoming else { panic!("a height") };
+        let incoming = (2.0 * 9.81 * height.value).sqrt();
+        strike.motion.incoming = Speed::GateTime(Quantity { value: 20e-3 / incoming, u: 1e-6 });
+        strike.motion.rebound =
+            Speed::FlightTime(Quantity { value: 2.0 * rebound.value / 9.81, u: 1e-4 });
+    }
+    let other = blind.calibrate().expect("a calibration");
+    // Weights differ with the uncertainties: a little of the scatter remains.
+    assert!((other.sensitivity / plain - 1.0).abs() < 2e-3, "{} {plain}", other.sensitivity);
+    let gates = other.budget.iter().filter(|line| line.kind == Kind::GateDistance);
+    assert_eq!(gates.count(), 1, "one distance for all");
+}
+
+/// A sensor whose sensitivity really changes with force shows it: records scaled by up to 10 % with force.
+#[test]
+fn a_nonlinear_sensor_is_told() {
+    let mut blind = BENCH.blind(9);
+    let linear = blind.calibrate().expect("a calibration").nonlinearity.expect("three levels");
+    assert!(linear.change.abs() < 3.0 * linear.u, "{linear:?}");
+    for (index, strike) in blind.strikes.iter_mut().enumerate() {
+        // Two from each height, the highest first.
+        let factor = [1.10, 1.05, 1.00][index / 2];
+        let trace = &mut strike.record.trace;
+        trace.values.iter_mut().for_each(|v| *v *= factor);
+    }
+    let found = blind.calibrate().expect("a calibration");
+    let change = found.nonlinearity.expect("three levels");
+    assert!((change.change - linear.change - 0.10).abs() < 0.02, "{change:?} {linear:?}");
+    assert!(found.notes.iter().any(|note| note.contains("changes by")), "{:?}", found.notes);
+}
