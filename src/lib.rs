@@ -22,3 +22,5 @@ pub mod server;
 pub mod trace;
 #[cfg(feature = "tui")]
 pub mod tui;
+
+pub use experiment::ensemble::Ensemble;

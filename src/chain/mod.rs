@@ -143,6 +143,12 @@ impl Chain {
         &self.contacts
     }
 
+    /// Smallest mass of its bodies (kg).
+    #[must_use]
+    pub fn lightest(&self) -> f64 {
+        self.bodies.iter().fold(f64::INFINITY, |least, body| least.min(body.mass))
+    }
+
     /// Number of particles; the striker is none.
     #[must_use]
     pub fn particles(&self) -> usize {

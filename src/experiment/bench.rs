@@ -2,8 +2,9 @@
 
 use crate::chain::stepper::{ChainStepper, InstructionSet, View};
 use crate::chain::{Chain, Dissipated, Energy, ForceProbe};
-use crate::integrate::{IntegrateError, Integrator, Interpolant, Method, State, Work};
+use crate::integrate::{IntegrateError, Integrator, Method, State, Work};
 
+use super::film::Film;
 use super::pulse::PulseRecorder;
 
 /// Evenly spaced times at which something is sampled: `start + i * interval`.
@@ -47,18 +48,6 @@ pub struct Watch {
     pub pulse: PulseRecorder,
     /// Its dynamic force at the times of the sample grid (N).
     pub samples: Vec<f64>,
-}
-
-/// Contact forces at coarse, even times: the whole chain as a film.
-#[derive(Debug, Clone)]
-pub struct Film {
-    /// When the frames were taken.
-    pub grid: Grid,
-    /// Force in each contact at each time, static part included (N).
-    pub contact_forces: Vec<Vec<f64>>,
-    /// Displacement of each body at each time (m).
-    pub displacements: Vec<Vec<f64>>,
-    frames: usize,
 }
 
 /// The method at work on the chain.
@@ -114,7 +103,6 @@ impl<'a> Bench<'a> {
         grids: (Grid, Grid),
     ) -> Self {
         let (grid, film_grid) = grids;
-        let bodies = chain.bodies().len();
         let state = chain.initial_state(initial_velocities);
         let initial_energy = chain.energy(&state);
         // Before the first contact nothing moves: those samples are known.
@@ -123,13 +111,7 @@ impl<'a> Bench<'a> {
             pulse: PulseRecorder::new(*probe),
             samples: vec![0.0; before],
         };
-        let mut film = Film {
-            grid: film_grid,
-            contact_forces: vec![Vec::new(); chain.contacts().len()],
-            displacements: vec![Vec::new(); bodies],
-            frames: 0,
-        };
-        film.take(chain, (&state.position, &state.velocity), &|_| true);
+        let film = Film::new(chain, film_grid, &state);
         Self {
             chain,
             engine: Engine::start(chain, initial_velocities, method, probes),
@@ -232,11 +214,13 @@ fn follow(
     let (start, length) = stepper.last_step();
     let end = stepper.time();
     let sampled = watches.first().is_some_and(|watch| grid.time(watch.samples.len()) <= end);
-    for (view, watch) in views.iter_mut().zip(&*watches) {
-        view.deaf_below = if pulses { watch.pulse.deaf_below() } else { f64::INFINITY };
+    if !pulses {
+        for view in &mut *views {
+            view.deaf_below = f64::INFINITY;
+        }
     }
     stepper.look(views, sampled);
-    for (view, watch) in views.iter().zip(watches) {
+    for (view, watch) in views.iter_mut().zip(watches) {
         if sampled {
             let before = watch.samples.len();
             watch.samples.resize(grid.samples_until(end), 0.0);
@@ -244,10 +228,8 @@ fn follow(
             let out = &mut watch.samples[before..];
             stepper.sample(&view.track, (first, grid.interval / length), out);
         }
-        if pulses && view.wanted {
-            watch.pulse.follow(&view.looks, &view.track);
-        } else if pulses {
-            watch.pulse.pass(view.end);
+        if pulses {
+            watch.pulse.meet(view);
         }
     }
 }
@@ -265,52 +247,5 @@ impl Watch {
             self.samples.push(segment.force((time - segment.start) / segment.length));
             time = grid.time(self.samples.len());
         }
-    }
-}
-
-impl Film {
-    /// Takes every frame that falls into the integrator's last step.
-    fn follow(&mut self, chain: &Chain, integrator: &dyn Integrator) {
-        let (start, length) = integrator.last_step();
-        let end = integrator.time();
-        if self.grid.time(self.frames) > end {
-            return;
-        }
-        let motion: Vec<Interpolant> =
-            (0..chain.bodies().len()).map(|body| integrator.interpolant(body)).collect();
-        while self.grid.time(self.frames) <= end {
-            let theta = (self.grid.time(self.frames) - start) / length;
-            let position: Vec<f64> = motion.iter().map(|m| m.position(theta)).collect();
-            let velocity: Vec<f64> = motion.iter().map(|m| m.velocity(theta)).collect();
-            self.take(chain, (&position, &velocity), &|contact| integrator.was_on(contact));
-        }
-    }
-
-    /// The same for the stepper.
-    fn follow_stepper(&mut self, chain: &Chain, stepper: &mut ChainStepper) {
-        let (start, length) = stepper.last_step();
-        while self.grid.time(self.frames) <= stepper.time() {
-            let theta = (self.grid.time(self.frames) - start) / length;
-            let (positions, changes) = stepper.frame(theta);
-            let forces = chain.contacts().iter().zip(changes);
-            for (track, (contact, change)) in self.contact_forces.iter_mut().zip(forces) {
-                track.push(contact.static_force + change);
-            }
-            for (track, x) in self.displacements.iter_mut().zip(positions) {
-                track.push(x);
-            }
-            self.frames += 1;
-        }
-    }
-
-    fn take(&mut self, chain: &Chain, motion: (&[f64], &[f64]), closed: &dyn Fn(usize) -> bool) {
-        let (position, velocity) = motion;
-        for (j, forces) in self.contact_forces.iter_mut().enumerate() {
-            forces.push(chain.contact_force(position, velocity, j, closed(j)));
-        }
-        for (track, x) in self.displacements.iter_mut().zip(position) {
-            track.push(*x);
-        }
-        self.frames += 1;
     }
 }

@@ -1,7 +1,7 @@
 //! Which methods a scene with losses may be integrated by.
 
 use super::RunError;
-use crate::chain::Effect;
+use crate::chain::{Chain, Effect};
 use crate::integrate::Method;
 use crate::scene::Scene;
 
@@ -22,7 +22,12 @@ const STIFF_MARGIN: f64 = 10.0;
 
 /// The method that serves `accuracy` (1).
 pub fn method(scene: &Scene, accuracy: f64) -> Method {
-    if !scene.chain.is_dissipative() {
+    method_for(&scene.chain, &scene.initial_velocities, accuracy)
+}
+
+/// The same for a chain with these initial velocities (m/s).
+pub fn method_for(chain: &Chain, velocities: &[f64], accuracy: f64) -> Method {
+    if !chain.is_dissipative() {
         // Errors of first peaks and arrivals stayed below the error tolerated in a step: 0.9 of it at most above 1e-5, 0.5 below.
         let tolerance = accuracy;
         return if accuracy > SIXTH_ORDER_UP_TO {
@@ -32,7 +37,7 @@ pub fn method(scene: &Scene, accuracy: f64) -> Method {
         };
     }
     let tolerance = accuracy / STEP_MARGIN;
-    if is_stiff(scene, tolerance) {
+    if is_stiff(chain, velocities, tolerance) {
         Method::Rodas { tolerance: accuracy / STIFF_MARGIN }
     } else {
         Method::DormandPrince853 { tolerance }
@@ -41,8 +46,8 @@ pub fn method(scene: &Scene, accuracy: f64) -> Method {
 
 /// Whether velocities decay within a step of the explicit pair. On the bench that is from dashpots of 0.8 N s/m at 1e-3 and
 /// 4 N s/m at 1e-9; by cost alone the implicit method pays from 2.5, 25 and 80 N s/m at 1e-3, 1e-7 and 1e-9.
-fn is_stiff(scene: &Scene, tolerance: f64) -> bool {
-    scene.chain.largest_damping(&scene.initial_velocities) * tolerance.powf(0.125) > STIFF
+fn is_stiff(chain: &Chain, velocities: &[f64], tolerance: f64) -> bool {
+    chain.largest_damping(velocities) * tolerance.powf(0.125) > STIFF
 }
 
 /// Refuses a method with a step by hand that losses rule out.

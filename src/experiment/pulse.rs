@@ -3,7 +3,7 @@
 
 use serde::Serialize;
 
-use crate::chain::stepper::{ForceTrack, LOOKS, Looks};
+use crate::chain::stepper::{ForceTrack, LOOKS, Looks, View};
 use crate::chain::{ForceProbe, ForceSegment};
 use crate::integrate::Integrator;
 
@@ -147,20 +147,19 @@ impl PulseRecorder {
         segment
     }
 
-    /// Takes in one step of the stepper for lossless chains.
-    pub fn follow(&mut self, looks: &Looks, track: &ForceTrack) {
-        self.see(looks, &|| Segment::Lossless(Box::new(track.clone())));
+    /// Takes in one step of the stepper for lossless chains, and tells the view below which force nobody wants to know more: it can
+    /// hold no first peak and reach no new level, for largest forces only grow.
+    pub fn meet(&mut self, view: &mut View) {
+        if view.wanted {
+            self.see(&view.looks, &|| Segment::Lossless(Box::new(view.track.clone())));
+        } else {
+            self.last = view.end;
+            self.rate_before = 0.0;
+        }
+        view.deaf_below = self.deaf_below();
     }
 
-    /// A step that ends with `force` (N) can be left out: no maximum in it could ever count.
-    pub fn pass(&mut self, force: f64) {
-        self.last = force;
-        self.rate_before = 0.0;
-    }
-
-    /// Forces below this can hold no first peak and reach no new level, and largest forces only grow (N).
-    #[must_use]
-    pub fn deaf_below(&self) -> f64 {
+    fn deaf_below(&self) -> f64 {
         PEAK_SHARE * self.largest / BETWEEN_LOOKS
     }
 
@@ -251,7 +250,8 @@ fn root(f: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
         let inside = falsi > low && falsi < high && count < 60;
         let middle = if inside { falsi } else { 0.5 * (low + high) };
         let value = f(middle);
-        if value == 0.0 || middle == low || middle == high {
+        // The interval holds no number between its ends any more.
+        if value == 0.0 || middle <= low || middle >= high {
             return middle;
         }
         if (value > 0.0) == (at_low > 0.0) {

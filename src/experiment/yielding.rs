@@ -1,6 +1,6 @@
 //! Where a run leaves what its elastic law is good for.
 
-use super::bench::Film;
+use super::film::Film;
 use crate::chain::Chain;
 use crate::quantity::engineering;
 

@@ -113,7 +113,9 @@ impl ForceTrack {
     }
 }
 
+/// Coefficients of the septic through value and three derivatives at both ends of a step of `h` (s), in the fraction of the step (m).
 #[inline(always)]
+#[allow(clippy::many_single_char_names, reason = "the letters of the derivatives")]
 pub fn septic([from, to]: [[f64; 4]; 2], h: f64) -> [f64; COEFFICIENTS] {
     let (square, cube) = (h * h, h * h * h);
     let [x, v, a, j] = [from[0], h * from[1], 0.5 * square * from[2], cube * from[3] / 6.0];
@@ -134,6 +136,7 @@ pub fn septic([from, to]: [[f64; 4]; 2], h: f64) -> [f64; COEFFICIENTS] {
     ]
 }
 
+/// The polynomial `c` at `t` (m).
 #[inline(always)]
 pub fn horner(c: &[f64; COEFFICIENTS], t: f64) -> f64 {
     c.iter().rev().fold(0.0, |sum, c| sum * t + c)
@@ -216,11 +219,13 @@ impl ForceTrack {
 
 /// The force at evenly spaced times.
 pub struct Sample<'a> {
+    /// The force.
     pub track: &'a ForceTrack,
     /// Fraction of the step at the first sample (1).
     pub first: f64,
     /// From one sample to the next, in fractions of the step (1).
     pub interval: f64,
+    /// Dynamic forces, one a sample (N).
     pub out: &'a mut [f64],
 }
 

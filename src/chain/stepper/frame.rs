@@ -1,10 +1,12 @@
 //! The stepper's last step as others see it: forces at a few places, or the whole chain at one time.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
+use std::marker::PhantomData;
+
 use super::dispatch::Task;
 use super::force_track::{COEFFICIENTS, View, horner, septic};
-use super::lanes::{Lanes, Row, WIDTH};
-use super::passes::{self, Cut, EXACT, LINEAR};
+use super::forces::{self, Cut, EXACT, LINEAR};
+use super::lanes::{Lanes, Row};
 use super::plan::{Along, Form, Layout, Plan};
 
 /// Positions, velocities, accelerations and jerks in rows at both ends of a step.
@@ -18,9 +20,9 @@ pub struct Ends<'a> {
 
 /// Value and derivatives of the overlap of the contact above body `body`.
 #[inline(always)]
-fn overlap(rows: &[&[Row]; 4], body: usize) -> [f64; 4] {
-    let here = (body / WIDTH, body % WIDTH);
-    let above = Along::upper(here.0, here.1);
+fn overlap<Y: Layout>(rows: &[&[Row]; 4], body: usize, lane: usize) -> [f64; 4] {
+    let here = Y::place(body, lane);
+    let above = Y::upper(here.0, here.1);
     rows.map(|rows| {
         let upper = above.map_or(0.0, |(row, lane)| rows[row].0[lane]);
         upper - rows[here.0].0[here.1]
@@ -28,28 +30,31 @@ fn overlap(rows: &[&[Row]; 4], body: usize) -> [f64; 4] {
 }
 
 /// Brings views up to the end of the step.
-pub struct Look<'a> {
+pub struct Look<'a, Y> {
     pub ends: Ends<'a>,
+    /// The chain's lane, where lanes are chains.
+    pub lane: usize,
     pub views: &'a mut [View],
     /// Whether every view is wanted.
     pub all: bool,
+    pub layout: PhantomData<Y>,
 }
 
-impl Task for Look<'_> {
+impl<Y: Layout> Task for Look<'_, Y> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { ends, views, all } = self;
+        let Self { ends, lane, views, all, .. } = self;
         for view in views {
             let contacts = [view.body, view.body + 1];
-            let to = contacts.map(|contact| overlap(&ends.to, contact));
+            let to = contacts.map(|contact| overlap::<Y>(&ends.to, contact, lane));
             let before = view.end;
             view.end = view.track.force_of(to.map(|overlap| overlap[0]));
             view.wanted = all || view.end > view.deaf_below || before > view.deaf_below;
             if view.wanted {
                 for (which, contact) in contacts.into_iter().enumerate() {
-                    let from = overlap(&ends.from, contact);
+                    let from = overlap::<Y>(&ends.from, contact, lane);
                     view.track.set(which, ends.span, [from, to[which]]);
                 }
                 view.looks = view.track.looks::<L>();
@@ -85,8 +90,8 @@ impl Task for Frame<'_> {
             L::store(here, &mut position[r]);
             let change = L::sub(Along::above::<L>(last, here), here);
             let (row, _) = match plan.form {
-                Form::Linear => passes::forces::<L, LINEAR>(cut, r, change),
-                Form::Plain | Form::Exact => passes::forces::<L, EXACT>(cut, r, change),
+                Form::Linear => forces::forces::<L, LINEAR>(cut, r, change),
+                Form::Plain | Form::Exact => forces::forces::<L, EXACT>(cut, r, change),
             };
             L::store(row, &mut force[r]);
             last = here;

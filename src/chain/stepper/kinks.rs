@@ -14,48 +14,32 @@
 //! Polynomials (Oxford, 2004), section 3.1, on Gauss-Jacobi quadrature. Measured in `tests/it/kinks.rs`.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
-use super::lanes::{Row, WIDTH};
+use super::lanes::{Lanes, Row, WIDTH};
 use super::plan::{Layout, Plan};
+use super::quintic::{Quintic, raise};
 use super::workspace::{Motion, Workspace};
 use crate::integrate::nystrom::{NystromPair, Row as Terms};
 
-/// Nodes of the Gauss-Jacobi quadrature for the weight `s^1.5` on 0 to 1, five of them; the rest weighs nothing (1).
-const ROOT_NODES: [f64; WIDTH] = [
-    0.124_061_505_637_331_54,
-    0.336_472_509_340_995_9,
-    0.587_491_435_263_399_5,
-    0.815_071_707_804_017_6,
-    0.962_989_798_475_994_5,
-    1.0,
-    1.0,
-    1.0,
-];
-/// Their weights (1).
-const ROOT_WEIGHTS: [f64; WIDTH] = [
-    0.007_609_028_036_605_25,
-    0.047_184_038_143_998_46,
-    0.112_429_350_380_216_15,
-    0.144_130_795_395_627_18,
-    0.088_646_788_043_552_97,
-    0.0,
-    0.0,
-    0.0,
-];
 /// Share of a correction that is counted as error: residuals measured on the shipped scenes stayed below (1).
 const CORRECTION_SHARE: f64 = 0.01;
 /// Share of the quintic's own uncertainty that is counted as error (1).
 const MODEL_SHARE: f64 = 0.1;
+/// An impulse that could move the lightest body by no more than this share of the tolerated error is none (1).
+const NEGLIGIBLE: f64 = 0.01;
 /// Most stages of a pair.
 const MOST_STAGES: usize = 16;
+
+/// Weights of a pair's stages in rows.
+type Weights = [Row; MOST_STAGES / WIDTH];
 
 /// A pair's nodes and weights, one entry a stage.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quadrature {
-    nodes: [f64; MOST_STAGES],
-    velocity: [f64; MOST_STAGES],
-    position: [f64; MOST_STAGES],
-    velocity_error: [f64; MOST_STAGES],
-    position_error: [f64; MOST_STAGES],
+    nodes: Weights,
+    velocity: Weights,
+    position: Weights,
+    velocity_error: Weights,
+    position_error: Weights,
     /// Weights of velocity, position error and velocity error, stage by stage (1).
     pub ends: [[f64; 3]; MOST_STAGES],
 }
@@ -67,8 +51,8 @@ pub struct Guard {
     pub position: Row,
     /// Of velocities (m/s).
     pub velocity: Row,
-    /// Largest change of a position in any lane (m).
-    pub moved: f64,
+    /// Largest change of a position (m).
+    pub moved: Row,
 }
 
 impl Quadrature {
@@ -76,26 +60,39 @@ impl Quadrature {
     #[must_use]
     pub fn of(pair: &NystromPair) -> Self {
         let spread = |terms: Terms| {
-            let mut weights = [0.0; MOST_STAGES];
+            let mut weights = Weights::default();
             for (stage, weight) in terms {
-                weights[*stage] = *weight;
+                weights[stage / WIDTH].0[stage % WIDTH] = *weight;
             }
             weights
         };
-        let mut nodes = [0.0; MOST_STAGES];
-        nodes[..pair.nodes.len()].copy_from_slice(pair.nodes);
+        let nodes: Vec<(usize, f64)> = pair.nodes.iter().copied().enumerate().collect();
+        let mut nodes_of = Weights::default();
+        for (stage, node) in nodes {
+            nodes_of[stage / WIDTH].0[stage % WIDTH] = node;
+        }
         let velocity = spread(pair.velocity);
         let velocity_error = spread(pair.velocity_error);
         let position_error = spread(pair.position_error);
+        let at = |weights: &Weights, stage: usize| weights[stage / WIDTH].0[stage % WIDTH];
         Self {
-            nodes,
+            nodes: nodes_of,
             velocity,
             position: spread(pair.position),
             velocity_error,
             position_error,
-            ends: std::array::from_fn(|i| [velocity[i], position_error[i], velocity_error[i]]),
+            ends: std::array::from_fn(|i| {
+                [at(&velocity, i), at(&position_error, i), at(&velocity_error, i)]
+            }),
         }
     }
+}
+
+/// Impulse (N s) and its moment (N s²) that no body would show, for errors of `tolerance` relative to `scales` (m, m/s) (unit).
+#[inline]
+pub fn slack(tolerance: f64, scales: (f64, f64), lightest: f64) -> [f64; 2] {
+    let share = NEGLIGIBLE * tolerance * lightest;
+    [share * scales.1, share * scales.0]
 }
 
 /// Bits of the contacts in row `row` that changed sides in the step.
@@ -110,13 +107,14 @@ pub fn any(work: &Workspace) -> bool {
     work.now.closed.iter().zip(&work.next.closed).any(|(now, next)| now != next)
 }
 
-/// Corrects the step of `h` (s, lane by lane) that `work` holds.
+/// Corrects the step of `h` (s, lane by lane) that `work` holds. Contacts that could move nothing beyond a share of `slack`, the tolerated
+/// errors of velocities (m/s) and positions (m), are left alone.
 #[inline(always)]
-pub fn correct<Y: Layout>(
+pub fn correct<L: Lanes, Y: Layout>(
     plan: &Plan,
     quadrature: &Quadrature,
     work: &mut Workspace,
-    h: &Row,
+    (h, slack): (&Row, &[Row; 2]),
 ) -> Guard {
     let mut guard = Guard::default();
     for row in 0..plan.rows() {
@@ -124,163 +122,176 @@ pub fn correct<Y: Layout>(
         while bits != 0 {
             let lane = bits.trailing_zeros() as usize;
             bits &= bits - 1;
-            if plan.active[row].0[lane] > 0.0 {
-                correct_one::<Y>(plan, quadrature, work, (row, lane), h.0[lane], &mut guard);
+            let contact = Contact::new::<Y>(plan, (row, lane), h.0[lane]);
+            if contact.matters(work, [slack[0].0[lane], slack[1].0[lane]]) {
+                contact.correct::<L>(plan, quadrature, work, &mut guard);
             }
         }
     }
     guard
 }
 
-/// One contact's overlap over a step, as a quintic in the fraction of the step.
-struct Quintic {
-    coefficients: [f64; 6],
-    /// Where it changes sign (1).
-    root: f64,
-    /// Half the difference to the cubic at mid-step: what the ends do not know (m).
-    uncertainty: f64,
-    /// Whether it is positive at the end.
-    closes: bool,
-}
-
-impl Quintic {
-    /// From overlap (m), closing speed and relative acceleration, times `h` and `h^2` (m), at both ends.
-    #[inline(always)]
-    fn new(from: [f64; 3], to: [f64; 3]) -> Self {
-        let [p0, w0, g0] = from;
-        let [p1, w1, g1] = to;
-        let (p, q, r) = (p1 - p0 - w0 - 0.5 * g0, w1 - w0 - g0, g1 - g0);
-        let square = 3.0 * (p1 - p0) - 2.0 * w0 - w1;
-        let cube = 2.0 * (p0 - p1) + w0 + w1;
-        let mut quintic = Self {
-            coefficients: [
-                p0,
-                w0,
-                0.5 * g0,
-                10.0 * p - 4.0 * q + 0.5 * r,
-                -15.0 * p + 7.0 * q - r,
-                6.0 * p - 3.0 * q + 0.5 * r,
-            ],
-            root: 0.0,
-            uncertainty: ((g0 - 2.0 * square) + (g1 - 2.0 * square - 6.0 * cube)).abs() / 64.0,
-            closes: p1 > 0.0,
-        };
-        quintic.root = quintic.find_root(p0, p1);
-        quintic
-    }
-
-    #[inline(always)]
-    fn at(&self, t: f64) -> f64 {
-        let c = &self.coefficients;
-        c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * (c[4] + t * c[5]))))
-    }
-
-    /// Newton's method, kept between the ends by bisection.
-    #[inline(always)]
-    fn find_root(&self, p0: f64, p1: f64) -> f64 {
-        let c = &self.coefficients;
-        let (mut low, mut high) = (0.0, 1.0);
-        let mut t = p0 / (p0 - p1);
-        for _ in 0..12 {
-            let value = self.at(t);
-            if (value > 0.0) == self.closes {
-                high = t;
-            } else {
-                low = t;
-            }
-            let slope =
-                c[1] + t * (2.0 * c[2] + t * (3.0 * c[3] + t * (4.0 * c[4] + t * 5.0 * c[5])));
-            let newton = t - value / slope;
-            let next = if newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
-            let moved = (next - t).abs();
-            t = next;
-            if moved < 1e-9 {
-                break;
-            }
-        }
-        t
-    }
-
-    /// `int overlap^1.5` and `int (1 - t) overlap^1.5` over the closed part (m^1.5).
-    #[inline(always)]
-    fn impulses(&self) -> (f64, f64) {
-        let end = if self.closes { 1.0 } else { 0.0 };
-        let length = end - self.root;
-        let (mut impulse, mut moment) = (0.0, 0.0);
-        let mut values = [0.0; WIDTH];
-        for (value, (s, weight)) in values.iter_mut().zip(ROOT_NODES.iter().zip(&ROOT_WEIGHTS)) {
-            let t = self.root + s * length;
-            // The root is taken out, what remains is smooth.
-            let rest = self.at(t) / s;
-            let closed = if rest > 0.0 { rest } else { 0.0 };
-            *value = weight * closed * closed.sqrt();
-        }
-        for (value, s) in values.iter().zip(&ROOT_NODES) {
-            impulse += value;
-            moment += value * (1.0 - (self.root + s * length));
-        }
-        (impulse * length.abs(), moment * length.abs())
-    }
-}
-
+/// Contacts that were open at both ends of the step and may have touched in between, or the other way round: the method's nodes may
+/// have missed it altogether. What they may have missed counts as error, so that the step is taken again, and shorter.
 #[inline(always)]
-fn correct_one<Y: Layout>(
+pub fn missed<L: Lanes, Y: Layout>(
     plan: &Plan,
-    quadrature: &Quadrature,
-    work: &mut Workspace,
-    place: (usize, usize),
-    h: f64,
+    work: &Workspace,
+    (h, slack): (&Row, &[Row; 2]),
     guard: &mut Guard,
-) {
-    let (row, lane) = place;
-    let upper = Y::upper(row, lane);
-    let difference =
-        |rows: &[Row]| upper.map_or(0.0, |(row, lane)| rows[row].0[lane]) - rows[row].0[lane];
-    let ends = |motion: &Motion, acceleration: &[Row]| {
-        let overlap = plan.static_overlap[row].0[lane] + difference(&motion.position);
-        [overlap, h * difference(&motion.velocity), h * h * difference(acceleration)]
-    };
-    let last = work.stages.len() - 1;
-    let (from, to) = (ends(&work.now, &work.stages[0]), ends(&work.next, &work.stages[last]));
-    let quintic = Quintic::new(from, to);
-    let mut powers = [0.0; MOST_STAGES];
-    for (power, node) in powers.iter_mut().zip(&quadrature.nodes) {
-        let overlap = quintic.at(*node);
-        let closed = if overlap > 0.0 { overlap } else { 0.0 };
-        *power = closed * closed.sqrt();
+) -> bool {
+    let mut any = false;
+    let step = L::load(h);
+    let rows = plan.rows();
+    let static_overlap = &plan.static_overlap[..rows];
+    let (x0, v0) = (&work.now.position[..rows], &work.now.velocity[..rows]);
+    let (x1, v1) = (&work.next.position[..rows], &work.next.velocity[..rows]);
+    let none = L::splat(0.0);
+    let mut last = (none, none, none, none);
+    for row in 0..rows {
+        let here = (L::load(&x0[row]), L::load(&v0[row]), L::load(&x1[row]), L::load(&v1[row]));
+        let overlap = L::load(&static_overlap[row]);
+        let from = L::add(L::sub(Y::above::<L>(last.0, here.0), here.0), overlap);
+        let to = L::add(L::sub(Y::above::<L>(last.2, here.2), here.2), overlap);
+        let start = L::mul(step, L::sub(Y::above::<L>(last.1, here.1), here.1));
+        let end = L::mul(step, L::sub(Y::above::<L>(last.3, here.3), here.3));
+        // The tangents at both ends meet beyond zero overlap.
+        let meet = L::sub(L::mul(start, L::sub(to, end)), L::mul(end, from));
+        let towards = L::sub(none, L::mul(start, from));
+        let mut bits = L::positive(meet)
+            & L::positive(L::mul(from, to))
+            & L::positive(towards)
+            & L::positive(L::mul(end, to));
+        while bits != 0 {
+            let lane = bits.trailing_zeros() as usize;
+            bits &= bits - 1;
+            let contact = Contact::new::<Y>(plan, (row, lane), h.0[lane]);
+            let limits = [slack[0].0[lane], slack[1].0[lane]];
+            any |= contact.stiffness > 0.0 && contact.count_missed::<L>(plan, work, limits, guard);
+        }
+        last = here;
     }
-    let sum = |weights: &[f64; MOST_STAGES]| -> f64 {
-        powers.iter().zip(weights).map(|(power, weight)| power * weight).sum()
-    };
-    let stiffness = plan.stiffness[row].0[lane];
-    let (impulse, moment) = quintic.impulses();
-    let kick = h * stiffness * (impulse - sum(&quadrature.velocity));
-    let shift = h * h * stiffness * (moment - sum(&quadrature.position));
-    let kick_error = h * stiffness * sum(&quadrature.velocity_error);
-    let shift_error = h * h * stiffness * sum(&quadrature.position_error);
-    let depth = from[0].max(to[0]);
-    let model = h * 1.5 * stiffness * depth.sqrt() * quintic.uncertainty;
-    for (sign, place) in [(-1.0, upper), (1.0, Some(place))] {
-        let Some((row, side)) = place else { continue };
-        let per_mass = sign * plan.inverse_mass[row].0[side];
-        work.next.velocity[row].0[side] += per_mass * kick;
-        work.next.position[row].0[side] += per_mass * shift;
-        work.error_velocity[row].0[side] -= per_mass * kick_error;
-        work.error_position[row].0[side] -= per_mass * shift_error;
-        let (kick, shift) = ((per_mass * kick).abs(), (per_mass * shift).abs());
-        let model = MODEL_SHARE * (per_mass * model).abs();
-        let velocity = (CORRECTION_SHARE * kick).max(model);
-        let position = (CORRECTION_SHARE * shift).max(0.3 * h * model);
-        raise(&mut guard.velocity.0[lane], velocity);
-        raise(&mut guard.position.0[lane], position);
-        raise(&mut guard.moved, shift);
-    }
+    any
 }
 
-/// The larger of both; what is not a number stays none.
-#[inline(always)]
-fn raise(most: &mut f64, value: f64) {
-    if !(*most >= value) {
-        *most = value;
+/// One contact that changed sides.
+struct Contact {
+    place: (usize, usize),
+    upper: Option<(usize, usize)>,
+    stiffness: f64,
+    static_overlap: f64,
+    /// The step (s).
+    h: f64,
+}
+
+impl Contact {
+    #[inline(always)]
+    fn new<Y: Layout>(plan: &Plan, place: (usize, usize), h: f64) -> Self {
+        let (row, lane) = place;
+        Self {
+            place,
+            upper: Y::upper(row, lane),
+            stiffness: plan.stiffness[row].0[lane],
+            static_overlap: plan.static_overlap[row].0[lane],
+            h,
+        }
+    }
+
+    #[inline(always)]
+    fn difference(&self, rows: &[Row]) -> f64 {
+        let at = |(row, lane): (usize, usize)| rows[row].0[lane];
+        self.upper.map_or(0.0, at) - at(self.place)
+    }
+
+    /// Whether the whole impulse since or until the change could be seen.
+    #[inline(always)]
+    fn matters(&self, work: &Workspace, [velocity, position]: [f64; 2]) -> bool {
+        let change = self.difference(&work.now.position).max(self.difference(&work.next.position));
+        let depth = self.static_overlap + change;
+        let impulse = self.h * self.stiffness * depth * depth.max(0.0).sqrt();
+        // Not a number matters, too: somebody has to see it.
+        impulse.is_nan() || impulse > velocity || impulse * self.h > position
+    }
+
+    /// Counts the impulse that the nodes may have missed, if it could be seen.
+    #[inline(always)]
+    fn count_missed<L: Lanes>(
+        &self,
+        plan: &Plan,
+        work: &Workspace,
+        [velocity, position]: [f64; 2],
+        guard: &mut Guard,
+    ) -> bool {
+        let last = work.stages.len() - 1;
+        let from = self.end(&work.now, &work.stages[0]);
+        let to = self.end(&work.next, &work.stages[last]);
+        let beyond = Quintic::new(from, to).beyond::<L>();
+        let impulse = self.h * self.stiffness * beyond * beyond.sqrt();
+        if impulse <= velocity && impulse * self.h <= position {
+            return false;
+        }
+        for (row, lane) in self.upper.into_iter().chain([self.place]) {
+            let kick = impulse * plan.inverse_mass[row].0[lane];
+            raise(&mut guard.velocity.0[self.place.1], kick);
+            raise(&mut guard.position.0[self.place.1], 0.5 * self.h * kick);
+        }
+        true
+    }
+
+    /// Overlap, closing speed and relative acceleration at one end, in units of the step (m).
+    #[inline(always)]
+    fn end(&self, motion: &Motion, acceleration: &[Row]) -> [f64; 3] {
+        let h = self.h;
+        [
+            self.static_overlap + self.difference(&motion.position),
+            h * self.difference(&motion.velocity),
+            h * h * self.difference(acceleration),
+        ]
+    }
+
+    #[inline(always)]
+    fn correct<L: Lanes>(
+        &self,
+        plan: &Plan,
+        quadrature: &Quadrature,
+        work: &mut Workspace,
+        guard: &mut Guard,
+    ) {
+        let h = self.h;
+        let last = work.stages.len() - 1;
+        let from = self.end(&work.now, &work.stages[0]);
+        let to = self.end(&work.next, &work.stages[last]);
+        let quintic = Quintic::new(from, to);
+        let power = |node: &Row| {
+            let closed = L::max(quintic.lanes::<L>(L::load(node)), L::splat(0.0));
+            L::mul(closed, L::sqrt(closed))
+        };
+        let powers = [power(&quadrature.nodes[0]), power(&quadrature.nodes[1])];
+        let sum = |weights: &Weights| {
+            let first = L::mul(powers[0], L::load(&weights[0]));
+            L::total(L::mul_add(powers[1], L::load(&weights[1]), first))
+        };
+        let (impulse, moment) = quintic.impulses::<L>();
+        let (whole, square) = (h * self.stiffness, h * h * self.stiffness);
+        let kick = whole * (impulse - sum(&quadrature.velocity));
+        let shift = square * (moment - sum(&quadrature.position));
+        let kick_error = whole * sum(&quadrature.velocity_error);
+        let shift_error = square * sum(&quadrature.position_error);
+        let depth = from[0].max(to[0]);
+        let model = MODEL_SHARE * whole * 1.5 * depth.sqrt() * quintic.uncertainty;
+        for (sign, place) in [(-1.0, self.upper), (1.0, Some(self.place))] {
+            let Some((row, side)) = place else { continue };
+            let per_mass = sign * plan.inverse_mass[row].0[side];
+            work.next.velocity[row].0[side] += per_mass * kick;
+            work.next.position[row].0[side] += per_mass * shift;
+            work.error_velocity[row].0[side] -= per_mass * kick_error;
+            work.error_position[row].0[side] -= per_mass * shift_error;
+            let (kick, shift) = ((per_mass * kick).abs(), (per_mass * shift).abs());
+            let model = (per_mass * model).abs();
+            let lane = self.place.1;
+            raise(&mut guard.velocity.0[lane], (CORRECTION_SHARE * kick).max(model));
+            raise(&mut guard.position.0[lane], (CORRECTION_SHARE * shift).max(0.3 * h * model));
+            raise(&mut guard.moved.0[lane], shift);
+        }
     }
 }

@@ -7,7 +7,7 @@
 /// Doubles in a row.
 pub const WIDTH: usize = 8;
 
-/// Eight values side by side, aligned to a cache line.
+/// Eight values side by side, aligned to a cache line (unit).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[repr(C, align(64))]
 pub struct Row(pub [f64; WIDTH]);
@@ -45,9 +45,9 @@ pub trait Lanes: Copy {
     fn shift_up(before: Self::V, here: Self::V) -> Self::V;
     /// `[here[1], ..., here[7], after[0]]`
     fn shift_down(here: Self::V, after: Self::V) -> Self::V;
-    /// Largest of the eight.
+    /// Largest of the eight (unit).
     fn largest(a: Self::V) -> f64;
-    /// Sum of the eight.
+    /// Sum of the eight (unit).
     fn total(a: Self::V) -> f64;
     /// Bit `i` tells whether value `i` is above zero.
     fn positive(a: Self::V) -> u8;

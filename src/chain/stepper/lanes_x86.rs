@@ -5,6 +5,7 @@
 )]
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 #![allow(clippy::undocumented_unsafe_blocks, reason = "one reason for all of them, above")]
+#![allow(clippy::wildcard_imports, reason = "forty intrinsics, used nowhere else")]
 
 use std::arch::x86_64::*;
 

@@ -5,17 +5,21 @@
 
 mod dispatch;
 mod force_track;
+mod forces;
 mod frame;
+mod group;
 mod kinks;
 mod lanes;
 #[cfg(target_arch = "x86_64")]
 mod lanes_x86;
 mod passes;
 mod plan;
+mod quintic;
 mod single;
 mod tasks;
 mod workspace;
 
 pub use dispatch::InstructionSet;
 pub use force_track::{ForceTrack, LOOKS, Looks, View};
+pub use group::{ChainGroup, Member};
 pub use single::ChainStepper;

@@ -16,6 +16,8 @@ pub trait Layout: Copy {
     fn largest<L: Lanes>(values: L::V) -> L::V;
     /// Sum over a chain, in all its lanes.
     fn total<L: Lanes>(values: L::V) -> L::V;
+    /// Where entry `index` of the chain in `lane` is.
+    fn place(index: usize, lane: usize) -> (usize, usize);
     /// Where the body above contact (`row`, `lane`) is; none above the first.
     fn upper(row: usize, lane: usize) -> Option<(usize, usize)>;
 }
@@ -51,6 +53,11 @@ impl Layout for Along {
     }
 
     #[inline(always)]
+    fn place(index: usize, _lane: usize) -> (usize, usize) {
+        (index / WIDTH, index % WIDTH)
+    }
+
+    #[inline(always)]
     fn upper(row: usize, lane: usize) -> Option<(usize, usize)> {
         let index = (row * WIDTH + lane).checked_sub(1)?;
         Some((index / WIDTH, index % WIDTH))
@@ -77,6 +84,11 @@ impl Layout for Across {
     #[inline(always)]
     fn total<L: Lanes>(values: L::V) -> L::V {
         values
+    }
+
+    #[inline(always)]
+    fn place(index: usize, lane: usize) -> (usize, usize) {
+        (index, lane)
     }
 
     #[inline(always)]

@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use super::dispatch::{InstructionSet, dispatch};
 use super::force_track::{ForceTrack, Sample, View};
 use super::frame::{Ends, Frame, Look};
-use super::kinks::Quadrature;
+use super::kinks::{self, Quadrature};
 use super::lanes::{Row, WIDTH};
 use super::plan::{Along, Form, Plan};
 use super::tasks::{Attempt, Evaluate, Jerks, Settle};
@@ -17,9 +17,9 @@ use crate::integrate::nystrom::NystromPair;
 use crate::integrate::{IntegrateError, Integrator, Interpolant, State, Work};
 
 /// The first step, as a fraction of overlap over speed (1).
-const FIRST_STEP: f64 = 1e-3;
+pub(super) const FIRST_STEP: f64 = 1e-3;
 /// A corrected position that moved by less than this share of the tolerance keeps its acceleration (1).
-const UNMOVED: f64 = 0.03;
+pub(super) const UNMOVED: f64 = 0.03;
 
 /// A lossless chain under a Runge-Kutta-Nystrom pair.
 pub struct ChainStepper {
@@ -32,6 +32,8 @@ pub struct ChainStepper {
     tolerance: f64,
     /// Largest overlap change (m) and speed (m/s) so far: what errors are relative to.
     scales: (f64, f64),
+    /// Smallest mass (kg).
+    lightest: f64,
     bodies: usize,
     time: f64,
     last_step: (f64, f64),
@@ -80,6 +82,7 @@ impl ChainStepper {
             control: StepControl::new(FIRST_STEP * scales.0 / scales.1, pair.error_order),
             tolerance,
             scales,
+            lightest: chain.lightest(),
             bodies,
             time: 0.0,
             last_step: (0.0, 0.0),
@@ -96,7 +99,10 @@ impl ChainStepper {
     fn attempt(&mut self, h: f64) -> f64 {
         let Self { set, plan, pair, quadrature, work, .. } = self;
         let step = Row([h; WIDTH]);
-        let task = Attempt::<Along> { plan, pair, quadrature, work, step, layout: PhantomData };
+        let slack =
+            kinks::slack(self.tolerance, self.scales, self.lightest).map(|s| Row([s; WIDTH]));
+        let layout = PhantomData;
+        let task = Attempt::<Along> { plan, pair, quadrature, work, step, slack, layout };
         let guard = dispatch(*set, task);
         self.counts.force_evaluations += self.pair.nodes.len() as u64 - 1;
         let largest = &self.work.largest;
@@ -107,7 +113,8 @@ impl ChainStepper {
         let error = if total.is_finite() && !error.is_nan() { error } else { f64::INFINITY };
         if let Some(guard) = guard.filter(|_| error <= 1.0) {
             self.events += 1;
-            if guard.moved > UNMOVED * self.tolerance * self.scales.0 {
+            let moved = guard.moved.0.into_iter().fold(0.0, f64::max);
+            if moved > UNMOVED * self.tolerance * self.scales.0 {
                 self.evaluate_end();
             }
         }
@@ -134,7 +141,8 @@ impl ChainStepper {
     /// Brings `views` up to the end of the last step; all of them if `all`, or only those that feel something.
     pub fn look(&mut self, views: &mut [View], all: bool) {
         self.find_jerks();
-        dispatch(self.set, Look { ends: self.ends(), views, all });
+        let ends = self.ends();
+        dispatch(self.set, Look::<Along> { ends, lane: 0, views, all, layout: PhantomData });
     }
 
     /// Displacements (m) and changes of the contact forces (N) at the fraction `theta` of the last step (1).
@@ -212,8 +220,8 @@ impl Integrator for ChainStepper {
             let trial = self.control.trial(self.time, end)?;
             let error = self.attempt(trial.length);
             let work = &self.work;
-            let lost = || first_lost(&work.next.position, &work.next.velocity);
-            if !self.control.accepts(trial, error, lost) {
+            let culprit = || first_lost(&work.next.position, &work.next.velocity);
+            if !self.control.accepts(trial, error, culprit) {
                 self.counts.rejected += 1;
                 continue;
             }

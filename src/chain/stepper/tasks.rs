@@ -4,9 +4,10 @@
 use std::marker::PhantomData;
 
 use super::dispatch::Task;
+use super::forces::{self, Cut, EXACT, LINEAR, PLAIN};
 use super::kinks::{self, Guard, Quadrature};
 use super::lanes::{Lanes, Row};
-use super::passes::{self, Cut, EXACT, LINEAR, PLAIN};
+use super::passes;
 use super::plan::{Form, Layout, Plan};
 use super::workspace::{Motion, Workspace};
 use crate::integrate::nystrom::NystromPair;
@@ -27,7 +28,7 @@ impl<Y: Layout> Task for Settle<'_, Y> {
         for r in 0..plan.rows() {
             if plan.form == Form::Plain {
                 let cut = Cut::new(plan, plan.rows());
-                let (force, _) = passes::forces::<L, PLAIN>(cut, r, rest);
+                let (force, _) = forces::forces::<L, PLAIN>(cut, r, rest);
                 L::store(force, &mut plan.static_force[r]);
             }
         }
@@ -72,6 +73,8 @@ pub struct Attempt<'a, Y> {
     pub work: &'a mut Workspace,
     /// Length of the step in each lane (s).
     pub step: Row,
+    /// Impulses (N s) and their moments (N s²) that nobody would see, lane by lane.
+    pub slack: [Row; 2],
     pub layout: PhantomData<Y>,
 }
 
@@ -81,7 +84,7 @@ impl<Y: Layout> Task for Attempt<'_, Y> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Option<Guard> {
-        let Self { plan, pair, quadrature, work, step, .. } = self;
+        let Self { plan, pair, quadrature, work, step, slack, .. } = self;
         let h = L::load(&step);
         match plan.form {
             Form::Plain => passes::attempt::<L, Y, PLAIN>(plan, (pair, quadrature), work, h),
@@ -92,10 +95,16 @@ impl<Y: Layout> Task for Attempt<'_, Y> {
                 return None;
             }
         }
-        if !kinks::any(work) {
+        let limits = (&step, &slack);
+        let mut guard = Guard::default();
+        let changed = kinks::any(work);
+        if changed {
+            guard = kinks::correct::<L, Y>(plan, quadrature, work, limits);
+        }
+        let missed = kinks::missed::<L, Y>(plan, work, limits, &mut guard);
+        if !changed && !missed {
             return None;
         }
-        let guard = kinks::correct::<Y>(plan, quadrature, work, &step);
         let largest = |rows: &[Row], least: &Row| {
             let mut most = L::load(least);
             for row in rows {
@@ -124,6 +133,6 @@ impl<Y: Layout> Task for Jerks<'_, Y> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        passes::jerks::<L, Y>(self.plan, self.motion, self.out);
+        forces::jerks::<L, Y>(self.plan, self.motion, self.out);
     }
 }

@@ -1,0 +1,78 @@
+//! The whole chain at coarse, even times.
+
+use super::bench::Grid;
+use crate::chain::Chain;
+use crate::chain::stepper::ChainStepper;
+use crate::integrate::{Integrator, Interpolant, State};
+
+/// Contact forces at coarse, even times: the whole chain as a film.
+#[derive(Debug, Clone)]
+pub struct Film {
+    /// When the frames were taken.
+    pub grid: Grid,
+    /// Force in each contact at each time, static part included (N).
+    pub contact_forces: Vec<Vec<f64>>,
+    /// Displacement of each body at each time (m).
+    pub displacements: Vec<Vec<f64>>,
+    frames: usize,
+}
+
+impl Film {
+    /// A film whose first frame is `state`.
+    #[must_use]
+    pub fn new(chain: &Chain, grid: Grid, state: &State) -> Self {
+        let mut film = Self {
+            grid,
+            contact_forces: vec![Vec::new(); chain.contacts().len()],
+            displacements: vec![Vec::new(); chain.bodies().len()],
+            frames: 0,
+        };
+        film.take(chain, (&state.position, &state.velocity), &|_| true);
+        film
+    }
+
+    /// Takes every frame that falls into the integrator's last step.
+    pub fn follow(&mut self, chain: &Chain, integrator: &dyn Integrator) {
+        let (start, length) = integrator.last_step();
+        let end = integrator.time();
+        if self.grid.time(self.frames) > end {
+            return;
+        }
+        let motion: Vec<Interpolant> =
+            (0..chain.bodies().len()).map(|body| integrator.interpolant(body)).collect();
+        while self.grid.time(self.frames) <= end {
+            let theta = (self.grid.time(self.frames) - start) / length;
+            let position: Vec<f64> = motion.iter().map(|m| m.position(theta)).collect();
+            let velocity: Vec<f64> = motion.iter().map(|m| m.velocity(theta)).collect();
+            self.take(chain, (&position, &velocity), &|contact| integrator.was_on(contact));
+        }
+    }
+
+    /// The same for the stepper.
+    pub fn follow_stepper(&mut self, chain: &Chain, stepper: &mut ChainStepper) {
+        let (start, length) = stepper.last_step();
+        while self.grid.time(self.frames) <= stepper.time() {
+            let theta = (self.grid.time(self.frames) - start) / length;
+            let (positions, changes) = stepper.frame(theta);
+            let forces = chain.contacts().iter().zip(changes);
+            for (track, (contact, change)) in self.contact_forces.iter_mut().zip(forces) {
+                track.push(contact.static_force + change);
+            }
+            for (track, x) in self.displacements.iter_mut().zip(positions) {
+                track.push(x);
+            }
+            self.frames += 1;
+        }
+    }
+
+    fn take(&mut self, chain: &Chain, motion: (&[f64], &[f64]), closed: &dyn Fn(usize) -> bool) {
+        let (position, velocity) = motion;
+        for (j, forces) in self.contact_forces.iter_mut().enumerate() {
+            forces.push(chain.contact_force(position, velocity, j, closed(j)));
+        }
+        for (track, x) in self.displacements.iter_mut().zip(position) {
+            track.push(*x);
+        }
+        self.frames += 1;
+    }
+}
