@@ -6,6 +6,7 @@
 //! from here. No I/O, no clock, no threads: whoever owns the instrument decides when time passes.
 
 pub mod acquisition;
+pub mod bench;
 pub mod event;
 pub mod limits;
 pub mod math;
@@ -17,7 +18,8 @@ pub mod status;
 pub mod transfer;
 pub mod word;
 
-pub use acquisition::{Accepted, Wanted};
+pub use acquisition::{Accepted, Finished, Wanted};
+pub use bench::Bench;
 pub use event::Event;
 pub use panel::Panel;
 pub use record::Signals;
@@ -57,11 +59,16 @@ pub struct Instrument {
     pub status: Status,
     /// Lock and device trigger.
     pub service: Service,
+    /// What the remote interface wants of the bench.
+    pub bench: Bench,
+    /// What the amplifier of each channel adds to every voltage at the probe's tip (V).
+    pub offsets: [f64; 4],
     settled: Panel,
     acquisition: Acquisition,
     references: [Option<Waveform>; 4],
     setups: [Panel; SETUPS],
-    noise: f64,
+    /// Noise of the front end, root mean square (div).
+    pub noise: f64,
     seed: u64,
 }
 
@@ -77,6 +84,8 @@ impl Instrument {
             transfer: Transfer::initial(points),
             incoming: Incoming::initial(points),
             service: Service::default(),
+            bench: Bench::default(),
+            offsets: [0.0; 4],
             settled: panel.clone(),
             acquisition: Acquisition::default(),
             references: Default::default(),
@@ -128,7 +137,18 @@ impl Instrument {
     /// The front panel as front end and digitiser take it.
     #[must_use]
     pub fn setup(&self) -> Setup {
-        self.panel.setup(&self.model, self.noise)
+        let mut setup = self.panel.setup(&self.model, self.noise);
+        for (channel, offset) in setup.channels.iter_mut().zip(self.offsets) {
+            if let Some(channel) = channel {
+                channel.offset = offset;
+            }
+        }
+        setup
+    }
+
+    /// The records of the last acquisition that was triggered, or that ended a single sequence, if nobody has asked since.
+    pub fn take_finished(&mut self) -> Option<Finished> {
+        self.acquisition.take_finished()
     }
 
     /// Starts an acquisition.

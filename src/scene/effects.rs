@@ -6,7 +6,7 @@ use super::reader::{Bound, Table};
 use crate::chain::{EffectsSpec, Gravity, LinearisedContacts, MagnetPreload};
 use crate::quantity::Dimension;
 
-/// Reads `[effects]`, the noise of the scope excepted.
+/// Reads `[effects]` that act on the chain.
 pub fn effects(effects: Option<&Table<'_>>, particles: usize) -> EffectsSpec {
     let mut spec = EffectsSpec::default();
     let Some(effects) = effects else { return spec };
@@ -49,4 +49,19 @@ pub fn scope_noise(effects: &Table<'_>) -> Option<f64> {
     let rms = table.required("rms", Dimension::DIVISION, Bound::NotNegative);
     table.finish();
     rms
+}
+
+/// Largest spread that is taken for one: beyond it a striker is no striker (1).
+const LARGEST_SPREAD: f64 = 0.5;
+
+/// `[effects.striker_speed_spread]` (1).
+pub fn striker_speed_spread(effects: &Table<'_>, root: &Table<'_>) -> Option<f64> {
+    let table = effect(effects, "striker_speed_spread")?;
+    let bound = Bound::Within(0.0, LARGEST_SPREAD);
+    let relative = table.required("relative", Dimension::NONE, bound);
+    if !root.has("striker") {
+        table.problem("", "no striker", "[striker], whose speed is spread");
+    }
+    table.finish();
+    relative.filter(|relative| *relative > 0.0)
 }

@@ -20,6 +20,7 @@ mod chains;
 mod cli;
 mod conservation;
 mod golden;
+mod hislip;
 mod isf;
 mod magnet;
 mod order;

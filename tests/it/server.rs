@@ -9,7 +9,7 @@ use std::time::Duration;
 use hertzscope::experiment::inputs::{Window, inputs};
 use hertzscope::experiment::{Integration, run};
 use hertzscope::scene::Scene;
-use hertzscope::server::{MOST_CONNECTIONS, Options, ServeError, serve};
+use hertzscope::server::{MOST_CONNECTIONS, Options, ServeError, Sockets, serve};
 use tokio::sync::oneshot;
 
 /// What a test waits for at most.
@@ -31,7 +31,8 @@ impl Server {
         let stopped = async {
             let _ = stopped.await;
         };
-        let thread = std::thread::spawn(move || serve(listener, &scene(), options, stopped));
+        let sockets = Sockets { raw: listener, hislip: None };
+        let thread = std::thread::spawn(move || serve(sockets, &scene(), options, None, stopped));
         Self { address, stop: Some(stop), thread: Some(thread) }
     }
 
