@@ -24,8 +24,8 @@ fn length(reply: Reply) -> usize {
 fuzz_target!(|input: &[u8]| {
     let scene = &*SCENE;
     let mut instrument = Instrument::new(scene.scope.model.clone(), 0.02, 1);
-    instrument.bench.scenes = vec!["magnet-0.61g".to_owned()];
-    instrument.bench.striker_mass = Some(1e-3);
+    instrument.bench.scene.striker_mass = Some(1e-3);
+    instrument.bench.scenes = vec![instrument.bench.scene.clone()];
     let mut sessions = [
         Session::new(Preferences::new(false)),
         Session::new(Preferences::new(true)).with_transcript(),

@@ -2,86 +2,74 @@
 
 use std::sync::Arc;
 
-use crate::instrument::{Bench, Event, Instrument};
+use crate::instrument::bench;
+use crate::instrument::{Event, Instrument};
 use crate::scene::Scene;
 
 /// The bench as it is set up.
 pub struct Stand {
-    served: Arc<Scene>,
+    /// The scene that is served, and those that ship with the program.
+    scenes: Vec<Arc<Scene>>,
     /// The scene with everything that clients have changed.
     pub scene: Arc<Scene>,
-    applied: Bench,
+    applied: bench::Scene,
 }
 
 impl Stand {
     /// Set up as the scene that is served.
-    pub fn new(scene: &Scene, instrument: &mut Instrument) -> Self {
-        let served = Arc::new(scene.clone());
-        let mut scenes: Vec<String> = Scene::names().into_iter().map(ToOwned::to_owned).collect();
-        if !scenes.contains(&scene.name) {
-            scenes.push(scene.name.clone());
+    pub fn new(served: &Scene, instrument: &mut Instrument) -> Self {
+        let mut scenes = vec![Arc::new(served.clone())];
+        for name in Scene::names().into_iter().filter(|name| *name != served.name) {
+            scenes.extend(Scene::load(name).map(Arc::new));
         }
-        instrument.bench.scenes = scenes;
-        let scene = Arc::clone(&served);
-        let mut stand = Self { served, scene, applied: Bench::default() };
-        stand.set_up(instrument);
-        stand
+        instrument.bench.scenes = scenes.iter().map(|scene| knobs(scene)).collect();
+        let scene = Arc::new(served.clone());
+        instrument.bench.scene = knobs(&scene);
+        wire(instrument, &scene);
+        Self { scenes, scene, applied: instrument.bench.scene.clone() }
     }
 
     /// Whether the bench is as the scene that is served.
     pub fn is_as_served(&self) -> bool {
-        Arc::ptr_eq(&self.served, &self.scene)
+        self.scenes.first().is_some_and(|served| **served == *self.scene)
     }
 
     /// Carries out what clients want changed; what cannot be is an event, and stays as it was.
     pub fn settle(&mut self, instrument: &mut Instrument) {
-        let wanted = &instrument.bench;
-        if wanted.scene != self.applied.scene {
-            let loaded = if wanted.scene == self.served.name {
-                Ok(Arc::clone(&self.served))
-            } else {
-                Scene::load(&wanted.scene).map(Arc::new)
-            };
-            if let Ok(scene) = loaded {
-                self.scene = scene;
-                self.set_up(instrument);
-            } else {
-                self.refuse(instrument);
-            }
+        let wanted = &instrument.bench.scene;
+        if *wanted == self.applied {
             return;
         }
-        let knobs = |bench: &Bench| (bench.striker_mass, bench.striker_speed, bench.magnet_force);
-        if knobs(wanted) != knobs(&self.applied) {
-            let (mass, speed, force) = knobs(wanted);
-            match self.scene.altered(mass, speed, force) {
-                Ok(scene) => {
-                    self.scene = Arc::new(scene);
-                    self.applied = instrument.bench.clone();
-                }
-                Err(_) => self.refuse(instrument),
+        let (mass, speed, force) = (wanted.striker_mass, wanted.striker_speed, wanted.magnet_force);
+        let known = self.scenes.iter().find(|scene| scene.name == wanted.name);
+        match known.map(|scene| scene.altered(mass, speed, force)) {
+            Some(Ok(scene)) => {
+                self.applied = wanted.clone();
+                self.scene = Arc::new(scene);
+                wire(instrument, &self.scene);
+            }
+            _ => {
+                instrument.bench.scene = self.applied.clone();
+                instrument.status.report(Event::SettingsConflict);
             }
         }
     }
+}
 
-    /// Sets the instrument up for the scene: what its inputs are like, and what there is to turn.
-    fn set_up(&mut self, instrument: &mut Instrument) {
-        let scene = &self.scene;
-        instrument.noise = scene.scope.noise;
-        for (offset, channel) in instrument.offsets.iter_mut().zip(&scene.scope.channels) {
-            *offset = channel.as_ref().map_or(0.0, |channel| channel.offset);
-        }
-        instrument.bench.scene.clone_from(&scene.name);
-        instrument.bench.striker_mass = scene.spec.striker.as_ref().map(|striker| striker.mass);
-        instrument.bench.striker_speed = scene.striker_speed();
-        instrument.bench.magnet_force =
-            scene.spec.effects.magnet_preload.map(|magnet| magnet.force);
-        self.applied = instrument.bench.clone();
+/// What there is to turn in a scene, as it stands.
+fn knobs(scene: &Scene) -> bench::Scene {
+    bench::Scene {
+        name: scene.name.clone(),
+        striker_mass: scene.spec.striker.as_ref().map(|striker| striker.mass),
+        striker_speed: scene.striker_speed(),
+        magnet_force: scene.spec.effects.magnet_preload.map(|magnet| magnet.force),
     }
+}
 
-    fn refuse(&mut self, instrument: &mut Instrument) {
-        let bench = &mut instrument.bench;
-        let (impacts, asked) = (bench.impacts, bench.asked);
-        *bench = Bench { impacts, asked, ..self.applied.clone() };
-        instrument.status.report(Event::SettingsConflict);
+/// Gives the instrument the amplifiers of a scene.
+fn wire(instrument: &mut Instrument, scene: &Scene) {
+    instrument.noise = scene.scope.noise;
+    for (offset, channel) in instrument.offsets.iter_mut().zip(&scene.scope.channels) {
+        *offset = channel.as_ref().map_or(0.0, |channel| channel.offset);
     }
 }

@@ -17,26 +17,27 @@ pub const GROUP: Group = Group {
             &Both(strike, |at| Ok(Value::Integer(i64::from(at.instrument.bench.impacts)))),
             "strikes the chain as soon as the part of the record before the trigger is full; the query counts impacts",
         ),
+        Row::own("BENCh:STRIker", &Tells(Parts::Below), "mass and speed of the striker"),
         Row::own(
             "BENCh:STRIker:MASS",
-            &Both(set_striker_mass, |at| number(at, at.instrument.bench.striker_mass)),
+            &Both(set_striker_mass, |at| number(at, at.instrument.bench.scene.striker_mass)),
             "mass of the striker in kg, 1E-5 to 0.1",
         ),
         Row::own(
             "BENCh:STRIker:SPEed",
-            &Both(set_striker_speed, |at| number(at, at.instrument.bench.striker_speed)),
+            &Both(set_striker_speed, |at| number(at, at.instrument.bench.scene.striker_speed)),
             "speed of the striker in m/s, 1E-3 to 10, around which a scene may spread it",
         ),
         Row::own(
             "BENCh:MAGNet:FORCe",
-            &Both(set_magnet_force, |at| number(at, at.instrument.bench.magnet_force)),
+            &Both(set_magnet_force, |at| number(at, at.instrument.bench.scene.magnet_force)),
             "force of the magnet in N, 0 to 100",
         ),
         Row::own(
             "BENCh:SCENe",
             &Both(set_scene, |at| {
                 present(at)?;
-                Ok(Value::Text(at.instrument.bench.scene.clone()))
+                Ok(Value::Text(at.instrument.bench.scene.name.clone()))
             }),
             "the scene that the bench is set up as: one that ships with the program, or the one that is served; the front panel stays as it is",
         ),
@@ -87,8 +88,5 @@ fn set_scene(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
         Argument::Block(_) => return Err(Event::DataType.into()),
     };
     present(at)?;
-    let bench = &mut at.instrument.bench;
-    let known = bench.scenes.iter().find(|known| known.eq_ignore_ascii_case(name));
-    bench.scene.clone_from(known.ok_or(Event::IllegalParameter)?);
-    Ok(())
+    if at.instrument.bench.set_scene(name) { Ok(()) } else { Err(Event::IllegalParameter.into()) }
 }
