@@ -2,6 +2,7 @@
 
 mod bench;
 mod hislip;
+mod load;
 mod recording;
 mod transcripts;
 
