@@ -42,16 +42,13 @@ impl Stand {
         }
         let (mass, speed, force) = (wanted.striker_mass, wanted.striker_speed, wanted.magnet_force);
         let known = self.scenes.iter().find(|scene| scene.name == wanted.name);
-        match known.map(|scene| scene.altered(mass, speed, force)) {
-            Some(Ok(scene)) => {
-                self.applied = wanted.clone();
-                self.scene = Arc::new(scene);
-                wire(instrument, &self.scene);
-            }
-            _ => {
-                instrument.bench.scene = self.applied.clone();
-                instrument.status.report(Event::SettingsConflict);
-            }
+        if let Some(Ok(scene)) = known.map(|scene| scene.altered(mass, speed, force)) {
+            self.applied = wanted.clone();
+            self.scene = Arc::new(scene);
+            wire(instrument, &self.scene);
+        } else {
+            instrument.bench.scene = self.applied.clone();
+            instrument.status.report(Event::SettingsConflict);
         }
     }
 }

@@ -7,11 +7,11 @@ use super::partner::{Client, Lab, identifier};
 const EXCLUSIVE: &[u8] = b"";
 
 fn request(lab: &mut Lab, client: Client, key: &[u8], milliseconds: u32) {
-    lab.send(client.asynchronous, Kind::AsyncLock, 1, milliseconds, key);
+    lab.send(client.asynchronous, Kind::AsyncLock, (1, milliseconds), key);
 }
 
 fn release(lab: &mut Lab, client: Client, after: u32) {
-    lab.send(client.asynchronous, Kind::AsyncLock, 0, after, b"");
+    lab.send(client.asynchronous, Kind::AsyncLock, (0, after), b"");
 }
 
 /// The answer to a request or release: 0 failed, 1 granted or released, 2 shared lock released, 3 an error.
@@ -24,7 +24,7 @@ fn answer(lab: &mut Lab, client: Client) -> u8 {
 
 /// Whether there is an exclusive lock, and how many sessions have one of either kind.
 fn info(lab: &mut Lab, client: Client) -> (u8, u32) {
-    lab.send(client.asynchronous, Kind::AsyncLockInfo, 0, 0, b"");
+    lab.send(client.asynchronous, Kind::AsyncLockInfo, (0, 0), b"");
     let (kind, control, parameter, _) = lab.next(client.asynchronous);
     assert_eq!(kind, Kind::AsyncLockInfoResponse);
     (control, parameter)
@@ -137,9 +137,9 @@ fn a_device_clear_needs_no_lock() {
     let (one, two) = (lab.client(), lab.client());
     request(&mut lab, one, EXCLUSIVE, 0);
     lab.say(two, 0, false, "two?");
-    lab.send(two.asynchronous, Kind::AsyncDeviceClear, 0, 0, b"");
+    lab.send(two.asynchronous, Kind::AsyncDeviceClear, (0, 0), b"");
     assert_eq!(lab.next(two.asynchronous).0, Kind::AsyncDeviceClearAcknowledge);
-    lab.send(two.synchronous, Kind::DeviceClearComplete, 0, 0, b"");
+    lab.send(two.synchronous, Kind::DeviceClearComplete, (0, 0), b"");
     assert_eq!(lab.next(two.synchronous).0, Kind::DeviceClearAcknowledge);
     assert!(!lab.server.is_held(two.synchronous));
     release(&mut lab, one, 0);

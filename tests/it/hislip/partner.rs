@@ -97,20 +97,20 @@ impl Lab {
 
     pub fn client(&mut self) -> Client {
         let synchronous = self.connection();
-        self.send(synchronous, Kind::Initialize, 0, 0x0100_7878, b"hislip0");
+        self.send(synchronous, Kind::Initialize, (0, 0x0100_7878), b"hislip0");
         let (kind, control, parameter, payload) = self.next(synchronous);
         assert_eq!((kind, control, payload), (Kind::InitializeResponse, 0, Vec::new()));
         assert_eq!(parameter >> 16, 0x0100, "version 1.0");
         let asynchronous = self.connection();
-        self.send(asynchronous, Kind::AsyncInitialize, 0, parameter & 0xFFFF, b"");
+        self.send(asynchronous, Kind::AsyncInitialize, (0, parameter & 0xFFFF), b"");
         assert_eq!(self.next(asynchronous), (Kind::AsyncInitializeResponse, 0, 0, Vec::new()));
         let session = u16::try_from(parameter & 0xFFFF).expect("a number");
         Client { synchronous, asynchronous, session }
     }
 
-    pub fn send(&mut self, at: u64, kind: Kind, control: u8, parameter: u32, payload: &[u8]) {
+    pub fn send(&mut self, at: u64, kind: Kind, codes: (u8, u32), payload: &[u8]) {
         let mut bytes = Vec::new();
-        write(kind, control, parameter, payload, &mut bytes);
+        write(kind, codes.0, codes.1, payload, &mut bytes);
         self.bytes(at, &bytes);
     }
 
@@ -161,7 +161,7 @@ impl Lab {
     pub fn say(&mut self, client: Client, number: u32, delivered: bool, text: &str) {
         let identifier = identifier(number);
         let control = u8::from(delivered);
-        self.send(client.synchronous, Kind::DataEnd, control, identifier, text.as_bytes());
+        self.send(client.synchronous, Kind::DataEnd, (control, identifier), text.as_bytes());
     }
 }
 

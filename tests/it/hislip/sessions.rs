@@ -9,8 +9,8 @@ use super::partner::{Client, Lab, identifier};
 fn a_reply_carries_its_messages_identifier() {
     let mut lab = Lab::default();
     let client = lab.client();
-    lab.send(client.synchronous, Kind::Data, 0, identifier(0), b"he");
-    lab.send(client.synchronous, Kind::DataEnd, 0, identifier(1), b"llo?");
+    lab.send(client.synchronous, Kind::Data, (0, identifier(0)), b"he");
+    lab.send(client.synchronous, Kind::DataEnd, (0, identifier(1)), b"llo?");
     let reply = (Kind::DataEnd, 0, identifier(1), b"hello\n".to_vec());
     assert_eq!(lab.next(client.synchronous), reply);
     assert_eq!(lab.fake.log, ["open 1", "1: hello?"]);
@@ -36,7 +36,7 @@ fn sessions_stand_beside_each_other() {
 fn the_largest_message_is_agreed_on() {
     let mut lab = Lab::default();
     let client = lab.client();
-    lab.send(client.asynchronous, Kind::AsyncMaximumMessageSize, 0, 0, &100_u64.to_be_bytes());
+    lab.send(client.asynchronous, Kind::AsyncMaximumMessageSize, (0, 0), &100_u64.to_be_bytes());
     let (kind, _, _, payload) = lab.next(client.asynchronous);
     assert_eq!(kind, Kind::AsyncMaximumMessageSizeResponse);
     assert_eq!(payload, 65536_u64.to_be_bytes());
@@ -49,7 +49,7 @@ fn the_largest_message_is_agreed_on() {
         })
         .collect();
     assert_eq!(parts, [(Kind::Data, 84), (Kind::Data, 84), (Kind::DataEnd, 33)]);
-    lab.send(client.asynchronous, Kind::AsyncMaximumMessageSize, 0, 0, b"short");
+    lab.send(client.asynchronous, Kind::AsyncMaximumMessageSize, (0, 0), b"short");
     assert_eq!(lab.next(client.asynchronous).0, Kind::Error);
 }
 
@@ -97,8 +97,8 @@ fn a_device_clear_step_by_step() {
     let mut lab = Lab::default();
     let client = lab.client();
     lab.say(client, 0, false, "later?");
-    lab.send(client.synchronous, Kind::Data, 0, identifier(1), b"half a mess");
-    lab.send(client.asynchronous, Kind::AsyncDeviceClear, 0, 0, b"");
+    lab.send(client.synchronous, Kind::Data, (0, identifier(1)), b"half a mess");
+    lab.send(client.asynchronous, Kind::AsyncDeviceClear, (0, 0), b"");
     assert_eq!(lab.next(client.asynchronous).0, Kind::AsyncInterrupted);
     let acknowledged = lab.next(client.asynchronous);
     assert_eq!(acknowledged, (Kind::AsyncDeviceClearAcknowledge, 0, 0, Vec::new()));
@@ -106,7 +106,7 @@ fn a_device_clear_step_by_step() {
     lab.say(client, 2, false, "lost?");
     assert_eq!(lab.fake.log.iter().filter(|line| line.contains("lost")).count(), 0);
     // A client that prefers overlap mode is told that this is synchronised.
-    lab.send(client.synchronous, Kind::DeviceClearComplete, 1, 0, b"");
+    lab.send(client.synchronous, Kind::DeviceClearComplete, (1, 0), b"");
     let seen: Vec<_> = std::iter::from_fn(|| lab.try_next(client.synchronous)).collect();
     let last = seen.last().expect("an acknowledgement");
     assert_eq!(*last, (Kind::DeviceClearAcknowledge, 0, 0, Vec::new()));
@@ -119,7 +119,7 @@ fn a_device_clear_step_by_step() {
 
 fn status(lab: &mut Lab, client: Client, delivered: bool) -> u8 {
     let control = u8::from(delivered);
-    lab.send(client.asynchronous, Kind::AsyncStatusQuery, control, identifier(0), b"");
+    lab.send(client.asynchronous, Kind::AsyncStatusQuery, (control, identifier(0)), b"");
     let (kind, byte, parameter, payload) = lab.next(client.asynchronous);
     assert_eq!((kind, parameter, payload), (Kind::AsyncStatusResponse, 0, Vec::new()));
     byte
@@ -163,16 +163,16 @@ fn service_is_asked_for_once_a_reason() {
 fn triggers_and_keys() {
     let mut lab = Lab::default();
     let client = lab.client();
-    lab.send(client.synchronous, Kind::Trigger, 0, identifier(0), b"");
+    lab.send(client.synchronous, Kind::Trigger, (0, identifier(0)), b"");
     for (control, line) in
         [(5, "keys true"), (6, "keys false"), (4, "keys true"), (2, "keys false")]
     {
-        lab.send(client.asynchronous, Kind::AsyncRemoteLocalControl, control, 0, b"");
+        lab.send(client.asynchronous, Kind::AsyncRemoteLocalControl, (control, 0), b"");
         let seen = lab.next(client.asynchronous);
         assert_eq!(seen, (Kind::AsyncRemoteLocalResponse, 0, 0, Vec::new()));
         assert_eq!(lab.fake.log.last().expect("a line"), line);
     }
-    lab.send(client.asynchronous, Kind::AsyncRemoteLocalControl, 7, 0, b"");
+    lab.send(client.asynchronous, Kind::AsyncRemoteLocalControl, (7, 0), b"");
     let (kind, code, ..) = lab.next(client.asynchronous);
     assert_eq!((kind, code), (Kind::Error, 2));
     assert_eq!(lab.fake.log[1], "1 triggers");
@@ -192,18 +192,18 @@ fn errors_have_the_standards_codes() {
     lab.bytes(connection, b"*IDN?\n and more bytes");
     fatal(&mut lab, connection, 1);
     let connection = lab.connection();
-    lab.send(connection, Kind::Initialize, 0, 0x0100_0000, b"inst7");
+    lab.send(connection, Kind::Initialize, (0, 0x0100_0000), b"inst7");
     fatal(&mut lab, connection, 3);
     let connection = lab.connection();
-    lab.send(connection, Kind::DataEnd, 0, 0, b"*IDN?");
+    lab.send(connection, Kind::DataEnd, (0, 0), b"*IDN?");
     fatal(&mut lab, connection, 3);
     let connection = lab.connection();
-    lab.send(connection, Kind::AsyncInitialize, 0, 9, b"");
+    lab.send(connection, Kind::AsyncInitialize, (0, 9), b"");
     fatal(&mut lab, connection, 3);
     let connection = lab.connection();
-    lab.send(connection, Kind::Initialize, 0, 0x0100_0000, b"HiSLIP0");
+    lab.send(connection, Kind::Initialize, (0, 0x0100_0000), b"HiSLIP0");
     let _ = lab.next(connection);
-    lab.send(connection, Kind::DataEnd, 0, identifier(0), b"too early?");
+    lab.send(connection, Kind::DataEnd, (0, identifier(0)), b"too early?");
     fatal(&mut lab, connection, 2);
     let client = lab.client();
     for (at, code, error) in
@@ -220,7 +220,7 @@ fn errors_have_the_standards_codes() {
     assert_eq!((kind, control), (Kind::Error, 4));
     lab.say(client, 1, false, "still there?");
     assert_eq!(lab.next(client.synchronous).3, b"still there\n");
-    lab.send(client.synchronous, Kind::Initialize, 0, 0x0100_0000, b"hislip0");
+    lab.send(client.synchronous, Kind::Initialize, (0, 0x0100_0000), b"hislip0");
     fatal(&mut lab, client.synchronous, 3);
     assert!(lab.is_closed(client.asynchronous));
 }
