@@ -23,7 +23,11 @@ fn file(title: &str) -> PathBuf {
 }
 
 /// The bytes that answer a message. An identity query behind it tells where they end: silence has no other end.
+/// Another query would interrupt a wait: its line is read first.
 fn reply(client: &mut Client, message: &str) -> Vec<u8> {
+    if message == "*OPC?" {
+        return client.ask(message).into_bytes();
+    }
     client.send(format!("{message}\n*IDN?\n").as_bytes());
     let mut bytes = Vec::new();
     for _ in 0..=usize::from(message == "*IDN?") {
