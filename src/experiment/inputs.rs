@@ -46,8 +46,8 @@ pub fn inputs(scene: &Scene, window: Window, shot: u32) -> Result<Inputs, RunErr
     let grid = free_grid(scene, shot, window.interval, window.before.min(longest_before));
     let frames = Grid { start: 0.0, interval: scene.duration / FRAMES };
     let probes = probes(scene);
-    let mut bench =
-        Bench::new(&scene.chain, &scene.initial_velocities, method, &probes, (grid, frames));
+    let velocities = scene.velocities(shot);
+    let mut bench = Bench::new(&scene.chain, &velocities, method, &probes, (grid, frames));
     let last = grid.time(MOST_SAMPLES - 1);
     let end = (scene.duration + window.after + 2.0 * grid.interval)
         .min(LONGEST * scene.duration)

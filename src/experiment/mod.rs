@@ -127,8 +127,8 @@ pub fn run(
     let grid = sample_grid(scene, shot);
     let frames = Grid { start: 0.0, interval: scene.duration / FRAMES };
     let probes = probes(scene);
-    let mut bench =
-        Bench::new(&scene.chain, &scene.initial_velocities, method, &probes, (grid, frames));
+    let velocities = scene.velocities(shot);
+    let mut bench = Bench::new(&scene.chain, &velocities, method, &probes, (grid, frames));
     let (_, span) = scene.scope.record_span();
     let expected_end = scene.duration.max(span);
     let mut report = |time: f64| progress((time / expected_end).min(1.0));
@@ -261,6 +261,11 @@ impl Finished<'_> {
 /// What a user would otherwise find out late.
 fn notes(scene: &Scene, sensors: &[Reading], shot: &Shot, found: Option<Found>) -> Vec<String> {
     let mut notes = Vec::new();
+    if scene.striker_speed_spread.is_some()
+        && let Some(speed) = scene.velocities(shot.number).first()
+    {
+        notes.push(format!("the striker's speed was drawn: {}", engineering(*speed, "m/s", 4)));
+    }
     if let Some(scale) = trigger_scale(scene) {
         let (level, deaf) =
             (scene.scope.trigger.level, scene.scope.model.trigger_hysteresis * scale);

@@ -54,6 +54,16 @@ pub enum Accepted {
 struct InFlight {
     complete_at: f64,
     records: Vec<Waveform>,
+    shot: Option<u32>,
+}
+
+/// A finished acquisition that is worth keeping: a triggered one, or the last of a single sequence.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finished {
+    /// One record a displayed channel, as in memory.
+    pub records: Vec<Waveform>,
+    /// Number of the shot whose signals they show; none where nothing was at the inputs.
+    pub shot: Option<u32>,
 }
 
 /// State and memories.
@@ -69,6 +79,7 @@ pub struct Acquisition {
     sweep: Option<Sweep>,
     count: u32,
     shots: u32,
+    finished: Option<Finished>,
     memories: [Option<Waveform>; 4],
     means: [Vec<f64>; 4],
 }
@@ -99,6 +110,11 @@ impl Acquisition {
         self.memories = Default::default();
         self.means = Default::default();
         self.count = 0;
+    }
+
+    /// What was finished since the last call and is worth keeping; of several, the last.
+    pub fn take_finished(&mut self) -> Option<Finished> {
+        self.finished.take()
     }
 
     /// Whether it runs.
@@ -167,7 +183,7 @@ impl Acquisition {
         }
         if let Some(done) = self.in_flight.take_if(|r| r.complete_at <= self.now) {
             self.armed_at = done.complete_at;
-            self.complete(by.panel, done.records);
+            self.complete(by.panel, (done.records, done.shot), true);
         }
         if self.running && scans(by.setup) {
             return self.scan(by);
@@ -177,7 +193,7 @@ impl Acquisition {
         let line = by.panel.trigger.source == TriggerSource::Line;
         if line && self.state(by.panel, by.setup) == State::Ready && self.mains_passed(by) {
             let records = self.quiet(by);
-            self.launch(by.setup, records);
+            self.launch(by.setup, records, None);
         }
         let automatic = by.setup.trigger.mode == TriggerMode::Auto;
         let patience = before_trigger(by.setup) + after_trigger(by.setup).max(PATIENCE);
@@ -186,7 +202,7 @@ impl Acquisition {
             let records = self.quiet(by);
             self.armed_at = self.now;
             self.untriggered = true;
-            self.complete(by.panel, records);
+            self.complete(by.panel, (records, None), false);
         }
     }
 
@@ -203,14 +219,14 @@ impl Acquisition {
         }
         let Some(records) = by.take(signals, self.now) else { return Accepted::NoTrigger };
         self.untriggered = false;
-        Accepted::Triggered { complete_at: self.launch(by.setup, records) }
+        Accepted::Triggered { complete_at: self.launch(by.setup, records, Some(signals.shot)) }
     }
 
     /// Triggers now, if the scope waits for a trigger; nothing is at the inputs.
     pub fn force(&mut self, by: &Acquirer<'_>) {
         if self.state(by.panel, by.setup) == State::Ready {
             let records = self.quiet(by);
-            self.launch(by.setup, records);
+            self.launch(by.setup, records, None);
         }
     }
 
@@ -247,10 +263,10 @@ impl Acquisition {
         self.untriggered = false;
     }
 
-    fn launch(&mut self, setup: &Setup, records: Vec<Waveform>) -> f64 {
+    fn launch(&mut self, setup: &Setup, records: Vec<Waveform>, shot: Option<u32>) -> f64 {
         let complete_at = self.now + after_trigger(setup);
         self.triggered_at = Some(self.now);
-        self.in_flight = Some(InFlight { complete_at, records });
+        self.in_flight = Some(InFlight { complete_at, records, shot });
         complete_at
     }
 
@@ -274,21 +290,29 @@ impl Acquisition {
             .unwrap_or_default()
     }
 
-    fn complete(&mut self, panel: &Panel, records: Vec<Waveform>) {
+    fn complete(
+        &mut self,
+        panel: &Panel,
+        (mut records, shot): (Vec<Waveform>, Option<u32>),
+        triggered: bool,
+    ) {
         self.count = self.count.saturating_add(1);
         let averages = panel.acquire.mode == AcquireMode::Average;
         let depth = if averages { panel.acquire.averages } else { 1 };
-        for mut record in records {
+        for record in &mut records {
             if averages
                 && let Source::Channel(number) = record.source
                 && let Some(mean) = self.means.get_mut(usize::from(number).saturating_sub(1))
             {
-                fold_average(mean, &mut record, self.count, depth);
+                fold_average(mean, record, self.count, depth);
             }
-            self.keep(record);
+            self.keep(record.clone());
         }
         if panel.acquire.stop_after == StopAfter::Sequence && self.count >= depth {
             self.running = false;
+        }
+        if triggered || !self.running {
+            self.finished = Some(Finished { records, shot });
         }
     }
 }

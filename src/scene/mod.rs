@@ -23,8 +23,11 @@ pub use bench::load as input_load;
 pub use problem::{Problem, SceneError};
 pub use sensors::{PlacedSensor, Site};
 
-use crate::chain::{Chain, ChainSpec, End};
+use rand_distr::{Distribution as _, StandardNormal};
+
+use crate::chain::{Chain, ChainError, ChainSpec, End};
 use crate::quantity::Dimension;
+use crate::scope::front_end::noise_stream;
 use crate::scope::{ChannelSetup, Deviation, Model, Setup};
 use crate::sensor::{Circuit, Load, Tolerance};
 use bodies::Materials;
@@ -38,6 +41,9 @@ pub const TIGHTEST_ACCURACY: f64 = 1e-11;
 pub const LOOSEST_ACCURACY: f64 = 0.1;
 /// Largest seed that a scene may name: whole numbers up to here are exact however a file is read.
 const LARGEST_SEED: u64 = (1 << 53) - 1;
+
+/// Stream of the striker's speed; channels use 1 to 4, the sample clock 0.
+const STRIKER_STREAM: u8 = 5;
 
 /// A checked scene: everything a run needs.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,6 +62,8 @@ pub struct Scene {
     pub chain: Chain,
     /// Initial velocity of each body, the striker first (m/s).
     pub initial_velocities: Vec<f64>,
+    /// Standard deviation of the striker's speed from shot to shot, relative to its mean; none where every shot is alike (1).
+    pub striker_speed_spread: Option<f64>,
     /// Sensors from top to bottom.
     pub sensors: Vec<PlacedSensor>,
     /// The scope's front panel.
@@ -115,6 +123,52 @@ impl Scene {
         })
     }
 
+    /// The speed at which the striker first touches the chain, before any spread; none without a striker (m/s).
+    #[must_use]
+    pub fn striker_speed(&self) -> Option<f64> {
+        self.spec.striker.as_ref().and_then(|_| self.initial_velocities.first().copied())
+    }
+
+    /// The same bench with another striker's mass (kg) and speed (m/s) and another force of the magnet (N), each where there
+    /// is one; none leaves what is there. [`Scene::text`] still tells the bench as typed.
+    ///
+    /// # Errors
+    /// [`ChainError`] where no such chain is at rest.
+    pub fn altered(
+        &self,
+        mass: Option<f64>,
+        speed: Option<f64>,
+        force: Option<f64>,
+    ) -> Result<Self, ChainError> {
+        let mut scene = self.clone();
+        if let Some(striker) = &mut scene.spec.striker {
+            striker.mass = mass.unwrap_or(striker.mass);
+            if let (Some(speed), Some(velocity)) = (speed, scene.initial_velocities.first_mut()) {
+                *velocity = speed;
+            }
+        }
+        if let Some(magnet) = &mut scene.spec.effects.magnet_preload {
+            magnet.force = force.unwrap_or(magnet.force);
+        }
+        scene.chain = Chain::new(&scene.spec)?;
+        Ok(scene)
+    }
+
+    /// Velocity of each body at the first contact of shot `shot`: the striker's speed is drawn from the seed where the scene
+    /// spreads it, from a log-normal distribution with the scene's speed as its mean (m/s).
+    #[must_use]
+    pub fn velocities(&self, shot: u32) -> Vec<f64> {
+        let mut velocities = self.initial_velocities.clone();
+        if let (Some(speed), Some(spread)) = (velocities.first_mut(), self.striker_speed_spread) {
+            // Mean 1 and standard deviation `spread`: sigma^2 = ln(1 + spread^2), mu = -sigma^2/2. Never backward.
+            let variance = (spread * spread).ln_1p();
+            let mut stream = noise_stream(self.seed, shot, STRIKER_STREAM);
+            let draw: f64 = StandardNormal.sample(&mut stream);
+            *speed *= (variance.sqrt() * draw - 0.5 * variance).exp();
+        }
+        velocities
+    }
+
     /// Names of the scenes that ship with the program.
     #[must_use]
     pub fn names() -> Vec<&'static str> {
@@ -165,6 +219,7 @@ fn read(loaded: library::Loaded, problems: &Problems) -> Option<Scene> {
         spec,
         chain,
         initial_velocities: moving.initial_velocities,
+        striker_speed_spread: moving.spread,
         sensors,
         scope: scope?,
         duration: duration?,
@@ -181,6 +236,7 @@ struct Moving {
     noise: f64,
     scope_errors: bool,
     sensor_tolerance: Option<Tolerance>,
+    spread: Option<f64>,
     initial_velocities: Vec<f64>,
     built: Option<(ChainSpec, Chain)>,
 }
@@ -212,6 +268,7 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
     let noise = effects.as_ref().and_then(effects::scope_noise).unwrap_or(0.0);
     let scope_errors = effects.as_ref().is_some_and(effects::scope_errors);
     let sensor_tolerance = effects.as_ref().and_then(effects::sensor_tolerance);
+    let spread = effects.as_ref().and_then(|e| effects::striker_speed_spread(e, root));
     if let Some(effects) = effects {
         effects.finish();
     }
@@ -244,6 +301,7 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
         noise,
         scope_errors,
         sensor_tolerance,
+        spread,
         initial_velocities,
         built,
     }

@@ -21,6 +21,7 @@ mod chains;
 mod cli;
 mod conservation;
 mod golden;
+mod hislip;
 mod isf;
 mod losses;
 mod magnet;
