@@ -261,11 +261,9 @@ impl Finished<'_> {
 /// What a user would otherwise find out late.
 fn notes(scene: &Scene, sensors: &[Reading], shot: &Shot, found: Option<Found>) -> Vec<String> {
     let mut notes = Vec::new();
-    if scene.striker_speed_spread.is_some()
-        && let Some(speed) = scene.velocities(shot.number).first()
-    {
-        notes.push(format!("the striker's speed was drawn: {}", engineering(*speed, "m/s", 4)));
-    }
+    let drawn = scene.striker_speed_spread.and(scene.velocities(shot.number).first().copied());
+    let told = |v| format!("the striker's speed was drawn: {}", engineering(v, "m/s", 4));
+    notes.extend(drawn.map(told));
     if let Some(scale) = trigger_scale(scene) {
         let (level, deaf) =
             (scene.scope.trigger.level, scene.scope.model.trigger_hysteresis * scale);

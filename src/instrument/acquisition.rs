@@ -5,6 +5,7 @@
 //! that waits for long shows records without trigger: `Auto`, or `Scan` where the time base is slow. Time is passed in,
 //! in seconds on any clock that does not run backwards.
 
+use super::outcome::{Accepted, Finished, InFlight, Trigger};
 use super::panel::{AcquireMode, Panel, StopAfter, TriggerSource};
 use super::record::{Acquirer, Signals, fold_average, sample_interval};
 use super::scan::Sweep;
@@ -31,39 +32,6 @@ words! {
         /// Taking slow records without trigger.
         Scan = "SCAN",
     }
-}
-
-/// What became of signals.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Accepted {
-    /// The scope triggered; the record will be complete at this time (s).
-    Triggered {
-        /// When the record is complete (s).
-        complete_at: f64,
-    },
-    /// The scope scans: the signals go onto the sweep, without a trigger.
-    Scanned,
-    /// No trigger was found.
-    NoTrigger,
-    /// The scope was stopped or still filling the part before the trigger.
-    NotReady,
-}
-
-/// Records on their way into memory.
-#[derive(Debug, Clone, PartialEq)]
-struct InFlight {
-    complete_at: f64,
-    records: Vec<Waveform>,
-    shot: Option<u32>,
-}
-
-/// A finished acquisition that is worth keeping: a triggered one, or the last of a single sequence.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Finished {
-    /// One record a displayed channel, as in memory.
-    pub records: Vec<Waveform>,
-    /// Number of the shot whose signals they show; none where nothing was at the inputs.
-    pub shot: Option<u32>,
 }
 
 /// State and memories.
@@ -183,7 +151,7 @@ impl Acquisition {
         }
         if let Some(done) = self.in_flight.take_if(|r| r.complete_at <= self.now) {
             self.armed_at = done.complete_at;
-            self.complete(by.panel, (done.records, done.shot), true);
+            self.complete(by.panel, (done.records, done.trigger), true);
         }
         if self.running && scans(by.setup) {
             return self.scan(by);
@@ -217,9 +185,11 @@ impl Acquisition {
             }
             State::Armed | State::Trigger | State::Save => return Accepted::NotReady,
         }
-        let Some(records) = by.take(signals, self.now) else { return Accepted::NoTrigger };
+        let Some((records, trigger)) = by.take(signals, self.now) else {
+            return Accepted::NoTrigger;
+        };
         self.untriggered = false;
-        Accepted::Triggered { complete_at: self.launch(by.setup, records, Some(signals.shot)) }
+        Accepted::Triggered { complete_at: self.launch(by.setup, records, Some(trigger)) }
     }
 
     /// Triggers now, if the scope waits for a trigger; nothing is at the inputs.
@@ -263,10 +233,10 @@ impl Acquisition {
         self.untriggered = false;
     }
 
-    fn launch(&mut self, setup: &Setup, records: Vec<Waveform>, shot: Option<u32>) -> f64 {
+    fn launch(&mut self, setup: &Setup, records: Vec<Waveform>, trigger: Option<Trigger>) -> f64 {
         let complete_at = self.now + after_trigger(setup);
         self.triggered_at = Some(self.now);
-        self.in_flight = Some(InFlight { complete_at, records, shot });
+        self.in_flight = Some(InFlight { complete_at, records, trigger });
         complete_at
     }
 
@@ -285,16 +255,16 @@ impl Acquisition {
         };
         let mut setup = by.setup.clone();
         setup.trigger.mode = TriggerMode::Auto;
-        Acquirer { panel: by.panel, setup: &setup, seed: by.seed }
-            .take(&signals, self.now)
-            .unwrap_or_default()
+        let taken =
+            Acquirer { panel: by.panel, setup: &setup, seed: by.seed }.take(&signals, self.now);
+        taken.map(|(records, _)| records).unwrap_or_default()
     }
 
     fn complete(
         &mut self,
         panel: &Panel,
-        (mut records, shot): (Vec<Waveform>, Option<u32>),
-        triggered: bool,
+        (mut records, trigger): (Vec<Waveform>, Option<Trigger>),
+        was_triggered: bool,
     ) {
         self.count = self.count.saturating_add(1);
         let averages = panel.acquire.mode == AcquireMode::Average;
@@ -311,8 +281,8 @@ impl Acquisition {
         if panel.acquire.stop_after == StopAfter::Sequence && self.count >= depth {
             self.running = false;
         }
-        if triggered || !self.running {
-            self.finished = Some(Finished { records, shot });
+        if was_triggered || !self.running {
+            self.finished = Some(Finished { records, trigger });
         }
     }
 }

@@ -13,6 +13,7 @@ pub mod limits;
 pub mod math;
 pub mod measure;
 mod memory;
+mod outcome;
 pub mod panel;
 pub mod record;
 mod scan;
@@ -21,9 +22,9 @@ pub mod timing;
 pub mod transfer;
 pub mod word;
 
-pub use acquisition::{Accepted, Finished};
 pub use bench::Bench;
 pub use event::Event;
+pub use outcome::{Accepted, Finished, Trigger};
 pub use panel::Panel;
 pub use record::Signals;
 pub use status::Status;

@@ -12,6 +12,7 @@ use crate::experiment::RunError;
 use crate::experiment::inputs::{Window, inputs};
 use crate::instrument::{Signals, Wanted};
 use crate::scene::Scene;
+use crate::trace::Trace;
 
 /// A strike to be made.
 struct Order {
@@ -32,8 +33,16 @@ pub struct Handle {
 pub struct Struck {
     /// Number of the shot.
     pub shot: u32,
-    /// The signals at the scope's inputs.
-    pub signals: Result<Signals, RunError>,
+    /// The signals at the scope's inputs, and what no scope saw.
+    pub signals: Result<(Signals, Truth), RunError>,
+}
+
+/// What no scope saw of a shot.
+pub struct Truth {
+    /// Time of the signals' first sample after the striker's first contact (s).
+    pub start: f64,
+    /// Forces and motions.
+    pub traces: Vec<Trace>,
 }
 
 impl Handle {
@@ -80,12 +89,16 @@ impl Handle {
 fn strike(order: &Order) -> Struck {
     let Order { scene, wanted: Wanted { interval, before, after }, shot } = order;
     let window = Window { interval: *interval, before: *before, after: *after };
-    let signals = inputs(scene, window, *shot).map(|arrived| Signals {
-        interval: arrived.interval,
-        automatic: arrived.contact,
-        volts: arrived.volts,
-        external: arrived.external,
-        shot: *shot,
+    let signals = inputs(scene, window, *shot).map(|arrived| {
+        let truth = Truth { start: arrived.start, traces: arrived.truth };
+        let signals = Signals {
+            interval: arrived.interval,
+            automatic: arrived.contact,
+            volts: arrived.volts,
+            external: arrived.external,
+            shot: *shot,
+        };
+        (signals, truth)
     });
     Struck { shot: *shot, signals }
 }

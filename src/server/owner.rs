@@ -7,7 +7,7 @@ use std::time::Duration;
 use tokio::sync::mpsc;
 use tokio::time::{Instant, Interval, MissedTickBehavior, interval_at};
 
-use super::bench::{Handle, Struck};
+use super::bench::{Handle, Struck, Truth};
 use super::desk::{Desk, Talker};
 use super::link::{Answer, News, Protocol};
 use super::recorder::Recorder;
@@ -15,7 +15,7 @@ use super::stand::Stand;
 use super::{Options, ServeError};
 use crate::hislip;
 use crate::instrument::acquisition::State;
-use crate::instrument::{Event, Instrument};
+use crate::instrument::{Accepted, Event, Instrument};
 use crate::scene::Scene;
 
 /// How often the instrument hears that time has passed.
@@ -44,6 +44,8 @@ pub struct Owner {
     stand: Stand,
     impact_every: Option<Duration>,
     switched_on: Instant,
+    /// What no scope saw of the shot that it triggered on last, by its number.
+    caught: Option<(u32, Truth)>,
 }
 
 impl Owner {
@@ -63,6 +65,7 @@ impl Owner {
             bench,
             stand,
             impact_every: options.impact_every,
+            caught: None,
             switched_on: Instant::now(),
         }
     }
@@ -150,9 +153,12 @@ impl Owner {
         let Struck { shot, signals } = struck;
         let instrument = &mut self.desk.instrument;
         match signals {
-            Ok(signals) => {
+            Ok((signals, truth)) => {
                 instrument.bench.impacts = instrument.bench.impacts.saturating_add(1);
-                instrument.accept_signals(&signals);
+                let accepted = instrument.accept_signals(&signals);
+                if matches!(accepted, Accepted::Triggered { .. }) {
+                    self.caught = Some((shot, truth));
+                }
                 Ok(())
             }
             Err(reason) if self.stand.is_as_served() => Err(ServeError::Impact { shot, reason }),
@@ -240,7 +246,11 @@ impl Owner {
         let finished = self.desk.instrument.take_finished();
         let Some(recorder) = &mut self.desk.recorder else { return Ok(()) };
         if let Some(finished) = finished {
-            recorder.captures(finished, &self.desk.instrument);
+            let truth = self
+                .caught
+                .take_if(|(shot, _)| finished.trigger.is_some_and(|trigger| trigger.shot == *shot));
+            let truth = truth.map(|(_, truth)| truth);
+            recorder.captures(finished, truth, &self.desk.instrument);
         }
         recorder.keep_up()
     }

@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant, SystemTime};
 
 use super::ServeError;
+use super::bench::Truth;
 use crate::instrument::{Finished, Instrument};
 use crate::recording::mcap::{RecordingWriter, ShotNotes, WriteError};
 use crate::recording::{self, Capture, Direction, Origin, ScpiLine, Shot};
@@ -48,8 +49,8 @@ impl Recorder {
         }
     }
 
-    /// Writes down the records of an acquisition.
-    pub fn captures(&mut self, finished: Finished, instrument: &Instrument) {
+    /// Writes down the records of an acquisition, and the truth behind them where the bench knows it.
+    pub fn captures(&mut self, finished: Finished, truth: Option<Truth>, instrument: &Instrument) {
         self.shots += 1;
         let model = &instrument.model;
         let taken_by = recording::Instrument {
@@ -64,11 +65,14 @@ impl Recorder {
             origin: Origin::Simulated,
             timestamp_ns: self.now(),
             captures: finished.records.into_iter().map(capture).collect(),
-            truth: Vec::new(),
-            trigger_time: None,
+            trigger_time: truth
+                .as_ref()
+                .zip(finished.trigger)
+                .map(|(truth, t)| truth.start + t.time),
+            truth: truth.map(|truth| truth.traces).unwrap_or_default(),
         };
-        let cause = match finished.shot {
-            Some(impact) => format!("shot {}: impact {impact}", self.shots),
+        let cause = match finished.trigger {
+            Some(trigger) => format!("shot {}: impact {}", self.shots, trigger.shot),
             None => format!("shot {}: nothing at the inputs", self.shots),
         };
         let set_up = set_up_text(&instrument.setup());
