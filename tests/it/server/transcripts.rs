@@ -1,8 +1,9 @@
 //! A transcript a group of commands, byte for byte, on the wire: `transcripts/<group>.txt`.
 //!
 //! `> ` is a message that is sent, `< ` the reply to the one before, with bytes that cannot be printed escaped; a message without a
-//! reply is followed by none. Every command of the table is in the transcript of its group. `HERTZSCOPE_WRITE=1` writes the
-//! replies anew: what has changed is then to be held against the manual.
+//! reply is followed by none; `# ` is a comment. Every command of the table is in the transcript of its group.
+//! `HERTZSCOPE_WRITE=1` writes the replies anew: what has changed is then to be held against what is known of the instrument. The
+//! comment at the head of a transcript tells which replies have been, and against what.
 
 use std::fmt::Write as _;
 use std::io::Read as _;
@@ -51,8 +52,9 @@ fn transcript(typed: &str) -> String {
     let server = Server::at_rest();
     let mut client = server.connect();
     let mut written = String::new();
-    for message in typed.lines().filter_map(|line| line.strip_prefix("> ")) {
-        let _ = writeln!(written, "> {message}");
+    for line in typed.lines().filter(|line| !line.starts_with("< ")) {
+        let _ = writeln!(written, "{line}");
+        let Some(message) = line.strip_prefix("> ") else { continue };
         let bytes = reply(&mut client, message);
         if let Some(reply) = bytes.strip_suffix(b"\n") {
             let _ =
