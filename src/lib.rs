@@ -6,6 +6,7 @@ pub mod chain;
 pub mod cli;
 pub mod data;
 pub mod experiment;
+pub mod hislip;
 pub mod instrument;
 pub mod integrate;
 pub mod magnet;

@@ -1,17 +1,20 @@
 //! `hertzscope serve`: the scope on the network.
 
 use std::future::pending;
-use std::net::TcpListener;
+use std::net::{SocketAddr, TcpListener};
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use anyhow::Context as _;
+use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
 
+use crate::experiment::{Integration, facts};
 use crate::quantity::{Dimension, parse};
+use crate::recording::mcap::RecordingWriter;
 use crate::scene::Scene;
-use crate::server::{self, Options};
+use crate::server::{self, Options, Sockets};
 
-/// Let lab programs talk to the scope over a raw TCP socket, as to an instrument on the network
+/// Let lab programs talk to the scope over a raw TCP socket or HiSLIP, as to an instrument on the network
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// A scene that ships with the program (see `hertzscope scenes`), or the path of a scene file
@@ -20,9 +23,18 @@ pub struct Arguments {
     /// Address and port to listen on; port 0 takes any that is free
     #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1:5025")]
     listen: String,
-    /// Strike the chain this often, e.g. 2s [default: never]
+    /// Speak HiSLIP, too, on this port of the same address, usually 4880; 0 takes any that is free
+    #[arg(long, value_name = "PORT")]
+    hislip: Option<u16>,
+    /// Strike the chain this often, e.g. 2s [default: when a client says BENCh:IMPact]
     #[arg(long, value_name = "T", value_parser = period)]
     impact_every: Option<Duration>,
+    /// Write every command, every reply and every triggered record to this recording (.mcap), overwriting what is there
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+    /// Seed of noise, sample clock and the striker's spread [default: the scene's]
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
     /// Whether answers begin with headers until a client says HEADER
     #[arg(long, value_enum, default_value_t = Switch::Off)]
     header: Switch,
@@ -52,24 +64,77 @@ fn period(text: &str) -> Result<Duration, String> {
 const LONGEST: Duration = Duration::from_secs(365 * 24 * 3600);
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let scene = Scene::load(&arguments.scene)?;
-    let listener =
-        TcpListener::bind(&arguments.listen).with_context(|| arguments.listen.clone())?;
-    let address = listener.local_addr()?;
+    let mut scene = Scene::load(&arguments.scene)?;
+    scene.seed = arguments.seed.unwrap_or(scene.seed);
+    let raw = TcpListener::bind(&arguments.listen).with_context(|| arguments.listen.clone())?;
+    let address = raw.local_addr()?;
+    let hislip = match arguments.hislip {
+        Some(port) => {
+            let address = SocketAddr::new(address.ip(), port);
+            Some(TcpListener::bind(address).with_context(|| format!("HiSLIP on {address}"))?)
+        }
+        None => None,
+    };
+    // After the sockets: a second server on the same port must not empty the first one's recording.
+    let recording =
+        arguments.record.as_deref().map(|file| create_recording(file, &scene)).transpose()?;
     if !address.ip().is_loopback() {
         eprintln!(
-            "warning: the protocol has no authentication: everybody who reaches {address} can use the scope"
+            "warning: the protocols have no authentication: everybody who reaches {} can use the scope",
+            address.ip()
         );
     }
     super::print(&format!("listening on {address}"))?;
+    if let Some(hislip) = &hislip {
+        super::print(&format!("HiSLIP on {}", hislip.local_addr()?))?;
+    }
     let options =
         Options { header: arguments.header == Switch::On, impact_every: arguments.impact_every };
+    server::serve(Sockets { raw, hislip }, &scene, options, recording, stopped())?;
+    if let Some(file) = &arguments.record {
+        super::print(&format!("recording   {}", file.display()))?;
+    }
+    Ok(())
+}
+
+fn create_recording(file: &Path, scene: &Scene) -> anyhow::Result<RecordingWriter> {
+    if file.extension().is_none_or(|extension| extension != "mcap") {
+        bail!("found {}, expected a name that ends in .mcap", file.display());
+    }
+    let mut known = facts::facts(scene, Integration::Accuracy(scene.accuracy))?;
+    if let Some(recording) = known.get_mut("hertzscope:recording") {
+        let times = "of messages: nanoseconds since 1970; of records: seconds after the trigger";
+        recording.insert("time_base".to_owned(), times.to_owned());
+    }
+    Ok(RecordingWriter::create(file, &known, &[facts::scene_attachment(scene)])?)
+}
+
+/// Waits for Ctrl-C, or for what ends a service.
+async fn stopped() {
     let interrupted = async {
         if tokio::signal::ctrl_c().await.is_err() {
             // Without a handler the system ends the program by itself.
             pending::<()>().await;
         }
     };
-    server::serve(listener, &scene, options, interrupted)?;
-    Ok(())
+    tokio::select! {
+        () = interrupted => {}
+        () = terminated() => {}
+    }
+}
+
+#[cfg(unix)]
+async fn terminated() {
+    use tokio::signal::unix::{SignalKind, signal};
+    match signal(SignalKind::terminate()) {
+        Ok(mut terminate) => {
+            terminate.recv().await;
+        }
+        Err(_) => pending().await,
+    }
+}
+
+#[cfg(not(unix))]
+async fn terminated() {
+    pending().await
 }

@@ -118,7 +118,7 @@ pub fn record(
 }
 
 /// What no scope saw: the force at each sensor on the sample grid, and the film.
-fn truth(scene: &Scene, bench: &Bench<'_>, grid: Grid) -> Vec<Trace> {
+pub fn truth(scene: &Scene, bench: &Bench<'_>, grid: Grid) -> Vec<Trace> {
     let trace = |name: String, unit: &str, grid: Grid, values: Vec<f64>| Trace {
         name,
         unit: unit.to_owned(),

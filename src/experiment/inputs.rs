@@ -1,14 +1,17 @@
 //! What an impact puts at the scope's inputs, for a scope that is set by somebody else than the scene.
 
-use super::acquisition::{external, volts};
+use super::acquisition::{external, truth, volts};
 use super::bench::{Bench, Grid};
 use super::{FRAMES, Integration, RunError, free_grid, method, probes};
 use crate::scene::Scene;
+use crate::trace::Trace;
 
 /// Longest simulation, in durations of the scene (1).
 const LONGEST: f64 = 10.0;
 /// Most samples of a signal; most before the first contact are half of them.
 const MOST_SAMPLES: usize = 2_000_000;
+/// Most samples of a trace of the truth: beyond them every so-manieth is kept.
+const MOST_OF_TRUTH: usize = 50_000;
 
 /// The sample grid that a scope wants its signals on, and how much of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,6 +27,8 @@ pub struct Window {
 /// Signals of one impact on a common grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inputs {
+    /// Time of the first sample after the striker's first contact (s).
+    pub start: f64,
     /// From one sample to the next (s).
     pub interval: f64,
     /// Index of the first sample after the striker's first contact.
@@ -32,6 +37,8 @@ pub struct Inputs {
     pub volts: Vec<Vec<f64>>,
     /// Signal at the external trigger input; empty if the scene leaves it open (V).
     pub external: Vec<f64>,
+    /// What no scope saw: forces and the film, thinned to fifty thousand samples a trace.
+    pub truth: Vec<Trace>,
 }
 
 /// Strikes the scene's chain and follows it for a trigger anywhere within the scene's duration, but for no longer than ten
@@ -46,8 +53,8 @@ pub fn inputs(scene: &Scene, window: Window, shot: u32) -> Result<Inputs, RunErr
     let grid = free_grid(scene, shot, window.interval, window.before.min(longest_before));
     let frames = Grid { start: 0.0, interval: scene.duration / FRAMES };
     let probes = probes(scene);
-    let mut bench =
-        Bench::new(&scene.chain, &scene.initial_velocities, method, &probes, (grid, frames));
+    let velocities = scene.velocities(shot);
+    let mut bench = Bench::new(&scene.chain, &velocities, method, &probes, (grid, frames));
     let last = grid.time(MOST_SAMPLES - 1);
     let end = (scene.duration + window.after + 2.0 * grid.interval)
         .min(LONGEST * scene.duration)
@@ -57,10 +64,21 @@ pub fn inputs(scene: &Scene, window: Window, shot: u32) -> Result<Inputs, RunErr
     bench.run_until(end, false, &mut |_| ())?;
     let channels = scene.scope.channels.iter();
     let signal = |channel| volts(scene, &bench, grid, channel);
+    let truth = truth(scene, &bench, grid).into_iter().map(thinned).collect();
     Ok(Inputs {
+        start: grid.start,
         interval: grid.interval,
         contact: grid.samples_until(0.0),
         volts: channels.map(|c| c.as_ref().map(signal).unwrap_or_default()).collect(),
         external: external(scene, &bench, grid),
+        truth,
     })
+}
+
+fn thinned(trace: Trace) -> Trace {
+    let step = trace.values.len().div_ceil(MOST_OF_TRUTH).max(1);
+    #[allow(clippy::cast_precision_loss, reason = "far below 2^53")]
+    let interval = trace.interval * step as f64;
+    let values = trace.values.into_iter().step_by(step).collect();
+    Trace { interval, values, ..trace }
 }

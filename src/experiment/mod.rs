@@ -129,8 +129,8 @@ pub fn run(
     let grid = sample_grid(scene, shot);
     let frames = Grid { start: 0.0, interval: scene.duration / FRAMES };
     let probes = probes(scene);
-    let mut bench =
-        Bench::new(&scene.chain, &scene.initial_velocities, method, &probes, (grid, frames));
+    let velocities = scene.velocities(shot);
+    let mut bench = Bench::new(&scene.chain, &velocities, method, &probes, (grid, frames));
     let (_, span) = scene.scope.record_span();
     let expected_end = scene.duration.max(span);
     let mut report = |time: f64| progress((time / expected_end).min(1.0));
@@ -263,6 +263,9 @@ impl Finished<'_> {
 /// What a user would otherwise find out late.
 fn notes(scene: &Scene, sensors: &[Reading], shot: &Shot, found: Option<Found>) -> Vec<String> {
     let mut notes = Vec::new();
+    let drawn = scene.striker_speed_spread.and(scene.velocities(shot.number).first().copied());
+    let told = |v| format!("the striker's speed was drawn: {}", engineering(v, "m/s", 4));
+    notes.extend(drawn.map(told));
     if let Some(scale) = trigger_scale(scene) {
         let (level, deaf) =
             (scene.scope.trigger.level, scene.scope.model.trigger_hysteresis * scale);

@@ -209,6 +209,10 @@ pub fn effects(scene: &Scene) -> Vec<(String, String)> {
         .active()
         .map(|effect| (effect.name().to_owned(), effect.summary()))
         .collect();
+    if let (Some(spread), Some(speed)) = (scene.striker_speed_spread, scene.striker_speed()) {
+        let set = format!("{} % around {}", 100.0 * spread, engineering(speed, "m/s", 3));
+        effects.push(("striker_speed_spread".to_owned(), set));
+    }
     if !scene.sensors.is_empty() {
         effects.push(("sensor_droop".to_owned(), "RC of plate, cable and scope input".to_owned()));
     }

@@ -5,6 +5,7 @@
 //! that waits for long shows records without trigger: `Auto`, or `Scan` where the time base is slow. Time is passed in,
 //! in seconds on any clock that does not run backwards.
 
+use super::outcome::{Accepted, Finished, InFlight, Trigger};
 use super::panel::{AcquireMode, Panel, StopAfter, TriggerSource};
 use super::record::{Acquirer, Signals, fold_average, sample_interval};
 use super::scan::Sweep;
@@ -33,29 +34,6 @@ words! {
     }
 }
 
-/// What became of signals.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Accepted {
-    /// The scope triggered; the record will be complete at this time (s).
-    Triggered {
-        /// When the record is complete (s).
-        complete_at: f64,
-    },
-    /// The scope scans: the signals go onto the sweep, without a trigger.
-    Scanned,
-    /// No trigger was found.
-    NoTrigger,
-    /// The scope was stopped or still filling the part before the trigger.
-    NotReady,
-}
-
-/// Records on their way into memory.
-#[derive(Debug, Clone, PartialEq)]
-struct InFlight {
-    complete_at: f64,
-    records: Vec<Waveform>,
-}
-
 /// State and memories.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Acquisition {
@@ -69,6 +47,7 @@ pub struct Acquisition {
     sweep: Option<Sweep>,
     count: u32,
     shots: u32,
+    finished: Option<Finished>,
     memories: [Option<Waveform>; 4],
     means: [Vec<f64>; 4],
 }
@@ -99,6 +78,11 @@ impl Acquisition {
         self.memories = Default::default();
         self.means = Default::default();
         self.count = 0;
+    }
+
+    /// What was finished since the last call and is worth keeping; of several, the last.
+    pub fn take_finished(&mut self) -> Option<Finished> {
+        self.finished.take()
     }
 
     /// Whether it runs.
@@ -167,7 +151,7 @@ impl Acquisition {
         }
         if let Some(done) = self.in_flight.take_if(|r| r.complete_at <= self.now) {
             self.armed_at = done.complete_at;
-            self.complete(by.panel, done.records);
+            self.complete(by.panel, (done.records, done.trigger), true);
         }
         if self.running && scans(by.setup) {
             return self.scan(by);
@@ -177,7 +161,7 @@ impl Acquisition {
         let line = by.panel.trigger.source == TriggerSource::Line;
         if line && self.state(by.panel, by.setup) == State::Ready && self.mains_passed(by) {
             let records = self.quiet(by);
-            self.launch(by.setup, records);
+            self.launch(by.setup, records, None);
         }
         let automatic = by.setup.trigger.mode == TriggerMode::Auto;
         let patience = before_trigger(by.setup) + after_trigger(by.setup).max(PATIENCE);
@@ -186,7 +170,7 @@ impl Acquisition {
             let records = self.quiet(by);
             self.armed_at = self.now;
             self.untriggered = true;
-            self.complete(by.panel, records);
+            self.complete(by.panel, (records, None), false);
         }
     }
 
@@ -201,16 +185,18 @@ impl Acquisition {
             }
             State::Armed | State::Trigger | State::Save => return Accepted::NotReady,
         }
-        let Some(records) = by.take(signals, self.now) else { return Accepted::NoTrigger };
+        let Some((records, trigger)) = by.take(signals, self.now) else {
+            return Accepted::NoTrigger;
+        };
         self.untriggered = false;
-        Accepted::Triggered { complete_at: self.launch(by.setup, records) }
+        Accepted::Triggered { complete_at: self.launch(by.setup, records, Some(trigger)) }
     }
 
     /// Triggers now, if the scope waits for a trigger; nothing is at the inputs.
     pub fn force(&mut self, by: &Acquirer<'_>) {
         if self.state(by.panel, by.setup) == State::Ready {
             let records = self.quiet(by);
-            self.launch(by.setup, records);
+            self.launch(by.setup, records, None);
         }
     }
 
@@ -247,10 +233,10 @@ impl Acquisition {
         self.untriggered = false;
     }
 
-    fn launch(&mut self, setup: &Setup, records: Vec<Waveform>) -> f64 {
+    fn launch(&mut self, setup: &Setup, records: Vec<Waveform>, trigger: Option<Trigger>) -> f64 {
         let complete_at = self.now + after_trigger(setup);
         self.triggered_at = Some(self.now);
-        self.in_flight = Some(InFlight { complete_at, records });
+        self.in_flight = Some(InFlight { complete_at, records, trigger });
         complete_at
     }
 
@@ -269,26 +255,34 @@ impl Acquisition {
         };
         let mut setup = by.setup.clone();
         setup.trigger.mode = TriggerMode::Auto;
-        Acquirer { panel: by.panel, setup: &setup, seed: by.seed }
-            .take(&signals, self.now)
-            .unwrap_or_default()
+        let taken =
+            Acquirer { panel: by.panel, setup: &setup, seed: by.seed }.take(&signals, self.now);
+        taken.map(|(records, _)| records).unwrap_or_default()
     }
 
-    fn complete(&mut self, panel: &Panel, records: Vec<Waveform>) {
+    fn complete(
+        &mut self,
+        panel: &Panel,
+        (mut records, trigger): (Vec<Waveform>, Option<Trigger>),
+        was_triggered: bool,
+    ) {
         self.count = self.count.saturating_add(1);
         let averages = panel.acquire.mode == AcquireMode::Average;
         let depth = if averages { panel.acquire.averages } else { 1 };
-        for mut record in records {
+        for record in &mut records {
             if averages
                 && let Source::Channel(number) = record.source
                 && let Some(mean) = self.means.get_mut(usize::from(number).saturating_sub(1))
             {
-                fold_average(mean, &mut record, self.count, depth);
+                fold_average(mean, record, self.count, depth);
             }
-            self.keep(record);
+            self.keep(record.clone());
         }
         if panel.acquire.stop_after == StopAfter::Sequence && self.count >= depth {
             self.running = false;
+        }
+        if was_triggered || !self.running {
+            self.finished = Some(Finished { records, trigger });
         }
     }
 }

@@ -32,6 +32,8 @@ pub enum Event {
     IllegalParameter,
     /// What the command needs is not built in.
     HardwareMissing,
+    /// Something behind the front panel failed.
+    SystemError,
     /// Events were lost.
     QueueOverflow,
     /// A message longer than the input buffer.
@@ -121,6 +123,7 @@ impl Event {
             Self::OutOfRange => (222, "Data out of range"),
             Self::IllegalParameter => (224, "Illegal parameter value"),
             Self::HardwareMissing => (241, "Hardware missing"),
+            Self::SystemError => (310, "System error"),
             Self::QueueOverflow => (350, "Queue overflow"),
             Self::InputOverrun => (363, "Input buffer overrun"),
             Self::PowerOn => (401, "Power on"),

@@ -7,11 +7,13 @@
 
 pub mod acquisition;
 mod autoset;
+pub mod bench;
 pub mod event;
 pub mod limits;
 pub mod math;
 pub mod measure;
 mod memory;
+mod outcome;
 pub mod panel;
 pub mod record;
 mod scan;
@@ -20,8 +22,9 @@ pub mod timing;
 pub mod transfer;
 pub mod word;
 
-pub use acquisition::Accepted;
+pub use bench::Bench;
 pub use event::Event;
+pub use outcome::{Accepted, Finished, Trigger};
 pub use panel::Panel;
 pub use record::Signals;
 pub use status::Status;
@@ -60,6 +63,8 @@ pub struct Instrument {
     pub status: Status,
     /// Lock and device trigger.
     pub service: Service,
+    /// What the remote interface wants of the bench.
+    pub bench: Bench,
     settled: Panel,
     acquisition: Acquisition,
     references: [Option<Waveform>; 4],
@@ -73,8 +78,16 @@ pub struct Instrument {
 struct FrontEnd {
     /// Root mean square (div).
     noise: f64,
-    /// Each channel's offset (V) and deviation.
+    /// What each channel's amplifier adds to the voltage at the probe's tip (V), and its deviation.
     errors: Vec<(f64, Deviation)>,
+}
+
+impl FrontEnd {
+    fn of(setup: &Setup) -> Self {
+        let error = |channel: &ChannelSetup| (channel.offset, channel.deviation);
+        let errors = setup.channels.iter().map(|c| c.as_ref().map(error).unwrap_or_default());
+        Self { noise: setup.noise, errors: errors.collect() }
+    }
 }
 
 impl Instrument {
@@ -82,9 +95,7 @@ impl Instrument {
     #[must_use]
     pub fn of(setup: &Setup, seed: u64) -> Self {
         let mut instrument = Self::new(setup.model.clone(), setup.noise, seed);
-        let error = |channel: &ChannelSetup| (channel.offset, channel.deviation);
-        let errors = setup.channels.iter().map(|c| c.as_ref().map(error).unwrap_or_default());
-        instrument.front_end.errors = errors.collect();
+        instrument.set_front_end(setup);
         instrument.panel = Panel::of(setup);
         instrument.settle();
         instrument
@@ -101,6 +112,7 @@ impl Instrument {
             transfer: Transfer::initial(points),
             incoming: Incoming::initial(points),
             service: Service::default(),
+            bench: Bench::default(),
             settled: panel.clone(),
             acquisition: Acquisition::default(),
             references: Default::default(),
@@ -112,6 +124,11 @@ impl Instrument {
         };
         instrument.acquisition.run();
         instrument
+    }
+
+    /// Puts the bench's amplifiers before the digitiser: noise and errors of `setup`, nothing else of it.
+    pub fn set_front_end(&mut self, setup: &Setup) {
+        self.front_end = FrontEnd::of(setup);
     }
 
     /// The sample grid on which signals are welcome with the present settings.
@@ -160,6 +177,11 @@ impl Instrument {
             }
         }
         setup
+    }
+
+    /// The records of the last acquisition that was triggered, or that ended a single sequence, if nobody has asked since.
+    pub fn take_finished(&mut self) -> Option<Finished> {
+        self.acquisition.take_finished()
     }
 
     /// Starts an acquisition.

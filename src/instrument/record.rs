@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 
+use super::outcome::Trigger;
 use super::panel::{
     AcquireMode, EdgeCoupling, Panel, PulsePolarity, PulseWhen, TriggerSource, TriggerType,
 };
@@ -57,10 +58,10 @@ pub fn sample_interval(panel: &Panel, setup: &Setup) -> f64 {
 }
 
 impl Acquirer<'_> {
-    /// The record of every channel that is recorded, or none if nothing triggers. Signals arrive at `now` (s), which tells
+    /// The record of every channel that is recorded and the trigger, or none if nothing triggers. Signals arrive at `now` (s), which tells
     /// where the mains stand.
     #[must_use]
-    pub fn take(&self, signals: &Signals, now: f64) -> Option<Vec<Waveform>> {
+    pub fn take(&self, signals: &Signals, now: f64) -> Option<(Vec<Waveform>, Trigger)> {
         let model = &self.setup.model;
         let interval = self.sample_interval();
         let resampled = |volts: &[f64]| resample(volts, signals.interval, interval);
@@ -102,7 +103,9 @@ impl Acquirer<'_> {
             })
         };
         let numbers = 1..=model.channels;
-        Some(numbers.zip(&conditioned).filter_map(|(n, s)| record(n, s.as_ref())).collect())
+        let records =
+            numbers.zip(&conditioned).filter_map(|(n, s)| record(n, s.as_ref())).collect();
+        Some((records, Trigger { shot: signals.shot, time: count(found.index) * interval }))
     }
 
     /// Time between the converter's samples with these settings (s).

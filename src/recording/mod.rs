@@ -79,6 +79,28 @@ pub struct Shot {
     pub trigger_time: Option<f64>,
 }
 
+/// Which way a line of the remote interface went.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Direction {
+    /// From a client to the instrument.
+    Command,
+    /// From the instrument to a client.
+    Reply,
+}
+
+/// What the remote interface heard or said.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ScpiLine {
+    /// When, nanoseconds since 1970.
+    pub timestamp_ns: u64,
+    /// Protocol and address of the client, e.g. `raw 127.0.0.1:50312`.
+    pub peer: String,
+    /// To the instrument or from it.
+    pub direction: Direction,
+    /// The bytes: a command without its end, a reply with its terminator.
+    pub bytes: Vec<u8>,
+}
+
 /// A file carried along, such as the scene as typed.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Attachment {
@@ -101,6 +123,8 @@ pub struct TraceSet {
     pub attachments: Vec<Attachment>,
     /// Lines of the log, in order of time.
     pub log: Vec<String>,
+    /// What the remote interface heard and said, in order of time.
+    pub lines: Vec<ScpiLine>,
     /// What a recording keeps of each shot beside captures and truth, by the shot's number; its lines stand in `log` too.
     pub notes: BTreeMap<u32, mcap::ShotNotes>,
     /// What a reader could not make sense of, and passed over; empty for a sound file.

@@ -1,8 +1,10 @@
 //! What is in a recording, as a page of text.
 
+use std::collections::BTreeSet;
+
 use super::table;
 use crate::quantity::engineering;
-use crate::recording::{Capture, Origin, Shot, TraceSet};
+use crate::recording::{Capture, Direction, Origin, Shot, TraceSet};
 
 /// The page that `info` prints.
 #[must_use]
@@ -19,6 +21,9 @@ pub fn contents(set: &TraceSet) -> String {
         lines.extend(shot_lines(shot));
         lines.push(String::new());
     }
+    if !set.lines.is_empty() {
+        lines.push(session_line(set));
+    }
     for attachment in &set.attachments {
         lines.push(format!(
             "attachment {} ({}, {} bytes)",
@@ -30,6 +35,17 @@ pub fn contents(set: &TraceSet) -> String {
     lines.extend(set.log.iter().map(|line| format!("log: {line}")));
     lines.extend(set.problems.iter().map(|problem| format!("problem: {problem}")));
     lines.join("\n").trim_end().to_owned()
+}
+
+/// How many commands and replies went over the remote interface, and between whom.
+fn session_line(set: &TraceSet) -> String {
+    let commands = set.lines.iter().filter(|line| line.direction == Direction::Command).count();
+    let peers: BTreeSet<&str> = set.lines.iter().map(|line| line.peer.as_str()).collect();
+    let replies = set.lines.len() - commands;
+    format!(
+        "remote interface: {commands} commands and {replies} replies, {} connections",
+        peers.len()
+    )
 }
 
 fn shot_lines(shot: &Shot) -> Vec<String> {

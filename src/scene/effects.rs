@@ -73,3 +73,18 @@ pub fn sensor_tolerance(effects: &Table<'_>) -> Option<Tolerance> {
     table.finish();
     Some(tolerance)
 }
+
+/// Largest spread that is taken for one: beyond it a striker is no striker (1).
+const LARGEST_SPREAD: f64 = 0.5;
+
+/// `[effects.striker_speed_spread]` (1).
+pub fn striker_speed_spread(effects: &Table<'_>, root: &Table<'_>) -> Option<f64> {
+    let table = effect(effects, "striker_speed_spread")?;
+    let bound = Bound::Within(0.0, LARGEST_SPREAD);
+    let relative = table.required("relative", Dimension::NONE, bound);
+    if !root.has("striker") {
+        table.problem("", "no striker", "[striker], whose speed is spread");
+    }
+    table.finish();
+    relative.filter(|relative| *relative > 0.0)
+}

@@ -18,6 +18,7 @@ pub mod plates;
 pub mod problem;
 pub mod reader;
 mod sensors;
+mod shot;
 
 pub use bench::load as input_load;
 pub use problem::{Problem, SceneError};
@@ -25,8 +26,8 @@ pub use sensors::{PlacedSensor, Site};
 
 use crate::chain::{Chain, ChainSpec, End};
 use crate::quantity::Dimension;
-use crate::scope::{ChannelSetup, Deviation, Model, Setup};
-use crate::sensor::{Circuit, Load, Tolerance};
+use crate::scope::{Deviation, Model, Setup};
+use crate::sensor::Tolerance;
 use bodies::Materials;
 use reader::{Bound, Problems, Table};
 
@@ -56,6 +57,8 @@ pub struct Scene {
     pub chain: Chain,
     /// Initial velocity of each body, the striker first (m/s).
     pub initial_velocities: Vec<f64>,
+    /// Standard deviation of the striker's speed from shot to shot, relative to its mean; none where every shot is alike (1).
+    pub striker_speed_spread: Option<f64>,
     /// Sensors from top to bottom.
     pub sensors: Vec<PlacedSensor>,
     /// The scope's front panel.
@@ -96,23 +99,6 @@ impl Scene {
             Some(scene) if problems.is_empty() => Ok(scene),
             _ => Err(SceneError::Problems(problems)),
         }
-    }
-
-    /// The circuit that sensor `index` really forms with `channel`'s input: with a tolerance, not the one its data tell.
-    #[must_use]
-    pub fn circuit(&self, index: usize, channel: &ChannelSetup) -> Option<Circuit> {
-        self.circuit_into(index, input_load(&self.scope.model, channel))
-    }
-
-    /// The same with any load.
-    #[must_use]
-    pub fn circuit_into(&self, index: usize, load: Load) -> Option<Circuit> {
-        let sensor = &self.sensors.get(index)?.sensor;
-        let number = u32::try_from(index).unwrap_or(u32::MAX);
-        Some(match &self.sensor_tolerance {
-            Some(tolerance) => tolerance.draw(sensor, self.seed, number).connect(load),
-            None => sensor.connect(load),
-        })
     }
 
     /// Names of the scenes that ship with the program.
@@ -165,6 +151,7 @@ fn read(loaded: library::Loaded, problems: &Problems) -> Option<Scene> {
         spec,
         chain,
         initial_velocities: moving.initial_velocities,
+        striker_speed_spread: moving.spread,
         sensors,
         scope: scope?,
         duration: duration?,
@@ -181,6 +168,7 @@ struct Moving {
     noise: f64,
     scope_errors: bool,
     sensor_tolerance: Option<Tolerance>,
+    spread: Option<f64>,
     initial_velocities: Vec<f64>,
     built: Option<(ChainSpec, Chain)>,
 }
@@ -212,6 +200,7 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
     let noise = effects.as_ref().and_then(effects::scope_noise).unwrap_or(0.0);
     let scope_errors = effects.as_ref().is_some_and(effects::scope_errors);
     let sensor_tolerance = effects.as_ref().and_then(effects::sensor_tolerance);
+    let spread = effects.as_ref().and_then(|e| effects::striker_speed_spread(e, root));
     if let Some(effects) = effects {
         effects.finish();
     }
@@ -244,6 +233,7 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
         noise,
         scope_errors,
         sensor_tolerance,
+        spread,
         initial_velocities,
         built,
     }

@@ -14,7 +14,7 @@ pub fn markdown() -> String {
          (`HERTZSCOPE_WRITE=1 cargo test --test it scpi` writes it anew).\n\n\
          Capitals are the shortest form of a word; every beginning between that and the whole word is taken. `set` and\n\
          `query` say which directions exist. A command *acts* as the manual says, is *accepted* (kept and told, without\n\
-         effect on records), or is *refused* with an event. Other headers have no reply and report event 113.\n",
+         effect on records), or is *refused* with an event; *own* commands act and are not Tektronix's: no real scope has them. Other headers have no reply and report event 113.\n",
     );
     for group in GROUPS {
         let _ = write!(
@@ -41,6 +41,7 @@ fn write_row(row: &Row, text: &mut String) {
             };
             let here = match standing {
                 Standing::Acts => "acts",
+                Standing::Own => "own",
                 Standing::Accepted => "accepted",
                 _ => "refused",
             };

@@ -15,6 +15,7 @@ pub mod input;
 pub mod list;
 pub mod message;
 pub mod number;
+pub mod preferences;
 pub mod reply;
 pub mod row;
 pub mod session;
@@ -22,4 +23,5 @@ pub mod setting;
 pub mod tree;
 pub mod value;
 
-pub use session::{MAXIMUM_REPLY, Preferences, Reply, Session, Terminator};
+pub use preferences::{Preferences, Terminator};
+pub use session::{Line, MAXIMUM_REPLY, Reply, Session};

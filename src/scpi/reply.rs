@@ -1,6 +1,6 @@
 //! Writes answers as one reply, with headers or without.
 
-use super::session::Preferences;
+use super::preferences::Preferences;
 use super::value::{Value, spelled};
 
 /// What one row answers.

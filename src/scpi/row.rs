@@ -8,6 +8,8 @@ use crate::scope::Source;
 pub enum Standing {
     /// It does what the manual says.
     Acts,
+    /// It acts, and no real oscilloscope has it.
+    Own,
     /// It is kept and told, and changes nothing else.
     Accepted,
     /// It is known and refused with an event.
@@ -39,6 +41,16 @@ impl Row {
         about: &'static str,
     ) -> Self {
         Self { header, setting, standing: Standing::Acts, in_group: true, about }
+    }
+
+    /// A command that acts and that no real oscilloscope has.
+    #[must_use]
+    pub const fn own(
+        header: &'static str,
+        setting: &'static dyn Setting,
+        about: &'static str,
+    ) -> Self {
+        Self { header, setting, standing: Standing::Own, in_group: true, about }
     }
 
     /// A command that is kept and told.

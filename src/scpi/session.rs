@@ -5,60 +5,11 @@ use std::collections::VecDeque;
 use super::argument::none;
 use super::input::{Input, MAXIMUM_BYTES, Piece};
 use super::message::{Unit, units};
+use super::preferences::Preferences;
 use super::reply;
 use super::setting::{At, Stop};
 use super::tree;
-use crate::instrument::word::words;
 use crate::instrument::{Event, Instrument};
-
-words! {
-    /// What ends a reply.
-    Terminator {
-        /// Carriage return.
-        Cr = "CR",
-        /// Line feed.
-        Lf = "LF",
-        /// Carriage return, line feed.
-        CrLf = "CRLf",
-        /// Line feed, carriage return.
-        LfCr = "LFCr",
-    }
-}
-
-impl Terminator {
-    /// The bytes.
-    #[must_use]
-    pub fn bytes(self) -> &'static [u8] {
-        match self {
-            Self::Cr => b"\r",
-            Self::Lf => b"\n",
-            Self::CrLf => b"\r\n",
-            Self::LfCr => b"\n\r",
-        }
-    }
-}
-
-/// How replies on one connection look.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Preferences {
-    /// Whether headers stand before answers (`HEADer`).
-    pub header: bool,
-    /// Whether words are written in full (`VERBose`).
-    pub verbose: bool,
-    /// What ends a reply (`RS232:TRANsmit:TERMinator`).
-    pub terminator: Terminator,
-    /// What `header` is after `FACtory`.
-    pub initial_header: bool,
-}
-
-impl Preferences {
-    /// Words in full, a line feed at the end, headers as asked for. The original answers with headers over RS-232, most
-    /// programs expect none.
-    #[must_use]
-    pub fn new(header: bool) -> Self {
-        Self { header, verbose: true, terminator: Terminator::Lf, initial_header: header }
-    }
-}
 
 /// What is to be sent.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -84,6 +35,15 @@ struct Progress {
 /// Longest reply to one message. Where replies outgrow it, all of them and the rest of the message are lost.
 pub const MAXIMUM_REPLY: usize = 1 << 20;
 
+/// What a connection heard or said.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Line {
+    /// A message without its end.
+    Command(Vec<u8>),
+    /// A reply with its terminator.
+    Reply(Vec<u8>),
+}
+
 /// One connection.
 #[derive(Debug, Clone)]
 pub struct Session {
@@ -91,13 +51,31 @@ pub struct Session {
     preferences: Preferences,
     waiting: Option<Progress>,
     backlog: VecDeque<Vec<u8>>,
+    transcript: Option<Vec<Line>>,
 }
 
 impl Session {
     /// A fresh connection.
     #[must_use]
     pub fn new(preferences: Preferences) -> Self {
-        Self { input: Input::default(), preferences, waiting: None, backlog: VecDeque::new() }
+        Self {
+            input: Input::default(),
+            preferences,
+            waiting: None,
+            backlog: VecDeque::new(),
+            transcript: None,
+        }
+    }
+
+    /// The same, remembering what it hears and says until [`Self::take_transcript`].
+    #[must_use]
+    pub fn with_transcript(self) -> Self {
+        Self { transcript: Some(Vec::new()), ..self }
+    }
+
+    /// What was heard and said since the last call.
+    pub fn take_transcript(&mut self) -> Vec<Line> {
+        self.transcript.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
     /// How replies look.
@@ -147,6 +125,23 @@ impl Session {
         self.backlog.clear();
     }
 
+    /// Another message came before the reply was read: a reply that is still to come is lost.
+    pub fn interrupt(&mut self, instrument: &mut Instrument) {
+        if self.owes_reply() {
+            self.waiting = None;
+        }
+        instrument.status.report(Event::QueryInterrupted);
+    }
+
+    /// Whether a reply waits for the end of an acquisition.
+    #[must_use]
+    pub fn owes_reply(&self) -> bool {
+        self.waiting.as_ref().is_some_and(|progress| {
+            !progress.replies.is_empty()
+                || progress.units.iter().any(|unit| unit.as_ref().is_ok_and(|u| u.is_query))
+        })
+    }
+
     /// Whether a reply or a message waits for the end of an acquisition.
     #[must_use]
     pub fn is_waiting(&self) -> bool {
@@ -166,6 +161,9 @@ impl Session {
             Piece::Message(message) => message,
             Piece::Overrun => return instrument.status.report(Event::InputOverrun),
         };
+        if let Some(transcript) = &mut self.transcript {
+            transcript.push(Line::Command(message.clone()));
+        }
         let waits_for_reply = self.waiting.as_ref().map(|progress| {
             progress.units.front().is_some_and(|unit| unit.as_ref().is_ok_and(|u| u.is_query))
         });
@@ -221,8 +219,12 @@ impl Session {
             }
         }
         if !progress.replies.is_empty() {
+            let start = out.len();
             out.extend_from_slice(&progress.replies.join(&b';'));
             out.extend_from_slice(self.preferences.terminator.bytes());
+            if let Some(transcript) = &mut self.transcript {
+                transcript.push(Line::Reply(out.get(start..).unwrap_or_default().to_vec()));
+            }
         }
         out.append(&mut progress.raw);
     }

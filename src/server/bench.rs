@@ -1,22 +1,48 @@
 //! The bench on a thread of its own: strikes the chain when told to, and hands over what arrives at the scope's inputs.
 
 use std::io;
+use std::sync::Arc;
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread;
 
 use tokio::sync::mpsc;
 
 use super::ServeError;
+use crate::experiment::RunError;
 use crate::experiment::inputs::{Window, inputs};
 use crate::instrument::{Signals, Wanted};
 use crate::scene::Scene;
+use crate::trace::Trace;
+
+/// A strike to be made.
+struct Order {
+    scene: Arc<Scene>,
+    wanted: Wanted,
+    shot: u32,
+}
 
 /// The far end of the bench.
 pub struct Handle {
-    orders: SyncSender<(Wanted, u32)>,
-    signals: mpsc::Receiver<Result<Signals, ServeError>>,
+    orders: SyncSender<Order>,
+    signals: mpsc::Receiver<Struck>,
     under_way: bool,
     shots: u32,
+}
+
+/// What a strike brought.
+pub struct Struck {
+    /// Number of the shot.
+    pub shot: u32,
+    /// The signals at the scope's inputs, and what no scope saw.
+    pub signals: Result<(Signals, Truth), RunError>,
+}
+
+/// What no scope saw of a shot.
+pub struct Truth {
+    /// Time of the signals' first sample after the striker's first contact (s).
+    pub start: f64,
+    /// Forces and motions.
+    pub traces: Vec<Trace>,
 }
 
 impl Handle {
@@ -24,12 +50,12 @@ impl Handle {
     ///
     /// # Errors
     /// What the system says when there is no thread to be had.
-    pub fn start(scene: Scene) -> io::Result<Self> {
-        let (orders, inbox) = sync_channel::<(Wanted, u32)>(1);
+    pub fn start() -> io::Result<Self> {
+        let (orders, inbox) = sync_channel::<Order>(1);
         let (sender, signals) = mpsc::channel(1);
         thread::Builder::new().name("bench".to_owned()).spawn(move || {
-            for (wanted, shot) in inbox {
-                if sender.blocking_send(strike(&scene, wanted, shot)).is_err() {
+            for order in inbox {
+                if sender.blocking_send(strike(&order)).is_err() {
                     break;
                 }
             }
@@ -37,34 +63,42 @@ impl Handle {
         Ok(Self { orders, signals, under_way: false, shots: 0 })
     }
 
-    /// Strikes with the next shot number, unless a strike is under way.
-    pub fn strike(&mut self, wanted: Wanted) {
-        if !self.under_way && self.orders.try_send((wanted, self.shots.saturating_add(1))).is_ok() {
-            self.shots = self.shots.saturating_add(1);
+    /// Strikes with the next shot number, unless a strike is under way. Whether it does.
+    pub fn strike(&mut self, scene: &Arc<Scene>, wanted: Wanted) -> bool {
+        let shot = self.shots.saturating_add(1);
+        let order = Order { scene: Arc::clone(scene), wanted, shot };
+        let free = !self.under_way && self.orders.try_send(order).is_ok();
+        if free {
+            self.shots = shot;
             self.under_way = true;
         }
+        free
     }
 
     /// Waits for what a strike brings.
     ///
     /// # Errors
-    /// [`ServeError`] where the chain could not be followed, and where the thread is no more.
-    pub async fn signals(&mut self) -> Result<Signals, ServeError> {
-        let signals = self.signals.recv().await;
+    /// [`ServeError::BenchLost`] where the thread is no more.
+    pub async fn struck(&mut self) -> Result<Struck, ServeError> {
+        let struck = self.signals.recv().await;
         self.under_way = false;
-        signals.unwrap_or(Err(ServeError::BenchLost))
+        struck.ok_or(ServeError::BenchLost)
     }
 }
 
-fn strike(scene: &Scene, wanted: Wanted, shot: u32) -> Result<Signals, ServeError> {
-    let Wanted { interval, before, after } = wanted;
-    let arrived = inputs(scene, Window { interval, before, after }, shot)
-        .map_err(|reason| ServeError::Impact { shot, reason })?;
-    Ok(Signals {
-        interval: arrived.interval,
-        automatic: arrived.contact,
-        volts: arrived.volts,
-        external: arrived.external,
-        shot,
-    })
+fn strike(order: &Order) -> Struck {
+    let Order { scene, wanted: Wanted { interval, before, after }, shot } = order;
+    let window = Window { interval: *interval, before: *before, after: *after };
+    let signals = inputs(scene, window, *shot).map(|arrived| {
+        let truth = Truth { start: arrived.start, traces: arrived.truth };
+        let signals = Signals {
+            interval: arrived.interval,
+            automatic: arrived.contact,
+            volts: arrived.volts,
+            external: arrived.external,
+            shot: *shot,
+        };
+        (signals, truth)
+    });
+    Struck { shot: *shot, signals }
 }

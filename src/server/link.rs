@@ -4,6 +4,7 @@
 //! is not read from either, and nothing piles up.
 
 use std::io;
+use std::net::SocketAddr;
 use std::time::Duration;
 
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
@@ -15,7 +16,16 @@ const PIECE: usize = 1024;
 /// A client that takes nothing for so long is dropped.
 const STALL: Duration = Duration::from_secs(10);
 /// Answers that wait for the socket. One belongs to the last piece, others come from acquisitions that ended.
-const ANSWERS: usize = 16;
+const ANSWERS: usize = 64;
+
+/// What is spoken on a connection.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Protocol {
+    /// Lines.
+    Raw,
+    /// HiSLIP.
+    Hislip,
+}
 
 /// What a connection tells the owner.
 #[derive(Debug)]
@@ -24,7 +34,11 @@ pub enum News {
     Opened {
         /// Number of the connection.
         number: u64,
-        /// Where its answers go.
+        /// What is spoken on it.
+        protocol: Protocol,
+        /// Who is at its other end.
+        peer: SocketAddr,
+        /// Where its answers go; it ends when nobody can answer any more.
         answers: mpsc::Sender<Answer>,
     },
     /// Bytes came. The owner has one answer to each piece, even if an empty one.
@@ -33,6 +47,11 @@ pub enum News {
         number: u64,
         /// The bytes.
         bytes: Vec<u8>,
+    },
+    /// The client sends no more, but may still listen.
+    Ended {
+        /// Number of the connection.
+        number: u64,
     },
     /// It is gone.
     Closed {
@@ -50,13 +69,28 @@ pub struct Answer {
     pub to_piece: bool,
 }
 
-/// Carries bytes until either side ends it.
-pub async fn carry(stream: TcpStream, number: u64, news: mpsc::Sender<News>) {
-    let (answers, inbox) = mpsc::channel(ANSWERS);
-    if news.send(News::Opened { number, answers }).await.is_ok() {
-        // However the connection ends, the client knows; nobody else has to.
-        let _ = exchange(stream, number, &news, inbox).await;
-        let _ = news.send(News::Closed { number }).await;
+/// A connection that was taken.
+pub struct Link {
+    /// Its number.
+    pub number: u64,
+    /// What is spoken on it.
+    pub protocol: Protocol,
+    /// Who is at its other end.
+    pub peer: SocketAddr,
+    /// The socket.
+    pub stream: TcpStream,
+}
+
+impl Link {
+    /// Carries bytes until either side ends it.
+    pub async fn carry(self, news: mpsc::Sender<News>) {
+        let Self { number, protocol, peer, stream } = self;
+        let (answers, inbox) = mpsc::channel(ANSWERS);
+        if news.send(News::Opened { number, protocol, peer, answers }).await.is_ok() {
+            // However the connection ends, the client knows; nobody else has to.
+            let _ = exchange(stream, number, &news, inbox).await;
+            let _ = news.send(News::Closed { number }).await;
+        }
     }
 }
 
@@ -79,10 +113,16 @@ async fn exchange(
             }
             length = stream.read(&mut buffer), if !asked => {
                 let bytes = buffer.get(..length?).unwrap_or_default().to_vec();
-                if bytes.is_empty() || news.send(News::Bytes { number, bytes }).await.is_err() {
+                // After the last piece nothing is read: the owner ends the connection when it has said everything.
+                asked = true;
+                let heard = if bytes.is_empty() {
+                    News::Ended { number }
+                } else {
+                    News::Bytes { number, bytes }
+                };
+                if news.send(heard).await.is_err() {
                     return Ok(());
                 }
-                asked = true;
             }
         }
     }

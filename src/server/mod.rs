@@ -1,11 +1,15 @@
-//! The scope on the network: a raw TCP socket on which lab clients talk to one instrument.
+//! The scope on the network: raw TCP sockets and HiSLIP sessions on which lab clients talk to one instrument.
 //!
-//! One task owns the instrument and what it remembers of every connection (`owner`); each connection has a task that
-//! carries bytes (`link`); the chain moves on a thread of its own (`bench`), so that no reply waits for a simulation.
+//! One task owns the instrument and what it remembers of every connection (`owner`, with `desk` for the sessions and `stand`
+//! for the bench's settings); each connection has a task that carries bytes (`link`); the chain moves on a thread of its own
+//! (`bench`), so that no reply waits for a simulation; `recorder` writes down what happens.
 
 mod bench;
+mod desk;
 mod link;
 mod owner;
+mod recorder;
+mod stand;
 
 use std::future::Future;
 use std::io;
@@ -17,22 +21,36 @@ use tokio::sync::mpsc;
 use tokio::task::JoinSet;
 
 use crate::experiment::RunError;
+use crate::recording::mcap::{RecordingWriter, WriteError};
 use crate::scene::Scene;
+use link::{Link, Protocol};
 use owner::Owner;
+use recorder::Recorder;
 
-/// Connections at a time; further ones are closed at once.
-pub const MOST_CONNECTIONS: usize = 32;
+/// Connections at a time, of both protocols; further ones are closed at once. A HiSLIP session has two.
+pub const MOST_CONNECTIONS: usize = 128;
 /// Pieces of input that wait for the owner, from all connections.
 const PIECES: usize = 64;
 /// Pause after a connection that could not be taken, e.g. for want of file handles.
 const PAUSE: Duration = Duration::from_millis(20);
+/// What was answered before the end is delivered within this time.
+const FAREWELL: Duration = Duration::from_secs(1);
+
+/// Where the server listens.
+#[derive(Debug)]
+pub struct Sockets {
+    /// For raw connections.
+    pub raw: TcpListener,
+    /// For HiSLIP, if it is spoken.
+    pub hislip: Option<TcpListener>,
+}
 
 /// How the server behaves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Options {
     /// Whether headers stand before answers on a fresh connection (`HEADer`).
     pub header: bool,
-    /// From one strike to the next; none leaves the chain at rest.
+    /// From one strike to the next; none leaves the chain at rest until a client strikes it.
     pub impact_every: Option<Duration>,
 }
 
@@ -56,49 +74,81 @@ pub enum ServeError {
     /// The bench's thread ended.
     #[error("the simulation has ended unexpectedly")]
     BenchLost,
+    /// The recording could not be written.
+    #[error("the recording could not be written")]
+    Record {
+        /// What went wrong.
+        #[source]
+        reason: WriteError,
+    },
 }
 
-/// Answers everybody who connects to `listener`, until `shutdown` is there. The instrument begins as the scene sets it,
-/// running. A simulation that is under way at the end goes on, on its thread, unheard.
+/// Answers everybody who connects, until `shutdown` is there, and writes all of it to `recording`, which is finished then. The
+/// instrument begins as the scene sets it, running. A simulation that is under way at the end goes on, on its thread, unheard.
 ///
 /// # Errors
-/// [`ServeError`] where the server cannot start or the scene cannot be run; no client can cause one.
+/// [`ServeError`] where the server cannot start, the scene cannot be run or the recording cannot be written; no client can
+/// cause one.
 pub fn serve(
-    listener: TcpListener,
+    sockets: Sockets,
     scene: &Scene,
     options: Options,
+    recording: Option<RecordingWriter>,
     shutdown: impl Future<Output = ()>,
 ) -> Result<(), ServeError> {
     let start = |reason| ServeError::Start { reason };
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     runtime.map_err(start)?.block_on(async {
-        listener.set_nonblocking(true).map_err(start)?;
-        let listener = tokio::net::TcpListener::from_std(listener).map_err(start)?;
-        let bench = bench::Handle::start(scene.clone()).map_err(start)?;
+        let raw = listener(sockets.raw).map_err(start)?;
+        let hislip = sockets.hislip.map(listener).transpose().map_err(start)?;
+        let bench = bench::Handle::start().map_err(start)?;
         let (pieces, inbox) = mpsc::channel(PIECES);
-        let owner = Owner::new(scene, options, bench);
-        tokio::select! {
+        let mut owner = Owner::new(scene, &options, bench, recording.map(Recorder::new));
+        let mut links = JoinSet::new();
+        let done = tokio::select! {
             () = shutdown => Ok(()),
             done = owner.run(inbox) => done,
-            () = welcome(listener, pieces) => Ok(()),
-        }
+            () = welcome((raw, hislip), pieces, &mut links) => Ok(()),
+        };
+        let finished = owner.finish();
+        // The owner is gone, so every connection ends as soon as its answers are written.
+        let _ =
+            tokio::time::timeout(FAREWELL, async { while links.join_next().await.is_some() {} })
+                .await;
+        done.and(finished)
     })
 }
 
-/// Takes connections for ever; all of them end with this.
-async fn welcome(listener: tokio::net::TcpListener, pieces: mpsc::Sender<link::News>) {
-    let mut links = JoinSet::new();
+fn listener(socket: TcpListener) -> io::Result<tokio::net::TcpListener> {
+    socket.set_nonblocking(true)?;
+    tokio::net::TcpListener::from_std(socket)
+}
+
+/// Takes connections for ever.
+async fn welcome(
+    (raw, hislip): (tokio::net::TcpListener, Option<tokio::net::TcpListener>),
+    pieces: mpsc::Sender<link::News>,
+    links: &mut JoinSet<()>,
+) {
     let mut number = 0_u64;
     loop {
-        let accept = pin!(listener.accept());
+        let accept = pin!(async {
+            match &hislip {
+                None => (Protocol::Raw, raw.accept().await),
+                Some(hislip) => tokio::select! {
+                    taken = raw.accept() => (Protocol::Raw, taken),
+                    taken = hislip.accept() => (Protocol::Hislip, taken),
+                },
+            }
+        });
         tokio::select! {
             Some(_) = links.join_next(), if !links.is_empty() => {}
-            taken = accept => match taken {
+            (protocol, taken) = accept => match taken {
                 // A stream that is dropped is closed.
                 Ok(_) if links.len() >= MOST_CONNECTIONS => {}
-                Ok((stream, _)) => {
+                Ok((stream, peer)) => {
                     number += 1;
-                    links.spawn(link::carry(stream, number, pieces.clone()));
+                    links.spawn(Link { number, protocol, peer, stream }.carry(pieces.clone()));
                 }
                 Err(_) => tokio::time::sleep(PAUSE).await,
             },

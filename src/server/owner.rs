@@ -7,48 +7,76 @@ use std::time::Duration;
 use tokio::sync::mpsc;
 use tokio::time::{Instant, Interval, MissedTickBehavior, interval_at};
 
-use super::bench::Handle;
-use super::link::{Answer, News};
+use super::bench::{Handle, Struck, Truth};
+use super::desk::{Desk, Talker};
+use super::link::{Answer, News, Protocol};
+use super::recorder::Recorder;
+use super::stand::Stand;
 use super::{Options, ServeError};
-use crate::instrument::Instrument;
+use crate::hislip;
+use crate::instrument::acquisition::State;
+use crate::instrument::{Accepted, Event, Instrument};
 use crate::scene::Scene;
-use crate::scpi::{Preferences, Reply, Session};
 
 /// How often the instrument hears that time has passed.
 const TICK: Duration = Duration::from_millis(5);
 /// Shortest time from one strike to the next.
 const SHORTEST: Duration = Duration::from_millis(1);
+/// A client that sends no more may wait so long for an answer that is still to come: it may as well be gone.
+const LINGER: Duration = Duration::from_secs(60);
 
 /// One connection as the owner knows it.
-struct Client {
-    session: Session,
+struct Link {
+    protocol: Protocol,
     answers: mpsc::Sender<Answer>,
+    /// Whether its last piece is still to be answered.
+    asked: bool,
+    /// Since when it sends no more.
+    ended: Option<Instant>,
 }
 
 /// Instrument, connections, and the bench.
 pub struct Owner {
-    instrument: Instrument,
-    clients: BTreeMap<u64, Client>,
+    desk: Desk,
+    links: BTreeMap<u64, Link>,
+    hislip: hislip::Server,
     bench: Handle,
-    options: Options,
+    stand: Stand,
+    impact_every: Option<Duration>,
     switched_on: Instant,
+    /// What no scope saw of the shot that it triggered on last, by its number.
+    caught: Option<(u32, Truth)>,
 }
 
 impl Owner {
     /// Switches the instrument on, set as in the scene.
-    pub fn new(scene: &Scene, options: Options, bench: Handle) -> Self {
-        let instrument = Instrument::of(&scene.scope, scene.seed);
-        let switched_on = Instant::now();
-        Self { instrument, clients: BTreeMap::new(), bench, options, switched_on }
+    pub fn new(
+        scene: &Scene,
+        options: &Options,
+        bench: Handle,
+        recorder: Option<Recorder>,
+    ) -> Self {
+        let mut instrument = Instrument::of(&scene.scope, scene.seed);
+        let stand = Stand::new(scene, &mut instrument);
+        Self {
+            desk: Desk::new(instrument, options.header, recorder),
+            links: BTreeMap::new(),
+            hislip: hislip::Server::default(),
+            bench,
+            stand,
+            impact_every: options.impact_every,
+            caught: None,
+            switched_on: Instant::now(),
+        }
     }
 
     /// Works until there is nobody left who could connect.
     ///
     /// # Errors
-    /// [`ServeError`] where the bench fails.
-    pub async fn run(mut self, mut news: mpsc::Receiver<News>) -> Result<(), ServeError> {
+    /// [`ServeError`] where the bench or the recording fails.
+    pub async fn run(&mut self, mut news: mpsc::Receiver<News>) -> Result<(), ServeError> {
         let mut ticks = every(TICK);
-        let mut strikes = self.options.impact_every.map(every);
+        let mut strikes = self.impact_every.map(every);
         loop {
             tokio::select! {
                 heard = news.recv() => {
@@ -56,64 +84,175 @@ impl Owner {
                     self.pass_time();
                     self.hear(heard);
                 }
-                signals = self.bench.signals() => {
-                    let signals = signals?;
+                struck = self.bench.struck() => {
+                    let struck = struck?;
                     self.pass_time();
-                    self.instrument.accept_signals(&signals);
+                    self.feel(struck)?;
                 }
-                () = tick(strikes.as_mut()) => self.bench.strike(self.instrument.wanted()),
+                () = tick(strikes.as_mut()) => {
+                    self.strike();
+                }
                 _ = ticks.tick() => {}
             }
             self.pass_time();
             self.resume();
+            self.strike_if_asked();
+            self.keep_up()?;
         }
     }
 
+    /// Ends the recording, if there is one.
+    ///
+    /// # Errors
+    /// [`ServeError::Record`] where it could not be written.
+    pub fn finish(self) -> Result<(), ServeError> {
+        self.desk.recorder.map_or(Ok(()), Recorder::finish)
+    }
+
     fn pass_time(&mut self) {
-        self.instrument.advance(self.switched_on.elapsed().as_secs_f64());
+        let now = self.switched_on.elapsed().as_secs_f64();
+        self.desk.instrument.advance(now);
+        self.hislip.advance(now, &mut self.desk);
     }
 
     fn hear(&mut self, news: News) {
         match news {
-            News::Opened { number, answers } => {
-                let session = Session::new(Preferences::new(self.options.header));
-                self.clients.insert(number, Client { session, answers });
-            }
-            News::Bytes { number, bytes } => {
-                let Some(client) = self.clients.get_mut(&number) else { return };
-                let reply = client.session.receive(&mut self.instrument, &bytes);
-                if !client.send(reply, true) {
-                    self.clients.remove(&number);
+            News::Opened { number, protocol, peer, answers } => {
+                self.desk.peers.insert(number, peer);
+                self.links.insert(number, Link { protocol, answers, asked: false, ended: None });
+                match protocol {
+                    Protocol::Raw => self.desk.sit(Talker::Raw(number), number),
+                    Protocol::Hislip => self.hislip.opened(number),
                 }
             }
-            News::Closed { number } => {
-                self.clients.remove(&number);
+            News::Bytes { number, bytes } => {
+                let Some(link) = self.links.get_mut(&number) else { return };
+                link.asked = true;
+                match link.protocol {
+                    Protocol::Raw => {
+                        let reply = self.desk.receive(Talker::Raw(number), &bytes, false);
+                        self.send(number, reply);
+                    }
+                    Protocol::Hislip => self.hislip.received(number, &bytes, &mut self.desk),
+                }
+            }
+            News::Ended { number } => {
+                let waits = self.desk.is_waiting(Talker::Raw(number));
+                match self.links.get_mut(&number) {
+                    Some(link) if waits => link.ended = Some(Instant::now()),
+                    _ => self.forget(number),
+                }
+            }
+            News::Closed { number } => self.forget(number),
+        }
+        self.stand.settle(&mut self.desk.instrument);
+    }
+
+    /// Hands over what a strike brought.
+    fn feel(&mut self, struck: Struck) -> Result<(), ServeError> {
+        let Struck { shot, signals } = struck;
+        let instrument = &mut self.desk.instrument;
+        match signals {
+            Ok((signals, truth)) => {
+                instrument.bench.impacts = instrument.bench.impacts.saturating_add(1);
+                let accepted = instrument.accept_signals(&signals);
+                if matches!(accepted, Accepted::Triggered { .. }) {
+                    self.caught = Some((shot, truth));
+                }
+                Ok(())
+            }
+            Err(reason) if self.stand.is_as_served() => Err(ServeError::Impact { shot, reason }),
+            // What clients have set up is theirs to put right, and ends nobody's work.
+            Err(_) => {
+                instrument.status.report(Event::SystemError);
+                Ok(())
             }
         }
     }
 
-    /// Goes on with what waited for the end of an acquisition.
-    fn resume(&mut self) {
-        let instrument = &mut self.instrument;
-        self.clients.retain(|_, client| {
-            if !client.session.is_waiting() {
-                return true;
-            }
-            let reply = client.session.resume(instrument);
-            client.send(reply, false)
-        });
+    fn strike(&mut self) -> bool {
+        self.bench.strike(&self.stand.scene, self.desk.instrument.wanted())
     }
-}
 
-impl Client {
-    /// Whether the connection can take the reply. One that cannot does not read what it asked for.
-    fn send(&self, reply: Reply, to_piece: bool) -> bool {
-        let bytes = match reply {
-            Reply::None => Vec::new(),
-            Reply::Now(bytes) | Reply::WhenIdle(bytes) => bytes,
-        };
+    /// Strikes as clients ask for, when the scope can see it.
+    fn strike_if_asked(&mut self) {
+        let instrument = &self.desk.instrument;
+        let is_blind = matches!(instrument.state(), State::Armed | State::Trigger);
+        if instrument.bench.asked > 0 && !is_blind && self.strike() {
+            self.desk.instrument.bench.asked -= 1;
+        }
+    }
+
+    /// Goes on with what waited: replies, messages behind a lock, clients that only listen.
+    fn resume(&mut self) {
+        for (talker, bytes) in self.desk.resume() {
+            match talker {
+                Talker::Raw(number) => self.say(number, bytes, false),
+                Talker::Hislip(session) => self.hislip.reply(session, &bytes),
+            }
+        }
+        for output in self.hislip.take_output() {
+            self.say(output.connection, output.bytes, false);
+            if output.close {
+                self.links.remove(&output.connection);
+                self.desk.peers.remove(&output.connection);
+            }
+        }
+        let mut done = Vec::new();
+        for (number, link) in &mut self.links {
+            if link.asked && !self.hislip.is_held(*number) {
+                link.asked = false;
+                if link.answers.try_send(Answer { bytes: Vec::new(), to_piece: true }).is_err() {
+                    done.push(*number);
+                }
+            }
+            if let Some(since) = link.ended {
+                let waits = self.desk.is_waiting(Talker::Raw(*number));
+                if !waits || since.elapsed() > LINGER {
+                    done.push(*number);
+                }
+            }
+        }
+        for number in done {
+            self.forget(number);
+        }
+    }
+
+    /// Answers a connection's piece.
+    fn send(&mut self, number: u64, bytes: Vec<u8>) {
+        if let Some(link) = self.links.get_mut(&number) {
+            link.asked = false;
+        }
+        self.say(number, bytes, true);
+    }
+
+    /// Sends; a connection that cannot take it does not read what it asked for, and is dropped.
+    fn say(&mut self, number: u64, bytes: Vec<u8>, to_piece: bool) {
+        let Some(link) = self.links.get(&number) else { return };
         let nothing = bytes.is_empty() && !to_piece;
-        nothing || self.answers.try_send(Answer { bytes, to_piece }).is_ok()
+        if !nothing && link.answers.try_send(Answer { bytes, to_piece }).is_err() {
+            self.forget(number);
+        }
+    }
+
+    fn forget(&mut self, number: u64) {
+        self.links.remove(&number);
+        self.desk.peers.remove(&number);
+        self.desk.leave(Talker::Raw(number));
+        self.hislip.closed(number, &mut self.desk);
+    }
+
+    fn keep_up(&mut self) -> Result<(), ServeError> {
+        let finished = self.desk.instrument.take_finished();
+        let Some(recorder) = &mut self.desk.recorder else { return Ok(()) };
+        if let Some(finished) = finished {
+            let truth = self
+                .caught
+                .take_if(|(shot, _)| finished.trigger.is_some_and(|trigger| trigger.shot == *shot));
+            let truth = truth.map(|(_, truth)| truth);
+            recorder.captures(finished, truth, &self.desk.instrument);
+        }
+        recorder.keep_up()
     }
 }
 

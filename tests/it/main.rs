@@ -22,6 +22,7 @@ mod cli;
 mod conservation;
 mod ensemble;
 mod golden;
+mod hislip;
 mod isf;
 mod kinks;
 mod losses;

@@ -11,7 +11,9 @@ use std::path::Path;
 
 use hertzscope::recording::mcap::message::{Energy, timestamp};
 use hertzscope::recording::mcap::{ReadError, ShotNotes, read_bytes, write};
-use hertzscope::recording::{Attachment, Capture, Instrument, Origin, Shot, TraceSet};
+use hertzscope::recording::{
+    Attachment, Capture, Direction, Instrument, Origin, ScpiLine, Shot, TraceSet,
+};
 use hertzscope::scope::{Coupling, PointFormat, Preamble, Source, VerticalSetup, Waveform};
 use hertzscope::trace::Trace;
 
@@ -123,9 +125,17 @@ fn set(shots: u32) -> TraceSet {
             media_type: "application/toml".to_owned(),
             data: b"title = \"x\"\n".to_vec(),
         }],
+        lines: vec![
+            line(500, Direction::Command, b"CURVE?"),
+            line(600, Direction::Reply, b"#42\x00\xff\n"),
+        ],
         notes,
         problems: Vec::new(),
     }
+}
+
+fn line(timestamp_ns: u64, direction: Direction, bytes: &[u8]) -> ScpiLine {
+    ScpiLine { timestamp_ns, peer: "raw 127.0.0.1:1".to_owned(), direction, bytes: bytes.to_vec() }
 }
 
 fn bytes_of(set: &TraceSet) -> Vec<u8> {

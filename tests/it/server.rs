@@ -1,5 +1,11 @@
 //! The scope on the network. Every wait ends with an answer; the limits only end tests that have failed.
 
+mod bench;
+mod hislip;
+mod load;
+mod recording;
+mod transcripts;
+
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
 use std::process::{Command, Stdio};
@@ -8,8 +14,9 @@ use std::time::Duration;
 
 use hertzscope::experiment::inputs::{Window, inputs};
 use hertzscope::experiment::{Integration, run};
+use hertzscope::recording::mcap::RecordingWriter;
 use hertzscope::scene::Scene;
-use hertzscope::server::{MOST_CONNECTIONS, Options, ServeError, serve};
+use hertzscope::server::{MOST_CONNECTIONS, Options, ServeError, Sockets, serve};
 use tokio::sync::oneshot;
 
 /// What a test waits for at most.
@@ -19,20 +26,32 @@ const IDENTITY: &str = "TEKTRONIX,TDS 2014,0,CF:91.1CT FV:v4.12 TDS2CM:CMV:v1.04
 
 struct Server {
     address: SocketAddr,
+    hislip: SocketAddr,
     stop: Option<oneshot::Sender<()>>,
     thread: Option<JoinHandle<Result<(), ServeError>>>,
 }
 
 impl Server {
     fn with(options: Options) -> Self {
-        let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
-        let address = listener.local_addr().expect("an address");
+        Self::serving(scene(), options, None)
+    }
+
+    fn of(scene: Scene) -> Self {
+        Self::serving(scene, Options::default(), None)
+    }
+
+    fn serving(scene: Scene, options: Options, recording: Option<RecordingWriter>) -> Self {
+        let port = || TcpListener::bind("127.0.0.1:0").expect("a port");
+        let sockets = Sockets { raw: port(), hislip: Some(port()) };
+        let address = sockets.raw.local_addr().expect("an address");
+        let hislip = sockets.hislip.as_ref().expect("a port").local_addr().expect("an address");
         let (stop, stopped) = oneshot::channel::<()>();
         let stopped = async {
             let _ = stopped.await;
         };
-        let thread = std::thread::spawn(move || serve(listener, &scene(), options, stopped));
-        Self { address, stop: Some(stop), thread: Some(thread) }
+        let thread =
+            std::thread::spawn(move || serve(sockets, &scene, options, recording, stopped));
+        Self { address, hislip, stop: Some(stop), thread: Some(thread) }
     }
 
     fn at_rest() -> Self {
@@ -195,6 +214,27 @@ fn bad_clients_harm_nobody() {
     assert_eq!(good.ask("CH1:SCALE?"), "1.0E0\n");
     deaf.stream.get_mut().shutdown(Shutdown::Both).expect("an end");
     assert_eq!(good.ask("*IDN?"), IDENTITY);
+}
+
+/// `printf '...' | nc -N`: the client sends no more, and still gets the answer that waits for an impact.
+#[test]
+fn who_sends_no_more_is_still_answered() {
+    let server = Server::at_rest();
+    let mut half = server.connect();
+    half.send(b"ACQ:STOPA SEQ;STATE ON\n*OPC?\n");
+    half.stream.get_mut().shutdown(Shutdown::Write).expect("half a connection");
+    let mut other = server.connect();
+    assert_eq!(other.ask("BENC:IMP;:ACQ:STOPA?"), "SEQUENCE\n");
+    assert_eq!(half.line(), "1\n");
+    assert!(half.is_closed());
+    // One that waits for nothing is closed at once, with what it asked for.
+    let mut done = server.connect();
+    done.send(b"*IDN?\n*IDN?\nCH1:SCALE 5");
+    done.stream.get_mut().shutdown(Shutdown::Write).expect("half a connection");
+    assert_eq!((done.line(), done.line()), (IDENTITY.to_owned(), IDENTITY.to_owned()));
+    assert!(done.is_closed());
+    // Half a command is none.
+    assert_eq!(other.ask("CH1:SCALE?"), "1.0E0\n");
 }
 
 #[test]

@@ -247,14 +247,19 @@ function decode(recording, schemas) {
 }
 
 function checkTopics(decoded) {
-  const simulated = decoded.some(
-    ({ schema, message }) => schema === "hertzscope.Capture" && message.origin === "simulated",
-  );
+  // The recording of a served session holds what clients saw, and nothing that no sensor saw.
+  const served = decoded.some(({ topic }) => topic === "/scpi");
+  const simulated =
+    !served &&
+    decoded.some(
+      ({ schema, message }) => schema === "hertzscope.Capture" && message.origin === "simulated",
+    );
   const problems = layout.topics
     .filter(({ required }) => required === "always" || (required === "simulated" && simulated))
     .filter(({ pattern }) => !decoded.some(({ topic }) => new RegExp(pattern).test(topic)))
     .map(({ pattern }) => `no message on a topic ${pattern}`);
-  hold("required topics", problems, simulated ? "of a simulation" : "of a measurement");
+  const kind = served ? "session" : simulated ? "simulation" : "measurement";
+  hold("required topics", problems, `of a ${kind}`);
 }
 
 /** What is wrong with one channel's record of one trigger. */

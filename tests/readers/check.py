@@ -244,14 +244,16 @@ def decode(checks, recording, summary):
 
 def check_topics(checks, decoded):
     captures = [message for _, name, message in decoded if name == "hertzscope.Capture"]
-    simulated = any(message.origin == "simulated" for message in captures)
+    # The recording of a served session holds what clients saw, and nothing that no sensor saw.
+    served = any(topic == "/scpi" for topic, _, _ in decoded)
+    simulated = not served and any(message.origin == "simulated" for message in captures)
     problems = [
         f"no message on a topic {rule['pattern']}"
         for rule in LAYOUT["topics"]
         if (rule["required"] == "always" or (rule["required"] == "simulated" and simulated))
         and not any(re.search(rule["pattern"], topic) for topic, _, _ in decoded)
     ]
-    checks.hold("required topics", problems, "of a simulation" if simulated else "of a measurement")
+    checks.hold("required topics", problems, "of a simulation" if simulated else "of a session" if served else "of a measurement")
 
 
 def check_content(checks, decoded):

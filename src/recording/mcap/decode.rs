@@ -1,7 +1,7 @@
 //! From the messages of a recording to captures and traces; what cannot be is said in words.
 
 use super::message;
-use crate::recording::{Capture, Instrument};
+use crate::recording::{Capture, Direction, Instrument, ScpiLine};
 use crate::scope::{Coupling, PointFormat, Preamble, Source, VerticalSetup, Waveform};
 use crate::trace::Trace;
 
@@ -26,6 +26,19 @@ pub fn series(message: message::Series) -> Result<Trace, String> {
         interval: message.dt_s,
         values: message.values,
     })
+}
+
+/// The line in `message`, which was written down at `timestamp_ns`.
+///
+/// # Errors
+/// What is wrong with it: a direction that is none.
+pub fn line(message: message::ScpiLine, timestamp_ns: u64) -> Result<ScpiLine, String> {
+    let direction = match message.direction.as_str() {
+        "command" => Direction::Command,
+        "reply" => Direction::Reply,
+        other => return Err(format!("found direction `{other}`, expected command or reply")),
+    };
+    Ok(ScpiLine { timestamp_ns, peer: message.peer, direction, bytes: message.bytes })
 }
 
 /// The capture in `message`.

@@ -179,6 +179,26 @@ pub struct Log {
     pub line: u32,
 }
 
+/// A command to the instrument or a reply from it.
+#[derive(Clone, PartialEq, Message)]
+pub struct ScpiLine {
+    /// When it was heard or said.
+    #[prost(message, optional, tag = "1")]
+    pub timestamp: Option<Timestamp>,
+    /// Protocol and address of the client.
+    #[prost(string, tag = "2")]
+    pub peer: String,
+    /// `command` or `reply`.
+    #[prost(string, tag = "3")]
+    pub direction: String,
+    /// The beginning of the line for people: without its end, what cannot be printed escaped.
+    #[prost(string, tag = "4")]
+    pub text: String,
+    /// All of it, as it went over the wire; a command without its end, a reply with its terminator.
+    #[prost(bytes = "vec", tag = "5")]
+    pub bytes: Vec<u8>,
+}
+
 /// Level of a line that tells something the user did not ask for.
 pub const WARNING: i32 = 3;
 /// Level of a line that only informs.

@@ -60,7 +60,7 @@ pub fn read_bytes(bytes: &[u8], file: &Path) -> Result<TraceSet, ReadError> {
     let mut reader = Reader { budget, ..Reader::default() };
     reader.data_section(records);
     let set = reader.finish();
-    if set.shots.is_empty() && set.metadata.is_empty() && set.attachments.is_empty() {
+    if set == (TraceSet { problems: set.problems.clone(), ..TraceSet::default() }) {
         let first = set.problems.into_iter().next();
         return Err(ReadError::Empty { file: file.to_owned(), first });
     }
@@ -247,6 +247,9 @@ impl Reader {
             let message = message::Log::decode(data).map_err(undecodable)?;
             self.set.log.push(message.message.clone());
             self.notes().log.push((message.level >= message::WARNING, message.message));
+        } else if schema == Schema::ScpiLine.name() {
+            let message = message::ScpiLine::decode(data).map_err(undecodable)?;
+            self.set.lines.push(decode::line(message, log_time)?);
         }
         Ok(())
     }

@@ -75,6 +75,14 @@ const LOG: [Field; 6] = [
     ("line", Type::Fixed32, SINGLE),
 ];
 
+const SCPI_LINE: [Field; 5] = [
+    TIMESTAMP,
+    ("peer", Type::String, SINGLE),
+    ("direction", Type::String, SINGLE),
+    ("text", Type::String, SINGLE),
+    ("bytes", Type::Bytes, SINGLE),
+];
+
 /// The kinds of messages, by the names of their schemas.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Schema {
@@ -88,11 +96,14 @@ pub enum Schema {
     Energy,
     /// `foxglove.Log`
     Log,
+    /// `hertzscope.ScpiLine`
+    ScpiLine,
 }
 
 impl Schema {
     /// All of them.
-    pub const ALL: [Self; 5] = [Self::Capture, Self::Setup, Self::Series, Self::Energy, Self::Log];
+    pub const ALL: [Self; 6] =
+        [Self::Capture, Self::Setup, Self::Series, Self::Energy, Self::Log, Self::ScpiLine];
 
     /// Full name, package included.
     #[must_use]
@@ -103,6 +114,7 @@ impl Schema {
             Self::Series => "hertzscope.Series",
             Self::Energy => "hertzscope.Energy",
             Self::Log => "foxglove.Log",
+            Self::ScpiLine => "hertzscope.ScpiLine",
         }
     }
 
@@ -113,6 +125,7 @@ impl Schema {
             Self::Series => &SERIES,
             Self::Energy => &ENERGY,
             Self::Log => &LOG,
+            Self::ScpiLine => &SCPI_LINE,
         }
     }
 

@@ -9,10 +9,10 @@ use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment as McapAttachment, Compression, WriteOptions, Writer};
 use prost::Message as _;
 
+use super::encode::{capture_message, line_message, series_message};
 use super::message::{self, timestamp};
 use super::schema::Schema;
-use crate::recording::{Attachment, Capture, Origin, Shot, TraceSet};
-use crate::trace::Trace;
+use crate::recording::{Attachment, ScpiLine, Shot, TraceSet};
 
 /// Profile that the file's header names.
 pub const PROFILE: &str = "hertzscope";
@@ -149,6 +149,23 @@ impl RecordingWriter {
             };
             self.message("/log", Schema::Log, at, &log.encode_to_vec())?;
         }
+        self.flush()
+    }
+
+    /// Adds a command or a reply; it may stay in memory until [`Self::flush`] or the next shot.
+    ///
+    /// # Errors
+    /// [`WriteError`] where the file cannot be written.
+    pub fn add_line(&mut self, line: &ScpiLine) -> Result<(), WriteError> {
+        let message = line_message(line).encode_to_vec();
+        self.message("/scpi", Schema::ScpiLine, line.timestamp_ns, &message)
+    }
+
+    /// Hands everything to the operating system before returning.
+    ///
+    /// # Errors
+    /// [`WriteError`] where the file cannot be written.
+    pub fn flush(&mut self) -> Result<(), WriteError> {
         self.writer.flush().map_err(|source| self.container(source))
     }
 
@@ -210,73 +227,19 @@ pub fn write(file: &Path, set: &TraceSet) -> Result<(), WriteError> {
     let known: usize = set.notes.values().map(|notes| notes.log.len()).sum();
     let mut loose = if known == 0 { set.log.as_slice() } else { &[] };
     let mut shots = set.shots.iter().peekable();
+    let mut lines = set.lines.iter().peekable();
     while let Some(shot) = shots.next() {
+        while let Some(line) = lines.next_if(|line| line.timestamp_ns <= shot.timestamp_ns) {
+            writer.add_line(line)?;
+        }
         let mut notes = set.notes.get(&shot.number).cloned().unwrap_or_default();
         if shots.peek().is_none() {
             notes.log.extend(std::mem::take(&mut loose).iter().map(|line| (false, line.clone())));
         }
         writer.add(shot, &notes)?;
     }
+    for line in lines {
+        writer.add_line(line)?;
+    }
     writer.finish()
-}
-
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "volts are kept as f32 for display; codes keep them exactly"
-)]
-fn capture_message(shot: &Shot, capture: &Capture) -> message::Capture {
-    let waveform = &capture.waveform;
-    let preamble = &waveform.preamble;
-    let vertical = &waveform.vertical;
-    let narrow: Option<Vec<i8>> =
-        waveform.codes.iter().map(|code| i8::try_from(*code).ok()).collect();
-    let codes = match narrow {
-        Some(codes) => codes.into_iter().flat_map(i8::to_be_bytes).collect(),
-        None => waveform.codes.iter().copied().flat_map(i16::to_be_bytes).collect(),
-    };
-    let instrument = capture.instrument.as_ref();
-    message::Capture {
-        timestamp: Some(timestamp(shot.timestamp_ns)),
-        shot: shot.number,
-        source: waveform.source.to_string(),
-        t0_s: Some(preamble.x_zero),
-        dt_s: preamble.x_incr,
-        y_mult: preamble.y_mult,
-        y_off: Some(preamble.y_off),
-        y_zero: Some(preamble.y_zero),
-        unit: preamble.y_unit.clone(),
-        codes,
-        volts: waveform.codes.iter().map(|code| waveform.volts_of(*code) as f32).collect(),
-        origin: match shot.origin {
-            Origin::Simulated => "simulated".to_owned(),
-            Origin::Measured => "measured".to_owned(),
-        },
-        trigger_point: Some(waveform.trigger_point),
-        vertical_scale: vertical.scale,
-        horizontal_scale: waveform.horizontal_scale,
-        position_div: Some(vertical.position),
-        probe: vertical.probe,
-        coupling: vertical.coupling.map(|c| c.to_string()).unwrap_or_default(),
-        bandwidth_limited: vertical.bandwidth_limited,
-        inverted: vertical.inverted,
-        model: instrument.map(|i| i.model.clone()).unwrap_or_default(),
-        serial: instrument.map(|i| i.serial.clone()).unwrap_or_default(),
-        firmware: instrument.map(|i| i.firmware.clone()).unwrap_or_default(),
-        point_format: preamble.pt_fmt.to_string(),
-        x_unit: preamble.x_unit.clone(),
-        trigger_time_s: shot.trigger_time,
-        notes: capture.notes.clone(),
-    }
-}
-
-fn series_message(shot: &Shot, trace: &Trace) -> message::Series {
-    message::Series {
-        timestamp: Some(timestamp(shot.timestamp_ns)),
-        shot: shot.number,
-        name: trace.name.clone(),
-        unit: trace.unit.clone(),
-        t0_s: trace.start,
-        dt_s: trace.interval,
-        values: trace.values.clone(),
-    }
 }

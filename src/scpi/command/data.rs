@@ -4,7 +4,7 @@ use crate::instrument::Event;
 use crate::instrument::transfer::{Encoding, Transfer};
 use crate::instrument::word::{Word as _, words};
 use crate::scope::Source;
-use crate::scpi::argument::{whole, word};
+use crate::scpi::argument::{only, whole, word};
 use crate::scpi::message::Argument;
 use crate::scpi::row::{Group, Row};
 use crate::scpi::setting::{At, Both, Parts, Stop, TellsAndDoes, Words};
@@ -30,7 +30,7 @@ pub const GROUP: Group = Group {
         Row::acts(
             "DATa:ENCdg",
             &Both(set_encoding, encoding),
-            "`ASCIi`, `RIBinary`, `RPBinary`, `SRIbinary` or `SRPbinary`",
+            "`ASCIi` (`ASC` is taken, too), `RIBinary`, `RPBinary`, `SRIbinary` or `SRPbinary`",
         ),
         Row::acts(
             "DATa:DESTination",
@@ -68,7 +68,12 @@ fn initialise(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
 }
 
 fn set_encoding(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
-    at.instrument.transfer.set_encoding(word::<Encoding>(arguments)?);
+    // `ASC` is what the preamble tells, and what scripts send: shorter than the manual's shortest `ASCI`.
+    let encoding = match only(arguments)? {
+        Argument::Word(typed) if typed.eq_ignore_ascii_case("ASC") => Encoding::Ascii,
+        _ => word::<Encoding>(arguments)?,
+    };
+    at.instrument.transfer.set_encoding(encoding);
     Ok(())
 }
 

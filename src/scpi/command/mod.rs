@@ -1,6 +1,7 @@
 //! The table of commands, one file a group.
 
 mod acquire;
+mod bench;
 mod calibration;
 mod cursor;
 mod curve;
@@ -39,4 +40,5 @@ pub const GROUPS: &[Group] = &[
     data::GROUP,
     waveform::GROUP,
     curve::GROUP,
+    bench::GROUP,
 ];

@@ -86,13 +86,19 @@ fn descriptors_fit_the_messages() {
             "foxglove.Log",
             "hertzscope.Capture",
             "hertzscope.Energy",
+            "hertzscope.ScpiLine",
             "hertzscope.Series",
             "hertzscope.Setup"
         ]
     );
     // Every field of what matters is filled in these tests, so that every descriptor has been held against one.
-    for name in ["hertzscope.Capture", "hertzscope.Energy", "hertzscope.Series", "hertzscope.Setup"]
-    {
+    for name in [
+        "hertzscope.Capture",
+        "hertzscope.Energy",
+        "hertzscope.ScpiLine",
+        "hertzscope.Series",
+        "hertzscope.Setup",
+    ] {
         let (found, known) = &seen[name];
         assert_eq!(found, known, "{name}");
     }

@@ -2,11 +2,11 @@
 
 use hertzscope::experiment::{self, Integration, facts};
 use hertzscope::recording::mcap::{RecordingWriter, read as read_file};
-use hertzscope::recording::{Origin, Shot, TraceSet};
+use hertzscope::recording::{Direction, Origin, Shot, TraceSet};
 use hertzscope::scene::Scene;
 use hertzscope::scope::{Coupling, PointFormat, Source};
 
-use super::{bytes_of, capture, notes, read, set, shot};
+use super::{bytes_of, capture, line, notes, read, set, shot};
 
 #[test]
 fn a_set_comes_back_as_it_was() {
@@ -64,6 +64,22 @@ fn every_source_coupling_format_and_width_comes_back() {
     empty.clear();
     let set = TraceSet { shots: vec![one.clone()], ..TraceSet::default() };
     assert_eq!(read(&bytes_of(&set)).expect("a sound file").shots, [one]);
+}
+
+/// What a served session said stands between the shots and behind them, whatever bytes it was.
+#[test]
+fn a_session_without_shots_comes_back() {
+    let every_byte: Vec<u8> = (0..=u8::MAX).collect();
+    let lines = vec![
+        line(5, Direction::Command, b""),
+        line(5, Direction::Reply, &every_byte),
+        line(u64::MAX / 4, Direction::Command, b"CH1:SCALE 1"),
+    ];
+    let session = TraceSet { lines, ..TraceSet::default() };
+    assert_eq!(read(&bytes_of(&session)).expect("a sound file"), session);
+    let mut after = set(1);
+    after.lines.extend(session.lines);
+    assert_eq!(read(&bytes_of(&after)).expect("a sound file"), after);
 }
 
 /// Shots come back in order of time, whatever order they were written in.

@@ -1,0 +1,118 @@
+//! Who may act: one exclusive lock, and one shared lock that all with the same key hold together.
+//!
+//! An exclusive lock is granted where no other session has a lock of either kind, unless the one that asks shares the
+//! shared lock. Source: IVI-6.1, section 5 (locking).
+
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Longest key of a shared lock (bytes).
+pub const LONGEST_KEY: usize = 256;
+
+/// What became of a request.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Grant {
+    /// The lock is there.
+    Granted,
+    /// Somebody else has it.
+    Busy,
+    /// The session has it already, or the key is none.
+    Invalid,
+}
+
+/// What was given back.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Released {
+    /// The exclusive lock.
+    Exclusive,
+    /// The share in the shared lock.
+    Shared,
+    /// There was none.
+    Nothing,
+}
+
+/// The locks of all sessions.
+#[derive(Debug, Clone, Default)]
+pub struct Locks {
+    exclusive: Option<u16>,
+    key: Vec<u8>,
+    sharers: BTreeSet<u16>,
+}
+
+impl Locks {
+    /// Asks for the shared lock with this key, or for the exclusive one without.
+    pub fn request(&mut self, session: u16, key: &[u8]) -> Grant {
+        let held_by_another = self.exclusive.is_some_and(|holder| holder != session);
+        if key.is_empty() {
+            if self.exclusive == Some(session) {
+                return Grant::Invalid;
+            }
+            if held_by_another || !self.may_share(session) {
+                return Grant::Busy;
+            }
+            self.exclusive = Some(session);
+        } else {
+            let readable = key.len() <= LONGEST_KEY && key.is_ascii();
+            if !readable || self.sharers.contains(&session) {
+                return Grant::Invalid;
+            }
+            if held_by_another || !(self.sharers.is_empty() || self.key == key) {
+                return Grant::Busy;
+            }
+            self.key = key.to_vec();
+            self.sharers.insert(session);
+        }
+        Grant::Granted
+    }
+
+    /// Gives a lock back, the exclusive one first.
+    pub fn release(&mut self, session: u16) -> Released {
+        if self.exclusive == Some(session) {
+            self.exclusive = None;
+            Released::Exclusive
+        } else if self.sharers.remove(&session) {
+            Released::Shared
+        } else {
+            Released::Nothing
+        }
+    }
+
+    /// The session is gone, and its locks with it.
+    pub fn forget(&mut self, session: u16) {
+        while self.release(session) != Released::Nothing {}
+    }
+
+    /// Whether the session's messages reach the instrument.
+    #[must_use]
+    pub fn may_act(&self, session: u16) -> bool {
+        self.exclusive.is_none_or(|holder| holder == session) && self.may_share(session)
+    }
+
+    /// Whether somebody has the exclusive lock.
+    #[must_use]
+    pub fn is_exclusive(&self) -> bool {
+        self.exclusive.is_some()
+    }
+
+    /// How many sessions have a lock.
+    #[must_use]
+    pub fn holders(&self) -> usize {
+        let alone = self.exclusive.is_some_and(|holder| !self.sharers.contains(&holder));
+        self.sharers.len() + usize::from(alone)
+    }
+
+    fn may_share(&self, session: u16) -> bool {
+        self.sharers.is_empty() || self.sharers.contains(&session)
+    }
+}
+
+/// A request that waits for its lock.
+#[derive(Debug, Clone)]
+pub struct Request {
+    /// Key of the shared lock; empty for the exclusive one.
+    pub key: Vec<u8>,
+    /// When it is given up, on the server's clock (s).
+    pub until: f64,
+}
+
+/// Requests that wait, by session: one each.
+pub type Queue = BTreeMap<u16, Request>;

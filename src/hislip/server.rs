@@ -1,0 +1,262 @@
+//! All sessions: which connection belongs to which, what each message does, what is to be sent.
+
+use std::collections::BTreeMap;
+
+use super::lock::{Locks, Queue};
+use super::message::{Decoder, Kind, LARGEST_PAYLOAD, Piece, write};
+use super::session::Session;
+
+/// Protocol that is spoken, 1.0, in the upper half; the session's number goes below.
+const VERSION: u32 = 0x0100 << 16;
+
+/// Codes of errors after which a connection is closed (IVI-6.1, table 14).
+pub(super) mod fatal {
+    /// A header that is none.
+    pub const POOR_HEADER: u8 = 1;
+    /// One connection was used before both were there.
+    pub const NOT_ESTABLISHED: u8 = 2;
+    /// A session that does not begin as one begins.
+    pub const INITIALISATION: u8 = 3;
+}
+
+/// Codes of errors after which a connection goes on (IVI-6.1, table 16).
+pub(super) mod error {
+    /// No other code fits.
+    pub const UNIDENTIFIED: u8 = 0;
+    /// A type that is none, or has no place on this connection.
+    pub const UNKNOWN_TYPE: u8 = 1;
+    /// A control code that the type does not know.
+    pub const UNKNOWN_CONTROL: u8 = 2;
+    /// A type of some vendor's.
+    pub const VENDORS_TYPE: u8 = 3;
+    /// A longer payload than was agreed on.
+    pub const TOO_LARGE: u8 = 4;
+}
+
+/// What stands behind the sessions.
+pub trait Instrument {
+    /// A session begins on this connection.
+    fn open(&mut self, session: u16, connection: u64);
+    /// A session has ended.
+    fn close(&mut self, session: u16);
+    /// Takes bytes of a message, whose last they are if `end`; returns the reply, if there is one at once.
+    fn input(&mut self, session: u16, bytes: &[u8], end: bool) -> Vec<u8>;
+    /// Whether a reply to an earlier message is still to come.
+    fn owes_reply(&self, session: u16) -> bool;
+    /// Another message came before the reply was read.
+    fn interrupt(&mut self, session: u16);
+    /// Device clear.
+    fn clear(&mut self, session: u16);
+    /// Device trigger.
+    fn trigger(&mut self, session: u16);
+    /// The front panel's keys.
+    fn lock_keys(&mut self, locked: bool);
+    /// The status byte, and the parts of it that ask for service.
+    fn status(&self, message_available: bool) -> (u8, u8);
+}
+
+/// What is to be sent.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Output {
+    /// Number of the connection.
+    pub connection: u64,
+    /// The bytes.
+    pub bytes: Vec<u8>,
+    /// Whether the connection is to be closed afterwards.
+    pub close: bool,
+}
+
+/// A connection.
+#[derive(Debug, Clone, Default)]
+struct Connection {
+    decoder: Decoder,
+    /// The session it belongs to, as soon as it has one.
+    session: Option<u16>,
+}
+
+/// All sessions and their connections.
+#[derive(Debug, Clone, Default)]
+pub struct Server {
+    connections: BTreeMap<u64, Connection>,
+    pub(super) sessions: BTreeMap<u16, Session>,
+    pub(super) locks: Locks,
+    pub(super) queue: Queue,
+    output: Vec<Output>,
+    pub(super) now: f64,
+}
+
+impl Server {
+    /// A connection is there.
+    pub fn opened(&mut self, connection: u64) {
+        self.connections.insert(connection, Connection::default());
+    }
+
+    /// A connection is gone; the other one of its session is closed.
+    pub fn closed(&mut self, connection: u64, instrument: &mut dyn Instrument) {
+        let gone = self.connections.remove(&connection);
+        let Some(number) = gone.and_then(|gone| gone.session) else { return };
+        let Some(session) = self.sessions.remove(&number) else { return };
+        self.locks.forget(number);
+        self.queue.remove(&number);
+        instrument.close(number);
+        for other in [Some(session.synchronous), session.asynchronous].into_iter().flatten() {
+            if other != connection && self.connections.remove(&other).is_some() {
+                self.output.push(Output { connection: other, bytes: Vec::new(), close: true });
+            }
+        }
+        self.settle(instrument);
+    }
+
+    /// Bytes came.
+    pub fn received(&mut self, connection: u64, bytes: &[u8], instrument: &mut dyn Instrument) {
+        let Some(link) = self.connections.get_mut(&connection) else { return };
+        link.decoder.push(bytes);
+        while let Some(link) = self.connections.get_mut(&connection)
+            && let Some(piece) = link.decoder.next_piece()
+        {
+            match link.session {
+                None => self.initialise(connection, piece, instrument),
+                Some(number) => self.take(number, connection, piece, instrument),
+            }
+        }
+        self.settle(instrument);
+    }
+
+    /// Whether what came on a connection waits for somebody else's lock: it is not to be read from.
+    #[must_use]
+    pub fn is_held(&self, connection: u64) -> bool {
+        let session = self.connections.get(&connection).and_then(|link| link.session);
+        let session = session.and_then(|number| self.sessions.get(&number));
+        session.is_some_and(|s| s.synchronous == connection && !s.held.is_empty())
+    }
+
+    /// A reply that was owed.
+    pub fn reply(&mut self, number: u16, bytes: &[u8]) {
+        if bytes.is_empty() {
+            return;
+        }
+        if let Some(session) = self.sessions.get_mut(&number) {
+            let bytes = session.reply(bytes);
+            self.output.push(Output { connection: session.synchronous, bytes, close: false });
+        }
+    }
+
+    /// Time has passed: it is `now` (s), on a clock that does not run backwards. Requests for locks run out, and those who asked
+    /// for service are heard.
+    pub fn advance(&mut self, now: f64, instrument: &mut dyn Instrument) {
+        self.now = self.now.max(now);
+        self.settle(instrument);
+        for session in self.sessions.values_mut() {
+            let (byte, enabled) = instrument.status(session.message_available());
+            let asks = session.asks_for_service(byte, enabled);
+            let Some(connection) = session.asynchronous.filter(|_| asks) else { continue };
+            let mut bytes = Vec::new();
+            write(Kind::AsyncServiceRequest, byte, 0, &[], &mut bytes);
+            self.output.push(Output { connection, bytes, close: false });
+        }
+    }
+
+    /// What is to be sent since the last call, in this order.
+    pub fn take_output(&mut self) -> Vec<Output> {
+        std::mem::take(&mut self.output)
+    }
+
+    pub(super) fn send(&mut self, connection: u64, kind: Kind, codes: (u8, u32), payload: &[u8]) {
+        let mut bytes = Vec::new();
+        write(kind, codes.0, codes.1, payload, &mut bytes);
+        self.output.push(Output { connection, bytes, close: false });
+    }
+
+    pub(super) fn refuse(
+        &mut self,
+        connection: u64,
+        code: u8,
+        reason: &str,
+        instrument: &mut dyn Instrument,
+    ) {
+        let mut bytes = Vec::new();
+        write(Kind::FatalError, code, 0, reason.as_bytes(), &mut bytes);
+        self.output.push(Output { connection, bytes, close: true });
+        self.closed(connection, instrument);
+    }
+
+    pub(super) fn complain(&mut self, connection: u64, code: u8, reason: &str) {
+        self.send(connection, Kind::Error, (code, 0), reason.as_bytes());
+    }
+
+    /// The first message of a connection.
+    fn initialise(&mut self, connection: u64, piece: Piece, instrument: &mut dyn Instrument) {
+        let (header, payload) = match piece {
+            Piece::Message(header, payload) => (header, payload),
+            Piece::TooLarge(_) | Piece::Malformed => {
+                return self.refuse(connection, fatal::POOR_HEADER, "no message", instrument);
+            }
+        };
+        match Kind::from_code(header.code) {
+            Some(Kind::Initialize) => {
+                let known = payload.is_empty() || payload.eq_ignore_ascii_case(b"hislip0");
+                let free = (1..u16::MAX).find(|number| !self.sessions.contains_key(number));
+                let (Some(number), true) = (free, known) else {
+                    let reason = "the instrument's name is hislip0";
+                    return self.refuse(connection, fatal::INITIALISATION, reason, instrument);
+                };
+                self.sessions.insert(number, Session::new(connection));
+                instrument.open(number, connection);
+                self.join(connection, number);
+                let parameter = VERSION | u32::from(number);
+                self.send(connection, Kind::InitializeResponse, (0, parameter), &[]);
+            }
+            Some(Kind::AsyncInitialize) => {
+                let number = u16::try_from(header.parameter).unwrap_or(0);
+                let session = self.sessions.get_mut(&number);
+                let Some(session) = session.filter(|session| session.asynchronous.is_none()) else {
+                    let reason = "no such session waits for its second connection";
+                    return self.refuse(connection, fatal::INITIALISATION, reason, instrument);
+                };
+                session.asynchronous = Some(connection);
+                self.join(connection, number);
+                self.send(connection, Kind::AsyncInitializeResponse, (0, 0), &[]);
+            }
+            _ => {
+                let reason = "a connection begins with Initialize or AsyncInitialize";
+                self.refuse(connection, fatal::INITIALISATION, reason, instrument);
+            }
+        }
+    }
+
+    fn join(&mut self, connection: u64, number: u16) {
+        if let Some(link) = self.connections.get_mut(&connection) {
+            link.session = Some(number);
+        }
+    }
+
+    fn take(&mut self, number: u16, from: u64, piece: Piece, instrument: &mut dyn Instrument) {
+        let Some(session) = self.sessions.get_mut(&number) else { return };
+        let is_synchronous = session.synchronous == from;
+        match &piece {
+            Piece::Malformed => {
+                self.refuse(from, fatal::POOR_HEADER, "no header", instrument);
+            }
+            Piece::TooLarge(_) => {
+                let reason = format!("at most {LARGEST_PAYLOAD} bytes");
+                self.complain(from, error::TOO_LARGE, &reason);
+            }
+            Piece::Message(header, payload) if is_synchronous => {
+                if session.asynchronous.is_none() {
+                    let reason = "the second connection is missing";
+                    return self.refuse(from, fatal::NOT_ESTABLISHED, reason, instrument);
+                }
+                let clears = header.code == Kind::DeviceClearComplete.code();
+                let waits = !session.held.is_empty() || !self.locks.may_act(number);
+                if waits && !clears && !session.clearing {
+                    session.held.push(piece);
+                } else {
+                    self.synchronous(number, *header, payload, instrument);
+                }
+            }
+            Piece::Message(header, payload) => {
+                self.asynchronous(number, from, (*header, payload), instrument);
+            }
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! One session: what it remembers between two messages.
+
+use super::message::{HEADER_BYTES, Kind, Piece, write};
+
+/// Identifier of a client's first message after the start and after a device clear.
+const FIRST_MESSAGE: u32 = 0xFFFF_FF00;
+/// Identifier of a reply to no message.
+const NO_MESSAGE: u32 = 0xFFFF_FFFF;
+/// Smallest largest message that is honoured (bytes).
+const SMALLEST_LIMIT: u64 = 64;
+/// Payload of a reply's part where the client names no limit (bytes).
+const USUAL_PAYLOAD: usize = 1 << 20;
+/// Bit of the status byte: the instrument asks for service.
+const SERVICE: u8 = 1 << 6;
+
+/// A release that waits for the message that was sent before it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Release {
+    /// Identifier of that message.
+    pub after: u32,
+    /// When it is waited for no longer, on the server's clock (s).
+    pub until: f64,
+}
+
+/// What a session remembers.
+#[derive(Debug, Clone)]
+pub struct Session {
+    /// Number of its synchronous connection.
+    pub synchronous: u64,
+    /// Number of its asynchronous connection, as soon as there is one.
+    pub asynchronous: Option<u64>,
+    /// A device clear has begun: what comes on the synchronous connection is thrown away until it is complete.
+    pub clearing: bool,
+    /// Messages that wait for somebody else's lock.
+    pub held: Vec<Piece>,
+    /// A release that waits.
+    pub release: Option<Release>,
+    /// Payload of a reply's part at most (bytes).
+    part: usize,
+    /// Identifier of the last message whose end has come since the start or a device clear.
+    last: Option<u32>,
+    /// A message has begun and not ended.
+    within_message: bool,
+    /// A reply was sent that the client has not called delivered.
+    undelivered: bool,
+    service: Service,
+}
+
+/// What the client knows of requests for service.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+struct Service {
+    /// Reasons that were told.
+    reasons: u8,
+    /// Whether one was told since the status byte was read.
+    asked: bool,
+}
+
+impl Session {
+    /// A session whose synchronous connection is there.
+    #[must_use]
+    pub fn new(synchronous: u64) -> Self {
+        Self {
+            synchronous,
+            asynchronous: None,
+            clearing: false,
+            held: Vec::new(),
+            release: None,
+            part: USUAL_PAYLOAD,
+            last: None,
+            within_message: false,
+            undelivered: false,
+            service: Service::default(),
+        }
+    }
+
+    /// The client takes no message larger than this, header included.
+    pub fn limit(&mut self, largest: u64) {
+        let largest = usize::try_from(largest.max(SMALLEST_LIMIT)).unwrap_or(usize::MAX);
+        self.part = (largest - HEADER_BYTES).min(USUAL_PAYLOAD);
+    }
+
+    /// A message or a part of it begins. Whether it is the first part of a message that comes before the reply to the one
+    /// before was delivered.
+    pub fn begin(&mut self, delivered: bool, owes_reply: bool) -> bool {
+        let first = !std::mem::replace(&mut self.within_message, true);
+        if delivered {
+            self.undelivered = false;
+        }
+        let interrupts = first && (self.undelivered || owes_reply);
+        self.undelivered &= !interrupts;
+        interrupts
+    }
+
+    /// The message with this identifier is complete.
+    pub fn end(&mut self, identifier: u32) {
+        self.within_message = false;
+        self.last = Some(identifier);
+    }
+
+    /// A reply as messages of the size that the client takes.
+    #[must_use]
+    pub fn reply(&mut self, bytes: &[u8]) -> Vec<u8> {
+        self.undelivered = true;
+        let mut out = Vec::with_capacity(bytes.len() + HEADER_BYTES);
+        let mut parts = bytes.chunks(self.part).peekable();
+        while let Some(part) = parts.next() {
+            let kind = if parts.peek().is_some() { Kind::Data } else { Kind::DataEnd };
+            write(kind, 0, self.last.unwrap_or(NO_MESSAGE), part, &mut out);
+        }
+        out
+    }
+
+    /// Forgets messages and replies, as in a device clear.
+    pub fn clear(&mut self) {
+        self.held.clear();
+        self.last = None;
+        self.within_message = false;
+        self.undelivered = false;
+    }
+
+    /// Whether the message with this identifier, and with it everything sent before, has not come yet.
+    #[must_use]
+    pub fn awaits(&self, identifier: u32) -> bool {
+        let Some(last) = self.last else {
+            // A client that has sent nothing yet has no identifier to tell.
+            return identifier == FIRST_MESSAGE;
+        };
+        identifier != last && identifier.wrapping_sub(last) < u32::MAX / 2
+    }
+
+    /// Whether a reply waits or was not called delivered.
+    #[must_use]
+    pub fn message_available(&self) -> bool {
+        self.undelivered
+    }
+
+    /// The client has called the last reply delivered.
+    pub fn delivered(&mut self) {
+        self.undelivered = false;
+    }
+
+    /// Whether `byte`, with `enabled` parts of it, is a new reason to ask for service.
+    pub fn asks_for_service(&mut self, byte: u8, enabled: u8) -> bool {
+        let reasons = byte & enabled & !SERVICE;
+        let new = reasons & !self.service.reasons != 0;
+        self.service.reasons = reasons;
+        self.service.asked |= new;
+        new
+    }
+
+    /// `byte` with the bit that tells whether service was asked for; reading it answers the request.
+    pub fn read_status(&mut self, byte: u8) -> u8 {
+        let asked = std::mem::take(&mut self.service.asked);
+        (byte & !SERVICE) | if asked { SERVICE } else { 0 }
+    }
+}

@@ -1,0 +1,77 @@
+//! What a shot takes from its scene: circuits, velocities, and the scene with other knobs.
+
+use rand_distr::{Distribution as _, StandardNormal};
+
+use super::{Scene, input_load};
+use crate::chain::{Chain, ChainError};
+use crate::scope::ChannelSetup;
+use crate::scope::front_end::noise_stream;
+use crate::sensor::{Circuit, Load};
+
+/// Stream of the striker's speed; channels use 1 to 4, the sample clock 0.
+const STRIKER_STREAM: u8 = 5;
+
+impl Scene {
+    /// The circuit that sensor `index` really forms with `channel`'s input: with a tolerance, not the one its data tell.
+    #[must_use]
+    pub fn circuit(&self, index: usize, channel: &ChannelSetup) -> Option<Circuit> {
+        self.circuit_into(index, input_load(&self.scope.model, channel))
+    }
+
+    /// The same with any load.
+    #[must_use]
+    pub fn circuit_into(&self, index: usize, load: Load) -> Option<Circuit> {
+        let sensor = &self.sensors.get(index)?.sensor;
+        let number = u32::try_from(index).unwrap_or(u32::MAX);
+        Some(match &self.sensor_tolerance {
+            Some(tolerance) => tolerance.draw(sensor, self.seed, number).connect(load),
+            None => sensor.connect(load),
+        })
+    }
+
+    /// The speed at which the striker first touches the chain, before any spread; none without a striker (m/s).
+    #[must_use]
+    pub fn striker_speed(&self) -> Option<f64> {
+        self.spec.striker.as_ref().and_then(|_| self.initial_velocities.first().copied())
+    }
+
+    /// The same bench with another striker's mass (kg) and speed (m/s) and another force of the magnet (N), each where there
+    /// is one; none leaves what is there. [`Scene::text`] still tells the bench as typed.
+    ///
+    /// # Errors
+    /// [`ChainError`] where no such chain is at rest.
+    pub fn altered(
+        &self,
+        mass: Option<f64>,
+        speed: Option<f64>,
+        force: Option<f64>,
+    ) -> Result<Self, ChainError> {
+        let mut scene = self.clone();
+        if let Some(striker) = &mut scene.spec.striker {
+            striker.mass = mass.unwrap_or(striker.mass);
+            if let (Some(speed), Some(velocity)) = (speed, scene.initial_velocities.first_mut()) {
+                *velocity = speed;
+            }
+        }
+        if let Some(magnet) = &mut scene.spec.effects.magnet_preload {
+            magnet.force = force.unwrap_or(magnet.force);
+        }
+        scene.chain = Chain::new(&scene.spec)?;
+        Ok(scene)
+    }
+
+    /// Velocity of each body at the first contact of shot `shot`: the striker's speed is drawn from the seed where the scene
+    /// spreads it, from a log-normal distribution with the scene's speed as its mean (m/s).
+    #[must_use]
+    pub fn velocities(&self, shot: u32) -> Vec<f64> {
+        let mut velocities = self.initial_velocities.clone();
+        if let (Some(speed), Some(spread)) = (velocities.first_mut(), self.striker_speed_spread) {
+            // Mean 1 and standard deviation `spread`: sigma^2 = ln(1 + spread^2), mu = -sigma^2/2. Never backward.
+            let variance = (spread * spread).ln_1p();
+            let mut stream = noise_stream(self.seed, shot, STRIKER_STREAM);
+            let draw: f64 = StandardNormal.sample(&mut stream);
+            *speed *= (variance.sqrt() * draw - 0.5 * variance).exp();
+        }
+        velocities
+    }
+}

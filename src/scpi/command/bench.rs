@@ -1,0 +1,92 @@
+//! The bench behind the instrument: `BENCh`. No real oscilloscope has these commands.
+
+use crate::instrument::Event;
+use crate::scpi::argument::{none, only, real};
+use crate::scpi::message::Argument;
+use crate::scpi::row::{Group, Row};
+use crate::scpi::setting::{At, Both, Parts, Stop, Tells};
+use crate::scpi::value::Value;
+
+/// The group.
+pub const GROUP: Group = Group {
+    title: "The bench behind the instrument (not Tektronix's)",
+    rows: &[
+        Row::own("BENCh", &Tells(Parts::Below), "all of this"),
+        Row::own(
+            "BENCh:IMPact",
+            &Both(strike, |at| Ok(Value::Integer(i64::from(at.instrument.bench.impacts)))),
+            "strikes the chain as soon as the part of the record before the trigger is full; the query counts impacts",
+        ),
+        Row::own("BENCh:STRIker", &Tells(Parts::Below), "mass and speed of the striker"),
+        Row::own(
+            "BENCh:STRIker:MASS",
+            &Both(set_striker_mass, |at| number(at, at.instrument.bench.scene.striker_mass)),
+            "mass of the striker in kg, 1E-5 to 0.1",
+        ),
+        Row::own(
+            "BENCh:STRIker:SPEed",
+            &Both(set_striker_speed, |at| number(at, at.instrument.bench.scene.striker_speed)),
+            "speed of the striker in m/s, 1E-3 to 10, around which a scene may spread it",
+        ),
+        Row::own(
+            "BENCh:MAGNet:FORCe",
+            &Both(set_magnet_force, |at| number(at, at.instrument.bench.scene.magnet_force)),
+            "force of the magnet in N, 0 to 100",
+        ),
+        Row::own(
+            "BENCh:SCENe",
+            &Both(set_scene, |at| {
+                present(at)?;
+                Ok(Value::Text(at.instrument.bench.scene.name.clone()))
+            }),
+            "the scene that the bench is set up as: one that ships with the program, or the one that is served; the front panel stays as it is",
+        ),
+    ],
+};
+
+/// Whether there is a bench at all.
+fn present(at: &At<'_>) -> Result<(), Event> {
+    if at.instrument.bench.scenes.is_empty() { Err(Event::HardwareMissing) } else { Ok(()) }
+}
+
+fn number(at: &At<'_>, setting: Option<f64>) -> Result<Value, Stop> {
+    present(at)?;
+    Ok(Value::Number(setting.ok_or(Event::SettingsConflict)?))
+}
+
+/// What comes of setting something that this bench may not have.
+fn set(at: &At<'_>, is_there: bool) -> Result<(), Stop> {
+    present(at)?;
+    if is_there { Ok(()) } else { Err(Event::SettingsConflict.into()) }
+}
+
+fn strike(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    none(arguments)?;
+    present(at)?;
+    at.instrument.bench.ask_for_impact();
+    Ok(())
+}
+
+fn set_striker_mass(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    let is_there = at.instrument.bench.set_striker_mass(real(arguments)?);
+    set(at, is_there)
+}
+
+fn set_striker_speed(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    let is_there = at.instrument.bench.set_striker_speed(real(arguments)?);
+    set(at, is_there)
+}
+
+fn set_magnet_force(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    let is_there = at.instrument.bench.set_magnet_force(real(arguments)?);
+    set(at, is_there)
+}
+
+fn set_scene(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    let name = match only(arguments)? {
+        Argument::Word(name) | Argument::Text(name) => name,
+        Argument::Block(_) => return Err(Event::DataType.into()),
+    };
+    present(at)?;
+    if at.instrument.bench.set_scene(name) { Ok(()) } else { Err(Event::IllegalParameter.into()) }
+}

@@ -1,0 +1,52 @@
+//! How replies on one connection look.
+
+use crate::instrument::word::words;
+
+words! {
+    /// What ends a reply.
+    Terminator {
+        /// Carriage return.
+        Cr = "CR",
+        /// Line feed.
+        Lf = "LF",
+        /// Carriage return, line feed.
+        CrLf = "CRLf",
+        /// Line feed, carriage return.
+        LfCr = "LFCr",
+    }
+}
+
+impl Terminator {
+    /// The bytes.
+    #[must_use]
+    pub fn bytes(self) -> &'static [u8] {
+        match self {
+            Self::Cr => b"\r",
+            Self::Lf => b"\n",
+            Self::CrLf => b"\r\n",
+            Self::LfCr => b"\n\r",
+        }
+    }
+}
+
+/// How replies on one connection look.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Preferences {
+    /// Whether headers stand before answers (`HEADer`).
+    pub header: bool,
+    /// Whether words are written in full (`VERBose`).
+    pub verbose: bool,
+    /// What ends a reply (`RS232:TRANsmit:TERMinator`).
+    pub terminator: Terminator,
+    /// What `header` is after `FACtory`.
+    pub initial_header: bool,
+}
+
+impl Preferences {
+    /// Words in full, a line feed at the end, headers as asked for. The original answers with headers over RS-232, most
+    /// programs expect none.
+    #[must_use]
+    pub fn new(header: bool) -> Self {
+        Self { header, verbose: true, terminator: Terminator::Lf, initial_header: header }
+    }
+}

@@ -1,0 +1,119 @@
+//! What goes into the recording: every command and reply, and the records of triggered acquisitions, with their times.
+
+use std::time::{Duration, Instant, SystemTime};
+
+use super::ServeError;
+use super::bench::Truth;
+use crate::instrument::{Finished, Instrument};
+use crate::recording::mcap::{RecordingWriter, ShotNotes, WriteError};
+use crate::recording::{self, Capture, Direction, Origin, ScpiLine, Shot};
+use crate::scope::set_up::set_up_text;
+use crate::scpi::Line;
+
+/// Lines are with the operating system after this time.
+const FLUSH: Duration = Duration::from_secs(1);
+
+/// An open recording of a session.
+pub struct Recorder {
+    writer: RecordingWriter,
+    opened: Instant,
+    /// Nanoseconds since 1970 at `opened`.
+    began: u64,
+    /// When lines were last handed to the operating system, if any came since.
+    unflushed: Option<Instant>,
+    shots: u32,
+    failed: Option<WriteError>,
+}
+
+impl Recorder {
+    /// Goes on writing what `writer` has begun.
+    pub fn new(writer: RecordingWriter) -> Self {
+        let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+        let began = since_1970.map_or(0, nanoseconds);
+        let opened = Instant::now();
+        Self { writer, opened, began, unflushed: None, shots: 0, failed: None }
+    }
+
+    /// Writes down what a connection heard and said.
+    pub fn lines(&mut self, peer: &str, lines: Vec<Line>) {
+        let timestamp_ns = self.now();
+        for line in lines {
+            let (direction, bytes) = match line {
+                Line::Command(bytes) => (Direction::Command, bytes),
+                Line::Reply(bytes) => (Direction::Reply, bytes),
+            };
+            let line = ScpiLine { timestamp_ns, peer: peer.to_owned(), direction, bytes };
+            let written = self.writer.add_line(&line);
+            self.note(written);
+            self.unflushed.get_or_insert_with(Instant::now);
+        }
+    }
+
+    /// Writes down the records of an acquisition, and the truth behind them where the bench knows it.
+    pub fn captures(&mut self, finished: Finished, truth: Option<Truth>, instrument: &Instrument) {
+        self.shots += 1;
+        let model = &instrument.model;
+        let taken_by = recording::Instrument {
+            model: model.name.replace(' ', ""),
+            serial: model.serial.clone(),
+            firmware: model.firmware.clone(),
+        };
+        let capture =
+            |waveform| Capture { waveform, instrument: Some(taken_by.clone()), notes: Vec::new() };
+        let shot = Shot {
+            number: self.shots,
+            origin: Origin::Simulated,
+            timestamp_ns: self.now(),
+            captures: finished.records.into_iter().map(capture).collect(),
+            trigger_time: truth
+                .as_ref()
+                .zip(finished.trigger)
+                .map(|(truth, t)| truth.start + t.time),
+            truth: truth.map(|truth| truth.traces).unwrap_or_default(),
+        };
+        let cause = match finished.trigger {
+            Some(trigger) => format!("shot {}: impact {}", self.shots, trigger.shot),
+            None => format!("shot {}: nothing at the inputs", self.shots),
+        };
+        let set_up = set_up_text(&instrument.setup());
+        let notes = ShotNotes { set_up, energy: None, log: vec![(false, cause)] };
+        let written = self.writer.add(&shot, &notes);
+        self.note(written);
+        self.unflushed = None;
+    }
+
+    /// Hands lines to the operating system when it is time for it.
+    ///
+    /// # Errors
+    /// [`ServeError::Record`] where something could not be written since the last call.
+    pub fn keep_up(&mut self) -> Result<(), ServeError> {
+        if self.unflushed.is_some_and(|since| since.elapsed() >= FLUSH) {
+            let written = self.writer.flush();
+            self.note(written);
+            self.unflushed = None;
+        }
+        self.failed.take().map_or(Ok(()), |reason| Err(ServeError::Record { reason }))
+    }
+
+    /// Ends the recording.
+    ///
+    /// # Errors
+    /// [`ServeError::Record`] where it could not be written.
+    pub fn finish(self) -> Result<(), ServeError> {
+        self.writer.finish().map_err(|reason| ServeError::Record { reason })
+    }
+
+    fn note(&mut self, written: Result<(), WriteError>) {
+        if let Err(reason) = written {
+            self.failed.get_or_insert(reason);
+        }
+    }
+
+    fn now(&self) -> u64 {
+        self.began.saturating_add(nanoseconds(self.opened.elapsed()))
+    }
+}
+
+fn nanoseconds(time: Duration) -> u64 {
+    u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
+}

@@ -1,0 +1,6 @@
+//! The HiSLIP protocol without a network: messages, sessions, locks. Numbers of types and codes are those of IVI-6.1.
+
+mod locks;
+mod messages;
+mod partner;
+mod sessions;

@@ -1,0 +1,89 @@
+//! The bench behind the scope: what clients can turn, and what they cannot break.
+
+use hertzscope::scene::Scene;
+
+use super::{Server, scene};
+
+/// Highest voltage of channel 1 after an impact (V).
+fn highest(server: &Server, settings: &str) -> f64 {
+    let mut client = server.connect();
+    client.send(format!("{settings}\nACQ:STOPA SEQ;STATE ON;:BENC:IMP\n").as_bytes());
+    assert_eq!(client.ask("*OPC?"), "1\n");
+    let reply = client.ask("MEASU:IMM:SOU CH1;TYP MAXI;VAL?");
+    reply.trim_end().parse().expect("a voltage")
+}
+
+/// A sonic vacuum's force scales with speed^(6/5); preload makes it gentler, towards speed itself. The scale leaves room.
+#[test]
+fn a_faster_striker_hits_harder() {
+    let server = Server::at_rest();
+    let settings = "CH1:SCALE 2;POSITION 0;:TRIG:MAI:LEV 0.5";
+    let usual = highest(&server, settings);
+    let fast = highest(&server, &format!("{settings};:BENC:STRI:SPE 0.88"));
+    assert!((2.0..2.0_f64.powf(1.2) * 1.1).contains(&(fast / usual)), "{usual} V, {fast} V");
+    let light = highest(&server, &format!("{settings};:BENC:STRI:SPE 0.44;MASS 3E-4"));
+    assert!(light < 0.9 * usual, "{light} V, {usual} V");
+}
+
+#[test]
+fn the_bench_tells_how_it_is_set_up() {
+    let server = Server::at_rest();
+    let mut client = server.connect();
+    assert_eq!(client.ask("BENC?"), "0;6.1E-4;4.4E-1;2.38E0;\"magnet-0.61g\"\n");
+    // Clamped, as numbers are everywhere.
+    assert_eq!(client.ask("BENC:STRI:MASS 5;SPE 1E9;:BENC:STRI?"), "1.0E-1;1.0E1\n");
+    assert_eq!(client.ask("BENC:MAGN:FORC 1.19;FORC?"), "1.19E0\n");
+    assert_eq!(client.ask("HEAD ON;:BENC:SCEN?"), ":BENCH:SCENE \"magnet-0.61g\"\n");
+    client.send(b"HEAD OFF\n");
+    // Another scene brings its own striker; this one has no magnet.
+    assert_eq!(client.ask("BENC:SCEN GRAVITY-2.75G;SCEN?"), "\"gravity-2.75g\"\n");
+    assert_eq!(client.ask("BENC:STRI:MASS?"), "2.75E-3\n");
+    client.send(b"*CLS;:BENC:MAGN:FORC 1\n");
+    assert_eq!(client.ask("*ESR?;EVENT?"), "16;221\n");
+    // A path is no scene: clients open no files.
+    for name in ["\"/etc/passwd\"", "../magnet-0.61g", "\"\""] {
+        client.send(format!("*CLS;:BENC:SCEN {name}\n").as_bytes());
+        assert_eq!(client.ask("*ESR?;EVENT?"), "16;224\n", "{name}");
+    }
+    assert_eq!(client.ask("BENC:SCEN magnet-0.61g;:BENC:STRI:MASS?;SPE?"), "6.1E-4;4.4E-1\n");
+}
+
+/// Half a volt at the amplifier is half a volt on the screen, to half a level of the digitiser (0.04 V at 1 V/div).
+#[test]
+fn the_scene_s_amplifier_offset_is_on_the_screen() {
+    let mut scene = scene();
+    for channel in scene.scope.channels.iter_mut().flatten() {
+        channel.offset = 0.5;
+    }
+    let server = Server::of(scene);
+    let mut client = server.connect();
+    client.send(b"CH1:SCALE 1;POSITION 0;:TRIG:MAI:MOD AUTO;:ACQ:STOPA SEQ;STATE ON\n");
+    assert_eq!(client.ask("*OPC?"), "1\n");
+    let mean: f64 =
+        client.ask("MEASU:IMM:SOU CH1;TYP MEAN;VAL?").trim_end().parse().expect("volts");
+    assert!((mean - 0.5).abs() < 0.02, "{mean} V");
+}
+
+/// Speeds are drawn from the seed, shot by shot: alike with the same seed, spread as the scene says.
+#[test]
+fn the_strikers_speed_is_drawn_from_the_seed() {
+    let typed = "base = \"magnet-0.61g\"\n[effects.striker_speed_spread]\nrelative = \"0.5 %\"\n";
+    let scene = Scene::from_text("spread", "spread.toml", typed).expect("a scene");
+    let speeds =
+        |scene: &Scene| -> Vec<f64> { (1..=4000).map(|n| scene.velocities(n)[0]).collect() };
+    let drawn = speeds(&scene);
+    assert_eq!(drawn, speeds(&scene));
+    let count = drawn.len() as f64;
+    let mean = drawn.iter().sum::<f64>() / count;
+    let variance = drawn.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    // Four standard errors: of the mean 0.005 / sqrt(4000), of the standard deviation 1 / sqrt(2 * 4000).
+    let speed = scene.striker_speed().expect("a striker");
+    assert!((mean / speed - 1.0).abs() < 4.0 * 0.005 / count.sqrt(), "{mean}");
+    let spread = variance.sqrt() / mean;
+    assert!((spread / 0.005 - 1.0).abs() < 4.0 / (2.0 * count).sqrt(), "{spread}");
+    let mut other = scene.clone();
+    other.seed += 1;
+    assert_ne!(speeds(&other), drawn);
+    let still = Scene::load("magnet-0.61g").expect("it ships");
+    assert!(speeds(&still).iter().all(|v| *v == speed));
+}

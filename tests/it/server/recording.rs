@@ -1,0 +1,143 @@
+//! `serve --record`: what was said and what was triggered, however the server ends.
+
+use std::io::{BufRead as _, BufReader};
+use std::net::SocketAddr;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use hertzscope::experiment::{Integration, facts, run};
+use hertzscope::recording::mcap::{RecordingWriter, read};
+use hertzscope::recording::{Direction, TraceSet};
+use hertzscope::server::Options;
+
+use super::{Client, IDENTITY, Server, connect, scene};
+
+fn recorded(file: &Path) -> Server {
+    let scene = scene();
+    let known = facts::facts(&scene, Integration::Accuracy(scene.accuracy)).expect("stable");
+    let writer = RecordingWriter::create(file, &known, &[facts::scene_attachment(&scene)]);
+    Server::serving(scene, Options::default(), Some(writer.expect("writable")))
+}
+
+/// The levels of channel 1 as a client reads them after an impact.
+fn shot(server: &Server) -> Vec<i16> {
+    strike(server.connect())
+}
+
+fn strike(mut client: Client) -> Vec<i16> {
+    client.send(b"ACQ:STOPA SEQ;STATE ON;:BENC:IMP\n");
+    assert_eq!(client.ask("*OPC?"), "1\n");
+    let curve = client.ask("DATA:SOU CH1;ENC ASC;:CURVE?");
+    curve.trim_end().split(',').map(|level| level.parse().expect("a level")).collect()
+}
+
+fn said(set: &TraceSet, direction: Direction) -> Vec<String> {
+    let lines = set.lines.iter().filter(|line| line.direction == direction);
+    lines.map(|line| String::from_utf8_lossy(&line.bytes).into_owned()).collect()
+}
+
+#[test]
+fn a_session_is_written_down() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("session.mcap");
+    let server = recorded(&file);
+    assert_eq!(server.connect().ask("*IDN?"), IDENTITY);
+    let (first, second) = (shot(&server), shot(&server));
+    assert_ne!(first, second, "another phase of the sample clock");
+    drop(server);
+    let set = read(&file).expect("a recording");
+    assert_eq!(set.problems, [""; 0]);
+    let levels = |index: usize| set.shots[index].captures[0].waveform.codes.clone();
+    assert_eq!((set.shots.len(), levels(0), levels(1)), (2, first, second));
+    let commands = said(&set, Direction::Command);
+    let shot = ["ACQ:STOPA SEQ;STATE ON;:BENC:IMP", "*OPC?", "DATA:SOU CH1;ENC ASC;:CURVE?"];
+    assert_eq!(commands, [["*IDN?"].as_slice(), &shot, &shot].concat());
+    let replies = said(&set, Direction::Reply);
+    assert_eq!(
+        (replies.len(), &replies[0], &replies[1]),
+        (5, &IDENTITY.to_owned(), &"1\n".to_owned())
+    );
+    assert!(set.lines.iter().all(|line| line.peer.starts_with("raw 127.0.0.1:")));
+    assert!(set.lines.windows(2).all(|pair| pair[0].timestamp_ns <= pair[1].timestamp_ns));
+    assert_eq!(set.log, ["shot 1: impact 1", "shot 2: impact 2"]);
+}
+
+/// A copy of the file while the server still writes is what a killed server leaves: its shots are in it.
+#[test]
+fn what_was_triggered_is_on_the_disk() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("session.mcap");
+    let server = recorded(&file);
+    let levels = shot(&server);
+    let set = read(&file).expect("an unfinished recording");
+    assert_eq!(set.shots[0].captures[0].waveform.codes, levels);
+    assert!(said(&set, Direction::Command).contains(&"*OPC?".to_owned()));
+    assert_eq!(set.problems, ["the file has no end: it was not finished, or cut"]);
+}
+
+/// Trigger and truth of a served shot are those of the scene's own shot of the same number.
+#[test]
+fn the_truth_behind_a_served_shot_is_kept() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("session.mcap");
+    let server = recorded(&file);
+    shot(&server);
+    drop(server);
+    let set = read(&file).expect("a recording");
+    let scene = scene();
+    let own = run(&scene, Integration::Accuracy(1e-3), 1, &mut |_| ()).expect("a run").shot;
+    let served = &set.shots[0];
+    let late = served.trigger_time.expect("a trigger") - own.trigger_time.expect("a trigger");
+    assert!(late.abs() < 1e-12, "{late} s");
+    let names = |shot: &hertzscope::recording::Shot| -> Vec<String> {
+        let topic = |name: &str| name.split(": ").next().unwrap_or_default().to_owned();
+        let mut names: Vec<String> = shot.truth.iter().map(|trace| topic(&trace.name)).collect();
+        names.sort();
+        names
+    };
+    assert_eq!(names(served), names(&own));
+    for trace in own.truth.iter().filter(|trace| trace.name.starts_with("sensor/")) {
+        let kept = served.truth.iter().find(|kept| kept.name == trace.name).expect("the sensor");
+        assert_eq!((kept.start, kept.interval), (trace.start, trace.interval), "{}", trace.name);
+        // Behind the duration the two go on for different times, in steps of their own.
+        let within = |n: &u32| trace.start + f64::from(*n) * trace.interval < scene.duration;
+        let length = (0..10_000).take_while(within).count();
+        assert!(length > 1000);
+        assert!(kept.values[..length] == trace.values[..length], "{}", trace.name);
+    }
+}
+
+/// SIGKILL leaves no time to end the recording: what was triggered and said before is still read, and analysed.
+#[cfg(unix)]
+#[test]
+fn a_killed_server_leaves_what_was_recorded() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("session.mcap");
+    let mut server = Command::new(env!("CARGO_BIN_EXE_hertzscope"))
+        .args(["serve", "gravity-0.61g", "--listen", "127.0.0.1:0", "--record"])
+        .arg(&file)
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("a server");
+    let mut line = String::new();
+    BufReader::new(server.stdout.take().expect("a pipe")).read_line(&mut line).expect("a line");
+    let address = line.trim_end().strip_prefix("listening on ").map(str::parse::<SocketAddr>);
+    let address = address.and_then(Result::ok);
+    let levels = address.map(|address| [strike(connect(address)), strike(connect(address))]);
+    server.kill().expect("an end");
+    server.wait().expect("an end");
+    let set = read(&file).expect("an unfinished recording");
+    assert_eq!(set.problems, ["the file has no end: it was not finished, or cut"]);
+    let kept: Vec<_> = set.shots.iter().map(|s| s.captures[0].waveform.codes.clone()).collect();
+    assert_eq!(Some(kept), levels.map(Vec::from), "{line}");
+    assert!(said(&set, Direction::Command).contains(&"*OPC?".to_owned()));
+    let read = |command: &str| {
+        let mut hertzscope = Command::new(env!("CARGO_BIN_EXE_hertzscope"));
+        hertzscope.arg(command).arg(&file).output().expect("a program")
+    };
+    for command in ["info", "arrivals"] {
+        let output = read(command);
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(output.status.success() && text.contains("shot 2"), "{command}: {text}");
+    }
+}
