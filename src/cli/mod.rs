@@ -6,6 +6,7 @@ mod arrivals;
 mod completions;
 mod convert;
 mod cost;
+mod hard_cases;
 mod info;
 mod magnet;
 mod man;
@@ -23,6 +24,8 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+/// Exit code of an answer that is no.
+const NO: u8 = 1;
 /// Exit code of what could not be done; clap uses the same for wrong options.
 const COULD_NOT: u8 = 2;
 
@@ -40,6 +43,7 @@ enum Command {
     Info(info::Arguments),
     Convert(convert::Arguments),
     Cost(cost::Arguments),
+    HardCases(hard_cases::Arguments),
     Scenes(scenes::Arguments),
     Spectrum(spectrum::Arguments),
     Arrivals(arrivals::Arguments),
@@ -60,6 +64,10 @@ pub fn main() -> ExitCode {
         Command::Info(arguments) => info::run(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),
         Command::Cost(arguments) => cost::run(&arguments),
+        Command::HardCases(arguments) => match hard_cases::run(&arguments) {
+            Ok(false) => return ExitCode::from(NO),
+            done => done.map(|_| ()),
+        },
         Command::Scenes(arguments) => scenes::run(&arguments),
         Command::Spectrum(arguments) => spectrum::run(&arguments),
         Command::Arrivals(arguments) => arrivals::run(&arguments),

@@ -62,10 +62,10 @@ pub struct Film {
 }
 
 /// The method at work on the chain: Runge-Kutta-Nystrom pairs by the chain's own stepper.
-fn start(chain: &Chain, method: Method, state: State) -> Box<dyn Integrator> {
-    if let Some((pair, tolerance)) = method.nystrom() {
-        let set = InstructionSet::best();
-        return Box::new(ChainStepper::new(chain, &state.velocity, pair, tolerance, set));
+#[must_use]
+pub fn start(chain: &Chain, method: Method, state: State) -> Box<dyn Integrator> {
+    if let Some(pair) = method.nystrom() {
+        return Box::new(ChainStepper::from_state(chain, state, pair, InstructionSet::best()));
     }
     let system = ChainSystem::new(chain, &state.velocity);
     method.start(Box::new(system), state)

@@ -10,6 +10,8 @@ pub mod bench;
 mod comparison;
 pub mod cost;
 pub mod facts;
+pub mod hard_cases;
+pub mod horizon;
 pub mod inputs;
 pub mod outcome;
 pub mod paper;
@@ -119,16 +121,20 @@ pub fn run(
     Ok(Outcome { summary, shot })
 }
 
+/// The method that serves an accuracy (1).
+#[must_use]
+pub fn for_accuracy(accuracy: f64) -> Method {
+    let tolerance = accuracy;
+    if accuracy > SIXTH_ORDER_UP_TO {
+        Method::DormandElMikkawyPrince64 { tolerance }
+    } else {
+        Method::DormandElMikkawyPrince86 { tolerance }
+    }
+}
+
 fn method(scene: &Scene, integration: Integration) -> Result<Method, RunError> {
     let method = match integration {
-        Integration::Accuracy(accuracy) => {
-            let tolerance = accuracy;
-            return Ok(if accuracy > SIXTH_ORDER_UP_TO {
-                Method::DormandElMikkawyPrince64 { tolerance }
-            } else {
-                Method::DormandElMikkawyPrince86 { tolerance }
-            });
-        }
+        Integration::Accuracy(accuracy) => return Ok(for_accuracy(accuracy)),
         Integration::Method(method) => method,
     };
     if let Some((step, _)) = method.fixed_step() {

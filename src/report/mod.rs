@@ -3,6 +3,7 @@
 mod arrivals;
 mod chart;
 mod contents;
+mod hard_cases;
 pub mod magnet;
 pub mod plot;
 mod screen;
@@ -14,6 +15,7 @@ mod work_precision;
 pub use arrivals::arrivals;
 pub use chart::chart;
 pub use contents::contents;
+pub use hard_cases::hard_cases;
 pub use screen::screen;
 pub use summary::summary;
 pub use work_precision::{work_precision, work_precision_svg};
