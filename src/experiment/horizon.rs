@@ -23,7 +23,7 @@ const TIGHTEST: f64 = 1e-14;
 /// The error of a motion, as far as a second, tighter one can tell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Horizon {
-    /// When the error first exceeded `sqrt(accuracy)`; none if it never did (s).
+    /// The last time before the error exceeded `sqrt(accuracy)`; none if it never did (s).
     pub time: Option<f64>,
     /// Largest error of overlaps and speeds, relative to the largest so far, up to each of the times that were looked at (1).
     pub errors: Vec<f64>,
@@ -48,13 +48,15 @@ pub fn horizon(
     let mut horizon = Horizon { time: None, errors: Vec::new() };
     let mut scales = (0.0_f64, 0.0_f64);
     let mut most = 0.0_f64;
+    let mut before = 0.0;
     for (found, exact) in found.iter().zip(&exact) {
         let (overlap, speed) = difference(chain, found, exact, &mut scales);
         most = most.max(overlap / scales.0).max(speed / scales.1);
         horizon.errors.push(most);
         if most > accuracy.sqrt() && horizon.time.is_none() {
-            horizon.time = Some(exact.time);
+            horizon.time = Some(before);
         }
+        before = exact.time;
     }
     Ok(Some(horizon))
 }
@@ -67,7 +69,7 @@ pub fn note(scene: &Scene, accuracy: f64) -> Option<String> {
     let time = horizon(&scene.chain, &scene.initial_velocities, setting).ok()??.time?;
     let (time, left) = (engineering(time, "s", 2), accuracy.sqrt());
     Some(format!(
-        "contacts open and amplify every error: from {time} on the motion is known to no better than {left:.0e}, later only in its statistics"
+        "contacts open and amplify every error: from {time} on it exceeds {left:.0e} of the largest overlap or speed, and the motion is known only in its statistics"
     ))
 }
 
@@ -110,9 +112,8 @@ fn difference(chain: &Chain, found: &State, exact: &State, scales: &mut (f64, f6
     let (mut overlap, mut speed) = (0.0_f64, 0.0_f64);
     for (j, contact) in chain.contacts().iter().enumerate().filter(|(_, c)| c.stiffness > 0.0) {
         // The width of a gap bears nothing.
-        let change = |state: &State| {
-            chain.overlap_change(&state.position, j).max(-contact.static_overlap)
-        };
+        let change =
+            |state: &State| chain.overlap_change(&state.position, j).max(-contact.static_overlap);
         overlap = overlap.max((change(found) - change(exact)).abs());
         scales.0 = scales.0.max(change(exact).abs());
     }

@@ -62,7 +62,10 @@ fn bounce(tally: &mut Tally, force: f64, excess: f64) -> Result<(), String> {
     // After whole periods the bead is where it began; where it is instead tells how late it comes.
     let late = end.state.position[0] / speed;
     let what = |figure: &str| {
-        format!("{} and {excess:e} of the energy over that of opening, {figure}", engineering(force, "N", 2))
+        format!(
+            "{} and {excess:e} of the energy over that of opening, {figure}",
+            engineering(force, "N", 2)
+        )
     };
     let bound = drift_bound(&end, ACCURACY);
     tally.check(what("period"), late / (BOUNCES * period), 0.5 * bound);
@@ -74,9 +77,8 @@ fn bounce(tally: &mut Tally, force: f64, excess: f64) -> Result<(), String> {
 /// `int_0^d dx / sqrt(v^2 + 2 F x/m - 4/5 A/m x^2.5)` up to where it turns round (s).
 fn contact_time(contact: &Contact, force: f64, speed: f64) -> f64 {
     // Smooth in s, x = d sin^2 s: midpoints of many intervals, twice as many for Richardson's extrapolation.
-    let left = |x: f64| {
-        0.5 * LIGHT * speed * speed + force * x - hertz::energy(contact.stiffness, x)
-    };
+    let left =
+        |x: f64| 0.5 * LIGHT * speed * speed + force * x - hertz::energy(contact.stiffness, x);
     let (mut low, mut high) = (contact.static_overlap, contact.static_overlap);
     while left(high) > 0.0 {
         high *= 2.0;

@@ -20,7 +20,7 @@ pub const CASES: &[HardCase] = &[
     HardCase {
         name: "preload 0 and 1e-9 to 1e3 N",
         why: "between contacts that open at once and waves a million times weaker than the static force",
-        bound: "peaks and times as Dormand-Prince 8(5,3) at 1e-13 finds them: the accuracy of 1e-6",
+        bound: "peaks and times as Dormand-Prince 8(5,3) at 1e-13 finds them: the accuracy of 1e-6 for the loudest contact, as much more as a pulse is weaker elsewhere",
         compute: preloads,
     },
     HardCase {
@@ -117,12 +117,13 @@ fn linear_wave(
     let curvature = speed / omega / (4.0 * contact.static_overlap) * PHASE;
     let steps = drift_bound(&end, accuracy) / 2.0;
     for (n, found) in end.state.velocity.iter().enumerate() {
-        let exact = if n < 100 {
-            speed * (bessel(2 * n, PHASE) + bessel(2 * n + 2, PHASE))
-        } else {
-            0.0
-        };
-        tally.check(format!("speed of particle {}", n + 1), (found - exact) / speed, steps + curvature);
+        let exact =
+            if n < 100 { speed * (bessel(2 * n, PHASE) + bessel(2 * n + 2, PHASE)) } else { 0.0 };
+        tally.check(
+            format!("speed of particle {}", n + 1),
+            (found - exact) / speed,
+            steps + curvature,
+        );
     }
     tally.check("energy", motion.drift(&end.state), 2.0 * steps);
     Ok(())
@@ -147,7 +148,7 @@ fn anti_resonances(tally: &mut Tally) -> Result<(), String> {
     {
         let chain = pressed(diatomic(220, LIGHT / ratio), 0.0)?;
         let motion = Motion { velocities: kick(&chain, 0, 1.0), chain: &chain };
-        let peaks = motion.contact_peaks(&[241, 401], 1e-8, 20e-3)?;
+        let peaks = motion.contact_peaks(&[241, 401], 1e-8, 60e-3)?;
         let [early, late] = peaks.as_slice() else { return Err("no pulse arrived".to_owned()) };
         let found = 1.0 - (late.dynamic_n / early.dynamic_n).powf(1.0 / 80.0);
         tally.check(format!("decay a cell at m/M = {ratio}"), found - decay, known);
