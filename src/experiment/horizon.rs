@@ -17,13 +17,15 @@ use crate::scene::Scene;
 const LOOKS: u32 = 64;
 /// How much more accurate the second motion is (1).
 const TIGHTER: f64 = 0.01;
+/// Two motions of the same accuracy share the size of their errors, not the errors: the estimate may be off by so much (1).
+const LUCK: f64 = 4.0;
 /// The second motion's steps tolerate at least this much: rounding is no error of the method (1).
 const TIGHTEST: f64 = 1e-14;
 
 /// The error of a motion, as far as a second, tighter one can tell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Horizon {
-    /// The last time before the error exceeded `sqrt(accuracy)`; none if it never did (s).
+    /// The last time before the error may have exceeded `sqrt(accuracy)`; none if it never did (s).
     pub time: Option<f64>,
     /// Largest error of overlaps and speeds, relative to the largest so far, up to each of the times that were looked at (1).
     pub errors: Vec<f64>,
@@ -53,7 +55,7 @@ pub fn horizon(
         let (overlap, speed) = difference(chain, found, exact, &mut scales);
         most = most.max(overlap / scales.0).max(speed / scales.1);
         horizon.errors.push(most);
-        if most > accuracy.sqrt() && horizon.time.is_none() {
+        if LUCK * most > accuracy.sqrt() && horizon.time.is_none() {
             horizon.time = Some(before);
         }
         before = exact.time;

@@ -1,0 +1,233 @@
+//! Ten thousand random scenes that are valid, and as many that a mutation may have spoilt: nothing panics, nothing hangs, no state
+//! stops being a number, energy stays where it was, and forces are as accurate as was asked.
+
+use std::fmt::Write as _;
+
+use hertzscope::chain::ForceProbe;
+use hertzscope::experiment::bench::{Bench, start};
+use hertzscope::experiment::for_accuracy;
+use hertzscope::integrate::{Method, State};
+use hertzscope::scene::{Scene, SceneError};
+
+use super::chains::NEVER;
+
+/// Scenes of each kind.
+const SCENES: u64 = 10_000;
+/// One scene in so many is held against another family of methods.
+const SAMPLE: u64 = 50;
+/// No scene needs more force evaluations for what is asked of it here; a hundred times the usual.
+const MOST_EVALUATIONS: u64 = 200_000;
+
+/// Random numbers from a seed: S. Vigna, `SplitMix64` (2015).
+struct Random(u64);
+
+impl Random {
+    fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    fn unit(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn below(&mut self, count: usize) -> usize {
+        (self.bits() % count as u64) as usize
+    }
+
+    fn one_in(&mut self, count: usize) -> bool {
+        self.below(count) == 0
+    }
+
+    /// Evenly spread in the logarithm.
+    fn log(&mut self, low: f64, high: f64) -> f64 {
+        low * (high / low).powf(self.unit())
+    }
+}
+
+/// What stands at the ends, and what presses.
+enum Statics {
+    /// Nothing presses and nothing holds.
+    Loose,
+    /// Equal forces at both ends (N).
+    Squeezed(f64),
+    /// A wall below; gravity (m/s²), magnet (N) and a force from above (N) may press.
+    Standing { gravity: f64, magnet: f64, top: f64 },
+    /// Between two walls, preloaded (N).
+    Walled(f64),
+}
+
+/// The text of a random scene that is valid.
+fn scene(random: &mut Random) -> String {
+    let mut text = "title = \"A random scene\"\nduration = \"2 ms\"\n".to_owned();
+    let accuracy = random.log(1e-8, 1e-2);
+    writeln!(text, "accuracy = {accuracy:e}").unwrap();
+    for name in ["a", "b", "c"] {
+        let (modulus, ratio) = (random.log(1e8, 1e12), 0.05 + 0.44 * random.unit());
+        writeln!(text, "[materials.{name}]\nyoungs_modulus = \"{modulus:e} Pa\"\npoissons_ratio = {ratio}").unwrap();
+    }
+    let material = |random: &mut Random| ["a", "b", "c"][random.below(3)];
+    let statics = match random.below(4) {
+        0 => Statics::Loose,
+        1 => Statics::Squeezed(random.log(1e-6, 1e3)),
+        2 => Statics::Walled(if random.one_in(3) { 0.0 } else { random.log(1e-6, 1e3) }),
+        _ => {
+            let mut some = |chance, low, high| if random.one_in(chance) { 0.0 } else { random.log(low, high) };
+            Statics::Standing { gravity: some(3, 1e-3, 30.0), magnet: some(2, 1e-3, 1e2), top: some(2, 1e-6, 1e2) }
+        }
+    };
+    let standing = matches!(statics, Statics::Standing { .. } | Statics::Walled(_));
+    let walled = matches!(statics, Statics::Walled(_));
+    // A flat face needs a curved one beside it, walls are flat.
+    let count = 1 + random.below(60);
+    let mut flat_above = walled;
+    let mut particles = Vec::new();
+    for index in 0..count {
+        let last = index + 1 == count && standing;
+        let flat = !flat_above && !last && random.one_in(3);
+        let (diameter, density) = (random.log(1e-3, 3e-2), random.log(5e2, 2e4));
+        let mass = density * std::f64::consts::PI / 6.0 * diameter.powi(3);
+        let height = if flat { format!("height = \"{:e} m\"\n", 0.6 * diameter) } else { String::new() };
+        let material = material(random);
+        writeln!(text, "[particles.p{index}]\nmaterial = \"{material}\"\ndiameter = \"{diameter:e} m\"\n{height}mass = \"{mass:e} kg\"").unwrap();
+        particles.push(format!("\"p{index}\""));
+        flat_above = flat;
+    }
+    let first_flat = text.contains("[particles.p0]") && text.split("[particles.p0]").nth(1).is_some_and(|rest| rest.split("mass").next().is_some_and(|body| body.contains("height")));
+    let force = |newton: f64| if newton > 0.0 { format!("{{ force = \"{newton:e} N\" }}") } else { "\"free\"".to_owned() };
+    let wall = |newton: f64| format!("{{ wall = \"a\", preload = \"{newton:e} N\" }}");
+    let (top, bottom) = match statics {
+        Statics::Loose => (force(0.0), force(0.0)),
+        Statics::Squeezed(newton) => (force(newton), force(newton)),
+        Statics::Walled(preload) => (wall(preload), "{ wall = \"b\" }".to_owned()),
+        Statics::Standing { top, .. } => (force(top), "{ wall = \"b\" }".to_owned()),
+    };
+    writeln!(text, "[chain]\ntop = {top}\nbottom = {bottom}\n[[chain.segments]]\nparticles = [{}]", particles.join(", ")).unwrap();
+    if !walled && random.one_in(2) {
+        let (mass, speed) = (random.log(1e-6, 1e-1), random.log(1e-3, 5.0));
+        let shape = if first_flat || random.one_in(2) { "diameter = \"1 cm\"\n" } else { "" };
+        let material = material(random);
+        writeln!(text, "[striker]\nmaterial = \"{material}\"\nmass = \"{mass:e} kg\"\n{shape}speed = \"{speed:e} m/s\"").unwrap();
+    } else {
+        let (particle, speed) = (1 + random.below(count), random.log(1e-3, 5.0));
+        let sign = if random.one_in(2) { "-" } else { "" };
+        writeln!(text, "[[initial_velocities]]\nparticle = {particle}\nvelocity = \"{sign}{speed:e} m/s\"").unwrap();
+    }
+    if let Statics::Standing { gravity, magnet, .. } = statics {
+        if gravity > 0.0 {
+            writeln!(text, "[effects.gravity]\nacceleration = \"{gravity:e} m/s^2\"").unwrap();
+        }
+        if magnet > 0.0 {
+            let particle = 1 + random.below(count);
+            writeln!(text, "[effects.magnet_preload]\nforce = \"{magnet:e} N\"\nparticle = {particle}").unwrap();
+        }
+    }
+    text + SCOPE
+}
+
+/// A sensor and an oscilloscope, which every scene has.
+const SCOPE: &str = r#"
+[sensors.p]
+model = "pzt-5a-710pf"
+particle = 1
+
+[scope]
+model = "tds2014"
+time_base = "250 us/div"
+
+[scope.trigger]
+source = "CH1"
+level = "10 mV"
+
+[scope.ch1]
+input = "p"
+scale = "1 V/div"
+"#;
+
+fn load(text: &str) -> Result<Scene, SceneError> {
+    Scene::from_text("random", "random.toml", text)
+}
+
+/// How long to run: a few to a few dozen times as long as the impact takes (s).
+fn duration(random: &mut Random, scene: &Scene) -> f64 {
+    let speed = scene.initial_velocities.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    random.log(2.0, 60.0) * scene.chain.impact_overlap(&scene.initial_velocities) / speed
+}
+
+/// Runs to the end or until `most` evaluations; the state there, the steps and whether the end was reached.
+fn run(scene: &Scene, end: f64, most: u64) -> Result<(State, u64, bool), String> {
+    let position = vec![0.0; scene.initial_velocities.len()];
+    let state = State { time: 0.0, position, velocity: scene.initial_velocities.clone() };
+    let mut integrator = start(&scene.chain, for_accuracy(scene.accuracy), state);
+    while integrator.time() < end && integrator.work().force_evaluations < most {
+        integrator.step(end).map_err(|error| error.to_string())?;
+    }
+    Ok((integrator.state(), integrator.work().steps, integrator.time() >= end))
+}
+
+fn is_finite(state: &State) -> bool {
+    state.position.iter().chain(&state.velocity).all(|value| value.is_finite())
+}
+
+/// Largest error of first peaks' forces and of their times, relative to the accuracy, as much less as a pulse is weaker than the
+/// loudest: that is what the error control measures by.
+fn peak_error(scene: &Scene, end: f64) -> f64 {
+    let contacts = scene.chain.contacts().iter().enumerate().filter(|(_, c)| c.stiffness > 0.0);
+    let probes: Vec<ForceProbe> =
+        contacts.filter_map(|(j, _)| ForceProbe::contact(&scene.chain, j)).collect();
+    let peaks = |method: Method| {
+        let velocities = &scene.initial_velocities;
+        let mut bench = Bench::new(&scene.chain, velocities, method, &probes, (NEVER, NEVER));
+        bench.run_until(end, true, &mut |_| ()).expect("a run");
+        bench.watches().iter().map(|w| w.pulse.first_peak()).collect::<Vec<_>>()
+    };
+    let exact = peaks(Method::DormandPrince853 { tolerance: 1e-12 });
+    let found = peaks(for_accuracy(scene.accuracy));
+    let loudest = exact.iter().flatten().map(|p| p.dynamic_n).fold(0.0, f64::max);
+    let mut worst = 0.0_f64;
+    for (found, exact) in found.iter().zip(&exact) {
+        let (Some(found), Some(exact)) = (found, exact) else { continue };
+        let share = exact.dynamic_n / loudest / scene.accuracy;
+        // Another peak: a quarter of the largest force so far decides which is the first.
+        if (found.time_s / exact.time_s - 1.0).abs() > 0.01 { continue; }
+        worst = worst.max((found.dynamic_n / exact.dynamic_n - 1.0).abs() * share);
+        worst = worst.max((found.time_s / exact.time_s - 1.0).abs() * share);
+    }
+    worst
+}
+
+/// What is found over many scenes: quantiles of a figure.
+fn quantiles(what: &str, values: &mut [f64]) -> String {
+    values.sort_by(f64::total_cmp);
+    let at = |share: f64| values[((values.len() - 1) as f64 * share) as usize];
+    format!("{what}: median {:.1e}, 90 % {:.1e}, 99 % {:.1e}, 99.9 % {:.1e}, worst {:.1e} of {} scenes", at(0.5), at(0.9), at(0.99), at(0.999), at(1.0), values.len())
+}
+
+#[test]
+fn valid_scenes_keep_their_promises() {
+    let (mut drifts, mut errors) = (Vec::new(), Vec::new());
+    for seed in 0..SCENES {
+        let mut random = Random(seed);
+        let text = scene(&mut random);
+        let scene = load(&text).unwrap_or_else(|error| panic!("{seed}: {error}\n{text}"));
+        let end = duration(&mut random, &scene);
+        let (state, steps, done) = run(&scene, end, MOST_EVALUATIONS).unwrap_or_else(|error| panic!("{seed}: {error}"));
+        assert!(done, "{seed}: no end after {steps} steps");
+        assert!(is_finite(&state), "{seed}");
+        let rest = State { time: 0.0, position: vec![0.0; state.position.len()], velocity: scene.initial_velocities.clone() };
+        let before = scene.chain.energy_above_static(&rest);
+        let drift = scene.chain.energy_above_static(&state) / before - 1.0;
+        drifts.push(drift.abs() / scene.accuracy / steps as f64);
+        if drift.abs() / scene.accuracy / steps as f64 > 2.0 { println!("{seed}: drift {drift:.1e} accuracy {:.1e} steps {steps} n {}", scene.accuracy, scene.chain.particles()); }
+        if seed % SAMPLE == 0 {
+            let error = peak_error(&scene, end);
+            if error > 1.0 { println!("{seed}: error {error} accuracy {:.1e} steps {steps}", scene.accuracy); }
+            errors.push(error);
+        }
+    }
+    println!("{}", quantiles("energy drift over accuracy a step", &mut drifts));
+    println!("{}", quantiles("peak error over accuracy", &mut errors));
+}
