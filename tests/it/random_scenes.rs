@@ -96,7 +96,9 @@ fn scene(random: &mut Random) -> String {
     let standing = matches!(statics, Statics::Standing { .. } | Statics::Walled(_));
     let walled = matches!(statics, Statics::Walled(_));
     // A flat face needs a curved one beside it, walls are flat.
-    let count = random.log(1.0, 61.0) as usize;
+    let standing_or_struck = standing || random.one_in(2);
+    // A lone particle needs something to touch.
+    let count = (random.log(1.0, 61.0) as usize).max(2 - usize::from(standing_or_struck));
     let mut flat_above = walled;
     let mut particles = Vec::new();
     for index in 0..count {
@@ -131,7 +133,7 @@ fn scene(random: &mut Random) -> String {
         particles.join(", ")
     )
     .unwrap();
-    if !walled && random.one_in(2) {
+    if !walled && (!standing && standing_or_struck || standing && random.one_in(2)) {
         let (mass, speed) = (random.log(1e-6, 1e-1), random.log(1e-3, 5.0));
         let shape = if first_flat || random.one_in(2) { "diameter = \"1 cm\"\n" } else { "" };
         let material = material(random);
