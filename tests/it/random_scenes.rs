@@ -65,11 +65,25 @@ enum Statics {
     Walled(f64),
 }
 
-/// The text of a random scene that is valid.
-fn scene(random: &mut Random) -> String {
-    let mut text = "title = \"A random scene\"\nduration = \"2 ms\"\n".to_owned();
-    let accuracy = random.log(1e-8, 1e-2);
-    writeln!(text, "accuracy = {accuracy:e}").unwrap();
+/// What presses on a chain that stands on a wall.
+fn effects(random: &mut Random, statics: &Statics, count: usize, text: &mut String) {
+    if let Statics::Standing { gravity, magnet, .. } = statics {
+        if *gravity > 0.0 {
+            writeln!(text, "[effects.gravity]\nacceleration = \"{gravity:e} m/s^2\"").unwrap();
+        }
+        if *magnet > 0.0 {
+            let particle = 1 + random.below(count);
+            writeln!(
+                text,
+                "[effects.magnet_preload]\nforce = \"{magnet:e} N\"\nparticle = {particle}"
+            )
+            .unwrap();
+        }
+    }
+}
+
+/// Three random materials.
+fn materials(random: &mut Random, text: &mut String) {
     for name in ["a", "b", "c"] {
         let (modulus, ratio) = (random.log(1e8, 1e12), 0.05 + 0.44 * random.unit());
         writeln!(
@@ -78,6 +92,14 @@ fn scene(random: &mut Random) -> String {
         )
         .unwrap();
     }
+}
+
+/// The text of a random scene that is valid.
+fn scene(random: &mut Random) -> String {
+    let mut text = "title = \"A random scene\"\nduration = \"2 ms\"\n".to_owned();
+    let accuracy = random.log(1e-8, 1e-2);
+    writeln!(text, "accuracy = {accuracy:e}").unwrap();
+    materials(random, &mut text);
     let material = |random: &mut Random| ["a", "b", "c"][random.below(3)];
     let statics = match random.below(4) {
         0 => Statics::Loose,
@@ -147,19 +169,7 @@ fn scene(random: &mut Random) -> String {
         )
         .unwrap();
     }
-    if let Statics::Standing { gravity, magnet, .. } = statics {
-        if gravity > 0.0 {
-            writeln!(text, "[effects.gravity]\nacceleration = \"{gravity:e} m/s^2\"").unwrap();
-        }
-        if magnet > 0.0 {
-            let particle = 1 + random.below(count);
-            writeln!(
-                text,
-                "[effects.magnet_preload]\nforce = \"{magnet:e} N\"\nparticle = {particle}"
-            )
-            .unwrap();
-        }
-    }
+    effects(random, &statics, count, &mut text);
     text + SCOPE
 }
 
@@ -270,7 +280,7 @@ fn valid_scenes(part: u64) {
         let drift = (after / before - 1.0).abs() / scene.accuracy / steps as f64;
         assert!(drift <= 2.0, "{seed}: {drift}");
         drifts.push(drift);
-        if seed / PARTS % SAMPLE == 0 {
+        if (seed / PARTS).is_multiple_of(SAMPLE) {
             // Likewise in forces, which go as the overlap to the power 1.5.
             let error = peak_error(&scene, end) / scene.accuracy;
             assert!(error <= 1.5 * steps as f64, "{seed}: {error} in {steps} steps");

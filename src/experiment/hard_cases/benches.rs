@@ -38,7 +38,7 @@ pub fn diatomic(cells: usize, heavy: f64) -> Vec<Body> {
 /// Particles between `ends`.
 pub fn between(particles: Vec<Body>, ends: (End, End)) -> Result<Chain, String> {
     let effects = EffectsSpec::default();
-    assemble(ChainSpec {
+    assemble(&ChainSpec {
         striker: None,
         particles,
         top: ends.0,
@@ -55,8 +55,8 @@ pub fn pressed(particles: Vec<Body>, force: f64) -> Result<Chain, String> {
 }
 
 /// A chain, or why there is none.
-pub fn assemble(spec: ChainSpec) -> Result<Chain, String> {
-    Chain::new(&spec).map_err(|error| error.to_string())
+pub fn assemble(spec: &ChainSpec) -> Result<Chain, String> {
+    Chain::new(spec).map_err(|error| error.to_string())
 }
 
 /// One body moves, with `speed` (m/s).
@@ -70,7 +70,9 @@ pub fn kick(chain: &Chain, body: usize, speed: f64) -> Vec<f64> {
 
 /// A chain set in motion.
 pub struct Motion<'a> {
+    /// The chain.
     pub chain: &'a Chain,
+    /// Velocity of each body at the start (m/s).
     pub velocities: Vec<f64>,
 }
 

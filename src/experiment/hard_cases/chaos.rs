@@ -30,7 +30,7 @@ fn column() -> Result<Chain, String> {
     let mut particles = diatomic(300, HEAVY);
     // A cylinder's flat face would make no Hertz contact with the wall.
     particles.push(sphere(LIGHT, PTFE));
-    assemble(ChainSpec {
+    assemble(&ChainSpec {
         striker: None,
         particles,
         top: End::Free,

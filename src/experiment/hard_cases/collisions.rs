@@ -63,7 +63,7 @@ fn two_bodies(tally: &mut Tally) -> Result<(), String> {
 
 fn strikers(tally: &mut Tally) -> Result<(), String> {
     for ratio in [1e-6, 1e-4, 1e-2, 1.0, 1e2, 1e4, 1e6] {
-        let chain = assemble(ChainSpec {
+        let chain = assemble(&ChainSpec {
             striker: Some(sphere(ratio * LIGHT, STEEL)),
             particles: diatomic(8, HEAVY),
             top: End::Free,

@@ -46,7 +46,7 @@ pub const CASES: &[HardCase] = &[
 
 /// Two spheres under 2.38 N from both ends, their contact linearised: an oscillator.
 fn oscillator() -> Result<Chain, String> {
-    assemble(ChainSpec {
+    assemble(&ChainSpec {
         striker: None,
         particles: spheres(2),
         top: End::Force(2.38),
@@ -180,13 +180,12 @@ fn above_the_edge(tally: &mut Tally) -> Result<(), String> {
     let mut cause = None;
     for method in BY_HAND {
         let step = 1.001 * longest_step(&scene.chain, &scene.initial_velocities, method)?;
-        let refusal = match run(&scene, Integration::Method(method(step)), 1, &mut |_| ()) {
-            Err(error @ RunError::Unstable { .. }) => error.to_string(),
-            _ => {
-                tally.check("a step beyond the limit was taken", step, 0.0);
-                return Ok(());
-            }
+        let done = run(&scene, Integration::Method(method(step)), 1, &mut |_| ());
+        let Err(refusal @ RunError::Unstable { .. }) = done else {
+            tally.check("a step beyond the limit was taken", step, 0.0);
+            return Ok(());
         };
+        let refusal = refusal.to_string();
         cause.get_or_insert(refusal);
     }
     cause.map_or(Ok(()), Err)

@@ -121,7 +121,7 @@ fn column(tally: &mut Tally) -> Result<(), String> {
     // A cylinder's flat face would make no Hertz contact with the wall.
     particles.push(sphere(LIGHT, PTFE));
     let gravity = Some(Gravity { acceleration: 1e-3 });
-    let chain = assemble(ChainSpec {
+    let chain = assemble(&ChainSpec {
         striker: None,
         particles,
         top: End::Free,
