@@ -71,6 +71,17 @@ impl Chain {
         energy
     }
 
+    /// Energy of `state` above that of static equilibrium, without the digits that the two share (J).
+    #[must_use]
+    pub fn energy_above_static(&self, state: &State) -> f64 {
+        let kinetic = self.bodies.iter().zip(&state.velocity).map(|(b, v)| 0.5 * b.mass * v * v);
+        let elastic = self.contacts.iter().enumerate().filter(|(_, c)| c.stiffness > 0.0);
+        let elastic =
+            elastic.map(|(j, c)| c.energy_change(self.overlap_change(&state.position, j)));
+        let loads = self.residual.iter().zip(&state.position).map(|(force, u)| force * u);
+        kinetic.sum::<f64>() + elastic.sum::<f64>() - loads.sum::<f64>()
+    }
+
     /// Total momentum of `state`, downward positive (kg m/s).
     #[must_use]
     pub fn momentum(&self, state: &State) -> f64 {

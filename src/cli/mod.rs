@@ -9,6 +9,7 @@ mod completions;
 mod convert;
 mod cost;
 mod force;
+mod hard_cases;
 mod info;
 mod magnet;
 mod man;
@@ -30,6 +31,8 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+/// Exit code of an answer that is no.
+const NO: u8 = 1;
 /// Exit code of what could not be done; clap uses the same for wrong options.
 const COULD_NOT: u8 = 2;
 
@@ -47,6 +50,7 @@ enum Command {
     Info(info::Arguments),
     Convert(convert::Arguments),
     Cost(cost::Arguments),
+    HardCases(hard_cases::Arguments),
     Scenes(scenes::Arguments),
     Spectrum(spectrum::Arguments),
     Spectrogram(spectrogram::Arguments),
@@ -71,6 +75,10 @@ pub fn main() -> ExitCode {
         Command::Info(arguments) => info::run(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),
         Command::Cost(arguments) => cost::run(&arguments),
+        Command::HardCases(arguments) => match hard_cases::run(&arguments) {
+            Ok(false) => return ExitCode::from(NO),
+            done => done.map(|_| ()),
+        },
         Command::Scenes(arguments) => scenes::run(&arguments),
         Command::Spectrum(arguments) => spectrum::run(&arguments),
         Command::Spectrogram(arguments) => spectrogram::run(&arguments),

@@ -8,7 +8,7 @@ use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
 
 use super::progress::Progress;
-use crate::experiment::{self, Integration, facts};
+use crate::experiment::{self, Integration, facts, horizon};
 use crate::integrate::Method;
 use crate::quantity::{Dimension, parse};
 use crate::recording::mcap::RecordingWriter;
@@ -104,7 +104,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut progress = Progress::new(&scene.name, arguments.quiet);
     let outcome = experiment::run(&scene, integration, 1, &mut |share| progress.at(share));
     progress.done();
-    let outcome = match outcome {
+    let mut outcome = match outcome {
         Ok(outcome) => outcome,
         Err(error) => {
             drop(early);
@@ -112,6 +112,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             return Err(error.into());
         }
     };
+    if let Integration::Accuracy(accuracy) = integration {
+        outcome.summary.notes.extend(horizon::note(&scene, accuracy));
+    }
     let written = early.map_or_else(create, Ok).and_then(|mut writer| {
         writer.add(&outcome.shot, &facts::shot_notes(&scene, &outcome))?;
         writer.finish()

@@ -58,6 +58,15 @@ enum Engine<'a> {
     General(Box<dyn Integrator + 'a>),
 }
 
+/// A pair of the chain's own stepper at work on a lossless chain, from any state.
+#[must_use]
+pub fn start(chain: &Chain, method: Method, state: State) -> Box<dyn Integrator> {
+    if let Some(pair) = method.nystrom() {
+        return Box::new(ChainStepper::from_state(chain, state, pair, InstructionSet::best()));
+    }
+    method.start(chain.system(&state.velocity), state)
+}
+
 impl<'a> Engine<'a> {
     fn start(chain: &Chain, velocities: &[f64], method: Method, probes: &[ForceProbe]) -> Self {
         match method.nystrom() {

@@ -13,6 +13,8 @@ pub mod cost;
 pub mod ensemble;
 pub mod facts;
 mod film;
+pub mod hard_cases;
+pub mod horizon;
 pub mod inputs;
 mod losses;
 pub mod outcome;
@@ -21,6 +23,8 @@ pub mod pulse;
 pub mod recorded;
 pub mod wired;
 mod yielding;
+
+pub use losses::for_accuracy;
 
 use std::time::Instant;
 

@@ -261,6 +261,11 @@ pub fn initial_velocities(
 /// Puts the chain together; what does not fit is a problem of `[chain]`.
 pub fn assemble(spec: &ChainSpec, chain: &Table<'_>) -> Option<Chain> {
     match Chain::new(spec) {
+        Ok(built) if built.contacts().iter().all(|contact| contact.stiffness == 0.0) => {
+            let expected = "a striker, a wall or a second particle for it to touch";
+            chain.problem("segments", "a single particle that touches nothing", expected);
+            None
+        }
         Ok(built) => Some(built),
         Err(error) => {
             let text = error.to_string();

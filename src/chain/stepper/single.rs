@@ -58,6 +58,20 @@ impl ChainStepper {
         tolerance: f64,
         set: InstructionSet,
     ) -> Self {
+        let position = vec![0.0; velocities.len()];
+        let state = State { time: 0.0, position, velocity: velocities.to_vec() };
+        Self::from_state(chain, state, (pair, tolerance), set)
+    }
+
+    /// Starts at `state` with a pair and the tolerated error of its steps, as [`ChainStepper::new`] does at rest.
+    #[must_use]
+    pub fn from_state(
+        chain: &Chain,
+        state: State,
+        (pair, tolerance): (&'static NystromPair, f64),
+        set: InstructionSet,
+    ) -> Self {
+        let velocities = &state.velocity;
         let form = Form::needed(chain, velocities, tolerance);
         let mut plan = Plan::along(chain, form);
         dispatch(set, Settle::<Along>(&mut plan, PhantomData));
@@ -65,14 +79,17 @@ impl ChainStepper {
         for (i, velocity) in velocities.iter().enumerate() {
             work.now.velocity[i / WIDTH].0[i % WIDTH] = *velocity;
         }
+        for (i, position) in state.position.iter().enumerate() {
+            work.now.position[i / WIDTH].0[i % WIDTH] = *position;
+        }
         let (motion, first) = (&mut work.now, &mut work.stages[0]);
-        dispatch(
+        let overlap = dispatch(
             set,
             Evaluate::<Along> { plan: &plan, motion, acceleration: first, layout: PhantomData },
         );
         let bodies = chain.bodies().len();
         let speed = velocities.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-        let scales = (chain.impact_overlap(velocities), speed);
+        let scales = (chain.impact_overlap(velocities).max(overlap.0[0]), speed);
         let zeros = || vec![Row::default(); plan.rows()];
         Self {
             set,
@@ -84,8 +101,8 @@ impl ChainStepper {
             scales,
             lightest: chain.lightest(),
             bodies,
-            time: 0.0,
-            last_step: (0.0, 0.0),
+            time: state.time,
+            last_step: (state.time, 0.0),
             counts: Work { force_evaluations: 1, ..Work::default() },
             events: 0,
             jerks: [zeros(), zeros()],

@@ -9,6 +9,7 @@ const SUBCOMMANDS: &[(&str, &[&str])] = &[
     ),
     ("info", &["<FILE>", "--json"]),
     ("convert", &["<INPUT>", "<OUTPUT>", "--quiet"]),
+    ("hard-cases", &["--json", "--quiet"]),
     ("scenes", &["[NAME]", "--json"]),
     #[cfg(feature = "server")]
     ("serve", &["[SCENE]", "--listen", "--impact-every", "--header"]),

@@ -1,0 +1,31 @@
+//! `hertzscope hard-cases`: what breaks integrators, and what becomes of it here.
+
+use clap::Args;
+
+use super::progress::Progress;
+use crate::experiment::hard_cases::{Verdict, judge_all};
+use crate::report;
+
+/// Compute the catalogue of hard cases: each right within its bound, or refused; exit code 1 if one is wrong
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// Print the catalogue as JSON
+    #[arg(long)]
+    json: bool,
+    /// No progress bar
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// Whether no case is wrong.
+pub fn run(arguments: &Arguments) -> anyhow::Result<bool> {
+    let mut progress = Progress::new("hard cases", arguments.quiet);
+    let findings = judge_all(&mut |share| progress.at(share));
+    progress.done();
+    if arguments.json {
+        super::print(&serde_json::to_string_pretty(&findings)?)?;
+    } else {
+        super::print(&report::hard_cases(&findings))?;
+    }
+    Ok(findings.iter().all(|finding| finding.verdict != Verdict::Wrong))
+}

@@ -1,0 +1,192 @@
+//! Long runs, runs back in time, and steps that are too long.
+
+use super::HardCase;
+use super::benches::{
+    HEAVY, LIGHT, Motion, advance, assemble, diatomic, drift_bound, kick, pressed, spheres,
+};
+use super::tally::Tally;
+use crate::chain::{Chain, ChainSpec, EffectsSpec, End, LinearisedContacts};
+use crate::experiment::bench::start;
+use crate::experiment::{Integration, RunError, for_accuracy, run};
+use crate::integrate::{Method, State};
+use crate::scene::Scene;
+
+pub const CASES: &[HardCase] = &[
+    HardCase {
+        name: "ten million steps",
+        why: "rounding adds up, in the state and in the clock",
+        bound: "velocity Verlet on an oscillator is known in closed form, w t = 2 asin(w h/2) a step: one rounding of the phase for each step",
+        compute: ten_million_steps,
+    },
+    HardCase {
+        name: "3 s of a preloaded chain",
+        why: "fifteen hundred times as long as a record of the bench",
+        bound: "energy: twice the accuracy of 1e-9 for each of the steps",
+        compute: three_seconds,
+    },
+    HardCase {
+        name: "time reversal",
+        why: "nothing is lost, so the film must run backwards to where it began, openings and all",
+        bound: "back to rest: the error of each step, grown for the time of the run",
+        compute: time_reversal,
+    },
+    HardCase {
+        name: "just below the edge of stability",
+        why: "a step that is a little too long lets the energy grow from rounding",
+        bound: "energy over 1e5 steps at 0.999 of the limit: at most 1/(1 - 0.999^2) = 500 times what it was, as velocity Verlet on an oscillator has it; an unstable step would leave no number",
+        compute: below_the_edge,
+    },
+    HardCase {
+        name: "just above the edge of stability",
+        why: "nothing in the method would say so",
+        bound: "refused, with contact, limit and step",
+        compute: above_the_edge,
+    },
+];
+
+/// Two spheres under 2.38 N from both ends, their contact linearised: an oscillator.
+fn oscillator() -> Result<Chain, String> {
+    assemble(&ChainSpec {
+        striker: None,
+        particles: spheres(2),
+        top: End::Force(2.38),
+        bottom: End::Force(2.38),
+        wall_preload: 0.0,
+        effects: EffectsSpec {
+            linearised_contacts: Some(LinearisedContacts),
+            ..EffectsSpec::default()
+        },
+    })
+}
+
+fn ten_million_steps(tally: &mut Tally) -> Result<(), String> {
+    const STEPS: f64 = 1e7;
+    let chain = oscillator()?;
+    let omega = (2.0 * chain.contacts()[1].static_stiffness() / LIGHT).sqrt();
+    // 3 s, at 60 steps a period.
+    let step = 3.0 / STEPS;
+    let motion = Motion { velocities: vec![0.5, -0.5], chain: &chain };
+    let end = motion.by(Method::VelocityVerlet { step }, STEPS * step)?;
+    #[allow(clippy::cast_precision_loss, reason = "ten million")]
+    let steps = end.work.steps as f64;
+    tally.check("steps", steps - STEPS, 0.5);
+    // Each step turns by this angle; position and velocity of the numerical solution are its sine and cosine.
+    let half = 0.5 * omega * step;
+    let phase = STEPS * 2.0 * half.asin();
+    let exact = phase.sin() / (omega * (1.0 - half * half).sqrt());
+    let (position, velocity) = (&end.state.position, &end.state.velocity);
+    let rounding = STEPS * f64::EPSILON * std::f64::consts::TAU;
+    let found = position[0] - position[1];
+    tally.check("overlap after 3 s", (found - exact) * omega, rounding);
+    tally.check("closing speed after 3 s", velocity[0] - velocity[1] - phase.cos(), rounding);
+    Ok(())
+}
+
+fn three_seconds(tally: &mut Tally) -> Result<(), String> {
+    const ACCURACY: f64 = 1e-9;
+    let chain = pressed(diatomic(4, HEAVY), 2.38)?;
+    let motion = Motion { velocities: kick(&chain, 0, 0.05), chain: &chain };
+    let end = motion.after(3.0, ACCURACY)?;
+    tally.check("energy", motion.drift(&end.state), drift_bound(&end, ACCURACY));
+    let momentum = |state: &State| chain.momentum(state);
+    // Equal forces at both ends: momentum stays. Rounding takes half an ulp a step and body at most.
+    let before = LIGHT * 0.05;
+    #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^53 steps")]
+    let rounding = 8.0 * end.work.steps as f64 * f64::EPSILON;
+    tally.check("momentum", momentum(&end.state) / before - 1.0, rounding);
+    Ok(())
+}
+
+/// Runs `chain` for `time` (s), turns every velocity round, and runs it back; returns how far overlaps and speeds are from where
+/// they began, relative to their largest, and the number of steps.
+fn there_and_back(chain: &Chain, method: Method, time: f64) -> Result<(f64, f64), String> {
+    const SPEED: f64 = 0.1;
+    let motion = Motion { velocities: kick(chain, 0, SPEED), chain };
+    let there = motion.by(method, time)?;
+    let mut state = State { time: 0.0, ..there.state };
+    for velocity in &mut state.velocity {
+        *velocity = -*velocity;
+    }
+    let mut back = start(chain, method, state);
+    advance(back.as_mut(), time).map_err(|error| error.to_string())?;
+    let state = back.state();
+    let scale = chain.impact_overlap(&motion.velocities);
+    let position = state.position.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let off = |(found, exact): (&f64, &f64)| (found + exact).abs();
+    let speed = state.velocity.iter().zip(&motion.velocities).map(off).fold(0.0_f64, f64::max);
+    #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^53 steps")]
+    let steps = (there.work.steps + back.work().steps) as f64;
+    // An error in a speed becomes one in position with the time, in units of the overlap.
+    Ok(((position / scale).max(speed / SPEED), steps * SPEED * time / scale))
+}
+
+fn time_reversal(tally: &mut Tally) -> Result<(), String> {
+    for force in [0.0, 2.38] {
+        let chain = pressed(diatomic(10, HEAVY), force)?;
+        for accuracy in [1e-6, 1e-9] {
+            let (error, growth) = there_and_back(&chain, for_accuracy(accuracy), 1e-3)?;
+            tally.check(format!("{force} N, accuracy {accuracy:e}"), error, accuracy * growth);
+        }
+        // Symplectic and symmetric: these come back to where they began at any step, but for rounding.
+        let step = 0.5e-6;
+        for method in
+            [Method::VelocityVerlet { step }, Method::Pefrl { step }, Method::BlanesMoan { step }]
+        {
+            let (error, growth) = there_and_back(&chain, method, 1e-3)?;
+            tally.check(format!("{force} N, {}", method.name()), error, f64::EPSILON * growth);
+        }
+    }
+    Ok(())
+}
+
+/// The fixed-step methods, with a step (s).
+const BY_HAND: [fn(f64) -> Method; 3] = [
+    |step| Method::VelocityVerlet { step },
+    |step| Method::Pefrl { step },
+    |step| Method::BlanesMoan { step },
+];
+
+fn longest_step(
+    chain: &Chain,
+    velocities: &[f64],
+    method: fn(f64) -> Method,
+) -> Result<f64, String> {
+    let (_, reach) = method(1.0).fixed_step().ok_or("a method without a fixed step")?;
+    let limit = chain.stability_limit(velocities, reach).ok_or("a chain without contacts")?;
+    Ok(limit.step)
+}
+
+fn below_the_edge(tally: &mut Tally) -> Result<(), String> {
+    const CLOSE: f64 = 0.999;
+    let most = 1.0 / (1.0 - CLOSE * CLOSE);
+    for (name, chain) in [
+        ("two spheres", pressed(spheres(2), 2.38)?),
+        ("forty equal spheres", pressed(spheres(40), 2.38)?),
+        ("twenty cells", pressed(diatomic(20, HEAVY), 2.38)?),
+    ] {
+        let motion = Motion { velocities: kick(&chain, 0, 1e-4), chain: &chain };
+        for method in BY_HAND {
+            let step = CLOSE * longest_step(&chain, &motion.velocities, method)?;
+            let method = method(step);
+            let end = motion.by(method, 1e5 * step)?;
+            tally.check(format!("{name}, {}", method.name()), motion.drift(&end.state), most);
+        }
+    }
+    Ok(())
+}
+
+fn above_the_edge(tally: &mut Tally) -> Result<(), String> {
+    let scene = Scene::load("magnet-0.61g").map_err(|error| error.to_string())?;
+    let mut cause = None;
+    for method in BY_HAND {
+        let step = 1.001 * longest_step(&scene.chain, &scene.initial_velocities, method)?;
+        let done = run(&scene, Integration::Method(method(step)), 1, &mut |_| ());
+        let Err(refusal @ RunError::Unstable { .. }) = done else {
+            tally.check("a step beyond the limit was taken", step, 0.0);
+            return Ok(());
+        };
+        let refusal = refusal.to_string();
+        cause.get_or_insert(refusal);
+    }
+    cause.map_or(Ok(()), Err)
+}

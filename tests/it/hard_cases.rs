@@ -1,0 +1,36 @@
+//! The catalogue of hard cases, and the horizon that a rattling chain is given.
+
+use hertzscope::experiment::hard_cases::{Verdict, catalogue};
+use hertzscope::experiment::horizon::horizon;
+
+use super::chains::diatomic;
+
+/// Judges every second case from `first`: two tests, so that they run side by side.
+fn judge(first: usize) {
+    for case in catalogue().iter().skip(first).step_by(2) {
+        let finding = case.judge();
+        println!("{}: {}, {}", finding.case, finding.verdict.word(), finding.figure);
+        assert_ne!(finding.verdict, Verdict::Wrong, "{}: {}", finding.case, finding.figure);
+        // One case alone is to be refused.
+        let refused = finding.case == "just above the edge of stability";
+        assert_eq!(finding.verdict == Verdict::Refused, refused, "{}", finding.figure);
+    }
+}
+
+#[test]
+fn even_cases_are_right_or_refused() {
+    judge(0);
+}
+
+#[test]
+fn odd_cases_are_right_or_refused() {
+    judge(1);
+}
+
+#[test]
+fn chains_that_stay_closed_have_no_horizon() {
+    let chain = diatomic(10, 2.38, false);
+    let mut velocities = vec![0.0; 20];
+    velocities[0] = 0.01;
+    assert_eq!(horizon(&chain, &velocities, (2e-3, 1e-6)), Ok(None));
+}

@@ -1,0 +1,371 @@
+//! Ten thousand random scenes that are valid, and as many that a mutation may have spoilt: nothing panics, nothing hangs, no state
+//! stops being a number, energy stays where it was, and forces are as accurate as was asked.
+
+use std::fmt::Write as _;
+
+use hertzscope::chain::ForceProbe;
+use hertzscope::experiment::bench::{Bench, start};
+use hertzscope::experiment::for_accuracy;
+use hertzscope::integrate::{Method, State};
+use hertzscope::scene::{Problem, Scene, SceneError};
+
+use super::chains::NEVER;
+
+/// Scenes of each kind.
+const SCENES: u64 = 10_000;
+/// Parts in which they are run.
+const PARTS: u64 = 2;
+/// One scene in so many is held against another family of methods.
+const SAMPLE: u64 = 50;
+/// Thirty turns of the fastest contact take 30 steps each at the tightest accuracy, nine force evaluations a step, and half of them
+/// may be rejected: twice that is a hang.
+const MOST_EVALUATIONS: u64 = 2 * 30 * 30 * 9 * 2;
+/// Share of the sampled scenes whose peak forces must be as accurate as asked (1): of 500 scenes about three times as long 98.2 % were.
+const ACCURATE: f64 = 0.95;
+
+/// Random numbers from a seed: S. Vigna, `SplitMix64` (2015).
+struct Random(u64);
+
+impl Random {
+    fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    fn unit(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn below(&mut self, count: usize) -> usize {
+        (self.bits() % count as u64) as usize
+    }
+
+    fn one_in(&mut self, count: usize) -> bool {
+        self.below(count) == 0
+    }
+
+    /// Evenly spread in the logarithm.
+    fn log(&mut self, low: f64, high: f64) -> f64 {
+        low * (high / low).powf(self.unit())
+    }
+}
+
+/// What stands at the ends, and what presses.
+enum Statics {
+    /// Nothing presses and nothing holds.
+    Loose,
+    /// Equal forces at both ends (N).
+    Squeezed(f64),
+    /// A wall below; gravity (m/s²), magnet (N) and a force from above (N) may press.
+    Standing { gravity: f64, magnet: f64, top: f64 },
+    /// Between two walls, preloaded (N).
+    Walled(f64),
+}
+
+/// What presses on a chain that stands on a wall.
+fn effects(random: &mut Random, statics: &Statics, count: usize, text: &mut String) {
+    if let Statics::Standing { gravity, magnet, .. } = statics {
+        if *gravity > 0.0 {
+            writeln!(text, "[effects.gravity]\nacceleration = \"{gravity:e} m/s^2\"").unwrap();
+        }
+        if *magnet > 0.0 {
+            let particle = 1 + random.below(count);
+            writeln!(
+                text,
+                "[effects.magnet_preload]\nforce = \"{magnet:e} N\"\nparticle = {particle}"
+            )
+            .unwrap();
+        }
+    }
+}
+
+/// Three random materials.
+fn materials(random: &mut Random, text: &mut String) {
+    for name in ["a", "b", "c"] {
+        let (modulus, ratio) = (random.log(1e8, 1e12), 0.05 + 0.44 * random.unit());
+        writeln!(
+            text,
+            "[materials.{name}]\nyoungs_modulus = \"{modulus:e} Pa\"\npoissons_ratio = {ratio}"
+        )
+        .unwrap();
+    }
+}
+
+/// The text of a random scene that is valid.
+fn scene(random: &mut Random) -> String {
+    let mut text = "title = \"A random scene\"\nduration = \"2 ms\"\n".to_owned();
+    let accuracy = random.log(1e-8, 1e-2);
+    writeln!(text, "accuracy = {accuracy:e}").unwrap();
+    materials(random, &mut text);
+    let material = |random: &mut Random| ["a", "b", "c"][random.below(3)];
+    let statics = match random.below(4) {
+        0 => Statics::Loose,
+        1 => Statics::Squeezed(random.log(1e-6, 1e3)),
+        2 => Statics::Walled(if random.one_in(3) { 0.0 } else { random.log(1e-6, 1e3) }),
+        _ => {
+            let mut some =
+                |chance, low, high| if random.one_in(chance) { 0.0 } else { random.log(low, high) };
+            Statics::Standing {
+                gravity: some(3, 1e-3, 30.0),
+                magnet: some(2, 1e-3, 1e2),
+                top: some(2, 1e-6, 1e2),
+            }
+        }
+    };
+    let standing = matches!(statics, Statics::Standing { .. } | Statics::Walled(_));
+    let walled = matches!(statics, Statics::Walled(_));
+    // A flat face needs a curved one beside it, walls are flat.
+    let standing_or_struck = standing || random.one_in(2);
+    // A lone particle needs something to touch.
+    let count = (random.log(1.0, 61.0) as usize).max(2 - usize::from(standing_or_struck));
+    let mut flat_above = walled;
+    let mut particles = Vec::new();
+    for index in 0..count {
+        let last = index + 1 == count && standing;
+        let flat = !flat_above && !last && random.one_in(3);
+        let (diameter, density) = (random.log(1e-3, 3e-2), random.log(5e2, 2e4));
+        let mass = density * std::f64::consts::PI / 6.0 * diameter.powi(3);
+        let height =
+            if flat { format!("height = \"{:e} m\"\n", 0.6 * diameter) } else { String::new() };
+        let material = material(random);
+        writeln!(text, "[particles.p{index}]\nmaterial = \"{material}\"\ndiameter = \"{diameter:e} m\"\n{height}mass = \"{mass:e} kg\"").unwrap();
+        particles.push(format!("\"p{index}\""));
+        flat_above = flat;
+    }
+    let first_flat = text.contains("[particles.p0]")
+        && text.split("[particles.p0]").nth(1).is_some_and(|rest| {
+            rest.split("mass").next().is_some_and(|body| body.contains("height"))
+        });
+    let force = |newton: f64| {
+        if newton > 0.0 { format!("{{ force = \"{newton:e} N\" }}") } else { "\"free\"".to_owned() }
+    };
+    let wall = |newton: f64| format!("{{ wall = \"a\", preload = \"{newton:e} N\" }}");
+    let (top, bottom) = match statics {
+        Statics::Loose => (force(0.0), force(0.0)),
+        Statics::Squeezed(newton) => (force(newton), force(newton)),
+        Statics::Walled(preload) => (wall(preload), "{ wall = \"b\" }".to_owned()),
+        Statics::Standing { top, .. } => (force(top), "{ wall = \"b\" }".to_owned()),
+    };
+    writeln!(
+        text,
+        "[chain]\ntop = {top}\nbottom = {bottom}\n[[chain.segments]]\nparticles = [{}]",
+        particles.join(", ")
+    )
+    .unwrap();
+    if !walled && (!standing && standing_or_struck || standing && random.one_in(2)) {
+        let (mass, speed) = (random.log(1e-6, 1e-1), random.log(1e-3, 5.0));
+        let shape = if first_flat || random.one_in(2) { "diameter = \"1 cm\"\n" } else { "" };
+        let material = material(random);
+        writeln!(text, "[striker]\nmaterial = \"{material}\"\nmass = \"{mass:e} kg\"\n{shape}speed = \"{speed:e} m/s\"").unwrap();
+    } else {
+        let (particle, speed) = (1 + random.below(count), random.log(1e-3, 5.0));
+        let sign = if random.one_in(2) { "-" } else { "" };
+        writeln!(
+            text,
+            "[[initial_velocities]]\nparticle = {particle}\nvelocity = \"{sign}{speed:e} m/s\""
+        )
+        .unwrap();
+    }
+    effects(random, &statics, count, &mut text);
+    text + SCOPE
+}
+
+/// A sensor and an oscilloscope, which every scene has.
+const SCOPE: &str = r#"
+[sensors.p]
+model = "pzt-5a-710pf"
+particle = 1
+
+[scope]
+model = "tds2014"
+time_base = "250 us/div"
+
+[scope.trigger]
+source = "CH1"
+level = "10 mV"
+
+[scope.ch1]
+input = "p"
+scale = "1 V/div"
+"#;
+
+fn load(text: &str) -> Result<Scene, SceneError> {
+    Scene::from_text("random", "random.toml", text)
+}
+
+/// How long to run: a few to a few dozen times as long as the impact takes, and up to thirty turns of the fastest contact (s).
+fn duration(random: &mut Random, scene: &Scene) -> f64 {
+    let velocities = &scene.initial_velocities;
+    let speed = velocities.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    let turn =
+        scene.chain.stability_limit(velocities, std::f64::consts::TAU).map_or(f64::MAX, |l| l.step);
+    (random.log(1.0, 10.0) * scene.chain.impact_overlap(velocities) / speed).min(30.0 * turn)
+}
+
+/// Runs to the end or until `most` evaluations; the state there, the steps and whether the end was reached.
+fn run(scene: &Scene, end: f64, most: u64) -> Result<(State, u64, bool), String> {
+    let position = vec![0.0; scene.initial_velocities.len()];
+    let state = State { time: 0.0, position, velocity: scene.initial_velocities.clone() };
+    let mut integrator = start(&scene.chain, for_accuracy(scene.accuracy), state);
+    while integrator.time() < end && integrator.work().force_evaluations < most {
+        integrator.step(end).map_err(|error| error.to_string())?;
+    }
+    Ok((integrator.state(), integrator.work().steps, integrator.time() >= end))
+}
+
+fn is_finite(state: &State) -> bool {
+    state.position.iter().chain(&state.velocity).all(|value| value.is_finite())
+}
+
+/// Largest error of first peaks' forces relative to the force of the loudest contact, by which the error control measures (1).
+fn peak_error(scene: &Scene, end: f64) -> f64 {
+    let contacts = scene.chain.contacts().iter().enumerate().filter(|(_, c)| c.stiffness > 0.0);
+    let probes: Vec<ForceProbe> =
+        contacts.filter_map(|(j, _)| ForceProbe::contact(&scene.chain, j)).collect();
+    let peaks = |method: Method| {
+        let velocities = &scene.initial_velocities;
+        let mut bench = Bench::new(&scene.chain, velocities, method, &probes, (NEVER, NEVER));
+        bench.run_until(end, true, &mut |_| ()).expect("a run");
+        bench.watches().iter().map(|w| w.pulse.first_peak()).collect::<Vec<_>>()
+    };
+    let exact = peaks(Method::DormandPrince853 { tolerance: 1e-12 });
+    let found = peaks(for_accuracy(scene.accuracy));
+    let loudest = exact.iter().flatten().map(|p| p.dynamic_n).fold(0.0, f64::max);
+    let pairs = found.iter().zip(&exact).filter_map(|(found, exact)| found.zip(*exact));
+    // A force that has hardly begun to fall when time is up, or is near a quarter of the largest, may have its first peak elsewhere.
+    let same = pairs.filter(|(found, exact)| (found.time_s / exact.time_s - 1.0).abs() < 0.01);
+    same.map(|(found, exact)| (found.dynamic_n - exact.dynamic_n).abs() / loudest)
+        .fold(0.0, f64::max)
+}
+
+/// What is found over many scenes: quantiles of a figure.
+fn quantiles(what: &str, values: &mut [f64]) -> String {
+    values.sort_by(f64::total_cmp);
+    let at = |share: f64| values[((values.len() - 1) as f64 * share) as usize];
+    format!(
+        "{what}: median {:.1e}, 90 % {:.1e}, 99 % {:.1e}, 99.9 % {:.1e}, worst {:.1e} of {} scenes",
+        at(0.5),
+        at(0.9),
+        at(0.99),
+        at(0.999),
+        at(1.0),
+        values.len()
+    )
+}
+
+/// The energy above that of rest (J).
+fn energies(scene: &Scene, state: &State) -> (f64, f64) {
+    let position = vec![0.0; state.position.len()];
+    let rest = State { time: 0.0, position, velocity: scene.initial_velocities.clone() };
+    (scene.chain.energy_above_static(&rest), scene.chain.energy_above_static(state))
+}
+
+/// One part of all valid scenes: each part is a test, so that they run side by side.
+fn valid_scenes(part: u64) {
+    let (mut drifts, mut errors) = (Vec::new(), Vec::new());
+    for seed in (0..SCENES).filter(|seed| seed % PARTS == part) {
+        let mut random = Random(seed);
+        let text = scene(&mut random);
+        let scene = load(&text).unwrap_or_else(|error| panic!("{seed}: {error}\n{text}"));
+        let end = duration(&mut random, &scene);
+        let (state, steps, done) =
+            run(&scene, end, MOST_EVALUATIONS).unwrap_or_else(|error| panic!("{seed}: {error}"));
+        assert!(done, "{seed}: no end after {steps} steps");
+        assert!(is_finite(&state), "{seed}");
+        // A step may be off by the accuracy in speed, by twice that in energy, and steps add up at worst.
+        let (before, after) = energies(&scene, &state);
+        let drift = (after / before - 1.0).abs() / scene.accuracy / steps as f64;
+        assert!(drift <= 2.0, "{seed}: {drift}");
+        drifts.push(drift);
+        if (seed / PARTS).is_multiple_of(SAMPLE) {
+            // Likewise in forces, which go as the overlap to the power 1.5.
+            let error = peak_error(&scene, end) / scene.accuracy;
+            assert!(error <= 1.5 * steps as f64, "{seed}: {error} in {steps} steps");
+            errors.push(error);
+        }
+    }
+    println!("{}", quantiles("energy drift over accuracy a step", &mut drifts));
+    println!("{}", quantiles("error of peak forces over accuracy", &mut errors));
+    let accurate = errors.iter().filter(|error| **error <= 1.0).count() as f64;
+    assert!(accurate >= ACCURATE * errors.len() as f64, "{accurate} of {}", errors.len());
+}
+
+#[test]
+fn valid_scenes_first_part() {
+    valid_scenes(0);
+}
+
+#[test]
+fn valid_scenes_second_part() {
+    valid_scenes(1);
+}
+
+/// Values that no quantity, or hardly any, should have.
+const SPOILT: [&str; 14] = [
+    "\"0 kg\"",
+    "\"-1 m\"",
+    "\"nan N\"",
+    "\"1e300 kg\"",
+    "\"1e-300 kg\"",
+    "\"1e300 m/s\"",
+    "\"1e-300 m/s\"",
+    "\"1e-200 m\"",
+    "\"1e300 Pa\"",
+    "\"1e-300 Pa\"",
+    "\"1e200 N\"",
+    "0.5",
+    "true",
+    "\"free\"",
+];
+
+/// A scene with one to three of its lines spoilt.
+fn spoilt(random: &mut Random) -> String {
+    let mut lines: Vec<String> = scene(random).lines().map(str::to_owned).collect();
+    for _ in 0..=random.below(3) {
+        let at = random.below(lines.len());
+        let Some((key, _)) = lines[at].split_once(" = ") else { continue };
+        let spoilt = format!("{key} = {}", SPOILT[random.below(SPOILT.len())]);
+        if random.one_in(8) {
+            lines.remove(at);
+        } else {
+            lines[at] = spoilt;
+        }
+    }
+    lines.join("\n")
+}
+
+#[test]
+fn spoilt_scenes_are_told_or_run() {
+    let (mut refused, mut ran, mut stopped) = (0, 0, 0);
+    for seed in 0..SCENES {
+        let mut random = Random(SCENES + seed);
+        let text = spoilt(&mut random);
+        let scene = match load(&text) {
+            Ok(scene) => scene,
+            Err(SceneError::Problems(problems)) => {
+                assert!(!problems.is_empty(), "{seed}");
+                let told =
+                    |p: &Problem| !p.found.is_empty() && !p.expected.is_empty() && p.line > 0;
+                assert!(problems.iter().all(told), "{seed}: {problems:?}");
+                refused += 1;
+                continue;
+            }
+            Err(error) => panic!("{seed}: {error}\n{text}"),
+        };
+        let end = duration(&mut random, &scene);
+        match run(&scene, end, MOST_EVALUATIONS / 10) {
+            Ok((state, steps, _)) => {
+                assert!(is_finite(&state), "{seed}: not finite after {steps} steps\n{text}");
+                ran += 1;
+            }
+            Err(cause) => {
+                assert!(!cause.is_empty());
+                stopped += 1;
+            }
+        }
+    }
+    println!("{refused} refused, {ran} ran, {stopped} stopped with a named cause");
+}
