@@ -39,6 +39,8 @@ class Problem:
 
 def serve(solve):
     """Answers `run METHOD SETTING SECONDS SCENEFILE` lines; `solve(method, setting, problem)` gives the states at `times`."""
+    # Coarse settings may blow up: that is an answer, not a warning.
+    np.seterr(all="ignore")
     problems = {}
     for line in sys.stdin:
         _, method, setting, seconds, path = line.split()
