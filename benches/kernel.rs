@@ -85,7 +85,7 @@ fn processes() {
     let mut empty = Command::new(this);
     empty.arg("--empty-process");
     let mut run = Command::new(program);
-    run.args(["run", "magnet-0.61g", "--accuracy", "1e-6", "--quiet", "--overwrite", "--output"]);
+    run.args(["run", "magnet-0.61g", "--accuracy", "1e-6", "--quiet", "--output"]);
     run.arg(output);
     let mut version = Command::new(program);
     version.arg("--version");

@@ -124,7 +124,7 @@ def ladder(server, method, is_step, scene, longest):
         rungs.append((setting, scene.error(answer), answer.get("cpu_s", 0.0)))
         failed = ["failed" in answer and rung >= 12]
         met = [error <= TOLERANCES[-1] for _, error, _ in rungs[-3:]]
-        if (len(met) == 3 and all(met)) or all(failed) or rungs[-1][2] > longest:
+        if (len(met) == 3 and all(met)) or all(failed) or (rungs[-1][1] < 1 and rungs[-1][2] > longest):
             break
     return rungs
 

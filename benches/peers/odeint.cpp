@@ -117,7 +117,7 @@ std::vector<State> adaptive(const Problem &problem, double tolerance) {
         First<Rows> rates{problem};
         for (size_t attempts = 0; t < to; ++attempts) {
             // A tolerance out of reach, or a state that is lost: the answer is a state that is no number.
-            if (attempts > 1000000 || !std::isfinite(y[0])) {
+            if (attempts > 200000 || !std::isfinite(y[0])) {
                 y[0] = NAN;
                 break;
             }
