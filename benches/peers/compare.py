@@ -117,7 +117,7 @@ def ladder(server, method, is_step, scene, longest):
     solution takes more than `longest` (s)."""
     rungs = []
     for rung in range(60):
-        setting = 0.5 * 2 ** (-rung / 2) if is_step else 10 ** (1 - rung / 2)
+        setting = 0.5 * 2 ** (-rung / 2) if is_step else 10 ** (-0.5 - rung / 2)
         if setting < 1e-14:
             break
         answer = server.ask(f"run {method} {setting!r} 0 {target(server, scene)}")
