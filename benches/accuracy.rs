@@ -1,0 +1,130 @@
+//! What accuracy costs in time: the coarsest setting that meets a tolerance, as all finer ones do, and how long it takes; beside a
+//! velocity Verlet, and how much faster than the bench itself that is. `cargo bench --bench accuracy`; other people's solvers are in
+//! `benches/peers`.
+#![allow(clippy::expect_used, reason = "a bench that cannot run has nothing to say")]
+
+mod common;
+
+use common::clock::{median, time};
+use common::ours::{self, Watching};
+use common::scenes::Case;
+use hertzscope::chain::ChainSystem;
+use hertzscope::integrate::{Method, State};
+
+const ROUNDS: usize = 9;
+/// CPU time of one measurement (s).
+const SLICE: f64 = 0.02;
+const TOLERANCES: [f64; 3] = [1e-3, 1e-6, 1e-9];
+const SCENES: [&str; 4] = ["P37", "G37", "P600", "bench"];
+/// Tolerance of the reference's steps (1).
+const REFERENCE: f64 = 1e-15;
+/// Steps of velocity Verlet beyond which nobody waits.
+const MOST_STEPS: f64 = 1e6;
+
+fn main() {
+    println!(
+        "| scene | tolerance | method | setting | error | us | simulated / CPU time | peaks followed | recorded | velocity Verlet |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|");
+    for name in SCENES {
+        let case = Case::named(name).expect("a scene");
+        let exact = peaks(&case, Method::DormandPrince853 { tolerance: REFERENCE });
+        let error = |method: Method| error(&peaks(&case, method), &exact);
+        let pair = |name: &'static str| -> Vec<(Method, f64)> {
+            let methods = (2..=26).map(|k| ours::method(name, 10f64.powf(-0.5 * f64::from(k))));
+            methods.flatten().map(|method| (method, error(method))).collect()
+        };
+        let ladders = [pair("rkn64"), pair("rkn86")];
+        let verlet = verlet_ladder(&case, &error);
+        for tolerance in TOLERANCES {
+            row(&case, tolerance, &ladders, &verlet);
+        }
+    }
+    println!("\nThe last three columns: time over that of the integration alone.");
+}
+
+type Ladder = Vec<(Method, f64)>;
+
+/// Steps of velocity Verlet from the edge of stability on, with their errors.
+fn verlet_ladder(case: &Case, error: &dyn Fn(Method) -> f64) -> Ladder {
+    let method = |step| Method::VelocityVerlet { step };
+    let limit = case.chain.stability_limit(&case.velocities, 2.0).expect("contacts");
+    let mut step = 0.5 * limit.step;
+    let mut ladder = Vec::new();
+    while case.duration / step < MOST_STEPS {
+        let found = error(method(step));
+        ladder.push((method(step), found));
+        if found < 1e-10 {
+            break;
+        }
+        step *= 0.5_f64.sqrt();
+    }
+    ladder
+}
+
+fn row(case: &Case, tolerance: f64, ladders: &[Ladder], verlet: &Ladder) {
+    let found: Vec<(Method, f64)> = ladders.iter().filter_map(|l| coarsest(l, tolerance)).collect();
+    let run = |method: Method, watching: Watching| {
+        time(SLICE, || drop(std::hint::black_box(ours::run(case, method, watching))))
+    };
+    let quick = |(method, _): &(Method, f64)| run(*method, Watching::Bare);
+    let best = found.iter().min_by(|a, b| quick(a).total_cmp(&quick(b)));
+    let Some((method, error)) = best else {
+        println!("| {} | {tolerance:.0e} | none | | | | | | | |", case.name);
+        return;
+    };
+    let plain = coarsest(verlet, tolerance);
+    let (mut bare, mut others) = (Vec::new(), [Vec::new(), Vec::new(), Vec::new()]);
+    for _ in 0..ROUNDS {
+        let base = run(*method, Watching::Bare);
+        bare.push(base);
+        others[0].push(run(*method, Watching::Peaks) / base);
+        others[1].push(run(*method, Watching::Recorded) / base);
+        if let Some((plain, _)) = plain {
+            others[2].push(time(SLICE, || fixed(case, plain)) / base);
+        }
+    }
+    let seconds = median(&mut bare);
+    let [peaks, recorded, plain] = others.map(|mut o| median(&mut o));
+    let plain = if plain.is_nan() { "out of reach".to_owned() } else { format!("{plain:.1}") };
+    println!(
+        "| {} | {tolerance:.0e} | {} | {:.1e} | {error:.1e} | {:.1} | {:.1} | {peaks:.2} | {recorded:.2} | {plain} |",
+        case.name,
+        method.name(),
+        method.tolerance().unwrap_or(f64::NAN),
+        1e6 * seconds,
+        case.duration / seconds,
+    );
+}
+
+/// Velocity Verlet with hertzscope's forces, nothing watched.
+fn fixed(case: &Case, method: Method) {
+    let bodies = case.velocities.len();
+    let state = State { time: 0.0, position: vec![0.0; bodies], velocity: case.velocities.clone() };
+    let system = ChainSystem::new(&case.chain, &case.velocities);
+    let mut integrator = method.start(Box::new(system), state);
+    while integrator.time() < case.duration {
+        integrator.step(case.duration).expect("a stable step");
+    }
+}
+
+fn peaks(case: &Case, method: Method) -> Vec<Option<f64>> {
+    ours::run(case, method, Watching::Peaks).unwrap_or_default()
+}
+
+/// Relative error of the worst first peak; infinite where one is missing.
+fn error(found: &[Option<f64>], exact: &[Option<f64>]) -> f64 {
+    if found.len() != exact.len() {
+        return f64::INFINITY;
+    }
+    let off = found.iter().zip(exact).map(|(found, exact)| match (found, exact) {
+        (Some(found), Some(exact)) => (found / exact - 1.0).abs(),
+        _ => f64::INFINITY,
+    });
+    off.fold(0.0, f64::max)
+}
+
+/// The coarsest rung that meets `tolerance` as all finer ones do.
+fn coarsest(ladder: &Ladder, tolerance: f64) -> Option<(Method, f64)> {
+    ladder.iter().rev().take_while(|(_, error)| *error <= tolerance).last().copied()
+}

@@ -1,0 +1,62 @@
+//! hertzscope on a scene: the stepper alone, with peaks followed, and with the forces recorded as the scope would.
+
+use hertzscope::chain::stepper::{ChainStepper, InstructionSet};
+use hertzscope::experiment::bench::{Bench, Grid};
+use hertzscope::integrate::{IntegrateError, Integrator, Method};
+
+use super::scenes::Case;
+
+/// What is done besides the integration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Watching {
+    /// Nothing.
+    Bare,
+    /// First peaks and arrivals.
+    Peaks,
+    /// Also samples every microsecond, as the scope at 250 us/div takes them.
+    Recorded,
+}
+
+/// Times nobody reaches.
+const NEVER: Grid = Grid { start: 1e9, interval: 1.0 };
+/// The scope's sample interval at 250 us/div (s).
+const SAMPLE: f64 = 1e-6;
+
+/// Runs `case` and returns its first peaks, none where nothing is watched or felt (N).
+pub fn run(
+    case: &Case,
+    method: Method,
+    watching: Watching,
+) -> Result<Vec<Option<f64>>, IntegrateError> {
+    if watching == Watching::Bare {
+        bare(case, method, InstructionSet::best())?;
+        return Ok(Vec::new());
+    }
+    let grid =
+        if watching == Watching::Recorded { Grid { start: 0.0, interval: SAMPLE } } else { NEVER };
+    let mut bench =
+        Bench::new(&case.chain, &case.velocities, method, &case.probes(), (grid, NEVER));
+    bench.run_until(case.duration, true, &mut |_| ())?;
+    let first = |peak: hertzscope::experiment::pulse::Peak| peak.dynamic_n;
+    Ok(bench.watches().iter().map(|watch| watch.pulse.first_peak().map(first)).collect())
+}
+
+/// Runs the stepper alone with the instructions of `set`; returns the evaluations of all contact forces.
+pub fn bare(case: &Case, method: Method, set: InstructionSet) -> Result<u64, IntegrateError> {
+    let (pair, tolerance) = method.nystrom().expect("benches use Runge-Kutta-Nystrom pairs");
+    let mut stepper = ChainStepper::new(&case.chain, &case.velocities, pair, tolerance, set);
+    while stepper.time() < case.duration {
+        stepper.step(case.duration)?;
+    }
+    Ok(stepper.work().force_evaluations)
+}
+
+/// A method by the short name that tables use.
+pub fn method(name: &str, tolerance: f64) -> Option<Method> {
+    Some(match name {
+        "rkn64" => Method::DormandElMikkawyPrince64 { tolerance },
+        "rkn86" => Method::DormandElMikkawyPrince86 { tolerance },
+        "dop853" => Method::DormandPrince853 { tolerance },
+        _ => return None,
+    })
+}

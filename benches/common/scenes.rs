@@ -1,0 +1,102 @@
+//! The scenes that speed is measured on, put together through the library's public types.
+
+use hertzscope::chain::{
+    Body, Chain, ChainSpec, EffectsSpec, Elasticity, End, ForceProbe, Gravity,
+};
+use hertzscope::scene::Scene;
+
+const PTFE: Elasticity = Elasticity { youngs_modulus: 1.46e9, poissons_ratio: 0.46 };
+const STEEL: Elasticity = Elasticity { youngs_modulus: 193e9, poissons_ratio: 0.3 };
+/// Radius of every sphere (m).
+const RADIUS: f64 = 2.38e-3;
+/// Speed of the striker (m/s).
+const SPEED: f64 = 0.44;
+/// The magnet's pull on particle 1 (N).
+const PRELOAD: f64 = 2.38;
+
+/// A scene and what of it is compared.
+pub struct Case {
+    /// Short name.
+    pub name: &'static str,
+    pub chain: Chain,
+    /// Velocities at the first contact (m/s).
+    pub velocities: Vec<f64>,
+    /// Time that is simulated (s).
+    pub duration: f64,
+    /// Particles whose first peaks are compared.
+    pub particles: Vec<usize>,
+}
+
+impl Case {
+    /// P37, G37, P600, or the shipped scene magnet-0.61g as `bench`.
+    pub fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "P37" => alternating("P37", 37, (PRELOAD, true), 5e-3, vec![14]),
+            "G37" => alternating("G37", 37, (0.0, true), 5e-3, vec![14]),
+            "P600" => alternating("P600", 600, (PRELOAD, false), 15e-3, vec![14, 400]),
+            "P10000" => alternating("P10000", 10_000, (PRELOAD, false), 1e-3, vec![14]),
+            "bench" => shipped(),
+            _ => return None,
+        })
+    }
+
+    /// Places where forces are compared.
+    pub fn probes(&self) -> Vec<ForceProbe> {
+        let inside = |particle: &usize| ForceProbe::inside(&self.chain, *particle, 0.0);
+        self.particles.iter().filter_map(inside).collect()
+    }
+
+    /// Contacts that can close.
+    pub fn contacts(&self) -> usize {
+        self.chain.contacts().iter().filter(|contact| contact.stiffness > 0.0).count()
+    }
+}
+
+fn body(mass: f64, sphere: bool) -> Body {
+    Body {
+        name: if sphere { "ptfe_sphere" } else { "steel_cylinder" }.to_owned(),
+        mass,
+        length: if sphere { 2.0 * RADIUS } else { 3.12e-3 },
+        curvature: if sphere { 1.0 / RADIUS } else { 0.0 },
+        elasticity: if sphere { PTFE } else { STEEL },
+    }
+}
+
+/// PTFE spheres and steel cylinders in turn, a sphere last, so that every contact is PTFE on flat steel; the striker's face is what
+/// particle 1 is not.
+fn alternating(
+    name: &'static str,
+    count: usize,
+    (force, gravity): (f64, bool),
+    duration: f64,
+    particles: Vec<usize>,
+) -> Case {
+    let is_sphere = |particle: usize| (count - particle).is_multiple_of(2);
+    let mass = |sphere: bool| if sphere { 0.1226e-3 } else { 0.485e-3 };
+    let spec = ChainSpec {
+        striker: Some(body(0.61e-3, !is_sphere(1))),
+        particles: (1..=count).map(is_sphere).map(|s| body(mass(s), s)).collect(),
+        top: if force > 0.0 { End::Force(force) } else { End::Free },
+        bottom: End::Wall(STEEL),
+        wall_preload: 0.0,
+        effects: EffectsSpec {
+            gravity: gravity.then_some(Gravity { acceleration: 9.81 }),
+            ..EffectsSpec::default()
+        },
+    };
+    let chain = Chain::new(&spec).expect("every contact has a curved face and is pressed");
+    let mut velocities = vec![0.0; chain.bodies().len()];
+    velocities[0] = SPEED;
+    Case { name, chain, velocities, duration, particles }
+}
+
+fn shipped() -> Case {
+    let scene = Scene::load("magnet-0.61g").expect("this scene ships with the program");
+    Case {
+        name: "bench",
+        chain: scene.chain,
+        velocities: scene.initial_velocities,
+        duration: 5e-3,
+        particles: vec![14],
+    }
+}

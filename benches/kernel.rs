@@ -1,0 +1,183 @@
+//! What a contact costs: the stepper's time for each contact and force evaluation, all its arithmetic in, over that of a bare stream
+//! of vector square roots in the same round; and what a whole process costs beside an empty one. Ratios count, times move with the
+//! machine: `cargo bench --bench kernel`.
+#![allow(clippy::expect_used, reason = "a bench that cannot run has nothing to say")]
+
+mod common;
+
+use std::process::{Command, Stdio};
+
+use common::clock::{median, time};
+use common::ours;
+use common::scenes::Case;
+use hertzscope::chain::stepper::InstructionSet;
+use hertzscope::integrate::Method;
+
+const ROUNDS: usize = 9;
+/// CPU time of one measurement (s).
+const SLICE: f64 = 0.05;
+/// Runs of each whole process.
+const PROCESSES: u16 = 200;
+/// Ticks of the kernel's accounts in a second.
+const TICKS: f64 = 100.0;
+/// Doubles in the stream: they stay in the first-level cache.
+const STREAM: usize = 1024;
+
+fn main() {
+    if std::env::args().any(|argument| argument == "--empty-process") {
+        return;
+    }
+    kernels();
+    processes();
+}
+
+/// A scene, by name, and the pair and step tolerance it is run with.
+const KERNELS: [(&str, &str, &str, f64); 6] = [
+    ("37 particles, preloaded (P37)", "P37", "rkn86", 1e-6),
+    ("37 particles, gravity only (G37)", "G37", "rkn64", 1e-6),
+    ("38 particles, the real bench", "bench", "rkn86", 1e-6),
+    ("600 particles (P600)", "P600", "rkn86", 1e-6),
+    ("600 particles (P600)", "P600", "rkn64", 1e-3),
+    ("10,000 particles", "P10000", "rkn86", 1e-6),
+];
+
+fn kernels() {
+    let sets = InstructionSet::available();
+    let cases: Vec<(Case, &str, Method)> = KERNELS
+        .iter()
+        .map(|(_, scene, pair, tolerance)| {
+            let method = ours::method(pair, *tolerance).expect("a pair");
+            (Case::named(scene).expect("a scene"), *pair, method)
+        })
+        .collect();
+    let mut streams = Vec::new();
+    let mut costs = vec![vec![Vec::new(); sets.len()]; cases.len()];
+    let values: Vec<f64> = (1..=STREAM).map(|i| i as f64).collect();
+    let mut roots = vec![0.0; STREAM];
+    for _ in 0..ROUNDS {
+        let stream = time(SLICE, || square_roots::stream(&values, &mut roots)) / STREAM as f64;
+        streams.push(stream);
+        for ((case, _, method), costs) in cases.iter().zip(&mut costs) {
+            for (set, costs) in sets.iter().zip(costs) {
+                let mut evaluations = 0;
+                let seconds = time(SLICE, || {
+                    evaluations = ours::bare(case, *method, *set).expect("a run");
+                });
+                costs.push(seconds / (evaluations as f64 * case.contacts() as f64) / stream);
+            }
+        }
+    }
+    let stream = median(&mut streams);
+    println!("A stream of vector square roots takes {:.4} ns a contact.\n", 1e9 * stream);
+    print!("| time of a contact over the stream's, own A in every contact | pair |");
+    sets.iter().for_each(|set| print!(" {} |", set.name()));
+    println!("\n|---|---|{}", "---|".repeat(sets.len()));
+    for ((what, ..), ((_, pair, _), costs)) in KERNELS.iter().zip(cases.iter().zip(&mut costs)) {
+        print!("| {what} | {pair} |");
+        costs.iter_mut().for_each(|costs| print!(" {:.2} |", median(costs)));
+        println!();
+    }
+    println!();
+}
+
+/// CPU time of whole processes: user and system, as the kernel counts them for children.
+fn processes() {
+    let program = env!("CARGO_BIN_EXE_hertzscope");
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = folder.path().join("run.mcap");
+    let this = std::env::current_exe().expect("this program's place");
+    let mut empty = Command::new(this);
+    empty.arg("--empty-process");
+    let mut run = Command::new(program);
+    run.args(["run", "magnet-0.61g", "--accuracy", "1e-6", "--quiet", "--output"]);
+    run.arg(output);
+    let mut version = Command::new(program);
+    version.arg("--version");
+    let mut commands = [empty, version, run];
+    let mut spent = [0.0; 3];
+    for _ in 0..PROCESSES {
+        for (command, spent) in commands.iter_mut().zip(&mut spent) {
+            *spent += process_time(command);
+        }
+    }
+    let [base, version, run] = spent.map(|spent| spent / f64::from(PROCESSES));
+    println!("An empty Rust process takes {:.2} ms of CPU time.\n", 1e3 * base);
+    println!("| whole process | over an empty Rust process |\n|---|---|");
+    println!("| `hertzscope --version` | {:.2} |", version / base);
+    let what = "`hertzscope run magnet-0.61g --accuracy 1e-6`, written to disk";
+    println!("| {what} | {:.2} |\n", run / base);
+}
+
+/// CPU time of one run of `command`, user and system, in whole ticks: only sums over many runs mean something (s).
+fn process_time(command: &mut Command) -> f64 {
+    let before = children_time();
+    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    let status = command.status().expect("the process starts");
+    assert!(status.success(), "{command:?} failed");
+    children_time() - before
+}
+
+/// CPU time of this process's children so far; `proc_pid_stat(5)`, fields 16 and 17 (s).
+fn children_time() -> f64 {
+    let stat = std::fs::read_to_string("/proc/self/stat").expect("Linux");
+    // The second field, the name in brackets, may hold spaces.
+    let (_, rest) = stat.rsplit_once(')').expect("a name in brackets");
+    let ticks =
+        rest.split_whitespace().skip(13).take(2).filter_map(|word| word.parse::<f64>().ok());
+    ticks.sum::<f64>() / TICKS
+}
+
+/// Square roots as fast as the machine can: the yardstick.
+mod square_roots {
+    #![allow(
+        unsafe_code,
+        reason = "a stream of one instruction, chosen by hand, is what the library's loops are held against"
+    )]
+
+    /// `root[i] = sqrt(value[i])` with the widest vectors there are.
+    pub fn stream(values: &[f64], roots: &mut [f64]) {
+        #[cfg(target_arch = "x86_64")]
+        {
+            if is_x86_feature_detected!("avx512f") {
+                // SAFETY: the machine has just been asked.
+                return unsafe { avx512(values, roots) };
+            }
+            if is_x86_feature_detected!("avx") {
+                // SAFETY: as above.
+                return unsafe { avx(values, roots) };
+            }
+        }
+        plain(values, roots);
+    }
+
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "each instruction set needs its own copy")]
+    fn plain(values: &[f64], roots: &mut [f64]) {
+        for (root, value) in roots.iter_mut().zip(values) {
+            *root = value.sqrt();
+        }
+        std::hint::black_box(roots);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f")]
+    fn avx512(values: &[f64], roots: &mut [f64]) {
+        use std::arch::x86_64::{_mm512_loadu_pd, _mm512_sqrt_pd, _mm512_storeu_pd};
+        for (root, value) in roots.chunks_exact_mut(8).zip(values.chunks_exact(8)) {
+            // SAFETY: both chunks hold eight doubles.
+            unsafe {
+                _mm512_storeu_pd(
+                    root.as_mut_ptr(),
+                    _mm512_sqrt_pd(_mm512_loadu_pd(value.as_ptr())),
+                );
+            }
+        }
+        std::hint::black_box(roots);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx")]
+    fn avx(values: &[f64], roots: &mut [f64]) {
+        plain(values, roots);
+    }
+}
