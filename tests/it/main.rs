@@ -14,6 +14,7 @@
     reason = "small counts"
 )]
 
+mod accuracy;
 mod analysis;
 mod architecture;
 mod calibration;
