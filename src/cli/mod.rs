@@ -8,6 +8,7 @@ mod calibrate;
 mod completions;
 mod convert;
 mod cost;
+mod effects;
 mod force;
 mod info;
 mod magnet;
@@ -47,6 +48,7 @@ enum Command {
     Info(info::Arguments),
     Convert(convert::Arguments),
     Cost(cost::Arguments),
+    Effects(effects::Arguments),
     Scenes(scenes::Arguments),
     Spectrum(spectrum::Arguments),
     Spectrogram(spectrogram::Arguments),
@@ -71,6 +73,7 @@ pub fn main() -> ExitCode {
         Command::Info(arguments) => info::run(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),
         Command::Cost(arguments) => cost::run(&arguments),
+        Command::Effects(arguments) => effects::run(&arguments),
         Command::Scenes(arguments) => scenes::run(&arguments),
         Command::Spectrum(arguments) => spectrum::run(&arguments),
         Command::Spectrogram(arguments) => spectrogram::run(&arguments),

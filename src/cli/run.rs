@@ -17,6 +17,9 @@ use crate::recording::mcap::RecordingWriter;
 use crate::report;
 use crate::scene::{LOOSEST_ACCURACY, Scene, TIGHTEST_ACCURACY};
 
+/// Where nothing can be said of a run's error.
+const OTHER_PULSES: &str = "a run at a tenth of the accuracy feels other pulses than this one: how far off these readings are is not known";
+
 /// Simulate a scene: write the recording its oscilloscope makes, print what happened
 #[derive(Debug, Args)]
 pub struct Arguments {
@@ -71,7 +74,7 @@ impl ByHand {
     }
 }
 
-fn accuracy(text: &str) -> Result<f64, String> {
+pub fn accuracy(text: &str) -> Result<f64, String> {
     let value = parse(text, Dimension::NONE).map_err(|error| error.to_string())?;
     if (TIGHTEST_ACCURACY..=LOOSEST_ACCURACY).contains(&value) {
         Ok(value)
@@ -123,6 +126,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         outcome.summary.accuracy_reason = reason;
         if let Integration::Accuracy(accuracy) = integration {
             let estimate = estimate(&scene, accuracy, &outcome.summary)?;
+            if estimate.is_none() {
+                outcome.summary.notes.push(OTHER_PULSES.to_owned());
+            }
             outcome.summary.error_estimate = estimate;
         }
         Ok(outcome)

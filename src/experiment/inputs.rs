@@ -3,6 +3,7 @@
 use super::accuracy::of_scene;
 use super::acquisition::{external, volts};
 use super::bench::{Bench, Grid};
+use super::effects::auto::settle;
 use super::{FRAMES, Integration, RunError, free_grid, method, probes};
 use crate::scene::Scene;
 
@@ -41,7 +42,9 @@ pub struct Inputs {
 /// # Errors
 /// [`RunError`] for states that stop being numbers.
 pub fn inputs(scene: &Scene, window: Window, shot: u32) -> Result<Inputs, RunError> {
-    let method = method(scene, Integration::Accuracy(of_scene(scene)?.value))?;
+    let integration = Integration::Accuracy(of_scene(scene)?.value);
+    let scene = &*settle(scene, integration);
+    let method = method(scene, integration)?;
     #[allow(clippy::cast_precision_loss, reason = "two million is far below 2^53")]
     let longest_before = (MOST_SAMPLES / 2) as f64 * window.interval;
     let grid = free_grid(scene, shot, window.interval, window.before.min(longest_before));

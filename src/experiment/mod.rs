@@ -124,13 +124,7 @@ pub fn run(
     shot: u32,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Outcome, RunError> {
-    let settled;
-    let scene = if scene.auto.is_empty() {
-        scene
-    } else {
-        settled = effects::auto::settle(scene, integration);
-        &settled
-    };
+    let scene = &*effects::auto::settle(scene, integration);
     let started = Instant::now();
     let method = method(scene, integration)?;
     let grid = sample_grid(scene, shot);

@@ -21,6 +21,7 @@ mod calibration;
 mod chains;
 mod cli;
 mod conservation;
+mod effects;
 mod golden;
 mod isf;
 mod losses;

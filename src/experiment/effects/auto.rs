@@ -5,6 +5,8 @@
 //! duration. Gravity changes stiffness, and with it forces and times, by at most the share of the chain's weight in what presses the
 //! chain without it, and the striker's speed by at most `g T`.
 
+use std::borrow::Cow;
+
 use super::{Entry, State};
 use crate::chain::{Chain, ChainSpec, EffectsSpec};
 use crate::experiment::Integration;
@@ -15,7 +17,10 @@ const UNSEEN: f64 = 0.1;
 
 /// `scene` with all that it leaves to the accuracy decided, and told in `decided`. A method by hand has no accuracy: all stay on.
 #[must_use]
-pub fn settle(scene: &Scene, integration: Integration) -> Scene {
+pub fn settle(scene: &Scene, integration: Integration) -> Cow<'_, Scene> {
+    if scene.auto.is_empty() {
+        return Cow::Borrowed(scene);
+    }
     let mut settled = scene.clone();
     for name in std::mem::take(&mut settled.auto) {
         let Integration::Accuracy(accuracy) = integration else {
@@ -36,7 +41,7 @@ pub fn settle(scene: &Scene, integration: Integration) -> Scene {
     {
         settled.chain = chain;
     }
-    settled
+    Cow::Owned(settled)
 }
 
 /// What was decided, in words.

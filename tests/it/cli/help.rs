@@ -9,6 +9,7 @@ const SUBCOMMANDS: &[(&str, &[&str])] = &[
     ),
     ("info", &["<FILE>", "--json"]),
     ("convert", &["<INPUT>", "<OUTPUT>", "--quiet"]),
+    ("effects", &["[SCENE]", "--accuracy", "--json", "--quiet"]),
     ("scenes", &["[NAME]", "--json"]),
     #[cfg(feature = "server")]
     ("serve", &["[SCENE]", "--listen", "--impact-every", "--header"]),
