@@ -8,7 +8,7 @@ use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
 
 use super::progress::Progress;
-use crate::experiment::accuracy::{ChosenAccuracy, estimate, of_scene};
+use crate::experiment::accuracy::{ChosenAccuracy, doubt, estimate, of_scene};
 use crate::experiment::effects::auto::settle;
 use crate::experiment::{self, Integration, RunError, facts};
 use crate::integrate::Method;
@@ -16,9 +16,6 @@ use crate::quantity::{Dimension, parse};
 use crate::recording::mcap::RecordingWriter;
 use crate::report;
 use crate::scene::{LOOSEST_ACCURACY, Scene, TIGHTEST_ACCURACY};
-
-/// Where nothing can be said of a run's error.
-const OTHER_PULSES: &str = "a run at a tenth of the accuracy feels other pulses than this one: how far off these readings are is not known";
 
 /// Simulate a scene: write the recording its oscilloscope makes, print what happened
 #[derive(Debug, Args)]
@@ -126,9 +123,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         outcome.summary.accuracy_reason = reason;
         if let Integration::Accuracy(accuracy) = integration {
             let estimate = estimate(&scene, accuracy, &outcome.summary)?;
-            if estimate.is_none() {
-                outcome.summary.notes.push(OTHER_PULSES.to_owned());
-            }
+            outcome.summary.notes.extend(doubt(estimate.as_ref(), accuracy));
             outcome.summary.error_estimate = estimate;
         }
         Ok(outcome)

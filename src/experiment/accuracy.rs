@@ -110,3 +110,18 @@ pub fn estimate(
     );
     Ok(Some(ErrorEstimate { peak, arrival, how }))
 }
+
+/// What the user has to hear of an estimate that is missing, or beyond the `accuracy` (1) that was asked for.
+#[must_use]
+pub fn doubt(estimate: Option<&ErrorEstimate>, accuracy: f64) -> Option<String> {
+    let Some(ErrorEstimate { peak, arrival, .. }) = estimate else {
+        return Some(
+            "a run at a tenth of the accuracy feels other pulses than this one: how far off these readings are is not known"
+                .to_owned(),
+        );
+    };
+    let worst = peak.max(*arrival);
+    (worst > accuracy).then(|| {
+        format!("readings may be off by {worst:.1e}, more than the accuracy of {accuracy:.1e} that was asked for")
+    })
+}

@@ -17,7 +17,7 @@ pub fn effects(ledger: &Ledger) -> String {
     rows.extend(ledger.entries.iter().map(row));
     let mut lines = vec![
         format!("{}: the effects, at accuracy {:.1e}", ledger.scene, ledger.accuracy),
-        "cost: time it adds to a step, share of the run; change: with it over without it, the largest of all"
+        "cost: time it adds to a step, 0 within its uncertainty; change: with it over without it, the largest of all"
             .to_owned(),
         "places, in first peaks, half-rises and speeds; what is off is compared as if it were on".to_owned(),
         String::new(),
@@ -34,6 +34,9 @@ fn row(entry: &Entry) -> Vec<String> {
     let share = |value: Option<f64>| value.map_or("-".to_owned(), percent);
     let count = |value: Option<f64>| value.map_or("-".to_owned(), |v| signed(v, 2));
     let change = entry.change;
+    // What is within twice its uncertainty is no cost.
+    let seen = |(cost, u): (f64, f64)| if cost.abs() > 2.0 * u { cost } else { 0.0 };
+    let cost = entry.cost_ns_per_step.zip(entry.cost_u_ns_per_step).map(seen);
     vec![
         entry.effect.to_owned(),
         match entry.state {
@@ -42,8 +45,10 @@ fn row(entry: &Entry) -> Vec<String> {
             State::Auto => "auto",
         }
         .to_owned(),
-        entry.cost_ns_per_step.map_or("-".to_owned(), |v| signed(v, 0)),
-        entry.cost_share.map_or("-".to_owned(), |v| format!("{} %", signed(100.0 * v, 0))),
+        cost.map_or("-".to_owned(), |v| signed(v, 0)),
+        entry.cost_share.map_or("-".to_owned(), |v| {
+            format!("{} %", signed(if cost == Some(0.0) { 0.0 } else { 100.0 * v }, 0))
+        }),
         share(change.and_then(|c| c.speed)),
         share(change.and_then(|c| c.peak)),
         share(change.and_then(|c| c.arrival)),

@@ -1,6 +1,6 @@
 //! The accuracy that is asked for: held, estimated, and chosen from the scope where nobody names one.
 
-use hertzscope::experiment::accuracy::{ErrorEstimate, estimate, of_scene};
+use hertzscope::experiment::accuracy::{ErrorEstimate, doubt, estimate, of_scene};
 use hertzscope::experiment::outcome::{Reading, Summary};
 use hertzscope::experiment::{Integration, run};
 use hertzscope::integrate::Method;
@@ -73,6 +73,24 @@ fn so_are_scenes_with_losses() {
     is_held("a dashpot", &scene, Method::DormandPrince54 { tolerance: 1e-14 });
 }
 
+/// A viscoelastic loss at the edge of what its method can do: beyond the accuracy, and the estimate tells.
+#[test]
+fn an_error_beyond_the_accuracy_is_told() {
+    let text = "base = \"gravity-2.75g\"\n[effects.kuwabara_kono]\neta = \"1e-18 s\"\nend_of_contact = \"zero_force\"\n";
+    let scene = Scene::from_text("lossy", "lossy.toml", text).expect("a scene");
+    // So small a loss changes nothing: the lossless scene is the reference.
+    let plain = Scene::load("gravity-2.75g").expect("a shipped scene");
+    let exact = simulate(&plain, Integration::Accuracy(1e-11));
+    let found = simulate(&scene, Integration::Accuracy(1e-9));
+    let said = estimate(&scene, 1e-9, &found).expect("a run").expect("an estimate");
+    let (peak, arrival) = errors(&found, &exact);
+    assert!(peak <= said.peak && arrival <= said.arrival, "{peak:e}, {arrival:e}: {said:?}");
+    let told = doubt(Some(&said), 1e-9);
+    assert_eq!(told.is_some(), said.peak.max(said.arrival) > 1e-9, "{told:?}");
+    assert!(doubt(Some(&said), 2.0 * said.peak.max(said.arrival)).is_none());
+    assert!(doubt(None, 1e-9).is_some_and(|told| told.contains("other pulses")));
+}
+
 fn scene(more: &str) -> Scene {
     Scene::from_text("s", "s.toml", &format!("base = \"magnet-0.61g\"\n{more}")).expect("a scene")
 }
@@ -123,7 +141,9 @@ fn a_named_one_is_taken_as_it_is_typed() {
 
 #[test]
 fn without_a_pulse_nothing_can_be_chosen() {
-    let none = scene("accuracy = \"auto\"\nduration = \"1 us\"\n");
+    let none = scene(
+        "accuracy = \"auto\"\nduration = \"1 us\"\n[scope]\ntime_base = \"100 ns/div\"\nposition = \"0 s\"\n",
+    );
     let chosen = of_scene(&none).expect("an accuracy");
     assert_eq!(chosen.value, DEFAULT_ACCURACY);
     assert!(chosen.reason.contains("no pulse"), "{chosen:?}");

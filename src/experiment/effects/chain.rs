@@ -1,4 +1,4 @@
-//! Lines of the effects that act on the chain's motion, and of what the integrator does about them.
+//! Lines of the effects that act on the chain's motion.
 
 use super::trial::{Change, Cost, of_chain};
 use super::{Entry, Finding, State, Subject};
@@ -14,8 +14,6 @@ const RING: &str = "ring-15-6-6";
 const ROOM: f64 = 293.15;
 /// How much heavier a particle may be with a plate in it: bench notes of such sensors have up to this (1).
 const HOST_SPREAD: f64 = 0.06;
-/// Relative rounding of a contact force that is computed in the plain way (1).
-const ROUNDING: f64 = 5e-16;
 
 type Trial = Option<(Cost, Change)>;
 
@@ -35,7 +33,7 @@ fn state(is_on: bool) -> State {
     if is_on { State::On } else { State::Off }
 }
 
-/// Gravity: the chain's weight against the largest change of a contact force.
+/// Gravity: the chain's weight against the weakest first peak.
 pub fn gravity(subject: &Subject<'_>) -> Entry {
     let gravity = subject.scene.spec.effects.gravity;
     let is_on = gravity.is_some();
@@ -49,15 +47,15 @@ pub fn gravity(subject: &Subject<'_>) -> Entry {
     let words =
         if is_on { "on by the scene" } else { "no table in the scene; compared with 9.81 m/s²" };
     let reason = format!("{words}: the chain weighs {}{failed}", engineering(weight, "N", 3));
-    let value = Some(weight / subject.largest_change);
+    let value = Some(weight / subject.wave);
     Finding { state: state(is_on), value, reason, trial }
-        .entry("gravity", "weight of the chain / largest force of the wave")
+        .entry("gravity", "weight of the chain / smallest first peak")
 }
 
 /// The magnet's force.
 pub fn magnet_preload(subject: &Subject<'_>) -> Entry {
     let magnet = subject.scene.spec.effects.magnet_preload;
-    let criterion = "force of the magnet / largest force of the wave";
+    let criterion = "force of the magnet / smallest first peak";
     let Some(magnet) = magnet else {
         let reason = "no table in the scene; it needs a force, or a magnet's name".to_owned();
         return Finding { state: State::Off, value: None, reason, trial: None }
@@ -67,7 +65,7 @@ pub fn magnet_preload(subject: &Subject<'_>) -> Entry {
     let (trial, failed) = against(subject, other, true);
     let force = engineering(magnet.force, "N", 3);
     let reason = format!("on by the scene: {force} on particle {}{failed}", magnet.particle);
-    let value = Some(magnet.force / subject.largest_change);
+    let value = Some(magnet.force / subject.wave);
     Finding { state: State::On, value, reason, trial }.entry("magnet_preload", criterion)
 }
 
@@ -252,58 +250,4 @@ pub fn host_mass(subject: &Subject<'_>) -> Entry {
     let value = if hosts.is_empty() { None } else { value };
     Finding { state: state(is_on), value, reason, trial }
         .entry("host_mass", "mass of a sensor's host / mass of its kind - 1")
-}
-
-/// Contacts that open or close within a step.
-pub fn kink_correction(subject: &Subject<'_>) -> Entry {
-    let chain = &subject.scene.chain;
-    let films = chain.contacts().iter().zip(&subject.bench.film().contact_forces);
-    let touching = films.filter(|(contact, _)| contact.stiffness > 0.0);
-    let (mut all, mut open) = (0_u32, 0_u32);
-    for (_, forces) in touching {
-        all += 1;
-        open += u32::from(forces.iter().skip(1).any(|force| *force <= 0.0));
-    }
-    let reason = if chain.is_dissipative() {
-        "off with losses: their forces jump, and steps end where a contact changes sides"
-    } else {
-        "steps in which a contact opens or closes are put right; the others do nothing of the kind"
-    };
-    let state = if chain.is_dissipative() { State::Off } else { State::Auto };
-    let value = Some(f64::from(open) / f64::from(all.max(1)));
-    Finding { state, value, reason: reason.to_owned(), trial: None }
-        .entry("kink_correction", "contacts that open / all contacts")
-}
-
-/// Forces without cancellation, for waves far below the preload.
-pub fn force_form(subject: &Subject<'_>) -> Entry {
-    let scene = subject.scene;
-    let overlap = scene.chain.impact_overlap(&scene.initial_velocities);
-    let contacts = scene.chain.contacts().iter().filter(|c| c.stiffness > 0.0);
-    let ratio =
-        contacts.map(|c| ROUNDING * c.static_force / c.force_change(overlap)).fold(0.0, f64::max);
-    let (state, reason) = if scene.chain.is_dissipative() {
-        (State::On, "always on with losses")
-    } else {
-        (
-            State::Auto,
-            "on only where the criterion exceeds a thousandth of the accuracy: below, rounding cannot be seen",
-        )
-    };
-    Finding { state, value: Some(ratio), reason: reason.to_owned(), trial: None }
-        .entry("exact_force_form", "rounding of the static force / force of the wave")
-}
-
-/// Beads ahead of the wave.
-pub fn quiet_part(subject: &Subject<'_>) -> Entry {
-    let contacts = subject.scene.chain.contacts().iter();
-    let least = contacts.filter(|c| c.stiffness > 0.0).map(|c| c.static_force).fold(0.0, f64::max);
-    let reason = if least > 0.0 {
-        "not built: all contacts are evaluated in every step; leaving out the beads ahead would not be exact here, where contacts are loaded"
-    } else {
-        "not built: all contacts are evaluated in every step, though the beads ahead are exactly at rest here"
-    };
-    let value = Some(least / subject.largest_change);
-    Finding { state: State::Off, value, reason: reason.to_owned(), trial: None }
-        .entry("quiet_part", "largest static force / largest force of the wave")
 }

@@ -7,6 +7,7 @@
 pub mod auto;
 mod chain;
 mod electronics;
+mod numerics;
 mod trial;
 
 use serde::Serialize;
@@ -43,8 +44,12 @@ pub struct Entry {
     pub value: Option<f64>,
     /// Why it is on or off.
     pub reason: String,
-    /// Wall time it adds to a step; for effects of sensors and scope, the time they add to the whole over the steps (ns).
+    /// Wall time it adds to a step, the median of runs in turn; for effects of sensors and scope, what they add to the whole over the
+    /// steps (ns).
     pub cost_ns_per_step: Option<f64>,
+    /// How well that is known: half the range in which the middle half of the runs' differences lie, over the root of their number;
+    /// less than twice this is nothing (ns).
+    pub cost_u_ns_per_step: Option<f64>,
     /// That time as a share of the run with it (1).
     pub cost_share: Option<f64>,
     /// What it changes, or would change; none where that was not to be measured.
@@ -69,8 +74,8 @@ struct Subject<'a> {
     accuracy: f64,
     bench: Bench<'a>,
     grid: Grid,
-    /// Largest change of any contact force on the film (N).
-    largest_change: f64,
+    /// The smallest first peak; infinite where nothing was felt (N).
+    wave: f64,
 }
 
 impl<'a> Subject<'a> {
@@ -81,12 +86,9 @@ impl<'a> Subject<'a> {
         let (chain, velocities) = (&scene.chain, &scene.initial_velocities);
         let mut bench = Bench::new(chain, velocities, method, &probes(scene), (grid, frames));
         bench.run_until(scene.duration, true, &mut |_| ())?;
-        let forces = chain.contacts().iter().zip(&bench.film().contact_forces);
-        let changes = forces.flat_map(|(contact, forces)| {
-            forces.iter().map(|force| (force - contact.static_force).abs())
-        });
-        let largest_change = changes.fold(0.0, f64::max);
-        Ok(Self { scene, accuracy, bench, grid, largest_change })
+        let peaks = bench.watches().iter().filter_map(|watch| watch.pulse.first_peak());
+        let wave = peaks.map(|peak| peak.dynamic_n).fold(f64::INFINITY, f64::min);
+        Ok(Self { scene, accuracy, bench, grid, wave })
     }
 
     /// The scene after `edit` of its spec, the chain put together again.
@@ -116,8 +118,9 @@ impl Finding {
             criterion,
             value: self.value.filter(|value| value.is_finite()),
             reason: self.reason,
-            cost_ns_per_step: cost.map(|(per_step, _)| per_step),
-            cost_share: cost.map(|(_, share)| share),
+            cost_ns_per_step: cost.map(|bill| bill.per_step),
+            cost_u_ns_per_step: cost.map(|bill| bill.u),
+            cost_share: cost.map(|bill| bill.share),
             change: self.trial.map(|(_, change)| change),
         }
     }
@@ -143,9 +146,9 @@ pub fn ledger(
         chain::linearised_contacts,
         chain::plasticity,
         chain::host_mass,
-        chain::kink_correction,
-        chain::force_form,
-        chain::quiet_part,
+        numerics::kink_correction,
+        numerics::force_form,
+        numerics::quiet_part,
         electronics::sensor_offset,
         electronics::sensor_droop,
         electronics::sensor_tolerance,

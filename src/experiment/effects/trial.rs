@@ -1,6 +1,6 @@
 //! Runs with and without an effect, in turn: what it costs and what it changes.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
@@ -12,8 +12,12 @@ use crate::experiment::{Integration, method};
 use crate::scene::{Scene, input_load};
 use crate::scope::waveform::LEVELS_PER_DIVISION;
 
-/// Pairs of runs that are timed.
-const PAIRS: usize = 9;
+/// Fewest pairs of runs that are timed.
+const FEWEST_PAIRS: usize = 9;
+/// Most pairs of runs that are timed.
+const MOST_PAIRS: usize = 101;
+/// Time after which no more pairs than the fewest are timed.
+const PATIENCE: Duration = Duration::from_millis(300);
 
 /// Relative changes, with the effect over without it, and what the scope would show of them. Each is the largest of all places.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -33,8 +37,19 @@ pub struct Change {
 /// What an effect costs.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Cost {
-    /// Time a step (ns) and share of the run with it (1), where it was measured.
-    pub measured: Option<(f64, f64)>,
+    /// The bill, where it was measured.
+    pub measured: Option<Bill>,
+}
+
+/// What was measured of a cost.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bill {
+    /// Time added to a step (ns).
+    pub per_step: f64,
+    /// Its standard uncertainty (ns).
+    pub u: f64,
+    /// Share of a step with the effect (1).
+    pub share: f64,
 }
 
 /// The value farthest from zero; none of none (1).
@@ -42,20 +57,40 @@ pub fn largest(values: impl Iterator<Item = f64>) -> Option<f64> {
     values.reduce(|most, value| if value.abs() > most.abs() { value } else { most })
 }
 
-/// The middle one of sorted values (1).
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
+/// The value below which `share` of `sorted` values lie (1).
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a place among a hundred"
+)]
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let place = (share * (sorted.len().max(1) - 1) as f64).round() as usize;
+    sorted.get(place).copied().unwrap_or(0.0)
 }
 
-impl Cost {
-    /// From wall times with and without (s), each with its steps.
-    #[allow(clippy::cast_precision_loss, reason = "counts far below 2^53")]
-    fn of(with: (Vec<f64>, u64), without: (Vec<f64>, u64)) -> Self {
-        let (a, b) = (median(with.0), median(without.0));
-        let per_step = a / with.1.max(1) as f64 - b / without.1.max(1) as f64;
-        Self { measured: Some((1e9 * per_step, 1.0 - b / a)) }
+/// Runs `with` and `without` in turn, each of which tells its wall time (s), over these numbers of steps.
+#[allow(clippy::cast_precision_loss, reason = "counts far below 2^53")]
+fn bill(
+    mut with: impl FnMut() -> Option<f64>,
+    mut without: impl FnMut() -> Option<f64>,
+    (steps, steps_without): (u64, u64),
+) -> Option<Bill> {
+    let (mut differences, mut walls) = (Vec::new(), Vec::new());
+    let started = Instant::now();
+    while differences.len() < FEWEST_PAIRS
+        || (differences.len() < MOST_PAIRS && started.elapsed() < PATIENCE)
+    {
+        let (a, b) = (with()?, without()?);
+        differences.push(1e9 * (a / steps.max(1) as f64 - b / steps_without.max(1) as f64));
+        walls.push(1e9 * a / steps.max(1) as f64);
     }
+    differences.sort_by(f64::total_cmp);
+    walls.sort_by(f64::total_cmp);
+    let per_step = quantile(&differences, 0.5);
+    let spread = 0.5 * (quantile(&differences, 0.75) - quantile(&differences, 0.25));
+    let u = spread / (differences.len() as f64).sqrt();
+    Some(Bill { per_step, u, share: per_step / quantile(&walls, 0.5) })
 }
 
 impl Change {
@@ -117,12 +152,9 @@ pub fn of_chain(with: &Scene, without: &Scene, accuracy: f64) -> Result<(Cost, C
     };
     let (on_by, off_by) = (prepared(with)?, prepared(without)?);
     let (on, off): (Run, Run) = (run(with, on_by)?, run(without, off_by)?);
-    let mut walls = (vec![], vec![]);
-    for _ in 0..PAIRS {
-        walls.0.push(run(with, on_by)?.wall_s);
-        walls.1.push(run(without, off_by)?.wall_s);
-    }
-    let cost = Cost::of((walls.0, on.work.steps), (walls.1, off.work.steps));
+    let wall = |scene: &Scene, by| run(scene, by).ok().map(|run| run.wall_s);
+    let steps = (on.work.steps, off.work.steps);
+    let cost = Cost { measured: bill(|| wall(with, on_by), || wall(without, off_by), steps) };
     let (fast, slow) = (speeds_of(with, &on.readings), speeds_of(without, &off.readings));
     let ratios = fast.iter().filter_map(|(pair, speed)| {
         let (_, other) = slow.iter().find(|(same, _)| same == pair)?;
@@ -197,18 +229,13 @@ pub fn of_electronics(subject: &Subject<'_>, with: &Scene, without: &Scene) -> (
         (started.elapsed().as_secs_f64(), found)
     };
     let ((_, on), (_, off)) = (timed(with), timed(without));
-    let mut walls = (vec![], vec![]);
-    for _ in 0..PAIRS {
-        walls.0.push(timed(with).0);
-        walls.1.push(timed(without).0);
-    }
-    let steps = bench.work().steps;
     let motion = method(subject.scene, Integration::Accuracy(subject.accuracy))
         .map_err(|error| error.to_string())
         .and_then(|by| run(subject.scene, by))
         .map_or(0.0, |run| run.wall_s);
     // The motion is the same: its time counts in the share alone.
-    let whole = |walls: Vec<f64>| walls.into_iter().map(|wall| wall + motion).collect();
-    let cost = Cost::of((whole(walls.0), steps), (whole(walls.1), steps));
+    let wall = |scene: &Scene| Some(timed(scene).0 + motion);
+    let steps = bench.work().steps;
+    let cost = Cost { measured: bill(|| wall(with), || wall(without), (steps, steps)) };
     (cost, of_signals(subject, &on, &off))
 }
