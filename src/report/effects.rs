@@ -17,9 +17,10 @@ pub fn effects(ledger: &Ledger) -> String {
     rows.extend(ledger.entries.iter().map(row));
     let mut lines = vec![
         format!("{}: the effects, at accuracy {:.1e}", ledger.scene, ledger.accuracy),
-        "cost: time it adds to a step, 0 within its uncertainty; change: with it over without it, the largest of all"
+        "cost: time it adds to a step, 0 within what timing tells; change: with it over without it, in"
             .to_owned(),
-        "places, in first peaks, half-rises and speeds; what is off is compared as if it were on".to_owned(),
+        "first peaks, half-rises and speeds, the largest of all places; what is off: if it were on"
+            .to_owned(),
         String::new(),
     ];
     lines.extend(table::lines(&rows, &[0, 1]));

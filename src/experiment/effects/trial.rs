@@ -81,7 +81,14 @@ fn bill(
     while differences.len() < FEWEST_PAIRS
         || (differences.len() < MOST_PAIRS && started.elapsed() < PATIENCE)
     {
-        let (a, b) = (with()?, without()?);
+        // In either order, so that nothing in the machine's own rhythm favours one of them.
+        let swapped = differences.len() % 2 == 1;
+        let early = if swapped { Some(without()?) } else { None };
+        let a = with()?;
+        let b = match early {
+            Some(b) => b,
+            None => without()?,
+        };
         differences.push(1e9 * (a / steps.max(1) as f64 - b / steps_without.max(1) as f64));
         walls.push(1e9 * a / steps.max(1) as f64);
     }
