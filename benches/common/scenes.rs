@@ -59,6 +59,7 @@ fn body(mass: f64, sphere: bool) -> Body {
         length: if sphere { 2.0 * RADIUS } else { 3.12e-3 },
         curvature: if sphere { 1.0 / RADIUS } else { 0.0 },
         elasticity: if sphere { PTFE } else { STEEL },
+        yield_strength: None,
     }
 }
 

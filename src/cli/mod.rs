@@ -8,6 +8,7 @@ mod calibrate;
 mod completions;
 mod convert;
 mod cost;
+mod effects;
 mod force;
 mod hard_cases;
 mod info;
@@ -51,6 +52,7 @@ enum Command {
     Convert(convert::Arguments),
     Cost(cost::Arguments),
     HardCases(hard_cases::Arguments),
+    Effects(effects::Arguments),
     Scenes(scenes::Arguments),
     Spectrum(spectrum::Arguments),
     Spectrogram(spectrogram::Arguments),
@@ -79,6 +81,7 @@ pub fn main() -> ExitCode {
             Ok(false) => return ExitCode::from(NO),
             done => done.map(|_| ()),
         },
+        Command::Effects(arguments) => effects::run(&arguments),
         Command::Scenes(arguments) => scenes::run(&arguments),
         Command::Spectrum(arguments) => spectrum::run(&arguments),
         Command::Spectrogram(arguments) => spectrogram::run(&arguments),

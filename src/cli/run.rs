@@ -8,7 +8,9 @@ use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
 
 use super::progress::Progress;
-use crate::experiment::{self, Integration, facts, horizon};
+use crate::experiment::accuracy::{ChosenAccuracy, doubt, estimate, of_scene};
+use crate::experiment::effects::auto::settle;
+use crate::experiment::{self, Integration, RunError, facts, horizon};
 use crate::integrate::Method;
 use crate::quantity::{Dimension, parse};
 use crate::recording::mcap::RecordingWriter;
@@ -24,7 +26,7 @@ pub struct Arguments {
     /// Recording to write, overwriting what is there; without it SCENE.mcap, numbered if that exists
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Relative error allowed in first-peak forces and times, e.g. 1e-6 [default: the scene's]
+    /// Relative error allowed in first-peak forces and times, e.g. 1e-6 [default: the scene's, or what its scope calls for]
     #[arg(long, value_name = "X", value_parser = accuracy, conflicts_with_all = ["method", "step"])]
     accuracy: Option<f64>,
     /// Integration method to use with a step of your own
@@ -69,7 +71,7 @@ impl ByHand {
     }
 }
 
-fn accuracy(text: &str) -> Result<f64, String> {
+pub fn accuracy(text: &str) -> Result<f64, String> {
     let value = parse(text, Dimension::NONE).map_err(|error| error.to_string())?;
     if (TIGHTEST_ACCURACY..=LOOSEST_ACCURACY).contains(&value) {
         Ok(value)
@@ -87,13 +89,27 @@ fn step(text: &str) -> Result<f64, String> {
     }
 }
 
+/// How to integrate, and why at this accuracy.
+fn integration(
+    arguments: &Arguments,
+    scene: &Scene,
+) -> Result<(Integration, Option<String>), RunError> {
+    if let (Some(method), Some(step)) = (arguments.method, arguments.step) {
+        return Ok((Integration::Method(method.with(step)), None));
+    }
+    let chosen = match arguments.accuracy {
+        Some(value) => ChosenAccuracy { value, reason: "asked for".to_owned() },
+        None => of_scene(scene)?,
+    };
+    Ok((Integration::Accuracy(chosen.value), Some(chosen.reason)))
+}
+
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut scene = Scene::load(&arguments.scene)?;
     scene.seed = arguments.seed.unwrap_or(scene.seed);
-    let integration = match (arguments.method, arguments.step) {
-        (Some(method), Some(step)) => Integration::Method(method.with(step)),
-        _ => Integration::Accuracy(arguments.accuracy.unwrap_or(scene.accuracy)),
-    };
+    let (integration, reason) = integration(arguments, &scene)?;
+    // Before the recording tells what it is of.
+    let scene = settle(&scene, integration);
     let known = facts::facts(&scene, integration)?;
     // Before the work, so that a folder that cannot be written to costs no simulation.
     let output = Output::open(arguments.output.as_deref(), &scene.name)?;
@@ -103,8 +119,18 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let early = if output.new { Some(create().inspect_err(|_| output.give_up())?) } else { None };
     let mut progress = Progress::new(&scene.name, arguments.quiet);
     let outcome = experiment::run(&scene, integration, 1, &mut |share| progress.at(share));
+    let outcome = outcome.and_then(|mut outcome| {
+        outcome.summary.accuracy_reason = reason;
+        if let Integration::Accuracy(accuracy) = integration {
+            let estimate = estimate(&scene, accuracy, &outcome.summary)?;
+            outcome.summary.notes.extend(doubt(estimate.as_ref(), accuracy));
+            outcome.summary.error_estimate = estimate;
+            outcome.summary.notes.extend(horizon::note(&scene, accuracy));
+        }
+        Ok(outcome)
+    });
     progress.done();
-    let mut outcome = match outcome {
+    let outcome = match outcome {
         Ok(outcome) => outcome,
         Err(error) => {
             drop(early);
@@ -112,9 +138,6 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             return Err(error.into());
         }
     };
-    if let Integration::Accuracy(accuracy) = integration {
-        outcome.summary.notes.extend(horizon::note(&scene, accuracy));
-    }
     let written = early.map_or_else(create, Ok).and_then(|mut writer| {
         writer.add(&outcome.shot, &facts::shot_notes(&scene, &outcome))?;
         writer.finish()

@@ -8,6 +8,7 @@ use std::time::Duration;
 use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
 
+use crate::experiment::accuracy::of_scene;
 use crate::experiment::{Integration, facts};
 use crate::quantity::{Dimension, parse};
 use crate::recording::mcap::RecordingWriter;
@@ -101,7 +102,8 @@ fn create_recording(file: &Path, scene: &Scene) -> anyhow::Result<RecordingWrite
     if file.extension().is_none_or(|extension| extension != "mcap") {
         bail!("found {}, expected a name that ends in .mcap", file.display());
     }
-    let mut known = facts::facts(scene, Integration::Accuracy(scene.accuracy))?;
+    let integration = Integration::Accuracy(of_scene(scene)?.value);
+    let mut known = facts::facts(scene, integration)?;
     if let Some(recording) = known.get_mut("hertzscope:recording") {
         let times = "of messages: nanoseconds since 1970; of records: seconds after the trigger";
         recording.insert("time_base".to_owned(), times.to_owned());

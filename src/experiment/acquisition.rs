@@ -10,7 +10,7 @@ use crate::sensor::Load;
 use crate::trace::Trace;
 
 /// The volts at each channel's probe, conditioned by the front end; `None` for channels that are off.
-fn signals(scene: &Scene, bench: &Bench<'_>, grid: Grid, shot: u32) -> Vec<Option<Vec<f64>>> {
+pub fn signals(scene: &Scene, bench: &Bench<'_>, grid: Grid, shot: u32) -> Vec<Option<Vec<f64>>> {
     let setup = &scene.scope;
     let signal = |number: u8, channel: &ChannelSetup| {
         let volts = volts(scene, bench, grid, channel);

@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::bench::{Bench, Grid};
 use super::outcome::Reading;
 use super::{probes, sample_grid};
-use crate::integrate::{Method, Work};
+use crate::integrate::{IntegrateError, Method, Work};
 use crate::scene::{Scene, input_load};
 use crate::scope::waveform::LEVELS_PER_DIVISION;
 
@@ -52,13 +52,35 @@ pub fn worst(found: &Run, exact: &Run) -> Option<f64> {
     Some(peak.max(compare(found, exact, arrival_error)?))
 }
 
+/// What all places read, the wall last, when `scene` is run by `method`: nothing is sampled, nothing kept.
+///
+/// # Errors
+/// The integrator's.
+pub fn readings(scene: &Scene, method: Method) -> Result<Vec<Reading>, IntegrateError> {
+    let never = Grid { start: f64::MAX, interval: 1.0 };
+    let probes = probes(scene);
+    let mut bench =
+        Bench::new(&scene.chain, &scene.initial_velocities, method, &probes, (never, never));
+    bench.run_until(scene.duration, true, &mut |_| ())?;
+    Ok(bench.watches().iter().map(|w| Reading::of("", None, 0.0, &w.pulse)).collect())
+}
+
 /// Largest of `error` over all places that felt a pulse in the reference; none if one of them felt none here (1).
 pub fn compare(
     found: &Run,
     exact: &Run,
     error: fn(&Reading, &Reading) -> Option<f64>,
 ) -> Option<f64> {
-    let felt = found.readings.iter().zip(&exact.readings).filter(|(_, e)| e.first_peak.is_some());
+    compare_readings(&found.readings, &exact.readings, error)
+}
+
+/// The same of readings alone (1).
+pub fn compare_readings(
+    found: &[Reading],
+    exact: &[Reading],
+    error: fn(&Reading, &Reading) -> Option<f64>,
+) -> Option<f64> {
+    let felt = found.iter().zip(exact).filter(|(_, e)| e.first_peak.is_some());
     let mut largest = 0.0;
     for (found, exact) in felt {
         largest = error(found, exact)?.max(largest);
@@ -97,9 +119,14 @@ pub fn trace_error(found: &Run, exact: &Run) -> f64 {
 
 /// The smallest digitiser level relative to the first peak at its channel's sensor (1).
 pub fn level(scene: &Scene, exact: &Run) -> Option<f64> {
+    level_of(scene, &exact.readings)
+}
+
+/// The same from readings alone (1).
+pub fn level_of(scene: &Scene, readings: &[Reading]) -> Option<f64> {
     let mut smallest: Option<f64> = None;
     for channel in scene.scope.channels.iter().flatten() {
-        let wired = scene.sensors.iter().zip(&exact.readings);
+        let wired = scene.sensors.iter().zip(readings);
         let Some((sensor, reading)) =
             wired.into_iter().find(|(s, _)| Some(&s.name) == channel.input.as_ref())
         else {

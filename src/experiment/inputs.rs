@@ -1,7 +1,9 @@
 //! What an impact puts at the scope's inputs, for a scope that is set by somebody else than the scene.
 
+use super::accuracy::of_scene;
 use super::acquisition::{external, truth, volts};
 use super::bench::{Bench, Grid};
+use super::effects::auto::settle;
 use super::{FRAMES, Integration, RunError, free_grid, method, probes};
 use crate::scene::Scene;
 use crate::trace::Trace;
@@ -47,7 +49,9 @@ pub struct Inputs {
 /// # Errors
 /// [`RunError`] for states that stop being numbers.
 pub fn inputs(scene: &Scene, window: Window, shot: u32) -> Result<Inputs, RunError> {
-    let method = method(scene, Integration::Accuracy(scene.accuracy))?;
+    let integration = Integration::Accuracy(of_scene(scene)?.value);
+    let scene = &*settle(scene, integration);
+    let method = method(scene, integration)?;
     #[allow(clippy::cast_precision_loss, reason = "two million is far below 2^53")]
     let longest_before = (MOST_SAMPLES / 2) as f64 * window.interval;
     let grid = free_grid(scene, shot, window.interval, window.before.min(longest_before));

@@ -4,12 +4,14 @@
 //! the scope's own sample times; sensors turn it into volts; the scope conditions, triggers and digitises. Where the
 //! scope's record ends after the scene's duration, the chain simply moves on until the record is full.
 
+pub mod accuracy;
 mod acquisition;
 pub mod arrivals;
 pub mod bench;
 pub mod calibration;
 mod comparison;
 pub mod cost;
+pub mod effects;
 pub mod ensemble;
 pub mod facts;
 mod film;
@@ -17,6 +19,7 @@ pub mod hard_cases;
 pub mod horizon;
 pub mod inputs;
 mod losses;
+mod notes;
 pub mod outcome;
 pub mod paper;
 pub mod pulse;
@@ -32,12 +35,11 @@ use rand_distr::{Distribution, StandardUniform};
 
 use crate::chain::{ForceProbe, StabilityLimit};
 use crate::integrate::{IntegrateError, Method};
-use crate::quantity::engineering;
 use crate::recording::Shot;
 use crate::scene::{PlacedSensor, Scene, Site};
 use crate::scope::acquire::Found;
 use crate::scope::front_end::noise_stream;
-use acquisition::{record, trigger, trigger_scale};
+use acquisition::{record, trigger};
 use bench::{Bench, Grid};
 use outcome::{EnergyLedger, Reading, Summary, TriggerReport};
 
@@ -128,6 +130,7 @@ pub fn run(
     shot: u32,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Outcome, RunError> {
+    let scene = &*effects::auto::settle(scene, integration);
     let started = Instant::now();
     let method = method(scene, integration)?;
     let grid = sample_grid(scene, shot);
@@ -240,6 +243,8 @@ impl Finished<'_> {
             method: method.name().to_owned(),
             method_source: method.source().to_owned(),
             accuracy,
+            accuracy_reason: None,
+            error_estimate: None,
             step_s,
             force_evaluations: work.force_evaluations,
             steps: work.steps,
@@ -253,7 +258,11 @@ impl Finished<'_> {
             paper: paper::speed_of(scene),
             speeds: outcome::speeds(&scene.chain, &sensors),
             wall: wall.map(|watch| Reading::of("wall", None, 0.0, &watch.pulse)),
-            notes: notes(scene, &sensors, shot, found).into_iter().chain(yielded).collect(),
+            notes: notes::notes(scene, &sensors, shot, found)
+                .into_iter()
+                .chain(yielded)
+                .chain(scene.decided.clone())
+                .collect(),
             sensors: sensors.into_iter().filter(|s| s.particle.is_some()).collect(),
             trigger: TriggerReport {
                 recorded: found.is_some(),
@@ -262,45 +271,4 @@ impl Finished<'_> {
             },
         }
     }
-}
-
-/// What a user would otherwise find out late.
-fn notes(scene: &Scene, sensors: &[Reading], shot: &Shot, found: Option<Found>) -> Vec<String> {
-    let mut notes = Vec::new();
-    let drawn = scene.striker_speed_spread.and(scene.velocities(shot.number).first().copied());
-    let told = |v| format!("the striker's speed was drawn: {}", engineering(v, "m/s", 4));
-    notes.extend(drawn.map(told));
-    if let Some(scale) = trigger_scale(scene) {
-        let (level, deaf) =
-            (scene.scope.trigger.level, scene.scope.model.trigger_hysteresis * scale);
-        if level.abs() < deaf {
-            notes.push(format!("the trigger level {} is within the trigger's hysteresis of {} around zero: a pulse from rest may not trigger", engineering(level, "V", 3), engineering(deaf, "V", 3)));
-        }
-    }
-    match found {
-        None => notes.push(
-            "the scope was not triggered: its level was never crossed, so there are no captures"
-                .to_owned(),
-        ),
-        Some(found) if !found.crossed => {
-            notes.push("the trigger level was never crossed; automatic mode recorded from the striker's first contact".to_owned());
-        }
-        Some(_) => {}
-    }
-    for capture in &shot.captures {
-        let clipped = capture.waveform.clipped();
-        if clipped > 0 {
-            notes.push(format!("{}: {clipped} samples stand at the end of the converter's range and may be clipped", capture.waveform.source));
-        }
-    }
-    for sensor in sensors.iter().filter(|s| s.first_peak.is_none()) {
-        let felt = if sensor.largest_n > 0.0 {
-            let force = engineering(sensor.largest_n, "N", 3);
-            format!("the force was still rising, at {force}, when the scene's duration ended")
-        } else {
-            "no pulse arrived within the scene's duration".to_owned()
-        };
-        notes.push(format!("{}: {felt}", sensor.name));
-    }
-    notes
 }

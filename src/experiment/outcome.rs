@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
+use super::accuracy::ErrorEstimate;
 use super::paper::PaperSpeed;
 use super::pulse::{FOOT, HALF_RISE, Peak, PulseRecorder};
 use crate::chain::{Chain, Dissipated, Energy};
@@ -28,6 +29,10 @@ pub struct Summary {
     pub method_source: String,
     /// Accuracy that was asked for; none for a method with a step by hand (1).
     pub accuracy: Option<f64>,
+    /// Why this accuracy, where a run has been told.
+    pub accuracy_reason: Option<String>,
+    /// How far off first peaks and arrivals may be, where that was looked for.
+    pub error_estimate: Option<ErrorEstimate>,
     /// Fixed step, where there is one (s).
     pub step_s: Option<f64>,
     /// Evaluations of all contact forces of the chain.

@@ -1,6 +1,7 @@
 //! The summary of a run as a page of text.
 
 use super::table;
+use crate::experiment::accuracy::ErrorEstimate;
 use crate::experiment::outcome::{EnergyLedger, Reading, Speed, Summary};
 use crate::quantity::engineering;
 
@@ -86,7 +87,7 @@ fn speeds(speeds: &[Speed]) -> Vec<String> {
 fn costs(summary: &Summary) -> Vec<String> {
     let energy = &summary.energy;
     let setting = match (summary.accuracy, summary.step_s) {
-        (Some(accuracy), _) => format!("accuracy {accuracy:e} asked for"),
+        (Some(accuracy), _) => accuracy_words(accuracy, summary.accuracy_reason.as_deref()),
         (None, Some(step)) => format!("step {} by hand", engineering(step, "s", 4)),
         (None, None) => String::new(),
     };
@@ -126,12 +127,31 @@ fn costs(summary: &Summary) -> Vec<String> {
         ),
     ];
     lines.extend(ledger(energy));
+    lines.splice(1..1, errors(summary));
     lines.push(format!("  scope       {trigger}"));
     for (index, effect) in summary.effect_settings.iter().enumerate() {
         let label = if index == 0 { "effects on" } else { "" };
         lines.push(format!("  {label:<11} {effect}"));
     }
     lines
+}
+
+/// An accuracy (1), rounded to what can be remembered, and why this one.
+fn accuracy_words(accuracy: f64, reason: Option<&str>) -> String {
+    let short = format!("{accuracy:.1e}").replace(".0e", "e");
+    format!("accuracy {short}, {}", reason.unwrap_or("asked for"))
+}
+
+/// How far off what is printed above may be.
+fn errors(summary: &Summary) -> Vec<String> {
+    let Some(estimate) = &summary.error_estimate else { return Vec::new() };
+    let ErrorEstimate { peak, arrival, how } = estimate;
+    vec![
+        format!(
+            "  error       first peaks within {peak:.1e}, arrivals within {arrival:.1e} of their values"
+        ),
+        format!("              ({how})"),
+    ]
 }
 
 /// Where the energy is at the end of a run with losses.

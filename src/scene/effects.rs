@@ -9,6 +9,54 @@ use crate::chain::{EffectsSpec, Gravity, LinearisedContacts, MagnetPreload};
 use crate::quantity::Dimension;
 use crate::sensor::Tolerance;
 
+/// What `state` says of an effect whose table is there; its other keys stay as they are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Switch {
+    /// On; so is a table without the key.
+    On,
+    /// Off.
+    Off,
+    /// Off where nothing would be seen of it.
+    Auto,
+}
+
+/// Effects whose change can be foretold.
+const FORETOLD: [&str; 4] = ["gravity", "dashpot", "kuwabara_kono", "power_law_loss"];
+/// The others.
+const PLAIN: [&str; 5] =
+    ["linearised_contacts", "magnet_preload", "scope_errors", "scope_noise", "sensor_tolerance"];
+
+/// The `state` of every effect that has one.
+pub fn switches(effects: &Table<'_>) -> Vec<(&'static str, Switch)> {
+    let words = [("on", Switch::On), ("off", Switch::Off), ("auto", Switch::Auto)];
+    let read = |name: &'static str, words: &[(&str, Switch)]| {
+        let state = effect(effects, name)?.choice("state", words)?;
+        Some((name, state))
+    };
+    let foretold = FORETOLD.into_iter().filter_map(|name| read(name, &words));
+    foretold.chain(PLAIN.into_iter().filter_map(|name| read(name, &words[..2]))).collect()
+}
+
+/// Whether `name` is switched off.
+pub fn is_off(switches: &[(&'static str, Switch)], name: &str) -> bool {
+    switches.iter().any(|(other, switch)| *other == name && *switch == Switch::Off)
+}
+
+/// Those whose state is `auto`.
+pub fn left_to_accuracy(switches: &[(&'static str, Switch)]) -> Vec<&'static str> {
+    let auto = switches.iter().filter(|(_, switch)| *switch == Switch::Auto);
+    auto.map(|(name, _)| *name).collect()
+}
+
+/// Takes out what is switched off; it has been read, so that mistakes in it are told.
+pub fn switch(spec: &mut EffectsSpec, switches: &[(&'static str, Switch)]) {
+    for (name, switch) in switches {
+        if *switch == Switch::Off {
+            spec.remove(name);
+        }
+    }
+}
+
 /// Reads `[effects]`, noise and errors of the scope excepted.
 /// `pairs` are the names of the bodies that touch, none where they are not known.
 pub fn effects(
@@ -49,7 +97,9 @@ pub(super) fn effect<'a>(effects: &Table<'a>, name: &'static str) -> Option<Tabl
     if matches!(node.value, Value::Flag(false)) {
         return None;
     }
-    effects.table(name)
+    let table = effects.table(name)?;
+    let _ = table.node("state");
+    Some(table)
 }
 
 /// Whether `[effects.scope_errors]` is on.

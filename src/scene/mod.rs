@@ -29,9 +29,10 @@ use crate::quantity::Dimension;
 use crate::scope::{Deviation, Model, Setup};
 use crate::sensor::Tolerance;
 use bodies::Materials;
+use document::Value;
 use reader::{Bound, Problems, Table};
 
-/// Accuracy of a scene that names none: relative error of first-peak forces and times (1).
+/// Accuracy of a scene that names none and whose scope sees no pulse: relative error of first-peak forces and times (1).
 pub const DEFAULT_ACCURACY: f64 = 1e-6;
 /// Tightest accuracy that double precision supports over a whole run (1).
 pub const TIGHTEST_ACCURACY: f64 = 1e-11;
@@ -65,10 +66,14 @@ pub struct Scene {
     pub scope: Setup,
     /// How long the bench is watched after the striker's first contact (s).
     pub duration: f64,
-    /// Relative error tolerated in first-peak forces and times (1).
-    pub accuracy: f64,
+    /// Relative error tolerated in first-peak forces and times; none where it follows from the scope (1).
+    pub accuracy: Option<f64>,
     /// Seed of everything random.
     pub seed: u64,
+    /// Effects that are switched off where nothing would be seen of them (`state = "auto"`), as long as that is not decided.
+    pub auto: Vec<&'static str>,
+    /// What was decided of them, in words.
+    pub decided: Vec<String>,
     /// How far the sensors' plates may be from their data; drawn from the seed.
     pub sensor_tolerance: Option<Tolerance>,
 }
@@ -132,8 +137,7 @@ fn read(loaded: library::Loaded, problems: &Problems) -> Option<Scene> {
     let _ = root.text("base");
     let title = root.text("title").unwrap_or(&name).to_owned();
     let duration = root.required("duration", Dimension::TIME, Bound::Positive);
-    let accuracy = Bound::Within(TIGHTEST_ACCURACY, LOOSEST_ACCURACY);
-    let accuracy = root.quantity("accuracy", Dimension::NONE, accuracy).unwrap_or(DEFAULT_ACCURACY);
+    let accuracy = accuracy(&root);
     let seed = root.count("seed", 0, LARGEST_SEED).unwrap_or(0);
     let moving = moving(&root, problems);
     let kinds: Vec<&str> = moving.kinds.iter().map(String::as_str).collect();
@@ -157,8 +161,20 @@ fn read(loaded: library::Loaded, problems: &Problems) -> Option<Scene> {
         duration: duration?,
         accuracy,
         seed,
+        auto: moving.auto,
+        decided: Vec::new(),
         sensor_tolerance: moving.sensor_tolerance,
     })
+}
+
+/// The accuracy; none for `"auto"`, which switches off a base scene's.
+fn accuracy(root: &Table<'_>) -> Option<f64> {
+    if matches!(root.node("accuracy").map(|node| &node.value), Some(Value::Text(text)) if text == "auto")
+    {
+        return None;
+    }
+    let bound = Bound::Within(TIGHTEST_ACCURACY, LOOSEST_ACCURACY);
+    root.quantity("accuracy", Dimension::NONE, bound)
 }
 
 /// What moves, as far as it could be read.
@@ -169,6 +185,7 @@ struct Moving {
     scope_errors: bool,
     sensor_tolerance: Option<Tolerance>,
     spread: Option<f64>,
+    auto: Vec<&'static str>,
     initial_velocities: Vec<f64>,
     built: Option<(ChainSpec, Chain)>,
 }
@@ -196,11 +213,17 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
     // An end that could not be read may be a wall.
     let walls = [&top, &bottom].map(|e| e.is_none_or(|(end, _)| matches!(end, End::Wall(_))));
     let pairs = bodies::pairs(&particles.kinds, striker.is_some(), walls);
-    let effects_spec = effects::effects(effects.as_ref(), count, &pairs);
-    let noise = effects.as_ref().and_then(effects::scope_noise).unwrap_or(0.0);
-    let scope_errors = effects.as_ref().is_some_and(effects::scope_errors);
-    let sensor_tolerance = effects.as_ref().and_then(effects::sensor_tolerance);
+    let mut effects_spec = effects::effects(effects.as_ref(), count, &pairs);
+    let switches = effects.as_ref().map(effects::switches).unwrap_or_default();
+    effects::switch(&mut effects_spec, &switches);
+    let on = |name| !effects::is_off(&switches, name);
+    let noise = effects.as_ref().and_then(effects::scope_noise);
+    let noise = noise.filter(|_| on("scope_noise")).unwrap_or(0.0);
+    let scope_errors = effects.as_ref().is_some_and(effects::scope_errors) && on("scope_errors");
+    let tolerance = effects.as_ref().and_then(effects::sensor_tolerance);
+    let sensor_tolerance = tolerance.filter(|_| on("sensor_tolerance"));
     let spread = effects.as_ref().and_then(|e| effects::striker_speed_spread(e, root));
+    let spread = spread.filter(|_| on("striker_speed_spread"));
     if let Some(effects) = effects {
         effects.finish();
     }
@@ -234,6 +257,7 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
         scope_errors,
         sensor_tolerance,
         spread,
+        auto: effects::left_to_accuracy(&switches),
         initial_velocities,
         built,
     }

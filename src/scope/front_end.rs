@@ -13,7 +13,7 @@ use super::setup::{ChannelSetup, Setup};
 use super::waveform::Coupling;
 
 /// Below this delay, in sample intervals, the bandwidth's only visible effect, a shift, is left out (1).
-const NEGLIGIBLE_DELAY: f64 = 0.01;
+pub const NEGLIGIBLE_DELAY: f64 = 0.01;
 
 /// Random numbers of one channel and shot: a stream of its own, so that switching one channel off does not change
 /// what another shows.
@@ -40,10 +40,7 @@ pub fn condition(
         Some(Coupling::Ground) => vec![0.0; volts.len()],
     };
     let at_input = vertical.scale / vertical.probe;
-    let limited = vertical.bandwidth_limited == Some(true)
-        || at_input * ROUNDED_UP < model.full_bandwidth_from;
-    let bandwidth = if limited { model.limited_bandwidth } else { model.bandwidth };
-    let ratio = interval * TAU * bandwidth;
+    let ratio = bandwidth_ratio(setup, channel, interval);
     if ratio * NEGLIGIBLE_DELAY < 1.0 {
         signal = low_pass(&signal, ratio);
     }
@@ -68,6 +65,16 @@ pub fn condition(
         }
     }
     signal
+}
+
+/// The `interval` (s) between samples over the time constant of the channel's bandwidth, which is its delay (1).
+#[must_use]
+pub fn bandwidth_ratio(setup: &Setup, channel: &ChannelSetup, interval: f64) -> f64 {
+    let (model, vertical) = (&setup.model, &channel.vertical);
+    let limited = vertical.bandwidth_limited == Some(true)
+        || vertical.scale / vertical.probe * ROUNDED_UP < model.full_bandwidth_from;
+    let bandwidth = if limited { model.limited_bandwidth } else { model.bandwidth };
+    interval * TAU * bandwidth
 }
 
 /// Corner of AC coupling behind a probe, whose resistance lies in series with the coupling capacitor (Hz).

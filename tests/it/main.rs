@@ -14,12 +14,14 @@
     reason = "small counts"
 )]
 
+mod accuracy;
 mod analysis;
 mod architecture;
 mod calibration;
 mod chains;
 mod cli;
 mod conservation;
+mod effects;
 mod ensemble;
 mod golden;
 mod hard_cases;

@@ -20,7 +20,7 @@ fn blocks(language: &str) -> Vec<String> {
 #[test]
 fn the_summary_shown_is_printed() {
     let scene = Scene::load("magnet-0.61g").expect("the default scene");
-    let integration = Integration::Accuracy(scene.accuracy);
+    let integration = Integration::Accuracy(scene.accuracy.expect("named"));
     let outcome = run(&scene, integration, 1, &mut |_| ()).expect("a run");
     let printed = report::summary(&outcome.summary);
     for block in blocks("text") {

@@ -108,7 +108,7 @@ impl Client {
 
 fn scene() -> Scene {
     let mut scene = Scene::load("magnet-0.61g").expect("the default scene");
-    scene.accuracy = 1e-3;
+    scene.accuracy = Some(1e-3);
     scene
 }
 

@@ -68,6 +68,19 @@ impl EffectsSpec {
         effects.into_iter().flatten()
     }
 
+    /// Switches the effect called `name` off; none of that name, no change.
+    pub fn remove(&mut self, name: &str) {
+        match name {
+            "dashpot" => self.dashpot = None,
+            "gravity" => self.gravity = None,
+            "kuwabara_kono" => self.kuwabara_kono = None,
+            "linearised_contacts" => self.linearised_contacts = None,
+            "magnet_preload" => self.magnet_preload = None,
+            "power_law_loss" => self.power_law_loss = None,
+            _ => {}
+        }
+    }
+
     /// The losses that are on, in the order of a contact's terms.
     pub fn losses(&self) -> [Option<&LossSpec>; 3] {
         [

@@ -7,6 +7,7 @@
 use rand_distr::{Distribution, StandardUniform};
 use rand_pcg::Pcg64;
 
+use crate::experiment::accuracy::of_scene;
 use crate::experiment::{Integration, RunError, run};
 use crate::recording::{Capture, Instrument};
 use crate::scene::{Scene, SceneError};
@@ -98,7 +99,7 @@ pub fn strike(striker: &Striker, speed: f64) -> Result<Truth, TestError> {
             striker.material, striker.diameter, striker.mass
         );
         let scene = Scene::from_text(SCENE, "momentum test", &text)?;
-        let outcome = run(&scene, Integration::Accuracy(scene.accuracy), 1, &mut |_| ())?;
+        let outcome = run(&scene, Integration::Accuracy(of_scene(&scene)?.value), 1, &mut |_| ())?;
         let named = |name: &str| outcome.shot.truth.iter().find(|t| t.name.starts_with(name));
         let gravity = scene.spec.effects.gravity.map_or(0.0, |gravity| gravity.acceleration);
         if let (Some(force), Some(path)) = (named("sensor/item"), named("bead/0"))

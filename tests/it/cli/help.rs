@@ -10,6 +10,7 @@ const SUBCOMMANDS: &[(&str, &[&str])] = &[
     ("info", &["<FILE>", "--json"]),
     ("convert", &["<INPUT>", "<OUTPUT>", "--quiet"]),
     ("hard-cases", &["--json", "--quiet"]),
+    ("effects", &["[SCENE]", "--accuracy", "--json", "--quiet"]),
     ("scenes", &["[NAME]", "--json"]),
     #[cfg(feature = "server")]
     ("serve", &["[SCENE]", "--listen", "--impact-every", "--header"]),

@@ -14,7 +14,8 @@ use super::{Client, IDENTITY, Server, connect, scene};
 
 fn recorded(file: &Path) -> Server {
     let scene = scene();
-    let known = facts::facts(&scene, Integration::Accuracy(scene.accuracy)).expect("stable");
+    let known = facts::facts(&scene, Integration::Accuracy(scene.accuracy.expect("an accuracy")))
+        .expect("stable");
     let writer = RecordingWriter::create(file, &known, &[facts::scene_attachment(&scene)]);
     Server::serving(scene, Options::default(), Some(writer.expect("writable")))
 }

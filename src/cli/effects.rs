@@ -1,0 +1,44 @@
+//! `hertzscope effects`: what is on, why, what it costs and what it changes.
+
+use clap::Args;
+
+use super::progress::Progress;
+use super::run::accuracy;
+use crate::experiment::accuracy::of_scene;
+use crate::experiment::effects::ledger;
+use crate::report;
+use crate::scene::Scene;
+
+/// Show the effects of a scene: on or off, why, what each costs and changes
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// A scene that ships with the program, or the path of a scene file
+    #[arg(default_value = "magnet-0.61g")]
+    scene: String,
+    /// Accuracy of the runs that are compared [default: the scene's, or what its scope calls for]
+    #[arg(long, value_name = "X", value_parser = accuracy)]
+    accuracy: Option<f64>,
+    /// Print the ledger as JSON
+    #[arg(long)]
+    json: bool,
+    /// No progress bar
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let scene = Scene::load(&arguments.scene)?;
+    let accuracy = match arguments.accuracy {
+        Some(accuracy) => accuracy,
+        None => of_scene(&scene)?.value,
+    };
+    let mut progress = Progress::new(&scene.name, arguments.quiet);
+    let found = ledger(&scene, accuracy, &mut |share| progress.at(share));
+    progress.done();
+    let found = found?;
+    if arguments.json {
+        super::print(&serde_json::to_string_pretty(&found.entries)?)
+    } else {
+        super::print(&report::effects(&found))
+    }
+}

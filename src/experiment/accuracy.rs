@@ -1,0 +1,127 @@
+//! Which accuracy a run is held to where nobody names one, and how far off what the user reads may be.
+
+use serde::Serialize;
+
+use super::comparison::{arrival_error, compare_readings, level_of, peak_error, readings};
+use super::outcome::{Reading, Summary};
+use super::{Integration, RunError, method};
+use crate::quantity::engineering;
+use crate::scene::{DEFAULT_ACCURACY, LOOSEST_ACCURACY, Scene, Site, TIGHTEST_ACCURACY};
+
+/// Accuracy of the run that finds out how large peaks are and when they come (1).
+const COARSE: f64 = 1e-3;
+/// Share of a digitiser level and of a sample interval that may be wrong where nobody names an accuracy (1).
+const SHARE: f64 = 0.1;
+/// Accuracy of the run that a run is held against, in terms of its own (1).
+const TIGHTER: f64 = 0.1;
+
+/// An accuracy and where it is from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChosenAccuracy {
+    /// Relative error of first-peak forces and times (1).
+    pub value: f64,
+    /// Why this one.
+    pub reason: String,
+}
+
+/// The accuracy that the scope calls for: a tenth of a digitiser level of the most sensitive channel in first peaks, a tenth of a
+/// sample interval in arrivals, whichever is less; both follow from a coarse run. Without a pulse it is [`DEFAULT_ACCURACY`].
+///
+/// # Errors
+/// [`RunError`] where the chain cannot be followed.
+pub fn of_scope(scene: &Scene) -> Result<ChosenAccuracy, RunError> {
+    let found = readings(scene, method(scene, Integration::Accuracy(COARSE))?)?;
+    let arrivals = found.iter().filter_map(|r| Some(r.half_rise_s?.max(r.first_peak?.time_s)));
+    let latest = arrivals.fold(0.0, f64::max);
+    if latest == 0.0 {
+        let reason = "no pulse arrives that scope and accuracy could be measured by".to_owned();
+        return Ok(ChosenAccuracy { value: DEFAULT_ACCURACY, reason });
+    }
+    let interval = scene.scope.model.sample_interval(scene.scope.time_base);
+    let by_time = SHARE * interval / latest;
+    let time_words = format!(
+        "a tenth of the sample interval of {} at the latest arrival, {}",
+        engineering(interval, "s", 3),
+        engineering(latest, "s", 3)
+    );
+    let by_level = level_of(scene, &found).map(|level| SHARE * level);
+    let (value, words) = match by_level {
+        Some(value) if value < by_time => {
+            let words =
+                "a tenth of a digitiser level of the most sensitive channel, in its first peak";
+            (value, words.to_owned())
+        }
+        _ => (by_time, time_words),
+    };
+    let reason = format!("the scene names none; {words}");
+    Ok(ChosenAccuracy { value: value.clamp(TIGHTEST_ACCURACY, LOOSEST_ACCURACY), reason })
+}
+
+/// The accuracy to run `scene` with: its own, or the one that its scope calls for.
+///
+/// # Errors
+/// [`RunError`] where the chain cannot be followed.
+pub fn of_scene(scene: &Scene) -> Result<ChosenAccuracy, RunError> {
+    match scene.accuracy {
+        Some(value) => Ok(ChosenAccuracy { value, reason: "the scene's".to_owned() }),
+        None => of_scope(scene),
+    }
+}
+
+/// How far off a run's first peaks and arrivals may be.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ErrorEstimate {
+    /// Relative error of first-peak dynamic forces, the largest of all places (1).
+    pub peak: f64,
+    /// Relative error of first-peak times and half-rises, the largest of all places (1).
+    pub arrival: f64,
+    /// How it was found.
+    pub how: String,
+}
+
+/// Holds a run to `accuracy` (1), of which `summary` tells, against one to a tenth of it. By the triangle inequality the error is at
+/// most their difference and what the second run is off itself: a tenth of the accuracy, which is added.
+///
+/// None where the second run feels other pulses than the first.
+///
+/// # Errors
+/// [`RunError`] where the second run cannot go on.
+pub fn estimate(
+    scene: &Scene,
+    accuracy: f64,
+    summary: &Summary,
+) -> Result<Option<ErrorEstimate>, RunError> {
+    let tighter = TIGHTER * accuracy;
+    let second = readings(scene, method(scene, Integration::Accuracy(tighter))?)?;
+    let inside = scene.sensors.iter().zip(&second).filter(|(s, _)| s.site != Site::Wall);
+    let wall = scene.chain.wall_contact().and_then(|_| second.last());
+    let second: Vec<Reading> = inside.map(|(_, reading)| reading).chain(wall).cloned().collect();
+    let first: Vec<Reading> = summary.sensors.iter().chain(&summary.wall).cloned().collect();
+    let felt = |readings: &[Reading]| readings.iter().filter(|r| r.first_peak.is_some()).count();
+    if felt(&first) != felt(&second) {
+        return Ok(None);
+    }
+    let off = |error| compare_readings(&first, &second, error).map(|off| off + tighter);
+    let (Some(peak), Some(arrival)) = (off(peak_error), off(arrival_error)) else {
+        return Ok(None);
+    };
+    let how = format!(
+        "largest difference from a second run at accuracy {tighter:e}, plus that run's own {tighter:e}"
+    );
+    Ok(Some(ErrorEstimate { peak, arrival, how }))
+}
+
+/// What the user has to hear of an estimate that is missing, or beyond the `accuracy` (1) that was asked for.
+#[must_use]
+pub fn doubt(estimate: Option<&ErrorEstimate>, accuracy: f64) -> Option<String> {
+    let Some(ErrorEstimate { peak, arrival, .. }) = estimate else {
+        return Some(
+            "a run at a tenth of the accuracy feels other pulses than this one: how far off these readings are is not known"
+                .to_owned(),
+        );
+    };
+    let worst = peak.max(*arrival);
+    (worst > accuracy).then(|| {
+        format!("readings may be off by {worst:.1e}, more than the accuracy of {accuracy:.1e} that was asked for")
+    })
+}

@@ -1,0 +1,111 @@
+//! Effects left to the accuracy, `state = "auto"`: off only where what they would change is below a tenth of it.
+//!
+//! The change is foretold from above by closed forms, before anything is run; `tests/it/effects.rs` holds them against runs.
+//! A loss takes at most `lambda T` of any velocity, `lambda` the fastest decay of the chain with this loss alone, `T` the scene's
+//! duration. Gravity changes stiffness, and with it forces and times, by at most the share of the chain's weight in what presses the
+//! chain without it, and the striker's speed by at most `g T`.
+
+use std::borrow::Cow;
+
+use super::{Entry, State};
+use crate::chain::{Chain, ChainSpec, EffectsSpec};
+use crate::experiment::Integration;
+use crate::scene::Scene;
+
+/// Share of the accuracy that an effect may change and yet be left out (1).
+const UNSEEN: f64 = 0.1;
+
+/// `scene` with all that it leaves to the accuracy decided, and told in `decided`. A method by hand has no accuracy: all stay on.
+#[must_use]
+pub fn settle(scene: &Scene, integration: Integration) -> Cow<'_, Scene> {
+    if scene.auto.is_empty() {
+        return Cow::Borrowed(scene);
+    }
+    let mut settled = scene.clone();
+    for name in std::mem::take(&mut settled.auto) {
+        let Integration::Accuracy(accuracy) = integration else {
+            settled
+                .decided
+                .push(format!("{name} is on: a step by hand has no accuracy to leave it to"));
+            continue;
+        };
+        let change = foretold(scene, name);
+        let limit = UNSEEN * accuracy;
+        if change < limit {
+            settled.spec.effects.remove(name);
+        }
+        settled.decided.push(words(name, change, limit));
+    }
+    if settled.spec != scene.spec
+        && let Ok(chain) = Chain::new(&settled.spec)
+    {
+        settled.chain = chain;
+    }
+    Cow::Owned(settled)
+}
+
+/// What was decided, in words.
+fn words(name: &str, change: f64, limit: f64) -> String {
+    if change < limit {
+        format!(
+            "{name} is off: it would change readings by less than {change:.1e}, a tenth of the accuracy is {limit:.1e}"
+        )
+    } else {
+        format!(
+            "{name} is on: it may change readings by up to {change:.1e}, a tenth of the accuracy is {limit:.1e}"
+        )
+    }
+}
+
+/// Writes into an effect's line that it was left to the accuracy, if it was.
+pub(super) fn tell(scene: &Scene, accuracy: f64, entry: &mut Entry) {
+    if scene.auto.contains(&entry.effect) {
+        entry.state = State::Auto;
+        entry.reason = words(entry.effect, foretold(scene, entry.effect), UNSEEN * accuracy);
+    }
+}
+
+/// The most that the effect called `name` can change of first peaks, arrivals and speeds; infinite where that is not known (1).
+#[must_use]
+pub fn foretold(scene: &Scene, name: &str) -> f64 {
+    match name {
+        "gravity" => by_gravity(scene),
+        "dashpot" | "kuwabara_kono" | "power_law_loss" => by_loss(scene, name),
+        _ => f64::INFINITY,
+    }
+}
+
+fn by_gravity(scene: &Scene) -> f64 {
+    let Some(gravity) = scene.spec.effects.gravity else { return 0.0 };
+    let mut spec = scene.spec.clone();
+    spec.effects.gravity = None;
+    // Where nothing holds the chain without it, everything hangs on it.
+    let Ok(without) = Chain::new(&spec) else { return f64::INFINITY };
+    let first = usize::from(without.has_striker());
+    let contacts = without.contacts().iter().skip(first + 1).filter(|c| c.stiffness > 0.0);
+    let presses = contacts.map(|c| c.static_force).fold(f64::INFINITY, f64::min);
+    let mass: f64 = spec.particles.iter().map(|body| body.mass).sum();
+    let weight = mass * gravity.acceleration.abs() / presses;
+    let speed = scene.initial_velocities.first().map_or(0.0, |v| v.abs());
+    let striker = if without.has_striker() {
+        gravity.acceleration.abs() * scene.duration / speed
+    } else {
+        0.0
+    };
+    weight + striker
+}
+
+fn by_loss(scene: &Scene, name: &str) -> f64 {
+    let all = &scene.spec.effects;
+    let mut effects = EffectsSpec::default();
+    match name {
+        "dashpot" => effects.dashpot.clone_from(&all.dashpot),
+        "kuwabara_kono" => effects.kuwabara_kono.clone_from(&all.kuwabara_kono),
+        _ => effects.power_law_loss.clone_from(&all.power_law_loss),
+    }
+    effects.gravity = all.gravity;
+    effects.magnet_preload = all.magnet_preload;
+    let spec = ChainSpec { effects, ..scene.spec.clone() };
+    let Ok(chain) = Chain::new(&spec) else { return f64::INFINITY };
+    chain.fastest_decay(&scene.initial_velocities) * scene.duration
+}

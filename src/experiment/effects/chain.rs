@@ -1,0 +1,253 @@
+//! Lines of the effects that act on the chain's motion.
+
+use super::trial::{Change, Cost, of_chain};
+use super::{Entry, Finding, State, Subject};
+use crate::chain::{Dashpot, Gravity, KuwabaraKono, LinearisedContacts, PowerLawLoss};
+use crate::quantity::engineering;
+use crate::scene::{Scene, Site, magnets};
+
+/// Acceleration of free fall that would be switched on (m/s^2).
+const FREE_FALL: f64 = 9.81;
+/// The ring that stands for real magnets in the criterion of a constant force.
+const RING: &str = "ring-15-6-6";
+/// Temperature of that ring (K).
+const ROOM: f64 = 293.15;
+/// How much heavier a particle may be with a plate in it: bench notes of such sensors have up to this (1).
+const HOST_SPREAD: f64 = 0.06;
+
+type Trial = Option<(Cost, Change)>;
+
+/// Runs `other` against the scene; `is_on` tells whether the scene is the one with the effect. Why there is no trial, if there is none.
+fn against(subject: &Subject<'_>, other: Result<Scene, String>, is_on: bool) -> (Trial, String) {
+    let trial = other.and_then(|other| {
+        let (with, without) = if is_on { (subject.scene, &other) } else { (&other, subject.scene) };
+        of_chain(with, without, subject.accuracy)
+    });
+    match trial {
+        Ok(trial) => (Some(trial), String::new()),
+        Err(error) => (None, format!("; not to be compared: {error}")),
+    }
+}
+
+fn state(is_on: bool) -> State {
+    if is_on { State::On } else { State::Off }
+}
+
+/// Gravity: the chain's weight against the weakest first peak.
+pub fn gravity(subject: &Subject<'_>) -> Entry {
+    let gravity = subject.scene.spec.effects.gravity;
+    let is_on = gravity.is_some();
+    let acceleration = gravity.map_or(FREE_FALL, |gravity| gravity.acceleration);
+    let other = subject.rebuilt(|scene| {
+        scene.spec.effects.gravity = (!is_on).then_some(Gravity { acceleration });
+    });
+    let (trial, failed) = against(subject, other, is_on);
+    let mass: f64 = subject.scene.spec.particles.iter().map(|body| body.mass).sum();
+    let weight = mass * acceleration;
+    let words =
+        if is_on { "on by the scene" } else { "no table in the scene; compared with 9.81 m/s²" };
+    let reason = format!("{words}: the chain weighs {}{failed}", engineering(weight, "N", 3));
+    let value = Some(weight / subject.wave);
+    Finding { state: state(is_on), value, reason, trial }
+        .entry("gravity", "weight of the chain / smallest first peak")
+}
+
+/// The magnet's force.
+pub fn magnet_preload(subject: &Subject<'_>) -> Entry {
+    let magnet = subject.scene.spec.effects.magnet_preload;
+    let criterion = "force of the magnet / smallest first peak";
+    let Some(magnet) = magnet else {
+        let reason = "no table in the scene; it needs a force, or a magnet's name".to_owned();
+        return Finding { state: State::Off, value: None, reason, trial: None }
+            .entry("magnet_preload", criterion);
+    };
+    let other = subject.rebuilt(|scene| scene.spec.effects.magnet_preload = None);
+    let (trial, failed) = against(subject, other, true);
+    let force = engineering(magnet.force, "N", 3);
+    let reason = format!("on by the scene: {force} on particle {}{failed}", magnet.particle);
+    let value = Some(magnet.force / subject.wave);
+    Finding { state: State::On, value, reason, trial }.entry("magnet_preload", criterion)
+}
+
+/// A real magnet's force falls with distance; here it is constant.
+pub fn magnet_law(subject: &Subject<'_>) -> Entry {
+    let criterion = "slope of a ring's force x travel / force";
+    let off = |value, reason: String, trial| {
+        Finding { state: State::Off, value, reason, trial }.entry("magnet_law", criterion)
+    };
+    let Some(magnet) = subject.scene.spec.effects.magnet_preload else {
+        return off(None, "no magnet in the scene".to_owned(), None);
+    };
+    let body = subject.scene.chain.body_of(magnet.particle);
+    let path = subject.bench.film().displacements.get(body);
+    let travel = path.map_or(0.0, |path| path.iter().fold(0.0_f64, |most, x| most.max(x.abs())));
+    let ring = magnets::load(RING).ok();
+    let slope = ring.and_then(|ring| {
+        let place = *ring.distances(magnet.force, ROOM).first()?;
+        ring.slope(place, ROOM)
+    });
+    let Some(slope) = slope else {
+        return off(
+            None,
+            format!("not built: the force is constant; {RING} never pulls that hard"),
+            None,
+        );
+    };
+    let lost = slope.abs() * travel;
+    let other = subject.rebuilt(|scene| {
+        if let Some(magnet) = &mut scene.spec.effects.magnet_preload {
+            magnet.force -= lost;
+        }
+    });
+    let (trial, failed) = against(subject, other, false);
+    // One constant force costs what another does: nothing of a law that follows the sphere is measured.
+    let trial = trial.map(|(_, change)| (Cost::default(), change));
+    let reason = format!(
+        "not built: the force is constant; {RING} loses {} a millimetre and the sphere travels {}, an upper bound of the change is that of a force {} smaller{failed}",
+        engineering(slope.abs() * 1e-3, "N", 3),
+        engineering(travel, "m", 3),
+        engineering(lost, "N", 2)
+    );
+    off(Some(lost / magnet.force), reason, trial)
+}
+
+/// A loss: its decay against the fastest contact's own frequency.
+fn loss(subject: &Subject<'_>, name: &'static str, setting: Option<f64>, needs: &str) -> Entry {
+    let criterion = "decay / angular frequency, of the most damped contact";
+    if setting.is_none() {
+        let reason = format!(
+            "no table in the scene, and no value that holds for a material: it needs {needs}"
+        );
+        return Finding { state: State::Off, value: None, reason, trial: None }
+            .entry(name, criterion);
+    }
+    let others = ["dashpot", "kuwabara_kono", "power_law_loss"];
+    let alone = subject.rebuilt(|scene| {
+        others.iter().filter(|o| **o != name).for_each(|other| scene.spec.effects.remove(other));
+    });
+    let value = alone.map(|s| s.chain.largest_damping(&s.initial_velocities)).ok();
+    let without = subject.rebuilt(|scene| scene.spec.effects.remove(name));
+    let (trial, failed) = against(subject, without, true);
+    let reason = format!("on by the scene: takes energy in every closed contact{failed}");
+    Finding { state: State::On, value, reason, trial }.entry(name, criterion)
+}
+
+/// Dashpots.
+pub fn dashpot(subject: &Subject<'_>) -> Entry {
+    let set = subject.scene.spec.effects.dashpot.as_ref();
+    loss(subject, "dashpot", set.map(|Dashpot { gamma }| gamma.value), "gamma and end_of_contact")
+}
+
+/// Viscoelastic losses.
+pub fn kuwabara_kono(subject: &Subject<'_>) -> Entry {
+    let set = subject.scene.spec.effects.kuwabara_kono.as_ref();
+    loss(
+        subject,
+        "kuwabara_kono",
+        set.map(|KuwabaraKono { eta }| eta.value),
+        "eta and end_of_contact",
+    )
+}
+
+/// Power-law losses.
+pub fn power_law_loss(subject: &Subject<'_>) -> Entry {
+    let set = subject.scene.spec.effects.power_law_loss.as_ref();
+    let set = set.map(|PowerLawLoss { force, .. }| force.value);
+    loss(subject, "power_law_loss", set, "force_at_1_m_per_s, exponent and end_of_contact")
+}
+
+/// Contacts made linear.
+pub fn linearised_contacts(subject: &Subject<'_>) -> Entry {
+    let is_on = subject.scene.spec.effects.linearised_contacts.is_some();
+    let other = subject.rebuilt(|scene| {
+        scene.spec.effects.linearised_contacts = (!is_on).then_some(LinearisedContacts);
+    });
+    let (trial, failed) = against(subject, other, is_on);
+    let value = opening_ratio(subject);
+    let reason = match (is_on, value) {
+        (true, Some(value)) if value > 1.0 => {
+            "on by the scene, though contacts would open: not valid here"
+        }
+        (true, _) => "on by the scene",
+        (false, None) => "off: contacts without static force have no tangent",
+        (false, Some(value)) if value > 1.0 => "off: contacts open",
+        (false, _) => {
+            "off: forces follow Hertz's law; the criterion says how far from small they are"
+        }
+    };
+    let reason = format!("{reason}{failed}");
+    Finding { state: state(is_on), value, reason, trial }
+        .entry("linearised_contacts", "largest change of a contact force / its static force")
+}
+
+/// Largest change of a contact force over its static one; none where a contact has no static force.
+fn opening_ratio(subject: &Subject<'_>) -> Option<f64> {
+    let chain = &subject.scene.chain;
+    let first = usize::from(chain.has_striker());
+    let films = chain.contacts().iter().zip(&subject.bench.film().contact_forces).skip(first + 1);
+    let ratios = films.filter(|(contact, _)| contact.stiffness > 0.0).map(|(contact, forces)| {
+        let change = |force: &f64| (force - contact.static_force).abs();
+        forces.iter().map(change).fold(0.0, f64::max) / contact.static_force
+    });
+    Some(ratios.fold(0.0, f64::max)).filter(|ratio| ratio.is_finite())
+}
+
+/// Yielding of the softer bodies.
+pub fn plasticity(subject: &Subject<'_>) -> Entry {
+    let films = subject.scene.chain.contacts().iter().zip(&subject.bench.film().contact_forces);
+    let ratios = films.filter_map(|(contact, forces)| {
+        let limit = contact.yield_force?;
+        Some(forces.iter().copied().fold(0.0, f64::max) / limit)
+    });
+    let value = ratios.reduce(f64::max);
+    let reason = match value {
+        Some(value) if value > 1.0 => {
+            "not built: the law is elastic, though contacts bear more than makes their softer body yield; real amplitudes are lower"
+        }
+        Some(_) => "not built, and nothing yields",
+        None => "not built; no material has a yield_strength",
+    };
+    let reason = reason.to_owned();
+    Finding { state: State::Off, value, reason, trial: None }
+        .entry("plasticity", "largest contact force / force of first yield")
+}
+
+/// Mass of plates in their hosts.
+pub fn host_mass(subject: &Subject<'_>) -> Entry {
+    let scene = subject.scene;
+    let particles = &scene.spec.particles;
+    let host = |site: Site| match site {
+        Site::Particle(particle) => particle.checked_sub(1),
+        Site::Wall => None,
+    };
+    let hosts: Vec<usize> = scene.sensors.iter().filter_map(|s| host(s.site)).collect();
+    // A kind's own mass is that of its particles without a sensor.
+    let own = |index: usize| {
+        let name = &particles.get(index)?.name;
+        let bare =
+            particles.iter().enumerate().find(|(i, b)| b.name == *name && !hosts.contains(i));
+        bare.map(|(_, body)| body.mass)
+    };
+    let ratio = |index: &usize| Some(particles.get(*index)?.mass / own(*index)? - 1.0);
+    let value = hosts.iter().filter_map(ratio).reduce(|a, b| if b.abs() > a.abs() { b } else { a });
+    let is_on = value.is_some_and(|value| value != 0.0);
+    let other = subject.rebuilt(|scene| {
+        for index in &hosts {
+            if let (Some(own), Some(body)) = (own(*index), scene.spec.particles.get_mut(*index)) {
+                body.mass = if is_on { own } else { own * (1.0 + HOST_SPREAD) };
+            }
+        }
+    });
+    let (trial, failed) = against(subject, other, is_on);
+    let reason = if is_on {
+        format!("on by the scene's host_mass{failed}")
+    } else {
+        format!(
+            "no host_mass in the scene; compared with hosts {} % heavier{failed}",
+            100.0 * HOST_SPREAD
+        )
+    };
+    let value = if hosts.is_empty() { None } else { value };
+    Finding { state: state(is_on), value, reason, trial }
+        .entry("host_mass", "mass of a sensor's host / mass of its kind - 1")
+}

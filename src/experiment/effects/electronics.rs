@@ -1,0 +1,234 @@
+//! Lines of the effects of sensors and scope: the chain's motion is the same, its signals are not.
+
+use super::trial::{Cost, Signals, largest, of_chain, of_electronics, of_signals};
+use super::{Entry, Finding, State, Subject};
+use crate::experiment::acquisition::signals;
+use crate::quantity::engineering;
+use crate::scene::{Scene, Site};
+use crate::scope::Deviation;
+use crate::scope::front_end::{NEGLIGIBLE_DELAY, bandwidth_ratio, low_pass};
+use crate::scope::waveform::LEVELS_PER_DIVISION;
+use crate::sensor::{Measured, Tolerance};
+
+/// A time constant that no record could tell from infinity (s).
+const FOREVER: f64 = 1e6;
+/// What makers of piezo ceramics state for both constants (1).
+const MAKERS_TOLERANCE: f64 = 0.2;
+
+/// The line of an effect that is either in the scene or in `other`.
+fn either(
+    subject: &Subject<'_>,
+    is_on: bool,
+    other: &Scene,
+    (value, reason): (Option<f64>, String),
+) -> Finding {
+    let (with, without) = if is_on { (subject.scene, other) } else { (other, subject.scene) };
+    let trial = Some(of_electronics(subject, with, without));
+    Finding { state: if is_on { State::On } else { State::Off }, value, reason, trial }
+}
+
+/// Something the scope cannot be without a wired sensor.
+fn is_wired(scene: &Scene) -> bool {
+    scene.scope.channels.iter().flatten().any(|channel| channel.input.is_some())
+}
+
+fn unwired(effect: &'static str, criterion: &'static str) -> Entry {
+    let reason = "no sensor is wired to a channel".to_owned();
+    Finding { state: State::Off, value: None, reason, trial: None }.entry(effect, criterion)
+}
+
+/// Digitiser levels in a channel's first peak, the fewest of all channels, from the signals as they are.
+fn levels_in_peak(subject: &Subject<'_>) -> Option<f64> {
+    let found = signals(subject.scene, &subject.bench, subject.grid, 1);
+    let channels = subject.scene.scope.channels.iter().zip(found);
+    let levels = channels.filter_map(|(channel, signal)| {
+        let level = channel.as_ref()?.vertical.scale / LEVELS_PER_DIVISION;
+        Some(signal?.into_iter().fold(f64::MIN, f64::max) / level)
+    });
+    levels.filter(|levels| *levels > 0.0).reduce(f64::min)
+}
+
+/// Plates off the centres of their hosts.
+pub fn sensor_offset(subject: &Subject<'_>) -> Entry {
+    let inside = subject.scene.sensors.iter().filter(|sensor| sensor.site != Site::Wall);
+    let value = largest(inside.map(|sensor| sensor.offset));
+    let is_on = value.is_some_and(|value| value != 0.0);
+    let mut reason = "plates sit in the centres; it needs offset in a sensor's table".to_owned();
+    let mut trial = None;
+    if is_on {
+        let mut other = subject.scene.clone();
+        other.sensors.iter_mut().for_each(|sensor| sensor.offset = 0.0);
+        trial = of_chain(subject.scene, &other, subject.accuracy).ok();
+        "on by the scene".clone_into(&mut reason);
+    }
+    let state = if is_on { State::On } else { State::Off };
+    Finding { state, value, reason, trial }
+        .entry("sensor_offset", "distance from the centre / length of the particle")
+}
+
+/// The charge that leaks through plate and input.
+pub fn sensor_droop(subject: &Subject<'_>) -> Entry {
+    let criterion = "time of the first peak's rise / shortest time constant";
+    if !is_wired(subject.scene) {
+        return unwired("sensor_droop", criterion);
+    }
+    let mut other = subject.scene.clone();
+    other.sensor_tolerance = None;
+    let mut shortest = f64::INFINITY;
+    for channel in subject.scene.scope.channels.iter().flatten() {
+        let place = other.sensors.iter().position(|s| Some(&s.name) == channel.input.as_ref());
+        let Some(place) = place else { continue };
+        let Some(circuit) = subject.scene.circuit(place, channel) else { continue };
+        shortest = shortest.min(circuit.time_constant);
+        if let Some(placed) = other.sensors.get_mut(place) {
+            placed.sensor.measured = Measured {
+                sensitivity: Some(circuit.sensitivity),
+                time_constant: Some(FOREVER),
+                ..Measured::default()
+            };
+        }
+    }
+    let watches = subject.bench.watches().iter();
+    let rises = watches.filter_map(|watch| {
+        let peak = watch.pulse.first_peak()?;
+        Some(peak.time_s - watch.pulse.first_reach(0.1 * peak.dynamic_n)?)
+    });
+    let value = rises.reduce(f64::max).map(|rise| rise / shortest);
+    let tau = engineering(shortest, "s", 3);
+    let reason = format!("always on: charge leaks with {tau}; compared with no leak");
+    either(subject, true, &other, (value, reason)).entry("sensor_droop", criterion)
+}
+
+/// Plates that differ from their data.
+pub fn sensor_tolerance(subject: &Subject<'_>) -> Entry {
+    let criterion = "half width of d33 and permittivity";
+    if !is_wired(subject.scene) {
+        return unwired("sensor_tolerance", criterion);
+    }
+    let set = subject.scene.sensor_tolerance;
+    let mut other = subject.scene.clone();
+    other.sensor_tolerance = match set {
+        Some(_) => None,
+        None => Some(Tolerance {
+            spread: MAKERS_TOLERANCE,
+            temperature: 0.0,
+            permittivity_coefficient: 0.0,
+            d33_coefficient: 0.0,
+        }),
+    };
+    let reason = match set {
+        Some(_) => "on by the scene: drawn from the seed".to_owned(),
+        None => "no table in the scene; compared with one draw within the makers' 20 %".to_owned(),
+    };
+    let value = Some(set.map_or(0.0, |tolerance| tolerance.spread));
+    either(subject, set.is_some(), &other, (value, reason)).entry("sensor_tolerance", criterion)
+}
+
+/// The front end's bandwidth.
+pub fn bandwidth(subject: &Subject<'_>) -> Entry {
+    let scene = subject.scene;
+    let criterion = "delay of the slowest channel / sample interval";
+    let ratios = |scene: &Scene| -> Vec<Option<f64>> {
+        let ratio = |c: &Option<_>| {
+            c.as_ref().map(|c| bandwidth_ratio(&scene.scope, c, subject.grid.interval))
+        };
+        scene.scope.channels.iter().map(ratio).collect()
+    };
+    let ratios = ratios(scene);
+    let Some(delay) = ratios.iter().flatten().map(|ratio| 1.0 / ratio).reduce(f64::max) else {
+        return unwired("bandwidth", criterion);
+    };
+    let mut endless = scene.clone();
+    endless.scope.model.bandwidth = f64::MAX;
+    endless.scope.model.limited_bandwidth = f64::MAX;
+    let (cost, mut change) = of_electronics(subject, scene, &endless);
+    let is_on = delay > NEGLIGIBLE_DELAY;
+    if !is_on {
+        let off = signals(scene, &subject.bench, subject.grid, 1);
+        let filter = |(signal, ratio): (&Option<Vec<f64>>, &Option<f64>)| {
+            signal.as_ref().zip(*ratio).map(|(signal, ratio)| low_pass(signal, ratio))
+        };
+        let on: Signals = off.iter().zip(&ratios).map(filter).collect();
+        change = of_signals(subject, &on, &off);
+    }
+    let reason = if is_on {
+        format!("on: the delay is above {NEGLIGIBLE_DELAY} of a sample interval")
+    } else {
+        format!("off: a delay below {NEGLIGIBLE_DELAY} of a sample interval cannot be seen")
+    };
+    let cost = if is_on { cost } else { Cost::default() };
+    Finding { state: State::Auto, value: Some(delay), reason, trial: Some((cost, change)) }
+        .entry("bandwidth", criterion)
+}
+
+/// Volts that the scene adds to a channel.
+pub fn scope_offset(subject: &Subject<'_>) -> Entry {
+    let channels = subject.scene.scope.channels.iter().flatten();
+    let value = largest(
+        channels.map(|channel| channel.offset / (channel.vertical.scale / LEVELS_PER_DIVISION)),
+    );
+    let is_on = value.is_some_and(|value| value != 0.0);
+    let finding = if is_on {
+        let mut other = subject.scene.clone();
+        other.scope.channels.iter_mut().flatten().for_each(|channel| channel.offset = 0.0);
+        either(subject, true, &other, (value, "on by the scene".to_owned()))
+    } else {
+        let reason = "no channel has one; it needs offset in a channel's table".to_owned();
+        Finding { state: State::Off, value, reason, trial: None }
+    };
+    finding.entry("scope_offset", "offset / digitiser level")
+}
+
+/// Errors of gain and zero within the data sheet.
+pub fn scope_errors(subject: &Subject<'_>) -> Entry {
+    let scene = subject.scene;
+    let drawn = |deviation: Deviation| deviation != Deviation::default();
+    let is_on = scene.scope.channels.iter().flatten().any(|c| drawn(c.deviation));
+    let mut other = scene.clone();
+    for (number, channel) in (1..).zip(&mut other.scope.channels) {
+        if let Some(channel) = channel {
+            channel.deviation =
+                if is_on { Deviation::default() } else { Deviation::drawn(scene.seed, number) };
+        }
+    }
+    let (model, channels) = (&scene.scope.model, scene.scope.channels.iter().flatten());
+    let gains = channels.map(|c| model.accuracy.gain_at(c.vertical.scale / c.vertical.probe));
+    let reason = if is_on {
+        "on by the scene: drawn from the seed".to_owned()
+    } else {
+        "no table in the scene; compared with one draw within the data sheet".to_owned()
+    };
+    let value = gains.reduce(f64::max);
+    either(subject, is_on, &other, (value, reason))
+        .entry("scope_errors", "largest gain error in the data sheet")
+}
+
+/// Noise of the front end.
+pub fn scope_noise(subject: &Subject<'_>) -> Entry {
+    let noise = subject.scene.scope.noise;
+    let value = Some(noise * LEVELS_PER_DIVISION);
+    let finding = if noise > 0.0 {
+        let mut other = subject.scene.clone();
+        other.scope.noise = 0.0;
+        either(subject, true, &other, (value, "on by the scene: one draw from the seed".to_owned()))
+    } else {
+        let reason = "no table in the scene; it needs rms".to_owned();
+        Finding { state: State::Off, value, reason, trial: None }
+    };
+    finding.entry("scope_noise", "noise, root mean square / digitiser level")
+}
+
+/// The converter's levels.
+pub fn quantisation(subject: &Subject<'_>) -> Entry {
+    let off = signals(subject.scene, &subject.bench, subject.grid, 1);
+    let rounded = |(signal, channel): (&Option<Vec<f64>>, &Option<crate::scope::ChannelSetup>)| {
+        let level = channel.as_ref()?.vertical.scale / LEVELS_PER_DIVISION;
+        Some(signal.as_ref()?.iter().map(|volts| (volts / level).round() * level).collect())
+    };
+    let on: Signals = off.iter().zip(&subject.scene.scope.channels).map(rounded).collect();
+    let change = of_signals(subject, &on, &off);
+    let value = levels_in_peak(subject).map(f64::recip);
+    let reason = "always on: a record is made of levels, 25 a division".to_owned();
+    Finding { state: State::On, value, reason, trial: Some((Cost::default(), change)) }
+        .entry("quantisation", "digitiser level / smallest channel's peak")
+}

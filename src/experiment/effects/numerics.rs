@@ -1,0 +1,60 @@
+//! Lines of what the integrator does on its own account.
+
+use super::{Entry, Finding, State, Subject};
+
+/// Relative rounding of a contact force that is computed in the plain way (1).
+const ROUNDING: f64 = 5e-16;
+
+/// Contacts that open or close within a step.
+pub fn kink_correction(subject: &Subject<'_>) -> Entry {
+    let chain = &subject.scene.chain;
+    let films = chain.contacts().iter().zip(&subject.bench.film().contact_forces);
+    let touching = films.filter(|(contact, _)| contact.stiffness > 0.0);
+    let (mut all, mut open) = (0_u32, 0_u32);
+    for (_, forces) in touching {
+        all += 1;
+        open += u32::from(forces.iter().skip(1).any(|force| *force <= 0.0));
+    }
+    let reason = if chain.is_dissipative() {
+        "off with losses: their forces jump, and steps end where a contact changes sides"
+    } else {
+        "steps in which a contact opens or closes are put right; the others do nothing of the kind"
+    };
+    let state = if chain.is_dissipative() { State::Off } else { State::Auto };
+    let value = Some(f64::from(open) / f64::from(all.max(1)));
+    Finding { state, value, reason: reason.to_owned(), trial: None }
+        .entry("kink_correction", "contacts that open / all contacts")
+}
+
+/// Forces without cancellation, for waves far below the preload.
+pub fn force_form(subject: &Subject<'_>) -> Entry {
+    let scene = subject.scene;
+    let overlap = scene.chain.impact_overlap(&scene.initial_velocities);
+    let contacts = scene.chain.contacts().iter().filter(|c| c.stiffness > 0.0);
+    let ratio =
+        contacts.map(|c| ROUNDING * c.static_force / c.force_change(overlap)).fold(0.0, f64::max);
+    let (state, reason) = if scene.chain.is_dissipative() {
+        (State::On, "always on with losses")
+    } else {
+        (
+            State::Auto,
+            "on only where the criterion exceeds a thousandth of the accuracy: below, rounding cannot be seen",
+        )
+    };
+    Finding { state, value: Some(ratio), reason: reason.to_owned(), trial: None }
+        .entry("exact_force_form", "rounding of the static force / force of the wave")
+}
+
+/// Beads ahead of the wave.
+pub fn quiet_part(subject: &Subject<'_>) -> Entry {
+    let contacts = subject.scene.chain.contacts().iter();
+    let least = contacts.filter(|c| c.stiffness > 0.0).map(|c| c.static_force).fold(0.0, f64::max);
+    let reason = if least > 0.0 {
+        "not built: all contacts are evaluated in every step; leaving out the beads ahead would not be exact here, where contacts are loaded"
+    } else {
+        "not built: all contacts are evaluated in every step, though the beads ahead are exactly at rest here"
+    };
+    let value = Some(least / subject.wave);
+    Finding { state: State::Off, value, reason: reason.to_owned(), trial: None }
+        .entry("quiet_part", "largest static force / smallest first peak")
+}

@@ -1,0 +1,49 @@
+//! What a user would otherwise find out late.
+
+use super::acquisition::trigger_scale;
+use super::outcome::Reading;
+use crate::quantity::engineering;
+use crate::recording::Shot;
+use crate::scene::Scene;
+use crate::scope::acquire::Found;
+
+/// Notes on trigger, clipping, and pulses that did not come.
+pub fn notes(scene: &Scene, sensors: &[Reading], shot: &Shot, found: Option<Found>) -> Vec<String> {
+    let mut notes = Vec::new();
+    let drawn = scene.striker_speed_spread.and(scene.velocities(shot.number).first().copied());
+    let told = |v| format!("the striker's speed was drawn: {}", engineering(v, "m/s", 4));
+    notes.extend(drawn.map(told));
+    if let Some(scale) = trigger_scale(scene) {
+        let (level, deaf) =
+            (scene.scope.trigger.level, scene.scope.model.trigger_hysteresis * scale);
+        if level.abs() < deaf {
+            notes.push(format!("the trigger level {} is within the trigger's hysteresis of {} around zero: a pulse from rest may not trigger", engineering(level, "V", 3), engineering(deaf, "V", 3)));
+        }
+    }
+    match found {
+        None => notes.push(
+            "the scope was not triggered: its level was never crossed, so there are no captures"
+                .to_owned(),
+        ),
+        Some(found) if !found.crossed => {
+            notes.push("the trigger level was never crossed; automatic mode recorded from the striker's first contact".to_owned());
+        }
+        Some(_) => {}
+    }
+    for capture in &shot.captures {
+        let clipped = capture.waveform.clipped();
+        if clipped > 0 {
+            notes.push(format!("{}: {clipped} samples stand at the end of the converter's range and may be clipped", capture.waveform.source));
+        }
+    }
+    for sensor in sensors.iter().filter(|s| s.first_peak.is_none()) {
+        let felt = if sensor.largest_n > 0.0 {
+            let force = engineering(sensor.largest_n, "N", 3);
+            format!("the force was still rising, at {force}, when the scene's duration ended")
+        } else {
+            "no pulse arrived within the scene's duration".to_owned()
+        };
+        notes.push(format!("{}: {felt}", sensor.name));
+    }
+    notes
+}

@@ -1,0 +1,99 @@
+//! The effects ledger as a page of text.
+
+use super::table;
+use crate::experiment::effects::{Entry, Ledger, State};
+
+/// Columns of the page (1).
+const WIDTH: usize = 100;
+/// Where reasons begin (1).
+const INDENT: usize = 22;
+
+/// The page that `effects` prints.
+#[must_use]
+pub fn effects(ledger: &Ledger) -> String {
+    let heading =
+        ["effect", "state", "ns/step", "share", "speed", "peak", "arrival", "LSB", "samples"];
+    let mut rows = vec![heading.map(str::to_owned).to_vec()];
+    rows.extend(ledger.entries.iter().map(row));
+    let mut lines = vec![
+        format!("{}: the effects, at accuracy {:.1e}", ledger.scene, ledger.accuracy),
+        "cost: time it adds to a step, 0 within what timing tells; change: with it over without it, in"
+            .to_owned(),
+        "first peaks, half-rises and speeds, the largest of all places; what is off: if it were on"
+            .to_owned(),
+        String::new(),
+    ];
+    lines.extend(table::lines(&rows, &[0, 1]));
+    lines.push(String::new());
+    for entry in &ledger.entries {
+        lines.extend(reason(entry));
+    }
+    lines.join("\n")
+}
+
+fn row(entry: &Entry) -> Vec<String> {
+    let share = |value: Option<f64>| value.map_or("-".to_owned(), percent);
+    let count = |value: Option<f64>| value.map_or("-".to_owned(), |v| signed(v, 2));
+    let change = entry.change;
+    // What is within twice its uncertainty is no cost.
+    let seen = |(cost, u): (f64, f64)| if cost.abs() > 2.0 * u { cost } else { 0.0 };
+    let cost = entry.cost_ns_per_step.zip(entry.cost_u_ns_per_step).map(seen);
+    vec![
+        entry.effect.to_owned(),
+        match entry.state {
+            State::On => "on",
+            State::Off => "off",
+            State::Auto => "auto",
+        }
+        .to_owned(),
+        cost.map_or("-".to_owned(), |v| signed(v, 0)),
+        entry.cost_share.map_or("-".to_owned(), |v| {
+            format!("{} %", signed(if cost == Some(0.0) { 0.0 } else { 100.0 * v }, 0))
+        }),
+        share(change.and_then(|c| c.speed)),
+        share(change.and_then(|c| c.peak)),
+        share(change.and_then(|c| c.arrival)),
+        count(change.and_then(|c| c.peak_lsb)),
+        count(change.and_then(|c| c.arrival_samples)),
+    ]
+}
+
+/// A number with its sign; what rounds to nothing is 0.
+fn signed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:+.decimals$}");
+    if text.contains(|c| ('1'..='9').contains(&c)) { text } else { "0".to_owned() }
+}
+
+/// A relative change in percent; powers of ten where it is small.
+fn percent(value: f64) -> String {
+    if value == 0.0 {
+        "0".to_owned()
+    } else if value.abs() < 1e-4 {
+        format!("{:+.0e} %", 100.0 * value)
+    } else {
+        format!("{} %", signed(100.0 * value, 2))
+    }
+}
+
+/// Criterion and reason, wrapped.
+fn reason(entry: &Entry) -> Vec<String> {
+    let value = entry.value.map_or("not known".to_owned(), |value| match value.abs() {
+        size if size == 0.0 || (1e-2..1e3).contains(&size) => format!("{value:.3}"),
+        _ => format!("{value:.1e}"),
+    });
+    let text = format!("{} = {value}; {}", entry.criterion, entry.reason);
+    let mut lines = vec![format!("  {:<width$}", entry.effect, width = INDENT - 2)];
+    for word in text.split(' ') {
+        let last = lines.len() - 1;
+        let line = &mut lines[last];
+        if line.chars().count() + 1 + word.chars().count() > WIDTH {
+            lines.push(format!("{:INDENT$}{word}", ""));
+        } else if line.trim_end().len() < INDENT && last == 0 && line.ends_with(' ') {
+            line.push_str(word);
+        } else {
+            line.push(' ');
+            line.push_str(word);
+        }
+    }
+    lines
+}

@@ -1,0 +1,150 @@
+//! The accuracy that is asked for: held, estimated, and chosen from the scope where nobody names one.
+
+use hertzscope::experiment::accuracy::{ErrorEstimate, doubt, estimate, of_scene};
+use hertzscope::experiment::outcome::{Reading, Summary};
+use hertzscope::experiment::{Integration, run};
+use hertzscope::integrate::Method;
+use hertzscope::scene::{DEFAULT_ACCURACY, Scene};
+
+fn simulate(scene: &Scene, integration: Integration) -> Summary {
+    run(scene, integration, 1, &mut |_| ()).expect("a run").summary
+}
+
+/// Largest relative errors of first peaks, and of first-peak times and half-rises.
+fn errors(found: &Summary, exact: &Summary) -> (f64, f64) {
+    let places = |s: &Summary| s.sensors.iter().chain(&s.wall).cloned().collect::<Vec<Reading>>();
+    let (found, exact) = (places(found), places(exact));
+    assert_eq!(found.len(), exact.len());
+    let mut largest = (0.0_f64, 0.0_f64);
+    for (found, exact) in found.iter().zip(&exact) {
+        let off = |a: f64, b: f64| (a / b - 1.0).abs();
+        let Some(peak) = exact.first_peak else {
+            assert_eq!(found.first_peak, None, "{}", exact.name);
+            continue;
+        };
+        let first = found.first_peak.expect("the pulse");
+        let rise = |reading: &Reading| reading.half_rise_s.expect("a rise");
+        largest.0 = largest.0.max(off(first.dynamic_n, peak.dynamic_n));
+        let times = off(first.time_s, peak.time_s).max(off(rise(found), rise(exact)));
+        largest.1 = largest.1.max(times);
+    }
+    largest
+}
+
+/// Runs `scene` at 1e-3, 1e-6 and 1e-9, against a run by another family of methods.
+fn is_held(name: &str, scene: &Scene, reference: Method) {
+    let exact = simulate(scene, Integration::Method(reference));
+    for accuracy in [1e-3, 1e-6, 1e-9] {
+        let found = simulate(scene, Integration::Accuracy(accuracy));
+        let said = estimate(scene, accuracy, &found).expect("a run").expect("an estimate");
+        let ErrorEstimate { peak, arrival, .. } = said;
+        let (true_peak, true_arrival) = errors(&found, &exact);
+        println!(
+            "{name} at {accuracy:e}: peak {true_peak:.1e} of {peak:.1e}, arrival {true_arrival:.1e} of {arrival:.1e}"
+        );
+        assert!(
+            true_peak <= accuracy && true_arrival <= accuracy,
+            "{name} at {accuracy:e}: {true_peak:e}, {true_arrival:e}"
+        );
+        assert!(
+            true_peak <= peak && true_arrival <= arrival,
+            "{name} at {accuracy:e}: {true_peak:e} above {peak:e} or {true_arrival:e} above {arrival:e}"
+        );
+        // An estimate that says nothing would hold, too.
+        assert!(
+            peak <= 2.0 * accuracy && arrival <= 2.0 * accuracy,
+            "{name}: {peak:e}, {arrival:e}"
+        );
+    }
+}
+
+#[test]
+fn every_shipped_scene_is_as_accurate_as_asked_and_no_worse_than_it_says() {
+    for name in Scene::names() {
+        let scene = Scene::load(name).expect("a shipped scene");
+        is_held(name, &scene, Method::DormandPrince853 { tolerance: 1e-14 });
+    }
+}
+
+#[test]
+fn so_are_scenes_with_losses() {
+    let text = "base = \"gravity-0.61g\"\n[effects.dashpot]\ngamma = \"0.8 N*s/m\"\nend_of_contact = \"zero_force\"\n";
+    let scene = Scene::from_text("lossy", "lossy.toml", text).expect("a scene");
+    is_held("a dashpot", &scene, Method::DormandPrince54 { tolerance: 1e-14 });
+}
+
+/// A viscoelastic loss at the edge of what its method can do: beyond the accuracy, and the estimate tells.
+#[test]
+fn an_error_beyond_the_accuracy_is_told() {
+    let text = "base = \"gravity-2.75g\"\n[effects.kuwabara_kono]\neta = \"1e-18 s\"\nend_of_contact = \"zero_force\"\n";
+    let scene = Scene::from_text("lossy", "lossy.toml", text).expect("a scene");
+    // So small a loss changes nothing: the lossless scene is the reference.
+    let plain = Scene::load("gravity-2.75g").expect("a shipped scene");
+    let exact = simulate(&plain, Integration::Accuracy(1e-11));
+    let found = simulate(&scene, Integration::Accuracy(1e-9));
+    let said = estimate(&scene, 1e-9, &found).expect("a run").expect("an estimate");
+    let (peak, arrival) = errors(&found, &exact);
+    assert!(peak <= said.peak && arrival <= said.arrival, "{peak:e}, {arrival:e}: {said:?}");
+    let told = doubt(Some(&said), 1e-9);
+    assert_eq!(told.is_some(), said.peak.max(said.arrival) > 1e-9, "{told:?}");
+    assert!(doubt(Some(&said), 2.0 * said.peak.max(said.arrival)).is_none());
+    assert!(doubt(None, 1e-9).is_some_and(|told| told.contains("other pulses")));
+}
+
+fn scene(more: &str) -> Scene {
+    Scene::from_text("s", "s.toml", &format!("base = \"magnet-0.61g\"\n{more}")).expect("a scene")
+}
+
+#[test]
+fn without_a_name_it_follows_from_the_scope() {
+    // 1 us a sample against the wall's 0.95 ms, which is more than a level asks for.
+    let slow = of_scene(&scene("accuracy = \"auto\"")).expect("an accuracy");
+    let wall = simulate(&scene(""), Integration::Accuracy(1e-6)).wall.expect("a wall");
+    let latest = wall.first_peak.expect("a peak").time_s;
+    assert!((slow.value / (0.1 * 1e-6 / latest) - 1.0).abs() < 1e-3, "{slow:?}");
+    assert!(slow.reason.contains("sample interval"), "{slow:?}");
+    // A sample every 100 us is no measure; a level of the most sensitive channel is.
+    let coarse = of_scene(&scene(
+        "accuracy = \"auto\"\n[scope]\ntime_base = \"25 ms/div\"\nposition = \"0 s\"",
+    ))
+    .expect("an accuracy");
+    let found = simulate(&scene(""), Integration::Accuracy(1e-6));
+    let tuned = scene("");
+    let levels = tuned.scope.channels.iter().flatten().filter_map(|channel| {
+        let index = tuned.sensors.iter().position(|s| Some(&s.name) == channel.input.as_ref())?;
+        let reading = found.sensors.get(index).or(found.wall.as_ref())?;
+        let circuit = tuned.circuit(index, channel)?;
+        Some(channel.vertical.scale / 25.0 / circuit.sensitivity / reading.first_peak?.dynamic_n)
+    });
+    let level = levels.fold(f64::MAX, f64::min);
+    assert!((coarse.value / (0.1 * level) - 1.0).abs() < 1e-3, "{coarse:?} {level}");
+    assert!(coarse.reason.contains("digitiser level"), "{coarse:?}");
+}
+
+#[test]
+fn a_named_one_is_taken_as_it_is_typed() {
+    for typed in ["1e-4", "\"1e-4\"", "\"0.01 %\""] {
+        let found = Scene::from_text(
+            "s",
+            "s.toml",
+            &format!("base = \"magnet-0.61g\"\naccuracy = {typed}"),
+        );
+        let Ok(scene) = found else {
+            assert_eq!(typed, "{found:?}");
+            continue;
+        };
+        assert!((scene.accuracy.expect("a number") / 1e-4 - 1.0).abs() < 1e-12, "{typed}");
+    }
+    let wrong = Scene::from_text("s", "s.toml", "base = \"magnet-0.61g\"\naccuracy = \"high\"");
+    assert!(wrong.expect_err("no number").to_string().contains("s.toml:2"));
+}
+
+#[test]
+fn without_a_pulse_nothing_can_be_chosen() {
+    let none = scene(
+        "accuracy = \"auto\"\nduration = \"1 us\"\n[scope]\ntime_base = \"100 ns/div\"\nposition = \"0 s\"\n",
+    );
+    let chosen = of_scene(&none).expect("an accuracy");
+    assert_eq!(chosen.value, DEFAULT_ACCURACY);
+    assert!(chosen.reason.contains("no pulse"), "{chosen:?}");
+}
