@@ -3,6 +3,11 @@
 //! Cost and change are measured, by runs with and without the effect at the same accuracy, in turn; a change is that of what the user
 //! reads: first peaks, arrivals and speeds of forces for effects of the chain, first peaks and half-rises of the scope's
 //! signals for effects of sensors and scope. An effect that is off is no part of the system that is integrated, and costs nothing.
+//!
+//! That it does: `tests/it/effects.rs` demands the same bytes from the same number of evaluations whether an effect is off or absent.
+//! Instructions, for a dashpot that is off against a scene without one, `valgrind --tool=callgrind hertzscope run S --accuracy 1e-3`: the
+//! loops of the steps (`chain/stepper/passes.rs`) take the same number to the last one; the whole program 0.16 % more, to read the
+//! longer file.
 
 pub mod auto;
 mod chain;
@@ -47,8 +52,7 @@ pub struct Entry {
     /// Wall time it adds to a step, the median of runs in turn; for effects of sensors and scope, what they add to the whole over the
     /// steps (ns).
     pub cost_ns_per_step: Option<f64>,
-    /// How well that is known: half the range in which the middle half of the runs' differences lie, over the root of their number;
-    /// less than twice this is nothing (ns).
+    /// Its standard uncertainty, from the scatter of the runs; a cost below twice this is none that was seen (ns).
     pub cost_u_ns_per_step: Option<f64>,
     /// That time as a share of the run with it (1).
     pub cost_share: Option<f64>,

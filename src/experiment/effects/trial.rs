@@ -14,6 +14,8 @@ use crate::scope::waveform::LEVELS_PER_DIVISION;
 
 /// Fewest pairs of runs that are timed.
 const FEWEST_PAIRS: usize = 9;
+/// Standard error of a median over interquartile range and root of the number, for normal scatter: `sqrt(pi/2)/1.349` (1).
+const MEDIAN_ERROR: f64 = 0.929;
 /// Most pairs of runs that are timed.
 const MOST_PAIRS: usize = 101;
 /// Time after which no more pairs than the fewest are timed.
@@ -95,8 +97,8 @@ fn bill(
     differences.sort_by(f64::total_cmp);
     walls.sort_by(f64::total_cmp);
     let per_step = quantile(&differences, 0.5);
-    let spread = 0.5 * (quantile(&differences, 0.75) - quantile(&differences, 0.25));
-    let u = spread / (differences.len() as f64).sqrt();
+    let spread = quantile(&differences, 0.75) - quantile(&differences, 0.25);
+    let u = MEDIAN_ERROR * spread / (differences.len() as f64).sqrt();
     Some(Bill { per_step, u, share: per_step / quantile(&walls, 0.5) })
 }
 
