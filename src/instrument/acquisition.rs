@@ -214,6 +214,7 @@ impl Acquisition {
         if single && progress.sweeps > 0 {
             self.running = false;
             self.sweep = None;
+            self.finished = Some(Finished { records: records.clone(), trigger: None });
         }
         for record in records {
             self.keep(record);

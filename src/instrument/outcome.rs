@@ -34,7 +34,7 @@ pub struct InFlight {
     pub complete_at: f64,
     /// One record a displayed channel.
     pub records: Vec<Waveform>,
-    /// What they were triggered by; none where nothing was at the inputs.
+    /// What they were triggered by; none where it was no signal of the bench.
     pub trigger: Option<Trigger>,
 }
 
@@ -43,6 +43,6 @@ pub struct InFlight {
 pub struct Finished {
     /// One record a displayed channel, as in memory.
     pub records: Vec<Waveform>,
-    /// What they were triggered by; none where nothing was at the inputs.
+    /// What they were triggered by; none where it was no signal of the bench.
     pub trigger: Option<Trigger>,
 }

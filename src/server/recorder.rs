@@ -73,7 +73,7 @@ impl Recorder {
         };
         let cause = match finished.trigger {
             Some(trigger) => format!("shot {}: impact {}", self.shots, trigger.shot),
-            None => format!("shot {}: nothing at the inputs", self.shots),
+            None => format!("shot {}: not triggered by an impact", self.shots),
         };
         let set_up = set_up_text(&instrument.setup());
         let notes = ShotNotes { set_up, energy: None, log: vec![(false, cause)] };

@@ -245,6 +245,18 @@ fn errors_stay_within_the_data_sheet_and_come_from_the_seed() {
     }
 }
 
+/// `SCAle` snaps to the series, as documented; a scale between its steps that the instrument was switched on with (real set-up
+/// files hold 60 mV/div) comes back from a set-up memory as it was.
+#[test]
+fn a_recalled_scale_between_the_steps_stays() {
+    let mut setup: Setup = scene("").scope;
+    setup.channels[0].as_mut().expect("channel 1").vertical.scale = 0.06;
+    let mut bench = Bench::new();
+    bench.instrument = Instrument::of(&setup, 1);
+    assert_eq!(bench.ask("*SAV 1;:CH1:SCA 1;SCA?;*RCL 1;:CH1:SCA?"), "1.0E0;6.0E-2");
+    assert_eq!(bench.ask("CH1:SCA 0.06;SCA?"), "5.0E-2");
+}
+
 /// Below 5 mV/div at the BNC the bandwidth is 20 MHz: a step has gone `1 - exp(-2 pi 20 MHz t)` of its way after t.
 #[test]
 fn the_smallest_scale_is_slow() {
