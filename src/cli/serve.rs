@@ -105,7 +105,7 @@ fn create_recording(file: &Path, scene: &Scene) -> anyhow::Result<RecordingWrite
     let integration = Integration::Accuracy(of_scene(scene)?.value);
     let mut known = facts::facts(scene, integration)?;
     if let Some(recording) = known.get_mut("hertzscope:recording") {
-        let times = "of messages: nanoseconds since 1970; of records: seconds after the trigger";
+        let times = "of messages: nanoseconds since 1970; of records: seconds after the trigger; of the truth: seconds after the striker's first contact";
         recording.insert("time_base".to_owned(), times.to_owned());
     }
     Ok(RecordingWriter::create(file, &known, &[facts::scene_attachment(scene)])?)
