@@ -8,6 +8,7 @@ mod acquisition;
 pub mod arrivals;
 pub mod bench;
 pub mod calibration;
+pub mod compare;
 mod comparison;
 pub mod cost;
 pub mod facts;
