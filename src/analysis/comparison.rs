@@ -55,9 +55,8 @@ impl Pair {
     #[must_use]
     pub fn new(measured: &Trace, simulated: &Trace, shift: f64) -> Option<Self> {
         let ratio = measured.interval / simulated.interval;
-        let at = |index: usize| {
-            (measured.time(index) - shift - simulated.start) / simulated.interval
-        };
+        let at =
+            |index: usize| (measured.time(index) - shift - simulated.start) / simulated.interval;
         if !(ratio > 0.0 && ratio.is_finite()) {
             return None;
         }
@@ -171,8 +170,7 @@ fn between(values: &[f64], place: f64) -> Option<f64> {
     let after = at(base + 2).unwrap_or(2.0 * there - here);
     // Lagrange's polynomial through -1, 0, 1, 2.
     Some(
-        -before * x * (x - 1.0) * (x - 2.0) / 6.0
-            + here * (x + 1.0) * (x - 1.0) * (x - 2.0) / 2.0
+        -before * x * (x - 1.0) * (x - 2.0) / 6.0 + here * (x + 1.0) * (x - 1.0) * (x - 2.0) / 2.0
             - there * (x + 1.0) * x * (x - 2.0) / 2.0
             + after * (x + 1.0) * x * (x - 1.0) / 6.0,
     )
@@ -188,7 +186,8 @@ fn between(values: &[f64], place: f64) -> Option<f64> {
 pub fn least_squares_shift(pairs: &[(&Trace, &Trace, f64)]) -> Option<f64> {
     let (first, other, _) = pairs.first()?;
     let step = first.interval;
-    let samples = (other.values.len() as f64 * other.interval / step).min(first.values.len() as f64);
+    let samples =
+        (other.values.len() as f64 * other.interval / step).min(first.values.len() as f64);
     let reach = first.values.len() as f64 + other.values.len() as f64 * other.interval / step;
     let cost = |shift: f64| {
         let (mut sum, mut common) = (0.0, 0.0_f64);
@@ -250,7 +249,9 @@ mod tests {
     #[test]
     fn the_spectrum_distance_has_its_closed_forms() {
         let base = packet(1.0, 0);
-        for (gain, later, expected) in [(1.0, 0, 0.0), (1.25, 0, 0.25), (0.8, 60, 0.2), (1.0, 60, 0.0)] {
+        for (gain, later, expected) in
+            [(1.0, 0, 0.0), (1.25, 0, 0.25), (0.8, 60, 0.2), (1.0, 60, 0.0)]
+        {
             let pair = Pair::new(&packet(gain, later), &base, 0.0).expect("common samples");
             let distance = pair.distance();
             let found = distance.spectrum.expect("a spectrum");

@@ -12,6 +12,7 @@ pub mod compare;
 mod comparison;
 pub mod cost;
 pub mod facts;
+pub mod fit;
 pub mod inputs;
 mod losses;
 pub mod outcome;

@@ -50,7 +50,9 @@ pub enum AdjustError {
         known: Vec<String>,
     },
     /// No number with a unit.
-    #[error("found {found} at `{path}`, expected a number that can be changed, such as \"0.44 m/s\"")]
+    #[error(
+        "found {found} at `{path}`, expected a number that can be changed, such as \"0.44 m/s\""
+    )]
     NoNumber {
         /// The path.
         path: String,
@@ -81,6 +83,12 @@ impl Adjustable {
         let adjustable = Self { loaded: library::load(name)?, base };
         adjustable.scene()?;
         Ok(adjustable)
+    }
+
+    /// The scene's short name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.loaded.name
     }
 
     /// The scene as it stands.
@@ -118,7 +126,11 @@ impl Adjustable {
     /// # Errors
     /// [`AdjustError`] where nothing is there, or no number.
     pub fn knobs(&mut self, path: &str) -> Result<Vec<Knob>, AdjustError> {
-        let keys: Vec<&str> = path.split('.').map(str::trim).collect();
+        let mut keys: Vec<&str> = path.split('.').map(str::trim).collect();
+        // One of the sensors is a sensor.
+        if let Some(first @ &mut "sensor") = keys.first_mut() {
+            *first = "sensors";
+        }
         self.lay_open(&keys)?;
         let mut found = Vec::new();
         expand(&self.loaded.root, &keys, &mut Vec::new(), &mut found);
@@ -181,14 +193,11 @@ impl Adjustable {
     }
 
     /// A material's own table hides its file, so it has to say all of it.
-    fn fill_material(
-        &self,
-        table: &str,
-        tables: &mut BTreeMap<String, BTreeMap<String, String>>,
-    ) {
+    fn fill_material(&self, table: &str, tables: &mut BTreeMap<String, BTreeMap<String, String>>) {
         let keys: Vec<&str> = table.split('.').collect();
         let material = if keys.first() == Some(&"materials") { keys.as_slice() } else { &[] };
-        let Some(Value::Table(all)) = at(&self.loaded.root, material).map(|node| &node.value) else {
+        let Some(Value::Table(all)) = at(&self.loaded.root, material).map(|node| &node.value)
+        else {
             return;
         };
         let Some(said) = tables.get_mut(table).filter(|_| material.len() == 2) else { return };
@@ -215,7 +224,8 @@ fn sensitivity(scene: &Scene, index: usize) -> f64 {
     let Some(placed) = scene.sensors.get(index) else { return f64::NAN };
     let model = &scene.scope.model;
     let open = Load { resistance: model.input_resistance, capacitance: model.input_capacitance };
-    let wired = scene.scope.channels.iter().flatten().find(|c| c.input.as_ref() == Some(&placed.name));
+    let wired =
+        scene.scope.channels.iter().flatten().find(|c| c.input.as_ref() == Some(&placed.name));
     let load = wired.map_or(open, |channel| input_load(model, channel));
     placed.sensor.connect(placed.sensor.measured.load.unwrap_or(load)).sensitivity
 }
@@ -227,7 +237,9 @@ fn knob(path: String, node: &Node) -> Result<Knob, AdjustError> {
             Ok(Knob { path, value: *value, unit: String::new(), scale: 1.0 })
         }
         Value::Text(text) => {
-            let Ok((value, dimension)) = parse_any(text) else { return Err(wrong(node.describe())) };
+            let Ok((value, dimension)) = parse_any(text) else {
+                return Err(wrong(node.describe()));
+            };
             let unit = text.trim().trim_start_matches(|c: char| !c.is_alphabetic() && c != '%');
             // `4.4e-1 m/s`: the exponent is no unit.
             let (unit, scale) = match parse_any(&format!("1 {unit}")) {

@@ -4,6 +4,7 @@
 use super::Side;
 use crate::experiment::recorded::{self, RecordedSensor};
 use crate::recording::Capture;
+use crate::scene::Scene;
 
 /// A measured channel and what it is, as the user says.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -19,7 +20,7 @@ pub struct Assignment {
 pub struct Wire {
     /// Place of the measured capture.
     pub measured: usize,
-    /// Place of the simulated capture.
+    /// Place of the simulated capture, or of the scene's channel.
     pub simulated: usize,
     /// The sensor, where known.
     pub sensor: Option<String>,
@@ -68,7 +69,9 @@ pub enum MappingError {
         known: Vec<String>,
     },
     /// A side without a capture over time.
-    #[error("{side}: found no capture over time in shot {shot}, expected at least one: was the scope triggered?")]
+    #[error(
+        "{side}: found no capture over time in shot {shot}, expected at least one: was the scope triggered?"
+    )]
     Empty {
         /// The side.
         side: String,
@@ -77,13 +80,19 @@ pub enum MappingError {
     },
 }
 
-/// Names, sensors and places of a side's captures.
-struct Ends {
+/// What channels there are on one side.
+pub struct Ends {
+    side: String,
+    /// Place, channel and sensor.
     names: Vec<(usize, String, Option<String>)>,
 }
 
 impl Ends {
-    fn of(side: Side<'_>, notes: &mut Vec<String>) -> Result<Self, MappingError> {
+    /// The captures over time of a side.
+    ///
+    /// # Errors
+    /// [`MappingError::Empty`] where there are none.
+    pub fn of(side: Side<'_>, notes: &mut Vec<String>) -> Result<Self, MappingError> {
         let sensors = recorded::sensors(side.set);
         let mut names = Vec::new();
         for (place, capture) in side.shot.captures.iter().enumerate() {
@@ -99,17 +108,33 @@ impl Ends {
             let (side, shot) = (side.name.to_owned(), side.shot.number);
             return Err(MappingError::Empty { side, shot });
         }
-        Ok(Self { names })
+        Ok(Self { side: side.name.to_owned(), names })
+    }
+
+    /// The channels of a scene's scope that a sensor is wired to.
+    #[must_use]
+    pub fn of_scene(scene: &Scene) -> Self {
+        let channels = scene.scope.channels.iter().enumerate();
+        let wired = channels.filter_map(|(place, channel)| {
+            let sensor = channel.as_ref()?.input.clone()?;
+            Some((place, format!("CH{}", place + 1), Some(sensor)))
+        });
+        Self { side: scene.name.clone(), names: wired.collect() }
     }
 
     /// Place of a channel, or of the channel with a sensor.
     fn find(&self, name: &str) -> Option<&(usize, String, Option<String>)> {
         let by_sensor = self.names.iter().find(|(_, _, sensor)| sensor.as_deref() == Some(name));
-        by_sensor.or_else(|| self.names.iter().find(|(_, channel, _)| channel.eq_ignore_ascii_case(name)))
+        by_sensor.or_else(|| {
+            self.names.iter().find(|(_, channel, _)| channel.eq_ignore_ascii_case(name))
+        })
     }
 
     fn known(&self) -> Vec<String> {
-        self.names.iter().map(|(_, name, sensor)| sensor.clone().unwrap_or_else(|| name.clone())).collect()
+        self.names
+            .iter()
+            .map(|(_, name, sensor)| sensor.clone().unwrap_or_else(|| name.clone()))
+            .collect()
     }
 }
 
@@ -118,7 +143,10 @@ fn over_time(capture: &Capture) -> bool {
 }
 
 /// The sensor at a channel.
-pub(super) fn sensor_at<'a>(sensors: &'a [RecordedSensor], channel: &str) -> Option<&'a RecordedSensor> {
+pub(super) fn sensor_at<'a>(
+    sensors: &'a [RecordedSensor],
+    channel: &str,
+) -> Option<&'a RecordedSensor> {
     sensors.iter().find(|sensor| sensor.channel.as_deref() == Some(channel))
 }
 
@@ -127,12 +155,11 @@ pub(super) fn sensor_at<'a>(sensors: &'a [RecordedSensor], channel: &str) -> Opt
 /// # Errors
 /// [`MappingError`] for names that are not there, and where nothing belongs together.
 pub fn wires(
-    measured: Side<'_>,
-    simulated: Side<'_>,
+    from: &Ends,
+    to: &Ends,
     assignments: &[Assignment],
     notes: &mut Vec<String>,
 ) -> Result<Vec<Wire>, MappingError> {
-    let (from, to) = (Ends::of(measured, notes)?, Ends::of(simulated, notes)?);
     for Assignment { channel, .. } in assignments {
         if !from.names.iter().any(|(_, name, _)| name.eq_ignore_ascii_case(channel)) {
             let known = from.names.iter().map(|(_, name, _)| name.clone()).collect();
@@ -170,8 +197,8 @@ pub fn wires(
     }
     if wires.is_empty() {
         return Err(MappingError::None {
-            measured: measured.name.to_owned(),
-            simulated: simulated.name.to_owned(),
+            measured: from.side.clone(),
+            simulated: to.side.clone(),
             first: from.names.first().map(|(_, name, _)| name.clone()).unwrap_or_default(),
             known: to.known(),
         });

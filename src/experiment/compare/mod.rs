@@ -17,7 +17,7 @@ use crate::analysis::arrival::Estimator;
 use crate::analysis::comparison::{FEWEST, Pair, least_squares_shift};
 use crate::recording::{Shot, TraceSet};
 use crate::scene::Scene;
-use mapping::{Assignment, MappingError};
+use mapping::{Assignment, Ends, MappingError};
 use scores::Channel;
 use tolerance::Tolerance;
 
@@ -187,7 +187,9 @@ pub enum CompareError {
         shift_s: f64,
     },
     /// A record without a level or without a change.
-    #[error("{channel}: found a simulated trace that never changes, expected a signal to compare with")]
+    #[error(
+        "{channel}: found a simulated trace that never changes, expected a signal to compare with"
+    )]
     Flat {
         /// The measured channel.
         channel: String,
@@ -205,7 +207,8 @@ pub fn compare(
     tolerance: &Tolerance,
 ) -> Result<Compared, CompareError> {
     let mut notes = Vec::new();
-    let wires = mapping::wires(measured, simulated, assignments, &mut notes)?;
+    let ends = (Ends::of(measured, &mut notes)?, Ends::of(simulated, &mut notes)?);
+    let wires = mapping::wires(&ends.0, &ends.1, assignments, &mut notes)?;
     let channels: Vec<Channel> =
         wires.iter().map(|wire| Channel::of(measured, simulated, wire, &mut notes)).collect();
     let (align, shift_s, shift_u_s) = shift(&channels, align, &mut notes);
@@ -240,11 +243,7 @@ pub fn compare(
 }
 
 /// The shift, by what it was found, and its uncertainty (s).
-fn shift(
-    channels: &[Channel],
-    align: Align,
-    notes: &mut Vec<String>,
-) -> (Align, f64, Option<f64>) {
+fn shift(channels: &[Channel], align: Align, notes: &mut Vec<String>) -> (Align, f64, Option<f64>) {
     let found = match align {
         Align::Trigger => Some((0.0, None)),
         Align::Arrival => channels.iter().find_map(|channel| {
@@ -261,7 +260,10 @@ fn shift(
     if let Some((shift, u)) = found {
         return (align, shift, u);
     }
-    notes.push(format!("no alignment by {}: the triggers are taken for the same time", align.name()));
+    notes.push(format!(
+        "no alignment by {}: the triggers are taken for the same time",
+        align.name()
+    ));
     (Align::Trigger, 0.0, None)
 }
 

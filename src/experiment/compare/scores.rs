@@ -60,7 +60,10 @@ impl Channel {
         let (own, other) = (recorded::sensors(measured.set), recorded::sensors(simulated.set));
         let (own, other) = (sensor_at(&own, &name), sensor_at(&other, &against));
         let or_other = |of: fn(&RecordedSensor) -> Option<f64>| {
-            (own.and_then(of).or_else(|| other.and_then(of)), other.and_then(of).or_else(|| own.and_then(of)))
+            (
+                own.and_then(of).or_else(|| other.and_then(of)),
+                other.and_then(of).or_else(|| own.and_then(of)),
+            )
         };
         let (tau, tau_there) = or_other(|sensor| sensor.time_constant);
         let (sensitivity, sensitivity_there) = or_other(|sensor| sensor.sensitivity);
@@ -118,8 +121,7 @@ impl Channel {
     pub fn score(&self, pair: &Pair, wire: &Wire, shift_s: f64) -> ChannelScore {
         let distance = pair.distance();
         let in_newtons = self.forces(shift_s).map(|pair| pair.distance());
-        let heights =
-            self.pulses.as_ref().and_then(|(m, s)| Some((m.height()?, s.height()?)));
+        let heights = self.pulses.as_ref().and_then(|(m, s)| Some((m.height()?, s.height()?)));
         let ratio = heights.map(|(m, s)| {
             let sign = self.pulses.as_ref().is_some_and(|(m, s)| m.inverted != s.inverted);
             let value = if sign { -m.value / s.value } else { m.value / s.value };

@@ -69,7 +69,13 @@ impl Tolerance {
                 let beyond = speeds.iter().filter(|s| s.error.is_nan() || s.error.abs() > *most);
                 failures.extend(beyond.map(|s| {
                     let off = percent(s.error);
-                    format!("speed {} to {} by {}: {off}, more than {}", s.from, s.to, s.estimator, percent(*most))
+                    format!(
+                        "speed {} to {} by {}: {off}, more than {}",
+                        s.from,
+                        s.to,
+                        s.estimator,
+                        percent(*most)
+                    )
                 }));
                 continue;
             }
@@ -151,7 +157,9 @@ fn beyond(channel: &ChannelScore, limit: Limit) -> Option<String> {
     let residual = |most: Amount, (volts, levels, newtons): (f64, f64, Option<f64>)| match most {
         Amount::Levels(most) => (Some(levels), most, in_words(Amount::Levels(levels))),
         Amount::Volts(most) => (Some(volts), most, in_words(Amount::Volts(volts))),
-        Amount::Newtons(most) => (newtons, most, newtons.map_or_else(String::new, |n| in_words(Amount::Newtons(n)))),
+        Amount::Newtons(most) => {
+            (newtons, most, newtons.map_or_else(String::new, |n| in_words(Amount::Newtons(n))))
+        }
     };
     let told = |error: Option<f64>, most: f64, show: &dyn Fn(f64) -> String| {
         (error.map(f64::abs), most, error.map_or_else(String::new, show))
@@ -164,7 +172,11 @@ fn beyond(channel: &ChannelScore, limit: Limit) -> Option<String> {
         // The closer to one the better: what is missing from one counts.
         Limit::Correlation(least) => {
             let found = channel.correlation;
-            (found.map(|c| 1.0 - c), 1.0 - least, found.map_or_else(String::new, |c| format!("{c:.5}")))
+            (
+                found.map(|c| 1.0 - c),
+                1.0 - least,
+                found.map_or_else(String::new, |c| format!("{c:.5}")),
+            )
         }
         Limit::Rms(most) => residual(most, (channel.rms, channel.rms_lsb, channel.rms_n)),
         Limit::Max(most) => residual(most, (channel.max, channel.max_lsb, channel.max_n)),
