@@ -22,6 +22,11 @@ pub trait Problem {
 
     /// Derivatives of the residuals at `x` by each parameter, a column each, where the residuals are `at`; none where there is no value (1).
     fn columns(&mut self, x: &[f64], at: &[f64]) -> Option<Vec<Vec<f64>>>;
+
+    /// How many of the residuals `at` count: all, unless some have no weight.
+    fn counted(&self, at: &[f64]) -> usize {
+        at.len()
+    }
 }
 
 /// When to stop.
@@ -66,6 +71,8 @@ pub struct Minimum {
     pub columns: Vec<Vec<f64>>,
     /// Sum of the squared residuals (1).
     pub chi_squared: f64,
+    /// Residuals that count, less parameters.
+    pub degrees_of_freedom: usize,
     /// Steps tried.
     pub steps: u32,
 }
@@ -81,11 +88,12 @@ pub fn minimise(
 ) -> Result<Minimum, LeastSquaresError> {
     let mut x = start.to_vec();
     let mut residuals = problem.residuals(&x).ok_or(LeastSquaresError::NoStart)?;
-    if residuals.len() <= x.len() {
-        let (residuals, parameters) = (residuals.len(), x.len());
+    if problem.counted(&residuals) <= x.len() {
+        let (residuals, parameters) = (problem.counted(&residuals), x.len());
         return Err(LeastSquaresError::TooFew { residuals, parameters });
     }
     let mut columns = problem.columns(&x, &residuals).ok_or(LeastSquaresError::NoStart)?;
+    let degrees_of_freedom = problem.counted(&residuals).saturating_sub(x.len());
     let mut chi_squared = squares(&residuals);
     let (mut damping, mut growth) = (FIRST_DAMPING, 2.0);
     let mut scale = vec![0.0; x.len()];
@@ -103,7 +111,7 @@ pub fn minimise(
             .map(|(h, (g, d))| h * (damping * d * h - g))
             .sum();
         if predicted <= limits.reduction * chi_squared && damping <= 1.0 {
-            return Ok(Minimum { x, residuals, columns, chi_squared, steps });
+            return Ok(Minimum { x, residuals, columns, chi_squared, degrees_of_freedom, steps });
         }
         let moved: Vec<f64> = x.iter().zip(&step).map(|(x, h)| x + h).collect();
         let there = problem.residuals(&moved).map(|r| (squares(&r), r));
@@ -119,7 +127,14 @@ pub fn minimise(
             growth *= 2.0;
             if damping > LAST_DAMPING {
                 // Nothing is lower within what numbers can tell apart.
-                return Ok(Minimum { x, residuals, columns, chi_squared, steps });
+                return Ok(Minimum {
+                    x,
+                    residuals,
+                    columns,
+                    chi_squared,
+                    degrees_of_freedom,
+                    steps,
+                });
             }
         }
     }
@@ -143,13 +158,11 @@ fn damped_step(columns: &[Vec<f64>], gradient: &[f64], scale: &[f64], damping: f
 }
 
 impl Minimum {
-    /// Residual variance `chi^2/(N - P)`: 1 where the residuals' standard deviations are right and the model is (1).
+    /// Residual variance `chi^2/(N - P)`, `N` the residuals that count: 1 where the residuals' standard deviations are right and the model is (1).
     #[must_use]
     #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
     pub fn variance(&self) -> f64 {
-        // Residuals of no weight are exactly zero and count for nothing.
-        let counted = self.residuals.iter().filter(|r| **r != 0.0).count();
-        self.chi_squared / counted.saturating_sub(self.x.len()).max(1) as f64
+        self.chi_squared / self.degrees_of_freedom.max(1) as f64
     }
 
     /// Covariance of the parameters, `s^2 (J^T J)^-1`, in the product of their units (1).

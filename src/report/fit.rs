@@ -31,7 +31,7 @@ fn parameter_rows(report: &FitReport) -> Vec<Vec<String>> {
         let plain = |value: f64| format!("{:.decimals$}", scaled(value));
         vec![
             p.path.clone(),
-            format!("{} {}", scaled(p.start), p.unit).trim_end().to_owned(),
+            format!("{} {}", plain(p.start), p.unit).trim_end().to_owned(),
             with(scaled(p.value), scaled(p.u), &p.unit),
             plain(p.interval_95[0]),
             plain(p.interval_95[1]),
@@ -68,11 +68,14 @@ fn channel_rows(report: &FitReport) -> Vec<Vec<String>> {
 }
 
 fn correlation_rows(report: &FitReport) -> Vec<Vec<String>> {
-    let heading = std::iter::once(String::new()).chain(report.names.iter().cloned()).collect();
-    let row = |(name, row): (&String, &Vec<f64>)| {
-        std::iter::once(name.clone()).chain(row.iter().map(|c| format!("{c:+.3}"))).collect()
+    let heading = (1..=report.names.len()).map(|number| number.to_string());
+    let heading = std::iter::once(String::new()).chain(heading).collect();
+    let row = |(number, (name, row)): (usize, (&String, &Vec<f64>))| {
+        let name = format!("{number} {name}");
+        std::iter::once(name).chain(row.iter().map(|c| format!("{c:+.3}"))).collect()
     };
-    std::iter::once(heading).chain(report.names.iter().zip(&report.correlation).map(row)).collect()
+    let rows = report.names.iter().zip(&report.correlation);
+    std::iter::once(heading).chain((1..).zip(rows).map(row)).collect()
 }
 
 fn profile_lines(report: &FitReport) -> Vec<String> {

@@ -240,8 +240,7 @@ fn knob(path: String, node: &Node) -> Result<Knob, AdjustError> {
             let Ok((value, dimension)) = parse_any(text) else {
                 return Err(wrong(node.describe()));
             };
-            let unit = text.trim().trim_start_matches(|c: char| !c.is_alphabetic() && c != '%');
-            // `4.4e-1 m/s`: the exponent is no unit.
+            let unit = unit_of(text.trim());
             let (unit, scale) = match parse_any(&format!("1 {unit}")) {
                 Ok((scale, same)) if same == dimension => (unit.to_owned(), scale),
                 _ if dimension == Dimension::NONE => (String::new(), 1.0),
@@ -251,6 +250,16 @@ fn knob(path: String, node: &Node) -> Result<Knob, AdjustError> {
         }
         _ => Err(wrong(node.describe())),
     }
+}
+
+/// What stands behind the number at the start of `text`.
+fn unit_of(text: &str) -> &str {
+    let number = |end: &usize| {
+        let digits: Option<String> = text.get(..*end).map(|start| start.trim().replace('_', ""));
+        digits.is_some_and(|digits| digits.parse::<f64>().is_ok())
+    };
+    let end = (0..=text.len()).rev().find(number).unwrap_or(0);
+    text.get(end..).unwrap_or_default().trim()
 }
 
 fn at<'a>(node: &'a Node, keys: &[&str]) -> Option<&'a Node> {

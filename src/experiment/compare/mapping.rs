@@ -70,7 +70,7 @@ pub enum MappingError {
     },
     /// A side without a capture over time.
     #[error(
-        "{side}: found no capture over time in shot {shot}, expected at least one: was the scope triggered?"
+        "{side}: found no capture of volts over time in shot {shot}, expected at least one: was the scope triggered?"
     )]
     Empty {
         /// The side.

@@ -15,6 +15,7 @@ use super::arrivals::Uncertain;
 use super::recorded;
 use crate::analysis::arrival::Estimator;
 use crate::analysis::comparison::{FEWEST, Pair, least_squares_shift};
+use crate::quantity::engineering;
 use crate::recording::{Shot, TraceSet};
 use crate::scene::Scene;
 use mapping::{Assignment, Ends, MappingError};
@@ -178,7 +179,8 @@ pub enum CompareError {
     Mapping(#[from] MappingError),
     /// Records of different times.
     #[error(
-        "{channel}: found fewer than {FEWEST} samples in common after a shift of {shift_s:e} s, expected records of the same time"
+        "{channel}: found fewer than {FEWEST} samples in common after a shift of {}, expected records of the same time",
+        engineering(*shift_s, "s", 3)
     )]
     Apart {
         /// The measured channel.
@@ -211,6 +213,14 @@ pub fn compare(
     let wires = mapping::wires(&ends.0, &ends.1, assignments, &mut notes)?;
     let channels: Vec<Channel> =
         wires.iter().map(|wire| Channel::of(measured, simulated, wire, &mut notes)).collect();
+    let borrowed: Vec<&str> =
+        channels.iter().filter(|c| c.borrowed).map(|c| c.name.as_str()).collect();
+    if !borrowed.is_empty() {
+        notes.push(format!(
+            "{}: no calibration travels with the measurement; newtons and droop are the simulated sensor's",
+            borrowed.join(", ")
+        ));
+    }
     let (align, shift_s, shift_u_s) = shift(&channels, align, &mut notes);
     let mut pairs = Vec::new();
     let mut scored = Vec::new();

@@ -26,6 +26,8 @@ pub struct Channel {
     against: String,
     lsb: f64,
     clipped: usize,
+    /// Whether the simulated sensor's calibration stands in for an unknown one.
+    pub borrowed: bool,
     pulses: Option<(Pulse, Pulse)>,
     sensitivities: Option<(f64, f64)>,
     site: Option<Site>,
@@ -67,11 +69,7 @@ impl Channel {
         };
         let (tau, tau_there) = or_other(|sensor| sensor.time_constant);
         let (sensitivity, sensitivity_there) = or_other(|sensor| sensor.sensitivity);
-        if own.and_then(|sensor| sensor.sensitivity).is_none() && sensitivity.is_some() {
-            notes.push(format!(
-                "{name}: no calibration travels with the measurement; newtons and droop are the simulated sensor's"
-            ));
-        }
+        let borrowed = own.and_then(|sensor| sensor.sensitivity).is_none() && sensitivity.is_some();
         let found = first_pulse(&of_here, here, tau)
             .and_then(|pulse| Ok((pulse, first_pulse(&of_there, there, tau_there)?)));
         if let Err(problem) = &found {
@@ -82,6 +80,7 @@ impl Channel {
             against,
             lsb: here.waveform.preamble.y_mult.abs(),
             clipped: here.waveform.clipped(),
+            borrowed,
             pulses: found.ok(),
             // Forces need the droop undone.
             sensitivities: tau.and(sensitivity).zip(tau_there.and(sensitivity_there)),

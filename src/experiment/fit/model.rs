@@ -217,6 +217,10 @@ impl<'a> Model<'a> {
 }
 
 impl Problem for Model<'_> {
+    fn counted(&self, _: &[f64]) -> usize {
+        self.records.counted()
+    }
+
     fn residuals(&mut self, x: &[f64]) -> Option<Vec<f64>> {
         let traces = self.at(x)?;
         let residuals = self.weigh(x, &traces);

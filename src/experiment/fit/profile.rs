@@ -54,6 +54,10 @@ impl Held<'_, '_> {
 }
 
 impl Problem for Held<'_, '_> {
+    fn counted(&self, at: &[f64]) -> usize {
+        self.model.counted(at)
+    }
+
     fn residuals(&mut self, x: &[f64]) -> Option<Vec<f64>> {
         self.model.residuals(&self.whole(x))
     }

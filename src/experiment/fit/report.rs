@@ -165,7 +165,7 @@ impl Found<'_> {
                 .collect(),
             names: self.names,
             chi_squared: self.minimum.chi_squared,
-            degrees_of_freedom: records.counted().saturating_sub(x.len()),
+            degrees_of_freedom: self.minimum.degrees_of_freedom,
             residual_variance: self.minimum.variance(),
             notes: notes(self.minimum, records, &channels, &self.starts),
             channels,
