@@ -110,8 +110,9 @@ impl Pulse {
     }
 }
 
-/// `sum of a[i] b[i + k]` for every `k`, negative ones at the end.
-fn correlate(a: &[f64], b: &[f64]) -> Option<Vec<f64>> {
+/// `sum of a[i] b[i + k]` for every `k`, negative ones at the end; none for lengths that cannot be transformed.
+#[must_use]
+pub fn correlate(a: &[f64], b: &[f64]) -> Option<Vec<f64>> {
     let length = (a.len() + b.len()).next_power_of_two();
     let mut planner = RealFftPlanner::<f64>::new();
     let forward = planner.plan_fft_forward(length);

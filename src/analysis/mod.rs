@@ -3,10 +3,13 @@
 pub mod arrival;
 pub mod baseline;
 pub mod calibration;
+pub mod comparison;
 pub mod correlation;
 pub mod dispersion;
 pub mod droop;
 pub mod gate;
+pub mod least_squares;
+pub mod linear;
 mod local_fit;
 pub mod pulse;
 pub mod spectral_peak;

@@ -5,10 +5,12 @@
 mod arrivals;
 mod bands;
 mod calibrate;
+mod compare;
 mod completions;
 mod convert;
 mod cost;
 mod effects;
+mod fit;
 mod force;
 mod hard_cases;
 mod info;
@@ -61,6 +63,8 @@ enum Command {
     Magnet(magnet::Arguments),
     Calibrate(calibrate::Arguments),
     Force(force::Arguments),
+    Compare(compare::Arguments),
+    Fit(fit::Arguments),
     #[cfg(feature = "server")]
     Serve(serve::Arguments),
     #[cfg(feature = "tui")]
@@ -90,6 +94,8 @@ pub fn main() -> ExitCode {
         Command::Magnet(arguments) => magnet::run(&arguments),
         Command::Calibrate(arguments) => calibrate::run(&arguments),
         Command::Force(arguments) => force::run(&arguments),
+        Command::Compare(arguments) => compare::run(&arguments),
+        Command::Fit(arguments) => fit::run(&arguments),
         #[cfg(feature = "server")]
         Command::Serve(arguments) => serve::run(&arguments),
         #[cfg(feature = "tui")]
@@ -101,12 +107,18 @@ pub fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         // Whoever reads our output through `head` has seen enough: no error, and no noise.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) if error.is::<AnswerIsNo>() => ExitCode::FAILURE,
         Err(error) => {
             eprintln!("error: {error:#}");
             ExitCode::from(COULD_NOT)
         }
     }
 }
+
+/// What was asked has been answered, and the answer, already printed, is no.
+#[derive(Debug, thiserror::Error)]
+#[error("the answer is no")]
+struct AnswerIsNo;
 
 fn is_broken_pipe(error: &anyhow::Error) -> bool {
     let kind = error.downcast_ref::<std::io::Error>().map(std::io::Error::kind);

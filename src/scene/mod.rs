@@ -3,6 +3,7 @@
 //! First half of the program's door: `cli` names a scene, `experiment` runs what comes out. [`document`] keeps places,
 //! [`reader`] collects problems, `library` finds files and merges what they stand on, `bodies`, `effects`, `sensors`, `bench` and `oscilloscope` know the keys.
 
+pub mod adjust;
 mod bench;
 mod bodies;
 mod bound;

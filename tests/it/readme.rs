@@ -28,6 +28,23 @@ fn the_summary_shown_is_printed() {
     }
 }
 
+/// `$ hertzscope ...`, and what it prints or a part of that.
+#[test]
+fn the_answers_shown_are_given() {
+    for block in blocks("console") {
+        let (command, shown) = block.trim().split_once('\n').expect("a command and its output");
+        let arguments = command.strip_prefix("$ hertzscope ").expect("a command").split(' ');
+        let output = assert_cmd::Command::cargo_bin("hertzscope")
+            .expect("the program")
+            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .args(arguments)
+            .output()
+            .expect("output");
+        let printed = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(printed.contains(shown), "the README shows\n{shown}\nprinted is\n{printed}");
+    }
+}
+
 #[test]
 fn the_scenes_shown_are_scenes() {
     for (number, block) in blocks("toml").iter().enumerate() {

@@ -1,0 +1,82 @@
+//! Small systems of linear equations with a symmetric, positive matrix: Cholesky's factorisation.
+//!
+//! `A = L L^T`. Source: G. H. Golub, C. F. Van Loan, "Matrix Computations", 4th ed. (2013), section 4.2.3. Valid for a handful of
+//! unknowns.
+
+/// A pivot of a matrix with a diagonal of ones is the share of a column that the columns before it do not explain; below this there is
+/// nothing left of it but errors of the differences it was made from (1).
+const SMALLEST_PIVOT: f64 = 1e-9;
+
+/// Data do not determine a parameter beside those before it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("found a parameter, number {parameter} from 0, that changes nothing the others cannot")]
+pub struct Undetermined {
+    /// Its place, from 0.
+    pub parameter: usize,
+}
+
+/// The lower triangle, with pivots no smaller than `least`.
+fn factor(matrix: &[Vec<f64>], least: f64) -> Result<Vec<Vec<f64>>, Undetermined> {
+    let mut lower: Vec<Vec<f64>> = Vec::with_capacity(matrix.len());
+    for (i, row) in matrix.iter().enumerate() {
+        let mut new = Vec::with_capacity(i + 1);
+        for (j, before) in lower.iter().enumerate() {
+            let known: f64 = before[..j].iter().zip(&new).map(|(a, b)| a * b).sum();
+            new.push((row[j] - known) / before[j]);
+        }
+        let pivot = row[i] - new.iter().map(|a| a * a).sum::<f64>();
+        // A pivot that is no number is no larger, either.
+        if pivot.is_nan() || pivot <= least {
+            return Err(Undetermined { parameter: i });
+        }
+        new.push(pivot.sqrt());
+        lower.push(new);
+    }
+    Ok(lower)
+}
+
+/// Forward, then backward substitution.
+fn substitute(lower: &[Vec<f64>], right: &[f64]) -> Vec<f64> {
+    let mut x: Vec<f64> = Vec::with_capacity(right.len());
+    for (row, b) in lower.iter().zip(right) {
+        let known: f64 = row.iter().zip(&x).map(|(a, x)| a * x).sum();
+        x.push((b - known) / row[x.len()]);
+    }
+    for i in (0..x.len()).rev() {
+        let known: f64 = (i + 1..x.len()).map(|k| lower[k][i] * x[k]).sum();
+        x[i] = (x[i] - known) / lower[i][i];
+    }
+    x
+}
+
+/// `x` with `matrix x = right`.
+///
+/// # Errors
+/// [`Undetermined`] for a matrix that is not positive.
+pub(super) fn solve(matrix: &[Vec<f64>], right: &[f64]) -> Result<Vec<f64>, Undetermined> {
+    Ok(substitute(&factor(matrix, 0.0)?, right))
+}
+
+/// Inverse of the matrix of all products of `columns`, each brought to length one in between.
+///
+/// # Errors
+/// [`Undetermined`] with the first column that those before it explain, or that is nothing.
+pub(super) fn inverse_of_gram(columns: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, Undetermined> {
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let length: Vec<f64> = columns.iter().map(|column| product(column, column).sqrt()).collect();
+    if let Some(parameter) = length.iter().position(|length| length.is_nan() || *length <= 0.0) {
+        return Err(Undetermined { parameter });
+    }
+    let row = |(a, of_a): (&Vec<f64>, &f64)| {
+        columns.iter().zip(&length).map(|(b, of_b)| product(a, b) / (of_a * of_b)).collect()
+    };
+    let gram: Vec<Vec<f64>> = columns.iter().zip(&length).map(row).collect();
+    let lower = factor(&gram, SMALLEST_PIVOT)?;
+    let unit = |i: usize| (0..columns.len()).map(|j| if i == j { 1.0 } else { 0.0 }).collect();
+    let inverse = (0..columns.len()).map(|i| {
+        let right: Vec<f64> = unit(i);
+        let solved = substitute(&lower, &right);
+        solved.iter().zip(&length).map(|(x, of_j)| x / (length[i] * of_j)).collect()
+    });
+    Ok(inverse.collect())
+}

@@ -1,0 +1,202 @@
+//! `hertzscope compare`: a measurement held against a simulation.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail};
+use clap::{Args, ValueEnum};
+
+use super::progress::Progress;
+use super::sensor::{Wired, wire_all, wired};
+use crate::experiment::accuracy::of_scene;
+use crate::experiment::compare::mapping::Assignment;
+use crate::experiment::compare::tolerance::Tolerance;
+use crate::experiment::compare::{Align, Side, compare};
+use crate::experiment::{self, Integration, facts};
+use crate::recording::format::{Format, open};
+use crate::recording::{Shot, TraceSet, mcap};
+use crate::report;
+use crate::report::document::{Part, html, markdown};
+use crate::scene::Scene;
+
+/// Hold a measurement against a simulation: scores for each channel; exit code 1 where they are beyond the tolerance
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// A recording (.mcap), a scope's file (.csv, .isf), or a folder of them
+    measured: PathBuf,
+    /// The same of a simulation, or a scene, which is run: one that ships with the program, or a .toml file
+    simulated: String,
+    /// What scores may be off at most: peak, speed, gain, spectrum (5%), arrival (2us), rms, max (2lsb, 10mV, 0.1N), correlation (0.99)
+    #[arg(long, value_name = "LIST", value_parser = Tolerance::parse, default_value = "rms=1lsb")]
+    tolerance: Tolerance,
+    /// How both are brought onto one time axis
+    #[arg(long, value_enum, default_value = "arrival")]
+    align: AlignBy,
+    /// Which simulated sensor or channel a measured channel is, e.g. CH1=p2,CH2=p14 [default: the recorded wiring, else the number]
+    #[arg(long, value_name = "CH=NAME", value_delimiter = ',', value_parser = assignment)]
+    map: Vec<Assignment>,
+    /// A measured channel's sensor, a name or a file such as `calibrate` writes
+    #[arg(long, value_name = "CH=SENSOR", value_parser = wired)]
+    sensor: Vec<Wired>,
+    /// Shot of the measurement
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    shot: u32,
+    /// Shot of a simulated recording
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    simulated_shot: u32,
+    /// Write a report with plots (.md, .html), or the measurement with its scores (.mcap)
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Print as JSON
+    #[arg(long)]
+    json: bool,
+    /// No progress bar
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum AlignBy {
+    /// Trigger on trigger
+    Trigger,
+    /// Arrival (half-rise) on arrival at the first channel that has one
+    Arrival,
+    /// The shift with the least squared residuals over all channels
+    LeastSquares,
+}
+
+impl From<AlignBy> for Align {
+    fn from(by: AlignBy) -> Self {
+        match by {
+            AlignBy::Trigger => Self::Trigger,
+            AlignBy::Arrival => Self::Arrival,
+            AlignBy::LeastSquares => Self::LeastSquares,
+        }
+    }
+}
+
+/// Reads `CH1=p2`.
+pub fn assignment(text: &str) -> Result<Assignment, String> {
+    match text.split_once('=') {
+        Some((channel, target)) if !channel.trim().is_empty() && !target.trim().is_empty() => {
+            Ok(Assignment { channel: channel.trim().to_owned(), target: target.trim().to_owned() })
+        }
+        _ => Err(format!("found {text}, expected a channel and a sensor, e.g. CH1=p2")),
+    }
+}
+
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    if let Some(file) = &arguments.output {
+        ending(file, &["md", "html", "mcap"])?;
+    }
+    let mut set = open(&arguments.measured)?;
+    wire_all(&mut set, &arguments.sensor)?;
+    let simulation = Simulation::of(arguments)?;
+    let name = arguments.measured.display().to_string();
+    let measured =
+        Side { name: &name, set: &set, shot: shot(&set, &name, arguments.shot)?, scene: None };
+    let simulated = Side {
+        name: &arguments.simulated,
+        set: &simulation.set,
+        shot: shot(&simulation.set, &arguments.simulated, simulation.shot)?,
+        scene: simulation.scene.as_ref(),
+    };
+    let how = (arguments.align.into(), arguments.map.as_slice());
+    let compared = compare(measured, simulated, how, &arguments.tolerance)?;
+    let comparison = &compared.comparison;
+    if let Some(file) = &arguments.output {
+        let title = format!("{name} against {}", arguments.simulated);
+        if ending(file, &["md", "html", "mcap"])? == "mcap" {
+            let facts = report::comparison_facts(comparison);
+            write_scores(file, &arguments.measured, &mut set, facts)?;
+        } else {
+            write_document(file, &title, &|stem| report::comparison_parts(&compared, stem))?;
+        }
+    }
+    super::print(&if arguments.json {
+        serde_json::to_string_pretty(comparison)?
+    } else {
+        report::comparison(comparison)
+    })?;
+    if comparison.failures.is_empty() { Ok(()) } else { Err(super::AnswerIsNo.into()) }
+}
+
+/// The simulated side.
+struct Simulation {
+    set: TraceSet,
+    shot: u32,
+    scene: Option<Scene>,
+}
+
+impl Simulation {
+    /// Opens a recording, or runs a scene.
+    fn of(arguments: &Arguments) -> anyhow::Result<Self> {
+        let path = Path::new(&arguments.simulated);
+        if Format::of(path).is_some() {
+            return Ok(Self { set: open(path)?, shot: arguments.simulated_shot, scene: None });
+        }
+        let scene = Scene::load(&arguments.simulated)?;
+        let integration = Integration::Accuracy(of_scene(&scene)?.value);
+        let metadata = facts::facts(&scene, integration)?;
+        let mut progress = Progress::new(&scene.name, arguments.quiet);
+        let outcome = experiment::run(&scene, integration, 1, &mut |share| progress.at(share));
+        progress.done();
+        let set = TraceSet { shots: vec![outcome?.shot], metadata, ..TraceSet::default() };
+        Ok(Self { set, shot: 1, scene: Some(scene) })
+    }
+}
+
+/// The shot of a number.
+pub fn shot<'a>(set: &'a TraceSet, name: &str, number: u32) -> anyhow::Result<&'a Shot> {
+    let Some(shot) = set.shots.iter().find(|shot| shot.number == number) else {
+        bail!("{name}: found {} shots, expected one with number {number}", set.shots.len());
+    };
+    Ok(shot)
+}
+
+/// A file's ending, which is to be one of `known`.
+pub fn ending<'a>(file: &Path, known: &[&'a str]) -> anyhow::Result<&'a str> {
+    let found = file.extension().and_then(OsStr::to_str).map(str::to_ascii_lowercase);
+    let Some(ending) = known.iter().find(|known| Some(**known) == found.as_deref()) else {
+        bail!("{}: found no known ending, expected .{}", file.display(), known.join(", ."));
+    };
+    Ok(ending)
+}
+
+/// Writes a document; pictures of a Markdown one lie beside it.
+pub fn write_document(
+    file: &Path,
+    title: &str,
+    parts: &dyn Fn(&str) -> Vec<Part>,
+) -> anyhow::Result<()> {
+    let stem = file.file_stem().and_then(OsStr::to_str).unwrap_or("report");
+    let parts = parts(stem);
+    let write = |file: &Path, text: &str| {
+        std::fs::write(file, text).with_context(|| file.display().to_string())
+    };
+    if ending(file, &["md", "html"])? == "html" {
+        return write(file, &html(title, &parts));
+    }
+    for part in &parts {
+        if let Part::Picture(name, _, svg) = part {
+            write(&file.with_file_name(name), svg)?;
+        }
+    }
+    write(file, &markdown(&parts))
+}
+
+/// The measurement as a recording with its scores among the metadata.
+fn write_scores(
+    file: &Path,
+    input: &Path,
+    set: &mut TraceSet,
+    facts: facts::Facts,
+) -> anyhow::Result<()> {
+    let same = |input: PathBuf| std::fs::canonicalize(file).is_ok_and(|file| file == input);
+    if std::fs::canonicalize(input).is_ok_and(same) {
+        bail!("{}: found the input as the output, expected another file", file.display());
+    }
+    set.metadata.retain(|name, _| !name.starts_with("hertzscope:comparison"));
+    set.metadata.extend(facts);
+    Ok(mcap::write(file, set)?)
+}

@@ -1,0 +1,217 @@
+//! `hertzscope fit`: a scene's numbers from measured traces.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail};
+use clap::Args;
+
+use super::compare::{assignment, ending, shot, write_document};
+use super::progress::Progress;
+use crate::analysis::gate::Gate;
+use crate::experiment::compare::Side;
+use crate::experiment::compare::mapping::Assignment;
+use crate::experiment::fit::blind::blind;
+use crate::experiment::fit::{Fit, Options, fit};
+use crate::quantity::{Dimension, parse, parse_any};
+use crate::recording::format::open;
+use crate::report;
+use crate::scene::adjust::{Adjustable, Knob};
+use crate::scene::{LOOSEST_ACCURACY, TIGHTEST_ACCURACY};
+
+/// Find a scene's numbers from measured traces, with uncertainties: least squares through sensor and scope
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// A recording (.mcap), a scope's file (.csv, .isf), or a folder of them; then the scene. With --blind, the scene alone
+    #[arg(value_names = ["MEASURED", "SCENE"], num_args = 1..=2, required = true)]
+    inputs: Vec<String>,
+    /// Numbers to find, by their paths in the scene; * is every name, and PATH=VALUE starts from another value than the scene's
+    #[arg(long, value_name = "PATHS", value_delimiter = ',', required = true)]
+    free: Vec<String>,
+    /// Which sensor a measured channel is, e.g. CH1=p2,CH2=p14 [default: the recorded wiring, else the number]
+    #[arg(long, value_name = "CH=SENSOR", value_delimiter = ',', value_parser = assignment)]
+    map: Vec<Assignment>,
+    /// Shot of the measurement
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    shot: u32,
+    /// Find a gain for each channel along
+    #[arg(long)]
+    gains: bool,
+    /// Find an offset for each channel along
+    #[arg(long)]
+    offsets: bool,
+    /// Count no samples before this time after the trigger
+    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
+    from: Option<f64>,
+    /// Count no samples after this time after the trigger
+    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
+    to: Option<f64>,
+    /// Start from this many places: the scene's numbers, and others around them
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    starts: u32,
+    /// How far the others are off at most; with --blind, how far the hidden numbers are
+    #[arg(long, value_name = "SHARE", default_value = "10%", value_parser = share)]
+    spread: f64,
+    /// Seed of starting places and hidden numbers
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Relative accuracy of the simulations
+    #[arg(long, value_name = "X", default_value = "1e-7", value_parser = accuracy)]
+    accuracy: f64,
+    /// Profile all numbers, not only badly determined ones
+    #[arg(long)]
+    profile: bool,
+    /// Instead of a measurement: record the scene with hidden numbers this many times, and tell how many stated intervals hold them
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000), conflicts_with_all = ["output", "report"])]
+    blind: Option<u32>,
+    /// Write the fitted scene, which stands on SCENE, into this file
+    #[arg(short, long, value_name = "FILE.toml")]
+    output: Option<PathBuf>,
+    /// Write a report with plots (.md, .html)
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+    /// Print as JSON
+    #[arg(long)]
+    json: bool,
+    /// No progress bar
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+fn time(text: &str) -> Result<f64, String> {
+    parse(text, Dimension::TIME).map_err(|error| format!("{error}, expected a time, e.g. 1ms"))
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    match parse(text, Dimension::NONE) {
+        Ok(share) if (0.0..1.0).contains(&share) => Ok(share),
+        Ok(_) => Err(format!("found {text}, expected a share from 0 to below 1, e.g. 10%")),
+        Err(error) => Err(format!("{error}, expected a share, e.g. 10%")),
+    }
+}
+
+fn accuracy(text: &str) -> Result<f64, String> {
+    match parse(text, Dimension::NONE) {
+        Ok(value) if (TIGHTEST_ACCURACY..=LOOSEST_ACCURACY).contains(&value) => Ok(value),
+        _ => Err(format!("found {text}, expected {TIGHTEST_ACCURACY:e} to {LOOSEST_ACCURACY}")),
+    }
+}
+
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    if let Some(file) = &arguments.output {
+        ending(file, &["toml"])?;
+    }
+    if let Some(file) = &arguments.report {
+        ending(file, &["md", "html"])?;
+    }
+    let options = Options {
+        gains: arguments.gains,
+        offsets: arguments.offsets,
+        starts: arguments.starts,
+        spread: arguments.spread,
+        seed: arguments.seed,
+        accuracy: arguments.accuracy,
+        gate: Gate {
+            from: arguments.from.unwrap_or(f64::NEG_INFINITY),
+            to: arguments.to.unwrap_or(f64::INFINITY),
+        },
+        profile: arguments.profile,
+    };
+    match (arguments.inputs.as_slice(), arguments.blind) {
+        ([scene], Some(trials)) => run_blind(arguments, scene, trials, &options),
+        ([measured, scene], None) => run_fit(arguments, measured, scene, &options),
+        ([_], None) => {
+            bail!("found no scene, expected one behind the measurement: fit MEASURED SCENE")
+        }
+        _ => {
+            bail!("found a measurement with --blind, expected the scene alone: fit --blind N SCENE")
+        }
+    }
+}
+
+/// The scene and what is freed of it.
+fn freed(arguments: &Arguments, scene: &str) -> anyhow::Result<(Adjustable, Vec<Knob>)> {
+    let mut scene = Adjustable::load(scene)?;
+    let mut knobs = Vec::new();
+    for text in arguments.free.iter().map(|text| text.trim()).filter(|text| !text.is_empty()) {
+        let (path, start) = text.split_once('=').map_or((text, None), |(p, v)| (p.trim(), Some(v)));
+        let mut found = scene.knobs(path)?;
+        if let Some(start) = start {
+            let value = parse_any(start).with_context(|| format!("--free {text}"))?;
+            for knob in &mut found {
+                let unit = parse_any(&format!("1 {}", knob.unit)).map(|(_, dimension)| dimension);
+                if unit != Ok(value.1) {
+                    bail!("--free {text}: found {}, expected a value in {}", value.1, knob.unit);
+                }
+                knob.value = value.0;
+            }
+        }
+        knobs.extend(found);
+    }
+    if knobs.is_empty() {
+        bail!("--free: found no path, expected at least one, e.g. striker.speed");
+    }
+    // Starting values have to be allowed, too.
+    scene.with(&knobs.iter().map(|knob| (knob, knob.value)).collect::<Vec<_>>())?;
+    Ok((scene, knobs))
+}
+
+fn run_fit(
+    arguments: &Arguments,
+    measured: &str,
+    scene: &str,
+    options: &Options,
+) -> anyhow::Result<()> {
+    let set = open(Path::new(measured))?;
+    let (scene, knobs) = freed(arguments, scene)?;
+    let shot = shot(&set, measured, arguments.shot)?;
+    let side = Side { name: measured, set: &set, shot, scene: None };
+    let mut progress = Progress::new("fit", arguments.quiet);
+    let found =
+        fit((&scene, &knobs), side, &arguments.map, options, &mut |share| progress.at(share));
+    progress.done();
+    let found = found?;
+    if let Some(file) = &arguments.output {
+        let text = fitted_scene(&scene, &knobs, &found);
+        std::fs::write(file, text).with_context(|| file.display().to_string())?;
+    }
+    if let Some(file) = &arguments.report {
+        let title = format!("{} fitted to {measured}", found.report.scene);
+        write_document(file, &title, &|stem| report::fit_parts(&found, stem))?;
+    }
+    if arguments.json {
+        return super::print(&serde_json::to_string_pretty(&found.report)?);
+    }
+    super::print(&report::fit(&found.report))?;
+    if let Some(file) = &arguments.output {
+        super::print(&format!("  scene    {}", file.display()))?;
+    }
+    Ok(())
+}
+
+/// The fitted scene; digits two places beyond the uncertainty's.
+fn fitted_scene(scene: &Adjustable, knobs: &[Knob], found: &Fit) -> String {
+    let values = knobs.iter().zip(&found.report.parameters).map(|(knob, parameter)| {
+        let digits = 3.0 - (parameter.u / knob.scale).log10().floor();
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few digits")]
+        (knob, parameter.value, digits.clamp(0.0, 15.0) as usize)
+    });
+    let title = format!("{} fitted to {}", found.report.scene, found.report.measured);
+    scene.derived(&values.collect::<Vec<_>>(), &title)
+}
+
+fn run_blind(
+    arguments: &Arguments,
+    name: &str,
+    trials: u32,
+    options: &Options,
+) -> anyhow::Result<()> {
+    let (scene, knobs) = freed(arguments, name)?;
+    let mut progress = Progress::new("blind fits", arguments.quiet);
+    let found = blind(&scene, &knobs, trials, options, &mut |share| progress.at(share));
+    progress.done();
+    let found = found?;
+    if arguments.json {
+        return super::print(&serde_json::to_string_pretty(&found)?);
+    }
+    super::print(&report::blind(&found, name))
+}

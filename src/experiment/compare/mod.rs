@@ -1,0 +1,283 @@
+//! A measurement held against a simulation, channel by channel: brought onto one time axis, scored, judged.
+//!
+//! One shift serves all channels, since a scope has one time base: speeds stay what they are. Gain and offset are found and told, and
+//! never taken out. Peaks and arrivals (half-rise) come from the first pulse with the sensor's droop undone where its time constant is
+//! known; a measured channel whose sensor is not known borrows the simulated one's. The other scores are those of
+//! [`crate::analysis::comparison`]. JSON names and units are part of the interface.
+
+pub mod mapping;
+mod scores;
+pub mod tolerance;
+
+use serde::Serialize;
+
+use super::arrivals::Uncertain;
+use super::recorded;
+use crate::analysis::arrival::Estimator;
+use crate::analysis::comparison::{FEWEST, Pair, least_squares_shift};
+use crate::quantity::engineering;
+use crate::recording::{Shot, TraceSet};
+use crate::scene::Scene;
+use mapping::{Assignment, Ends, MappingError};
+use scores::Channel;
+use tolerance::Tolerance;
+
+/// How the two are brought onto one time axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Align {
+    /// Trigger on trigger.
+    Trigger,
+    /// Arrival on arrival, half-rise, at the first channel that has one on both sides.
+    #[default]
+    Arrival,
+    /// The shift with the least squared residuals over all channels, each in units of its simulated trace.
+    LeastSquares,
+}
+
+impl Align {
+    /// Name in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Trigger => "trigger",
+            Self::Arrival => "arrival",
+            Self::LeastSquares => "least-squares",
+        }
+    }
+}
+
+/// One shot with what is known of the bench it was taken on.
+#[derive(Debug, Clone, Copy)]
+pub struct Side<'a> {
+    /// What it is called in reports.
+    pub name: &'a str,
+    /// The recording.
+    pub set: &'a TraceSet,
+    /// The shot.
+    pub shot: &'a Shot,
+    /// The scene, where known.
+    pub scene: Option<&'a Scene>,
+}
+
+/// Scores of one channel.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChannelScore {
+    /// The measured channel.
+    pub name: String,
+    /// The simulated channel.
+    pub against: String,
+    /// The sensor, where known.
+    pub sensor: Option<String>,
+    /// Where it is known from that the two belong together.
+    pub mapped_by: &'static str,
+    /// How much later the simulated trace was put (s).
+    pub shift_s: f64,
+    /// Measured over simulated, by least squares; not taken out (1).
+    pub gain: f64,
+    /// Its standard uncertainty from the residuals (1).
+    pub gain_u: f64,
+    /// What the measured trace reads where the simulated one is zero; not taken out (V).
+    pub offset_v: f64,
+    /// First peak of the measured trace, volts.
+    pub peak_measured_v: Option<Uncertain>,
+    /// First peak of the simulated trace, volts.
+    pub peak_simulated_v: Option<Uncertain>,
+    /// Measured over simulated first peak, less one (1).
+    pub peak_error: Option<f64>,
+    /// Its standard uncertainty (1).
+    pub peak_error_u: Option<f64>,
+    /// Measured less simulated arrival, half-rise, after the shift (s).
+    pub arrival_error_s: Option<f64>,
+    /// Its standard uncertainty, without the shift's (s).
+    pub arrival_error_u_s: Option<f64>,
+    /// Root mean square of measured less simulated (V).
+    pub rms: f64,
+    /// The same in levels of the measured trace (1).
+    pub rms_lsb: f64,
+    /// The same as a force, droop and baselines taken out; none without a calibrated sensor (N).
+    pub rms_n: Option<f64>,
+    /// Largest difference (V).
+    pub max: f64,
+    /// The same in levels of the measured trace (1).
+    pub max_lsb: f64,
+    /// The same as a force (N).
+    pub max_n: Option<f64>,
+    /// One level of the measured trace (V).
+    pub lsb_v: f64,
+    /// Pearson's coefficient (1).
+    pub correlation: Option<f64>,
+    /// Distance of the amplitude spectra over the simulated one's norm (1).
+    pub spectrum_distance: Option<f64>,
+    /// Samples in common.
+    pub samples: usize,
+    /// Measured samples at the converter's ends.
+    pub clipped: usize,
+}
+
+/// The speed between two channels' sensors on both sides.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SpeedScore {
+    /// Measured channel from which.
+    pub from: String,
+    /// Measured channel to which.
+    pub to: String,
+    /// The arrival's estimator.
+    pub estimator: &'static str,
+    /// Distance along the chain at rest, of each side's own scene where it has one (m).
+    pub distance_m: f64,
+    /// Measured, metres per second.
+    pub measured_m_per_s: Uncertain,
+    /// Simulated, metres per second.
+    pub simulated_m_per_s: Uncertain,
+    /// Measured over simulated, less one (1).
+    pub error: f64,
+    /// Its standard uncertainty (1).
+    pub error_u: f64,
+}
+
+/// All scores of one comparison.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Comparison {
+    /// What was measured.
+    pub measured: String,
+    /// What it was held against.
+    pub simulated: String,
+    /// `trigger`, `arrival` or `least-squares`.
+    pub align: &'static str,
+    /// How much later all simulated traces were put (s).
+    pub shift_s: f64,
+    /// Standard uncertainty of the shift, where it is known (s).
+    pub shift_u_s: Option<f64>,
+    /// One a measured channel that has a partner.
+    pub channels: Vec<ChannelScore>,
+    /// Speeds between neighbouring sensors, from the top.
+    pub speeds: Vec<SpeedScore>,
+    /// What was asked for.
+    pub tolerance: Vec<String>,
+    /// What is beyond it.
+    pub failures: Vec<String>,
+    /// `pass` or `fail`.
+    pub verdict: &'static str,
+    /// What had to be guessed, and what could not be told.
+    pub notes: Vec<String>,
+}
+
+/// A comparison with its traces, for pictures.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Compared {
+    /// The scores.
+    pub comparison: Comparison,
+    /// Both traces of each channel on the measured one's axis (V).
+    pub pairs: Vec<Pair>,
+}
+
+/// Why two recordings cannot be compared.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum CompareError {
+    /// No channel has a partner.
+    #[error(transparent)]
+    Mapping(#[from] MappingError),
+    /// Records of different times.
+    #[error(
+        "{channel}: found fewer than {FEWEST} samples in common after a shift of {}, expected records of the same time",
+        engineering(*shift_s, "s", 3)
+    )]
+    Apart {
+        /// The measured channel.
+        channel: String,
+        /// The shift (s).
+        shift_s: f64,
+    },
+    /// A record without a level or without a change.
+    #[error(
+        "{channel}: found a simulated trace that never changes, expected a signal to compare with"
+    )]
+    Flat {
+        /// The measured channel.
+        channel: String,
+    },
+}
+
+/// Holds `measured` against `simulated`.
+///
+/// # Errors
+/// [`CompareError`] where no channels belong together, or where they have no time in common.
+pub fn compare(
+    measured: Side<'_>,
+    simulated: Side<'_>,
+    (align, assignments): (Align, &[Assignment]),
+    tolerance: &Tolerance,
+) -> Result<Compared, CompareError> {
+    let mut notes = Vec::new();
+    let ends = (Ends::of(measured, &mut notes)?, Ends::of(simulated, &mut notes)?);
+    let wires = mapping::wires(&ends.0, &ends.1, assignments, &mut notes)?;
+    let channels: Vec<Channel> =
+        wires.iter().map(|wire| Channel::of(measured, simulated, wire, &mut notes)).collect();
+    let borrowed: Vec<&str> =
+        channels.iter().filter(|c| c.borrowed).map(|c| c.name.as_str()).collect();
+    if !borrowed.is_empty() {
+        notes.push(format!(
+            "{}: no calibration travels with the measurement; newtons and droop are the simulated sensor's",
+            borrowed.join(", ")
+        ));
+    }
+    let (align, shift_s, shift_u_s) = shift(&channels, align, &mut notes);
+    let mut pairs = Vec::new();
+    let mut scored = Vec::new();
+    for (channel, wire) in channels.iter().zip(&wires) {
+        let apart = || CompareError::Apart { channel: channel.name.clone(), shift_s };
+        let pair = Pair::new(&channel.measured, &channel.simulated, shift_s).ok_or_else(apart)?;
+        let score = channel.score(&pair, wire, shift_s);
+        if !score.gain.is_finite() {
+            return Err(CompareError::Flat { channel: channel.name.clone() });
+        }
+        scored.push(score);
+        pairs.push(pair);
+    }
+    let speeds = scores::speeds(&channels, [measured, simulated], &mut notes);
+    let failures = tolerance.failures(&scored, &speeds);
+    let comparison = Comparison {
+        measured: measured.name.to_owned(),
+        simulated: simulated.name.to_owned(),
+        align: align.name(),
+        shift_s,
+        shift_u_s,
+        channels: scored,
+        speeds,
+        tolerance: tolerance.words(),
+        verdict: if failures.is_empty() { "pass" } else { "fail" },
+        failures,
+        notes,
+    };
+    Ok(Compared { comparison, pairs })
+}
+
+/// The shift, by what it was found, and its uncertainty (s).
+fn shift(channels: &[Channel], align: Align, notes: &mut Vec<String>) -> (Align, f64, Option<f64>) {
+    let found = match align {
+        Align::Trigger => Some((0.0, None)),
+        Align::Arrival => channels.iter().find_map(|channel| {
+            let (measured, simulated) = channel.arrivals(Estimator::HalfRise)?;
+            notes.push(format!("aligned by the arrival at {}", channel.name));
+            let u = measured.standard_uncertainty.hypot(simulated.standard_uncertainty);
+            Some((measured.value - simulated.value, Some(u)))
+        }),
+        Align::LeastSquares => {
+            let traces: Vec<_> = channels.iter().map(Channel::weighted).collect();
+            least_squares_shift(&traces).map(|shift| (shift, None))
+        }
+    };
+    if let Some((shift, u)) = found {
+        return (align, shift, u);
+    }
+    notes.push(format!(
+        "no alignment by {}: the triggers are taken for the same time",
+        align.name()
+    ));
+    (Align::Trigger, 0.0, None)
+}
+
+/// The scene behind a side: its own, or the one that travels with its recording.
+fn scene_of(side: Side<'_>) -> Option<Scene> {
+    side.scene.cloned().or_else(|| recorded::scene(side.set)?.ok())
+}

@@ -1,0 +1,258 @@
+//! The residuals of a fit and their derivatives.
+//!
+//! Parameters, in this order: each freed number of the scene over its starting value; the time of the trigger after the striker's first
+//! contact, in sample intervals; with `gains`, a factor for each channel; with `offsets`, a zero for each channel, in levels. The scene's
+//! numbers are differentiated by central differences with steps of about one standard deviation, the rest in closed form.
+
+use super::forward::{Axis, seen};
+use super::records::Records;
+use crate::analysis::correlation::correlate;
+use crate::analysis::least_squares::{Problem, squares};
+use crate::scene::adjust::{Adjustable, Knob};
+
+/// First step of the differences, relative (1).
+const FIRST_STEP: f64 = 1e-3;
+/// Shortest and longest step, relative: shorter ones drown in the integration's error, longer ones see the curvature (1).
+const STEPS: (f64, f64) = (1e-5, 1e-2);
+/// Accuracy at which the trigger is looked for (1).
+const COARSE: f64 = 1e-4;
+
+/// The traces as a function of the parameters.
+pub struct Model<'a> {
+    /// The scene.
+    pub scene: &'a Adjustable,
+    /// What is freed of it.
+    pub knobs: &'a [Knob],
+    /// What was measured.
+    pub records: &'a Records,
+    /// Whether each channel has a gain and an offset of its own.
+    pub free: (bool, bool),
+    /// Accuracy of the integration (1).
+    pub accuracy: f64,
+    /// Called after every run.
+    pub progress: &'a mut dyn FnMut(),
+    /// Runs so far.
+    pub runs: u64,
+    steps: Vec<f64>,
+    /// Traces at the last point that residuals were asked for.
+    last: Option<(Vec<f64>, Vec<Vec<f64>>)>,
+}
+
+impl<'a> Model<'a> {
+    /// The model of `records` by `scene`.
+    pub fn new(
+        scene: &'a Adjustable,
+        knobs: &'a [Knob],
+        records: &'a Records,
+        (free, accuracy): ((bool, bool), f64),
+        progress: &'a mut dyn FnMut(),
+    ) -> Self {
+        let steps = vec![FIRST_STEP; knobs.len()];
+        Self { scene, knobs, records, free, accuracy, progress, runs: 0, steps, last: None }
+    }
+
+    /// Names of the parameters.
+    pub fn names(&self) -> Vec<String> {
+        let mut names: Vec<String> = self.knobs.iter().map(|knob| knob.path.clone()).collect();
+        names.push("trigger time".to_owned());
+        let each = |what: &str| {
+            self.records.list.iter().map(|r| format!("{what} of {}", r.name)).collect::<Vec<_>>()
+        };
+        if self.free.0 {
+            names.extend(each("gain"));
+        }
+        if self.free.1 {
+            names.extend(each("offset"));
+        }
+        names
+    }
+
+    /// Starting point: the scene's numbers by these factors, and the trigger where traces fit best; none where the scene cannot run.
+    pub fn start(&mut self, factors: &[f64]) -> Option<Vec<f64>> {
+        let trigger = self.find_trigger(factors)?;
+        let mut x = factors.to_vec();
+        x.push(trigger / self.records.axis.interval);
+        let channels = self.records.list.len();
+        if self.free.0 {
+            x.extend(vec![1.0; channels]);
+        }
+        if self.free.1 {
+            x.extend(self.records.list.iter().map(|r| r.baseline / r.level));
+        }
+        Some(x)
+    }
+
+    /// The scene's part of the traces, one sample longer at both ends (V).
+    fn traces(
+        &mut self,
+        factors: &[f64],
+        axis: Axis,
+        trigger: f64,
+        accuracy: f64,
+    ) -> Option<Vec<Vec<f64>>> {
+        let values: Vec<(&Knob, f64)> = self
+            .knobs
+            .iter()
+            .zip(factors)
+            .map(|(knob, factor)| (knob, knob.value * factor))
+            .collect();
+        let mut scene = self.scene.with(&values).ok()?;
+        // The fit knows the plates by their data only.
+        scene.sensor_tolerance = None;
+        self.runs += 1;
+        (self.progress)();
+        seen(&scene, &self.records.wanted(), axis, trigger, accuracy).ok()?
+    }
+
+    /// Time of the trigger for which the sum of squared residuals is least, to a sample: all of them at once by correlation (s).
+    #[allow(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "records are far shorter than 2^53 samples"
+    )]
+    fn find_trigger(&mut self, factors: &[f64]) -> Option<f64> {
+        let axis = self.records.axis;
+        let scene = self.scene.scene().ok()?;
+        let length = axis.count as f64 * axis.interval;
+        let after = (scene.duration + length).min(5.0 * scene.duration);
+        let count = axis.count + (after / axis.interval).ceil() as usize;
+        let long = Axis { start: -length, interval: axis.interval, count };
+        let traces = self.traces(factors, long, 0.0, COARSE)?;
+        let mut cost = vec![0.0; count + 1 - axis.count];
+        for (record, trace) in self.records.list.iter().zip(&traces) {
+            let measured: Vec<f64> = record.volts.iter().map(|v| v - record.baseline).collect();
+            let trace = &trace[1..trace.len() - 1];
+            let products = correlate(&measured, trace)?;
+            let mut inside = squares(&trace[..axis.count]);
+            for (lag, cost) in cost.iter_mut().enumerate() {
+                *cost += (inside - 2.0 * products[lag]) / (record.sigma * record.sigma);
+                if let (Some(new), Some(old)) = (trace.get(lag + axis.count), trace.get(lag)) {
+                    inside += new * new - old * old;
+                }
+            }
+        }
+        let best = (0..cost.len()).min_by(|a, b| cost[*a].total_cmp(&cost[*b]))?;
+        Some(long.start + best as f64 * axis.interval - axis.start)
+    }
+
+    fn at(&mut self, x: &[f64]) -> Option<Vec<Vec<f64>>> {
+        let (factors, rest) = x.split_at(self.knobs.len());
+        let axis = self.records.axis;
+        self.traces(factors, axis, rest.first()? * axis.interval, self.accuracy)
+    }
+
+    /// Gain and offset (V) of each channel.
+    fn nuisances(&self, x: &[f64]) -> Vec<(f64, f64)> {
+        let channels = self.records.list.len();
+        let mut rest = x[self.knobs.len() + 1..].iter().copied();
+        let mut next = |free: bool, fixed: f64| -> Vec<f64> {
+            (0..channels).map(|_| if free { rest.next().unwrap_or(fixed) } else { fixed }).collect()
+        };
+        let (gains, offsets) = (next(self.free.0, 1.0), next(self.free.1, 0.0));
+        let offsets = offsets.iter().zip(&self.records.list).map(|(o, record)| o * record.level);
+        gains.into_iter().zip(offsets).collect()
+    }
+
+    /// What the scope would show, one trace a channel (V).
+    pub fn shown(&mut self, x: &[f64]) -> Option<Vec<Vec<f64>>> {
+        let traces = self.at(x)?;
+        let line = |(trace, (gain, offset)): (&Vec<f64>, &(f64, f64))| {
+            trace[1..trace.len() - 1].iter().map(|v| gain * v + offset).collect()
+        };
+        Some(traces.iter().zip(&self.nuisances(x)).map(line).collect())
+    }
+
+    fn weigh(&self, x: &[f64], traces: &[Vec<f64>]) -> Vec<f64> {
+        let mut residuals = Vec::with_capacity(self.records.list.len() * self.records.axis.count);
+        let channels = self.records.list.iter().zip(traces).zip(self.nuisances(x));
+        for ((record, trace), (gain, offset)) in channels {
+            let samples = record.volts.iter().zip(&record.counts).zip(&trace[1..]);
+            residuals.extend(samples.map(|((volts, counts), v)| {
+                if *counts { (volts - gain * v - offset) / record.sigma } else { 0.0 }
+            }));
+        }
+        residuals
+    }
+
+    /// A column that has, for channel `only` or all of them, `value` of the trace at each sample.
+    fn column(
+        &self,
+        traces: &[Vec<f64>],
+        only: Option<usize>,
+        value: &dyn Fn(usize, &[f64]) -> f64,
+    ) -> Vec<f64> {
+        let mut column = Vec::with_capacity(self.records.list.len() * self.records.axis.count);
+        for (channel, (record, trace)) in self.records.list.iter().zip(traces).enumerate() {
+            let meant = only.is_none_or(|only| only == channel);
+            let around = trace.windows(3).zip(&record.counts);
+            column.extend(around.map(|(around, counts)| {
+                if meant && *counts { -value(channel, around) / record.sigma } else { 0.0 }
+            }));
+        }
+        column
+    }
+
+    /// Derivative by the freed number `place`.
+    fn by_knob(&mut self, x: &[f64], at: &[f64], place: usize) -> Option<Vec<f64>> {
+        let step = *self.steps.get(place)?;
+        let mut side = |by: f64| {
+            let mut there = x.to_vec();
+            there[place] += by;
+            let traces = self.at(&there)?;
+            Some(self.weigh(&there, &traces))
+        };
+        // At the edge of what a number may be, one side has to do.
+        let (high, low, apart) = match (side(step), side(-step)) {
+            (Some(high), Some(low)) => (high, low, 2.0 * step),
+            (Some(high), None) => (high, at.to_vec(), step),
+            (None, Some(low)) => (at.to_vec(), low, step),
+            (None, None) => return None,
+        };
+        let column: Vec<f64> = high.iter().zip(&low).map(|(h, l)| (h - l) / apart).collect();
+        let deviation = 1.0 / squares(&column).sqrt();
+        self.steps[place] = deviation.clamp(STEPS.0, STEPS.1);
+        Some(column)
+    }
+}
+
+impl Problem for Model<'_> {
+    fn counted(&self, _: &[f64]) -> usize {
+        self.records.counted()
+    }
+
+    fn residuals(&mut self, x: &[f64]) -> Option<Vec<f64>> {
+        let traces = self.at(x)?;
+        let residuals = self.weigh(x, &traces);
+        self.last = Some((x.to_vec(), traces));
+        residuals.iter().all(|r| r.is_finite()).then_some(residuals)
+    }
+
+    fn columns(&mut self, x: &[f64], at: &[f64]) -> Option<Vec<Vec<f64>>> {
+        let known = self.last.take().filter(|(there, _)| there == x);
+        let traces = match known {
+            Some((_, traces)) => traces,
+            None => self.at(x)?,
+        };
+        let mut columns = Vec::with_capacity(x.len());
+        for place in 0..self.knobs.len() {
+            columns.push(self.by_knob(x, at, place)?);
+        }
+        let nuisances = self.nuisances(x);
+        // A later trigger shows a later part of the motion.
+        let slope =
+            |channel: usize, around: &[f64]| nuisances[channel].0 * 0.5 * (around[2] - around[0]);
+        columns.push(self.column(&traces, None, &slope));
+        for channel in 0..self.records.list.len() {
+            if self.free.0 {
+                columns.push(self.column(&traces, Some(channel), &|_, around| around[1]));
+            }
+        }
+        for (channel, record) in self.records.list.iter().enumerate() {
+            if self.free.1 {
+                columns.push(self.column(&traces, Some(channel), &|_, _| record.level));
+            }
+        }
+        Some(columns)
+    }
+}

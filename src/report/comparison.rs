@@ -1,0 +1,205 @@
+//! A comparison as a page of text, as a document with pictures, and as facts of a recording.
+
+use std::collections::BTreeMap;
+
+use super::document::Part;
+use super::plot::Curve;
+use super::{chart, chart_over, table};
+use crate::experiment::compare::{ChannelScore, Compared, Comparison};
+use crate::quantity::engineering;
+use crate::trace::Trace;
+
+fn signed(value: f64, unit: &str, digits: usize) -> String {
+    let sign = if value >= 0.0 { "+" } else { "" };
+    format!("{sign}{}", engineering(value, unit, digits))
+}
+
+fn or_dash(text: Option<String>) -> String {
+    text.unwrap_or_else(|| "-".to_owned())
+}
+
+fn share(error: f64, u: f64) -> String {
+    format!("{:+.2} ± {:.2} %", 100.0 * error, 100.0 * u)
+}
+
+fn rows(comparison: &Comparison) -> Vec<Vec<String>> {
+    let heading = ["", "against", "gain", "offset", "peak", "arrival", "correlation", "spectrum"];
+    let row = |c: &ChannelScore| {
+        let sensor = c.sensor.as_ref().map_or_else(String::new, |sensor| format!(" {sensor}"));
+        vec![
+            format!("{}{sensor}", c.name),
+            c.against.clone(),
+            format!("{:.4} ± {:.4}", c.gain, c.gain_u),
+            signed(c.offset_v, "V", 2),
+            or_dash(c.peak_error.zip(c.peak_error_u).map(|(error, u)| share(error, u))),
+            or_dash(c.arrival_error_s.zip(c.arrival_error_u_s).map(|(error, u)| {
+                format!("{} ± {}", signed(error, "s", 3), engineering(u, "s", 2))
+            })),
+            or_dash(c.correlation.map(|c| format!("{c:.5}"))),
+            or_dash(c.spectrum_distance.map(|d| format!("{:.2} %", 100.0 * d))),
+        ]
+    };
+    let heading = std::iter::once(heading.map(str::to_owned).to_vec());
+    heading.chain(comparison.channels.iter().map(row)).collect()
+}
+
+fn residual_rows(comparison: &Comparison) -> Vec<Vec<String>> {
+    let heading = ["", "rms", "", "", "largest", "", "", "samples"];
+    let row = |c: &ChannelScore| {
+        let newtons = |value: Option<f64>| or_dash(value.map(|n| engineering(n, "N", 3)));
+        vec![
+            c.name.clone(),
+            engineering(c.rms, "V", 3),
+            format!("{:.2} LSB", c.rms_lsb),
+            newtons(c.rms_n),
+            engineering(c.max, "V", 3),
+            format!("{:.2} LSB", c.max_lsb),
+            newtons(c.max_n),
+            c.samples.to_string(),
+        ]
+    };
+    let heading = std::iter::once(heading.map(str::to_owned).to_vec());
+    heading.chain(comparison.channels.iter().map(row)).collect()
+}
+
+fn speed_rows(comparison: &Comparison) -> Vec<Vec<String>> {
+    let heading = ["", "estimator", "measured", "simulated", "error"];
+    let mut rows = vec![heading.map(str::to_owned).to_vec()];
+    rows.extend(comparison.speeds.iter().map(|s| {
+        let speed =
+            |u: crate::experiment::arrivals::Uncertain| format!("{:.2} ± {:.2} m/s", u.value, u.u);
+        vec![
+            format!("{} -> {}", s.from, s.to),
+            s.estimator.replace('_', "-"),
+            speed(s.measured_m_per_s),
+            speed(s.simulated_m_per_s),
+            share(s.error, s.error_u),
+        ]
+    }));
+    rows
+}
+
+fn alignment(comparison: &Comparison) -> String {
+    let u =
+        comparison.shift_u_s.map_or_else(String::new, |u| format!(" ± {}", engineering(u, "s", 2)));
+    let shift = signed(comparison.shift_s, "s", 4);
+    format!(
+        "aligned by {}: simulated traces {shift}{u} later; gain and offset are told, not taken out",
+        comparison.align
+    )
+}
+
+fn verdict(comparison: &Comparison) -> String {
+    let tolerance = comparison.tolerance.join(", ");
+    format!("{}: {tolerance}", comparison.verdict)
+}
+
+fn mapping(comparison: &Comparison) -> Vec<String> {
+    let line = |c: &ChannelScore| format!("{} is {} by {}", c.name, c.against, c.mapped_by);
+    let clipped = comparison.channels.iter().filter(|c| c.clipped > 0);
+    let clipped =
+        clipped.map(|c| format!("{}: {} samples at the converter's ends", c.name, c.clipped));
+    comparison
+        .channels
+        .iter()
+        .map(line)
+        .chain(clipped)
+        .chain(comparison.notes.iter().cloned())
+        .collect()
+}
+
+/// The page that `compare` prints.
+#[must_use]
+pub fn comparison(comparison: &Comparison) -> String {
+    let mut lines = vec![
+        format!("{} against {}", comparison.measured, comparison.simulated),
+        format!("  {}", alignment(comparison)),
+        String::new(),
+        "measured over simulated (± one standard uncertainty)".to_owned(),
+    ];
+    lines.extend(table::lines(&rows(comparison), &[0, 1]));
+    lines.push(String::new());
+    lines.push("measured less simulated".to_owned());
+    lines.extend(table::lines(&residual_rows(comparison), &[0]));
+    if !comparison.speeds.is_empty() {
+        lines.push(String::new());
+        lines.push("speed between sensors".to_owned());
+        lines.extend(table::lines(&speed_rows(comparison), &[0, 1]));
+    }
+    lines.push(String::new());
+    lines.push(format!("verdict  {}", verdict(comparison)));
+    lines.extend(comparison.failures.iter().map(|failure| format!("  beyond  {failure}")));
+    lines.extend(mapping(comparison).iter().map(|note| format!("  note  {note}")));
+    lines.join("\n")
+}
+
+fn curve(trace: &Trace, y_label: &str) -> Curve {
+    let points = trace.values.iter().enumerate().map(|(i, v)| (trace.time(i), *v)).collect();
+    Curve {
+        points,
+        marks: Vec::new(),
+        x_label: "time after the trigger".to_owned(),
+        y_label: y_label.to_owned(),
+    }
+}
+
+/// The comparison as a document; pictures are called `<stem>-CH1.svg` and `<stem>-CH1-difference.svg`.
+#[must_use]
+pub fn comparison_parts(compared: &Compared, stem: &str) -> Vec<Part> {
+    let comparison = &compared.comparison;
+    let mut parts = vec![
+        Part::Heading(1, format!("{} against {}", comparison.measured, comparison.simulated)),
+        Part::Paragraph(format!("Verdict: {}.", verdict(comparison))),
+        Part::List(comparison.failures.clone()),
+        Part::Paragraph(format!("Traces are {}.", alignment(comparison))),
+        Part::Heading(2, "Measured over simulated".to_owned()),
+        Part::Table(rows(comparison)),
+        Part::Heading(2, "Measured less simulated".to_owned()),
+        Part::Table(residual_rows(comparison)),
+    ];
+    if !comparison.speeds.is_empty() {
+        parts.push(Part::Heading(2, "Speed between sensors".to_owned()));
+        parts.push(Part::Table(speed_rows(comparison)));
+    }
+    for (score, pair) in comparison.channels.iter().zip(&compared.pairs) {
+        let name = &score.name;
+        let under: Vec<(f64, f64)> = curve(&pair.simulated, "").points;
+        let title = format!("{name}: measured (blue) over simulated (grey)");
+        let both = chart_over(&curve(&pair.measured, "volts"), &under, &title, ("s", "V"));
+        let residual = curve(&pair.residual(), "measured less simulated");
+        let apart = chart(&residual, &format!("{name}: difference"), ("s", "V"));
+        parts.push(Part::Heading(2, name.clone()));
+        parts.push(Part::Picture(format!("{stem}-{name}.svg"), title, both));
+        let shown = format!("{name}: measured less simulated");
+        parts.push(Part::Picture(format!("{stem}-{name}-difference.svg"), shown, apart));
+    }
+    parts.push(Part::Heading(2, "Notes".to_owned()));
+    parts.push(Part::List(mapping(comparison)));
+    parts
+}
+
+/// The comparison as facts for a recording's metadata: `hertzscope:comparison`, and a group a channel.
+#[must_use]
+pub fn comparison_facts(comparison: &Comparison) -> BTreeMap<String, BTreeMap<String, String>> {
+    let flat = |value: serde_json::Value| -> BTreeMap<String, String> {
+        let serde_json::Value::Object(fields) = value else { return BTreeMap::new() };
+        let plain = fields.into_iter().filter(|(_, value)| !value.is_null());
+        plain
+            .map(|(key, value)| match value {
+                serde_json::Value::String(text) => (key, text),
+                other => (key, other.to_string()),
+            })
+            .collect()
+    };
+    let as_json = |value: &dyn Fn() -> serde_json::Result<serde_json::Value>| {
+        flat(value().unwrap_or_default())
+    };
+    let mut whole = as_json(&|| serde_json::to_value(comparison));
+    whole.remove("channels");
+    let mut groups = BTreeMap::from([("hertzscope:comparison".to_owned(), whole)]);
+    for score in &comparison.channels {
+        let name = format!("hertzscope:comparison/{}", score.name);
+        groups.insert(name, as_json(&|| serde_json::to_value(score)));
+    }
+    groups
+}

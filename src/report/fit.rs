@@ -1,0 +1,212 @@
+//! A fit as a page of text and as a document with pictures; blind fits as a page.
+
+use super::document::Part;
+use super::plot::Curve;
+use super::{chart, chart_over, table};
+use crate::experiment::fit::blind::Blind;
+use crate::experiment::fit::{ChannelResult, Fit, FitReport, Nuisance, Parameter};
+use crate::quantity::engineering;
+
+/// `1.4601 ± 0.0023`: a number with its uncertainty to two digits.
+fn with(value: f64, u: f64, unit: &str) -> String {
+    let decimals = decimals(u);
+    format!("{value:.decimals$} ± {u:.decimals$} {unit}").trim_end().to_owned()
+}
+
+/// Decimals that show two digits of `u`.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "clamped to a few digits"
+)]
+fn decimals(u: f64) -> usize {
+    (1.0 - u.log10().floor()).clamp(0.0, 12.0) as usize
+}
+
+fn parameter_rows(report: &FitReport) -> Vec<Vec<String>> {
+    let heading = ["", "start", "found", "95 % from", "to", "u"];
+    let row = |p: &Parameter| {
+        let scaled = |value: f64| value / p.unit_in_si;
+        let decimals = decimals(scaled(p.u));
+        let plain = |value: f64| format!("{:.decimals$}", scaled(value));
+        vec![
+            p.path.clone(),
+            format!("{} {}", plain(p.start), p.unit).trim_end().to_owned(),
+            with(scaled(p.value), scaled(p.u), &p.unit),
+            plain(p.interval_95[0]),
+            plain(p.interval_95[1]),
+            format!("{:.3} %", 100.0 * p.u_relative),
+        ]
+    };
+    let heading = std::iter::once(heading.map(str::to_owned).to_vec());
+    heading.chain(report.parameters.iter().map(row)).collect()
+}
+
+fn nuisance(found: &Nuisance) -> String {
+    let (scale, unit) = match found.name.as_str() {
+        "trigger time" => (1e6, "µs"),
+        name if name.starts_with("offset") => (1e3, "mV"),
+        _ => (1.0, ""),
+    };
+    format!("{}: {}", found.name, with(found.value * scale, found.u * scale, unit))
+}
+
+fn channel_rows(report: &FitReport) -> Vec<Vec<String>> {
+    let heading = ["", "noise", "rms left", "largest", "neighbours", "mapped by"];
+    let row = |c: &ChannelResult| {
+        vec![
+            format!("{} {}", c.name, c.sensor.as_deref().unwrap_or("")).trim_end().to_owned(),
+            engineering(c.sigma_v, "V", 3),
+            format!("{:.3} LSB", c.rms_lsb),
+            format!("{:.2} LSB", c.max_lsb),
+            format!("{:+.3}", c.lag_one),
+            c.mapped_by.to_owned(),
+        ]
+    };
+    let heading = std::iter::once(heading.map(str::to_owned).to_vec());
+    heading.chain(report.channels.iter().map(row)).collect()
+}
+
+fn correlation_rows(report: &FitReport) -> Vec<Vec<String>> {
+    let heading = (1..=report.names.len()).map(|number| number.to_string());
+    let heading = std::iter::once(String::new()).chain(heading).collect();
+    let row = |(number, (name, row)): (usize, (&String, &Vec<f64>))| {
+        let name = format!("{number} {name}");
+        std::iter::once(name).chain(row.iter().map(|c| format!("{c:+.3}"))).collect()
+    };
+    let rows = report.names.iter().zip(&report.correlation);
+    std::iter::once(heading).chain((1..).zip(rows).map(row)).collect()
+}
+
+fn profile_lines(report: &FitReport) -> Vec<String> {
+    let line = |profile: &crate::experiment::fit::Profile| {
+        let parameter = report.parameters.iter().find(|p| p.path == profile.path);
+        let (scale, unit) = parameter.map_or((1.0, ""), |p| (p.unit_in_si, p.unit.as_str()));
+        let decimals = parameter.map_or(3, |p| decimals(p.u / scale));
+        let end = |end: Option<f64>| {
+            end.map_or_else(|| "open".to_owned(), |value| format!("{:.decimals$}", value / scale))
+        };
+        let [low, high] = profile.interval_95.map(end);
+        let points = profile
+            .points
+            .iter()
+            .map(|(value, rise)| format!("{:.decimals$}: {rise:.2}", value / scale));
+        let points = points.collect::<Vec<_>>().join(", ");
+        format!(
+            "{}: 95 % from {low} to {high} {unit} (rise of chi squared at {points})",
+            profile.path
+        )
+    };
+    report.profiles.iter().map(line).collect()
+}
+
+fn quality(report: &FitReport) -> String {
+    format!(
+        "chi squared {:.1} for {} degrees of freedom, residual variance {:.4}; {} runs in {}",
+        report.chi_squared,
+        report.degrees_of_freedom,
+        report.residual_variance,
+        report.runs,
+        engineering(report.wall_s, "s", 3)
+    )
+}
+
+/// The page that `fit` prints.
+#[must_use]
+pub fn fit(report: &FitReport) -> String {
+    let mut lines = vec![format!("{} fitted to {}", report.scene, report.measured)];
+    lines.extend(table::lines(&parameter_rows(report), &[0]));
+    lines.extend(report.nuisances.iter().map(|found| format!("  along  {}", nuisance(found))));
+    lines.push(String::new());
+    lines.push("correlations".to_owned());
+    lines.extend(table::lines(&correlation_rows(report), &[0]));
+    lines.push(String::new());
+    lines.push("what is left".to_owned());
+    lines.extend(table::lines(&channel_rows(report), &[0, 5]));
+    lines.push(format!("  {}", quality(report)));
+    lines.extend(profile_lines(report).iter().map(|line| format!("  profile  {line}")));
+    lines.extend(report.notes.iter().map(|note| format!("  note  {note}")));
+    lines.join("\n")
+}
+
+/// The fit as a document; pictures are called `<stem>-CH1.svg` and `<stem>-CH1-residual.svg`.
+#[must_use]
+#[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
+pub fn fit_parts(fit: &Fit, stem: &str) -> Vec<Part> {
+    let report = &fit.report;
+    let mut parts = vec![
+        Part::Heading(1, format!("{} fitted to {}", report.scene, report.measured)),
+        Part::Table(parameter_rows(report)),
+        Part::Paragraph("Uncertainties are standard ones, of noise and rounding alone.".to_owned()),
+        Part::List(report.nuisances.iter().map(nuisance).collect()),
+        Part::Heading(2, "Correlations".to_owned()),
+        Part::Table(correlation_rows(report)),
+        Part::Heading(2, "What is left".to_owned()),
+        Part::Table(channel_rows(report)),
+        Part::Paragraph(format!("{}.", quality(report))),
+    ];
+    let profiles = profile_lines(report);
+    if !profiles.is_empty() {
+        parts.push(Part::Heading(2, "Profiles of badly determined numbers".to_owned()));
+        parts.push(Part::List(profiles));
+    }
+    let axis = fit.records.axis;
+    for (record, shown) in fit.records.list.iter().zip(&fit.shown) {
+        let name = &record.name;
+        let curve = |values: &mut dyn Iterator<Item = f64>, y_label: &str| Curve {
+            points: values
+                .enumerate()
+                .map(|(i, v)| (axis.start + i as f64 * axis.interval, v))
+                .collect(),
+            marks: Vec::new(),
+            x_label: "time after the trigger".to_owned(),
+            y_label: y_label.to_owned(),
+        };
+        let measured = curve(&mut record.volts.iter().copied(), "volts");
+        let under = curve(&mut shown.iter().copied(), "").points;
+        let left = record.volts.iter().zip(shown).zip(&record.counts);
+        let mut left = left.map(|((m, s), counts)| if *counts { m - s } else { 0.0 });
+        let residual = curve(&mut left, "measured less fitted");
+        let title = format!("{name}: measured (blue) over fitted (grey)");
+        let both = chart_over(&measured, &under, &title, ("s", "V"));
+        let apart = chart(&residual, &format!("{name}: residual"), ("s", "V"));
+        parts.push(Part::Heading(2, name.clone()));
+        parts.push(Part::Picture(format!("{stem}-{name}.svg"), title, both));
+        let what = format!("{name}: measured less fitted");
+        parts.push(Part::Picture(format!("{stem}-{name}-residual.svg"), what, apart));
+    }
+    parts.push(Part::Heading(2, "Notes".to_owned()));
+    parts.push(Part::List(report.notes.clone()));
+    parts
+}
+
+/// The page that `fit --blind` prints.
+#[must_use]
+pub fn blind(found: &Blind, scene: &str) -> String {
+    let heading = ["", "inside 95 %", "bias", "spread", "mean u"];
+    let mut rows = vec![heading.map(str::to_owned).to_vec()];
+    rows.extend(found.parameters.iter().map(|p| {
+        vec![
+            p.path.clone(),
+            format!("{:.1} %", 100.0 * p.coverage_95),
+            format!("{:+.3} u", p.bias),
+            format!("{:.3} u", p.spread),
+            format!("{:.4} %", 100.0 * p.mean_u_relative),
+        ]
+    }));
+    rows.push(vec!["all".to_owned(), format!("{:.1} %", 100.0 * found.coverage_95)]);
+    let mut lines = vec![format!(
+        "{} blind fits of {scene}, numbers hidden within {} %",
+        found.trials,
+        100.0 * found.spread
+    )];
+    lines.extend(table::lines(&rows, &[0]));
+    lines.push(format!(
+        "  {} failed; residual variance {:.4}; {:.0} runs and {} a fit",
+        found.failed,
+        found.residual_variance,
+        found.runs_per_fit,
+        engineering(found.seconds_per_fit, "s", 3)
+    ));
+    lines.join("\n")
+}

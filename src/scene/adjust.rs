@@ -1,0 +1,320 @@
+//! A scene whose numbers can be turned: each by its path in the file, `striker.speed`, `materials.ptfe.youngs_modulus`,
+//! `sensors.*.sensitivity`.
+//!
+//! Paths reach what the scene says itself, what it stands on, and what its instrument files say; a material's constants although they
+//! stand in a file of their own, and a sensor's sensitivity although it follows from plate and cable.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::Path;
+
+use super::document::{Entry, Node, Value};
+use super::library::{self, Loaded};
+use super::problem::SceneError;
+use super::{Scene, input_load};
+use crate::quantity::{Dimension, parse_any};
+use crate::sensor::Load;
+
+/// Stands for every name in a path.
+const ANY: &str = "*";
+
+/// A scene's tree, from which scenes with other numbers are made.
+#[derive(Debug)]
+pub struct Adjustable {
+    loaded: Loaded,
+    base: String,
+}
+
+/// A number of a scene that can be turned.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Knob {
+    /// Where it stands, `striker.speed`.
+    pub path: String,
+    /// Its value in the scene, in SI units (unit).
+    pub value: f64,
+    /// The unit as typed, `GPa`; empty for a plain number.
+    pub unit: String,
+    /// How many SI units that unit is (unit).
+    pub scale: f64,
+}
+
+/// Why a path names nothing that can be turned.
+#[derive(Debug, thiserror::Error)]
+pub enum AdjustError {
+    /// Nothing there.
+    #[error("found nothing at `{path}` in the scene, expected a number: {}", next(.known))]
+    Nothing {
+        /// The path as typed.
+        path: String,
+        /// What stands where the path ends.
+        known: Vec<String>,
+    },
+    /// No number with a unit.
+    #[error(
+        "found {found} at `{path}`, expected a number that can be changed, such as \"0.44 m/s\""
+    )]
+    NoNumber {
+        /// The path.
+        path: String,
+        /// What stands there.
+        found: String,
+    },
+    /// The scene itself is wrong.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+}
+
+fn next(known: &[String]) -> String {
+    if known.is_empty() {
+        return "the path ends in a value already".to_owned();
+    }
+    format!("there are {}", known.join(", "))
+}
+
+impl Adjustable {
+    /// The scene `name`, a shipped one or a file.
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    pub fn load(name: &str) -> Result<Self, SceneError> {
+        // A file is named by its whole path, so that what stands on it can lie anywhere.
+        let whole = std::fs::canonicalize(name).ok().filter(|_| Path::new(name).is_file());
+        let base = whole.map_or_else(|| name.to_owned(), |path| path.display().to_string());
+        let adjustable = Self { loaded: library::load(name)?, base };
+        adjustable.scene()?;
+        Ok(adjustable)
+    }
+
+    /// The scene's short name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.loaded.name
+    }
+
+    /// The scene as it stands.
+    ///
+    /// # Errors
+    /// [`SceneError`] with every problem.
+    pub fn scene(&self) -> Result<Scene, SceneError> {
+        self.with(&[])
+    }
+
+    /// The scene with other values of some knobs, in SI units.
+    ///
+    /// # Errors
+    /// [`SceneError`] where a value is out of its range.
+    pub fn with(&self, values: &[(&Knob, f64)]) -> Result<Scene, SceneError> {
+        let mut root = self.loaded.root.clone();
+        for (knob, value) in values {
+            let keys: Vec<&str> = knob.path.split('.').collect();
+            if let Some(node) = at_mut(&mut root, &keys) {
+                node.value = knob.typed(*value);
+            }
+        }
+        let Loaded { name, text, hash, problems, .. } = &self.loaded;
+        Scene::checked(Loaded {
+            name: name.clone(),
+            text: text.clone(),
+            hash: hash.clone(),
+            root,
+            problems: problems.clone(),
+        })
+    }
+
+    /// The knobs that `path` names; `*` stands for every name.
+    ///
+    /// # Errors
+    /// [`AdjustError`] where nothing is there, or no number.
+    pub fn knobs(&mut self, path: &str) -> Result<Vec<Knob>, AdjustError> {
+        let mut keys: Vec<&str> = path.split('.').map(str::trim).collect();
+        // One of the sensors is a sensor.
+        if let Some(first @ &mut "sensor") = keys.first_mut() {
+            *first = "sensors";
+        }
+        self.lay_open(&keys)?;
+        let mut found = Vec::new();
+        expand(&self.loaded.root, &keys, &mut Vec::new(), &mut found);
+        if found.is_empty() {
+            let known = known(&self.loaded.root, &keys);
+            return Err(AdjustError::Nothing { path: path.to_owned(), known });
+        }
+        found.into_iter().map(|(path, node)| knob(path, node)).collect()
+    }
+
+    /// Puts into the tree what a path may reach although the scene does not spell it out.
+    fn lay_open(&mut self, keys: &[&str]) -> Result<(), AdjustError> {
+        match keys {
+            ["materials", name, _] => {
+                let own = |root: &Node| at(root, &["materials", name]).is_some();
+                if *name != ANY && !own(&self.loaded.root) {
+                    let place = self.loaded.root.place.clone();
+                    if let Ok(file) = library::instrument("materials", name, &place, "") {
+                        insert(&mut self.loaded.root, &["materials", name], file.value);
+                    }
+                }
+            }
+            ["sensors", name, "sensitivity"] => {
+                let scene = self.scene()?;
+                for (index, placed) in scene.sensors.iter().enumerate() {
+                    let path = ["sensors", placed.name.as_str(), "sensitivity"];
+                    let meant = *name == ANY || *name == placed.name;
+                    if meant && at(&self.loaded.root, &path).is_none() {
+                        let text = format!("{:e} V/N", sensitivity(&scene, index));
+                        insert(&mut self.loaded.root, &path, Value::Text(text));
+                    }
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// A scene that stands on this one and has other values, as text; each with how many digits of it count.
+    #[must_use]
+    pub fn derived(&self, values: &[(&Knob, f64, usize)], title: &str) -> String {
+        let mut tables: BTreeMap<String, BTreeMap<String, String>> = BTreeMap::new();
+        for (knob, value, decimals) in values {
+            let (table, key) = knob.path.rsplit_once('.').unwrap_or(("", &knob.path));
+            let words = format!("{:.decimals$} {}", value / knob.scale, knob.unit);
+            let words = format!("\"{}\"", words.trim_end());
+            tables.entry(table.to_owned()).or_default().insert(key.to_owned(), words);
+            self.fill_material(table, &mut tables);
+        }
+        let mut text = format!("base = {:?}\ntitle = {title:?}\n", self.base);
+        for (table, values) in &tables {
+            if !table.is_empty() {
+                let _ = write!(text, "\n[{table}]\n");
+            }
+            for (key, value) in values {
+                let _ = writeln!(text, "{key} = {value}");
+            }
+        }
+        text
+    }
+
+    /// A material's own table hides its file, so it has to say all of it.
+    fn fill_material(&self, table: &str, tables: &mut BTreeMap<String, BTreeMap<String, String>>) {
+        let keys: Vec<&str> = table.split('.').collect();
+        let material = if keys.first() == Some(&"materials") { keys.as_slice() } else { &[] };
+        let Some(Value::Table(all)) = at(&self.loaded.root, material).map(|node| &node.value)
+        else {
+            return;
+        };
+        let Some(said) = tables.get_mut(table).filter(|_| material.len() == 2) else { return };
+        for (key, entry) in all {
+            let value = match &entry.node.value {
+                Value::Text(text) => format!("{text:?}"),
+                Value::Number { typed, .. } => typed.clone(),
+                _ => continue,
+            };
+            said.entry(key.clone()).or_insert(value);
+        }
+    }
+}
+
+impl Knob {
+    /// A value as the file would have it.
+    fn typed(&self, value: f64) -> Value {
+        Value::Text(format!("{:e} {}", value / self.scale, self.unit))
+    }
+}
+
+/// Voltage per force that sensor `index` has at the input it is wired to, from its data alone (V/N).
+fn sensitivity(scene: &Scene, index: usize) -> f64 {
+    let Some(placed) = scene.sensors.get(index) else { return f64::NAN };
+    let model = &scene.scope.model;
+    let open = Load { resistance: model.input_resistance, capacitance: model.input_capacitance };
+    let wired =
+        scene.scope.channels.iter().flatten().find(|c| c.input.as_ref() == Some(&placed.name));
+    let load = wired.map_or(open, |channel| input_load(model, channel));
+    placed.sensor.connect(placed.sensor.measured.load.unwrap_or(load)).sensitivity
+}
+
+fn knob(path: String, node: &Node) -> Result<Knob, AdjustError> {
+    let wrong = |found: String| AdjustError::NoNumber { path: path.clone(), found };
+    match &node.value {
+        Value::Number { value, .. } if value.is_finite() => {
+            Ok(Knob { path, value: *value, unit: String::new(), scale: 1.0 })
+        }
+        Value::Text(text) => {
+            let Ok((value, dimension)) = parse_any(text) else {
+                return Err(wrong(node.describe()));
+            };
+            let unit = unit_of(text.trim());
+            let (unit, scale) = match parse_any(&format!("1 {unit}")) {
+                Ok((scale, same)) if same == dimension => (unit.to_owned(), scale),
+                _ if dimension == Dimension::NONE => (String::new(), 1.0),
+                _ => (dimension.base_units(), 1.0),
+            };
+            Ok(Knob { path, value, unit, scale })
+        }
+        _ => Err(wrong(node.describe())),
+    }
+}
+
+/// What stands behind the number at the start of `text`.
+fn unit_of(text: &str) -> &str {
+    let number = |end: &usize| {
+        let digits: Option<String> = text.get(..*end).map(|start| start.trim().replace('_', ""));
+        digits.is_some_and(|digits| digits.parse::<f64>().is_ok())
+    };
+    let end = (0..=text.len()).rev().find(number).unwrap_or(0);
+    text.get(end..).unwrap_or_default().trim()
+}
+
+fn at<'a>(node: &'a Node, keys: &[&str]) -> Option<&'a Node> {
+    let Some((first, rest)) = keys.split_first() else { return Some(node) };
+    let Value::Table(table) = &node.value else { return None };
+    at(&table.get(*first)?.node, rest)
+}
+
+fn at_mut<'a>(node: &'a mut Node, keys: &[&str]) -> Option<&'a mut Node> {
+    let Some((first, rest)) = keys.split_first() else { return Some(node) };
+    let Value::Table(table) = &mut node.value else { return None };
+    at_mut(&mut table.get_mut(*first)?.node, rest)
+}
+
+/// Puts `value` at the path, with tables on the way where there are none.
+fn insert(node: &mut Node, keys: &[&str], value: Value) {
+    let place = node.place.clone();
+    let Some((first, rest)) = keys.split_first() else {
+        node.value = value;
+        return;
+    };
+    let Value::Table(table) = &mut node.value else { return };
+    let empty = || Entry {
+        key_place: place.clone(),
+        node: Node { place: place.clone(), value: Value::Table(BTreeMap::new()) },
+    };
+    insert(&mut table.entry((*first).to_owned()).or_insert_with(empty).node, rest, value);
+}
+
+fn expand<'a>(
+    node: &'a Node,
+    keys: &[&str],
+    path: &mut Vec<String>,
+    found: &mut Vec<(String, &'a Node)>,
+) {
+    let Some((first, rest)) = keys.split_first() else {
+        found.push((path.join("."), node));
+        return;
+    };
+    let Value::Table(table) = &node.value else { return };
+    for (key, entry) in table.iter().filter(|(key, _)| *first == ANY || key.as_str() == *first) {
+        path.push(key.clone());
+        expand(&entry.node, rest, path, found);
+        path.pop();
+    }
+}
+
+/// Names at the last place of a path that is there.
+fn known(root: &Node, keys: &[&str]) -> Vec<String> {
+    let mut node = root;
+    for key in keys {
+        let Value::Table(table) = &node.value else { return Vec::new() };
+        let next = if *key == ANY { table.values().next() } else { table.get(*key) };
+        let Some(entry) = next else { return table.keys().cloned().collect() };
+        node = &entry.node;
+    }
+    Vec::new()
+}
