@@ -19,6 +19,7 @@ pub mod plates;
 pub mod problem;
 pub mod reader;
 mod sensors;
+mod tree;
 
 pub use bench::load as input_load;
 pub use problem::{Problem, SceneError};
