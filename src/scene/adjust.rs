@@ -8,15 +8,13 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use super::document::{Entry, Node, Value};
+use super::document::{Node, Value};
 use super::library::{self, Loaded};
 use super::problem::SceneError;
+use super::tree::{ANY, at, at_mut, expand, insert, known};
 use super::{Scene, input_load};
 use crate::quantity::{Dimension, parse_any};
 use crate::sensor::Load;
-
-/// Stands for every name in a path.
-const ANY: &str = "*";
 
 /// A scene's tree, from which scenes with other numbers are made.
 #[derive(Debug)]
@@ -260,61 +258,4 @@ fn unit_of(text: &str) -> &str {
     };
     let end = (0..=text.len()).rev().find(number).unwrap_or(0);
     text.get(end..).unwrap_or_default().trim()
-}
-
-fn at<'a>(node: &'a Node, keys: &[&str]) -> Option<&'a Node> {
-    let Some((first, rest)) = keys.split_first() else { return Some(node) };
-    let Value::Table(table) = &node.value else { return None };
-    at(&table.get(*first)?.node, rest)
-}
-
-fn at_mut<'a>(node: &'a mut Node, keys: &[&str]) -> Option<&'a mut Node> {
-    let Some((first, rest)) = keys.split_first() else { return Some(node) };
-    let Value::Table(table) = &mut node.value else { return None };
-    at_mut(&mut table.get_mut(*first)?.node, rest)
-}
-
-/// Puts `value` at the path, with tables on the way where there are none.
-fn insert(node: &mut Node, keys: &[&str], value: Value) {
-    let place = node.place.clone();
-    let Some((first, rest)) = keys.split_first() else {
-        node.value = value;
-        return;
-    };
-    let Value::Table(table) = &mut node.value else { return };
-    let empty = || Entry {
-        key_place: place.clone(),
-        node: Node { place: place.clone(), value: Value::Table(BTreeMap::new()) },
-    };
-    insert(&mut table.entry((*first).to_owned()).or_insert_with(empty).node, rest, value);
-}
-
-fn expand<'a>(
-    node: &'a Node,
-    keys: &[&str],
-    path: &mut Vec<String>,
-    found: &mut Vec<(String, &'a Node)>,
-) {
-    let Some((first, rest)) = keys.split_first() else {
-        found.push((path.join("."), node));
-        return;
-    };
-    let Value::Table(table) = &node.value else { return };
-    for (key, entry) in table.iter().filter(|(key, _)| *first == ANY || key.as_str() == *first) {
-        path.push(key.clone());
-        expand(&entry.node, rest, path, found);
-        path.pop();
-    }
-}
-
-/// Names at the last place of a path that is there.
-fn known(root: &Node, keys: &[&str]) -> Vec<String> {
-    let mut node = root;
-    for key in keys {
-        let Value::Table(table) = &node.value else { return Vec::new() };
-        let next = if *key == ANY { table.values().next() } else { table.get(*key) };
-        let Some(entry) = next else { return table.keys().cloned().collect() };
-        node = &entry.node;
-    }
-    Vec::new()
 }

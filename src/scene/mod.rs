@@ -20,6 +20,7 @@ pub mod problem;
 pub mod reader;
 mod sensors;
 mod shot;
+mod tree;
 
 pub use bench::load as input_load;
 pub use problem::{Problem, SceneError};

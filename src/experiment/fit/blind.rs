@@ -45,7 +45,7 @@ pub struct Blind {
     pub coverage_95: f64,
     /// Mean residual variance (1).
     pub residual_variance: f64,
-    /// Simulations a fit.
+    /// Simulations a fit (1).
     pub runs_per_fit: f64,
     /// Wall time a fit (s).
     pub seconds_per_fit: f64,

@@ -15,6 +15,7 @@ mod profile;
 mod records;
 mod report;
 
+use std::ops::RangeInclusive;
 use std::time::Instant;
 
 use rand_distr::{Distribution, StandardUniform};
@@ -24,6 +25,7 @@ use super::compare::Side;
 use super::compare::mapping::{Assignment, MappingError};
 use crate::analysis::gate::Gate;
 use crate::analysis::least_squares::{LeastSquaresError, Limits, Minimum, minimise};
+use crate::quantity::engineering;
 use crate::scene::SceneError;
 use crate::scene::adjust::{Adjustable, Knob};
 use model::Model;
@@ -35,6 +37,8 @@ pub use report::{ChannelResult, FitReport, Nuisance, Parameter};
 pub const COVERAGE_95: f64 = 1.959_963_984_540_054;
 /// A step that lowers chi squared by less than this share of it moves no parameter by a hundredth of its uncertainty (1).
 const LIMITS: Limits = Limits { reduction: 1e-9, steps: 60 };
+/// Samples in a scene's duration: fewer show no pulse, more are another experiment (1).
+const SAMPLES: RangeInclusive<f64> = 16.0..=200_000.0;
 /// Steps that a fit takes, as far as its progress bar knows (1).
 const EXPECTED_STEPS: f64 = 5.0;
 /// Stream of the starting points.
@@ -96,6 +100,14 @@ pub enum FitError {
         /// The channel.
         channel: String,
     },
+    /// Records of another time scale than the scene's.
+    #[error("found samples {} apart for a scene of {}, expected 16 to 200000 of them in its duration", engineering(*interval, "s", 3), engineering(*duration, "s", 3))]
+    TimeScale {
+        /// From one sample to the next (s).
+        interval: f64,
+        /// The scene's duration (s).
+        duration: f64,
+    },
     /// A number to free that starts at zero.
     #[error("found {path} to start at zero, expected another start: --free \"{path}=VALUE\"")]
     Zero {
@@ -150,7 +162,12 @@ pub fn fit(
 ) -> Result<Fit, FitError> {
     let began = Instant::now();
     check(knobs)?;
-    let records = Records::of(measured, &scene.scene()?, assignments, options.gate)?;
+    let bench = scene.scene()?;
+    let records = Records::of(measured, &bench, assignments, options.gate)?;
+    let (interval, duration) = (records.axis.interval, bench.duration);
+    if !SAMPLES.contains(&(duration / interval)) {
+        return Err(FitError::TimeScale { interval, duration });
+    }
     let runs_a_step = 2.0 * f64::from(u32::try_from(knobs.len()).unwrap_or(u32::MAX)) + 1.0;
     let expected = f64::from(options.starts) * EXPECTED_STEPS * runs_a_step;
     let mut done = 0.0;

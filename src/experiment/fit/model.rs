@@ -67,7 +67,7 @@ impl<'a> Model<'a> {
         names
     }
 
-    /// Starting point: the scene's numbers by these factors, and the trigger where traces fit best; none where the scene cannot run.
+    /// Starting point: the scene's numbers by these factors, and the trigger where traces fit best; none where the scene cannot run (1).
     pub fn start(&mut self, factors: &[f64]) -> Option<Vec<f64>> {
         let trigger = self.find_trigger(factors)?;
         let mut x = factors.to_vec();

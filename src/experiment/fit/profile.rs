@@ -25,7 +25,7 @@ pub struct Profile {
     /// Values (SI units) and by how much chi squared is larger there, in residual variances.
     pub points: Vec<(f64, f64)>,
     /// Ends of the 95 % interval in SI units; none where chi squared does not rise enough within three standard deviations, or the
-    /// scene allows no such value.
+    /// scene allows no such value (unit).
     pub interval_95: [Option<f64>; 2],
 }
 

@@ -108,7 +108,7 @@ pub struct FitReport {
 pub struct Found<'a> {
     /// The minimum.
     pub minimum: &'a Minimum,
-    /// Covariance of its parameters.
+    /// Covariance of its parameters (1).
     pub covariance: Vec<Vec<f64>>,
     /// Their names.
     pub names: Vec<String>,
