@@ -9,7 +9,7 @@ use crate::scope::{ChannelSetup, Source};
 use crate::sensor::Load;
 use crate::trace::Trace;
 
-/// The volts at each channel's probe, conditioned by the front end; `None` for channels that are off.
+/// The signal at each channel's probe, conditioned by the front end; `None` for channels that are off (V).
 pub fn signals(scene: &Scene, bench: &Bench<'_>, grid: Grid, shot: u32) -> Vec<Option<Vec<f64>>> {
     let setup = &scene.scope;
     let signal = |number: u8, channel: &ChannelSetup| {
