@@ -76,12 +76,12 @@ fn row(case: &Case, tolerance: f64, ladders: &[Ladder], verlet: &Ladder) {
     let plain = coarsest(verlet, tolerance);
     let (mut bare, mut others) = (Vec::new(), [Vec::new(), Vec::new(), Vec::new()]);
     for _ in 0..ROUNDS {
-        let base = run(*method, Watching::Bare);
-        bare.push(base);
-        others[0].push(run(*method, Watching::Peaks) / base);
-        others[1].push(run(*method, Watching::Recorded) / base);
+        let bare = run(*method, Watching::Bare);
+        bare.push(bare);
+        others[0].push(run(*method, Watching::Peaks) / bare);
+        others[1].push(run(*method, Watching::Recorded) / bare);
         if let Some((plain, _)) = plain {
-            others[2].push(time(SLICE, || fixed(case, plain)) / base);
+            others[2].push(time(SLICE, || fixed(case, plain)) / bare);
         }
     }
     let seconds = median(&mut bare);

@@ -1,6 +1,7 @@
 //! What a contact costs: the stepper's time for each contact and force evaluation, all its arithmetic in, over that of a bare stream
 //! of vector square roots in the same round; and what a whole process costs beside an empty one. Ratios count, times move with the
 //! machine: `cargo bench --bench kernel`.
+#![allow(clippy::cast_precision_loss, reason = "counts far below 2^53")]
 #![allow(clippy::expect_used, reason = "a bench that cannot run has nothing to say")]
 
 mod common;
@@ -70,11 +71,15 @@ fn kernels() {
     let stream = median(&mut streams);
     println!("A stream of vector square roots takes {:.4} ns a contact.\n", 1e9 * stream);
     print!("| time of a contact over the stream's, own A in every contact | pair |");
-    sets.iter().for_each(|set| print!(" {} |", set.name()));
+    for set in &sets {
+        print!(" {} |", set.name());
+    }
     println!("\n|---|---|{}", "---|".repeat(sets.len()));
     for ((what, ..), ((_, pair, _), costs)) in KERNELS.iter().zip(cases.iter().zip(&mut costs)) {
         print!("| {what} | {pair} |");
-        costs.iter_mut().for_each(|costs| print!(" {:.2} |", median(costs)));
+        for costs in &mut costs {
+            print!(" {:.2} |", median(costs));
+        }
         println!();
     }
     println!();

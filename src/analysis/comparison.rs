@@ -226,6 +226,7 @@ fn scan(cost: &dyn Fn(f64) -> Option<f64>, middle: f64, step: f64, count: f64) -
 }
 
 #[cfg(test)]
+#[allow(clippy::cast_precision_loss, clippy::float_cmp, reason = "small counts, exact values")]
 mod tests {
     use super::*;
     use std::f64::consts::TAU;

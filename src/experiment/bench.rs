@@ -62,7 +62,7 @@ enum Engine<'a> {
 #[must_use]
 pub fn start(chain: &Chain, method: Method, state: State) -> Box<dyn Integrator> {
     if let Some(pair) = method.nystrom() {
-        return Box::new(ChainStepper::from_state(chain, state, pair, InstructionSet::best()));
+        return Box::new(ChainStepper::from_state(chain, &state, pair, InstructionSet::best()));
     }
     method.start(chain.system(&state.velocity), state)
 }

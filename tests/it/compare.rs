@@ -159,7 +159,7 @@ fn real_captures_are_scored_or_refused() {
     let (mut scored, mut refused) = (0, 0);
     for entry in std::fs::read_dir(folder).expect("the captures") {
         let path = entry.expect("an entry").path();
-        let ending = path.extension().map(|e| e.to_ascii_lowercase()).unwrap_or_default();
+        let ending = path.extension().map(std::ffi::OsStr::to_ascii_lowercase).unwrap_or_default();
         if ending != "csv" && ending != "isf" {
             continue;
         }

@@ -6,6 +6,7 @@
     reason = "a test that cannot go on has failed"
 )]
 #![allow(clippy::unreadable_literal, reason = "digits as references print them")]
+#![allow(clippy::similar_names, reason = "what was served and the server it came from")]
 #![allow(clippy::float_cmp, reason = "exact values are exact")]
 #![allow(
     clippy::cast_precision_loss,

@@ -60,14 +60,14 @@ impl ChainStepper {
     ) -> Self {
         let position = vec![0.0; velocities.len()];
         let state = State { time: 0.0, position, velocity: velocities.to_vec() };
-        Self::from_state(chain, state, (pair, tolerance), set)
+        Self::from_state(chain, &state, (pair, tolerance), set)
     }
 
     /// Starts at `state` with a pair and the tolerated error of its steps, as [`ChainStepper::new`] does at rest.
     #[must_use]
     pub fn from_state(
         chain: &Chain,
-        state: State,
+        state: &State,
         (pair, tolerance): (&'static NystromPair, f64),
         set: InstructionSet,
     ) -> Self {
