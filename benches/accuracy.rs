@@ -76,12 +76,12 @@ fn row(case: &Case, tolerance: f64, ladders: &[Ladder], verlet: &Ladder) {
     let plain = coarsest(verlet, tolerance);
     let (mut bare, mut others) = (Vec::new(), [Vec::new(), Vec::new(), Vec::new()]);
     for _ in 0..ROUNDS {
-        let bare = run(*method, Watching::Bare);
-        bare.push(bare);
-        others[0].push(run(*method, Watching::Peaks) / bare);
-        others[1].push(run(*method, Watching::Recorded) / bare);
+        let alone = run(*method, Watching::Bare);
+        bare.push(alone);
+        others[0].push(run(*method, Watching::Peaks) / alone);
+        others[1].push(run(*method, Watching::Recorded) / alone);
         if let Some((plain, _)) = plain {
-            others[2].push(time(SLICE, || fixed(case, plain)) / bare);
+            others[2].push(time(SLICE, || fixed(case, plain)) / alone);
         }
     }
     let seconds = median(&mut bare);

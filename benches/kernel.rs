@@ -77,7 +77,7 @@ fn kernels() {
     println!("\n|---|---|{}", "---|".repeat(sets.len()));
     for ((what, ..), ((_, pair, _), costs)) in KERNELS.iter().zip(cases.iter().zip(&mut costs)) {
         print!("| {what} | {pair} |");
-        for costs in &mut costs {
+        for costs in costs.iter_mut() {
             print!(" {:.2} |", median(costs));
         }
         println!();
