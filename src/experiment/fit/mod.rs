@@ -1,9 +1,9 @@
 //! Finds numbers of a scene from measured traces: weighted least squares on what the scope shows of them.
 //!
-//! The model is the whole bench: chain, sensor with its droop, front end ([`forward`]); noise and rounding to levels are the samples'
+//! The model is the whole bench: chain, sensor with its droop, front end (`forward`); noise and rounding to levels are the samples'
 //! standard deviations. The trigger's time after the contact is always found along, since the scope's clock runs freely; gains and
 //! offsets of the channels on request. Minimum by Levenberg and Marquardt from several starts, each in the valley where its traces fit
-//! best in time; covariance `s^2 (J^T J)^-1` with the residual variance; a profile of what is badly determined ([`profile`]).
+//! best in time; covariance `s^2 (J^T J)^-1` with the residual variance; a profile of what is badly determined (`profile`).
 //! Source of the propagation: JCGM 100:2008; W. H. Press et al., "Numerical Recipes", 3rd ed. (2007), sections 15.5 and 15.6. Uncertainties
 //! are those of noise and rounding: they hold where the model does, which the residual variance and the residuals' correlation from
 //! sample to sample tell.
