@@ -110,7 +110,7 @@ impl Pulse {
     }
 }
 
-/// `sum of a[i] b[i + k]` for every `k`, negative ones at the end; none for lengths that cannot be transformed.
+/// `sum of a[i] b[i + k]` for every `k`, negative ones at the end; none for lengths that cannot be transformed (unit).
 #[must_use]
 pub fn correlate(a: &[f64], b: &[f64]) -> Option<Vec<f64>> {
     let length = (a.len() + b.len()).next_power_of_two();

@@ -63,11 +63,11 @@ pub enum LeastSquaresError {
 /// A minimum.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Minimum {
-    /// Where it is.
+    /// Where it is (unit).
     pub x: Vec<f64>,
-    /// Residuals there.
+    /// Residuals there, in their standard deviations (1).
     pub residuals: Vec<f64>,
-    /// Their derivatives there, a column a parameter.
+    /// Their derivatives there, a column a parameter (unit).
     pub columns: Vec<Vec<f64>>,
     /// Sum of the squared residuals (1).
     pub chi_squared: f64,
@@ -177,7 +177,7 @@ impl Minimum {
     }
 }
 
-/// Sum of squares.
+/// Sum of squares, in the square of their unit (unit).
 #[must_use]
 pub fn squares(values: &[f64]) -> f64 {
     values.iter().map(|v| v * v).sum()

@@ -20,6 +20,7 @@ use crate::scene::{LOOSEST_ACCURACY, TIGHTEST_ACCURACY};
 
 /// Find a scene's numbers from measured traces, with uncertainties: least squares through sensor and scope
 #[derive(Debug, Args)]
+#[allow(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 pub struct Arguments {
     /// A recording (.mcap), a scope's file (.csv, .isf), or a folder of them; then the scene. With --blind, the scene alone
     #[arg(value_names = ["MEASURED", "SCENE"], num_args = 1..=2, required = true)]

@@ -56,7 +56,7 @@ impl Channel {
             interval: 1.0,
             values: Vec::new(),
         };
-        let (of_here, of_there) =
+        let (trace, other_trace) =
             (here.trace().unwrap_or_else(empty), there.trace().unwrap_or_else(empty));
         let (name, against) = (here.waveform.source.to_string(), there.waveform.source.to_string());
         let (own, other) = (recorded::sensors(measured.set), recorded::sensors(simulated.set));
@@ -70,8 +70,8 @@ impl Channel {
         let (tau, tau_there) = or_other(|sensor| sensor.time_constant);
         let (sensitivity, sensitivity_there) = or_other(|sensor| sensor.sensitivity);
         let borrowed = own.and_then(|sensor| sensor.sensitivity).is_none() && sensitivity.is_some();
-        let found = first_pulse(&of_here, here, tau)
-            .and_then(|pulse| Ok((pulse, first_pulse(&of_there, there, tau_there)?)));
+        let found = first_pulse(&trace, here, tau)
+            .and_then(|pulse| Ok((pulse, first_pulse(&other_trace, there, tau_there)?)));
         if let Err(problem) = &found {
             notes.push(format!("{name}: no peak and no arrival: {problem}"));
         }
@@ -85,8 +85,8 @@ impl Channel {
             // Forces need the droop undone.
             sensitivities: tau.and(sensitivity).zip(tau_there.and(sensitivity_there)),
             site: other.and_then(|s| s.site).or_else(|| own.and_then(|s| s.site)),
-            measured: of_here,
-            simulated: of_there,
+            measured: trace,
+            simulated: other_trace,
         }
     }
 

@@ -103,10 +103,11 @@ impl Records {
         self.list.iter().map(|record| (record.channel, record.vertical)).collect()
     }
 
-    /// Number of samples that count.
+    /// Number of samples that count among the first `horizon` of each record.
     #[must_use]
-    pub fn counted(&self) -> usize {
-        self.list.iter().flat_map(|record| &record.counts).filter(|counts| **counts).count()
+    pub fn counted(&self, horizon: usize) -> usize {
+        let counts = self.list.iter().flat_map(|record| record.counts.iter().take(horizon));
+        counts.filter(|counts| **counts).count()
     }
 }
 
@@ -122,14 +123,13 @@ fn record(
     let all: Vec<f64> = waveform.codes.iter().map(|code| waveform.volts_of(*code)).collect();
     let conditions = Conditions { level, ..Conditions::default() };
     let found = capture.trace().map(|trace| Pulse::find(&trace, conditions));
-    let (baseline, sigma) = match found {
-        Some(Ok(pulse)) => (pulse.baseline.level, pulse.noise),
-        _ => {
-            notes.push(format!(
-                "{name}: no quiet time before a pulse to take noise from; samples weigh by rounding alone"
-            ));
-            (all.first().copied().unwrap_or(0.0), level / 12f64.sqrt())
-        }
+    let (baseline, sigma) = if let Some(Ok(pulse)) = found {
+        (pulse.baseline.level, pulse.noise)
+    } else {
+        notes.push(format!(
+            "{name}: no quiet time before a pulse to take noise from; samples weigh by rounding alone"
+        ));
+        (all.first().copied().unwrap_or(0.0), level / 12f64.sqrt())
     };
     let of_scene = scene.scope.channels.get(wire.simulated).and_then(Option::as_ref);
     let mut vertical = waveform.vertical;
