@@ -256,7 +256,8 @@ mod tests {
     /// Two parameters that only count as their sum are told apart by nothing, and said to be.
     #[test]
     fn parameters_that_cannot_be_told_apart_are_named() {
-        let points: Vec<(f64, f64)> = (1..9).map(|i| (f64::from(i), 3.0 * f64::from(i))).collect();
+        let points: Vec<(f64, f64)> =
+            (1..9).map(|i| (f64::from(i), 3.0 * f64::from(i) + 1.0)).collect();
         let curve: Curve = |b, x| (b[0] + b[1]) * x + b[2];
         let limits = Limits { reduction: 1e-12, steps: 50 };
         let found = minimise(&mut Points(curve, &points), &[1.0, 1.0, 1.0], limits);

@@ -3,7 +3,7 @@
 //! The model is the whole bench: chain, sensor with its droop, front end ([`forward`]); noise and rounding to levels are the samples'
 //! standard deviations. The trigger's time after the contact is always found along, since the scope's clock runs freely; gains and
 //! offsets of the channels on request. Minimum by Levenberg and Marquardt from several starts, each in the valley where its traces fit
-//! best in time and over ever longer parts of the records; covariance `s^2 (J^T J)^-1` with the residual variance; a profile of what is badly determined ([`profile`]).
+//! best in time, where need be over ever longer parts of the records; covariance `s^2 (J^T J)^-1` with the residual variance; a profile of what is badly determined ([`profile`]).
 //! Source of the propagation: JCGM 100:2008; W. H. Press et al., "Numerical Recipes", 3rd ed. (2007), sections 15.5 and 15.6. Uncertainties
 //! are those of noise and rounding: they hold where the model does, which the residual variance and the residuals' correlation from
 //! sample to sample tell.
@@ -245,7 +245,7 @@ fn best(model: &mut Model<'_>, options: &Options) -> Result<(Minimum, Vec<Option
         };
         let factors: Vec<f64> = (0..model.knobs.len()).map(&mut factor).collect();
         let start = model.start(&factors);
-        let found = start.ok_or(LeastSquaresError::NoStart).and_then(|x| staged(model, x));
+        let found = start.ok_or(LeastSquaresError::NoStart).and_then(|x| descend(model, x));
         starts.push(found.as_ref().ok().map(|minimum| minimum.chi_squared));
         match found {
             Ok(minimum) if lowest.as_ref().is_none_or(|l| minimum.chi_squared < l.chi_squared) => {
@@ -256,6 +256,20 @@ fn best(model: &mut Model<'_>, options: &Options) -> Result<(Minimum, Vec<Option
         }
     }
     Ok((lowest.ok_or(failure)?, starts))
+}
+
+/// The minimum of the valley below `start`; where that ends high or nowhere, the way over parts of the records is tried as well, and the
+/// lower end counts.
+fn descend(model: &mut Model<'_>, start: Vec<f64>) -> Result<Minimum, LeastSquaresError> {
+    let direct = minimise(model, &start, LIMITS);
+    if direct.as_ref().is_ok_and(|minimum| minimum.variance() < report::POOR) {
+        return direct;
+    }
+    match (direct, staged(model, start)) {
+        (Ok(direct), Ok(staged)) if staged.chi_squared < direct.chi_squared => Ok(staged),
+        (Ok(direct), _) => Ok(direct),
+        (Err(_), staged) => staged,
+    }
 }
 
 /// The minimum over ever longer parts of the records, each from where the one before ended: arrivals first, and what comes late, whose
