@@ -3,7 +3,8 @@
 //! The model is the whole bench: chain, sensor with its droop, front end (`forward`); noise and rounding to levels are the samples'
 //! standard deviations. The trigger's time after the contact is always found along, since the scope's clock runs freely; gains and
 //! offsets of the channels on request. Minimum by Levenberg and Marquardt from several starts, each in the valley where its traces fit
-//! best in time; covariance `s^2 (J^T J)^-1` with the residual variance; a profile of what is badly determined (`profile`).
+//! best in time, where need be over ever longer parts of the records; covariance `s^2 (J^T J)^-1` with the residual variance; a profile of
+//! what is badly determined (`profile`).
 //! Source of the propagation: JCGM 100:2008; W. H. Press et al., "Numerical Recipes", 3rd ed. (2007), sections 15.5 and 15.6. Uncertainties
 //! are those of noise and rounding: they hold where the model does, which the residual variance and the residuals' correlation from
 //! sample to sample tell.
@@ -39,8 +40,14 @@ pub const COVERAGE_95: f64 = 1.959_963_984_540_054;
 const LIMITS: Limits = Limits { reduction: 1e-9, steps: 60 };
 /// Samples in a scene's duration: fewer show no pulse, more are another experiment (1).
 const SAMPLES: RangeInclusive<f64> = 16.0..=200_000.0;
+/// Shares of the records over which a fit finds its way (1).
+const STAGES: [f64; 3] = [0.4, 0.6, 0.8];
+/// On the way there, close is enough.
+const ON_THE_WAY: Limits = Limits { reduction: 1e-4, steps: 20 };
+/// Longest records, in durations of the scene (1).
+const MOST_DURATIONS: f64 = 3.0;
 /// Steps that a fit takes, as far as its progress bar knows (1).
-const EXPECTED_STEPS: f64 = 5.0;
+const EXPECTED_STEPS: f64 = 10.0;
 /// Stream of the starting points.
 const STREAM: u128 = 1 << 72;
 
@@ -108,6 +115,14 @@ pub enum FitError {
         /// The scene's duration (s).
         duration: f64,
     },
+    /// Records that go on long after the scene has ended.
+    #[error("found records of {}, expected at most {MOST_DURATIONS} durations of the scene, {}: --to leaves the rest out", engineering(*length, "s", 3), engineering(*duration, "s", 3))]
+    TooLong {
+        /// Length of the records (s).
+        length: f64,
+        /// The scene's duration (s).
+        duration: f64,
+    },
     /// A number to free that starts at zero.
     #[error("found {path} to start at zero, expected another start: --free \"{path}=VALUE\"")]
     Zero {
@@ -162,12 +177,8 @@ pub fn fit(
 ) -> Result<Fit, FitError> {
     let began = Instant::now();
     check(knobs)?;
-    let bench = scene.scene()?;
-    let records = Records::of(measured, &bench, assignments, options.gate)?;
-    let (interval, duration) = (records.axis.interval, bench.duration);
-    if !SAMPLES.contains(&(duration / interval)) {
-        return Err(FitError::TimeScale { interval, duration });
-    }
+    let records = Records::of(measured, &scene.scene()?, assignments, options.gate)?;
+    check_times(&records, scene.scene()?.duration)?;
     let runs_a_step = 2.0 * f64::from(u32::try_from(knobs.len()).unwrap_or(u32::MAX)) + 1.0;
     let expected = f64::from(options.starts) * EXPECTED_STEPS * runs_a_step;
     let mut done = 0.0;
@@ -208,6 +219,20 @@ fn check(knobs: &[Knob]) -> Result<(), FitError> {
     Ok(())
 }
 
+/// Refuses records that have nothing to do with a scene of this `duration` (s).
+#[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
+fn check_times(records: &Records, duration: f64) -> Result<(), FitError> {
+    let interval = records.axis.interval;
+    if !SAMPLES.contains(&(duration / interval)) {
+        return Err(FitError::TimeScale { interval, duration });
+    }
+    let length = records.axis.count as f64 * interval;
+    if length > MOST_DURATIONS * duration {
+        return Err(FitError::TooLong { length, duration });
+    }
+    Ok(())
+}
+
 /// The lowest minimum over all starts, and chi squared that each start came to; none for one that came to nothing.
 fn best(model: &mut Model<'_>, options: &Options) -> Result<(Minimum, Vec<Option<f64>>), FitError> {
     let mut numbers = Pcg64::new(u128::from(options.seed), STREAM);
@@ -221,8 +246,7 @@ fn best(model: &mut Model<'_>, options: &Options) -> Result<(Minimum, Vec<Option
         };
         let factors: Vec<f64> = (0..model.knobs.len()).map(&mut factor).collect();
         let start = model.start(&factors);
-        let found =
-            start.ok_or(LeastSquaresError::NoStart).and_then(|x| minimise(model, &x, LIMITS));
+        let found = start.ok_or(LeastSquaresError::NoStart).and_then(|x| descend(model, x));
         starts.push(found.as_ref().ok().map(|minimum| minimum.chi_squared));
         match found {
             Ok(minimum) if lowest.as_ref().is_none_or(|l| minimum.chi_squared < l.chi_squared) => {
@@ -233,6 +257,42 @@ fn best(model: &mut Model<'_>, options: &Options) -> Result<(Minimum, Vec<Option
         }
     }
     Ok((lowest.ok_or(failure)?, starts))
+}
+
+/// The minimum of the valley below `start`; where that ends high or nowhere, the way over parts of the records is tried as well, and the
+/// lower end counts.
+fn descend(model: &mut Model<'_>, start: Vec<f64>) -> Result<Minimum, LeastSquaresError> {
+    let direct = minimise(model, &start, LIMITS);
+    if direct.as_ref().is_ok_and(|minimum| minimum.variance() < report::POOR) {
+        return direct;
+    }
+    match (direct, staged(model, start)) {
+        (Ok(direct), Ok(staged)) if staged.chi_squared < direct.chi_squared => Ok(staged),
+        (Ok(direct), _) => Ok(direct),
+        (Err(_), staged) => staged,
+    }
+}
+
+/// The minimum over ever longer parts of the records, each from where the one before ended: arrivals first, and what comes late, whose
+/// chi squared has many valleys, from close by.
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a share of a number of samples"
+)]
+fn staged(model: &mut Model<'_>, start: Vec<f64>) -> Result<Minimum, LeastSquaresError> {
+    let count = model.records.axis.count;
+    let mut x = start;
+    for share in STAGES {
+        model.horizon = (share * count as f64) as usize;
+        // A part that tells too little is no reason to give up: the whole decides.
+        if let Ok(found) = minimise(model, &x, ON_THE_WAY) {
+            x = found.x;
+        }
+    }
+    model.horizon = count;
+    minimise(model, &x, LIMITS)
 }
 
 /// The parameter that cannot be told, and the one that it goes with most.

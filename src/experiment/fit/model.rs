@@ -14,6 +14,8 @@ use crate::scene::adjust::{Adjustable, Knob};
 const FIRST_STEP: f64 = 1e-3;
 /// Shortest and longest step, relative: shorter ones drown in the integration's error, longer ones see the curvature (1).
 const STEPS: (f64, f64) = (1e-5, 1e-2);
+/// A number that is off by a larger factor from where it starts describes another bench, and could take any time to run (1).
+const LARGEST_FACTOR: f64 = 20.0;
 /// Accuracy at which the trigger is looked for (1).
 const COARSE: f64 = 1e-4;
 
@@ -29,6 +31,8 @@ pub struct Model<'a> {
     pub free: (bool, bool),
     /// Accuracy of the integration (1).
     pub accuracy: f64,
+    /// Samples of each record that count, from its start: late motion of a rattling chain has too many valleys to begin with.
+    pub horizon: usize,
     /// Called after every run.
     pub progress: &'a mut dyn FnMut(),
     /// Runs so far.
@@ -48,7 +52,19 @@ impl<'a> Model<'a> {
         progress: &'a mut dyn FnMut(),
     ) -> Self {
         let steps = vec![FIRST_STEP; knobs.len()];
-        Self { scene, knobs, records, free, accuracy, progress, runs: 0, steps, last: None }
+        let horizon = records.axis.count;
+        Self {
+            scene,
+            knobs,
+            records,
+            free,
+            accuracy,
+            horizon,
+            progress,
+            runs: 0,
+            steps,
+            last: None,
+        }
     }
 
     /// Names of the parameters.
@@ -96,6 +112,10 @@ impl<'a> Model<'a> {
             .zip(factors)
             .map(|(knob, factor)| (knob, knob.value * factor))
             .collect();
+        let sane = |factor: &f64| (1.0 / LARGEST_FACTOR..=LARGEST_FACTOR).contains(factor);
+        if !factors.iter().all(sane) {
+            return None;
+        }
         let mut scene = self.scene.with(&values).ok()?;
         // The fit knows the plates by their data only.
         scene.sensor_tolerance = None;
@@ -115,7 +135,7 @@ impl<'a> Model<'a> {
         let axis = self.records.axis;
         let scene = self.scene.scene().ok()?;
         let length = axis.count as f64 * axis.interval;
-        let after = (scene.duration + length).min(5.0 * scene.duration);
+        let after = scene.duration + length;
         let count = axis.count + (after / axis.interval).ceil() as usize;
         let long = Axis { start: -length, interval: axis.interval, count };
         let traces = self.traces(factors, long, 0.0, COARSE)?;
@@ -167,9 +187,10 @@ impl<'a> Model<'a> {
         let mut residuals = Vec::with_capacity(self.records.list.len() * self.records.axis.count);
         let channels = self.records.list.iter().zip(traces).zip(self.nuisances(x));
         for ((record, trace), (gain, offset)) in channels {
-            let samples = record.volts.iter().zip(&record.counts).zip(&trace[1..]);
-            residuals.extend(samples.map(|((volts, counts), v)| {
-                if *counts { (volts - gain * v - offset) / record.sigma } else { 0.0 }
+            let samples = record.volts.iter().zip(&record.counts).zip(&trace[1..]).enumerate();
+            residuals.extend(samples.map(|(index, ((volts, counts), v))| {
+                let counts = *counts && index < self.horizon;
+                if counts { (volts - gain * v - offset) / record.sigma } else { 0.0 }
             }));
         }
         residuals
@@ -185,9 +206,10 @@ impl<'a> Model<'a> {
         let mut column = Vec::with_capacity(self.records.list.len() * self.records.axis.count);
         for (channel, (record, trace)) in self.records.list.iter().zip(traces).enumerate() {
             let meant = only.is_none_or(|only| only == channel);
-            let around = trace.windows(3).zip(&record.counts);
-            column.extend(around.map(|(around, counts)| {
-                if meant && *counts { -value(channel, around) / record.sigma } else { 0.0 }
+            let around = trace.windows(3).zip(&record.counts).enumerate();
+            column.extend(around.map(|(index, (around, counts))| {
+                let counts = meant && *counts && index < self.horizon;
+                if counts { -value(channel, around) / record.sigma } else { 0.0 }
             }));
         }
         column
@@ -218,7 +240,7 @@ impl<'a> Model<'a> {
 
 impl Problem for Model<'_> {
     fn counted(&self, _: &[f64]) -> usize {
-        self.records.counted()
+        self.records.counted(self.horizon)
     }
 
     fn residuals(&mut self, x: &[f64]) -> Option<Vec<f64>> {

@@ -103,10 +103,11 @@ impl Records {
         self.list.iter().map(|record| (record.channel, record.vertical)).collect()
     }
 
-    /// Number of samples that count.
+    /// Number of samples that count among the first `horizon` of each record.
     #[must_use]
-    pub fn counted(&self) -> usize {
-        self.list.iter().flat_map(|record| &record.counts).filter(|counts| **counts).count()
+    pub fn counted(&self, horizon: usize) -> usize {
+        let counts = self.list.iter().flat_map(|record| record.counts.iter().take(horizon));
+        counts.filter(|counts| **counts).count()
     }
 }
 

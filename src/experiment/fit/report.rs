@@ -12,7 +12,7 @@ use crate::experiment::compare::Side;
 use crate::scene::adjust::{Adjustable, Knob};
 
 /// A larger residual variance than this is no chance (1).
-const POOR: f64 = 1.3;
+pub const POOR: f64 = 1.3;
 /// Residuals of a model that is right do not follow one another by more than this (1).
 const WHITE: f64 = 0.1;
 /// Starts whose chi squared is within this share of the lowest found the same minimum (1).
