@@ -8,9 +8,9 @@ use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
 
 use super::progress::Progress;
-use crate::experiment::accuracy::{ChosenAccuracy, doubt, estimate, of_scene};
+use crate::experiment::accuracy::{ChosenAccuracy, of_scene, run_held};
 use crate::experiment::effects::auto::settle;
-use crate::experiment::{self, Integration, RunError, facts, horizon};
+use crate::experiment::{self, Integration, RunError, facts};
 use crate::integrate::Method;
 use crate::quantity::{Dimension, parse};
 use crate::recording::mcap::RecordingWriter;
@@ -118,20 +118,17 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     // A new file tells at once what it will be; one that is there keeps what it has until there is something new.
     let early = if output.new { Some(create().inspect_err(|_| output.give_up())?) } else { None };
     let mut progress = Progress::new(&scene.name, arguments.quiet);
-    let outcome = experiment::run(&scene, integration, 1, &mut |share| progress.at(share));
-    let outcome = outcome.and_then(|mut outcome| {
-        outcome.summary.accuracy_reason = reason;
-        if let Integration::Accuracy(accuracy) = integration {
-            let estimate = estimate(&scene, accuracy, &outcome.summary)?;
-            outcome.summary.notes.extend(doubt(estimate.as_ref(), accuracy));
-            outcome.summary.error_estimate = estimate;
-            outcome.summary.notes.extend(horizon::note(&scene, accuracy));
-        }
-        Ok(outcome)
-    });
+    let mut report = |share| progress.at(share);
+    let outcome = match integration {
+        Integration::Accuracy(accuracy) => run_held(&scene, accuracy, 1, &mut report),
+        Integration::Method(_) => experiment::run(&scene, integration, 1, &mut report),
+    };
     progress.done();
     let outcome = match outcome {
-        Ok(outcome) => outcome,
+        Ok(mut outcome) => {
+            outcome.summary.accuracy_reason = reason;
+            outcome
+        }
         Err(error) => {
             drop(early);
             output.give_up();

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::comparison::{arrival_error, compare_readings, level_of, peak_error, readings};
 use super::outcome::{Reading, Summary};
-use super::{Integration, RunError, method};
+use super::{Integration, Outcome, RunError, horizon, method, run};
 use crate::quantity::engineering;
 use crate::scene::{DEFAULT_ACCURACY, LOOSEST_ACCURACY, Scene, Site, TIGHTEST_ACCURACY};
 
@@ -14,6 +14,10 @@ const COARSE: f64 = 1e-3;
 const SHARE: f64 = 0.1;
 /// Accuracy of the run that a run is held against, in terms of its own (1).
 const TIGHTER: f64 = 0.1;
+/// The error in terms of the difference from a run that is off by half as much and the same way (1).
+const TWICE: f64 = 2.0;
+/// Steps are held to no less than this: rounding would be mistaken for their error (1).
+const TIGHTEST_STEPS: f64 = 1e-13;
 
 /// An accuracy and where it is from.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,6 +72,41 @@ pub fn of_scene(scene: &Scene) -> Result<ChosenAccuracy, RunError> {
     }
 }
 
+/// Runs `scene` so that first peaks and arrivals are as accurate as asked (1), estimate included: the steps of a run are held to an
+/// accuracy, which says nothing of what the chain makes of their errors. So each run is held against one at a tenth of its accuracy
+/// ([`estimate`]), and taken again at that where they differ by too much. `progress` hears the share of a run's work, 0 to 1.
+///
+/// # Errors
+/// [`RunError`] where the chain cannot be followed.
+pub fn run_held(
+    scene: &Scene,
+    accuracy: f64,
+    shot: u32,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Outcome, RunError> {
+    let mut steps = accuracy;
+    loop {
+        let mut outcome = run(scene, Integration::Accuracy(steps), shot, progress)?;
+        let summary = &mut outcome.summary;
+        let estimate = estimate(scene, steps, summary)?;
+        let held = estimate.as_ref().is_some_and(|estimate| estimate.worst() <= accuracy);
+        if !held && TIGHTER * steps >= TIGHTEST_STEPS {
+            steps *= TIGHTER;
+            continue;
+        }
+        if steps < accuracy {
+            summary.notes.push(format!(
+                "steps are held to {steps:.0e}: held to the accuracy itself they changed readings by more"
+            ));
+        }
+        summary.accuracy = Some(accuracy);
+        summary.notes.extend(doubt(estimate.as_ref(), accuracy));
+        summary.error_estimate = estimate;
+        summary.notes.extend(horizon::note(scene, steps));
+        return Ok(outcome);
+    }
+}
+
 /// How far off a run's first peaks and arrivals may be.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ErrorEstimate {
@@ -79,8 +118,16 @@ pub struct ErrorEstimate {
     pub how: String,
 }
 
-/// Holds a run to `accuracy` (1), of which `summary` tells, against one to a tenth of it. By the triangle inequality the error is at
-/// most their difference and what the second run is off itself: a tenth of the accuracy, which is added.
+impl ErrorEstimate {
+    /// The larger of both (1).
+    #[must_use]
+    pub fn worst(&self) -> f64 {
+        self.peak.max(self.arrival)
+    }
+}
+
+/// Holds a run to `accuracy` (1), of which `summary` tells, against one to a tenth of it, which is taken to be off by no more than half as
+/// much: the first is then off by at most twice their difference. What the second run's steps are held to is added.
 ///
 /// None where the second run feels other pulses than the first.
 ///
@@ -101,12 +148,12 @@ pub fn estimate(
     if felt(&first) != felt(&second) {
         return Ok(None);
     }
-    let off = |error| compare_readings(&first, &second, error).map(|off| off + tighter);
+    let off = |error| compare_readings(&first, &second, error).map(|off| TWICE * off + tighter);
     let (Some(peak), Some(arrival)) = (off(peak_error), off(arrival_error)) else {
         return Ok(None);
     };
     let how = format!(
-        "largest difference from a second run at accuracy {tighter:e}, plus that run's own {tighter:e}"
+        "twice the largest difference from a second run at accuracy {tighter:e}, plus {tighter:e}"
     );
     Ok(Some(ErrorEstimate { peak, arrival, how }))
 }
@@ -114,13 +161,13 @@ pub fn estimate(
 /// What the user has to hear of an estimate that is missing, or beyond the `accuracy` (1) that was asked for.
 #[must_use]
 pub fn doubt(estimate: Option<&ErrorEstimate>, accuracy: f64) -> Option<String> {
-    let Some(ErrorEstimate { peak, arrival, .. }) = estimate else {
+    let Some(estimate) = estimate else {
         return Some(
             "a run at a tenth of the accuracy feels other pulses than this one: how far off these readings are is not known"
                 .to_owned(),
         );
     };
-    let worst = peak.max(*arrival);
+    let worst = estimate.worst();
     (worst > accuracy).then(|| {
         format!("readings may be off by {worst:.1e}, more than the accuracy of {accuracy:.1e} that was asked for")
     })

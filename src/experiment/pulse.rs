@@ -12,6 +12,8 @@ use crate::integrate::Integrator;
 const BETWEEN_LOOKS: f64 = 1.25;
 /// A peak counts when it exceeds this share of the record's largest dynamic force (1).
 const PEAK_SHARE: f64 = 0.25;
+/// What does not exceed this share of the static force is its rounding, and no pulse (1).
+const QUIETEST: f64 = 1e-13;
 /// What two steps' interpolants may differ by where they meet is no jump, as a share of the largest force (1).
 const SMALLEST_JUMP: f64 = 1e-6;
 /// Share of the first peak at which a pulse is said to arrive by its half-rise (1).
@@ -210,10 +212,10 @@ impl PulseRecorder {
         self.largest
     }
 
-    /// The first local maximum of the dynamic force above a quarter of its largest value so far.
+    /// The first local maximum of the dynamic force above a quarter of its largest value so far, and above the rounding of the static one.
     #[must_use]
     pub fn first_peak(&self) -> Option<Peak> {
-        let threshold = PEAK_SHARE * self.largest;
+        let threshold = (PEAK_SHARE * self.largest).max(QUIETEST * self.probe.static_force());
         let high = self.peaks.iter().filter(|peak| peak.near * BETWEEN_LOOKS > threshold);
         let (time_s, dynamic_n) = high.map(Bracket::top).find(|(_, force)| *force > threshold)?;
         Some(Peak { total_n: dynamic_n + self.probe.static_force(), dynamic_n, time_s })

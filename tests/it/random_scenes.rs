@@ -1,27 +1,30 @@
 //! Ten thousand random scenes that are valid, and as many that a mutation may have spoilt: nothing panics, nothing hangs, no state
-//! stops being a number, energy stays where it was, and forces are as accurate as was asked.
+//! stops being a number, energy stays where it was, and what is read is as accurate as was asked.
 
 use std::fmt::Write as _;
 
-use hertzscope::chain::ForceProbe;
-use hertzscope::experiment::bench::{Bench, start};
-use hertzscope::experiment::for_accuracy;
+use hertzscope::experiment::accuracy::{doubt, run_held};
+use hertzscope::experiment::bench::start;
+use hertzscope::experiment::outcome::{Reading, Summary};
+use hertzscope::experiment::{self, Integration, for_accuracy};
 use hertzscope::integrate::{Method, State};
 use hertzscope::scene::{Problem, Scene, SceneError};
-
-use super::chains::NEVER;
 
 /// Scenes of each kind.
 const SCENES: u64 = 10_000;
 /// Parts in which they are run.
 const PARTS: u64 = 2;
-/// One scene in so many is held against another family of methods.
+/// One scene in so many is held against another family of methods; `HERTZSCOPE_RANDOM_SAMPLE=1` holds every one, in half an hour.
 const SAMPLE: u64 = 50;
+
+fn sample() -> u64 {
+    std::env::var("HERTZSCOPE_RANDOM_SAMPLE").map_or(SAMPLE, |text| text.parse().expect("a number"))
+}
 /// Thirty turns of the fastest contact take 30 steps each at the tightest accuracy, nine force evaluations a step, and half of them
 /// may be rejected: twice that is a hang.
 const MOST_EVALUATIONS: u64 = 2 * 30 * 30 * 9 * 2;
-/// Share of the sampled scenes whose peak forces must be as accurate as asked (1): of 500 scenes about three times as long 98.2 % were.
-const ACCURATE: f64 = 0.95;
+/// At most one of so many held runs may say that it could not be held.
+const DOUBTFUL: usize = 50;
 
 /// Random numbers from a seed: S. Vigna, `SplitMix64` (2015).
 struct Random(u64);
@@ -170,15 +173,15 @@ fn scene(random: &mut Random) -> String {
         .unwrap();
     }
     effects(random, &statics, count, &mut text);
+    for (name, particle) in [("p", 1), ("q", count.div_ceil(2)), ("r", count)] {
+        writeln!(text, "[sensors.{name}]\nmodel = \"pzt-5a-710pf\"\nparticle = {particle}")
+            .unwrap();
+    }
     text + SCOPE
 }
 
-/// A sensor and an oscilloscope, which every scene has.
+/// An oscilloscope, which every scene has.
 const SCOPE: &str = r#"
-[sensors.p]
-model = "pzt-5a-710pf"
-particle = 1
-
 [scope]
 model = "tds2014"
 time_base = "250 us/div"
@@ -220,25 +223,32 @@ fn is_finite(state: &State) -> bool {
     state.position.iter().chain(&state.velocity).all(|value| value.is_finite())
 }
 
-/// Largest error of first peaks' forces relative to the force of the loudest contact, by which the error control measures (1).
-fn peak_error(scene: &Scene, end: f64) -> f64 {
-    let contacts = scene.chain.contacts().iter().enumerate().filter(|(_, c)| c.stiffness > 0.0);
-    let probes: Vec<ForceProbe> =
-        contacts.filter_map(|(j, _)| ForceProbe::contact(&scene.chain, j)).collect();
-    let peaks = |method: Method| {
-        let velocities = &scene.initial_velocities;
-        let mut bench = Bench::new(&scene.chain, velocities, method, &probes, (NEVER, NEVER));
-        bench.run_until(end, true, &mut |_| ()).expect("a run");
-        bench.watches().iter().map(|w| w.pulse.first_peak()).collect::<Vec<_>>()
-    };
-    let exact = peaks(Method::DormandPrince853 { tolerance: 1e-12 });
-    let found = peaks(for_accuracy(scene.accuracy.unwrap_or(1e-6)));
-    let loudest = exact.iter().flatten().map(|p| p.dynamic_n).fold(0.0, f64::max);
-    let pairs = found.iter().zip(&exact).filter_map(|(found, exact)| found.zip(*exact));
-    // A force that has hardly begun to fall when time is up, or is near a quarter of the largest, may have its first peak elsewhere.
-    let same = pairs.filter(|(found, exact)| (found.time_s / exact.time_s - 1.0).abs() < 0.01);
-    same.map(|(found, exact)| (found.dynamic_n - exact.dynamic_n).abs() / loudest)
-        .fold(0.0, f64::max)
+/// A run held to the scene's accuracy, against another family of methods: the largest relative error of first peaks, their times and
+/// half-rises, in terms of the accuracy (1), and whether the run itself says that it may be off by more.
+fn held(scene: &mut Scene, end: f64) -> (f64, bool) {
+    let accuracy = scene.accuracy.expect("the scene's own");
+    scene.duration = end;
+    // A record about as long as the motion: longer ones would take their time, shorter ones room.
+    let bases = &scene.scope.model.time_bases;
+    scene.scope.time_base = bases.iter().copied().find(|b| 10.0 * b > end).expect("a time base");
+    let found = run_held(scene, accuracy, 1, &mut |_| ()).expect("a run").summary;
+    let reference = Integration::Method(Method::DormandPrince853 { tolerance: 1e-13 });
+    let exact = experiment::run(scene, reference, 1, &mut |_| ()).expect("a run").summary;
+    let places = |s: &Summary| s.sensors.iter().chain(&s.wall).cloned().collect::<Vec<Reading>>();
+    let off = |a: f64, b: f64| (a / b - 1.0).abs();
+    let mut worst = 0.0_f64;
+    for (found, exact) in places(&found).iter().zip(&places(&exact)) {
+        let error = match (found.first_peak, exact.first_peak) {
+            (None, None) => 0.0,
+            (Some(peak), Some(truth)) => off(peak.dynamic_n, truth.dynamic_n)
+                .max(off(peak.time_s, truth.time_s))
+                .max(off(found.half_rise_s.expect("a rise"), exact.half_rise_s.expect("a rise"))),
+            _ => f64::INFINITY,
+        };
+        worst = worst.max(error);
+    }
+    let doubtful = doubt(found.error_estimate.as_ref(), accuracy).is_some();
+    (worst / accuracy, doubtful)
 }
 
 /// What is found over many scenes: quantiles of a figure.
@@ -265,11 +275,12 @@ fn energies(scene: &Scene, state: &State) -> (f64, f64) {
 
 /// One part of all valid scenes: each part is a test, so that they run side by side.
 fn valid_scenes(part: u64) {
-    let (mut drifts, mut errors) = (Vec::new(), Vec::new());
+    let sample = sample();
+    let (mut drifts, mut errors, mut doubts) = (Vec::new(), Vec::new(), 0);
     for seed in (0..SCENES).filter(|seed| seed % PARTS == part) {
         let mut random = Random(seed);
         let text = scene(&mut random);
-        let scene = load(&text).unwrap_or_else(|error| panic!("{seed}: {error}\n{text}"));
+        let mut scene = load(&text).unwrap_or_else(|error| panic!("{seed}: {error}\n{text}"));
         let end = duration(&mut random, &scene);
         let (state, steps, done) =
             run(&scene, end, MOST_EVALUATIONS).unwrap_or_else(|error| panic!("{seed}: {error}"));
@@ -280,17 +291,17 @@ fn valid_scenes(part: u64) {
         let drift = (after / before - 1.0).abs() / scene.accuracy.unwrap_or(1e-6) / steps as f64;
         assert!(drift <= 2.0, "{seed}: {drift}");
         drifts.push(drift);
-        if (seed / PARTS).is_multiple_of(SAMPLE) {
-            // Likewise in forces, which go as the overlap to the power 1.5.
-            let error = peak_error(&scene, end) / scene.accuracy.unwrap_or(1e-6);
-            assert!(error <= 1.5 * steps as f64, "{seed}: {error} in {steps} steps");
+        if (seed / PARTS).is_multiple_of(sample) {
+            let (error, doubtful) = held(&mut scene, end);
+            println!("{seed}: {error:.1e}{}", if doubtful { ", and says so" } else { "" });
+            assert!(error <= 1.0 || doubtful, "{seed}: {error}");
+            doubts += usize::from(doubtful);
             errors.push(error);
         }
     }
     println!("{}", quantiles("energy drift over accuracy a step", &mut drifts));
-    println!("{}", quantiles("error of peak forces over accuracy", &mut errors));
-    let accurate = errors.iter().filter(|error| **error <= 1.0).count() as f64;
-    assert!(accurate >= ACCURATE * errors.len() as f64, "{accurate} of {}", errors.len());
+    println!("{}", quantiles("error of readings over accuracy", &mut errors));
+    assert!(doubts <= errors.len() / DOUBTFUL, "{doubts} of {}", errors.len());
 }
 
 #[test]

@@ -4,6 +4,7 @@ use super::tally::Tally;
 use crate::chain::{Body, Chain, ChainSpec, EffectsSpec, Elasticity, End, ForceProbe};
 use crate::experiment::bench::{Bench, Grid, start};
 use crate::experiment::for_accuracy;
+use crate::experiment::losses::method_for;
 use crate::experiment::pulse::Peak;
 use crate::integrate::{IntegrateError, Integrator, Method, State, Work};
 
@@ -17,6 +18,10 @@ pub const HEAVY: f64 = 0.485e-3;
 const NEVER: Grid = Grid { start: f64::MAX, interval: 1.0 };
 /// Tolerance of the steps of a reference by another family of methods (1).
 const REFERENCE: f64 = 1e-13;
+/// The same with losses, by a pair of lower order (1).
+const LOSSY_REFERENCE: f64 = 1e-12;
+/// Instants at which a lossy chain's energy is looked at.
+const INSTANTS: u32 = 50;
 
 /// A sphere of the bench's size, of any mass (kg).
 pub fn sphere(mass: f64, elasticity: Elasticity) -> Body {
@@ -142,22 +147,41 @@ impl Motion<'_> {
         let reference = Method::DormandPrince853 { tolerance: REFERENCE };
         let exact = self.peaks(reference, &probes, time)?;
         let found = self.peaks(for_accuracy(accuracy), &probes, time)?;
-        let loudest = exact.iter().flatten().map(|peak| peak.dynamic_n).fold(0.0, f64::max);
-        for (found, exact) in found.iter().zip(&exact) {
-            match (found, exact) {
-                (Some(found), Some(exact)) => {
-                    let force = found.dynamic_n / exact.dynamic_n - 1.0;
-                    let arrival = found.time_s / exact.time_s - 1.0;
-                    let bound = accuracy * loudest / exact.dynamic_n;
-                    tally.check(format!("{what}, peak force"), force, bound);
-                    tally.check(format!("{what}, peak time"), arrival, bound);
-                }
-                (None, None) => {}
-                _ => tally.check(format!("{what}, pulses lost"), f64::INFINITY, accuracy),
-            }
-        }
+        check_readings(tally, what, &found, &exact, accuracy);
         let end = self.after(time, accuracy)?;
         tally.check(format!("{what}, energy"), self.drift(&end.state), drift_bound(&end, accuracy));
+        Ok(())
+    }
+
+    /// Checks first peaks at `contacts` of a chain with losses against another family of methods, as [`Motion::check_peaks`] does, and the
+    /// energy with what the losses have taken: that it is all there at the end, and never more than there was.
+    #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^53 steps")]
+    pub fn check_lossy(
+        &self,
+        tally: &mut Tally,
+        what: &str,
+        (contacts, accuracy, time): (&[usize], f64, f64),
+    ) -> Result<(), String> {
+        let probes = self.probes(contacts);
+        let reference = Method::DormandPrince54 { tolerance: LOSSY_REFERENCE };
+        let exact = self.peaks(reference, &probes, time)?;
+        let method = method_for(self.chain, &self.velocities, accuracy);
+        let found = self.peaks(method, &probes, time)?;
+        check_readings(tally, what, &found, &exact, accuracy);
+        let mut bench = Bench::new(self.chain, &self.velocities, method, &[], (NEVER, NEVER));
+        let mut most = 0.0_f64;
+        let mut end = 0.0;
+        for instant in 1..=INSTANTS {
+            let until = time * f64::from(instant) / f64::from(INSTANTS);
+            bench.run_until(until, false, &mut |_| ()).map_err(|error| error.to_string())?;
+            let (before, now) = bench.energies();
+            let impact = before.kinetic;
+            most = most.max((now.total() - before.total()) / impact);
+            end = (now.total() + bench.dissipated().total() - before.total()) / impact;
+        }
+        let bound = 2.0 * bench.work().steps as f64 * accuracy;
+        tally.check(format!("{what}, energy gained"), most, bound);
+        tally.check(format!("{what}, energy and losses"), end, bound);
         Ok(())
     }
 
@@ -165,6 +189,32 @@ impl Motion<'_> {
     pub fn drift(&self, state: &State) -> f64 {
         let before = self.chain.energy_above_static(&self.start());
         self.chain.energy_above_static(state) / before - 1.0
+    }
+}
+
+/// First peaks against exact ones: no more than `accuracy` off at the loudest contact (1), and as much more as a pulse is weaker.
+fn check_readings(
+    tally: &mut Tally,
+    what: &str,
+    found: &[Option<Peak>],
+    exact: &[Option<Peak>],
+    accuracy: f64,
+) {
+    let loudest = exact.iter().flatten().map(|peak| peak.dynamic_n).fold(0.0, f64::max);
+    for (found, exact) in found.iter().zip(exact) {
+        match (found, exact) {
+            (Some(found), Some(exact)) => {
+                let force = found.dynamic_n / exact.dynamic_n - 1.0;
+                // A dashpot's force may be largest where the striker first touches.
+                let late = found.time_s - exact.time_s;
+                let arrival = if late == 0.0 { 0.0 } else { late / exact.time_s };
+                let bound = accuracy * loudest / exact.dynamic_n;
+                tally.check(format!("{what}, peak force"), force, bound);
+                tally.check(format!("{what}, peak time"), arrival, bound);
+            }
+            (None, None) => {}
+            _ => tally.check(format!("{what}, pulses lost"), f64::INFINITY, accuracy),
+        }
     }
 }
 

@@ -8,6 +8,7 @@ mod benches;
 mod chaos;
 mod collisions;
 mod endurance;
+mod losses;
 mod openings;
 mod pulses;
 mod tally;
@@ -85,7 +86,15 @@ impl HardCase {
 /// All cases, in a fixed order.
 #[must_use]
 pub fn catalogue() -> Vec<HardCase> {
-    [pulses::CASES, collisions::CASES, openings::CASES, endurance::CASES, chaos::CASES].concat()
+    [
+        pulses::CASES,
+        collisions::CASES,
+        openings::CASES,
+        losses::CASES,
+        endurance::CASES,
+        chaos::CASES,
+    ]
+    .concat()
 }
 
 /// Judges the whole catalogue; `progress` hears the share of the work done, 0 to 1.
