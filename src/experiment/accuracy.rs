@@ -12,12 +12,12 @@ use crate::scene::{DEFAULT_ACCURACY, LOOSEST_ACCURACY, Scene, Site, TIGHTEST_ACC
 const COARSE: f64 = 1e-3;
 /// Share of a digitiser level and of a sample interval that may be wrong where nobody names an accuracy (1).
 const SHARE: f64 = 0.1;
-/// Accuracy of the run that a run is held against, in terms of its own (1).
-const TIGHTER: f64 = 0.1;
-/// The error in terms of the difference from a run that is off by half as much and the same way (1).
-const TWICE: f64 = 2.0;
+/// Accuracy of the run that a run is held against, in terms of its own: so much tighter that they do not err the same way (1).
+const TIGHTER: f64 = 0.01;
+/// A run that is not accurate enough is taken again to this share of its accuracy (1).
+const NEXT: f64 = 0.1;
 /// Steps are held to no less than this: rounding would be mistaken for their error (1).
-const TIGHTEST_STEPS: f64 = 1e-13;
+const TIGHTEST_STEPS: f64 = 1e-14;
 
 /// An accuracy and where it is from.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,8 +73,8 @@ pub fn of_scene(scene: &Scene) -> Result<ChosenAccuracy, RunError> {
 }
 
 /// Runs `scene` so that first peaks and arrivals are as accurate as asked (1), estimate included: the steps of a run are held to an
-/// accuracy, which says nothing of what the chain makes of their errors. So each run is held against one at a tenth of its accuracy
-/// ([`estimate`]), and taken again at that where they differ by too much. `progress` hears the share of a run's work, 0 to 1.
+/// accuracy, which says nothing of what the chain makes of their errors. So each run is held against a tighter one
+/// ([`estimate`]), and taken again at a tenth of its accuracy where they differ by too much. `progress` hears the share of a run's work, 0 to 1.
 ///
 /// # Errors
 /// [`RunError`] where the chain cannot be followed.
@@ -90,13 +90,13 @@ pub fn run_held(
         let summary = &mut outcome.summary;
         let estimate = estimate(scene, steps, summary)?;
         let held = estimate.as_ref().is_some_and(|estimate| estimate.worst() <= accuracy);
-        if !held && TIGHTER * steps >= TIGHTEST_STEPS {
-            steps *= TIGHTER;
+        if !held && NEXT * steps >= TIGHTEST_STEPS {
+            steps *= NEXT;
             continue;
         }
         if steps < accuracy {
             summary.notes.push(format!(
-                "steps are held to {steps:.0e}: held to the accuracy itself they changed readings by more"
+                "steps are held to {steps:.0e}: at {accuracy:.0e} it was not certain that readings are as accurate as asked"
             ));
         }
         summary.accuracy = Some(accuracy);
@@ -126,8 +126,8 @@ impl ErrorEstimate {
     }
 }
 
-/// Holds a run to `accuracy` (1), of which `summary` tells, against one to a tenth of it, which is taken to be off by no more than half as
-/// much: the first is then off by at most twice their difference. What the second run's steps are held to is added.
+/// Holds a run to `accuracy` (1), of which `summary` tells, against one to a hundredth of it. By the triangle inequality the error is at
+/// most their difference and what the second run is off itself: a hundredth of the accuracy, which is added.
 ///
 /// None where the second run feels other pulses than the first.
 ///
@@ -138,7 +138,7 @@ pub fn estimate(
     accuracy: f64,
     summary: &Summary,
 ) -> Result<Option<ErrorEstimate>, RunError> {
-    let tighter = TIGHTER * accuracy;
+    let tighter = (TIGHTER * accuracy).max(TIGHTEST_STEPS);
     let second = readings(scene, method(scene, Integration::Accuracy(tighter))?)?;
     let inside = scene.sensors.iter().zip(&second).filter(|(s, _)| s.site != Site::Wall);
     let wall = scene.chain.wall_contact().and_then(|_| second.last());
@@ -148,12 +148,12 @@ pub fn estimate(
     if felt(&first) != felt(&second) {
         return Ok(None);
     }
-    let off = |error| compare_readings(&first, &second, error).map(|off| TWICE * off + tighter);
+    let off = |error| compare_readings(&first, &second, error).map(|off| off + tighter);
     let (Some(peak), Some(arrival)) = (off(peak_error), off(arrival_error)) else {
         return Ok(None);
     };
     let how = format!(
-        "twice the largest difference from a second run at accuracy {tighter:e}, plus {tighter:e}"
+        "largest difference from a second run at accuracy {tighter:e}, plus that run's own {tighter:e}"
     );
     Ok(Some(ErrorEstimate { peak, arrival, how }))
 }
@@ -163,7 +163,7 @@ pub fn estimate(
 pub fn doubt(estimate: Option<&ErrorEstimate>, accuracy: f64) -> Option<String> {
     let Some(estimate) = estimate else {
         return Some(
-            "a run at a tenth of the accuracy feels other pulses than this one: how far off these readings are is not known"
+            "a run at a hundredth of the accuracy feels other pulses than this one: how far off these readings are is not known"
                 .to_owned(),
         );
     };
