@@ -1,6 +1,6 @@
 //! The chain in motion with everything that watches it: pulses, scope samples, truth.
 
-use crate::chain::stepper::{ChainStepper, InstructionSet, View};
+use crate::chain::stepper::{ChainStepper, InstructionSet, Refinement, View};
 use crate::chain::{Chain, Dissipated, Energy, ForceProbe};
 use crate::integrate::{IntegrateError, Integrator, Method, State, Work};
 
@@ -166,6 +166,16 @@ impl<'a> Bench<'a> {
             }
         }
         Ok(())
+    }
+
+    /// The bench, not yet run, without one of the stepper's refinements; what runs on no stepper has none.
+    #[must_use]
+    pub fn without(mut self, refinement: Refinement) -> Self {
+        if let Engine::Stepper(stepper, views) = self.engine {
+            let stepper = stepper.without(refinement, self.chain);
+            self.engine = Engine::Stepper(Box::new(stepper), views);
+        }
+        self
     }
 
     /// The watched forces, in the order of the probes.

@@ -5,6 +5,7 @@ use std::time::Instant;
 use super::bench::{Bench, Grid};
 use super::outcome::Reading;
 use super::{probes, sample_grid};
+use crate::chain::stepper::Refinement;
 use crate::integrate::{IntegrateError, Method, Work};
 use crate::scene::{Scene, input_load};
 use crate::scope::waveform::LEVELS_PER_DIVISION;
@@ -28,12 +29,27 @@ pub struct Run {
 /// # Errors
 /// The integrator's error, in words.
 pub fn run(scene: &Scene, method: Method) -> Result<Run, String> {
+    run_without(scene, method, None)
+}
+
+/// The same without one of the stepper's refinements.
+///
+/// # Errors
+/// The integrator's error, in words.
+pub fn run_without(
+    scene: &Scene,
+    method: Method,
+    refinement: Option<Refinement>,
+) -> Result<Run, String> {
     let grid = sample_grid(scene, 1);
     let never = Grid { start: f64::MAX, interval: 1.0 };
     let probes = probes(scene);
     let started = Instant::now();
     let mut bench =
         Bench::new(&scene.chain, &scene.initial_velocities, method, &probes, (grid, never));
+    if let Some(refinement) = refinement {
+        bench = bench.without(refinement);
+    }
     bench.run_until(scene.duration, true, &mut |_| ()).map_err(|error| error.to_string())?;
     let wall_s = started.elapsed().as_secs_f64();
     let (before, after) = bench.energies();

@@ -6,8 +6,11 @@
 
 use serde::Serialize;
 
-use super::comparison::{Run, arrival_error, compare, level, peak_error, run, trace_error, worst};
+use super::comparison::{
+    Run, arrival_error, compare, level, peak_error, run, run_without, trace_error, worst,
+};
 use super::{Integration, method};
+use crate::chain::stepper::Refinement;
 use crate::integrate::Method;
 use crate::scene::Scene;
 
@@ -17,6 +20,11 @@ const TIMED_RUNS: usize = 10;
 const MOST_EVALUATIONS: f64 = 60_000.0;
 /// Tolerance of the reference's steps (1).
 const REFERENCE_TOLERANCE: f64 = 1e-15;
+/// Names of the pairs without what is done about contacts that open and close.
+const UNTREATED: [&str; 2] = [
+    "dormand-el-mikkawy-prince-64, kinks as they are",
+    "dormand-el-mikkawy-prince-86, kinks as they are",
+];
 /// An error above this is no result (1).
 const FAILED: f64 = 1.0;
 /// Orders are fitted where errors lie above this multiple of the reference's own error (1).
@@ -125,9 +133,9 @@ pub fn study(scene: &Scene, progress: &mut dyn FnMut(f64)) -> Result<Study, Stri
     #[allow(clippy::cast_precision_loss, reason = "a few dozen points")]
     let mut report = |done: usize| progress(done as f64 / all as f64);
     let mut points = Vec::new();
-    for (done, method) in settings.iter().enumerate() {
+    for (done, treated) in settings.iter().enumerate() {
         report(done);
-        points.push(point(scene, *method, &exact));
+        points.push(point(scene, *treated, &exact));
     }
     let mut chosen = Vec::new();
     for (done, accuracy) in decades().enumerate() {
@@ -151,8 +159,20 @@ fn decades() -> impl Iterator<Item = f64> {
     (1..=11).map(|decade| 10f64.powi(-decade))
 }
 
+/// A method at one setting, as it is or without what the stepper does about contacts that open and close.
+type Treated = (Method, Option<Refinement>);
+
+/// What stands behind the name of a method whose kinks are left as they are; those that are treated in no way have no such second row.
+fn name(method: Method, without: Option<Refinement>) -> &'static str {
+    match (without, method) {
+        (Some(_), Method::DormandElMikkawyPrince64 { .. }) => UNTREATED[0],
+        (Some(_), Method::DormandElMikkawyPrince86 { .. }) => UNTREATED[1],
+        _ => method.name(),
+    }
+}
+
 /// Every method over its range: steps from the edge of stability down, tolerances from coarse to tight.
-fn settings(scene: &Scene) -> Vec<Method> {
+fn settings(scene: &Scene) -> Vec<Treated> {
     type Make = fn(f64) -> Method;
     let fixed: [Make; 4] = [
         |step| Method::VelocityVerlet { step },
@@ -176,12 +196,16 @@ fn settings(scene: &Scene) -> Vec<Method> {
         let mut step = limit.map_or(1e-6, |limit| 2.0 * limit.step);
         let stages = f64::from(make(step).stages());
         while scene.duration / step * stages <= MOST_EVALUATIONS {
-            settings.push(make(step));
+            settings.push((make(step), None));
             step *= 0.5;
         }
     }
     for make in adaptive.into_iter().filter(|make| suits(make(1.0))) {
-        settings.extend((1..=13).map(|decade| make(10f64.powi(-decade))));
+        let range = || (1..=13).map(|decade| make(10f64.powi(-decade)));
+        settings.extend(range().map(|method| (method, None)));
+        if make(1.0).nystrom().is_some() {
+            settings.extend(range().map(|method| (method, Some(Refinement::KinkCorrection))));
+        }
     }
     settings
 }
@@ -190,9 +214,9 @@ fn setting(method: Method) -> f64 {
     method.fixed_step().map_or_else(|| method.tolerance().unwrap_or(0.0), |(step, _)| step)
 }
 
-fn point(scene: &Scene, method: Method, exact: &Run) -> Point {
+fn point(scene: &Scene, (method, without): Treated, exact: &Run) -> Point {
     let mut point = Point {
-        method: method.name(),
+        method: name(method, without),
         order: method.order(),
         setting: setting(method),
         failed: true,
@@ -204,9 +228,10 @@ fn point(scene: &Scene, method: Method, exact: &Run) -> Point {
         wall_s_median: 0.0,
         wall_s_min: 0.0,
     };
-    let Ok(found) = run(scene, method) else { return point };
+    let run = || run_without(scene, method, without);
+    let Ok(found) = run() else { return point };
     let mut walls = vec![found.wall_s];
-    walls.extend((1..TIMED_RUNS).filter_map(|_| run(scene, method).ok()).map(|r| r.wall_s));
+    walls.extend((1..TIMED_RUNS).filter_map(|_| run().ok()).map(|r| r.wall_s));
     walls.sort_by(f64::total_cmp);
     point.wall_s_min = walls.first().copied().unwrap_or(0.0);
     point.wall_s_median = walls.get(walls.len() / 2).copied().unwrap_or(0.0);

@@ -12,7 +12,7 @@ const CELLS: (usize, usize) = (72, 22);
 const PICTURE: (f64, f64) = (860.0, 560.0);
 const MARGIN: (f64, f64) = (80.0, 50.0);
 /// Letters and colours of the methods in order of appearance.
-const MARKS: [(char, &str); 8] = [
+const MARKS: [(char, &str); 10] = [
     ('v', "#4477aa"),
     ('p', "#66ccee"),
     ('b', "#228833"),
@@ -21,6 +21,8 @@ const MARKS: [(char, &str); 8] = [
     ('d', "#aa3377"),
     ('x', "#888888"),
     ('y', "#444444"),
+    ('w', "#cc6600"),
+    ('z', "#996633"),
 ];
 
 /// Decades spanned by the plot.

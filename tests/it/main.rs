@@ -38,6 +38,7 @@ mod physics;
 mod random_scenes;
 mod readme;
 mod recordings;
+mod refinements;
 mod scene;
 mod scope;
 mod scpi;

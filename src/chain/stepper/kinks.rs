@@ -103,8 +103,9 @@ fn changed(work: &Workspace, row: usize) -> u8 {
 
 /// Whether any contact changed sides.
 #[inline(always)]
-pub fn any(work: &Workspace) -> bool {
-    work.now.closed.iter().zip(&work.next.closed).any(|(now, next)| now != next)
+pub fn any(plan: &Plan, work: &Workspace) -> bool {
+    let rows = plan.rows();
+    work.now.closed[..rows] != work.next.closed[..rows]
 }
 
 /// Corrects the step of `h` (s, lane by lane) that `work` holds. Contacts that could move nothing beyond a share of `slack`, the tolerated

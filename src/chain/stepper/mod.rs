@@ -22,4 +22,4 @@ mod workspace;
 pub use dispatch::InstructionSet;
 pub use force_track::{ForceTrack, LOOKS, Looks, View};
 pub use group::{ChainGroup, Member};
-pub use single::ChainStepper;
+pub use single::{ChainStepper, Refinement};

@@ -158,9 +158,13 @@ fn sweep<L: Lanes, Y: Layout, const FORM: u8>(
 /// The new velocities, with what rounding took from them, and the estimated errors, by the weights `ends` of each stage; their largest magnitudes, and a sum that is
 /// not finite if anything is not.
 #[inline(always)]
-fn speed_up<L: Lanes, Y: Layout, const M: usize>(ends: &[[f64; 3]], h: L::V, work: &mut Workspace) {
+fn speed_up<L: Lanes, Y: Layout, const M: usize>(
+    rows: usize,
+    ends: &[[f64; 3]],
+    h: L::V,
+    work: &mut Workspace,
+) {
     let Workspace { now, next, stages, error_position, error_velocity, largest } = work;
-    let rows = now.velocity.len();
     let square = L::mul(h, h);
     let mut stages_of = [&stages[0][..rows]; M];
     let mut weights = [[h; 3]; M];
@@ -233,7 +237,7 @@ pub fn attempt<L: Lanes, Y: Layout, const FORM: u8>(
     );
     L::store(Y::largest::<L>(overlap), &mut work.largest.overlap);
     match pair.nodes.len() {
-        6 => speed_up::<L, Y, 6>(&quadrature.ends[..6], h, work),
-        _ => speed_up::<L, Y, 9>(&quadrature.ends[..9], h, work),
+        6 => speed_up::<L, Y, 6>(plan.rows(), &quadrature.ends[..6], h, work),
+        _ => speed_up::<L, Y, 9>(plan.rows(), &quadrature.ends[..9], h, work),
     }
 }

@@ -113,6 +113,8 @@ pub enum Form {
 pub struct Plan {
     /// How forces are computed.
     pub form: Form,
+    /// Rows from the first on that the loops go over; in those behind nothing has moved yet.
+    pub live: usize,
     /// `A` of each contact, or its tangent where contacts are linearised (unit).
     pub stiffness: Vec<Row>,
     /// Static overlap of each contact (m).
@@ -181,9 +183,15 @@ impl Plan {
         plan
     }
 
-    /// Number of rows.
+    /// Number of rows that the loops go over.
     #[must_use]
     pub fn rows(&self) -> usize {
+        self.live
+    }
+
+    /// Number of all rows.
+    #[must_use]
+    pub fn all_rows(&self) -> usize {
         self.stiffness.len()
     }
 
@@ -191,6 +199,7 @@ impl Plan {
         let zeros = || vec![Row::default(); rows];
         Self {
             form,
+            live: rows,
             stiffness: zeros(),
             static_overlap: zeros(),
             static_root: zeros(),

@@ -97,7 +97,7 @@ impl<Y: Layout> Task for Attempt<'_, Y> {
         }
         let limits = (&step, &slack);
         let mut guard = Guard::default();
-        let changed = kinks::any(work);
+        let changed = kinks::any(plan, work);
         if changed {
             guard = kinks::correct::<L, Y>(plan, quadrature, work, limits);
         }
@@ -107,7 +107,7 @@ impl<Y: Layout> Task for Attempt<'_, Y> {
         }
         let largest = |rows: &[Row], least: &Row| {
             let mut most = L::load(least);
-            for row in rows {
+            for row in &rows[..plan.rows()] {
                 most = L::max(L::abs(L::load(row)), most);
             }
             let mut out = Row::default();

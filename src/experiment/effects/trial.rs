@@ -5,8 +5,9 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 
 use super::Subject;
+use crate::chain::stepper::Refinement;
 use crate::experiment::acquisition::signals;
-use crate::experiment::comparison::{Run, run};
+use crate::experiment::comparison::{Run, run, run_without};
 use crate::experiment::outcome::{Reading, speeds};
 use crate::experiment::{Integration, method};
 use crate::scene::{Scene, input_load};
@@ -160,10 +161,32 @@ pub fn of_chain(with: &Scene, without: &Scene, accuracy: f64) -> Result<(Cost, C
         method(scene, Integration::Accuracy(accuracy)).map_err(|error| error.to_string())
     };
     let (on_by, off_by) = (prepared(with)?, prepared(without)?);
-    let (on, off): (Run, Run) = (run(with, on_by)?, run(without, off_by)?);
-    let wall = |scene: &Scene, by| run(scene, by).ok().map(|run| run.wall_s);
+    of_runs((with, without), || run(with, on_by), || run(without, off_by))
+}
+
+/// Runs of a scene with and without one of the stepper's refinements, in turn, at the same accuracy.
+///
+/// # Errors
+/// Why one of them cannot be run.
+pub fn of_refinement(
+    subject: &Subject<'_>,
+    refinement: Refinement,
+) -> Result<(Cost, Change), String> {
+    let scene = subject.scene;
+    let by = method(scene, Integration::Accuracy(subject.accuracy)).map_err(|e| e.to_string())?;
+    let without = || run_without(scene, by, Some(refinement));
+    of_runs((scene, scene), || run(scene, by), without)
+}
+
+fn of_runs(
+    (with, without): (&Scene, &Scene),
+    run: impl Fn() -> Result<Run, String>,
+    run_without: impl Fn() -> Result<Run, String>,
+) -> Result<(Cost, Change), String> {
+    let (on, off) = (run()?, run_without()?);
     let steps = (on.work.steps, off.work.steps);
-    let cost = Cost { measured: bill(|| wall(with, on_by), || wall(without, off_by), steps) };
+    let wall = |run: Result<Run, String>| run.ok().map(|run| run.wall_s);
+    let cost = Cost { measured: bill(|| wall(run()), || wall(run_without()), steps) };
     let (fast, slow) = (speeds_of(with, &on.readings), speeds_of(without, &off.readings));
     let ratios = fast.iter().filter_map(|(pair, speed)| {
         let (_, other) = slow.iter().find(|(same, _)| same == pair)?;

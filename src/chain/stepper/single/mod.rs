@@ -1,14 +1,15 @@
 //! One chain, stepped with error control.
 
+mod look;
+
 use std::marker::PhantomData;
 
 use super::dispatch::{InstructionSet, dispatch};
-use super::force_track::{ForceTrack, Sample, View};
-use super::frame::{Ends, Frame, Look};
+use super::frame::Ends;
 use super::kinks::{self, Quadrature};
 use super::lanes::{Row, WIDTH};
 use super::plan::{Along, Form, Plan};
-use super::tasks::{Attempt, Evaluate, Jerks, Settle};
+use super::tasks::{Attempt, Evaluate, Settle};
 use super::workspace::Workspace;
 use crate::chain::Chain;
 use crate::integrate::control::StepControl;
@@ -20,6 +21,20 @@ use crate::integrate::{IntegrateError, Integrator, Interpolant, State, Work};
 pub(super) const FIRST_STEP: f64 = 1e-3;
 /// A corrected position that moved by less than this share of the tolerance keeps its acceleration (1).
 pub(super) const UNMOVED: f64 = 0.03;
+
+/// Rows at rest behind the last that moves: within a step news travel a contact a stage, of which there are fewer than in these.
+const MARGIN: usize = 2;
+
+/// What the stepper does on its own account; to be left out for comparison only.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Refinement {
+    /// Steps in which contacts open or close are put right, and taken again where they may have missed one.
+    KinkCorrection,
+    /// Contacts ahead of the wave, where nothing has moved yet, are left alone.
+    QuietPart,
+    /// The form that forces are computed in: leaving it out takes the other one.
+    ForceForm,
+}
 
 /// A lossless chain under a Runge-Kutta-Nystrom pair.
 pub struct ChainStepper {
@@ -38,8 +53,10 @@ pub struct ChainStepper {
     time: f64,
     last_step: (f64, f64),
     counts: Work,
-    /// Contacts that changed sides in accepted steps.
+    /// Steps tried in which contacts changed sides.
     events: u64,
+    /// Whether kinks are corrected.
+    corrects: bool,
     /// Rates of the accelerations at the start and the end of the last step (m/s³), and which step that was.
     jerks: [Vec<Row>; 2],
     jerks_of: u64,
@@ -71,11 +88,20 @@ impl ChainStepper {
         (pair, tolerance): (&'static NystromPair, f64),
         set: InstructionSet,
     ) -> Self {
+        let form = Form::needed(chain, &state.velocity, tolerance);
+        Self::with_form(chain, state, (pair, tolerance), (set, form))
+    }
+
+    fn with_form(
+        chain: &Chain,
+        state: &State,
+        (pair, tolerance): (&'static NystromPair, f64),
+        (set, form): (InstructionSet, Form),
+    ) -> Self {
         let velocities = &state.velocity;
-        let form = Form::needed(chain, velocities, tolerance);
         let mut plan = Plan::along(chain, form);
         dispatch(set, Settle::<Along>(&mut plan, PhantomData));
-        let mut work = Workspace::new(plan.rows(), pair.nodes.len());
+        let mut work = Workspace::new(plan.all_rows(), pair.nodes.len());
         for (i, velocity) in velocities.iter().enumerate() {
             work.now.velocity[i / WIDTH].0[i % WIDTH] = *velocity;
         }
@@ -87,10 +113,17 @@ impl ChainStepper {
             set,
             Evaluate::<Along> { plan: &plan, motion, acceleration: first, layout: PhantomData },
         );
+        work.next.closed.clone_from(&work.now.closed);
+        let moves = |row: usize| {
+            let all = [&work.now.velocity[row], &work.now.position[row], &work.stages[0][row]];
+            all.iter().any(|row| **row != Row::default())
+        };
+        let last = (0..plan.all_rows()).rev().find(|row| moves(*row)).unwrap_or(0);
+        plan.live = (last + 1 + MARGIN).min(plan.all_rows());
         let bodies = chain.bodies().len();
         let speed = velocities.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
         let scales = (chain.impact_overlap(velocities).max(overlap.0[0]), speed);
-        let zeros = || vec![Row::default(); plan.rows()];
+        let zeros = || vec![Row::default(); plan.all_rows()];
         Self {
             set,
             pair,
@@ -105,6 +138,7 @@ impl ChainStepper {
             last_step: (state.time, 0.0),
             counts: Work { force_evaluations: 1, ..Work::default() },
             events: 0,
+            corrects: true,
             jerks: [zeros(), zeros()],
             jerks_of: u64::MAX,
             frame: [zeros(), zeros()],
@@ -112,12 +146,47 @@ impl ChainStepper {
         }
     }
 
+    /// The stepper, not yet started on `chain`, without one of its refinements.
+    #[must_use]
+    pub fn without(mut self, refinement: Refinement, chain: &Chain) -> Self {
+        match refinement {
+            Refinement::KinkCorrection => self.corrects = false,
+            Refinement::QuietPart => self.plan.live = self.plan.all_rows(),
+            Refinement::ForceForm => {
+                let form = match self.plan.form {
+                    Form::Plain => Form::Exact,
+                    Form::Exact => Form::Plain,
+                    Form::Linear => Form::Linear,
+                };
+                let setting = (self.pair, self.tolerance);
+                return Self::with_form(chain, &self.state(), setting, (self.set, form));
+            }
+        }
+        self
+    }
+
+    /// Steps tried in which contacts opened or closed.
+    #[must_use]
+    pub fn events(&self) -> u64 {
+        self.events
+    }
+
+    /// Goes on with the rows that the motion has come near to.
+    fn follow_front(&mut self) {
+        let (live, all) = (self.plan.live, self.plan.all_rows());
+        let ahead = live.saturating_sub(MARGIN)..live;
+        if live < all && self.work.now.velocity[ahead].iter().any(|row| *row != Row::default()) {
+            self.plan.live = (live + MARGIN).min(all);
+        }
+    }
+
     /// Tries a step of `h` (s) and returns its error as a multiple of the tolerance (1).
     fn attempt(&mut self, h: f64) -> f64 {
         let Self { set, plan, pair, quadrature, work, .. } = self;
         let step = Row([h; WIDTH]);
-        let slack =
-            kinks::slack(self.tolerance, self.scales, self.lightest).map(|s| Row([s; WIDTH]));
+        // Without corrections no impulse is worth one.
+        let tolerance = if self.corrects { self.tolerance } else { f64::INFINITY };
+        let slack = kinks::slack(tolerance, self.scales, self.lightest).map(|s| Row([s; WIDTH]));
         let layout = PhantomData;
         let task = Attempt::<Along> { plan, pair, quadrature, work, step, slack, layout };
         let guard = dispatch(*set, task);
@@ -146,65 +215,6 @@ impl ChainStepper {
             Evaluate::<Along> { plan, motion: &mut work.next, acceleration, layout: PhantomData };
         work.largest.overlap = dispatch(*set, task);
         self.counts.force_evaluations += 1;
-    }
-}
-
-/// The first values of rows.
-fn flat(rows: &[Row], count: usize) -> impl Iterator<Item = f64> {
-    rows.iter().flat_map(|row| row.0).take(count)
-}
-
-impl ChainStepper {
-    /// Brings `views` up to the end of the last step; all of them if `all`, or only those that feel something.
-    pub fn look(&mut self, views: &mut [View], all: bool) {
-        self.find_jerks();
-        let ends = self.ends();
-        dispatch(self.set, Look::<Along> { ends, lane: 0, views, all, layout: PhantomData });
-    }
-
-    /// Displacements (m) and changes of the contact forces (N) at the fraction `theta` of the last step (1).
-    pub fn frame(&mut self, theta: f64) -> (impl Iterator<Item = f64>, impl Iterator<Item = f64>) {
-        self.find_jerks();
-        let mut frame = std::mem::take(&mut self.frame);
-        let [position, force] = &mut frame;
-        let task = Frame { plan: &self.plan, ends: self.ends(), theta, position, force };
-        dispatch(self.set, task);
-        self.frame = frame;
-        let [position, force] = &self.frame;
-        (flat(position, self.bodies), flat(force, self.bodies + 1))
-    }
-
-    /// The forces of `track` from the fraction `first` of the step on, every `interval` of it (1).
-    pub fn sample(&self, track: &ForceTrack, (first, interval): (f64, f64), out: &mut [f64]) {
-        dispatch(self.set, Sample { track, first, interval, out });
-    }
-
-    fn find_jerks(&mut self) {
-        if self.jerks_of == self.counts.steps {
-            return;
-        }
-        let Self { set, plan, work, jerks, .. } = self;
-        let [before, after] = jerks;
-        if self.jerks_of.wrapping_add(1) == self.counts.steps {
-            std::mem::swap(before, after);
-        } else {
-            let motion = &work.next;
-            dispatch(*set, Jerks::<Along> { plan, motion, out: before, layout: PhantomData });
-        }
-        let motion = &work.now;
-        dispatch(*set, Jerks::<Along> { plan, motion, out: after, layout: PhantomData });
-        self.jerks_of = self.counts.steps;
-    }
-
-    /// The last step's ends: what was the start stays where the next step will end.
-    fn ends(&self) -> Ends<'_> {
-        let Workspace { now, next, stages, .. } = &self.work;
-        let last = self.pair.nodes.len() - 1;
-        Ends {
-            from: [&next.position, &next.velocity, &stages[last], &self.jerks[0]],
-            to: [&now.position, &now.velocity, &stages[0], &self.jerks[1]],
-            span: self.last_step,
-        }
     }
 }
 
@@ -251,6 +261,7 @@ impl Integrator for ChainStepper {
             let largest = &self.work.largest;
             self.scales.0 = self.scales.0.max(largest.overlap.0[0]);
             self.scales.1 = self.scales.1.max(largest.speed.0[0]);
+            self.follow_front();
             return Ok(());
         }
     }

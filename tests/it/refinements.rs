@@ -1,0 +1,66 @@
+//! What the stepper does on its own account changes what it is to change, and nothing else.
+
+use hertzscope::chain::stepper::Refinement;
+use hertzscope::experiment::bench::Bench;
+use hertzscope::experiment::for_accuracy;
+use hertzscope::integrate::{Method, State, Work};
+
+use super::chains::{NEVER, diatomic};
+
+/// A chain of 300 cells under `force` (N), its first bead kicked, after `time` (s).
+fn after(force: f64, method: Method, without: Option<Refinement>, time: f64) -> (State, Work) {
+    let chain = diatomic(300, force, false);
+    let mut velocities = vec![0.0; chain.bodies().len()];
+    velocities[0] = 0.4;
+    let mut bench = Bench::new(&chain, &velocities, method, &[], (NEVER, NEVER));
+    if let Some(refinement) = without {
+        bench = bench.without(refinement);
+    }
+    bench.run_until(time, false, &mut |_| ()).expect("a run");
+    (bench.state(), bench.work())
+}
+
+/// Beads ahead of the wave are left alone, and no bit changes: of a wave on its way, and of one that has come back.
+#[test]
+fn the_quiet_part_changes_no_bit() {
+    for force in [0.0, 2.38] {
+        for (accuracy, time) in [(1e-3, 1e-3), (1e-6, 3e-3), (1e-9, 30e-3)] {
+            let method = for_accuracy(accuracy);
+            let (with, work) = after(force, method, None, time);
+            let (all, same_work) = after(force, method, Some(Refinement::QuietPart), time);
+            let moved = all.velocity.iter().filter(|v| **v != 0.0).count();
+            println!("{force} N, {accuracy:e}, {time} s: {moved} of {} move", all.velocity.len());
+            assert_eq!(work, same_work);
+            assert_eq!(with, all, "{force} N at {accuracy:e}");
+            // Otherwise there would have been nothing to leave alone.
+            assert_eq!(moved < all.velocity.len() / 2, time < 5e-3, "{moved}");
+        }
+    }
+}
+
+/// Both forms are the same force; rounding tells them apart, and no more.
+#[test]
+fn the_form_of_the_forces_changes_rounding_alone() {
+    let method = for_accuracy(1e-9);
+    let (plain, _) = after(2.38, method, None, 2e-3);
+    let (exact, _) = after(2.38, method, Some(Refinement::ForceForm), 2e-3);
+    let most = plain.velocity.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    let pairs = plain.velocity.iter().zip(&exact.velocity);
+    let off = pairs.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs())) / most;
+    println!("{off:.1e}");
+    assert!(off > 0.0 && off < 1e-9, "{off:e}");
+}
+
+/// Without the correction, steps of the same tolerance go wrong by more where contacts open.
+#[test]
+fn kinks_that_are_left_alone_cost_accuracy() {
+    let error = |without| {
+        let (found, _) = after(0.0, for_accuracy(1e-7), without, 2e-3);
+        let (exact, _) = after(0.0, Method::DormandPrince853 { tolerance: 1e-13 }, None, 2e-3);
+        let pairs = found.velocity.iter().zip(&exact.velocity);
+        pairs.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()))
+    };
+    let (with, without) = (error(None), error(Some(Refinement::KinkCorrection)));
+    println!("{with:.1e} with, {without:.1e} without");
+    assert!(with < without, "{with:e}, {without:e}");
+}
