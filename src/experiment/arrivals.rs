@@ -111,9 +111,9 @@ pub struct Survey {
 /// Reads arrivals and speeds off `shot` of `set`.
 #[must_use]
 pub fn survey(set: &TraceSet, shot: &Shot) -> Survey {
-    let sensors = recorded::sensors(set);
+    let sensors = recorded::sensors_of(set, shot.number);
     let mut notes = Vec::new();
-    let scene = match recorded::scene(set) {
+    let scene = match recorded::scene_of(set, shot.number) {
         Some(Ok(scene)) => Some(scene),
         Some(Err(error)) => {
             notes.push(format!("no distances: the recording's scene cannot be read: {error}"));

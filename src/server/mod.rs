@@ -103,7 +103,12 @@ pub fn serve(
         let hislip = sockets.hislip.map(listener).transpose().map_err(start)?;
         let bench = bench::Handle::start().map_err(start)?;
         let (pieces, inbox) = mpsc::channel(PIECES);
-        let mut owner = Owner::new(scene, &options, bench, recording.map(Recorder::new));
+        let mut owner = Owner::new(
+            scene,
+            &options,
+            bench,
+            recording.map(|writer| Recorder::new(writer, scene)),
+        );
         let mut links = JoinSet::new();
         let done = tokio::select! {
             () = shutdown => Ok(()),

@@ -7,10 +7,10 @@ use std::time::Duration;
 use tokio::sync::mpsc;
 use tokio::time::{Instant, Interval, MissedTickBehavior, interval_at};
 
-use super::bench::{Handle, Struck, Truth};
+use super::bench::{Handle, Struck};
 use super::desk::{Desk, Talker};
 use super::link::{Answer, News, Protocol};
-use super::recorder::Recorder;
+use super::recorder::{Caught, Recorder};
 use super::stand::Stand;
 use super::{Options, ServeError};
 use crate::hislip;
@@ -44,8 +44,8 @@ pub struct Owner {
     stand: Stand,
     impact_every: Option<Duration>,
     switched_on: Instant,
-    /// What no scope saw of the shot that it triggered on last, by its number.
-    caught: Option<(u32, Truth)>,
+    /// The shot that the scope triggered on last.
+    caught: Option<Caught>,
 }
 
 impl Owner {
@@ -150,14 +150,15 @@ impl Owner {
 
     /// Hands over what a strike brought.
     fn feel(&mut self, struck: Struck) -> Result<(), ServeError> {
-        let Struck { shot, signals } = struck;
+        let Struck { shot, scene, signals } = struck;
         let instrument = &mut self.desk.instrument;
         match signals {
             Ok((signals, truth)) => {
                 instrument.bench.impacts = instrument.bench.impacts.saturating_add(1);
                 let accepted = instrument.accept_signals(&signals);
                 if matches!(accepted, Accepted::Triggered { .. }) {
-                    self.caught = Some((shot, truth));
+                    let is_served = self.stand.is_served(&scene);
+                    self.caught = Some(Caught { shot, truth, scene, is_served });
                 }
                 Ok(())
             }
@@ -246,11 +247,10 @@ impl Owner {
         let finished = self.desk.instrument.take_finished();
         let Some(recorder) = &mut self.desk.recorder else { return Ok(()) };
         if let Some(finished) = finished {
-            let truth = self
+            let caught = self
                 .caught
-                .take_if(|(shot, _)| finished.trigger.is_some_and(|trigger| trigger.shot == *shot));
-            let truth = truth.map(|(_, truth)| truth);
-            recorder.captures(finished, truth, &self.desk.instrument);
+                .take_if(|caught| finished.trigger.is_some_and(|t| t.shot == caught.shot));
+            recorder.captures(finished, caught, &mut self.desk.instrument);
         }
         recorder.keep_up()
     }
