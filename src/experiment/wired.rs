@@ -83,11 +83,14 @@ pub fn wire(set: &mut TraceSet, channel: &str, sensor: &Sensor) -> Result<(), Sc
     facts.extend(uncertainty("time_constant_u_relative", measured.time_constant_u));
     let facts: BTreeMap<String, String> =
         facts.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
-    let of_shots = set.shots.iter().map(|shot| format!("hertzscope:shot/{}", shot.number));
-    let own: Vec<String> = of_shots.filter(|name| set.metadata.contains_key(name)).collect();
-    for bench in own.iter().map(String::as_str).chain(["hertzscope:"]) {
-        let slash = if bench.ends_with(':') { "" } else { "/" };
-        set.metadata.insert(format!("{bench}{slash}sensor/{channel}"), facts.clone());
+    let shots = set.shots.iter().map(|shot| format!("hertzscope:shot/{}", shot.number));
+    let own = shots.filter(|name| set.metadata.contains_key(name));
+    let groups: Vec<String> = own
+        .map(|shot| format!("{shot}/sensor/{channel}"))
+        .chain([format!("hertzscope:sensor/{channel}")])
+        .collect();
+    for group in groups {
+        set.metadata.insert(group, facts.clone());
     }
     Ok(())
 }

@@ -43,6 +43,7 @@ pub struct Owner {
     bench: Handle,
     stand: Stand,
     impact_every: Option<Duration>,
+    orders: Option<mpsc::Receiver<()>>,
     switched_on: Instant,
     /// The shot that the scope triggered on last.
     caught: Option<Caught>,
@@ -50,12 +51,7 @@ pub struct Owner {
 
 impl Owner {
     /// Switches the instrument on, set as in the scene.
-    pub fn new(
-        scene: &Scene,
-        options: &Options,
-        bench: Handle,
-        recorder: Option<Recorder>,
-    ) -> Self {
+    pub fn new(scene: &Scene, options: Options, bench: Handle, recorder: Option<Recorder>) -> Self {
         let mut instrument = Instrument::of(&scene.scope, scene.seed);
         let stand = Stand::new(scene, &mut instrument);
         Self {
@@ -65,6 +61,7 @@ impl Owner {
             bench,
             stand,
             impact_every: options.impact_every,
+            orders: options.strikes,
             caught: None,
             switched_on: Instant::now(),
         }
@@ -77,6 +74,7 @@ impl Owner {
     pub async fn run(&mut self, mut news: mpsc::Receiver<News>) -> Result<(), ServeError> {
         let mut ticks = every(TICK);
         let mut strikes = self.impact_every.map(every);
+        let mut orders = self.orders.take();
         loop {
             tokio::select! {
                 heard = news.recv() => {
@@ -91,6 +89,9 @@ impl Owner {
                 }
                 () = tick(strikes.as_mut()) => {
                     self.strike();
+                }
+                () = order(orders.as_mut()) => {
+                    self.desk.instrument.bench.ask_for_impact();
                 }
                 _ = ticks.tick() => {}
             }
@@ -261,6 +262,16 @@ fn every(period: Duration) -> Interval {
     let mut ticks = interval_at(Instant::now() + period, period);
     ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
     ticks
+}
+
+/// The next strike that somebody beside the bench asks for; never where nobody does any more.
+async fn order(orders: Option<&mut mpsc::Receiver<()>>) {
+    if let Some(orders) = orders
+        && orders.recv().await.is_some()
+    {
+        return;
+    }
+    pending::<()>().await;
 }
 
 /// The next strike's time; never where nobody strikes.

@@ -11,6 +11,7 @@ use crate::instrument::{Finished, Instrument};
 use crate::recording::mcap::{RecordingWriter, ShotNotes, WriteError};
 use crate::recording::{self, Capture, Direction, Origin, ScpiLine, Shot};
 use crate::scene::Scene;
+use crate::scope::{Source, Waveform};
 use crate::scpi::{Line, Preferences, Reply, Session};
 
 /// Lines are with the operating system after this time.
@@ -100,11 +101,14 @@ impl Recorder {
             (None, None) => format!("shot {}: not triggered by an impact", self.shots),
         };
         let truth = caught.map(|caught| caught.truth);
+        // As the scope saves all that it displays: the math trace of these records, and the references.
+        let others = [Source::Math].into_iter().chain(('A'..='D').map(Source::Reference));
+        let others: Vec<Waveform> = others.filter_map(|s| instrument.waveform(s).ok()).collect();
         let shot = Shot {
             number: self.shots,
             origin: Origin::Simulated,
             timestamp_ns: self.now(),
-            captures: finished.records.into_iter().map(capture).collect(),
+            captures: finished.records.into_iter().chain(others).map(capture).collect(),
             trigger_time: truth
                 .as_ref()
                 .zip(finished.trigger)

@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 
 use hertzscope::experiment::{Integration, facts, recorded, run};
 use hertzscope::recording::mcap::{RecordingWriter, read};
-use hertzscope::recording::{Direction, TraceSet};
+use hertzscope::recording::{Direction, TraceSet, tek_csv};
 use hertzscope::scene::Scene;
 use hertzscope::server::Options;
 
@@ -180,6 +180,44 @@ fn a_shot_tells_its_own_bench() {
     assert!(saved("ALL0001/F0001TEK.SET").contains(":CH1:PROBE 1;SCALE 1.59E0"));
     assert!(saved("ALL0002/F0002TEK.SET").contains(":CH1:PROBE 1;SCALE 1.0E0"));
     assert!(saved("ALL0001/F0001CH1.CSV").contains("Vertical Scale,1.590000e+00"));
+}
+
+/// What the scope displays beside its channels is saved with them: the spectrum as 1024 bins in dB, the reference as the levels it was
+/// copied from. The files are the ones that the readers take.
+#[test]
+fn spectrum_and_reference_are_saved_beside_the_channels() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("session.mcap");
+    let server = recorded(&file);
+    let first = shot(&server);
+    let mut client = server.connect();
+    client
+        .send(b"SAVE:WAVE CH1,REFA;:SEL:REFA ON;:MATH:DEFINE \"FFT(CH2,HANNING)\";:SEL:MATH ON\n");
+    let second = strike(client);
+    let mut client = server.connect();
+    let spectrum = client.ask("DATA:SOU MATH;STAR 1;STOP 2500;:CURVE?");
+    drop(server);
+    let set = read(&file).expect("a recording");
+    let names = |shot: usize| -> Vec<String> {
+        set.shots[shot].captures.iter().map(|c| c.waveform.source.to_string()).collect()
+    };
+    assert_eq!(names(0), ["CH1", "CH2", "CH3", "CH4"]);
+    assert_eq!(names(1), ["CH1", "CH2", "CH3", "CH4", "MATH", "REFA"]);
+    let target = folder.path().join("files");
+    let mut convert = Command::new(env!("CARGO_BIN_EXE_hertzscope"));
+    let done = convert.arg("convert").arg(&file).arg(&target).output().expect("a program");
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let saved = |name: &str| {
+        let bytes = std::fs::read(target.join("ALL0001").join(name)).expect("a file");
+        let capture = tek_csv::read(&bytes, name).expect("a native file");
+        assert_eq!(tek_csv::write(&capture).expect("the same").into_bytes(), bytes, "{name}");
+        capture.waveform
+    };
+    assert_eq!((saved("F0001RFA.CSV").codes, saved("F0001CH1.CSV").codes), (first, second));
+    let bins = saved("F0001MTH.CSV");
+    let told: Vec<i16> = spectrum.trim_end().split(',').map(|k| k.parse().expect("k")).collect();
+    assert_eq!((bins.codes.len(), bins.preamble.y_unit.as_str()), (1024, "dB"));
+    assert_eq!(bins.codes, told);
 }
 
 /// SIGKILL leaves no time to end the recording: what was triggered and said before is still read, and analysed.
