@@ -3,7 +3,7 @@
 //! Each step begins with two bytes: which of five connections it is about and what happens there (bytes come, or a message with a
 //! sound header around them, or it is closed), and how many bytes belong to it. Time passes between steps.
 
-#![no_main]
+#![cfg_attr(not(test), no_main)]
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -13,7 +13,6 @@ use hertzscope::hislip::{Instrument as Behind, Server};
 use hertzscope::instrument::Instrument;
 use hertzscope::scene::Scene;
 use hertzscope::scpi::{Preferences, Reply, Session};
-use libfuzzer_sys::fuzz_target;
 
 static SCENE: LazyLock<Scene> = LazyLock::new(|| Scene::load("magnet-0.61g").expect("it ships"));
 
@@ -81,7 +80,8 @@ impl Behind for Desk {
     }
 }
 
-fuzz_target!(|input: &[u8]| {
+/// One input.
+pub fn run(input: &[u8]) {
     let instrument = Instrument::new(SCENE.scope.model.clone(), 0.0, 1);
     let mut desk = Desk { instrument, sessions: BTreeMap::new() };
     let mut server = Server::default();
@@ -135,4 +135,7 @@ fuzz_target!(|input: &[u8]| {
         server.closed(slot, &mut desk);
     }
     assert!(desk.sessions.is_empty(), "every session ends with its connections");
-});
+}
+
+#[cfg(not(test))]
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| run(bytes));

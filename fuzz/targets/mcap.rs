@@ -1,12 +1,15 @@
 //! Recordings, sound or damaged.
 
-#![no_main]
+#![cfg_attr(not(test), no_main)]
 
 use std::path::Path;
 
 use hertzscope::recording::mcap::read_bytes;
-use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|bytes: &[u8]| {
+/// One input.
+pub fn run(bytes: &[u8]) {
     let _ = read_bytes(bytes, Path::new("F.mcap"));
-});
+}
+
+#[cfg(not(test))]
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| run(bytes));

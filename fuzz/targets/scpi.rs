@@ -3,14 +3,13 @@
 //! The first byte of every piece says what happens: to whom the bytes go, whether the link ends the message, a device clear, time,
 //! a signal at the inputs.
 
-#![no_main]
+#![cfg_attr(not(test), no_main)]
 
 use std::sync::LazyLock;
 
 use hertzscope::instrument::{Instrument, Signals};
 use hertzscope::scene::Scene;
 use hertzscope::scpi::{MAXIMUM_REPLY, Preferences, Reply, Session};
-use libfuzzer_sys::fuzz_target;
 
 static SCENE: LazyLock<Scene> = LazyLock::new(|| Scene::load("magnet-0.61g").expect("it ships"));
 
@@ -21,7 +20,8 @@ fn length(reply: Reply) -> usize {
     }
 }
 
-fuzz_target!(|input: &[u8]| {
+/// One input.
+pub fn run(input: &[u8]) {
     let scene = &*SCENE;
     let mut instrument = Instrument::new(scene.scope.model.clone(), 0.02, 1);
     instrument.bench.scene.striker_mass = Some(1e-3);
@@ -52,7 +52,13 @@ fuzz_target!(|input: &[u8]| {
                 assert!(wanted.interval > 0.0);
                 let pulse = vec![(0..200).map(|n| f64::from(n - 100) * 0.05).collect()];
                 let interval = wanted.interval;
-                instrument.accept_signals(&Signals { interval, automatic: 100, volts: pulse, external: Vec::new(), shot: 1 });
+                instrument.accept_signals(&Signals {
+                    interval,
+                    automatic: 100,
+                    volts: pulse,
+                    external: Vec::new(),
+                    shot: 1,
+                });
             }
             4 => session.interrupt(&mut instrument),
             _ => {}
@@ -64,4 +70,7 @@ fuzz_target!(|input: &[u8]| {
             let _ = session.take_transcript();
         }
     }
-});
+}
+
+#[cfg(not(test))]
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| run(bytes));

@@ -28,16 +28,19 @@ pub fn saved(set: &TraceSet, shot: &Shot) -> Result<Saved, SceneError> {
         // Whatever model it was: any of the family draws it.
         let model = data::instrument_names("").first().copied().unwrap_or_default();
         let mut instrument = Instrument::new(oscilloscope(model)?, 0.0, 0);
-        let mut session = Session::new(Preferences::new(false));
-        session.receive(&mut instrument, &file.data);
+        set_up_as(&mut instrument, &file.data);
         let screen = screen_of(&mut instrument, shot);
         return Ok(Saved { set_up: Some(file.data.clone()), screen });
     }
-    let Some(scene) = recorded::scene(set) else {
+    let Some(scene) = recorded::scene_of(set, shot.number) else {
         return Ok(Saved { set_up: None, screen: Screen::of_captures(&shot.captures) });
     };
     let scene = scene?;
     let mut instrument = Instrument::of(&scene.scope, scene.seed);
+    // A served scope is set as its clients left it.
+    if let Some(notes) = set.notes.get(&shot.number) {
+        set_up_as(&mut instrument, notes.set_up.as_bytes());
+    }
     let screen = screen_of(&mut instrument, shot);
     let mut session = Session::new(Preferences::new(true));
     let set_up = match session.receive(&mut instrument, b"SET?\n") {
@@ -45,6 +48,16 @@ pub fn saved(set: &TraceSet, shot: &Shot) -> Result<Saved, SceneError> {
         Reply::None | Reply::WhenIdle(_) => None,
     };
     Ok(Saved { set_up, screen })
+}
+
+/// Sets an instrument as `SET?` told of one, scales between the steps included.
+fn set_up_as(instrument: &mut Instrument, told: &[u8]) {
+    for number in 1..=instrument.model.channels {
+        instrument.panel.channel_mut(number).fine = true;
+    }
+    let mut session = Session::new(Preferences::new(false));
+    session.receive(instrument, told);
+    session.end_of_message(instrument);
 }
 
 /// The instrument's screen with the traces of a shot, spectra and references included.

@@ -3,10 +3,12 @@
 use std::future::pending;
 use std::net::{SocketAddr, TcpListener};
 use std::path::{Path, PathBuf};
+use std::thread;
 use std::time::Duration;
 
 use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
+use tokio::sync::mpsc;
 
 use crate::experiment::accuracy::of_scene;
 use crate::experiment::{Integration, facts};
@@ -30,6 +32,9 @@ pub struct Arguments {
     /// Strike the chain this often, e.g. 2s [default: when a client says BENCh:IMPact]
     #[arg(long, value_name = "T", value_parser = period)]
     impact_every: Option<Duration>,
+    /// Strike the chain at every line on standard input: Enter, in the terminal where this runs
+    #[arg(long)]
+    impact_on_enter: bool,
     /// Write every command, every reply and every triggered record to this recording (.mcap), overwriting what is there
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
@@ -89,8 +94,14 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(hislip) = &hislip {
         super::print(&format!("HiSLIP on {}", hislip.local_addr()?))?;
     }
-    let options =
-        Options { header: arguments.header == Switch::On, impact_every: arguments.impact_every };
+    if arguments.impact_on_enter {
+        super::print("Enter strikes the chain")?;
+    }
+    let options = Options {
+        header: arguments.header == Switch::On,
+        impact_every: arguments.impact_every,
+        strikes: arguments.impact_on_enter.then(lines),
+    };
     server::serve(Sockets { raw, hislip }, &scene, options, recording, stopped())?;
     if let Some(file) = &arguments.record {
         super::print(&format!("recording   {}", file.display()))?;
@@ -109,6 +120,19 @@ fn create_recording(file: &Path, scene: &Scene) -> anyhow::Result<RecordingWrite
         recording.insert("time_base".to_owned(), times.to_owned());
     }
     Ok(RecordingWriter::create(file, &known, &[facts::scene_attachment(scene)])?)
+}
+
+/// A message for every line on standard input, until it ends.
+fn lines() -> mpsc::Receiver<()> {
+    let (sender, receiver) = mpsc::channel(1);
+    thread::spawn(move || {
+        for line in std::io::stdin().lines() {
+            if line.is_err() || sender.blocking_send(()).is_err() {
+                break;
+            }
+        }
+    });
+    receiver
 }
 
 /// Waits for Ctrl-C, or for what ends a service.

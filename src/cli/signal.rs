@@ -70,7 +70,7 @@ fn capture(set: &TraceSet, shot: &Shot, channel: Option<&str>) -> anyhow::Result
     let Some(mut trace) = capture.trace() else {
         bail!("{name}: found a record over frequency, expected one over time");
     };
-    let sensors = recorded::sensors(set);
+    let sensors = recorded::sensors_of(set, shot.number);
     let sensor = sensors.iter().find(|sensor| sensor.channel.as_ref() == Some(&name));
     if let Some(sensor) = sensor {
         trace.name = format!("{name}, sensor {}", sensor.name);
@@ -93,7 +93,7 @@ fn truth(set: &TraceSet, shot: &Shot, name: &str) -> anyhow::Result<Signal> {
         let names: Vec<String> = shot.truth.iter().map(topic).collect();
         bail!("found no truth `{name}`, expected one of: {}", names.join(", "));
     };
-    let sensors = recorded::sensors(set);
+    let sensors = recorded::sensors_of(set, shot.number);
     let topic = topic(trace);
     let sensor = sensors.iter().find(|s| Some(s.name.as_str()) == topic.strip_prefix("sensor/"));
     let offset = trace.values.first().copied().unwrap_or(0.0);

@@ -86,7 +86,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let settings =
         Settings { window: arguments.window.window(), gate, offset, ..Settings::default() };
     let map = Spectrogram::of(&mut Analyser::new(), &trace, &settings, Pieces { segment, hop })?;
-    let scene = recorded::scene(&set).and_then(Result::ok);
+    let scene = recorded::scene_of(&set, shot.number).and_then(Result::ok);
     let chain = site.zip(scene).and_then(|(site, scene)| recorded::cell(&scene, site));
     let highest = chain.map_or(SHOWN * 0.5 / trace.interval, |chain| BEYOND * chain.cutoff());
     let title = format!("{}: {}", arguments.file.display(), trace.name);

@@ -89,7 +89,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let spectrum = Analyser::new().spectrum(&trace, &settings)?;
     let mut peaks = spectrum.peaks(LISTED);
     peaks.truncate(MOST);
-    let (chain, notes) = chain(&set, site);
+    let (chain, notes) = chain(&set, shot.number, site);
     let title = format!("{}: {}", arguments.file.display(), trace.name);
     let page = SpectrumPage { title, spectrum, peaks, chain, offset, notes };
     if let Some(file) = &arguments.plot {
@@ -106,12 +106,13 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
 /// The chain around the sensor, and why there is none if there is none.
 fn chain(
     set: &TraceSet,
+    shot: u32,
     site: Option<Site>,
 ) -> (Option<crate::analysis::dispersion::DiatomicChain>, Vec<String>) {
     let Some(site) = site else {
         return (None, vec!["no band edges: where the signal was felt is not told".to_owned()]);
     };
-    match recorded::scene(set) {
+    match recorded::scene_of(set, shot) {
         Some(Ok(scene)) => match recorded::cell(&scene, site) {
             Some(cell) => (Some(cell), vec![SMALL_SIGNALS.to_owned()]),
             None => (

@@ -5,7 +5,7 @@ use crate::recording::{Capture, Instrument, Origin, Shot};
 use crate::scene::{Scene, Site, input_load};
 use crate::scope::acquire::{Found, before_trigger, digitise, find_trigger};
 use crate::scope::front_end::{condition, noise_stream};
-use crate::scope::{ChannelSetup, Source};
+use crate::scope::{ChannelSetup, Source, TriggerSource};
 use crate::sensor::Load;
 use crate::trace::Trace;
 
@@ -58,20 +58,31 @@ fn sensed(
     Some(circuit.respond(&force).values)
 }
 
-/// Vertical scale of the channel that triggers (V/div).
+/// What the sensitivity of the trigger's source counts in: a channel's vertical scale (V/div).
 pub fn trigger_scale(scene: &Scene) -> Option<f64> {
-    let Source::Channel(number) = scene.scope.trigger.source else { return None };
-    Some(scene.scope.channels.get(usize::from(number) - 1)?.as_ref()?.vertical.scale)
+    let setup = &scene.scope;
+    match setup.trigger.source {
+        TriggerSource::Channel(number) => {
+            Some(setup.channels.get(usize::from(number) - 1)?.as_ref()?.vertical.scale)
+        }
+        external @ (TriggerSource::External | TriggerSource::External5) => {
+            Some(external.external_scale(&setup.model))
+        }
+        TriggerSource::Line => None,
+    }
 }
 
-/// Where the scope triggers.
+/// Where the scope triggers. A scene never leaves the trigger to the mains.
 pub fn trigger(scene: &Scene, bench: &Bench<'_>, grid: Grid, shot: u32) -> Option<Found> {
     let scale = trigger_scale(scene)?;
-    let Source::Channel(number) = scene.scope.trigger.source else { return None };
-    let signals = signals(scene, bench, grid, shot);
-    let signal = signals.get(usize::from(number) - 1)?.as_ref()?;
+    let signal = match scene.scope.trigger.source.channel() {
+        Some(number) => {
+            signals(scene, bench, grid, shot).into_iter().nth(usize::from(number) - 1)??
+        }
+        None => external(scene, bench, grid),
+    };
     let earliest = before_trigger(&scene.scope);
-    find_trigger(&scene.scope, scale, signal, grid.samples_until(0.0), earliest)
+    find_trigger(&scene.scope, scale, &signal, grid.samples_until(0.0), earliest)
 }
 
 /// Captures and truth of one trigger.

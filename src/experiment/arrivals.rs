@@ -111,9 +111,9 @@ pub struct Survey {
 /// Reads arrivals and speeds off `shot` of `set`.
 #[must_use]
 pub fn survey(set: &TraceSet, shot: &Shot) -> Survey {
-    let sensors = recorded::sensors(set);
+    let sensors = recorded::sensors_of(set, shot.number);
     let mut notes = Vec::new();
-    let scene = match recorded::scene(set) {
+    let scene = match recorded::scene_of(set, shot.number) {
         Some(Ok(scene)) => Some(scene),
         Some(Err(error)) => {
             notes.push(format!("no distances: the recording's scene cannot be read: {error}"));
@@ -135,7 +135,9 @@ pub fn survey(set: &TraceSet, shot: &Shot) -> Survey {
             placed.push(Placed { channel: name, site, pulse });
         }
     }
-    if channels.iter().any(|channel| !channel.droop_undone) {
+    let over_time = |capture: &Capture| capture.waveform.preamble.x_unit == "s";
+    let mut of_time = channels.iter().zip(&shot.captures).filter(|(_, c)| over_time(c));
+    if of_time.any(|(channel, _)| !channel.droop_undone) {
         notes.push(
             "a sensor's time constant is not known: its droop moves arrivals by more than is stated"
                 .to_owned(),

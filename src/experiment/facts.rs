@@ -106,6 +106,33 @@ fn sensor_facts(scene: &Scene, placed: &PlacedSensor) -> Vec<(&'static str, Stri
     facts
 }
 
+/// The metadata of shot `number` in a recording of another scene, or of the same with other knobs: its scene, what was turned
+/// of it, and its sensors.
+#[must_use]
+pub fn shot_facts(scene: &Scene, number: u32, impact: u32) -> Facts {
+    let mut known = vec![
+        ("scene", scene.name.clone()),
+        ("scene_sha256", scene.hash.clone()),
+        ("seed", scene.seed.to_string()),
+        ("impact", impact.to_string()),
+    ];
+    let knobs = [
+        ("striker_mass_kg", scene.spec.striker.as_ref().map(|striker| striker.mass)),
+        ("striker_speed_m_s", scene.striker_speed()),
+        ("magnet_force_n", scene.spec.effects.magnet_preload.map(|magnet| magnet.force)),
+    ];
+    known.extend(knobs.into_iter().filter_map(|(key, value)| Some((key, value?.to_string()))));
+    let group = |pairs: Vec<(&str, String)>| {
+        pairs.into_iter().map(|(key, value)| (key.to_owned(), value)).collect()
+    };
+    let mut facts = Facts::from([(format!("hertzscope:shot/{number}"), group(known))]);
+    for (index, sensor) in (1..).zip(&scene.sensors) {
+        let name = format!("hertzscope:shot/{number}/sensor/{index}");
+        facts.insert(name, group(sensor_facts(scene, sensor)));
+    }
+    facts
+}
+
 /// The scene as typed, to travel with the recording.
 #[must_use]
 pub fn scene_attachment(scene: &Scene) -> Attachment {

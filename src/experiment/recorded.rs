@@ -36,10 +36,45 @@ pub fn scene(set: &TraceSet) -> Option<Result<Scene, SceneError>> {
     Some(Scene::from_text(name, &attachment.name, &text))
 }
 
+/// The scene of one shot: that of the recording, or where the shot has another, that one, with what was turned of it.
+///
+/// # Errors
+/// As [`scene`].
+pub fn scene_of(set: &TraceSet, shot: u32) -> Option<Result<Scene, SceneError>> {
+    let Some(facts) = set.metadata.get(&format!("hertzscope:shot/{shot}")) else {
+        return scene(set);
+    };
+    let name = facts.get("scene")?;
+    let file = format!("{name}.toml");
+    let attachment = set.attachments.iter().find(|attachment| attachment.name == file)?;
+    let text = String::from_utf8_lossy(&attachment.data);
+    let knob = |key: &str| facts.get(key)?.parse().ok();
+    let (mass, speed) = (knob("striker_mass_kg"), knob("striker_speed_m_s"));
+    match Scene::from_text(name, &file, &text) {
+        Ok(scene) => Some(Ok(scene.altered(mass, speed, knob("magnet_force_n")).ok()?)),
+        Err(error) => Some(Err(error)),
+    }
+}
+
 /// The sensors that a recording's metadata name.
 #[must_use]
 pub fn sensors(set: &TraceSet) -> Vec<RecordedSensor> {
-    let groups = set.metadata.iter().filter(|(name, _)| name.starts_with("hertzscope:sensor/"));
+    sensors_below(set, "hertzscope:sensor/")
+}
+
+/// The sensors of one shot: those of the recording, or where the shot has a scene of its own, that one's.
+#[must_use]
+pub fn sensors_of(set: &TraceSet, shot: u32) -> Vec<RecordedSensor> {
+    let own = format!("hertzscope:shot/{shot}");
+    if set.metadata.contains_key(&own) {
+        sensors_below(set, &format!("{own}/sensor/"))
+    } else {
+        sensors(set)
+    }
+}
+
+fn sensors_below(set: &TraceSet, prefix: &str) -> Vec<RecordedSensor> {
+    let groups = set.metadata.iter().filter(|(name, _)| name.starts_with(prefix));
     groups.map(|(_, facts)| sensor(facts)).collect()
 }
 

@@ -4,6 +4,8 @@
 //! constant's (`u(tau)/tau` times what droop took away), the baseline's and the noise's, the latter two grown by the inverse filter.
 //! Source: JCGM 100:2008, 5.1.2. Valid from a start at rest and discharged.
 
+use std::collections::BTreeMap;
+
 use super::recorded::{self, RecordedSensor};
 use crate::analysis::droop::{error_gain, undo_droop};
 use crate::analysis::pulse::{Conditions, Pulse, PulseError};
@@ -66,9 +68,8 @@ pub fn wire(set: &mut TraceSet, channel: &str, sensor: &Sensor) -> Result<(), Sc
     let setup = ChannelSetup { vertical, input: None, offset: 0.0, deviation };
     let circuit = sensor.connect(input_load(&model, &setup));
     let channel = channel.to_ascii_uppercase();
-    set.metadata.retain(|name, facts| {
-        !name.starts_with("hertzscope:sensor/") || facts.get("channel") != Some(&channel)
-    });
+    set.metadata
+        .retain(|name, facts| !name.contains("sensor/") || facts.get("channel") != Some(&channel));
     let mut facts = vec![
         ("name", sensor.model.clone()),
         ("model", sensor.model.clone()),
@@ -80,15 +81,24 @@ pub fn wire(set: &mut TraceSet, channel: &str, sensor: &Sensor) -> Result<(), Sc
     let uncertainty = |key, value: Option<f64>| value.map(|value| (key, value.to_string()));
     facts.extend(uncertainty("sensitivity_u_relative", measured.sensitivity_u));
     facts.extend(uncertainty("time_constant_u_relative", measured.time_constant_u));
-    let facts = facts.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
-    set.metadata.insert(format!("hertzscope:sensor/{channel}"), facts);
+    let facts: BTreeMap<String, String> =
+        facts.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
+    let shots = set.shots.iter().map(|shot| format!("hertzscope:shot/{}", shot.number));
+    let own = shots.filter(|name| set.metadata.contains_key(name));
+    let groups: Vec<String> = own
+        .map(|shot| format!("{shot}/sensor/{channel}"))
+        .chain([format!("hertzscope:sensor/{channel}")])
+        .collect();
+    for group in groups {
+        set.metadata.insert(group, facts.clone());
+    }
     Ok(())
 }
 
 /// Forces of all channels of `shot`, or why there are none.
 #[must_use]
 pub fn forces(set: &TraceSet, shot: &Shot) -> Vec<Result<Forces, ForcesError>> {
-    let sensors = recorded::sensors(set);
+    let sensors = recorded::sensors_of(set, shot.number);
     shot.captures.iter().map(|capture| of_channel(capture, &sensors)).collect()
 }
 

@@ -6,12 +6,12 @@
 //! in seconds on any clock that does not run backwards.
 
 use super::outcome::{Accepted, Finished, InFlight, Trigger};
-use super::panel::{AcquireMode, Panel, StopAfter, TriggerSource};
+use super::panel::{AcquireMode, Panel, StopAfter};
 use super::record::{Acquirer, Signals, fold_average, sample_interval};
 use super::scan::Sweep;
 use super::timing::{after_trigger, before_trigger, samples, scans};
 use super::word::words;
-use crate::scope::{Setup, Source, TriggerMode, Waveform};
+use crate::scope::{Setup, Source, TriggerMode, TriggerSource, Waveform};
 
 /// Automatic mode waits for a trigger at least this long (s).
 const PATIENCE: f64 = 0.05;
@@ -205,13 +205,15 @@ impl Acquisition {
         let now = self.now;
         let sweep = self.sweep.get_or_insert_with(|| Sweep::start(by, now));
         let single = by.panel.acquire.stop_after == StopAfter::Sequence;
-        let progress = sweep.advance(by, now, single);
+        let depth = by.panel.acquire.depth();
+        let progress = sweep.advance(by, now, single.then_some(depth));
         if !progress.moved {
             return;
         }
-        let records = sweep.records(by);
         self.count = self.count.saturating_add(progress.sweeps);
-        if single && progress.sweeps > 0 {
+        let done = single && self.count >= depth;
+        let records = sweep.records(by, !done);
+        if done {
             self.running = false;
             self.sweep = None;
             self.finished = Some(Finished { records: records.clone(), trigger: None });
@@ -269,7 +271,7 @@ impl Acquisition {
     ) {
         self.count = self.count.saturating_add(1);
         let averages = panel.acquire.mode == AcquireMode::Average;
-        let depth = if averages { panel.acquire.averages } else { 1 };
+        let depth = panel.acquire.depth();
         for record in &mut records {
             if averages
                 && let Source::Channel(number) = record.source

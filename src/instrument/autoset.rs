@@ -7,10 +7,10 @@ use super::limits;
 use super::measure::measure;
 use super::panel::{
     AcquireMode, Cursor, CursorFunction, DisplayFormat, EdgeCoupling, MeasurementType, StopAfter,
-    TriggerSource, TriggerType, View,
+    TriggerType, View,
 };
 use super::{Instrument, Source};
-use crate::scope::{Coupling, TriggerMode};
+use crate::scope::{Coupling, TriggerMode, TriggerSource};
 
 /// Swing that is aimed at (div).
 const SWING: f64 = 4.0;
@@ -42,7 +42,8 @@ impl Instrument {
                 vertical.coupling = Some(Coupling::Dc);
             }
             if let Some(swing) = swing {
-                let scale = limits::vertical_scale(&self.model, swing / SWING, vertical.probe);
+                let scale =
+                    limits::vertical_scale(&self.model, (swing / SWING, vertical.probe), false);
                 vertical.scale = scale;
             }
         }
@@ -84,7 +85,7 @@ impl Instrument {
 
     /// The trigger looks at channel `number`, half way between the extremes of its record, if there is one.
     fn centre_trigger_on(&mut self, number: u8) {
-        self.panel.trigger.source = TriggerSource::of_channel(number);
+        self.panel.trigger.source = TriggerSource::Channel(number);
         let Ok(record) = self.waveform(Source::Channel(number)) else { return };
         let reading = |kind| measure(kind, &record).unwrap_or(0.0);
         let level =

@@ -2,7 +2,7 @@
 //!
 //! Numbers are clamped and snapped, never refused. How far each knob turns is the model's data file's to say.
 
-use super::panel::{Panel, TriggerSource};
+use super::panel::{Channel, Panel};
 use crate::scope::Model;
 use crate::scope::model::ROUNDED_UP;
 
@@ -19,10 +19,28 @@ pub fn rounded(value: f64, digits: usize) -> f64 {
     format!("{value:.*E}", digits.saturating_sub(1)).parse().unwrap_or(value)
 }
 
-/// A vertical scale through a probe: the nearest step of the model's 1-2-5 series (V/div).
+/// Digits of a fine vertical scale: real files hold 59 and 288 mV/div.
+const FINE_DIGITS: usize = 3;
+
+/// A vertical scale (V/div) through a probe (1): the nearest step of the model's 1-2-5 series, or if fine any between the
+/// smallest and the largest, to three digits (V/div).
 #[must_use]
-pub fn vertical_scale(model: &Model, scale: f64, probe: f64) -> f64 {
-    rounded(nearest(scale / probe, &model.vertical_scales) * probe, 9)
+pub fn vertical_scale(model: &Model, (scale, probe): (f64, f64), fine: bool) -> f64 {
+    let steps = &model.vertical_scales;
+    let at_input = match (steps.first(), steps.last()) {
+        (Some(least), Some(most)) if fine => {
+            rounded(within(scale / probe, (*least, *most)), FINE_DIGITS)
+        }
+        _ => nearest(scale / probe, steps),
+    };
+    rounded(at_input * probe, 9)
+}
+
+/// Turns a channel to the scale nearest to `scale` (V/div); the position stays within its reach there.
+pub fn turn_scale(model: &Model, channel: &mut Channel, scale: f64) {
+    let vertical = &mut channel.vertical;
+    vertical.scale = vertical_scale(model, (scale, vertical.probe), channel.fine);
+    vertical.position = vertical_position(model, vertical.position, vertical.scale, vertical.probe);
 }
 
 /// A vertical position at a scale through a probe, in steps of a level of the digitiser (div).
@@ -67,17 +85,14 @@ pub fn within(value: f64, (least, most): (f64, f64)) -> f64 {
 /// A trigger level: within the reach of its source (V).
 #[must_use]
 pub fn trigger_level(model: &Model, panel: &Panel, level: f64) -> f64 {
-    let (low, high) = match panel.trigger.source {
-        TriggerSource::External => (-model.external_trigger_range, model.external_trigger_range),
-        TriggerSource::External5 => {
-            (-5.0 * model.external_trigger_range, 5.0 * model.external_trigger_range)
-        }
-        TriggerSource::Line => (0.0, 0.0),
-        channel => {
-            let vertical = panel.channel(channel.channel().unwrap_or(1)).vertical;
-            let volts = |divisions: f64| (divisions - vertical.position) * vertical.scale;
-            (volts(-model.trigger_range), volts(model.trigger_range))
-        }
+    let source = panel.trigger.source;
+    let (low, high) = if let Some(number) = source.channel() {
+        let vertical = panel.channel(number).vertical;
+        let volts = |divisions: f64| (divisions - vertical.position) * vertical.scale;
+        (volts(-model.trigger_range), volts(model.trigger_range))
+    } else {
+        let reach = source.reach(model);
+        (-reach, reach)
     };
     rounded(level.clamp(low, high), 7)
 }

@@ -4,12 +4,10 @@ use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 use super::outcome::Trigger;
-use super::panel::{
-    AcquireMode, EdgeCoupling, Panel, PulsePolarity, PulseWhen, TriggerSource, TriggerType,
-};
+use super::panel::{AcquireMode, EdgeCoupling, Panel, PulsePolarity, PulseWhen, TriggerType};
 use crate::scope::acquire::{Found, digitise, find_trigger, level};
 use crate::scope::front_end::{condition, high_pass, low_pass, noise_stream};
-use crate::scope::{PointFormat, Setup, Source, TriggerMode, Waveform};
+use crate::scope::{PointFormat, Setup, Source, TriggerMode, TriggerSource, Waveform};
 
 /// What the bench puts at the inputs: volts at the probes' tips on one sample grid.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -32,8 +30,6 @@ const EQUAL_SHARE: f64 = 0.05;
 const SHARE_OF_PEAK: f64 = 0.25;
 /// Most samples that peak detection looks at for one point.
 const DENSEST: f64 = 100.0;
-/// How much weaker the external input is with its divider (1).
-const DIVIDER: f64 = 5.0;
 
 /// One acquisition: settings and the seed of the noise.
 pub struct Acquirer<'a> {
@@ -115,17 +111,16 @@ impl Acquirer<'_> {
 
     /// The external input or the mains on the grid of the signals, and the scale that its sensitivity counts in (V/div).
     fn other_source(&self, external: &[f64], samples: usize, start: f64) -> (Vec<f64>, f64) {
-        let model = &self.setup.model;
-        let scale = model.external_trigger_range / model.trigger_range;
-        if self.panel.trigger.source == TriggerSource::Line {
+        let (model, source) = (&self.setup.model, self.panel.trigger.source);
+        if source == TriggerSource::Line {
             let phase =
                 |n| TAU * model.line_frequency * (start + count(n) * self.sample_interval());
+            let scale = TriggerSource::External.external_scale(model);
             return ((0..samples).map(|n| phase(n).sin()).collect(), scale);
         }
         let mut volts = external.to_vec();
         volts.resize(samples, external.last().copied().unwrap_or(0.0));
-        let divided = self.panel.trigger.source == TriggerSource::External5;
-        (volts, if divided { DIVIDER * scale } else { scale })
+        (volts, source.external_scale(model))
     }
 
     fn find(&self, signal: Option<&[f64]>, scale: f64, automatic: usize) -> Option<Found> {

@@ -2,14 +2,17 @@
 //!
 //! Blank points stand at the converter's lowest level; times count from the screen's left edge. Source: records that
 //! instruments of this family saved in scan mode, 250 such points in each, and all that a first sweep had not reached.
+//! Peak detection keeps the extremes of each two intervals; an average is that of the sweeps at each point, for which no real
+//! record speaks. A single sequence ends after one sweep, or as many as are averaged.
 
 use std::collections::VecDeque;
 
-use super::record::{Acquirer, Signals};
+use super::panel::AcquireMode;
+use super::record::{Acquirer, Signals, sample_interval};
 use crate::scope::acquire::{digitise, level};
 use crate::scope::front_end::{condition, noise_stream};
 use crate::scope::waveform::LOWEST_CODE;
-use crate::scope::{ChannelSetup, Source, Waveform};
+use crate::scope::{ChannelSetup, PointFormat, Source, Waveform};
 
 /// A sweep under way.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,6 +28,8 @@ pub struct Sweep {
 #[derive(Debug, Clone, PartialEq)]
 struct Lane {
     codes: Vec<i16>,
+    /// Mean level of each point over the sweeps so far, where records are averaged.
+    means: Vec<f64>,
     /// Points that signals have brought and the sweep has not reached.
     ahead: VecDeque<i16>,
 }
@@ -42,12 +47,13 @@ impl Sweep {
     /// A sweep that starts at `now` (s) on a blank screen.
     pub fn start(by: &Acquirer<'_>, now: f64) -> Self {
         let codes = vec![LOWEST_CODE; by.setup.model.record_length];
-        let lane = Lane { codes, ahead: VecDeque::new() };
+        let means = vec![0.0; codes.len()];
+        let lane = Lane { codes, means, ahead: VecDeque::new() };
         let lanes = std::array::from_fn(|_| lane.clone());
         Self { started: now, written: 0, lanes, batches: 0 }
     }
 
-    /// Puts down what arrives now: the next points are its first sample of each interval.
+    /// Puts down what arrives now: the next points are its first sample of each interval, or in peak detection its extremes.
     pub fn accept(&mut self, by: &Acquirer<'_>, signals: &Signals) {
         let Some(step) = step(by, signals.interval) else { return };
         for (number, channel, lane) in recorded(by, &mut self.lanes) {
@@ -55,25 +61,28 @@ impl Sweep {
             let volts = volts.unwrap_or_default();
             let mut noise = noise_stream(by.seed, signals.shot, number);
             let signal = condition(by.setup, channel, signals.interval, volts, &mut noise);
-            let points = signal.iter().skip(signals.automatic).step_by(step);
-            lane.ahead = points
-                .take(by.setup.model.record_length)
-                .map(|volts| level(&channel.vertical, *volts))
-                .collect();
+            let signal = signal.get(signals.automatic..).unwrap_or_default();
+            lane.ahead = points(by, channel, signal, step).collect();
+            lane.ahead.truncate(by.setup.model.record_length);
         }
     }
 
-    /// Writes all points until `now` (s), of a single sweep no more than it has.
+    /// Writes all points until `now` (s), no more than those of `most` sweeps.
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "`as` takes a clock that runs backwards to zero"
     )]
-    pub fn advance(&mut self, by: &Acquirer<'_>, now: f64, single: bool) -> Progress {
-        let points = by.setup.model.record_length.max(1);
+    pub fn advance(&mut self, by: &Acquirer<'_>, now: f64, most: Option<u32>) -> Progress {
+        let points_of_sweep = by.setup.model.record_length.max(1);
         let interval = by.setup.model.interval(by.setup.time_base);
+        let dense = sample_interval(by.panel, by.setup);
+        let per_point = step(by, dense).unwrap_or(1);
         let due = ((now - self.started) / interval * (1.0 + 1e-12)).floor() as usize;
-        let due = if single { due.min(points) } else { due };
+        // In peak detection two points belong together.
+        let due = if peaks(by) { due - due % 2 } else { due };
+        let due =
+            most.map_or(due, |sweeps| due.min(points_of_sweep.saturating_mul(sweeps as usize)));
         let before = self.written;
         let new = due.saturating_sub(before);
         if new == 0 {
@@ -82,26 +91,27 @@ impl Sweep {
         self.written = due;
         self.batches = self.batches.wrapping_add(1);
         // Points of sweeps that are over by now were overwritten.
-        let first = due - new.min(points);
+        let first = due - new.min(points_of_sweep);
         let lost = first - before;
         let batch = u32::MAX - self.batches;
-        for (number, channel, Lane { codes, ahead }) in recorded(by, &mut self.lanes) {
-            ahead.drain(..lost.min(ahead.len()));
+        let depth = by.panel.acquire.depth();
+        for (number, channel, lane) in recorded(by, &mut self.lanes) {
+            lane.ahead.drain(..lost.min(lane.ahead.len()));
             let mut noise = noise_stream(by.seed, batch, number);
-            let quiet = condition(by.setup, channel, interval, &vec![0.0; due - first], &mut noise);
-            for (index, volts) in (first..due).zip(quiet) {
-                let code = ahead.pop_front().unwrap_or_else(|| level(&channel.vertical, volts));
-                if let Some(place) = codes.get_mut(index % points) {
-                    *place = code;
-                }
+            let silence = vec![0.0; (due - first) * per_point];
+            let quiet = condition(by.setup, channel, dense, &silence, &mut noise);
+            for (index, quiet) in (first..due).zip(points(by, channel, &quiet, per_point)) {
+                let code = lane.ahead.pop_front().unwrap_or(quiet);
+                lane.write(index % points_of_sweep, code, sweep(index / points_of_sweep, depth));
             }
         }
-        let sweeps = u32::try_from(due / points - before / points).unwrap_or(u32::MAX);
+        let sweeps = due / points_of_sweep - before / points_of_sweep;
+        let sweeps = u32::try_from(sweeps).unwrap_or(u32::MAX);
         Progress { moved: true, sweeps }
     }
 
-    /// What the screen shows of each channel that is recorded.
-    pub fn records(&self, by: &Acquirer<'_>) -> Vec<Waveform> {
+    /// What the screen shows of each channel that is recorded; a sweep that goes on has a blank ahead of it.
+    pub fn records(&self, by: &Acquirer<'_>, goes_on: bool) -> Vec<Waveform> {
         let points = by.setup.model.record_length.max(1);
         let gap = gap(by);
         let end = self.written % points;
@@ -111,12 +121,15 @@ impl Sweep {
             let channel = channel.as_ref().filter(|_| by.panel.records(number))?;
             let mut record = digitise(by.setup, source, channel, &[], 0);
             record.codes.clone_from(&lane.codes);
-            if self.written > points {
+            if goes_on && self.written > points {
                 for index in end..end + gap {
                     if let Some(code) = record.codes.get_mut(index % points) {
                         *code = LOWEST_CODE;
                     }
                 }
+            }
+            if peaks(by) {
+                record.preamble.pt_fmt = PointFormat::Envelope;
             }
             record.preamble.x_zero = 0.0;
             record.trigger_point = 0.0;
@@ -124,6 +137,50 @@ impl Sweep {
         };
         channels.filter_map(record).collect()
     }
+}
+
+impl Lane {
+    /// Writes a point in sweep `sweep` (counted from 1), beyond the first as a mean with what stands there.
+    fn write(&mut self, place: usize, code: i16, sweep: u32) {
+        if let (Some(mean), Some(point)) = (self.means.get_mut(place), self.codes.get_mut(place)) {
+            *mean = if sweep <= 1 {
+                f64::from(code)
+            } else {
+                *mean + (f64::from(code) - *mean) / f64::from(sweep)
+            };
+            #[allow(clippy::cast_possible_truncation, reason = "a mean of levels is a level")]
+            let level = mean.round() as i16;
+            *point = level;
+        }
+    }
+}
+
+fn peaks(by: &Acquirer<'_>) -> bool {
+    by.panel.acquire.mode == AcquireMode::PeakDetect
+}
+
+/// Number of a sweep before which `index` were complete, counted from 1, no more than `most`.
+fn sweep(index: usize, most: u32) -> u32 {
+    u32::try_from(index).unwrap_or(u32::MAX).saturating_add(1).min(most)
+}
+
+/// Levels of the points of a signal with `step` samples to each: the first of them, or in peak detection the lowest and the
+/// highest of two points' in turn.
+fn points<'a>(
+    by: &Acquirer<'_>,
+    channel: &'a ChannelSetup,
+    signal: &'a [f64],
+    step: usize,
+) -> Box<dyn Iterator<Item = i16> + 'a> {
+    let code = |volts: f64| level(&channel.vertical, volts);
+    if !peaks(by) {
+        return Box::new(signal.iter().step_by(step).map(move |volts| code(*volts)));
+    }
+    Box::new(signal.chunks(2 * step).flat_map(move |window| {
+        let low = window.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = window.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        [code(low), code(high)]
+    }))
 }
 
 /// Channels that are recorded, with what belongs to each.

@@ -1,6 +1,6 @@
 //! Settings that are words: one spelling, its capitals the shortest form that the remote interface takes.
 
-use crate::scope::{Coupling, Slope, Source, TriggerMode};
+use crate::scope::{Coupling, Slope, Source, TriggerMode, TriggerSource};
 
 /// A setting that the remote interface names with one word.
 pub trait Word: Copy + PartialEq + Sync + 'static {
@@ -62,6 +62,18 @@ impl Word for Slope {
 impl Word for TriggerMode {
     const WORDS: &'static [(Self, &'static str)] =
         &[(Self::Auto, "AUTO"), (Self::Normal, "NORMal")];
+}
+
+impl Word for TriggerSource {
+    const WORDS: &'static [(Self, &'static str)] = &[
+        (Self::Channel(1), "CH1"),
+        (Self::Channel(2), "CH2"),
+        (Self::Channel(3), "CH3"),
+        (Self::Channel(4), "CH4"),
+        (Self::External, "EXT"),
+        (Self::External5, "EXT5"),
+        (Self::Line, "LINE"),
+    ];
 }
 
 impl Word for Source {

@@ -117,7 +117,8 @@ pub struct Attachment {
 pub struct TraceSet {
     /// The triggers in order of time.
     pub shots: Vec<Shot>,
-    /// Named groups of facts: `hertzscope:recording`, `hertzscope:scope`, `hertzscope:sensor/<n>`.
+    /// Named groups of facts: `hertzscope:recording`, `hertzscope:scope`, `hertzscope:sensor/<n>`; `hertzscope:shot/<n>` and
+    /// `hertzscope:shot/<n>/sensor/<k>` for a shot of another scene.
     pub metadata: BTreeMap<String, BTreeMap<String, String>>,
     /// Files carried along.
     pub attachments: Vec<Attachment>,

@@ -4,7 +4,7 @@ use super::oscilloscope;
 use super::reader::{Bound, Table};
 use crate::quantity::{Dimension, engineering};
 use crate::scope::{
-    ChannelSetup, Coupling, Deviation, Model, Setup, Slope, Source, Trigger, TriggerMode,
+    ChannelSetup, Coupling, Deviation, Model, Setup, Slope, Trigger, TriggerMode, TriggerSource,
     VerticalSetup,
 };
 use crate::sensor::Load;
@@ -45,7 +45,8 @@ pub fn scope(table: &Table<'_>, sensors: &[&str], duration: Option<f64>) -> Opti
     }
     let trigger = table.table("trigger").and_then(|trigger| {
         let on: Vec<bool> = keys.iter().map(|key| table.has(key)).collect();
-        let read = trigger_setup(&trigger, model.as_ref(), &channels, &on);
+        let inputs = Inputs { channels: &channels, on: &on, external: table.has("external") };
+        let read = trigger_setup(&trigger, model.as_ref(), &inputs);
         trigger.finish();
         read
     });
@@ -118,18 +119,33 @@ fn channel_setup(
     Some(ChannelSetup { vertical, input, offset, deviation: Deviation::default() })
 }
 
-fn trigger_setup(
-    table: &Table<'_>,
-    model: Option<&Model>,
-    channels: &[Option<ChannelSetup>],
-    on: &[bool],
-) -> Option<Trigger> {
-    let sources: Vec<(String, Source)> =
-        (1..).zip(channels).map(|(n, _)| (format!("CH{n}"), Source::Channel(n))).collect();
-    let words: Vec<(&str, Source)> = sources.iter().map(|(name, s)| (name.as_str(), *s)).collect();
-    let source = table.choice("source", &words);
+/// Where a trigger could look.
+struct Inputs<'a> {
+    channels: &'a [Option<ChannelSetup>],
+    /// Which channels have a table, sound or not.
+    on: &'a [bool],
+    /// Whether the external input has one.
+    external: bool,
+}
+
+fn trigger_setup(table: &Table<'_>, model: Option<&Model>, inputs: &Inputs<'_>) -> Option<Trigger> {
+    let channels = (1..).zip(inputs.channels).map(|(n, _)| TriggerSource::Channel(n));
+    let sources: Vec<(String, TriggerSource)> = channels
+        .chain([TriggerSource::External, TriggerSource::External5])
+        .map(|source| (source.to_string(), source))
+        .collect();
+    let words: Vec<(&str, TriggerSource)> =
+        sources.iter().map(|(name, s)| (name.as_str(), *s)).collect();
+    let source = if table.is_word("source", "LINE") {
+        let expected =
+            "a source that the impact reaches: the mains, at any phase, know nothing of it";
+        table.problem("source", "\"LINE\"", expected);
+        None
+    } else {
+        table.choice("source", &words)
+    };
     if source.is_none() && !table.has("source") {
-        table.problem("source", "no such key", "the channel to watch, e.g. \"CH1\"");
+        table.problem("source", "no such key", "what to watch, e.g. \"CH1\"");
     }
     let level = table.required("level", Dimension::VOLTAGE, Bound::Any);
     let slope_words = [("rise", Slope::Rise), ("fall", Slope::Fall)];
@@ -137,22 +153,32 @@ fn trigger_setup(
     let slope = table.choice("slope", &slope_words).unwrap_or(Slope::Rise);
     let mode = table.choice("mode", &mode_words).unwrap_or(TriggerMode::Auto);
     let (source, level) = (source?, level?);
-    let Source::Channel(number) = source else {
-        return None;
-    };
-    let index = usize::from(number) - 1;
-    let Some(channel) = channels.get(index).and_then(Option::as_ref) else {
-        // A channel that is there but wrong has left its own problem.
-        if !on.get(index).copied().unwrap_or(false) {
-            table.problem("source", source.to_string(), "a channel that is on");
+    if let Some(number) = source.channel() {
+        let index = usize::from(number) - 1;
+        let Some(channel) = inputs.channels.get(index).and_then(Option::as_ref) else {
+            // A channel that is there but wrong has left its own problem.
+            if !inputs.on.get(index).copied().unwrap_or(false) {
+                table.problem("source", source.to_string(), "a channel that is on");
+            }
+            return None;
+        };
+        let vertical = channel.vertical;
+        let divisions = level / vertical.scale + vertical.position;
+        if let Some(range) = model.map(|m| m.trigger_range).filter(|range| divisions.abs() > *range)
+        {
+            let expected = format!("a level within {range} div of the screen's centre");
+            table.problem("level", engineering(level, "V", 3), expected);
         }
-        return None;
-    };
-    let vertical = channel.vertical;
-    let divisions = level / vertical.scale + vertical.position;
-    if let Some(range) = model.map(|m| m.trigger_range).filter(|range| divisions.abs() > *range) {
-        let expected = format!("a level within {range} div of the screen's centre");
-        table.problem("level", engineering(level, "V", 3), expected);
+    } else {
+        if !inputs.external {
+            let expected = "a sensor at the external input, [scope.external]";
+            table.problem("source", source.to_string(), expected);
+        }
+        let reach = model.map(|model| source.reach(model)).filter(|reach| level.abs() > *reach);
+        if let Some(reach) = reach {
+            let expected = format!("a level within {} at {source}", engineering(reach, "V", 3));
+            table.problem("level", engineering(level, "V", 3), expected);
+        }
     }
     Some(Trigger { source, level, slope, mode })
 }

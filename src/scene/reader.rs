@@ -183,6 +183,12 @@ impl<'a> Table<'a> {
         self.text(key)
     }
 
+    /// Whether `key` is this word.
+    pub fn is_word(&self, key: &'static str, word: &str) -> bool {
+        let text = self.node(key).map(|node| &node.value);
+        matches!(text, Some(Value::Text(text)) if text.eq_ignore_ascii_case(word))
+    }
+
     /// One of several words.
     pub fn choice<T: Copy>(&self, key: &'static str, words: &[(&str, T)]) -> Option<T> {
         let node = self.node(key)?;

@@ -12,5 +12,5 @@ pub mod setup;
 pub mod waveform;
 
 pub use model::Model;
-pub use setup::{ChannelSetup, Deviation, Setup, Slope, Trigger, TriggerMode};
+pub use setup::{ChannelSetup, Deviation, Setup, Slope, Trigger, TriggerMode, TriggerSource};
 pub use waveform::{Coupling, PointFormat, Preamble, Source, VerticalSetup, Waveform};

@@ -1,10 +1,12 @@
 //! The front panel: how the scope is set before it is armed.
 
+use std::fmt;
+
 use rand_distr::{Distribution as _, StandardUniform};
 use rand_pcg::Pcg64;
 
 use super::model::Model;
-use super::waveform::{Source, VerticalSetup};
+use super::waveform::VerticalSetup;
 
 /// A channel that is on.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,11 +62,65 @@ pub enum TriggerMode {
     Normal,
 }
 
+/// How much farther the external input reaches with its divider (1).
+const DIVIDER: f64 = 5.0;
+
+/// Where the trigger looks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum TriggerSource {
+    /// An input channel, counted from 1.
+    Channel(u8),
+    /// The external input.
+    External,
+    /// The external input divided by five.
+    External5,
+    /// The mains.
+    Line,
+}
+
+impl TriggerSource {
+    /// The channel's number, counted from 1; none for what is no channel.
+    #[must_use]
+    pub fn channel(self) -> Option<u8> {
+        match self {
+            Self::Channel(number) => Some(number),
+            Self::External | Self::External5 | Self::Line => None,
+        }
+    }
+
+    /// Farthest level of a source that is no channel; the mains have none to set (V).
+    #[must_use]
+    pub fn reach(self, model: &Model) -> f64 {
+        match self {
+            Self::External => model.external_trigger_range,
+            Self::External5 => DIVIDER * model.external_trigger_range,
+            Self::Channel(_) | Self::Line => 0.0,
+        }
+    }
+
+    /// What the sensitivity of the external input counts in, as a channel's does in its scale (V/div).
+    #[must_use]
+    pub fn external_scale(self, model: &Model) -> f64 {
+        self.reach(model) / model.trigger_range
+    }
+}
+
+impl fmt::Display for TriggerSource {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Channel(number) => write!(f, "CH{number}"),
+            Self::External => f.write_str("EXT"),
+            Self::External5 => f.write_str("EXT5"),
+            Self::Line => f.write_str("LINE"),
+        }
+    }
+}
+
 /// The edge trigger.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trigger {
-    /// The channel that is watched.
-    pub source: Source,
+    /// What is watched.
+    pub source: TriggerSource,
     /// Level to cross (V).
     pub level: f64,
     /// Direction of the crossing.

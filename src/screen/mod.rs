@@ -18,12 +18,12 @@ pub use picture::{HEIGHT, Ink, Picture, WIDTH};
 
 use crate::instrument::acquisition::State;
 use crate::instrument::panel::{
-    AcquireMode, CursorFunction, DisplayFormat, DisplayStyle, TriggerSource, TriggerType, View,
+    AcquireMode, CursorFunction, DisplayFormat, DisplayStyle, TriggerType, View,
 };
 use crate::instrument::word::Word as _;
 use crate::instrument::{Instrument, Panel};
 use crate::recording::Capture;
-use crate::scope::{Slope, Source, Waveform};
+use crate::scope::{Slope, Source, TriggerSource, Waveform};
 
 /// Everything that a picture of the screen shows.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -11,8 +11,7 @@ use super::draw::{CENTRE, CORNER, SPAN, dots, line, text, text_to};
 use super::picture::{Ink, Picture};
 use super::readout::readout;
 use super::{Screen, TriggerReadout, type_name};
-use crate::instrument::panel::TriggerSource;
-use crate::scope::{Slope, Source, Waveform};
+use crate::scope::{Slope, Source, TriggerSource, Waveform};
 
 /// Left edge of the menu.
 const MENU: i32 = 267;
@@ -84,7 +83,7 @@ fn trigger(picture: &mut Picture, trigger: &TriggerReadout, traces: &[Waveform])
         TriggerSource::External => "Ext".to_owned(),
         TriggerSource::External5 => "Ext/5".to_owned(),
         TriggerSource::Line => "AC Line".to_owned(),
-        _ => source.map(|source| source.to_string()).unwrap_or_default(),
+        TriggerSource::Channel(number) => format!("CH{number}"),
     };
     text(picture, (x, y), &name, ink);
     let after = x + 5 * i32::try_from(name.len()).unwrap_or(0) + 4;

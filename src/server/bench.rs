@@ -33,6 +33,8 @@ pub struct Handle {
 pub struct Struck {
     /// Number of the shot.
     pub shot: u32,
+    /// The bench that was struck.
+    pub scene: Arc<Scene>,
     /// The signals at the scope's inputs, and what no scope saw.
     pub signals: Result<(Signals, Truth), RunError>,
 }
@@ -100,5 +102,5 @@ fn strike(order: &Order) -> Struck {
         };
         (signals, truth)
     });
-    Struck { shot: *shot, signals }
+    Struck { shot: *shot, scene: Arc::clone(scene), signals }
 }

@@ -46,12 +46,14 @@ pub struct Sockets {
 }
 
 /// How the server behaves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Default)]
 pub struct Options {
     /// Whether headers stand before answers on a fresh connection (`HEADer`).
     pub header: bool,
     /// From one strike to the next; none leaves the chain at rest until a client strikes it.
     pub impact_every: Option<Duration>,
+    /// Strikes that somebody beside the bench asks for, one a message.
+    pub strikes: Option<mpsc::Receiver<()>>,
 }
 
 /// Why a server ended by itself.
@@ -103,7 +105,8 @@ pub fn serve(
         let hislip = sockets.hislip.map(listener).transpose().map_err(start)?;
         let bench = bench::Handle::start().map_err(start)?;
         let (pieces, inbox) = mpsc::channel(PIECES);
-        let mut owner = Owner::new(scene, &options, bench, recording.map(Recorder::new));
+        let mut owner =
+            Owner::new(scene, options, bench, recording.map(|writer| Recorder::new(writer, scene)));
         let mut links = JoinSet::new();
         let done = tokio::select! {
             () = shutdown => Ok(()),

@@ -7,10 +7,10 @@ use std::time::Duration;
 use tokio::sync::mpsc;
 use tokio::time::{Instant, Interval, MissedTickBehavior, interval_at};
 
-use super::bench::{Handle, Struck, Truth};
+use super::bench::{Handle, Struck};
 use super::desk::{Desk, Talker};
 use super::link::{Answer, News, Protocol};
-use super::recorder::Recorder;
+use super::recorder::{Caught, Recorder};
 use super::stand::Stand;
 use super::{Options, ServeError};
 use crate::hislip;
@@ -43,19 +43,15 @@ pub struct Owner {
     bench: Handle,
     stand: Stand,
     impact_every: Option<Duration>,
+    orders: Option<mpsc::Receiver<()>>,
     switched_on: Instant,
-    /// What no scope saw of the shot that it triggered on last, by its number.
-    caught: Option<(u32, Truth)>,
+    /// The shot that the scope triggered on last.
+    caught: Option<Caught>,
 }
 
 impl Owner {
     /// Switches the instrument on, set as in the scene.
-    pub fn new(
-        scene: &Scene,
-        options: &Options,
-        bench: Handle,
-        recorder: Option<Recorder>,
-    ) -> Self {
+    pub fn new(scene: &Scene, options: Options, bench: Handle, recorder: Option<Recorder>) -> Self {
         let mut instrument = Instrument::of(&scene.scope, scene.seed);
         let stand = Stand::new(scene, &mut instrument);
         Self {
@@ -65,6 +61,7 @@ impl Owner {
             bench,
             stand,
             impact_every: options.impact_every,
+            orders: options.strikes,
             caught: None,
             switched_on: Instant::now(),
         }
@@ -77,6 +74,7 @@ impl Owner {
     pub async fn run(&mut self, mut news: mpsc::Receiver<News>) -> Result<(), ServeError> {
         let mut ticks = every(TICK);
         let mut strikes = self.impact_every.map(every);
+        let mut orders = self.orders.take();
         loop {
             tokio::select! {
                 heard = news.recv() => {
@@ -91,6 +89,9 @@ impl Owner {
                 }
                 () = tick(strikes.as_mut()) => {
                     self.strike();
+                }
+                () = order(orders.as_mut()) => {
+                    self.desk.instrument.bench.ask_for_impact();
                 }
                 _ = ticks.tick() => {}
             }
@@ -150,14 +151,15 @@ impl Owner {
 
     /// Hands over what a strike brought.
     fn feel(&mut self, struck: Struck) -> Result<(), ServeError> {
-        let Struck { shot, signals } = struck;
+        let Struck { shot, scene, signals } = struck;
         let instrument = &mut self.desk.instrument;
         match signals {
             Ok((signals, truth)) => {
                 instrument.bench.impacts = instrument.bench.impacts.saturating_add(1);
                 let accepted = instrument.accept_signals(&signals);
                 if matches!(accepted, Accepted::Triggered { .. }) {
-                    self.caught = Some((shot, truth));
+                    let is_served = self.stand.is_served(&scene);
+                    self.caught = Some(Caught { shot, truth, scene, is_served });
                 }
                 Ok(())
             }
@@ -246,11 +248,10 @@ impl Owner {
         let finished = self.desk.instrument.take_finished();
         let Some(recorder) = &mut self.desk.recorder else { return Ok(()) };
         if let Some(finished) = finished {
-            let truth = self
+            let caught = self
                 .caught
-                .take_if(|(shot, _)| finished.trigger.is_some_and(|trigger| trigger.shot == *shot));
-            let truth = truth.map(|(_, truth)| truth);
-            recorder.captures(finished, truth, &self.desk.instrument);
+                .take_if(|caught| finished.trigger.is_some_and(|t| t.shot == caught.shot));
+            recorder.captures(finished, caught, &mut self.desk.instrument);
         }
         recorder.keep_up()
     }
@@ -261,6 +262,16 @@ fn every(period: Duration) -> Interval {
     let mut ticks = interval_at(Instant::now() + period, period);
     ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
     ticks
+}
+
+/// The next strike that somebody beside the bench asks for; never where nobody does any more.
+async fn order(orders: Option<&mut mpsc::Receiver<()>>) {
+    if let Some(orders) = orders
+        && orders.recv().await.is_some()
+    {
+        return;
+    }
+    pending::<()>().await;
 }
 
 /// The next strike's time; never where nobody strikes.

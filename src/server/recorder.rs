@@ -2,16 +2,32 @@
 
 use std::time::{Duration, Instant, SystemTime};
 
+use std::sync::Arc;
+
 use super::ServeError;
 use super::bench::Truth;
+use crate::experiment::facts::{scene_attachment, shot_facts};
 use crate::instrument::{Finished, Instrument};
 use crate::recording::mcap::{RecordingWriter, ShotNotes, WriteError};
 use crate::recording::{self, Capture, Direction, Origin, ScpiLine, Shot};
-use crate::scope::set_up::set_up_text;
-use crate::scpi::Line;
+use crate::scene::Scene;
+use crate::scope::{Source, Waveform};
+use crate::scpi::{Line, Preferences, Reply, Session};
 
 /// Lines are with the operating system after this time.
 const FLUSH: Duration = Duration::from_secs(1);
+
+/// A shot that the scope triggered on.
+pub struct Caught {
+    /// Its number.
+    pub shot: u32,
+    /// What no scope saw of it.
+    pub truth: Truth,
+    /// The bench that was struck.
+    pub scene: Arc<Scene>,
+    /// Whether that is the one that is served.
+    pub is_served: bool,
+}
 
 /// An open recording of a session.
 pub struct Recorder {
@@ -22,16 +38,26 @@ pub struct Recorder {
     /// When lines were last handed to the operating system, if any came since.
     unflushed: Option<Instant>,
     shots: u32,
+    /// Scenes that travel with the recording.
+    attached: Vec<String>,
     failed: Option<WriteError>,
 }
 
 impl Recorder {
-    /// Goes on writing what `writer` has begun.
-    pub fn new(writer: RecordingWriter) -> Self {
+    /// Goes on writing what `writer` has begun, with the scene that is served.
+    pub fn new(writer: RecordingWriter, served: &Scene) -> Self {
         let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
         let began = since_1970.map_or(0, nanoseconds);
         let opened = Instant::now();
-        Self { writer, opened, began, unflushed: None, shots: 0, failed: None }
+        Self {
+            writer,
+            opened,
+            began,
+            unflushed: None,
+            shots: 0,
+            attached: vec![served.name.clone()],
+            failed: None,
+        }
     }
 
     /// Writes down what a connection heard and said.
@@ -49,8 +75,13 @@ impl Recorder {
         }
     }
 
-    /// Writes down the records of an acquisition, and the truth behind them where the bench knows it.
-    pub fn captures(&mut self, finished: Finished, truth: Option<Truth>, instrument: &Instrument) {
+    /// Writes down the records of an acquisition, and what the bench knows of the shot behind them.
+    pub fn captures(
+        &mut self,
+        finished: Finished,
+        caught: Option<Caught>,
+        instrument: &mut Instrument,
+    ) {
         self.shots += 1;
         let model = &instrument.model;
         let taken_by = recording::Instrument {
@@ -60,26 +91,50 @@ impl Recorder {
         };
         let capture =
             |waveform| Capture { waveform, instrument: Some(taken_by.clone()), notes: Vec::new() };
+        let cause = match (&caught, finished.trigger) {
+            (Some(caught), _) => {
+                self.another_bench(caught);
+                let Caught { shot, scene, .. } = caught;
+                format!("shot {}: impact {shot} on {}", self.shots, scene.name)
+            }
+            (None, Some(trigger)) => format!("shot {}: impact {}", self.shots, trigger.shot),
+            (None, None) => format!("shot {}: not triggered by an impact", self.shots),
+        };
+        let truth = caught.map(|caught| caught.truth);
+        // As the scope saves all that it displays: the math trace of these records, and the references.
+        let others = [Source::Math].into_iter().chain(('A'..='D').map(Source::Reference));
+        let others: Vec<Waveform> = others.filter_map(|s| instrument.waveform(s).ok()).collect();
         let shot = Shot {
             number: self.shots,
             origin: Origin::Simulated,
             timestamp_ns: self.now(),
-            captures: finished.records.into_iter().map(capture).collect(),
+            captures: finished.records.into_iter().chain(others).map(capture).collect(),
             trigger_time: truth
                 .as_ref()
                 .zip(finished.trigger)
                 .map(|(truth, t)| truth.start + t.time),
             truth: truth.map(|truth| truth.traces).unwrap_or_default(),
         };
-        let cause = match finished.trigger {
-            Some(trigger) => format!("shot {}: impact {}", self.shots, trigger.shot),
-            None => format!("shot {}: not triggered by an impact", self.shots),
-        };
-        let set_up = set_up_text(&instrument.setup());
+        let set_up = set_up_of(instrument);
         let notes = ShotNotes { set_up, energy: None, log: vec![(false, cause)] };
         let written = self.writer.add(&shot, &notes);
         self.note(written);
         self.unflushed = None;
+    }
+
+    /// Tells of a bench that is not the one that the recording's own facts describe.
+    fn another_bench(&mut self, caught: &Caught) {
+        let Caught { shot, scene, is_served, .. } = caught;
+        if *is_served {
+            return;
+        }
+        if !self.attached.contains(&scene.name) {
+            self.attached.push(scene.name.clone());
+            let written = self.writer.attach(&scene_attachment(scene));
+            self.note(written);
+        }
+        let written = self.writer.add_facts(&shot_facts(scene, self.shots, *shot));
+        self.note(written);
     }
 
     /// Hands lines to the operating system when it is time for it.
@@ -111,6 +166,15 @@ impl Recorder {
 
     fn now(&self) -> u64 {
         self.began.saturating_add(nanoseconds(self.opened.elapsed()))
+    }
+}
+
+/// The whole front panel as `SET?` tells it.
+fn set_up_of(instrument: &mut Instrument) -> String {
+    let mut session = Session::new(Preferences::new(true));
+    match session.receive(instrument, b"SET?\n") {
+        Reply::Now(bytes) => String::from_utf8_lossy(&bytes).trim_end().to_owned(),
+        Reply::None | Reply::WhenIdle(_) => String::new(),
     }
 }
 

@@ -30,7 +30,12 @@ impl Stand {
 
     /// Whether the bench is as the scene that is served.
     pub fn is_as_served(&self) -> bool {
-        self.scenes.first().is_some_and(|served| **served == *self.scene)
+        self.is_served(&self.scene)
+    }
+
+    /// Whether `scene` is the one that is served, with nothing changed.
+    pub fn is_served(&self, scene: &Scene) -> bool {
+        self.scenes.first().is_some_and(|served| **served == *scene)
     }
 
     /// Carries out what clients want changed; what cannot be is an event, and stays as it was.

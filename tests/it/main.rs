@@ -26,6 +26,7 @@ mod conservation;
 mod effects;
 mod ensemble;
 mod fit;
+mod fuzz_corpora;
 mod golden;
 mod hard_cases;
 mod hislip;

@@ -2,7 +2,7 @@
 
 use hertzscope::experiment::{Integration, Outcome, run};
 use hertzscope::recording::Capture;
-use hertzscope::scene::Scene;
+use hertzscope::scene::{Scene, SceneError};
 use hertzscope::scope::waveform::{HIGHEST_CODE, LOWEST_CODE};
 
 /// Runs the default scene without noise, with `changes` to its front panel.
@@ -119,6 +119,49 @@ fn triggers_fall_wait_and_give_up() {
     let automatic = with("[scope.trigger]\nlevel = \"5 V\"\nmode = \"auto\"\n");
     assert!(automatic.summary.trigger.recorded && !automatic.summary.trigger.crossed);
     assert_eq!(automatic.shot.captures.len(), 4);
+}
+
+/// The default scene without noise, particle 2 at the external input instead of channel 1, which stays open, and the trigger there.
+fn on_external(source: &str, level: &str) -> Result<Scene, SceneError> {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/instruments/scenes/magnet-0.61g.toml");
+    let text = std::fs::read_to_string(file).expect("it ships");
+    let text = text.replace("[effects.scope_noise]\nrms = \"0.02 div\"\n", "");
+    let input = "input = \"p2\"";
+    assert_eq!(text.matches(input).count(), 1, "one channel has particle 2");
+    let text = text.replace(input, "");
+    let (_, rest) = text.split_once("[scope.trigger]\n").expect("a trigger");
+    let end = rest.find("\n[").unwrap_or(rest.len());
+    let trigger = &rest[..end];
+    let set = format!("source = \"{source}\"\nlevel = \"{level}\"\nmode = \"normal\"\n");
+    let text = text.replace(trigger, &set);
+    let text = format!("{text}\n[scope.external]\n{input}\n");
+    Scene::from_text("external", "external.toml", &text)
+}
+
+/// The external input sees what a channel without probe would: the scope triggers at the same sample, whichever of its two
+/// ranges watches. Beyond a range's reach there is no level.
+#[test]
+fn a_scene_triggers_on_its_external_input() {
+    let on_channel = with("[scope.trigger]\nlevel = \"400 mV\"\n");
+    assert!(on_channel.summary.trigger.crossed);
+    for source in ["EXT", "EXT5"] {
+        let external = on_external(source, "400 mV").expect("a scene");
+        let external = run(&external, Integration::Accuracy(1e-6), 1, &mut |_| ()).expect("a run");
+        assert_eq!(external.summary.trigger, on_channel.summary.trigger, "{source}");
+        let records = |outcome: &Outcome| codes(&outcome.shot.captures[1]);
+        assert_eq!(records(&external), records(&on_channel), "{source}");
+        let flat = codes(&external.shot.captures[0]);
+        assert!(flat.iter().all(|code| *code == flat[0]), "channel 1 is open");
+    }
+    for (source, level, reach) in
+        [("EXT", "-1.7 V", "1.60 V at EXT"), ("EXT5", "8.1 V", "8.00 V at EXT5")]
+    {
+        let error = on_external(source, level).expect_err("out of reach").to_string();
+        assert!(error.contains("scope.trigger.level") && error.contains(reach), "{error}");
+    }
+    let waiting = on_external("EXT5", "8 V").expect("a scene");
+    let waiting = run(&waiting, Integration::Accuracy(1e-3), 1, &mut |_| ()).expect("a run");
+    assert!(!waiting.summary.trigger.recorded && waiting.shot.captures.is_empty());
 }
 
 /// Turning the horizontal position by one division moves the picture by 250 points, nothing else.

@@ -280,6 +280,33 @@ fn what_an_impact_costs_is_limited() {
     assert!((1_200..=1_230).contains(&samples(1e-6, 1e-3, 0.0)));
 }
 
+/// Two lines on standard input are two impacts; its end is not the server's.
+#[test]
+fn enter_strikes_the_chain() {
+    let mut server = Command::new(env!("CARGO_BIN_EXE_hertzscope"))
+        .args(["serve", "gravity-0.61g", "--listen", "127.0.0.1:0", "--impact-on-enter"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("a server");
+    let mut told = BufReader::new(server.stdout.take().expect("a pipe")).lines();
+    let mut line = || told.next().expect("a line").expect("text");
+    let address = line().strip_prefix("listening on ").map(str::parse::<SocketAddr>);
+    let mut client = connect(address.expect("an address").expect("an address"));
+    assert_eq!(line(), "Enter strikes the chain");
+    client.send(b"ACQ:STOPA SEQ;STATE ON\n");
+    let mut keys = server.stdin.take().expect("a pipe");
+    keys.write_all(b"\n").expect("a line");
+    assert_eq!(client.ask("*OPC?"), "1\n");
+    assert_eq!(client.ask("ACQ:STATE ON;:BENC:IMP?"), "1\n");
+    keys.write_all(b"again\n").expect("a line");
+    drop(keys);
+    assert_eq!(client.ask("*OPC?"), "1\n");
+    assert_eq!(client.ask("BENC:IMP?"), "2\n");
+    server.kill().expect("an end");
+    server.wait().expect("an end");
+}
+
 #[test]
 fn the_command_says_where_it_listens() {
     let mut server = Command::new(env!("CARGO_BIN_EXE_hertzscope"))

@@ -265,7 +265,7 @@ function checkTopics(decoded) {
 /** What is wrong with one channel's record of one trigger. */
 function captureProblems({ topic, message: capture }) {
   const where = `${topic} shot ${capture.shot}`;
-  const points = layout.capture_points;
+  const points = capture.codes.length;
   const problems = [];
   if (capture.source !== topic.split("/").at(-1).toUpperCase()) {
     problems.push(`${where}: source is \`${capture.source}\``);
@@ -276,8 +276,8 @@ function captureProblems({ topic, message: capture }) {
   if (!(capture.dt_s > 0)) {
     problems.push(`${where}: dt_s is ${capture.dt_s}`);
   }
-  if (capture.codes.length !== points || capture.volts.length !== points) {
-    problems.push(`${where}: ${capture.codes.length} codes and ${capture.volts.length} volts instead of ${points}`);
+  if (!layout.capture_points.includes(points) || capture.volts.length !== points) {
+    problems.push(`${where}: ${points} codes and ${capture.volts.length} volts instead of ${layout.capture_points}`);
     return problems;
   }
   const codes = new Int8Array(capture.codes);

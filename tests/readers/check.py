@@ -122,15 +122,15 @@ def not_finite(message):
 def capture_problems(topic, capture):
     """What is wrong with one channel's record of one trigger."""
     where = f"{topic} shot {capture.shot}"
-    points = LAYOUT["capture_points"]
+    points = len(capture.codes)
     if capture.source != topic.rsplit("/", 1)[-1].upper():
         yield f"{where}: source is `{capture.source}`"
     if capture.origin not in LAYOUT["origins"]:
         yield f"{where}: origin is `{capture.origin}`"
     if not capture.dt_s > 0:
         yield f"{where}: dt_s is {capture.dt_s}"
-    if len(capture.codes) != points or len(capture.volts) != points:
-        yield f"{where}: {len(capture.codes)} codes and {len(capture.volts)} volts instead of {points}"
+    if points not in LAYOUT["capture_points"] or len(capture.volts) != points:
+        yield f"{where}: {points} codes and {len(capture.volts)} volts instead of {LAYOUT['capture_points']}"
         return
     codes = struct.unpack(f"{points}b", capture.codes)
     for index, (code, volts) in enumerate(zip(codes, capture.volts)):

@@ -93,7 +93,7 @@ impl Ends {
     /// # Errors
     /// [`MappingError::Empty`] where there are none.
     pub fn of(side: Side<'_>, notes: &mut Vec<String>) -> Result<Self, MappingError> {
-        let sensors = recorded::sensors(side.set);
+        let sensors = recorded::sensors_of(side.set, side.shot.number);
         let mut names = Vec::new();
         for (place, capture) in side.shot.captures.iter().enumerate() {
             let name = capture.waveform.source.to_string();

@@ -279,5 +279,5 @@ fn shift(channels: &[Channel], align: Align, notes: &mut Vec<String>) -> (Align,
 
 /// The scene behind a side: its own, or the one that travels with its recording.
 fn scene_of(side: Side<'_>) -> Option<Scene> {
-    side.scene.cloned().or_else(|| recorded::scene(side.set)?.ok())
+    side.scene.cloned().or_else(|| recorded::scene_of(side.set, side.shot.number)?.ok())
 }

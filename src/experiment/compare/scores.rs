@@ -59,7 +59,8 @@ impl Channel {
         let (measured_trace, simulated_trace) =
             (here.trace().unwrap_or_else(empty), there.trace().unwrap_or_else(empty));
         let (name, against) = (here.waveform.source.to_string(), there.waveform.source.to_string());
-        let (own, other) = (recorded::sensors(measured.set), recorded::sensors(simulated.set));
+        let known = |side: Side<'_>| recorded::sensors_of(side.set, side.shot.number);
+        let (own, other) = (known(measured), known(simulated));
         let (own, other) = (sensor_at(&own, &name), sensor_at(&other, &against));
         let or_other = |of: fn(&RecordedSensor) -> Option<f64>| {
             (

@@ -33,6 +33,14 @@ pub struct Acquire {
     pub stop_after: StopAfter,
 }
 
+impl Acquire {
+    /// Records that make one: one, unless they are averaged.
+    #[must_use]
+    pub fn depth(&self) -> u32 {
+        if self.mode == AcquireMode::Average { self.averages.max(1) } else { 1 }
+    }
+}
+
 impl Default for Acquire {
     fn default() -> Self {
         Self { mode: AcquireMode::Sample, averages: 16, stop_after: StopAfter::RunStop }

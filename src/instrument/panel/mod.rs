@@ -16,11 +16,12 @@ pub use horizontal::{Horizontal, View};
 pub use math::{FftWindow, Math, MathFunction};
 pub use measurement::{Measurement, MeasurementType};
 pub use trigger::{
-    EdgeCoupling, Polarity, PulsePolarity, PulseWhen, TriggerPanel, TriggerSource, TriggerType,
-    VideoStandard, VideoSync,
+    EdgeCoupling, Polarity, PulsePolarity, PulseWhen, TriggerPanel, TriggerType, VideoStandard,
+    VideoSync,
 };
 pub use vertical::Channel;
 
+use super::limits;
 use crate::scope::{ChannelSetup, Deviation, Model, Setup, Source, Trigger, VerticalSetup};
 
 /// Every setting of the front panel.
@@ -80,6 +81,9 @@ impl Panel {
             knobs.displayed = channel.is_some();
             let Some(channel) = channel else { continue };
             let factory = knobs.vertical;
+            let (scale, probe) = (channel.vertical.scale, channel.vertical.probe);
+            let step = limits::vertical_scale(&setup.model, (scale, probe), false);
+            knobs.fine = (scale / step - 1.0).abs() > 1e-6;
             knobs.vertical = VerticalSetup {
                 coupling: channel.vertical.coupling.or(factory.coupling),
                 bandwidth_limited: channel.vertical.bandwidth_limited.or(factory.bandwidth_limited),
@@ -90,10 +94,6 @@ impl Panel {
         panel.horizontal.scale = setup.time_base;
         panel.horizontal.position = setup.horizontal_position;
         let Trigger { source, level, slope, mode } = setup.trigger;
-        let source = match source {
-            Source::Channel(number) => TriggerSource::of_channel(number),
-            Source::Math | Source::Reference(_) => TriggerSource::Channel1,
-        };
         panel.trigger = TriggerPanel { mode, source, level, slope, ..panel.trigger };
         panel
     }
@@ -192,7 +192,7 @@ impl Panel {
             time_base,
             horizontal_position,
             trigger: Trigger {
-                source: Source::Channel(trigger_source.unwrap_or(1)),
+                source: self.trigger.source,
                 level: self.trigger.level,
                 slope: self.trigger.slope,
                 mode: self.trigger.mode,

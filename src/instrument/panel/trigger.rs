@@ -1,7 +1,7 @@
 //! Settings of the trigger.
 
 use crate::instrument::word::words;
-use crate::scope::{Slope, TriggerMode};
+use crate::scope::{Slope, TriggerMode, TriggerSource};
 
 words! {
     /// What kind of event triggers.
@@ -12,24 +12,6 @@ words! {
         Video = "VIDeo",
         /// A pulse of a certain width.
         Pulse = "PULse",
-    }
-
-    /// Where the trigger looks.
-    TriggerSource {
-        /// Channel 1.
-        Channel1 = "CH1",
-        /// Channel 2.
-        Channel2 = "CH2",
-        /// Channel 3.
-        Channel3 = "CH3",
-        /// Channel 4.
-        Channel4 = "CH4",
-        /// The external input.
-        External = "EXT",
-        /// The external input divided by five.
-        External5 = "EXT5",
-        /// The mains.
-        Line = "LINE",
     }
 
     /// What the edge trigger is deaf to.
@@ -97,31 +79,6 @@ words! {
     }
 }
 
-impl TriggerSource {
-    /// Channel `number`, counted from 1; numbers beyond the last mean the last.
-    #[must_use]
-    pub fn of_channel(number: u8) -> Self {
-        match number {
-            0 | 1 => Self::Channel1,
-            2 => Self::Channel2,
-            3 => Self::Channel3,
-            _ => Self::Channel4,
-        }
-    }
-
-    /// The channel's number, counted from 1; none for what is no channel.
-    #[must_use]
-    pub fn channel(self) -> Option<u8> {
-        match self {
-            Self::Channel1 => Some(1),
-            Self::Channel2 => Some(2),
-            Self::Channel3 => Some(3),
-            Self::Channel4 => Some(4),
-            Self::External | Self::External5 | Self::Line => None,
-        }
-    }
-}
-
 /// The trigger's part of the front panel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TriggerPanel {
@@ -160,7 +117,7 @@ impl Default for TriggerPanel {
         Self {
             mode: TriggerMode::Auto,
             kind: TriggerType::Edge,
-            source: TriggerSource::Channel1,
+            source: TriggerSource::Channel(1),
             holdoff: 500e-9,
             level: 0.0,
             slope: Slope::Rise,

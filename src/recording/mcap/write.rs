@@ -86,29 +86,50 @@ impl RecordingWriter {
             .disable_seeking(true)
             .create(target)
             .map_err(container)?;
-        for (name, facts) in metadata {
-            let record = Metadata { name: name.clone(), metadata: facts.clone() };
-            writer.write_metadata(&record).map_err(container)?;
-        }
-        for attachment in attachments {
-            writer
-                .attach(&McapAttachment {
-                    log_time: 0,
-                    create_time: 0,
-                    name: attachment.name.clone(),
-                    media_type: attachment.media_type.clone(),
-                    data: std::borrow::Cow::Borrowed(&attachment.data),
-                })
-                .map_err(container)?;
-        }
         writer.flush().map_err(container)?;
-        Ok(Self {
+        let mut recording = Self {
             file: path.clone(),
             writer,
             schemas: BTreeMap::new(),
             channels: BTreeMap::new(),
             sequence: 0,
-        })
+        };
+        recording.add_facts(metadata)?;
+        for attachment in attachments {
+            recording.attach(attachment)?;
+        }
+        recording.flush()?;
+        Ok(recording)
+    }
+
+    /// Adds groups of facts.
+    ///
+    /// # Errors
+    /// [`WriteError`] where the file cannot be written.
+    pub fn add_facts(
+        &mut self,
+        metadata: &BTreeMap<String, BTreeMap<String, String>>,
+    ) -> Result<(), WriteError> {
+        for (name, facts) in metadata {
+            let record = Metadata { name: name.clone(), metadata: facts.clone() };
+            self.writer.write_metadata(&record).map_err(|source| self.container(source))?;
+        }
+        Ok(())
+    }
+
+    /// Adds a file that travels with the recording.
+    ///
+    /// # Errors
+    /// [`WriteError`] where the file cannot be written.
+    pub fn attach(&mut self, attachment: &Attachment) -> Result<(), WriteError> {
+        let attachment = McapAttachment {
+            log_time: 0,
+            create_time: 0,
+            name: attachment.name.clone(),
+            media_type: attachment.media_type.clone(),
+            data: std::borrow::Cow::Borrowed(&attachment.data),
+        };
+        self.writer.attach(&attachment).map_err(|source| self.container(source))
     }
 
     /// Adds one shot and hands it to the operating system before returning.

@@ -1,7 +1,8 @@
 //! The bench behind the instrument: `BENCh`. No real oscilloscope has these commands.
 
 use crate::instrument::Event;
-use crate::scpi::argument::{none, only, real};
+use crate::instrument::limits;
+use crate::scpi::argument::{flag, none, only, real};
 use crate::scpi::message::Argument;
 use crate::scpi::row::{Group, Row};
 use crate::scpi::setting::{At, Both, Parts, Stop, Tells};
@@ -41,6 +42,15 @@ pub const GROUP: Group = Group {
             }),
             "the scene that the bench is set up as: one that ships with the program, or the one that is served; the front panel stays as it is",
         ),
+        Row::own(
+            "BENCh:CH<x>:FINe",
+            &Both(set_fine, |at| {
+                let fine = at.instrument.panel.channel(at.place.number).fine;
+                Ok(Value::Word(if fine { "ON" } else { "OFF" }))
+            }),
+            "Volts/Div of a channel's menu: `ON` is fine, and `CH<x>:SCAle` takes what stands between the steps; `OFF` is coarse",
+        )
+        .apart(),
     ],
 };
 
@@ -80,6 +90,15 @@ fn set_striker_speed(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop
 fn set_magnet_force(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let is_there = at.instrument.bench.set_magnet_force(real(arguments)?);
     set(at, is_there)
+}
+
+fn set_fine(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    let fine = flag(arguments)?;
+    let model = &at.instrument.model;
+    let channel = at.instrument.panel.channel_mut(at.place.number);
+    channel.fine = fine;
+    limits::turn_scale(model, channel, channel.vertical.scale);
+    Ok(())
 }
 
 fn set_scene(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {

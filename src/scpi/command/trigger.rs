@@ -4,7 +4,7 @@ use crate::instrument::limits;
 use crate::instrument::measure::{INVALID, measure};
 use crate::instrument::panel::MeasurementType;
 use crate::instrument::word::{Word as _, words};
-use crate::scope::Source;
+use crate::scope::{Source, TriggerSource};
 use crate::scpi::argument::{none, whole, word};
 use crate::scpi::message::Argument;
 use crate::scpi::row::{Group, Row};
@@ -150,8 +150,7 @@ pub const GROUP: Group = Group {
     ],
 };
 
-const SOURCE: Words<crate::instrument::panel::TriggerSource> =
-    Words(|i, _| &mut i.panel.trigger.source);
+const SOURCE: Words<TriggerSource> = Words(|i, _| &mut i.panel.trigger.source);
 
 fn force(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let Force::Now = word(arguments)?;

@@ -18,7 +18,11 @@ pub const GROUP: Group = Group {
             &Both(set_probe, probe),
             "attenuation 1, 10, 100 or 1000; V/div at the input stays",
         ),
-        Row::acts("CH<x>:SCAle", &Both(set_scale, scale), "V/div, the nearest step of 1-2-5"),
+        Row::acts(
+            "CH<x>:SCAle",
+            &Both(set_scale, scale),
+            "V/div, the nearest step of 1-2-5, or to three digits if `BENCh:CH<x>:FINe` is on",
+        ),
         Row::alias("CH<x>:VOLts", "CH<x>:SCAle"),
         Row::acts(
             "CH<x>:POSition",
@@ -93,10 +97,8 @@ fn probe(at: &mut At<'_>) -> Result<Value, Stop> {
 fn set_scale(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let asked = real(arguments)?;
     let model = &at.instrument.model;
-    let vertical = &mut at.instrument.panel.channel_mut(at.place.number).vertical;
-    vertical.scale = limits::vertical_scale(model, asked, vertical.probe);
-    vertical.position =
-        limits::vertical_position(model, vertical.position, vertical.scale, vertical.probe);
+    let channel = at.instrument.panel.channel_mut(at.place.number);
+    limits::turn_scale(model, channel, asked);
     Ok(())
 }
 

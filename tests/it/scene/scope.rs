@@ -151,7 +151,21 @@ fn triggers_that_cannot_be() {
             "a channel that is on",
         ],
         ["source = \"CH1\"", "source = ¦\"CH5\"", "scope.trigger.source", "CH5", "\"CH4\""],
-        ["source = \"CH1\"", "source = ¦\"EXT\"", "scope.trigger.source", "EXT", "\"CH1\""],
+        [
+            "source = \"CH1\"",
+            "source = ¦\"EXT\"",
+            "scope.trigger.source",
+            "EXT",
+            "[scope.external]",
+        ],
+        ["source = \"CH1\"", "source = ¦\"LINE\"", "scope.trigger.source", "LINE", "the mains"],
+        [
+            "source = \"CH1\"",
+            "source = ¦\"MATH\"",
+            "scope.trigger.source",
+            "MATH",
+            "\"EXT\", \"EXT5\"",
+        ],
         ["slope = \"rise\"", "slope = ¦\"up\"", "scope.trigger.slope", "up", "\"rise\", \"fall\""],
         ["mode = \"normal\"", "mode = ¦\"single\"", "scope.trigger.mode", "single", "\"auto\""],
     ]);

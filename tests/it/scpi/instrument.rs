@@ -159,6 +159,60 @@ fn scan_mode_shows_what_happens() {
     assert_eq!((high[0], high.len(), *high.last().expect("points")), (500, 101, 600));
 }
 
+/// A pulse between the points of a sweep is lost to Sample and kept by Peak Detect, as the pair of its interval's extremes.
+#[test]
+fn scan_mode_detects_peaks() {
+    for (mode, seen) in [("SAM", 0), ("PEAK", 1)] {
+        let mut bench = Bench::new();
+        bench.tell(&format!("HOR:SCA 0.1;:ACQ:MOD {mode}"));
+        bench.wait(1e-3);
+        bench.wait(0.2);
+        let wanted = bench.instrument.wanted().interval;
+        assert!((wanted - if mode == "PEAK" { 4e-6 } else { 4e-4 }).abs() < 1e-12, "{wanted}");
+        // 40 us long, 100 us after a point: half an interval from the next.
+        let samples = (0..5000).map(|n| if (25..35).contains(&(n % 1000)) { 2.0 } else { 0.0 });
+        let volts = vec![samples.collect()];
+        let pulse = Signals { interval: 4e-6, volts, ..Signals::default() };
+        assert_eq!(bench.instrument.accept_signals(&pulse), Accepted::Scanned);
+        // An odd number of points is due in between: pairs stay together.
+        bench.wait(0.4e-3 * 3.5);
+        bench.wait(0.2);
+        let codes = levels(&mut bench);
+        let high: Vec<usize> = (0..2500).filter(|n| codes[*n] == 50).collect();
+        let expected: Vec<usize> = (0..5 * seen).map(|n| 501 + 10 * n).collect();
+        assert_eq!(high, expected, "{mode}");
+        assert!(codes[500..1000].iter().all(|code| matches!(code, 0 | 50)), "{mode}");
+        assert_eq!(bench.ask("WFMP:PT_F?"), if seen == 1 { "ENV" } else { "Y" });
+    }
+}
+
+/// An average in scan mode is that of the sweeps at each point: a single sequence takes as many as it averages, and a point that
+/// was high in one of four stands at a quarter.
+#[test]
+fn scan_mode_averages_sweeps() {
+    let mut bench = Bench::new();
+    bench.tell("HOR:SCA 0.1;:ACQ:MOD AVE;NUMAV 4;STOPA SEQ;STATE RUN");
+    bench.wait(1e-3);
+    bench.wait(1.2);
+    let volts = vec![vec![4.0; 4001]];
+    let pulse = Signals { interval: 1e-5, volts, ..Signals::default() };
+    assert_eq!(bench.instrument.accept_signals(&pulse), Accepted::Scanned);
+    let heights: Vec<i16> = (0..3)
+        .map(|_| {
+            bench.wait(0.9);
+            levels(&mut bench)[550]
+        })
+        .collect();
+    assert_eq!(heights, [50, 33, 25], "of 100 levels, after two, three and four sweeps");
+    assert_eq!(bench.ask("BUSY?;:ACQ:NUMACQ?"), "1;3");
+    bench.wait(0.2);
+    assert_eq!(bench.ask("BUSY?;:ACQ:NUMACQ?"), "0;4");
+    let codes = levels(&mut bench);
+    let high: Vec<usize> = (0..2500).filter(|n| codes[*n] != 0).collect();
+    assert_eq!((high[0], high.len()), (500, 101), "nothing is blank at the end");
+    assert!(high.iter().all(|n| codes[*n] == 25));
+}
+
 /// A pulse of 12 ns between the samples of a slow record is lost to Sample and kept by Peak Detect (5 us/div to 50 s/div;
 /// this program keeps it up to 250 us/div, for want of memory).
 #[test]
@@ -245,16 +299,32 @@ fn errors_stay_within_the_data_sheet_and_come_from_the_seed() {
     }
 }
 
-/// `SCAle` snaps to the series, as documented; a scale between its steps that the instrument was switched on with (real set-up
-/// files hold 60 mV/div) comes back from a set-up memory as it was.
+/// `SCAle` snaps to the series, as documented, unless Volts/Div is on fine: by the bench's command, or from the start with a scale
+/// between the steps (real set-up files hold 60 mV/div). A set-up memory knows which.
 #[test]
-fn a_recalled_scale_between_the_steps_stays() {
+fn a_fine_scale_stands_between_the_steps() {
     let mut setup: Setup = scene("").scope;
     setup.channels[0].as_mut().expect("channel 1").vertical.scale = 0.06;
     let mut bench = Bench::new();
     bench.instrument = Instrument::of(&setup, 1);
     assert_eq!(bench.ask("*SAV 1;:CH1:SCA 1;SCA?;*RCL 1;:CH1:SCA?"), "1.0E0;6.0E-2");
-    assert_eq!(bench.ask("CH1:SCA 0.06;SCA?"), "5.0E-2");
+    assert_eq!(bench.ask("CH1:SCA 0.06;SCA?"), "6.0E-2");
+    let mut bench = Bench::new();
+    bench.transcript(&[
+        ("CH1:PRO 1;SCA 0.06;SCA?", "5.0E-2"),
+        ("BENC:CH1:FIN?;FIN ON;FIN?;:BENC:CH2:FIN?", "OFF;ON;OFF"),
+        // Of real files, one of them through a probe; then more digits than the knob has, and the ends of its range.
+        ("CH1:SCA 0.059;SCA?;SCA 0.09;SCA?", "5.9E-2;9.0E-2"),
+        ("CH1:PRO 10;SCA 0.288;SCA?;PRO 1;SCA?", "2.88E-1;2.88E-2"),
+        ("CH1:VOL 0.123456;VOL?;SCA 1E-9;SCA?;SCA 99;SCA?", "1.23E-1;2.0E-3;5.0E0"),
+        // The position stays where it can: 2 V at 59 mV/div are 33.88 divisions, in steps of 1/25.
+        ("CH1:SCA 0.059;POS 1000;POS?", "3.388E1"),
+        ("CH1:SCA 0.288;:BENC:CH1:FIN OFF;:CH1:SCA?;*ESR?", "2.0E-1;0"),
+    ]);
+    // A record between the steps: 25 levels are a division of 0.288 V.
+    bench.record("BENC:CH1:FIN ON;:CH1:SCA 0.288;POS 0;:HOR:SCA 1E-4;:TRIG:MAI:LEV 0", |_| 0.864);
+    assert_eq!(levels(&mut bench)[2000], 75);
+    assert_eq!(bench.ask("WFMP:YMU?"), "1.152E-2");
 }
 
 /// Below 5 mV/div at the BNC the bandwidth is 20 MHz: a step has gone `1 - exp(-2 pi 20 MHz t)` of its way after t.

@@ -5,9 +5,10 @@ use std::net::SocketAddr;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use hertzscope::experiment::{Integration, facts, run};
+use hertzscope::experiment::{Integration, facts, recorded, run};
 use hertzscope::recording::mcap::{RecordingWriter, read};
-use hertzscope::recording::{Direction, TraceSet};
+use hertzscope::recording::{Direction, TraceSet, tek_csv};
+use hertzscope::scene::Scene;
 use hertzscope::server::Options;
 
 use super::{Client, IDENTITY, Server, connect, scene};
@@ -60,7 +61,8 @@ fn a_session_is_written_down() {
     );
     assert!(set.lines.iter().all(|line| line.peer.starts_with("raw 127.0.0.1:")));
     assert!(set.lines.windows(2).all(|pair| pair[0].timestamp_ns <= pair[1].timestamp_ns));
-    assert_eq!(set.log, ["shot 1: impact 1", "shot 2: impact 2"]);
+    let log = ["shot 1: impact 1 on magnet-0.61g", "shot 2: impact 2 on magnet-0.61g"];
+    assert_eq!(set.log, log);
 }
 
 /// A copy of the file while the server still writes is what a killed server leaves: its shots are in it.
@@ -106,6 +108,116 @@ fn the_truth_behind_a_served_shot_is_kept() {
         assert!(length > 1000);
         assert!(kept.values[..length] == trace.values[..length], "{}", trace.name);
     }
+}
+
+/// A shot of another bench than the one that is served carries that one: its scene with what was turned of it, its sensors, and
+/// the front panel as it was set. The shots around it are the served one's.
+#[test]
+fn a_shot_tells_its_own_bench() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("session.mcap");
+    let server = recorded(&file);
+    let said = |settings: &str| {
+        let mut client = server.connect();
+        client.send(format!("{settings}\n").as_bytes());
+        strike(client)
+    };
+    said("CH1:SCA 1");
+    said(
+        ":BENC:SCEN gravity-2.75g;:BENC:STRI:SPE 0.3;:BENC:CH1:FIN ON;:CH1:SCA 1.59;:ACQ:MOD PEAK",
+    );
+    said(":BENC:SCEN gravity-2.75g;:CH1:SCA 1;:ACQ:MOD SAM");
+    said(":BENC:SCEN magnet-0.61g;:BENC:MAGN:FORC 1.19");
+    said(":BENC:MAGN:FORC 2.38");
+    drop(server);
+    let set = read(&file).expect("a recording");
+    assert_eq!((set.problems.len(), set.shots.len()), (0, 5));
+    let scenes: Vec<_> = (1..=5)
+        .map(|shot| recorded::scene_of(&set, shot).expect("a scene").expect("a sound one"))
+        .collect();
+    let names: Vec<&str> = scenes.iter().map(|scene| scene.name.as_str()).collect();
+    let (served, other) = ("magnet-0.61g", "gravity-2.75g");
+    assert_eq!(names, [served, other, other, served, served]);
+    let speeds: Vec<_> = scenes.iter().map(Scene::striker_speed).collect();
+    let own = |name: &str| Scene::load(name).expect("it ships").striker_speed();
+    assert_eq!(speeds, [own(served), Some(0.3), own(other), own(served), own(served)]);
+    let force = |scene: &Scene| scene.spec.effects.magnet_preload.map(|magnet| magnet.force);
+    let forces: Vec<_> = scenes.iter().map(force).collect();
+    assert_eq!(forces[1..], [None, None, Some(1.19), force(&scene())]);
+    let mut attached: Vec<&str> = set.attachments.iter().map(|a| a.name.as_str()).collect();
+    attached.sort_unstable();
+    assert_eq!(attached, ["gravity-2.75g.toml", "magnet-0.61g.toml"]);
+    for (shot, own) in [(1, false), (2, true), (3, true), (4, true), (5, false)] {
+        assert_eq!(set.metadata.contains_key(&format!("hertzscope:shot/{shot}")), own, "{shot}");
+        let sensors = recorded::sensors_of(&set, shot);
+        assert_eq!(sensors.len(), scenes[shot as usize - 1].sensors.len(), "{shot}");
+        assert!(sensors.iter().all(|sensor| sensor.sensitivity.is_some()), "{shot}");
+    }
+    let log = "shot 2: impact 2 on gravity-2.75g";
+    assert_eq!(set.log[1], log);
+    // The truth of a shot is that of its scene: the run of the same scene and number has the same force at particle 2.
+    let accuracy = Integration::Accuracy(scenes[1].accuracy.expect("an accuracy"));
+    let run = run(&scenes[1], accuracy, 2, &mut |_| ()).expect("a run").shot;
+    let force = |shot: &hertzscope::recording::Shot| {
+        let trace = shot.truth.iter().find(|trace| trace.name.starts_with("sensor/p2:"));
+        let trace = trace.expect("particle 2");
+        let within = (0..).take_while(|n| trace.start + f64::from(*n) * trace.interval < 1e-3);
+        within.zip(&trace.values).map(|(_, force)| *force).fold(0.0_f64, f64::max)
+    };
+    let (here, there) = (force(&set.shots[1]), force(&run));
+    assert!((here / there - 1.0).abs() < 1e-3, "{here} N, {there} N");
+    let panel = &set.notes[&2].set_up;
+    assert!(
+        panel.contains(":CH1:PROBE 1;SCALE 1.59E0") && panel.contains("MODE PEAKDETECT"),
+        "{panel}"
+    );
+    // What `convert` saves beside the curves is the front panel of that shot.
+    let target = folder.path().join("files");
+    let mut convert = Command::new(env!("CARGO_BIN_EXE_hertzscope"));
+    let done = convert.arg("convert").arg(&file).arg(&target).output().expect("a program");
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let saved = |name: &str| std::fs::read_to_string(target.join(name)).expect("a file");
+    assert!(saved("ALL0001/F0001TEK.SET").contains(":CH1:PROBE 1;SCALE 1.59E0"));
+    assert!(saved("ALL0002/F0002TEK.SET").contains(":CH1:PROBE 1;SCALE 1.0E0"));
+    assert!(saved("ALL0001/F0001CH1.CSV").contains("Vertical Scale,1.590000e+00"));
+}
+
+/// What the scope displays beside its channels is saved with them: the spectrum as 1024 bins in dB, the reference as the levels it was
+/// copied from. The files are the ones that the readers take.
+#[test]
+fn spectrum_and_reference_are_saved_beside_the_channels() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("session.mcap");
+    let server = recorded(&file);
+    let first = shot(&server);
+    let mut client = server.connect();
+    client
+        .send(b"SAVE:WAVE CH1,REFA;:SEL:REFA ON;:MATH:DEFINE \"FFT(CH2,HANNING)\";:SEL:MATH ON\n");
+    let second = strike(client);
+    let mut client = server.connect();
+    let spectrum = client.ask("DATA:SOU MATH;STAR 1;STOP 2500;:CURVE?");
+    drop(server);
+    let set = read(&file).expect("a recording");
+    let names = |shot: usize| -> Vec<String> {
+        set.shots[shot].captures.iter().map(|c| c.waveform.source.to_string()).collect()
+    };
+    assert_eq!(names(0), ["CH1", "CH2", "CH3", "CH4"]);
+    assert_eq!(names(1), ["CH1", "CH2", "CH3", "CH4", "MATH", "REFA"]);
+    let target = folder.path().join("files");
+    let mut convert = Command::new(env!("CARGO_BIN_EXE_hertzscope"));
+    let done = convert.arg("convert").arg(&file).arg(&target).output().expect("a program");
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let saved = |name: &str| {
+        let bytes = std::fs::read(target.join("ALL0001").join(name)).expect("a file");
+        let capture = tek_csv::read(&bytes, name).expect("a native file");
+        assert_eq!(tek_csv::write(&capture).expect("the same").into_bytes(), bytes, "{name}");
+        capture.waveform
+    };
+    assert_eq!((saved("F0001RFA.CSV").codes, saved("F0001CH1.CSV").codes), (first, second));
+    let bins = saved("F0001MTH.CSV");
+    let told: Vec<i16> = spectrum.trim_end().split(',').map(|k| k.parse().expect("k")).collect();
+    assert_eq!((bins.codes.len(), bins.preamble.y_unit.as_str()), (1024, "dB"));
+    assert_eq!(bins.codes, told);
 }
 
 /// SIGKILL leaves no time to end the recording: what was triggered and said before is still read, and analysed.

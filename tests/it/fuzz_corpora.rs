@@ -1,0 +1,73 @@
+//! Every input of the fuzz targets' corpora through the targets themselves: what fuzzing has found stays found, and the targets
+//! follow the program.
+
+use std::path::Path;
+
+#[path = "../../fuzz/targets/csv.rs"]
+mod csv;
+#[path = "../../fuzz/targets/hislip.rs"]
+mod hislip;
+#[path = "../../fuzz/targets/isf.rs"]
+mod isf;
+#[path = "../../fuzz/targets/mcap.rs"]
+mod mcap;
+#[path = "../../fuzz/targets/scpi.rs"]
+mod scpi;
+#[path = "../../fuzz/targets/set.rs"]
+mod set;
+
+/// The inputs of a target's corpus, each told by its name if the target fails on it.
+fn replay(target: &str, run: fn(&[u8])) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus").join(target);
+    let mut inputs = 0;
+    for entry in std::fs::read_dir(&folder).expect("a corpus") {
+        let file = entry.expect("an entry").path();
+        let bytes = std::fs::read(&file).expect("an input");
+        let done = std::panic::catch_unwind(|| run(&bytes));
+        assert!(done.is_ok(), "{}", file.display());
+        inputs += 1;
+    }
+    assert!(inputs > 10, "{target}: {inputs} inputs");
+}
+
+#[test]
+fn csv_files() {
+    replay("csv", csv::run);
+}
+
+#[test]
+fn hislip_connections() {
+    replay("hislip", hislip::run);
+}
+
+#[test]
+fn isf_files() {
+    replay("isf", isf::run);
+}
+
+#[test]
+fn recordings() {
+    replay("mcap", mcap::run);
+}
+
+#[test]
+fn commands() {
+    replay("scpi", scpi::run);
+}
+
+#[test]
+fn set_up_files() {
+    replay("set", set::run);
+}
+
+/// Every target has its replay.
+#[test]
+fn no_target_is_left_out() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/targets");
+    let names = std::fs::read_dir(folder).expect("targets").map(|entry| {
+        entry.expect("an entry").path().file_stem().expect("a name").to_string_lossy().into_owned()
+    });
+    let mut names: Vec<String> = names.collect();
+    names.sort();
+    assert_eq!(names, ["csv", "hislip", "isf", "mcap", "scpi", "set"]);
+}
