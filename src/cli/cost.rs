@@ -1,12 +1,17 @@
 //! `hertzscope cost`: what accuracy costs in time.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, anyhow};
 use clap::Args;
 
 use super::progress::Progress;
-use crate::experiment::cost::study;
+use crate::experiment::accuracy::{of_scene, run_held};
+use crate::experiment::cost::{Study, TIMED_RUNS, study};
+use crate::experiment::effects::auto::settle;
+use crate::experiment::{Integration, facts};
+use crate::recording::Attachment;
+use crate::recording::mcap::RecordingWriter;
 use crate::report;
 use crate::scene::Scene;
 
@@ -22,6 +27,12 @@ pub struct Arguments {
     /// Draw the study
     #[arg(long, value_name = "FILE.svg")]
     plot: Option<PathBuf>,
+    /// Run the scene, too, and write its recording with the study as its attachment `cost.json`
+    #[arg(long, value_name = "FILE.mcap", value_parser = recording)]
+    record: Option<PathBuf>,
+    /// Runs of each point that are timed
+    #[arg(long, value_name = "N", default_value_t = TIMED_RUNS, value_parser = clap::value_parser!(u16).range(1..))]
+    runs: u16,
     /// No progress bar
     #[arg(short, long)]
     quiet: bool,
@@ -30,16 +41,46 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let scene = Scene::load(&arguments.scene)?;
     let mut progress = Progress::new(&scene.name, arguments.quiet);
-    let found = study(&scene, &mut |share| progress.at(share));
+    let found = study(&scene, arguments.runs, &mut |share| progress.at(share));
     progress.done();
     let found = found.map_err(|error| anyhow!("{}: no reference: {error}", scene.name))?;
     if let Some(file) = &arguments.plot {
         std::fs::write(file, report::work_precision_svg(&found))
             .with_context(|| file.display().to_string())?;
     }
+    if let Some(file) = &arguments.record {
+        record(file, &scene, &found)?;
+    }
     if arguments.json {
         super::print(&serde_json::to_string_pretty(&found)?)
     } else {
         super::print(&report::work_precision(&found))
     }
+}
+
+fn recording(text: &str) -> Result<PathBuf, String> {
+    let file = PathBuf::from(text);
+    if file.extension().is_some_and(|ending| ending == "mcap") {
+        Ok(file)
+    } else {
+        Err(format!("found {text}, expected the name of a recording, e.g. cost.mcap"))
+    }
+}
+
+/// A shot at the scene's own accuracy, with the study beside it.
+fn record(file: &Path, scene: &Scene, study: &Study) -> anyhow::Result<()> {
+    let accuracy = of_scene(scene)?.value;
+    let integration = Integration::Accuracy(accuracy);
+    let scene = settle(scene, integration);
+    let outcome = run_held(&scene, accuracy, 1, &mut |_| ())?;
+    let study = Attachment {
+        name: "cost.json".to_owned(),
+        media_type: "application/json".to_owned(),
+        data: serde_json::to_vec_pretty(study)?,
+    };
+    let attachments = [facts::scene_attachment(&scene), study];
+    let mut writer =
+        RecordingWriter::create(file, &facts::facts(&scene, integration)?, &attachments)?;
+    writer.add(&outcome.shot, &facts::shot_notes(&scene, &outcome))?;
+    Ok(writer.finish()?)
 }

@@ -14,8 +14,8 @@ use crate::chain::stepper::Refinement;
 use crate::integrate::Method;
 use crate::scene::Scene;
 
-/// Runs that are timed for each point.
-const TIMED_RUNS: usize = 10;
+/// Runs of each point that are timed where nobody says otherwise.
+pub const TIMED_RUNS: u16 = 10;
 /// Points that would take more force evaluations than this are left out: the study is for a coffee break, not for lunch.
 const MOST_EVALUATIONS: f64 = 60_000.0;
 /// Tolerance of the reference's steps (1).
@@ -112,11 +112,11 @@ pub struct Chosen {
     pub force_evaluations: u64,
 }
 
-/// Makes the study; `progress` hears the share of the work done.
+/// Makes the study with `runs` timed runs of each point; `progress` hears the share of the work done.
 ///
 /// # Errors
 /// The integrator's error where even the reference fails, in words.
-pub fn study(scene: &Scene, progress: &mut dyn FnMut(f64)) -> Result<Study, String> {
+pub fn study(scene: &Scene, runs: u16, progress: &mut dyn FnMut(f64)) -> Result<Study, String> {
     let reference = Method::DormandPrince853 { tolerance: REFERENCE_TOLERANCE };
     let second = if scene.chain.is_dissipative() {
         Method::DormandPrince54 { tolerance: REFERENCE_TOLERANCE }
@@ -135,7 +135,7 @@ pub fn study(scene: &Scene, progress: &mut dyn FnMut(f64)) -> Result<Study, Stri
     let mut points = Vec::new();
     for (done, treated) in settings.iter().enumerate() {
         report(done);
-        points.push(point(scene, *treated, &exact));
+        points.push(point(scene, *treated, (&exact, runs)));
     }
     let mut chosen = Vec::new();
     for (done, accuracy) in decades().enumerate() {
@@ -214,7 +214,7 @@ fn setting(method: Method) -> f64 {
     method.fixed_step().map_or_else(|| method.tolerance().unwrap_or(0.0), |(step, _)| step)
 }
 
-fn point(scene: &Scene, (method, without): Treated, exact: &Run) -> Point {
+fn point(scene: &Scene, (method, without): Treated, (exact, runs): (&Run, u16)) -> Point {
     let mut point = Point {
         method: name(method, without),
         order: method.order(),
@@ -231,7 +231,7 @@ fn point(scene: &Scene, (method, without): Treated, exact: &Run) -> Point {
     let run = || run_without(scene, method, without);
     let Ok(found) = run() else { return point };
     let mut walls = vec![found.wall_s];
-    walls.extend((1..TIMED_RUNS).filter_map(|_| run().ok()).map(|r| r.wall_s));
+    walls.extend((1..runs).filter_map(|_| run().ok()).map(|r| r.wall_s));
     walls.sort_by(f64::total_cmp);
     point.wall_s_min = walls.first().copied().unwrap_or(0.0);
     point.wall_s_median = walls.get(walls.len() / 2).copied().unwrap_or(0.0);

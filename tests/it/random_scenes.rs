@@ -21,8 +21,8 @@ fn sample() -> u64 {
     std::env::var("HERTZSCOPE_RANDOM_SAMPLE").map_or(SAMPLE, |text| text.parse().expect("a number"))
 }
 /// Thirty turns of the fastest contact take 30 steps each at the tightest accuracy, nine force evaluations a step, and half of them
-/// may be rejected: twice that is a hang.
-const MOST_EVALUATIONS: u64 = 2 * 30 * 30 * 9 * 2;
+/// may be rejected: four times that is a hang.
+const MOST_EVALUATIONS: u64 = 2 * 30 * 30 * 9 * 4;
 /// Forces this far below the static one are what tolerances leave of a wave that has not arrived (1).
 const QUIET: f64 = 1e-10;
 /// At most one of so many held runs may say that it could not be held.

@@ -1,0 +1,83 @@
+//! `hertzscope cost`.
+
+use serde_json::Value;
+
+use super::{files, printed, refused, says, temporary};
+
+const POINT: [&str; 10] = [
+    "method",
+    "setting",
+    "failed",
+    "error_peak",
+    "error_arrival",
+    "error_trace",
+    "error_energy",
+    "force_evaluations",
+    "wall_s_median",
+    "wall_s_min",
+];
+
+fn list<'a>(study: &'a Value, key: &str) -> &'a Vec<Value> {
+    study[key].as_array().expect("a list")
+}
+
+#[test]
+fn the_study_is_for_people_for_scripts_and_for_the_recording() {
+    let folder = temporary();
+    let asked = ["cost", "momentum-test", "--quiet"];
+    let page = printed(folder.path(), &asked);
+    says(&page, &["dormand-prince-853", "velocity-verlet", "kinks as they are"]);
+    let written = [&asked[..], &["--json", "--plot", "cost.svg", "--record", "cost.mcap"]].concat();
+    let study: Value = serde_json::from_str(&printed(folder.path(), &written)).expect("a study");
+    let reference = study["reference"]["error"].as_f64().expect("a number");
+    assert!(reference < 1e-13, "{reference:e}");
+    for point in list(&study, "points") {
+        let keys = point.as_object().expect("an object");
+        assert!(POINT.iter().all(|key| keys.contains_key(*key)), "{keys:?}");
+    }
+    // Twice the longest stable step is tried, so that the edge is seen.
+    assert!(list(&study, "points").iter().any(|point| point["failed"] == true));
+    let verlet = &list(&study, "orders")[0];
+    let order = verlet["observed"].as_f64().expect("a number");
+    assert!(verlet["method"] == "velocity-verlet" && (order - 2.0).abs() < 0.2, "{verlet}");
+    assert_eq!(files(folder.path()), ["cost.mcap", "cost.svg"]);
+    let svg = std::fs::read_to_string(folder.path().join("cost.svg")).expect("a picture");
+    says(&svg, &["<svg", "velocity-verlet"]);
+    says(&printed(folder.path(), &["info", "cost.mcap"]), &["cost.json", "application/json"]);
+    says(&refused(folder.path(), &["cost", "--record", "cost.csv"]), &["cost.csv", "cost.mcap"]);
+}
+
+/// What `--accuracy` chooses is as accurate as asked, and takes at most twice the force evaluations of the best of all methods: of the coarsest
+/// setting of each from which on it is accurate enough.
+#[test]
+fn the_choice_is_within_twice_the_best() {
+    let folder = temporary();
+    for scene in ["magnet-0.61g", "gravity-1.22g", "monatomic-vacuum"] {
+        let base = format!("base = \"{scene}\"\n");
+        std::fs::write(folder.path().join("s.toml"), base).expect("a file");
+        let text = printed(folder.path(), &["cost", "s.toml", "--quiet", "--json", "--runs", "1"]);
+        let study: Value = serde_json::from_str(&text).expect("a study");
+        let count = |row: &Value| row["force_evaluations"].as_u64().expect("a count");
+        for chosen in list(&study, "chosen") {
+            let accuracy = chosen["accuracy"].as_f64().expect("a number");
+            let holds = |point: &Value| {
+                let errors = [&point["error_peak"], &point["error_arrival"]];
+                errors.iter().all(|error| error.as_f64().is_some_and(|e| e <= accuracy))
+            };
+            let mut best = u64::MAX;
+            for rows in list(&study, "points").chunk_by(|a, b| a["method"] == b["method"]) {
+                let mut rows: Vec<&Value> = rows.iter().collect();
+                rows.sort_by_key(|row| std::cmp::Reverse(count(row)));
+                let coarsest = rows.iter().take_while(|row| holds(row)).last();
+                best = coarsest.map_or(best, |row| best.min(count(row)));
+            }
+            let share = count(chosen) as f64 / best as f64;
+            println!("{scene} at {accuracy:e}: {} of {best}, {share:.2}", count(chosen));
+            // Coarser ones tell too little, and rounding is not far below finer ones.
+            if (0.9e-9..1.1e-3).contains(&accuracy) {
+                assert!(chosen["error"].as_f64().expect("a number") <= accuracy, "{chosen}");
+                assert!(share <= 2.0, "{scene} at {accuracy:e}: {share}");
+            }
+        }
+    }
+}
