@@ -15,17 +15,15 @@ mod model;
 mod profile;
 mod records;
 mod report;
+mod search;
 
 use std::ops::RangeInclusive;
 use std::time::Instant;
 
-use rand_distr::{Distribution, StandardUniform};
-use rand_pcg::Pcg64;
-
 use super::compare::Side;
 use super::compare::mapping::{Assignment, MappingError};
 use crate::analysis::gate::Gate;
-use crate::analysis::least_squares::{LeastSquaresError, Limits, Minimum, minimise};
+use crate::analysis::least_squares::{LeastSquaresError, Limits, Minimum};
 use crate::quantity::engineering;
 use crate::scene::SceneError;
 use crate::scene::adjust::{Adjustable, Knob};
@@ -40,16 +38,10 @@ pub const COVERAGE_95: f64 = 1.959_963_984_540_054;
 const LIMITS: Limits = Limits { reduction: 1e-9, steps: 60 };
 /// Samples in a scene's duration: fewer show no pulse, more are another experiment (1).
 const SAMPLES: RangeInclusive<f64> = 16.0..=200_000.0;
-/// Shares of the records over which a fit finds its way (1).
-const STAGES: [f64; 3] = [0.4, 0.6, 0.8];
-/// On the way there, close is enough.
-const ON_THE_WAY: Limits = Limits { reduction: 1e-4, steps: 20 };
 /// Longest records, in durations of the scene (1).
 const MOST_DURATIONS: f64 = 3.0;
 /// Steps that a fit takes, as far as its progress bar knows (1).
 const EXPECTED_STEPS: f64 = 10.0;
-/// Stream of the starting points.
-const STREAM: u128 = 1 << 72;
 
 /// How a fit goes about it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -188,7 +180,7 @@ pub fn fit(
     };
     let freed = ((options.gains, options.offsets), options.accuracy);
     let mut model = Model::new(scene, knobs, &records, freed, &mut report);
-    let (minimum, starts) = best(&mut model, options)?;
+    let (minimum, starts) = search::best(&mut model, options)?;
     let names = model.names();
     let covariance =
         minimum.covariance().map_err(|u| undetermined(&minimum, &names, u.parameter))?;
@@ -231,68 +223,6 @@ fn check_times(records: &Records, duration: f64) -> Result<(), FitError> {
         return Err(FitError::TooLong { length, duration });
     }
     Ok(())
-}
-
-/// The lowest minimum over all starts, and chi squared that each start came to; none for one that came to nothing.
-fn best(model: &mut Model<'_>, options: &Options) -> Result<(Minimum, Vec<Option<f64>>), FitError> {
-    let mut numbers = Pcg64::new(u128::from(options.seed), STREAM);
-    let mut lowest: Option<Minimum> = None;
-    let mut failure = LeastSquaresError::NoStart;
-    let mut starts = Vec::new();
-    for number in 0..options.starts.max(1) {
-        let mut factor = |_| {
-            let share: f64 = StandardUniform.sample(&mut numbers);
-            if number == 0 { 1.0 } else { 1.0 + options.spread * (2.0 * share - 1.0) }
-        };
-        let factors: Vec<f64> = (0..model.knobs.len()).map(&mut factor).collect();
-        let start = model.start(&factors);
-        let found = start.ok_or(LeastSquaresError::NoStart).and_then(|x| descend(model, x));
-        starts.push(found.as_ref().ok().map(|minimum| minimum.chi_squared));
-        match found {
-            Ok(minimum) if lowest.as_ref().is_none_or(|l| minimum.chi_squared < l.chi_squared) => {
-                lowest = Some(minimum);
-            }
-            Ok(_) => {}
-            Err(error) => failure = error,
-        }
-    }
-    Ok((lowest.ok_or(failure)?, starts))
-}
-
-/// The minimum of the valley below `start`; where that ends high or nowhere, the way over parts of the records is tried as well, and the
-/// lower end counts.
-fn descend(model: &mut Model<'_>, start: Vec<f64>) -> Result<Minimum, LeastSquaresError> {
-    let direct = minimise(model, &start, LIMITS);
-    if direct.as_ref().is_ok_and(|minimum| minimum.variance() < report::POOR) {
-        return direct;
-    }
-    match (direct, staged(model, start)) {
-        (Ok(direct), Ok(staged)) if staged.chi_squared < direct.chi_squared => Ok(staged),
-        (Ok(direct), _) => Ok(direct),
-        (Err(_), staged) => staged,
-    }
-}
-
-/// The minimum over ever longer parts of the records, each from where the one before ended: arrivals first, and what comes late, whose
-/// chi squared has many valleys, from close by.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a share of a number of samples"
-)]
-fn staged(model: &mut Model<'_>, start: Vec<f64>) -> Result<Minimum, LeastSquaresError> {
-    let count = model.records.axis.count;
-    let mut x = start;
-    for share in STAGES {
-        model.horizon = (share * count as f64) as usize;
-        // A part that tells too little is no reason to give up: the whole decides.
-        if let Ok(found) = minimise(model, &x, ON_THE_WAY) {
-            x = found.x;
-        }
-    }
-    model.horizon = count;
-    minimise(model, &x, LIMITS)
 }
 
 /// The parameter that cannot be told, and the one that it goes with most.

@@ -1,0 +1,80 @@
+//! The lowest minimum from several starts, each over ever longer parts of the records where the direct way ends high.
+
+use rand_distr::{Distribution, StandardUniform};
+use rand_pcg::Pcg64;
+
+use super::model::Model;
+use super::{FitError, LIMITS, Options};
+use crate::analysis::least_squares::{LeastSquaresError, Limits, Minimum, minimise};
+
+/// Shares of the records over which a fit finds its way (1).
+const STAGES: [f64; 3] = [0.4, 0.6, 0.8];
+/// On the way there, close is enough.
+const ON_THE_WAY: Limits = Limits { reduction: 1e-4, steps: 20 };
+/// Stream of the starting points.
+const STREAM: u128 = 1 << 72;
+
+/// The lowest minimum over all starts, and chi squared that each start came to; none for one that came to nothing.
+pub fn best(
+    model: &mut Model<'_>,
+    options: &Options,
+) -> Result<(Minimum, Vec<Option<f64>>), FitError> {
+    let mut numbers = Pcg64::new(u128::from(options.seed), STREAM);
+    let mut lowest: Option<Minimum> = None;
+    let mut failure = LeastSquaresError::NoStart;
+    let mut starts = Vec::new();
+    for number in 0..options.starts.max(1) {
+        let mut factor = |_| {
+            let share: f64 = StandardUniform.sample(&mut numbers);
+            if number == 0 { 1.0 } else { 1.0 + options.spread * (2.0 * share - 1.0) }
+        };
+        let factors: Vec<f64> = (0..model.knobs.len()).map(&mut factor).collect();
+        let start = model.start(&factors);
+        let found = start.ok_or(LeastSquaresError::NoStart).and_then(|x| descend(model, x));
+        starts.push(found.as_ref().ok().map(|minimum| minimum.chi_squared));
+        match found {
+            Ok(minimum) if lowest.as_ref().is_none_or(|l| minimum.chi_squared < l.chi_squared) => {
+                lowest = Some(minimum);
+            }
+            Ok(_) => {}
+            Err(error) => failure = error,
+        }
+    }
+    Ok((lowest.ok_or(failure)?, starts))
+}
+
+/// The minimum of the valley below `start`; where that ends high or nowhere, the way over parts of the records is tried as well, and the
+/// lower end counts.
+fn descend(model: &mut Model<'_>, start: Vec<f64>) -> Result<Minimum, LeastSquaresError> {
+    let direct = minimise(model, &start, LIMITS);
+    if direct.as_ref().is_ok_and(|minimum| minimum.variance() < report::POOR) {
+        return direct;
+    }
+    match (direct, staged(model, start)) {
+        (Ok(direct), Ok(staged)) if staged.chi_squared < direct.chi_squared => Ok(staged),
+        (Ok(direct), _) => Ok(direct),
+        (Err(_), staged) => staged,
+    }
+}
+
+/// The minimum over ever longer parts of the records, each from where the one before ended: arrivals first, and what comes late, whose
+/// chi squared has many valleys, from close by.
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a share of a number of samples"
+)]
+fn staged(model: &mut Model<'_>, start: Vec<f64>) -> Result<Minimum, LeastSquaresError> {
+    let count = model.records.axis.count;
+    let mut x = start;
+    for share in STAGES {
+        model.horizon = (share * count as f64) as usize;
+        // A part that tells too little is no reason to give up: the whole decides.
+        if let Ok(found) = minimise(model, &x, ON_THE_WAY) {
+            x = found.x;
+        }
+    }
+    model.horizon = count;
+    minimise(model, &x, LIMITS)
+}
