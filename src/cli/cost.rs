@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context as _, anyhow};
+use anyhow::anyhow;
 use clap::Args;
 
+use super::picture;
 use super::progress::Progress;
 use crate::experiment::cost::study;
 use crate::report;
@@ -20,7 +21,7 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
     /// Draw the study
-    #[arg(long, value_name = "FILE.svg")]
+    #[arg(long, value_name = picture::ENDINGS, value_parser = picture::file)]
     plot: Option<PathBuf>,
     /// No progress bar
     #[arg(short, long)]
@@ -34,8 +35,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     progress.done();
     let found = found.map_err(|error| anyhow!("{}: no reference: {error}", scene.name))?;
     if let Some(file) = &arguments.plot {
-        std::fs::write(file, report::work_precision_svg(&found))
-            .with_context(|| file.display().to_string())?;
+        picture::save(file, &report::work_precision_svg(&found))?;
     }
     if arguments.json {
         super::print(&serde_json::to_string_pretty(&found)?)

@@ -3,6 +3,7 @@
 mod convert;
 mod effects;
 mod help;
+mod pictures;
 mod run;
 
 use std::path::Path;
