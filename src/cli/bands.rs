@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context as _, bail};
+use anyhow::bail;
 use clap::Args;
 use serde_json::json;
 
+use super::picture;
 use crate::analysis::dispersion::DiatomicChain;
 use crate::experiment::recorded;
 use crate::quantity::{Dimension, parse};
@@ -34,7 +35,7 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
     /// Draw the gap's lower edge into this file
-    #[arg(long, value_name = "FILE.svg")]
+    #[arg(long, value_name = picture::ENDINGS, value_parser = picture::file)]
     plot: Option<PathBuf>,
 }
 
@@ -76,7 +77,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let title = format!("{}, around particle {particle}", scene.name);
     if let Some(file) = &arguments.plot {
         let picture = report::chart(&report::bands_curve(&rows, now), &title, ("N", "Hz"));
-        std::fs::write(file, picture).with_context(|| file.display().to_string())?;
+        picture::save(file, &picture)?;
     }
     if !arguments.json {
         return super::print(&report::bands(&title, &rows, now));

@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, anyhow};
+use anyhow::anyhow;
 use clap::Args;
 
+use super::picture;
 use super::progress::Progress;
 use crate::experiment::accuracy::{of_scene, run_held};
 use crate::experiment::cost::{Study, TIMED_RUNS, study};
@@ -25,7 +26,7 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
     /// Draw the study
-    #[arg(long, value_name = "FILE.svg")]
+    #[arg(long, value_name = picture::ENDINGS, value_parser = picture::file)]
     plot: Option<PathBuf>,
     /// Run the scene, too, and write its recording with the study as its attachment `cost.json`
     #[arg(long, value_name = "FILE.mcap", value_parser = recording)]
@@ -45,8 +46,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     progress.done();
     let found = found.map_err(|error| anyhow!("{}: no reference: {error}", scene.name))?;
     if let Some(file) = &arguments.plot {
-        std::fs::write(file, report::work_precision_svg(&found))
-            .with_context(|| file.display().to_string())?;
+        picture::save(file, &report::work_precision_svg(&found))?;
     }
     if let Some(file) = &arguments.record {
         record(file, &scene, &found)?;

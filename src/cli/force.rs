@@ -7,6 +7,7 @@ use anyhow::{Context as _, bail};
 use clap::Args;
 use serde_json::{Value, json};
 
+use super::picture;
 use super::sensor::{Wired, wire_all, wired};
 use crate::experiment::wired::{Forces, forces};
 use crate::recording::format::open;
@@ -27,7 +28,7 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE.csv")]
     output: Option<PathBuf>,
     /// Draw the first channel's force into this file
-    #[arg(long, value_name = "FILE.svg")]
+    #[arg(long, value_name = picture::ENDINGS, value_parser = picture::file)]
     plot: Option<PathBuf>,
     /// Print as JSON, all samples included
     #[arg(long)]
@@ -52,7 +53,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     };
     if let Some(file) = &arguments.plot {
         let picture = report::chart(&report::force_curve(first), &first.force.name, ("s", "N"));
-        std::fs::write(file, picture).with_context(|| file.display().to_string())?;
+        picture::save(file, &picture)?;
     }
     if let Some(file) = &arguments.output {
         std::fs::write(file, csv(&found)).with_context(|| file.display().to_string())?;

@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context as _, bail};
+use anyhow::bail;
 use clap::Args;
 use serde_json::{Value, json};
 
+use super::picture;
 use crate::magnet::ForceLaw;
 use crate::quantity::{Dimension, parse};
 use crate::report;
@@ -36,7 +37,7 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
     /// Draw into this file as well
-    #[arg(long, value_name = "FILE.svg")]
+    #[arg(long, value_name = picture::ENDINGS, value_parser = picture::file)]
     plot: Option<PathBuf>,
 }
 
@@ -79,7 +80,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let page = MagnetPage { magnet, temperature, wanted, places };
     if let Some(file) = &arguments.plot {
         let picture = report::chart(&page.curve(), &page.magnet.name, ("m", "N"));
-        std::fs::write(file, picture).with_context(|| file.display().to_string())?;
+        picture::save(file, &picture)?;
     }
     if arguments.json {
         super::print(&serde_json::to_string_pretty(&as_json(&page))?)

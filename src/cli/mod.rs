@@ -16,6 +16,8 @@ mod hard_cases;
 mod info;
 mod magnet;
 mod man;
+mod paper;
+mod picture;
 mod progress;
 mod run;
 mod saved;
@@ -26,6 +28,7 @@ mod serve;
 mod signal;
 mod spectrogram;
 mod spectrum;
+mod tunability;
 #[cfg(feature = "tui")]
 mod view;
 
@@ -65,6 +68,8 @@ enum Command {
     Force(force::Arguments),
     Compare(compare::Arguments),
     Fit(fit::Arguments),
+    Paper(paper::Arguments),
+    Tunability(tunability::Arguments),
     #[cfg(feature = "server")]
     Serve(serve::Arguments),
     #[cfg(feature = "tui")]
@@ -96,6 +101,8 @@ pub fn main() -> ExitCode {
         Command::Force(arguments) => force::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Fit(arguments) => fit::run(&arguments),
+        Command::Paper(arguments) => paper::run(&arguments),
+        Command::Tunability(arguments) => tunability::run(&arguments),
         #[cfg(feature = "server")]
         Command::Serve(arguments) => serve::run(&arguments),
         #[cfg(feature = "tui")]

@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context as _, bail};
+use anyhow::bail;
 use clap::Args;
 use serde_json::json;
 
+use super::picture;
 use super::signal::{WindowChoice, signal, time};
 use crate::analysis::gate::Gate;
 use crate::analysis::spectrum::{Analyser, Settings};
@@ -56,7 +57,7 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
     /// Draw into this file as well
-    #[arg(long, value_name = "FILE.svg")]
+    #[arg(long, value_name = picture::ENDINGS, value_parser = picture::file)]
     plot: Option<PathBuf>,
 }
 
@@ -92,7 +93,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let title = format!("{}: {}", arguments.file.display(), trace.name);
     let page = SpectrogramPage { title, map, chain, highest };
     if let Some(file) = &arguments.plot {
-        std::fs::write(file, svg(&page)).with_context(|| file.display().to_string())?;
+        picture::save(file, &svg(&page))?;
     }
     if !arguments.json {
         return super::print(&text(&page));

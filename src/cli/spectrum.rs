@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context as _, bail};
+use anyhow::bail;
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 
+use super::picture;
 use super::signal::{WindowChoice, signal, time};
 use crate::analysis::gate::Gate;
 use crate::analysis::spectrum::{Analyser, Convention, Settings};
@@ -54,7 +55,7 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
     /// Draw into this file as well
-    #[arg(long, value_name = "FILE.svg")]
+    #[arg(long, value_name = picture::ENDINGS, value_parser = picture::file)]
     plot: Option<PathBuf>,
 }
 
@@ -94,7 +95,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let page = SpectrumPage { title, spectrum, peaks, chain, offset, notes };
     if let Some(file) = &arguments.plot {
         let picture = report::chart(&page.curve(), &page.title, ("Hz", &page.spectrum.unit));
-        std::fs::write(file, picture).with_context(|| file.display().to_string())?;
+        picture::save(file, &picture)?;
     }
     if arguments.json {
         super::print(&serde_json::to_string_pretty(&as_json(&page))?)

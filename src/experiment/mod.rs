@@ -26,6 +26,7 @@ pub mod outcome;
 pub mod paper;
 pub mod pulse;
 pub mod recorded;
+pub mod tunability;
 pub mod wired;
 mod yielding;
 

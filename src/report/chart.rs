@@ -96,11 +96,17 @@ pub fn chart_over(curve: &Curve, under: &[(f64, f64)], title: &str, units: (&str
     clippy::cast_possible_truncation,
     reason = "the number of ticks is small"
 )]
-fn ticks(low: f64, high: f64) -> Vec<f64> {
+pub(super) fn ticks(low: f64, high: f64) -> Vec<f64> {
     let rough = (high - low) / INTERVALS;
     let power = 10f64.powf(rough.log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|step| *step >= rough);
     let step = step.unwrap_or(rough);
     let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
     (first..=last).map(|n| n as f64 * step).collect()
+}
+
+/// Every whole number from `low` to `high`, without a name.
+#[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "a few dozen")]
+pub(super) fn whole_numbers(low: f64, high: f64) -> Vec<(f64, String)> {
+    ((low.ceil() as i64)..=(high.floor() as i64)).map(|n| (n as f64, String::new())).collect()
 }

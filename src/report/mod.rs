@@ -14,12 +14,17 @@ mod fit;
 mod forces;
 mod hard_cases;
 pub mod magnet;
+mod paper;
 pub mod plot;
+#[cfg(feature = "png")]
+mod png;
 mod screen;
+pub mod sheet;
 pub mod spectrogram;
 pub mod spectrum;
 mod summary;
 mod table;
+mod tunability;
 mod work_precision;
 
 pub use arrivals::arrivals;
@@ -31,8 +36,12 @@ pub use effects::effects;
 pub use fit::{blind, fit, fit_parts};
 pub use forces::{force_curve, forces};
 pub use hard_cases::hard_cases;
+pub use paper::{PaperPicture, paper, paper_parts, paper_pictures};
+#[cfg(feature = "png")]
+pub use png::{PngError, png};
 pub use screen::screen;
 pub use summary::summary;
+pub use tunability::{transmitted, tunability, tunability_svg};
 pub use work_precision::{work_precision, work_precision_svg};
 
 /// Text as SVG takes it.

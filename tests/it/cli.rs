@@ -4,6 +4,7 @@ mod convert;
 mod cost;
 mod effects;
 mod help;
+mod pictures;
 mod run;
 
 use std::path::Path;

@@ -35,6 +35,7 @@ mod kinks;
 mod losses;
 mod magnet;
 mod order;
+mod paper;
 mod physics;
 mod random_scenes;
 mod readme;
@@ -49,3 +50,4 @@ mod set_file;
 mod tek_csv;
 #[cfg(feature = "tui")]
 mod tui;
+mod tunability;

@@ -4,7 +4,7 @@ use rand_distr::{Distribution, StandardUniform};
 use rand_pcg::Pcg64;
 
 use super::model::Model;
-use super::{FitError, LIMITS, Options};
+use super::{FitError, LIMITS, Options, report};
 use crate::analysis::least_squares::{LeastSquaresError, Limits, Minimum, minimise};
 
 /// Shares of the records over which a fit finds its way (1).

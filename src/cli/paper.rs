@@ -1,0 +1,90 @@
+//! `hertzscope paper`: the paper's figures and numbers, computed again, each with a verdict.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+use clap::Args;
+
+use super::picture;
+use super::progress::Progress;
+use crate::experiment::facts;
+use crate::experiment::paper::{FIGURES, FigureRun, Study, study};
+use crate::recording::mcap::RecordingWriter;
+use crate::report;
+use crate::report::document::{html, markdown};
+
+const TITLE: &str = "Herbold et al. (2009), computed again";
+
+/// Compute the figures and numbers of Herbold et al. (2009) again: what is printed, what comes out, and a verdict on each
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// Write figures (SVG, PNG), their data (CSV), recordings (MCAP), and a report (Markdown, HTML) into this folder
+    #[arg(short, long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// One figure only, with the statements that belong to it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(i64::from(*FIGURES.start())..=i64::from(*FIGURES.end())))]
+    figure: Option<u8>,
+    /// Print the verdicts as JSON
+    #[arg(long)]
+    json: bool,
+    /// No progress bar
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    // Before the work, so that a folder that cannot be made costs no simulation.
+    if let Some(folder) = &arguments.out {
+        std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    }
+    let mut progress = Progress::new("paper", arguments.quiet);
+    let found = study(arguments.figure, &mut |share| progress.at(share));
+    progress.done();
+    let found = found?;
+    if let Some(folder) = &arguments.out {
+        write(folder, &found)?;
+    }
+    if arguments.json {
+        return super::print(&serde_json::to_string_pretty(&found.findings)?);
+    }
+    super::print(&report::paper(&found))?;
+    match &arguments.out {
+        Some(folder) => super::print(&format!("report  {}", folder.join("report.html").display())),
+        None => Ok(()),
+    }
+}
+
+fn write(folder: &Path, study: &Study) -> anyhow::Result<()> {
+    let save = |name: &str, text: &str| {
+        let file = folder.join(name);
+        std::fs::write(&file, text).with_context(|| file.display().to_string())
+    };
+    let pictures = report::paper_pictures(study);
+    for drawn in &pictures {
+        save(&format!("{}.svg", drawn.stem), &drawn.svg)?;
+        if cfg!(feature = "png") {
+            picture::save(&folder.join(format!("{}.png", drawn.stem)), &drawn.svg)?;
+        }
+        for (name, csv) in &drawn.data {
+            save(name, csv)?;
+        }
+    }
+    for figure in &study.figures {
+        if let Some(run) = &figure.run {
+            record(&folder.join(format!("figure-{:02}.mcap", figure.number)), run)?;
+        }
+    }
+    let parts = report::paper_parts(study, &pictures);
+    save("report.md", &markdown(&parts))?;
+    save("report.html", &html(TITLE, &parts))?;
+    save("verdicts.json", &serde_json::to_string_pretty(&study.findings)?)
+}
+
+fn record(file: &Path, run: &FigureRun) -> anyhow::Result<()> {
+    let known = facts::facts(&run.scene, run.integration)?;
+    let attachments = [facts::scene_attachment(&run.scene)];
+    let mut writer = RecordingWriter::create(file, &known, &attachments)?;
+    writer.add(&run.outcome.shot, &facts::shot_notes(&run.scene, &run.outcome))?;
+    writer.finish()?;
+    Ok(())
+}

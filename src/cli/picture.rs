@@ -1,0 +1,34 @@
+//! Pictures into files, as SVG or PNG by the file's ending.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+
+/// What `--plot` takes.
+pub const ENDINGS: &str = "FILE.svg|FILE.png";
+
+/// The name of a picture's file.
+pub fn file(text: &str) -> Result<PathBuf, String> {
+    let file = PathBuf::from(text);
+    match ending(&file) {
+        "svg" => Ok(file),
+        "png" if cfg!(feature = "png") => Ok(file),
+        "png" => Err(format!("found {text}, expected .svg: built without the feature png")),
+        _ => Err(format!("found {text}, expected a name that ends in .svg or .png")),
+    }
+}
+
+fn ending(file: &Path) -> &str {
+    file.extension().and_then(|ending| ending.to_str()).unwrap_or_default()
+}
+
+/// Writes the picture `svg`.
+pub fn save(file: &Path, svg: &str) -> anyhow::Result<()> {
+    let shown = || file.display().to_string();
+    #[cfg(feature = "png")]
+    if ending(file) == "png" {
+        let picture = crate::report::png(svg).with_context(shown)?;
+        return std::fs::write(file, picture).with_context(shown);
+    }
+    std::fs::write(file, svg).with_context(shown)
+}

@@ -1,0 +1,109 @@
+//! `hertzscope tunability`: band edges, speeds and what arrives, over preload, masses, modulus and striker.
+
+use std::path::PathBuf;
+use std::sync::Mutex;
+
+use anyhow::anyhow;
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+use serde_json::{Value, json};
+
+use super::picture;
+use super::progress::Progress;
+use crate::analysis::dispersion::DiatomicChain;
+use crate::experiment::tunability::{Knob, TunedPoint, Tuning, tune};
+use crate::quantity::{Dimension, parse};
+use crate::report;
+use crate::scene::Scene;
+
+/// Bands of frequency that JSON tells of, each 500 Hz wide.
+const BANDS: usize = 40;
+
+/// Map what a chain lets pass, and how fast, over its preload, masses, modulus and striker
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// A scene that ships with the program, or the path of a scene file
+    #[arg(default_value = "magnet-0.61g")]
+    scene: String,
+    /// What to turn [default: all that the scene has]
+    #[arg(long, value_name = "KNOB", value_delimiter = ',', value_parser = PossibleValuesParser::new(Knob::ALL.map(Knob::name)))]
+    knob: Vec<String>,
+    /// Values of each knob
+    #[arg(long, value_name = "N", default_value_t = 33, value_parser = clap::value_parser!(u32).range(2..=1000))]
+    points: u32,
+    /// Turn each knob from its value divided by this to this times it
+    #[arg(long, value_name = "RATIO", default_value = "10", value_parser = span)]
+    span: f64,
+    /// Print as JSON
+    #[arg(long)]
+    json: bool,
+    /// Draw the maps
+    #[arg(long, value_name = picture::ENDINGS, value_parser = picture::file)]
+    plot: Option<PathBuf>,
+    /// No progress bar
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+fn span(text: &str) -> Result<f64, String> {
+    match parse(text, Dimension::NONE) {
+        Ok(ratio) if ratio > 1.0 && ratio <= 1000.0 => Ok(ratio),
+        Ok(_) => Err(format!("found {text}, expected a ratio above 1, 1000 at most")),
+        Err(error) => Err(format!("{error}, expected a ratio, e.g. 10")),
+    }
+}
+
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let scene = Scene::load(&arguments.scene)?;
+    let named = |knob: &Knob| {
+        arguments.knob.is_empty() || arguments.knob.iter().any(|name| name == knob.name())
+    };
+    let knobs: Vec<Knob> = if arguments.knob.is_empty() {
+        Knob::of(&scene)
+    } else {
+        Knob::ALL.into_iter().filter(named).collect()
+    };
+    let progress = Mutex::new(Progress::new(&scene.name, arguments.quiet));
+    let found = tune(&scene, &knobs, arguments.points, arguments.span, &|share| {
+        if let Ok(mut progress) = progress.lock() {
+            progress.at(share);
+        }
+    });
+    progress.into_inner().map_err(|_| anyhow!("a thread has failed"))?.done();
+    let found = found?;
+    let title = format!("{}: {}", scene.name, scene.title);
+    if let Some(file) = &arguments.plot {
+        picture::save(file, &report::tunability_svg(&title, &found))?;
+    }
+    if arguments.json {
+        let tunings: Vec<Value> = found.iter().map(as_json).collect();
+        super::print(&serde_json::to_string_pretty(
+            &json!({ "scene": scene.name, "knobs": tunings }),
+        )?)
+    } else {
+        super::print(&report::tunability(&title, &found))
+    }
+}
+
+fn as_json(tuning: &Tuning) -> Value {
+    json!({
+        "knob": tuning.knob.name(),
+        "unit": tuning.knob.unit(),
+        "now": tuning.now,
+        "points": tuning.points.iter().map(point).collect::<Vec<_>>(),
+    })
+}
+
+fn point(point: &TunedPoint) -> Value {
+    let of = |value: fn(&DiatomicChain) -> f64| point.chain.map(|chain| value(&chain));
+    json!({
+        "value": point.value,
+        "f1_hz": of(DiatomicChain::gap_bottom),
+        "f2_hz": of(DiatomicChain::gap_top),
+        "f3_hz": of(DiatomicChain::cutoff),
+        "long_wave_speed_m_per_s": of(DiatomicChain::sound_speed),
+        "pulse_speed_m_per_s": point.pulse_speed,
+        "first_peak_ratio": point.transmission,
+        "transmitted_db_per_500_hz": report::transmitted(point, BANDS),
+    })
+}

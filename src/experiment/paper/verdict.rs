@@ -1,0 +1,262 @@
+//! A statement of the paper against what comes out here.
+//!
+//! A printed number agrees with a computed one that rounds to it: they differ by no more than half of the last digit that counts, or all
+//! of it where the paper says "about". The first candidate that agrees decides; one that the paper's own words describe is plain, any other is a convention and named.
+
+use std::fmt::Write as _;
+
+use serde::{Serialize, Serializer};
+
+use super::claims::{Claim, Expected};
+
+/// Rounding of the comparison itself, in units of the printed number (1).
+const ROUNDING: f64 = 1e-9;
+
+/// What became of a statement.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+pub enum Verdict {
+    /// It comes out as the paper words it.
+    #[serde(rename = "agrees")]
+    Agrees,
+    /// It comes out by a convention that the paper does not name.
+    #[serde(rename = "agrees under convention")]
+    AgreesUnder,
+    /// It does not come out.
+    #[serde(rename = "does not hold")]
+    DoesNotHold,
+}
+
+impl Verdict {
+    /// In words.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Agrees => "agrees",
+            Self::AgreesUnder => "agrees under convention",
+            Self::DoesNotHold => "does not hold",
+        }
+    }
+}
+
+/// What the paper prints.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Printed {
+    /// A number, in the unit of the finding (unit).
+    Number(f64),
+    /// Words, put into a bound.
+    Words(String),
+}
+
+impl Serialize for Printed {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Number(number) => serializer.serialize_f64(*number),
+            Self::Words(words) => serializer.serialize_str(words),
+        }
+    }
+}
+
+/// A statement with its verdict.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Finding {
+    /// Name of the statement.
+    pub item: String,
+    /// Where the paper makes it.
+    pub place: String,
+    /// What it says.
+    pub says: String,
+    /// What it prints.
+    pub paper: Printed,
+    /// What comes out here (unit).
+    pub here: f64,
+    /// Unit of both.
+    pub unit: String,
+    /// By which convention.
+    pub convention: String,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Why.
+    pub reason: String,
+    /// The figure it belongs to.
+    #[serde(skip)]
+    pub figure: Option<u8>,
+}
+
+/// What may have been meant.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Candidate {
+    /// In words.
+    pub convention: String,
+    /// What comes out, in SI units (unit).
+    pub value: f64,
+    /// Whether the paper's own words describe it.
+    pub plain: bool,
+}
+
+/// What came out for a statement.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Answer {
+    /// Name of the statement.
+    pub item: String,
+    /// What may have been meant, the most likely first.
+    pub candidates: Vec<Candidate>,
+    /// What else is to be said.
+    pub note: String,
+}
+
+impl Answer {
+    /// An answer without candidates yet.
+    pub(super) fn to(item: &str) -> Self {
+        Self { item: item.to_owned(), candidates: Vec::new(), note: String::new() }
+    }
+
+    /// What the paper's words describe.
+    pub(super) fn plain(self, convention: &str, value: f64) -> Self {
+        self.with(convention, value, true)
+    }
+
+    /// What a convention makes of it that the paper does not name.
+    pub(super) fn or(self, convention: &str, value: f64) -> Self {
+        self.with(convention, value, false)
+    }
+
+    fn with(mut self, convention: &str, value: f64, plain: bool) -> Self {
+        self.candidates.push(Candidate { convention: convention.to_owned(), value, plain });
+        self
+    }
+
+    /// Something else to be said.
+    pub(super) fn note(self, note: impl Into<String>) -> Self {
+        Self { note: note.into(), ..self }
+    }
+}
+
+/// The verdict on `claim` from the answer to it.
+pub(super) fn judge(claim: &Claim, answer: &Answer) -> Finding {
+    let here = |candidate: &Candidate| candidate.value / claim.scale;
+    let agrees = |candidate: &&Candidate| match claim.expected {
+        Expected::Printed { value, allowed } => {
+            (here(candidate) - value).abs() <= allowed + ROUNDING * value.abs()
+        }
+        Expected::AtLeast(bound) => here(candidate) >= bound,
+        Expected::AtMost(bound) => here(candidate) <= bound,
+    };
+    let found = answer.candidates.iter().find(agrees);
+    let verdict = match found {
+        Some(candidate) if candidate.plain => Verdict::Agrees,
+        Some(_) => Verdict::AgreesUnder,
+        None => Verdict::DoesNotHold,
+    };
+    let chosen = found.or(answer.candidates.first());
+    Finding {
+        item: claim.item.clone(),
+        place: claim.place.clone(),
+        says: claim.says.clone(),
+        paper: match claim.expected {
+            Expected::Printed { value, .. } => Printed::Number(value),
+            Expected::AtLeast(bound) => Printed::Words(format!("at least {bound}")),
+            Expected::AtMost(bound) => Printed::Words(format!("at most {bound}")),
+        },
+        here: chosen.map_or(f64::NAN, here),
+        unit: claim.unit.clone(),
+        convention: chosen.map_or_else(String::new, |c| c.convention.clone()),
+        verdict,
+        reason: reason(claim, answer, chosen),
+        figure: claim.figure,
+    }
+}
+
+/// What the verdict stands on: the bound or the digits, the other candidates, and what else is known.
+fn reason(claim: &Claim, answer: &Answer, chosen: Option<&Candidate>) -> String {
+    let deviation = |value: f64| match claim.expected {
+        Expected::Printed { value: printed, .. } if printed != 0.0 => {
+            format!(" ({:+.1} %)", 100.0 * (value / claim.scale / printed - 1.0))
+        }
+        _ => String::new(),
+    };
+    let mut text = match claim.expected {
+        Expected::Printed { allowed, .. } => {
+            format!("digits as printed allow {} either way", brief(allowed))
+        }
+        Expected::AtLeast(_) | Expected::AtMost(_) => String::new(),
+    };
+    let mut add = |words: &str| {
+        if !words.is_empty() {
+            let gap = if text.is_empty() { "" } else { "; " };
+            let _ = write!(text, "{gap}{words}");
+        }
+    };
+    add(&claim.because);
+    if let Some(chosen) = chosen {
+        add(deviation(chosen.value).trim().trim_matches(['(', ')']));
+    }
+    for other in answer.candidates.iter().filter(|other| Some(*other) != chosen) {
+        let value = brief(other.value / claim.scale);
+        add(&format!("{}: {value}{}", other.convention, deviation(other.value)));
+    }
+    add(&answer.note);
+    text
+}
+
+/// A number with four significant digits, without zeros behind them.
+pub(super) fn brief(value: f64) -> String {
+    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    rounded.to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn claim(expected: Expected, unit: &str, scale: f64) -> Claim {
+        Claim {
+            item: "item".to_owned(),
+            place: "place".to_owned(),
+            figure: None,
+            says: "says".to_owned(),
+            expected,
+            unit: unit.to_owned(),
+            scale,
+            because: String::new(),
+        }
+    }
+
+    /// 171 m/s as printed.
+    fn printed() -> Claim {
+        claim(Expected::Printed { value: 171.0, allowed: 0.5 }, "m/s", 1.0)
+    }
+
+    #[test]
+    fn what_rounds_to_the_printed_number_agrees() {
+        let verdict =
+            |value| judge(&printed(), &Answer::to("item").plain("as worded", value)).verdict;
+        assert_eq!([170.5, 170.9, 171.5].map(verdict), [Verdict::Agrees; 3]);
+        assert_eq!([170.499, 171.501, f64::NAN].map(verdict), [Verdict::DoesNotHold; 3]);
+    }
+
+    #[test]
+    fn the_first_candidate_that_agrees_decides_and_the_others_are_told() {
+        let answer = Answer::to("item").plain("peak", 164.5).or("half-rise", 170.9).note("a note");
+        let found = judge(&printed(), &answer);
+        assert_eq!((found.verdict, found.here), (Verdict::AgreesUnder, 170.9));
+        assert_eq!(found.convention, "half-rise");
+        for words in ["peak: 164.5 (-3.8 %)", "-0.1 %", "0.5 either way", "a note"] {
+            assert!(found.reason.contains(words), "{words} in {}", found.reason);
+        }
+        let answer = Answer::to("item").plain("peak", 164.5).or("10 %", 175.4);
+        let found = judge(&printed(), &answer);
+        assert_eq!((found.verdict, found.here), (Verdict::DoesNotHold, 164.5));
+    }
+
+    #[test]
+    fn bounds_and_units() {
+        let kilohertz = claim(Expected::Printed { value: 11.0, allowed: 0.5 }, "kHz", 1e3);
+        let found = judge(&kilohertz, &Answer::to("item").plain("line", 11213.0));
+        assert_eq!((found.verdict, found.here), (Verdict::Agrees, 11.213));
+        let verdict = |expected, value| {
+            judge(&claim(expected, "", 1.0), &Answer::to("item").plain("share", value)).verdict
+        };
+        assert_eq!(verdict(Expected::AtLeast(0.5), 0.4), Verdict::DoesNotHold);
+        assert_eq!(verdict(Expected::AtMost(0.5), 0.4), Verdict::Agrees);
+    }
+}

@@ -1,0 +1,85 @@
+//! Pictures as PNG: SVG drawn at twice its size, with a font of its own, so that they look alike on every machine.
+
+use resvg::tiny_skia::{Pixmap, Transform};
+use resvg::usvg::{Options, Tree};
+
+/// Font of all text; `assets/fonts/LICENSE` says what it holds.
+const FONT: &[u8] = include_bytes!("../../assets/fonts/DejaVuSans.ttf");
+const FAMILY: &str = "DejaVu Sans";
+/// Dots to a unit of the SVG (1).
+const SCALE: f32 = 2.0;
+
+/// Why a picture could not be drawn: mistakes of whatever made the SVG.
+#[derive(Debug, thiserror::Error)]
+pub enum PngError {
+    /// The SVG is none.
+    #[error("found no SVG: {0}")]
+    Svg(#[from] resvg::usvg::Error),
+    /// Its size is zero or beyond memory.
+    #[error("found a picture of {0} x {1} dots, expected one that can be drawn")]
+    Size(u32, u32),
+    /// It could not be packed.
+    #[error("{0}")]
+    Encoding(String),
+}
+
+/// The picture `svg` as a PNG file.
+///
+/// # Errors
+/// [`PngError`] for text that is no SVG.
+pub fn png(svg: &str) -> Result<Vec<u8>, PngError> {
+    let mut options = Options { font_family: FAMILY.to_owned(), ..Options::default() };
+    let fonts = options.fontdb_mut();
+    fonts.load_font_data(FONT.to_vec());
+    fonts.set_sans_serif_family(FAMILY);
+    let tree = Tree::from_str(svg, &options)?;
+    let size = tree.size().to_int_size();
+    let size = size.scale_by(SCALE).unwrap_or(size);
+    let pixmap = Pixmap::new(size.width(), size.height());
+    let mut pixmap = pixmap.ok_or(PngError::Size(size.width(), size.height()))?;
+    resvg::render(&tree, Transform::from_scale(SCALE, SCALE), &mut pixmap.as_mut());
+    pixmap.encode_png().map_err(|error| PngError::Encoding(error.to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
+
+    use super::*;
+
+    fn drawn(content: &str) -> Pixmap {
+        let svg = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 60 20\" font-family=\"sans-serif\" font-size=\"14\">\
+             <rect width=\"60\" height=\"20\" fill=\"#ffffff\"/>{content}</svg>"
+        );
+        Pixmap::decode_png(&png(&svg).unwrap()).unwrap()
+    }
+
+    fn dark(picture: &Pixmap) -> usize {
+        picture.pixels().iter().filter(|dot| dot.red() < 128).count()
+    }
+
+    #[test]
+    fn pictures_are_drawn_at_twice_their_size_with_their_text() {
+        let empty = drawn("");
+        assert_eq!((empty.width(), empty.height(), dark(&empty)), (120, 40, 0));
+        // Every sign that axes use has a shape of its own: a font without it would draw nothing, or the same box twice.
+        let signs = ["1", "k", "Hz", "µ", "·", "²", "−", "±", "γ", "₁", "≤", "…"];
+        let shapes: Vec<Vec<u8>> = signs
+            .iter()
+            .map(|sign| {
+                let picture = drawn(&format!("<text x=\"5\" y=\"15\">{sign}</text>"));
+                assert!(dark(&picture) > 2, "{sign}");
+                picture.data().to_vec()
+            })
+            .collect();
+        for (index, shape) in shapes.iter().enumerate() {
+            assert!(!shapes[..index].contains(shape), "{}", signs[index]);
+        }
+    }
+
+    #[test]
+    fn what_is_no_picture_is_refused() {
+        assert!(matches!(png("no picture"), Err(PngError::Svg(_))));
+    }
+}

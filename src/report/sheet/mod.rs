@@ -1,0 +1,136 @@
+//! A sheet of plots as an SVG picture: panels in rows, axes with units, lines, shaded bands, maps.
+
+mod draw;
+
+pub use draw::sheet_svg;
+
+use crate::report::chart::ticks;
+
+/// Lines in colours that the colour-blind tell apart. Source: M. Okabe, K. Ito (2008), "Color Universal Design".
+pub const COLOURS: [&str; 7] =
+    ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"];
+
+/// An axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// What it is, with its unit.
+    pub label: String,
+    /// First value (unit).
+    pub from: f64,
+    /// Last value (unit).
+    pub to: f64,
+    /// Whether equal ratios are equally long.
+    pub logarithmic: bool,
+    /// Places with their names; an empty name is a line of the grid without one.
+    pub ticks: Vec<(f64, String)>,
+}
+
+impl Axis {
+    /// From `from` to `to` (unit), round numbers named.
+    #[must_use]
+    pub fn linear(label: &str, from: f64, to: f64) -> Self {
+        let places = ticks(from, to);
+        let step = places.get(1).zip(places.first()).map_or(1.0, |(b, a)| b - a);
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few digits")]
+        let decimals = (-step.log10().floor()).clamp(0.0, 9.0) as usize;
+        // What is a rounding error away from zero is zero.
+        let name = |v: f64| format!("{:.decimals$}", if v.abs() < 1e-9 * step { 0.0 } else { v });
+        let ticks = places.into_iter().map(|value| (value, name(value))).collect();
+        Self { label: label.to_owned(), from, to, logarithmic: false, ticks }
+    }
+
+    /// From `from` to `to` (unit), both above zero; 1, 2 and 5 of each decade named.
+    #[must_use]
+    pub fn logarithmic(label: &str, from: f64, to: f64) -> Self {
+        #[allow(clippy::cast_possible_truncation, reason = "a few decades")]
+        let decades = (from.log10().floor() as i32)..=(to.log10().ceil() as i32);
+        let places = decades.flat_map(|d| [1.0, 2.0, 5.0].map(|m| m * 10f64.powi(d)));
+        let inside = places.filter(|value| (from * 0.999..=to * 1.001).contains(value));
+        let name = |value: f64| format!("{}", format!("{value:.3e}").parse().unwrap_or(value));
+        let ticks = inside.map(|value| (value, name(value))).collect();
+        Self { label: label.to_owned(), from, to, logarithmic: true, ticks }
+    }
+
+    /// Where `value` stands between both ends (1).
+    fn share(&self, value: f64) -> f64 {
+        if self.logarithmic {
+            (value / self.from).ln() / (self.to / self.from).ln()
+        } else {
+            (value - self.from) / (self.to - self.from)
+        }
+    }
+}
+
+/// How a line is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stroke {
+    /// Through all points.
+    Solid,
+    /// The same in dashes.
+    Dashed,
+    /// The points alone.
+    Dots,
+}
+
+/// Points that belong together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Line {
+    /// Its name in the legend; none for an empty one.
+    pub name: String,
+    /// Points in order (unit).
+    pub points: Vec<(f64, f64)>,
+    /// Colour.
+    pub colour: &'static str,
+    /// How it is drawn.
+    pub stroke: Stroke,
+}
+
+/// Values on a grid, as shades: columns from left to right, each from below.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Map {
+    /// Columns of shares from 0 (white) to 1 (dark) (1).
+    pub columns: Vec<Vec<f64>>,
+    /// What white and dark stand for.
+    pub shades: String,
+}
+
+/// One plot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Panel {
+    /// `(a) what it shows`.
+    pub title: String,
+    /// Abscissa.
+    pub x: Axis,
+    /// Ordinate.
+    pub y: Axis,
+    /// Lines in the order in which they are drawn.
+    pub lines: Vec<Line>,
+    /// Parts of the abscissa that are shaded, each with its name (unit).
+    pub bands: Vec<(f64, f64, String)>,
+    /// Words at places in the plot (unit).
+    pub words: Vec<(f64, f64, String)>,
+    /// What lies below the lines.
+    pub map: Option<Map>,
+}
+
+impl Panel {
+    /// An empty one.
+    #[must_use]
+    pub fn new(title: &str, x: Axis, y: Axis) -> Self {
+        let (lines, bands, words) = (Vec::new(), Vec::new(), Vec::new());
+        Self { title: title.to_owned(), x, y, lines, bands, words, map: None }
+    }
+}
+
+/// Panels in rows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sheet {
+    /// Above all.
+    pub title: String,
+    /// Panels in a row.
+    pub columns: usize,
+    /// Width and height of a panel's frame (pixels).
+    pub size: (f64, f64),
+    /// Row by row.
+    pub panels: Vec<Panel>,
+}

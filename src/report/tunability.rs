@@ -1,0 +1,224 @@
+//! Maps of what a chain lets pass over a knob: shades and numbers for a terminal, sheets for a picture.
+
+use super::sheet::{Axis, COLOURS, Line, Map, Panel, Sheet, Stroke, sheet_svg};
+use super::table;
+use crate::analysis::dispersion::DiatomicChain;
+use crate::experiment::tunability::{TunedPoint, Tuning};
+use crate::quantity::engineering;
+
+/// Highest frequency that is shown (Hz).
+const HIGHEST: f64 = 20e3;
+/// What is this far below the highest of its column is shown as nothing (dB).
+const DEPTH: f64 = 60.0;
+/// Rows of the map in a terminal and in a picture.
+const ROWS: (usize, usize) = (16, 100);
+/// Characters across the map in a terminal.
+const ACROSS: usize = 64;
+/// Shades from nothing to the highest.
+const SHADES: [char; 5] = [' ', '░', '▒', '▓', '█'];
+/// Rows of numbers below a map.
+const NUMBERS: usize = 7;
+
+type Edge = (&'static str, fn(&DiatomicChain) -> f64);
+const EDGES: [Edge; 3] = [
+    ("f1", DiatomicChain::gap_bottom),
+    ("f2", DiatomicChain::gap_top),
+    ("f3", DiatomicChain::cutoff),
+];
+
+/// What arrives, in decibels below its highest line, the highest of each of `rows` bands of frequency up to 20 kHz (dB).
+#[must_use]
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a place among a hundred"
+)]
+pub fn transmitted(point: &TunedPoint, rows: usize) -> Vec<f64> {
+    let mut highest = vec![0.0_f64; rows];
+    for (bin, amplitude) in point.transmitted.amplitude.iter().enumerate() {
+        let row = (point.transmitted.frequency(bin) / HIGHEST * rows as f64) as usize;
+        let Some(cell) = highest.get_mut(row) else { break };
+        *cell = cell.max(*amplitude);
+    }
+    let top = highest.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    highest.into_iter().map(|amplitude| (20.0 * (amplitude / top).log10()).max(-DEPTH)).collect()
+}
+
+fn shares(point: &TunedPoint, rows: usize) -> Vec<f64> {
+    transmitted(point, rows).into_iter().map(|db| (1.0 + db / DEPTH).clamp(0.0, 1.0)).collect()
+}
+
+/// The page that `tunability` prints.
+#[must_use]
+pub fn tunability(title: &str, tunings: &[Tuning]) -> String {
+    let mut lines = vec![title.to_owned()];
+    for tuning in tunings {
+        lines.push(String::new());
+        lines.push(heading(tuning));
+        lines.extend(map(tuning));
+        lines.extend(numbers(tuning));
+    }
+    lines.push(String::new());
+    lines.push(format!(
+        "shades: spectrum at the last sensor up to {:.0} kHz, each {:.0} dB, nothing is {DEPTH:.0} dB below the highest line of its column; 1, 2, 3: band edges of the linear chain",
+        1e-3 * HIGHEST,
+        DEPTH / 5.0
+    ));
+    lines.join("\n")
+}
+
+fn heading(tuning: &Tuning) -> String {
+    let knob = tuning.knob;
+    format!("{} (the scene has {})", knob.name(), value(tuning, tuning.now))
+}
+
+/// A knob's value with its unit; masses in grams.
+fn value(tuning: &Tuning, value: f64) -> String {
+    match tuning.knob.unit() {
+        "kg" => engineering(1e3 * value, "g", 3),
+        unit => engineering(value, unit, 3),
+    }
+}
+
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a place among a few dozen"
+)]
+fn map(tuning: &Tuning) -> Vec<String> {
+    let rows = ROWS.0;
+    let columns: Vec<Vec<char>> = (0..ACROSS)
+        .filter_map(|column| tuning.points.get(column * tuning.points.len() / ACROSS))
+        .map(|point| {
+            let shade =
+                |share: f64| SHADES[((share * SHADES.len() as f64) as usize).min(SHADES.len() - 1)];
+            let mut column: Vec<char> = shares(point, rows).into_iter().map(shade).collect();
+            for ((_, edge), sign) in EDGES.iter().zip(['1', '2', '3']) {
+                let row = point.chain.map(|chain| edge(&chain) / HIGHEST * rows as f64);
+                if let Some(cell) = row.and_then(|row| column.get_mut(row as usize)) {
+                    *cell = sign;
+                }
+            }
+            column
+        })
+        .collect();
+    let mut lines = Vec::new();
+    for row in (0..rows).rev() {
+        let line: String = columns.iter().filter_map(|column| column.get(row)).collect();
+        let label = match row {
+            _ if row + 1 == rows => engineering(HIGHEST, "Hz", 2),
+            0 => "0".to_owned(),
+            _ => String::new(),
+        };
+        lines.push(format!("  {label:>7} │{line}│"));
+    }
+    let ends = [tuning.points.first(), tuning.points.last()];
+    let [from, to] = ends.map(|point| point.map_or_else(String::new, |p| value(tuning, p.value)));
+    let gap = ACROSS.saturating_sub(from.chars().count() + to.chars().count());
+    lines.push(format!("  {:7} └{}┘", "", "─".repeat(ACROSS)));
+    lines.push(format!("  {:7}  {from}{}{to}", "", " ".repeat(gap)));
+    lines
+}
+
+fn numbers(tuning: &Tuning) -> Vec<String> {
+    let heading = ["", "f1", "f2", "f3", "long waves", "pulse", "first peak"];
+    let mut rows = vec![heading.map(str::to_owned).to_vec()];
+    let none = || "-".to_owned();
+    let last = tuning.points.len().saturating_sub(1);
+    let picked = (0..NUMBERS).map(|row| row * last / (NUMBERS - 1));
+    for point in picked.filter_map(|index| tuning.points.get(index)) {
+        let edge = |of: fn(&DiatomicChain) -> f64, unit: &str| {
+            point.chain.map_or_else(none, |chain| engineering(of(&chain), unit, 4))
+        };
+        rows.push(vec![
+            value(tuning, point.value),
+            edge(DiatomicChain::gap_bottom, "Hz"),
+            edge(DiatomicChain::gap_top, "Hz"),
+            edge(DiatomicChain::cutoff, "Hz"),
+            edge(DiatomicChain::sound_speed, "m/s"),
+            point.pulse_speed.map_or_else(none, |speed| engineering(speed, "m/s", 4)),
+            point.transmission.map_or_else(none, |share| format!("{:.1} %", 100.0 * share)),
+        ]);
+    }
+    table::lines(&rows, &[])
+}
+
+/// The map as a picture: for each knob what arrives with the band edges, and beside it the speeds.
+#[must_use]
+pub fn tunability_svg(title: &str, tunings: &[Tuning]) -> String {
+    let panels = tunings.iter().flat_map(|tuning| [map_panel(tuning), speed_panel(tuning)]);
+    sheet_svg(&Sheet {
+        title: title.to_owned(),
+        columns: 2,
+        size: (430.0, 210.0),
+        panels: panels.collect(),
+    })
+}
+
+/// The axis of a knob, and what its values are multiplied with for it.
+fn axis(tuning: &Tuning) -> (Axis, f64) {
+    let (unit, factor) = match tuning.knob.unit() {
+        "kg" => ("g", 1e3),
+        "Pa" => ("GPa", 1e-9),
+        unit => (unit, 1.0),
+    };
+    let ends = [tuning.points.first(), tuning.points.last()];
+    let [from, to] = ends.map(|point| point.map_or(1.0, |point| factor * point.value));
+    let label = format!("{} ({unit})", tuning.knob.name().replace('-', " "));
+    (Axis::logarithmic(&label, from, to), factor)
+}
+
+fn curve(tuning: &Tuning, factor: f64, of: &dyn Fn(&TunedPoint) -> Option<f64>) -> Vec<(f64, f64)> {
+    tuning.points.iter().filter_map(|point| Some((factor * point.value, of(point)?))).collect()
+}
+
+fn map_panel(tuning: &Tuning) -> Panel {
+    let (x, factor) = axis(tuning);
+    let mut panel = Panel::new(
+        "spectrum at the last sensor",
+        x,
+        Axis::linear("frequency (kHz)", 0.0, 1e-3 * HIGHEST),
+    );
+    panel.map = Some(Map {
+        columns: tuning.points.iter().map(|point| shares(point, ROWS.1)).collect(),
+        shades: format!("white to black: {DEPTH:.0} dB"),
+    });
+    for ((name, edge), colour) in EDGES.into_iter().zip([1, 3, 4]) {
+        let points = curve(tuning, factor, &|point| Some(1e-3 * edge(&point.chain?)));
+        let name = name.to_owned();
+        panel.lines.push(Line { name, points, colour: COLOURS[colour], stroke: Stroke::Dashed });
+    }
+    panel
+}
+
+fn speed_panel(tuning: &Tuning) -> Panel {
+    let (x, factor) = axis(tuning);
+    let lines = [
+        ("pulse, half-rise", curve(tuning, factor, &|point| point.pulse_speed), 0, Stroke::Solid),
+        (
+            "long waves, linear",
+            curve(tuning, factor, &|point| Some(point.chain?.sound_speed())),
+            1,
+            Stroke::Dashed,
+        ),
+    ];
+    let speeds = lines.iter().flat_map(|(_, points, ..)| points.iter().map(|(_, speed)| *speed));
+    let top = speeds.fold(1.0, f64::max);
+    let mut panel = Panel::new(
+        "speed between first and last sensor",
+        x,
+        Axis::linear("speed (m/s)", 0.0, 1.3 * top),
+    );
+    panel.lines = lines
+        .into_iter()
+        .map(|(name, points, colour, stroke)| Line {
+            name: name.to_owned(),
+            points,
+            colour: COLOURS[colour],
+            stroke,
+        })
+        .collect();
+    panel
+}
