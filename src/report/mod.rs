@@ -19,6 +19,7 @@ mod screen;
 pub mod spectrogram;
 pub mod spectrum;
 mod summary;
+mod sweep;
 mod table;
 mod work_precision;
 
@@ -33,6 +34,7 @@ pub use forces::{force_curve, forces};
 pub use hard_cases::hard_cases;
 pub use screen::screen;
 pub use summary::summary;
+pub use sweep::{gathering, sweep};
 pub use work_precision::{work_precision, work_precision_svg};
 
 /// Text as SVG takes it.

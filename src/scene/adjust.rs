@@ -19,7 +19,7 @@ use crate::sensor::Load;
 /// A scene's tree, from which scenes with other numbers are made.
 #[derive(Debug)]
 pub struct Adjustable {
-    loaded: Loaded,
+    pub(super) loaded: Loaded,
     base: String,
 }
 
@@ -109,6 +109,11 @@ impl Adjustable {
                 node.value = knob.typed(*value);
             }
         }
+        self.standing_on(root)
+    }
+
+    /// The scene of another tree.
+    pub(super) fn standing_on(&self, root: Node) -> Result<Scene, SceneError> {
         let Loaded { name, text, hash, problems, .. } = &self.loaded;
         Scene::checked(Loaded {
             name: name.clone(),
@@ -140,7 +145,7 @@ impl Adjustable {
     }
 
     /// Puts into the tree what a path may reach although the scene does not spell it out.
-    fn lay_open(&mut self, keys: &[&str]) -> Result<(), AdjustError> {
+    pub(super) fn lay_open(&mut self, keys: &[&str]) -> Result<(), AdjustError> {
         match keys {
             ["materials", name, _] => {
                 let own = |root: &Node| at(root, &["materials", name]).is_some();

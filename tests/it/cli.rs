@@ -1,6 +1,7 @@
 //! The command line as a user meets it: exit codes, what is printed where, and what is left on disk.
 
 mod convert;
+mod doctor;
 mod effects;
 mod help;
 mod run;

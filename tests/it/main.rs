@@ -44,6 +44,7 @@ mod scpi;
 #[cfg(feature = "server")]
 mod server;
 mod set_file;
+mod sweep;
 mod tek_csv;
 #[cfg(feature = "tui")]
 mod tui;
