@@ -4,7 +4,7 @@ import sys
 
 import pandas
 
-csv = pandas.read_csv(sys.argv[1], float_precision="round_trip")
+csv = pandas.read_csv(sys.argv[1])
 lines = pandas.read_json(sys.argv[2], lines=True, precise_float=True, dtype=False)
 others = {"JSON lines": lines}
 if len(sys.argv) > 3:
