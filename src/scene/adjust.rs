@@ -11,7 +11,7 @@ use std::path::Path;
 use super::document::{Node, Value};
 use super::library::{self, Loaded};
 use super::problem::SceneError;
-use super::tree::{ANY, at, at_mut, expand, insert, known};
+use super::tree::{ANY, at, at_mut, expand, insert, is_in_tables, known};
 use super::{Scene, input_load};
 use crate::quantity::{Dimension, parse_any};
 use crate::sensor::Load;
@@ -137,6 +137,8 @@ impl Adjustable {
         self.lay_open(&keys)?;
         let mut found = Vec::new();
         expand(&self.loaded.root, &keys, &mut Vec::new(), &mut found);
+        // A scene that stands on this one can say other values in tables, but not a part of a list.
+        found.retain(|(path, _)| is_in_tables(&self.loaded.root, path));
         if found.is_empty() {
             let known = known(&self.loaded.root, &keys);
             return Err(AdjustError::Nothing { path: path.to_owned(), known });

@@ -89,6 +89,13 @@ pub(super) fn expand<'a>(
     }
 }
 
+/// Whether the way along `path` leads through no list.
+pub(super) fn is_in_tables(root: &Node, path: &str) -> bool {
+    let keys: Vec<&str> = path.split('.').collect();
+    let is_table = |end| matches!(at(root, &keys[..end]).map(|n| &n.value), Some(Value::Table(_)));
+    (0..keys.len()).all(is_table)
+}
+
 /// Names at the last place of a path that is there.
 pub(super) fn known(root: &Node, keys: &[&str]) -> Vec<String> {
     let mut node = root;
