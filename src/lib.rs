@@ -20,6 +20,7 @@ pub mod screen;
 pub mod sensor;
 #[cfg(feature = "server")]
 pub mod server;
+pub mod sweep;
 pub mod trace;
 #[cfg(feature = "tui")]
 pub mod tui;

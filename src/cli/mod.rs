@@ -9,9 +9,11 @@ mod compare;
 mod completions;
 mod convert;
 mod cost;
+mod doctor;
 mod effects;
 mod fit;
 mod force;
+mod gather;
 mod hard_cases;
 mod info;
 mod magnet;
@@ -28,6 +30,7 @@ mod serve;
 mod signal;
 mod spectrogram;
 mod spectrum;
+mod sweep;
 mod tunability;
 #[cfg(feature = "tui")]
 mod view;
@@ -70,10 +73,13 @@ enum Command {
     Fit(fit::Arguments),
     Paper(paper::Arguments),
     Tunability(tunability::Arguments),
+    Sweep(sweep::Arguments),
+    Gather(gather::Arguments),
     #[cfg(feature = "server")]
     Serve(serve::Arguments),
     #[cfg(feature = "tui")]
     View(view::Arguments),
+    Doctor(doctor::Arguments),
     Completions(completions::Arguments),
     Man(man::Arguments),
 }
@@ -103,10 +109,13 @@ pub fn main() -> ExitCode {
         Command::Fit(arguments) => fit::run(&arguments),
         Command::Paper(arguments) => paper::run(&arguments),
         Command::Tunability(arguments) => tunability::run(&arguments),
+        Command::Sweep(arguments) => sweep::run(&arguments),
+        Command::Gather(arguments) => gather::run(&arguments),
         #[cfg(feature = "server")]
         Command::Serve(arguments) => serve::run(&arguments),
         #[cfg(feature = "tui")]
         Command::View(arguments) => view::run(&arguments),
+        Command::Doctor(arguments) => doctor::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),
         Command::Man(arguments) => man::run(&arguments),
     };

@@ -1,18 +1,21 @@
 //! Many chains at once: eight side by side in the lanes of the machine's registers, groups of eight on all its processors.
 //!
-//! Every chain has steps and error control of its own, so that a result is the same to the last bit however many threads there are
-//! and whatever else runs. Chains with losses run one by one.
+//! Every chain has steps and error control of its own, and one alone runs in a lane as well, so that a result is the same to the last
+//! bit however many threads there are and whatever else runs. Chains with losses run one by one.
 
+use std::borrow::Borrow;
 use std::num::NonZero;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::bench::{Bench, Grid};
-use super::losses;
+use super::effects::auto::settle;
 use super::pulse::PulseRecorder;
+use super::{Integration, losses};
 use crate::chain::stepper::{ChainGroup, InstructionSet, Member, View};
 use crate::chain::{Chain, ForceProbe};
 use crate::integrate::{IntegrateError, Work};
+use crate::scene::{PlacedSensor, Scene, Site};
 
 /// One chain and what is to be read from it.
 #[derive(Debug, Clone)]
@@ -65,11 +68,13 @@ impl Ensemble {
     }
 
     /// Runs all `cases`; results stand in their order. `done` hears how many more are finished, from any thread.
-    pub fn run(
+    pub fn run<C: Borrow<Case>>(
         &self,
-        cases: &[Case],
+        cases: &[C],
         done: &(dyn Fn(usize) + Sync),
     ) -> Vec<Result<Readout, IntegrateError>> {
+        let cases: Vec<&Case> = cases.iter().map(Borrow::borrow).collect();
+        let cases = cases.as_slice();
         let groups = self.groups(cases);
         let next = AtomicUsize::new(0);
         let results = Mutex::new(vec![None; cases.len()]);
@@ -94,47 +99,94 @@ impl Ensemble {
         results.into_inner().unwrap_or_default().into_iter().flatten().collect()
     }
 
-    /// Cases that run side by side: neighbours that fit each other, so that groups do not depend on what comes later.
-    fn groups(&self, cases: &[Case]) -> Vec<Vec<usize>> {
-        let mut groups: Vec<Vec<usize>> = Vec::new();
-        let member = |index: usize| cases[index].member();
-        for index in 0..cases.len() {
+    /// Cases that run side by side: each goes to the first group with a free lane that it fits.
+    fn groups(&self, cases: &[&Case]) -> Vec<Vec<usize>> {
+        let (mut full, mut open): (Vec<Vec<usize>>, Vec<Vec<usize>>) = (Vec::new(), Vec::new());
+        for (index, case) in cases.iter().enumerate() {
+            if case.chain.is_dissipative() {
+                full.push(vec![index]);
+                continue;
+            }
             let fits = |group: &Vec<usize>| {
-                let Some(first) = group.first() else { return false };
-                let lossless = [*first, index].map(|i| !cases[i].chain.is_dissipative());
-                group.len() < ChainGroup::LANES
-                    && lossless == [true; 2]
-                    && ChainGroup::fit(&member(*first), &member(index), self.accuracy)
+                ChainGroup::fit(&cases[group[0]].member(), &case.member(), self.accuracy)
             };
-            match groups.last_mut().filter(|group| fits(group)) {
-                Some(group) => group.push(index),
-                None => groups.push(vec![index]),
+            let Some(place) = open.iter().position(fits) else {
+                open.push(vec![index]);
+                continue;
+            };
+            open[place].push(index);
+            if open[place].len() == ChainGroup::LANES {
+                full.push(open.remove(place));
             }
         }
-        groups
+        full.append(&mut open);
+        full
     }
 
-    fn run_group(&self, cases: &[Case], group: &[usize]) -> Vec<Result<Readout, IntegrateError>> {
-        let members: Vec<&Case> = group.iter().filter_map(|index| cases.get(*index)).collect();
+    fn run_group(&self, cases: &[&Case], group: &[usize]) -> Vec<Result<Readout, IntegrateError>> {
+        let members: Vec<&Case> = group.iter().map(|index| cases[*index]).collect();
         let method = members
             .first()
             .map(|case| losses::method_for(&case.chain, &case.velocities, self.accuracy));
         match method.and_then(|method| method.nystrom()) {
-            Some((pair, tolerance)) if members.len() > 1 => {
+            Some((pair, tolerance)) => {
                 let all: Vec<Member<'_>> = members.iter().map(|case| case.member()).collect();
                 follow(ChainGroup::new(&all, pair, tolerance, self.set), &members)
             }
-            _ => members.iter().map(|case| case.run_alone(self.accuracy)).collect(),
+            None => members.iter().map(|case| case.run_alone(self.accuracy)).collect(),
         }
     }
 }
 
+/// A place of a scene that is watched.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Watched {
+    /// The sensor's name, or `wall`.
+    pub name: String,
+    /// The particle, counted from 1; none for the wall.
+    pub particle: Option<usize>,
+    /// Offset of the plate in particle lengths (1).
+    pub offset: f64,
+}
+
+/// The places of `scene` where forces can be watched: its sensors in particles, from the top, and the wall.
+#[must_use]
+pub fn places(scene: &Scene) -> Vec<Watched> {
+    let sensor = |sensor: &PlacedSensor| match sensor.site {
+        Site::Particle(particle) => {
+            let (name, offset) = (sensor.name.clone(), sensor.offset);
+            Some(Watched { name, particle: Some(particle), offset })
+        }
+        Site::Wall => None,
+    };
+    let wall = scene.chain.wall_contact();
+    let wall = wall.map(|_| Watched { name: "wall".to_owned(), particle: None, offset: 0.0 });
+    scene.sensors.iter().filter_map(sensor).chain(wall).collect()
+}
+
 impl Case {
+    /// `scene`, its first shot, to `accuracy` (1), with the forces at `places` watched.
+    #[must_use]
+    pub fn of(scene: &Scene, accuracy: f64, places: &[Watched]) -> Self {
+        let settled = settle(scene, Integration::Accuracy(accuracy));
+        let chain = settled.chain.clone();
+        let probe = |place: &Watched| match place.particle {
+            Some(particle) => ForceProbe::inside(&chain, particle, place.offset),
+            None => chain.wall_contact().and_then(|j| ForceProbe::contact(&chain, j)),
+        };
+        let probes = places.iter().filter_map(probe).collect();
+        Self { probes, velocities: settled.velocities(1), duration: settled.duration, chain }
+    }
+
     fn member(&self) -> Member<'_> {
         Member { chain: &self.chain, velocities: &self.velocities, duration: self.duration }
     }
 
-    fn run_alone(&self, accuracy: f64) -> Result<Readout, IntegrateError> {
+    /// Runs it on its own stepper, to `accuracy` (1): as exact as in a lane, but not the same to the last bit.
+    ///
+    /// # Errors
+    /// [`IntegrateError`] where the integrator cannot go on.
+    pub fn run_alone(&self, accuracy: f64) -> Result<Readout, IntegrateError> {
         let never = Grid { start: f64::MAX, interval: 1.0 };
         let method = losses::method_for(&self.chain, &self.velocities, accuracy);
         let grids = (never, never);

@@ -12,6 +12,7 @@ pub mod calibration;
 pub mod compare;
 mod comparison;
 pub mod cost;
+pub mod doctor;
 pub mod effects;
 pub mod ensemble;
 pub mod facts;

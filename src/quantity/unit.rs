@@ -108,6 +108,18 @@ impl Dimension {
         NAMES.iter().find(|(dimension, _)| *dimension == self).map(|(_, name)| *name)
     }
 
+    /// The SI unit as the field writes it, `N`; `1` for a plain number.
+    #[must_use]
+    pub fn unit(self) -> String {
+        let named =
+            self.name().and_then(|name| Some(name.split_once('(')?.1.trim_end_matches(')')));
+        match named {
+            Some(unit) => unit.to_owned(),
+            None if self == Self::NONE => "1".to_owned(),
+            None => self.base_units(),
+        }
+    }
+
     /// The dimension spelled in base units: `kg*m^-0.5*s^-2`.
     #[must_use]
     pub fn base_units(self) -> String {

@@ -23,6 +23,7 @@ pub mod sheet;
 pub mod spectrogram;
 pub mod spectrum;
 mod summary;
+mod sweep;
 mod table;
 mod tunability;
 mod work_precision;
@@ -41,6 +42,7 @@ pub use paper::{PaperPicture, paper, paper_parts, paper_pictures};
 pub use png::{PngError, png};
 pub use screen::screen;
 pub use summary::summary;
+pub use sweep::{gathering, sweep};
 pub use tunability::{transmitted, tunability, tunability_svg};
 pub use work_precision::{work_precision, work_precision_svg};
 

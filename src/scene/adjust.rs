@@ -11,7 +11,7 @@ use std::path::Path;
 use super::document::{Node, Value};
 use super::library::{self, Loaded};
 use super::problem::SceneError;
-use super::tree::{ANY, at, at_mut, expand, insert, known};
+use super::tree::{ANY, at, at_mut, expand, insert, is_in_tables, known};
 use super::{Scene, input_load};
 use crate::quantity::{Dimension, parse_any};
 use crate::sensor::Load;
@@ -19,7 +19,7 @@ use crate::sensor::Load;
 /// A scene's tree, from which scenes with other numbers are made.
 #[derive(Debug)]
 pub struct Adjustable {
-    loaded: Loaded,
+    pub(super) loaded: Loaded,
     base: String,
 }
 
@@ -109,6 +109,11 @@ impl Adjustable {
                 node.value = knob.typed(*value);
             }
         }
+        self.standing_on(root)
+    }
+
+    /// The scene of another tree.
+    pub(super) fn standing_on(&self, root: Node) -> Result<Scene, SceneError> {
         let Loaded { name, text, hash, problems, .. } = &self.loaded;
         Scene::checked(Loaded {
             name: name.clone(),
@@ -132,6 +137,8 @@ impl Adjustable {
         self.lay_open(&keys)?;
         let mut found = Vec::new();
         expand(&self.loaded.root, &keys, &mut Vec::new(), &mut found);
+        // A scene that stands on this one can say other values in tables, but not a part of a list.
+        found.retain(|(path, _)| is_in_tables(&self.loaded.root, path));
         if found.is_empty() {
             let known = known(&self.loaded.root, &keys);
             return Err(AdjustError::Nothing { path: path.to_owned(), known });
@@ -140,7 +147,7 @@ impl Adjustable {
     }
 
     /// Puts into the tree what a path may reach although the scene does not spell it out.
-    fn lay_open(&mut self, keys: &[&str]) -> Result<(), AdjustError> {
+    pub(super) fn lay_open(&mut self, keys: &[&str]) -> Result<(), AdjustError> {
         match keys {
             ["materials", name, _] => {
                 let own = |root: &Node| at(root, &["materials", name]).is_some();

@@ -4,20 +4,17 @@
 //! the one that names it.
 
 use std::fmt::Write as _;
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
 use super::document::{Entry, Node, Place, Value};
+use super::files::{read_text, shipped};
 use super::problem::{Problem, SceneError};
 use crate::data;
 
 /// A scene may stand on a scene that stands on a scene; deeper is a mistake or a circle.
 const DEEPEST_BASE: usize = 8;
-
-/// Largest file that is read as a scene or an instrument: ten thousand times what ships (bytes).
-const LARGEST_TEXT: u64 = 16 * 1024 * 1024;
 
 /// Tables that may name an instrument file in `model`, and the folder it lies in.
 const MODELS: [(&str, &str); 3] =
@@ -86,6 +83,9 @@ fn assembled(name: &str, text: String, file: &str, origin: &Origin) -> Result<Lo
 /// # Errors
 /// Problems at `place` when there is no such file, or in the file when it is no TOML.
 pub fn instrument(kind: &str, name: &str, place: &Place, key: &str) -> Result<Node, Vec<Problem>> {
+    if let Some(node) = shipped(kind, name) {
+        return Ok(node);
+    }
     let origin = origin_of(place);
     let missing = |found: String| {
         let names = data::instrument_names(kind).join(", ");
@@ -271,28 +271,4 @@ fn find(
     let file = path.display().to_string();
     let text = read_text(&path, &file)?;
     Ok(Some((text, file, Origin::File(path))))
-}
-
-/// The file's text; what is no UTF-8 is a problem at its place.
-fn read_text(path: &Path, file: &str) -> Result<String, SceneError> {
-    let failed = |source| SceneError::Read { file: file.to_owned(), source };
-    let mut bytes = Vec::new();
-    let opened = std::fs::File::open(path).map_err(failed)?;
-    opened.take(LARGEST_TEXT + 1).read_to_end(&mut bytes).map_err(failed)?;
-    if bytes.len() as u64 > LARGEST_TEXT {
-        return Err(SceneError::TooLarge { file: file.to_owned(), limit: LARGEST_TEXT });
-    }
-    String::from_utf8(bytes).map_err(|error| {
-        let sound = error.utf8_error().valid_up_to();
-        let before = String::from_utf8_lossy(error.as_bytes().get(..sound).unwrap_or_default());
-        let column = before.rsplit('\n').next().unwrap_or_default().chars().count() + 1;
-        SceneError::Problems(vec![Problem {
-            file: file.to_owned(),
-            line: before.matches('\n').count() + 1,
-            column,
-            key: String::new(),
-            found: format!("byte 0x{:02x}", error.as_bytes().get(sound).copied().unwrap_or(0)),
-            expected: "text in UTF-8".to_owned(),
-        }])
-    })
 }

@@ -9,6 +9,8 @@ mod bodies;
 mod bound;
 pub mod document;
 mod effects;
+mod files;
+pub mod grid;
 mod library;
 mod losses;
 pub mod magnets;
@@ -21,6 +23,7 @@ pub mod reader;
 mod sensors;
 mod shot;
 mod tree;
+pub mod vary;
 
 pub use bench::load as input_load;
 pub use problem::{Problem, SceneError};

@@ -1,4 +1,4 @@
-//! Paths through a scene's tree: finding, inserting, and what `*` stands for.
+//! Paths through a scene's tree: finding, inserting, and what `*` stands for. A number is a place in a list, counted from 1.
 
 use std::collections::BTreeMap;
 
@@ -9,29 +9,55 @@ pub(super) const ANY: &str = "*";
 
 pub(super) fn at<'a>(node: &'a Node, keys: &[&str]) -> Option<&'a Node> {
     let Some((first, rest)) = keys.split_first() else { return Some(node) };
-    let Value::Table(table) = &node.value else { return None };
-    at(&table.get(*first)?.node, rest)
+    match &node.value {
+        Value::Table(table) => at(&table.get(*first)?.node, rest),
+        Value::List(items) => at(items.get(place_in_list(first)?)?, rest),
+        _ => None,
+    }
+}
+
+/// `1` is the first of a list.
+fn place_in_list(key: &str) -> Option<usize> {
+    key.parse::<usize>().ok()?.checked_sub(1)
 }
 
 pub(super) fn at_mut<'a>(node: &'a mut Node, keys: &[&str]) -> Option<&'a mut Node> {
     let Some((first, rest)) = keys.split_first() else { return Some(node) };
-    let Value::Table(table) = &mut node.value else { return None };
-    at_mut(&mut table.get_mut(*first)?.node, rest)
+    match &mut node.value {
+        Value::Table(table) => at_mut(&mut table.get_mut(*first)?.node, rest),
+        Value::List(items) => at_mut(items.get_mut(place_in_list(first)?)?, rest),
+        _ => None,
+    }
 }
 
 /// Puts `value` at the path, with tables on the way where there are none.
 pub(super) fn insert(node: &mut Node, keys: &[&str], value: Value) {
     let place = node.place.clone();
+    put(node, keys, Node { place, value });
+}
+
+/// Puts `new` at the path, with tables on the way where there are none; tells whether it could: a list is not made longer, and what is
+/// no table has nothing in it.
+pub(super) fn put(node: &mut Node, keys: &[&str], new: Node) -> bool {
     let Some((first, rest)) = keys.split_first() else {
-        node.value = value;
-        return;
+        *node = new;
+        return true;
     };
-    let Value::Table(table) = &mut node.value else { return };
-    let empty = || Entry {
-        key_place: place.clone(),
-        node: Node { place: place.clone(), value: Value::Table(BTreeMap::new()) },
-    };
-    insert(&mut table.entry((*first).to_owned()).or_insert_with(empty).node, rest, value);
+    match &mut node.value {
+        Value::Table(table) => {
+            if !table.contains_key(*first) {
+                let place = new.place.clone();
+                let node = Node { place: place.clone(), value: Value::Table(BTreeMap::new()) };
+                table.insert((*first).to_owned(), Entry { key_place: place, node });
+            }
+            table.get_mut(*first).is_some_and(|entry| put(&mut entry.node, rest, new))
+        }
+        Value::List(items) => {
+            let item = place_in_list(first).and_then(|index| items.get_mut(index));
+            item.is_some_and(|item| put(item, rest, new))
+        }
+        _ => false,
+    }
 }
 
 pub(super) fn expand<'a>(
@@ -44,22 +70,49 @@ pub(super) fn expand<'a>(
         found.push((path.join("."), node));
         return;
     };
-    let Value::Table(table) = &node.value else { return };
-    for (key, entry) in table.iter().filter(|(key, _)| *first == ANY || key.as_str() == *first) {
-        path.push(key.clone());
-        expand(&entry.node, rest, path, found);
+    let mut deeper = |key: String, node: &'a Node| {
+        path.push(key);
+        expand(node, rest, path, found);
         path.pop();
+    };
+    let meant = |key: &str| *first == ANY || key == *first;
+    match &node.value {
+        Value::Table(table) => {
+            let entries = table.iter().filter(|(key, _)| meant(key));
+            entries.for_each(|(key, entry)| deeper(key.clone(), &entry.node));
+        }
+        Value::List(items) => {
+            let items = (1..).map(|place: usize| place.to_string()).zip(items);
+            items.filter(|(key, _)| meant(key)).for_each(|(key, node)| deeper(key, node));
+        }
+        _ => {}
     }
+}
+
+/// Whether the way along `path` leads through no list.
+pub(super) fn is_in_tables(root: &Node, path: &str) -> bool {
+    let keys: Vec<&str> = path.split('.').collect();
+    let is_table = |end| matches!(at(root, &keys[..end]).map(|n| &n.value), Some(Value::Table(_)));
+    (0..keys.len()).all(is_table)
 }
 
 /// Names at the last place of a path that is there.
 pub(super) fn known(root: &Node, keys: &[&str]) -> Vec<String> {
     let mut node = root;
     for key in keys {
-        let Value::Table(table) = &node.value else { return Vec::new() };
-        let next = if *key == ANY { table.values().next() } else { table.get(*key) };
-        let Some(entry) = next else { return table.keys().cloned().collect() };
-        node = &entry.node;
+        let next = match &node.value {
+            Value::Table(table) if *key == ANY => table.values().next().map(|entry| &entry.node),
+            Value::List(items) if *key == ANY => items.first(),
+            _ => at(node, &[key]),
+        };
+        node = match (next, &node.value) {
+            (Some(next), _) => next,
+            (None, Value::Table(table)) => return table.keys().cloned().collect(),
+            (None, Value::List(items)) => {
+                return (1..=items.len()).map(|i| i.to_string()).collect();
+            }
+            _ => return Vec::new(),
+        };
     }
     Vec::new()
 }

@@ -2,6 +2,7 @@
 
 mod convert;
 mod cost;
+mod doctor;
 mod effects;
 mod help;
 mod pictures;

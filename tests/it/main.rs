@@ -47,6 +47,7 @@ mod scpi;
 #[cfg(feature = "server")]
 mod server;
 mod set_file;
+mod sweep;
 mod tek_csv;
 #[cfg(feature = "tui")]
 mod tui;

@@ -1,0 +1,55 @@
+//! `hertzscope doctor`: whether the installation is sound.
+
+use clap::Args;
+use serde_json::json;
+
+use super::AnswerIsNo;
+use crate::chain::stepper::InstructionSet;
+use crate::experiment::doctor::{Check, examine};
+
+/// Check the installation: what ships, the processor's instructions, a run known from outside; exit code 1 if anything is wrong
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// Print what was found as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Parts that can be left out when the program is built.
+const FEATURES: [(&str, bool); 3] = [
+    ("server", cfg!(feature = "server")),
+    ("tui", cfg!(feature = "tui")),
+    ("parquet", cfg!(feature = "parquet")),
+];
+
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let checks = examine();
+    let sound = checks.iter().all(|check| check.good);
+    let sets: Vec<&str> = InstructionSet::available().iter().map(|set| set.name()).collect();
+    let features: Vec<&str> = FEATURES.iter().filter(|f| f.1).map(|f| f.0).collect();
+    let version = env!("CARGO_PKG_VERSION");
+    if arguments.json {
+        let report = json!({
+            "version": version,
+            "features": features,
+            "instructions": sets,
+            "instructions_used": InstructionSet::best().name(),
+            "checks": checks,
+            "sound": sound,
+        });
+        super::print(&serde_json::to_string_pretty(&report)?)?;
+    } else {
+        let mut lines = vec![
+            format!("hertzscope {version} with {}", features.join(", ")),
+            format!("instructions of this processor: {}; the first is used", sets.join(", ")),
+        ];
+        lines.extend(checks.iter().map(line));
+        lines.push(if sound { "all is well" } else { "something is wrong" }.to_owned());
+        super::print(&lines.join("\n"))?;
+    }
+    if sound { Ok(()) } else { Err(AnswerIsNo.into()) }
+}
+
+fn line(Check { what, good, found }: &Check) -> String {
+    format!("  {}  {what:<21}  {found}", if *good { "good " } else { "WRONG" })
+}

@@ -1,0 +1,70 @@
+//! `hertzscope gather`: the logs of a sweep's shards into one table.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::AnswerIsNo;
+use super::progress::Progress;
+use crate::report;
+use crate::sweep::SweepError;
+use crate::sweep::gather::Gathered;
+use crate::sweep::summary::Gathering;
+use crate::sweep::table;
+
+/// Join the logs of a sweep's shards into one table, and say what is missing; exit code 1 if anything is
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// Folder of the logs, GRID.sweep
+    folder: PathBuf,
+    /// Table to write, .csv, .jsonl or .parquet; may be repeated [default: GRID.csv beside the folder]
+    #[arg(short, long, value_name = "FILE")]
+    output: Vec<PathBuf>,
+    /// Print what was found as JSON
+    #[arg(long)]
+    json: bool,
+    /// Print nothing but errors; the exit code tells whether anything is missing
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    // `.` has no name that the table could have.
+    let named = arguments.folder.file_name().is_some();
+    let whole = if named { None } else { arguments.folder.canonicalize().ok() };
+    let tables = match arguments.output.as_slice() {
+        [] => vec![whole.as_ref().unwrap_or(&arguments.folder).with_extension("csv")],
+        named => named.to_vec(),
+    };
+    tables.iter().try_for_each(|file| table::check(file))?;
+    let found = gathered(&arguments.folder, &tables, arguments.quiet)?;
+    if arguments.json {
+        super::print(&serde_json::to_string_pretty(&found)?)?;
+    } else if !arguments.quiet {
+        super::print(&report::gathering(&found))?;
+    }
+    if found.missing.is_empty() { Ok(()) } else { Err(AnswerIsNo.into()) }
+}
+
+/// Joins the logs in `folder` into `tables`; tells what the user should know on standard error.
+pub fn gathered(folder: &Path, tables: &[PathBuf], quiet: bool) -> Result<Gathering, SweepError> {
+    let found = Gathered::read(folder)?;
+    for notice in &found.notices {
+        eprintln!("note: {notice}");
+    }
+    let mut progress = Progress::new("table", quiet);
+    let tally = found.write(tables, &mut |share| progress.at(share));
+    progress.done();
+    let tally = tally?;
+    Ok(Gathering {
+        folder: folder.display().to_string(),
+        logs: found.files().len(),
+        runs: found.runs(),
+        finished: tally.done,
+        missing: found.missing(),
+        failed: tally.failed,
+        first_failed: tally.failure(),
+        tables: tables.iter().map(|table| table.display().to_string()).collect(),
+        notices: found.notices,
+    })
+}

@@ -1,0 +1,177 @@
+//! `hertzscope sweep`: thousands of runs of a scene with other values.
+
+use std::collections::HashSet;
+use std::num::NonZero;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+use anyhow::Context as _;
+use clap::Args;
+
+use super::gather::gathered;
+use super::progress::Progress;
+use super::run::accuracy;
+use crate::chain::stepper::InstructionSet;
+use crate::report;
+use crate::sweep::SweepError;
+use crate::sweep::log::{Log, Scan, logs, scan};
+use crate::sweep::plan::Plan;
+use crate::sweep::shard::Shard;
+use crate::sweep::summary::Summary;
+use crate::sweep::table;
+use crate::sweep::work::{Job, work};
+
+/// Run a scene thousands of times with other values: grids, random and Latin-hypercube designs, resumed where they were left
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// The sweep: a TOML file with the scene and the values to run it with
+    grid: PathBuf,
+    /// Table to write when all runs are finished, .csv, .jsonl or .parquet; may be repeated [default: GRID.csv]
+    #[arg(short, long, value_name = "FILE")]
+    output: Vec<PathBuf>,
+    /// Folder of the logs, which keep every finished run [default: GRID.sweep]
+    #[arg(long, value_name = "DIR")]
+    folder: Option<PathBuf>,
+    /// Do one part of N only, e.g. 3/7; `hertzscope gather` joins them [default: that of a Slurm array's task, else all]
+    #[arg(long, value_name = "K/N")]
+    shard: Option<String>,
+    /// Threads [default: one for each processor]
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZero<usize>>,
+    /// Relative error allowed in first-peak forces and times, e.g. 1e-3 [default: the sweep's, else each scene's]
+    #[arg(long, value_name = "X", value_parser = accuracy)]
+    accuracy: Option<f64>,
+    /// Instructions to run with, so that machines of different kinds give the same bytes: AVX-512, AVX2 or baseline [default: the best]
+    #[arg(long, value_name = "SET")]
+    instructions: Option<String>,
+    /// Print what was done as JSON
+    #[arg(long)]
+    json: bool,
+    /// Print nothing but errors
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let shard = match &arguments.shard {
+        Some(text) => Shard::parse(text)?,
+        None => Shard::of_slurm(&|name| std::env::var(name).ok())?.unwrap_or(Shard::WHOLE),
+    };
+    let tables = match arguments.output.as_slice() {
+        [] => vec![arguments.grid.with_extension("csv")],
+        named => named.to_vec(),
+    };
+    tables.iter().try_for_each(|file| table::check(file))?;
+    let plan = Plan::load(&arguments.grid, arguments.accuracy)?;
+    let folder = arguments.folder.clone();
+    let folder = folder.unwrap_or_else(|| arguments.grid.with_extension("sweep"));
+    std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
+    let path = folder.join(shard.log());
+    let chosen = arguments.instructions.as_deref().map(instructions).transpose()?;
+    let chosen = chosen.map(InstructionSet::name);
+    let best = InstructionSet::best().name();
+    let (mut log, held, notices) = Log::open(&path, &plan, (chosen, best))?;
+    for notice in &notices {
+        eprintln!("note: {notice}");
+    }
+    let processors = std::thread::available_parallelism().map_or(1, NonZero::get);
+    let job = Job {
+        file: arguments.grid.clone(),
+        accuracy: arguments.accuracy,
+        instructions: instructions(&held.header.instructions)?,
+        threads: arguments.threads.map_or(processors, NonZero::get),
+    };
+    let mut finished = finished_elsewhere(&folder, &held)?;
+    finished.extend(held.finished());
+    let of_shard = (0..plan.count()).filter(|run| shard.has(*run)).count() as u64;
+    let mine = (0..plan.count()).filter(|run| shard.has(*run));
+    let pending: Vec<u64> = mine.filter(|run| !finished.contains(run)).collect();
+    let started = Instant::now();
+    let progress = SharedProgress::new(&shown(&plan, shard), pending.len(), arguments.quiet);
+    let tally = work(&job, &plan, &pending, &mut log, &|more| progress.more(more));
+    progress.done();
+    let tally = tally?;
+    let mut summary = Summary {
+        sweep: arguments.grid.display().to_string(),
+        scene: plan.scene_name().to_owned(),
+        runs: plan.count(),
+        shard: (!shard.is_whole()).then(|| shard.to_string()),
+        of_shard,
+        finished_before: of_shard - pending.len() as u64,
+        done: tally.done,
+        wall_s: started.elapsed().as_secs_f64(),
+        threads: job.threads,
+        instructions: job.instructions.name().to_owned(),
+        accuracy: plan.accuracy(),
+        failed: tally.failed,
+        first_failed: tally.failure(),
+        log: path.display().to_string(),
+        gathered: None,
+    };
+    if shard.is_whole() {
+        summary.gathered = Some(gathered(&folder, &tables, arguments.quiet)?);
+    }
+    if arguments.json {
+        super::print(&serde_json::to_string_pretty(&summary)?)?;
+    } else if !arguments.quiet {
+        super::print(&report::sweep(&summary))?;
+    }
+    Ok(())
+}
+
+/// The instruction set of this name.
+fn instructions(name: &str) -> Result<InstructionSet, SweepError> {
+    let all = InstructionSet::available();
+    let found = all.iter().find(|set| set.name().eq_ignore_ascii_case(name));
+    let known = || all.iter().map(|set| set.name()).collect();
+    found
+        .copied()
+        .ok_or_else(|| SweepError::Instructions { wanted: name.to_owned(), known: known() })
+}
+
+/// Runs that the folder's other logs hold: whoever has done them, they need not be done again.
+fn finished_elsewhere(folder: &Path, own: &Scan) -> Result<HashSet<u64>, SweepError> {
+    let mut finished = HashSet::new();
+    for file in logs(folder)?.into_iter().filter(|file| *file != own.file) {
+        if let Some(scan) = scan(&file)? {
+            if scan.header.sweep != own.header.sweep {
+                return Err(SweepError::OtherSweep { file: file.display().to_string() });
+            }
+            finished.extend(scan.finished());
+        }
+    }
+    Ok(finished)
+}
+
+fn shown(plan: &Plan, shard: Shard) -> String {
+    if shard.is_whole() { plan.scene_name().to_owned() } else { shard.to_string() }
+}
+
+/// A progress bar that threads share.
+struct SharedProgress {
+    bar: Mutex<Progress>,
+    done: AtomicU64,
+    all: usize,
+}
+
+impl SharedProgress {
+    fn new(what: &str, all: usize, quiet: bool) -> Self {
+        Self { bar: Mutex::new(Progress::new(what, quiet)), done: AtomicU64::new(0), all }
+    }
+
+    #[allow(clippy::cast_precision_loss, reason = "a share")]
+    fn more(&self, more: u64) {
+        let done = self.done.fetch_add(more, Ordering::Relaxed) + more;
+        if let Ok(mut bar) = self.bar.lock() {
+            bar.at(done as f64 / self.all as f64);
+        }
+    }
+
+    fn done(self) {
+        if let Ok(bar) = self.bar.into_inner() {
+            bar.done();
+        }
+    }
+}

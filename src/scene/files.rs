@@ -1,0 +1,57 @@
+//! Texts and trees of the files that scenes stand on.
+
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::io::Read as _;
+use std::path::Path;
+
+use super::document::Node;
+use super::problem::{Problem, SceneError};
+use crate::data;
+
+/// Largest file that is read as a scene or an instrument: ten thousand times what ships (bytes).
+const LARGEST_TEXT: u64 = 16 * 1024 * 1024;
+
+thread_local! {
+    /// Trees of the instruments that ship, by folder and name: a sweep reads the same few thousands of times, and parsing them costs
+    /// more than anything else about a scene.
+    static SHIPPED: RefCell<BTreeMap<String, Node>> = const { RefCell::new(BTreeMap::new()) };
+}
+
+/// The tree of the instrument `kind/name` that ships with the program; none if there is no such one, or if `name` is a path.
+pub(super) fn shipped(kind: &str, name: &str) -> Option<Node> {
+    if name.contains(['/', '\\']) {
+        return None;
+    }
+    let file = if kind.is_empty() { format!("{name}.toml") } else { format!("{kind}/{name}.toml") };
+    if let Some(node) = SHIPPED.with_borrow(|known| known.get(&file).cloned()) {
+        return Some(node);
+    }
+    let node = Node::parse(&format!("instruments/{file}"), data::instrument(kind, name)?).ok()?;
+    SHIPPED.with_borrow_mut(|known| known.insert(file, node.clone()));
+    Some(node)
+}
+
+/// The file's text; what is no UTF-8 is a problem at its place.
+pub(super) fn read_text(path: &Path, file: &str) -> Result<String, SceneError> {
+    let failed = |source| SceneError::Read { file: file.to_owned(), source };
+    let mut bytes = Vec::new();
+    let opened = std::fs::File::open(path).map_err(failed)?;
+    opened.take(LARGEST_TEXT + 1).read_to_end(&mut bytes).map_err(failed)?;
+    if bytes.len() as u64 > LARGEST_TEXT {
+        return Err(SceneError::TooLarge { file: file.to_owned(), limit: LARGEST_TEXT });
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let sound = error.utf8_error().valid_up_to();
+        let before = String::from_utf8_lossy(error.as_bytes().get(..sound).unwrap_or_default());
+        let column = before.rsplit('\n').next().unwrap_or_default().chars().count() + 1;
+        SceneError::Problems(vec![Problem {
+            file: file.to_owned(),
+            line: before.matches('\n').count() + 1,
+            column,
+            key: String::new(),
+            found: format!("byte 0x{:02x}", error.as_bytes().get(sound).copied().unwrap_or(0)),
+            expected: "text in UTF-8".to_owned(),
+        }])
+    })
+}

@@ -1,0 +1,164 @@
+//! Joins the logs of a sweep's shards into tables, and says what is missing.
+
+use std::fs::File;
+use std::io::{BufReader, Read as _};
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use super::log::{Entry, Header, Scan, logs, scan};
+use super::row::cells;
+use super::table::Table;
+use super::work::Tally;
+use super::{SweepError, at};
+
+/// What the logs of a sweep hold together.
+#[derive(Debug)]
+pub struct Gathered {
+    header: Header,
+    files: Vec<PathBuf>,
+    /// For each run the log that it stands in, and where.
+    found: Vec<Option<(u32, Entry)>>,
+    /// What the user should know.
+    pub notices: Vec<String>,
+}
+
+/// Runs that are missing, from the first to the last of a row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Gap {
+    /// Its first run.
+    pub first: u64,
+    /// Its last run.
+    pub last: u64,
+}
+
+impl Gathered {
+    /// Reads all logs in `folder`.
+    ///
+    /// # Errors
+    /// [`SweepError`] where there is none, where they are of several sweeps, or where a run has two different results.
+    pub fn read(folder: &Path) -> Result<Self, SweepError> {
+        let nothing = || SweepError::NothingThere { folder: folder.display().to_string() };
+        if !folder.is_dir() {
+            return Err(nothing());
+        }
+        let mut all: Option<Self> = None;
+        for file in logs(folder)? {
+            let Some(scan) = scan(&file)? else { continue };
+            let all = all.get_or_insert_with(|| Self::begin(&scan.header));
+            all.add(&scan)?;
+        }
+        all.ok_or_else(nothing)
+    }
+
+    fn begin(header: &Header) -> Self {
+        let runs = usize::try_from(header.runs).unwrap_or(usize::MAX);
+        let header = header.clone();
+        Self { header, files: Vec::new(), found: vec![None; runs], notices: Vec::new() }
+    }
+
+    fn add(&mut self, scan: &Scan) -> Result<(), SweepError> {
+        let Header { instructions, .. } = &scan.header;
+        let as_if =
+            Header { instructions: self.header.instructions.clone(), ..scan.header.clone() };
+        if as_if != self.header {
+            return Err(SweepError::OtherSweep { file: scan.file.display().to_string() });
+        }
+        if *instructions != self.header.instructions {
+            self.notices.push(format!(
+                "{}: made with {instructions}, others with {}: the last digits of results depend on that",
+                scan.file.display(),
+                self.header.instructions
+            ));
+        }
+        self.notices.extend(scan.notices());
+        let number = u32::try_from(self.files.len()).unwrap_or(u32::MAX);
+        self.files.push(scan.file.clone());
+        for entry in &scan.entries {
+            let Some(slot) = usize::try_from(entry.run).ok().and_then(|i| self.found.get_mut(i))
+            else {
+                continue;
+            };
+            match slot {
+                None => *slot = Some((number, *entry)),
+                Some((_, before)) if before.checksum == entry.checksum => {}
+                Some((other, _)) => {
+                    let shown = |file: &PathBuf| file.display().to_string();
+                    let files = [&self.files[*other as usize], &scan.file].map(shown);
+                    return Err(SweepError::Differ { run: entry.run, files });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Runs of the whole sweep.
+    #[must_use]
+    pub fn runs(&self) -> u64 {
+        self.header.runs
+    }
+
+    /// The logs that were read.
+    #[must_use]
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
+    }
+
+    /// What is missing, in the order of runs.
+    #[must_use]
+    pub fn missing(&self) -> Vec<Gap> {
+        let mut gaps: Vec<Gap> = Vec::new();
+        for run in (0..).zip(&self.found).filter(|(_, found)| found.is_none()).map(|(run, _)| run) {
+            match gaps.last_mut().filter(|gap| gap.last + 1 == run) {
+                Some(gap) => gap.last = run,
+                None => gaps.push(Gap { first: run, last: run }),
+            }
+        }
+        gaps
+    }
+
+    /// Writes what there is into each of `tables`, in the order of runs; `progress` hears the share that is written.
+    ///
+    /// # Errors
+    /// [`SweepError`] where a log or a table cannot be read or written.
+    pub fn write(
+        &self,
+        tables: &[PathBuf],
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<Tally, SweepError> {
+        let open = |file: &PathBuf| File::open(file).map(BufReader::new).map_err(at(file));
+        let mut readers = self.files.iter().map(open).collect::<Result<Vec<_>, _>>()?;
+        // Where each reader stands.
+        let mut places = vec![0_u64; readers.len()];
+        let columns = &self.header.columns;
+        let error = columns.iter().position(|column| column.name == "error").unwrap_or(usize::MAX);
+        let create = |file: &PathBuf| Table::create(file, columns);
+        let mut tables = tables.iter().map(create).collect::<Result<Vec<_>, _>>()?;
+        let mut tally = Tally::default();
+        for (index, (log, entry)) in self.found.iter().flatten().enumerate() {
+            let log = *log as usize;
+            let away = entry.offset.wrapping_sub(places[log]).cast_signed();
+            let mut text = vec![0; entry.length as usize];
+            let reader = &mut readers[log];
+            reader
+                .seek_relative(away)
+                .and_then(|()| reader.read_exact(&mut text))
+                .map_err(at(&self.files[log]))?;
+            places[log] = entry.offset + u64::from(entry.length);
+            let line = String::from_utf8_lossy(&text);
+            let cells = cells(&line);
+            tables.iter_mut().try_for_each(|table| table.row(&line, &cells))?;
+            tally.done += 1;
+            if let Some(reason) = cells.get(error).filter(|reason| !reason.is_empty()) {
+                tally.failed += 1;
+                tally.first_failed.get_or_insert_with(|| (entry.run, reason.to_string()));
+            }
+            if index % 1000 == 0 {
+                #[allow(clippy::cast_precision_loss, reason = "a share")]
+                progress(index as f64 / self.found.len() as f64);
+            }
+        }
+        tables.into_iter().try_for_each(Table::finish)?;
+        Ok(tally)
+    }
+}

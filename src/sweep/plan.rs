@@ -1,0 +1,282 @@
+//! A sweep that is ready to run: the scenes of its runs, and the columns of its results.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use sha2::{Digest, Sha256};
+
+use super::SweepError;
+use super::row::Row;
+pub use super::row::{Column, Kind};
+use crate::experiment::accuracy::of_scene;
+use crate::experiment::ensemble::{Case, Readout, Watched, places};
+use crate::experiment::outcome::{Reading, Speed, speeds};
+use crate::scene::adjust::Adjustable;
+use crate::scene::grid::{Design, Run, number, typed};
+use crate::scene::vary::Setting;
+use crate::scene::{Problem, Scene, SceneError};
+
+/// Runs that are tried before a sweep begins: where none makes a scene, the sweep is mistaken.
+const TRIED: u64 = 16;
+/// What is read at each place, with its unit.
+const READINGS: [(&str, &str); 6] = [
+    ("static", "N"),
+    ("peak", "N"),
+    ("peak_time", "s"),
+    ("half_rise", "s"),
+    ("ten_percent", "s"),
+    ("largest", "N"),
+];
+/// Arrivals that speeds are taken from.
+const ESTIMATORS: [&str; 3] = ["half_rise", "peak", "ten_percent"];
+
+/// A sweep that is ready to run.
+#[derive(Debug)]
+pub struct Plan {
+    design: Design,
+    base: Adjustable,
+    /// For each of the design's paths, those of the scene.
+    paths: Vec<Vec<String>>,
+    /// Which of them hold numbers.
+    numeric: Vec<bool>,
+    watched: Vec<Watched>,
+    columns: Vec<Column>,
+    accuracy: Option<f64>,
+    hash: String,
+}
+
+/// A run that can go: its chain, and what belongs to it.
+#[derive(Debug)]
+pub(super) struct Prepared {
+    pub(super) case: Case,
+    /// Accuracy (1).
+    pub(super) accuracy: f64,
+    places: Vec<Watched>,
+}
+
+impl Plan {
+    /// The sweep in `file`, at another accuracy than its own if that is given (1).
+    ///
+    /// # Errors
+    /// [`SweepError`] with everything that is wrong with it.
+    pub fn load(file: &Path, accuracy: Option<f64>) -> Result<Self, SweepError> {
+        let design = Design::load(file)?;
+        let mut base = Adjustable::load(&design.scene)?;
+        let paths = design.paths().map(|path| base.paths(path)).collect::<Result<Vec<_>, _>>()?;
+        let scene = base.scene()?;
+        let watched = watched(&design, &scene)?;
+        let accuracy = accuracy.or(design.accuracy);
+        let units = design.units();
+        let columns = columns(&design, &units, &watched);
+        let numeric = units.iter().map(Option::is_some).collect();
+        let hash = hash(&design, &scene, accuracy);
+        let plan = Self { design, base, paths, numeric, watched, columns, accuracy, hash };
+        plan.try_some()?;
+        Ok(plan)
+    }
+
+    /// How many runs it has.
+    #[must_use]
+    pub fn count(&self) -> u64 {
+        self.design.count()
+    }
+
+    /// Columns of the results.
+    #[must_use]
+    pub fn columns(&self) -> &[Column] {
+        &self.columns
+    }
+
+    /// What tells it from every other sweep, in hexadecimal.
+    #[must_use]
+    pub fn hash(&self) -> &str {
+        &self.hash
+    }
+
+    /// The scene that is varied.
+    #[must_use]
+    pub fn scene_name(&self) -> &str {
+        self.base.name()
+    }
+
+    /// Accuracy of all runs; none where each scene says (1).
+    #[must_use]
+    pub fn accuracy(&self) -> Option<f64> {
+        self.accuracy
+    }
+
+    /// The scene of run `index`.
+    ///
+    /// # Errors
+    /// [`SceneError`] where its values make none.
+    pub fn scene(&self, index: u64) -> Result<Scene, SceneError> {
+        self.scene_of(&self.design.run(index))
+    }
+
+    fn scene_of(&self, run: &Run) -> Result<Scene, SceneError> {
+        let settings = self.paths.iter().zip(&run.values);
+        let settings: Vec<Setting<'_>> =
+            settings.map(|(paths, node)| Setting { paths, node: node.clone() }).collect();
+        self.base.varied(&settings, run.seed)
+    }
+
+    fn try_some(&self) -> Result<(), SweepError> {
+        let count = self.count();
+        let tried = count.min(TRIED);
+        let mut first = None;
+        for number in 0..tried {
+            match self.scene(number * (count - 1) / (tried - 1).max(1)) {
+                Ok(_) => return Ok(()),
+                Err(error) => first = first.or(Some(error)),
+            }
+        }
+        first.map_or(Ok(()), |first| Err(SweepError::AllRefused { tried, first }))
+    }
+
+    /// Makes run `index` ready, or tells why it cannot be.
+    pub(super) fn prepare(&self, run: &Run) -> Result<Prepared, String> {
+        let scene = self.scene_of(run).map_err(|error| reason(&error))?;
+        let accuracy = match self.accuracy {
+            Some(accuracy) => accuracy,
+            None => of_scene(&scene).map_err(|error| error.to_string())?.value,
+        };
+        let wanted = |place: &Watched| self.watched.iter().any(|other| other.name == place.name);
+        let places: Vec<Watched> = places(&scene).into_iter().filter(wanted).collect();
+        Ok(Prepared { case: Case::of(&scene, accuracy, &places), accuracy, places })
+    }
+
+    /// Run number `index` of the design.
+    pub(super) fn run(&self, index: u64) -> Run {
+        self.design.run(index)
+    }
+
+    /// The line of results of a run, or of the reason why there are none.
+    pub(super) fn line(
+        &self,
+        (index, run): (u64, &Run),
+        found: Result<(&Prepared, &Readout), &str>,
+    ) -> String {
+        let mut row = Row::default();
+        row.count(index);
+        row.count(run.seed);
+        if self.design.repeat > 1 {
+            row.count(run.repeat);
+        }
+        for (value, numeric) in run.values.iter().zip(&self.numeric) {
+            if *numeric {
+                row.number(number(value).map(|(value, _)| value));
+            } else {
+                row.text(&typed(value));
+            }
+        }
+        row.text(found.err().unwrap_or_default());
+        if let Ok((prepared, readout)) = found {
+            row.count(readout.work.force_evaluations);
+            let readings = prepared.readings(readout);
+            let speeds = speeds(&prepared.case.chain, &readings);
+            self.readings(&mut row, &readings, &speeds);
+        } else {
+            row.number(None);
+            self.readings(&mut row, &[], &[]);
+        }
+        row.into_line()
+    }
+
+    fn readings(&self, row: &mut Row, readings: &[Reading], speeds: &[Speed]) {
+        for place in &self.watched {
+            let reading = readings.iter().find(|reading| reading.name == place.name);
+            let peak = reading.and_then(|reading| reading.first_peak);
+            row.number(reading.map(|reading| reading.static_n));
+            row.number(peak.map(|peak| peak.dynamic_n));
+            row.number(peak.map(|peak| peak.time_s));
+            row.number(reading.and_then(|reading| reading.half_rise_s));
+            row.number(reading.and_then(|reading| reading.ten_percent_s));
+            row.number(reading.map(|reading| reading.largest_n));
+        }
+        let particle = |name: &str| readings.iter().find(|r| r.name == name)?.particle;
+        for (from, to) in pairs(&self.watched) {
+            let ends = particle(&from.name).zip(particle(&to.name));
+            for estimator in ESTIMATORS {
+                let of = |speed: &&Speed| {
+                    ends == Some((speed.from, speed.to)) && speed.estimator == estimator
+                };
+                row.number(speeds.iter().find(of).map(|speed| speed.m_per_s));
+            }
+        }
+    }
+}
+
+impl Prepared {
+    fn readings(&self, readout: &Readout) -> Vec<Reading> {
+        let places = self.places.iter().zip(&readout.pulses);
+        places.map(|(p, pulse)| Reading::of(&p.name, p.particle, p.offset, pulse)).collect()
+    }
+}
+
+/// The places that the design wants, of those that the scene has.
+fn watched(design: &Design, scene: &Scene) -> Result<Vec<Watched>, SweepError> {
+    let all = places(scene);
+    let Some(names) = &design.watch else { return Ok(all) };
+    if let Some(name) = names.iter().find(|name| all.iter().all(|place| place.name != **name)) {
+        let known = all.into_iter().map(|place| place.name).collect();
+        return Err(SweepError::Watch { name: name.clone(), known });
+    }
+    Ok(all.into_iter().filter(|place| names.contains(&place.name)).collect())
+}
+
+/// Places between which a speed is told: particles, each with every one below it.
+fn pairs(watched: &[Watched]) -> Vec<(&Watched, &Watched)> {
+    let particles: Vec<&Watched> = watched.iter().filter(|p| p.particle.is_some()).collect();
+    let below = |upper: usize| particles.iter().skip(upper + 1).map(move |lower| (upper, *lower));
+    let pairs = (0..particles.len()).flat_map(below);
+    pairs.map(|(upper, lower)| (particles[upper], lower)).collect()
+}
+
+fn columns(design: &Design, units: &[Option<String>], watched: &[Watched]) -> Vec<Column> {
+    let mut columns = vec![Column::count("run"), Column::count("seed")];
+    if design.repeat > 1 {
+        columns.push(Column::count("repeat"));
+    }
+    for (path, unit) in design.paths().zip(units) {
+        columns.push(match unit {
+            Some(unit) => Column::number(path, unit),
+            None => Column::text(path),
+        });
+    }
+    columns.push(Column::text("error"));
+    columns.push(Column::count("force_evaluations"));
+    for place in watched {
+        let reading = |(what, unit)| Column::number(&format!("{}.{what}", place.name), unit);
+        columns.extend(READINGS.map(reading));
+    }
+    for (from, to) in pairs(watched) {
+        let speed = |what| Column::number(&format!("{}-{}.{what}", from.name, to.name), "m/s");
+        columns.extend(ESTIMATORS.map(speed));
+    }
+    columns
+}
+
+/// Everything that results follow from, but for the processor.
+fn hash(design: &Design, scene: &Scene, accuracy: Option<f64>) -> String {
+    let mut hash = Sha256::new();
+    hash.update(env!("CARGO_PKG_VERSION"));
+    hash.update(&scene.hash);
+    hash.update(format!("{accuracy:?}\n"));
+    hash.update(&design.text);
+    hash.finalize().iter().fold(String::new(), |mut text, byte| {
+        // Writing to a text does not fail.
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
+}
+
+/// What is wrong with a scene, on one line. Files stand there without their folders, which may differ from process to process.
+fn reason(error: &SceneError) -> String {
+    let SceneError::Problems(problems) = error else { return error.to_string() };
+    let short = |problem: &Problem| {
+        let name = Path::new(&problem.file).file_name().map(|name| name.to_string_lossy());
+        let file = name.map_or_else(|| problem.file.clone(), |name| name.into_owned());
+        Problem { file, ..problem.clone() }.to_string()
+    };
+    problems.iter().map(short).collect::<Vec<_>>().join("; ")
+}

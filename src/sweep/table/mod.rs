@@ -1,0 +1,102 @@
+//! The results of a sweep as a file: CSV, JSON lines, or Parquet. What was there is replaced when the new file is whole.
+
+mod json_lines;
+#[cfg(feature = "parquet")]
+mod parquet_file;
+
+use std::borrow::Cow;
+use std::fs::File;
+use std::io::{BufWriter, Write as _};
+use std::path::{Path, PathBuf};
+
+use super::plan::Column;
+use super::row::Row;
+use super::{SweepError, at};
+
+/// A table that is being written, under another name until it is whole.
+pub(super) struct Table {
+    file: PathBuf,
+    part: PathBuf,
+    out: Out,
+}
+
+enum Out {
+    Csv(BufWriter<File>),
+    JsonLines(BufWriter<File>, Vec<Column>),
+    #[cfg(feature = "parquet")]
+    Parquet(parquet_file::ParquetFile),
+}
+
+/// Refuses the name of a table that cannot be written, before any work is done.
+///
+/// # Errors
+/// [`SweepError::Format`] and [`SweepError::NoParquet`].
+pub fn check(file: &Path) -> Result<(), SweepError> {
+    let shown = || file.display().to_string();
+    match extension(file) {
+        Some("csv" | "jsonl") => Ok(()),
+        Some("parquet") if cfg!(feature = "parquet") => Ok(()),
+        Some("parquet") => Err(SweepError::NoParquet { file: shown() }),
+        _ => Err(SweepError::Format { file: shown() }),
+    }
+}
+
+fn extension(file: &Path) -> Option<&str> {
+    file.extension().and_then(|extension| extension.to_str())
+}
+
+impl Table {
+    pub(super) fn create(file: &Path, columns: &[Column]) -> Result<Self, SweepError> {
+        check(file)?;
+        let mut part = file.as_os_str().to_owned();
+        part.push(".part");
+        let part = PathBuf::from(part);
+        if let Some(folder) = file.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+            std::fs::create_dir_all(folder).map_err(at(folder))?;
+        }
+        let created = File::create(&part).map_err(at(&part))?;
+        let out = match extension(file) {
+            #[cfg(feature = "parquet")]
+            Some("parquet") => {
+                Out::Parquet(parquet_file::ParquetFile::new(file, created, columns)?)
+            }
+            Some("jsonl") => Out::JsonLines(BufWriter::new(created), columns.to_vec()),
+            _ => {
+                let mut head = Row::default();
+                for column in columns {
+                    head.text(&column.name);
+                }
+                let mut out = BufWriter::new(created);
+                writeln!(out, "{}", head.into_line()).map_err(at(&part))?;
+                Out::Csv(out)
+            }
+        };
+        Ok(Self { file: file.to_owned(), part, out })
+    }
+
+    /// Adds a run: its `line`, and the `cells` of that.
+    pub(super) fn row(&mut self, line: &str, cells: &[Cow<'_, str>]) -> Result<(), SweepError> {
+        match &mut self.out {
+            Out::Csv(out) => writeln!(out, "{line}").map_err(at(&self.part)),
+            Out::JsonLines(out, columns) => {
+                let object = json_lines::object(columns, cells);
+                writeln!(out, "{object}").map_err(at(&self.part))
+            }
+            #[cfg(feature = "parquet")]
+            Out::Parquet(out) => out.row(cells),
+        }
+    }
+
+    /// Puts the whole table where it belongs.
+    pub(super) fn finish(self) -> Result<(), SweepError> {
+        let file = match self.out {
+            Out::Csv(out) | Out::JsonLines(out, _) => {
+                out.into_inner().map_err(|error| at(&self.part)(error.into_error()))?
+            }
+            #[cfg(feature = "parquet")]
+            Out::Parquet(out) => out.finish()?,
+        };
+        file.sync_all().map_err(at(&self.part))?;
+        std::fs::rename(&self.part, &self.file).map_err(at(&self.file))
+    }
+}

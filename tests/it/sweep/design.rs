@@ -1,0 +1,106 @@
+//! Designs: every combination once, every stratum once, and random numbers that are what they are said to be.
+
+use hertzscope::scene::grid::{Design, number, typed};
+
+use super::folder;
+
+fn design(text: &str) -> Design {
+    let folder = folder(text);
+    Design::load(&folder.path().join("grid.toml")).expect("a sweep")
+}
+
+/// Numbers at path `place` of all runs, in SI units.
+fn values(design: &Design, place: usize) -> Vec<f64> {
+    let value = |run: u64| number(&design.run(run).values[place]).expect("a number").0;
+    (0..design.count()).map(value).collect()
+}
+
+fn sampled(kind: &str, count: usize, over: &str) -> Design {
+    design(&format!(
+        "scene = \"magnet-0.61g\"\nseed = 5\n[{kind}]\ncount = {count}\n[{kind}.over]\nstriker.speed = {over}\nstriker.mass = {{ from = \"1 g\", to = \"2 g\" }}\n"
+    ))
+}
+
+#[test]
+fn a_grid_has_every_combination_once() {
+    let design = design(
+        r#"
+        scene = "magnet-0.61g"
+        [grid]
+        "chain.segments.2.repeat" = { from = 2, to = 4, count = 3 }
+        effects.gravity.acceleration = { from = "1 m/s^2", to = "100 m/s^2", count = 3, spacing = "logarithmic" }
+        striker.material = ["alumina", "ptfe"]
+        "#,
+    );
+    let run = |index| design.run(index).values.iter().map(typed).collect::<Vec<_>>().join(" ");
+    let all: Vec<String> = (0..design.count()).map(run).collect();
+    assert_eq!(all.len(), 18);
+    assert_eq!(all[..3], ["2 1e0 m/s^2 alumina", "2 1e0 m/s^2 ptfe", "2 1e1 m/s^2 alumina"]);
+    assert_eq!(all[17], "4 1e2 m/s^2 ptfe");
+    let mut distinct = all.clone();
+    distinct.sort();
+    distinct.dedup();
+    assert_eq!(distinct.len(), 18);
+}
+
+#[test]
+fn a_latin_hypercube_has_every_stratum_once() {
+    let design = sampled("latin_hypercube", 500, "{ from = \"1 m/s\", to = \"3 m/s\" }");
+    for (place, low, width) in [(0, 1e-3, 1e-3), (1, 1.0, 2.0)] {
+        let stratum = |value: f64| (500.0 * (value - low) / width).floor() as usize;
+        let mut strata: Vec<usize> = values(&design, place).into_iter().map(stratum).collect();
+        let drawn = strata.clone();
+        strata.sort_unstable();
+        assert_eq!(strata, (0..500).collect::<Vec<_>>());
+        assert_ne!(drawn, strata, "in an order that is drawn");
+    }
+    // Orders of their own: the rank correlation of 500 pairs is below 0.15 but once in a thousand times.
+    let [a, b] = [0, 1].map(|place| values(&design, place));
+    let mean = |v: &[f64]| v.iter().sum::<f64>() / 500.0;
+    let centred = |v: &[f64]| v.iter().map(|x| x - mean(v)).collect::<Vec<_>>();
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let (a, b) = (centred(&a), centred(&b));
+    assert!((dot(&a, &b) / (dot(&a, &a) * dot(&b, &b)).sqrt()).abs() < 0.15);
+}
+
+/// Means and variances of 4000 draws lie within four standard errors of what the laws say.
+#[test]
+fn random_numbers_follow_their_laws() {
+    let moments = |over: &str, of: fn(f64) -> f64| {
+        let values = values(&sampled("random", 4000, over), 1);
+        let values: Vec<f64> = values.into_iter().map(of).collect();
+        let mean = values.iter().sum::<f64>() / 4000.0;
+        (mean, values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / 4000.0)
+    };
+    let near = |found: (f64, f64), mean: f64, variance: f64, kurtosis: f64| {
+        let error = 4.0 / 4000_f64.sqrt();
+        assert!((found.0 - mean).abs() < error * variance.sqrt(), "{found:?}");
+        assert!((found.1 / variance - 1.0).abs() < error * (kurtosis - 1.0).sqrt(), "{found:?}");
+    };
+    let even = |width: f64| width * width / 12.0;
+    near(moments("{ from = \"1 m/s\", to = \"3 m/s\" }", |v| v), 2.0, even(2.0), 1.8);
+    let logarithmic = "{ from = \"1 m/s\", to = \"100 m/s\", spacing = \"logarithmic\" }";
+    near(moments(logarithmic, f64::ln), 10_f64.ln(), even(100_f64.ln()), 1.8);
+    near(moments("{ mean = \"2 m/s\", deviation = \"5 %\" }", |v| v), 2.0, 0.01, 3.0);
+    near(moments("{ mean = \"2 m/s\", deviation = \"10 cm/s\" }", |v| v), 2.0, 0.01, 3.0);
+    // Whole numbers from 1 to 6: a die.
+    near(moments("{ from = 1, to = 6 }", |v| v), 3.5, 35.0 / 12.0, 1.731);
+}
+
+/// A run's values and its seed follow from its number, and its seed from its values alone.
+#[test]
+fn more_points_leave_the_first_alone() {
+    let over = "{ from = \"1 m/s\", to = \"3 m/s\" }";
+    let (few, many) = (sampled("random", 10, over), sampled("random", 1000, over));
+    let shown = |design: &Design, run: u64| {
+        let run = design.run(run);
+        (run.values.iter().map(typed).collect::<Vec<_>>(), run.seed)
+    };
+    assert!((0..10).all(|run| shown(&few, run) == shown(&many, run)));
+    let grid = |speeds: &str| {
+        design(&format!("scene = \"magnet-0.61g\"\n[grid]\nstriker.speed = {speeds}\n"))
+    };
+    let (one, three) = (grid("[\"2 m/s\"]"), grid("[\"1 m/s\", \"2 m/s\", \"3 m/s\"]"));
+    assert_eq!(shown(&one, 0), shown(&three, 1));
+    assert_ne!(shown(&three, 0).1, shown(&three, 1).1);
+}

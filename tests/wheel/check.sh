@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# Builds the wheel, installs it in an empty Python environment, and lets the program that is there examine itself and run.
+#
+#     tests/wheel/check.sh
+#
+# It compiles an optimised program, which takes minutes the first time. Exit code 0: installed and sound; 1: not; 2: could not check.
+set -euo pipefail
+
+here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
+environment="$here/.venv"
+
+could_not() {
+    echo "check.sh: $*" >&2
+    exit 2
+}
+
+stamp="$({ python3 --version; cat "$here/requirements.txt"; } | sha256sum)"
+# The stamp is written last, so that an interrupted installation does not count.
+if [[ "$(cat "$environment/.stamp" 2> /dev/null)" != "$stamp" ]]; then
+    python3 -m venv --clear "$environment" || could_not "python3 -m venv failed: install its package (python3-venv)"
+    "$environment/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: --no-deps \
+        --requirement "$here/requirements.txt" >&2 || could_not "pip could not install requirements.txt"
+    echo "$stamp" > "$environment/.stamp"
+fi
+
+folder="$(mktemp -d)"
+trap 'rm -rf "$folder"' EXIT
+(cd "$here/../.." && "$environment/bin/maturin" build --release --quiet --out "$folder")
+python3 -m venv "$folder/venv"
+"$folder/venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-index --no-deps "$folder"/hertzscope-*.whl
+echo "installed $(basename "$folder"/hertzscope-*.whl)"
+# Only what is in the environment, and nothing of the source tree.
+cd "$folder"
+export PATH="$folder/venv/bin:/usr/bin:/bin"
+[[ "$(command -v hertzscope)" = "$folder/venv/bin/hertzscope" ]] || could_not "the program is not on the path"
+hertzscope doctor
+hertzscope run --quiet
+[[ -s magnet-0.61g.mcap ]] || { echo "check.sh: no recording" >&2; exit 1; }
