@@ -275,7 +275,7 @@ fn reason(error: &SceneError) -> String {
     let SceneError::Problems(problems) = error else { return error.to_string() };
     let short = |problem: &Problem| {
         let name = Path::new(&problem.file).file_name().map(|name| name.to_string_lossy());
-        let file = name.map_or_else(|| problem.file.clone(), |name| name.into_owned());
+        let file = name.map_or_else(|| problem.file.clone(), std::borrow::Cow::into_owned);
         Problem { file, ..problem.clone() }.to_string()
     };
     problems.iter().map(short).collect::<Vec<_>>().join("; ")
