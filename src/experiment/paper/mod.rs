@@ -163,18 +163,17 @@ pub fn study(figure: Option<u8>, progress: &mut dyn FnMut(f64)) -> Result<Study,
     }
     spheres::figures(&wanted, &mut found)?;
     progress(0.2);
-    let tables = if wanted(10) || wanted(11) {
+    let tables = if wanted(10) {
         let study = tables::study(&mut |share| progress(0.2 + 0.6 * share))?;
         tables::answers(&study, &mut found.answers);
         Some(study)
     } else {
         None
     };
-    let dashpot = tables.as_ref().map_or(0.0, |tables| tables.dashpot);
-    strikers::figures(&wanted, dashpot, &mut found)?;
+    strikers::figures(&wanted, &mut found)?;
     progress(0.9);
-    if wanted(10) {
-        viscosity::answers(dashpot, &mut found)?;
+    if let Some(tables) = &tables {
+        viscosity::answers(tables.dashpot, &mut found)?;
     }
     if figure.is_none() {
         dispersion::bench(&mut found.answers)?;

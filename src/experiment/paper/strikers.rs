@@ -2,7 +2,6 @@
 
 use super::dispersion::cell;
 use super::record::{Place, Record, mean_frequency, nothing};
-use super::tables::with_dashpot;
 use super::verdict::Answer;
 use super::{Arrangement, Figure, Found, PaperError, record_run};
 use crate::scene::Scene;
@@ -27,12 +26,8 @@ const SCENES: [(&str, u8); 7] = [
 /// Duration and speed of the solitary wave as measured in Fig. 11, (s) and (m/s).
 const MEASURED: (f64, f64) = (330e-6, 118.0);
 
-/// All of them; `dashpot` is the one found for Tables 1 and 2 (N s/m).
-pub(super) fn figures(
-    wanted: &dyn Fn(u8) -> bool,
-    dashpot: f64,
-    found: &mut Found,
-) -> Result<(), PaperError> {
+/// All of them.
+pub(super) fn figures(wanted: &dyn Fn(u8) -> bool, found: &mut Found) -> Result<(), PaperError> {
     for (name, number) in SCENES {
         if !wanted(number) {
             continue;
@@ -42,8 +37,7 @@ pub(super) fn figures(
         let (kind, striker) = name.split_once('-').unwrap_or((name, ""));
         found.answers.extend(answers(&record, kind, striker)?);
         if number == 11 {
-            let lossy = Record::of(&with_dashpot(&scene, dashpot)?, &SENSORS)?;
-            found.answers.extend(solitary(&record, &lossy, dashpot)?);
+            found.answers.extend(solitary(&record)?);
         }
         if number != 0 {
             found.figures.push(figure(&record, number)?);
@@ -180,8 +174,8 @@ fn monotonic(record: &Record, item: &str) -> Result<Answer, PaperError> {
     ))
 }
 
-/// The solitary wave of Fig. 11; `lossy` is the same with the dashpot (N s/m) that was found for the measured speeds.
-fn solitary(record: &Record, lossy: &Record, dashpot: f64) -> Result<Vec<Answer>, PaperError> {
+/// The solitary wave of Fig. 11.
+fn solitary(record: &Record) -> Result<Vec<Answer>, PaperError> {
     let scene = &record.scene;
     let arrival = |place: Place| record.half_rise(place);
     let distance = scene.chain.distance(14, 27);
@@ -192,7 +186,7 @@ fn solitary(record: &Record, lossy: &Record, dashpot: f64) -> Result<Vec<Answer>
     Ok(vec![
         Answer::to("solitary_duration")
             .plain("calculated, from 0.5 % of the peak to the first minimum", record.width(MIDDLE)?)
-            .or(&format!("the same with a dashpot of {dashpot:.1} N s/m"), lossy.width(MIDDLE)?),
+            .note("the paper puts the difference down to losses"),
         Answer::to("solitary_width_product")
             .plain("330 us times 118 m/s over the cell's length", duration * measured_speed / cell_length),
         Answer::to("solitary_width")

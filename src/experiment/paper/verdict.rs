@@ -198,9 +198,9 @@ fn reason(claim: &Claim, answer: &Answer, chosen: Option<&Candidate>) -> String 
     text
 }
 
-/// A number with four significant digits, without zeros behind them.
-pub(super) fn brief(value: f64) -> String {
-    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+/// A number with five significant digits, without zeros behind them.
+fn brief(value: f64) -> String {
+    let rounded: f64 = format!("{value:.4e}").parse().unwrap_or(value);
     rounded.to_string()
 }
 
