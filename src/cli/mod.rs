@@ -9,6 +9,7 @@ mod compare;
 mod completions;
 mod convert;
 mod cost;
+mod dispersion;
 mod effects;
 mod fit;
 mod force;
@@ -59,6 +60,7 @@ enum Command {
     Spectrum(spectrum::Arguments),
     Spectrogram(spectrogram::Arguments),
     Bands(bands::Arguments),
+    Dispersion(dispersion::Arguments),
     Arrivals(arrivals::Arguments),
     Magnet(magnet::Arguments),
     Calibrate(calibrate::Arguments),
@@ -90,6 +92,7 @@ pub fn main() -> ExitCode {
         Command::Spectrum(arguments) => spectrum::run(&arguments),
         Command::Spectrogram(arguments) => spectrogram::run(&arguments),
         Command::Bands(arguments) => bands::run(&arguments),
+        Command::Dispersion(arguments) => dispersion::run(&arguments),
         Command::Arrivals(arguments) => arrivals::run(&arguments),
         Command::Magnet(arguments) => magnet::run(&arguments),
         Command::Calibrate(arguments) => calibrate::run(&arguments),

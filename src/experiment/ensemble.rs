@@ -101,9 +101,9 @@ impl Ensemble {
         for index in 0..cases.len() {
             let fits = |group: &Vec<usize>| {
                 let Some(first) = group.first() else { return false };
-                let lossless = [*first, index].map(|i| !cases[i].chain.is_dissipative());
+                let plain = [*first, index].map(|i| cases[i].chain.is_plain());
                 group.len() < ChainGroup::LANES
-                    && lossless == [true; 2]
+                    && plain == [true; 2]
                     && ChainGroup::fit(&member(*first), &member(index), self.accuracy)
             };
             match groups.last_mut().filter(|group| fits(group)) {
@@ -149,7 +149,7 @@ impl Case {
 fn follow(mut group: ChainGroup, cases: &[&Case]) -> Vec<Result<Readout, IntegrateError>> {
     let views = |case: &&Case| case.probes.iter().map(View::new).collect();
     let mut views: Vec<Vec<View>> = cases.iter().map(views).collect();
-    let recorders = |case: &&Case| case.probes.iter().copied().map(PulseRecorder::new).collect();
+    let recorders = |case: &&Case| case.probes.iter().cloned().map(PulseRecorder::new).collect();
     let mut pulses: Vec<Vec<PulseRecorder>> = cases.iter().map(recorders).collect();
     while !group.is_done() {
         let taken = group.step();
