@@ -16,4 +16,5 @@ pub mod spectral_peak;
 pub mod spectrum;
 pub mod speed;
 pub mod time_frequency;
+pub mod wavenumber;
 pub mod window;

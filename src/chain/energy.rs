@@ -1,12 +1,13 @@
 //! Where the chain's energy is.
 //!
-//! Kinetic `sum m v^2/2`, elastic `sum 2/5 A overlap^2.5`, and the work of the constant loads, `- sum f u`. A load that
-//! statics balances is the difference of two static contact forces, so its work needs no list of loads:
-//! `sum f u = sum N (change of overlap) + striker's weight * u`. The sum of all three is conserved without losses.
+//! Kinetic `sum m v^2/2`, elastic `sum 2/5 A overlap^2.5`, and what the loads' work has to come from, each apart: gravity `- g sum m u`,
+//! the magnet `- F u`, or the field's own energy where its force follows the particle, and forces that press on the ends. All but
+//! the elastic energy are zero at static equilibrium. A wall does not move, so its preload does no work. The sum is conserved
+//! without losses.
 
 use serde::Serialize;
 
-use super::Chain;
+use super::{Body, Chain};
 use crate::integrate::State;
 
 /// The chain's energy by kind.
@@ -16,15 +17,19 @@ pub struct Energy {
     pub kinetic: f64,
     /// In the contacts, static overlaps included (J).
     pub elastic: f64,
-    /// Of gravity and other constant loads, zero at static equilibrium (J).
-    pub potential: f64,
+    /// Of gravity: less the work it has done since static equilibrium (J).
+    pub gravity: f64,
+    /// Of the magnet: less the work it has done since static equilibrium (J).
+    pub magnet: f64,
+    /// Of forces that press on the chain's ends: less the work they have done since static equilibrium (J).
+    pub end_forces: f64,
 }
 
 impl Energy {
     /// What is conserved where nothing is lost (J).
     #[must_use]
     pub fn total(&self) -> f64 {
-        self.kinetic + self.elastic + self.potential
+        self.kinetic + self.elastic + self.gravity + self.magnet + self.end_forces
     }
 }
 
@@ -52,23 +57,20 @@ impl Chain {
     /// Energy of `state`.
     #[must_use]
     pub fn energy(&self, state: &State) -> Energy {
-        let kinetic = self.bodies.iter().zip(&state.velocity);
-        let mut energy = Energy {
-            kinetic: kinetic.map(|(body, v)| 0.5 * body.mass * v * v).sum(),
-            ..Energy::default()
+        let sum = |of: &dyn Fn(usize, &Body) -> f64| {
+            self.bodies.iter().enumerate().map(|(i, body)| of(i, body)).sum::<f64>()
         };
-        for (j, contact) in self.contacts.iter().enumerate() {
-            let change = self.overlap_change(&state.position, j);
-            energy.elastic += contact.energy(change);
-            // An end force's own work and the share of it that the static contacts seem to do cancel.
-            if contact.stiffness > 0.0 {
-                energy.potential -= contact.static_force * change;
-            }
+        let at = |values: &[f64], i: usize| values.get(i).copied().unwrap_or(0.0);
+        let u = |i: usize| at(&state.position, i);
+        let contacts = self.contacts.iter().enumerate();
+        let [above, below] = self.ends;
+        Energy {
+            kinetic: sum(&|i, body| 0.5 * body.mass * at(&state.velocity, i).powi(2)),
+            elastic: contacts.map(|(j, c)| c.energy(self.overlap_change(&state.position, j))).sum(),
+            gravity: -self.gravity * sum(&|i, body| body.mass * u(i)),
+            magnet: self.magnet.as_ref().map_or(0.0, |m| m.energy(u(m.body), self.follows)),
+            end_forces: below * u(self.bodies.len() - 1) - above * u(usize::from(self.striker)),
         }
-        for (force, u) in self.residual.iter().zip(&state.position) {
-            energy.potential -= force * u;
-        }
-        energy
     }
 
     /// Energy of `state` above that of static equilibrium, without the digits that the two share (J).
@@ -79,7 +81,12 @@ impl Chain {
         let elastic =
             elastic.map(|(j, c)| c.energy_change(self.overlap_change(&state.position, j)));
         let loads = self.residual.iter().zip(&state.position).map(|(force, u)| force * u);
-        kinetic.sum::<f64>() + elastic.sum::<f64>() - loads.sum::<f64>()
+        // A constant pull is balanced by the contacts; what it does beyond that is its own.
+        let pull = self.pull().map_or(0.0, |(body, pull)| {
+            let u = state.position.get(body).copied().unwrap_or(0.0);
+            pull.energy(u) + self.magnet().map_or(0.0, |magnet| magnet.force * u)
+        });
+        kinetic.sum::<f64>() + elastic.sum::<f64>() - loads.sum::<f64>() + pull
     }
 
     /// Total momentum of `state`, downward positive (kg m/s).

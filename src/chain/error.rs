@@ -53,4 +53,56 @@ pub enum ChainError {
         /// What is left (N).
         rest: f64,
     },
+    /// The particle stands where the magnet's table ends.
+    #[error(
+        "found the particle at rest {distance:e} m from the magnet's face, expected a distance within the magnet's table"
+    )]
+    MagnetBeyondTable {
+        /// Distance (m).
+        distance: f64,
+    },
+    /// Nothing says how far the particle sinks.
+    #[error(
+        "found a magnet's distance from an unloaded chain without a wall at the bottom, expected a wall there, or the distance at rest"
+    )]
+    MagnetWithoutWall,
+    /// Wherever the particle sinks to, the magnet pulls harder than the chain, or not at all.
+    #[error(
+        "found no static state: a magnet {distance:e} m from the unloaded particle pulls it in or does not attract it, expected another distance"
+    )]
+    MagnetSnaps {
+        /// Distance before anything presses (m).
+        distance: f64,
+    },
+    /// A static state from which the smallest push leads away.
+    #[error(
+        "found a static state that does not last: the magnet's force grows by {growth:e} N/m as the particle sinks, expected less than the chain's {stiffness:e} N/m"
+    )]
+    MagnetUnstable {
+        /// Growth of the magnet's force (N/m).
+        growth: f64,
+        /// Stiffness of all contacts below the particle (N/m).
+        stiffness: f64,
+    },
+    /// The magnet pulls nowhere as hard as is wanted.
+    #[error("found {force:e} N, expected a force that the magnet reaches somewhere")]
+    MagnetTooWeak {
+        /// Force (N).
+        force: f64,
+    },
+}
+
+impl ChainError {
+    /// Whether it is the magnet that stands wrong.
+    #[must_use]
+    pub fn is_of_magnet(&self) -> bool {
+        matches!(
+            self,
+            Self::MagnetBeyondTable { .. }
+                | Self::MagnetWithoutWall
+                | Self::MagnetSnaps { .. }
+                | Self::MagnetUnstable { .. }
+                | Self::MagnetTooWeak { .. }
+        )
+    }
 }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::dissipative::ACCOUNTS;
-use super::{Chain, ChainSystem, DissipativeSystem, Energy};
+use super::{Chain, ChainSystem, DissipativeSystem, Energy, PulledSystem};
 use crate::integrate::{State, System};
 
 /// Names of the kinds of loss, in the order of a contact's terms.
@@ -14,7 +14,7 @@ const NAMES: [&str; 3] = ["dashpot", "kuwabara_kono", "power_law_loss"];
 pub struct Dissipated {
     /// By each loss that is on.
     pub losses: Vec<LossEntry>,
-    /// Elastic energy that nobody gets back: given up by contacts held at zero force, and still in those held at the end (J).
+    /// Elastic energy that nobody gets back: what contacts held at zero force had when they were released (J).
     pub left_in_contacts: f64,
 }
 
@@ -42,14 +42,18 @@ impl Chain {
         self.contacts.iter().any(|contact| contact.loss.is_some())
     }
 
-    /// The chain as what it is to be integrated as: a lossless chain pays nothing for losses.
+    /// The chain as what it is to be integrated as: a lossless chain pays nothing for losses, and one without
+    /// [`super::MagnetLaw`] nothing for that.
     #[must_use]
     pub fn system(&self, initial_velocity: &[f64]) -> Box<dyn System> {
-        if self.is_dissipative() {
+        let system: Box<dyn System> = if self.is_dissipative() {
             Box::new(DissipativeSystem::new(self, initial_velocity))
         } else {
             Box::new(ChainSystem::new(self, initial_velocity))
-        }
+        };
+        let Some((body, pull)) = self.pull() else { return system };
+        let masses = self.bodies.iter().map(|body| body.mass).collect();
+        Box::new(PulledSystem::new(system, pull.clone(), body, masses))
     }
 
     /// The state at rest in static equilibrium but for `initial_velocity` (m/s), with room for the accounts.
@@ -69,14 +73,9 @@ impl Chain {
         if kinetic > 0.0 { fastest / kinetic } else { 1.0 }
     }
 
-    /// What the losses have taken up to `state`; `closed` tells of each contact whether it counts as closed.
+    /// What the losses have taken up to `state`.
     #[must_use]
-    pub fn dissipated(
-        &self,
-        state: &State,
-        initial_velocity: &[f64],
-        closed: &dyn Fn(usize) -> bool,
-    ) -> Dissipated {
+    pub fn dissipated(&self, state: &State, initial_velocity: &[f64]) -> Dissipated {
         let unit = self.account_unit(initial_velocity);
         let accounts = state.velocity.get(self.bodies.len()..).unwrap_or_default();
         let on = |kind: usize| {
@@ -88,30 +87,17 @@ impl Chain {
         let entries = NAMES.into_iter().zip(accounts).enumerate();
         let losses = entries.filter(|(kind, _)| on(*kind));
         let losses = losses.map(|(_, (loss, value))| LossEntry { loss, energy: value / unit });
-        let given_up = accounts.get(ACCOUNTS - 1).map_or(0.0, |value| value / unit);
-        let held: f64 = (0..self.contacts.len()).map(|j| self.held(state, j, closed(j))).sum();
-        Dissipated { losses: losses.collect(), left_in_contacts: given_up + held }
+        let kept = accounts.get(ACCOUNTS - 1).map_or(0.0, |value| value / unit);
+        Dissipated { losses: losses.collect(), left_in_contacts: kept }
     }
 
-    /// Energy of `state` without that in contacts held at zero force, which nobody gets back.
+    /// Energy of `state` without that in contacts held at zero force, which nobody gets back; `held` tells which are.
     #[must_use]
-    pub fn free_energy(&self, state: &State, closed: &dyn Fn(usize) -> bool) -> Energy {
+    pub fn free_energy(&self, state: &State, held: &dyn Fn(usize) -> bool) -> Energy {
         let mut energy = self.energy(state);
-        if self.is_dissipative() {
-            let held = (0..self.contacts.len()).map(|j| self.held(state, j, closed(j)));
-            energy.elastic -= held.sum::<f64>();
+        for (j, contact) in self.contacts.iter().enumerate().filter(|(j, _)| held(*j)) {
+            energy.elastic -= contact.energy(self.overlap_change(&state.position, j));
         }
         energy
-    }
-
-    /// Elastic energy of contact `j` if it is held at zero force in `state` (J).
-    pub(super) fn held(&self, state: &State, j: usize, closed: bool) -> f64 {
-        let Some((contact, loss)) = self.contacts.get(j).and_then(|c| Some((c, c.loss?))) else {
-            return 0.0;
-        };
-        let change = self.overlap_change(&state.position, j);
-        let closing = self.overlap_change(&state.velocity, j);
-        let touch = contact.touch(change, closing, closed);
-        if loss.is_held(contact.stiffness, touch) { contact.energy(change) } else { 0.0 }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! `F_loss = gamma ddot + 3/2 A eta sqrt(d) ddot + F1 sgn(ddot) (|ddot| / 1 m/s)^alpha`, `d` the overlap: dashpot, Kuwabara and Kono,
 //! power law; their sources stand with the effects. A contact ends where its overlap ends, and then pulls before it ends, or where its
-//! whole force would turn into a pull: there it is held at zero, and the elastic energy that comes free goes to nobody.
+//! whole force would turn into a pull: there it is held at zero, and the elastic energy that it still has goes to nobody.
 
 use super::hertz;
 
@@ -70,8 +70,6 @@ pub struct Taken {
     pub force: f64,
     /// Power that each kind of loss takes (J/s).
     pub power: LossTerms,
-    /// Elastic power that comes free in a contact held at zero force (J/s).
-    pub released: f64,
 }
 
 /// Tangents of what a lossy contact takes.
@@ -81,10 +79,10 @@ pub struct Tangent {
     pub stiffness: f64,
     /// Of the force against the closing speed (N s/m).
     pub damping: f64,
-    /// Of each account's power against the overlap (J/s/m).
-    pub power_by_overlap: [f64; KINDS + 1],
-    /// Of each account's power against the closing speed (N).
-    pub power_by_closing: [f64; KINDS + 1],
+    /// Of the power of each kind of loss against the overlap (J/s/m).
+    pub power_by_overlap: LossTerms,
+    /// Of the power of each kind of loss against the closing speed (N).
+    pub power_by_closing: LossTerms,
 }
 
 impl ContactLoss {
@@ -92,6 +90,13 @@ impl ContactLoss {
     #[must_use]
     pub fn jumps(&self) -> bool {
         self.dashpot > 0.0 || self.power_force > 0.0
+    }
+
+    /// Whether its force has no third derivative somewhere within a contact, or not even a slope: Kuwabara and Kono's where the contact
+    /// closes, the power law's where it turns.
+    #[must_use]
+    pub fn is_rough(&self) -> bool {
+        self.relaxation > 0.0 || (self.power_force > 0.0 && self.power_exponent.fract() > 0.0)
     }
 
     /// Whether anything is lost at all.
@@ -117,13 +122,25 @@ impl ContactLoss {
     /// What a contact of stiffness `A` (N/m^1.5) takes.
     #[must_use]
     pub fn taken(&self, stiffness: f64, touch: Touch) -> Taken {
-        let terms = self.terms(stiffness, touch);
-        let force: f64 = terms.iter().sum();
-        if self.holds(force, touch) {
-            let released = -touch.elastic * touch.closing;
-            return Taken { force: -touch.elastic, power: [0.0; KINDS], released };
+        self.taken_as(stiffness, touch, self.is_held(stiffness, touch))
+    }
+
+    /// The same where it is known whether the contact is `held` at zero force.
+    #[must_use]
+    pub fn taken_as(&self, stiffness: f64, touch: Touch, held: bool) -> Taken {
+        if held {
+            return Taken { force: -touch.elastic, power: [0.0; KINDS] };
         }
-        Taken { force, power: terms.map(|term| term * touch.closing), released: 0.0 }
+        let terms = self.terms(stiffness, touch);
+        let power = terms.map(|term| term * touch.closing);
+        Taken { force: terms.iter().sum(), power }
+    }
+
+    /// The force that the contact would have if nothing held it, and the sum of its parts' magnitudes (N).
+    pub(super) fn unheld(&self, stiffness: f64, touch: Touch) -> (f64, f64) {
+        let terms = self.terms(stiffness, touch);
+        let sizes = terms.iter().map(|term| term.abs()).sum::<f64>();
+        (touch.elastic + terms.iter().sum::<f64>(), touch.elastic.abs() + sizes)
     }
 
     /// Whether the contact is held at zero force where its losses would pull with `force` (N).
@@ -149,15 +166,24 @@ impl ContactLoss {
         self.dashpot + self.relaxation * hertz::tangent_stiffness(stiffness, overlap) + power
     }
 
-    /// Tangents for an implicit method; the elastic one (N/m) is `elastic_tangent`.
+    /// Tangents; the elastic one (N/m) is `elastic_tangent`.
     #[must_use]
     pub fn tangent(&self, stiffness: f64, elastic_tangent: f64, touch: Touch) -> Tangent {
-        let Touch { overlap, closing, elastic, closed } = touch;
+        self.tangent_as((stiffness, elastic_tangent), touch, self.is_held(stiffness, touch))
+    }
+
+    /// The same, of the stiffness `A` (N/m^1.5) and the elastic tangent (N/m), where it is known whether the contact is `held`.
+    #[must_use]
+    pub fn tangent_as(
+        &self,
+        (stiffness, elastic_tangent): (f64, f64),
+        touch: Touch,
+        held: bool,
+    ) -> Tangent {
+        let Touch { overlap, closing, closed, .. } = touch;
         let terms = self.terms(stiffness, touch);
         let mut tangent = Tangent::default();
-        if self.holds(terms.iter().sum(), touch) {
-            tangent.power_by_overlap[KINDS] = -elastic_tangent * closing;
-            tangent.power_by_closing[KINDS] = -elastic;
+        if held {
             return tangent;
         }
         let viscous = self.relaxation * hertz::tangent_stiffness(stiffness, overlap);

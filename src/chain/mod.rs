@@ -19,7 +19,10 @@ mod impact;
 mod kernel;
 mod ledger;
 pub mod loss;
+mod magnet;
 mod probe;
+mod pulled;
+mod statics;
 pub mod stepper;
 mod system;
 
@@ -27,7 +30,7 @@ pub use contact::{Contact, Law};
 pub use dissipative::DissipativeSystem;
 pub use effects::{
     ContactOverride, Dashpot, Effect, EffectsSpec, Gravity, KuwabaraKono, LinearisedContacts,
-    LossSpec, MagnetPreload, PowerLawLoss,
+    LossSpec, MagnetForce, MagnetLaw, MagnetPreload, PlacedAt, PlacedMagnet, PowerLawLoss,
 };
 pub use energy::Energy;
 pub use error::ChainError;
@@ -35,8 +38,12 @@ pub use hertz::Elasticity;
 pub use impact::StabilityLimit;
 pub use ledger::Dissipated;
 pub use loss::{ContactLoss, EndOfContact};
+pub use magnet::{ChainMagnet, Pull};
 pub use probe::{ForceProbe, ForceSegment};
+pub use pulled::PulledSystem;
 pub use system::ChainSystem;
+
+use statics::{contact, loads};
 
 /// A rigid body with two elastic faces.
 #[derive(Debug, Clone, PartialEq)]
@@ -91,6 +98,13 @@ pub struct Chain {
     /// Force on each body that the static contacts do not balance: the striker's weight (N).
     residual: Vec<f64>,
     striker: bool,
+    /// Acceleration of free fall (m/s²).
+    gravity: f64,
+    /// Forces that press on the first particle and against the last one (N).
+    ends: [f64; 2],
+    magnet: Option<ChainMagnet>,
+    /// Whether the magnet's force changes as its particle moves.
+    follows: bool,
 }
 
 impl Chain {
@@ -107,7 +121,13 @@ impl Chain {
             return Err(ChainError::StrikerBehindWall);
         }
         let bodies: Vec<Body> = spec.striker.iter().chain(&spec.particles).cloned().collect();
-        let loads = loads(spec, &bodies);
+        let mut loads = loads(spec, &bodies);
+        let magnet = ChainMagnet::at_rest(spec, &bodies, &loads)?;
+        if let Some((magnet, load)) =
+            magnet.as_ref().and_then(|m| Some((m, loads.get_mut(m.body)?)))
+        {
+            *load += magnet.force;
+        }
         let first = usize::from(striker);
         let top_force = match spec.top {
             End::Wall(_) => spec.wall_preload,
@@ -128,7 +148,17 @@ impl Chain {
         if let (true, Some(rest), Some(load)) = (striker, residual.first_mut(), loads.first()) {
             *rest = *load;
         }
-        Ok(Self { bodies, contacts, residual, striker })
+        let end = |end: &End| if let End::Force(force) = end { *force } else { 0.0 };
+        Ok(Self {
+            bodies,
+            contacts,
+            residual,
+            striker,
+            gravity: spec.effects.gravity.map_or(0.0, |gravity| gravity.acceleration),
+            ends: [end(&spec.top), end(&spec.bottom)],
+            follows: spec.effects.magnet_law.is_some(),
+            magnet,
+        })
     }
 
     /// The bodies from top to bottom, the striker first.
@@ -141,6 +171,25 @@ impl Chain {
     #[must_use]
     pub fn contacts(&self) -> &[Contact] {
         &self.contacts
+    }
+
+    /// The magnet that pulls one of its bodies, if any.
+    #[must_use]
+    pub fn magnet(&self) -> Option<&ChainMagnet> {
+        self.magnet.as_ref()
+    }
+
+    /// A magnet whose force changes as its body moves, with the index of that body.
+    #[must_use]
+    pub fn pull(&self) -> Option<(usize, &Pull)> {
+        let magnet = self.magnet.as_ref().filter(|_| self.follows)?;
+        Some((magnet.body, magnet.pull.as_ref()?))
+    }
+
+    /// Whether its forces are those of elastic contacts and constant loads alone, as the chain's own stepper takes them.
+    #[must_use]
+    pub fn is_plain(&self) -> bool {
+        !self.is_dissipative() && self.pull().is_none()
     }
 
     /// Smallest mass of its bodies (kg).
@@ -193,82 +242,4 @@ impl Chain {
         let overlaps: f64 = self.contacts[body + 1..].iter().map(|c| c.static_overlap).sum();
         half + below - overlaps
     }
-}
-
-/// Constant force on each body from effects and end forces, downward positive (N).
-fn loads(spec: &ChainSpec, bodies: &[Body]) -> Vec<f64> {
-    let masses: Vec<f64> = bodies.iter().map(|b| b.mass).collect();
-    let mut loads = vec![0.0; bodies.len()];
-    for effect in spec.effects.active() {
-        effect.add_load(&masses, spec.striker.is_some(), &mut loads);
-    }
-    // Below a striker the end force has no face of its own to press on: it pulls on particle 1.
-    if let (End::Force(force), true, Some(load)) =
-        (spec.top, spec.striker.is_some(), loads.get_mut(1))
-    {
-        *load += force;
-    }
-    loads
-}
-
-/// Contact `j`, between bodies `j - 1` and `j`, under the static force `bears` (N).
-fn contact(spec: &ChainSpec, bodies: &[Body], j: usize, bears: f64) -> Result<Contact, ChainError> {
-    let side = |body: &Body| (body.elasticity, body.curvature, body.name.clone());
-    let wall = |end: &End, name: &str| match end {
-        End::Wall(elasticity) => Some((*elasticity, 0.0, name.to_owned())),
-        End::Free | End::Force(_) => None,
-    };
-    let upper = match j.checked_sub(1) {
-        Some(above) => bodies.get(above).map(side),
-        None => wall(&spec.top, "the top wall"),
-    };
-    let lower = bodies.get(j).map(side).or_else(|| wall(&spec.bottom, "the bottom wall"));
-    let (Some(upper), Some(lower)) = (upper, lower) else {
-        return open_end(spec, bodies, j, bears);
-    };
-    let stiffness = hertz::stiffness((upper.0, upper.1), (lower.0, lower.1));
-    if !stiffness.is_finite() {
-        return Err(ChainError::FlatOnFlat { upper: upper.2, lower: lower.2 });
-    }
-    if bears < 0.0 {
-        return Err(ChainError::Pulling { body: lower.2, force: bears });
-    }
-    let law = match spec.effects.linearised_contacts {
-        Some(LinearisedContacts) if bears == 0.0 => {
-            return Err(ChainError::NothingToLinearise { body: lower.2 });
-        }
-        Some(LinearisedContacts) => Law::Linearised,
-        None => Law::Hertz,
-    };
-    let static_overlap = hertz::overlap(stiffness, bears);
-    let short =
-        |name: &'_ str| if name.ends_with(" wall") { "wall".to_owned() } else { name.to_owned() };
-    let yields = |body: Option<&Body>| body.and_then(|body| body.yield_strength);
-    let strengths = [yields(j.checked_sub(1).and_then(|i| bodies.get(i))), yields(bodies.get(j))];
-    let softest = strengths.into_iter().flatten().reduce(f64::min);
-    let yield_force = softest
-        .map(|strength| hertz::first_yield((upper.0, upper.1), (lower.0, lower.1), strength));
-    let loss = spec.effects.loss_between(&short(&upper.2), &short(&lower.2));
-    if loss.is_some() && law == Law::Linearised {
-        return Err(ChainError::LossWithoutEnd { body: lower.2 });
-    }
-    Ok(Contact { stiffness, static_force: bears, static_overlap, law, loss, yield_force })
-}
-
-/// The place of a contact where nothing stands; at the bottom the loads must have cancelled.
-fn open_end(
-    spec: &ChainSpec,
-    bodies: &[Body],
-    j: usize,
-    bears: f64,
-) -> Result<Contact, ChainError> {
-    if j == bodies.len() {
-        let support = if let End::Force(force) = spec.bottom { force } else { 0.0 };
-        let rest = bears - support;
-        if rest.abs() > 1e-12 * (bears.abs() + support.abs()) {
-            return Err(ChainError::Unbalanced { rest });
-        }
-    }
-    // An end force presses on the outermost face without giving: a plate next to it feels it.
-    Ok(Contact { static_force: bears, ..Contact::OPEN })
 }

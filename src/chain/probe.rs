@@ -1,6 +1,8 @@
 //! Forces where somebody looks: inside a particle or in one contact, anywhere within an integrator's step.
 
-use super::{Chain, Contact};
+use std::sync::Arc;
+
+use super::{Chain, Contact, Pull};
 use crate::integrate::{Integrator, Interpolant};
 
 /// A weighted sum of two neighbouring contact forces: what a plate in a particle feels.
@@ -8,7 +10,7 @@ use crate::integrate::{Integrator, Interpolant};
 /// `N(xi) = F_above (1/2 - xi) + F_below (1/2 + xi)`, `xi` the plate's distance from the particle's centre in units of
 /// its length, downward positive. A centred plate feels the mean; `xi = 1/2` feels the contact below alone.
 /// Source: linear interpolation of the axial force in a rigidly moving body of even mass.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ForceProbe {
     contacts: [Contact; 2],
     weights: [f64; 2],
@@ -18,6 +20,8 @@ pub struct ForceProbe {
     outer: [Contact; 2],
     /// Inverse mass (1/kg) and unbalanced acceleration (m/s²) of the body above, this one and the one below.
     inertia: [(f64, f64); 3],
+    /// A magnet that follows one of these three bodies, by its place among them.
+    pull: Option<(usize, Arc<Pull>)>,
 }
 
 impl ForceProbe {
@@ -48,7 +52,11 @@ impl ForceProbe {
         };
         let outer = [contact(body.checked_sub(1)), contact(Some(body + 2))];
         let inertia = [inertia(body.checked_sub(1)), inertia(Some(body)), inertia(Some(body + 1))];
-        Self { contacts, weights, body, outer, inertia }
+        let pull = chain.pull().and_then(|(pulled, pull)| {
+            let place = (pulled + 1).checked_sub(body).filter(|place| *place < 3)?;
+            Some((place, Arc::new(pull.clone())))
+        });
+        Self { contacts, weights, body, outer, inertia, pull }
     }
 
     /// The two contacts that are felt, the one above first.
@@ -89,7 +97,7 @@ impl ForceProbe {
         };
         let (start, length) = integrator.last_step();
         ForceSegment {
-            probe: *self,
+            probe: self.clone(),
             start,
             length,
             bodies: [
@@ -184,7 +192,9 @@ impl ForceSegment {
         }
         let acceleration = |i: usize| {
             let (inverse_mass, rest) = self.probe.inertia[i];
-            (forces[i] - forces[i + 1]) * inverse_mass + rest
+            let pull = self.probe.pull.as_ref().filter(|(place, _)| *place == i);
+            let pulled = pull.map_or(0.0, |(_, pull)| pull.change(bodies[i + 1].0));
+            (forces[i] - forces[i + 1] + pulled) * inverse_mass + rest
         };
         [acceleration(0) - acceleration(1), acceleration(1) - acceleration(2)]
     }

@@ -7,7 +7,6 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::picture;
-use crate::magnet::ForceLaw;
 use crate::quantity::{Dimension, parse};
 use crate::report;
 use crate::report::magnet::{MagnetPage, Place};
@@ -15,8 +14,6 @@ use crate::scene::magnets;
 
 /// The paper's preload (N).
 const PAPER_FORCE: f64 = 2.38;
-/// Temperature where neither the user nor the magnet's file tells one (K).
-const ROOM_TEMPERATURE: f64 = 293.15;
 
 /// Show a magnet's force over distance, and find the distance for a force
 #[derive(Debug, Args)]
@@ -60,11 +57,7 @@ fn temperature(text: &str) -> Result<f64, String> {
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let magnet = magnets::load(&arguments.name)?;
-    let stated = match &magnet.law {
-        ForceLaw::Ring(ring, _) => ring.reference_temperature,
-        ForceLaw::Constant(_) | ForceLaw::Measured(_) => ROOM_TEMPERATURE,
-    };
-    let temperature = arguments.temperature.unwrap_or(stated);
+    let temperature = arguments.temperature.unwrap_or(magnet.stated_temperature());
     let (wanted, distances) = if let Some(distance) = arguments.distance {
         (None, vec![distance])
     } else {

@@ -9,6 +9,7 @@ mod compare;
 mod completions;
 mod convert;
 mod cost;
+mod dispersion;
 mod doctor;
 mod effects;
 mod fit;
@@ -65,6 +66,7 @@ enum Command {
     Spectrum(spectrum::Arguments),
     Spectrogram(spectrogram::Arguments),
     Bands(bands::Arguments),
+    Dispersion(dispersion::Arguments),
     Arrivals(arrivals::Arguments),
     Magnet(magnet::Arguments),
     Calibrate(calibrate::Arguments),
@@ -101,6 +103,7 @@ pub fn main() -> ExitCode {
         Command::Spectrum(arguments) => spectrum::run(&arguments),
         Command::Spectrogram(arguments) => spectrogram::run(&arguments),
         Command::Bands(arguments) => bands::run(&arguments),
+        Command::Dispersion(arguments) => dispersion::run(&arguments),
         Command::Arrivals(arguments) => arrivals::run(&arguments),
         Command::Magnet(arguments) => magnet::run(&arguments),
         Command::Calibrate(arguments) => calibrate::run(&arguments),

@@ -52,16 +52,16 @@ pub struct Watch {
 
 /// The method at work on the chain.
 enum Engine<'a> {
-    /// Without losses, Runge-Kutta-Nystrom pairs run on the chain's own stepper; with a view for each watch.
+    /// Where contacts and constant loads are all there is, Runge-Kutta-Nystrom pairs run on the chain's own stepper; with a view for each watch.
     Stepper(Box<ChainStepper>, Vec<View>),
     /// Everything else.
     General(Box<dyn Integrator + 'a>),
 }
 
-/// A pair of the chain's own stepper at work on a lossless chain, from any state.
+/// A method at work on a lossless chain, from any state; pairs on the chain's own stepper where that takes its forces.
 #[must_use]
 pub fn start(chain: &Chain, method: Method, state: State) -> Box<dyn Integrator> {
-    if let Some(pair) = method.nystrom() {
+    if let (Some(pair), true) = (method.nystrom(), chain.is_plain()) {
         return Box::new(ChainStepper::from_state(chain, &state, pair, InstructionSet::best()));
     }
     method.start(chain.system(&state.velocity), state)
@@ -70,7 +70,7 @@ pub fn start(chain: &Chain, method: Method, state: State) -> Box<dyn Integrator>
 impl<'a> Engine<'a> {
     fn start(chain: &Chain, velocities: &[f64], method: Method, probes: &[ForceProbe]) -> Self {
         match method.nystrom() {
-            Some((pair, tolerance)) if !chain.is_dissipative() => {
+            Some((pair, tolerance)) if chain.is_plain() => {
                 let set = InstructionSet::best();
                 let stepper = ChainStepper::new(chain, velocities, pair, tolerance, set);
                 Self::Stepper(Box::new(stepper), probes.iter().map(View::new).collect())
@@ -117,7 +117,7 @@ impl<'a> Bench<'a> {
         // Before the first contact nothing moves: those samples are known.
         let before = grid.samples_until(0.0);
         let watch = |probe: &ForceProbe| Watch {
-            pulse: PulseRecorder::new(*probe),
+            pulse: PulseRecorder::new(probe.clone()),
             samples: vec![0.0; before],
         };
         let film = Film::new(chain, film_grid, &state);
@@ -193,15 +193,15 @@ impl<'a> Bench<'a> {
     /// Energy at the start and now, without what contacts held at zero force will not give back.
     #[must_use]
     pub fn energies(&self) -> (Energy, Energy) {
-        let closed = |contact: usize| self.engine.integrator().was_on(contact);
-        (self.initial_energy, self.chain.free_energy(&self.engine.integrator().state(), &closed))
+        let (integrator, contacts) = (self.engine.integrator(), self.chain.contacts().len());
+        let held = |contact: usize| !integrator.is_on(contacts + contact);
+        (self.initial_energy, self.chain.free_energy(&integrator.state(), &held))
     }
 
     /// What the losses have taken so far.
     #[must_use]
     pub fn dissipated(&self) -> Dissipated {
-        let closed = |contact: usize| self.engine.integrator().was_on(contact);
-        self.chain.dissipated(&self.engine.integrator().state(), &self.initial_velocities, &closed)
+        self.chain.dissipated(&self.engine.integrator().state(), &self.initial_velocities)
     }
 
     /// The present time (s).

@@ -103,7 +103,7 @@ impl Ensemble {
     fn groups(&self, cases: &[&Case]) -> Vec<Vec<usize>> {
         let (mut full, mut open): (Vec<Vec<usize>>, Vec<Vec<usize>>) = (Vec::new(), Vec::new());
         for (index, case) in cases.iter().enumerate() {
-            if case.chain.is_dissipative() {
+            if !case.chain.is_plain() {
                 full.push(vec![index]);
                 continue;
             }
@@ -201,7 +201,7 @@ impl Case {
 fn follow(mut group: ChainGroup, cases: &[&Case]) -> Vec<Result<Readout, IntegrateError>> {
     let views = |case: &&Case| case.probes.iter().map(View::new).collect();
     let mut views: Vec<Vec<View>> = cases.iter().map(views).collect();
-    let recorders = |case: &&Case| case.probes.iter().copied().map(PulseRecorder::new).collect();
+    let recorders = |case: &&Case| case.probes.iter().cloned().map(PulseRecorder::new).collect();
     let mut pulses: Vec<Vec<PulseRecorder>> = cases.iter().map(recorders).collect();
     while !group.is_done() {
         let taken = group.step();

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::outcome::effects;
+use super::outcome::{EnergyLedger, effects};
 use super::{Integration, Outcome, RunError, method};
 use crate::recording::Attachment;
 use crate::recording::mcap::ShotNotes;
@@ -119,7 +119,7 @@ pub fn shot_facts(scene: &Scene, number: u32, impact: u32) -> Facts {
     let knobs = [
         ("striker_mass_kg", scene.spec.striker.as_ref().map(|striker| striker.mass)),
         ("striker_speed_m_s", scene.striker_speed()),
-        ("magnet_force_n", scene.spec.effects.magnet_preload.map(|magnet| magnet.force)),
+        ("magnet_force_n", scene.chain.magnet().map(|magnet| magnet.force)),
     ];
     known.extend(knobs.into_iter().filter_map(|(key, value)| Some((key, value?.to_string()))));
     let group = |pairs: Vec<(&str, String)>| {
@@ -155,14 +155,32 @@ pub fn shot_notes(scene: &Scene, outcome: &Outcome) -> ShotNotes {
     let notes = summary.notes.iter().map(|note| (true, note.clone()));
     ShotNotes {
         set_up: set_up_text(&scene.scope),
-        energy: Some(Energy {
-            timestamp: None,
-            shot: outcome.shot.number,
-            initial_j: energy.initial,
-            final_j: energy.r#final,
-            dissipated_j: energy.dissipated,
-            drift: energy.drift,
-        }),
+        energy: Some(booked(energy, outcome.shot.number)),
         log: std::iter::once((false, done)).chain(notes).collect(),
+    }
+}
+
+/// The ledger of shot `number` as it is recorded.
+fn booked(energy: &EnergyLedger, number: u32) -> Energy {
+    let (end, lost) = (&energy.final_by_kind, &energy.dissipated_by_kind);
+    let taken = |name: &str| {
+        lost.losses.iter().find(|entry| entry.loss == name).map_or(0.0, |entry| entry.energy)
+    };
+    Energy {
+        timestamp: None,
+        shot: number,
+        initial_j: energy.initial,
+        final_j: energy.r#final,
+        dissipated_j: energy.dissipated,
+        drift: energy.drift,
+        kinetic_j: end.kinetic,
+        elastic_j: end.elastic,
+        gravity_j: end.gravity,
+        magnet_j: end.magnet,
+        end_forces_j: end.end_forces,
+        dashpot_j: taken("dashpot"),
+        kuwabara_kono_j: taken("kuwabara_kono"),
+        power_law_loss_j: taken("power_law_loss"),
+        left_in_contacts_j: lost.left_in_contacts,
     }
 }

@@ -265,6 +265,7 @@ impl Finished<'_> {
             notes: notes::notes(scene, &sensors, shot, found)
                 .into_iter()
                 .chain(yielded)
+                .chain(notes::beyond_table(&scene.chain, bench.film()))
                 .chain(scene.decided.clone())
                 .collect(),
             sensors: sensors.into_iter().filter(|s| s.particle.is_some()).collect(),

@@ -1,7 +1,9 @@
 //! What a user would otherwise find out late.
 
 use super::acquisition::trigger_scale;
+use super::film::Film;
 use super::outcome::Reading;
+use crate::chain::Chain;
 use crate::quantity::engineering;
 use crate::recording::Shot;
 use crate::scene::Scene;
@@ -46,4 +48,19 @@ pub fn notes(scene: &Scene, sensors: &[Reading], shot: &Shot, found: Option<Foun
         notes.push(format!("{}: {felt}", sensor.name));
     }
     notes
+}
+
+/// A note on a particle that left the distances for which its magnet's force was measured, as far as the film's frames show.
+pub fn beyond_table(chain: &Chain, film: &Film) -> Option<String> {
+    let (body, pull) = chain.pull()?;
+    let [near, far] = pull.known();
+    let path = film.displacements.get(body)?;
+    let beyond = |u: &f64| (near - (pull.distance - u)).max(pull.distance - u - far);
+    let most = path.iter().map(beyond).fold(0.0, f64::max);
+    (most > 0.0).then(|| {
+        format!(
+            "the magnet's particle goes at least {} beyond the ends of its table: there its force is taken to be that of the end",
+            engineering(most, "m", 2)
+        )
+    })
 }

@@ -214,6 +214,12 @@ pub fn effects(scene: &Scene) -> Vec<(String, String)> {
         .active()
         .map(|effect| (effect.name().to_owned(), effect.summary()))
         .collect();
+    if let Some((magnet, pull)) = scene.chain.magnet().and_then(|m| Some((m, m.pull.as_ref()?)))
+        && let Some((_, set)) = effects.iter_mut().find(|(name, _)| name == "magnet_preload")
+    {
+        let (force, distance) = (engineering(magnet.force, "N", 4), pull.distance);
+        let _ = write!(set, "; {force} at rest, {} away", engineering(distance, "m", 4));
+    }
     if let (Some(spread), Some(speed)) = (scene.striker_speed_spread, scene.striker_speed()) {
         let set = format!("{} % around {}", 100.0 * spread, engineering(speed, "m/s", 3));
         effects.push(("striker_speed_spread".to_owned(), set));

@@ -134,6 +134,22 @@ pub fn cell_and_force(scene: &Scene, site: Site) -> Option<(DiatomicChain, f64)>
     (stiffness > 0.0).then_some((cell, contact.static_force))
 }
 
+/// Every second contact of the periodic part of `scene`'s chain around `particle`, one a cell, from the top; none where kinds do not
+/// take turns.
+#[must_use]
+pub fn cells(scene: &Scene, particle: usize) -> Option<Vec<usize>> {
+    let chain = &scene.chain;
+    let name = |p: usize| Some(&chain.bodies().get(chain.body_of(p))?.name);
+    let turns = |p: usize| {
+        p >= 1 && p + 2 <= chain.particles() && name(p) == name(p + 2) && name(p) != name(p + 1)
+    };
+    let start = [particle, particle.saturating_sub(1), particle.saturating_sub(2)];
+    let start = start.into_iter().find(|p| turns(*p))?;
+    let first = (1..=start).rev().take_while(|p| turns(*p)).last()?;
+    let last = (start..).take_while(|p| turns(*p)).last()? + 2;
+    Some((first..last).step_by(2).map(|p| chain.body_of(p) + 1).collect())
+}
+
 /// Distance between two sites along the chain at rest, overlaps subtracted (m).
 #[must_use]
 pub fn distance(scene: &Scene, from: Site, to: Site) -> Option<f64> {

@@ -54,16 +54,16 @@ pub trait Linearised {
     fn linearise(&mut self, state: &State);
 
     /// Writes `shift^2 M + shift C + K`, `-C` and `-K` the tangents of the forces against velocities and positions.
-    fn assemble(&self, shift: f64, matrix: &mut Tridiagonal);
+    fn assemble(&mut self, shift: f64, matrix: &mut Tridiagonal);
 
     /// Masses of the bodies (kg).
     fn masses(&self) -> &[f64];
 
     /// Writes the forces `-K x` of small displacements `position` (m) (N).
-    fn forces_of(&self, position: &[f64], out: &mut [f64]);
+    fn forces_of(&mut self, position: &[f64], out: &mut [f64]);
 
     /// Writes the changes of the accounts' rates under small changes of positions (m) and velocities (m/s).
-    fn account_rates(&self, position: &[f64], velocity: &[f64], out: &mut [f64]);
+    fn account_rates(&mut self, position: &[f64], velocity: &[f64], out: &mut [f64]);
 }
 
 #[cfg(test)]

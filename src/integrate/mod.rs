@@ -28,7 +28,7 @@ pub use interpolant::Interpolant;
 pub use linearised::{Linearised, Tridiagonal};
 pub use method::Method;
 pub use rodas::Rodas;
-pub use switching::{Sides, Switching};
+pub use switching::{Motion, Sides, Switching};
 
 /// A mechanical system of `len` coordinates.
 pub trait System {
@@ -149,6 +149,12 @@ pub trait Integrator {
 
     /// Whether the system's switch at `place` was on over the last step; places without a switch always are.
     fn was_on(&self, place: usize) -> bool {
+        let _ = place;
+        true
+    }
+
+    /// Whether it is on now.
+    fn is_on(&self, place: usize) -> bool {
         let _ = place;
         true
     }

@@ -1,8 +1,8 @@
-//! Systems whose law changes by switches: contacts whose forces jump where they open or close.
+//! Systems whose law changes by switches: contacts whose forces jump where they open or close, or have a kink where they would pull.
 //!
 //! Within a step all switches stand still, so the method sees a smooth law and keeps its order; where one should have changed within
 //! the step, the step is cut at the root of its margin on the step's own interpolant, and the method starts anew there. A step over
-//! a jump would be of order 1. Jumps that are lost in the tolerance change at the end of a step without a search, or a
+//! a jump would be of order 1, one over a kink of order 2. Changes that are lost in the tolerance change at the end of a step without a search, or a
 //! rattling chain would stop at tens of thousands of them. Source: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary
 //! Differential Equations I (1993), II.6, "Event location".
 
@@ -17,17 +17,24 @@ const SHORTEST: f64 = 1e-9;
 /// Jumps below this share of what the error control tolerates are not searched for (1).
 const NEGLIGIBLE: f64 = 0.1;
 
-/// What a switch depends on: `margin + x[above] - x[below]`, on above zero.
+/// What a switch depends on: the motion of two bodies against each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sides {
     /// Index of the body above; none at a wall.
     pub above: Option<usize>,
     /// Index of the body below; none at a wall.
     pub below: Option<usize>,
-    /// Margin at rest (m).
-    pub margin: f64,
-    /// What users of the system call its place: the contact's index.
+    /// What users of the system call its place.
     pub place: usize,
+}
+
+/// How two bodies stand and move against each other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Motion {
+    /// Position of the one above less that of the one below (m).
+    pub difference: f64,
+    /// Its rate (m/s).
+    pub rate: f64,
 }
 
 /// A system with switches.
@@ -38,14 +45,21 @@ pub trait Switching {
     /// Whether `switch` is on.
     fn is_on(&self, switch: usize) -> bool;
 
-    /// Changes `switch`.
-    fn flip(&mut self, switch: usize);
+    /// Changes `switch` in `state`, whose accounts book what that moves; another switch may follow.
+    fn flip(&mut self, switch: usize, state: &mut State);
 
     /// What decides about `switch`.
     fn sides(&self, switch: usize) -> Sides;
 
-    /// By how much the acceleration of a body jumps when `switch` changes while its margin grows by `closing` (m/s) (m/s²).
-    fn jump(&self, switch: usize, closing: f64) -> f64;
+    /// What is zero where `switch` should change, and not negative where it should be on (unit).
+    fn margin(&self, switch: usize, motion: Motion) -> f64;
+
+    /// Whether `switch` stands wrong and will not be right by itself.
+    fn is_wrong(&self, switch: usize, motion: Motion) -> bool;
+
+    /// By how much the acceleration of a body is wrong with `switch` wrong: when its margin's root is passed at the rate `closing` (m/s),
+    /// or with the motion found `beyond` it (m/s²).
+    fn error(&self, switch: usize, closing: f64, beyond: Motion) -> f64;
 }
 
 /// A method that can start anew from another state.
@@ -61,12 +75,10 @@ pub trait Restart: Integrator {
 }
 
 impl Sides {
-    fn margin(&self, at: impl Fn(usize) -> f64) -> f64 {
-        self.margin + self.above.map_or(0.0, &at) - self.below.map_or(0.0, &at)
-    }
-
-    fn rate(&self, at: impl Fn(usize) -> f64) -> f64 {
-        self.above.map_or(0.0, &at) - self.below.map_or(0.0, &at)
+    fn motion(&self, position: impl Fn(usize) -> f64, velocity: impl Fn(usize) -> f64) -> Motion {
+        let difference =
+            |at: &dyn Fn(usize) -> f64| self.above.map_or(0.0, at) - self.below.map_or(0.0, at);
+        Motion { difference: difference(&position), rate: difference(&velocity) }
     }
 }
 
@@ -77,6 +89,8 @@ pub struct Switched<I> {
     sides: Vec<Sides>,
     /// Whether each switch was on over the last step.
     on: Vec<bool>,
+    /// Whether each is on now.
+    now: Vec<bool>,
     start: f64,
     /// Share of the method's last step that counts.
     share: f64,
@@ -91,25 +105,34 @@ impl<I: Restart> Switched<I> {
         });
         let state = inner.state().clone();
         let on = vec![true; sides.len()];
-        Self { start: state.time, inner, state, sides, on, share: 1.0, prepared: false }
+        Self {
+            start: state.time,
+            inner,
+            state,
+            sides,
+            now: on.clone(),
+            on,
+            share: 1.0,
+            prepared: false,
+        }
     }
 
     /// Sets the switches right that stand wrong and move further from where they would stand right.
     fn settle(&mut self) -> bool {
-        let State { position, velocity, .. } = &self.state;
+        let state = &mut self.state;
         let mut any = false;
         let Some(system) = self.inner.system().switching() else { return false };
-        for (switch, (sides, on)) in self.sides.iter().zip(&mut self.on).enumerate() {
-            let (margin, rate) = (sides.margin(|i| position[i]), sides.rate(|i| velocity[i]));
-            let on_now = system.is_on(switch);
-            let wrong =
-                if on_now { margin < 0.0 && rate < 0.0 } else { margin >= 0.0 && rate > 0.0 };
-            if wrong {
-                system.flip(switch);
+        for (switch, sides) in self.sides.iter().enumerate() {
+            let motion = sides.motion(|i| state.position[i], |i| state.velocity[i]);
+            if system.is_wrong(switch, motion) {
+                system.flip(switch, state);
                 any = true;
             }
-            *on = system.is_on(switch);
         }
+        for (switch, now) in self.now.iter_mut().enumerate() {
+            *now = system.is_on(switch);
+        }
+        self.on.clone_from(&self.now);
         any
     }
 
@@ -124,8 +147,12 @@ impl<I: Restart> Switched<I> {
                 index.map_or(Interpolant::REST, |index| self.inner.interpolant(index))
             };
             let (above, below) = (body(sides.above), body(sides.below));
-            let margin = |theta: f64| sides.margin + above.position(theta) - below.position(theta);
-            let wrong = |theta: f64| (margin(theta) >= 0.0) != on;
+            let motion = |theta: f64| Motion {
+                difference: above.position(theta) - below.position(theta),
+                rate: above.velocity(theta) - below.velocity(theta),
+            };
+            let Some(system) = self.inner.system().switching() else { return None };
+            let wrong = |theta: f64| (system.margin(switch, motion(theta)) >= 0.0) != on;
             let mut before = 0.0;
             for look in 1..=LOOKS {
                 let theta = f64::from(look) / f64::from(LOOKS);
@@ -134,9 +161,8 @@ impl<I: Restart> Switched<I> {
                     continue;
                 }
                 let at = if wrong(before) { theta } else { root(&wrong, before, theta) };
-                let closing = above.velocity(at) - below.velocity(at);
-                let jump = self.inner.system().switching().map_or(0.0, |s| s.jump(switch, closing));
-                if jump * length > tolerated && first.is_none_or(|(earliest, _)| at < earliest) {
+                let error = system.error(switch, motion(at).rate, motion(theta));
+                if error * length > tolerated && first.is_none_or(|(earliest, _)| at < earliest) {
                     first = Some((at, switch));
                 }
                 break;
@@ -181,21 +207,25 @@ impl<I: Restart> Integrator for Switched<I> {
             self.inner.prepare_interpolation();
             let Some((theta, switch)) = self.event() else { break };
             let (start, length) = self.inner.last_step();
+            if theta >= SHORTEST {
+                self.share = theta;
+                for body in 0..self.state.position.len() {
+                    let motion = self.inner.interpolant(body);
+                    self.state.position[body] = motion.position(theta);
+                    self.state.velocity[body] = motion.velocity(theta);
+                }
+                self.state.time = start + theta * length;
+            }
             let Some(system) = self.inner.system().switching() else { break };
-            system.flip(switch);
-            if theta < SHORTEST {
-                self.on[switch] = system.is_on(switch);
-                self.inner.restart(&self.state);
-                continue;
+            system.flip(switch, &mut self.state);
+            for (switch, now) in self.now.iter_mut().enumerate() {
+                *now = system.is_on(switch);
             }
-            self.share = theta;
-            for body in 0..self.state.position.len() {
-                let motion = self.inner.interpolant(body);
-                self.state.position[body] = motion.position(theta);
-                self.state.velocity[body] = motion.velocity(theta);
+            if theta >= SHORTEST {
+                return Ok(());
             }
-            self.state.time = start + theta * length;
-            return Ok(());
+            self.on.clone_from(&self.now);
+            self.inner.restart(&self.state);
         }
         self.state = self.inner.state();
         Ok(())
@@ -233,5 +263,10 @@ impl<I: Restart> Integrator for Switched<I> {
     fn was_on(&self, place: usize) -> bool {
         let switch = self.sides.iter().position(|sides| sides.place == place);
         switch.is_none_or(|switch| self.on[switch])
+    }
+
+    fn is_on(&self, place: usize) -> bool {
+        let switch = self.sides.iter().position(|sides| sides.place == place);
+        switch.is_none_or(|switch| self.now[switch])
     }
 }

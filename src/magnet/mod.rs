@@ -2,7 +2,7 @@
 //!
 //! Stands beside `chain`: `scene` reads the files of `instruments/magnets`, `cli` answers questions about them. Distance is that
 //! of the sphere's centre from the plane of the magnet's face, along the axis, positive outside; a force is positive where the
-//! magnet attracts. A constant force is what the paper's calculations use; a ring's force falls by 1.4 to 3.9 N a millimetre,
+//! magnet attracts. `chain` lets a sphere that moves feel it. A constant force is what the paper's calculations use; a ring's force falls by 1.4 to 3.9 N a millimetre,
 //! nothing against the contacts' stiffness, but 3 to 8 % of 2.38 N over 50 um of travel.
 
 mod ring;
@@ -15,8 +15,9 @@ pub use table::{ForceTable, TableError};
 const LOOKS: u32 = 4000;
 /// Halvings of an interval in which a force is taken: to the last bit.
 const HALVINGS: usize = 60;
-/// Step of the difference that stands for the force's slope, in the span of the law (1).
-const SLOPE_STEP: f64 = 1e-6;
+
+/// Temperature of a magnet whose file tells none (K).
+const ROOM_TEMPERATURE: f64 = 293.15;
 
 /// How a magnet's force depends on distance.
 #[derive(Debug, Clone, PartialEq)]
@@ -65,14 +66,26 @@ impl Magnet {
         }
     }
 
-    /// Change of the force with distance at `distance` (m), by a central difference (N/m).
+    /// Change of the force with distance at `distance` (m) and `temperature` (K), none outside a table (N/m).
     #[must_use]
     pub fn slope(&self, distance: f64, temperature: f64) -> Option<f64> {
-        let [near, far] = self.span();
-        let step = SLOPE_STEP * (far - near);
-        let (low, high) = ((distance - step).max(near), (distance + step).min(far));
-        let difference = self.force(high, temperature)? - self.force(low, temperature)?;
-        Some(difference / (high - low))
+        match &self.law {
+            ForceLaw::Constant(_) => Some(0.0),
+            ForceLaw::Ring(ring, sphere) => {
+                let z = 0.5 * ring.length + distance;
+                Some(ring.at(temperature).pull_slope(z, sphere) * z.signum())
+            }
+            ForceLaw::Measured(table) => table.slope(distance),
+        }
+    }
+
+    /// Temperature at which its numbers hold: that of a ring's remanence, room temperature of others (K).
+    #[must_use]
+    pub fn stated_temperature(&self) -> f64 {
+        match &self.law {
+            ForceLaw::Ring(ring, _) => ring.reference_temperature,
+            ForceLaw::Constant(_) | ForceLaw::Measured(_) => ROOM_TEMPERATURE,
+        }
     }
 
     /// Distances within the span at which the magnet attracts with `force` (N), the one nearest to the face first (m).

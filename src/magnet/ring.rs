@@ -10,6 +10,7 @@
 //! `F = (4 pi Rs^3/mu0) B B'`, above `F = V Ms B'`. Source: a sphere of high permeability in an even field, J. D. Jackson, Classical
 //! Electrodynamics (1999), section 5.11. Valid for spheres small against the field's own length; here sphere and bore are
 //! of one size, so a wanted force is to be set with a balance, and this tells where to look and how steep it is.
+//! The force is the slope of an energy, `-W`: `W = (2 pi Rs^3/mu0) B^2` below saturation, `V Ms |B| - (2 pi Rs^3/mu0) (mu0 Ms/3)^2` above.
 //!
 //! Remanence falls with temperature, `Br(T) = Br [1 + c (T - T0)]`: reversible, below the magnet's rated temperature.
 
@@ -52,6 +53,14 @@ pub struct RingField {
     pub remanence: f64,
 }
 
+impl Sphere {
+    /// Its volume (m^3).
+    #[must_use]
+    pub fn volume(&self) -> f64 {
+        4.0 / 3.0 * PI * self.radius.powi(3)
+    }
+}
+
 impl RingMagnet {
     /// The field at `temperature` (K).
     #[must_use]
@@ -79,6 +88,17 @@ impl RingField {
         0.5 * self.remanence * (slope(self.ring.outer_radius) - slope(self.ring.inner_radius))
     }
 
+    /// Change of its slope along the axis (T/m^2).
+    #[must_use]
+    pub fn curvature(&self, z: f64) -> f64 {
+        let (a, b) = self.faces(z);
+        let bend = |radius: f64| {
+            let term = |face: f64| face * face.hypot(radius).powi(-5);
+            3.0 * radius * radius * (term(b) - term(a))
+        };
+        0.5 * self.remanence * (bend(self.ring.outer_radius) - bend(self.ring.inner_radius))
+    }
+
     /// How far `sphere` is magnetised at `z` (m): 1 is saturated (1).
     #[must_use]
     pub fn saturation(&self, z: f64, sphere: &Sphere) -> f64 {
@@ -88,11 +108,36 @@ impl RingField {
     /// Force that draws `sphere` at `z` (m) toward the ring's centre (N).
     #[must_use]
     pub fn attraction(&self, z: f64, sphere: &Sphere) -> f64 {
-        let volume = 4.0 / 3.0 * PI * sphere.radius.powi(3);
+        self.pull(z, sphere) * z.signum()
+    }
+
+    /// Force on `sphere` at `z` (m) against the direction of `z`, on either side of the centre (N).
+    #[must_use]
+    pub fn pull(&self, z: f64, sphere: &Sphere) -> f64 {
         let magnetisation = self.saturation(z, sphere) * sphere.saturation / VACUUM_PERMEABILITY;
-        let along = volume * magnetisation * self.gradient(z) * self.field(z).signum();
-        // Along the axis, upward in z: toward the centre is against the sign of z.
-        -along * z.signum()
+        -sphere.volume() * magnetisation * self.gradient(z) * self.field(z).signum()
+    }
+
+    /// Change of [`RingField::pull`] along the axis (N/m).
+    #[must_use]
+    pub fn pull_slope(&self, z: f64, sphere: &Sphere) -> f64 {
+        let (field, gradient, bend) = (self.field(z), self.gradient(z), self.curvature(z));
+        let per_tesla = 3.0 * sphere.volume() / VACUUM_PERMEABILITY;
+        if self.saturation(z, sphere) < 1.0 {
+            -per_tesla * (gradient * gradient + field * bend)
+        } else {
+            -per_tesla * sphere.saturation / 3.0 * bend * field.signum()
+        }
+    }
+
+    /// Energy of `sphere` at `z` (m), whose slope is [`RingField::pull`]; zero far away (J).
+    #[must_use]
+    pub fn energy(&self, z: f64, sphere: &Sphere) -> f64 {
+        let field = self.field(z).abs();
+        let edge = sphere.saturation / 3.0;
+        let per_tesla = 3.0 * sphere.volume() / VACUUM_PERMEABILITY;
+        let square = if field < edge { field * field } else { edge * (2.0 * field - edge) };
+        -0.5 * per_tesla * square
     }
 
     /// Distances from the two faces.

@@ -62,24 +62,85 @@ impl ForceTable {
     #[must_use]
     pub fn force(&self, distance: f64) -> Option<f64> {
         let [first, last] = self.span();
+        (first..=last).contains(&distance).then(|| self.held_force(distance))
+    }
+
+    /// The force at `distance` (m), beyond the table that of its end (N).
+    #[must_use]
+    pub fn held_force(&self, distance: f64) -> f64 {
+        let Piece { x, width, ends: [y0, y1], slopes: [m0, m1] } = self.piece(distance);
+        let t = ((distance - x) / width).clamp(0.0, 1.0);
+        let (s, t2) = (1.0 - t, t * t);
+        let s2 = s * s;
+        y0 * (1.0 + 2.0 * t) * s2
+            + width * m0 * t * s2
+            + y1 * t2 * (3.0 - 2.0 * t)
+            + width * m1 * t2 * (t - 1.0)
+    }
+
+    /// Its change with distance, none beyond the table (N/m).
+    #[must_use]
+    pub fn slope(&self, distance: f64) -> Option<f64> {
+        let [first, last] = self.span();
         if !(first..=last).contains(&distance) {
             return None;
         }
+        let Piece { x, width, ends: [y0, y1], slopes: [m0, m1] } = self.piece(distance);
+        let t = (distance - x) / width;
+        let s = 1.0 - t;
+        Some(6.0 * t * s * (y1 - y0) / width + s * (1.0 - 3.0 * t) * m0 - t * (2.0 - 3.0 * t) * m1)
+    }
+
+    /// Integral of the force from the table's first distance to `distance` (m), beyond the table with the force of its end (J).
+    #[must_use]
+    pub fn integral(&self, distance: f64) -> f64 {
+        let whole = |i: usize| {
+            let place = self.distances.get(i).copied().unwrap_or(0.0);
+            self.piece(place).integral(1.0)
+        };
+        let [first, last] = self.span();
+        let inside = distance.clamp(first, last);
+        let upper = self.upper(inside);
+        let before: f64 = (0..upper - 1).map(whole).sum();
+        let piece = self.piece(inside);
+        let beyond = distance - inside;
+        before
+            + piece.integral((inside - piece.x) / piece.width)
+            + beyond * self.held_force(distance)
+    }
+
+    /// Index of the point at the upper end of the piece around `distance`.
+    fn upper(&self, distance: f64) -> usize {
         let after = self.distances.partition_point(|d| *d <= distance);
-        let upper = after.clamp(1, self.distances.len() - 1);
-        let point =
-            |i: usize| Some((*self.distances.get(i)?, *self.forces.get(i)?, *self.slopes.get(i)?));
-        let ((x0, y0, m0), (x1, y1, m1)) = (point(upper - 1)?, point(upper)?);
-        let width = x1 - x0;
-        let t = (distance - x0) / width;
-        let (s, t2) = (1.0 - t, t * t);
-        let s2 = s * s;
-        Some(
-            y0 * (1.0 + 2.0 * t) * s2
-                + width * m0 * t * s2
-                + y1 * t2 * (3.0 - 2.0 * t)
-                + width * m1 * t2 * (t - 1.0),
-        )
+        after.clamp(1, self.distances.len().max(2) - 1)
+    }
+
+    fn piece(&self, distance: f64) -> Piece {
+        let upper = self.upper(distance);
+        let at = |values: &[f64], i: usize| values.get(i).copied().unwrap_or(0.0);
+        let both = |values: &[f64]| [at(values, upper - 1), at(values, upper)];
+        let [x, end] = both(&self.distances);
+        Piece { x, width: end - x, ends: both(&self.forces), slopes: both(&self.slopes) }
+    }
+}
+
+/// Hermite's cubic between two points.
+struct Piece {
+    x: f64,
+    width: f64,
+    ends: [f64; 2],
+    slopes: [f64; 2],
+}
+
+impl Piece {
+    /// Integral over the first part `t` of it.
+    fn integral(&self, t: f64) -> f64 {
+        let Self { width, ends: [y0, y1], slopes: [m0, m1], .. } = self;
+        let (t2, t3) = (t * t, t * t * t);
+        let of_ends = y0 * (t - t3 + 0.5 * t2 * t2) + y1 * (t3 - 0.5 * t2 * t2);
+        let first = t2 * (0.5 - t * (2.0 / 3.0 - 0.25 * t));
+        let second = t3 * (0.25 * t - 1.0 / 3.0);
+        width * (of_ends + width * (m0 * first + m1 * second))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::plot::Curve;
+use super::plot::{Cloud, Curve};
 use crate::quantity::engineering;
 
 /// Size of the picture and of the frame's margins: left, right, above, below (pixels).
@@ -27,28 +27,7 @@ pub fn chart_over(curve: &Curve, under: &[(f64, f64)], title: &str, units: (&str
     let ((x0, x1), (y0, y1)) = all.bounds();
     let x = |value: f64| (value - x0) / (x1 - x0) * across;
     let y = |value: f64| down - (value - y0) / (y1 - y0) * down;
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"13\">\n\
-         <rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>\n\
-         <text x=\"{left}\" y=\"26\" font-size=\"15\">{}</text>\n\
-         <g transform=\"translate({left} {above})\">\n",
-        super::escape(title)
-    );
-    for tick in ticks(x0, x1) {
-        let (at, text) = (x(tick), engineering(tick, units.0, 3));
-        let _ = writeln!(svg, "<path d=\"M{at:.1} 0V{down}\" stroke=\"#e0e0e0\"/>");
-        let _ = writeln!(
-            svg,
-            "<text x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\">{text}</text>",
-            down + 18.0
-        );
-    }
-    for tick in ticks(y0, y1) {
-        let (at, text) = (y(tick), engineering(tick, units.1, 3));
-        let _ = writeln!(svg, "<path d=\"M0 {at:.1}H{across}\" stroke=\"#e0e0e0\"/>");
-        let _ =
-            writeln!(svg, "<text x=\"-8\" y=\"{:.1}\" text-anchor=\"end\">{text}</text>", at + 4.0);
-    }
+    let mut svg = frame(title, ((x0, x1), (y0, y1)), units);
     let inside = curve.marks.iter().filter(|(place, _)| (x0..=x1).contains(place));
     let mut line = 0.0;
     for (place, name) in inside {
@@ -87,6 +66,98 @@ pub fn chart_over(curve: &Curve, under: &[(f64, f64)], title: &str, units: (&str
         super::escape(&curve.y_label)
     );
     svg.push_str("</g>\n</svg>\n");
+    svg
+}
+
+/// The picture's beginning: title, ticks and their lines.
+fn frame(
+    title: &str,
+    ((x0, x1), (y0, y1)): ((f64, f64), (f64, f64)),
+    units: (&str, &str),
+) -> String {
+    let (width, height) = SIZE;
+    let (left, right, above, below) = MARGINS;
+    let (across, down) = (width - left - right, height - above - below);
+    let x = |value: f64| (value - x0) / (x1 - x0) * across;
+    let y = |value: f64| down - (value - y0) / (y1 - y0) * down;
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"13\">\n\
+         <rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>\n\
+         <text x=\"{left}\" y=\"26\" font-size=\"15\">{}</text>\n\
+         <g transform=\"translate({left} {above})\">\n",
+        super::escape(title)
+    );
+    for tick in ticks(x0, x1) {
+        let (at, text) = (x(tick), engineering(tick, units.0, 3));
+        let _ = writeln!(svg, "<path d=\"M{at:.1} 0V{down}\" stroke=\"#e0e0e0\"/>");
+        let _ = writeln!(
+            svg,
+            "<text x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\">{text}</text>",
+            down + 18.0
+        );
+    }
+    for tick in ticks(y0, y1) {
+        let (at, text) = (y(tick), engineering(tick, units.1, 3));
+        let _ = writeln!(svg, "<path d=\"M0 {at:.1}H{across}\" stroke=\"#e0e0e0\"/>");
+        let _ =
+            writeln!(svg, "<text x=\"-8\" y=\"{:.1}\" text-anchor=\"end\">{text}</text>", at + 4.0);
+    }
+    svg
+}
+
+/// The picture of several curves with points on them, titled `words.0`, its axes labelled `words.1`, from zero in both directions.
+#[must_use]
+pub fn chart_with_points(
+    curves: &[Vec<(f64, f64)>],
+    clouds: &[Cloud<'_>],
+    (title, labels): (&str, (&str, &str)),
+    units: (&str, &str),
+) -> String {
+    let (width, height) = SIZE;
+    let (left, right, above, below) = MARGINS;
+    let (across, down) = (width - left - right, height - above - below);
+    let points = curves.iter().chain(clouds.iter().map(|cloud| &cloud.points)).flatten();
+    let (x1, y1) = points.fold((0.0, 0.0), |(x, y): (f64, f64), p| (x.max(p.0), y.max(p.1)));
+    let mut svg = frame(title, ((0.0, x1), (0.0, y1)), units);
+    let place = |(x, y): (f64, f64)| (x / x1 * across, down - y / y1 * down);
+    for curve in curves {
+        let mut path = String::new();
+        for (index, point) in curve.iter().enumerate() {
+            let ((x, y), start) = (place(*point), if index == 0 { 'M' } else { 'L' });
+            let _ = write!(path, "{start}{x:.1} {y:.1}");
+        }
+        let _ = writeln!(
+            svg,
+            "<path d=\"{path}\" fill=\"none\" stroke=\"#1060b0\" stroke-width=\"1.6\"/>"
+        );
+    }
+    for (cloud, line) in clouds.iter().zip(1_i32..) {
+        for point in &cloud.points {
+            let (x, y) = place(*point);
+            let _ = writeln!(
+                svg,
+                "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\" fill=\"{}\"/>",
+                cloud.colour
+            );
+        }
+        let name = super::escape(cloud.name);
+        let y = down - 8.0 - 16.0 * f64::from(line);
+        let _ = writeln!(
+            svg,
+            "<text x=\"{}\" y=\"{y:.1}\" text-anchor=\"end\" fill=\"{}\">{name}</text>",
+            across - 12.0,
+            cloud.colour
+        );
+    }
+    let _ = writeln!(
+        svg,
+        "<rect width=\"{across}\" height=\"{down}\" fill=\"none\" stroke=\"#404040\"/>\n\
+         <text x=\"{across}\" y=\"{}\" text-anchor=\"end\">{}</text>\n\
+         <text x=\"0\" y=\"-6\">{}</text>\n</g>\n</svg>",
+        down + 40.0,
+        super::escape(labels.0),
+        super::escape(labels.1)
+    );
     svg
 }
 

@@ -8,6 +8,7 @@ pub mod certificate;
 mod chart;
 mod comparison;
 mod contents;
+pub mod dispersion;
 pub mod document;
 mod effects;
 mod fit;

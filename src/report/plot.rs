@@ -90,6 +90,61 @@ fn share(value: f64, low: f64, high: f64, dots: usize) -> usize {
     (place.round().max(0.0) as usize).min(dots - 1)
 }
 
+/// Points that belong together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cloud<'a> {
+    /// The points (unit).
+    pub points: Vec<(f64, f64)>,
+    /// What they are.
+    pub name: &'a str,
+    /// Their colour, as SVG writes it.
+    pub colour: &'a str,
+}
+
+/// Curves with points on them as lines of text, from zero in both directions; each point is a cross of five dots.
+#[must_use]
+pub fn scatter(
+    curves: &[Vec<(f64, f64)>],
+    clouds: &[Cloud<'_>],
+    label: &str,
+    label_y: &dyn Fn(f64) -> String,
+) -> Vec<String> {
+    let points = curves.iter().chain(clouds.iter().map(|cloud| &cloud.points)).flatten();
+    let (right, top) = points.fold((0.0, 0.0), |(x, y): (f64, f64), p| (x.max(p.0), y.max(p.1)));
+    let mut canvas = Canvas::new();
+    let place = |(x, y): (f64, f64)| {
+        let down = share(y, 0.0, top, SIZE.1 * DOTS.1);
+        (share(x, 0.0, right, SIZE.0 * DOTS.0), SIZE.1 * DOTS.1 - 1 - down)
+    };
+    for curve in curves {
+        for pair in curve.windows(2) {
+            canvas.line(place(pair[0]), place(pair[1]));
+        }
+    }
+    for point in clouds.iter().flat_map(|cloud| &cloud.points) {
+        let (x, y) = place(*point);
+        canvas.line((x.saturating_sub(1), y), (x + 1, y));
+        canvas.line((x, y.saturating_sub(1)), (x, y + 1));
+    }
+    let labels = [label_y(top), label_y(0.0)];
+    let margin = labels.iter().map(|l| l.chars().count()).max().unwrap_or(0);
+    let rows = canvas.rows();
+    let last = rows.len().saturating_sub(1);
+    let mut lines = vec![format!("  {label}")];
+    for (index, row) in rows.into_iter().enumerate() {
+        let label = if index == 0 {
+            labels[0].as_str()
+        } else if index == last {
+            labels[1].as_str()
+        } else {
+            ""
+        };
+        lines.push(format!("  {label:>margin$} │{row}").trim_end().to_owned());
+    }
+    lines.push(format!("  {:margin$} └{}", "", "─".repeat(SIZE.0)));
+    lines
+}
+
 struct Canvas(Vec<Vec<u32>>);
 
 impl Canvas {

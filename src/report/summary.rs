@@ -154,26 +154,24 @@ fn errors(summary: &Summary) -> Vec<String> {
     ]
 }
 
-/// Where the energy is at the end of a run with losses.
+/// Where the energy is at the end: what moves, what is stored, what each load holds, and what each loss has taken.
 fn ledger(energy: &EnergyLedger) -> Vec<String> {
     let booked = &energy.dissipated_by_kind;
-    if booked.losses.is_empty() {
-        return Vec::new();
-    }
     let end = &energy.final_by_kind;
     let entry = |name: &str, joules: f64| format!("{} {name}", engineering(joules, "J", 4));
-    let held = [
-        entry("kinetic", end.kinetic),
-        entry("elastic", end.elastic),
-        entry("against gravity and preload", end.potential),
-    ];
+    let mut held = vec![entry("kinetic", end.kinetic), entry("elastic", end.elastic)];
+    // A load that is not there has done no work.
+    let loads = [("gravity", end.gravity), ("magnet", end.magnet), ("end forces", end.end_forces)];
+    let loads = loads.into_iter().filter(|(_, joules)| *joules != 0.0);
+    held.extend(loads.map(|(name, joules)| entry(name, joules)));
+    let mut lines = vec![format!("              at the end {}", held.join(", "))];
     let mut taken: Vec<String> =
         booked.losses.iter().map(|loss| entry(loss.loss, loss.energy)).collect();
     if booked.left_in_contacts > 0.0 {
         taken.push(entry("left in contacts", booked.left_in_contacts));
     }
-    vec![
-        format!("              at the end {}", held.join(", ")),
-        format!("              taken by losses {}", taken.join(", ")),
-    ]
+    if !taken.is_empty() {
+        lines.push(format!("              taken by losses {}", taken.join(", ")));
+    }
+    lines
 }

@@ -258,8 +258,8 @@ pub fn initial_velocities(
     velocities
 }
 
-/// Puts the chain together; what does not fit is a problem of `[chain]`.
-pub fn assemble(spec: &ChainSpec, chain: &Table<'_>) -> Option<Chain> {
+/// Puts the chain together; what does not fit is a problem of `[chain]`, or of the magnet among the `effects`.
+pub fn assemble(spec: &ChainSpec, chain: &Table<'_>, effects: Option<&Table<'_>>) -> Option<Chain> {
     match Chain::new(spec) {
         Ok(built) if built.contacts().iter().all(|contact| contact.stiffness == 0.0) => {
             let expected = "a striker, a wall or a second particle for it to touch";
@@ -277,7 +277,11 @@ pub fn assemble(spec: &ChainSpec, chain: &Table<'_>) -> Option<Chain> {
                 ChainError::Unbalanced { .. } => "bottom",
                 _ => "segments",
             };
-            chain.problem(key, found, expected);
+            let magnet = effects.filter(|_| error.is_of_magnet());
+            match magnet.and_then(|effects| effects.table("magnet_preload")) {
+                Some(magnet) => magnet.problem("distance", found, expected),
+                None => chain.problem(key, found, expected),
+            }
             None
         }
     }

@@ -1,11 +1,11 @@
 //! The physics that a scene switches on: `[effects.<name>]`.
 
-use super::bodies::last_particle;
 use super::document::Value;
 use super::losses::losses;
+use super::magnet_preload::magnet;
 use super::reader::{Bound, Table};
 use super::sensors;
-use crate::chain::{EffectsSpec, Gravity, LinearisedContacts, MagnetPreload};
+use crate::chain::{EffectsSpec, Gravity, LinearisedContacts};
 use crate::quantity::Dimension;
 use crate::sensor::Tolerance;
 
@@ -21,7 +21,7 @@ pub enum Switch {
 }
 
 /// Effects whose change can be foretold.
-const FORETOLD: [&str; 4] = ["gravity", "dashpot", "kuwabara_kono", "power_law_loss"];
+const FORETOLD: [&str; 5] = ["gravity", "magnet_law", "dashpot", "kuwabara_kono", "power_law_loss"];
 /// The others.
 const PLAIN: [&str; 5] =
     ["linearised_contacts", "magnet_preload", "scope_errors", "scope_noise", "sensor_tolerance"];
@@ -75,18 +75,7 @@ pub fn effects(
         spec.linearised_contacts = Some(LinearisedContacts);
         table.finish();
     }
-    if let Some(table) = effect(effects, "magnet_preload") {
-        let _ = (table.text("model"), table.text("source"));
-        let force = table.required("force", Dimension::FORCE, Bound::NotNegative);
-        if !table.has("particle") {
-            table.problem("particle", "no such key", "the particle that the magnet pulls, e.g. 1");
-        }
-        let particle = table.count("particle", 1, last_particle(particles));
-        let particle = particle.and_then(|p| usize::try_from(p).ok());
-        spec.magnet_preload =
-            force.zip(particle).map(|(force, particle)| MagnetPreload { force, particle });
-        table.finish();
-    }
+    magnet(effects, particles, &mut spec);
     losses(effects, pairs, &mut spec);
     spec
 }

@@ -10,6 +10,7 @@ use sha2::{Digest, Sha256};
 
 use super::document::{Entry, Node, Place, Value};
 use super::files::{read_text, shipped};
+use super::forget::forget_models;
 use super::problem::{Problem, SceneError};
 use crate::data;
 
@@ -208,30 +209,6 @@ impl Library {
                     entry.node = entry.node.clone().over(below);
                 }
             }
-        }
-    }
-}
-
-/// Takes away what a sensor's model said below where another model is named above: half of each would be no sensor.
-fn forget_models(above: &Node, below: &mut Node) {
-    let (Value::Table(above), Value::Table(below)) = (&above.value, &mut below.value) else {
-        return;
-    };
-    let (Some(above), Some(below)) = (above.get("sensors"), below.get_mut("sensors")) else {
-        return;
-    };
-    let (Value::Table(above), Value::Table(below)) = (&above.node.value, &mut below.node.value)
-    else {
-        return;
-    };
-    for (name, sensor) in below.iter_mut() {
-        if above.get(name).and_then(|entry| entry.node.text("model")).is_none() {
-            continue;
-        }
-        let Some((model, place)) = sensor.node.text("model") else { continue };
-        let Ok(file) = instrument("sensors", model, place, "") else { continue };
-        if let Value::Table(keys) = &mut sensor.node.value {
-            keys.retain(|_, entry| entry.node.place.file() != file.place.file());
         }
     }
 }

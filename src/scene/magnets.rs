@@ -66,8 +66,7 @@ fn read(name: &str, node: &Node, problems: &Problems) -> Option<Magnet> {
             let force = table.required("force", Dimension::FORCE, Bound::NotNegative);
             force.map(ForceLaw::Constant)
         }
-        ["outer_diameter"] => ring(&table),
-        ["measured"] => measured(&table),
+        ["outer_diameter" | "measured"] => law(&table),
         _ => {
             for key in KINDS {
                 let _ = table.node(key);
@@ -79,6 +78,11 @@ fn read(name: &str, node: &Node, problems: &Problems) -> Option<Magnet> {
     };
     table.finish();
     Some(Magnet { name: name.to_owned(), source, law: law? })
+}
+
+/// A ring or a measured table.
+pub(super) fn law(table: &Table<'_>) -> Option<ForceLaw> {
+    if table.has("outer_diameter") { ring(table) } else { measured(table) }
 }
 
 fn ring(table: &Table<'_>) -> Option<ForceLaw> {

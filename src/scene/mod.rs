@@ -10,9 +10,11 @@ mod bound;
 pub mod document;
 mod effects;
 mod files;
+mod forget;
 pub mod grid;
 mod library;
 mod losses;
+mod magnet_preload;
 pub mod magnets;
 mod model;
 mod oscilloscope;
@@ -229,9 +231,6 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
     let sensor_tolerance = tolerance.filter(|_| on("sensor_tolerance"));
     let spread = effects.as_ref().and_then(|e| effects::striker_speed_spread(e, root));
     let spread = spread.filter(|_| on("striker_speed_spread"));
-    if let Some(effects) = effects {
-        effects.finish();
-    }
     let initial_velocities = bodies::initial_velocities(root, striker.as_ref(), count);
     // A kind that could not be read has already left its problem; half a chain would only add echoes of it.
     let whole =
@@ -246,11 +245,11 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
                 wall_preload: preload,
                 effects: effects_spec,
             };
-            bodies::assemble(&spec, table).map(|chain| (spec, chain))
+            bodies::assemble(&spec, table, effects.as_ref()).map(|chain| (spec, chain))
         }
         _ => None,
     };
-    if let Some(table) = table {
+    for table in table.into_iter().chain(effects) {
         table.finish();
     }
     // An end that could not be read has left its problem; a sensor at it is none.

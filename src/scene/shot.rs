@@ -3,7 +3,7 @@
 use rand_distr::{Distribution as _, StandardNormal};
 
 use super::{Scene, input_load};
-use crate::chain::{Chain, ChainError};
+use crate::chain::{Chain, ChainError, MagnetForce};
 use crate::scope::ChannelSetup;
 use crate::scope::front_end::noise_stream;
 use crate::sensor::{Circuit, Load};
@@ -35,8 +35,8 @@ impl Scene {
         self.spec.striker.as_ref().and_then(|_| self.initial_velocities.first().copied())
     }
 
-    /// The same bench with another striker's mass (kg) and speed (m/s) and another force of the magnet (N), each where there
-    /// is one; none leaves what is there. [`Scene::text`] still tells the bench as typed.
+    /// The same bench with another striker's mass (kg) and speed (m/s) and another force of the magnet (N), which is moved to
+    /// where it pulls so hard, each where there is one; none leaves what is there. [`Scene::text`] still tells the bench as typed.
     ///
     /// # Errors
     /// [`ChainError`] where no such chain is at rest.
@@ -53,8 +53,19 @@ impl Scene {
                 *velocity = speed;
             }
         }
-        if let Some(magnet) = &mut scene.spec.effects.magnet_preload {
-            magnet.force = force.unwrap_or(magnet.force);
+        let present = self.chain.magnet();
+        if let (Some(magnet), Some(present), Some(force)) =
+            (&mut scene.spec.effects.magnet_preload, present, force)
+            && (force - present.force).abs() > 0.0
+        {
+            let place = present.pull.as_ref().map_or(0.0, |pull| pull.distance);
+            magnet.force = match &magnet.force {
+                MagnetForce::Constant(_) => MagnetForce::Constant(force),
+                MagnetForce::Placed(placed) => {
+                    let moved = placed.moved_to(force, place);
+                    MagnetForce::Placed(moved.ok_or(ChainError::MagnetTooWeak { force })?)
+                }
+            };
         }
         scene.chain = Chain::new(&scene.spec)?;
         Ok(scene)

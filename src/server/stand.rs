@@ -63,6 +63,6 @@ fn knobs(scene: &Scene) -> bench::Scene {
         name: scene.name.clone(),
         striker_mass: scene.spec.striker.as_ref().map(|striker| striker.mass),
         striker_speed: scene.striker_speed(),
-        magnet_force: scene.spec.effects.magnet_preload.map(|magnet| magnet.force),
+        magnet_force: scene.chain.magnet().map(|magnet| magnet.force),
     }
 }

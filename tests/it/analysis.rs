@@ -5,5 +5,7 @@ mod commands;
 mod scope_arrival;
 mod scope_spectrum;
 mod spectrum;
+mod spectrum_figures;
 mod spectrum_golden;
 mod time_frequency;
+mod wavenumber;

@@ -73,12 +73,12 @@ fn remainders_of_rounding_are_no_steps() {
     for step in [25e-9, 50e-9, 100e-9] {
         for end in [120e-6, 150e-6, 180e-6] {
             let method = Method::VelocityVerlet { step };
-            let mut bench = kicked(&chain, (0, 0.2), method, &[probe], NEVER);
+            let mut bench = kicked(&chain, (0, 0.2), method, std::slice::from_ref(&probe), NEVER);
             bench.run_until(end, true, &mut |_| ()).expect("a run");
             let steps = (end / step).round() as u64;
             assert_eq!(bench.work().steps, steps, "{step:e} into {end:e}");
             let exact = Method::DormandPrince853 { tolerance: 1e-12 };
-            let mut tight = kicked(&chain, (0, 0.2), exact, &[probe], NEVER);
+            let mut tight = kicked(&chain, (0, 0.2), exact, std::slice::from_ref(&probe), NEVER);
             tight.run_until(end, true, &mut |_| ()).expect("a run");
             let peaks = [&bench, &tight].map(|b| b.watches()[0].pulse.first_peak().is_some());
             assert_eq!(peaks[0], peaks[1], "{step:e} into {end:e}");

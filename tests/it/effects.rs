@@ -128,7 +128,46 @@ fn left_to_accuracy() -> Vec<(&'static str, Scene)> {
         scenes.push(("gravity", scene("magnet-0.61g", &more)));
         scenes.push(("gravity", scene("gravity-0.61g", &more)));
     }
+    // A magnet whose force changes by this much a metre (N/m).
+    for slope in [1e-6, 1e-4, 1e-3, 10.0] {
+        let row = |distance: f64| {
+            let force = 2.38 - slope * distance;
+            format!(
+                "[[effects.magnet_preload.measured]]\ndistance = \"{distance:e} m\"\nforce = \"{force:.17} N\"\n"
+            )
+        };
+        let more = format!(
+            "[effects.magnet_law]\nstate = \"auto\"\n[effects.magnet_preload]\nparticle = 1\ndistance = \"0 mm\"\n{}{}",
+            row(-5e-3),
+            row(5e-3)
+        );
+        scenes.push(("magnet_law", scene("gravity-0.61g", &more)));
+        scenes.push(("magnet_law", scene("gravity-17.81g", &more)));
+    }
     scenes
+}
+
+/// A magnet's law: what the ledger says is what two runs say, on where the scene has a ring, and against a ring where it has a force.
+#[test]
+fn a_magnets_law_is_measured() {
+    let magnet =
+        "[effects.magnet_preload]\nmodel = \"ring-15-6-6\"\nparticle = 1\nforce = \"2.38 N\"\n";
+    let (ring, constant) = (scene("magnet-17.81g", magnet), scene("magnet-17.81g", ""));
+    let (on, off) = (simulate(&ring, 1e-9).summary, simulate(&constant, 1e-9).summary);
+    let (peak, arrival) = change(&on, &off);
+    println!("{peak:e} {arrival:e}");
+    assert!(peak.abs() > 1e-3);
+    for (bench, state) in [(&ring, State::On), (&constant, State::Off)] {
+        let found = ledger(bench, 1e-6, &mut |_| ()).expect("a ledger");
+        let entry = entry(&found, "magnet_law");
+        assert_eq!(entry.state, state);
+        let said = entry.change.expect("a trial");
+        assert!((said.peak.unwrap() - peak).abs() < 4e-6, "{said:?} {peak}");
+        assert!((said.arrival.unwrap() - arrival).abs() < 4e-6, "{said:?} {arrival}");
+        // 3.3 N/mm, and 215 um of travel.
+        let value = entry.value.expect("a value");
+        assert!((0.2..0.35).contains(&value), "{value}");
+    }
 }
 
 #[test]

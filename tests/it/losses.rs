@@ -1,5 +1,6 @@
 //! Losses of the contacts: closed forms, a solution made elsewhere, the ledger, and what losses do to the bench.
 
+mod accuracy;
 mod bench;
 mod collision;
 mod ledger;

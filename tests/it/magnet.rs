@@ -1,5 +1,7 @@
 //! The ring magnet against current loops summed up here, measured tables, the files, and the command.
 
+mod motion;
+
 use std::f64::consts::TAU;
 
 use assert_cmd::Command;

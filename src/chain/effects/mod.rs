@@ -2,13 +2,14 @@
 //!
 //! An effect whose force does not depend on the state is folded into the static solution before the first
 //! step and costs nothing during the run. Losses go into the contacts, and a chain that has some is integrated as another
-//! system. Adding an effect: `chain/effects/<name>.rs` and a field in [`EffectsSpec`].
+//! system; so is one whose magnet follows its particle. Adding an effect: `chain/effects/<name>.rs` and a field in [`EffectsSpec`].
 
 mod dashpot;
 mod gravity;
 mod kuwabara_kono;
 mod linearised_contacts;
 mod loss_spec;
+mod magnet_law;
 mod magnet_preload;
 mod power_law_loss;
 
@@ -17,7 +18,8 @@ pub use gravity::Gravity;
 pub use kuwabara_kono::KuwabaraKono;
 pub use linearised_contacts::LinearisedContacts;
 pub use loss_spec::{ContactOverride, LossSpec};
-pub use magnet_preload::MagnetPreload;
+pub use magnet_law::MagnetLaw;
+pub use magnet_preload::{MagnetForce, MagnetPreload, PlacedAt, PlacedMagnet};
 pub use power_law_loss::PowerLawLoss;
 
 use super::EndOfContact;
@@ -48,6 +50,8 @@ pub struct EffectsSpec {
     pub kuwabara_kono: Option<KuwabaraKono>,
     /// `[effects.linearised_contacts]`
     pub linearised_contacts: Option<LinearisedContacts>,
+    /// `[effects.magnet_law]`
+    pub magnet_law: Option<MagnetLaw>,
     /// `[effects.magnet_preload]`
     pub magnet_preload: Option<MagnetPreload>,
     /// `[effects.power_law_loss]`
@@ -57,11 +61,12 @@ pub struct EffectsSpec {
 impl EffectsSpec {
     /// The effects that are on, in a fixed order.
     pub fn active(&self) -> impl Iterator<Item = &dyn Effect> {
-        let effects: [Option<&dyn Effect>; 6] = [
+        let effects: [Option<&dyn Effect>; 7] = [
             self.dashpot.as_ref().map(|e| e as _),
             self.gravity.as_ref().map(|e| e as _),
             self.kuwabara_kono.as_ref().map(|e| e as _),
             self.linearised_contacts.as_ref().map(|e| e as _),
+            self.magnet_law.as_ref().map(|e| e as _),
             self.magnet_preload.as_ref().map(|e| e as _),
             self.power_law_loss.as_ref().map(|e| e as _),
         ];
@@ -75,6 +80,7 @@ impl EffectsSpec {
             "gravity" => self.gravity = None,
             "kuwabara_kono" => self.kuwabara_kono = None,
             "linearised_contacts" => self.linearised_contacts = None,
+            "magnet_law" => self.magnet_law = None,
             "magnet_preload" => self.magnet_preload = None,
             "power_law_loss" => self.power_law_loss = None,
             _ => {}

@@ -3,7 +3,8 @@
 //! The change is foretold from above by closed forms, before anything is run; `tests/it/effects.rs` holds them against runs.
 //! A loss takes at most `lambda T` of any velocity, `lambda` the fastest decay of the chain with this loss alone, `T` the scene's
 //! duration. Gravity changes stiffness, and with it forces and times, by at most the share of the chain's weight in what presses the
-//! chain without it, and the striker's speed by at most `g T`.
+//! chain without it, and the striker's speed by at most `g T`. A magnet of slope `k` that follows a particle of mass `m` changes its
+//! force by at most `k` times the particle's travel, a share of the static force, and its motion by at most the share `k T^2/m`.
 
 use std::borrow::Cow;
 
@@ -12,6 +13,8 @@ use crate::chain::{Chain, ChainSpec, EffectsSpec};
 use crate::experiment::Integration;
 use crate::scene::Scene;
 
+/// Places on either side of rest at which the magnet's slope is looked at.
+const LOOKS: i32 = 500;
 /// Share of the accuracy that an effect may change and yet be left out (1).
 const UNSEEN: f64 = 0.1;
 
@@ -70,6 +73,7 @@ pub(super) fn tell(scene: &Scene, accuracy: f64, entry: &mut Entry) {
 pub fn foretold(scene: &Scene, name: &str) -> f64 {
     match name {
         "gravity" => by_gravity(scene),
+        "magnet_law" => by_magnet_law(scene),
         "dashpot" | "kuwabara_kono" | "power_law_loss" => by_loss(scene, name),
         _ => f64::INFINITY,
     }
@@ -95,6 +99,19 @@ fn by_gravity(scene: &Scene) -> f64 {
     weight + striker
 }
 
+fn by_magnet_law(scene: &Scene) -> f64 {
+    let Some((body, pull)) = scene.chain.pull() else { return 0.0 };
+    let (Some(body), Some(magnet)) = (scene.chain.bodies().get(body), scene.chain.magnet()) else {
+        return f64::INFINITY;
+    };
+    let fastest = scene.initial_velocities.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    // No body of an elastic collision leaves it at more than twice the speed of the one that came.
+    let reach = 2.0 * fastest * scene.duration;
+    let slope = |look: i32| pull.slope(reach * f64::from(look) / f64::from(LOOKS)).abs();
+    let steepest = (-LOOKS..=LOOKS).map(slope).fold(0.0, f64::max);
+    steepest * (reach / magnet.force + scene.duration * scene.duration / body.mass)
+}
+
 fn by_loss(scene: &Scene, name: &str) -> f64 {
     let all = &scene.spec.effects;
     let mut effects = EffectsSpec::default();
@@ -104,7 +121,7 @@ fn by_loss(scene: &Scene, name: &str) -> f64 {
         _ => effects.power_law_loss.clone_from(&all.power_law_loss),
     }
     effects.gravity = all.gravity;
-    effects.magnet_preload = all.magnet_preload;
+    effects.magnet_preload.clone_from(&all.magnet_preload);
     let spec = ChainSpec { effects, ..scene.spec.clone() };
     let Ok(chain) = Chain::new(&spec) else { return f64::INFINITY };
     chain.fastest_decay(&scene.initial_velocities) * scene.duration

@@ -2,7 +2,10 @@
 
 use super::trial::{Change, Cost, of_chain};
 use super::{Entry, Finding, State, Subject};
-use crate::chain::{Dashpot, Gravity, KuwabaraKono, LinearisedContacts, PowerLawLoss};
+use crate::chain::{
+    Dashpot, Gravity, KuwabaraKono, LinearisedContacts, MagnetForce, MagnetLaw, PlacedAt,
+    PlacedMagnet, PowerLawLoss,
+};
 use crate::quantity::engineering;
 use crate::scene::{Scene, Site, magnets};
 
@@ -10,8 +13,6 @@ use crate::scene::{Scene, Site, magnets};
 const FREE_FALL: f64 = 9.81;
 /// The ring that stands for real magnets in the criterion of a constant force.
 const RING: &str = "ring-15-6-6";
-/// Temperature of that ring (K).
-const ROOM: f64 = 293.15;
 /// How much heavier a particle may be with a plate in it: bench notes of such sensors have up to this (1).
 const HOST_SPREAD: f64 = 0.06;
 
@@ -54,61 +55,74 @@ pub fn gravity(subject: &Subject<'_>) -> Entry {
 
 /// The magnet's force.
 pub fn magnet_preload(subject: &Subject<'_>) -> Entry {
-    let magnet = subject.scene.spec.effects.magnet_preload;
     let criterion = "force of the magnet / smallest first peak";
-    let Some(magnet) = magnet else {
+    let Some(magnet) = subject.scene.chain.magnet() else {
         let reason = "no table in the scene; it needs a force, or a magnet's name".to_owned();
         return Finding { state: State::Off, value: None, reason, trial: None }
             .entry("magnet_preload", criterion);
     };
-    let other = subject.rebuilt(|scene| scene.spec.effects.magnet_preload = None);
+    let other = subject.rebuilt(|scene| {
+        scene.spec.effects.magnet_preload = None;
+        scene.spec.effects.magnet_law = None;
+    });
     let (trial, failed) = against(subject, other, true);
     let force = engineering(magnet.force, "N", 3);
-    let reason = format!("on by the scene: {force} on particle {}{failed}", magnet.particle);
+    let name = subject.scene.chain.bodies().get(magnet.body).map_or("", |body| &body.name);
+    let reason = format!("on by the scene: {force} on the {name}{failed}");
     let value = Some(magnet.force / subject.wave);
     Finding { state: State::On, value, reason, trial }.entry("magnet_preload", criterion)
 }
 
-/// A real magnet's force falls with distance; here it is constant.
+/// A real magnet's force changes with distance. Where the scene's own is constant, a shipped ring that pulls as hard stands beside it.
 pub fn magnet_law(subject: &Subject<'_>) -> Entry {
-    let criterion = "slope of a ring's force x travel / force";
-    let off = |value, reason: String, trial| {
-        Finding { state: State::Off, value, reason, trial }.entry("magnet_law", criterion)
+    let criterion = "slope of the magnet's force x travel of its particle / force";
+    let off = |reason: &str| {
+        let reason = reason.to_owned();
+        Finding { state: State::Off, value: None, reason, trial: None }
+            .entry("magnet_law", criterion)
     };
-    let Some(magnet) = subject.scene.spec.effects.magnet_preload else {
-        return off(None, "no magnet in the scene".to_owned(), None);
+    let chain = &subject.scene.chain;
+    let Some(magnet) = chain.magnet() else { return off("no magnet in the scene") };
+    let is_on = chain.pull().is_some();
+    let (other, words) = if magnet.pull.is_some() {
+        let other =
+            subject.rebuilt(|scene| scene.spec.effects.magnet_law = (!is_on).then_some(MagnetLaw));
+        (other, if is_on { "on by the scene" } else { "held constant by the scene" })
+    } else {
+        let Some(ring) = ring(magnet.force) else {
+            return off("the scene's force is constant; no ring that ships pulls so hard");
+        };
+        let other = subject.rebuilt(|scene| {
+            if let Some(magnet) = &mut scene.spec.effects.magnet_preload {
+                magnet.force = MagnetForce::Placed(ring);
+            }
+            scene.spec.effects.magnet_law = Some(MagnetLaw);
+        });
+        (other, "the scene's force is constant; compared with ring-15-6-6, which pulls as hard")
     };
-    let body = subject.scene.chain.body_of(magnet.particle);
-    let path = subject.bench.film().displacements.get(body);
+    let pulled = match &other {
+        Ok(other) if !is_on => other.chain.pull().map(|(_, pull)| pull.clone()),
+        _ => magnet.pull.clone(),
+    };
+    let path = subject.bench.film().displacements.get(magnet.body);
     let travel = path.map_or(0.0, |path| path.iter().fold(0.0_f64, |most, x| most.max(x.abs())));
-    let ring = magnets::load(RING).ok();
-    let slope = ring.and_then(|ring| {
-        let place = *ring.distances(magnet.force, ROOM).first()?;
-        ring.slope(place, ROOM)
-    });
-    let Some(slope) = slope else {
-        return off(
-            None,
-            format!("not built: the force is constant; {RING} never pulls that hard"),
-            None,
-        );
-    };
-    let lost = slope.abs() * travel;
-    let other = subject.rebuilt(|scene| {
-        if let Some(magnet) = &mut scene.spec.effects.magnet_preload {
-            magnet.force -= lost;
-        }
-    });
-    let (trial, failed) = against(subject, other, false);
-    // One constant force costs what another does: nothing of a law that follows the sphere is measured.
-    let trial = trial.map(|(_, change)| (Cost::default(), change));
+    let slope = pulled.map_or(0.0, |pull| pull.slope(0.0));
+    let (trial, failed) = against(subject, other, is_on);
     let reason = format!(
-        "not built: the force is constant; {RING} loses {} a millimetre and the sphere travels {}, an upper bound of the change is that of a force {} smaller{failed}",
-        engineering(slope.abs() * 1e-3, "N", 3),
+        "{words}: the force grows by {} a millimetre, the particle travels {}{failed}",
+        engineering(slope * 1e-3, "N", 3),
         engineering(travel, "m", 3),
-        engineering(lost, "N", 2)
     );
-    off(Some(lost / magnet.force), reason, trial)
+    let value = Some(slope.abs() * travel / magnet.force);
+    Finding { state: state(is_on), value, reason, trial }.entry("magnet_law", criterion)
+}
+
+/// The ring that stands for real ones, where it pulls with `force` (N).
+fn ring(force: f64) -> Option<PlacedMagnet> {
+    let magnet = magnets::load(RING).ok()?;
+    let temperature = magnet.stated_temperature();
+    let at = PlacedAt::Rest(*magnet.distances(force, temperature).first()?);
+    Some(PlacedMagnet { magnet, temperature, at })
 }
 
 /// A loss: its decay against the fastest contact's own frequency.

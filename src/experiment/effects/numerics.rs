@@ -18,10 +18,12 @@ pub fn kink_correction(subject: &Subject<'_>) -> Entry {
     }
     let reason = if chain.is_dissipative() {
         "off with losses: their forces jump, and steps end where a contact changes sides"
+    } else if !chain.is_plain() {
+        "off where the magnet's force follows its particle: steps get shorter at contacts that open or close"
     } else {
         "steps in which a contact opens or closes are put right; the others do nothing of the kind"
     };
-    let state = if chain.is_dissipative() { State::Off } else { State::Auto };
+    let state = if chain.is_plain() { State::Auto } else { State::Off };
     let value = Some(f64::from(open) / f64::from(all.max(1)));
     let trial = measured(subject, Refinement::KinkCorrection, state == State::Auto);
     Finding { state, value, reason: reason.to_owned(), trial }
@@ -35,13 +37,13 @@ pub fn force_form(subject: &Subject<'_>) -> Entry {
     let contacts = scene.chain.contacts().iter().filter(|c| c.stiffness > 0.0);
     let ratio =
         contacts.map(|c| ROUNDING * c.static_force / c.force_change(overlap)).fold(0.0, f64::max);
-    let (state, reason) = if scene.chain.is_dissipative() {
-        (State::On, "always on with losses")
-    } else {
+    let (state, reason) = if scene.chain.is_plain() {
         (
             State::Auto,
             "the exact form only where the criterion exceeds a thousandth of the accuracy: below, rounding cannot be seen; cost and change are those of the form taken over the other",
         )
+    } else {
+        (State::On, "always on with losses, and where the magnet's force follows its particle")
     };
     let trial = measured(subject, Refinement::ForceForm, state == State::Auto);
     Finding { state, value: Some(ratio), reason: reason.to_owned(), trial }

@@ -66,7 +66,7 @@ impl Knob {
     pub fn value(self, scene: &Scene) -> Option<f64> {
         let spec = &scene.spec;
         let value = match self {
-            Self::Preload => match (spec.effects.magnet_preload, spec.top) {
+            Self::Preload => match (scene.chain.magnet(), spec.top) {
                 (Some(magnet), _) => Some(magnet.force),
                 (None, End::Force(force)) => Some(force),
                 (None, End::Wall(_)) => Some(spec.wall_preload),
@@ -88,6 +88,9 @@ impl Knob {
     /// # Errors
     /// [`ChainError`] where no chain is so.
     pub fn turn(self, scene: &Scene, value: f64) -> Result<Scene, ChainError> {
+        if self == Self::Preload && scene.chain.magnet().is_some() {
+            return scene.altered(None, None, Some(value));
+        }
         let mut turned = scene.clone();
         let spec = &mut turned.spec;
         let name = |body: Option<&Body>| body.map(|body| body.name.clone());
@@ -104,15 +107,14 @@ impl Knob {
             }
         }
         match self {
-            Self::Preload => match (&mut spec.effects.magnet_preload, spec.top) {
-                (Some(magnet), _) => magnet.force = value,
-                (None, End::Force(_)) => {
+            Self::Preload => match spec.top {
+                End::Force(_) => {
                     spec.top = End::Force(value);
                     if let End::Force(bottom) = &mut spec.bottom {
                         *bottom = value;
                     }
                 }
-                (None, _) => spec.wall_preload = value,
+                _ => spec.wall_preload = value,
             },
             Self::StrikerMass => spec.striker.iter_mut().for_each(|striker| striker.mass = value),
             Self::StrikerSpeed => {

@@ -154,6 +154,46 @@ pub struct Energy {
     /// `(final + dissipated - initial) / initial` (1).
     #[prost(double, tag = "6")]
     pub drift: f64,
+    /// Kinetic energy at the end (J).
+    #[prost(double, tag = "7")]
+    pub kinetic_j: f64,
+    /// Elastic energy at the end, without that of contacts held at zero force (J).
+    #[prost(double, tag = "8")]
+    pub elastic_j: f64,
+    /// Less the work of gravity (J).
+    #[prost(double, tag = "9")]
+    pub gravity_j: f64,
+    /// Less the work of the magnet (J).
+    #[prost(double, tag = "10")]
+    pub magnet_j: f64,
+    /// Less the work of forces that press on the chain's ends (J).
+    #[prost(double, tag = "11")]
+    pub end_forces_j: f64,
+    /// Taken by dashpots (J).
+    #[prost(double, tag = "12")]
+    pub dashpot_j: f64,
+    /// Taken by Kuwabara and Kono's losses (J).
+    #[prost(double, tag = "13")]
+    pub kuwabara_kono_j: f64,
+    /// Taken by power-law losses (J).
+    #[prost(double, tag = "14")]
+    pub power_law_loss_j: f64,
+    /// Left in contacts held at zero force (J).
+    #[prost(double, tag = "15")]
+    pub left_in_contacts_j: f64,
+}
+
+impl Energy {
+    /// Whether all of it are numbers.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        let sums = [self.initial_j, self.final_j, self.dissipated_j, self.drift];
+        let held =
+            [self.kinetic_j, self.elastic_j, self.gravity_j, self.magnet_j, self.end_forces_j];
+        let taken = [self.dashpot_j, self.kuwabara_kono_j, self.power_law_loss_j];
+        let all = sums.iter().chain(&held).chain(&taken).chain([&self.left_in_contacts_j]);
+        all.into_iter().all(|number| number.is_finite())
+    }
 }
 
 /// `foxglove.Log`: a line for people. Source: Foxglove's public message schemas.

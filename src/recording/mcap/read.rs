@@ -237,8 +237,7 @@ impl Reader {
             self.notes().set_up = message.set;
         } else if schema == Schema::Energy.name() {
             let message = message::Energy::decode(data).map_err(undecodable)?;
-            let numbers = [message.initial_j, message.final_j, message.dissipated_j, message.drift];
-            if !numbers.iter().all(|number| number.is_finite()) {
+            if !message.is_finite() {
                 return Err("found an energy that is no finite number, expected one".to_owned());
             }
             let _ = self.shot(message.shot, log_time);

@@ -57,13 +57,22 @@ const SERIES: [Field; 7] = [
     ("values", Type::Double, Label::Repeated),
 ];
 
-const ENERGY: [Field; 6] = [
+const ENERGY: [Field; 15] = [
     TIMESTAMP,
     ("shot", Type::Uint32, SINGLE),
     ("initial_j", Type::Double, SINGLE),
     ("final_j", Type::Double, SINGLE),
     ("dissipated_j", Type::Double, SINGLE),
     ("drift", Type::Double, SINGLE),
+    ("kinetic_j", Type::Double, SINGLE),
+    ("elastic_j", Type::Double, SINGLE),
+    ("gravity_j", Type::Double, SINGLE),
+    ("magnet_j", Type::Double, SINGLE),
+    ("end_forces_j", Type::Double, SINGLE),
+    ("dashpot_j", Type::Double, SINGLE),
+    ("kuwabara_kono_j", Type::Double, SINGLE),
+    ("power_law_loss_j", Type::Double, SINGLE),
+    ("left_in_contacts_j", Type::Double, SINGLE),
 ];
 
 const LOG: [Field; 6] = [

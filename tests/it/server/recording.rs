@@ -141,7 +141,7 @@ fn a_shot_tells_its_own_bench() {
     let speeds: Vec<_> = scenes.iter().map(Scene::striker_speed).collect();
     let own = |name: &str| Scene::load(name).expect("it ships").striker_speed();
     assert_eq!(speeds, [own(served), Some(0.3), own(other), own(served), own(served)]);
-    let force = |scene: &Scene| scene.spec.effects.magnet_preload.map(|magnet| magnet.force);
+    let force = |scene: &Scene| scene.chain.magnet().map(|magnet| magnet.force);
     let forces: Vec<_> = scenes.iter().map(force).collect();
     assert_eq!(forces[1..], [None, None, Some(1.19), force(&scene())]);
     let mut attached: Vec<&str> = set.attachments.iter().map(|a| a.name.as_str()).collect();

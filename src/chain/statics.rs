@@ -1,0 +1,86 @@
+//! The static state of a chain, contact by contact: what each bears, and its overlap in closed form.
+
+use super::{Body, ChainError, ChainSpec, Contact, End, Law, LinearisedContacts, hertz};
+
+/// Constant force on each body from effects and end forces, the magnet's excepted, downward positive (N).
+pub fn loads(spec: &ChainSpec, bodies: &[Body]) -> Vec<f64> {
+    let masses: Vec<f64> = bodies.iter().map(|b| b.mass).collect();
+    let mut loads = vec![0.0; bodies.len()];
+    for effect in spec.effects.active() {
+        effect.add_load(&masses, spec.striker.is_some(), &mut loads);
+    }
+    // Below a striker the end force has no face of its own to press on: it pulls on particle 1.
+    if let (End::Force(force), true, Some(load)) =
+        (spec.top, spec.striker.is_some(), loads.get_mut(1))
+    {
+        *load += force;
+    }
+    loads
+}
+
+/// Contact `j`, between bodies `j - 1` and `j`, under the static force `bears` (N).
+pub fn contact(
+    spec: &ChainSpec,
+    bodies: &[Body],
+    j: usize,
+    bears: f64,
+) -> Result<Contact, ChainError> {
+    let side = |body: &Body| (body.elasticity, body.curvature, body.name.clone());
+    let wall = |end: &End, name: &str| match end {
+        End::Wall(elasticity) => Some((*elasticity, 0.0, name.to_owned())),
+        End::Free | End::Force(_) => None,
+    };
+    let upper = match j.checked_sub(1) {
+        Some(above) => bodies.get(above).map(side),
+        None => wall(&spec.top, "the top wall"),
+    };
+    let lower = bodies.get(j).map(side).or_else(|| wall(&spec.bottom, "the bottom wall"));
+    let (Some(upper), Some(lower)) = (upper, lower) else {
+        return open_end(spec, bodies, j, bears);
+    };
+    let stiffness = hertz::stiffness((upper.0, upper.1), (lower.0, lower.1));
+    if !stiffness.is_finite() {
+        return Err(ChainError::FlatOnFlat { upper: upper.2, lower: lower.2 });
+    }
+    if bears < 0.0 {
+        return Err(ChainError::Pulling { body: lower.2, force: bears });
+    }
+    let law = match spec.effects.linearised_contacts {
+        Some(LinearisedContacts) if bears == 0.0 => {
+            return Err(ChainError::NothingToLinearise { body: lower.2 });
+        }
+        Some(LinearisedContacts) => Law::Linearised,
+        None => Law::Hertz,
+    };
+    let static_overlap = hertz::overlap(stiffness, bears);
+    let short =
+        |name: &'_ str| if name.ends_with(" wall") { "wall".to_owned() } else { name.to_owned() };
+    let yields = |body: Option<&Body>| body.and_then(|body| body.yield_strength);
+    let strengths = [yields(j.checked_sub(1).and_then(|i| bodies.get(i))), yields(bodies.get(j))];
+    let softest = strengths.into_iter().flatten().reduce(f64::min);
+    let yield_force = softest
+        .map(|strength| hertz::first_yield((upper.0, upper.1), (lower.0, lower.1), strength));
+    let loss = spec.effects.loss_between(&short(&upper.2), &short(&lower.2));
+    if loss.is_some() && law == Law::Linearised {
+        return Err(ChainError::LossWithoutEnd { body: lower.2 });
+    }
+    Ok(Contact { stiffness, static_force: bears, static_overlap, law, loss, yield_force })
+}
+
+/// The place of a contact where nothing stands; at the bottom the loads must have cancelled.
+fn open_end(
+    spec: &ChainSpec,
+    bodies: &[Body],
+    j: usize,
+    bears: f64,
+) -> Result<Contact, ChainError> {
+    if j == bodies.len() {
+        let support = if let End::Force(force) = spec.bottom { force } else { 0.0 };
+        let rest = bears - support;
+        if rest.abs() > 1e-12 * (bears.abs() + support.abs()) {
+            return Err(ChainError::Unbalanced { rest });
+        }
+    }
+    // An end force presses on the outermost face without giving: a plate next to it feels it.
+    Ok(Contact { static_force: bears, ..Contact::OPEN })
+}

@@ -1,0 +1,158 @@
+//! `hertzscope dispersion`: the waves of a recording on the dispersion relation of its chain.
+
+use std::path::PathBuf;
+
+use anyhow::bail;
+use clap::Args;
+use serde_json::json;
+
+use super::picture;
+use super::signal::time;
+use crate::analysis::gate::Gate;
+use crate::analysis::wavenumber::spectral_lines;
+use crate::experiment::recorded;
+use crate::recording::format::open;
+use crate::report::dispersion::DispersionPage;
+use crate::scene::Site;
+use crate::trace::Trace;
+
+/// Waves are looked for up to this multiple of the top of the optical branch (1).
+const BEYOND: f64 = 1.2;
+/// A share in percent (1).
+const PERCENT: f64 = 0.01;
+
+/// Show the waves of a recording, frequency over wavenumber, on the dispersion relation of its chain
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// A recording of a simulation (.mcap): waves are read from the contact forces along the chain
+    file: PathBuf,
+    /// Particle in whose periodic part of the chain to look [default: the first sensor's, else 2]
+    #[arg(long, value_name = "N")]
+    particle: Option<usize>,
+    /// Shot to look at
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    shot: u32,
+    /// First time to take, e.g. 200us, after the striker's first contact
+    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
+    from: Option<f64>,
+    /// First time to leave out
+    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
+    to: Option<f64>,
+    /// Show waves that reach this share of the highest (%)
+    #[arg(long, value_name = "PERCENT", default_value_t = 10.0, value_parser = percent)]
+    least: f64,
+    /// Print as JSON
+    #[arg(long)]
+    json: bool,
+    /// Draw into this file as well
+    #[arg(long, value_name = picture::ENDINGS, value_parser = picture::file)]
+    plot: Option<PathBuf>,
+}
+
+fn percent(text: &str) -> Result<f64, String> {
+    let value: f64 = text
+        .trim_end_matches('%')
+        .trim()
+        .parse()
+        .map_err(|_| format!("found {text}, expected a number of percent, e.g. 10"))?;
+    if value > 0.0 && value <= 100.0 {
+        Ok(value)
+    } else {
+        Err(format!("found {text}, expected more than 0 and at most 100 percent"))
+    }
+}
+
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let page = page(arguments)?;
+    if let Some(file) = &arguments.plot {
+        picture::save(file, &page.svg())?;
+    }
+    if !arguments.json {
+        return super::print(&page.text());
+    }
+    let lines = page.found.lines.iter().map(|line| {
+        json!({
+            "frequency_hz": line.frequency,
+            "phase_rad": line.phase,
+            "wavenumber_per_m": line.phase / page.chain.cell,
+            "height": line.height,
+            "onward": line.onward,
+            "theory_hz": page.theory(line),
+        })
+    });
+    let [acoustic, optical] = page.branches();
+    super::print(&serde_json::to_string_pretty(&json!({
+        "title": page.title,
+        "preload_n": page.preload,
+        "cell_m": page.chain.cell,
+        "cells": page.cells,
+        "f1_hz": page.chain.gap_bottom(),
+        "f2_hz": page.chain.gap_top(),
+        "f3_hz": page.chain.cutoff(),
+        "frequency_u_hz": page.found.frequency_u,
+        "phase_u_rad": page.found.phase_u,
+        "lines": lines.collect::<Vec<_>>(),
+        "acoustic": acoustic,
+        "optical": optical,
+    }))?)
+}
+
+fn page(arguments: &Arguments) -> anyhow::Result<DispersionPage> {
+    let set = open(&arguments.file)?;
+    let Some(shot) = set.shots.iter().find(|shot| shot.number == arguments.shot) else {
+        bail!("found {} shots, expected one with number {}", set.shots.len(), arguments.shot);
+    };
+    let Some(scene) = recorded::scene(&set) else {
+        bail!(
+            "found no scene in {}, expected a recording of a simulation: wavenumbers take the forces all along the chain",
+            arguments.file.display()
+        );
+    };
+    let scene = scene?;
+    let sensor = scene.sensors.iter().find_map(|sensor| match sensor.site {
+        Site::Particle(particle) => Some(particle),
+        Site::Wall => None,
+    });
+    let particle = arguments.particle.or(sensor).unwrap_or(2);
+    let cell = recorded::cell_and_force(&scene, Site::Particle(particle));
+    let (Some((chain, preload)), Some(contacts)) = (cell, recorded::cells(&scene, particle)) else {
+        bail!(
+            "found no band gap at particle {particle} of {}, expected two kinds that take turns and a preload",
+            scene.name
+        );
+    };
+    let gate = Gate {
+        from: arguments.from.unwrap_or(f64::NEG_INFINITY),
+        to: arguments.to.unwrap_or(f64::INFINITY),
+    };
+    let row = |contact: &usize| {
+        let topic = format!("contact/{contact}:");
+        shot.truth.iter().find(|trace| trace.name.starts_with(&topic))
+    };
+    let Some(traces) = contacts.iter().map(row).collect::<Option<Vec<_>>>() else {
+        bail!(
+            "found no forces of all contacts in shot {}, expected /truth/contact/...",
+            shot.number
+        );
+    };
+    // What a force starts from is its static part.
+    let dynamic = |trace: &&Trace| -> Vec<f64> {
+        let rest = trace.values.first().copied().unwrap_or(0.0);
+        let part = trace.values.get(gate.range(trace)).unwrap_or_default();
+        part.iter().map(|force| force - rest).collect()
+    };
+    let rows: Vec<Vec<f64>> = traces.iter().map(dynamic).collect();
+    let rows: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
+    let interval = traces.first().map_or(0.0, |trace| trace.interval);
+    let (highest, nyquist) = (BEYOND * chain.cutoff(), 0.5 / interval);
+    if nyquist < chain.cutoff() {
+        bail!(
+            "found forces along the chain every {interval:e} s, which tell frequencies to {nyquist:.0} Hz, expected them to {:.0} Hz, the top of the optical branch: run the scene for less time",
+            chain.cutoff()
+        );
+    }
+    let found = spectral_lines(&rows, interval, (highest, PERCENT * arguments.least))?;
+    let title =
+        format!("{}: waves along the chain around particle {particle}", arguments.file.display());
+    Ok(DispersionPage { title, chain, preload, found, cells: rows.len() })
+}

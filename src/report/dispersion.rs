@@ -1,0 +1,117 @@
+//! The dispersion relation of a chain with measured waves on it: as a page of text and as a picture.
+
+use std::f64::consts::PI;
+
+use super::plot::{Cloud, scatter};
+use super::{chart, table};
+use crate::analysis::dispersion::DiatomicChain;
+use crate::analysis::wavenumber::{SpectralLine, SpectralLines};
+use crate::quantity::engineering;
+
+/// Points of each branch.
+const POINTS: u32 = 200;
+
+/// What `dispersion` shows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DispersionPage {
+    /// What was measured, and where.
+    pub title: String,
+    /// The linear chain there.
+    pub chain: DiatomicChain,
+    /// Its static force (N).
+    pub preload: f64,
+    /// The waves found.
+    pub found: SpectralLines,
+    /// How many cells they were found in.
+    pub cells: usize,
+}
+
+impl DispersionPage {
+    /// Phase a cell (rad) and frequency (Hz) along the acoustic and the optical branch.
+    #[must_use]
+    pub fn branches(&self) -> [Vec<(f64, f64)>; 2] {
+        let phases = || (0..=POINTS).map(|i| PI * f64::from(i) / f64::from(POINTS));
+        [
+            phases().map(|phase| (phase, self.chain.acoustic(phase))).collect(),
+            phases().map(|phase| (phase, self.chain.optical(phase))).collect(),
+        ]
+    }
+
+    /// Frequency of the nearer branch at a wave's phase (Hz).
+    #[must_use]
+    pub fn theory(&self, line: &SpectralLine) -> f64 {
+        let branches = [self.chain.acoustic(line.phase), self.chain.optical(line.phase)];
+        let off = |f: &f64| (f - line.frequency).abs();
+        if off(&branches[0]) <= off(&branches[1]) { branches[0] } else { branches[1] }
+    }
+
+    fn clouds(&self) -> [Cloud<'static>; 2] {
+        let of = |onward: bool| {
+            let lines = self.found.lines.iter().filter(|line| line.onward == onward);
+            lines.map(|line| (line.phase, line.frequency)).collect()
+        };
+        [
+            Cloud { points: of(true), name: "toward the far end", colour: "#c04020" },
+            Cloud { points: of(false), name: "coming back", colour: "#208040" },
+        ]
+    }
+
+    /// The picture.
+    #[must_use]
+    pub fn svg(&self) -> String {
+        let labels = ("phase a cell, k a (rad)", "frequency (Hz)");
+        chart::chart_with_points(
+            &self.branches(),
+            &self.clouds(),
+            (&self.title, labels),
+            ("rad", "Hz"),
+        )
+    }
+
+    /// The page.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let hertz = |f: f64| engineering(f, "Hz", 4);
+        let (chain, found) = (&self.chain, &self.found);
+        let mut page = vec![
+            self.title.clone(),
+            format!(
+                "  theory      Eq. (7) under {}: gap from f1 {} to f2 {}, nothing above f3 {}",
+                engineering(self.preload, "N", 4),
+                hertz(chain.gap_bottom()),
+                hertz(chain.gap_top()),
+                hertz(chain.cutoff())
+            ),
+            format!(
+                "  measured    in {} cells; a wave is known to ±{} and ±{:.3} rad",
+                self.cells,
+                hertz(found.frequency_u),
+                found.phase_u
+            ),
+            String::new(),
+        ];
+        let heading = ["frequency", "k a", "height", "theory there", "off", "runs"];
+        let mut rows = vec![heading.map(str::to_owned).to_vec()];
+        rows.extend(found.lines.iter().map(|line| {
+            let theory = self.theory(line);
+            vec![
+                hertz(line.frequency),
+                format!("{:.3} rad", line.phase),
+                format!("{:.0} %", 100.0 * line.height),
+                hertz(theory),
+                format!("{:+.1} %", 100.0 * (line.frequency / theory - 1.0)),
+                if line.onward { "onward" } else { "back" }.to_owned(),
+            ]
+        }));
+        page.extend(table::lines(&rows, &[5]));
+        page.push(String::new());
+        page.extend(scatter(
+            &self.branches(),
+            &self.clouds(),
+            "frequency over k a from 0 to π",
+            &hertz,
+        ));
+        page.push("  note        theory is that of small signals; a wave as strong as the preload stiffens the contacts and runs above it".to_owned());
+        page.join("\n")
+    }
+}

@@ -1,0 +1,35 @@
+//! What is left of an instrument when a scene names another one over its base scene's.
+
+use super::document::{Node, Value};
+use super::library::instrument;
+
+/// Takes away what the model of a sensor or magnet said below where another model is named above: half of each would be neither.
+pub fn forget_models(above: &Node, below: &mut Node) {
+    let child = |node: &Node, key: &str| match &node.value {
+        Value::Table(table) => table.get(key).map(|entry| entry.node.clone()),
+        _ => None,
+    };
+    for (folder, kind, only) in
+        [("sensors", "sensors", None), ("effects", "magnets", Some("magnet_preload"))]
+    {
+        let Some(above) = child(above, folder) else { continue };
+        let Value::Table(below) = &mut below.value else { continue };
+        let Some(Value::Table(below)) = below.get_mut(folder).map(|e| &mut e.node.value) else {
+            continue;
+        };
+        for (name, entry) in below.iter_mut().filter(|(name, _)| only.is_none_or(|o| o == *name)) {
+            if child(&above, name).and_then(|node| node.text("model").map(|_| ())).is_some() {
+                forget_model(&mut entry.node, kind);
+            }
+        }
+    }
+}
+
+/// Takes away what the model said that this table names.
+fn forget_model(table: &mut Node, kind: &str) {
+    let Some((model, place)) = table.text("model") else { return };
+    let Ok(file) = instrument(kind, model, place, "") else { return };
+    if let Value::Table(keys) = &mut table.value {
+        keys.retain(|_, entry| entry.node.place.file() != file.place.file());
+    }
+}
