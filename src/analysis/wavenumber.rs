@@ -50,7 +50,7 @@ pub struct SpectralLine {
     pub frequency: f64,
     /// Phase from one cell to the next, `k a`, between 0 and pi (rad).
     pub phase: f64,
-    /// Whether it runs toward higher cells.
+    /// Whether its phase runs toward higher cells; its energy does so as well on the acoustic branch, and the other way on the optical one.
     pub onward: bool,
     /// Height over the highest of the plane (1).
     pub height: f64,

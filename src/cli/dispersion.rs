@@ -39,7 +39,7 @@ pub struct Arguments {
     #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
     to: Option<f64>,
     /// Show waves that reach this share of the highest (%)
-    #[arg(long, value_name = "PERCENT", default_value_t = 10.0, value_parser = percent)]
+    #[arg(long, value_name = "PERCENT", default_value_t = 2.0, value_parser = percent)]
     least: f64,
     /// Print as JSON
     #[arg(long)]

@@ -51,8 +51,8 @@ impl DispersionPage {
             lines.map(|line| (line.phase, line.frequency)).collect()
         };
         [
-            Cloud { points: of(true), name: "toward the far end", colour: "#c04020" },
-            Cloud { points: of(false), name: "coming back", colour: "#208040" },
+            Cloud { points: of(true), name: "phase runs onward", colour: "#c04020" },
+            Cloud { points: of(false), name: "phase runs back", colour: "#208040" },
         ]
     }
 
@@ -90,7 +90,7 @@ impl DispersionPage {
             ),
             String::new(),
         ];
-        let heading = ["frequency", "k a", "height", "theory there", "off", "runs"];
+        let heading = ["frequency", "k a", "height", "theory there", "off", "phase runs"];
         let mut rows = vec![heading.map(str::to_owned).to_vec()];
         rows.extend(found.lines.iter().map(|line| {
             let theory = self.theory(line);
@@ -111,6 +111,10 @@ impl DispersionPage {
             "frequency over k a from 0 to π",
             &hertz,
         ));
+        page.push(
+            "  note        on the optical branch phase and energy run against each other"
+                .to_owned(),
+        );
         page.push("  note        theory is that of small signals; a wave as strong as the preload stiffens the contacts and runs above it".to_owned());
         page.join("\n")
     }

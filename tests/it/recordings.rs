@@ -101,7 +101,7 @@ fn notes(shot: &Shot) -> ShotNotes {
             elastic_j: 2e-4,
             gravity_j: -3e-6,
             magnet_j: -7e-6,
-            end_forces_j: 0.0,
+            end_forces_j: -1e-6,
             dashpot_j: 6e-6,
             kuwabara_kono_j: 3e-6,
             power_law_loss_j: 0.5e-6,

@@ -56,17 +56,16 @@ fn the_linear_chain_lies_on_its_branches() {
     let velocities = &scene.initial_velocities;
     let mut bench = Bench::new(&scene.chain, velocities, method, &[], (NEVER, film));
     bench.run_until(5e-3, false, &mut |_| ()).expect("a run");
-    // The source's own mode stays in the first cells: leave them out. The optical waves are slow, and do not go far.
+    // The source's own mode stays in the first cells: leave them out.
     let row = |j: &usize| {
         let forces = &bench.film().contact_forces[*j];
         forces.iter().map(|force| force - forces[0]).collect::<Vec<f64>>()
     };
-    let rows: Vec<Vec<f64>> = contacts.iter().skip(8).take(60).map(row).collect();
+    let rows: Vec<Vec<f64>> = contacts.iter().skip(8).map(row).collect();
     let rows: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
-    let found = spectral_lines(&rows, film.interval, (20e3, 0.1)).expect("waves");
+    let found = spectral_lines(&rows, film.interval, (20e3, 0.01)).expect("waves");
     let (mut acoustic, mut optical) = (0, 0);
     for line in &found.lines {
-        assert!(line.onward, "{line:?}");
         // Over what the phase may be off, the branch passes the frequency.
         let spread = |branch: &dyn Fn(f64) -> f64| {
             let ends =
@@ -76,6 +75,8 @@ fn the_linear_chain_lies_on_its_branches() {
         let within = |(low, high): (f64, f64)| (low..=high).contains(&line.frequency);
         let on = [within(spread(&|p| chain.acoustic(p))), within(spread(&|p| chain.optical(p)))];
         assert!(on[0] || on[1], "{line:?}");
+        // Energy runs onward everywhere; on the optical branch, folded into the first zone, phases run against it.
+        assert_eq!(line.onward, on[0], "{line:?}");
         acoustic += u32::from(on[0]);
         optical += u32::from(on[1]);
         let (low, high) =
