@@ -26,6 +26,9 @@ use ratatui::{Terminal, TerminalOptions, Viewport};
 
 type Failed = Box<dyn std::error::Error>;
 
+/// What a turn does; nothing where nothing is to change.
+type Act = fn(Turn) -> Option<Action>;
+
 /// Frames of each kind.
 const FRAMES: usize = 101;
 /// Keys pressed on the pseudo-terminal.
@@ -36,11 +39,16 @@ const TRIGGERS: u32 = 1000;
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A damped wave with noise, different for each channel and shot.
-#[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "levels and counts")]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_precision_loss,
+    reason = "levels and counts"
+)]
 fn channel_of(number: u8, shot: u32, points: usize) -> Capture {
     let mut random = u64::from(number) * 7919 + u64::from(shot) * 104_729 + 1;
     let mut noise = || {
-        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        random =
+            random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (random >> 40) as f64 / f64::from(1_u32 << 24) - 0.5
     };
     let level = |index: usize| {
@@ -116,8 +124,7 @@ fn frames(points: usize, (width, height): (u16, u16)) -> Result<(), Failed> {
     let mut terminal = Terminal::with_options(backend, TerminalOptions { viewport })?;
     let set = TraceSet { shots: vec![shot(1, points), shot(2, points)], ..TraceSet::default() };
     let mut model = Model::new(set, "bench".to_owned(), Palette::Colour);
-    let other_way = |index: usize| if index % 2 == 0 { Turn::Up } else { Turn::Down };
-    type Act = fn(Turn) -> Option<Action>;
+    let other_way = |index: usize| if index.is_multiple_of(2) { Turn::Up } else { Turn::Down };
     let acts: [(&str, Act); 4] = [
         ("nothing has changed", |_| None),
         ("V/div of one trace", |turn| Some(Action::VoltsPerDivision(turn))),
@@ -138,7 +145,10 @@ fn frames(points: usize, (width, height): (u16, u16)) -> Result<(), Failed> {
             bytes.push(wire.0.get() - before);
         }
         if let (Some(time), Some(bytes)) = (spread(times), spread(bytes)) {
-            println!("  {name:<20} {:>10.2?} at most {:>10.2?}, {:>6} bytes at most {:>6}", time.0, time.1, bytes.0, bytes.1);
+            println!(
+                "  {name:<20} {:>10.2?} at most {:>10.2?}, {:>6} bytes at most {:>6}",
+                time.0, time.1, bytes.0, bytes.1
+            );
         }
     }
     Ok(())
@@ -166,7 +176,7 @@ impl Viewed {
         let (sender, bytes) = channel();
         let master = pair.master;
         thread::spawn(move || {
-            let mut buffer = [0; 65536];
+            let mut buffer = vec![0; 65536];
             while let Ok(count @ 1..) = reader.read(&mut buffer) {
                 let Some(read) = buffer.get(..count) else { break };
                 if sender.send(read.to_vec()).is_err() {
@@ -200,7 +210,10 @@ fn terminal(file: &Path) -> Result<(), Failed> {
         writer.add(&shot(number, 2500), &ShotNotes::default())?;
     }
     writer.finish()?;
-    println!("{TRIGGERS} triggers of 4 x 2500 points, {} MB", std::fs::metadata(file)?.len() / 1_000_000);
+    println!(
+        "{TRIGGERS} triggers of 4 x 2500 points, {} MB",
+        std::fs::metadata(file)?.len() / 1_000_000
+    );
     let mut starts = Vec::new();
     for _ in 0..11 {
         let started = Instant::now();

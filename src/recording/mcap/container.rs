@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 /// First and last bytes of every file.
 pub const MAGIC: [u8; 8] = [0x89, b'M', b'C', b'A', b'P', 0x30, b'\r', b'\n'];
 /// Length of what stands before a record's body: its opcode and the body's length (bytes).
-pub const HEAD: u64 = 9;
+pub const HEAD: usize = 9;
 /// Largest uncompressed chunk that is unpacked: a thousand times what this program writes.
 const LARGEST_CHUNK: u64 = 256 * 1024 * 1024;
 
@@ -92,7 +92,7 @@ impl<'a> Cursor<'a> {
 
 /// Length of the body that follows `head`, the first bytes of a record (bytes).
 #[must_use]
-pub fn body_length(head: &[u8; HEAD as usize]) -> u64 {
+pub fn body_length(head: &[u8; HEAD]) -> u64 {
     let [_, length @ ..] = *head;
     u64::from_le_bytes(length)
 }

@@ -74,7 +74,7 @@ impl Model {
         match number.parse::<usize>().ok().and_then(|number| number.checked_sub(1)) {
             Some(place) => self.go_to(place),
             None => {
-                self.notice = Some(format!("found {number}, expected :goto and a number from 1"))
+                self.notice = Some(format!("found {number}, expected :goto and a number from 1"));
             }
         }
     }
@@ -87,7 +87,8 @@ impl Model {
                 self.wind(change);
             }
             Err(error) => {
-                self.notice = Some(format!("found {error}, expected :seek and a time, e.g. 0.8 ms"))
+                self.notice =
+                    Some(format!("found {error}, expected :seek and a time, e.g. 0.8 ms"));
             }
         }
     }
@@ -103,7 +104,7 @@ impl Model {
             None => {
                 self.notice = Some(
                     "expected :set, a path and a value, e.g. :set striker.speed 0.6 m/s".to_owned(),
-                )
+                );
             }
         }
     }

@@ -1,10 +1,11 @@
 //! The scope's own knobs: on a recording they move the picture, on a running bench they set the scope.
 
 use super::Model;
-use super::knobs::typed;
+use super::knobs::{pending, typed};
+use super::live::Settings;
 use super::state::{Acquisition, Page};
-use crate::scope::{Coupling, Slope, Waveform};
-use crate::tui::axis::{DIVISIONS_UP, Turn, Vertical, Window, is_spectrum};
+use crate::scope::{Coupling, Slope, Source, TriggerMode, Waveform};
+use crate::tui::axis::{DIVISIONS_UP, Steps, Turn, Vertical, Window, is_spectrum};
 
 /// A division in so many presses of a position key (1).
 const PRESSES_PER_DIVISION: f64 = 2.0;
@@ -14,6 +15,33 @@ const LEVEL_STEP: f64 = 0.1;
 const FREE: f64 = 0.25;
 
 impl Model {
+    /// The other trigger mode.
+    pub(super) fn other_mode(&mut self) {
+        let mode = self.scene.as_ref().map(|scene| scene.scope.trigger.mode);
+        if self.bench().is_some() {
+            let word = if mode == Some(TriggerMode::Auto) { "normal" } else { "auto" };
+            self.set_value("scope.trigger.mode".to_owned(), word.to_owned());
+        }
+    }
+
+    /// The channel whose knobs are turned, as scenes name it: `scope.ch1`.
+    pub(super) fn channel_path(&self) -> Option<String> {
+        match self.selected? {
+            Source::Channel(number) => Some(format!("scope.ch{number}")),
+            _ => None,
+        }
+    }
+
+    /// What was tuned in this session.
+    pub(super) fn tuned(&self) -> Settings {
+        self.live.as_ref().map(|live| live.settings().clone()).unwrap_or_default()
+    }
+
+    /// What was set for `path` and may not be struck yet (unit).
+    fn set_for(&self, path: &str) -> Option<f64> {
+        pending(self.live.as_ref()?.settings(), path)
+    }
+
     /// Whether the knobs set the scope and not the picture.
     fn sets_the_scope(&self) -> bool {
         let runs = |live: &super::Live| live.acquisition != Acquisition::Stopped;
@@ -39,7 +67,8 @@ impl Model {
         let probe = self.selected().map_or(1.0, |capture| capture.waveform.vertical.probe);
         let Some(scene) = &self.scene else { return };
         let scales = scene.scope.model.vertical_scales.iter().map(|scale| scale * probe);
-        match neighbour(scales, vertical.scale, turn) {
+        let now = self.set_for(&path).unwrap_or(vertical.scale);
+        match neighbour(scales, now, turn) {
             Some(scale) => self.set_value(path, typed(scale, "V/div")),
             None => self.notice = Some("the scope's V/div ends here".to_owned()),
         }
@@ -50,10 +79,11 @@ impl Model {
         let step = turn.sign() / PRESSES_PER_DIVISION;
         match self.scope_setting("position") {
             Some((path, vertical)) => {
-                self.set_value(path, typed(vertical.position + step, "div"));
+                let now = self.set_for(&path).unwrap_or(vertical.position);
+                self.set_value(path, typed(now + step, "div"));
             }
             None => {
-                self.adjust(|_, vertical| Vertical { position: vertical.moved(step), ..vertical })
+                self.adjust(|_, vertical| Vertical { position: vertical.moved(step), ..vertical });
             }
         }
     }
@@ -66,7 +96,8 @@ impl Model {
         }
         let Some(scene) = &self.scene else { return };
         let bases = scene.scope.model.time_bases.iter().copied();
-        match neighbour(bases, scene.scope.time_base, turn) {
+        let now = self.set_for("scope.time_base").unwrap_or(scene.scope.time_base);
+        match neighbour(bases, now, turn) {
             Some(base) => self.set_value("scope.time_base".to_owned(), typed(base, "s/div")),
             None => self.notice = Some("the scope's s/div ends here".to_owned()),
         }
@@ -80,7 +111,9 @@ impl Model {
             return;
         }
         let Some(scope) = self.scene.as_ref().map(|scene| &scene.scope) else { return };
-        let position = scope.horizontal_position + step * scope.time_base;
+        let base = self.set_for("scope.time_base").unwrap_or(scope.time_base);
+        let now = self.set_for("scope.position").unwrap_or(scope.horizontal_position);
+        let position = now + step * base;
         self.set_value("scope.position".to_owned(), typed(position, "s"));
     }
 
@@ -101,9 +134,10 @@ impl Model {
         let source = scope.trigger.source;
         let channels = (1..).zip(&scope.channels);
         let scale = channels
-            .filter(|(number, _)| crate::scope::Source::Channel(*number) == source)
+            .filter(|(number, _)| Source::Channel(*number) == source)
             .find_map(|(_, channel)| Some(channel.as_ref()?.vertical.scale));
-        let level = scope.trigger.level + turn.sign() * LEVEL_STEP * scale.unwrap_or(1.0);
+        let now = self.set_for("scope.trigger.level").unwrap_or(scope.trigger.level);
+        let level = now + turn.sign() * LEVEL_STEP * scale.unwrap_or(1.0);
         self.set_value("scope.trigger.level".to_owned(), typed(level, "V"));
     }
 
@@ -171,7 +205,7 @@ impl Model {
                 continue;
             }
             let room = band * (1.0 - FREE);
-            let scale = crate::tui::axis::Steps::OneTwoFive.at_least((high - low) / room);
+            let scale = Steps::OneTwoFive.at_least((high - low) / room);
             let middle = f64::from(DIVISIONS_UP) / 2.0 - band * (f64::from(place) + 0.5);
             // Half divisions are easier to read.
             let position = (2.0 * (middle - f64::midpoint(low, high) / scale)).round() / 2.0;

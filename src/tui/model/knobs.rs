@@ -3,7 +3,7 @@
 use super::live::Settings;
 use crate::chain::LossSpec;
 use crate::experiment::outcome::effects;
-use crate::quantity::engineering;
+use crate::quantity::{engineering, parse_any};
 use crate::scene::{LOOSEST_ACCURACY, Scene, TIGHTEST_ACCURACY};
 use crate::scope::Source;
 use crate::tui::axis::Turn;
@@ -146,13 +146,14 @@ impl Knob {
         }
     }
 
-    /// Path and text after a turn.
+    /// Path and text after a turn; `tuned` are the settings of the session.
     ///
     /// # Errors
     /// Why there is nothing to turn, in words.
     pub fn turned(
         &self,
         scene: &Scene,
+        tuned: &Settings,
         source: Option<Source>,
         turn: Turn,
     ) -> Result<(String, String), String> {
@@ -161,7 +162,13 @@ impl Knob {
             return Err("select a channel with a sensor first".to_owned());
         }
         let path = self.path.replace("{}", named.unwrap_or_default());
-        let now = match ((self.read)(scene, source), self.turning) {
+        // What was turned and not struck yet counts; an effect that is off has nothing to turn.
+        let (read, waiting) = ((self.read)(scene, source), pending(tuned, &path));
+        let known = match self.effect {
+            Some(_) => read.and(waiting).or(read),
+            None => waiting.or(read),
+        };
+        let now = match (known, self.turning) {
             (Some(value), _) => value,
             (None, Turning::Decade) => crate::scene::DEFAULT_ACCURACY,
             (None, _) if self.effect.is_some() => {
@@ -181,6 +188,12 @@ impl Knob {
         };
         Ok((path, typed(value, self.unit)))
     }
+}
+
+/// The value that was typed for `path` in this session (unit).
+#[must_use]
+pub fn pending(tuned: &Settings, path: &str) -> Option<f64> {
+    parse_any(tuned.get(path)?).ok().map(|(value, _)| value)
 }
 
 /// A value as it would be typed, with three digits.

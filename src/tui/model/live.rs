@@ -12,7 +12,6 @@ use super::{Model, Page};
 use crate::experiment::outcome::Summary;
 use crate::recording::TraceSet;
 use crate::scene::Scene;
-use crate::scope::{Source, TriggerMode};
 use crate::tui::axis::Turn;
 
 /// What was typed for each path, `striker.speed`.
@@ -187,7 +186,11 @@ impl Model {
             live.acquisition = Acquisition::Stopped;
         }
         live.summary = Some(struck.summary);
+        let other = self.scene.as_ref().is_none_or(|scene| scene.hash != struck.scene.hash);
         self.scene = Some(struck.scene);
+        if other {
+            self.outdated();
+        }
         let held = struck.set.shots.iter().all(|shot| shot.captures.is_empty());
         if held && !self.set.shots.is_empty() {
             self.notice = Some("no trigger: what is on screen is older (f forces one)".to_owned());
@@ -246,8 +249,8 @@ impl Model {
         let Some(live) = self.bench() else { return };
         let knob = Knob::ALL.get(live.knob).copied();
         let (Some(knob), Some(scene)) = (knob, self.scene.clone()) else { return };
-        let source = self.selected;
-        match knob.turned(&scene, source, turn) {
+        let (source, tuned) = (self.selected, self.tuned());
+        match knob.turned(&scene, &tuned, source, turn) {
             Ok((path, value)) => self.set_value(path, value),
             Err(problem) => self.notice = Some(problem),
         }
@@ -268,8 +271,7 @@ impl Model {
             self.notice = Some("this knob belongs to no effect that could be switched".to_owned());
             return;
         };
-        let tuned = self.live.as_ref().map(|live| live.settings.clone()).unwrap_or_default();
-        match switched(&scene, &tuned, effect) {
+        match switched(&scene, &self.tuned(), effect) {
             Ok(settings) => {
                 let Some(((path, value), rest)) = settings.split_last() else { return };
                 if let Some(live) = &mut self.live {
@@ -278,23 +280,6 @@ impl Model {
                 self.set_value(path.clone(), value.clone());
             }
             Err(problem) => self.notice = Some(problem),
-        }
-    }
-
-    /// The other trigger mode.
-    pub(super) fn other_mode(&mut self) {
-        let mode = self.scene.as_ref().map(|scene| scene.scope.trigger.mode);
-        if self.bench().is_some() {
-            let word = if mode == Some(TriggerMode::Auto) { "normal" } else { "auto" };
-            self.set_value("scope.trigger.mode".to_owned(), word.to_owned());
-        }
-    }
-
-    /// The channel whose knobs are turned, as scenes name it: `scope.ch1`.
-    pub(super) fn channel_path(&self) -> Option<String> {
-        match self.selected? {
-            Source::Channel(number) => Some(format!("scope.ch{number}")),
-            _ => None,
         }
     }
 }

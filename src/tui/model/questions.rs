@@ -98,6 +98,16 @@ impl Model {
         }
     }
 
+    /// Another bench: what was found out about the last one is gone, and what is on screen is asked again.
+    pub(super) fn outdated(&mut self) {
+        self.questions.study = Job::Idle;
+        self.questions.ledger = Job::Idle;
+        if self.page == Page::Accuracy {
+            self.questions.ledger = Job::Busy(0.0);
+            self.requests.push(Request::Ledger);
+        }
+    }
+
     /// Name of the effect that is selected in the ledger.
     #[must_use]
     pub fn selected_effect(&self) -> Option<&'static str> {

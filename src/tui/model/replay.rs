@@ -114,12 +114,11 @@ impl Model {
             Turn::Down => self.shot.checked_sub(1),
             Turn::Up => Some(self.shot + 1).filter(|next| *next < self.shots()),
         };
-        match next {
-            Some(next) => self.go_to(next),
-            None => {
-                self.play.running = false;
-                self.notice = Some("there is no further shot in this direction".to_owned());
-            }
+        if let Some(next) = next {
+            self.go_to(next);
+        } else {
+            self.play.running = false;
+            self.notice = Some("there is no further shot in this direction".to_owned());
         }
     }
 

@@ -208,6 +208,9 @@ impl<T> Job<T> {
     }
 }
 
+/// Less than this share of a level is round-off (1).
+const ROUND_OFF: f64 = 1e-9;
+
 /// The value of a trace at an abscissa, along the straight line between two points; none beyond the record (unit).
 #[must_use]
 #[allow(
@@ -224,9 +227,9 @@ pub fn value_at(waveform: &Waveform, at: f64) -> Option<f64> {
     let index = place.floor() as usize;
     let here = waveform.volts(index)?;
     let share = place - index as f64;
-    if share == 0.0 {
-        return Some(here);
-    }
-    let next = waveform.volts(index + 1)?;
-    Some(here + share * (next - here))
+    let next = if share == 0.0 { here } else { waveform.volts(index + 1)? };
+    let value = here + share * (next - here);
+    // What is left of a difference of levels is nothing.
+    let nothing = value.abs() < ROUND_OFF * waveform.preamble.y_mult.abs();
+    Some(if nothing { 0.0 } else { value })
 }

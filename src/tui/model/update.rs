@@ -189,13 +189,16 @@ fn more(model: &mut Model, action: Action) {
         Action::Switch => model.switch_effect(),
         Action::Prompt(start) => model.open_prompt(start),
         Action::Type(letter) => model.prompt.push(letter),
-        Action::Erase => {
-            if model.prompt.pop().is_none() {
-                model.panel = Panel::Scope;
-            }
-        }
+        Action::Erase => erase(model),
         Action::Submit => model.submit(),
         _ => {}
+    }
+}
+
+/// Takes the last letter back; before the first one the command line closes.
+fn erase(model: &mut Model) {
+    if model.prompt.pop().is_none() {
+        model.panel = Panel::Scope;
     }
 }
 

@@ -35,13 +35,13 @@ pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
         Job::Done(study) => study_of(model, study, plot, frame),
         Job::Busy(share) => busy("work-precision study", *share, plot, frame),
         Job::Failed(problem) => message(problem, plot, frame),
-        Job::Idle => message("k asks for the study", plot, frame),
+        Job::Idle => message("another bench than was studied: k, k asks again", plot, frame),
     }
     match &model.questions().ledger {
         Job::Done(ledger) => ledger_of(model, ledger, list, frame),
         Job::Busy(share) => busy("effects, each with and without", *share, list, frame),
         Job::Failed(problem) => message(problem, list, frame),
-        Job::Idle => message("k asks for the ledger", list, frame),
+        Job::Idle => message("another bench than was measured: k, k asks again", list, frame),
     }
 }
 

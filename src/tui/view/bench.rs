@@ -1,6 +1,8 @@
 //! The chain in motion, from the truth of a simulated shot: the force in every contact now, the beads where they are, and above them
 //! the same for all times, so that pulses are seen as slanted stripes.
 
+use std::cmp::Ordering;
+
 use ratatui::Frame;
 use ratatui::layout::Rect;
 use ratatui::style::{Color, Modifier, Style};
@@ -20,6 +22,8 @@ const EIGHTHS: [&str; 9] = [" ", "▁", "▂", "▃", "▄", "▅", "▆", "▇"
 const TONES: [&str; 5] = [" ", "·", "░", "▒", "█"];
 /// Rows of the page that are neither bars nor stripes.
 const OTHER_ROWS: u16 = 5;
+/// One contact in so many may go beyond the scale: the striker's own is far above the others.
+const CUT_OFF: usize = 10;
 /// Columns left of the chain.
 const LABELS: u16 = 9;
 
@@ -27,6 +31,7 @@ const LABELS: u16 = 9;
 struct Film<'a> {
     contacts: Vec<(usize, &'a Trace)>,
     beads: Vec<(usize, &'a Trace)>,
+    /// What the scale ends at, added to the static force (N).
     strongest: f64,
 }
 
@@ -49,8 +54,10 @@ fn numbered<'a>(model: &'a Model, kind: &str) -> Vec<(usize, &'a Trace)> {
 impl<'a> Film<'a> {
     fn of(model: &'a Model) -> Option<Self> {
         let contacts = numbered(model, "contact/");
-        let dynamic = contacts.iter().map(|(_, trace)| largest(trace));
-        let strongest = dynamic.fold(0.0, f64::max);
+        let mut dynamic: Vec<f64> = contacts.iter().map(|(_, trace)| largest(trace)).collect();
+        dynamic.sort_by(f64::total_cmp);
+        let place = dynamic.len().saturating_sub(1 + dynamic.len() / CUT_OFF);
+        let strongest = dynamic.get(place).copied().unwrap_or(0.0);
         (!contacts.is_empty()).then(|| Self {
             contacts,
             beads: numbered(model, "bead/"),
@@ -80,6 +87,18 @@ fn at(trace: &Trace, time: f64) -> Option<f64> {
     trace.values.get(frame.min(trace.values.len().checked_sub(1)?)).copied()
 }
 
+/// The largest change between two times (unit).
+fn farthest_between(trace: &Trace, from: f64, to: f64) -> f64 {
+    let rest = rest(trace);
+    let inside = trace
+        .values
+        .iter()
+        .enumerate()
+        .filter(|(index, _)| (from..to).contains(&trace.time(*index)));
+    let changes = inside.map(|(_, value)| value - rest);
+    changes.fold(0.0, |most: f64, change| if change.abs() > most.abs() { change } else { most })
+}
+
 /// Draws the page.
 pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
     let area = layout.page;
@@ -101,12 +120,12 @@ pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
 
 fn heading(model: &Model, film: &Film, (now, end): (f64, f64), frame: &mut Frame, area: Rect) {
     let bold = Style::new().add_modifier(Modifier::BOLD);
-    let state = if model.is_playing() { "playing" } else { "paused, Space plays" };
+    let state = if model.is_playing() { "playing" } else { "paused (Space)" };
     let line = Line::from(vec![
         Span::styled("Forces along the chain  ", bold),
         Span::raw(format!("t = {} of {}  ", compact(now, "s", 4), compact(end, "s", 3))),
         Span::raw(format!(
-            "strongest {}  {state} at {} ms/s",
+            "scale to +{}  {state} at {} ms/s",
             compact(film.strongest, "N", 3),
             model.play().speed
         )),
@@ -149,8 +168,7 @@ fn stripes_of(
             else {
                 continue;
             };
-            let middle = f64::midpoint(from, to);
-            let added = at(trace, middle).map_or(0.0, |force| force - rest(trace));
+            let added = farthest_between(trace, from, to);
             let (tone, style) = tone(model, added / film.strongest);
             let place = Rect { x: area.x + LABELS + column, y: area.y + row, width: 1, height: 1 };
             put(frame.buffer_mut(), place, place.y, tone, style);
@@ -172,8 +190,8 @@ fn tone(model: &Model, share: f64) -> (&'static str, Style) {
 /// The force in each contact now, upward, what pressed before included.
 fn bars_of(model: &Model, film: &Film, now: f64, area: Rect, frame: &mut Frame) {
     let width = area.width.saturating_sub(LABELS);
-    let top =
-        film.contacts.iter().map(|(_, trace)| largest(trace) + rest(trace)).fold(0.0, f64::max);
+    let pressed = film.contacts.iter().map(|(_, trace)| rest(trace)).fold(0.0, f64::max);
+    let top = film.strongest + pressed;
     let grey = Style::new().fg(colour(model.palette(), Color::Gray));
     let labels = Rect { width: LABELS - 1, ..area };
     put(frame.buffer_mut(), labels, area.y, &compact(top, "N", 3), grey);
@@ -255,14 +273,10 @@ fn time_line(model: &Model, (start, end, now): (f64, f64, f64), area: Rect, fram
     let done =
         super::axes::whole((now - start) / (end - start) * f64::from(width.saturating_sub(1)));
     let line: String = (0..width)
-        .map(|x| {
-            if x == done {
-                '●'
-            } else if x < done {
-                '━'
-            } else {
-                '─'
-            }
+        .map(|x| match x.cmp(&done) {
+            Ordering::Equal => '●',
+            Ordering::Less => '━',
+            Ordering::Greater => '─',
         })
         .collect();
     let style = Style::new().fg(colour(model.palette(), Color::Cyan));

@@ -61,18 +61,16 @@ fn verdict(model: &Model, compared: &Compared) -> Line<'static> {
     let tint = colour(model.palette(), if passed { Color::LightGreen } else { Color::LightRed });
     let shift =
         comparison.shift_u_s.map_or_else(String::new, |u| format!(" ± {}", compact(u, "s", 2)));
+    let shifted = format!(
+        "  shifted {}{shift} by {}  ",
+        compact(comparison.shift_s, "s", 4),
+        comparison.align
+    );
     Line::from(vec![
         Span::styled(comparison.verdict.to_uppercase(), bold.fg(tint)),
-        Span::raw(format!(" {}  ", comparison.tolerance.join(", "))),
+        Span::styled(shifted, bold),
         Span::raw(format!("against {}  ", comparison.simulated)),
-        Span::styled(
-            format!(
-                "shifted {}{shift} by {}",
-                compact(comparison.shift_s, "s", 4),
-                comparison.align
-            ),
-            bold,
-        ),
+        Span::raw(comparison.tolerance.join(", ")),
     ])
 }
 

@@ -97,10 +97,10 @@ impl Layout {
             return None;
         }
         let side = if beside && area.width >= WIDTH_WITH_SIDE { SIDE_WIDTH } else { 0 };
-        Self::divided(area, side)
+        Some(Self::divided(area, side))
     }
 
-    fn divided(area: Rect, side: u16) -> Option<Self> {
+    fn divided(area: Rect, side: u16) -> Self {
         let page_width = area.width - side;
         let rows = Rows::new(area.height);
         let label_width = if area.width < WIDTH_WITH_LABELS { 0 } else { LABEL_WIDTH };
@@ -127,7 +127,7 @@ impl Layout {
         let graticule = Rect::new(area.x + gutter, middle.y, width, height);
         let page_height = abscissa.bottom() - status.bottom();
         let page = Rect::new(area.x, status.bottom(), page_width, page_height);
-        Some(Self {
+        Self {
             status,
             trigger: Rect { y: above.y, height: 1, ..graticule },
             labels: Rect { width: label_width, ..middle },
@@ -142,7 +142,7 @@ impl Layout {
             hints,
             x_dots,
             y_dots,
-        })
+        }
     }
 
     /// Columns of dots on the graticule.

@@ -29,10 +29,16 @@ use crate::scope::Source;
 use crate::tui::model::{Model, Page, Palette, Panel, Side};
 use layout::{Layout, SMALLEST_HEIGHT, SMALLEST_WIDTH};
 
+/// From this width on there is room for tables and something beside them.
+const WIDTH_WITH_TABLES: u16 = 112;
+
 /// Where everything stands for `model` on a terminal of `area`; `None` if it is too small.
 #[must_use]
 pub fn layout_of(model: &Model, area: Rect) -> Option<Layout> {
-    Layout::with_side(area, model.side() != Side::Nothing)
+    // Tables need all columns of a small terminal.
+    let tables = matches!(model.page(), Page::Compare | Page::Accuracy);
+    let room = !tables || area.width >= WIDTH_WITH_TABLES;
+    Layout::with_side(area, model.side() != Side::Nothing && room)
 }
 
 /// Draws the whole screen.
@@ -52,7 +58,9 @@ pub fn draw(model: &Model, frame: &mut Frame) {
         Page::Compare => compare::draw(model, &layout, frame),
         Page::Accuracy => accuracy::draw(model, &layout, frame),
     }
-    side::draw(model, &layout, frame);
+    if layout.side.width > 0 || model.page() == Page::Scope {
+        side::draw(model, &layout, frame);
+    }
     readout::channels(model, &layout, frame);
     if !cursors::readout(model, &layout, frame) {
         readout::detail(model, &layout, frame);

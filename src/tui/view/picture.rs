@@ -77,7 +77,7 @@ fn row(buffer: &Buffer, y: u16, text: &mut String) {
         let drawn = drawn(symbol, (left, top), ink, text);
         let alike = |last: &Cell| last.style() == cell.style();
         match &mut run {
-            Some((_, words, last)) if !drawn && alike(*last) => words.push_str(symbol),
+            Some((_, words, last)) if !drawn && alike(last) => words.push_str(symbol),
             _ => {
                 flush(run.take(), top, text);
                 if !drawn && !symbol.trim().is_empty() {

@@ -15,6 +15,8 @@ use crate::tui::model::{Live, Model, Side};
 
 /// Columns of a name.
 const NAME: usize = 14;
+/// Columns of a pair of channels.
+const SHORT: usize = 9;
 
 /// Draws the column.
 pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
@@ -85,7 +87,8 @@ fn arrivals(model: &Model, survey: &Survey, lines: &mut Vec<Line<'static>>) {
     }
     for speed in speeds {
         let value = format!("{:.2} ±{:.2} m/s", speed.m_per_s.value, speed.m_per_s.u);
-        lines.push(pair(&format!("{}-{}", speed.from, speed.to), &value));
+        let ends = format!("{}-{}", speed.from, speed.to);
+        lines.push(Line::raw(format!("{ends:<SHORT$}{value}")));
     }
 }
 
@@ -96,13 +99,13 @@ fn knobs(model: &Model) -> Vec<Line<'static>> {
     let source = model.selected().map(|capture| capture.waveform.source);
     let mut lines = Vec::new();
     for (index, knob) in Knob::ALL.iter().enumerate() {
-        let line = pair(knob.label, &knob.reading(scene, source));
+        let row = pair(knob.label, &knob.reading(scene, source));
         let style = if index == live.knob {
             Style::new().add_modifier(Modifier::REVERSED)
         } else {
             Style::new()
         };
-        lines.push(line.style(style));
+        lines.push(row.style(style));
     }
     lines.push(Line::styled(
         "n N choose - + turn o on/off",
@@ -126,14 +129,14 @@ fn bill(live: &Live) -> Vec<Line<'static>> {
     ];
     let effects = summary.effects.join(" ");
     lines.push(Line::styled("on", bold));
-    let mut line = String::new();
+    let mut words = String::new();
     for effect in effects.split(' ') {
-        if line.chars().count() + effect.chars().count() > 27 {
-            lines.push(Line::raw(std::mem::take(&mut line)));
+        if words.chars().count() + effect.chars().count() > 27 {
+            lines.push(Line::raw(std::mem::take(&mut words)));
         }
-        line.push_str(effect);
-        line.push(' ');
+        words.push_str(effect);
+        words.push(' ');
     }
-    lines.push(Line::raw(line));
+    lines.push(Line::raw(words));
     lines
 }

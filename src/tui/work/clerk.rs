@@ -134,7 +134,7 @@ pub fn research(order: Research, _: &Receiver<Research>, news: &Sender<News>) {
             let accuracy = of_scene(&scene).map(|chosen| chosen.value);
             let found = accuracy.and_then(|accuracy| {
                 effects::ledger(&scene, accuracy, &mut |s| {
-                    tell(s, |s| Answer::Ledger(Job::Busy(s)))
+                    tell(s, |s| Answer::Ledger(Job::Busy(s)));
                 })
             });
             let failed = |error: crate::experiment::RunError| Job::Failed(error.to_string());

@@ -69,7 +69,8 @@ fn volt_cursors_tell_the_difference() {
 #[test]
 fn the_mouse_takes_the_nearer_cursor_along() {
     let model = after(four_channels(), &[Action::Cursors]);
-    let pressed = after(model, &[Action::Press { x: 3.0, y: 0.0 }, Action::Drag { x: 4.0, y: 1.0 }]);
+    let pressed =
+        after(model, &[Action::Press { x: 3.0, y: 0.0 }, Action::Drag { x: 4.0, y: 1.0 }]);
     let at = pressed.cursor_reading().expect("cursors").at;
     // Four divisions of 250 µs right of 1 ms; the other one stays two to the left.
     assert!((at[1] - 2e-3).abs() < 1e-12 && (at[0] - 0.5e-3).abs() < 1e-12, "{at:?}");
@@ -122,9 +123,8 @@ fn the_spectrum_has_the_band_edges_of_the_scene() {
     let tone = channel(1, 0.5, 0.0, |time| (std::f64::consts::TAU * 20e3 * time).sin());
     let model = after(model(recording(vec![vec![tone]])), &[Action::Page(Page::Spectrum)]);
     let spectrum = model.derived().spectrum.clone().expect("asked for").expect("a spectrum");
-    let bin = (0..spectrum.amplitude.len()).max_by(|a, b| {
-        spectrum.amplitude[*a].total_cmp(&spectrum.amplitude[*b])
-    });
+    let bin = (0..spectrum.amplitude.len())
+        .max_by(|a, b| spectrum.amplitude[*a].total_cmp(&spectrum.amplitude[*b]));
     let frequency = bin.expect("bins") as f64 * spectrum.step;
     assert!((frequency - 20e3).abs() <= spectrum.resolution, "{frequency}");
     draw(&model, 80, 24).find("no band edges");
@@ -251,7 +251,11 @@ fn escape_closes_one_thing_after_the_other_and_then_leaves() {
         .collect();
     let (xy, scope) = (Page::Xy, Page::Scope);
     let (measure, nothing) = (Side::Measurements, Side::Nothing);
-    let expected =
-        [(xy, measure, true), (scope, measure, true), (scope, nothing, true), (scope, nothing, false)];
+    let expected = [
+        (xy, measure, true),
+        (scope, measure, true),
+        (scope, nothing, true),
+        (scope, nothing, false),
+    ];
     assert_eq!(steps, expected);
 }

@@ -143,11 +143,9 @@ fn number(model: &Model) -> u32 {
 fn a_shot_is_read_when_it_is_looked_at() {
     let mut model = on_tape(false);
     assert_eq!(number(&model), 1);
-    for (action, place) in [
-        (Action::Shot(Turn::Up), 1),
-        (Action::Ends(Turn::Up), 2),
-        (Action::Ends(Turn::Down), 0),
-    ] {
+    for (action, place) in
+        [(Action::Shot(Turn::Up), 1), (Action::Ends(Turn::Up), 2), (Action::Ends(Turn::Down), 0)]
+    {
         update(&mut model, action);
         assert_eq!(deliver(&mut model), [place], "{action:?}");
     }

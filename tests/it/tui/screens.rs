@@ -221,7 +221,8 @@ fn help_lists_every_key_and_command() {
         all += &draw(&model, 80, 24).text();
         model = after(model, &[Action::Scroll(Turn::Down)]);
     }
-    for (label, help) in BINDINGS.iter().map(|b| (b.label, b.help)).chain(COMMANDS.iter().copied()) {
+    for (label, help) in BINDINGS.iter().map(|b| (b.label, b.help)).chain(COMMANDS.iter().copied())
+    {
         assert!(all.contains(label), "{label}");
         assert!(all.contains(help), "{help}");
     }

@@ -41,7 +41,8 @@ fn letter(colour: Color, reversed: bool) -> char {
 
 /// Text and colours.
 fn written(screen: &Screen, (width, height): (u16, u16)) -> String {
-    let mut text = screen.text().lines().fold(String::new(), |all, row| all + row.trim_end() + "\n");
+    let mut text =
+        screen.text().lines().fold(String::new(), |all, row| all + row.trim_end() + "\n");
     for y in 0..height {
         let row: String = (0..width)
             .map(|x| {
@@ -102,7 +103,8 @@ fn the_bench_and_its_traces() {
     };
     check("bench-knobs", &shown(&[Action::Side(Side::Knobs)]));
     check("bench-truth", &shown(&[Action::Truth]));
-    let snap = [Action::Snap(Turn::Up), Action::OtherCursor, Action::Channel(2), Action::Snap(Turn::Up)];
+    let snap =
+        [Action::Snap(Turn::Up), Action::OtherCursor, Action::Channel(2), Action::Snap(Turn::Up)];
     check("bench-cursors", &shown(&[&[Action::Cursors], &snap[..]].concat()));
     check("bench-volts", &shown(&[Action::Cursors, Action::Cursors]));
     check("measurements", &shown(&[Action::Side(Side::Measurements)]));
@@ -143,10 +145,8 @@ fn the_comparison() {
         (name, session.model.set().clone(), session.model.shot().expect("a shot").clone())
     };
     let (here, there) = (side("lab", &session), side("bench", &other));
-    let measured =
-        Against { name: here.0, set: &here.1, shot: &here.2, scene: None };
-    let simulated =
-        Against { name: there.0, set: &there.1, shot: &there.2, scene: None };
+    let measured = Against { name: here.0, set: &here.1, shot: &here.2, scene: None };
+    let simulated = Against { name: there.0, set: &there.1, shot: &there.2, scene: None };
     let tolerance = Tolerance::parse("rms=1lsb").expect("a tolerance");
     let compared = compare(measured, simulated, (Align::Arrival, &[]), &tolerance).expect("scores");
     let answer = Answer::Comparison(Job::Done(Box::new(compared)));
