@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Makes the pictures of the terminal screen in the README, docs/view-*.svg, from real sessions of `hertzscope view`.
 
-    cargo build --release && docs/screens.py [target/release/hertzscope]
+    cargo build --release && docs/screens.py [target/release/hertzscope [NAME...]]
 
 Each session runs on a pseudo-terminal, is typed at, and saves its own screen with `:write`.
 """
@@ -28,7 +28,7 @@ SESSIONS = [
     ("view-scope", ["magnet-0.61g"], 32, 110, [("", "Trig'd"), ("T", "over each trace"), ("B", "striker mass")]),
     ("view-spectrum", ["magnet-0.61g"], 24, 80, [("", "Trig'd"), ("2F", "f3")]),
     ("view-motion", ["magnet-0.61g"], 32, 110, [("", "Trig'd"), (":seek 0.42 ms\r", "Forces along")]),
-    ("view-compare", ["LAB", "--against", "gravity-0.61g"], 32, 110, [("", "LSB"), ("2", "CH2")]),
+    ("view-compare", ["LAB", "--against", "gravity-0.61g"], 32, 110, [("", "corr"), ("2", "CH2")]),
     ("view-accuracy", ["magnet-0.61g"], 40, 150, [("", "Trig'd"), ("k", "now: accuracy"), ("", "quantisation")]),
 ]
 
@@ -62,11 +62,15 @@ class Session:
 
 def main():
     program = sys.argv[1] if len(sys.argv) > 1 else str(ROOT / "target/release/hertzscope")
+    wanted_ones = sys.argv[2:]
     with tempfile.TemporaryDirectory() as folder:
         lab = os.path.join(folder, "lab.mcap")
         subprocess.run([program, "run", "magnet-0.61g", "-q", "-o", lab], check=True)
+        subprocess.run([program, "convert", lab, os.path.join(folder, "lab")], check=True, stdout=subprocess.DEVNULL)
         for name, arguments, rows, columns, steps in SESSIONS:
-            arguments = [lab if argument == "LAB" else argument for argument in arguments]
+            if wanted_ones and name not in wanted_ones:
+                continue
+            arguments = [lab.removesuffix(".mcap") if argument == "LAB" else argument for argument in arguments]
             session = Session(program, arguments, rows, columns)
             for keys, wanted in steps:
                 if keys:
