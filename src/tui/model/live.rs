@@ -200,9 +200,7 @@ impl Model {
         self.set = struck.set;
         self.shot = 0;
         self.fresh();
-        if self.compared_with.is_some() {
-            self.requests.push(Request::Compare(None));
-        }
+        self.compare_again();
     }
 
     /// Runs or stops the scope.

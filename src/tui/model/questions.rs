@@ -49,10 +49,19 @@ impl Model {
 
     /// Holds what is on screen against `other`: a recording, a folder, or a scene.
     pub fn compare_with(&mut self, other: String) {
-        self.compared_with = Some(other.clone());
+        self.compared_with = Some(other);
         self.questions.comparison = Job::Busy(0.0);
-        self.requests.push(Request::Compare(Some(other)));
         self.page = Page::Compare;
+        self.compare_again();
+    }
+
+    /// Holds another shot against what the last one was held against; without a shot that waits for one.
+    pub(super) fn compare_again(&mut self) {
+        if let (Some(other), Some(_)) = (self.compared_with.clone(), self.shot()) {
+            // Until there is an answer, nobody may know the other side.
+            let unknown = self.questions.comparison.done().is_none();
+            self.requests.push(Request::Compare(unknown.then_some(other)));
+        }
     }
 
     /// What the shot is held against, if anything.
@@ -66,9 +75,7 @@ impl Model {
         if self.page != Page::Compare {
             self.open_page(Page::Compare);
             self.overlay = Overlay::Both;
-            if self.compared_with.is_some() {
-                self.requests.push(Request::Compare(None));
-            }
+            self.compare_again();
             return;
         }
         match self.overlay {

@@ -133,6 +133,9 @@ impl Model {
         if !alike {
             self.window = None;
         }
+        if self.page == Page::Compare {
+            self.compare_again();
+        }
     }
 
     /// Leaves the present traces behind the next ones, where that is wanted.

@@ -228,7 +228,8 @@ impl Sheet {
     pub(super) fn write(&self, (x, y): (f64, f64), text: &str, style: Style, frame: &mut Frame) {
         let Some((column, row)) = self.cell(x, y) else { return };
         let place = Rect { x: column, y: row, width: self.inner.right() - column, height: 1 };
-        put(frame.buffer_mut(), place, row, text, style);
+        // Nothing of the dots below shows through.
+        put(frame.buffer_mut(), place, row, text, Style::reset().patch(style));
     }
 
     /// Draws grid, dots and labels.

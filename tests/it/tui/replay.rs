@@ -192,3 +192,17 @@ fn playing_shows_a_shot_a_second_at_speed_one_and_stops_at_the_end() {
     assert!(!model.is_playing());
     assert_eq!(number(&model), 3);
 }
+
+/// `--against` on a recording asked before there was a shot, and the question was lost.
+#[test]
+fn a_comparison_waits_for_the_first_shot() {
+    let mut model = Model::new(TraceSet::default(), "lab".to_owned(), Palette::Colour);
+    model.on_tape(false);
+    model.compare_with("magnet-0.61g".to_owned());
+    assert!(model.take_requests().is_empty());
+    model.tape_read(3, true, TraceSet::default());
+    assert_eq!(model.take_requests(), [Request::Load(0)]);
+    model.tape_shot(0, shots(1).remove(0));
+    let asked = Request::Compare(Some("magnet-0.61g".to_owned()));
+    assert_eq!(model.take_requests(), [asked]);
+}
