@@ -1,29 +1,61 @@
 //! `hertzscope view`: the scope's screen in the terminal.
 
 use std::io::IsTerminal as _;
-use std::path::PathBuf;
+use std::path::Path;
 
 use anyhow::bail;
 use clap::Args;
 
-use crate::recording::format::open;
-use crate::tui;
+use crate::recording::format::{Format, open};
+use crate::recording::mcap::tape::Tape;
+use crate::scene::Scene;
+use crate::tui::{self, Subject};
 
-/// Look at a recording on the scope's screen, in the terminal
+/// Look at a recording on the scope's screen in the terminal, or play with the bench of a scene
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A recording (.mcap), a TDS2000 file (.csv), or a folder of them
-    file: PathBuf,
+    /// A recording (.mcap), a scope's file (.csv, .isf), a folder of them; or a scene, one that ships or a .toml file
+    what: String,
+    /// Show each new shot of a recording that is still being written
+    #[arg(long)]
+    follow: bool,
+    /// Hold what is shown against this recording, folder or scene
+    #[arg(long, value_name = "WHAT")]
+    against: Option<String>,
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let set = open(&arguments.file)?;
+    let path = Path::new(&arguments.what);
+    let format = Format::of(path);
+    if arguments.follow && format != Some(Format::Mcap) {
+        bail!("{}: found --follow, expected it with an .mcap recording", arguments.what);
+    }
+    let subject = match format {
+        Some(Format::Mcap) => Subject::Tape(Box::new(Tape::open(path)?), arguments.follow),
+        Some(_) => Subject::Set(Box::new(open(path)?)),
+        None => bench(&arguments.what)?,
+    };
     if !std::io::stdout().is_terminal() {
         bail!(
             "found no terminal on standard output, expected one; `hertzscope info` prints what is in the file"
         );
     }
-    let name = arguments.file.file_name().map(|n| n.to_string_lossy().into_owned());
-    tui::run(set, name.unwrap_or_default())?;
+    let stem = if format.is_some() { path.file_name() } else { path.file_stem() };
+    // A shipped scene's name may hold points.
+    let name = match stem {
+        Some(stem) if path.exists() => stem.to_string_lossy().into_owned(),
+        _ => arguments.what.clone(),
+    };
+    tui::run(subject, name, arguments.against.clone())?;
     Ok(())
+}
+
+/// The bench of a scene, which is read here so that its problems are told before the screen is taken.
+fn bench(scene: &str) -> anyhow::Result<Subject> {
+    Scene::load(scene)?;
+    let base = match std::fs::canonicalize(scene) {
+        Ok(path) if path.is_file() => path.display().to_string(),
+        _ => scene.to_owned(),
+    };
+    Ok(Subject::Bench(base))
 }

@@ -30,7 +30,9 @@ fn to_code(level: f64, lowest: f64) -> i16 {
     level.round().clamp(lowest, f64::from(HIGHEST_CODE)) as i16
 }
 
-fn combine(a: &Waveform, b: &Waveform, sign: f64) -> Option<Waveform> {
+/// Sum (`sign` 1) or difference (-1) of two records of one length, in levels of the coarser scale (1).
+#[must_use]
+pub fn combine(a: &Waveform, b: &Waveform, sign: f64) -> Option<Waveform> {
     if a.codes.len() != b.codes.len() {
         return None;
     }

@@ -33,6 +33,15 @@ pub enum Turn {
 }
 
 impl Turn {
+    /// The other way.
+    #[must_use]
+    pub fn other(self) -> Self {
+        match self {
+            Self::Down => Self::Up,
+            Self::Up => Self::Down,
+        }
+    }
+
     /// -1 for down, 1 for up (1).
     #[must_use]
     pub fn sign(self) -> f64 {

@@ -1,8 +1,8 @@
-//! The scope's screen in a terminal: `hertzscope view FILE` shows a recording on it.
+//! The scope's screen in a terminal: `hertzscope view` shows a recording on it, or a bench that can be played with.
 //!
-//! The last room of the house: it reads a [`TraceSet`] and is read by people. An event becomes an
-//! [`model::Action`] (`keys`), an action changes the [`Model`] (`model`), the model is drawn (`view`). Only this
-//! file touches the terminal; everything else can be tested without one.
+//! The last room of the house, read by people. An event becomes an [`model::Action`] (`keys`), an action changes the [`Model`]
+//! (`model`), the model is drawn (`view`); what takes long or touches files is done by threads (`work`), whose answers come through
+//! the same door as the keys. Only this file and `work` touch the world; everything else can be tested without one.
 //!
 //! The screen is drawn again when something has happened and never otherwise. Events that are already waiting
 //! are taken together, so that holding a key down over a slow connection does not pile up frames.
@@ -11,42 +11,73 @@ pub mod axis;
 pub mod keys;
 pub mod model;
 pub mod view;
+pub mod work;
 
 use std::io;
 use std::panic;
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 use ratatui::DefaultTerminal;
-use ratatui::crossterm::event::{self, DisableMouseCapture, EnableMouseCapture, Event};
+use ratatui::crossterm::event::{DisableMouseCapture, EnableMouseCapture, Event};
 use ratatui::crossterm::execute;
 use ratatui::layout::{Position, Rect, Size};
 
 use crate::recording::TraceSet;
-use model::{Model, Palette};
-use view::layout::Layout;
+use crate::recording::mcap::tape::Tape;
+use model::{Action, Model, Palette};
+use work::{News, Staff};
 
 /// A picture is at most so much older than the first event that changed it.
 const LONGEST_WAIT: Duration = Duration::from_millis(33);
 
-/// Shows `set` under the name `title` until the user quits.
+/// What is shown.
+pub enum Subject {
+    /// A recording that is in memory.
+    Set(Box<TraceSet>),
+    /// A recording that is read as it is looked at, and whether its newest shot is followed.
+    Tape(Box<Tape>, bool),
+    /// The bench of a scene: a name that ships, or a whole path.
+    Bench(String),
+}
+
+/// Shows `subject` under the name `title` until the user quits, held against `against` if that is there.
 ///
 /// Takes over the terminal and gives it back, after a panic too. Colours are left out where the environment
 /// variable `NO_COLOR` is set and not empty.
 ///
 /// # Errors
 /// When the terminal cannot be set up, read or written.
-pub fn run(set: TraceSet, title: String) -> io::Result<()> {
+pub fn run(subject: Subject, title: String, against: Option<String>) -> io::Result<()> {
     let plain = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
     let palette = if plain { Palette::Plain } else { Palette::Colour };
+    let (set, tape, follow, bench) = match subject {
+        Subject::Set(set) => (*set, None, false, None),
+        Subject::Tape(tape, follow) => (TraceSet::default(), Some(tape), follow, None),
+        Subject::Bench(base) => (TraceSet::default(), None, false, Some(base)),
+    };
     let mut model = Model::new(set, title, palette);
+    if tape.is_some() {
+        model.on_tape(follow);
+    }
+    if let Some(base) = bench {
+        model.open_bench(base);
+    }
+    if let Some(against) = against {
+        model.compare_with(against);
+    }
     let mut terminal = ratatui::try_init()?;
-    let result = watch_mouse().and_then(|()| show(&mut terminal, &mut model));
+    let result = watch_mouse().and_then(|()| {
+        let (staff, news) = Staff::start(tape.map(|tape| *tape), follow);
+        staff.listen();
+        show(&mut terminal, &mut model, &staff, &news)
+    });
     let mouse = execute!(io::stdout(), DisableMouseCapture);
     let restored = ratatui::try_restore();
     result.and(mouse).and(restored)
 }
 
-/// Asks the terminal for the mouse wheel; a panic hands the mouse back before the terminal is restored.
+/// Asks the terminal for the mouse; a panic hands the mouse back before the terminal is restored.
 fn watch_mouse() -> io::Result<()> {
     let restore_terminal = panic::take_hook();
     panic::set_hook(Box::new(move |info| {
@@ -58,25 +89,65 @@ fn watch_mouse() -> io::Result<()> {
 }
 
 /// Draws, waits, acts, until the model stops.
-fn show(terminal: &mut DefaultTerminal, model: &mut Model) -> io::Result<()> {
+fn show(
+    terminal: &mut DefaultTerminal,
+    model: &mut Model,
+    staff: &Staff,
+    news: &Receiver<News>,
+) -> io::Result<()> {
     while model.is_running() {
         terminal.draw(|frame| view::draw(model, frame))?;
-        let mut stale = false;
-        while !stale {
-            stale = take(&event::read()?, terminal.size()?, model);
-        }
+        let size = terminal.size()?;
+        staff.serve(model, size);
         let started = Instant::now();
-        while model.is_running() && started.elapsed() < LONGEST_WAIT && event::poll(Duration::ZERO)?
-        {
-            take(&event::read()?, terminal.size()?, model);
+        let mut wait = if model.is_playing() { Some(LONGEST_WAIT) } else { None };
+        let mut first = None;
+        // Something that changes the picture, and then whatever is waiting already.
+        while let Some(came) = next(news, wait) {
+            if !take(came, size, model) {
+                continue;
+            }
+            staff.serve(model, size);
+            let since: &Instant = first.get_or_insert_with(Instant::now);
+            if !model.is_running() || since.elapsed() >= LONGEST_WAIT {
+                break;
+            }
+            wait = Some(Duration::ZERO);
+        }
+        if model.is_playing() {
+            model::update(model, Action::Tick(started.elapsed().as_secs_f64()));
         }
     }
     Ok(())
 }
 
-/// Lets one event act on the model; whether the picture has to be drawn again.
-fn take(event: &Event, size: Size, model: &mut Model) -> bool {
-    let layout = Layout::new(Rect::from((Position::ORIGIN, size)));
+/// The next news, for which it waits at most `wait`, or for ever.
+fn next(news: &Receiver<News>, wait: Option<Duration>) -> Option<News> {
+    match wait {
+        None => Some(news.recv().unwrap_or(News::Closed)),
+        Some(wait) => match news.recv_timeout(wait) {
+            Ok(came) => Some(came),
+            Err(RecvTimeoutError::Timeout) => None,
+            Err(RecvTimeoutError::Disconnected) => Some(News::Closed),
+        },
+    }
+}
+
+/// Lets one piece of news act on the model; whether the picture has to be drawn again.
+fn take(news: News, size: Size, model: &mut Model) -> bool {
+    match news {
+        News::Terminal(event) => return press(&event, size, model),
+        News::Closed => model::update(model, Action::Quit),
+        other => other.bring(model),
+    }
+    true
+}
+
+/// Lets one event of the terminal act on the model; the mouse moves often and means something seldom.
+fn press(event: &Event, size: Size, model: &mut Model) -> bool {
+    #[cfg(debug_assertions)]
+    provoked_panic(event);
+    let layout = view::layout_of(model, Rect::from((Position::ORIGIN, size)));
     match keys::action(event, model.panel(), layout.as_ref()) {
         Some(action) => {
             model::update(model, action);
@@ -84,4 +155,13 @@ fn take(event: &Event, size: Size, model: &mut Model) -> bool {
         }
         None => matches!(event, Event::Resize(..)),
     }
+}
+
+/// In debug builds `!` panics where `HERTZSCOPE_VIEW_PANIC` is set, so that a test can see the terminal come back.
+#[cfg(debug_assertions)]
+fn provoked_panic(event: &Event) {
+    use ratatui::crossterm::event::KeyCode;
+    let pressed = event.as_key_press_event().is_some_and(|key| key.code == KeyCode::Char('!'));
+    let asked = std::env::var_os("HERTZSCOPE_VIEW_PANIC").is_some();
+    assert!(!(asked && pressed), "provoked");
 }

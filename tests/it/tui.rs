@@ -7,4 +7,10 @@ mod actions;
 mod bench;
 mod degenerate;
 mod keys;
+mod live;
+mod pages;
+mod replay;
 mod screens;
+mod snapshots;
+#[cfg(unix)]
+mod terminal;

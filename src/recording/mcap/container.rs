@@ -8,6 +8,8 @@ use std::collections::BTreeMap;
 
 /// First and last bytes of every file.
 pub const MAGIC: [u8; 8] = [0x89, b'M', b'C', b'A', b'P', 0x30, b'\r', b'\n'];
+/// Length of what stands before a record's body: its opcode and the body's length (bytes).
+pub const HEAD: usize = 9;
 /// Largest uncompressed chunk that is unpacked: a thousand times what this program writes.
 const LARGEST_CHUNK: u64 = 256 * 1024 * 1024;
 
@@ -86,6 +88,13 @@ impl<'a> Cursor<'a> {
         let bytes = self.take(u64::from(length))?;
         String::from_utf8(bytes.to_vec()).map_err(|_| "found text that is no UTF-8".to_owned())
     }
+}
+
+/// Length of the body that follows `head`, the first bytes of a record (bytes).
+#[must_use]
+pub fn body_length(head: &[u8; HEAD]) -> u64 {
+    let [_, length @ ..] = *head;
+    u64::from_le_bytes(length)
 }
 
 /// Takes the record at the start of `bytes`; returns its opcode, body and what follows.

@@ -11,6 +11,7 @@ mod error;
 pub mod message;
 mod read;
 mod schema;
+pub mod tape;
 mod write;
 
 pub use error::ReadError;

@@ -67,13 +67,14 @@ pub fn read_bytes(bytes: &[u8], file: &Path) -> Result<TraceSet, ReadError> {
     Ok(set)
 }
 
+/// Puts records together to a recording.
 #[derive(Default)]
-struct Reader {
-    set: TraceSet,
-    schemas: BTreeMap<u16, String>,
+pub(super) struct Reader {
+    pub(super) set: TraceSet,
+    pub(super) schemas: BTreeMap<u16, String>,
     /// Topic and schema name by channel.
-    channels: BTreeMap<u16, (String, String)>,
-    shots: BTreeMap<u32, Shot>,
+    pub(super) channels: BTreeMap<u16, (String, String)>,
+    pub(super) shots: BTreeMap<u32, Shot>,
     /// The shot whose messages are being read: lines of the log belong to it.
     current: u32,
     /// Bytes that chunks may still unpack to.
@@ -82,7 +83,7 @@ struct Reader {
 }
 
 impl Reader {
-    fn problem(&mut self, text: String) {
+    pub(super) fn problem(&mut self, text: String) {
         if self.set.problems.len() < MOST_PROBLEMS {
             self.set.problems.push(text);
         } else {
@@ -143,7 +144,7 @@ impl Reader {
         }
     }
 
-    fn chunk(&mut self, mut rest: &[u8], offset: usize) {
+    pub(super) fn chunk(&mut self, mut rest: &[u8], offset: usize) {
         while !rest.is_empty() {
             match container::split(rest) {
                 Ok((opcode, body, tail)) => {
@@ -165,7 +166,7 @@ impl Reader {
         }
     }
 
-    fn record(&mut self, record: Record<'_>, offset: usize) {
+    pub(super) fn record(&mut self, record: Record<'_>, offset: usize) {
         match record {
             Record::Schema(id, name) => {
                 self.schemas.insert(id, name);

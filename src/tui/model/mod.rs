@@ -1,69 +1,89 @@
 //! What the screen knows, and how actions change it; the views read it and change nothing.
 //!
 //! The recording is never touched: scales and positions that the user turns are kept beside it, for each trace,
-//! and shown as different from the recorded ones.
+//! and shown as different from the recorded ones. The model does no input and no output: what it needs done it leaves as
+//! [`Request`]s, and the answers come back as method calls.
 
+mod asked;
+pub mod command;
+mod cursors;
+pub mod derived;
+pub mod features;
+mod front_panel;
+pub mod knobs;
+pub mod live;
+pub mod questions;
+mod replay;
+mod selection;
+pub mod state;
+pub mod traces;
 mod update;
 
 use std::collections::BTreeMap;
 
-use crate::recording::{Capture, Shot, TraceSet};
+use crate::experiment::recorded;
+use crate::recording::{Capture, TraceSet};
+use crate::scene::Scene;
 use crate::scope::{Source, Waveform};
-use crate::tui::axis::{Vertical, Window};
+use crate::tui::axis::Window;
 
+pub use cursors::CursorReading;
+pub use derived::{Derived, Reading};
+pub use live::{Live, Struck};
+pub use questions::Questions;
+use state::Adjustment;
+pub use state::{
+    Acquisition, CursorKind, Cursors, Ghosts, Job, Overlay, Page, Palette, Panel, Play, Request,
+    Side, Strike, Visibility,
+};
+pub use traces::MathMode;
 pub use update::{Action, update};
 
-/// What lies over the scope's screen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Panel {
-    /// Nothing.
-    Scope,
-    /// The keys.
-    Help,
-    /// Problems of the file and lines of its log.
-    Log,
-}
-
-/// Whether the terminal shows colours.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Palette {
-    /// The sixteen colours that every terminal has.
-    Colour,
-    /// None, as the environment variable `NO_COLOR` asks.
-    Plain,
-}
-
-/// Whether a trace is on the screen, and if not, why.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Visibility {
-    /// It is.
-    Shown,
-    /// It was turned off.
-    Off,
-    /// It belongs to another abscissa than the selected trace: a spectrum among signals, or the reverse.
-    OtherAxis,
-}
-
-/// How a trace is shown differently from its recording.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-struct Adjustment {
-    scale: Option<f64>,
-    position: Option<f64>,
-    off: bool,
+/// Unit of a record's ordinate; some files write `Volts`.
+#[must_use]
+pub fn ordinate_unit(waveform: &Waveform) -> &str {
+    match waveform.preamble.y_unit.as_str() {
+        "Volts" => "V",
+        unit => unit,
+    }
 }
 
 /// The state of the screen.
 #[derive(Debug, Clone)]
 pub struct Model {
     set: TraceSet,
+    /// Shots of a recording that is read as it is looked at, and whether there may come more; none where all are in `set`.
+    on_tape: Option<replay::OnTape>,
+    /// The bench that was recorded, or that is struck.
+    scene: Option<Scene>,
     title: String,
     palette: Palette,
     shot: usize,
+    /// Counts the changes of `traces`.
+    version: u64,
+    traces: Vec<Capture>,
+    references: Vec<Capture>,
+    ghosts: Option<Ghosts>,
+    math: MathMode,
+    truth: bool,
+    newtons: bool,
     selected: Option<Source>,
     window: Option<Window>,
     adjustments: BTreeMap<Source, Adjustment>,
+    cursors: Cursors,
+    grip: Option<(f64, f64)>,
+    page: Page,
+    side: Side,
     panel: Panel,
+    prompt: String,
     scroll: usize,
+    play: Play,
+    live: Option<Live>,
+    compared_with: Option<String>,
+    overlay: Overlay,
+    questions: Questions,
+    derived: Derived,
+    requests: Vec<Request>,
     notice: Option<String>,
     running: bool,
 }
@@ -74,129 +94,51 @@ impl Model {
     pub fn new(set: TraceSet, title: String, palette: Palette) -> Self {
         let mut model = Self {
             set,
+            on_tape: None,
+            scene: None,
             title,
             palette,
             shot: 0,
+            version: 0,
+            traces: Vec::new(),
+            references: Vec::new(),
+            ghosts: None,
+            math: MathMode::Off,
+            truth: false,
+            newtons: false,
             selected: None,
             window: None,
             adjustments: BTreeMap::new(),
+            cursors: Cursors::default(),
+            grip: None,
+            page: Page::Scope,
+            side: Side::Nothing,
             panel: Panel::Scope,
+            prompt: String::new(),
             scroll: 0,
+            play: Play::default(),
+            live: None,
+            compared_with: None,
+            overlay: Overlay::Both,
+            questions: Questions::default(),
+            derived: Derived::default(),
+            requests: Vec::new(),
             notice: None,
             running: true,
         };
-        model.keep_selection();
+        model.read_scene();
+        model.fresh();
         model
     }
 
-    /// The recording.
-    #[must_use]
-    pub fn set(&self) -> &TraceSet {
-        &self.set
+    /// Tells the user something.
+    pub fn tell(&mut self, notice: String) {
+        self.notice = Some(notice);
     }
 
-    /// The recording's name.
-    #[must_use]
-    pub fn title(&self) -> &str {
-        &self.title
-    }
-
-    /// Whether colours may be used.
-    #[must_use]
-    pub fn palette(&self) -> Palette {
-        self.palette
-    }
-
-    /// The shot on screen; `None` in an empty recording.
-    #[must_use]
-    pub fn shot(&self) -> Option<&Shot> {
-        self.set.shots.get(self.shot)
-    }
-
-    /// The shot's place in the recording, from 0.
-    #[must_use]
-    pub fn shot_index(&self) -> usize {
-        self.shot
-    }
-
-    /// The shot's captures, in channel order.
-    #[must_use]
-    pub fn captures(&self) -> &[Capture] {
-        self.shot().map_or(&[], |shot| &shot.captures)
-    }
-
-    /// The selected capture; `None` where there is none.
-    #[must_use]
-    pub fn selected(&self) -> Option<&Capture> {
-        self.find(self.selected?)
-    }
-
-    /// Whether `source` is the selected trace.
-    #[must_use]
-    pub fn is_selected(&self, source: Source) -> bool {
-        self.selected == Some(source)
-    }
-
-    /// What of the abscissa is on screen; `None` without a trace.
-    #[must_use]
-    pub fn window(&self) -> Option<Window> {
-        self.window.or_else(|| self.recorded_window())
-    }
-
-    /// The window of the selected trace's recording; `None` without a trace.
-    #[must_use]
-    pub fn recorded_window(&self) -> Option<Window> {
-        self.selected().map(|capture| Window::recorded(&capture.waveform))
-    }
-
-    /// Whether another part of the abscissa is shown than was recorded.
-    #[must_use]
-    pub fn is_zoomed(&self) -> bool {
-        self.window.is_some()
-    }
-
-    /// How `waveform` stands on the screen.
-    #[must_use]
-    pub fn vertical(&self, waveform: &Waveform) -> Vertical {
-        let recorded = Vertical::recorded(waveform);
-        let adjustment = self.adjustment(waveform.source);
-        Vertical {
-            scale: adjustment.scale.unwrap_or(recorded.scale),
-            position: adjustment.position.unwrap_or(recorded.position),
-        }
-    }
-
-    /// Whether `waveform` is on the screen.
-    #[must_use]
-    pub fn visibility(&self, waveform: &Waveform) -> Visibility {
-        let same_axis = self
-            .selected()
-            .is_none_or(|selected| selected.waveform.preamble.x_unit == waveform.preamble.x_unit);
-        if self.adjustment(waveform.source).off {
-            Visibility::Off
-        } else if same_axis {
-            Visibility::Shown
-        } else {
-            Visibility::OtherAxis
-        }
-    }
-
-    /// What lies over the screen.
-    #[must_use]
-    pub fn panel(&self) -> Panel {
-        self.panel
-    }
-
-    /// How many lines of the panel have been scrolled past.
-    #[must_use]
-    pub fn scroll(&self) -> usize {
-        self.scroll
-    }
-
-    /// What to tell about the last action, if anything.
-    #[must_use]
-    pub fn notice(&self) -> Option<&str> {
-        self.notice.as_deref()
+    /// What is to be done outside; each is handed out once.
+    pub fn take_requests(&mut self) -> Vec<Request> {
+        std::mem::take(&mut self.requests)
     }
 
     /// Whether the screen goes on.
@@ -218,5 +160,16 @@ impl Model {
         if self.selected().is_none() {
             self.selected = self.captures().first().map(|c| c.waveform.source);
         }
+    }
+
+    /// The scene that travels with the recording.
+    fn read_scene(&mut self) {
+        self.scene = recorded::scene(&self.set).and_then(Result::ok);
+    }
+
+    /// The traces of another shot.
+    fn fresh(&mut self) {
+        self.version += 1;
+        self.rebuild();
     }
 }

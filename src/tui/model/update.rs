@@ -1,12 +1,12 @@
 //! Actions, and what each does to the model.
 
+use super::command::COMMANDS;
+use super::selection::{next_math, next_trace, press, reset, truth, unit};
+use super::state::{Page, Side};
 use super::{Model, Panel};
-use crate::scope::{Source, Waveform};
-use crate::tui::axis::{Turn, Vertical, Window};
+use crate::scope::Source;
+use crate::tui::axis::Turn;
 use crate::tui::keys::BINDINGS;
-
-/// A division in so many presses of a position key (1).
-const PRESSES_PER_DIVISION: f64 = 2.0;
 
 /// What a key or the mouse asks for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,15 +42,94 @@ pub enum Action {
     Shot(Turn),
     /// Back to how everything was recorded.
     Reset,
+    /// The first shot, or the last.
+    Ends(Turn),
+    /// Play or stop a recording, run or stop a bench.
+    RunStop,
+    /// Play twice as fast, or half.
+    Speed(Turn),
+    /// So many seconds have passed (s).
+    Tick(f64),
+    /// Open a page, or close it when it is open.
+    Page(Page),
+    /// Open what stands beside the page, or close it.
+    Side(Side),
+    /// The comparison: its page, its next view, away.
+    Compare,
+    /// The next kind of cursors.
+    Cursors,
+    /// The other cursor moves now.
+    OtherCursor,
+    /// Move the active cursor.
+    MoveCursor(Turn),
+    /// Move it to the next peak or edge.
+    Snap(Turn),
+    /// A mouse button goes down.
+    Press {
+        /// To the right of the graticule's centre (div).
+        x: f64,
+        /// Above it (div).
+        y: f64,
+    },
+    /// The mouse moves with its button down.
+    Drag {
+        /// To the right of the graticule's centre (div).
+        x: f64,
+        /// Above it (div).
+        y: f64,
+    },
+    /// The next math trace.
+    Math,
+    /// Keep the selected trace as a reference, or empty the selected reference.
+    Reference,
+    /// What really happened at the sensors, over the traces.
+    Truth,
+    /// Volts or newtons.
+    Unit,
+    /// Earlier shots stay on screen, or not.
+    Persistence,
+    /// Scales and positions that show everything.
+    Autoset,
+    /// Wait for one trigger.
+    Single,
+    /// Take a record without a trigger.
+    Force,
+    /// Strike the chain.
+    Impact,
+    /// Turn the trigger level.
+    TriggerLevel(Turn),
+    /// The trigger's other edge.
+    TriggerSlope,
+    /// The trigger's other mode.
+    TriggerMode,
+    /// The selected channel's next coupling.
+    Coupling,
+    /// The selected channel's next probe.
+    Probe,
+    /// Select the next knob or effect.
+    NextKnob(Turn),
+    /// Turn the selected knob.
+    TurnKnob(Turn),
+    /// Switch the selected effect.
+    Switch,
+    /// Open the command line, with these words typed already.
+    Prompt(&'static str),
+    /// Type a letter.
+    Type(char),
+    /// Take the last letter back.
+    Erase,
+    /// Do what was typed.
+    Submit,
 }
 
 /// Does what `action` asks.
 pub fn update(model: &mut Model, action: Action) {
-    model.notice = None;
+    if !matches!(action, Action::Tick(_)) {
+        model.notice = None;
+    }
     match action {
         Action::Quit => model.running = false,
-        Action::Back if model.panel == Panel::Scope => model.running = false,
-        Action::Back => model.panel = Panel::Scope,
+        Action::Back => back(model),
         Action::Toggle(panel) => toggle(model, panel),
         Action::Scroll(turn) => scroll(model, turn),
         Action::Channel(number) => press(model, Source::Channel(number)),
@@ -60,28 +139,92 @@ pub fn update(model: &mut Model, action: Action) {
                 press(model, source);
             }
         }
-        Action::VoltsPerDivision(turn) => adjust(model, |waveform, vertical| Vertical {
-            scale: vertical.turned(waveform, turn),
-            ..vertical
-        }),
-        Action::Position(turn) => adjust(model, |_, vertical| Vertical {
-            position: vertical.moved(turn.sign() / PRESSES_PER_DIVISION),
-            ..vertical
-        }),
-        Action::TimePerDivision { turn, anchor } => {
-            look(model, |window, waveform| window.zoomed(waveform, turn, anchor));
+        Action::VoltsPerDivision(turn) => model.turn_volts(turn),
+        Action::Position(turn) => model.turn_position(turn),
+        Action::TimePerDivision { turn, anchor } => model.turn_time(turn, anchor),
+        Action::Pan(turn) => model.turn_pan(turn),
+        Action::Reset => reset(model),
+        Action::Autoset => model.autoset(),
+        Action::Math => next_math(model),
+        Action::Reference => model.keep_reference(),
+        Action::Truth => truth(model),
+        Action::Unit => unit(model),
+        Action::Cursors => model.next_cursors(),
+        Action::OtherCursor => model.cursors.active = 1 - model.cursors.active,
+        Action::MoveCursor(turn) => model.move_cursor(turn),
+        Action::Snap(turn) => model.snap_cursor(turn),
+        Action::Press { x, y } => model.press_at(x, y),
+        Action::Drag { x, y } => model.drag_to(x, y),
+        other => more(model, other),
+    }
+    model.derive();
+}
+
+/// Pages, playing, the bench and the command line.
+fn more(model: &mut Model, action: Action) {
+    match action {
+        Action::Page(Page::Accuracy) => model.open_accuracy(),
+        Action::Page(page) => model.open_page(page),
+        Action::Side(Side::Knobs) if model.bench().is_none() => {}
+        Action::Side(side) => model.open_side(side),
+        Action::Compare => model.next_overlay(),
+        Action::Shot(turn) => step(model, turn),
+        Action::Ends(Turn::Down) => model.go_to(0),
+        Action::Ends(Turn::Up) => model.go_to(model.shots().saturating_sub(1)),
+        Action::RunStop if model.live.is_some() && model.page != Page::Bench => model.run_stop(),
+        Action::RunStop => model.play_or_stop(),
+        Action::Speed(turn) => model.change_speed(turn),
+        Action::Tick(seconds) => model.tick(seconds),
+        Action::Persistence => model.persist(),
+        Action::Single => model.arm(),
+        Action::Force => model.force(),
+        Action::Impact => model.impact(),
+        Action::TriggerLevel(turn) => model.turn_level(turn),
+        Action::TriggerSlope => model.other_slope(),
+        Action::TriggerMode => model.other_mode(),
+        Action::Coupling => model.next_coupling(),
+        Action::Probe => model.next_probe(),
+        Action::NextKnob(turn) => model.next_knob(turn),
+        Action::TurnKnob(turn) => model.turn_knob(turn),
+        Action::Switch => model.switch_effect(),
+        Action::Prompt(start) => model.open_prompt(start),
+        Action::Type(letter) => model.prompt.push(letter),
+        Action::Erase => erase(model),
+        Action::Submit => model.submit(),
+        _ => {}
+    }
+}
+
+/// Takes the last letter back; before the first one the command line closes.
+fn erase(model: &mut Model) {
+    if model.prompt.pop().is_none() {
+        model.panel = Panel::Scope;
+    }
+}
+
+/// Closes what is open: a panel, then a page, then the side, then everything.
+fn back(model: &mut Model) {
+    if model.panel != Panel::Scope {
+        model.panel = Panel::Scope;
+        model.prompt.clear();
+    } else if model.page != Page::Scope {
+        model.page = Page::Scope;
+        model.play.running = false;
+    } else if model.side != Side::Nothing {
+        model.side = Side::Nothing;
+    } else {
+        model.running = false;
+    }
+}
+
+/// The next shot; on the page of the moving bench its next frame.
+fn step(model: &mut Model, turn: Turn) {
+    const FRAMES: f64 = 200.0;
+    match model.film_span() {
+        Some((start, end)) if model.page == Page::Bench => {
+            model.wind(turn.sign() * (end - start) / FRAMES);
         }
-        Action::Pan(turn) => look(model, |window, waveform| {
-            window.panned(waveform, -turn.sign() / PRESSES_PER_DIVISION)
-        }),
-        Action::Shot(turn) => change_shot(model, turn),
-        Action::Reset => {
-            model.window = None;
-            for adjustment in model.adjustments.values_mut() {
-                adjustment.scale = None;
-                adjustment.position = None;
-            }
-        }
+        _ => model.change_shot(turn),
     }
 }
 
@@ -93,97 +236,12 @@ fn toggle(model: &mut Model, panel: Panel) {
 /// Moves a panel's text by a line; there is always a line left to see.
 fn scroll(model: &mut Model, turn: Turn) {
     let last = match model.panel {
-        Panel::Scope => 0,
-        Panel::Help => BINDINGS.len(),
+        Panel::Scope | Panel::Prompt => 0,
+        Panel::Help => BINDINGS.len() + COMMANDS.len(),
         Panel::Log => model.set.problems.len() + model.set.log.len(),
     };
     model.scroll = match turn {
         Turn::Up => model.scroll.saturating_sub(1),
         Turn::Down => (model.scroll + 1).min(last),
     };
-}
-
-/// A press of a trace's button.
-fn press(model: &mut Model, source: Source) {
-    if model.find(source).is_none() {
-        model.notice = Some(format!("{source} is not in this shot"));
-        return;
-    }
-    let again = model.is_selected(source);
-    let adjustment = model.adjustments.entry(source).or_default();
-    adjustment.off = again && !adjustment.off;
-    select(model, source);
-}
-
-/// Selects a trace; if it has another abscissa, the screen changes to that.
-fn select(model: &mut Model, source: Source) {
-    let unit = |model: &Model| model.selected().map(|c| c.waveform.preamble.x_unit.clone());
-    let before = unit(model);
-    model.selected = Some(source);
-    if unit(model) != before {
-        model.window = None;
-    }
-}
-
-fn next_trace(model: &mut Model, turn: Turn) {
-    let captures = model.captures();
-    let Some(last) = captures.len().checked_sub(1) else {
-        return;
-    };
-    let here = captures.iter().position(|c| model.is_selected(c.waveform.source)).unwrap_or(0);
-    let next = match turn {
-        Turn::Up if here == last => 0,
-        Turn::Up => here + 1,
-        Turn::Down => here.checked_sub(1).unwrap_or(last),
-    };
-    if let Some(source) = captures.get(next).map(|c| c.waveform.source) {
-        select(model, source);
-    }
-}
-
-/// Changes how the selected trace stands on the screen; back at the recorded setting, nothing is kept.
-fn adjust(model: &mut Model, change: impl Fn(&Waveform, Vertical) -> Vertical) {
-    let Some(waveform) = model.selected().map(|c| &c.waveform) else {
-        return;
-    };
-    let source = waveform.source;
-    let recorded = Vertical::recorded(waveform);
-    let changed = change(waveform, model.vertical(waveform));
-    let scale = Vertical { position: recorded.position, ..changed };
-    let position = Vertical { scale: recorded.scale, ..changed };
-    let adjustment = model.adjustments.entry(source).or_default();
-    adjustment.scale = (!scale.same_as(&recorded)).then_some(changed.scale);
-    adjustment.position = (!position.same_as(&recorded)).then_some(changed.position);
-}
-
-/// Changes what of the abscissa is on screen; back at the recorded window, nothing is kept.
-fn look(model: &mut Model, change: impl Fn(Window, &Waveform) -> Window) {
-    let (Some(window), Some(capture)) = (model.window(), model.selected()) else {
-        return;
-    };
-    let recorded = Window::recorded(&capture.waveform);
-    let window = change(window, &capture.waveform);
-    model.window = (!window.same_as(&recorded)).then_some(window);
-}
-
-/// Shows another shot, the same part of it where it was recorded alike.
-fn change_shot(model: &mut Model, turn: Turn) {
-    let before = model.recorded_window();
-    let next = match turn {
-        Turn::Down => model.shot.checked_sub(1),
-        Turn::Up => Some(model.shot + 1).filter(|next| *next < model.set.shots.len()),
-    };
-    let Some(next) = next else {
-        model.notice = Some("there is no further shot in this direction".to_owned());
-        return;
-    };
-    model.shot = next;
-    model.keep_selection();
-    let alike = match (before, model.recorded_window()) {
-        (Some(before), Some(now)) => before.same_as(&now),
-        _ => false,
-    };
-    if !alike {
-        model.window = None;
-    }
 }

@@ -18,6 +18,7 @@ pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
     let buffer = frame.buffer_mut();
     ground_markers(model, layout, buffer);
     ordinate_labels(model, layout, buffer);
+    level_marker(model, layout, buffer);
     if let Some(window) = model.window() {
         trigger_marker(model, layout, window, buffer);
         abscissa_labels(model, layout, window, buffer);
@@ -112,6 +113,20 @@ fn trigger_marker(model: &Model, layout: &Layout, window: Window, buffer: &mut B
     let style =
         Style::new().fg(colour(model.palette(), Color::LightRed)).add_modifier(Modifier::BOLD);
     put(buffer, place, place.y, mark, style);
+}
+
+/// The trigger's level at the right edge, where the scene tells it.
+fn level_marker(model: &Model, layout: &Layout, buffer: &mut Buffer) {
+    let Some(trigger) = model.scene().map(|scene| scene.scope.trigger) else { return };
+    let source = trigger.source.channel().map(Source::Channel);
+    let watched = shown(model).into_iter().find(|waveform| Some(waveform.source) == source);
+    let Some(waveform) = watched.filter(|waveform| ordinate_unit(waveform) == "V") else { return };
+    let vertical = model.vertical(waveform);
+    let dot = dot_of_division(layout, trigger.level / vertical.scale + vertical.position).round();
+    let last = f64::from(layout.rows() - 1);
+    let y = layout.graticule.y + whole(dot.clamp(0.0, last) / 4.0);
+    let place = Rect { x: layout.graticule.right() - 1, width: 1, ..layout.graticule };
+    put(buffer, place, y, "◂", trace_style(model, waveform.source));
 }
 
 /// Values of the abscissa below the division lines, as many as there is room for.

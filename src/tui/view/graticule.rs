@@ -6,7 +6,7 @@ use ratatui::symbols::Marker;
 use ratatui::widgets::canvas::{Canvas, Painter, Shape};
 
 use super::layout::Layout;
-use super::trace::{Line, Projection, Stroke, spans};
+use super::trace::{Line, Projection, Stroke, spans, spans_of_trace};
 use super::{colour, colour_of};
 use crate::scope::Waveform;
 use crate::tui::axis::{DIVISIONS_ACROSS, DIVISIONS_UP, Vertical, Window};
@@ -21,6 +21,8 @@ const MARKS: u16 = 5;
 pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
     let window = model.window();
     let lines = window.map_or_else(Vec::new, |window| lines(model, layout, window));
+    let behind = window.map_or_else(Vec::new, |window| behind(model, layout, window));
+    let pointers = super::cursors::pointers(model, layout);
     let grid = Grid {
         x_dots: layout.x_dots,
         y_dots: layout.y_dots,
@@ -31,8 +33,11 @@ pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
             |context| {
                 context.draw(&grid);
                 context.layer();
-                for line in &lines {
+                for line in behind.iter().chain(&lines) {
                     context.draw(line);
+                }
+                for pointer in &pointers {
+                    context.draw(pointer);
                 }
             },
         );
@@ -59,6 +64,34 @@ fn lines(model: &Model, layout: &Layout, window: Window) -> Vec<Line> {
             }
         })
         .collect()
+}
+
+/// What lies behind the traces: earlier shots, and what really happened at the sensors.
+fn behind(model: &Model, layout: &Layout, window: Window) -> Vec<Line> {
+    let mut lines = Vec::new();
+    let grey = colour(model.palette(), Color::DarkGray);
+    for capture in model.ghosts().into_iter().flatten().flatten() {
+        let waveform = &capture.waveform;
+        let unit = model.selected().map(|c| c.waveform.preamble.x_unit.clone());
+        if unit.as_deref() != Some(waveform.preamble.x_unit.as_str()) {
+            continue;
+        }
+        let projection = projection(layout, window, model.vertical(waveform));
+        let spans = spans(waveform, &projection);
+        lines.push(Line { spans, rows: projection.rows, colour: grey, stroke: Stroke::Solid });
+    }
+    for waveform in shown(model) {
+        if let Some(truth) = model.truth(waveform) {
+            let projection = projection(layout, window, model.vertical(waveform));
+            lines.push(Line {
+                spans: spans_of_trace(&truth, &projection),
+                rows: projection.rows,
+                colour: colour(model.palette(), Color::White),
+                stroke: Stroke::Dotted,
+            });
+        }
+    }
+    lines
 }
 
 /// What is on screen, the selected trace last.

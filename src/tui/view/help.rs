@@ -7,6 +7,7 @@ use ratatui::text::{Line, Span};
 use super::panel;
 use crate::tui::keys::BINDINGS;
 use crate::tui::model::Model;
+use crate::tui::model::command::COMMANDS;
 
 /// Draws the help over the screen.
 pub(super) fn draw(model: &Model, frame: &mut Frame) {
@@ -23,6 +24,15 @@ pub(super) fn draw(model: &Model, frame: &mut Frame) {
             ])
         })
         .collect();
+    lines.push(Line::default());
+    for (command, help) in COMMANDS {
+        let pad = " ".repeat((widest + 2).saturating_sub(command.len()).max(1));
+        lines.push(Line::from(vec![
+            Span::styled(*command, bold),
+            Span::raw(pad),
+            Span::raw(*help),
+        ]));
+    }
     lines.push(Line::default());
     lines.push(Line::raw("* behind a scale: not as recorded; z goes back"));
     lines.push(Line::raw("Shift + mouse selects text in most terminals"));

@@ -16,6 +16,10 @@ pub const SMALLEST_HEIGHT: u16 = 12;
 const MARKER_WIDTH: u16 = 2;
 /// Columns for the labels of the ordinate.
 const LABEL_WIDTH: u16 = 7;
+/// Columns of what stands beside the page.
+pub const SIDE_WIDTH: u16 = 30;
+/// From this width on there is room for that.
+pub const WIDTH_WITH_SIDE: u16 = 72;
 /// From this width on there is room for labels of the ordinate.
 const WIDTH_WITH_LABELS: u16 = 60;
 
@@ -34,6 +38,10 @@ pub struct Layout {
     pub graticule: Rect,
     /// Labels of the abscissa.
     pub abscissa: Rect,
+    /// Everything between status line and readings, for pages that are no graticule.
+    pub page: Rect,
+    /// What stands beside the page; without width where there is nothing, or no room.
+    pub side: Rect,
     /// One reading a channel, and the time base.
     pub channels: Rect,
     /// The selected trace in full.
@@ -79,13 +87,25 @@ impl Layout {
     /// Divides `area`; `None` if it is too small.
     #[must_use]
     pub fn new(area: Rect) -> Option<Self> {
+        Self::with_side(area, false)
+    }
+
+    /// The same with a column beside the page, if `beside` and there is room.
+    #[must_use]
+    pub fn with_side(area: Rect, beside: bool) -> Option<Self> {
         if area.width < SMALLEST_WIDTH || area.height < SMALLEST_HEIGHT {
             return None;
         }
+        let side = if beside && area.width >= WIDTH_WITH_SIDE { SIDE_WIDTH } else { 0 };
+        Some(Self::divided(area, side))
+    }
+
+    fn divided(area: Rect, side: u16) -> Self {
+        let page_width = area.width - side;
         let rows = Rows::new(area.height);
         let label_width = if area.width < WIDTH_WITH_LABELS { 0 } else { LABEL_WIDTH };
         let gutter = label_width + MARKER_WIDTH;
-        let x_dots = ((area.width - gutter).saturating_mul(2) - 1) / DIVISIONS_ACROSS;
+        let x_dots = ((page_width - gutter).saturating_mul(2) - 1) / DIVISIONS_ACROSS;
         let y_dots = ((area.height - rows.sum()).saturating_mul(4) - 1) / DIVISIONS_UP;
         let width = x_dots * DIVISIONS_ACROSS / 2 + 1;
         let height = y_dots * DIVISIONS_UP / 4 + 1;
@@ -105,20 +125,24 @@ impl Layout {
         let overview = next(rows.overview);
         let hints = next(rows.hints);
         let graticule = Rect::new(area.x + gutter, middle.y, width, height);
-        Some(Self {
+        let page_height = abscissa.bottom() - status.bottom();
+        let page = Rect::new(area.x, status.bottom(), page_width, page_height);
+        Self {
             status,
             trigger: Rect { y: above.y, height: 1, ..graticule },
             labels: Rect { width: label_width, ..middle },
             markers: Rect { x: area.x + label_width, width: MARKER_WIDTH, ..middle },
             graticule,
-            abscissa,
+            abscissa: Rect { width: page_width, ..abscissa },
+            page,
+            side: Rect { x: page.right(), width: side, ..page },
             channels,
             detail,
             overview: if rows.overview == 0 { hints } else { overview },
             hints,
             x_dots,
             y_dots,
-        })
+        }
     }
 
     /// Columns of dots on the graticule.

@@ -1,14 +1,23 @@
 //! The model as a picture. Nothing here changes the model.
 
+mod accuracy;
 mod axes;
+mod bench;
+mod compare;
+mod cursors;
 mod graticule;
 mod help;
 pub mod layout;
 mod log;
 mod overview;
+pub mod picture;
 mod readout;
+mod sheet;
+mod side;
+mod spectrum;
 mod status;
 mod trace;
+mod xy;
 
 use ratatui::Frame;
 use ratatui::layout::{Alignment, Constraint, Margin, Rect};
@@ -17,36 +26,75 @@ use ratatui::text::Line;
 use ratatui::widgets::{Block, Clear, Paragraph, Wrap};
 
 use crate::scope::Source;
-use crate::tui::model::{Model, Palette, Panel};
+use crate::tui::model::{Model, Page, Palette, Panel, Side};
 use layout::{Layout, SMALLEST_HEIGHT, SMALLEST_WIDTH};
+
+/// From this width on there is room for tables and something beside them.
+const WIDTH_WITH_TABLES: u16 = 112;
+
+/// Where everything stands for `model` on a terminal of `area`; `None` if it is too small.
+#[must_use]
+pub fn layout_of(model: &Model, area: Rect) -> Option<Layout> {
+    // Tables need all columns of a small terminal.
+    let tables = matches!(model.page(), Page::Compare | Page::Accuracy);
+    let room = !tables || area.width >= WIDTH_WITH_TABLES;
+    Layout::with_side(area, model.side() != Side::Nothing && room)
+}
 
 /// Draws the whole screen.
 pub fn draw(model: &Model, frame: &mut Frame) {
     let area = frame.area();
-    let Some(layout) = Layout::new(area) else {
+    let Some(layout) = layout_of(model, area) else {
         too_small(area, frame);
         return;
     };
     status::draw(model, &layout, frame);
-    graticule::draw(model, &layout, frame);
-    axes::draw(model, &layout, frame);
+    match model.page() {
+        Page::Scope => scope(model, &layout, frame),
+        Page::Spectrum => spectrum::draw(model, &layout, frame),
+        Page::Map => spectrum::map(model, &layout, frame),
+        Page::Xy => xy::draw(model, &layout, frame),
+        Page::Bench => bench::draw(model, &layout, frame),
+        Page::Compare => compare::draw(model, &layout, frame),
+        Page::Accuracy => accuracy::draw(model, &layout, frame),
+    }
+    if layout.side.width > 0 || model.page() == Page::Scope {
+        side::draw(model, &layout, frame);
+    }
     readout::channels(model, &layout, frame);
-    readout::detail(model, &layout, frame);
+    if !cursors::readout(model, &layout, frame) {
+        readout::detail(model, &layout, frame);
+    }
+    let zoomed = model.is_zoomed() && model.page() == Page::Scope;
     let shared = layout.overview == layout.hints;
-    if !(shared && model.is_zoomed()) || model.notice().is_some() {
+    let prompt = model.panel() == Panel::Prompt;
+    if !(shared && zoomed) || model.notice().is_some() || prompt {
         status::hints(model, &layout, frame);
     }
-    if model.is_zoomed() && (!shared || model.notice().is_none()) {
+    if zoomed && (!shared || (model.notice().is_none() && !prompt)) {
         overview::draw(model, &layout, frame);
     }
-    if model.captures().is_empty() {
-        nothing(model, &layout, frame);
-    }
     match model.panel() {
-        Panel::Scope => {}
+        Panel::Scope | Panel::Prompt => {}
         Panel::Help => help::draw(model, frame),
         Panel::Log => log::draw(model, frame),
     }
+}
+
+/// The page of traces over time.
+fn scope(model: &Model, layout: &Layout, frame: &mut Frame) {
+    graticule::draw(model, layout, frame);
+    axes::draw(model, layout, frame);
+    if model.captures().is_empty() {
+        nothing(model, layout, frame);
+    }
+}
+
+/// One sentence in the middle of `area`.
+fn message(text: &str, area: Rect, frame: &mut Frame) {
+    let middle = Rect { y: area.y + area.height / 2, height: 2.min(area.height), ..area };
+    let words = Paragraph::new(text.to_owned()).alignment(Alignment::Center);
+    frame.render_widget(words.wrap(Wrap { trim: true }), middle);
 }
 
 /// The colour of a trace, as on the instrument's screen.
@@ -82,6 +130,8 @@ fn too_small(area: Rect, frame: &mut Frame) {
 /// Says why there is no trace.
 fn nothing(model: &Model, layout: &Layout, frame: &mut Frame) {
     let text = match model.shot() {
+        None if model.live().is_some() => "Striking the chain ...",
+        None if model.is_growing() => "Waiting for the first shot ...",
         None => "This recording holds no shots.",
         Some(_) => "This shot holds no captures.",
     };

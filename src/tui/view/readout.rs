@@ -12,9 +12,10 @@ use super::layout::Layout;
 use super::{colour, colour_of};
 use crate::quantity::engineering;
 use crate::recording::Capture;
-use crate::scope::{PointFormat, Waveform};
+use crate::scope::{PointFormat, Slope, Source, Waveform};
 use crate::tui::axis::{Vertical, is_spectrum};
-use crate::tui::model::{Model, Visibility};
+pub(super) use crate::tui::model::ordinate_unit;
+use crate::tui::model::{MathMode, Model, Visibility};
 
 /// Digits of a reading, as on the instrument.
 const DIGITS: usize = 3;
@@ -43,14 +44,6 @@ pub(super) fn digits_for(value: f64, scale: f64) -> usize {
 /// Decimal exponent; 0 for zero.
 fn exponent(value: f64) -> i32 {
     format!("{value:e}").rsplit('e').next().and_then(|exponent| exponent.parse().ok()).unwrap_or(0)
-}
-
-/// Unit of a record's ordinate; some files write `Volts`.
-pub(super) fn ordinate_unit(waveform: &Waveform) -> &str {
-    match waveform.preamble.y_unit.as_str() {
-        "Volts" => "V",
-        unit => unit,
-    }
 }
 
 /// Columns of `parts` with gaps between and before them.
@@ -88,11 +81,9 @@ pub(super) fn channels(model: &Model, layout: &Layout, frame: &mut Frame) {
             format!("M {reading}{star}")
         }
     });
-    let base = Line::from(Span::styled(
-        base.unwrap_or_default(),
-        Style::new().add_modifier(Modifier::BOLD),
-    ))
-    .right_aligned();
+    let base = [base, trigger(model)].into_iter().flatten().collect::<Vec<String>>().join("  ");
+    let base =
+        Line::from(Span::styled(base, Style::new().add_modifier(Modifier::BOLD))).right_aligned();
     let room = usize::from(area.width).saturating_sub(base.width());
     let readings = |form: Form| -> Vec<Span> {
         model.captures().iter().map(|capture| reading(model, &capture.waveform, form)).collect()
@@ -110,6 +101,16 @@ pub(super) fn channels(model: &Model, layout: &Layout, frame: &mut Frame) {
     let left = Rect { width: u16::try_from(room).unwrap_or(area.width), ..area };
     frame.render_widget(Line::from(spaced(parts)), left);
     frame.render_widget(base, area);
+}
+
+/// The trigger as the instrument writes it, `CH1 ↑ 500mV`; none where no scene tells it.
+fn trigger(model: &Model) -> Option<String> {
+    let trigger = model.scene()?.scope.trigger;
+    let edge = match trigger.slope {
+        Slope::Rise => '↑',
+        Slope::Fall => '↓',
+    };
+    Some(format!("{}{edge}{}", trigger.source, compact(trigger.level, "V", DIGITS)))
 }
 
 /// `CH1 500mV`, with a star where the scale is not the recorded one.
@@ -191,6 +192,10 @@ fn details(model: &Model, capture: &Capture) -> Vec<String> {
     let scale = |scale: f64| format!("{}/div", compact(scale, unit, DIGITS));
 
     let mut texts = vec![format!("{} {}", waveform.source, scale(vertical.scale))];
+    if waveform.source == Source::Math && model.math() != MathMode::Off {
+        texts.push(model.math().name());
+    }
+    texts.extend(model.sensor(waveform.source).map(|sensor| sensor.name));
     let moved = Vertical { scale: recorded.scale, ..vertical };
     if !moved.same_as(&recorded) {
         let was = scale(recorded.scale);

@@ -13,7 +13,7 @@ use crate::recording::Origin;
 use crate::scope::Waveform;
 use crate::tui::axis::{Window, is_spectrum};
 use crate::tui::keys::{BINDINGS, Place};
-use crate::tui::model::Model;
+use crate::tui::model::{Acquisition, Model, Panel};
 
 /// Columns that the title keeps at least while the line drops other things.
 const TITLE_WIDTH: usize = 12;
@@ -23,7 +23,7 @@ pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
     let bold = Style::new().add_modifier(Modifier::BOLD);
     let warning = bold.fg(colour(model.palette(), Color::LightRed));
     let mut parts: Vec<Span> = Vec::new();
-    parts.push(Span::styled("Stop", bold));
+    parts.push(Span::styled(state(model), bold));
     if let Some(shot) = model.shot() {
         parts.push(match shot.origin {
             Origin::Simulated => Span::raw("simulated"),
@@ -42,8 +42,13 @@ pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
         } else {
             format!(" (#{})", shot.number)
         };
-        let count = model.set().shots.len();
-        parts.push(Span::styled(format!("Shot {place}/{count}{number}"), bold));
+        let more = if model.is_growing() { "+" } else { "" };
+        let count = model.shots();
+        let words = match model.live() {
+            Some(_) => format!("Shot {}", shot.number),
+            None => format!("Shot {place}/{count}{more}{number}"),
+        };
+        parts.push(Span::styled(words, bold));
     }
     if let (Some(window), Some(capture)) = (model.window(), model.selected()) {
         parts.push(Span::raw(centre(window, &capture.waveform)));
@@ -58,6 +63,25 @@ pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
     let title = Span::styled(shortened(model.title(), left), bold);
     frame.render_widget(title, area);
     frame.render_widget(right, area);
+}
+
+/// What the scope is doing, in the instrument's words.
+fn state(model: &Model) -> String {
+    let Some(live) = model.live() else {
+        return if model.is_playing() {
+            format!("Play {}x", model.play().speed)
+        } else {
+            "Stop".to_owned()
+        };
+    };
+    let crossed = live.summary.as_ref().is_some_and(|summary| summary.trigger.crossed);
+    match live.acquisition {
+        Acquisition::Stopped => "Stop",
+        Acquisition::Armed => "Armed",
+        Acquisition::Running if crossed => "Trig'd",
+        Acquisition::Running => "Auto",
+    }
+    .to_owned()
 }
 
 /// Where the screen's centre stands after the trigger, or in the spectrum.
@@ -90,6 +114,16 @@ fn shortened(text: &str, room: usize) -> String {
 /// What the last action came to, or else the most important keys.
 pub(super) fn hints(model: &Model, layout: &Layout, frame: &mut Frame) {
     let area = layout.hints;
+    if model.panel() == Panel::Prompt {
+        let bold = Style::new().add_modifier(Modifier::BOLD);
+        let line = Line::from(vec![
+            Span::styled(format!(":{}", model.prompt()), bold),
+            Span::styled(" ", bold.add_modifier(Modifier::REVERSED)),
+            Span::raw("  Enter does it, Esc leaves"),
+        ]);
+        frame.render_widget(line, area);
+        return;
+    }
     if let Some(notice) = model.notice() {
         let style = Style::new().fg(colour(model.palette(), Color::LightRed));
         frame.render_widget(Span::styled(notice, style), area);

@@ -3,10 +3,13 @@
 //! The line through all points is followed, so that no spike between two columns is lost and few points are
 //! still joined. The cost is one pass over the record and one over the columns.
 
+use std::ops::Range;
+
 use ratatui::style::Color;
 use ratatui::widgets::canvas::{Painter, Shape};
 
 use crate::scope::Waveform;
+use crate::trace::Trace;
 
 /// How abscissa and ordinate become dots, counted from the top left.
 #[derive(Debug, Clone, Copy)]
@@ -47,13 +50,48 @@ fn column(x: f64) -> i64 {
     x.round() as i64
 }
 
-/// The spans of `waveform`, one a column.
+/// The spans of `waveform`, one a column; only points on the screen and one to either side are looked at.
 pub(super) fn spans(waveform: &Waveform, projection: &Projection) -> Vec<Span> {
+    let incr = waveform.preamble.x_incr;
+    let seen = seen(waveform.time(0), incr, waveform.codes.len(), projection);
+    let point = |(index, code): (usize, &i16)| (waveform.time(index), waveform.volts_of(*code));
+    let codes = waveform.codes.iter().enumerate().take(seen.end).skip(seen.start);
+    joined(codes.map(point), projection)
+}
+
+/// The same for a signal that passed no digitiser.
+pub(super) fn spans_of_trace(trace: &Trace, projection: &Projection) -> Vec<Span> {
+    let seen = seen(trace.start, trace.interval, trace.values.len(), projection);
+    let values = trace.values.iter().enumerate().take(seen.end).skip(seen.start);
+    joined(values.map(|(index, value)| (trace.time(index), *value)), projection)
+}
+
+/// Which of `count` points may be seen, one to either side included.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "`as` stops at the ends"
+)]
+fn seen(first: f64, interval: f64, count: usize, projection: &Projection) -> Range<usize> {
+    let right = projection.left + f64::from(projection.columns) / projection.x_density;
+    let index = |time: f64| (time - first) / interval;
+    let (one, other) = (index(projection.left), index(right));
+    if !(one.is_finite() && other.is_finite()) {
+        return 0..count;
+    }
+    // Half a column to either side belongs to the outermost ones.
+    let margin = 2.0 + (1.0 / (projection.x_density * interval)).abs();
+    let (low, high) = (one.min(other) - margin, one.max(other) + margin);
+    (low.max(0.0) as usize).min(count)..(high.max(0.0).ceil() as usize).min(count)
+}
+
+/// The spans of the line through `points`.
+fn joined(points: impl Iterator<Item = (f64, f64)>, projection: &Projection) -> Vec<Span> {
     let mut spans = vec![Span::EMPTY; usize::from(projection.columns)];
     let mut before = None;
-    for (index, code) in waveform.codes.iter().enumerate() {
-        let x = (waveform.time(index) - projection.left) * projection.x_density;
-        let y = projection.zero - waveform.volts_of(*code) * projection.y_density;
+    for (abscissa, ordinate) in points {
+        let x = (abscissa - projection.left) * projection.x_density;
+        let y = projection.zero - ordinate * projection.y_density;
         let here = (x.is_finite() && y.is_finite()).then_some((x, y));
         if let Some((x, y)) = here {
             let at = usize::try_from(column(x)).ok();

@@ -35,7 +35,8 @@ fn keys_ask_for_what_their_labels_say() {
     ] {
         assert_eq!(press(code, modifiers), Some(action), "{code:?} {modifiers:?}");
     }
-    assert_eq!(press(KeyCode::Char('c'), none), None);
+    assert_eq!(press(KeyCode::Char('c'), none), Some(Action::Cursors));
+    assert_eq!(press(KeyCode::Char('y'), none), None);
     assert_eq!(press(KeyCode::F(1), none), None);
 }
 

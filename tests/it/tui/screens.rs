@@ -4,6 +4,7 @@ use super::bench::{after, channel, draw, four_channels, model, recording, spectr
 use hertzscope::recording::Origin;
 use hertzscope::tui::axis::Turn;
 use hertzscope::tui::keys::BINDINGS;
+use hertzscope::tui::model::command::COMMANDS;
 use hertzscope::tui::model::{Action, Model, Palette, Panel};
 use ratatui::style::{Color, Modifier};
 
@@ -213,11 +214,17 @@ fn a_spectrum_has_its_own_units() {
 }
 
 #[test]
-fn help_lists_every_key() {
-    let screen = draw(&after(four_channels(), &[Action::Toggle(Panel::Help)]), 80, 24);
-    for binding in BINDINGS {
-        assert!(screen.has(binding.label), "{}", binding.label);
-        assert!(screen.has(binding.help), "{}", binding.help);
+fn help_lists_every_key_and_command() {
+    let mut model = after(four_channels(), &[Action::Toggle(Panel::Help)]);
+    let mut all = String::new();
+    for _ in 0..40 {
+        all += &draw(&model, 80, 24).text();
+        model = after(model, &[Action::Scroll(Turn::Down)]);
+    }
+    for (label, help) in BINDINGS.iter().map(|b| (b.label, b.help)).chain(COMMANDS.iter().copied())
+    {
+        assert!(all.contains(label), "{label}");
+        assert!(all.contains(help), "{help}");
     }
 }
 

@@ -1,0 +1,45 @@
+//! The mouse: its wheel zooms around the pointer or scrolls, its button drags the picture or a cursor.
+
+use ratatui::crossterm::event::{KeyModifiers, MouseButton, MouseEvent, MouseEventKind};
+use ratatui::layout::Position;
+
+use crate::tui::axis::{DIVISIONS_ACROSS, DIVISIONS_UP, Turn};
+use crate::tui::model::{Action, Panel};
+use crate::tui::view::layout::Layout;
+
+/// What the mouse asks for.
+#[must_use]
+pub fn mouse_action(event: MouseEvent, panel: Panel, layout: Option<&Layout>) -> Option<Action> {
+    let wheel = match event.kind {
+        MouseEventKind::ScrollUp => Some(Turn::Down),
+        MouseEventKind::ScrollDown => Some(Turn::Up),
+        _ => None,
+    };
+    if panel != Panel::Scope {
+        return wheel.map(|turn| Action::Scroll(turn.other()));
+    }
+    let layout = layout?;
+    let (x, y) = divisions(event, layout);
+    let inside = layout.graticule.contains(Position::new(event.column, event.row));
+    match (event.kind, wheel) {
+        (_, Some(turn)) if inside && event.modifiers.contains(KeyModifiers::CONTROL) => {
+            Some(Action::VoltsPerDivision(turn))
+        }
+        (_, Some(turn)) if inside => Some(Action::TimePerDivision { turn, anchor: x }),
+        (MouseEventKind::Down(MouseButton::Left), _) if inside => Some(Action::Press { x, y }),
+        // Once it has hold of something, the mouse may leave the graticule.
+        (MouseEventKind::Drag(MouseButton::Left), _) => Some(Action::Drag { x, y }),
+        _ => None,
+    }
+}
+
+/// The pointer's place from the graticule's centre, right and up, in divisions.
+fn divisions(event: MouseEvent, layout: &Layout) -> (f64, f64) {
+    // The middle of a cell, two dots wide and four high.
+    let dots = |cell: u16, first: u16, wide: f64| {
+        (f64::from(cell) - f64::from(first)) * wide + 0.5 * (wide - 1.0)
+    };
+    let x = dots(event.column, layout.graticule.x, 2.0) / f64::from(layout.x_dots);
+    let y = dots(event.row, layout.graticule.y, 4.0) / f64::from(layout.y_dots);
+    (x - f64::from(DIVISIONS_ACROSS) / 2.0, f64::from(DIVISIONS_UP) / 2.0 - y)
+}

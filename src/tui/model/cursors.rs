@@ -1,0 +1,180 @@
+//! The pair of cursors: put, moved, snapped, and what they tell.
+
+use super::features::features;
+use super::state::{Cursor, CursorKind, value_at};
+use super::{Model, Page};
+use crate::experiment::recorded;
+use crate::tui::axis::{DIVISIONS_ACROSS, DIVISIONS_UP, Turn};
+
+/// A cursor's step (div).
+const STEP: f64 = 0.05;
+/// Where the pair stands at first, from the centre (div).
+const FIRST: f64 = 2.0;
+/// Two places nearer than this are one (div).
+const SAME: f64 = 1e-6;
+
+/// What the pair of cursors tells.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CursorReading {
+    /// Where they stand: abscissae, or ordinates (unit).
+    pub at: [f64; 2],
+    /// Second less first (unit).
+    pub difference: f64,
+    /// Unit of both.
+    pub unit: String,
+    /// One over the difference of two times (Hz).
+    pub rate: Option<f64>,
+    /// Values of the traces under cursors over time, and their unit (unit).
+    pub values: [Option<f64>; 2],
+    /// Unit of the values.
+    pub value_unit: String,
+    /// Distance of the two traces' sensors over the time between the cursors (m/s).
+    pub speed: Option<f64>,
+}
+
+impl Model {
+    /// The next kind of cursors.
+    pub(super) fn next_cursors(&mut self) {
+        self.cursors.kind = match self.cursors.kind {
+            CursorKind::Off => CursorKind::Time,
+            CursorKind::Time => CursorKind::Volts,
+            CursorKind::Volts => CursorKind::Off,
+        };
+        self.cursors.pair = None;
+        self.place_cursors();
+    }
+
+    /// Puts both where they are seen, unless they stand somewhere.
+    pub(super) fn place_cursors(&mut self) {
+        let (Some(source), None) = (self.selected, self.cursors.pair) else { return };
+        let Some(place) = self.place_of([-FIRST, FIRST]) else { return };
+        self.cursors.pair = Some(place.map(|at| Cursor { at, source }));
+    }
+
+    /// Abscissae or ordinates of two places, counted in divisions from the centre.
+    fn place_of(&self, divisions: [f64; 2]) -> Option<[f64; 2]> {
+        let window = self.window()?;
+        let vertical = self.vertical(&self.selected()?.waveform);
+        match self.cursors.kind {
+            CursorKind::Off => None,
+            CursorKind::Time => Some(divisions.map(|d| window.centre + d * window.scale)),
+            CursorKind::Volts => Some(divisions.map(|d| (d - vertical.position) * vertical.scale)),
+        }
+    }
+
+    /// One division along the cursors' axis (unit).
+    fn cursor_division(&self) -> Option<f64> {
+        let [zero, one] = self.place_of([0.0, 1.0])?;
+        Some(one - zero)
+    }
+
+    /// Moves the active cursor to `at`, on the selected trace.
+    fn put_cursor(&mut self, at: f64) {
+        self.place_cursors();
+        let (Some(pair), Some(source)) = (&mut self.cursors.pair, self.selected) else { return };
+        if let Some(cursor) = pair.get_mut(self.cursors.active) {
+            *cursor = Cursor { at, source };
+        }
+    }
+
+    fn active_cursor(&self) -> Option<Cursor> {
+        self.cursors.pair?.get(self.cursors.active).copied()
+    }
+
+    /// A step of the active cursor.
+    pub(super) fn move_cursor(&mut self, turn: Turn) {
+        match (self.active_cursor(), self.cursor_division()) {
+            (Some(cursor), Some(division)) => {
+                self.put_cursor(cursor.at + turn.sign() * STEP * division);
+            }
+            _ => self.notice = Some("no cursors on screen: c shows them".to_owned()),
+        }
+    }
+
+    /// Moves the active cursor to the next peak or edge of the selected trace.
+    pub(super) fn snap_cursor(&mut self, turn: Turn) {
+        let (Some(cursor), Some(division)) = (self.active_cursor(), self.cursor_division()) else {
+            self.notice = Some("no cursors on screen: c shows them".to_owned());
+            return;
+        };
+        let Some(capture) = self.selected() else { return };
+        let waveform = &capture.waveform;
+        let mut places = features(waveform);
+        if self.cursors.kind == CursorKind::Volts {
+            places = places.into_iter().filter_map(|at| value_at(waveform, at)).collect();
+            places.sort_by(f64::total_cmp);
+        }
+        let apart = SAME * division;
+        let next = match turn {
+            Turn::Up => places.into_iter().find(|at| *at > cursor.at + apart),
+            Turn::Down => places.into_iter().rev().find(|at| *at < cursor.at - apart),
+        };
+        match next {
+            Some(at) => self.put_cursor(at),
+            None => self.notice = Some("no further peak or edge in this direction".to_owned()),
+        }
+    }
+
+    /// The button went down at a place counted in divisions from the centre: takes hold of the nearer cursor, or of the picture.
+    pub(super) fn press_at(&mut self, x: f64, y: f64) {
+        if self.page != Page::Scope {
+            return;
+        }
+        self.grip = Some((x, y));
+        if let (Some(pair), Some([at, _])) = (self.cursors.pair, self.place_of(self.along(x, y))) {
+            let distance = pair.map(|cursor| (cursor.at - at).abs());
+            self.cursors.active = usize::from(distance[1] < distance[0]);
+            self.put_cursor(at);
+        }
+    }
+
+    /// The mouse moves with its button down: a cursor goes along, or else the picture.
+    pub(super) fn drag_to(&mut self, x: f64, y: f64) {
+        let Some((from_x, from_y)) = self.grip.replace((x, y)) else { return };
+        if let (Some(_), Some([at, _])) = (self.cursors.pair, self.place_of(self.along(x, y))) {
+            self.put_cursor(at);
+        } else {
+            self.shift_picture(x - from_x, y - from_y);
+        }
+    }
+
+    fn along(&self, x: f64, y: f64) -> [f64; 2] {
+        let inside = |place: f64, divisions: u16| {
+            let half = f64::from(divisions) / 2.0;
+            place.clamp(-half, half)
+        };
+        match self.cursors.kind {
+            CursorKind::Volts => [inside(y, DIVISIONS_UP); 2],
+            _ => [inside(x, DIVISIONS_ACROSS); 2],
+        }
+    }
+
+    /// What the cursors tell; none without them.
+    #[must_use]
+    pub fn cursor_reading(&self) -> Option<CursorReading> {
+        let [first, second] = self.cursors.pair?;
+        let waveforms = [first, second].map(|cursor| self.find(cursor.source).map(|c| &c.waveform));
+        let one = waveforms[0].or(waveforms[1])?;
+        let difference = second.at - first.at;
+        let is_time = self.cursors.kind == CursorKind::Time;
+        let ordinate = super::ordinate_unit(one).to_owned();
+        let unit = if is_time { one.preamble.x_unit.clone() } else { ordinate.clone() };
+        let value = |cursor: Cursor| value_at(&self.find(cursor.source)?.waveform, cursor.at);
+        let seconds = is_time && unit == "s" && difference != 0.0;
+        let speed = || {
+            let from = self.sensor(first.source)?.site?;
+            let to = self.sensor(second.source)?.site?;
+            let distance = recorded::distance(self.scene.as_ref()?, from, to)?;
+            (distance > 0.0).then(|| distance / difference.abs())
+        };
+        Some(CursorReading {
+            at: [first.at, second.at],
+            difference,
+            unit,
+            rate: seconds.then(|| 1.0 / difference.abs()),
+            values: if is_time { [value(first), value(second)] } else { [None; 2] },
+            value_unit: ordinate,
+            speed: if seconds { speed() } else { None },
+        })
+    }
+}

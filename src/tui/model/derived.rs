@@ -1,0 +1,155 @@
+//! What is worked out from the traces for the pages: spectra, measurements, arrivals. Only what is on screen is, and only when it
+//! has changed.
+
+use super::{Model, Page, Side};
+use crate::analysis::dispersion::DiatomicChain;
+use crate::analysis::spectrum::{Analyser, Settings, Spectrum};
+use crate::analysis::time_frequency::{Pieces, Spectrogram};
+use crate::analysis::window::Window;
+use crate::experiment::arrivals::{Survey, survey};
+use crate::experiment::recorded::{self, RecordedSensor};
+use crate::instrument::measure::{measure, unit};
+use crate::instrument::panel::MeasurementType;
+use crate::scope::Source;
+use crate::trace::Trace;
+
+/// Pieces of the map are this part of the record.
+const SEGMENTS: usize = 16;
+/// They move on by this part of themselves.
+const OVERLAP: usize = 8;
+/// Spectra of records longer than this are made of every second, third, ... sample: a terminal shows no more.
+const MOST_SAMPLES: usize = 20_000;
+
+/// The measurements of the side panel with the names that the instrument's menu gives them.
+const MEASUREMENTS: [(&str, MeasurementType); 11] = [
+    ("Pk-Pk", MeasurementType::PeakToPeak),
+    ("Max", MeasurementType::Maximum),
+    ("Min", MeasurementType::Minimum),
+    ("Mean", MeasurementType::Mean),
+    ("Cyc RMS", MeasurementType::CycleRms),
+    ("Period", MeasurementType::Period),
+    ("Freq", MeasurementType::Frequency),
+    ("Rise", MeasurementType::Rise),
+    ("Fall", MeasurementType::Fall),
+    ("+Width", MeasurementType::PositiveWidth),
+    ("-Width", MeasurementType::NegativeWidth),
+];
+
+/// A measured number, none where the signal has no such thing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reading {
+    /// As the instrument's menu names it.
+    pub name: &'static str,
+    /// The number (unit).
+    pub value: Option<f64>,
+    /// Its unit.
+    pub unit: String,
+}
+
+/// What a piece of work was made of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Key {
+    version: u64,
+    source: Option<Source>,
+    page: Page,
+    side: Side,
+}
+
+/// Everything that is worked out.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Derived {
+    made_of: Option<Key>,
+    /// The selected trace's spectrum, or why there is none.
+    pub spectrum: Option<Result<Spectrum, String>>,
+    /// Its spectrum over time, or why there is none.
+    pub map: Option<Result<Spectrogram, String>>,
+    /// The chain around its sensor, for the band edges.
+    pub chain: Option<DiatomicChain>,
+    /// Its measurements.
+    pub readings: Vec<Reading>,
+    /// Arrivals and speeds of the shot.
+    pub survey: Option<Survey>,
+}
+
+impl Model {
+    /// What was worked out for the screen.
+    #[must_use]
+    pub fn derived(&self) -> &Derived {
+        &self.derived
+    }
+
+    /// The sensor that the recording wired to `source`.
+    #[must_use]
+    pub fn sensor(&self, source: Source) -> Option<RecordedSensor> {
+        let name = source.to_string();
+        let mut sensors = recorded::sensors(self.set()).into_iter();
+        sensors.find(|sensor| sensor.channel.as_ref() == Some(&name))
+    }
+
+    /// Works out what the screen shows, unless it has.
+    pub(super) fn derive(&mut self) {
+        let key =
+            Key { version: self.version, source: self.selected, page: self.page, side: self.side };
+        if self.derived.made_of == Some(key) {
+            return;
+        }
+        let mut derived = Derived { made_of: Some(key), ..Derived::default() };
+        if matches!(self.page, Page::Spectrum | Page::Map) {
+            let site = self.selected.and_then(|source| self.sensor(source)).and_then(|s| s.site);
+            let scene = self.scene.as_ref();
+            derived.chain = site.zip(scene).and_then(|(site, scene)| recorded::cell(scene, site));
+        }
+        let trace = self.selected().and_then(crate::recording::Capture::trace).map(thinned);
+        let trace =
+            trace.ok_or_else(|| "this is a spectrum already: select a trace over time".to_owned());
+        if self.page == Page::Spectrum {
+            derived.spectrum = Some(trace.clone().and_then(|trace| spectrum(&trace)));
+        }
+        if self.page == Page::Map {
+            derived.map = Some(trace.and_then(|trace| map(&trace)));
+        }
+        if self.side == Side::Measurements {
+            derived.readings = self.readings();
+            derived.survey = self.set_shot().map(|shot| survey(&self.set, shot));
+        }
+        self.derived = derived;
+    }
+
+    fn readings(&self) -> Vec<Reading> {
+        let Some(capture) = self.selected() else { return Vec::new() };
+        let reading = |(name, kind): (&'static str, MeasurementType)| Reading {
+            name,
+            value: measure(kind, &capture.waveform).ok(),
+            unit: match unit(kind) {
+                "V" => super::ordinate_unit(&capture.waveform).to_owned(),
+                other => other.to_owned(),
+            },
+        };
+        MEASUREMENTS.map(reading).to_vec()
+    }
+}
+
+/// Every so manieth sample of a long record.
+fn thinned(trace: Trace) -> Trace {
+    let step = trace.values.len().div_ceil(MOST_SAMPLES).max(1);
+    #[expect(clippy::cast_precision_loss, reason = "a small whole number")]
+    let interval = trace.interval * step as f64;
+    Trace { interval, values: trace.values.into_iter().step_by(step).collect(), ..trace }
+}
+
+fn spectrum(trace: &Trace) -> Result<Spectrum, String> {
+    let settings = Settings { offset: mean(trace), ..Settings::default() };
+    Analyser::new().spectrum(trace, &settings).map_err(|error| error.to_string())
+}
+
+fn map(trace: &Trace) -> Result<Spectrogram, String> {
+    let segment = (trace.values.len() / SEGMENTS).max(2);
+    let pieces = Pieces { segment, hop: (segment / OVERLAP).max(1) };
+    let settings = Settings { offset: mean(trace), window: Window::Hann, ..Settings::default() };
+    Spectrogram::of(&mut Analyser::new(), trace, &settings, pieces).map_err(|e| e.to_string())
+}
+
+#[expect(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
+fn mean(trace: &Trace) -> f64 {
+    trace.values.iter().sum::<f64>() / trace.values.len().max(1) as f64
+}

@@ -1,0 +1,257 @@
+//! The scope's own knobs: on a recording they move the picture, on a running bench they set the scope.
+
+use super::Model;
+use super::knobs::{pending, typed};
+use super::live::Settings;
+use super::state::{Acquisition, Page};
+use crate::scope::{Coupling, Slope, Source, TriggerMode, Waveform};
+use crate::tui::axis::{DIVISIONS_UP, Steps, Turn, Vertical, Window, is_spectrum};
+
+/// A division in so many presses of a position key (1).
+const PRESSES_PER_DIVISION: f64 = 2.0;
+/// A turn of the trigger level (div).
+const LEVEL_STEP: f64 = 0.1;
+/// Autoset leaves this share of the screen free (1).
+const FREE: f64 = 0.25;
+
+impl Model {
+    /// The other trigger mode.
+    pub(super) fn other_mode(&mut self) {
+        let mode = self.scene.as_ref().map(|scene| scene.scope.trigger.mode);
+        if self.bench().is_some() {
+            let word = if mode == Some(TriggerMode::Auto) { "normal" } else { "auto" };
+            self.set_value("scope.trigger.mode".to_owned(), word.to_owned());
+        }
+    }
+
+    /// The channel whose knobs are turned, as scenes name it: `scope.ch1`.
+    pub(super) fn channel_path(&self) -> Option<String> {
+        match self.selected? {
+            Source::Channel(number) => Some(format!("scope.ch{number}")),
+            _ => None,
+        }
+    }
+
+    /// What was tuned in this session.
+    pub(super) fn tuned(&self) -> Settings {
+        self.live.as_ref().map(|live| live.settings().clone()).unwrap_or_default()
+    }
+
+    /// What was set for `path` and may not be struck yet (unit).
+    fn set_for(&self, path: &str) -> Option<f64> {
+        pending(self.live.as_ref()?.settings(), path)
+    }
+
+    /// Whether the knobs set the scope and not the picture.
+    fn sets_the_scope(&self) -> bool {
+        let runs = |live: &super::Live| live.acquisition != Acquisition::Stopped;
+        self.live.as_ref().is_some_and(runs)
+    }
+
+    /// The scope's setting of the selected channel; none while knobs move the picture only.
+    fn scope_setting(&self, key: &str) -> Option<(String, Vertical)> {
+        let path = self.channel_path().filter(|_| self.sets_the_scope() && !self.newtons)?;
+        let waveform = &self.selected()?.waveform;
+        Some((format!("{path}.{key}"), Vertical::recorded(waveform)))
+    }
+
+    /// The V/div knob.
+    pub(super) fn turn_volts(&mut self, turn: Turn) {
+        let Some((path, vertical)) = self.scope_setting("scale") else {
+            self.adjust(|waveform, vertical| Vertical {
+                scale: vertical.turned(waveform, turn),
+                ..vertical
+            });
+            return;
+        };
+        let probe = self.selected().map_or(1.0, |capture| capture.waveform.vertical.probe);
+        let Some(scene) = &self.scene else { return };
+        let scales = scene.scope.model.vertical_scales.iter().map(|scale| scale * probe);
+        let now = self.set_for(&path).unwrap_or(vertical.scale);
+        match neighbour(scales, now, turn) {
+            Some(scale) => self.set_value(path, typed(scale, "V/div")),
+            None => self.notice = Some("the scope's V/div ends here".to_owned()),
+        }
+    }
+
+    /// The position knob.
+    pub(super) fn turn_position(&mut self, turn: Turn) {
+        let step = turn.sign() / PRESSES_PER_DIVISION;
+        match self.scope_setting("position") {
+            Some((path, vertical)) => {
+                let now = self.set_for(&path).unwrap_or(vertical.position);
+                self.set_value(path, typed(now + step, "div"));
+            }
+            None => {
+                self.adjust(|_, vertical| Vertical { position: vertical.moved(step), ..vertical });
+            }
+        }
+    }
+
+    /// The s/div knob; what stands `anchor` divisions right of the centre stays there.
+    pub(super) fn turn_time(&mut self, turn: Turn, anchor: f64) {
+        if !self.sets_the_scope() {
+            self.look(|window, waveform| window.zoomed(waveform, turn, anchor));
+            return;
+        }
+        let Some(scene) = &self.scene else { return };
+        let bases = scene.scope.model.time_bases.iter().copied();
+        let now = self.set_for("scope.time_base").unwrap_or(scene.scope.time_base);
+        match neighbour(bases, now, turn) {
+            Some(base) => self.set_value("scope.time_base".to_owned(), typed(base, "s/div")),
+            None => self.notice = Some("the scope's s/div ends here".to_owned()),
+        }
+    }
+
+    /// The horizontal position knob.
+    pub(super) fn turn_pan(&mut self, turn: Turn) {
+        let step = -turn.sign() / PRESSES_PER_DIVISION;
+        if !self.sets_the_scope() {
+            self.look(|window, waveform| window.panned(waveform, step));
+            return;
+        }
+        let Some(scope) = self.scene.as_ref().map(|scene| &scene.scope) else { return };
+        let base = self.set_for("scope.time_base").unwrap_or(scope.time_base);
+        let now = self.set_for("scope.position").unwrap_or(scope.horizontal_position);
+        let position = now + step * base;
+        self.set_value("scope.position".to_owned(), typed(position, "s"));
+    }
+
+    /// The mouse drags the picture.
+    pub(super) fn shift_picture(&mut self, right: f64, up: f64) {
+        self.look(|window, waveform| window.panned(waveform, -right));
+        if up != 0.0 {
+            self.adjust(|_, vertical| Vertical { position: vertical.moved(up), ..vertical });
+        }
+    }
+
+    /// The trigger level knob.
+    pub(super) fn turn_level(&mut self, turn: Turn) {
+        if self.bench().is_none() {
+            return;
+        }
+        let Some(scope) = self.scene.as_ref().map(|scene| &scene.scope) else { return };
+        let source = scope.trigger.source;
+        let channels = (1..).zip(&scope.channels);
+        let scale = channels
+            .filter(|(number, _)| Some(*number) == source.channel())
+            .find_map(|(_, channel)| Some(channel.as_ref()?.vertical.scale));
+        let now = self.set_for("scope.trigger.level").unwrap_or(scope.trigger.level);
+        let level = now + turn.sign() * LEVEL_STEP * scale.unwrap_or(1.0);
+        self.set_value("scope.trigger.level".to_owned(), typed(level, "V"));
+    }
+
+    /// The trigger's other edge.
+    pub(super) fn other_slope(&mut self) {
+        let slope = self.scene.as_ref().map(|scene| scene.scope.trigger.slope);
+        if self.bench().is_some() {
+            let word = if slope == Some(Slope::Rise) { "fall" } else { "rise" };
+            self.set_value("scope.trigger.slope".to_owned(), word.to_owned());
+        }
+    }
+
+    /// The selected channel's next coupling.
+    pub(super) fn next_coupling(&mut self) {
+        let coupling = self.selected().and_then(|capture| capture.waveform.vertical.coupling);
+        if self.bench().is_none() {
+            return;
+        }
+        let Some(path) = self.channel_path() else { return };
+        let next = match coupling {
+            Some(Coupling::Dc) => "AC",
+            Some(Coupling::Ac) => "GND",
+            _ => "DC",
+        };
+        self.set_value(format!("{path}.coupling"), next.to_owned());
+    }
+
+    /// The selected channel's next probe.
+    pub(super) fn next_probe(&mut self) {
+        let probe = self.selected().map(|capture| capture.waveform.vertical.probe);
+        if self.bench().is_none() {
+            return;
+        }
+        let probes = self.scene.as_ref().map(|scene| scene.scope.model.probes.clone());
+        let (Some(path), Some(probes)) = (self.channel_path(), probes) else { return };
+        let next = probes.iter().find(|p| Some(**p) > probe).or(probes.first());
+        if let (Some(next), Some(now), Some(capture)) = (next, probe, self.selected()) {
+            let scale = capture.waveform.vertical.scale * next / now;
+            let scale = typed(scale, "V/div");
+            if let Some(live) = &mut self.live {
+                live.set_quietly(format!("{path}.scale"), scale);
+            }
+            self.set_value(format!("{path}.probe"), typed(*next, ""));
+        }
+    }
+
+    /// Scales and positions that show all of every trace, one band a trace from top to bottom.
+    pub(super) fn autoset(&mut self) {
+        let shown: Vec<Waveform> = self
+            .traces
+            .iter()
+            .map(|capture| capture.waveform.clone())
+            .filter(|waveform| self.visibility(waveform) == super::Visibility::Shown)
+            .filter(|waveform| !is_spectrum(waveform))
+            .collect();
+        let band =
+            f64::from(DIVISIONS_UP) / f64::from(u16::try_from(shown.len().max(1)).unwrap_or(1));
+        for (place, waveform) in (0..).zip(&shown) {
+            let values = waveform.codes.iter().map(|code| waveform.volts_of(*code));
+            let (low, high) = values
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+                    (low.min(value), high.max(value))
+                });
+            if !(high - low).is_normal() {
+                continue;
+            }
+            let room = band * (1.0 - FREE);
+            let scale = Steps::OneTwoFive.at_least((high - low) / room);
+            let middle = f64::from(DIVISIONS_UP) / 2.0 - band * (f64::from(place) + 0.5);
+            // Half divisions are easier to read.
+            let position = (2.0 * (middle - f64::midpoint(low, high) / scale)).round() / 2.0;
+            let adjustment = self.adjustments.entry(waveform.source).or_default();
+            (adjustment.scale, adjustment.position) = (Some(scale), Some(position));
+        }
+        self.window = None;
+    }
+
+    /// Changes how the selected trace stands on the screen; back at the recorded setting, nothing is kept.
+    pub(super) fn adjust(&mut self, change: impl Fn(&Waveform, Vertical) -> Vertical) {
+        let Some(waveform) = self.selected().map(|c| &c.waveform) else {
+            return;
+        };
+        let source = waveform.source;
+        let recorded = Vertical::recorded(waveform);
+        let changed = change(waveform, self.vertical(waveform));
+        let scale = Vertical { position: recorded.position, ..changed };
+        let position = Vertical { scale: recorded.scale, ..changed };
+        let adjustment = self.adjustments.entry(source).or_default();
+        adjustment.scale = (!scale.same_as(&recorded)).then_some(changed.scale);
+        adjustment.position = (!position.same_as(&recorded)).then_some(changed.position);
+    }
+
+    /// Changes what of the abscissa is on screen; back at the recorded window, nothing is kept.
+    pub(super) fn look(&mut self, change: impl Fn(Window, &Waveform) -> Window) {
+        if self.page != Page::Scope {
+            self.notice = Some("zoom works on the page of the traces: Esc goes there".to_owned());
+            return;
+        }
+        let (Some(window), Some(capture)) = (self.window(), self.selected()) else {
+            return;
+        };
+        let recorded = Window::recorded(&capture.waveform);
+        let window = change(window, &capture.waveform);
+        self.window = (!window.same_as(&recorded)).then_some(window);
+    }
+}
+
+/// The step next to `value` among ascending ones.
+fn neighbour(steps: impl Iterator<Item = f64>, value: f64, turn: Turn) -> Option<f64> {
+    const SAME: f64 = 1e-6;
+    let mut steps: Vec<f64> = steps.collect();
+    steps.sort_by(f64::total_cmp);
+    match turn {
+        Turn::Up => steps.into_iter().find(|step| *step > value * (1.0 + SAME)),
+        Turn::Down => steps.into_iter().rev().find(|step| *step < value * (1.0 - SAME)),
+    }
+}

@@ -1,0 +1,246 @@
+//! The bench's knobs: where each stands in a scene, how it reads, and how far a turn takes it.
+
+use super::live::Settings;
+use crate::chain::{LossSpec, MagnetForce};
+use crate::experiment::outcome::effects;
+use crate::quantity::{engineering, parse_any};
+use crate::scene::{LOOSEST_ACCURACY, Scene, TIGHTEST_ACCURACY};
+use crate::scope::Source;
+use crate::tui::axis::Turn;
+
+/// Turns from one value to ten times as much, evenly by ratio.
+const TURNS_A_DECADE: f64 = 24.0;
+/// Digits of a value that is typed.
+const DIGITS: usize = 3;
+/// Where a plate stops being inside its particle (1).
+const FARTHEST_OFFSET: f64 = 0.5;
+/// One turn of a plate's offset (1).
+const OFFSET_STEP: f64 = 0.05;
+
+/// How a turn changes a knob.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Turning {
+    /// By an equal ratio.
+    Ratio,
+    /// To the next power of ten.
+    Decade,
+    /// By an equal difference.
+    Offset,
+}
+
+/// A knob of the bench.
+#[derive(Debug, Clone, Copy)]
+pub struct Knob {
+    /// What it says.
+    pub label: &'static str,
+    /// Where it stands in a scene; `{}` is the selected channel's sensor.
+    path: &'static str,
+    /// Unit in which it is typed.
+    unit: &'static str,
+    /// That unit in SI units (unit).
+    scale: f64,
+    /// The effect that it belongs to, which can be switched.
+    pub effect: Option<&'static str>,
+    turning: Turning,
+    read: fn(&Scene, Option<Source>) -> Option<f64>,
+}
+
+const fn knob(
+    label: &'static str,
+    path: &'static str,
+    (unit, scale): (&'static str, f64),
+    effect: Option<&'static str>,
+    read: fn(&Scene, Option<Source>) -> Option<f64>,
+) -> Knob {
+    Knob { label, path, unit, scale, effect, turning: Turning::Ratio, read }
+}
+
+fn loss(spec: Option<&LossSpec>) -> Option<f64> {
+    spec.map(|spec| spec.value)
+}
+
+/// Name and index of the sensor at the input of `source`.
+fn sensor_of(scene: &Scene, source: Option<Source>) -> Option<(usize, &str)> {
+    let Source::Channel(number) = source? else { return None };
+    let channel = scene.scope.channels.get(usize::from(number).checked_sub(1)?)?.as_ref()?;
+    let name = channel.input.as_deref()?;
+    let index = scene.sensors.iter().position(|sensor| sensor.name == name)?;
+    Some((index, name))
+}
+
+fn sensitivity(scene: &Scene, source: Option<Source>) -> Option<f64> {
+    let (index, name) = sensor_of(scene, source)?;
+    let wired = scene.scope.channels.iter().flatten().find(|c| c.input.as_deref() == Some(name))?;
+    Some(scene.circuit(index, wired)?.sensitivity)
+}
+
+fn offset(scene: &Scene, source: Option<Source>) -> Option<f64> {
+    let (index, _) = sensor_of(scene, source)?;
+    scene.sensors.get(index).map(|sensor| sensor.offset)
+}
+
+impl Knob {
+    /// All knobs, in the order of the panel.
+    pub const ALL: &'static [Self] = &[
+        knob("striker mass", "striker.mass", ("g", 1e-3), None, |s, _| {
+            s.spec.striker.as_ref().map(|striker| striker.mass)
+        }),
+        knob("striker speed", "striker.speed", ("m/s", 1.0), None, |s, _| s.striker_speed()),
+        knob(
+            "magnet force",
+            "effects.magnet_preload.force",
+            ("N", 1.0),
+            Some("magnet_preload"),
+            |s, _| match s.spec.effects.magnet_preload.as_ref()?.force {
+                MagnetForce::Constant(force) => Some(force),
+                // How hard it pulls follows from where it stands.
+                MagnetForce::Placed(_) => None,
+            },
+        ),
+        knob("gravity", "effects.gravity.acceleration", ("m/s^2", 1.0), Some("gravity"), |s, _| {
+            s.spec.effects.gravity.as_ref().map(|gravity| gravity.acceleration)
+        }),
+        knob("dashpot", "effects.dashpot.gamma", ("N*s/m", 1.0), Some("dashpot"), |s, _| {
+            loss(s.spec.effects.dashpot.as_ref().map(|dashpot| &dashpot.gamma))
+        }),
+        knob(
+            "Kuwabara-Kono",
+            "effects.kuwabara_kono.eta",
+            ("us", 1e-6),
+            Some("kuwabara_kono"),
+            |s, _| loss(s.spec.effects.kuwabara_kono.as_ref().map(|kono| &kono.eta)),
+        ),
+        Self {
+            turning: Turning::Decade,
+            ..knob("accuracy", "accuracy", ("", 1.0), None, |s, _| s.accuracy)
+        },
+        knob(
+            "scope noise",
+            "effects.scope_noise.rms",
+            ("div", 1.0),
+            Some("scope_noise"),
+            |s, _| (s.scope.noise > 0.0).then_some(s.scope.noise),
+        ),
+        knob("sensitivity", "sensors.{}.sensitivity", ("mV/N", 1e-3), None, sensitivity),
+        Self {
+            turning: Turning::Offset,
+            ..knob("plate offset", "sensors.{}.offset", ("", 1.0), None, offset)
+        },
+    ];
+
+    /// What the knob reads on `scene`, for the sensor at `source`.
+    #[must_use]
+    pub fn reading(&self, scene: &Scene, source: Option<Source>) -> String {
+        match (self.read)(scene, source) {
+            None if self.effect.is_some() => "off".to_owned(),
+            None if self.turning == Turning::Decade => "auto".to_owned(),
+            None => "-".to_owned(),
+            Some(value) if self.turning == Turning::Decade => format!("{value:.0e}"),
+            Some(value) if self.unit == "div" => format!("{value:.3} div"),
+            Some(value) if self.turning == Turning::Offset => format!("{value:+.2}"),
+            Some(value) => engineering(value, self.si_unit(), DIGITS),
+        }
+    }
+
+    fn si_unit(&self) -> &'static str {
+        match self.unit {
+            "us" => "s",
+            "mV/N" => "V/N",
+            other => other,
+        }
+    }
+
+    /// Path and text after a turn; `tuned` are the settings of the session.
+    ///
+    /// # Errors
+    /// Why there is nothing to turn, in words.
+    pub fn turned(
+        &self,
+        scene: &Scene,
+        tuned: &Settings,
+        source: Option<Source>,
+        turn: Turn,
+    ) -> Result<(String, String), String> {
+        let named = sensor_of(scene, source).map(|(_, name)| name);
+        if self.path.contains("{}") && named.is_none() {
+            return Err("select a channel with a sensor first".to_owned());
+        }
+        let path = self.path.replace("{}", named.unwrap_or_default());
+        // What was turned and not struck yet counts; an effect that is off has nothing to turn.
+        let (read, waiting) = ((self.read)(scene, source), pending(tuned, &path));
+        let known = match self.effect {
+            Some(_) => read.and(waiting).or(read),
+            None => waiting.or(read),
+        };
+        let now = match (known, self.turning) {
+            (Some(value), _) => value,
+            (None, Turning::Decade) => crate::scene::DEFAULT_ACCURACY,
+            (None, _) if self.effect.is_some() => {
+                return Err(format!("{} is off: o switches it on", self.label));
+            }
+            (None, _) => return Err(format!("this bench has no {}", self.label)),
+        };
+        let value = match self.turning {
+            Turning::Ratio => now * 10f64.powf(turn.sign() / TURNS_A_DECADE) / self.scale,
+            Turning::Offset => {
+                (now + turn.sign() * OFFSET_STEP).clamp(-FARTHEST_OFFSET, FARTHEST_OFFSET)
+            }
+            Turning::Decade => {
+                let decade = 10f64.powf(now.log10().round() + turn.sign());
+                decade.clamp(TIGHTEST_ACCURACY, LOOSEST_ACCURACY)
+            }
+        };
+        Ok((path, typed(value, self.unit)))
+    }
+}
+
+/// The value that was typed for `path` in this session (unit).
+#[must_use]
+pub fn pending(tuned: &Settings, path: &str) -> Option<f64> {
+    parse_any(tuned.get(path)?).ok().map(|(value, _)| value)
+}
+
+/// A value as it would be typed, with three digits.
+#[must_use]
+pub fn typed(value: f64, unit: &str) -> String {
+    let rounded: f64 = format!("{value:.2e}").parse().unwrap_or(value);
+    format!("{rounded} {unit}").trim_end().to_owned()
+}
+
+/// What stands in a scene for an effect that it does not name; none for effects that need more than a number.
+fn first_settings(effect: &str) -> Option<&'static [(&'static str, &'static str)]> {
+    match effect {
+        "gravity" => Some(&[("acceleration", "9.81 m/s^2")]),
+        "dashpot" => Some(&[("gamma", "0.1 N*s/m"), ("end_of_contact", "zero_force")]),
+        "kuwabara_kono" => Some(&[("eta", "1 us"), ("end_of_contact", "zero_force")]),
+        "scope_noise" => Some(&[("rms", "0.02 div")]),
+        _ => None,
+    }
+}
+
+/// The settings that switch `effect` to the other state; `tuned` are those of the session.
+///
+/// # Errors
+/// Why it cannot be switched, in words.
+pub fn switched(
+    scene: &Scene,
+    tuned: &Settings,
+    effect: &str,
+) -> Result<Vec<(String, String)>, String> {
+    let path = |key: &str| format!("effects.{effect}.{key}");
+    let state = |word: &str| (path("state"), word.to_owned());
+    if effects(scene).iter().any(|(name, _)| name == effect) {
+        if matches!(effect, "sensor_droop" | "quantisation" | "sensor_offset" | "scope_offset") {
+            return Err(format!("{effect} is part of the instruments and has no switch"));
+        }
+        return Ok(vec![state("off")]);
+    }
+    // What was switched off here has its numbers still.
+    if tuned.get(&path("state")).is_some_and(|word| word == "off") {
+        return Ok(vec![state("on")]);
+    }
+    let first = first_settings(effect)
+        .ok_or_else(|| format!("{effect} needs numbers of its own: name them in the scene file"))?;
+    let numbers = first.iter().map(|(key, value)| (path(key), (*value).to_owned()));
+    Ok(numbers.chain([state("on")]).collect())
+}

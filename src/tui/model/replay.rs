@@ -1,0 +1,236 @@
+//! Going through a recording: shots in memory or on disk, playing, seeking, what stays behind.
+
+use super::state::{Ghosts, Page, Request};
+use super::{Model, Side};
+use crate::recording::{Shot, TraceSet};
+use crate::tui::axis::{Turn, Window};
+
+/// So many shots stay on screen behind the present one.
+const MOST_GHOSTS: usize = 16;
+/// Slowest and fastest play (1).
+const SPEEDS: (f64, f64) = (1.0 / 64.0, 64.0);
+/// The bench's film runs so much slower than the bench, at speed 1 (1).
+const SLOW_MOTION: f64 = 1e-3;
+
+/// A recording of which one shot is in memory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct OnTape {
+    /// Shots found so far.
+    count: usize,
+    /// Whether the file may still hold or get more.
+    open: bool,
+    /// Place of the shot in memory.
+    here: Option<usize>,
+    /// Whether the newest shot is to be shown whenever one comes.
+    follow: bool,
+}
+
+impl Model {
+    /// A recording that is read as it is looked at; shots and facts come as answers. `follow` shows each new shot.
+    pub fn on_tape(&mut self, follow: bool) {
+        self.on_tape = Some(OnTape { count: 0, open: true, here: None, follow });
+    }
+
+    /// What was found of the recording so far: how many shots, whether there may come more, and what holds for all of them.
+    pub fn tape_read(&mut self, count: usize, open: bool, facts: TraceSet) {
+        let Some(tape) = &mut self.on_tape else { return };
+        let grown = count > tape.count;
+        (tape.count, tape.open) = (count, open);
+        let first = tape.here.is_none() && count > 0;
+        let follow = tape.follow;
+        let shots = std::mem::take(&mut self.set.shots);
+        let facts_changed =
+            self.set.attachments != facts.attachments || self.set.metadata != facts.metadata;
+        self.set = TraceSet { shots, ..facts };
+        if facts_changed {
+            self.read_scene();
+            self.fresh();
+        }
+        if follow && grown {
+            self.go_to(count - 1);
+        } else if first {
+            self.go_to(0);
+        }
+    }
+
+    /// The shot that was asked for.
+    pub fn tape_shot(&mut self, place: usize, shot: Shot) {
+        if place != self.shot {
+            return;
+        }
+        let before = self.recorded_window();
+        self.keep_ghost();
+        if let Some(tape) = &mut self.on_tape {
+            tape.here = Some(place);
+        }
+        self.set.shots = vec![shot];
+        self.shown(before);
+    }
+
+    /// How many shots there are.
+    #[must_use]
+    pub fn shots(&self) -> usize {
+        self.on_tape.map_or(self.set.shots.len(), |tape| tape.count)
+    }
+
+    /// Whether the file is still being read or may grow.
+    #[must_use]
+    pub fn is_growing(&self) -> bool {
+        self.on_tape.is_some_and(|tape| tape.open)
+    }
+
+    /// The shot's place in the recording, from 0.
+    #[must_use]
+    pub fn shot_index(&self) -> usize {
+        self.shot
+    }
+
+    /// The shot in memory that is on screen.
+    pub(super) fn set_shot(&self) -> Option<&Shot> {
+        self.set.shots.get(if self.on_tape.is_some() { 0 } else { self.shot })
+    }
+
+    /// Shows the shot at `place`, counted from 0.
+    pub(super) fn go_to(&mut self, place: usize) {
+        if place >= self.shots() {
+            self.notice = Some(format!("there are {} shots", self.shots()));
+            return;
+        }
+        if self.on_tape.is_some() {
+            self.shot = place;
+            self.requests.retain(|request| !matches!(request, Request::Load(_)));
+            self.requests.push(Request::Load(place));
+            return;
+        }
+        let before = self.recorded_window();
+        self.keep_ghost();
+        self.shot = place;
+        self.shown(before);
+    }
+
+    /// Shows another shot, the same part of it where it was recorded alike.
+    pub(super) fn change_shot(&mut self, turn: Turn) {
+        let next = match turn {
+            Turn::Down => self.shot.checked_sub(1),
+            Turn::Up => Some(self.shot + 1).filter(|next| *next < self.shots()),
+        };
+        if let Some(next) = next {
+            self.go_to(next);
+        } else {
+            self.play.running = false;
+            self.notice = Some("there is no further shot in this direction".to_owned());
+        }
+    }
+
+    /// After another shot has come; the window stays where it was recorded alike.
+    fn shown(&mut self, before: Option<Window>) {
+        self.play.bench_time = 0.0;
+        self.fresh();
+        let alike = match (before, self.recorded_window()) {
+            (Some(before), Some(now)) => before.same_as(&now),
+            _ => false,
+        };
+        if !alike {
+            self.window = None;
+        }
+        if self.page == Page::Compare {
+            self.compare_again();
+        }
+    }
+
+    /// Leaves the present traces behind the next ones, where that is wanted.
+    pub(super) fn keep_ghost(&mut self) {
+        let traces = self.set_shot().map(|_| self.traces.clone());
+        if let (Some(ghosts), Some(traces)) = (&mut self.ghosts, traces) {
+            ghosts.push_back(traces);
+            if ghosts.len() > MOST_GHOSTS {
+                ghosts.pop_front();
+            }
+        }
+    }
+
+    /// Keeps earlier shots on screen, or no longer.
+    pub(super) fn persist(&mut self) {
+        self.ghosts = match self.ghosts {
+            Some(_) => None,
+            None => Some(Ghosts::new()),
+        };
+        let words = if self.ghosts.is_some() {
+            format!("persistence: the last {MOST_GHOSTS} shots stay")
+        } else {
+            "persistence off".to_owned()
+        };
+        self.notice = Some(words);
+    }
+
+    /// Whether time passes on the screen.
+    #[must_use]
+    pub fn is_playing(&self) -> bool {
+        self.play.running
+    }
+
+    /// Plays or stops.
+    pub(super) fn play_or_stop(&mut self) {
+        self.play.running = !self.play.running;
+        self.play.waited = 0.0;
+        let last = self.shot + 1 >= self.shots();
+        if self.play.running && last && self.page != Page::Bench && self.shots() > 1 {
+            self.go_to(0);
+        }
+    }
+
+    /// Twice as fast, or half.
+    pub(super) fn change_speed(&mut self, turn: Turn) {
+        self.play.speed = (self.play.speed * 2f64.powf(turn.sign())).clamp(SPEEDS.0, SPEEDS.1);
+        self.notice = Some(format!("speed {}x", self.play.speed));
+    }
+
+    /// Lets `seconds` (s) pass.
+    pub(super) fn tick(&mut self, seconds: f64) {
+        if !self.play.running {
+            return;
+        }
+        if self.page == Page::Bench {
+            self.wind(seconds * self.play.speed * SLOW_MOTION);
+            return;
+        }
+        self.play.waited += seconds * self.play.speed;
+        if self.play.waited >= 1.0 {
+            self.play.waited = 0.0;
+            self.change_shot(Turn::Up);
+        }
+    }
+
+    /// Winds the bench's film by `seconds` of its own time (s); behind its end it begins again.
+    pub(super) fn wind(&mut self, seconds: f64) {
+        let Some((start, end)) = self.film_span() else { return };
+        let time = self.play.bench_time + seconds;
+        self.play.bench_time = if time > end {
+            start
+        } else if time < start {
+            end
+        } else {
+            time
+        };
+    }
+
+    /// First and last time of the film on the bench's own clock; none where the shot has none (s).
+    #[must_use]
+    pub fn film_span(&self) -> Option<(f64, f64)> {
+        let film = self.shot()?.truth.iter().find(|trace| trace.name.contains("contact/"))?;
+        Some((film.start, film.time(film.values.len().checked_sub(1)?)))
+    }
+
+    /// Opens or closes a page.
+    pub(super) fn open_page(&mut self, page: Page) {
+        self.page = if self.page == page { Page::Scope } else { page };
+        self.play.running = false;
+        self.derive();
+    }
+
+    /// Opens or closes what stands beside the page.
+    pub(super) fn open_side(&mut self, side: Side) {
+        self.side = if self.side == side { Side::Nothing } else { side };
+        self.derive();
+    }
+}

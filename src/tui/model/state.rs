@@ -1,0 +1,235 @@
+//! The small parts of the model's state, each with what can be asked of it.
+
+use std::collections::VecDeque;
+use std::path::PathBuf;
+
+use crate::recording::Capture;
+use crate::scope::{Source, Waveform};
+
+/// What lies over the scope's screen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Panel {
+    /// Nothing.
+    Scope,
+    /// The keys.
+    Help,
+    /// Problems of the file and lines of its log.
+    Log,
+    /// The command line.
+    Prompt,
+}
+
+/// What stands in the place of the graticule.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Page {
+    /// The traces over time.
+    Scope,
+    /// The spectrum of the selected trace.
+    Spectrum,
+    /// Its spectrum over time.
+    Map,
+    /// The selected trace against the first one.
+    Xy,
+    /// The chain in motion.
+    Bench,
+    /// The measurement against the simulation.
+    Compare,
+    /// Work against precision, and the effects.
+    Accuracy,
+}
+
+/// What stands beside the page.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// Nothing: the page has all columns.
+    Nothing,
+    /// Measurements of the selected trace, arrivals and speeds.
+    Measurements,
+    /// The bench's knobs.
+    Knobs,
+}
+
+/// Whether the terminal shows colours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Palette {
+    /// The sixteen colours that every terminal has.
+    Colour,
+    /// None, as the environment variable `NO_COLOR` asks.
+    Plain,
+}
+
+/// Whether a trace is on the screen, and if not, why.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Visibility {
+    /// It is.
+    Shown,
+    /// It was turned off.
+    Off,
+    /// It belongs to another abscissa than the selected trace: a spectrum among signals, or the reverse.
+    OtherAxis,
+}
+
+/// How a trace is shown differently from its recording.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Adjustment {
+    pub(super) scale: Option<f64>,
+    pub(super) position: Option<f64>,
+    pub(super) off: bool,
+}
+
+/// Which way the cursors measure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum CursorKind {
+    /// There are none.
+    #[default]
+    Off,
+    /// Along the abscissa.
+    Time,
+    /// Along the ordinate.
+    Volts,
+}
+
+/// One cursor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cursor {
+    /// Where it stands: abscissa or ordinate of its trace (unit).
+    pub at: f64,
+    /// The trace it was put on.
+    pub source: Source,
+}
+
+/// The pair of cursors.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Cursors {
+    /// Which way they measure.
+    pub kind: CursorKind,
+    /// Both, where they have been put.
+    pub pair: Option<[Cursor; 2]>,
+    /// Which of them moves: 0 or 1.
+    pub active: usize,
+}
+
+/// How the comparison's page shows its two traces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Overlay {
+    /// One over the other, and their difference below.
+    #[default]
+    Both,
+    /// One over the other.
+    Traces,
+    /// Their difference.
+    Difference,
+}
+
+/// How a recording is played.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Play {
+    /// Whether it runs.
+    pub running: bool,
+    /// Shots a second, or on the page of the bench milliseconds of its time a second (1).
+    pub speed: f64,
+    /// Since the shot on screen came (s).
+    pub(super) waited: f64,
+    /// What the page of the bench shows, on the bench's own clock (s).
+    pub bench_time: f64,
+}
+
+impl Default for Play {
+    fn default() -> Self {
+        Self { running: false, speed: 1.0, waited: 0.0, bench_time: 0.0 }
+    }
+}
+
+/// What the scope is doing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Acquisition {
+    /// Each turn of a knob strikes the bench again.
+    Running,
+    /// One trigger is waited for.
+    Armed,
+    /// Nothing is taken.
+    Stopped,
+}
+
+/// A shot that stays visible behind the present one.
+pub type Ghosts = VecDeque<Vec<Capture>>;
+
+/// What the model wants done outside; it does no input and no output itself.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Request {
+    /// Read the shot at this place of the recording.
+    Load(usize),
+    /// Strike the bench of this text.
+    Strike(Strike),
+    /// Hold the shot on screen against this recording, folder or scene; none repeats the last one.
+    Compare(Option<String>),
+    /// Make the work-precision study.
+    Study,
+    /// Make the ledger of effects.
+    Ledger,
+    /// Write what the file's ending says.
+    Save(PathBuf),
+}
+
+/// One impact to simulate.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Strike {
+    /// Name of the scene.
+    pub name: String,
+    /// The scene.
+    pub text: String,
+    /// Number of the shot.
+    pub shot: u32,
+    /// Counts upward; an answer to an older one than is on screen is stale.
+    pub turn: u64,
+}
+
+/// How far a job on the worker's thread is.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Job<T> {
+    /// Not asked for.
+    Idle,
+    /// At work, with the share that is done (1).
+    Busy(f64),
+    /// Here it is.
+    Done(T),
+    /// It could not be done.
+    Failed(String),
+}
+
+impl<T> Job<T> {
+    /// The result, if it is there.
+    #[must_use]
+    pub fn done(&self) -> Option<&T> {
+        match self {
+            Self::Done(result) => Some(result),
+            _ => None,
+        }
+    }
+}
+
+/// Less than this share of a level is round-off (1).
+const ROUND_OFF: f64 = 1e-9;
+
+/// The value of a trace at an abscissa, along the straight line between two points; none beyond the record (unit).
+#[must_use]
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_precision_loss,
+    reason = "`as` stops at the ends, and what lies beyond the record is refused"
+)]
+pub fn value_at(waveform: &Waveform, at: f64) -> Option<f64> {
+    let place = (at - waveform.time(0)) / waveform.preamble.x_incr;
+    if !(place >= 0.0 && place.is_finite()) {
+        return None;
+    }
+    let index = place.floor() as usize;
+    let here = waveform.volts(index)?;
+    let share = place - index as f64;
+    let next = if share == 0.0 { here } else { waveform.volts(index + 1)? };
+    let value = here + share * (next - here);
+    // What is left of a difference of levels is nothing.
+    let nothing = value.abs() < ROUND_OFF * waveform.preamble.y_mult.abs();
+    Some(if nothing { 0.0 } else { value })
+}

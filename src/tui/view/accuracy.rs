@@ -1,0 +1,188 @@
+//! What accuracy costs on this scene, where the present setting stands, and what each effect changes.
+
+use ratatui::Frame;
+use ratatui::layout::Rect;
+use ratatui::style::{Color, Modifier, Style};
+use ratatui::text::Line;
+use ratatui::widgets::Paragraph;
+
+use super::axes::{put, whole};
+use super::layout::Layout;
+use super::sheet::{Axis, Sheet};
+use super::{colour, message};
+use crate::experiment::cost::{Chosen, Point, Study};
+use crate::experiment::effects::{Entry, Ledger, State};
+use crate::tui::model::{Job, Model};
+
+/// From this width on study and ledger stand side by side.
+const WIDE: u16 = 130;
+/// Errors that the plot reaches from (1).
+const LOWEST_ERROR: f64 = 1e-14;
+/// Columns of the ledger.
+const LEDGER_WIDTH: u16 = 64;
+
+/// Draws the page.
+pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
+    let area = layout.page;
+    let (plot, list) = if area.width >= WIDE {
+        let left = Rect { width: area.width - LEDGER_WIDTH, ..area };
+        (left, Rect { x: left.right(), width: LEDGER_WIDTH, ..area })
+    } else {
+        let upper = Rect { height: area.height / 2, ..area };
+        (upper, Rect { y: upper.bottom(), height: area.height - upper.height, ..area })
+    };
+    match &model.questions().study {
+        Job::Done(study) => study_of(model, study, plot, frame),
+        Job::Busy(share) => busy("work-precision study", *share, plot, frame),
+        Job::Failed(problem) => message(problem, plot, frame),
+        Job::Idle => message("another bench than was studied: k, k asks again", plot, frame),
+    }
+    match &model.questions().ledger {
+        Job::Done(ledger) => ledger_of(model, ledger, list, frame),
+        Job::Busy(share) => busy("effects, each with and without", *share, list, frame),
+        Job::Failed(problem) => message(problem, list, frame),
+        Job::Idle => message("another bench than was measured: k, k asks again", list, frame),
+    }
+}
+
+/// What is at work, and how far it is.
+fn busy(what: &str, share: f64, area: Rect, frame: &mut Frame) {
+    const WIDTH: usize = 20;
+    let done = usize::from(whole(share.clamp(0.0, 1.0) * 20.0));
+    let bar: String = (0..WIDTH).map(|i| if i < done { '━' } else { '─' }).collect();
+    message(&format!("{what} {bar} {:.0} %", 100.0 * share), area, frame);
+}
+
+/// A letter and a colour for each method.
+fn method_style(index: usize) -> (char, Color) {
+    const COLOURS: [Color; 9] = [
+        Color::Yellow,
+        Color::Cyan,
+        Color::Magenta,
+        Color::Green,
+        Color::LightRed,
+        Color::LightBlue,
+        Color::White,
+        Color::LightMagenta,
+        Color::LightGreen,
+    ];
+    let letter = u8::try_from(index).ok().and_then(|i| b'a'.checked_add(i)).map_or('?', char::from);
+    (letter, COLOURS.get(index).copied().unwrap_or(Color::Gray))
+}
+
+#[expect(clippy::cast_precision_loss, reason = "counts far below 2^53")]
+fn evaluations(count: u64) -> f64 {
+    count as f64
+}
+
+/// Worst of the errors of a point that is one (1).
+fn error_of(point: &Point) -> Option<f64> {
+    let errors = [point.error_peak?, point.error_arrival?];
+    (!point.failed).then(|| errors.into_iter().fold(LOWEST_ERROR, f64::max))
+}
+
+/// What `--accuracy` chooses nearest to the present setting.
+fn present<'a>(model: &Model, study: &'a Study) -> Option<&'a Chosen> {
+    let wanted = model
+        .live()
+        .and_then(|live| live.summary.as_ref()?.accuracy)
+        .or_else(|| model.scene()?.accuracy)
+        .unwrap_or(crate::scene::DEFAULT_ACCURACY);
+    let distance = |chosen: &Chosen| (chosen.accuracy.log10() - wanted.log10()).abs();
+    study.chosen.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
+}
+
+fn study_of(model: &Model, study: &Study, area: Rect, frame: &mut Frame) {
+    let counts =
+        study.points.iter().filter(|p| !p.failed).map(|p| evaluations(p.force_evaluations));
+    let (low, high) =
+        counts.fold((f64::INFINITY, 1.0), |(low, high): (f64, f64), n| (low.min(n), high.max(n)));
+    let low = if low.is_finite() { low } else { 1.0 };
+    let grid = colour(model.palette(), Color::DarkGray);
+    let below = Rect { y: area.y + 1, height: area.height.saturating_sub(2), ..area };
+    let axes =
+        (Axis::logarithmic(low / 1.5, high * 1.5, ""), Axis::logarithmic(LOWEST_ERROR, 1.0, ""));
+    let mut sheet = Sheet::new(below, axes.0, axes.1, grid);
+    for (index, rows) in study.points.chunk_by(|a, b| a.method == b.method).enumerate() {
+        let points =
+            rows.iter().filter_map(|p| Some((evaluations(p.force_evaluations), error_of(p)?)));
+        sheet.line(points, colour(model.palette(), method_style(index).1));
+    }
+    sheet.level(study.reference.error.max(LOWEST_ERROR), colour(model.palette(), Color::Gray));
+    sheet.draw(colour(model.palette(), Color::Gray), frame);
+    let mut legend = Vec::new();
+    for (index, rows) in study.points.chunk_by(|a, b| a.method == b.method).enumerate() {
+        let (letter, tint) = method_style(index);
+        let style = Style::new().fg(colour(model.palette(), tint));
+        for point in rows {
+            if let Some(error) = error_of(point) {
+                let at = (evaluations(point.force_evaluations), error);
+                sheet.write(at, &letter.to_string(), style, frame);
+            }
+        }
+        let name = rows.first().map_or("", |point| point.method);
+        legend.push(ratatui::text::Span::styled(format!("{letter} {name}  "), style));
+    }
+    if let Some(chosen) = present(model, study) {
+        let at =
+            (evaluations(chosen.force_evaluations), chosen.error.unwrap_or(1.0).max(LOWEST_ERROR));
+        let style = Style::new().add_modifier(Modifier::REVERSED | Modifier::BOLD);
+        let text = format!("◆ now: accuracy {:.0e}, {}", chosen.accuracy, chosen.method);
+        sheet.write(at, &text, style, frame);
+    }
+    let bold = Style::new().add_modifier(Modifier::BOLD);
+    let head =
+        format!("{}: error of peaks and arrivals (up) against force evaluations", study.scene);
+    put(frame.buffer_mut(), area, area.y, &head, bold);
+    frame.render_widget(Line::from(legend), Rect { y: area.bottom() - 1, height: 1, ..area });
+}
+
+fn share(value: Option<f64>) -> String {
+    value.map_or_else(|| "-".to_owned(), |value| format!("{:+.2}%", 100.0 * value))
+}
+
+fn entry_line(entry: &Entry) -> String {
+    let state = match entry.state {
+        State::On => "on",
+        State::Off => "off",
+        State::Auto => "auto",
+    };
+    let change = entry.change;
+    let lsb =
+        change.and_then(|c| c.peak_lsb).map_or_else(|| "-".to_owned(), |v| format!("{v:+.2}"));
+    let cost = entry.cost_share.map_or_else(|| "-".to_owned(), |c| format!("{:.0}%", 100.0 * c));
+    format!(
+        "{:<20}{:<5}{:>5}{:>9}{:>9}{:>9}{:>7}",
+        entry.effect,
+        state,
+        cost,
+        share(change.and_then(|c| c.speed)),
+        share(change.and_then(|c| c.peak)),
+        share(change.and_then(|c| c.arrival)),
+        lsb
+    )
+}
+
+fn ledger_of(model: &Model, ledger: &Ledger, area: Rect, frame: &mut Frame) {
+    let bold = Style::new().add_modifier(Modifier::BOLD);
+    let head = format!(
+        "{:<20}{:<5}{:>5}{:>9}{:>9}{:>9}{:>7}",
+        "effect, with/without", "", "cost", "speed", "peak", "arrival", "LSB"
+    );
+    let rows = usize::from(area.height.saturating_sub(2)).max(1);
+    let selected = model.questions().effect;
+    let first = selected.saturating_sub(rows.saturating_sub(1));
+    let mut lines = vec![Line::styled(head, bold)];
+    for (index, entry) in ledger.entries.iter().enumerate().skip(first).take(rows) {
+        let tint = match entry.state {
+            State::On => Color::LightGreen,
+            State::Auto => Color::Yellow,
+            State::Off => Color::Gray,
+        };
+        let style = Style::new().fg(colour(model.palette(), tint));
+        let style = if index == selected { style.add_modifier(Modifier::REVERSED) } else { style };
+        lines.push(Line::styled(entry_line(entry), style));
+    }
+    lines.extend(ledger.entries.get(selected).map(|entry| Line::raw(entry.reason.clone())));
+    frame.render_widget(Paragraph::new(lines), area);
+}

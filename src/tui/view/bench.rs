@@ -1,0 +1,286 @@
+//! The chain in motion, from the truth of a simulated shot: the force in every contact now, the beads where they are, and above them
+//! the same for all times, so that pulses are seen as slanted stripes.
+
+use std::cmp::Ordering;
+
+use ratatui::Frame;
+use ratatui::layout::Rect;
+use ratatui::style::{Color, Modifier, Style};
+use ratatui::text::{Line, Span};
+
+use super::axes::put;
+use super::layout::Layout;
+use super::readout::compact;
+use super::{colour, message};
+use crate::scene::{Scene, Site};
+use crate::trace::Trace;
+use crate::tui::model::Model;
+
+/// Eighths of a cell, from nothing to full.
+const EIGHTHS: [&str; 9] = [" ", "▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"];
+/// Tones of the stripes, from little to much force.
+const TONES: [&str; 5] = [" ", "·", "░", "▒", "█"];
+/// Rows of the page that are neither bars nor stripes.
+const OTHER_ROWS: u16 = 5;
+/// One contact in so many may go beyond the scale: the striker's own is far above the others.
+const CUT_OFF: usize = 10;
+/// Columns left of the chain.
+const LABELS: u16 = 9;
+
+/// The film of a shot: contacts from the top, each with its place in the chain.
+struct Film<'a> {
+    contacts: Vec<(usize, &'a Trace)>,
+    beads: Vec<(usize, &'a Trace)>,
+    /// What the scale ends at, added to the static force (N).
+    strongest: f64,
+}
+
+/// Traces of one kind with their numbers, in order.
+fn numbered<'a>(model: &'a Model, kind: &str) -> Vec<(usize, &'a Trace)> {
+    let shot = model.shot();
+    let number = |trace: &Trace| {
+        let name = trace.name.strip_prefix("/truth/").unwrap_or(&trace.name);
+        name.strip_prefix(kind)?.split(':').next()?.parse().ok()
+    };
+    let mut found: Vec<(usize, &Trace)> = shot
+        .into_iter()
+        .flat_map(|shot| &shot.truth)
+        .filter_map(|trace| Some((number(trace)?, trace)))
+        .collect();
+    found.sort_by_key(|(number, _)| *number);
+    found
+}
+
+impl<'a> Film<'a> {
+    fn of(model: &'a Model) -> Option<Self> {
+        let contacts = numbered(model, "contact/");
+        let mut dynamic: Vec<f64> = contacts.iter().map(|(_, trace)| largest(trace)).collect();
+        dynamic.sort_by(f64::total_cmp);
+        let place = dynamic.len().saturating_sub(1 + dynamic.len() / CUT_OFF);
+        let strongest = dynamic.get(place).copied().unwrap_or(0.0);
+        (!contacts.is_empty()).then(|| Self {
+            contacts,
+            beads: numbered(model, "bead/"),
+            strongest,
+        })
+    }
+}
+
+/// What presses before the pulse comes (N).
+fn rest(trace: &Trace) -> f64 {
+    trace.values.first().copied().unwrap_or(0.0)
+}
+
+/// The largest change of a trace (unit).
+fn largest(trace: &Trace) -> f64 {
+    trace.values.iter().map(|value| (value - rest(trace)).abs()).fold(0.0, f64::max)
+}
+
+/// The value at a time, at the nearest frame (unit).
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "`as` stops at the ends"
+)]
+fn at(trace: &Trace, time: f64) -> Option<f64> {
+    let frame = ((time - trace.start) / trace.interval).round().max(0.0) as usize;
+    trace.values.get(frame.min(trace.values.len().checked_sub(1)?)).copied()
+}
+
+/// The largest change between two times (unit).
+fn farthest_between(trace: &Trace, from: f64, to: f64) -> f64 {
+    let rest = rest(trace);
+    let inside = trace
+        .values
+        .iter()
+        .enumerate()
+        .filter(|(index, _)| (from..to).contains(&trace.time(*index)));
+    let changes = inside.map(|(_, value)| value - rest);
+    changes.fold(0.0, |most: f64, change| if change.abs() > most.abs() { change } else { most })
+}
+
+/// Draws the page.
+pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
+    let area = layout.page;
+    let (Some(film), Some((start, end))) = (Film::of(model), model.film_span()) else {
+        let words = "this shot has no truth topics: only simulations know how the beads moved";
+        return message(words, area, frame);
+    };
+    let now = model.play().bench_time.clamp(start, end);
+    heading(model, &film, (now, end), frame, area);
+    let free = area.height.saturating_sub(OTHER_ROWS);
+    let bars = free.min((free / 2).max(3));
+    let stripes = Rect { y: area.y + 1, height: free - bars, ..area };
+    let chain = Rect { y: stripes.bottom(), height: bars, ..area };
+    stripes_of(model, &film, (start, end, now), stripes, frame);
+    bars_of(model, &film, now, chain, frame);
+    beads_of(model, &film, now, Rect { y: chain.bottom(), height: 2, ..area }, frame);
+    time_line(model, (start, end, now), Rect { y: chain.bottom() + 3, height: 1, ..area }, frame);
+}
+
+fn heading(model: &Model, film: &Film, (now, end): (f64, f64), frame: &mut Frame, area: Rect) {
+    let bold = Style::new().add_modifier(Modifier::BOLD);
+    let state = if model.is_playing() { "playing" } else { "paused (Space)" };
+    let line = Line::from(vec![
+        Span::styled("Forces along the chain  ", bold),
+        Span::raw(format!("t = {} of {}  ", compact(now, "s", 4), compact(end, "s", 3))),
+        Span::raw(format!(
+            "scale to +{}  {state} at {} ms/s",
+            compact(film.strongest, "N", 3),
+            model.play().speed
+        )),
+    ]);
+    frame.render_widget(line, Rect { height: 1, ..area });
+}
+
+/// The contact behind a column of cells.
+fn contact_at(column: u16, width: u16, count: usize) -> usize {
+    usize::from(column) * count / usize::from(width.max(1))
+}
+
+/// All of the film: time downward, the chain to the right, tones by the force that was added.
+fn stripes_of(
+    model: &Model,
+    film: &Film,
+    (start, end, now): (f64, f64, f64),
+    area: Rect,
+    frame: &mut Frame,
+) {
+    let width = area.width.saturating_sub(LABELS);
+    let rows = f64::from(area.height.max(1));
+    for row in 0..area.height {
+        let from = start + (end - start) * f64::from(row) / rows;
+        let to = start + (end - start) * f64::from(row + 1) / rows;
+        let here = (from..to).contains(&now) || (row + 1 == area.height && now >= to);
+        let grey = Style::new().fg(colour(model.palette(), Color::Gray));
+        let label_style = if here { grey.add_modifier(Modifier::REVERSED) } else { grey };
+        let label = compact(from, "s", 3);
+        put(
+            frame.buffer_mut(),
+            Rect { width: LABELS - 1, ..area },
+            area.y + row,
+            &label,
+            label_style,
+        );
+        for column in 0..width {
+            let Some((_, trace)) =
+                film.contacts.get(contact_at(column, width, film.contacts.len()))
+            else {
+                continue;
+            };
+            let added = farthest_between(trace, from, to);
+            let (tone, style) = tone(model, added / film.strongest);
+            let place = Rect { x: area.x + LABELS + column, y: area.y + row, width: 1, height: 1 };
+            put(frame.buffer_mut(), place, place.y, tone, style);
+        }
+    }
+}
+
+/// A tone for a share of the strongest force; what was taken away is blue.
+fn tone(model: &Model, share: f64) -> (&'static str, Style) {
+    const COLOURS: [Color; 5] =
+        [Color::Reset, Color::DarkGray, Color::Yellow, Color::Yellow, Color::LightRed];
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
+    let place = (share.abs() * 5.0).clamp(0.0, 4.0) as usize;
+    let wanted =
+        if share < 0.0 { Color::Blue } else { COLOURS.get(place).copied().unwrap_or(Color::Reset) };
+    (TONES.get(place).copied().unwrap_or(" "), Style::new().fg(colour(model.palette(), wanted)))
+}
+
+/// The force in each contact now, upward, what pressed before included.
+fn bars_of(model: &Model, film: &Film, now: f64, area: Rect, frame: &mut Frame) {
+    let width = area.width.saturating_sub(LABELS);
+    let pressed = film.contacts.iter().map(|(_, trace)| rest(trace)).fold(0.0, f64::max);
+    let top = film.strongest + pressed;
+    let grey = Style::new().fg(colour(model.palette(), Color::Gray));
+    let labels = Rect { width: LABELS - 1, ..area };
+    put(frame.buffer_mut(), labels, area.y, &compact(top, "N", 3), grey);
+    put(frame.buffer_mut(), labels, area.bottom() - 1, "0N", grey);
+    let style = Style::new().fg(colour(model.palette(), Color::Yellow));
+    for column in 0..width {
+        let Some((_, trace)) = film.contacts.get(contact_at(column, width, film.contacts.len()))
+        else {
+            continue;
+        };
+        let force = at(trace, now).unwrap_or(0.0).max(0.0);
+        let height = force / top * f64::from(area.height) * 8.0;
+        for row in 0..area.height {
+            let below = f64::from(area.height - 1 - row) * 8.0;
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
+            let eighths = (height - below).round().clamp(0.0, 8.0) as usize;
+            let place = Rect { x: area.x + LABELS + column, y: area.y + row, width: 1, height: 1 };
+            put(
+                frame.buffer_mut(),
+                place,
+                place.y,
+                EIGHTHS.get(eighths).copied().unwrap_or(" "),
+                style,
+            );
+        }
+    }
+}
+
+/// The beads: light ones small, those with a sensor numbered below; shifted to where they have moved, a cell for the farthest.
+fn beads_of(model: &Model, film: &Film, now: f64, area: Rect, frame: &mut Frame) {
+    let width = area.width.saturating_sub(LABELS);
+    let count = film.beads.len();
+    let farthest = film.beads.iter().skip(1).map(|(_, trace)| largest(trace)).fold(0.0, f64::max);
+    let grey = Style::new().fg(colour(model.palette(), Color::Gray));
+    put(frame.buffer_mut(), Rect { width: LABELS - 1, ..area }, area.y, "beads", grey);
+    for (place, (body, trace)) in film.beads.iter().enumerate() {
+        let moved = at(trace, now).unwrap_or(0.0) - rest(trace);
+        let (sign, style) = bead(model, *body, moved, farthest);
+        let x =
+            area.x + LABELS + u16::try_from(place * usize::from(width) / count.max(1)).unwrap_or(0);
+        put(frame.buffer_mut(), Rect { x, width: 1, ..area }, area.y, sign, style);
+    }
+    let Some(scene) = model.scene() else { return };
+    for sensor in &scene.sensors {
+        let body = match sensor.site {
+            Site::Particle(particle) => scene.chain.body_of(particle),
+            Site::Wall => count.saturating_sub(1),
+        };
+        let x =
+            area.x + LABELS + u16::try_from(body * usize::from(width) / count.max(1)).unwrap_or(0);
+        let name = format!("↑{}", sensor.name);
+        let room = Rect { x, width: area.right().saturating_sub(x), ..area };
+        put(frame.buffer_mut(), room, area.y + 1, &name, grey);
+    }
+}
+
+/// A bead's sign: its size by its mass, its colour by which way it has moved and how far.
+fn bead(model: &Model, body: usize, moved: f64, farthest: f64) -> (&'static str, Style) {
+    let heavy = |scene: &Scene| {
+        let bodies = scene.chain.bodies();
+        let heaviest = bodies.iter().skip(1).map(|body| body.mass).fold(0.0, f64::max);
+        bodies.get(body).is_some_and(|body| body.mass > 0.5 * heaviest)
+    };
+    let sign = if model.scene().is_some_and(heavy) { "●" } else { "•" };
+    let share = if farthest > 0.0 { moved / farthest } else { 0.0 };
+    let wanted = if share > 0.05 {
+        Color::LightRed
+    } else if share < -0.05 {
+        Color::LightBlue
+    } else {
+        Color::White
+    };
+    let style = Style::new().fg(colour(model.palette(), wanted));
+    (sign, if share.abs() > 0.5 { style.add_modifier(Modifier::BOLD) } else { style })
+}
+
+fn time_line(model: &Model, (start, end, now): (f64, f64, f64), area: Rect, frame: &mut Frame) {
+    let width = area.width.saturating_sub(LABELS);
+    let done =
+        super::axes::whole((now - start) / (end - start) * f64::from(width.saturating_sub(1)));
+    let line: String = (0..width)
+        .map(|x| match x.cmp(&done) {
+            Ordering::Equal => '●',
+            Ordering::Less => '━',
+            Ordering::Greater => '─',
+        })
+        .collect();
+    let style = Style::new().fg(colour(model.palette(), Color::Cyan));
+    put(frame.buffer_mut(), Rect { x: area.x + LABELS, width, ..area }, area.y, &line, style);
+    let grey = Style::new().fg(colour(model.palette(), Color::Gray));
+    put(frame.buffer_mut(), Rect { width: LABELS - 1, ..area }, area.y, "time", grey);
+}

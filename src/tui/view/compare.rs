@@ -1,0 +1,176 @@
+//! The measurement against the simulation: both traces of the selected channel, their difference, and the scores of all.
+
+use ratatui::Frame;
+use ratatui::layout::Rect;
+use ratatui::style::{Color, Modifier, Style};
+use ratatui::text::{Line, Span};
+
+use super::layout::Layout;
+use super::readout::compact;
+use super::sheet::{Axis, Sheet};
+use super::{colour, colour_of, message};
+use crate::experiment::compare::{ChannelScore, Compared};
+use crate::scope::Source;
+use crate::trace::Trace;
+use crate::tui::model::{Job, Model, Overlay};
+
+/// Draws the page.
+pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
+    let area = layout.page;
+    let compared = match &model.questions().comparison {
+        Job::Done(compared) => compared,
+        Job::Failed(problem) => return message(&format!("cannot compare: {problem}"), area, frame),
+        Job::Busy(_) => return message("comparing ...", area, frame),
+        Job::Idle => {
+            let words = "nothing to compare with yet:  :compare FILE, FOLDER or SCENE";
+            return message(words, area, frame);
+        }
+    };
+    let scores =
+        u16::try_from(compared.comparison.channels.len() + 1).unwrap_or(5).min(area.height / 2);
+    let heading = Rect { height: 1, ..area };
+    let table = Rect { y: area.bottom() - scores, height: scores, ..area };
+    let diagrams = Rect { y: area.y + 1, height: area.height - 1 - scores, ..area };
+    frame.render_widget(verdict(model, compared), heading);
+    let place = chosen(model, compared);
+    match model.overlay() {
+        Overlay::Traces => traces(model, (compared, place), diagrams, frame),
+        Overlay::Difference => difference(model, (compared, place), diagrams, frame),
+        Overlay::Both => {
+            let upper = Rect { height: diagrams.height / 2 + diagrams.height % 2, ..diagrams };
+            let lower = Rect { y: upper.bottom(), height: diagrams.height / 2, ..diagrams };
+            traces(model, (compared, place), upper, frame);
+            difference(model, (compared, place), lower, frame);
+        }
+    }
+    table_of(model, (compared, place), table, frame);
+}
+
+/// The pair of the selected channel, or the first.
+fn chosen(model: &Model, compared: &Compared) -> usize {
+    let name = model.selected().map(|capture| capture.waveform.source.to_string());
+    let channels = &compared.comparison.channels;
+    channels.iter().position(|c| Some(&c.name) == name.as_ref()).unwrap_or(0)
+}
+
+/// What was held against what, the shift, and the verdict.
+fn verdict(model: &Model, compared: &Compared) -> Line<'static> {
+    let comparison = &compared.comparison;
+    let bold = Style::new().add_modifier(Modifier::BOLD);
+    let passed = comparison.failures.is_empty();
+    let tint = colour(model.palette(), if passed { Color::LightGreen } else { Color::LightRed });
+    let shift =
+        comparison.shift_u_s.map_or_else(String::new, |u| format!(" ± {}", compact(u, "s", 2)));
+    let shifted = format!(
+        "  shifted {}{shift} by {}  ",
+        compact(comparison.shift_s, "s", 4),
+        comparison.align
+    );
+    Line::from(vec![
+        Span::styled(comparison.verdict.to_uppercase(), bold.fg(tint)),
+        Span::styled(shifted, bold),
+        Span::raw(format!("against {}  ", comparison.simulated)),
+        Span::raw(comparison.tolerance.join(", ")),
+    ])
+}
+
+/// Range of a trace with a little room (unit).
+fn range<'a>(traces: impl Iterator<Item = &'a Trace>) -> (f64, f64) {
+    let values = traces.flat_map(|trace| trace.values.iter().copied());
+    let (low, high) =
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+    if low < high { (low - 0.05 * (high - low), high + 0.05 * (high - low)) } else { (-1.0, 1.0) }
+}
+
+fn times(trace: &Trace) -> Axis {
+    Axis::linear(trace.start, trace.time(trace.values.len().saturating_sub(1)), "s")
+}
+
+fn points(trace: &Trace) -> impl Iterator<Item = (f64, f64)> + '_ {
+    trace.values.iter().enumerate().map(|(index, value)| (trace.time(index), *value))
+}
+
+fn source_colour(model: &Model, name: &str) -> Color {
+    Source::from_name(name).map_or(Color::White, |source| colour_of(model.palette(), source))
+}
+
+fn traces(model: &Model, (compared, place): (&Compared, usize), area: Rect, frame: &mut Frame) {
+    let (Some(pair), Some(score)) =
+        (compared.pairs.get(place), compared.comparison.channels.get(place))
+    else {
+        return;
+    };
+    let (low, high) = range([&pair.measured, &pair.simulated].into_iter());
+    let grid = colour(model.palette(), Color::DarkGray);
+    let mut sheet = Sheet::new(area, times(&pair.measured), Axis::linear(low, high, "V"), grid);
+    sheet.line(points(&pair.simulated), colour(model.palette(), Color::White));
+    sheet.line(points(&pair.measured), source_colour(model, &score.name));
+    sheet.draw(colour(model.palette(), Color::Gray), frame);
+    let text = format!("{} measured in colour, {} simulated in white", score.name, score.against);
+    sheet.write((pair.measured.start, high), &text, Style::new(), frame);
+}
+
+fn difference(model: &Model, (compared, place): (&Compared, usize), area: Rect, frame: &mut Frame) {
+    let (Some(pair), Some(score)) =
+        (compared.pairs.get(place), compared.comparison.channels.get(place))
+    else {
+        return;
+    };
+    let residual = pair.residual();
+    let (low, high) = range(std::iter::once(&residual));
+    let grid = colour(model.palette(), Color::DarkGray);
+    let mut sheet = Sheet::new(area, times(&residual), Axis::linear(low, high, "V"), grid);
+    sheet.level(0.0, colour(model.palette(), Color::Gray));
+    sheet.line(points(&residual), colour(model.palette(), Color::LightRed));
+    sheet.draw(colour(model.palette(), Color::Gray), frame);
+    let newtons =
+        score.rms_n.map_or_else(String::new, |rms| format!(" = {}", compact(rms, "N", 3)));
+    let text = format!(
+        "difference: rms {} = {:.2} LSB{newtons}, largest {} = {:.1} LSB",
+        compact(score.rms, "V", 3),
+        score.rms_lsb,
+        compact(score.max, "V", 3),
+        score.max_lsb
+    );
+    sheet.write((residual.start, high), &text, Style::new(), frame);
+}
+
+fn percent(value: Option<f64>, u: Option<f64>) -> String {
+    match (value, u) {
+        (Some(value), Some(u)) => format!("{:+.2}±{:.2}%", 100.0 * value, 100.0 * u),
+        (Some(value), None) => format!("{:+.2}%", 100.0 * value),
+        _ => "-".to_owned(),
+    }
+}
+
+fn row(score: &ChannelScore) -> String {
+    let arrival = score.arrival_error_s.map_or("-".to_owned(), |error| compact(error, "s", 3));
+    let force = score.rms_n.map_or("-".to_owned(), |rms| compact(rms, "N", 3));
+    format!(
+        "{:<5}{:<7}{:>7.4}{:>15}{:>9}{:>9}{:>7.2}{:>8}{:>8.4}",
+        score.name,
+        score.against,
+        score.gain,
+        percent(score.peak_error, score.peak_error_u),
+        arrival,
+        compact(score.rms, "V", 3),
+        score.rms_lsb,
+        force,
+        score.correlation.unwrap_or(f64::NAN),
+    )
+}
+
+fn table_of(model: &Model, (compared, place): (&Compared, usize), area: Rect, frame: &mut Frame) {
+    let bold = Style::new().add_modifier(Modifier::BOLD);
+    let head = format!(
+        "{:<5}{:<7}{:>7}{:>15}{:>9}{:>9}{:>7}{:>8}{:>8}",
+        "", "against", "gain", "peak", "arrival", "rms", "LSB", "rms", "corr."
+    );
+    let mut lines = vec![Line::styled(head, bold)];
+    for (index, score) in compared.comparison.channels.iter().enumerate() {
+        let style = Style::new().fg(source_colour(model, &score.name));
+        let style = if index == place { style.add_modifier(Modifier::REVERSED) } else { style };
+        lines.push(Line::styled(row(score), style));
+    }
+    frame.render_widget(ratatui::widgets::Paragraph::new(lines), area);
+}

@@ -1,0 +1,142 @@
+//! What stands beside the page: measurements and speeds, or the bench's knobs with what the last impact cost.
+
+use ratatui::Frame;
+use ratatui::layout::{Margin, Rect};
+use ratatui::style::{Color, Modifier, Style};
+use ratatui::text::Line;
+use ratatui::widgets::{Block, Borders, Clear, Paragraph};
+
+use super::layout::Layout;
+use super::readout::compact;
+use super::{colour, colour_of};
+use crate::experiment::arrivals::{SpeedBetween, Survey, Uncertain};
+use crate::tui::model::knobs::Knob;
+use crate::tui::model::{Live, Model, Side};
+
+/// Columns of a name.
+const NAME: usize = 14;
+/// Columns of a pair of channels.
+const SHORT: usize = 9;
+
+/// Draws the column.
+pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
+    let (title, lines) = match model.side() {
+        Side::Nothing => return,
+        Side::Measurements => (" Measure (M) ", measurements(model)),
+        Side::Knobs => (" Bench (B) ", knobs(model)),
+    };
+    // Without room beside the page it lies over it.
+    let area = if layout.side.width > 0 {
+        layout.side
+    } else {
+        let width = super::layout::SIDE_WIDTH.min(layout.page.width);
+        Rect { x: layout.page.right() - width, width, ..layout.page }
+    };
+    frame.render_widget(Clear, area);
+    frame.render_widget(Block::new().borders(Borders::LEFT | Borders::TOP).title(title), area);
+    let inner = area.inner(Margin::new(1, 1));
+    let inner = Rect {
+        width: area.width.saturating_sub(1),
+        height: area.height.saturating_sub(1),
+        ..inner
+    };
+    frame.render_widget(Paragraph::new(lines), inner);
+}
+
+fn pair(name: &str, value: &str) -> Line<'static> {
+    Line::raw(format!("{name:<NAME$}{value}"))
+}
+
+fn heading(model: &Model, text: String) -> Line<'static> {
+    let tint =
+        model.selected().map_or(Color::Reset, |c| colour_of(model.palette(), c.waveform.source));
+    Line::styled(text, Style::new().fg(tint).add_modifier(Modifier::BOLD))
+}
+
+fn measurements(model: &Model) -> Vec<Line<'static>> {
+    let derived = model.derived();
+    let name =
+        model.selected().map_or_else(|| "no trace".to_owned(), |c| c.waveform.source.to_string());
+    let mut lines = vec![heading(model, name)];
+    for reading in &derived.readings {
+        let value = reading.value.map_or_else(|| "?".to_owned(), |v| compact(v, &reading.unit, 4));
+        lines.push(pair(reading.name, &value));
+    }
+    if let Some(survey) = &derived.survey {
+        arrivals(model, survey, &mut lines);
+    }
+    lines
+}
+
+fn with_u(value: Uncertain, unit: &str) -> String {
+    format!("{} ±{}", compact(value.value, unit, 4), compact(value.u, unit, 2))
+}
+
+/// The selected channel's first pulse, and the speeds between all.
+fn arrivals(model: &Model, survey: &Survey, lines: &mut Vec<Line<'static>>) {
+    let name = model.selected().map(|c| c.waveform.source.to_string());
+    if let Some(channel) = survey.channels.iter().find(|c| Some(&c.channel) == name.as_ref()) {
+        let half = channel.arrivals.iter().find(|a| a.estimator == "half_rise");
+        lines.extend(half.and_then(|a| a.time_s).map(|t| pair("arrival", &with_u(t, "s"))));
+        lines.extend(channel.height_n.map(|force| pair("1st peak", &with_u(force, "N"))));
+    }
+    let half = |speed: &&SpeedBetween| speed.estimator == "half_rise";
+    let speeds: Vec<&SpeedBetween> = survey.speeds.iter().filter(half).collect();
+    if !speeds.is_empty() {
+        lines.push(Line::styled("speed, half-rise", Style::new().add_modifier(Modifier::BOLD)));
+    }
+    for speed in speeds {
+        let value = format!("{:.2} ±{:.2} m/s", speed.m_per_s.value, speed.m_per_s.u);
+        let ends = format!("{}-{}", speed.from, speed.to);
+        lines.push(Line::raw(format!("{ends:<SHORT$}{value}")));
+    }
+}
+
+fn knobs(model: &Model) -> Vec<Line<'static>> {
+    let (Some(live), Some(scene)) = (model.live(), model.scene()) else {
+        return vec![Line::raw("striking the chain ...")];
+    };
+    let source = model.selected().map(|capture| capture.waveform.source);
+    let mut lines = Vec::new();
+    for (index, knob) in Knob::ALL.iter().enumerate() {
+        let row = pair(knob.label, &knob.reading(scene, source));
+        let style = if index == live.knob {
+            Style::new().add_modifier(Modifier::REVERSED)
+        } else {
+            Style::new()
+        };
+        lines.push(row.style(style));
+    }
+    lines.push(Line::styled(
+        "n N choose - + turn o on/off",
+        Style::new().fg(colour(model.palette(), Color::Gray)),
+    ));
+    lines.extend(bill(live));
+    lines
+}
+
+/// What the last impact cost, at what accuracy, with which effects.
+fn bill(live: &Live) -> Vec<Line<'static>> {
+    let bold = Style::new().add_modifier(Modifier::BOLD);
+    let Some(summary) = &live.summary else { return Vec::new() };
+    let accuracy = summary.accuracy.map_or_else(|| "-".to_owned(), |a| format!("{a:.0e}"));
+    let mut lines = vec![
+        Line::styled(if live.is_waiting() { "run (next on its way)" } else { "run" }, bold),
+        pair("took", &compact(summary.wall_s, "s", 3)),
+        pair("steps", &summary.steps.to_string()),
+        pair("accuracy", &accuracy),
+        pair("energy drift", &format!("{:.1e}", summary.energy.drift)),
+    ];
+    let effects = summary.effects.join(" ");
+    lines.push(Line::styled("on", bold));
+    let mut words = String::new();
+    for effect in effects.split(' ') {
+        if words.chars().count() + effect.chars().count() > 27 {
+            lines.push(Line::raw(std::mem::take(&mut words)));
+        }
+        words.push_str(effect);
+        words.push(' ');
+    }
+    lines.push(Line::raw(words));
+    lines
+}

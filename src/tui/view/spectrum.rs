@@ -1,0 +1,180 @@
+//! The pages over frequency: the selected trace's spectrum with the chain's band edges, and how it changes with time.
+
+use ratatui::Frame;
+use ratatui::layout::Rect;
+use ratatui::style::{Color, Modifier, Style};
+use ratatui::text::{Line, Span};
+
+use super::axes::put;
+use super::layout::Layout;
+use super::readout::compact;
+use super::sheet::{Axis, Sheet};
+use super::{colour, colour_of, message};
+use crate::analysis::dispersion::DiatomicChain;
+use crate::analysis::spectrum::Spectrum;
+use crate::tui::model::{Model, Palette};
+
+/// Decibels from the top of the page to its bottom (dB).
+const RANGE: f64 = 80.0;
+/// Decibels from one tone of the map to the next (dB).
+const TONE: f64 = 10.0;
+/// Beyond the highest band edge so much more is shown (1).
+const BEYOND: f64 = 1.4;
+/// Without band edges this share of what was sampled (1).
+const SHOWN: f64 = 0.25;
+/// Tones of the map, from little to much.
+const TONES: [&str; 5] = [" ", "░", "▒", "▓", "█"];
+
+/// Highest frequency to show (Hz).
+fn highest(chain: Option<&DiatomicChain>, spectrum: &Spectrum) -> f64 {
+    #[expect(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
+    let sampled = spectrum.step * spectrum.amplitude.len() as f64;
+    chain.map_or(SHOWN * sampled, |chain| (BEYOND * chain.cutoff()).min(sampled))
+}
+
+/// The chain's edges with their names (Hz).
+fn edges(chain: &DiatomicChain) -> [(&'static str, f64); 3] {
+    [("f1", chain.gap_bottom()), ("f2", chain.gap_top()), ("f3", chain.cutoff())]
+}
+
+/// What was transformed, and what the edges are.
+fn heading(model: &Model, what: &str) -> Line<'static> {
+    let bold = Style::new().add_modifier(Modifier::BOLD);
+    let name = model.selected().map_or_else(String::new, |c| c.waveform.source.to_string());
+    let sensor = model.selected().and_then(|c| model.sensor(c.waveform.source));
+    let sensor = sensor.map_or_else(String::new, |sensor| format!(" ({})", sensor.name));
+    let mut parts = vec![Span::styled(format!("{what} of {name}{sensor}  "), bold)];
+    match &model.derived().chain {
+        Some(chain) => {
+            let gap = Style::new().fg(colour(model.palette(), Color::LightRed));
+            for (name, edge) in edges(chain) {
+                parts.push(Span::styled(format!("{name} {}  ", compact(edge, "Hz", 4)), gap));
+            }
+            parts.push(Span::raw("gap f1-f2"));
+        }
+        None => parts.push(Span::raw("no band edges: no scene tells the chain around this sensor")),
+    }
+    Line::from(parts)
+}
+
+/// The spectrum in decibels below its highest line.
+pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
+    let area = layout.page;
+    let spectrum = match &model.derived().spectrum {
+        Some(Ok(spectrum)) => spectrum,
+        Some(Err(problem)) => return message(problem, area, frame),
+        None => return message("there is no trace to transform", area, frame),
+    };
+    let palette = model.palette();
+    let chain = model.derived().chain.as_ref();
+    let top = spectrum.amplitude.iter().skip(1).copied().fold(0.0, f64::max);
+    if !(top > 0.0 && top.is_finite()) {
+        return message("this trace never changes: it has no spectrum", area, frame);
+    }
+    let level = 20.0 * top.log10();
+    let high = (level / 10.0).ceil() * 10.0;
+    let below = Rect { y: area.y + 1, height: area.height - 1, ..area };
+    let frequency = Axis::linear(0.0, highest(chain, spectrum), "Hz");
+    let grid = colour(palette, Color::DarkGray);
+    let mut sheet = Sheet::new(below, frequency, Axis::linear(high - RANGE, high, "dB"), grid);
+    let edge_colour = colour(palette, Color::LightRed);
+    if let Some(chain) = chain {
+        sheet.shade(chain.gap_bottom(), chain.gap_top(), colour(palette, Color::Red));
+    }
+    let source = model.selected().map(|capture| capture.waveform.source);
+    let line = source.map_or(Color::Reset, |source| colour_of(palette, source));
+    #[expect(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
+    let points = spectrum
+        .amplitude
+        .iter()
+        .enumerate()
+        .map(|(bin, amplitude)| (bin as f64 * spectrum.step, 20.0 * amplitude.log10()));
+    sheet.line(points, line);
+    for (_, edge) in chain.iter().flat_map(|chain| edges(chain)) {
+        sheet.upright(edge, edge_colour);
+    }
+    sheet.draw(colour(palette, Color::Gray), frame);
+    let bold = Style::new().fg(edge_colour).add_modifier(Modifier::BOLD);
+    for (name, edge) in chain.iter().flat_map(|chain| edges(chain)) {
+        sheet.write((edge, high), name, bold, frame);
+    }
+    let head = heading(model, &format!("Spectrum |X|/M, dB re 1 {},", spectrum.unit));
+    frame.render_widget(head, Rect { height: 1, ..area });
+}
+
+/// Frequency upward, time to the right, tones by 10 dB.
+pub(super) fn map(model: &Model, layout: &Layout, frame: &mut Frame) {
+    let area = layout.page;
+    let map = match &model.derived().map {
+        Some(Ok(map)) => map,
+        Some(Err(problem)) => return message(problem, area, frame),
+        None => return message("there is no trace to transform", area, frame),
+    };
+    let (Some(first), Some(start), Some(end)) =
+        (map.columns.first(), map.times.first(), map.times.last())
+    else {
+        return message("the record is too short for a map", area, frame);
+    };
+    let palette = model.palette();
+    let chain = model.derived().chain.as_ref();
+    let below = Rect { y: area.y + 1, height: area.height - 1, ..area };
+    let (top_frequency, grid) = (highest(chain, first), colour(palette, Color::DarkGray));
+    let frequency = Axis::linear(0.0, top_frequency, "Hz");
+    let sheet = Sheet::new(below, Axis::linear(*start, *end, "s"), frequency, grid);
+    sheet.draw(colour(palette, Color::Gray), frame);
+    let top =
+        map.columns.iter().flat_map(|c| c.amplitude.iter().skip(1)).copied().fold(0.0, f64::max);
+    let inner = sheet.inner();
+    for column in 0..inner.width {
+        let place = usize::from(column) * map.columns.len() / usize::from(inner.width.max(1));
+        let Some(spectrum) = map.columns.get(place) else { continue };
+        for row in 0..inner.height {
+            let (low, high) = band(row, inner.height, top_frequency);
+            let amplitude = loudest(spectrum, low, high);
+            let (tone, style) = tone(20.0 * (amplitude / top).log10(), palette);
+            let at = Rect { x: inner.x + column, y: inner.y + row, width: 1, height: 1 };
+            put(frame.buffer_mut(), at, at.y, tone, style);
+        }
+    }
+    let edge = Style::new().fg(colour(palette, Color::LightRed)).add_modifier(Modifier::BOLD);
+    for (name, frequency) in chain.iter().flat_map(|chain| edges(chain)) {
+        if let Some((_, y)) = sheet.cell(*start, frequency) {
+            let line = format!("{name}{}", "╌".repeat(usize::from(inner.width / 8)));
+            put(frame.buffer_mut(), inner, y, &line, edge);
+        }
+    }
+    let head = heading(model, "Spectrum over time, 10 dB a tone,");
+    frame.render_widget(head, Rect { height: 1, ..area });
+}
+
+/// Frequencies of a row of cells, from the top (Hz).
+fn band(row: u16, rows: u16, top: f64) -> (f64, f64) {
+    let edge = |row: u16| top * (1.0 - f64::from(row) / f64::from(rows.max(1)));
+    (edge(row + 1), edge(row))
+}
+
+/// The highest amplitude in a band (unit).
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "bins are counted from zero upward"
+)]
+fn loudest(spectrum: &Spectrum, low: f64, high: f64) -> f64 {
+    let bin = |frequency: f64| (frequency / spectrum.step).round() as usize;
+    let (first, last) = (bin(low).max(1), bin(high).max(bin(low) + 1));
+    let inside = spectrum.amplitude.iter().take(last + 1).skip(first);
+    inside.copied().fold(0.0, f64::max)
+}
+
+/// A tone for decibels below the loudest.
+fn tone(decibels: f64, palette: Palette) -> (&'static str, Style) {
+    const COLOURS: [Color; 5] =
+        [Color::Reset, Color::Blue, Color::Cyan, Color::Yellow, Color::LightRed];
+    let steps = TONES.len() - 1;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
+    let below = (-decibels / TONE).clamp(0.0, 4.0) as usize;
+    let place = steps - below.min(steps);
+    let shade = TONES.get(place).copied().unwrap_or(" ");
+    let wanted = COLOURS.get(place).copied().unwrap_or(Color::Reset);
+    (shade, Style::new().fg(colour(palette, wanted)))
+}

@@ -1,0 +1,138 @@
+//! The threads behind the screen: one reads the recording, one strikes the bench, two answer long questions. All they say goes
+//! through one channel to the screen's loop, and so do the terminal's events.
+
+mod bench;
+mod clerk;
+mod player;
+mod save;
+
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread;
+
+use ratatui::crossterm::event::{self, Event};
+use ratatui::layout::Size;
+
+use super::model::questions::Answer;
+use super::model::{Model, Request, Strike, Struck};
+use crate::recording::mcap::tape::Tape;
+use crate::recording::{Shot, TraceSet};
+use clerk::{Comparison, Research};
+
+/// What reaches the screen's loop.
+#[derive(Debug)]
+pub enum News {
+    /// A key, the mouse, another size.
+    Terminal(Event),
+    /// The terminal is gone.
+    Closed,
+    /// How far the recording was read: shots, whether there may be more, and what holds for all.
+    Read(usize, bool, Box<TraceSet>),
+    /// A shot, with its place.
+    Shot(usize, Box<Shot>),
+    /// The answer to a strike, with its number.
+    Struck(u64, Result<Box<Struck>, String>),
+    /// The answer to a question.
+    Answer(Answer),
+    /// Something went wrong that the user should know.
+    Told(String),
+}
+
+impl News {
+    /// Brings this to the model; terminal events are the keys' business.
+    pub fn bring(self, model: &mut Model) {
+        match self {
+            Self::Terminal(_) | Self::Closed => {}
+            Self::Read(count, open, facts) => model.tape_read(count, open, *facts),
+            Self::Shot(place, shot) => model.tape_shot(place, *shot),
+            Self::Struck(turn, answer) => model.struck(turn, answer),
+            Self::Answer(answer) => model.answered(answer),
+            Self::Told(words) => model.tell(words),
+        }
+    }
+}
+
+/// Starts a thread that does `work` for each order, with a way to send news; it ends when nobody can order any more.
+fn worker<Order: Send + 'static>(
+    news: &Sender<News>,
+    mut work: impl FnMut(Order, &Receiver<Order>, &Sender<News>) + Send + 'static,
+) -> Sender<Order> {
+    let (orders, received) = channel::<Order>();
+    let news = news.clone();
+    thread::spawn(move || {
+        while let Ok(order) = received.recv() {
+            work(order, &received, &news);
+        }
+    });
+    orders
+}
+
+/// Everyone who works for the screen.
+pub struct Staff {
+    news: Sender<News>,
+    player: Option<Sender<usize>>,
+    bench: Sender<Strike>,
+    comparison: Sender<Comparison>,
+    research: Sender<Research>,
+}
+
+impl Staff {
+    /// Starts the threads; a recording that is read as it is looked at comes as `tape`, and may be followed.
+    #[must_use]
+    pub fn start(tape: Option<Tape>, follow: bool) -> (Self, Receiver<News>) {
+        let (news, receiver) = channel();
+        let player = tape.map(|tape| player::start(tape, follow, &news));
+        let staff = Self {
+            player,
+            bench: worker(&news, bench::strike),
+            comparison: worker(&news, clerk::comparer()),
+            research: worker(&news, clerk::research),
+            news,
+        };
+        (staff, receiver)
+    }
+
+    /// Listens to the terminal.
+    pub fn listen(&self) {
+        let news = self.news.clone();
+        thread::spawn(move || {
+            while let Ok(event) = event::read() {
+                if news.send(News::Terminal(event)).is_err() {
+                    return;
+                }
+            }
+            // Nobody is left to hear it if this fails.
+            let _ = news.send(News::Closed);
+        });
+    }
+
+    /// Has everything done that the model asks for.
+    pub fn serve(&self, model: &mut Model, size: Size) {
+        for request in model.take_requests() {
+            // A worker that is gone has panicked; the screen's hook has told why.
+            let sent = match request {
+                Request::Load(place) => {
+                    self.player.as_ref().is_none_or(|player| player.send(place).is_ok())
+                }
+                Request::Strike(strike) => self.bench.send(strike).is_ok(),
+                Request::Compare(other) => {
+                    Comparison::of(model, other).is_none_or(|c| self.comparison.send(c).is_ok())
+                }
+                Request::Study => {
+                    let scene = model.scene().cloned().map(Box::new);
+                    scene.is_none_or(|scene| self.research.send(Research::Study(scene)).is_ok())
+                }
+                Request::Ledger => {
+                    let scene = model.scene().cloned().map(Box::new);
+                    scene.is_none_or(|scene| self.research.send(Research::Ledger(scene)).is_ok())
+                }
+                Request::Save(file) => {
+                    model.tell(save::save(model, size, &file).unwrap_or_else(|problem| problem));
+                    true
+                }
+            };
+            if !sent {
+                model.tell("the thread that does this has stopped; please restart".to_owned());
+            }
+        }
+    }
+}

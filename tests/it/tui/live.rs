@@ -1,0 +1,271 @@
+//! The bench behind the screen: knobs make scenes, scenes are struck on a thread, answers come back in order.
+
+use std::sync::mpsc::Receiver;
+use std::time::Duration;
+
+use super::bench::{after, draw};
+use hertzscope::recording::TraceSet;
+use hertzscope::scene::Scene;
+use hertzscope::scope::{Coupling, Source};
+use hertzscope::tui::axis::Turn;
+use hertzscope::tui::model::knobs::Knob;
+use hertzscope::tui::model::{Acquisition, Action, Model, Page, Palette, Request, Side, update};
+use hertzscope::tui::work::{News, Staff};
+use ratatui::layout::Size;
+
+/// Far longer than any strike takes.
+const PATIENCE: Duration = Duration::from_secs(120);
+const SIZE: Size = Size { width: 80, height: 24 };
+
+/// A bench with its threads.
+pub struct Session {
+    pub model: Model,
+    staff: Staff,
+    news: Receiver<News>,
+}
+
+impl Session {
+    pub fn bench(scene: &str) -> Self {
+        let mut model = Model::new(TraceSet::default(), scene.to_owned(), Palette::Colour);
+        model.open_bench(scene.to_owned());
+        let (staff, news) = Staff::start(None, false);
+        let mut session = Self { model, staff, news };
+        session.settle();
+        session
+    }
+
+    pub fn act(&mut self, actions: &[Action]) {
+        for action in actions {
+            update(&mut self.model, *action);
+            self.settle();
+        }
+    }
+
+    /// Types a line on the command line.
+    pub fn command(&mut self, line: &str) {
+        update(&mut self.model, Action::Prompt(""));
+        for letter in line.chars() {
+            update(&mut self.model, Action::Type(letter));
+        }
+        self.act(&[Action::Submit]);
+    }
+
+    /// Waits until everything that was asked for has come.
+    fn settle(&mut self) {
+        self.staff.serve(&mut self.model, SIZE);
+        while self.model.live().is_some_and(hertzscope::tui::model::Live::is_waiting) {
+            self.next();
+        }
+    }
+
+    /// Waits for the next news.
+    pub fn next(&mut self) {
+        let news = self.news.recv_timeout(PATIENCE).expect("an answer");
+        news.bring(&mut self.model);
+        self.staff.serve(&mut self.model, SIZE);
+    }
+}
+
+fn knob(label: &str) -> usize {
+    Knob::ALL.iter().position(|knob| knob.label == label).expect("a knob")
+}
+
+/// Selects a knob.
+fn choose(session: &mut Session, label: &str) {
+    for _ in 0..knob(label) {
+        session.act(&[Action::NextKnob(Turn::Up)]);
+    }
+}
+
+fn scene(session: &Session) -> &Scene {
+    session.model.scene().expect("a bench")
+}
+
+fn peak(session: &Session) -> f64 {
+    let live = session.model.live().expect("a bench");
+    let summary = live.summary.as_ref().expect("an impact");
+    summary.sensors[0].first_peak.expect("a pulse").dynamic_n
+}
+
+#[test]
+fn a_bench_opens_struck_and_triggered() {
+    let session = Session::bench("magnet-0.61g");
+    assert_eq!(session.model.captures().len(), 4);
+    let screen = draw(&session.model, 80, 24);
+    for words in ["Trig'd", "simulated", "M Pos: 1.00ms", "CH1↑500mV", "M 250µs"] {
+        screen.find(words);
+    }
+}
+
+#[test]
+fn a_faster_striker_makes_a_higher_pulse_and_the_tuned_scene_says_so() {
+    let mut session = Session::bench("magnet-0.61g");
+    let (speed, force) = (scene(&session).striker_speed().expect("a striker"), peak(&session));
+    choose(&mut session, "striker speed");
+    session.act(&[Action::TurnKnob(Turn::Up); 8]);
+    // Eight of twenty-four turns a decade, each rounded to three digits.
+    let faster = scene(&session).striker_speed().expect("a striker");
+    assert!((faster / speed / 10f64.cbrt() - 1.0).abs() < 0.02, "{faster} from {speed}");
+    assert!(peak(&session) > 1.5 * force, "{} from {force}", peak(&session));
+    // What is saved is a scene that stands on the one that was opened, and is the one that was struck.
+    let text = session.model.live().expect("a bench").text();
+    let saved = Scene::from_text("saved", "saved.toml", &text).expect("a sound scene");
+    assert_eq!(saved.striker_speed(), Some(faster));
+    assert!(text.starts_with("base = \"magnet-0.61g\"\n"), "{text}");
+}
+
+#[test]
+fn the_scopes_knobs_set_the_scope_while_it_runs() {
+    let mut session = Session::bench("magnet-0.61g");
+    session.act(&[Action::VoltsPerDivision(Turn::Up)]);
+    let scale = |session: &Session| session.model.captures()[0].waveform.vertical.scale;
+    assert_eq!(scale(&session), 2.0);
+    session.act(&[Action::TimePerDivision { turn: Turn::Down, anchor: 0.0 }]);
+    assert_eq!(scene(&session).scope.time_base, 100e-6);
+    session.act(&[Action::Coupling]);
+    let coupling = session.model.captures()[0].waveform.vertical.coupling;
+    assert_eq!(coupling, Some(Coupling::Ac));
+    session.act(&[Action::TriggerLevel(Turn::Up)]);
+    // A tenth of a division of 2 V.
+    assert!((scene(&session).scope.trigger.level - 0.7).abs() < 1e-12);
+    // Stopped, the same key moves the picture, and a star says so.
+    session.act(&[Action::RunStop, Action::VoltsPerDivision(Turn::Up)]);
+    assert_eq!(scale(&session), 2.0);
+    draw(&session.model, 80, 24).find("CH1 5.00V*");
+}
+
+#[test]
+fn a_setting_that_the_scene_refuses_is_taken_back_and_told() {
+    let mut session = Session::bench("magnet-0.61g");
+    let before = session.model.live().expect("a bench").text();
+    session.command("set striker.speed -1 m/s");
+    let notice = session.model.notice().expect("a word about it").to_owned();
+    assert!(notice.contains("speed"), "{notice}");
+    assert_eq!(session.model.live().expect("a bench").text(), before);
+    assert_eq!(session.model.captures().len(), 4);
+}
+
+#[test]
+fn effects_are_switched_and_come_back_as_they_were() {
+    let mut session = Session::bench("magnet-0.61g");
+    choose(&mut session, "gravity");
+    session.act(&[Action::Switch]);
+    assert!(scene(&session).spec.effects.gravity.is_none());
+    session.act(&[Action::Switch]);
+    let gravity = scene(&session).spec.effects.gravity.as_ref().expect("gravity");
+    assert_eq!(gravity.acceleration, 9.81);
+    // A loss that the scene does not name comes with numbers of its own.
+    session.act(&[Action::NextKnob(Turn::Up), Action::Switch]);
+    assert!(scene(&session).spec.effects.dashpot.is_some(), "{:?}", session.model.notice());
+}
+
+#[test]
+fn an_armed_scope_takes_one_trigger_and_stops() {
+    let mut session = Session::bench("magnet-0.61g");
+    session.act(&[Action::Single]);
+    let acquisition = |session: &Session| session.model.live().expect("a bench").acquisition;
+    assert_eq!(acquisition(&session), Acquisition::Armed);
+    draw(&session.model, 80, 24).find("Armed");
+    session.act(&[Action::Impact]);
+    assert_eq!(acquisition(&session), Acquisition::Stopped);
+    assert_eq!(session.model.shot().expect("a shot").number, 2);
+    session.act(&[Action::Impact]);
+    assert_eq!(session.model.shot().expect("a shot").number, 2, "a stopped scope sees nothing");
+}
+
+#[test]
+fn a_stale_answer_is_let_go() {
+    let mut session = Session::bench("magnet-0.61g");
+    // The strikes of two turns are answered in the wrong order.
+    update(&mut session.model, Action::TurnKnob(Turn::Up));
+    let first = session.model.take_requests();
+    update(&mut session.model, Action::Impact);
+    let second = session.model.take_requests();
+    let turn = |requests: &[Request]| match requests {
+        [Request::Strike(strike)] => strike.turn,
+        other => panic!("{other:?}"),
+    };
+    let shot = session.model.shot().cloned();
+    session.model.struck(turn(&second), Err("the newest".to_owned()));
+    session.model.struck(turn(&first), Err("stale".to_owned()));
+    assert_eq!(session.model.notice(), Some("the newest"));
+    assert_eq!(session.model.shot().cloned(), shot);
+}
+
+#[test]
+fn only_the_newest_of_waiting_strikes_is_asked_for() {
+    let mut session = Session::bench("magnet-0.61g");
+    for _ in 0..5 {
+        update(&mut session.model, Action::TurnKnob(Turn::Up));
+    }
+    assert_eq!(session.model.take_requests().len(), 1);
+}
+
+#[test]
+fn what_was_seen_is_saved_and_opens_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str| folder.path().join(name).display().to_string();
+    let mut session = Session::bench("magnet-0.61g");
+    session.command("set striker.speed 0.5 m/s");
+    for name in ["shot.mcap", "traces.csv", "tuned.toml", "screen.svg"] {
+        session.command(&format!("write {}", file(name)));
+        let notice = session.model.notice().expect("a word about it");
+        assert!(notice.starts_with("wrote"), "{notice}");
+    }
+    let open = |name: &str| hertzscope::recording::format::open(std::path::Path::new(&file(name)));
+    let recording = open("shot.mcap").expect("a recording");
+    let traces = &session.model.shot().expect("a shot").captures;
+    assert_eq!(&recording.shots[0].captures, traces);
+    let csv = open("traces-CH2.csv").expect("a capture");
+    assert_eq!(csv.shots[0].captures[0].waveform.codes, traces[1].waveform.codes);
+    let scene = Scene::load(&file("tuned.toml")).expect("a scene");
+    assert_eq!(scene.striker_speed(), Some(0.5));
+    let picture = std::fs::read_to_string(file("screen.svg")).expect("a picture");
+    assert!(picture.starts_with("<svg") && picture.contains(">Trig'd"), "no picture");
+    session.command(&format!("write {}", file("shot.mcap")));
+    assert!(session.model.notice().expect("a word").contains("exists already"));
+}
+
+#[test]
+fn a_bench_held_against_its_own_recording_differs_by_less_than_a_level() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("lab.mcap").display().to_string();
+    let mut session = Session::bench("magnet-0.61g");
+    session.command(&format!("write {file}"));
+    session.command(&format!("compare {file}"));
+    while session.model.questions().comparison.done().is_none() {
+        session.next();
+    }
+    let worst = |session: &Session| {
+        let compared = session.model.questions().comparison.done().expect("scores");
+        compared.comparison.channels.iter().map(|c| c.max_lsb).fold(0.0, f64::max)
+    };
+    assert!(worst(&session) < 1.0, "{}", worst(&session));
+    assert_eq!(session.model.page(), Page::Compare);
+    // A faster striker is another measurement; the comparison follows the knob.
+    session.command("set striker.speed 0.6 m/s");
+    session.next();
+    assert!(worst(&session) > 10.0, "{}", worst(&session));
+}
+
+#[test]
+fn knobs_on_a_recording_say_that_there_is_nothing_to_turn() {
+    for action in [
+        Action::Impact,
+        Action::Single,
+        Action::Force,
+        Action::TurnKnob(Turn::Up),
+        Action::Switch,
+        Action::TriggerLevel(Turn::Up),
+        Action::TriggerSlope,
+        Action::TriggerMode,
+        Action::Coupling,
+        Action::Probe,
+        Action::Side(Side::Knobs),
+    ] {
+        let model = after(super::bench::four_channels(), &[action]);
+        let notice = model.notice().unwrap_or_default();
+        assert!(notice.contains("view SCENE"), "{action:?}: {notice}");
+        assert!(model.is_selected(Source::Channel(1)));
+    }
+}

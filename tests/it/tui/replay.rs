@@ -1,0 +1,208 @@
+//! Recordings that are read as they are looked at: finished, cut, growing; and going through them.
+
+use std::io::Write as _;
+use std::path::Path;
+
+use super::bench::{after, channel, model, recording, shot};
+use hertzscope::recording::mcap::tape::{End, Tape};
+use hertzscope::recording::mcap::{self, RecordingWriter, ShotNotes};
+use hertzscope::recording::{Shot, TraceSet};
+use hertzscope::tui::axis::Turn;
+use hertzscope::tui::model::{Action, Model, Palette, Request, update};
+
+/// Shots that differ in their volts.
+fn shots(count: u32) -> Vec<Shot> {
+    let volts = |number: u32| f64::from(number) * 0.1;
+    (1..=count)
+        .map(|number| {
+            let mut shot = shot(number, vec![channel(1, 0.5, 0.0, |_| volts(number))]);
+            shot.timestamp_ns = u64::from(number) * 1_000_000_000;
+            shot
+        })
+        .collect()
+}
+
+fn write(file: &Path, count: u32) -> TraceSet {
+    let set = TraceSet { shots: shots(count), ..TraceSet::default() };
+    mcap::write(file, &set).expect("a recording");
+    set
+}
+
+fn read_to_end(tape: &mut Tape) -> End {
+    loop {
+        match tape.read_on().expect("a readable file") {
+            End::More => {}
+            end => return end,
+        }
+    }
+}
+
+#[test]
+fn a_tape_holds_what_reading_all_of_it_finds() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("lab.mcap");
+    write(&file, 5);
+    let whole = mcap::read(&file).expect("a recording");
+    let mut tape = Tape::open(&file).expect("a tape");
+    assert_eq!(read_to_end(&mut tape), End::Finished);
+    assert_eq!(tape.shots(), 5);
+    // In any order.
+    for place in [4, 0, 2, 1, 3] {
+        assert_eq!(tape.shot(place).expect("readable").as_ref(), whole.shots.get(place));
+    }
+    assert_eq!(tape.shot(5).expect("readable"), None);
+    let facts = tape.facts();
+    assert_eq!((facts.metadata, facts.attachments), (whole.metadata, whole.attachments));
+    assert_eq!((facts.log, facts.problems), (whole.log, whole.problems));
+}
+
+#[test]
+fn a_shipped_recording_with_truth_is_read_shot_by_shot_alike() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("recordings/gravity-0.61g.mcap");
+    let whole = mcap::read(&file).expect("a recording");
+    let mut tape = Tape::open(&file).expect("a tape");
+    assert_eq!(read_to_end(&mut tape), End::Finished);
+    assert_eq!(tape.shot(0).expect("readable").as_ref(), whole.shots.first());
+}
+
+#[test]
+fn a_growing_tape_gets_each_shot_once_it_is_whole() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("lab.mcap");
+    let none = std::collections::BTreeMap::new();
+    let mut writer = RecordingWriter::create(&file, &none, &[]).expect("a recording");
+    let mut tape = Tape::open(&file).expect("a tape");
+    assert_eq!(read_to_end(&mut tape), End::Open);
+    for (number, shot) in (1..).zip(&shots(3)) {
+        writer.add(shot, &ShotNotes::default()).expect("written");
+        assert_eq!(read_to_end(&mut tape), End::Open);
+        assert_eq!(tape.shots(), number);
+        assert_eq!(tape.shot(number - 1).expect("readable").as_ref(), Some(shot));
+    }
+    writer.finish().expect("finished");
+    assert_eq!(read_to_end(&mut tape), End::Finished);
+    assert_eq!(tape.shots(), 3);
+}
+
+/// Whatever byte the file is cut at: no panic, and every shot before the cut.
+#[test]
+fn a_tape_cut_anywhere_keeps_what_is_whole() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("lab.mcap");
+    let set = write(&file, 3);
+    let bytes = std::fs::read(&file).expect("bytes");
+    let cut = folder.path().join("cut.mcap");
+    let mut most = 0;
+    for length in (8..bytes.len()).step_by(97) {
+        std::fs::File::create(&cut).expect("a file").write_all(&bytes[..length]).expect("bytes");
+        let mut tape = Tape::open(&cut).expect("a tape");
+        read_to_end(&mut tape);
+        assert!(tape.shots() >= most, "fewer shots from a longer file");
+        most = tape.shots();
+        for place in 0..most {
+            assert_eq!(tape.shot(place).expect("readable").as_ref(), set.shots.get(place));
+        }
+    }
+    assert_eq!(most, 3);
+}
+
+#[test]
+fn what_is_no_recording_is_no_tape() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("lab.mcap");
+    std::fs::write(&file, "Record Length,2500").expect("a file");
+    let error = Tape::open(&file).err().expect("an error").to_string();
+    assert!(error.contains("Record L") && error.contains("MCAP"), "{error}");
+}
+
+/// A model on a tape of three shots, with the first on screen.
+fn on_tape(follow: bool) -> Model {
+    let mut model = Model::new(TraceSet::default(), "lab".to_owned(), Palette::Colour);
+    model.on_tape(follow);
+    model.tape_read(3, true, TraceSet::default());
+    deliver(&mut model);
+    model
+}
+
+/// Brings the shot that was asked for.
+fn deliver(model: &mut Model) -> Vec<usize> {
+    let mut places = Vec::new();
+    for request in model.take_requests() {
+        let Request::Load(place) = request else { panic!("{request:?}") };
+        model.tape_shot(place, shots(9).swap_remove(place));
+        places.push(place);
+    }
+    places
+}
+
+fn number(model: &Model) -> u32 {
+    model.shot().expect("a shot").number
+}
+
+#[test]
+fn a_shot_is_read_when_it_is_looked_at() {
+    let mut model = on_tape(false);
+    assert_eq!(number(&model), 1);
+    for (action, place) in
+        [(Action::Shot(Turn::Up), 1), (Action::Ends(Turn::Up), 2), (Action::Ends(Turn::Down), 0)]
+    {
+        update(&mut model, action);
+        assert_eq!(deliver(&mut model), [place], "{action:?}");
+    }
+    // Of many steps only the last is read.
+    update(&mut model, Action::Shot(Turn::Up));
+    update(&mut model, Action::Shot(Turn::Up));
+    assert_eq!(deliver(&mut model), [2]);
+    assert_eq!(number(&model), 3);
+}
+
+#[test]
+fn followed_the_newest_shot_is_shown_and_else_the_one_that_was() {
+    let mut followed = on_tape(true);
+    followed.tape_read(5, true, TraceSet::default());
+    assert_eq!(deliver(&mut followed), [4]);
+    let mut left_alone = on_tape(false);
+    left_alone.tape_read(5, true, TraceSet::default());
+    assert!(deliver(&mut left_alone).is_empty());
+    assert_eq!((left_alone.shots(), number(&left_alone)), (5, 1));
+}
+
+#[test]
+fn playing_shows_a_shot_a_second_at_speed_one_and_stops_at_the_end() {
+    let flat = || vec![channel(1, 0.5, 0.0, |_| 0.0)];
+    let model = model(recording(vec![flat(), flat(), flat()]));
+    let mut model = after(model, &[Action::RunStop]);
+    let seconds = |model: &mut Model, count: usize| {
+        for _ in 0..10 * count {
+            update(model, Action::Tick(0.1001));
+        }
+    };
+    seconds(&mut model, 1);
+    assert_eq!(number(&model), 2);
+    update(&mut model, Action::Speed(Turn::Up));
+    update(&mut model, Action::Speed(Turn::Down));
+    update(&mut model, Action::Speed(Turn::Down));
+    // At half the speed the third takes two seconds.
+    seconds(&mut model, 1);
+    assert_eq!(number(&model), 2);
+    seconds(&mut model, 1);
+    assert_eq!(number(&model), 3);
+    assert!(model.is_playing());
+    seconds(&mut model, 2);
+    assert!(!model.is_playing());
+    assert_eq!(number(&model), 3);
+}
+
+/// `--against` on a recording asked before there was a shot, and the question was lost.
+#[test]
+fn a_comparison_waits_for_the_first_shot() {
+    let mut model = Model::new(TraceSet::default(), "lab".to_owned(), Palette::Colour);
+    model.on_tape(false);
+    model.compare_with("magnet-0.61g".to_owned());
+    assert!(model.take_requests().is_empty());
+    model.tape_read(3, true, TraceSet::default());
+    assert_eq!(model.take_requests(), [Request::Load(0)]);
+    model.tape_shot(0, shots(1).remove(0));
+    let asked = Request::Compare(Some("magnet-0.61g".to_owned()));
+    assert_eq!(model.take_requests(), [asked]);
+}

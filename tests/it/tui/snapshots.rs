@@ -1,0 +1,241 @@
+//! Every page as a whole, at 80 x 24 and 200 x 60, against `snapshots/`.
+//!
+//! A snapshot is the screen's text and below it its colours, a letter a cell: small for the sixteen colours, a capital where the cell
+//! is reversed, a point for the terminal's own. `HERTZSCOPE_WRITE=1 cargo test --test it snapshots` writes them anew; look at what
+//! changed before you keep it.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use super::bench::{Screen, after, draw, four_channels};
+use super::live::Session;
+use hertzscope::experiment::compare::tolerance::Tolerance;
+use hertzscope::experiment::compare::{Align, Side as Against, compare};
+use hertzscope::experiment::cost::{Chosen, Point, Reference, Study};
+use hertzscope::experiment::effects::{Change, Entry, Ledger, State};
+use hertzscope::tui::axis::Turn;
+use hertzscope::tui::model::questions::Answer;
+use hertzscope::tui::model::{Action, Job, Model, Page, Palette, Panel, Side, update};
+use ratatui::style::{Color, Modifier};
+
+fn letter(colour: Color, reversed: bool) -> char {
+    let letter = match colour {
+        Color::Red => 'r',
+        Color::Green => 'g',
+        Color::Yellow => 'y',
+        Color::Blue => 'b',
+        Color::Magenta => 'm',
+        Color::Cyan => 'c',
+        Color::Gray => 'n',
+        Color::DarkGray => 'd',
+        Color::LightRed => 'e',
+        Color::LightGreen => 'f',
+        Color::LightBlue => 'l',
+        Color::LightMagenta => 'k',
+        Color::White => 'w',
+        Color::Reset => return if reversed { ':' } else { '.' },
+        other => panic!("{other:?} is none of the colours that every terminal has"),
+    };
+    if reversed { letter.to_ascii_uppercase() } else { letter }
+}
+
+/// Text and colours.
+fn written(screen: &Screen, (width, height): (u16, u16)) -> String {
+    let mut text =
+        screen.text().lines().fold(String::new(), |all, row| all + row.trim_end() + "\n");
+    for y in 0..height {
+        let row: String = (0..width)
+            .map(|x| {
+                let cell = screen.cell(x, y);
+                assert_eq!(cell.bg, Color::Reset, "a background at ({x}, {y})");
+                letter(cell.fg, cell.modifier.contains(Modifier::REVERSED))
+            })
+            .collect();
+        let _ = writeln!(text, "{}", row.trim_end_matches('.'));
+    }
+    text
+}
+
+fn check(name: &str, model: &Model) {
+    for size in [(80, 24), (200, 60)] {
+        let found = written(&draw(model, size.0, size.1), size);
+        let file = format!("tests/it/tui/snapshots/{name}-{}x{}.txt", size.0, size.1);
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(&file);
+        if std::env::var_os("HERTZSCOPE_WRITE").is_some() {
+            std::fs::write(&path, &found).expect("a snapshot written");
+        }
+        let kept = std::fs::read_to_string(&path).unwrap_or_default();
+        assert!(found == kept, "{file} is not what is drawn:\n{found}");
+    }
+}
+
+/// A bench without what differs from machine to machine.
+fn bench() -> Session {
+    let mut session = Session::bench("magnet-0.61g");
+    session.model.forget_wall_time();
+    session
+}
+
+#[test]
+fn made_up_traces() {
+    check("scope", &four_channels());
+    let zoom = Action::TimePerDivision { turn: Turn::Down, anchor: 0.0 };
+    check("zoomed", &after(four_channels(), &[zoom, zoom]));
+    check("help", &after(four_channels(), &[Action::Toggle(Panel::Help)]));
+    let prompt = [Action::Prompt("write "), Action::Type('x')];
+    check("prompt", &after(four_channels(), &prompt));
+}
+
+#[test]
+fn without_colours() {
+    let set = four_channels().set().clone();
+    let plain = Model::new(set, "steel chain".to_owned(), Palette::Plain);
+    check("plain", &after(plain, &[Action::Cursors, Action::Side(Side::Measurements)]));
+}
+
+#[test]
+fn the_bench_and_its_traces() {
+    let shown = |actions: &[Action]| {
+        let mut session = bench();
+        session.act(actions);
+        session.model.forget_wall_time();
+        session.model
+    };
+    check("bench-knobs", &shown(&[Action::Side(Side::Knobs)]));
+    check("bench-truth", &shown(&[Action::Truth]));
+    let snap =
+        [Action::Snap(Turn::Up), Action::OtherCursor, Action::Channel(2), Action::Snap(Turn::Up)];
+    check("bench-cursors", &shown(&[&[Action::Cursors], &snap[..]].concat()));
+    check("bench-volts", &shown(&[Action::Cursors, Action::Cursors]));
+    check("measurements", &shown(&[Action::Side(Side::Measurements)]));
+    check("newtons", &shown(&[Action::Unit, Action::Side(Side::Measurements)]));
+    check("math-reference", &shown(&[Action::Math, Action::Reference]));
+    check("persistence", &shown(&[Action::Persistence, Action::VoltsPerDivision(Turn::Up)]));
+    check("autoset", &shown(&[Action::RunStop, Action::Autoset]));
+}
+
+#[test]
+fn pages_over_frequency_and_against_another_trace() {
+    let mut session = bench();
+    session.act(&[Action::Channel(2), Action::Page(Page::Spectrum)]);
+    check("spectrum", &session.model);
+    session.act(&[Action::Page(Page::Map)]);
+    check("map", &session.model);
+    session.act(&[Action::Page(Page::Xy)]);
+    check("xy", &session.model);
+}
+
+#[test]
+fn the_chain_in_motion() {
+    let mut session = bench();
+    session.act(&[Action::Page(Page::Bench)]);
+    check("motion-rest", &session.model);
+    session.command("seek 0.5 ms");
+    check("motion", &session.model);
+}
+
+#[test]
+fn the_comparison() {
+    let mut session = bench();
+    session.act(&[Action::Compare]);
+    check("compare-nothing", &session.model);
+    let mut other = bench();
+    other.command("set effects.magnet_preload.force 2 N");
+    let side = |name: &'static str, session: &Session| {
+        (name, session.model.set().clone(), session.model.shot().expect("a shot").clone())
+    };
+    let (here, there) = (side("lab", &session), side("bench", &other));
+    let measured = Against { name: here.0, set: &here.1, shot: &here.2, scene: None };
+    let simulated = Against { name: there.0, set: &there.1, shot: &there.2, scene: None };
+    let tolerance = Tolerance::parse("rms=1lsb").expect("a tolerance");
+    let compared = compare(measured, simulated, (Align::Arrival, &[]), &tolerance).expect("scores");
+    let answer = Answer::Comparison(Job::Done(Box::new(compared)));
+    session.model.answered(answer);
+    check("compare", &session.model);
+    session.act(&[Action::Channel(3), Action::Compare]);
+    check("compare-overlay", &session.model);
+    session.act(&[Action::Compare]);
+    check("compare-difference", &session.model);
+}
+
+fn point(method: &'static str, setting: f64, error: f64, count: u64) -> Point {
+    Point {
+        method,
+        order: 2,
+        setting,
+        failed: false,
+        error_peak: Some(error),
+        error_arrival: Some(0.1 * error),
+        error_trace: Some(error),
+        error_energy: Some(error),
+        force_evaluations: count,
+        wall_s_median: 1.0,
+        wall_s_min: 1.0,
+    }
+}
+
+fn entry(effect: &'static str, state: State, peak: f64) -> Entry {
+    let change = Change {
+        speed: Some(0.5 * peak),
+        peak: Some(peak),
+        arrival: None,
+        peak_lsb: Some(10.0 * peak),
+        arrival_samples: None,
+    };
+    Entry {
+        effect,
+        state,
+        criterion: "made up",
+        value: Some(1.0),
+        reason: format!("{effect} is in this list to be seen"),
+        cost_ns_per_step: None,
+        cost_u_ns_per_step: None,
+        cost_share: Some(0.02),
+        change: Some(change),
+    }
+}
+
+#[test]
+fn accuracy() {
+    let mut session = bench();
+    session.model.answered(Answer::Study(Job::Busy(0.4)));
+    session.model.answered(Answer::Ledger(Job::Failed("it cannot be run".to_owned())));
+    update(&mut session.model, Action::Page(Page::Accuracy));
+    session.model.take_requests();
+    check("accuracy-busy", &session.model);
+    let study = Study {
+        scene: "magnet-0.61g".to_owned(),
+        reference: Reference { method: "made up".to_owned(), error: 1e-12 },
+        points: vec![
+            point("velocity-verlet", 1e-6, 1e-2, 2000),
+            point("velocity-verlet", 5e-7, 2.5e-3, 4000),
+            point("velocity-verlet", 2.5e-7, 6e-4, 8000),
+            point("rkn-8(6)", 1e-3, 1e-3, 900),
+            point("rkn-8(6)", 1e-6, 1e-6, 2200),
+            point("rkn-8(6)", 1e-9, 1e-9, 5200),
+        ],
+        orders: Vec::new(),
+        chosen: vec![Chosen {
+            accuracy: 1e-6,
+            method: "rkn-8(6)",
+            setting: 1e-6,
+            error: Some(1e-7),
+            force_evaluations: 2500,
+        }],
+        level: None,
+        sample: 1e-3,
+    };
+    let ledger = Ledger {
+        scene: "magnet-0.61g".to_owned(),
+        accuracy: 1e-6,
+        entries: vec![
+            entry("gravity", State::On, 0.0032),
+            entry("dashpot", State::Off, -0.12),
+            entry("plasticity", State::Auto, 0.0),
+        ],
+    };
+    session.model.answered(Answer::Study(Job::Done(Box::new(study))));
+    session.model.answered(Answer::Ledger(Job::Done(Box::new(ledger))));
+    update(&mut session.model, Action::NextKnob(Turn::Up));
+    check("accuracy", &session.model);
+}
