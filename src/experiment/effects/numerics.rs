@@ -53,7 +53,7 @@ pub fn force_form(subject: &Subject<'_>) -> Entry {
 /// Beads ahead of the wave.
 pub fn quiet_part(subject: &Subject<'_>) -> Entry {
     let scene = subject.scene;
-    let on = !scene.chain.is_dissipative();
+    let on = scene.chain.is_plain();
     let reason = if on {
         "rows of eight contacts in which nothing has moved yet are left alone; the bits are the same"
     } else {

@@ -56,14 +56,15 @@ fn the_linear_chain_lies_on_its_branches() {
     let velocities = &scene.initial_velocities;
     let mut bench = Bench::new(&scene.chain, velocities, method, &[], (NEVER, film));
     bench.run_until(5e-3, false, &mut |_| ()).expect("a run");
-    // The source's own mode stays in the first cells: leave them out.
+    // The source's own mode stays in the first cells: leave them out. The optical waves are slow, and do not go far.
     let row = |j: &usize| {
         let forces = &bench.film().contact_forces[*j];
         forces.iter().map(|force| force - forces[0]).collect::<Vec<f64>>()
     };
-    let rows: Vec<Vec<f64>> = contacts.iter().skip(8).map(row).collect();
+    let rows: Vec<Vec<f64>> = contacts.iter().skip(8).take(60).map(row).collect();
     let rows: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
-    let found = spectral_lines(&rows, film.interval, (20e3, 0.01)).expect("waves");
+    // What leaks past the window is a hundredth.
+    let found = spectral_lines(&rows, film.interval, (20e3, 0.03)).expect("waves");
     let (mut acoustic, mut optical) = (0, 0);
     for line in &found.lines {
         // Over what the phase may be off, the branch passes the frequency.

@@ -15,7 +15,7 @@ const SUBCOMMANDS: &[(&str, &[&str])] = &[
     #[cfg(feature = "server")]
     ("serve", &["[SCENE]", "--listen", "--impact-every", "--header"]),
     #[cfg(feature = "tui")]
-    ("view", &["<FILE>"]),
+    ("view", &["<WHAT>"]),
     ("completions", &["<SHELL>", "bash", "zsh", "fish"]),
     ("man", &["--output"]),
 ];
