@@ -95,15 +95,15 @@ pub fn spectral_lines(
     let places = PADDING * cells;
     let turns: Vec<Complex<f64>> =
         (0..places).map(|i| Complex::from_polar(1.0, TAU * share(i, places))).collect();
-    let plane: Vec<(f64, Vec<f64>)> = (1..=samples / 2)
+    let moduli: Vec<(f64, Vec<f64>)> = (1..=samples / 2)
         .map(|bin| (share(bin, 1) * step, bin))
         .take_while(|(frequency, _)| *frequency <= highest)
         .map(|(frequency, bin)| (frequency, over_cells(&spectra, bin, &turns)))
         .collect();
-    let all = plane.iter().flat_map(|(_, heights)| heights);
+    let all = moduli.iter().flat_map(|(_, heights)| heights);
     let top = all.copied().fold(0.0, f64::max);
     let mut lines = Vec::new();
-    for (frequency, heights) in &plane {
+    for (frequency, heights) in &moduli {
         for onward in [true, false] {
             let Some((place, height)) = highest_of(heights, onward) else { continue };
             if top > 0.0 && height >= least * top {

@@ -146,7 +146,7 @@ pub fn cells(scene: &Scene, particle: usize) -> Option<Vec<usize>> {
     let start = [particle, particle.saturating_sub(1), particle.saturating_sub(2)];
     let start = start.into_iter().find(|p| turns(*p))?;
     let first = (1..=start).rev().take_while(|p| turns(*p)).last()?;
-    let last = (start..).take_while(|p| turns(*p)).last()? + 2;
+    let last = (start..=chain.particles()).take_while(|p| turns(*p)).last()? + 2;
     Some((first..last).step_by(2).map(|p| chain.body_of(p) + 1).collect())
 }
 

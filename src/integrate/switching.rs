@@ -151,7 +151,7 @@ impl<I: Restart> Switched<I> {
                 difference: above.position(theta) - below.position(theta),
                 rate: above.velocity(theta) - below.velocity(theta),
             };
-            let Some(system) = self.inner.system().switching() else { return None };
+            let system = self.inner.system().switching()?;
             let wrong = |theta: f64| (system.margin(switch, motion(theta)) >= 0.0) != on;
             let mut before = 0.0;
             for look in 1..=LOOKS {

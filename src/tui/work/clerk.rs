@@ -128,7 +128,7 @@ pub fn research(order: Research, _: &Receiver<Research>, news: &Sender<News>) {
     let answer = match order {
         Research::Study(scene) => {
             let found = cost::study(&scene, cost::TIMED_RUNS, &mut |s| {
-                tell(s, |s| Answer::Study(Job::Busy(s)))
+                tell(s, |s| Answer::Study(Job::Busy(s)));
             });
             Answer::Study(found.map_or_else(Job::Failed, |study| Job::Done(Box::new(study))))
         }

@@ -1,6 +1,6 @@
 //! Waves in the plane of frequency and wavenumber: made up, of the linear chain on its dispersion relation, and the command.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use assert_cmd::Command;
 use hertzscope::analysis::wavenumber::{WavenumberError, spectral_lines};
@@ -69,8 +69,7 @@ fn the_linear_chain_lies_on_its_branches() {
     for line in &found.lines {
         // Over what the phase may be off, the branch passes the frequency.
         let spread = |branch: &dyn Fn(f64) -> f64| {
-            let ends =
-                [-1.0, 1.0].map(|s| branch((line.phase + s * found.phase_u).clamp(0.0, 3.14159)));
+            let ends = [-1.0, 1.0].map(|s| branch((line.phase + s * found.phase_u).clamp(0.0, PI)));
             (ends[0].min(ends[1]) - found.frequency_u, ends[0].max(ends[1]) + found.frequency_u)
         };
         let within = |(low, high): (f64, f64)| (low..=high).contains(&line.frequency);
