@@ -153,7 +153,7 @@ pub fn estimate(
         return Ok(None);
     };
     let how = format!(
-        "largest difference from a second run at accuracy {tighter:e}, plus that run's own {tighter:e}"
+        "largest difference from a second run at accuracy {tighter:.1e}, plus that run's own {tighter:.1e}"
     );
     Ok(Some(ErrorEstimate { peak, arrival, how }))
 }
