@@ -10,17 +10,20 @@ pub fn cpu_time() -> f64 {
     whole + 1e-9 * rest
 }
 
-/// CPU time of one call of `work`, repeated for about `budget` (s) (s).
+/// CPU time of one call of `work`, repeated for about `budget` (s) (s). The clock is read after 1, 2, 4, ... further calls: reading it
+/// takes longer than a thousand square roots.
 pub fn time(budget: f64, mut work: impl FnMut()) -> f64 {
-    let start = cpu_time();
-    let mut calls = 0.0;
+    let mut calls = 1_u32;
     loop {
-        work();
-        calls += 1.0;
-        let spent = cpu_time() - start;
-        if spent >= budget {
-            return spent / calls;
+        let start = cpu_time();
+        for _ in 0..calls {
+            work();
         }
+        let spent = cpu_time() - start;
+        if spent >= 0.5 * budget || calls > u32::MAX / 2 {
+            return spent / f64::from(calls);
+        }
+        calls *= 2;
     }
 }
 

@@ -14,6 +14,8 @@ const BETWEEN_LOOKS: f64 = 1.25;
 const PEAK_SHARE: f64 = 0.25;
 /// What does not exceed this share of the static force is its rounding, and no pulse (1).
 const QUIETEST: f64 = 1e-13;
+/// Where a force rises at two looks and their cubic's least rate in between is below this share of both rates, it may fall there (1).
+const DOUBTFUL_RATE: f64 = 0.3;
 /// What two steps' interpolants may differ by where they meet is no jump, as a share of the largest force (1).
 const SMALLEST_JUMP: f64 = 1e-6;
 /// Share of the first peak at which a pulse is said to arrive by its half-rise (1).
@@ -46,7 +48,7 @@ pub struct PulseRecorder {
     last: f64,
 }
 
-/// A force over one step. Steps resolve the stiffest contact, or they would not be accepted, so a force turns at most once
+/// A force over one step. Steps resolve the stiffest contact, or they would not be accepted, so a force turns at most twice
 /// between two of [`LOOKS`] evenly spaced places.
 #[derive(Debug, Clone)]
 enum Segment {
@@ -69,7 +71,9 @@ struct Bracket {
 #[derive(Debug, Clone)]
 struct Rise {
     segment: Segment,
+    /// The largest force (N), and at which fraction of the step it was (1).
     reached: f64,
+    top: f64,
 }
 
 impl Segment {
@@ -97,14 +101,14 @@ impl Segment {
 }
 
 impl Bracket {
-    /// Time (s) and force (N) of the maximum.
+    /// Fraction of the step (1) and force (N) of the maximum.
     fn top(&self) -> (f64, f64) {
         let theta = if self.high > self.low {
             root(&|theta| self.segment.rate(theta), self.low, self.high)
         } else {
             self.low
         };
-        (self.segment.time(theta), self.segment.force(theta))
+        (theta, self.segment.force(theta))
     }
 }
 
@@ -145,7 +149,7 @@ impl PulseRecorder {
         if self.probe.is_lossy() {
             self.jump(&segment);
         }
-        self.see(&looks, &|| Segment::General(Box::new(segment.clone())));
+        self.see(&looks, segment.length, &|| Segment::General(Box::new(segment.clone())));
         segment
     }
 
@@ -153,7 +157,8 @@ impl PulseRecorder {
     /// hold no first peak and reach no new level, for largest forces only grow.
     pub fn meet(&mut self, view: &mut View) {
         if view.wanted {
-            self.see(&view.looks, &|| Segment::Lossless(Box::new(view.track.clone())));
+            let track = &view.track;
+            self.see(&view.looks, track.length, &|| Segment::Lossless(Box::new(track.clone())));
         } else {
             self.last = view.end;
             self.rate_before = 0.0;
@@ -165,29 +170,44 @@ impl PulseRecorder {
         PEAK_SHARE * self.largest / BETWEEN_LOOKS
     }
 
-    fn see(&mut self, looks: &Looks, segment: &dyn Fn() -> Segment) {
-        let mut reached = self.largest;
+    fn see(&mut self, looks: &Looks, length: f64, segment: &dyn Fn() -> Segment) {
+        let (mut reached, mut top) = (self.largest, 1.0);
+        let mut low = 0.0;
         for index in 0..LOOKS {
             let (rate, force) = (looks.rates[index], looks.forces[index]);
-            if self.rate_before > 0.0 && rate <= 0.0 {
-                let near = force.max(self.last);
-                let low = index.checked_sub(1).map_or(0.0, theta);
-                if near > self.deaf_below() {
-                    let bracket = Bracket { segment: segment(), low, high: theta(index), near };
+            let high = theta(index);
+            let near = force.max(self.last);
+            if self.rate_before > 0.0 && near > self.deaf_below() {
+                let mean = (force - self.last) / ((high - low) * length);
+                let falls = if rate <= 0.0 {
+                    Some(high)
+                } else if may_fall(self.rate_before, mean, rate) {
+                    fall(&segment(), low, high)
+                } else {
+                    None
+                };
+                if let Some(high) = falls {
+                    let bracket = Bracket { segment: segment(), low, high, near };
                     if near * BETWEEN_LOOKS > reached {
-                        reached = reached.max(bracket.top().1);
+                        let (at, force) = bracket.top();
+                        if force > reached {
+                            (reached, top) = (force, at);
+                        }
                     }
                     self.peaks.push(bracket);
                 }
             }
+            low = high;
             self.rate_before = rate;
             self.last = force;
         }
         // Between its peaks a force is largest at an end of the step.
-        reached = reached.max(self.last);
+        if self.last > reached {
+            (reached, top) = (self.last, 1.0);
+        }
         if reached > self.largest {
             self.largest = reached;
-            self.rises.push(Rise { segment: segment(), reached });
+            self.rises.push(Rise { segment: segment(), reached, top });
         }
     }
 
@@ -199,7 +219,7 @@ impl PulseRecorder {
             self.peaks.push(Bracket { segment: whole(), low: 0.0, high: 0.0, near: force });
             if force > self.largest {
                 self.largest = force;
-                self.rises.push(Rise { segment: whole(), reached: force });
+                self.rises.push(Rise { segment: whole(), reached: force, top: 0.0 });
             }
         }
         self.rate_before = rate;
@@ -217,7 +237,9 @@ impl PulseRecorder {
     pub fn first_peak(&self) -> Option<Peak> {
         let threshold = (PEAK_SHARE * self.largest).max(QUIETEST * self.probe.static_force());
         let high = self.peaks.iter().filter(|peak| peak.near * BETWEEN_LOOKS > threshold);
-        let (time_s, dynamic_n) = high.map(Bracket::top).find(|(_, force)| *force > threshold)?;
+        let mut tops = high.map(|peak| (peak, peak.top()));
+        let (peak, (theta, dynamic_n)) = tops.find(|(_, top)| top.1 > threshold)?;
+        let time_s = peak.segment.time(theta);
         Some(Peak { total_n: dynamic_n + self.probe.static_force(), dynamic_n, time_s })
     }
 
@@ -227,16 +249,44 @@ impl PulseRecorder {
         let rise = self.rises.iter().find(|rise| rise.reached >= level)?;
         let excess = |theta: f64| rise.segment.force(theta) - level;
         let mut before = 0.0;
-        for theta in (0..LOOKS).map(theta) {
+        // Looks up to the largest force, which may stand between two of them.
+        let looks = (0..LOOKS).map(theta).take_while(|look| *look < rise.top);
+        for theta in looks.chain([rise.top]) {
             if excess(theta) >= 0.0 {
                 return Some(rise.segment.time(root(&excess, before, theta)));
             }
             before = theta;
         }
-        // The level lies between the last looks' forces and a peak between them.
-        let top = root(&|t| rise.segment.rate(t), 0.0, 1.0);
-        Some(rise.segment.time(root(&excess, 0.0, top)))
+        Some(rise.segment.time(rise.top))
     }
+}
+
+/// Whether a force that rises at two looks, on average at `mean`, may fall in between (N/s): its cubic's rate is
+/// `first + 2 (3 mean - 2 first - second) t + 3 (first + second - 2 mean) t^2`.
+fn may_fall(first: f64, mean: f64, second: f64) -> bool {
+    let bend = 3.0 * (first + second - 2.0 * mean);
+    let turn = 2.0 * first + second - 3.0 * mean;
+    let least = first - turn * turn / bend;
+    bend > 0.0 && turn > 0.0 && turn < bend && least < DOUBTFUL_RATE * first.min(second)
+}
+
+/// A place between `low` and `high` where the force falls, if there is one: the least rate, found by golden sections (1).
+/// Source: J. Kiefer, Proc. Am. Math. Soc. 4, 502 (1953).
+fn fall(segment: &Segment, mut low: f64, mut high: f64) -> Option<f64> {
+    let section = 0.5 * (5.0_f64.sqrt() - 1.0);
+    for _ in 0..40 {
+        let [left, right] = [high - section * (high - low), low + section * (high - low)];
+        let [at_left, at_right] = [left, right].map(|theta| segment.rate(theta));
+        if at_left.min(at_right) < 0.0 {
+            return Some(if at_left < at_right { left } else { right });
+        }
+        if at_left < at_right {
+            high = right;
+        } else {
+            low = left;
+        }
+    }
+    None
 }
 
 /// Root of `f` between `low` and `high`, to the last bits: false position, the end that stays counting half each time, and bisection

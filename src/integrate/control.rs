@@ -43,6 +43,7 @@ impl StepControl {
     ///
     /// # Errors
     /// [`IntegrateError`] when the clock's rounding would swallow the step, so that a run would never end.
+    #[inline]
     pub fn trial(&self, start: f64, end: f64) -> Result<Trial, IntegrateError> {
         // A remainder that is nothing but the rounding of the times is taken along.
         let cut_short = self.step * (1.0 + REMAINDER) >= end - start;
@@ -61,6 +62,7 @@ impl StepControl {
 
     /// Judges a trial by its error in multiples of the tolerance (1), and chooses the next step. `lost` names a body whose
     /// values are not numbers, asked for only where the error is none.
+    #[inline]
     pub fn accepts(&mut self, trial: Trial, error: f64, lost: impl FnOnce() -> usize) -> bool {
         self.lost = (!error.is_finite()).then(lost);
         let change = if error.is_finite() {
@@ -81,6 +83,7 @@ impl StepControl {
 /// `base^exponent` within a percent, for `base >= 0`: the choice of a step needs no more, and the library's function costs as much as
 /// the forces of a short chain. Between powers of two the logarithm is the mantissa's straight line and a parabola on it, off by at
 /// most 0.008, and so is the way back.
+#[inline]
 fn power(base: f64, exponent: f64) -> f64 {
     const BEND: f64 = 0.344;
     const MANTISSA: u32 = 52;

@@ -17,6 +17,9 @@ const PARTS: u64 = 2;
 /// One scene in so many is held against another family of methods; `HERTZSCOPE_RANDOM_SAMPLE=1` holds every one, in half an hour.
 const SAMPLE: u64 = 50;
 
+/// Scenes that were once off, held whatever the sample: of two close maxima the first was overlooked.
+const REMEMBERED: [u64; 1] = [3077];
+
 fn sample() -> u64 {
     std::env::var("HERTZSCOPE_RANDOM_SAMPLE").map_or(SAMPLE, |text| text.parse().expect("a number"))
 }
@@ -294,7 +297,7 @@ fn valid_scenes(part: u64) {
         let drift = (after / before - 1.0).abs() / scene.accuracy.unwrap_or(1e-6) / steps as f64;
         assert!(drift <= 2.0, "{seed}: {drift}");
         drifts.push(drift);
-        if (seed / PARTS).is_multiple_of(sample) {
+        if (seed / PARTS).is_multiple_of(sample) || REMEMBERED.contains(&seed) {
             let (error, doubtful) = held(&mut scene, end);
             println!("{seed}: {error:.1e}{}", if doubtful { ", and says so" } else { "" });
             assert!(error <= 1.0 || doubtful, "{seed}: {error}");

@@ -10,7 +10,7 @@ use super::frame::{Ends, Look};
 use super::kinks::{self, Quadrature};
 use super::lanes::{Row, WIDTH};
 use super::plan::{Across, Form, Plan};
-use super::single::{FIRST_STEP, UNMOVED};
+use super::single::{FIRST_STEP, UNMOVED, worth};
 use super::tasks::{Attempt, Evaluate, Jerks, Settle};
 use super::workspace::{Motion, Workspace};
 use crate::chain::Chain;
@@ -120,7 +120,7 @@ impl ChainGroup {
         self.attempt(step);
         let mut taken = [false; WIDTH];
         for (index, lane) in self.lanes.iter_mut().enumerate() {
-            taken[index] = lane.judge(&self.work, (index, self.tolerance));
+            taken[index] = lane.judge(&self.work, index);
         }
         self.keep(taken);
         taken
@@ -128,13 +128,18 @@ impl ChainGroup {
 
     fn attempt(&mut self, step: Row) {
         let Self { set, plan, pair, quadrature, work, .. } = self;
-        let mut slack = [Row::default(); 2];
+        let (mut slack, mut worths) = ([Row::default(); 2], [Row::default(); 2]);
         for (index, lane) in self.lanes.iter().enumerate() {
-            let lane = kinks::slack(self.tolerance, lane.scales, lane.lightest);
-            (slack[0].0[index], slack[1].0[index]) = (lane[0], lane[1]);
+            let worth = worth(self.tolerance, lane.scales);
+            let least = kinks::slack(self.tolerance, lane.scales, lane.lightest);
+            for kind in 0..2 {
+                slack[kind].0[index] = least[kind];
+                worths[kind].0[index] = worth[kind];
+            }
         }
         let layout = PhantomData;
-        let task = Attempt::<Across> { plan, pair, quadrature, work, step, slack, layout };
+        let worth = worths;
+        let task = Attempt::<Across> { plan, pair, quadrature, work, step, worth, slack, layout };
         let guard = dispatch(*set, task);
         let stages = self.pair.nodes.len() as u64 - 1;
         for lane in self.lanes.iter_mut().filter(|lane| lane.trial.is_some()) {
@@ -259,13 +264,10 @@ impl Lane {
     }
 
     /// Whether the step just tried is taken.
-    fn judge(&mut self, work: &Workspace, (index, tolerance): (usize, f64)) -> bool {
+    fn judge(&mut self, work: &Workspace, index: usize) -> bool {
         let Some(trial) = self.trial else { return false };
         let largest = &work.largest;
-        let [position, velocity, total] =
-            [largest.error_position, largest.error_velocity, largest.total].map(|r| r.0[index]);
-        let error = (position / self.scales.0).max(velocity / self.scales.1) / tolerance;
-        let error = if total.is_finite() && !error.is_nan() { error } else { f64::INFINITY };
+        let error = work.error(index);
         if !self.control.accepts(trial, error, || 0) {
             self.counts.rejected += 1;
             return false;

@@ -101,13 +101,6 @@ fn changed(work: &Workspace, row: usize) -> u8 {
     work.now.closed[row] ^ work.next.closed[row]
 }
 
-/// Whether any contact changed sides.
-#[inline(always)]
-pub fn any(plan: &Plan, work: &Workspace) -> bool {
-    let rows = plan.rows();
-    work.now.closed[..rows] != work.next.closed[..rows]
-}
-
 /// Corrects the step of `h` (s, lane by lane) that `work` holds. Contacts that could move nothing beyond a share of `slack`, the tolerated
 /// errors of velocities (m/s) and positions (m), are left alone.
 #[inline(always)]
@@ -263,21 +256,14 @@ impl Contact {
         let from = self.end(&work.now, &work.stages[0]);
         let to = self.end(&work.next, &work.stages[last]);
         let quintic = Quintic::new(from, to);
-        let power = |node: &Row| {
-            let closed = L::max(quintic.lanes::<L>(L::load(node)), L::splat(0.0));
-            L::mul(closed, L::sqrt(closed))
-        };
-        let powers = [power(&quadrature.nodes[0]), power(&quadrature.nodes[1])];
-        let sum = |weights: &Weights| {
-            let first = L::mul(powers[0], L::load(&weights[0]));
-            L::total(L::mul_add(powers[1], L::load(&weights[1]), first))
-        };
+        let powers =
+            [quintic.power::<L>(&quadrature.nodes[0]), quintic.power::<L>(&quadrature.nodes[1])];
         let (impulse, moment) = quintic.impulses::<L>();
         let (whole, square) = (h * self.stiffness, h * h * self.stiffness);
-        let kick = whole * (impulse - sum(&quadrature.velocity));
-        let shift = square * (moment - sum(&quadrature.position));
-        let kick_error = whole * sum(&quadrature.velocity_error);
-        let shift_error = square * sum(&quadrature.position_error);
+        let kick = whole * (impulse - weighted::<L>(powers, &quadrature.velocity));
+        let shift = square * (moment - weighted::<L>(powers, &quadrature.position));
+        let kick_error = whole * weighted::<L>(powers, &quadrature.velocity_error);
+        let shift_error = square * weighted::<L>(powers, &quadrature.position_error);
         let depth = from[0].max(to[0]);
         let model = MODEL_SHARE * whole * 1.5 * depth.sqrt() * quintic.uncertainty;
         for (sign, place) in [(-1.0, self.upper), (1.0, Some(self.place))] {
@@ -295,4 +281,11 @@ impl Contact {
             raise(&mut guard.moved.0[lane], shift);
         }
     }
+}
+
+/// Sum of `powers` times `weights` (unit).
+#[inline(always)]
+fn weighted<L: Lanes>(powers: [L::V; 2], weights: &Weights) -> f64 {
+    let first = L::mul(powers[0], L::load(&weights[0]));
+    L::total(L::mul_add(powers[1], L::load(&weights[1]), first))
 }

@@ -49,6 +49,11 @@ pub trait Lanes: Copy {
     fn largest(a: Self::V) -> f64;
     /// Sum of the eight (unit).
     fn total(a: Self::V) -> f64;
+    /// Bit `i` tells whether value `i` is a finite number.
+    #[inline(always)]
+    fn finite(a: Self::V) -> u8 {
+        Self::positive(Self::sub(Self::splat(f64::INFINITY), Self::abs(a)))
+    }
     /// Bit `i` tells whether value `i` is above zero.
     fn positive(a: Self::V) -> u8;
 }

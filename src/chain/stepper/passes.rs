@@ -87,16 +87,16 @@ fn stage<L: Lanes, Y: Layout, const FORM: u8, const M: usize>(
     }
 }
 
-/// The new positions, with what rounding took from them, and the accelerations there; which contacts are closed, and how far the
-/// overlaps have changed.
+/// The new positions, with what rounding took from them, and the overlaps and accelerations there; how far the overlaps have changed,
+/// and whether any contact has changed sides.
 #[inline(always)]
 fn arrive<L: Lanes, Y: Layout, const FORM: u8, const M: usize>(
     plan: &Plan,
     now: &Motion,
     (terms, h): (Terms, L::V),
     (before, out): (&[Vec<Row>], &mut [Row]),
-    next: &mut Motion,
-) -> L::V {
+    (next, overlaps): (&mut Motion, &mut [Row]),
+) -> (L::V, bool) {
     let rows = plan.rows();
     let sum = Sum::<L, M>::new(terms, before, L::mul(h, h), rows);
     let (x, v, lost) = (&now.position[..rows], &now.velocity[..rows], &now.lost_position[..rows]);
@@ -108,7 +108,16 @@ fn arrive<L: Lanes, Y: Layout, const FORM: u8, const M: usize>(
         L::store(rest, &mut new_lost[r]);
         position
     };
-    sweep::<L, Y, FORM>(plan, position, (&mut next.closed, out))
+    let (was_closed, closed) = (&now.closed[..rows], &mut next.closed[..rows]);
+    let overlaps = &mut overlaps[..rows];
+    let mut changed = 0;
+    let see = |r: usize, overlap: L::V| {
+        closed[r] = L::positive(overlap);
+        changed |= closed[r] ^ was_closed[r];
+        L::store(overlap, &mut overlaps[r]);
+    };
+    let largest = sweep::<L, Y, FORM>(plan, position, see, out);
+    (largest, changed != 0)
 }
 
 /// Accelerations at the positions of `motion`, and which contacts are closed there. Returns the largest change of an overlap, an
@@ -119,28 +128,30 @@ pub fn evaluate<L: Lanes, Y: Layout, const FORM: u8>(
     motion: &mut Motion,
     out: &mut [Row],
 ) -> L::V {
-    let x = &motion.position[..plan.rows()];
-    sweep::<L, Y, FORM>(plan, |r| L::load(&x[r]), (&mut motion.closed, out))
+    let (x, closed) = (&motion.position[..plan.rows()], &mut motion.closed[..plan.rows()]);
+    let see = |r: usize, overlap: L::V| closed[r] = L::positive(overlap);
+    sweep::<L, Y, FORM>(plan, |r| L::load(&x[r]), see, out)
 }
 
-/// Accelerations, closed contacts and largest overlap change at the positions that `position` makes, row by row.
+/// Accelerations and largest overlap change at the positions that `position` makes, row by row; `see` is shown the overlaps.
 #[inline(always)]
 fn sweep<L: Lanes, Y: Layout, const FORM: u8>(
     plan: &Plan,
     mut position: impl FnMut(usize) -> L::V,
-    (closed, out): (&mut [u8], &mut [Row]),
+    mut see: impl FnMut(usize, L::V),
+    out: &mut [Row],
 ) -> L::V {
     let rows = plan.rows();
     let plan = Cut::new(plan, rows);
-    let (closed, out) = (&mut closed[..rows], &mut out[..rows]);
+    let out = &mut out[..rows];
     let mut last = L::splat(0.0);
     let mut force = L::splat(0.0);
     let mut largest = L::splat(0.0);
-    for (r, closed) in closed.iter_mut().enumerate() {
+    for r in 0..rows {
         let here = position(r);
         let change = L::sub(Y::above::<L>(last, here), here);
         let (next, overlap) = forces::<L, FORM>(plan, r, change);
-        *closed = L::positive(overlap);
+        see(r, overlap);
         let floor = L::sub(L::splat(0.0), L::load(&plan.static_overlap[r]));
         let counted = L::mul(L::abs(L::max(change, floor)), L::load(&plan.active[r]));
         largest = L::max(counted, largest);
@@ -155,16 +166,17 @@ fn sweep<L: Lanes, Y: Layout, const FORM: u8>(
     largest
 }
 
-/// The new velocities, with what rounding took from them, and the estimated errors, by the weights `ends` of each stage; their largest magnitudes, and a sum that is
-/// not finite if anything is not.
+/// The new velocities, with what rounding took from them, and the estimated errors, by the weights `ends` of each stage; their largest
+/// magnitudes. Tells whether a contact may have opened or closed and gone back within the step.
 #[inline(always)]
 fn speed_up<L: Lanes, Y: Layout, const M: usize>(
     rows: usize,
     ends: &[[f64; 3]],
-    h: L::V,
+    (h, worth): (L::V, &[Row; 2]),
     work: &mut Workspace,
-) {
-    let Workspace { now, next, stages, error_position, error_velocity, largest } = work;
+) -> bool {
+    let Workspace { now, next, stages, error_position, error_velocity, overlap, largest, finite } =
+        work;
     let square = L::mul(h, h);
     let mut stages_of = [&stages[0][..rows]; M];
     let mut weights = [[h; 3]; M];
@@ -181,7 +193,9 @@ fn speed_up<L: Lanes, Y: Layout, const M: usize>(
     let (new_v, new_lost) = (&mut next.velocity[..rows], &mut next.lost_velocity[..rows]);
     let (out_position, out_velocity) = (&mut error_position[..rows], &mut error_velocity[..rows]);
     let mut most = [L::splat(0.0); 3];
-    let mut total = L::splat(0.0);
+    let overlap = &overlap[..rows];
+    let none = L::splat(0.0);
+    let (mut total, mut above, mut doubtful) = (none, none, none);
     for r in 0..rows {
         let mut sums = [L::splat(0.0); 3];
         for m in 0..M {
@@ -199,11 +213,17 @@ fn speed_up<L: Lanes, Y: Layout, const M: usize>(
             *most = L::max(L::abs(value), *most);
         }
         total = L::add(total, velocity);
+        // `kinks::missed` asks for more; what it finds has come from beyond zero overlap, if its speed has been what it is now.
+        let overlap = L::load(&overlap[r]);
+        let travel = L::mul(h, L::sub(Y::above::<L>(above, velocity), velocity));
+        doubtful = L::max(L::mul(overlap, L::sub(travel, overlap)), doubtful);
+        above = velocity;
     }
+    let error = L::max(L::mul(most[1], L::load(&worth[0])), L::mul(most[2], L::load(&worth[1])));
+    L::store(Y::largest::<L>(error), &mut largest.error);
     L::store(Y::largest::<L>(most[0]), &mut largest.speed);
-    L::store(Y::largest::<L>(most[1]), &mut largest.error_position);
-    L::store(Y::largest::<L>(most[2]), &mut largest.error_velocity);
-    L::store(Y::total::<L>(total), &mut largest.total);
+    *finite = Y::all(L::finite(total));
+    L::positive(doubtful) != 0
 }
 
 /// `value + increment`, and what rounding took. Source: W. Kahan, Commun. ACM 8, 40 (1965).
@@ -214,14 +234,24 @@ fn add_compensated<L: Lanes>(value: L::V, lost: L::V, increment: L::V) -> (L::V,
     (sum, L::sub(L::sub(sum, value), increment))
 }
 
-/// Tries a step of `h` (s) from `work.now`: everything of `work` but that is written.
+/// What the contacts have done in a step.
+#[derive(Debug, Clone, Copy)]
+pub struct Sides {
+    /// Some are open that were closed, or the other way round.
+    pub changed: bool,
+    /// Some may have been on the other side in between.
+    pub doubtful: bool,
+}
+
+/// Tries a step of `h` (s) from `work.now`: everything of `work` but that is written. An error of 1 m or 1 m/s is `worth` so many
+/// tolerated ones.
 #[inline(always)]
 pub fn attempt<L: Lanes, Y: Layout, const FORM: u8>(
     plan: &Plan,
     (pair, quadrature): (&NystromPair, &Quadrature),
     work: &mut Workspace,
-    h: L::V,
-) {
+    (h, worth): (L::V, &[Row; 2]),
+) -> Sides {
     let last = pair.nodes.len() - 1;
     for stage_number in 1..last {
         let (before, rest) = work.stages.split_at_mut(stage_number);
@@ -230,14 +260,15 @@ pub fn attempt<L: Lanes, Y: Layout, const FORM: u8>(
         for_terms!(terms, stage::<L, Y, FORM>(plan, &work.now, setting, before, &mut rest[0]));
     }
     let (before, rest) = work.stages.split_at_mut(last);
-    let (now, next) = (&work.now, &mut work.next);
-    let overlap = for_terms!(
+    let (now, next) = (&work.now, (&mut work.next, work.overlap.as_mut_slice()));
+    let (overlap, changed) = for_terms!(
         pair.position,
         arrive::<L, Y, FORM>(plan, now, (pair.position, h), (before, &mut rest[0]), next)
     );
     L::store(Y::largest::<L>(overlap), &mut work.largest.overlap);
-    match pair.nodes.len() {
-        6 => speed_up::<L, Y, 6>(plan.rows(), &quadrature.ends[..6], h, work),
-        _ => speed_up::<L, Y, 9>(plan.rows(), &quadrature.ends[..9], h, work),
-    }
+    let doubtful = match pair.nodes.len() {
+        6 => speed_up::<L, Y, 6>(plan.rows(), &quadrature.ends[..6], (h, worth), work),
+        _ => speed_up::<L, Y, 9>(plan.rows(), &quadrature.ends[..9], (h, worth), work),
+    };
+    Sides { changed, doubtful }
 }

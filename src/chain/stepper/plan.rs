@@ -14,8 +14,8 @@ pub trait Layout: Copy {
     fn below<L: Lanes>(here: L::V, after: L::V) -> L::V;
     /// Largest value of a chain, in all its lanes.
     fn largest<L: Lanes>(values: L::V) -> L::V;
-    /// Sum over a chain, in all its lanes.
-    fn total<L: Lanes>(values: L::V) -> L::V;
+    /// Bits of lanes whose chain has all its bits set.
+    fn all(bits: u8) -> u8;
     /// Where entry `index` of the chain in `lane` is.
     fn place(index: usize, lane: usize) -> (usize, usize);
     /// Where the body above contact (`row`, `lane`) is; none above the first.
@@ -48,8 +48,8 @@ impl Layout for Along {
     }
 
     #[inline(always)]
-    fn total<L: Lanes>(values: L::V) -> L::V {
-        L::splat(L::total(values))
+    fn all(bits: u8) -> u8 {
+        if bits == u8::MAX { bits } else { 0 }
     }
 
     #[inline(always)]
@@ -82,8 +82,8 @@ impl Layout for Across {
     }
 
     #[inline(always)]
-    fn total<L: Lanes>(values: L::V) -> L::V {
-        values
+    fn all(bits: u8) -> u8 {
+        bits
     }
 
     #[inline(always)]

@@ -113,6 +113,13 @@ impl Quintic {
         sum
     }
 
+    /// Closed overlaps at eight times, to the power 1.5.
+    #[inline(always)]
+    pub fn power<L: Lanes>(&self, times: &Row) -> L::V {
+        let closed = L::max(self.lanes::<L>(L::load(times)), L::splat(0.0));
+        L::mul(closed, L::sqrt(closed))
+    }
+
     /// `int overlap^1.5` and `int (1 - t) overlap^1.5` over the closed part (m^1.5).
     #[inline(always)]
     pub fn impulses<L: Lanes>(&self) -> (f64, f64) {

@@ -73,6 +73,8 @@ pub struct Attempt<'a, Y> {
     pub work: &'a mut Workspace,
     /// Length of the step in each lane (s).
     pub step: Row,
+    /// How many tolerated errors an error of 1 m or 1 m/s is, lane by lane.
+    pub worth: [Row; 2],
     /// Impulses (N s) and their moments (N s²) that nobody would see, lane by lane.
     pub slack: [Row; 2],
     pub layout: PhantomData<Y>,
@@ -84,9 +86,9 @@ impl<Y: Layout> Task for Attempt<'_, Y> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Option<Guard> {
-        let Self { plan, pair, quadrature, work, step, slack, .. } = self;
-        let h = L::load(&step);
-        match plan.form {
+        let Self { plan, pair, quadrature, work, step, worth, slack, .. } = self;
+        let h = (L::load(&step), &worth);
+        let sides = match plan.form {
             Form::Plain => passes::attempt::<L, Y, PLAIN>(plan, (pair, quadrature), work, h),
             Form::Exact => passes::attempt::<L, Y, EXACT>(plan, (pair, quadrature), work, h),
             Form::Linear => {
@@ -94,30 +96,37 @@ impl<Y: Layout> Task for Attempt<'_, Y> {
                 passes::attempt::<L, Y, LINEAR>(plan, (pair, quadrature), work, h);
                 return None;
             }
+        };
+        if !sides.changed && !sides.doubtful {
+            return None;
         }
         let limits = (&step, &slack);
         let mut guard = Guard::default();
-        let changed = kinks::any(plan, work);
-        if changed {
+        if sides.changed {
             guard = kinks::correct::<L, Y>(plan, quadrature, work, limits);
         }
         let missed = kinks::missed::<L, Y>(plan, work, limits, &mut guard);
-        if !changed && !missed {
+        if !sides.changed && !missed {
             return None;
         }
-        let largest = |rows: &[Row], least: &Row| {
-            let mut most = L::load(least);
-            for row in &rows[..plan.rows()] {
-                most = L::max(L::abs(L::load(row)), most);
-            }
-            let mut out = Row::default();
-            L::store(Y::largest::<L>(most), &mut out);
-            out
-        };
-        work.largest.error_position = largest(&work.error_position, &guard.position);
-        work.largest.error_velocity = largest(&work.error_velocity, &guard.velocity);
+        let rows = plan.rows();
+        let position = largest::<L>(&work.error_position[..rows], &guard.position);
+        let velocity = largest::<L>(&work.error_velocity[..rows], &guard.velocity);
+        let [position_worth, velocity_worth] = worth.map(|worth| L::load(&worth));
+        let error = L::max(L::mul(position, position_worth), L::mul(velocity, velocity_worth));
+        L::store(Y::largest::<L>(error), &mut work.largest.error);
         Some(guard)
     }
+}
+
+/// Largest magnitudes in `rows`, lane by lane, `least` at least.
+#[inline(always)]
+fn largest<L: Lanes>(rows: &[Row], least: &Row) -> L::V {
+    let mut most = L::load(least);
+    for row in rows {
+        most = L::max(L::abs(L::load(row)), most);
+    }
+    most
 }
 
 /// Finds the rates of the accelerations (m/s³).

@@ -24,12 +24,8 @@ pub struct Largest {
     pub overlap: Row,
     /// Speed (m/s).
     pub speed: Row,
-    /// A sum over all velocities: finite if they are (m/s).
-    pub total: Row,
-    /// Estimated error of a position (m).
-    pub error_position: Row,
-    /// Estimated error of a velocity (m/s).
-    pub error_velocity: Row,
+    /// Estimated error of a position or a velocity, as a multiple of the tolerated one (1).
+    pub error: Row,
 }
 
 /// All arrays of a run; made once.
@@ -45,8 +41,12 @@ pub struct Workspace {
     pub error_position: Vec<Row>,
     /// Estimated error of each velocity (m/s).
     pub error_velocity: Vec<Row>,
+    /// Overlaps where the step ends (m).
+    pub overlap: Vec<Row>,
     /// Largest magnitudes of the step last tried.
     pub largest: Largest,
+    /// Whether all velocities of the step last tried are finite, a bit for each lane.
+    pub finite: u8,
 }
 
 impl Motion {
@@ -63,6 +63,16 @@ impl Motion {
 }
 
 impl Workspace {
+    /// Error of the step last tried in lane `lane`, in multiples of the tolerated one; infinite where anything is not a number (1).
+    #[inline]
+    #[must_use]
+    pub fn error(&self, lane: usize) -> f64 {
+        let error = self.largest.error.0[lane];
+        // `max` hides what is not a number; the sum that `finite` has seen does not.
+        let known = self.finite & (1 << lane) != 0 && !error.is_nan();
+        if known { error } else { f64::INFINITY }
+    }
+
     /// Everything at rest, for `rows` rows and `stages` stages.
     #[must_use]
     pub fn new(rows: usize, stages: usize) -> Self {
@@ -72,7 +82,9 @@ impl Workspace {
             stages: vec![vec![Row::default(); rows]; stages],
             error_position: vec![Row::default(); rows],
             error_velocity: vec![Row::default(); rows],
+            overlap: vec![Row::default(); rows],
             largest: Largest::default(),
+            finite: 0,
         }
     }
 }

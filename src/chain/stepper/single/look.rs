@@ -28,6 +28,9 @@ impl ChainStepper {
     pub fn frame(&mut self, theta: f64) -> (impl Iterator<Item = f64>, impl Iterator<Item = f64>) {
         self.find_jerks();
         let mut frame = std::mem::take(&mut self.frame);
+        for rows in &mut frame {
+            rows.resize(self.plan.all_rows(), Row::default());
+        }
         let [position, force] = &mut frame;
         let task = Frame { plan: &self.plan, ends: self.ends(), theta, position, force };
         dispatch(self.set, task);
@@ -46,6 +49,9 @@ impl ChainStepper {
             return;
         }
         let Self { set, plan, work, jerks, .. } = self;
+        for rows in &mut *jerks {
+            rows.resize(plan.all_rows(), Row::default());
+        }
         let [before, after] = jerks;
         if self.jerks_of.wrapping_add(1) == self.counts.steps {
             std::mem::swap(before, after);

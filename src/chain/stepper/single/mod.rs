@@ -57,10 +57,11 @@ pub struct ChainStepper {
     events: u64,
     /// Whether kinks are corrected.
     corrects: bool,
-    /// Rates of the accelerations at the start and the end of the last step (m/s³), and which step that was.
+    /// Rates of the accelerations at the start and the end of the last step (m/s³), and which step that was; empty until they are
+    /// asked for.
     jerks: [Vec<Row>; 2],
     jerks_of: u64,
-    /// Room for a frame: positions (m) and force changes (N).
+    /// Room for a frame, once one is asked for: positions (m) and force changes (N).
     frame: [Vec<Row>; 2],
 }
 
@@ -123,7 +124,6 @@ impl ChainStepper {
         let bodies = chain.bodies().len();
         let speed = velocities.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
         let scales = (chain.impact_overlap(velocities).max(overlap.0[0]), speed);
-        let zeros = || vec![Row::default(); plan.all_rows()];
         Self {
             set,
             pair,
@@ -139,9 +139,9 @@ impl ChainStepper {
             counts: Work { force_evaluations: 1, ..Work::default() },
             events: 0,
             corrects: true,
-            jerks: [zeros(), zeros()],
+            jerks: [Vec::new(), Vec::new()],
             jerks_of: u64::MAX,
-            frame: [zeros(), zeros()],
+            frame: [Vec::new(), Vec::new()],
             plan,
         }
     }
@@ -187,16 +187,12 @@ impl ChainStepper {
         // Without corrections no impulse is worth one.
         let tolerance = if self.corrects { self.tolerance } else { f64::INFINITY };
         let slack = kinks::slack(tolerance, self.scales, self.lightest).map(|s| Row([s; WIDTH]));
+        let worth = worth(self.tolerance, self.scales).map(|worth| Row([worth; WIDTH]));
         let layout = PhantomData;
-        let task = Attempt::<Along> { plan, pair, quadrature, work, step, slack, layout };
+        let task = Attempt::<Along> { plan, pair, quadrature, work, step, worth, slack, layout };
         let guard = dispatch(*set, task);
         self.counts.force_evaluations += self.pair.nodes.len() as u64 - 1;
-        let largest = &self.work.largest;
-        let [position, velocity, total] =
-            [largest.error_position, largest.error_velocity, largest.total].map(|row| row.0[0]);
-        let error = (position / self.scales.0).max(velocity / self.scales.1) / self.tolerance;
-        // `max` hides what is not a number; the sum does not.
-        let error = if total.is_finite() && !error.is_nan() { error } else { f64::INFINITY };
+        let error = self.work.error(0);
         if let Some(guard) = guard.filter(|_| error <= 1.0) {
             self.events += 1;
             let moved = guard.moved.0.into_iter().fold(0.0, f64::max);
@@ -216,6 +212,11 @@ impl ChainStepper {
         work.largest.overlap = dispatch(*set, task);
         self.counts.force_evaluations += 1;
     }
+}
+
+/// How many tolerated errors an error of 1 m, or of 1 m/s, is (1/m, s/m).
+pub(super) fn worth(tolerance: f64, scales: (f64, f64)) -> [f64; 2] {
+    [1.0 / (tolerance * scales.0), 1.0 / (tolerance * scales.1)]
 }
 
 /// The first `count` values of rows.
