@@ -7,11 +7,13 @@
 mod common;
 
 use std::process::{Command, Stdio};
+use std::time::Instant;
 
 use common::clock::{median, time};
 use common::ours;
 use common::scenes::Case;
 use hertzscope::chain::stepper::InstructionSet;
+use hertzscope::experiment::ensemble::{self, Ensemble};
 use hertzscope::integrate::Method;
 
 const ROUNDS: usize = 9;
@@ -29,6 +31,8 @@ fn main() {
         return;
     }
     kernels();
+    quiet_part();
+    ensembles();
     processes();
 }
 
@@ -81,6 +85,73 @@ fn kernels() {
             print!(" {:.2} |", median(costs));
         }
         println!();
+    }
+    println!();
+}
+
+/// What it saves to leave alone the contacts ahead of the wave.
+fn quiet_part() {
+    let best = InstructionSet::best();
+    println!("| the quiet part ahead of the wave, left alone | times as fast |\n|---|---|");
+    for name in ["P37", "P600", "P10000"] {
+        let case = Case::named(name).expect("a scene");
+        let method = ours::method("rkn86", 1e-6).expect("a pair");
+        let run = |whole: bool| {
+            time(SLICE, || {
+                let run = if whole { ours::awake } else { ours::bare };
+                run(&case, method, best).expect("a run");
+            })
+        };
+        let mut gains: Vec<f64> = (0..ROUNDS).map(|_| run(true) / run(false)).collect();
+        println!("| {name}, {} ms | {:.2} |", 1e3 * case.duration, median(&mut gains));
+    }
+    println!();
+}
+
+/// Chains in an ensemble; eight share the lanes of a group.
+const ENSEMBLE: u32 = 64;
+
+/// Throughput of ensembles over that of single chains, first peaks followed in both, and of two threads over one.
+fn ensembles() {
+    println!(
+        "| throughput of {ENSEMBLE} chains of their own speeds | over single chains, one thread | two threads over one, wall time |\n|---|---|---|"
+    );
+    for (name, accuracy) in [("P37", 1e-3), ("P37", 1e-6), ("G37", 1e-3), ("G37", 1e-6)] {
+        let case = Case::named(name).expect("a scene");
+        let cases: Vec<ensemble::Case> = (0..ENSEMBLE)
+            .map(|index| {
+                let speed = 1.0 + 0.2 * f64::from(index) / f64::from(ENSEMBLE);
+                ensemble::Case {
+                    chain: case.chain.clone(),
+                    velocities: case.velocities.iter().map(|v| speed * v).collect(),
+                    probes: case.probes(),
+                    duration: case.duration,
+                }
+            })
+            .collect();
+        let together = |threads: usize| {
+            let found = Ensemble::new(accuracy).threads(threads).run(&cases, &|_| ());
+            assert!(found.iter().all(Result::is_ok), "{name}");
+        };
+        let alone = || {
+            for case in &cases {
+                case.run_alone(accuracy).expect("a run");
+            }
+        };
+        let (mut gains, mut threads) = (Vec::new(), Vec::new());
+        for _ in 0..ROUNDS {
+            gains.push(time(SLICE, alone) / time(SLICE, || together(1)));
+            let wall = |threads| {
+                let start = Instant::now();
+                for _ in 0..4 {
+                    together(threads);
+                }
+                start.elapsed().as_secs_f64()
+            };
+            threads.push(wall(1) / wall(2));
+        }
+        let (gain, threads) = (median(&mut gains), median(&mut threads));
+        println!("| {name} at {accuracy:.0e} | {gain:.2} | {threads:.2} |");
     }
     println!();
 }
