@@ -20,18 +20,23 @@ impl Chain {
     /// collision for contacts without preload.
     #[must_use]
     pub fn impact_overlap(&self, velocity: &[f64]) -> f64 {
-        let mut most = 0.0_f64;
-        for (index, (body, speed)) in self.bodies.iter().zip(velocity).enumerate() {
-            if *speed == 0.0 {
-                continue;
-            }
-            for contact in &self.contacts[index..index + 2] {
-                if contact.stiffness > 0.0 {
-                    most = most.max(collision_overlap(contact, body.mass, *speed));
-                }
-            }
-        }
-        most
+        self.impacts(velocity).map(|(_, overlap)| overlap).fold(0.0, f64::max)
+    }
+
+    /// By how much that impact raises the force of a contact, at most: [`Self::impact_overlap`] in newtons. 0 where nothing moves (N).
+    #[must_use]
+    pub fn impact_force(&self, velocity: &[f64]) -> f64 {
+        let forces = self.impacts(velocity).map(|(contact, overlap)| contact.force_change(overlap));
+        forces.fold(0.0, f64::max)
+    }
+
+    /// Contacts beside moving bodies, and the overlap (m) that they will reach.
+    fn impacts<'a>(&'a self, velocity: &'a [f64]) -> impl Iterator<Item = (&'a Contact, f64)> {
+        let moving = self.bodies.iter().zip(velocity).enumerate().filter(|(_, (_, v))| **v != 0.0);
+        moving.flat_map(|(index, (body, speed))| {
+            let sides = self.contacts[index..index + 2].iter().filter(|c| c.stiffness > 0.0);
+            sides.map(|contact| (contact, collision_overlap(contact, body.mass, *speed)))
+        })
     }
 
     /// The longest step that a method could survive whose longest stable step times angular frequency is `reach` (1).

@@ -116,8 +116,9 @@ impl<'a> Bench<'a> {
         let initial_energy = chain.energy(&state);
         // Before the first contact nothing moves: those samples are known.
         let before = grid.samples_until(0.0);
+        let impact = chain.impact_force(initial_velocities);
         let watch = |probe: &ForceProbe| Watch {
-            pulse: PulseRecorder::new(probe.clone()),
+            pulse: PulseRecorder::new(probe.clone(), impact),
             samples: vec![0.0; before],
         };
         let film = Film::new(chain, film_grid, &state);

@@ -201,7 +201,10 @@ impl Case {
 fn follow(mut group: ChainGroup, cases: &[&Case]) -> Vec<Result<Readout, IntegrateError>> {
     let views = |case: &&Case| case.probes.iter().map(View::new).collect();
     let mut views: Vec<Vec<View>> = cases.iter().map(views).collect();
-    let recorders = |case: &&Case| case.probes.iter().cloned().map(PulseRecorder::new).collect();
+    let recorders = |case: &&Case| {
+        let impact = case.chain.impact_force(&case.velocities);
+        case.probes.iter().map(|probe| PulseRecorder::new(probe.clone(), impact)).collect()
+    };
     let mut pulses: Vec<Vec<PulseRecorder>> = cases.iter().map(recorders).collect();
     while !group.is_done() {
         let taken = group.step();

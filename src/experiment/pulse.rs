@@ -12,7 +12,7 @@ use crate::integrate::Integrator;
 const BETWEEN_LOOKS: f64 = 1.25;
 /// A peak counts when it exceeds this share of the record's largest dynamic force (1).
 const PEAK_SHARE: f64 = 0.25;
-/// What does not exceed this share of the static force is its rounding, and no pulse (1).
+/// What does not exceed this share of the static force, or of the impact's, is rounding, and no pulse (1).
 const QUIETEST: f64 = 1e-13;
 /// Where a force rises at two looks and their cubic's least rate in between is below this share of both rates, it may fall there (1).
 const DOUBTFUL_RATE: f64 = 0.3;
@@ -38,6 +38,8 @@ pub struct Peak {
 #[derive(Debug, Clone)]
 pub struct PulseRecorder {
     probe: ForceProbe,
+    /// Force that a pulse exceeds (N).
+    quietest: f64,
     /// Maxima that may turn out to be the first above the threshold.
     peaks: Vec<Bracket>,
     /// Steps during which the force exceeded all before: where any level was first reached.
@@ -120,10 +122,11 @@ fn theta(index: usize) -> f64 {
 }
 
 impl PulseRecorder {
-    /// Starts with nothing felt.
+    /// Starts with nothing felt; `impact` is the force that the impact raises (N).
     #[must_use]
-    pub fn new(probe: ForceProbe) -> Self {
+    pub fn new(probe: ForceProbe, impact: f64) -> Self {
         Self {
+            quietest: QUIETEST * probe.static_force().max(impact),
             probe,
             peaks: Vec::new(),
             rises: Vec::new(),
@@ -232,10 +235,11 @@ impl PulseRecorder {
         self.largest
     }
 
-    /// The first local maximum of the dynamic force above a quarter of its largest value so far, and above the rounding of the static one.
+    /// The first local maximum of the dynamic force above a quarter of its largest value so far, and above the rounding of the static
+    /// force and of the impact's.
     #[must_use]
     pub fn first_peak(&self) -> Option<Peak> {
-        let threshold = (PEAK_SHARE * self.largest).max(QUIETEST * self.probe.static_force());
+        let threshold = (PEAK_SHARE * self.largest).max(self.quietest);
         let high = self.peaks.iter().filter(|peak| peak.near * BETWEEN_LOOKS > threshold);
         let mut tops = high.map(|peak| (peak, peak.top()));
         let (peak, (theta, dynamic_n)) = tops.find(|(_, top)| top.1 > threshold)?;

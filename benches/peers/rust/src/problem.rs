@@ -102,7 +102,9 @@ fn reference(case: &Case) -> Vec<(usize, f64, f64)> {
     let method = Method::DormandPrince853 { tolerance: REFERENCE };
     let mut integrator = method.start(Box::new(system), state);
     let probes: Vec<ForceProbe> = case.probes();
-    let mut pulses: Vec<PulseRecorder> = probes.into_iter().map(PulseRecorder::new).collect();
+    let impact = case.chain.impact_force(&case.velocities);
+    let follow = |probe| PulseRecorder::new(probe, impact);
+    let mut pulses: Vec<PulseRecorder> = probes.into_iter().map(follow).collect();
     while integrator.time() < case.duration {
         integrator.step(case.duration).expect("the reference runs");
         integrator.prepare_interpolation();
