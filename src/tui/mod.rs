@@ -26,6 +26,7 @@ use ratatui::layout::{Position, Rect, Size};
 use crate::recording::TraceSet;
 use crate::recording::mcap::tape::Tape;
 use model::{Action, Model, Palette};
+use work::served::Scope;
 use work::{News, Staff};
 
 /// A picture is at most so much older than the first event that changed it.
@@ -39,6 +40,8 @@ pub enum Subject {
     Tape(Box<Tape>, bool),
     /// The bench of a scene: a name that ships, or a whole path.
     Bench(String),
+    /// A scope that is served somewhere else.
+    Served(Box<Scope>),
 }
 
 /// Shows `subject` under the name `title` until the user quits, held against `against` if that is there.
@@ -51,24 +54,29 @@ pub enum Subject {
 pub fn run(subject: Subject, title: String, against: Option<String>) -> io::Result<()> {
     let plain = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
     let palette = if plain { Palette::Plain } else { Palette::Colour };
-    let (set, tape, follow, bench) = match subject {
-        Subject::Set(set) => (*set, None, false, None),
-        Subject::Tape(tape, follow) => (TraceSet::default(), Some(tape), follow, None),
-        Subject::Bench(base) => (TraceSet::default(), None, false, Some(base)),
-    };
-    let mut model = Model::new(set, title, palette);
-    if tape.is_some() {
-        model.on_tape(follow);
-    }
-    if let Some(base) = bench {
-        model.open_bench(base);
+    let (mut tape, mut scope, mut is_followed) = (None, None, false);
+    let mut model = Model::new(TraceSet::default(), title, palette);
+    match subject {
+        Subject::Set(set) => model = Model::new(*set, model.title().to_owned(), palette),
+        Subject::Tape(file, follow) => {
+            model.on_tape(follow);
+            (tape, is_followed) = (Some(*file), follow);
+        }
+        Subject::Bench(base) => model.open_bench(base),
+        Subject::Served(served) => {
+            model.open_served();
+            scope = Some(*served);
+        }
     }
     if let Some(against) = against {
         model.compare_with(against);
     }
     let mut terminal = ratatui::try_init()?;
     let result = watch_mouse().and_then(|()| {
-        let (staff, news) = Staff::start(tape.map(|tape| *tape), follow);
+        let (mut staff, news) = Staff::start(tape, is_followed);
+        if let Some(scope) = scope {
+            staff.watch(scope);
+        }
         staff.listen();
         show(&mut terminal, &mut model, &staff, &news)
     });

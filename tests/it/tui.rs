@@ -11,6 +11,8 @@ mod live;
 mod pages;
 mod replay;
 mod screens;
+#[cfg(feature = "server")]
+mod served;
 mod snapshots;
 #[cfg(unix)]
 mod terminal;

@@ -15,6 +15,7 @@ pub mod live;
 pub mod questions;
 mod replay;
 mod selection;
+pub mod served;
 pub mod state;
 pub mod traces;
 mod update;

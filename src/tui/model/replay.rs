@@ -123,7 +123,7 @@ impl Model {
     }
 
     /// After another shot has come; the window stays where it was recorded alike.
-    fn shown(&mut self, before: Option<Window>) {
+    pub(super) fn shown(&mut self, before: Option<Window>) {
         self.play.bench_time = 0.0;
         self.fresh();
         let alike = match (before, self.recorded_window()) {

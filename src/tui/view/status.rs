@@ -74,6 +74,18 @@ fn state(model: &Model) -> String {
             "Stop".to_owned()
         };
     };
+    if let Some(served) = &live.served {
+        return match served.state.as_str() {
+            "ARMED" => "Armed",
+            "READY" => "Ready",
+            "TRIGGER" => "Trig'd",
+            "AUTO" => "Auto",
+            "SCAN" => "Scan",
+            "LOST" => "Lost",
+            _ => "Stop",
+        }
+        .to_owned();
+    }
     let crossed = live.summary.as_ref().is_some_and(|summary| summary.trigger.crossed);
     match live.acquisition {
         Acquisition::Stopped => "Stop",

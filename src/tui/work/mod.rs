@@ -1,10 +1,11 @@
-//! The threads behind the screen: one reads the recording, one strikes the bench, two answer long questions. All they say goes
-//! through one channel to the screen's loop, and so do the terminal's events.
+//! The threads behind the screen: one reads the recording or watches a served scope, one strikes the bench, two answer long questions.
+//! All they say goes through one channel to the screen's loop, and so do the terminal's events.
 
 mod bench;
 mod clerk;
 mod player;
 mod save;
+pub mod served;
 
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
@@ -13,6 +14,7 @@ use ratatui::crossterm::event::{self, Event};
 use ratatui::layout::Size;
 
 use super::model::questions::Answer;
+use super::model::served::Heard;
 use super::model::{Model, Request, Strike, Struck};
 use crate::recording::mcap::tape::Tape;
 use crate::recording::{Shot, TraceSet};
@@ -33,6 +35,10 @@ pub enum News {
     Struck(u64, Result<Box<Struck>, String>),
     /// The answer to a question.
     Answer(Answer),
+    /// What a served scope told.
+    Heard(Box<Heard>),
+    /// The served scope is gone, and why.
+    Lost(String),
     /// Something went wrong that the user should know.
     Told(String),
 }
@@ -46,6 +52,8 @@ impl News {
             Self::Shot(place, shot) => model.tape_shot(place, *shot),
             Self::Struck(turn, answer) => model.struck(turn, answer),
             Self::Answer(answer) => model.answered(answer),
+            Self::Heard(heard) => model.heard(*heard),
+            Self::Lost(why) => model.lost(why),
             Self::Told(words) => model.tell(words),
         }
     }
@@ -70,6 +78,7 @@ fn worker<Order: Send + 'static>(
 pub struct Staff {
     news: Sender<News>,
     player: Option<Sender<usize>>,
+    served: Option<Sender<String>>,
     bench: Sender<Strike>,
     comparison: Sender<Comparison>,
     research: Sender<Research>,
@@ -83,12 +92,18 @@ impl Staff {
         let player = tape.map(|tape| player::start(tape, follow, &news));
         let staff = Self {
             player,
+            served: None,
             bench: worker(&news, bench::strike),
             comparison: worker(&news, clerk::comparer()),
             research: worker(&news, clerk::research),
             news,
         };
         (staff, receiver)
+    }
+
+    /// Watches a scope that is served somewhere else.
+    pub fn watch(&mut self, scope: served::Scope) {
+        self.served = Some(served::start(scope, &self.news));
     }
 
     /// Listens to the terminal.
@@ -114,6 +129,9 @@ impl Staff {
                     self.player.as_ref().is_none_or(|player| player.send(place).is_ok())
                 }
                 Request::Strike(strike) => self.bench.send(strike).is_ok(),
+                Request::Send(command) => {
+                    self.served.as_ref().is_none_or(|scope| scope.send(command).is_ok())
+                }
                 Request::Compare(other) => {
                     Comparison::of(model, other).is_none_or(|c| self.comparison.send(c).is_ok())
                 }
