@@ -16,10 +16,13 @@ pub mod work;
 use std::io;
 use std::panic;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::thread;
 use std::time::{Duration, Instant};
 
 use ratatui::DefaultTerminal;
-use ratatui::crossterm::event::{DisableMouseCapture, EnableMouseCapture, Event};
+use ratatui::crossterm::event::{
+    DisableMouseCapture, EnableMouseCapture, Event, KeyCode, KeyEvent,
+};
 use ratatui::crossterm::execute;
 use ratatui::layout::{Position, Rect, Size};
 
@@ -85,10 +88,15 @@ pub fn run(subject: Subject, title: String, against: Option<String>) -> io::Resu
     result.and(mouse).and(restored)
 }
 
-/// Asks the terminal for the mouse; a panic hands the mouse back before the terminal is restored.
+/// Asks the terminal for the mouse; a panic of the screen hands the mouse back before the terminal is restored. One in a thread that
+/// works for the screen leaves the terminal alone: the screen goes on, and tells of it.
 fn watch_mouse() -> io::Result<()> {
     let restore_terminal = panic::take_hook();
+    let screen = thread::current().id();
     panic::set_hook(Box::new(move |info| {
+        if thread::current().id() != screen {
+            return;
+        }
         // Nothing can be done about a terminal that does not answer during a panic.
         let _ = execute!(io::stdout(), DisableMouseCapture);
         restore_terminal(info);
@@ -153,8 +161,10 @@ fn take(news: News, size: Size, model: &mut Model) -> bool {
 
 /// Lets one event of the terminal act on the model; the mouse moves often and means something seldom.
 fn press(event: &Event, size: Size, model: &mut Model) -> bool {
-    #[cfg(debug_assertions)]
-    provoked_panic(event);
+    let is_mark = |key: KeyEvent| key.code == KeyCode::Char('!');
+    if event.as_key_press_event().is_some_and(is_mark) {
+        work::provoked("screen");
+    }
     let layout = view::layout_of(model, Rect::from((Position::ORIGIN, size)));
     match keys::action(event, model.panel(), layout.as_ref()) {
         Some(action) => {
@@ -163,13 +173,4 @@ fn press(event: &Event, size: Size, model: &mut Model) -> bool {
         }
         None => matches!(event, Event::Resize(..)),
     }
-}
-
-/// In debug builds `!` panics where `HERTZSCOPE_VIEW_PANIC` is set, so that a test can see the terminal come back.
-#[cfg(debug_assertions)]
-fn provoked_panic(event: &Event) {
-    use ratatui::crossterm::event::KeyCode;
-    let pressed = event.as_key_press_event().is_some_and(|key| key.code == KeyCode::Char('!'));
-    let asked = std::env::var_os("HERTZSCOPE_VIEW_PANIC").is_some();
-    assert!(!(asked && pressed), "provoked");
 }

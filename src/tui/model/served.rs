@@ -14,7 +14,7 @@ pub struct Served {
     /// What the acquisition is doing, as `TRIGger:STATE?` says; empty as long as nothing was told.
     pub state: String,
     /// The front panel.
-    pub scope: Option<Setup>,
+    pub scope: Option<Box<Setup>>,
     /// Whether a bench stands behind it that can be struck.
     pub bench: bool,
 }
@@ -83,7 +83,7 @@ impl Model {
     /// The front panel: the served scope's, or the scene's.
     pub(super) fn scope(&self) -> Option<&Setup> {
         match self.live.as_ref().and_then(|live| live.served.as_ref()) {
-            Some(served) => served.scope.as_ref(),
+            Some(served) => served.scope.as_deref(),
             None => self.scene.as_ref().map(|scene| &scene.scope),
         }
     }

@@ -7,8 +7,11 @@ mod player;
 mod save;
 pub mod served;
 
+use std::io::IsTerminal as _;
+use std::panic::{self, AssertUnwindSafe};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
+use std::time::Duration;
 
 use ratatui::crossterm::event::{self, Event};
 use ratatui::layout::Size;
@@ -57,6 +60,32 @@ impl News {
             Self::Told(words) => model.tell(words),
         }
     }
+}
+
+/// How often it is looked whether the terminal is still there.
+const LOOK: Duration = Duration::from_millis(500);
+
+/// Does a piece of work; a panic in it becomes words, and the thread goes on with the next.
+///
+/// # Errors
+/// What the work says, or the panic.
+pub fn guarded<T>(work: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
+    panic::catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
+        let words = panic.downcast_ref::<&str>().map(|words| (*words).to_owned());
+        let words = words.or_else(|| panic.downcast_ref::<String>().cloned());
+        let words = words.unwrap_or_else(|| "no words about it".to_owned());
+        Err(format!("an error of this program, please report it: {words}"))
+    })
+}
+
+/// In debug builds this panics where `HERTZSCOPE_VIEW_PANIC` is `place`, so that tests can see what comes of it.
+///
+/// # Panics
+/// As asked.
+pub fn provoked(place: &str) {
+    let asked = cfg!(debug_assertions)
+        && std::env::var("HERTZSCOPE_VIEW_PANIC").is_ok_and(|asked| asked == place);
+    assert!(!asked, "provoked");
 }
 
 /// Starts a thread that does `work` for each order, with a way to send news; it ends when nobody can order any more.
@@ -109,6 +138,7 @@ impl Staff {
     /// Listens to the terminal.
     pub fn listen(&self) {
         let news = self.news.clone();
+        let end = news.clone();
         thread::spawn(move || {
             while let Ok(event) = event::read() {
                 if news.send(News::Terminal(event)).is_err() {
@@ -117,6 +147,13 @@ impl Staff {
             }
             // Nobody is left to hear it if this fails.
             let _ = news.send(News::Closed);
+        });
+        // Reading from a terminal that has gone never ends, and a hang-up signal need not come.
+        thread::spawn(move || {
+            while std::io::stdout().is_terminal() {
+                thread::sleep(LOOK);
+            }
+            let _ = end.send(News::Closed);
         });
     }
 

@@ -12,7 +12,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::News;
+use super::{News, guarded};
 use crate::recording::set_file::SetFile;
 use crate::recording::{Capture, Instrument, isf};
 use crate::scope::{Model, Source};
@@ -124,10 +124,11 @@ pub fn start(scope: Scope, news: &Sender<News>) -> Sender<String> {
     let news = news.clone();
     thread::spawn(move || {
         let address = scope.address.clone();
-        let mut watch = Watch { scope, news, last: None, records: None };
-        if let Err(error) = watch.go(&received) {
+        let mut watch = Watch { scope, news: news.clone(), last: None, records: None };
+        let watched = guarded(|| watch.go(&received).map_err(|error| error.to_string()));
+        if let Err(words) = watched {
             // Without a screen there is nobody to hear it.
-            let _ = watch.news.send(News::Lost(format!("{address}: the scope is gone: {error}")));
+            let _ = news.send(News::Lost(format!("{address}: the scope is gone: {words}")));
         }
     });
     orders

@@ -230,7 +230,11 @@ impl Look {
         let scene = self.scene();
         let set = records.map(|captures| self.recording(scene.as_ref(), bench, captures));
         Heard {
-            served: Served { state: self.field(3).to_owned(), scope: Some(self.scope()), bench },
+            served: Served {
+                state: self.field(3).to_owned(),
+                scope: Some(Box::new(self.scope())),
+                bench,
+            },
             base: self.name.clone(),
             acquisition,
             settings: self.settings(),
