@@ -5,6 +5,7 @@
 
 mod actions;
 mod bench;
+mod captures;
 mod degenerate;
 mod keys;
 mod live;
