@@ -94,7 +94,7 @@ pub const BINDINGS: &[Binding] = &[
             (plain(KeyCode::Left), time_per_division(Turn::Up)),
             (plain(KeyCode::Right), time_per_division(Turn::Down)),
         ],
-        "s/div: zoom out, in; mouse wheel",
+        "s/div, on spectra Hz/div: zoom out, in; mouse wheel",
         "s/div",
     ),
     binding(
@@ -116,7 +116,7 @@ pub const BINDINGS: &[Binding] = &[
             (shift(KeyCode::Right), Action::Pan(Turn::Up)),
             (letter('L'), Action::Pan(Turn::Up)),
         ],
-        "all traces left, right; or drag them",
+        "traces, spectra left, right; or drag them",
         "",
     ),
     binding(

@@ -90,6 +90,9 @@ impl Model {
 
     /// The s/div knob; what stands `anchor` divisions right of the centre stays there.
     pub(super) fn turn_time(&mut self, turn: Turn, anchor: f64) {
+        if self.shows_frequencies() {
+            return self.zoom_band(turn, anchor);
+        }
         if !self.sets_the_scope() {
             self.look(|window, waveform| window.zoomed(waveform, turn, anchor));
             return;
@@ -106,6 +109,9 @@ impl Model {
     /// The horizontal position knob.
     pub(super) fn turn_pan(&mut self, turn: Turn) {
         let step = -turn.sign() / PRESSES_PER_DIVISION;
+        if self.shows_frequencies() {
+            return self.pan_band(step);
+        }
         if !self.sets_the_scope() {
             self.look(|window, waveform| window.panned(waveform, step));
             return;
@@ -237,7 +243,8 @@ impl Model {
     /// Changes what of the abscissa is on screen; back at the recorded window, nothing is kept.
     pub(super) fn look(&mut self, change: impl Fn(Window, &Waveform) -> Window) {
         if self.page != Page::Scope {
-            self.notice = Some("zoom works on the page of the traces: Esc goes there".to_owned());
+            self.notice =
+                Some("zoom works on traces and spectra: Esc goes to the traces".to_owned());
             return;
         }
         let (Some(window), Some(capture)) = (self.window(), self.selected()) else {

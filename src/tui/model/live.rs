@@ -6,14 +6,12 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use super::knobs::{Knob, switched};
+use super::Model;
 use super::served::Served;
 use super::state::{Acquisition, Request, Strike};
-use super::{Model, Page};
 use crate::experiment::outcome::Summary;
 use crate::recording::TraceSet;
 use crate::scene::Scene;
-use crate::tui::axis::Turn;
 
 /// What was typed for each path, `striker.speed`.
 pub type Settings = BTreeMap<String, String>;
@@ -257,50 +255,6 @@ impl Model {
             self.send(":TRIG FORC");
         } else if self.bench().is_some() {
             self.set_value("scope.trigger.mode".to_owned(), "auto".to_owned());
-        }
-    }
-
-    /// Turns the selected knob.
-    pub(super) fn turn_knob(&mut self, turn: Turn) {
-        let Some(live) = self.bench() else { return };
-        let knob = Knob::ALL.get(live.knob).copied();
-        let (Some(knob), Some(scene)) = (knob, self.scene.clone()) else { return };
-        let (source, tuned) = (self.selected, self.tuned());
-        match knob.turned(&scene, &tuned, source, turn) {
-            Ok((path, value)) => self.set_value(path, value),
-            Err(problem) => self.notice = Some(problem),
-        }
-    }
-
-    /// Switches the selected knob's effect, or on the page of accuracy the selected effect.
-    pub(super) fn switch_effect(&mut self) {
-        if self.bench().is_none() {
-            return;
-        }
-        if self.is_served() {
-            let word = "effects of a served bench stand in its scene: view the scene itself";
-            self.notice = Some(word.to_owned());
-            return;
-        }
-        let named = if self.page == Page::Accuracy {
-            self.selected_effect()
-        } else {
-            self.live.as_ref().and_then(|live| Knob::ALL.get(live.knob)?.effect)
-        };
-        let Some(scene) = self.scene.clone() else { return };
-        let Some(effect) = named else {
-            self.notice = Some("this knob belongs to no effect that could be switched".to_owned());
-            return;
-        };
-        match switched(&scene, &self.tuned(), effect) {
-            Ok(settings) => {
-                let Some(((path, value), rest)) = settings.split_last() else { return };
-                if let Some(live) = &mut self.live {
-                    live.settings.extend(rest.iter().cloned());
-                }
-                self.set_value(path.clone(), value.clone());
-            }
-            Err(problem) => self.notice = Some(problem),
         }
     }
 }

@@ -37,7 +37,7 @@ fn captures() -> Option<Vec<(String, TraceSet)>> {
 }
 
 /// All pages and panels, zoomed and not, small and large: a picture each, with the trace's name on it.
-fn look_at(name: &str, set: TraceSet) {
+fn look_at(name: &str, set: &TraceSet) {
     let source = set.shots[0].captures[0].waveform.source.to_string();
     let ways: [&[Action]; 9] = [
         &[],
@@ -62,7 +62,7 @@ fn look_at(name: &str, set: TraceSet) {
 #[test]
 fn every_capture_is_shown_on_every_page() {
     for (name, set) in captures().unwrap_or_default() {
-        look_at(&name, set);
+        look_at(&name, &set);
     }
 }
 
@@ -98,7 +98,7 @@ fn every_capture_folder_is_opened() {
         }
         let set = open(&place).expect("a folder of captures");
         assert_eq!(set.shots[0].captures.len(), files.len() - 1);
-        look_at(folder, set);
+        look_at(folder, &set);
     }
 }
 
