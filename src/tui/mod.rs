@@ -166,7 +166,7 @@ fn press(event: &Event, size: Size, model: &mut Model) -> bool {
         work::provoked("screen");
     }
     let layout = view::layout_of(model, Rect::from((Position::ORIGIN, size)));
-    match keys::action(event, model.panel(), layout.as_ref()) {
+    match keys::action(event, model, layout.as_ref()) {
         Some(action) => {
             model::update(model, action);
             true

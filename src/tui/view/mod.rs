@@ -16,6 +16,7 @@ mod sheet;
 mod side;
 mod spectrum;
 mod status;
+pub mod target;
 mod trace;
 mod xy;
 

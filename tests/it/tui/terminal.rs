@@ -283,6 +283,29 @@ fn a_bench_is_played_with_and_saved() {
     assert!(text.contains("[striker]\nspeed = "), "{text}");
 }
 
+/// By either way of writing its address; where nobody is, that is said before the screen is taken.
+#[test]
+#[cfg(feature = "server")]
+fn a_served_scope_is_watched() {
+    let server = crate::server::Server::at_rest();
+    for address in [server.address.to_string(), format!("tcp://{}/", server.address)] {
+        let mut terminal = Terminal::open(&[&address], &[]);
+        terminal.wait_for_text("Ready");
+        terminal.press("i");
+        terminal.wait_for_text("CH4 2.00V");
+        terminal.press("q");
+        let (code, all) = terminal.end();
+        assert_eq!(code, 0);
+        assert_restored(&all);
+    }
+    let address = server.address.to_string();
+    drop(server);
+    let (code, all) = Terminal::open(&[&address], &[]).end();
+    assert_eq!(code, 2);
+    assert!(all.contains(&format!("error: {address}: ")), "{all}");
+    assert!(!all.contains(OTHER_SCREEN), "the screen was taken");
+}
+
 #[test]
 fn what_is_no_terminal_is_told_so() {
     let mut command = assert_cmd::Command::cargo_bin("hertzscope").expect("the program");
