@@ -35,7 +35,7 @@ pub struct Live {
     pub(super) settings: Settings,
     /// The settings that the bench took last.
     pub(super) good: Settings,
-    /// Place of the selected knob in [`Knob::ALL`].
+    /// Place of the selected knob in [`Knob::ALL`](super::knobs::Knob::ALL).
     pub knob: usize,
     /// What the scope is doing.
     pub acquisition: Acquisition,
