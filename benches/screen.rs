@@ -191,10 +191,24 @@ impl Viewed {
     /// Waits for `text` on the screen.
     fn wait_for(&mut self, text: &str) -> Result<(), Failed> {
         while !self.parser.screen().contents().contains(text) {
-            let bytes = self.bytes.recv_timeout(PATIENCE)?;
-            self.parser.process(&bytes);
+            self.hear()?;
         }
         Ok(())
+    }
+
+    /// What the program writes next.
+    fn hear(&mut self) -> Result<(), Failed> {
+        let bytes = self.bytes.recv_timeout(PATIENCE)?;
+        self.parser.process(&bytes);
+        Ok(())
+    }
+
+    /// How many shots the screen says there are: `Shot 1/27+`.
+    fn count(&self) -> usize {
+        let screen = self.parser.screen().contents();
+        let behind = screen.split_once("Shot ").and_then(|(_, rest)| rest.split_once('/'));
+        let digits = behind.map(|(_, rest)| rest.split(|c: char| !c.is_ascii_digit()));
+        digits.and_then(|mut digits| digits.next()?.parse().ok()).unwrap_or(0)
     }
 
     fn press(&mut self, keys: &str) -> io::Result<()> {
@@ -227,8 +241,10 @@ fn terminal(file: &Path) -> Result<(), Failed> {
         println!("  start to first picture     {median:>10.2?} at most {most:>10.2?}");
     }
     let mut viewed = Viewed::open(file)?;
-    // While the rest of the file is still being read.
-    viewed.wait_for("Shot 1/")?;
+    // As soon as so many shots are found; the rest of the file is still being read then.
+    while viewed.count() < 2 + KEYS {
+        viewed.hear()?;
+    }
     keys(&mut viewed, "key to screen, still reading", 2)?;
     viewed.wait_for(&format!("/{TRIGGERS} "))?;
     keys(&mut viewed, "key to screen, all read", 2 + KEYS)?;

@@ -9,12 +9,14 @@ use clap::Args;
 use crate::recording::format::{Format, open};
 use crate::recording::mcap::tape::Tape;
 use crate::scene::Scene;
+use crate::tui::work::served::Scope;
 use crate::tui::{self, Subject};
 
-/// Look at a recording on the scope's screen in the terminal, or play with the bench of a scene
+/// Look at a recording on the scope's screen in the terminal, play with the bench of a scene, or watch a served scope
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A recording (.mcap), a scope's file (.csv, .isf), a folder of them; or a scene, one that ships or a .toml file
+    /// A recording (.mcap), a scope's file (.csv, .isf), a folder of them; a scene, one that ships or a .toml file; or where
+    /// `hertzscope serve` listens, HOST:PORT or tcp://HOST:PORT
     what: String,
     /// Show each new shot of a recording that is still being written
     #[arg(long)]
@@ -25,6 +27,15 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    if let Some(address) = address(&arguments.what) {
+        if arguments.follow {
+            bail!("{address}: found --follow, expected it with an .mcap recording");
+        }
+        terminal()?;
+        let scope = Scope::connect(address).map_err(anyhow::Error::msg)?;
+        let subject = Subject::Served(Box::new(scope));
+        return Ok(tui::run(subject, address.to_owned(), arguments.against.clone())?);
+    }
     let path = Path::new(&arguments.what);
     let format = Format::of(path);
     if arguments.follow && format != Some(Format::Mcap) {
@@ -35,11 +46,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Some(_) => Subject::Set(Box::new(open(path)?)),
         None => bench(&arguments.what)?,
     };
-    if !std::io::stdout().is_terminal() {
-        bail!(
-            "found no terminal on standard output, expected one; `hertzscope info` prints what is in the file"
-        );
-    }
+    terminal()?;
     let stem = if format.is_some() { path.file_name() } else { path.file_stem() };
     // A shipped scene's name may hold points.
     let name = match stem {
@@ -48,6 +55,26 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     };
     tui::run(subject, name, arguments.against.clone())?;
     Ok(())
+}
+
+/// Refuses to draw where nobody would see it.
+fn terminal() -> anyhow::Result<()> {
+    if !std::io::stdout().is_terminal() {
+        bail!(
+            "found no terminal on standard output, expected one; `hertzscope info` prints what is in the file"
+        );
+    }
+    Ok(())
+}
+
+/// `HOST:PORT`, if `what` is that and no file.
+fn address(what: &str) -> Option<&str> {
+    if let Some(address) = what.strip_prefix("tcp://") {
+        return Some(address.trim_end_matches('/'));
+    }
+    let (host, port) = what.rsplit_once(':')?;
+    let is_port = !host.is_empty() && port.parse::<u16>().is_ok();
+    (is_port && !Path::new(what).exists()).then_some(what)
 }
 
 /// The bench of a scene, which is read here so that its problems are told before the screen is taken.

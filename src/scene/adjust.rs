@@ -40,7 +40,7 @@ pub struct Knob {
 #[derive(Debug, thiserror::Error)]
 pub enum AdjustError {
     /// Nothing there.
-    #[error("found nothing at `{path}` in the scene, expected a number: {}", next(.known))]
+    #[error("found nothing at `{path}` in the scene, expected a number: {}", next(.path, .known))]
     Nothing {
         /// The path as typed.
         path: String,
@@ -62,11 +62,17 @@ pub enum AdjustError {
     Scene(#[from] SceneError),
 }
 
-fn next(known: &[String]) -> String {
+fn next(path: &str, known: &[String]) -> String {
     if known.is_empty() {
         return "the path ends in a value already".to_owned();
     }
-    format!("there are {}", known.join(", "))
+    let remedy = match path.split('.').collect::<Vec<_>>().as_slice() {
+        ["effects", effect, _] if !known.contains(&(*effect).to_owned()) => {
+            format!("; a scene with base = \"...\" and [effects.{effect}] can add it")
+        }
+        _ => String::new(),
+    };
+    format!("there are {}{remedy}", known.join(", "))
 }
 
 impl Adjustable {

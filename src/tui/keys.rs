@@ -4,12 +4,14 @@ mod bindings;
 mod mouse;
 
 use ratatui::crossterm::event::{Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
+use ratatui::layout::Position;
 
-use crate::tui::model::{Action, Panel};
+use crate::tui::model::{Action, Model, Panel};
 use crate::tui::view::layout::Layout;
+use crate::tui::view::target::target;
 
 pub use bindings::BINDINGS;
-pub use mouse::mouse_action;
+pub use mouse::{mouse_action, reading_action};
 
 /// A key with the modifiers that tell it from others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -91,10 +93,19 @@ fn typed(event: KeyEvent) -> Option<Action> {
 
 /// What an event of the terminal asks for; `None` for what needs no more than a redraw.
 #[must_use]
-pub fn action(event: &Event, panel: Panel, layout: Option<&Layout>) -> Option<Action> {
+pub fn action(event: &Event, model: &Model, layout: Option<&Layout>) -> Option<Action> {
+    let panel = model.panel();
     match event {
         Event::Key(key) => key_action(*key, panel),
-        Event::Mouse(mouse) => mouse_action(*mouse, panel, layout),
+        Event::Mouse(mouse) => {
+            let at = Position::new(mouse.column, mouse.row);
+            let layout_below = layout.filter(|_| panel == Panel::Scope);
+            let reading = layout_below.and_then(|layout| target(model, layout, at));
+            match reading {
+                Some(reading) => reading_action(*mouse, reading),
+                None => mouse_action(*mouse, panel, layout),
+            }
+        }
         _ => None,
     }
 }

@@ -16,16 +16,20 @@ pub mod work;
 use std::io;
 use std::panic;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::thread;
 use std::time::{Duration, Instant};
 
 use ratatui::DefaultTerminal;
-use ratatui::crossterm::event::{DisableMouseCapture, EnableMouseCapture, Event};
+use ratatui::crossterm::event::{
+    DisableMouseCapture, EnableMouseCapture, Event, KeyCode, KeyEvent,
+};
 use ratatui::crossterm::execute;
 use ratatui::layout::{Position, Rect, Size};
 
 use crate::recording::TraceSet;
 use crate::recording::mcap::tape::Tape;
 use model::{Action, Model, Palette};
+use work::served::Scope;
 use work::{News, Staff};
 
 /// A picture is at most so much older than the first event that changed it.
@@ -39,6 +43,8 @@ pub enum Subject {
     Tape(Box<Tape>, bool),
     /// The bench of a scene: a name that ships, or a whole path.
     Bench(String),
+    /// A scope that is served somewhere else.
+    Served(Box<Scope>),
 }
 
 /// Shows `subject` under the name `title` until the user quits, held against `against` if that is there.
@@ -51,24 +57,29 @@ pub enum Subject {
 pub fn run(subject: Subject, title: String, against: Option<String>) -> io::Result<()> {
     let plain = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
     let palette = if plain { Palette::Plain } else { Palette::Colour };
-    let (set, tape, follow, bench) = match subject {
-        Subject::Set(set) => (*set, None, false, None),
-        Subject::Tape(tape, follow) => (TraceSet::default(), Some(tape), follow, None),
-        Subject::Bench(base) => (TraceSet::default(), None, false, Some(base)),
-    };
-    let mut model = Model::new(set, title, palette);
-    if tape.is_some() {
-        model.on_tape(follow);
-    }
-    if let Some(base) = bench {
-        model.open_bench(base);
+    let (mut tape, mut scope, mut is_followed) = (None, None, false);
+    let mut model = Model::new(TraceSet::default(), title, palette);
+    match subject {
+        Subject::Set(set) => model = Model::new(*set, model.title().to_owned(), palette),
+        Subject::Tape(file, follow) => {
+            model.on_tape(follow);
+            (tape, is_followed) = (Some(*file), follow);
+        }
+        Subject::Bench(base) => model.open_bench(base),
+        Subject::Served(served) => {
+            model.open_served();
+            scope = Some(*served);
+        }
     }
     if let Some(against) = against {
         model.compare_with(against);
     }
     let mut terminal = ratatui::try_init()?;
     let result = watch_mouse().and_then(|()| {
-        let (staff, news) = Staff::start(tape.map(|tape| *tape), follow);
+        let (mut staff, news) = Staff::start(tape, is_followed);
+        if let Some(scope) = scope {
+            staff.watch(scope);
+        }
         staff.listen();
         show(&mut terminal, &mut model, &staff, &news)
     });
@@ -77,10 +88,15 @@ pub fn run(subject: Subject, title: String, against: Option<String>) -> io::Resu
     result.and(mouse).and(restored)
 }
 
-/// Asks the terminal for the mouse; a panic hands the mouse back before the terminal is restored.
+/// Asks the terminal for the mouse; a panic of the screen hands the mouse back before the terminal is restored. One in a thread that
+/// works for the screen leaves the terminal alone: the screen goes on, and tells of it.
 fn watch_mouse() -> io::Result<()> {
     let restore_terminal = panic::take_hook();
+    let screen = thread::current().id();
     panic::set_hook(Box::new(move |info| {
+        if thread::current().id() != screen {
+            return;
+        }
         // Nothing can be done about a terminal that does not answer during a panic.
         let _ = execute!(io::stdout(), DisableMouseCapture);
         restore_terminal(info);
@@ -145,23 +161,16 @@ fn take(news: News, size: Size, model: &mut Model) -> bool {
 
 /// Lets one event of the terminal act on the model; the mouse moves often and means something seldom.
 fn press(event: &Event, size: Size, model: &mut Model) -> bool {
-    #[cfg(debug_assertions)]
-    provoked_panic(event);
+    let is_mark = |key: KeyEvent| key.code == KeyCode::Char('!');
+    if event.as_key_press_event().is_some_and(is_mark) {
+        work::provoked("screen");
+    }
     let layout = view::layout_of(model, Rect::from((Position::ORIGIN, size)));
-    match keys::action(event, model.panel(), layout.as_ref()) {
+    match keys::action(event, model, layout.as_ref()) {
         Some(action) => {
             model::update(model, action);
             true
         }
         None => matches!(event, Event::Resize(..)),
     }
-}
-
-/// In debug builds `!` panics where `HERTZSCOPE_VIEW_PANIC` is set, so that a test can see the terminal come back.
-#[cfg(debug_assertions)]
-fn provoked_panic(event: &Event) {
-    use ratatui::crossterm::event::KeyCode;
-    let pressed = event.as_key_press_event().is_some_and(|key| key.code == KeyCode::Char('!'));
-    let asked = std::env::var_os("HERTZSCOPE_VIEW_PANIC").is_some();
-    assert!(!(asked && pressed), "provoked");
 }

@@ -43,6 +43,14 @@ fn a_recording_gives_its_scene_back() {
         assert!(off < 3.0 * number(&parameter["u"]), "{parameter}");
         assert!(number(&parameter["u_relative"]) < 0.01, "{parameter}");
     }
+    // Covariance and correlations are of one kind: the diagonal is the squared uncertainty, in SI units.
+    let (covariance, correlation) = (&found["covariance"], &found["correlation"]);
+    for (i, parameter) in parameters.iter().enumerate() {
+        let u = number(&parameter["u"]);
+        assert!((number(&covariance[i][i]) / (u * u) - 1.0).abs() < 1e-9, "{parameter}");
+        let between = number(&correlation[i][6]) * u * number(&found["nuisances"][0]["u"]);
+        assert!((number(&covariance[i][6]) / between - 1.0).abs() < 1e-9, "{parameter}");
+    }
     // 10,000 samples: the residual variance is 1 within 5 deviations of chi squared.
     let variance = number(&found["residual_variance"]);
     assert!((variance - 1.0).abs() < 0.15, "noise is estimated from 150 samples: {variance}");

@@ -24,15 +24,15 @@ const LIMIT: Duration = Duration::from_secs(120);
 /// `*IDN?` of the shipped TDS 2014.
 const IDENTITY: &str = "TEKTRONIX,TDS 2014,0,CF:91.1CT FV:v4.12 TDS2CM:CMV:v1.04\n";
 
-struct Server {
-    address: SocketAddr,
+pub struct Server {
+    pub address: SocketAddr,
     hislip: SocketAddr,
     stop: Option<oneshot::Sender<()>>,
     thread: Option<JoinHandle<Result<(), ServeError>>>,
 }
 
 impl Server {
-    fn with(options: Options) -> Self {
+    pub fn with(options: Options) -> Self {
         Self::serving(scene(), options, None)
     }
 
@@ -54,11 +54,11 @@ impl Server {
         Self { address, hislip, stop: Some(stop), thread: Some(thread) }
     }
 
-    fn at_rest() -> Self {
+    pub fn at_rest() -> Self {
         Self::with(Options::default())
     }
 
-    fn connect(&self) -> Client {
+    pub fn connect(&self) -> Client {
         connect(self.address)
     }
 }
@@ -80,12 +80,12 @@ impl Drop for Server {
     }
 }
 
-struct Client {
+pub struct Client {
     stream: BufReader<TcpStream>,
 }
 
 impl Client {
-    fn send(&mut self, bytes: &[u8]) {
+    pub fn send(&mut self, bytes: &[u8]) {
         self.stream.get_mut().write_all(bytes).expect("a client that can write");
     }
 
@@ -95,7 +95,7 @@ impl Client {
         line
     }
 
-    fn ask(&mut self, message: &str) -> String {
+    pub fn ask(&mut self, message: &str) -> String {
         self.send(format!("{message}\n").as_bytes());
         self.line()
     }

@@ -5,12 +5,15 @@
 
 mod actions;
 mod bench;
+mod captures;
 mod degenerate;
 mod keys;
 mod live;
 mod pages;
 mod replay;
 mod screens;
+#[cfg(feature = "server")]
+mod served;
 mod snapshots;
 #[cfg(unix)]
 mod terminal;

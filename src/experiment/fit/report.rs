@@ -84,6 +84,8 @@ pub struct FitReport {
     pub names: Vec<String>,
     /// Correlations of all parameters (1).
     pub correlation: Vec<Vec<f64>>,
+    /// Their covariance, in products of their SI units (unit).
+    pub covariance: Vec<Vec<f64>>,
     /// Sum of the weighted squared residuals (1).
     pub chi_squared: f64,
     /// Samples that count, less parameters.
@@ -148,6 +150,13 @@ impl Found<'_> {
             if i == j { 1.0 } else { self.covariance[i][j] / (u(i) * u(j)) }
         };
         let all = 0..x.len();
+        let nuisances = nuisances(x, &u, (knobs.len(), records), options);
+        let along = nuisances.iter().enumerate().map(|(place, nuisance)| {
+            // What is searched for counts in samples, levels and shares.
+            if u(knobs.len() + place) > 0.0 { nuisance.u / u(knobs.len() + place) } else { 1.0 }
+        });
+        let units: Vec<f64> = knobs.iter().map(|knob| knob.value).chain(along).collect();
+        let covariance = |i: usize, j: usize| self.covariance[i][j] * units[i] * units[j];
         let channels: Vec<ChannelResult> = records
             .list
             .iter()
@@ -158,10 +167,14 @@ impl Found<'_> {
             measured: measured.name.to_owned(),
             scene: scene.name().to_owned(),
             parameters: parameters.collect(),
-            nuisances: nuisances(x, &u, (knobs.len(), records), options),
+            nuisances,
             correlation: all
                 .clone()
                 .map(|i| all.clone().map(|j| correlation(i, j)).collect())
+                .collect(),
+            covariance: all
+                .clone()
+                .map(|i| all.clone().map(|j| covariance(i, j)).collect())
                 .collect(),
             names: self.names,
             chi_squared: self.minimum.chi_squared,

@@ -143,6 +143,12 @@ impl Tape {
         self.shots.len().saturating_sub(unfinished)
     }
 
+    /// Of how many pieces of the file the shot at `place` is made so far; more may come as long as the file grows.
+    #[must_use]
+    pub fn pieces(&self, place: usize) -> usize {
+        self.shots.get(place).map_or(0, |(_, stretches)| stretches.len())
+    }
+
     /// What was found so far beside the shots: facts, attachments, log, problems.
     #[must_use]
     pub fn facts(&self) -> TraceSet {

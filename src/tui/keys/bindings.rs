@@ -61,7 +61,7 @@ pub const BINDINGS: &[Binding] = &[
             (letter('3'), Action::Channel(3)),
             (letter('4'), Action::Channel(4)),
         ],
-        "select a channel; if it is selected: off, on",
+        "select a channel; if it is selected: off, on; or click it",
         "channel",
     ),
     binding(
@@ -94,7 +94,7 @@ pub const BINDINGS: &[Binding] = &[
             (plain(KeyCode::Left), time_per_division(Turn::Up)),
             (plain(KeyCode::Right), time_per_division(Turn::Down)),
         ],
-        "s/div: zoom out, in; mouse wheel",
+        "s/div, on spectra Hz/div: zoom out, in; mouse wheel",
         "s/div",
     ),
     binding(
@@ -116,7 +116,7 @@ pub const BINDINGS: &[Binding] = &[
             (shift(KeyCode::Right), Action::Pan(Turn::Up)),
             (letter('L'), Action::Pan(Turn::Up)),
         ],
-        "all traces left, right; or drag them",
+        "traces, spectra left, right; or drag them",
         "",
     ),
     binding(
@@ -246,13 +246,13 @@ pub const BINDINGS: &[Binding] = &[
             (letter('e'), Action::TriggerSlope),
             (letter('t'), Action::TriggerMode),
         ],
-        "bench: trigger level, edge, mode",
+        "bench: trigger level, edge, mode; or wheel, click on it",
         "",
     ),
     binding(
         (Place::Scope, "C P"),
         &[(letter('C'), Action::Coupling), (letter('P'), Action::Probe)],
-        "bench: coupling, probe of the selected channel",
+        "bench: coupling (or click it), probe of the channel",
         "",
     ),
     binding(

@@ -1,4 +1,5 @@
-//! The mouse: its wheel zooms around the pointer or scrolls, its button drags the picture or a cursor.
+//! The mouse: its wheel zooms around the pointer or scrolls, its button drags the picture or a cursor; on a reading it turns what that
+//! tells.
 
 use ratatui::crossterm::event::{KeyModifiers, MouseButton, MouseEvent, MouseEventKind};
 use ratatui::layout::Position;
@@ -6,6 +7,7 @@ use ratatui::layout::Position;
 use crate::tui::axis::{DIVISIONS_ACROSS, DIVISIONS_UP, Turn};
 use crate::tui::model::{Action, Panel};
 use crate::tui::view::layout::Layout;
+use crate::tui::view::target::Target;
 
 /// What the mouse asks for.
 #[must_use]
@@ -29,6 +31,33 @@ pub fn mouse_action(event: MouseEvent, panel: Panel, layout: Option<&Layout>) ->
         (MouseEventKind::Down(MouseButton::Left), _) if inside => Some(Action::Press { x, y }),
         // Once it has hold of something, the mouse may leave the graticule.
         (MouseEventKind::Drag(MouseButton::Left), _) => Some(Action::Drag { x, y }),
+        _ => None,
+    }
+}
+
+/// What the mouse asks for on a reading.
+#[must_use]
+pub fn reading_action(event: MouseEvent, target: Target) -> Option<Action> {
+    let wheel = match event.kind {
+        MouseEventKind::ScrollUp => Some(Turn::Up),
+        MouseEventKind::ScrollDown => Some(Turn::Down),
+        _ => None,
+    };
+    let click = match event.kind {
+        MouseEventKind::Down(button) => Some(button),
+        _ => None,
+    };
+    match (target, wheel, click) {
+        // As in the picture: upward is taller, and closer.
+        (Target::Trace(_, true), Some(turn), _) => Some(Action::VoltsPerDivision(turn.other())),
+        (Target::Trace(source, _), _, Some(MouseButton::Left)) => Some(Action::Trace(source)),
+        (Target::TimeBase, Some(turn), _) => {
+            Some(Action::TimePerDivision { turn: turn.other(), anchor: 0.0 })
+        }
+        (Target::Trigger, Some(turn), _) => Some(Action::TriggerLevel(turn)),
+        (Target::Trigger, _, Some(MouseButton::Left)) => Some(Action::TriggerSlope),
+        (Target::Trigger, _, Some(MouseButton::Right)) => Some(Action::TriggerMode),
+        (Target::Coupling, _, Some(MouseButton::Left)) => Some(Action::Coupling),
         _ => None,
     }
 }

@@ -118,6 +118,7 @@ impl Model {
     /// The button went down at a place counted in divisions from the centre: takes hold of the nearer cursor, or of the picture.
     pub(super) fn press_at(&mut self, x: f64, y: f64) {
         if self.page != Page::Scope {
+            self.grip = self.shows_frequencies().then_some((x, y));
             return;
         }
         self.grip = Some((x, y));
@@ -131,6 +132,9 @@ impl Model {
     /// The mouse moves with its button down: a cursor goes along, or else the picture.
     pub(super) fn drag_to(&mut self, x: f64, y: f64) {
         let Some((from_x, from_y)) = self.grip.replace((x, y)) else { return };
+        if self.shows_frequencies() {
+            return self.pan_band(from_x - x);
+        }
         if let (Some(_), Some([at, _])) = (self.cursors.pair, self.place_of(self.along(x, y))) {
             self.put_cursor(at);
         } else {

@@ -4,7 +4,7 @@ use super::Model;
 use super::knobs::{pending, typed};
 use super::live::Settings;
 use super::state::{Acquisition, Page};
-use crate::scope::{Coupling, Slope, Source, TriggerMode, Waveform};
+use crate::scope::{Slope, Source, TriggerMode, Waveform};
 use crate::tui::axis::{DIVISIONS_UP, Steps, Turn, Vertical, Window, is_spectrum};
 
 /// A division in so many presses of a position key (1).
@@ -17,7 +17,7 @@ const FREE: f64 = 0.25;
 impl Model {
     /// The other trigger mode.
     pub(super) fn other_mode(&mut self) {
-        let mode = self.scene.as_ref().map(|scene| scene.scope.trigger.mode);
+        let mode = self.scope().map(|scope| scope.trigger.mode);
         if self.bench().is_some() {
             let word = if mode == Some(TriggerMode::Auto) { "normal" } else { "auto" };
             self.set_value("scope.trigger.mode".to_owned(), word.to_owned());
@@ -65,8 +65,8 @@ impl Model {
             return;
         };
         let probe = self.selected().map_or(1.0, |capture| capture.waveform.vertical.probe);
-        let Some(scene) = &self.scene else { return };
-        let scales = scene.scope.model.vertical_scales.iter().map(|scale| scale * probe);
+        let Some(scope) = self.scope() else { return };
+        let scales = scope.model.vertical_scales.iter().map(|scale| scale * probe);
         let now = self.set_for(&path).unwrap_or(vertical.scale);
         match neighbour(scales, now, turn) {
             Some(scale) => self.set_value(path, typed(scale, "V/div")),
@@ -90,13 +90,16 @@ impl Model {
 
     /// The s/div knob; what stands `anchor` divisions right of the centre stays there.
     pub(super) fn turn_time(&mut self, turn: Turn, anchor: f64) {
+        if self.shows_frequencies() {
+            return self.zoom_band(turn, anchor);
+        }
         if !self.sets_the_scope() {
             self.look(|window, waveform| window.zoomed(waveform, turn, anchor));
             return;
         }
-        let Some(scene) = &self.scene else { return };
-        let bases = scene.scope.model.time_bases.iter().copied();
-        let now = self.set_for("scope.time_base").unwrap_or(scene.scope.time_base);
+        let Some(scope) = self.scope() else { return };
+        let bases = scope.model.time_bases.iter().copied();
+        let now = self.set_for("scope.time_base").unwrap_or(scope.time_base);
         match neighbour(bases, now, turn) {
             Some(base) => self.set_value("scope.time_base".to_owned(), typed(base, "s/div")),
             None => self.notice = Some("the scope's s/div ends here".to_owned()),
@@ -106,11 +109,14 @@ impl Model {
     /// The horizontal position knob.
     pub(super) fn turn_pan(&mut self, turn: Turn) {
         let step = -turn.sign() / PRESSES_PER_DIVISION;
+        if self.shows_frequencies() {
+            return self.pan_band(step);
+        }
         if !self.sets_the_scope() {
             self.look(|window, waveform| window.panned(waveform, step));
             return;
         }
-        let Some(scope) = self.scene.as_ref().map(|scene| &scene.scope) else { return };
+        let Some(scope) = self.scope() else { return };
         let base = self.set_for("scope.time_base").unwrap_or(scope.time_base);
         let now = self.set_for("scope.position").unwrap_or(scope.horizontal_position);
         let position = now + step * base;
@@ -130,7 +136,7 @@ impl Model {
         if self.bench().is_none() {
             return;
         }
-        let Some(scope) = self.scene.as_ref().map(|scene| &scene.scope) else { return };
+        let Some(scope) = self.scope() else { return };
         let source = scope.trigger.source;
         let channels = (1..).zip(&scope.channels);
         let scale = channels
@@ -143,7 +149,7 @@ impl Model {
 
     /// The trigger's other edge.
     pub(super) fn other_slope(&mut self) {
-        let slope = self.scene.as_ref().map(|scene| scene.scope.trigger.slope);
+        let slope = self.scope().map(|scope| scope.trigger.slope);
         if self.bench().is_some() {
             let word = if slope == Some(Slope::Rise) { "fall" } else { "rise" };
             self.set_value("scope.trigger.slope".to_owned(), word.to_owned());
@@ -152,17 +158,21 @@ impl Model {
 
     /// The selected channel's next coupling.
     pub(super) fn next_coupling(&mut self) {
-        let coupling = self.selected().and_then(|capture| capture.waveform.vertical.coupling);
+        let recorded = self.selected().and_then(|capture| capture.waveform.vertical.coupling);
         if self.bench().is_none() {
             return;
         }
         let Some(path) = self.channel_path() else { return };
-        let next = match coupling {
-            Some(Coupling::Dc) => "AC",
-            Some(Coupling::Ac) => "GND",
+        let path = format!("{path}.coupling");
+        // What was set and is not recorded yet counts.
+        let set = self.live.as_ref().and_then(|live| live.settings().get(&path).cloned());
+        let now = set.or(recorded.map(|coupling| coupling.to_string())).unwrap_or_default();
+        let next = match now.as_str() {
+            "DC" => "AC",
+            "AC" => "GND",
             _ => "DC",
         };
-        self.set_value(format!("{path}.coupling"), next.to_owned());
+        self.set_value(path, next.to_owned());
     }
 
     /// The selected channel's next probe.
@@ -171,7 +181,7 @@ impl Model {
         if self.bench().is_none() {
             return;
         }
-        let probes = self.scene.as_ref().map(|scene| scene.scope.model.probes.clone());
+        let probes = self.scope().map(|scope| scope.model.probes.clone());
         let (Some(path), Some(probes)) = (self.channel_path(), probes) else { return };
         let next = probes.iter().find(|p| Some(**p) > probe).or(probes.first());
         if let (Some(next), Some(now), Some(capture)) = (next, probe, self.selected()) {
@@ -233,7 +243,8 @@ impl Model {
     /// Changes what of the abscissa is on screen; back at the recorded window, nothing is kept.
     pub(super) fn look(&mut self, change: impl Fn(Window, &Waveform) -> Window) {
         if self.page != Page::Scope {
-            self.notice = Some("zoom works on the page of the traces: Esc goes there".to_owned());
+            self.notice =
+                Some("zoom works on traces and spectra: Esc goes to the traces".to_owned());
             return;
         }
         let (Some(window), Some(capture)) = (self.window(), self.selected()) else {

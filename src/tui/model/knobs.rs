@@ -138,6 +138,8 @@ impl Knob {
             Some(value) if self.turning == Turning::Decade => format!("{value:.0e}"),
             Some(value) if self.unit == "div" => format!("{value:.3} div"),
             Some(value) if self.turning == Turning::Offset => format!("{value:+.2}"),
+            // Masses are told in grams, which are no SI unit.
+            Some(value) if self.unit == "g" => engineering(value / self.scale, "g", DIGITS),
             Some(value) => engineering(value, self.si_unit(), DIGITS),
         }
     }

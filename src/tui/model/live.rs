@@ -6,13 +6,12 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use super::knobs::{Knob, switched};
+use super::Model;
+use super::served::Served;
 use super::state::{Acquisition, Request, Strike};
-use super::{Model, Page};
 use crate::experiment::outcome::Summary;
 use crate::recording::TraceSet;
 use crate::scene::Scene;
-use crate::tui::axis::Turn;
 
 /// What was typed for each path, `striker.speed`.
 pub type Settings = BTreeMap<String, String>;
@@ -33,10 +32,10 @@ pub struct Struck {
 pub struct Live {
     /// The scene that was opened: a name that ships, or a whole path.
     pub base: String,
-    settings: Settings,
+    pub(super) settings: Settings,
     /// The settings that the bench took last.
-    good: Settings,
-    /// Place of the selected knob in [`Knob::ALL`].
+    pub(super) good: Settings,
+    /// Place of the selected knob in [`Knob::ALL`](super::knobs::Knob::ALL).
     pub knob: usize,
     /// What the scope is doing.
     pub acquisition: Acquisition,
@@ -45,6 +44,8 @@ pub struct Live {
     shot: u32,
     /// What happened at the last impact.
     pub summary: Option<Summary>,
+    /// The scope, where another process serves it; none where the bench is this one's.
+    pub served: Option<Served>,
 }
 
 impl Live {
@@ -61,6 +62,7 @@ impl Live {
             shown: 0,
             shot: 1,
             summary: None,
+            served: None,
         }
     }
 
@@ -144,7 +146,6 @@ impl Model {
 
     /// A knob was turned: the bench is struck again where the scope runs.
     pub(super) fn set_value(&mut self, path: String, value: String) {
-        let Some(live) = &mut self.live else { return };
         if path.starts_with("scope.") {
             // The picture is the scope's again.
             self.adjustments.values_mut().for_each(|adjustment| {
@@ -152,6 +153,10 @@ impl Model {
             });
             self.window = None;
         }
+        if self.is_served() {
+            return self.send_value(path, value);
+        }
+        let Some(live) = &mut self.live else { return };
         live.settings.insert(path, value);
         if live.acquisition == Acquisition::Running {
             self.strike();
@@ -205,6 +210,9 @@ impl Model {
 
     /// Runs or stops the scope.
     pub(super) fn run_stop(&mut self) {
+        if self.is_served() {
+            return self.run_or_stop_served();
+        }
         let Some(live) = &mut self.live else { return };
         live.acquisition = match live.acquisition {
             Acquisition::Stopped => Acquisition::Running,
@@ -220,6 +228,9 @@ impl Model {
         if let Some(live) = self.bench() {
             live.acquisition = Acquisition::Armed;
             self.notice = Some("armed: i strikes the chain".to_owned());
+            if self.is_served() {
+                self.send(":ACQ:STOPA SEQ;STATE RUN");
+            }
         }
     }
 
@@ -231,53 +242,19 @@ impl Model {
                 Some("the scope is stopped: s arms it for one trigger, space runs it".to_owned());
             return;
         }
+        if live.served.is_some() {
+            return self.strike_served();
+        }
         live.shot = live.shot.saturating_add(1);
         self.strike();
     }
 
     /// Takes a record without a trigger: the mode goes to auto.
     pub(super) fn force(&mut self) {
-        if self.bench().is_some() {
+        if self.is_served() {
+            self.send(":TRIG FORC");
+        } else if self.bench().is_some() {
             self.set_value("scope.trigger.mode".to_owned(), "auto".to_owned());
-        }
-    }
-
-    /// Turns the selected knob.
-    pub(super) fn turn_knob(&mut self, turn: Turn) {
-        let Some(live) = self.bench() else { return };
-        let knob = Knob::ALL.get(live.knob).copied();
-        let (Some(knob), Some(scene)) = (knob, self.scene.clone()) else { return };
-        let (source, tuned) = (self.selected, self.tuned());
-        match knob.turned(&scene, &tuned, source, turn) {
-            Ok((path, value)) => self.set_value(path, value),
-            Err(problem) => self.notice = Some(problem),
-        }
-    }
-
-    /// Switches the selected knob's effect, or on the page of accuracy the selected effect.
-    pub(super) fn switch_effect(&mut self) {
-        if self.bench().is_none() {
-            return;
-        }
-        let named = if self.page == Page::Accuracy {
-            self.selected_effect()
-        } else {
-            self.live.as_ref().and_then(|live| Knob::ALL.get(live.knob)?.effect)
-        };
-        let Some(scene) = self.scene.clone() else { return };
-        let Some(effect) = named else {
-            self.notice = Some("this knob belongs to no effect that could be switched".to_owned());
-            return;
-        };
-        match switched(&scene, &self.tuned(), effect) {
-            Ok(settings) => {
-                let Some(((path, value), rest)) = settings.split_last() else { return };
-                if let Some(live) = &mut self.live {
-                    live.settings.extend(rest.iter().cloned());
-                }
-                self.set_value(path.clone(), value.clone());
-            }
-            Err(problem) => self.notice = Some(problem),
         }
     }
 }

@@ -5,6 +5,7 @@
 //! [`Request`]s, and the answers come back as method calls.
 
 mod asked;
+mod band;
 pub mod command;
 mod cursors;
 pub mod derived;
@@ -15,8 +16,10 @@ pub mod live;
 pub mod questions;
 mod replay;
 mod selection;
+pub mod served;
 pub mod state;
 pub mod traces;
+mod turning;
 mod update;
 
 use std::collections::BTreeMap;
@@ -69,6 +72,8 @@ pub struct Model {
     newtons: bool,
     selected: Option<Source>,
     window: Option<Window>,
+    /// Lowest and highest frequency on the pages of spectra, where they were chosen (Hz).
+    band: Option<(f64, f64)>,
     adjustments: BTreeMap<Source, Adjustment>,
     cursors: Cursors,
     grip: Option<(f64, f64)>,
@@ -108,6 +113,7 @@ impl Model {
             newtons: false,
             selected: None,
             window: None,
+            band: None,
             adjustments: BTreeMap::new(),
             cursors: Cursors::default(),
             grip: None,

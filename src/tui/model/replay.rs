@@ -59,12 +59,20 @@ impl Model {
             return;
         }
         let before = self.recorded_window();
-        self.keep_ghost();
+        // The rest of a shot that was still being written.
+        let again = self.on_tape.is_some_and(|tape| tape.here == Some(place));
+        let time = self.play.bench_time;
+        if !again {
+            self.keep_ghost();
+        }
         if let Some(tape) = &mut self.on_tape {
             tape.here = Some(place);
         }
         self.set.shots = vec![shot];
         self.shown(before);
+        if again {
+            self.play.bench_time = time;
+        }
     }
 
     /// How many shots there are.
@@ -123,7 +131,7 @@ impl Model {
     }
 
     /// After another shot has come; the window stays where it was recorded alike.
-    fn shown(&mut self, before: Option<Window>) {
+    pub(super) fn shown(&mut self, before: Option<Window>) {
         self.play.bench_time = 0.0;
         self.fresh();
         let alike = match (before, self.recorded_window()) {

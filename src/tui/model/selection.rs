@@ -44,6 +44,10 @@ pub(super) fn unit(model: &mut Model) {
 }
 
 pub(super) fn reset(model: &mut Model) {
+    if model.shows_frequencies() {
+        model.band = None;
+        return;
+    }
     model.window = None;
     for adjustment in model.adjustments.values_mut() {
         adjustment.scale = None;

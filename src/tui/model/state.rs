@@ -169,6 +169,8 @@ pub enum Request {
     Ledger,
     /// Write what the file's ending says.
     Save(PathBuf),
+    /// Send this command to the served scope.
+    Send(String),
 }
 
 /// One impact to simulate.

@@ -21,6 +21,8 @@ pub enum Action {
     Scroll(Turn),
     /// Press a channel's button, counted from 1: selects it and turns it on; if it is selected, turns it off or on.
     Channel(u8),
+    /// The same with any trace.
+    Trace(Source),
     /// Select the next trace, or the one before.
     NextTrace(Turn),
     /// Turn the selected trace off or on.
@@ -133,6 +135,7 @@ pub fn update(model: &mut Model, action: Action) {
         Action::Toggle(panel) => toggle(model, panel),
         Action::Scroll(turn) => scroll(model, turn),
         Action::Channel(number) => press(model, Source::Channel(number)),
+        Action::Trace(source) => press(model, source),
         Action::NextTrace(turn) => next_trace(model, turn),
         Action::OnOff => {
             if let Some(source) = model.selected {

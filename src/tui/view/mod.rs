@@ -16,6 +16,7 @@ mod sheet;
 mod side;
 mod spectrum;
 mod status;
+pub mod target;
 mod trace;
 mod xy;
 
@@ -130,6 +131,9 @@ fn too_small(area: Rect, frame: &mut Frame) {
 /// Says why there is no trace.
 fn nothing(model: &Model, layout: &Layout, frame: &mut Frame) {
     let text = match model.shot() {
+        None if model.live().is_some_and(|live| live.served.is_some()) => {
+            "Waiting for the scope's first record: i strikes the chain"
+        }
         None if model.live().is_some() => "Striking the chain ...",
         None if model.is_growing() => "Waiting for the first shot ...",
         None => "This recording holds no shots.",

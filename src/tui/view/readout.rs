@@ -69,43 +69,66 @@ enum Form {
     Signs,
 }
 
+/// The line of readings: one a trace from the left, time base and trigger at the right.
+pub(super) struct Readings {
+    pub(super) traces: Vec<(Source, Span<'static>)>,
+    pub(super) base: String,
+    pub(super) trigger: String,
+}
+
+impl Readings {
+    pub(super) fn of(model: &Model, layout: &Layout) -> Self {
+        let base = model.window().zip(model.selected()).map(|(window, capture)| {
+            let reading = compact(window.scale, &capture.waveform.preamble.x_unit, DIGITS);
+            let star = if model.is_zoomed() { "*" } else { "" };
+            if is_spectrum(&capture.waveform) {
+                format!("{reading}/div{star}")
+            } else {
+                format!("M {reading}{star}")
+            }
+        });
+        let (base, trigger) = (base.unwrap_or_default(), trigger(model).unwrap_or_default());
+        let mut readings = Self { traces: Vec::new(), base, trigger };
+        let right = readings.right().chars().count();
+        let room = usize::from(layout.channels.width).saturating_sub(right);
+        let all = |form: Form| -> Vec<(Source, Span)> {
+            let reading = |c: &Capture| (c.waveform.source, reading(model, &c.waveform, form));
+            model.captures().iter().map(reading).collect()
+        };
+        let fits = |parts: &Vec<(Source, Span)>| {
+            parts.iter().map(|(_, part)| part.width() + GAP.len()).sum::<usize>() <= room
+        };
+        let fitting = [Form::Words, Form::Signs].into_iter().map(all).find(fits);
+        // On a narrow terminal the selected trace's reading is worth more than all of them cut off.
+        readings.traces = fitting.unwrap_or_else(|| {
+            let selected = all(Form::Words).into_iter();
+            selected.filter(|(source, _)| model.is_selected(*source)).collect()
+        });
+        readings
+    }
+
+    fn right(&self) -> String {
+        let parts = [self.base.as_str(), self.trigger.as_str()];
+        parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(GAP)
+    }
+}
+
 /// One reading a trace, and the time base at the right.
 pub(super) fn channels(model: &Model, layout: &Layout, frame: &mut Frame) {
     let area = layout.channels;
-    let base = model.window().zip(model.selected()).map(|(window, capture)| {
-        let reading = compact(window.scale, &capture.waveform.preamble.x_unit, DIGITS);
-        let star = if model.is_zoomed() { "*" } else { "" };
-        if is_spectrum(&capture.waveform) {
-            format!("{reading}/div{star}")
-        } else {
-            format!("M {reading}{star}")
-        }
-    });
-    let base = [base, trigger(model)].into_iter().flatten().collect::<Vec<String>>().join("  ");
-    let base =
-        Line::from(Span::styled(base, Style::new().add_modifier(Modifier::BOLD))).right_aligned();
+    let readings = Readings::of(model, layout);
+    let bold = Style::new().add_modifier(Modifier::BOLD);
+    let base = Line::from(Span::styled(readings.right(), bold)).right_aligned();
     let room = usize::from(area.width).saturating_sub(base.width());
-    let readings = |form: Form| -> Vec<Span> {
-        model.captures().iter().map(|capture| reading(model, &capture.waveform, form)).collect()
-    };
-    let fitting =
-        [Form::Words, Form::Signs].into_iter().map(readings).find(|parts| width(parts) <= room);
-    // On a narrow terminal the selected trace's reading is worth more than all of them cut off.
-    let parts = fitting.unwrap_or_else(|| {
-        model
-            .selected()
-            .map(|capture| reading(model, &capture.waveform, Form::Words))
-            .into_iter()
-            .collect()
-    });
     let left = Rect { width: u16::try_from(room).unwrap_or(area.width), ..area };
+    let parts = readings.traces.into_iter().map(|(_, part)| part).collect();
     frame.render_widget(Line::from(spaced(parts)), left);
     frame.render_widget(base, area);
 }
 
 /// The trigger as the instrument writes it, `CH1 ↑ 500mV`; none where no scene tells it.
 fn trigger(model: &Model) -> Option<String> {
-    let trigger = model.scene()?.scope.trigger;
+    let trigger = model.scope()?.trigger;
     let edge = match trigger.slope {
         Slope::Rise => '↑',
         Slope::Fall => '↓',
@@ -114,7 +137,7 @@ fn trigger(model: &Model) -> Option<String> {
 }
 
 /// `CH1 500mV`, with a star where the scale is not the recorded one.
-fn reading<'a>(model: &Model, waveform: &Waveform, form: Form) -> Span<'a> {
+fn reading(model: &Model, waveform: &Waveform, form: Form) -> Span<'static> {
     let source = waveform.source;
     let visibility = model.visibility(waveform);
     let text = match visibility {
@@ -162,11 +185,14 @@ fn clipped(waveform: &Waveform) -> usize {
 
 /// Everything about the selected trace that there is room for.
 pub(super) fn detail(model: &Model, layout: &Layout, frame: &mut Frame) {
-    let Some(capture) = model.selected() else {
-        return;
-    };
-    let room = usize::from(layout.detail.width);
+    frame.render_widget(Line::from(spaced(detail_parts(model, layout))), layout.detail);
+}
+
+/// Everything that there is room for, part by part.
+pub(super) fn detail_parts(model: &Model, layout: &Layout) -> Vec<Span<'static>> {
     let mut parts: Vec<Span> = Vec::new();
+    let Some(capture) = model.selected() else { return parts };
+    let room = usize::from(layout.detail.width);
     for text in details(model, capture) {
         parts.push(Span::raw(text));
         if width(&parts) > room + GAP.len() {
@@ -178,7 +204,7 @@ pub(super) fn detail(model: &Model, layout: &Layout, frame: &mut Frame) {
             .fg(colour_of(model.palette(), capture.waveform.source))
             .add_modifier(Modifier::BOLD);
     }
-    frame.render_widget(Line::from(spaced(parts)), layout.detail);
+    parts
 }
 
 /// What is known about a trace, the most important first.

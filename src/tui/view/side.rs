@@ -94,7 +94,13 @@ fn arrivals(model: &Model, survey: &Survey, lines: &mut Vec<Line<'static>>) {
 
 fn knobs(model: &Model) -> Vec<Line<'static>> {
     let (Some(live), Some(scene)) = (model.live(), model.scene()) else {
-        return vec![Line::raw("striking the chain ...")];
+        let served = model.live().is_some_and(|live| live.served.is_some());
+        let words = if served {
+            ["its scene does not ship with", "this program; i, :set striker.", "speed 0.5 m/s work"]
+        } else {
+            ["striking the chain ...", "", ""]
+        };
+        return words.map(Line::raw).to_vec();
     };
     let source = model.selected().map(|capture| capture.waveform.source);
     let mut lines = Vec::new();

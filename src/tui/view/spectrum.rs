@@ -18,19 +18,8 @@ use crate::tui::model::{Model, Palette};
 const RANGE: f64 = 80.0;
 /// Decibels from one tone of the map to the next (dB).
 const TONE: f64 = 10.0;
-/// Beyond the highest band edge so much more is shown (1).
-const BEYOND: f64 = 1.4;
-/// Without band edges this share of what was sampled (1).
-const SHOWN: f64 = 0.25;
 /// Tones of the map, from little to much.
 const TONES: [&str; 5] = [" ", "░", "▒", "▓", "█"];
-
-/// Highest frequency to show (Hz).
-fn highest(chain: Option<&DiatomicChain>, spectrum: &Spectrum) -> f64 {
-    #[expect(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
-    let sampled = spectrum.step * spectrum.amplitude.len() as f64;
-    chain.map_or(SHOWN * sampled, |chain| (BEYOND * chain.cutoff()).min(sampled))
-}
 
 /// The chain's edges with their names (Hz).
 fn edges(chain: &DiatomicChain) -> [(&'static str, f64); 3] {
@@ -50,7 +39,8 @@ fn heading(model: &Model, what: &str) -> Line<'static> {
             for (name, edge) in edges(chain) {
                 parts.push(Span::styled(format!("{name} {}  ", compact(edge, "Hz", 4)), gap));
             }
-            parts.push(Span::raw("gap f1-f2"));
+            let zoomed = model.is_band_zoomed();
+            parts.push(Span::raw(if zoomed { "z: all" } else { "gap f1-f2" }));
         }
         None => parts.push(Span::raw("no band edges: no scene tells the chain around this sensor")),
     }
@@ -74,7 +64,8 @@ pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
     let level = 20.0 * top.log10();
     let high = (level / 10.0).ceil() * 10.0;
     let below = Rect { y: area.y + 1, height: area.height - 1, ..area };
-    let frequency = Axis::linear(0.0, highest(chain, spectrum), "Hz");
+    let (lowest, highest) = model.band().unwrap_or_default();
+    let frequency = Axis::linear(lowest, highest, "Hz");
     let grid = colour(palette, Color::DarkGray);
     let mut sheet = Sheet::new(below, frequency, Axis::linear(high - RANGE, high, "dB"), grid);
     let edge_colour = colour(palette, Color::LightRed);
@@ -110,16 +101,14 @@ pub(super) fn map(model: &Model, layout: &Layout, frame: &mut Frame) {
         Some(Err(problem)) => return message(problem, area, frame),
         None => return message("there is no trace to transform", area, frame),
     };
-    let (Some(first), Some(start), Some(end)) =
-        (map.columns.first(), map.times.first(), map.times.last())
-    else {
+    let (Some(start), Some(end)) = (map.times.first(), map.times.last()) else {
         return message("the record is too short for a map", area, frame);
     };
     let palette = model.palette();
     let chain = model.derived().chain.as_ref();
     let below = Rect { y: area.y + 1, height: area.height - 1, ..area };
-    let (top_frequency, grid) = (highest(chain, first), colour(palette, Color::DarkGray));
-    let frequency = Axis::linear(0.0, top_frequency, "Hz");
+    let (shown, grid) = (model.band().unwrap_or_default(), colour(palette, Color::DarkGray));
+    let frequency = Axis::linear(shown.0, shown.1, "Hz");
     let sheet = Sheet::new(below, Axis::linear(*start, *end, "s"), frequency, grid);
     sheet.draw(colour(palette, Color::Gray), frame);
     let top =
@@ -129,7 +118,7 @@ pub(super) fn map(model: &Model, layout: &Layout, frame: &mut Frame) {
         let place = usize::from(column) * map.columns.len() / usize::from(inner.width.max(1));
         let Some(spectrum) = map.columns.get(place) else { continue };
         for row in 0..inner.height {
-            let (low, high) = band(row, inner.height, top_frequency);
+            let (low, high) = band(row, inner.height, shown);
             let amplitude = loudest(spectrum, low, high);
             let (tone, style) = tone(20.0 * (amplitude / top).log10(), palette);
             let at = Rect { x: inner.x + column, y: inner.y + row, width: 1, height: 1 };
@@ -138,7 +127,8 @@ pub(super) fn map(model: &Model, layout: &Layout, frame: &mut Frame) {
     }
     let edge = Style::new().fg(colour(palette, Color::LightRed)).add_modifier(Modifier::BOLD);
     for (name, frequency) in chain.iter().flat_map(|chain| edges(chain)) {
-        if let Some((_, y)) = sheet.cell(*start, frequency) {
+        let inside = (shown.0..=shown.1).contains(&frequency);
+        if let Some((_, y)) = sheet.cell(*start, frequency).filter(|_| inside) {
             let line = format!("{name}{}", "╌".repeat(usize::from(inner.width / 8)));
             put(frame.buffer_mut(), inner, y, &line, edge);
         }
@@ -148,8 +138,8 @@ pub(super) fn map(model: &Model, layout: &Layout, frame: &mut Frame) {
 }
 
 /// Frequencies of a row of cells, from the top (Hz).
-fn band(row: u16, rows: u16, top: f64) -> (f64, f64) {
-    let edge = |row: u16| top * (1.0 - f64::from(row) / f64::from(rows.max(1)));
+fn band(row: u16, rows: u16, (low, high): (f64, f64)) -> (f64, f64) {
+    let edge = |row: u16| high - (high - low) * f64::from(row) / f64::from(rows.max(1));
     (edge(row + 1), edge(row))
 }
 

@@ -13,6 +13,7 @@ use crate::recording::Origin;
 use crate::scope::Waveform;
 use crate::tui::axis::{Window, is_spectrum};
 use crate::tui::keys::{BINDINGS, Place};
+use crate::tui::model::command::COMMANDS;
 use crate::tui::model::{Acquisition, Model, Panel};
 
 /// Columns that the title keeps at least while the line drops other things.
@@ -74,6 +75,18 @@ fn state(model: &Model) -> String {
             "Stop".to_owned()
         };
     };
+    if let Some(served) = &live.served {
+        return match served.state.as_str() {
+            "ARMED" => "Armed",
+            "READY" => "Ready",
+            "TRIGGER" => "Trig'd",
+            "AUTO" => "Auto",
+            "SCAN" => "Scan",
+            "LOST" => "Lost",
+            _ => "Stop",
+        }
+        .to_owned();
+    }
     let crossed = live.summary.as_ref().is_some_and(|summary| summary.trigger.crossed);
     match live.acquisition {
         Acquisition::Stopped => "Stop",
@@ -111,6 +124,16 @@ fn shortened(text: &str, room: usize) -> String {
     short
 }
 
+/// What the command that is being typed does, or how to leave.
+fn meant(typed: &str) -> String {
+    let word = typed.split(' ').next().unwrap_or_default();
+    let is = |command: &str| !word.is_empty() && command.trim_start_matches(':').starts_with(word);
+    match COMMANDS.iter().find(|(command, _)| is(command)) {
+        Some((command, help)) => format!("{command}: {help}"),
+        None => "Enter does it, Esc leaves".to_owned(),
+    }
+}
+
 /// What the last action came to, or else the most important keys.
 pub(super) fn hints(model: &Model, layout: &Layout, frame: &mut Frame) {
     let area = layout.hints;
@@ -119,7 +142,7 @@ pub(super) fn hints(model: &Model, layout: &Layout, frame: &mut Frame) {
         let line = Line::from(vec![
             Span::styled(format!(":{}", model.prompt()), bold),
             Span::styled(" ", bold.add_modifier(Modifier::REVERSED)),
-            Span::raw("  Enter does it, Esc leaves"),
+            Span::raw(format!("  {}", meant(model.prompt()))),
         ]);
         frame.render_widget(line, area);
         return;

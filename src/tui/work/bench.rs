@@ -2,7 +2,7 @@
 
 use std::sync::mpsc::{Receiver, Sender};
 
-use super::News;
+use super::{News, guarded, provoked};
 use crate::experiment::accuracy::of_scene;
 use crate::experiment::effects::auto::settle;
 use crate::experiment::{Integration, facts, run};
@@ -15,12 +15,15 @@ pub fn strike(mut strike: Strike, waiting: &Receiver<Strike>, news: &Sender<News
     while let Ok(newer) = waiting.try_recv() {
         strike = newer;
     }
-    let answer = struck(&strike).map(Box::new);
+    let answer = guarded(|| struck(&strike)).map(Box::new);
     // Without a screen there is nobody to hear it.
     let _ = news.send(News::Struck(strike.turn, answer));
 }
 
 fn struck(strike: &Strike) -> Result<Struck, String> {
+    if strike.shot > 1 {
+        provoked("bench");
+    }
     let told = |error: &dyn std::fmt::Display| {
         error.to_string().split_whitespace().collect::<Vec<&str>>().join(" ")
     };

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::mpsc::{Receiver, Sender};
 
-use super::News;
+use super::{News, guarded};
 use crate::experiment::accuracy::of_scene;
 use crate::experiment::compare::tolerance::Tolerance;
 use crate::experiment::compare::{Align, Compared, Side, compare};
@@ -75,13 +75,11 @@ pub fn comparer() -> impl FnMut(Comparison, &Receiver<Comparison>, &Sender<News>
         while let Ok(newer) = waiting.try_recv() {
             asked = Comparison { other: newer.other.or(asked.other), ..newer };
         }
-        let answer = match &asked.other {
-            Some(name) => Other::of(name).map(|found| other = Some(found)),
-            None => Ok(()),
-        };
-        let answer = answer.and_then(|()| {
-            let other = other.as_ref().ok_or("there is nothing to compare with")?;
-            compared(&asked, other)
+        let answer = guarded(|| {
+            if let Some(name) = &asked.other {
+                other = Some(Other::of(name)?);
+            }
+            compared(&asked, other.as_ref().ok_or("there is nothing to compare with")?)
         });
         let job = answer.map_or_else(Job::Failed, |compared| Job::Done(Box::new(compared)));
         // Without a screen there is nobody to hear it.
@@ -127,20 +125,22 @@ pub fn research(order: Research, _: &Receiver<Research>, news: &Sender<News>) {
     };
     let answer = match order {
         Research::Study(scene) => {
-            let found = cost::study(&scene, cost::TIMED_RUNS, &mut |s| {
-                tell(s, |s| Answer::Study(Job::Busy(s)));
+            let found = guarded(|| {
+                cost::study(&scene, cost::TIMED_RUNS, &mut |s| {
+                    tell(s, |s| Answer::Study(Job::Busy(s)));
+                })
             });
             Answer::Study(found.map_or_else(Job::Failed, |study| Job::Done(Box::new(study))))
         }
         Research::Ledger(scene) => {
-            let accuracy = of_scene(&scene).map(|chosen| chosen.value);
-            let found = accuracy.and_then(|accuracy| {
+            let found = guarded(|| {
+                let accuracy = of_scene(&scene).map_err(|error| error.to_string())?.value;
                 effects::ledger(&scene, accuracy, &mut |s| {
                     tell(s, |s| Answer::Ledger(Job::Busy(s)));
                 })
+                .map_err(|error| error.to_string())
             });
-            let failed = |error: crate::experiment::RunError| Job::Failed(error.to_string());
-            Answer::Ledger(found.map_or_else(failed, |ledger| Job::Done(Box::new(ledger))))
+            Answer::Ledger(found.map_or_else(Job::Failed, |ledger| Job::Done(Box::new(ledger))))
         }
     };
     let _ = news.send(News::Answer(answer));

@@ -4,7 +4,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel}
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::News;
+use super::{News, guarded};
 use crate::recording::mcap::tape::{End, Tape};
 
 /// A file that may grow is looked at so often.
@@ -17,9 +17,12 @@ pub fn start(tape: Tape, follow: bool, news: &Sender<News>) -> Sender<usize> {
     let (orders, received) = channel();
     let news = news.clone();
     thread::spawn(move || {
-        let player = Player { tape, follow, news, told: None };
+        let last = news.clone();
+        let player = Player { tape, follow, news, told: None, brought: None };
         // An error means that the screen is gone.
-        let _ = player.play(&received);
+        if let Err(words) = guarded(|| Ok(player.play(&received))) {
+            let _ = last.send(News::Told(words));
+        }
     });
     orders
 }
@@ -30,6 +33,8 @@ struct Player {
     news: Sender<News>,
     /// When it was last told how much there is, and what.
     told: Option<(Instant, usize, End)>,
+    /// The shot that was brought last, and of how many pieces of the file it was made.
+    brought: Option<(usize, usize)>,
 }
 
 /// The other end is gone.
@@ -50,6 +55,7 @@ impl Player {
                 }
             };
             self.tell(end)?;
+            self.bring_rest()?;
             let place = match end {
                 End::More => None,
                 End::Open if self.follow => match orders.recv_timeout(LOOK) {
@@ -70,7 +76,16 @@ impl Player {
         self.news.send(news).map_err(|_| Gone)
     }
 
+    /// The shot on screen again, where more of it has come since: its last pieces may not have been written yet.
+    fn bring_rest(&mut self) -> Result<(), Gone> {
+        match self.brought {
+            Some((place, pieces)) if self.tape.pieces(place) > pieces => self.bring(place),
+            _ => Ok(()),
+        }
+    }
+
     fn bring(&mut self, place: usize) -> Result<(), Gone> {
+        self.brought = Some((place, self.tape.pieces(place)));
         match self.tape.shot(place) {
             Ok(Some(shot)) => self.say(News::Shot(place, Box::new(shot))),
             Ok(None) => self.say(News::Told(format!("shot {} cannot be read", place + 1))),

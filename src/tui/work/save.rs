@@ -66,6 +66,9 @@ fn beside(file: &Path, source: &str) -> PathBuf {
 
 fn scene(model: &Model, file: &Path) -> Result<String, String> {
     let text = match (model.live(), model.scene()) {
+        (Some(live), None) if live.served.is_some() => {
+            return Err("the served scene is not one that ships: save it where it is served".into());
+        }
         (Some(live), _) => live.text(),
         (None, Some(scene)) => scene.text.clone(),
         (None, None) => return Err("no scene travels with this recording".to_owned()),

@@ -1,11 +1,14 @@
 //! Events to actions.
 
+use super::bench::draw;
+use super::live::Session;
+use hertzscope::scope::Source;
 use hertzscope::tui::axis::Turn;
-use hertzscope::tui::keys::{BINDINGS, Place, key_action, mouse_action};
+use hertzscope::tui::keys::{BINDINGS, Place, action, key_action, mouse_action};
 use hertzscope::tui::model::{Action, Panel};
-use hertzscope::tui::view::layout::Layout;
+use hertzscope::tui::view::{self, layout::Layout};
 use ratatui::crossterm::event::{
-    KeyCode, KeyEvent, KeyEventKind, KeyModifiers, MouseEvent, MouseEventKind,
+    Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers, MouseButton, MouseEvent, MouseEventKind,
 };
 use ratatui::layout::Rect;
 
@@ -105,4 +108,37 @@ fn the_wheel_zooms_around_the_pointer() {
         mouse_action(wheel(3, 10), Panel::Help, Some(&layout)),
         Some(Action::Scroll(Turn::Up))
     );
+}
+
+/// The mouse on the lines of readings: what stands under the pointer is what is turned.
+#[test]
+fn readings_are_turned_with_the_mouse() {
+    let session = Session::bench("magnet-0.61g");
+    let model = &session.model;
+    let area = Rect::new(0, 0, 80, 24);
+    let layout = view::layout_of(model, area).expect("room");
+    let screen = draw(model, 80, 24);
+    let at = |text: &str, kind: MouseEventKind| {
+        let (column, row) = screen.find(text);
+        let event = MouseEvent { kind, column: column + 1, row, modifiers: KeyModifiers::NONE };
+        action(&Event::Mouse(event), model, Some(&layout))
+    };
+    let (up, down) = (MouseEventKind::ScrollUp, MouseEventKind::ScrollDown);
+    let left = MouseEventKind::Down(MouseButton::Left);
+    let right = MouseEventKind::Down(MouseButton::Right);
+    for (text, kind, expected) in [
+        ("CH1 1.00V  ", up, Some(Action::VoltsPerDivision(Turn::Down))),
+        ("CH1 1.00V  ", left, Some(Action::Trace(Source::Channel(1)))),
+        ("CH3 1.00V  ", left, Some(Action::Trace(Source::Channel(3)))),
+        ("CH3 1.00V  ", up, None),
+        ("CH4 2.00V", left, Some(Action::Trace(Source::Channel(4)))),
+        ("M 250", down, Some(Action::TimePerDivision { turn: Turn::Up, anchor: 0.0 })),
+        ("CH1↑500mV", up, Some(Action::TriggerLevel(Turn::Up))),
+        ("CH1↑500mV", left, Some(Action::TriggerSlope)),
+        ("CH1↑500mV", right, Some(Action::TriggerMode)),
+        ("DC", left, Some(Action::Coupling)),
+        ("probe 1X", left, None),
+    ] {
+        assert_eq!(at(text, kind), expected, "{text} {kind:?}");
+    }
 }

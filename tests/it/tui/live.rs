@@ -115,6 +115,28 @@ fn a_faster_striker_makes_a_higher_pulse_and_the_tuned_scene_says_so() {
 }
 
 #[test]
+fn knobs_read_what_the_scene_says() {
+    let session = Session::bench("magnet-0.61g");
+    let reading = |label: &str| {
+        let knob = Knob::ALL[knob(label)];
+        knob.reading(scene(&session), Some(Source::Channel(1)))
+    };
+    for (label, expected) in [
+        ("striker mass", "610 mg"),
+        ("striker speed", "440 mm/s"),
+        ("magnet force", "2.38 N"),
+        ("gravity", "9.81 m/s^2"),
+        ("dashpot", "off"),
+        ("accuracy", "1e-6"),
+        ("scope noise", "0.020 div"),
+        ("sensitivity", "393 mV/N"),
+        ("plate offset", "+0.00"),
+    ] {
+        assert_eq!(reading(label), expected, "{label}");
+    }
+}
+
+#[test]
 fn the_scopes_knobs_set_the_scope_while_it_runs() {
     let mut session = Session::bench("magnet-0.61g");
     session.act(&[Action::VoltsPerDivision(Turn::Up)]);

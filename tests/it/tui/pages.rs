@@ -130,6 +130,48 @@ fn the_spectrum_has_the_band_edges_of_the_scene() {
     draw(&model, 80, 24).find("no band edges");
 }
 
+/// The knob of the time base is that of the frequencies on the pages of spectra: what is under the pointer stays there, and nothing
+/// beyond what was sampled is shown.
+#[test]
+fn spectra_are_zoomed_and_moved() {
+    let tone = channel(1, 0.5, 0.0, |time| (std::f64::consts::TAU * 20e3 * time).sin());
+    let spectra = |actions: &[Action]| {
+        let model =
+            after(model(recording(vec![vec![tone.clone()]])), &[Action::Page(Page::Spectrum)]);
+        after(model, actions)
+    };
+    let band = |model: &Model| model.band().expect("frequencies");
+    // A microsecond between samples: up to 500 kHz, of which a quarter is shown.
+    let whole = band(&spectra(&[]));
+    assert!(whole.0 == 0.0 && (whole.1 / 125e3 - 1.0).abs() < 0.01, "{whole:?}");
+    let anchor = 10.0 * 20e3 / whole.1 - 5.0;
+    let zoom = |turn| Action::TimePerDivision { turn, anchor };
+    let closer = spectra(&[zoom(Turn::Down); 4]);
+    let (low, high) = band(&closer);
+    assert!((0.5e3..1.1e3).contains(&((high - low) / 10.0)), "{low} to {high}");
+    assert!(((20e3 - low) / (high - low) * 10.0 - 5.0 - anchor).abs() < 1e-9, "{low} to {high}");
+    // The tone's line stands where its label says: in the column of 20 kHz.
+    let screen = draw(&closer, 80, 24);
+    let (label, _) = screen.find("20.0kHz");
+    let yellow =
+        (9..80).filter(|x| screen.rows_of(*x, Color::Yellow).first().is_some_and(|y| *y < 4));
+    let columns: Vec<u16> = yellow.collect();
+    assert!(
+        columns.iter().all(|x| x.abs_diff(label + 3) <= 2) && !columns.is_empty(),
+        "{columns:?}"
+    );
+    let right = band(&after(closer.clone(), &[Action::Pan(Turn::Down)]));
+    assert!((right.0 - low - (high - low) / 20.0).abs() < 1e-6, "half a division higher");
+    assert_eq!(band(&after(closer, &[Action::Reset])), whole);
+    let (low, high) = band(&spectra(&[zoom(Turn::Up); 20]));
+    assert!(low == 0.0 && (high / 500e3 - 1.0).abs() < 0.01, "{low} to {high}");
+    let (low, high) = band(&spectra(&[zoom(Turn::Down); 40]));
+    assert!(high > low && low >= 0.0, "{low} to {high}");
+    // The map shows the same band upward.
+    let map = spectra(&[zoom(Turn::Down), Action::Page(Page::Map)]);
+    assert_eq!(band(&map), band(&spectra(&[zoom(Turn::Down)])));
+}
+
 #[test]
 fn measurements_say_what_the_trace_is() {
     let model = after(four_channels(), &[Action::Side(Side::Measurements)]);

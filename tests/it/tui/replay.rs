@@ -2,13 +2,17 @@
 
 use std::io::Write as _;
 use std::path::Path;
+use std::time::Duration;
 
 use super::bench::{after, channel, model, recording, shot};
 use hertzscope::recording::mcap::tape::{End, Tape};
 use hertzscope::recording::mcap::{self, RecordingWriter, ShotNotes};
 use hertzscope::recording::{Shot, TraceSet};
+use hertzscope::trace::Trace;
 use hertzscope::tui::axis::Turn;
 use hertzscope::tui::model::{Action, Model, Palette, Request, update};
+use hertzscope::tui::work::Staff;
+use ratatui::layout::Size;
 
 /// Shots that differ in their volts.
 fn shots(count: u32) -> Vec<Shot> {
@@ -205,4 +209,49 @@ fn a_comparison_waits_for_the_first_shot() {
     model.tape_shot(0, shots(1).remove(0));
     let asked = Request::Compare(Some("magnet-0.61g".to_owned()));
     assert_eq!(model.take_requests(), [asked]);
+}
+
+/// The first half of a shot is in the file and on the screen when the rest is written.
+#[test]
+fn a_followed_shot_is_shown_whole_in_the_end() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (whole, grown) = (folder.path().join("whole.mcap"), folder.path().join("lab.mcap"));
+    let mut shot = shots(1).remove(0);
+    // Noise, which does not compress: longer than a chunk, so that the truth stands in chunks of its own.
+    let mut random = 1_u64;
+    let mut noise = || {
+        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (random >> 11) as f64
+    };
+    shot.truth = (1..=4)
+        .map(|contact| Trace {
+            name: format!("contact/{contact}"),
+            unit: "N".to_owned(),
+            start: 0.0,
+            interval: 1e-6,
+            values: (0..40_000).map(|_| noise()).collect(),
+        })
+        .collect();
+    let set = TraceSet { shots: vec![shot.clone()], ..TraceSet::default() };
+    mcap::write(&whole, &set).expect("a recording");
+    let bytes = std::fs::read(&whole).expect("a recording");
+    let (first, rest) = bytes.split_at(bytes.len() / 2);
+    std::fs::write(&grown, first).expect("half a recording");
+
+    let mut model = Model::new(TraceSet::default(), "lab".to_owned(), Palette::Colour);
+    model.on_tape(true);
+    let (staff, news) = Staff::start(Some(Tape::open(&grown).expect("a tape")), true);
+    let mut wait_for = |wanted: &dyn Fn(&Shot) -> bool| {
+        while !model.shot().is_some_and(wanted) {
+            let came = news.recv_timeout(Duration::from_secs(60)).expect("news");
+            came.bring(&mut model);
+            staff.serve(&mut model, Size { width: 80, height: 24 });
+        }
+    };
+    wait_for(&|half| half.captures == shot.captures && half.truth.len() < 4);
+    let mut file = std::fs::OpenOptions::new().append(true).open(&grown).expect("the file");
+    file.write_all(rest).expect("the rest");
+    wait_for(&|seen| seen.truth.len() == 4);
+    let read = mcap::read(&whole).expect("a recording");
+    assert_eq!(model.shot(), read.shots.first());
 }

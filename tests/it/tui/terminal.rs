@@ -211,13 +211,58 @@ fn without_colours_it_sends_none() {
 #[test]
 #[cfg(debug_assertions)]
 fn a_panic_gives_the_terminal_back_before_it_tells() {
-    let mut terminal = Terminal::open(&[RECORDING], &[("HERTZSCOPE_VIEW_PANIC", "1")]);
+    let mut terminal = Terminal::open(&[RECORDING], &[("HERTZSCOPE_VIEW_PANIC", "screen")]);
     terminal.wait_for_text("CH1 ");
     terminal.press("!");
     let (code, all) = terminal.end();
     assert_ne!(code, 0);
     assert_restored(&all);
     assert!(last_is(&all, "provoked", OWN_SCREEN), "the message is on the screen that is gone");
+}
+
+/// A thread that panics leaves the screen as it is, and the user is told; the next strike is struck as ever.
+#[test]
+#[cfg(debug_assertions)]
+fn a_panic_behind_the_screen_is_told_on_it() {
+    let mut terminal = Terminal::open(&["magnet-0.61g"], &[("HERTZSCOPE_VIEW_PANIC", "bench")]);
+    terminal.wait_for_text("Trig'd");
+    terminal.press("i");
+    terminal.wait_for_text("please report it: provoked");
+    assert!(!terminal.all.contains(OWN_SCREEN), "the screen was given back");
+    terminal.press("M");
+    terminal.wait_for_text("Measure");
+    terminal.press("q");
+    let (code, all) = terminal.end();
+    assert_eq!(code, 0);
+    assert_restored(&all);
+}
+
+/// The terminal's window is closed, and no signal tells: a program that goes on reading would read for ever.
+#[test]
+fn it_ends_when_its_terminal_is_gone() {
+    let pair = native_pty_system().openpty(SIZE).expect("a pseudo-terminal");
+    let mut command = CommandBuilder::new("sh");
+    let program = env!("CARGO_BIN_EXE_hertzscope");
+    command.args(["-c", &format!("trap '' HUP; exec '{program}' view {RECORDING}")]);
+    command.cwd(env!("CARGO_MANIFEST_DIR"));
+    command.env("TERM", "xterm");
+    let mut child = pair.slave.spawn_command(command).expect("the program");
+    drop(pair.slave);
+    let mut reader = pair.master.try_clone_reader().expect("a reader");
+    let mut heard = String::new();
+    let mut buffer = [0; 4096];
+    while !heard.contains("CH4") {
+        let count = reader.read(&mut buffer).expect("a picture");
+        heard.push_str(&String::from_utf8_lossy(&buffer[..count]));
+    }
+    drop((pair.master, reader));
+    let (sender, ended) = channel();
+    let mut killer = child.clone_killer();
+    thread::spawn(move || sender.send(child.wait()));
+    if ended.recv_timeout(PATIENCE).is_err() {
+        killer.kill().expect("an end");
+        panic!("it is still there");
+    }
 }
 
 #[test]
@@ -236,6 +281,29 @@ fn a_bench_is_played_with_and_saved() {
     assert_eq!(terminal.end().0, 0);
     let text = std::fs::read_to_string(file).expect("a scene");
     assert!(text.contains("[striker]\nspeed = "), "{text}");
+}
+
+/// By either way of writing its address; where nobody is, that is said before the screen is taken.
+#[test]
+#[cfg(feature = "server")]
+fn a_served_scope_is_watched() {
+    let server = crate::server::Server::at_rest();
+    for address in [server.address.to_string(), format!("tcp://{}/", server.address)] {
+        let mut terminal = Terminal::open(&[&address], &[]);
+        terminal.wait_for_text("Ready");
+        terminal.press("i");
+        terminal.wait_for_text("CH4 2.00V");
+        terminal.press("q");
+        let (code, all) = terminal.end();
+        assert_eq!(code, 0);
+        assert_restored(&all);
+    }
+    let address = server.address.to_string();
+    drop(server);
+    let (code, all) = Terminal::open(&[&address], &[]).end();
+    assert_eq!(code, 2);
+    assert!(all.contains(&format!("error: {address}: ")), "{all}");
+    assert!(!all.contains(OTHER_SCREEN), "the screen was taken");
 }
 
 #[test]

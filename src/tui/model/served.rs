@@ -1,0 +1,184 @@
+//! A scope that is served somewhere else: what it tells, and what is turned on it from here.
+
+use super::Model;
+use super::live::Settings;
+use super::state::{Acquisition, Request};
+use crate::quantity::parse_any;
+use crate::recording::TraceSet;
+use crate::scene::Scene;
+use crate::scope::Setup;
+
+/// What is known of a served scope beside its traces.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Served {
+    /// What the acquisition is doing, as `TRIGger:STATE?` says; empty as long as nothing was told.
+    pub state: String,
+    /// The front panel.
+    pub scope: Option<Box<Setup>>,
+    /// Whether a bench stands behind it that can be struck.
+    pub bench: bool,
+}
+
+/// What a served scope told.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Heard {
+    /// State and front panel.
+    pub served: Served,
+    /// Name of the scene behind it; empty where there is none.
+    pub base: String,
+    /// What the scope is doing.
+    pub acquisition: Acquisition,
+    /// What a scene on top of `base` has to say to be this bench.
+    pub settings: Settings,
+    /// The bench, where it is known here.
+    pub scene: Option<Scene>,
+    /// New records with what is known about them, if there are some.
+    pub set: Option<TraceSet>,
+}
+
+impl Model {
+    /// Shows a scope that is served somewhere else; what it tells comes as [`Heard`].
+    pub fn open_served(&mut self) {
+        let mut live = super::Live::new(String::new());
+        live.served = Some(Served::default());
+        self.live = Some(live);
+    }
+
+    /// Takes what the served scope told.
+    pub fn heard(&mut self, heard: Heard) {
+        let Some(live) = &mut self.live else { return };
+        live.acquisition = heard.acquisition;
+        live.settings.clone_from(&heard.settings);
+        live.good = heard.settings;
+        live.base = heard.base;
+        live.served = Some(heard.served);
+        let bench = |scene: &Scene| (scene.spec.clone(), scene.name.clone());
+        let other = self.scene.as_ref().map(bench) != heard.scene.as_ref().map(bench);
+        self.scene = heard.scene;
+        if other {
+            self.outdated();
+        }
+        if let Some(set) = heard.set {
+            let before = self.recorded_window();
+            self.keep_ghost();
+            self.set = set;
+            self.shot = 0;
+            self.shown(before);
+        }
+    }
+
+    /// The connection to the served scope is gone; what is on screen stays.
+    pub fn lost(&mut self, why: String) {
+        if let Some(served) = self.live.as_mut().and_then(|live| live.served.as_mut()) {
+            *served = Served { state: "LOST".to_owned(), ..Served::default() };
+        }
+        self.notice = Some(why);
+    }
+
+    /// Whether the bench is another process's.
+    pub(super) fn is_served(&self) -> bool {
+        self.live.as_ref().is_some_and(|live| live.served.is_some())
+    }
+
+    /// The front panel: the served scope's, or the scene's.
+    #[must_use]
+    pub fn scope(&self) -> Option<&Setup> {
+        match self.live.as_ref().and_then(|live| live.served.as_ref()) {
+            Some(served) => served.scope.as_deref(),
+            None => self.scene.as_ref().map(|scene| &scene.scope),
+        }
+    }
+
+    /// Has `command` sent to the served scope.
+    pub(super) fn send(&mut self, command: &str) {
+        self.requests.push(Request::Send(command.to_owned()));
+    }
+
+    /// Sends what was set for `path`; the next record shows it.
+    pub(super) fn send_value(&mut self, path: String, value: String) {
+        let Some(command) = command(&path, &value) else {
+            let word = format!(
+                "{path} cannot be turned over the network: stop serving, and view the scene itself"
+            );
+            self.notice = Some(word);
+            return;
+        };
+        self.send(&command);
+        self.notice = Some(format!("sent {command}: the next record shows it"));
+        if let Some(live) = &mut self.live {
+            live.settings.insert(path, value);
+        }
+    }
+
+    /// Runs or stops the served scope.
+    pub(super) fn run_or_stop_served(&mut self) {
+        let stopped = self.live.as_ref().is_some_and(|l| l.acquisition == Acquisition::Stopped);
+        self.send(if stopped { ":ACQ:STOPA RUNST;STATE RUN" } else { ":ACQ:STATE STOP" });
+    }
+
+    /// Strikes the chain behind the served scope.
+    pub(super) fn strike_served(&mut self) {
+        let bench = |live: &super::Live| live.served.as_ref().is_some_and(|served| served.bench);
+        if self.live.as_ref().is_some_and(bench) {
+            self.send(":BENC:IMP");
+            self.notice = Some("sent BENCh:IMPact: the chain is struck".to_owned());
+        } else {
+            self.notice =
+                Some("no bench behind this scope that could be struck from here".to_owned());
+        }
+    }
+}
+
+/// The command of the remote interface that sets what stands at `path` in a scene; none where there is none.
+fn command(path: &str, value: &str) -> Option<String> {
+    let header = match path {
+        "scope.time_base" => "HOR:MAI:SCA".to_owned(),
+        "scope.position" => "HOR:MAI:POS".to_owned(),
+        "scope.trigger.level" => "TRIG:MAI:LEV".to_owned(),
+        "scope.trigger.slope" => "TRIG:MAI:EDGE:SLO".to_owned(),
+        "scope.trigger.mode" => "TRIG:MAI:MOD".to_owned(),
+        "scope.trigger.source" => "TRIG:MAI:EDGE:SOU".to_owned(),
+        "striker.mass" => "BENC:STRI:MASS".to_owned(),
+        "striker.speed" => "BENC:STRI:SPE".to_owned(),
+        "effects.magnet_preload.force" => "BENC:MAGN:FORC".to_owned(),
+        _ => {
+            let (number, key) = path.strip_prefix("scope.ch")?.split_once('.')?;
+            let number: u8 = number.parse().ok()?;
+            let word = match key {
+                "scale" => "SCA",
+                "position" => "POS",
+                "coupling" => "COUP",
+                "probe" => "PROB",
+                _ => return None,
+            };
+            format!("CH{number}:{word}")
+        }
+    };
+    let value = match parse_any(value) {
+        Ok((number, _)) => format!("{number:E}"),
+        // A word, and nothing that would begin another command.
+        Err(_) if value.chars().all(char::is_alphanumeric) => value.to_uppercase(),
+        Err(_) => return None,
+    };
+    Some(format!(":{header} {value}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::command;
+
+    #[test]
+    fn what_stands_in_a_scene_is_a_command() {
+        for (path, value, expected) in [
+            ("scope.ch2.scale", "500 mV/div", Some(":CH2:SCA 5E-1")),
+            ("scope.position", "-1.5 ms", Some(":HOR:MAI:POS -1.5E-3")),
+            ("scope.trigger.slope", "fall", Some(":TRIG:MAI:EDGE:SLO FALL")),
+            ("scope.ch4.coupling", "AC", Some(":CH4:COUP AC")),
+            ("striker.mass", "0.61 g", Some(":BENC:STRI:MASS 6.1E-4")),
+            ("effects.gravity.acceleration", "9.81 m/s^2", None),
+            ("scope.trigger.mode", "auto;*RST", None),
+        ] {
+            assert_eq!(command(path, value).as_deref(), expected, "{path}");
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! Watches a scope that is served somewhere else, over its raw socket, and passes on what is turned on the screen.
+//!
+//! A few short queries ten times a second tell whether there is anything new; only then set-up and records are asked for. The
+//! settings of the transfer (`DATa`) are everybody's: they are set, used and put back within one message, which the instrument
+//! carries out as a whole, so that no other client reads a curve that it did not ask for.
+
+mod socket;
+mod told;
+
+use std::io;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use super::{News, guarded};
+use crate::recording::set_file::SetFile;
+use crate::recording::{Capture, Instrument, isf};
+use crate::scope::{Model, Source};
+use crate::tui::model::served::Heard;
+use socket::Socket;
+use told::Look;
+
+/// How often it is asked whether there is something new.
+const OFTEN: Duration = Duration::from_millis(100);
+/// How often it is asked for everything, since another client may have turned something.
+const SELDOM: Duration = Duration::from_secs(1);
+/// What says that there is a new record.
+const SHORT: &str = ":ACQ:NUMAC?;STATE?;STOPA?;:TRIG:STATE?";
+/// Settings of the transfer, in the order of the reply.
+const TRANSFER: [&str; 5] = ["ENC", "WID", "STAR", "STOP", "SOU"];
+
+/// A connection to a served scope, or to a real one behind a socket.
+#[derive(Debug)]
+pub struct Scope {
+    socket: Socket,
+    /// Where it is, `HOST:PORT`.
+    address: String,
+    instrument: Instrument,
+    model: Model,
+    /// Whether a bench stands behind it that can be struck.
+    bench: bool,
+}
+
+impl Scope {
+    /// Connects to `address`, `HOST:PORT`, and asks who is there.
+    ///
+    /// # Errors
+    /// In words for the user: nobody there, or somebody else.
+    pub fn connect(address: &str) -> Result<Self, String> {
+        let failed = |error: io::Error| format!("{address}: {error}");
+        let mut socket = Socket::connect(address).map_err(failed)?;
+        let identity = socket.ask(":HEAD OFF;:VERB ON;*IDN?").map_err(|error| {
+            format!("{address}: found no answer to *IDN? ({error}), expected an oscilloscope")
+        })?;
+        let (instrument, model) =
+            told::instrument(&identity).map_err(|problem| format!("{address}: {problem}"))?;
+        // A scope without a bench answers the second query alone.
+        let bench = socket.ask(":BENC:IMP?;:HEAD?").map_err(failed)?.contains(';');
+        Ok(Self { socket, address: address.to_owned(), instrument, model, bench })
+    }
+
+    /// Everything but the records.
+    fn look(&mut self, short: String, before: Option<&Look>) -> io::Result<Look> {
+        let panel = self.socket.ask("SET?")?;
+        let panel = SetFile::read(panel.as_bytes(), &self.address).map_err(io::Error::other)?;
+        let mut look = Look::new(short, panel, self.model.clone());
+        if self.bench {
+            let named = self.socket.ask(":BENC:IMP?;SCEN?")?;
+            look.on_bench(&named, before);
+            if let Some(query) = look.knobs_query() {
+                let knobs = self.socket.ask(&query)?;
+                look.turned(&knobs);
+            }
+        }
+        Ok(look)
+    }
+
+    /// The records of the displayed traces; none where what is displayed has changed meanwhile.
+    fn records(&mut self, look: &Look) -> io::Result<Option<Vec<Capture>>> {
+        let sources = look.displayed();
+        let asked = TRANSFER.map(|word| format!("{word}?")).join(";");
+        let before = self.socket.ask(&format!(":DAT:{asked}"))?;
+        let (found, records) = self.socket.ask_for_records(&message(&sources, &before, &asked))?;
+        if found != before {
+            // Somebody has turned it between the two messages.
+            self.socket.say(&format!(":DAT:{}", restored(&found)))?;
+        }
+        let captures = records.iter().map(|record| self.capture(record, look));
+        let captures: Option<Vec<Capture>> = captures.collect();
+        Ok(captures.filter(|captures| captures.len() == sources.len()))
+    }
+
+    /// A preamble and its block are what an ISF file holds.
+    fn capture(&self, record: &[u8], look: &Look) -> Option<Capture> {
+        let mut capture = isf::read(record, &self.address).ok()?;
+        // What a file does not tell and has to be guessed, the set-up tells.
+        capture.notes.clear();
+        look.complete(&mut capture);
+        capture.instrument = Some(self.instrument.clone());
+        Some(capture)
+    }
+}
+
+/// Sets the transfer, asks for each record with headers as files have them, and puts the transfer back as it was.
+fn message(sources: &[Source], before: &str, asked: &str) -> String {
+    let records: Vec<String> =
+        sources.iter().map(|source| format!(":DAT:SOU {source};:WAVF?")).collect();
+    format!(
+        ":DAT:{asked};ENC RIB;WID 1;STAR 1;STOP 2500;:HEAD ON;{};:HEAD OFF;:DAT:{}",
+        records.join(";"),
+        restored(before)
+    )
+}
+
+/// The commands that set the transfer to what a query of it told.
+fn restored(told: &str) -> String {
+    let pairs = TRANSFER.iter().zip(told.split(';')).map(|(word, value)| format!("{word} {value}"));
+    pairs.collect::<Vec<_>>().join(";")
+}
+
+/// Starts the thread that watches; it takes commands.
+pub fn start(scope: Scope, news: &Sender<News>) -> Sender<String> {
+    let (orders, received) = channel();
+    let news = news.clone();
+    thread::spawn(move || {
+        let address = scope.address.clone();
+        let mut watch = Watch { scope, news: news.clone(), last: None, records: None };
+        let watched = guarded(|| watch.go(&received).map_err(|error| error.to_string()));
+        if let Err(words) = watched {
+            // Without a screen there is nobody to hear it.
+            let _ = news.send(News::Lost(format!("{address}: the scope is gone: {words}")));
+        }
+    });
+    orders
+}
+
+struct Watch {
+    scope: Scope,
+    news: Sender<News>,
+    last: Option<(Instant, Look)>,
+    records: Option<Vec<Capture>>,
+}
+
+impl Watch {
+    /// Looks and passes commands on until the screen is gone.
+    fn go(&mut self, orders: &Receiver<String>) -> io::Result<()> {
+        loop {
+            let mut commanded = false;
+            if self.last.is_some() {
+                match orders.recv_timeout(OFTEN) {
+                    Ok(command) => {
+                        self.scope.socket.say(&command)?;
+                        for more in orders.try_iter() {
+                            self.scope.socket.say(&more)?;
+                        }
+                        commanded = true;
+                    }
+                    Err(RecvTimeoutError::Timeout) => {}
+                    Err(RecvTimeoutError::Disconnected) => return Ok(()),
+                }
+            }
+            let Some(heard) = self.listen(commanded)? else { continue };
+            if self.news.send(News::Heard(Box::new(heard))).is_err() {
+                return Ok(());
+            }
+        }
+    }
+
+    /// What is new, if anything is.
+    fn listen(&mut self, commanded: bool) -> io::Result<Option<Heard>> {
+        let short = self.scope.socket.ask(SHORT)?;
+        let quiet = |(at, look): &(Instant, Look)| look.short() == short && at.elapsed() < SELDOM;
+        if !commanded && self.last.as_ref().is_some_and(quiet) {
+            return Ok(None);
+        }
+        let before = self.last.take().map(|(_, look)| look);
+        let mut look = self.scope.look(short, before.as_ref())?;
+        let same = before.as_ref() == Some(&look);
+        let wanted = !same && look.has_records() && !look.displayed().is_empty();
+        let records = if wanted { self.scope.records(&look)? } else { None };
+        if wanted && records.is_none() {
+            look.forget();
+        }
+        let new = records.filter(|records| self.records.as_ref() != Some(records));
+        if let Some(records) = &new {
+            self.records = Some(records.clone());
+        }
+        let heard = look.heard(self.scope.bench, new);
+        self.last = Some((Instant::now(), look));
+        Ok((!same).then_some(heard))
+    }
+}

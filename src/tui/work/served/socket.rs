@@ -1,0 +1,133 @@
+//! Lines and blocks over a raw socket.
+
+use std::io::{self, BufRead as _, BufReader, Read as _, Write as _};
+use std::net::{TcpStream, ToSocketAddrs as _};
+use std::time::Duration;
+
+/// Longest time until somebody is there, and until an answer is.
+const PATIENCE: Duration = Duration::from_secs(5);
+/// A longer reply is none of an oscilloscope's (bytes).
+const LONGEST: usize = 1 << 20;
+/// What stands before the block in a record.
+const RECORD: &str = ":WFMP";
+
+/// A connection on which messages are lines.
+#[derive(Debug)]
+pub struct Socket {
+    stream: BufReader<TcpStream>,
+}
+
+impl Socket {
+    /// Connects to `address`, `HOST:PORT`.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn connect(address: &str) -> io::Result<Self> {
+        let mut last = io::Error::new(io::ErrorKind::NotFound, "found no such host");
+        for at in address.to_socket_addrs()? {
+            match TcpStream::connect_timeout(&at, PATIENCE) {
+                Ok(stream) => {
+                    stream.set_nodelay(true)?;
+                    stream.set_read_timeout(Some(PATIENCE))?;
+                    stream.set_write_timeout(Some(PATIENCE))?;
+                    return Ok(Self { stream: BufReader::new(stream) });
+                }
+                Err(error) => last = error,
+            }
+        }
+        Err(last)
+    }
+
+    /// Sends a message.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn say(&mut self, message: &str) -> io::Result<()> {
+        self.stream.get_mut().write_all(format!("{message}\n").as_bytes())
+    }
+
+    /// Sends a message and waits for its reply, without the line's end.
+    ///
+    /// # Errors
+    /// What the system says; also for a reply that is no text.
+    pub fn ask(&mut self, message: &str) -> io::Result<String> {
+        self.say(message)?;
+        let mut line = Vec::new();
+        self.stream.by_ref().take(LONGEST as u64).read_until(b'\n', &mut line)?;
+        if line.pop() != Some(b'\n') {
+            return Err(gone());
+        }
+        let text = String::from_utf8(line).map_err(|_| nonsense("a reply that is no text"))?;
+        Ok(text.trim_end_matches('\r').to_owned())
+    }
+
+    /// Sends a message that asks for records, too: what is answered before the first, and each with preamble and block.
+    ///
+    /// # Errors
+    /// What the system says; also for a block that is none.
+    pub fn ask_for_records(&mut self, message: &str) -> io::Result<(String, Vec<Vec<u8>>)> {
+        self.say(message)?;
+        let (mut head, mut records, mut part) = (None, Vec::new(), Vec::new());
+        loop {
+            let byte = self.byte()?;
+            if byte == b'\n' {
+                break;
+            }
+            if part.len() > LONGEST {
+                return Err(nonsense("a reply without end"));
+            }
+            part.push(byte);
+            // Between an answer and the next record stands a semicolon.
+            if part.ends_with(RECORD.as_bytes()) {
+                let before = part.len() - RECORD.len();
+                let text = String::from_utf8_lossy(part.get(..before).unwrap_or_default());
+                head.get_or_insert(text.trim_end_matches(';').to_owned());
+                part.drain(..before);
+            }
+            if byte == b'#' {
+                self.block(&mut part)?;
+                records.push(std::mem::take(&mut part));
+            }
+        }
+        let rest = || String::from_utf8_lossy(&part).trim_end().to_owned();
+        Ok((head.unwrap_or_else(rest), records))
+    }
+
+    fn byte(&mut self) -> io::Result<u8> {
+        let mut byte = [0];
+        self.stream.read_exact(&mut byte).map_err(|error| match error.kind() {
+            io::ErrorKind::UnexpectedEof => gone(),
+            _ => error,
+        })?;
+        Ok(byte[0])
+    }
+
+    /// `<n><length><bytes>` behind the `#`.
+    fn block(&mut self, part: &mut Vec<u8>) -> io::Result<()> {
+        let digits = self.byte()?;
+        part.push(digits);
+        let mut length = 0;
+        for _ in b'0'..digits {
+            let digit = self.byte()?;
+            part.push(digit);
+            let Some(digit) = char::from(digit).to_digit(10) else {
+                return Err(nonsense("a block without a length"));
+            };
+            length = length * 10 + digit as usize;
+        }
+        if length > LONGEST {
+            return Err(nonsense("a block without end"));
+        }
+        let start = part.len();
+        part.resize(start + length, 0);
+        self.stream.read_exact(part.get_mut(start..).unwrap_or_default())
+    }
+}
+
+fn gone() -> io::Error {
+    io::Error::new(io::ErrorKind::UnexpectedEof, "it has closed the connection")
+}
+
+fn nonsense(found: &str) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, format!("found {found}"))
+}

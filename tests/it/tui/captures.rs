@@ -1,0 +1,166 @@
+//! Every real capture on the screen, alone, in folders and against others, where `HERTZSCOPE_CAPTURES` names their folder.
+
+use std::path::{Path, PathBuf};
+
+use super::bench::{after, draw, model};
+use super::live::Session;
+use hertzscope::experiment::compare::tolerance::Tolerance;
+use hertzscope::experiment::compare::{Align, Side, compare};
+use hertzscope::recording::format::open;
+use hertzscope::recording::{Origin, TraceSet};
+use hertzscope::tui::axis::Turn;
+use hertzscope::tui::model::{Action, Job, Page, Side as Beside};
+
+/// The captures and their names, without those that no reader takes; none where they are not there.
+fn captures() -> Option<Vec<(String, TraceSet)>> {
+    let Some(folder) = std::env::var_os("HERTZSCOPE_CAPTURES") else {
+        println!("skipped the captures: HERTZSCOPE_CAPTURES is unset");
+        return None;
+    };
+    let mut files: Vec<PathBuf> = std::fs::read_dir(folder)
+        .expect("the captures")
+        .map(|entry| entry.expect("an entry").path())
+        .filter(|path| {
+            let ending = path.extension().map(std::ffi::OsStr::to_ascii_lowercase);
+            ending.is_some_and(|ending| ending == "csv" || ending == "isf")
+        })
+        .collect();
+    files.sort();
+    let mut sets = Vec::new();
+    for file in files {
+        let set = open(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+        assert_eq!(set.shots[0].origin, Origin::Measured);
+        sets.push((file.display().to_string(), set));
+    }
+    assert!(sets.len() >= 18, "{} captures", sets.len());
+    Some(sets)
+}
+
+/// All pages and panels, zoomed and not, small and large: a picture each, with the trace's name on it.
+fn look_at(name: &str, set: &TraceSet) {
+    let source = set.shots[0].captures[0].waveform.source.to_string();
+    let ways: [&[Action]; 9] = [
+        &[],
+        &[Action::TimePerDivision { turn: Turn::Down, anchor: 0.0 }, Action::Autoset],
+        &[Action::Side(Beside::Measurements)],
+        &[Action::Cursors, Action::Snap(Turn::Up), Action::OtherCursor, Action::Snap(Turn::Up)],
+        &[Action::Page(Page::Spectrum)],
+        &[Action::Page(Page::Map)],
+        &[Action::Page(Page::Xy)],
+        &[Action::Page(Page::Bench)],
+        &[Action::Unit, Action::Math, Action::Truth, Action::Persistence],
+    ];
+    for way in ways {
+        let model = after(model(set.clone()), way);
+        for (width, height) in [(80, 24), (200, 60)] {
+            let screen = draw(&model, width, height);
+            assert!(screen.has(&source) && screen.has("measured"), "{name} {way:?}");
+        }
+    }
+}
+
+#[test]
+fn every_capture_is_shown_on_every_page() {
+    for (name, set) in captures().unwrap_or_default() {
+        look_at(&name, &set);
+    }
+}
+
+/// Folders as the instruments saved them, the set-up beside the curves.
+#[test]
+fn every_capture_folder_is_opened() {
+    let Some(all) = std::env::var_os("HERTZSCOPE_CAPTURES") else {
+        println!("skipped the folders: HERTZSCOPE_CAPTURES is unset");
+        return;
+    };
+    for (folder, files) in [
+        (
+            "ALL0001",
+            &[
+                ("tds2004c-v24.26-F0001CH1.CSV", "F0001CH1.CSV"),
+                ("tds2004c-v24.26-F0001CH3.CSV", "F0001CH3.CSV"),
+                ("tds2004c-v24.26-F0001TEK.SET", "F0001TEK.SET"),
+            ][..],
+        ),
+        (
+            "ALL0022",
+            &[
+                ("fft-tds1012c-edu-F0022MTH.CSV", "F0022MTH.CSV"),
+                ("fft-tds1012c-edu-F0022TEK.SET", "F0022TEK.SET"),
+            ][..],
+        ),
+    ] {
+        let place = tempfile::tempdir().expect("a folder");
+        let place = place.path().join(folder);
+        std::fs::create_dir(&place).expect("a folder");
+        for (from, to) in files {
+            std::fs::copy(Path::new(&all).join(from), place.join(to)).expect("a copy");
+        }
+        let set = open(&place).expect("a folder of captures");
+        assert_eq!(set.shots[0].captures.len(), files.len() - 1);
+        look_at(folder, &set);
+    }
+}
+
+fn side<'a>(name: &'a str, set: &'a TraceSet) -> Side<'a> {
+    Side { name, set, shot: &set.shots[0], scene: None }
+}
+
+/// Itself is itself; another one is scored with numbers that are numbers, or refused with a reason.
+#[test]
+fn every_capture_is_held_against_itself_and_another() {
+    let sets = captures().unwrap_or_default();
+    let (mut scored, mut refused) = (0, 0);
+    for (place, (name, set)) in sets.iter().enumerate() {
+        let (other_name, other) = &sets[(place + 1) % sets.len()];
+        let tolerance = Tolerance::parse("rms=1lsb").expect("a tolerance");
+        for (against, held) in [(name, set), (other_name, other)] {
+            match compare(side(name, set), side(against, held), (Align::default(), &[]), &tolerance)
+            {
+                Ok(found) => {
+                    let same = against == name;
+                    for channel in &found.comparison.channels {
+                        let numbers = [channel.rms_lsb, channel.max_lsb, channel.gain];
+                        assert!(numbers.iter().all(|n| n.is_finite()), "{name}: {channel:?}");
+                        assert!(!same || channel.max_lsb == 0.0, "{name}: {channel:?}");
+                    }
+                    assert!(!same || found.comparison.verdict == "pass", "{name}");
+                    scored += 1;
+                }
+                Err(error) => {
+                    assert!(error.to_string().contains("expected"), "{name}: {error}");
+                    refused += 1;
+                }
+            }
+        }
+    }
+    assert!(sets.is_empty() || (scored > sets.len() && refused > 0), "{scored}, {refused}");
+}
+
+/// On the screen: the bench of a scene held against each, scores or the reason on the page.
+#[test]
+fn a_bench_is_held_against_every_capture() {
+    let sets = captures().unwrap_or_default();
+    if sets.is_empty() {
+        return;
+    }
+    let mut session = Session::bench("magnet-0.61g");
+    for (name, _) in sets {
+        session.command(&format!("compare {name}"));
+        while matches!(session.model.questions().comparison, Job::Busy(_)) {
+            session.next();
+        }
+        let screen = draw(&session.model, 80, 24);
+        match &session.model.questions().comparison {
+            Job::Done(found) => {
+                assert_eq!(found.comparison.verdict, "fail", "{name}");
+                assert!(screen.has("FAIL") && screen.has("corr"), "{name}");
+            }
+            Job::Failed(reason) => {
+                assert!(reason.contains("expected"), "{name}: {reason}");
+                assert!(screen.has("cannot compare"), "{name}");
+            }
+            other => panic!("{name}: {other:?}"),
+        }
+    }
+}

@@ -1,0 +1,193 @@
+//! The screen of a scope that is served somewhere else: what it shows, what its keys do there, and that nobody else notices.
+
+use std::io::{BufRead as _, BufReader, Write as _};
+use std::net::TcpListener;
+use std::sync::mpsc::Receiver;
+use std::time::Duration;
+
+use super::bench::draw;
+use crate::server::Server;
+use hertzscope::recording::{Origin, TraceSet};
+use hertzscope::scope::{Coupling, Source};
+use hertzscope::server::Options;
+use hertzscope::tui::axis::Turn;
+use hertzscope::tui::model::{Acquisition, Action, Model, Palette, Side, update};
+use hertzscope::tui::work::served::Scope;
+use hertzscope::tui::work::{News, Staff};
+use ratatui::layout::Size;
+
+/// Far longer than anything takes.
+const PATIENCE: Duration = Duration::from_secs(120);
+const SIZE: Size = Size { width: 80, height: 24 };
+
+/// A screen on a served scope.
+struct Session {
+    model: Model,
+    staff: Staff,
+    news: Receiver<News>,
+}
+
+impl Session {
+    fn on(server: &Server) -> Self {
+        let address = server.address.to_string();
+        let scope = Scope::connect(&address).expect("a scope");
+        let mut model = Model::new(TraceSet::default(), address, Palette::Colour);
+        model.open_served();
+        let (mut staff, news) = Staff::start(None, false);
+        staff.watch(scope);
+        let mut session = Self { model, staff, news };
+        session.wait_for(|model| model.scene().is_some());
+        session
+    }
+
+    fn wait_for(&mut self, wanted: impl Fn(&Model) -> bool) {
+        while !wanted(&self.model) {
+            let news = self.news.recv_timeout(PATIENCE).expect("news");
+            news.bring(&mut self.model);
+        }
+    }
+
+    fn act(&mut self, action: Action) {
+        update(&mut self.model, action);
+        self.staff.serve(&mut self.model, SIZE);
+    }
+
+    /// The shot on screen.
+    fn number(&self) -> u32 {
+        self.model.shot().map_or(0, |shot| shot.number)
+    }
+}
+
+fn peak(model: &Model) -> f64 {
+    let capture = model.captures().first().expect("a trace");
+    let levels = capture.waveform.codes.iter();
+    levels.map(|code| capture.waveform.volts_of(*code)).fold(0.0, f64::max)
+}
+
+#[test]
+fn it_shows_what_the_scope_shows_and_its_keys_turn_the_scope() {
+    let server = Server::at_rest();
+    let mut lab = server.connect();
+    let mut session = Session::on(&server);
+    session.wait_for(|model| model.live().is_some_and(|l| l.acquisition == Acquisition::Running));
+    draw(&session.model, 80, 24).find("i strikes the chain");
+    session.wait_for(|model| draw(model, 80, 24).text().contains("Ready"));
+    session.act(Action::Impact);
+    session.wait_for(|model| model.captures().len() == 4);
+    // The same numbers as another client's.
+    let codes = &session.model.captures()[1].waveform.codes;
+    let told = lab.ask("DAT:SOU CH2;ENC ASCI;WID 1;STAR 1;STOP 2500;:CURV?");
+    let told: Vec<i16> = told.trim_end().split(',').map(|c| c.parse().expect("a level")).collect();
+    assert_eq!(*codes, told);
+    let shot = session.model.shot().expect("a shot");
+    assert_eq!((shot.number, shot.origin), (1, Origin::Simulated));
+    // Sensors and speeds are known, since the scene ships.
+    session.act(Action::Side(Side::Measurements));
+    draw(&session.model, 80, 24).find("CH1-CH2");
+    let vertical = session.model.captures()[0].waveform.vertical;
+    assert_eq!((vertical.coupling, vertical.probe), (Some(Coupling::Dc), 1.0));
+    let slow = peak(&session.model);
+
+    for (action, query, expected) in [
+        (Action::VoltsPerDivision(Turn::Up), "CH1:SCA?", "2.0E0\n"),
+        (Action::Position(Turn::Up), "CH1:POS?", "2.52E0\n"),
+        (Action::TimePerDivision { turn: Turn::Down, anchor: 0.0 }, "HOR:MAI:SCA?", "1.0E-4\n"),
+        (Action::TimePerDivision { turn: Turn::Up, anchor: 0.0 }, "HOR:MAI:SCA?", "2.5E-4\n"),
+        (Action::TriggerSlope, "TRIG:MAI:EDGE:SLO?", "FALL\n"),
+        (Action::TriggerSlope, "TRIG:MAI:EDGE:SLO?", "RISE\n"),
+        (Action::Coupling, "CH1:COUP?", "AC\n"),
+        (Action::Coupling, "CH1:COUP?", "GND\n"),
+        (Action::Coupling, "CH1:COUP?", "DC\n"),
+        (Action::RunStop, "ACQ:STATE?", "0\n"),
+        (Action::Single, "ACQ:STATE?;STOPA?", "1;SEQUENCE\n"),
+    ] {
+        session.act(action);
+        // The command went out before the answer to the next look, and the client's question comes after that.
+        let word = expected.trim_end();
+        let mut answer = String::new();
+        while answer.trim_end() != word {
+            let news = session.news.recv_timeout(PATIENCE).unwrap_or_else(|_| {
+                panic!("{action:?}: {query} is still {answer}, expected {word}")
+            });
+            news.bring(&mut session.model);
+            answer = lab.ask(query);
+        }
+    }
+    // The second knob is the striker's speed.
+    session.act(Action::NextKnob(Turn::Up));
+    session.act(Action::TurnKnob(Turn::Up));
+    session.act(Action::TurnKnob(Turn::Up));
+    session.act(Action::TurnKnob(Turn::Up));
+    let before = session.number();
+    session.act(Action::Impact);
+    session.wait_for(|model| model.shot().is_some_and(|shot| shot.number > before));
+    session.wait_for(|model| model.live().is_some_and(|l| l.acquisition == Acquisition::Stopped));
+    assert_eq!(lab.ask("BENC:STRI:SPE?"), "5.87E-1\n");
+    // 0.587 m/s for 0.44 m/s: a force between the speed's power 1 of a preloaded chain and 6/5 of an unloaded one.
+    let ratio = peak(&session.model) / slow;
+    let speeds: f64 = 0.587 / 0.44;
+    assert!((0.97 * speeds..1.03 * speeds.powf(1.2)).contains(&ratio), "{ratio}");
+    // What is tuned is a scene.
+    let text = session.model.live().expect("a bench").text();
+    let scene = hertzscope::scene::Scene::from_text("tuned", "tuned.toml", &text).expect("a scene");
+    assert_eq!(scene.striker_speed(), Some(0.587));
+    assert_eq!(scene.scope.channels[0].as_ref().expect("a channel").vertical.scale, 2.0);
+}
+
+/// A lab client reads its curve its own way while a screen takes every record: it never gets another curve, another encoding, or an
+/// event that it did not cause.
+#[test]
+fn nobody_else_notices() {
+    let impact_every = Some(Duration::from_millis(20));
+    let server = Server::with(Options { impact_every, ..Options::default() });
+    let mut lab = server.connect();
+    lab.send(b"*CLS;:DAT:SOU CH2;ENC ASCI;WID 2;STAR 5;STOP 14\n");
+    let mut session = Session::on(&server);
+    let (mut records, mut asked) = (0, 0);
+    while records < 5 || asked < 200 {
+        let answer = lab.ask("DAT:SOU?;ENC?;WID?;STAR?;STOP?;:ACQ:NUMAC?");
+        assert!(answer.starts_with("CH2;ASCII;2;5;14;"), "{answer}");
+        asked += 1;
+        for news in session.news.try_iter() {
+            news.bring(&mut session.model);
+            records += 1;
+        }
+        assert!(!session.model.notice().is_some_and(|word| word.contains("gone")));
+    }
+    assert_eq!(session.model.captures().len(), 4);
+    assert_eq!(lab.ask("*ESR?;EVENT?"), "0;0\n");
+}
+
+#[test]
+fn a_scope_that_is_gone_is_told() {
+    let server = Server::at_rest();
+    let mut session = Session::on(&server);
+    session.act(Action::Impact);
+    session.wait_for(|model| !model.captures().is_empty());
+    drop(server);
+    session.wait_for(|model| draw(model, 80, 24).text().contains("Lost"));
+    assert!(session.model.notice().expect("a word").contains("the scope is gone"));
+    // What was seen stays, and keys harm nothing.
+    for action in [Action::Impact, Action::VoltsPerDivision(Turn::Up), Action::RunStop] {
+        session.act(action);
+    }
+    assert!(session.model.captures().iter().any(|c| c.waveform.source == Source::Channel(4)));
+}
+
+#[test]
+fn somebody_else_is_refused() {
+    let port = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let address = port.local_addr().expect("an address").to_string();
+    let stranger = std::thread::spawn(move || {
+        let (mut stream, _) = port.accept().expect("a client");
+        let mut line = String::new();
+        BufReader::new(stream.try_clone().expect("a stream")).read_line(&mut line).expect("a line");
+        stream.write_all(b"220 mail.example.org ESMTP\n").expect("a greeting");
+    });
+    let refused = Scope::connect(&address).expect_err("no scope");
+    assert!(refused.contains("220 mail.example.org"), "{refused}");
+    assert!(refused.contains("expected a Tektronix oscilloscope"), "{refused}");
+    stranger.join().expect("no panic");
+    let nobody = Scope::connect(&address).expect_err("nobody there");
+    assert!(nobody.contains(&address), "{nobody}");
+}
