@@ -19,6 +19,8 @@ trap 'rm -rf "$folder"' EXIT
 python3 -m venv "$folder/venv"
 "$folder/venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-index --no-deps "$folder"/hertzscope-*.whl
 echo "installed $(basename "$folder"/hertzscope-*.whl)"
+# What is compiled in travels under its own licences.
+ls "$folder"/venv/lib/python3.*/site-packages/hertzscope-*.dist-info/licenses/THIRD-PARTY.txt > /dev/null
 cp "$here/../recipes/hundred-thousand.toml" "$folder"
 # Only what is in the environment, and nothing of the source tree.
 cd "$folder"
