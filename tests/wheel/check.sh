@@ -21,7 +21,8 @@ python3 -m venv "$folder/venv"
 echo "installed $(basename "$folder"/hertzscope-*.whl)"
 # What is compiled in travels under its own licences.
 ls "$folder"/venv/lib/python3.*/site-packages/hertzscope-*.dist-info/licenses/THIRD-PARTY.txt > /dev/null
-cp "$here/../recipes/hundred-thousand.toml" "$folder"
+mkdir -p "$folder/tests/recipes"
+cp "$here/../recipes/hundred-thousand.toml" "$folder/tests/recipes"
 # Only what is in the environment, and nothing of the source tree.
 cd "$folder"
 export PATH="$folder/venv/bin:/usr/bin:/bin"
@@ -40,6 +41,6 @@ hertzscope tunability --plot map.png
 hertzscope hard-cases
 hertzscope cost --quiet
 hertzscope calibrate --simulate pzt-5a-710pf --repeat 1000
-hertzscope sweep hundred-thousand.toml
+hertzscope sweep tests/recipes/hundred-thousand.toml --folder hundred-thousand.sweep -o hundred-thousand.csv
 hertzscope gather hundred-thousand.sweep
 COMMANDS
