@@ -81,7 +81,7 @@ fn problems(folder: &Path, block: &Block) -> Vec<String> {
                 match printed(folder, command) {
                     Ok(printed) if shows(&printed, shown) => {}
                     Ok(printed) => {
-                        wrong.push(format!("{command} shows\n{shown}\nand prints\n{printed}"))
+                        wrong.push(format!("{command} shows\n{shown}\nand prints\n{printed}"));
                     }
                     Err(error) => wrong.push(format!("{command}: {error}")),
                 }

@@ -53,7 +53,7 @@ pub fn viewed(folder: &Path, arguments: &[&str]) -> Result<String, String> {
     let mut reader = pair.master.try_clone_reader().expect("a reader");
     let mut keyboard = pair.master.take_writer().expect("a writer");
     let mut all = String::new();
-    let mut buffer = [0; 65536];
+    let mut buffer = vec![0; 65536];
     let mut pressed = false;
     // The end of a pseudo-terminal is an error on Linux.
     while let Ok(count @ 1..) = reader.read(&mut buffer) {
