@@ -19,8 +19,8 @@ pub fn check(manifest: &str, sources: &[SourceFile], tests: &[SourceFile]) -> Ve
         let mut refuse = |what: &str| {
             violations.push(Violation::new("Cargo.toml", index + 1, format!("{name} {what}")));
         };
-        if !rest.split_once("  #").or(rest.split_once("} #")).is_some_and(|(_, why)| why.len() > 5)
-        {
+        let reason = rest.split_once("  #").or(rest.split_once("} #"));
+        if reason.is_none_or(|(_, why)| why.len() <= 5) {
             refuse("has no reason behind it");
         }
         let crate_name = name.replace('-', "_");
