@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes the pictures of the terminal screen in the README, docs/view-*.svg, from real sessions of `hertzscope view`.
+"""Makes the pictures of the README: docs/magnet-0.61g.svg, the scope's screen, and docs/view-*.svg, from real sessions of `hertzscope view`.
 
     cargo build --release && docs/screens.py [target/release/hertzscope [NAME...]]
 
@@ -66,7 +66,8 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         lab = os.path.join(folder, "lab.mcap")
         subprocess.run([program, "run", "magnet-0.61g", "-q", "-o", lab], check=True)
-        subprocess.run([program, "convert", lab, os.path.join(folder, "lab")], check=True, stdout=subprocess.DEVNULL)
+        for drawn in (os.path.join(folder, "lab"), str(DOCS / "magnet-0.61g.svg")):
+            subprocess.run([program, "convert", lab, drawn, "-q"], check=True)
         for name, arguments, rows, columns, steps in SESSIONS:
             if wanted_ones and name not in wanted_ones:
                 continue

@@ -16,9 +16,10 @@ pub struct Arguments {
 }
 
 /// Parts that can be left out when the program is built.
-const FEATURES: [(&str, bool); 3] = [
+const FEATURES: [(&str, bool); 4] = [
     ("server", cfg!(feature = "server")),
     ("tui", cfg!(feature = "tui")),
+    ("png", cfg!(feature = "png")),
     ("parquet", cfg!(feature = "parquet")),
 ];
 

@@ -1,11 +1,15 @@
 //! The signal of a recording that a command looks at.
 
-use anyhow::bail;
-use clap::ValueEnum;
+use std::path::PathBuf;
 
+use anyhow::bail;
+use clap::{Args, ValueEnum};
+
+use crate::analysis::gate::Gate;
 use crate::analysis::window::Window;
 use crate::experiment::recorded;
 use crate::quantity::{Dimension, parse};
+use crate::recording::format::open;
 use crate::recording::{Shot, TraceSet};
 use crate::scene::Site;
 use crate::trace::Trace;
@@ -35,6 +39,50 @@ impl WindowChoice {
 /// Reads a time.
 pub fn time(text: &str) -> Result<f64, String> {
     parse(text, Dimension::TIME).map_err(|error| format!("{error}, expected a time, e.g. 200us"))
+}
+
+/// Which signal of a recording, and which part of it.
+#[derive(Debug, Args)]
+pub struct SignalArguments {
+    /// A recording (.mcap), a TDS2000 file (.csv), or a folder of them
+    file: PathBuf,
+    /// Channel to transform, e.g. CH2 [default: the first]
+    #[arg(long, value_name = "CH", conflicts_with = "truth")]
+    channel: Option<String>,
+    /// What no sensor saw, less its static part: a sensor's name, contact/3, bead/7
+    #[arg(long, value_name = "NAME")]
+    truth: Option<String>,
+    /// Shot to look at
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub shot: u32,
+    /// First time to take, e.g. 200us: after the trigger, or with --truth after the striker's first contact
+    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
+    from: Option<f64>,
+    /// First time to leave out
+    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
+    to: Option<f64>,
+}
+
+impl SignalArguments {
+    /// Reads the recording and finds the signal in it.
+    pub fn read(&self) -> anyhow::Result<(TraceSet, Signal)> {
+        let set = open(&self.file)?;
+        let Some(shot) = set.shots.iter().find(|shot| shot.number == self.shot) else {
+            bail!("found {} shots, expected one with number {}", set.shots.len(), self.shot);
+        };
+        let found = signal(&set, shot, self.channel.as_deref(), self.truth.as_deref())?;
+        Ok((set, found))
+    }
+
+    /// The part of it that is looked at.
+    pub fn gate(&self) -> Gate {
+        Gate { from: self.from.unwrap_or(f64::NEG_INFINITY), to: self.to.unwrap_or(f64::INFINITY) }
+    }
+
+    /// Where it is from and what it is.
+    pub fn title(&self, trace: &Trace) -> String {
+        format!("{}: {}", self.file.display(), trace.name)
+    }
 }
 
 /// A signal, where it was felt, and what is subtracted from it.

@@ -2,17 +2,14 @@
 
 use std::path::PathBuf;
 
-use anyhow::bail;
 use clap::Args;
 use serde_json::json;
 
 use super::picture;
-use super::signal::{WindowChoice, signal, time};
-use crate::analysis::gate::Gate;
+use super::signal::{SignalArguments, WindowChoice, time};
 use crate::analysis::spectrum::{Analyser, Settings};
 use crate::analysis::time_frequency::{Pieces, Spectrogram};
 use crate::experiment::recorded;
-use crate::recording::format::open;
 use crate::report::spectrogram::{SpectrogramPage, svg, text};
 
 /// Without a segment given, pieces are this part of the record.
@@ -27,17 +24,8 @@ const BEYOND: f64 = 1.5;
 /// Show how a signal's frequencies change with time: spectra of short pieces, one after the other
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A recording (.mcap), a TDS2000 file (.csv), or a folder of them
-    file: PathBuf,
-    /// Channel to transform, e.g. CH2 [default: the first]
-    #[arg(long, value_name = "CH", conflicts_with = "truth")]
-    channel: Option<String>,
-    /// What no sensor saw, less its static part: a sensor's name, contact/3, bead/7
-    #[arg(long, value_name = "NAME")]
-    truth: Option<String>,
-    /// Shot to look at
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    shot: u32,
+    #[command(flatten)]
+    signal: SignalArguments,
     /// Length of a piece, e.g. 200us: frequencies closer than one over it are one [default: a sixteenth of the record]
     #[arg(long, value_name = "T", value_parser = time)]
     segment: Option<f64>,
@@ -47,12 +35,6 @@ pub struct Arguments {
     /// What each piece is multiplied with
     #[arg(long, value_enum, default_value_t = WindowChoice::Hann)]
     window: WindowChoice,
-    /// First time to take, e.g. 200us: after the trigger, or with --truth after the striker's first contact
-    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
-    from: Option<f64>,
-    /// First time to leave out
-    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
-    to: Option<f64>,
     /// Print as JSON, the whole map included
     #[arg(long)]
     json: bool,
@@ -71,26 +53,18 @@ fn samples(time: Option<f64>, interval: f64, otherwise: usize) -> usize {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let set = open(&arguments.file)?;
-    let Some(shot) = set.shots.iter().find(|shot| shot.number == arguments.shot) else {
-        bail!("found {} shots, expected one with number {}", set.shots.len(), arguments.shot);
-    };
-    let (trace, site, offset) =
-        signal(&set, shot, arguments.channel.as_deref(), arguments.truth.as_deref())?;
-    let gate = Gate {
-        from: arguments.from.unwrap_or(f64::NEG_INFINITY),
-        to: arguments.to.unwrap_or(f64::INFINITY),
-    };
+    let (set, (trace, site, offset)) = arguments.signal.read()?;
+    let gate = arguments.signal.gate();
     let length = gate.range(&trace).len();
     let segment = samples(arguments.segment, trace.interval, (length / SEGMENTS).max(2));
     let hop = samples(arguments.hop, trace.interval, (segment / OVERLAP).max(1));
     let settings =
         Settings { window: arguments.window.window(), gate, offset, ..Settings::default() };
     let map = Spectrogram::of(&mut Analyser::new(), &trace, &settings, Pieces { segment, hop })?;
-    let scene = recorded::scene_of(&set, shot.number).and_then(Result::ok);
+    let scene = recorded::scene_of(&set, arguments.signal.shot).and_then(Result::ok);
     let chain = site.zip(scene).and_then(|(site, scene)| recorded::cell(&scene, site));
     let highest = chain.map_or(SHOWN * 0.5 / trace.interval, |chain| BEYOND * chain.cutoff());
-    let title = format!("{}: {}", arguments.file.display(), trace.name);
+    let title = arguments.signal.title(&trace);
     let page = SpectrogramPage { title, map, chain, highest };
     if let Some(file) = &arguments.plot {
         picture::save(file, &svg(&page))?;

@@ -2,17 +2,14 @@
 
 use std::path::PathBuf;
 
-use anyhow::bail;
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 
 use super::picture;
-use super::signal::{WindowChoice, signal, time};
-use crate::analysis::gate::Gate;
+use super::signal::{SignalArguments, WindowChoice};
 use crate::analysis::spectrum::{Analyser, Convention, Settings};
 use crate::experiment::recorded;
 use crate::recording::TraceSet;
-use crate::recording::format::open;
 use crate::report;
 use crate::report::spectrum::{SpectrumPage, band};
 use crate::scene::Site;
@@ -28,29 +25,14 @@ const MOST: usize = 12;
 /// Show which frequencies a signal holds: its main peaks, and where the chain's band gap lies
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A recording (.mcap), a TDS2000 file (.csv), or a folder of them
-    file: PathBuf,
-    /// Channel to transform, e.g. CH2 [default: the first]
-    #[arg(long, value_name = "CH", conflicts_with = "truth")]
-    channel: Option<String>,
-    /// What no sensor saw, less its static part: a sensor's name, contact/3, bead/7
-    #[arg(long, value_name = "NAME")]
-    truth: Option<String>,
-    /// Shot to look at
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    shot: u32,
+    #[command(flatten)]
+    signal: SignalArguments,
     /// What the ordinate is
     #[arg(long, value_enum, default_value_t = ConventionChoice::Paper)]
     convention: ConventionChoice,
     /// What the record is multiplied with
     #[arg(long, value_enum, default_value_t = WindowChoice::Rectangular)]
     window: WindowChoice,
-    /// First time to take, e.g. 200us: after the trigger, or with --truth after the striker's first contact
-    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
-    from: Option<f64>,
-    /// First time to leave out
-    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
-    to: Option<f64>,
     /// Print as JSON, all bins included
     #[arg(long)]
     json: bool,
@@ -68,30 +50,22 @@ enum ConventionChoice {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let set = open(&arguments.file)?;
-    let Some(shot) = set.shots.iter().find(|shot| shot.number == arguments.shot) else {
-        bail!("found {} shots, expected one with number {}", set.shots.len(), arguments.shot);
-    };
-    let (trace, site, offset) =
-        signal(&set, shot, arguments.channel.as_deref(), arguments.truth.as_deref())?;
+    let (set, (trace, site, offset)) = arguments.signal.read()?;
     let settings = Settings {
         convention: match arguments.convention {
             ConventionChoice::Paper => Convention::Paper,
             ConventionChoice::Density => Convention::Density,
         },
         window: arguments.window.window(),
-        gate: Gate {
-            from: arguments.from.unwrap_or(f64::NEG_INFINITY),
-            to: arguments.to.unwrap_or(f64::INFINITY),
-        },
+        gate: arguments.signal.gate(),
         offset,
         ..Settings::default()
     };
     let spectrum = Analyser::new().spectrum(&trace, &settings)?;
     let mut peaks = spectrum.peaks(LISTED);
     peaks.truncate(MOST);
-    let (chain, notes) = chain(&set, shot.number, site);
-    let title = format!("{}: {}", arguments.file.display(), trace.name);
+    let (chain, notes) = chain(&set, arguments.signal.shot, site);
+    let title = arguments.signal.title(&trace);
     let page = SpectrumPage { title, spectrum, peaks, chain, offset, notes };
     if let Some(file) = &arguments.plot {
         let picture = report::chart(&page.curve(), &page.title, ("Hz", &page.spectrum.unit));

@@ -11,6 +11,7 @@ import signal
 import subprocess
 import sys
 from collections import defaultdict
+from pathlib import Path
 
 import numpy as np
 import pyvisa
@@ -20,6 +21,9 @@ from pylablib.core.devio.comm_backend import NetworkDeviceBackend
 from pylablib.devices import Tektronix
 from pymeasure.instruments import tektronix
 from pyvisa_py.protocols import hislip as protocol
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "docs" / "recipes"))
+import scope_client  # noqa: E402
 
 CHANNELS = (1, 2, 3, 4)
 IDENTITY = "TEKTRONIX,TDS 2014,0,CF:91.1CT FV:v4.12 TDS2CM:CMV:v1.04"
@@ -92,6 +96,21 @@ def raw_pyvisa(raw, hislip):
     ) as scope:
         scope.timeout = 20000
         yield lab_script(scope)
+
+
+def documented_pyvisa(raw, hislip):
+    """docs/recipes/scope_client.py, as it stands there."""
+    address = f"TCPIP::127.0.0.1::{raw}::SOCKET"
+    time, records = scope_client.single_shot(address)
+    check("times", np.allclose(np.diff(time), 1e-6, rtol=1e-6), True)
+    manager = pyvisa.ResourceManager("@py")
+    levels = {}
+    with manager.open_resource(address, read_termination="\n", write_termination="\n") as scope:
+        for channel, volts in records.items():
+            scope.write(f"DATA:SOURCE CH{channel}")
+            step, zero = (float(scope.query(f"WFMPRE:{name}?")) for name in ("YMULT", "YOFF"))
+            levels[channel] = np.rint(volts / step + zero).astype(int)
+    yield levels
 
 
 def hislip_pyvisa(raw, hislip):
@@ -231,7 +250,7 @@ def main():
     try:
         ports = [int(re.search(r":(\d+)$", server.stdout.readline()).group(1)) for _ in range(2)]
         read = []
-        for client in (raw_pyvisa, hislip_pyvisa, pylablib_client, pymeasure_client):
+        for client in (raw_pyvisa, documented_pyvisa, hislip_pyvisa, pylablib_client, pymeasure_client):
             before = checks
             shots = list(client(*ports))
             read.extend((client.__name__, shot) for shot in shots)

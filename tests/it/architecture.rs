@@ -8,6 +8,7 @@
 //! Limits: the sources are read, not compiled. A module that is reached through a macro of another crate,
 //! or a file pulled in by `include!`, is not seen.
 
+mod dependencies;
 mod readme;
 mod sizes;
 mod source;
@@ -82,6 +83,18 @@ fn every_folder_in_the_readme_exists() {
         Ok(text) => {
             refuse(readme::check("README.md", &text, |folder| root().join(folder).is_dir()));
         }
+        Err(violation) => refuse(vec![violation]),
+    }
+}
+
+#[test]
+fn every_dependency_is_used_and_says_what_for() {
+    let mut tests = sources();
+    for folder in ["tests/it", "benches/common"] {
+        tests.extend(source::read_folder(&root(), Path::new(folder)).expect("sources"));
+    }
+    match read("Cargo.toml") {
+        Ok(manifest) => refuse(dependencies::check(&manifest, &sources(), &tests)),
         Err(violation) => refuse(vec![violation]),
     }
 }

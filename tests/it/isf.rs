@@ -7,7 +7,8 @@ use hertzscope::recording::isf::{IsfError, MAXIMUM_BYTES, Width, read, write};
 use hertzscope::recording::{Capture, Instrument};
 use hertzscope::scope::{Coupling, PointFormat, Preamble, Source, VerticalSetup, Waveform};
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
+
+use crate::seeded;
 
 /// `head`, and a block of `bytes` after it.
 fn file(head: &str, bytes: &[u8]) -> Vec<u8> {
@@ -317,12 +318,7 @@ fn what_cannot_be_held_is_refused() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig {
-        cases: 512,
-        rng_seed: RngSeed::Fixed(2014),
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    })]
+    #![proptest_config(seeded(512))]
 
     #[test]
     fn random_bytes_never_panic(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {

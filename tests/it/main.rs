@@ -23,6 +23,8 @@ mod chains;
 mod cli;
 mod compare;
 mod conservation;
+#[cfg(all(unix, feature = "server", feature = "tui"))]
+mod documents;
 mod effects;
 mod ensemble;
 mod fit;
@@ -38,7 +40,6 @@ mod order;
 mod paper;
 mod physics;
 mod random_scenes;
-mod readme;
 mod recordings;
 mod refinements;
 mod scene;
@@ -52,3 +53,13 @@ mod tek_csv;
 #[cfg(feature = "tui")]
 mod tui;
 mod tunability;
+
+/// So many cases of random input, the same ones each time.
+fn seeded(cases: u32) -> proptest::test_runner::Config {
+    proptest::test_runner::Config {
+        cases,
+        rng_seed: proptest::test_runner::RngSeed::Fixed(2014),
+        failure_persistence: None,
+        ..proptest::test_runner::Config::default()
+    }
+}

@@ -6,8 +6,9 @@
 use std::path::Path;
 use std::sync::LazyLock;
 
-use hertzscope::experiment::paper::{Figure, Finding, Place, Study, Verdict, study};
+use hertzscope::experiment::paper::{Figure, Finding, Place, Study, Verdict, speeds, study};
 use hertzscope::report;
+use hertzscope::scene::Scene;
 use serde_json::Value;
 
 use Verdict::{Agrees, AgreesUnder, DoesNotHold};
@@ -324,4 +325,15 @@ fn report_tells_every_statement() {
         count(DoesNotHold)
     );
     assert!(page.contains(&tally), "{page}");
+}
+
+#[test]
+fn the_papers_tables_are_whole() {
+    let rows = speeds().expect("no problems");
+    let scenes: Vec<&str> = rows.iter().map(|row| row.scene.as_str()).collect();
+    assert_eq!(rows.len(), 8);
+    assert!(scenes.iter().all(|scene| Scene::names().contains(scene)), "{scenes:?}");
+    let sum: f64 = rows.iter().map(|r| r.experiment_m_per_s + r.numerics_m_per_s).sum();
+    // 175+177+181+179 + 171+173+176+169 + 118+121+122+115 + 134+141+146+138, as printed.
+    assert!((sum - 2436.0).abs() < 1e-9, "{sum}");
 }

@@ -8,7 +8,8 @@ use hertzscope::recording::tek_csv;
 use hertzscope::recording::{Capture, Instrument, TraceSet, mcap};
 use hertzscope::scope::{Coupling, PointFormat, Preamble, Slope, Source, VerticalSetup, Waveform};
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
+
+use crate::seeded;
 
 /// In the order and spelling of a 4-channel instrument, fact sheet section 2.7, with settings made up.
 const SETTINGS: &str = ":ACQUIRE:MODE SAMPLE;NUMAVG 16;STATE 1;STOPAFTER RUNSTOP;:CH1:PROBE 1.0E1;CURRENTPROBE 1.0E1;\
@@ -208,12 +209,7 @@ fn refusals_tell_line_and_reason() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig {
-        cases: 512,
-        rng_seed: RngSeed::Fixed(2014),
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    })]
+    #![proptest_config(seeded(512))]
 
     #[test]
     fn random_bytes_and_mutations_never_panic(

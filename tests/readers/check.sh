@@ -14,10 +14,7 @@ here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
 environment="$here/.venv"
 modules="$here/node_modules"
 
-could_not() {
-    echo "check.sh: $*" >&2
-    exit 2
-}
+source "$here/../environment.sh"
 
 usage="usage: check.sh [--rerun] RECORDING.mcap"
 with_rerun=no
@@ -32,45 +29,16 @@ recording="$1"
 for program in python3 node npm; do
     command -v "$program" > /dev/null || could_not "$program is missing: install it, or run where it is there"
 done
-python3 -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
-    || could_not "python3 is older than 3.11: check.py needs its module tomllib"
-python3 -c 'import ensurepip, venv' 2> /dev/null \
-    || could_not "python3 cannot make a virtual environment: install its package for that (python3-venv)"
-
-# What an installation was made from; a stamp that differs means that it is to be made anew.
-stamp_of() {
-    { python3 --version; cat "$@"; } | python3 -c \
-        'import hashlib, sys; print(hashlib.sha256(sys.stdin.buffer.read()).hexdigest())'
-}
-
-# The stamp is written last, so that an interrupted installation does not count.
-install_python() {
-    local requirements="$1" stamp_file="$2" stamp
-    stamp="$(stamp_of "$requirements")"
-    [[ "$(cat "$stamp_file" 2> /dev/null)" != "$stamp" ]] || return 0
-    "$environment/bin/python" -m pip --version > /dev/null 2>&1 \
-        || python3 -m venv --clear "$environment" \
-        || could_not "python3 -m venv failed"
-    "$environment/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: \
-        --requirement "$requirements" >&2 || could_not "pip could not install $(basename "$requirements")"
-    echo "$stamp" > "$stamp_file"
-}
 
 install_node() {
-    local stamp
-    stamp="$(stamp_of "$here/package.json" "$here/package-lock.json")"
-    [[ "$(cat "$modules/.stamp" 2> /dev/null)" != "$stamp" ]] || return 0
+    cmp -s "$here/package-lock.json" "$modules/installed.json" && return
     # The readers run without the packages' own install scripts.
     (cd "$here" && npm ci --ignore-scripts --no-audit --no-fund --loglevel=error >&2) \
         || could_not "npm could not install package-lock.json"
-    echo "$stamp" > "$modules/.stamp"
+    cp "$here/package-lock.json" "$modules/installed.json"
 }
 
-# Another python3 cannot use the packages of the one before.
-if [[ -e "$environment" && "$("$environment/bin/python" --version 2> /dev/null)" != "$(python3 --version)" ]]; then
-    rm -rf "$environment"
-fi
-install_python "$here/requirements.txt" "$environment/.stamp"
+install_python "$environment" "$here/requirements.txt"
 install_node
 
 failed=no
@@ -111,7 +79,7 @@ $(rerun mcap convert "$recording" -o "$environment/converted.rrd" 2>&1)" || code
 }
 
 if [[ "$with_rerun" == yes ]]; then
-    install_python "$here/requirements-rerun.txt" "$environment/.stamp-rerun"
+    install_python "$environment" "$here/requirements-rerun.txt"
     rerun analytics disable > /dev/null 2>&1 || could_not "rerun does not start"
     run "Rerun: mcap check, mcap convert" rerun_check
 fi

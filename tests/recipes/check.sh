@@ -12,21 +12,11 @@ here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
 recipes="$here/../../docs/recipes"
 environment="$here/.venv"
 
-could_not() {
-    echo "check.sh: $*" >&2
-    exit 2
-}
+source "$here/../environment.sh"
 
 [[ $# -eq 1 && -x "$1" ]] || could_not "usage: check.sh HERTZSCOPE"
 "$here/install"
-stamp="$({ python3 --version; cat "$here/requirements.txt"; } | sha256sum)"
-# The stamp is written last, so that an interrupted installation does not count.
-if [[ "$(cat "$environment/.stamp" 2> /dev/null)" != "$stamp" ]]; then
-    python3 -m venv --clear "$environment" || could_not "python3 -m venv failed: install its package (python3-venv)"
-    "$environment/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: --no-deps \
-        --requirement "$here/requirements.txt" >&2 || could_not "pip could not install requirements.txt"
-    echo "$stamp" > "$environment/.stamp"
-fi
+install_python "$environment" "$here/requirements.txt"
 
 folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT
@@ -34,7 +24,7 @@ trap 'rm -rf "$folder"' EXIT
 chmod 755 "$folder"
 mkdir "$folder/bin"
 ln -s "$(realpath "$1")" "$folder/bin/hertzscope"
-export PATH="$folder/bin:$PATH"
+export PATH="$folder/bin:$environment/bin:$PATH"
 
 # A folder of its own for an engine.
 fresh() {
@@ -50,11 +40,11 @@ same() {
 fresh one
 tables=(-o grid.csv -o grid.jsonl)
 if hertzscope sweep grid.toml --quiet "${tables[@]}" -o grid.parquet 2> /dev/null; then
-    "$environment/bin/python" "$here/tables.py" grid.csv grid.jsonl grid.parquet
+    python "$here/tables.py" grid.csv grid.jsonl grid.parquet
 else
     echo "Parquet: skipped, this program was built without it (--features parquet)"
     hertzscope sweep grid.toml --quiet "${tables[@]}"
-    "$environment/bin/python" "$here/tables.py" grid.csv grid.jsonl
+    python "$here/tables.py" grid.csv grid.jsonl
 fi
 
 if command -v parallel > /dev/null; then
@@ -70,7 +60,7 @@ if [[ "$(id -u)" = 0 ]] && PATH="$PATH:/usr/sbin" command -v slurmctld munged > 
     fresh slurm
     "$here/slurm.sh" bash -euc '
         job=$(sbatch --parsable --array=1-7 sweep.sbatch grid.toml)
-        sbatch --wait --output=gather.out --dependency=afterany:$job --wrap "hertzscope gather grid.sweep" > /dev/null
+        sbatch --dependency=afterany:$job --wrap "hertzscope gather grid.sweep" --wait --output=gather.out > /dev/null
     ' || { cat ./*.out >&2; could_not "Slurm did not do its part"; }
     ls grid.sweep | grep -c -- -of-7.log | grep -qx 7 || could_not "Slurm left other logs than seven: $(ls grid.sweep)"
     same "Slurm"
@@ -80,8 +70,8 @@ fi
 
 fresh notebook
 hertzscope run magnet-0.61g --quiet
-"$environment/bin/python" "$here/notebook.py" recording.ipynb
+python "$here/notebook.py" recording.ipynb
 
 fresh dask
-"$environment/bin/python" dask_sweep.py grid.toml --shards 7 > /dev/null 2> dask.err || { cat dask.err >&2; exit 1; }
+python dask_sweep.py grid.toml --shards 7 > /dev/null 2> dask.err || { cat dask.err >&2; exit 1; }
 same "Dask"

@@ -1,34 +1,28 @@
 #!/usr/bin/env bash
-# Builds the wheel, installs it in an empty Python environment, and lets the program that is there examine itself and run.
+# Builds the wheel, installs it in an empty Python environment, and lets the program that is there examine itself, run, and execute those
+# examples of the README and of docs/ that take long without optimisation.
 #
 #     tests/wheel/check.sh
 #
-# It compiles an optimised program, which takes minutes the first time. Exit code 0: installed and sound; 1: not; 2: could not check.
+# It takes over what `cargo build --release` has built; without that, it compiles for minutes. Exit code 0: installed and sound; 1: not;
+# 2: could not check.
 set -euo pipefail
 
 here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
 environment="$here/.venv"
+source "$here/../environment.sh"
 
-could_not() {
-    echo "check.sh: $*" >&2
-    exit 2
-}
-
-stamp="$({ python3 --version; cat "$here/requirements.txt"; } | sha256sum)"
-# The stamp is written last, so that an interrupted installation does not count.
-if [[ "$(cat "$environment/.stamp" 2> /dev/null)" != "$stamp" ]]; then
-    python3 -m venv --clear "$environment" || could_not "python3 -m venv failed: install its package (python3-venv)"
-    "$environment/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: --no-deps \
-        --requirement "$here/requirements.txt" >&2 || could_not "pip could not install requirements.txt"
-    echo "$stamp" > "$environment/.stamp"
-fi
-
+install_python "$environment" "$here/requirements.txt"
 folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT
 (cd "$here/../.." && "$environment/bin/maturin" build --release --quiet --out "$folder")
 python3 -m venv "$folder/venv"
 "$folder/venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-index --no-deps "$folder"/hertzscope-*.whl
 echo "installed $(basename "$folder"/hertzscope-*.whl)"
+# What is compiled in travels under its own licences.
+ls "$folder"/venv/lib/python3.*/site-packages/hertzscope-*.dist-info/licenses/THIRD-PARTY.txt > /dev/null
+mkdir -p "$folder/tests/recipes"
+cp "$here/../recipes/hundred-thousand.toml" "$folder/tests/recipes"
 # Only what is in the environment, and nothing of the source tree.
 cd "$folder"
 export PATH="$folder/venv/bin:/usr/bin:/bin"
@@ -36,3 +30,17 @@ export PATH="$folder/venv/bin:/usr/bin:/bin"
 hertzscope doctor
 hertzscope run --quiet
 [[ -s magnet-0.61g.mcap ]] || { echo "check.sh: no recording" >&2; exit 1; }
+
+while read -r command; do
+    started=$SECONDS
+    $command > printed 2>&1 || { cat printed >&2; echo "check.sh: failed: $command" >&2; exit 1; }
+    echo "$((SECONDS - started)) s  $command"
+done << 'COMMANDS'
+hertzscope paper --out paper
+hertzscope tunability --plot map.png
+hertzscope hard-cases
+hertzscope cost --quiet
+hertzscope calibrate --simulate pzt-5a-710pf --repeat 1000
+hertzscope sweep tests/recipes/hundred-thousand.toml --folder hundred-thousand.sweep -o hundred-thousand.csv
+hertzscope gather hundred-thousand.sweep
+COMMANDS

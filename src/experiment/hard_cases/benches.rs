@@ -135,19 +135,31 @@ impl Motion<'_> {
         contacts.iter().filter_map(|j| ForceProbe::contact(self.chain, *j)).collect()
     }
 
+    /// Holds first peaks at `contacts` by the first of two methods against those by the second.
+    fn hold_peaks(
+        &self,
+        tally: &mut Tally,
+        what: &str,
+        (contacts, accuracy, time): (&[usize], f64, f64),
+        methods: [Method; 2],
+    ) -> Result<(), String> {
+        let probes = self.probes(contacts);
+        let [found, exact] = methods.map(|method| self.peaks(method, &probes, time));
+        check_readings(tally, what, &found?, &exact?, accuracy);
+        Ok(())
+    }
+
     /// Checks force and time of first peaks at `contacts` against another family of methods: no more than `accuracy` off at the
     /// loudest of them, by which the error control measures, and as much more as a pulse is weaker elsewhere; and the energy.
     pub fn check_peaks(
         &self,
         tally: &mut Tally,
         what: &str,
-        (contacts, accuracy, time): (&[usize], f64, f64),
+        asked: (&[usize], f64, f64),
     ) -> Result<(), String> {
-        let probes = self.probes(contacts);
+        let (_, accuracy, time) = asked;
         let reference = Method::DormandPrince853 { tolerance: REFERENCE };
-        let exact = self.peaks(reference, &probes, time)?;
-        let found = self.peaks(for_accuracy(accuracy), &probes, time)?;
-        check_readings(tally, what, &found, &exact, accuracy);
+        self.hold_peaks(tally, what, asked, [for_accuracy(accuracy), reference])?;
         let end = self.after(time, accuracy)?;
         tally.check(format!("{what}, energy"), self.drift(&end.state), drift_bound(&end, accuracy));
         Ok(())
@@ -160,14 +172,12 @@ impl Motion<'_> {
         &self,
         tally: &mut Tally,
         what: &str,
-        (contacts, accuracy, time): (&[usize], f64, f64),
+        asked: (&[usize], f64, f64),
     ) -> Result<(), String> {
-        let probes = self.probes(contacts);
+        let (_, accuracy, time) = asked;
         let reference = Method::DormandPrince54 { tolerance: LOSSY_REFERENCE };
-        let exact = self.peaks(reference, &probes, time)?;
         let method = method_for(self.chain, &self.velocities, accuracy);
-        let found = self.peaks(method, &probes, time)?;
-        check_readings(tally, what, &found, &exact, accuracy);
+        self.hold_peaks(tally, what, asked, [method, reference])?;
         let mut bench = Bench::new(self.chain, &self.velocities, method, &[], (NEVER, NEVER));
         let mut most = 0.0_f64;
         let mut end = 0.0;

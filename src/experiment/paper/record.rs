@@ -13,7 +13,7 @@ use crate::trace::Trace;
 /// Sample interval of all forces: 60 samples in the fastest oscillation that travels (s).
 const INTERVAL: f64 = 1e-6;
 /// Where a pulse starts for its width, as a share of its first peak (1).
-const FOOT: f64 = 0.005;
+pub(super) const FOOT: f64 = 0.005;
 /// Highest frequency that shares and means count: the paper's audible range (Hz).
 pub(super) const HIGHEST: f64 = 20e3;
 /// A maximum counts for a peak above this share of the largest force (1).
@@ -141,11 +141,11 @@ impl Record {
         Ok(Signal { place, trace: self.trace(place)?.clone(), spectrum })
     }
 
-    /// Time from the foot of the first pulse to the first minimum behind its peak (s).
-    pub(super) fn width(&self, place: Place) -> Result<f64, PaperError> {
+    /// Time from where the first pulse reaches the share `foot` (1) of its peak to the first minimum behind it (s).
+    pub(super) fn width(&self, place: Place, foot: f64) -> Result<f64, PaperError> {
         let (trace, pulse) = self.at(place)?;
         let peak = self.first_peak(place)?;
-        let foot = pulse.first_reach(FOOT * peak.dynamic_n);
+        let foot = pulse.first_reach(foot * peak.dynamic_n);
         let minimum = maxima(trace, -1.0).into_iter().find(|(time, _)| *time > peak.time_s);
         match (foot, minimum) {
             (Some(foot), Some((time, _))) => Ok(time - foot),

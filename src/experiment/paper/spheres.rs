@@ -1,7 +1,7 @@
 //! Figs 4 to 7: the top sphere of a long pressed chain is given a speed, once small, once large.
 
 use super::dispersion::cell;
-use super::record::{Place, Record, nothing, share_between};
+use super::record::{FOOT, Place, Record, nothing, share_between};
 use super::verdict::Answer;
 use super::{Arrangement, Figure, Found, PaperError, record_run};
 use crate::analysis::dispersion::DiatomicChain;
@@ -118,12 +118,18 @@ impl Sphere {
 
     /// Width inside `particle` in cells at the long waves' speed.
     fn width(&self, item: &str, particle: usize) -> Result<Answer, PaperError> {
-        let time = self.record.width(Place::Inside(particle))?;
-        let cells = time * self.chain.sound_speed() / self.chain.cell;
+        let cells = |foot: f64| {
+            let time = self.record.width(Place::Inside(particle), foot)?;
+            Ok::<_, PaperError>(time * self.chain.sound_speed() / self.chain.cell)
+        };
         let convention = format!(
             "inside particle {particle}, from 0.5 % of the first peak to the first minimum, times the speed of long waves"
         );
-        Ok(Answer::to(item).or(&convention, cells))
+        let later = cells(2.0 * FOOT)?;
+        let note = format!(
+            "the paper does not say where a pulse begins: from 1 % on it is {later:.2} cells"
+        );
+        Ok(Answer::to(item).or(&convention, cells(FOOT)?).note(note))
     }
 
     fn highest(&self, spectrum: &Spectrum, low: f64, high: f64) -> Result<(f64, f64), PaperError> {

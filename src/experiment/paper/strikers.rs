@@ -1,7 +1,7 @@
 //! Figs 8 to 13: the bench of 38 particles under the magnet and under gravity alone, hit by three of the strikers.
 
 use super::dispersion::cell;
-use super::record::{Place, Record, mean_frequency, nothing};
+use super::record::{FOOT, Place, Record, mean_frequency, nothing};
 use super::verdict::Answer;
 use super::{Arrangement, Figure, Found, PaperError, record_run};
 use crate::scene::Scene;
@@ -181,11 +181,12 @@ fn solitary(record: &Record) -> Result<Vec<Answer>, PaperError> {
     let distance = scene.chain.distance(14, 27);
     let speed = distance / (arrival(LAST)? - arrival(MIDDLE)?);
     let cell_length = scene.chain.distance(14, 16);
-    let cells = |place: Place| Ok::<_, PaperError>(record.width(place)? * speed / cell_length);
+    let cells =
+        |place: Place| Ok::<_, PaperError>(record.width(place, FOOT)? * speed / cell_length);
     let (duration, measured_speed) = MEASURED;
     Ok(vec![
         Answer::to("solitary_duration")
-            .plain("calculated, from 0.5 % of the peak to the first minimum", record.width(MIDDLE)?)
+            .plain("calculated, from 0.5 % of the peak to the first minimum", record.width(MIDDLE, FOOT)?)
             .note("the paper puts the difference down to losses"),
         Answer::to("solitary_width_product")
             .plain("330 us times 118 m/s over the cell's length", duration * measured_speed / cell_length),

@@ -2,9 +2,9 @@
 
 use hertzscope::recording::TraceSet;
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 
 use super::{bytes_of, read, set};
+use crate::seeded;
 
 const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 /// Opcodes of the container's records.
@@ -121,15 +121,6 @@ fn a_spoilt_chunk_takes_no_other_with_it() {
         "{:?}",
         back.problems
     );
-}
-
-fn seeded(cases: u32) -> ProptestConfig {
-    ProptestConfig {
-        cases,
-        rng_seed: RngSeed::Fixed(2014),
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    }
 }
 
 proptest! {

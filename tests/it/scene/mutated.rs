@@ -4,18 +4,9 @@ use hertzscope::quantity::{Dimension, parse};
 use hertzscope::scene::SceneError;
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
-use proptest::test_runner::RngSeed;
 
 use super::{BENCH, load};
-
-fn seeded(cases: u32) -> ProptestConfig {
-    ProptestConfig {
-        cases,
-        rng_seed: RngSeed::Fixed(2009),
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    }
-}
+use crate::seeded;
 
 /// One change of a text.
 #[derive(Debug, Clone)]

@@ -4,10 +4,10 @@ use std::sync::LazyLock;
 
 use hertzscope::recording::tek_csv::read_all;
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 
 use super::foreign_texts::{headerless, newer, openchoice, spreadsheet, with_semicolons};
 use super::made_up::{PLAIN, ramp_after, record};
+use crate::seeded;
 
 static TEXTS: LazyLock<Vec<String>> = LazyLock::new(texts);
 
@@ -41,12 +41,7 @@ fn is_sound(bytes: &[u8]) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig {
-        cases: 512,
-        rng_seed: RngSeed::Fixed(2014),
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    })]
+    #![proptest_config(seeded(512))]
 
     #[test]
     fn random_bytes_never_panic(bytes in proptest::collection::vec(any::<u8>(), 0..500)) {

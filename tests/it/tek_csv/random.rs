@@ -2,18 +2,9 @@
 
 use hertzscope::recording::tek_csv::{read, write};
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 
 use super::made_up::{PLAIN, plain_record, record};
-
-fn seeded(cases: u32) -> ProptestConfig {
-    ProptestConfig {
-        cases,
-        rng_seed: RngSeed::Fixed(2014),
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    }
-}
+use crate::seeded;
 
 proptest! {
     #![proptest_config(seeded(256))]
