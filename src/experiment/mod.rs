@@ -28,6 +28,7 @@ pub mod paper;
 pub mod pulse;
 pub mod recorded;
 pub mod tunability;
+mod turn;
 pub mod wired;
 mod yielding;
 

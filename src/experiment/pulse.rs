@@ -3,6 +3,7 @@
 
 use serde::Serialize;
 
+use super::turn::{fall, may_fall, root};
 use crate::chain::stepper::{ForceTrack, LOOKS, Looks, View};
 use crate::chain::{ForceProbe, ForceSegment};
 use crate::integrate::Integrator;
@@ -14,8 +15,6 @@ const BETWEEN_LOOKS: f64 = 1.25;
 const PEAK_SHARE: f64 = 0.25;
 /// What does not exceed this share of the static force, or of the impact's, is rounding, and no pulse (1).
 const QUIETEST: f64 = 1e-13;
-/// Where a force rises at two looks and their cubic's least rate in between is below this share of both rates, it may fall there (1).
-const DOUBTFUL_RATE: f64 = 0.3;
 /// What two steps' interpolants may differ by where they meet is no jump, as a share of the largest force (1).
 const SMALLEST_JUMP: f64 = 1e-6;
 /// Share of the first peak at which a pulse is said to arrive by its half-rise (1).
@@ -185,7 +184,8 @@ impl PulseRecorder {
                 let falls = if rate <= 0.0 {
                     Some(high)
                 } else if may_fall(self.rate_before, mean, rate) {
-                    fall(&segment(), low, high)
+                    let segment = segment();
+                    fall(&|theta| segment.rate(theta), low, high)
                 } else {
                     None
                 };
@@ -263,62 +263,4 @@ impl PulseRecorder {
         }
         Some(rise.segment.time(rise.top))
     }
-}
-
-/// Whether a force that rises at two looks, on average at `mean`, may fall in between (N/s): its cubic's rate is
-/// `first + 2 (3 mean - 2 first - second) t + 3 (first + second - 2 mean) t^2`.
-fn may_fall(first: f64, mean: f64, second: f64) -> bool {
-    let bend = 3.0 * (first + second - 2.0 * mean);
-    let turn = 2.0 * first + second - 3.0 * mean;
-    let least = first - turn * turn / bend;
-    bend > 0.0 && turn > 0.0 && turn < bend && least < DOUBTFUL_RATE * first.min(second)
-}
-
-/// A place between `low` and `high` where the force falls, if there is one: the least rate, found by golden sections (1).
-/// Source: J. Kiefer, Proc. Am. Math. Soc. 4, 502 (1953).
-fn fall(segment: &Segment, mut low: f64, mut high: f64) -> Option<f64> {
-    let section = 0.5 * (5.0_f64.sqrt() - 1.0);
-    for _ in 0..40 {
-        let [left, right] = [high - section * (high - low), low + section * (high - low)];
-        let [at_left, at_right] = [left, right].map(|theta| segment.rate(theta));
-        if at_left.min(at_right) < 0.0 {
-            return Some(if at_left < at_right { left } else { right });
-        }
-        if at_left < at_right {
-            high = right;
-        } else {
-            low = left;
-        }
-    }
-    None
-}
-
-/// Root of `f` between `low` and `high`, to the last bits: false position, the end that stays counting half each time, and bisection
-/// where that does not close in. No shape of `f` can defeat it. Source: M. Dowell, P. Jarratt, BIT 11, 168 (1971), "Illinois".
-fn root(f: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
-    let (mut at_low, mut at_high) = (f(low), f(high));
-    let mut side = 0_i8;
-    for count in 0..120_u8 {
-        if at_low == 0.0 || high - low <= f64::EPSILON * high {
-            return low;
-        }
-        let falsi = (low * at_high - high * at_low) / (at_high - at_low);
-        let inside = falsi > low && falsi < high && count < 60;
-        let middle = if inside { falsi } else { 0.5 * (low + high) };
-        let value = f(middle);
-        // The interval holds no number between its ends any more.
-        if value == 0.0 || middle <= low || middle >= high {
-            return middle;
-        }
-        if (value > 0.0) == (at_low > 0.0) {
-            (low, at_low) = (middle, value);
-            at_high *= if side == -1 { 0.5 } else { 1.0 };
-            side = -1;
-        } else {
-            (high, at_high) = (middle, value);
-            at_low *= if side == 1 { 0.5 } else { 1.0 };
-            side = 1;
-        }
-    }
-    0.5 * (low + high)
 }

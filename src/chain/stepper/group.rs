@@ -10,7 +10,7 @@ use super::frame::{Ends, Look};
 use super::kinks::{self, Quadrature};
 use super::lanes::{Row, WIDTH};
 use super::plan::{Across, Form, Plan};
-use super::single::{FIRST_STEP, UNMOVED, worth};
+use super::single::{FIRST_STEP, UNMOVED, worth as worth_of};
 use super::tasks::{Attempt, Evaluate, Jerks, Settle};
 use super::workspace::{Motion, Workspace};
 use crate::chain::Chain;
@@ -128,17 +128,15 @@ impl ChainGroup {
 
     fn attempt(&mut self, step: Row) {
         let Self { set, plan, pair, quadrature, work, .. } = self;
-        let (mut slack, mut worths) = ([Row::default(); 2], [Row::default(); 2]);
+        let (mut slack, mut worth) = ([Row::default(); 2], [Row::default(); 2]);
         for (index, lane) in self.lanes.iter().enumerate() {
-            let worth = worth(self.tolerance, lane.scales);
+            let own = worth_of(self.tolerance, lane.scales);
             let least = kinks::slack(self.tolerance, lane.scales, lane.lightest);
             for kind in 0..2 {
-                slack[kind].0[index] = least[kind];
-                worths[kind].0[index] = worth[kind];
+                (slack[kind].0[index], worth[kind].0[index]) = (least[kind], own[kind]);
             }
         }
         let layout = PhantomData;
-        let worth = worths;
         let task = Attempt::<Across> { plan, pair, quadrature, work, step, worth, slack, layout };
         let guard = dispatch(*set, task);
         let stages = self.pair.nodes.len() as u64 - 1;
