@@ -35,7 +35,7 @@ impl Case {
             "G37" => alternating("G37", 37, (0.0, true), 5e-3, vec![14]),
             "P600" => alternating("P600", 600, (PRELOAD, false), 15e-3, vec![14, 400]),
             "P10000" => alternating("P10000", 10_000, (PRELOAD, false), 1e-3, vec![14]),
-            "bench" => shipped(),
+            "bench" => shipped("magnet-0.61g", 5e-3),
             _ => return None,
         })
     }
@@ -91,13 +91,14 @@ fn alternating(
     Case { name, chain, velocities, duration, particles }
 }
 
-fn shipped() -> Case {
-    let scene = Scene::load("magnet-0.61g").expect("this scene ships with the program");
+/// The shipped scene `name` over `duration` (s).
+pub fn shipped(name: &str, duration: f64) -> Case {
+    let scene = Scene::load(name).expect("this scene ships with the program");
     Case {
         name: "bench",
         chain: scene.chain,
         velocities: scene.initial_velocities,
-        duration: 5e-3,
+        duration,
         particles: vec![14],
     }
 }

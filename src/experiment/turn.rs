@@ -12,8 +12,8 @@ pub fn may_fall(first: f64, mean: f64, second: f64) -> bool {
     bend > 0.0 && turn > 0.0 && turn < bend && least < DOUBTFUL_RATE * first.min(second)
 }
 
-/// A place between `low` and `high` where `rate` is below zero, if there is one: its least value, found by golden sections (1).
-/// Source: J. Kiefer, Proc. Am. Math. Soc. 4, 502 (1953).
+/// A place between `low` and `high` where `rate` is below zero, if there is one: its least value, found by golden sections (J. Kiefer,
+/// Proc. Am. Math. Soc. 4, 502, 1953) (1).
 pub fn fall(rate: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> Option<f64> {
     let section = 0.5 * (5.0_f64.sqrt() - 1.0);
     for _ in 0..40 {
@@ -32,7 +32,7 @@ pub fn fall(rate: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> Option<f6
 }
 
 /// Root of `f` between `low` and `high`, to the last bits: false position, the end that stays counting half each time, and bisection
-/// where that does not close in. No shape of `f` can defeat it. Source: M. Dowell, P. Jarratt, BIT 11, 168 (1971), "Illinois".
+/// where that does not close in. No shape of `f` can defeat it. M. Dowell, P. Jarratt, BIT 11, 168, 1971, "Illinois" (unit).
 pub fn root(f: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     let (mut at_low, mut at_high) = (f(low), f(high));
     let mut side = 0_i8;
