@@ -60,3 +60,25 @@ pub fn root(f: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     }
     0.5 * (low + high)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{fall, may_fall};
+
+    /// A force that rises at both ends, `f = t - 4.5 t^2 + 5.8 t^3`: its rate is below zero from 0.162 to 0.356, and at neither end.
+    #[test]
+    fn a_fall_between_two_rising_ends_is_found() {
+        let rate = |t: f64| 1.0 - 9.0 * t + 17.4 * t * t;
+        let force = |t: f64| t * (1.0 + t * (-4.5 + t * 5.8));
+        assert!(may_fall(rate(0.0), force(1.0) - force(0.0), rate(1.0)));
+        let place = fall(&rate, 0.0, 1.0).expect("a fall");
+        assert!(rate(place) < 0.0, "{place}");
+    }
+
+    #[test]
+    fn a_straight_rise_is_none() {
+        assert!(!may_fall(1.0, 1.0, 1.0));
+        assert!(!may_fall(1.0, 0.9, 1.0));
+        assert_eq!(fall(&|t| 0.1 + (t - 0.5).powi(2), 0.0, 1.0), None);
+    }
+}
