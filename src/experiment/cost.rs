@@ -6,6 +6,7 @@
 
 use serde::Serialize;
 
+use super::accuracy::{OWN, TIGHTER, steps_tried};
 use super::comparison::{
     Run, arrival_error, compare, level, peak_error, run, run_without, trace_error, worst,
 };
@@ -245,15 +246,17 @@ fn point(scene: &Scene, (method, without): Treated, (exact, runs): (&Run, u16)) 
     point
 }
 
+/// What `--accuracy` comes to: the first run that is off by no more, with what the run it is held against may be off itself.
 fn choice(scene: &Scene, accuracy: f64, exact: &Run) -> Option<Chosen> {
-    let method = method(scene, Integration::Accuracy(accuracy)).ok()?;
-    let found = run(scene, method).ok()?;
-    Some(Chosen {
-        accuracy,
-        method: method.name(),
-        setting: setting(method),
-        error: worst(&found, exact),
-        force_evaluations: found.work.force_evaluations,
+    steps_tried(accuracy).find_map(|steps| {
+        let method = method(scene, Integration::Accuracy(steps)).ok()?;
+        let found = run(scene, method).ok()?;
+        let error = worst(&found, exact);
+        let force_evaluations = found.work.force_evaluations;
+        let (setting, method) = (setting(method), method.name());
+        let held =
+            error.is_some_and(|error| error + OWN * TIGHTER * steps.min(accuracy) <= accuracy);
+        held.then_some(Chosen { accuracy, method, setting, error, force_evaluations })
     })
 }
 

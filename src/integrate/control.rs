@@ -7,13 +7,15 @@ use super::splitting::REMAINDER;
 const SAFETY: f64 = 0.8;
 /// A step shrinks at most by this factor (1).
 const SMALLEST_CHANGE: f64 = 0.2;
-/// A step grows at most by this factor (1).
+/// A step grows at most by this factor where nobody asks for less (1).
 const LARGEST_CHANGE: f64 = 5.0;
 
 /// The controller: knows the next step and what the last attempts ran into.
 #[derive(Debug, Clone)]
 pub struct StepControl {
     step: f64,
+    /// A step grows at most by this factor (1).
+    growth: f64,
     /// Step changes go as the error to this power (1).
     exponent: f64,
     after_rejection: bool,
@@ -36,7 +38,13 @@ impl StepControl {
     /// Starts with `step` (s); a step's error goes as its length to the power `error_order + 1`.
     pub fn new(step: f64, error_order: u8) -> Self {
         let exponent = -1.0 / (f64::from(error_order) + 1.0);
-        Self { step, exponent, after_rejection: false, lost: None }
+        Self { step, growth: LARGEST_CHANGE, exponent, after_rejection: false, lost: None }
+    }
+
+    /// Lets steps grow by no more than `growth` (1).
+    #[must_use]
+    pub fn growing(self, growth: f64) -> Self {
+        Self { growth, ..self }
     }
 
     /// The step to try from `start` towards `end` (s).
@@ -66,7 +74,7 @@ impl StepControl {
     pub fn accepts(&mut self, trial: Trial, error: f64, lost: impl FnOnce() -> usize) -> bool {
         self.lost = (!error.is_finite()).then(lost);
         let change = if error.is_finite() {
-            (SAFETY * power(error, self.exponent)).clamp(SMALLEST_CHANGE, LARGEST_CHANGE)
+            (SAFETY * power(error, self.exponent)).clamp(SMALLEST_CHANGE, self.growth)
         } else {
             SMALLEST_CHANGE
         };

@@ -7,10 +7,11 @@ use std::marker::PhantomData;
 use super::dispatch::{InstructionSet, dispatch};
 use super::force_track::View;
 use super::frame::{Ends, Look};
-use super::kinks::{self, Quadrature};
+use super::kinks;
 use super::lanes::{Row, WIDTH};
 use super::plan::{Across, Form, Plan};
-use super::single::{FIRST_STEP, UNMOVED, worth as worth_of};
+use super::quadrature::Quadrature;
+use super::steps::{UNMOVED, control, worth as worth_of};
 use super::tasks::{Attempt, Evaluate, Jerks, Settle};
 use super::workspace::{Motion, Workspace};
 use crate::chain::Chain;
@@ -92,7 +93,6 @@ impl ChainGroup {
         let (motion, acceleration) = (&mut work.now, work.stages[0].as_mut_slice());
         let task = Evaluate::<Across> { plan: &plan, motion, acceleration, layout: PhantomData };
         dispatch(set, task);
-        let zeros = || vec![Row::default(); plan.rows()];
         Self {
             set,
             pair,
@@ -100,7 +100,7 @@ impl ChainGroup {
             work,
             tolerance,
             lanes: members.iter().map(|member| Lane::new(member, pair)).collect(),
-            jerks: [zeros(), zeros()],
+            jerks: std::array::from_fn(|_| vec![Row::default(); plan.rows()]),
             plan,
         }
     }
@@ -233,7 +233,7 @@ impl Lane {
         let speed = member.velocities.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
         let scales = (member.chain.impact_overlap(member.velocities), speed);
         Self {
-            control: StepControl::new(FIRST_STEP * scales.0 / scales.1, pair.error_order),
+            control: control(scales, pair),
             scales,
             lightest: member.chain.lightest(),
             time: 0.0,

@@ -16,9 +16,10 @@
 
 use super::lanes::{Lanes, Row, WIDTH};
 use super::plan::{Layout, Plan};
+use super::quadrature::Quadrature;
 use super::quintic::{Quintic, raise};
+use super::quintics;
 use super::workspace::{Motion, Workspace};
-use crate::integrate::nystrom::{NystromPair, Row as Terms};
 
 /// Share of a correction that is counted as error: residuals measured on the shipped scenes stayed below (1).
 const CORRECTION_SHARE: f64 = 0.01;
@@ -26,24 +27,6 @@ const CORRECTION_SHARE: f64 = 0.01;
 const MODEL_SHARE: f64 = 0.1;
 /// An impulse that could move the lightest body by no more than this share of the tolerated error is none (1).
 const NEGLIGIBLE: f64 = 0.01;
-/// Most stages of a pair.
-const MOST_STAGES: usize = 16;
-
-/// Weights of a pair's stages in rows.
-type Weights = [Row; MOST_STAGES / WIDTH];
-
-/// A pair's nodes and weights, one entry a stage.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Quadrature {
-    nodes: Weights,
-    velocity: Weights,
-    position: Weights,
-    velocity_error: Weights,
-    position_error: Weights,
-    /// Weights of velocity, position error and velocity error, stage by stage (1).
-    pub ends: [[f64; 3]; MOST_STAGES],
-}
-
 /// What corrections add to the error estimate, lane by lane.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Guard {
@@ -53,39 +36,6 @@ pub struct Guard {
     pub velocity: Row,
     /// Largest change of a position (m).
     pub moved: Row,
-}
-
-impl Quadrature {
-    /// Spreads a pair's weights out.
-    #[must_use]
-    pub fn of(pair: &NystromPair) -> Self {
-        let spread = |terms: Terms| {
-            let mut weights = Weights::default();
-            for (stage, weight) in terms {
-                weights[stage / WIDTH].0[stage % WIDTH] = *weight;
-            }
-            weights
-        };
-        let nodes: Vec<(usize, f64)> = pair.nodes.iter().copied().enumerate().collect();
-        let mut nodes_of = Weights::default();
-        for (stage, node) in nodes {
-            nodes_of[stage / WIDTH].0[stage % WIDTH] = node;
-        }
-        let velocity = spread(pair.velocity);
-        let velocity_error = spread(pair.velocity_error);
-        let position_error = spread(pair.position_error);
-        let at = |weights: &Weights, stage: usize| weights[stage / WIDTH].0[stage % WIDTH];
-        Self {
-            nodes: nodes_of,
-            velocity,
-            position: spread(pair.position),
-            velocity_error,
-            position_error,
-            ends: std::array::from_fn(|i| {
-                [at(&velocity, i), at(&position_error, i), at(&velocity_error, i)]
-            }),
-        }
-    }
 }
 
 /// Impulse (N s) and its moment (N s²) that no body would show, for errors of `tolerance` relative to `scales` (m, m/s) (unit).
@@ -101,28 +51,69 @@ fn changed(work: &Workspace, row: usize) -> u8 {
     work.now.closed[row] ^ work.next.closed[row]
 }
 
-/// Corrects the step of `h` (s, lane by lane) that `work` holds. Contacts that could move nothing beyond a share of `slack`, the tolerated
-/// errors of velocities (m/s) and positions (m), are left alone.
+/// Corrects the step of `h` (s, lane by lane) that `work` holds.
 #[inline(always)]
 pub fn correct<L: Lanes, Y: Layout>(
     plan: &Plan,
     quadrature: &Quadrature,
     work: &mut Workspace,
-    (h, slack): (&Row, &[Row; 2]),
+    h: &Row,
 ) -> Guard {
     let mut guard = Guard::default();
+    let mut corrections = std::mem::take(&mut work.corrections);
+    corrections.clear();
+    let mut ends = quintics::Ends::default();
+    let mut waiting = 0;
     for row in 0..plan.rows() {
         let mut bits = changed(work, row);
         while bits != 0 {
             let lane = bits.trailing_zeros() as usize;
             bits &= bits - 1;
             let contact = Contact::new::<Y>(plan, (row, lane), h.0[lane]);
-            if contact.matters(work, [slack[0].0[lane], slack[1].0[lane]]) {
-                contact.correct::<L>(plan, quadrature, work, &mut guard);
+            for (which, end) in contact.ends(work).into_iter().enumerate() {
+                for (row, value) in ends.0[which].iter_mut().zip(end) {
+                    row.0[waiting] = value;
+                }
+            }
+            corrections.push(Correction { contact, ..Correction::default() });
+            waiting += 1;
+            if waiting == WIDTH {
+                find::<L>(quadrature, &ends, &mut corrections, waiting);
+                waiting = 0;
             }
         }
     }
+    if waiting > 0 {
+        find::<L>(quadrature, &ends, &mut corrections, waiting);
+    }
+    // Only now: what is found of a contact must not depend on its neighbours' corrections, nor on which lanes were beside it.
+    for correction in &corrections {
+        correction.apply(plan, work, &mut guard);
+    }
+    work.corrections = corrections;
     guard
+}
+
+/// Finds the last `count` corrections from the `ends` of their contacts' steps.
+#[inline(always)]
+fn find<L: Lanes>(
+    quadrature: &Quadrature,
+    ends: &quintics::Ends,
+    corrections: &mut [Correction],
+    count: usize,
+) {
+    let missing = quintics::missing::<L>(quadrature, ends);
+    let from = corrections.len() - count;
+    for (i, correction) in corrections[from..].iter_mut().enumerate() {
+        let Contact { h, stiffness, .. } = correction.contact;
+        let (whole, square) = (h * stiffness, h * h * stiffness);
+        correction.kick = whole * missing.impulse.0[i];
+        correction.shift = square * missing.moment.0[i];
+        correction.kick_error = whole * missing.errors[0].0[i];
+        correction.shift_error = square * missing.errors[1].0[i];
+        let depth = ends.0[0][0].0[i].max(ends.0[1][0].0[i]);
+        correction.model = MODEL_SHARE * whole * 1.5 * depth.sqrt() * missing.uncertainty.0[i];
+    }
 }
 
 /// Contacts that were open at both ends of the step and may have touched in between, or the other way round: the method's nodes may
@@ -169,6 +160,7 @@ pub fn missed<L: Lanes, Y: Layout>(
 }
 
 /// One contact that changed sides.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Contact {
     place: (usize, usize),
     upper: Option<(usize, usize)>,
@@ -197,16 +189,6 @@ impl Contact {
         self.upper.map_or(0.0, at) - at(self.place)
     }
 
-    /// Whether the whole impulse since or until the change could be seen.
-    #[inline(always)]
-    fn matters(&self, work: &Workspace, [velocity, position]: [f64; 2]) -> bool {
-        let change = self.difference(&work.now.position).max(self.difference(&work.next.position));
-        let depth = self.static_overlap + change;
-        let impulse = self.h * self.stiffness * depth * depth.max(0.0).sqrt();
-        // Not a number matters, too: somebody has to see it.
-        impulse.is_nan() || impulse > velocity || impulse * self.h > position
-    }
-
     /// Counts the impulse that the nodes may have missed, if it could be seen.
     #[inline(always)]
     fn count_missed<L: Lanes>(
@@ -216,9 +198,7 @@ impl Contact {
         [velocity, position]: [f64; 2],
         guard: &mut Guard,
     ) -> bool {
-        let last = work.stages.len() - 1;
-        let from = self.end(&work.now, &work.stages[0]);
-        let to = self.end(&work.next, &work.stages[last]);
+        let [from, to] = self.ends(work);
         let beyond = Quintic::new(from, to).beyond::<L>();
         let impulse = self.h * self.stiffness * beyond * beyond.sqrt();
         if impulse <= velocity && impulse * self.h <= position {
@@ -244,48 +224,43 @@ impl Contact {
     }
 
     #[inline(always)]
-    fn correct<L: Lanes>(
-        &self,
-        plan: &Plan,
-        quadrature: &Quadrature,
-        work: &mut Workspace,
-        guard: &mut Guard,
-    ) {
-        let h = self.h;
+    fn ends(&self, work: &Workspace) -> [[f64; 3]; 2] {
         let last = work.stages.len() - 1;
-        let from = self.end(&work.now, &work.stages[0]);
-        let to = self.end(&work.next, &work.stages[last]);
-        let quintic = Quintic::new(from, to);
-        let powers =
-            [quintic.power::<L>(&quadrature.nodes[0]), quintic.power::<L>(&quadrature.nodes[1])];
-        let (impulse, moment) = quintic.impulses::<L>();
-        let (whole, square) = (h * self.stiffness, h * h * self.stiffness);
-        let kick = whole * (impulse - weighted::<L>(powers, &quadrature.velocity));
-        let shift = square * (moment - weighted::<L>(powers, &quadrature.position));
-        let kick_error = whole * weighted::<L>(powers, &quadrature.velocity_error);
-        let shift_error = square * weighted::<L>(powers, &quadrature.position_error);
-        let depth = from[0].max(to[0]);
-        let model = MODEL_SHARE * whole * 1.5 * depth.sqrt() * quintic.uncertainty;
-        for (sign, place) in [(-1.0, self.upper), (1.0, Some(self.place))] {
+        [self.end(&work.now, &work.stages[0]), self.end(&work.next, &work.stages[last])]
+    }
+}
+
+/// What a contact's change of sides makes of a step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Correction {
+    contact: Contact,
+    /// Impulse that the quadrature has missed (N s), and its moment (N s²).
+    kick: f64,
+    shift: f64,
+    /// What it has put into the error estimates of velocities (N s) and positions (N s²).
+    kick_error: f64,
+    shift_error: f64,
+    /// How far off the overlap's quintic may make the impulse (N s).
+    model: f64,
+}
+
+impl Correction {
+    #[inline(always)]
+    fn apply(&self, plan: &Plan, work: &mut Workspace, guard: &mut Guard) {
+        let Contact { place, upper, h, .. } = self.contact;
+        for (sign, place) in [(-1.0, upper), (1.0, Some(place))] {
             let Some((row, side)) = place else { continue };
             let per_mass = sign * plan.inverse_mass[row].0[side];
-            work.next.velocity[row].0[side] += per_mass * kick;
-            work.next.position[row].0[side] += per_mass * shift;
-            work.error_velocity[row].0[side] -= per_mass * kick_error;
-            work.error_position[row].0[side] -= per_mass * shift_error;
-            let (kick, shift) = ((per_mass * kick).abs(), (per_mass * shift).abs());
-            let model = (per_mass * model).abs();
-            let lane = self.place.1;
+            work.next.velocity[row].0[side] += per_mass * self.kick;
+            work.next.position[row].0[side] += per_mass * self.shift;
+            work.error_velocity[row].0[side] -= per_mass * self.kick_error;
+            work.error_position[row].0[side] -= per_mass * self.shift_error;
+            let (kick, shift) = ((per_mass * self.kick).abs(), (per_mass * self.shift).abs());
+            let model = (per_mass * self.model).abs();
+            let lane = self.contact.place.1;
             raise(&mut guard.velocity.0[lane], (CORRECTION_SHARE * kick).max(model));
             raise(&mut guard.position.0[lane], (CORRECTION_SHARE * shift).max(0.3 * h * model));
             raise(&mut guard.moved.0[lane], shift);
         }
     }
-}
-
-/// Sum of `powers` times `weights` (unit).
-#[inline(always)]
-fn weighted<L: Lanes>(powers: [L::V; 2], weights: &Weights) -> f64 {
-    let first = L::mul(powers[0], L::load(&weights[0]));
-    L::total(L::mul_add(powers[1], L::load(&weights[1]), first))
 }

@@ -14,8 +14,11 @@ mod lanes;
 mod lanes_x86;
 mod passes;
 mod plan;
+mod quadrature;
 mod quintic;
+mod quintics;
 mod single;
+mod steps;
 mod tasks;
 mod workspace;
 

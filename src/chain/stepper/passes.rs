@@ -3,9 +3,9 @@
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
 use super::forces::{Cut, accelerate, forces};
-use super::kinks::Quadrature;
 use super::lanes::{Lanes, Row};
 use super::plan::{Layout, Plan};
+use super::quadrature::Quadrature;
 use super::workspace::{Motion, Workspace};
 use crate::integrate::nystrom::{NystromPair, Row as Terms};
 
@@ -175,8 +175,17 @@ fn speed_up<L: Lanes, Y: Layout, const M: usize>(
     (h, worth): (L::V, &[Row; 2]),
     work: &mut Workspace,
 ) -> bool {
-    let Workspace { now, next, stages, error_position, error_velocity, overlap, largest, finite } =
-        work;
+    let Workspace {
+        now,
+        next,
+        stages,
+        error_position,
+        error_velocity,
+        overlap,
+        largest,
+        finite,
+        ..
+    } = work;
     let square = L::mul(h, h);
     let mut stages_of = [&stages[0][..rows]; M];
     let mut weights = [[h; 3]; M];

@@ -3,35 +3,11 @@
 
 use super::lanes::{Lanes, Row};
 
-/// Nodes of the Gauss-Jacobi quadrature for the weight `s^1.5` on 0 to 1, five of them; the rest weighs nothing (1).
-const ROOT_NODES: Row = Row([
-    0.124_061_505_637_331_54,
-    0.336_472_509_340_995_9,
-    0.587_491_435_263_399_5,
-    0.815_071_707_804_017_6,
-    0.962_989_798_475_994_5,
-    1.0,
-    1.0,
-    1.0,
-]);
-/// Their weights (1).
-const ROOT_WEIGHTS: Row = Row([
-    0.007_609_028_036_605_25,
-    0.047_184_038_143_998_46,
-    0.112_429_350_380_216_15,
-    0.144_130_795_395_627_18,
-    0.088_646_788_043_552_97,
-    0.0,
-    0.0,
-    0.0,
-]);
 /// One contact's overlap over a step, as a quintic in the fraction of the step.
 pub struct Quintic {
     coefficients: [f64; 6],
-    /// Where it changes sign (1).
-    root: f64,
-    /// Difference to the cubic at mid-step: what the ends do not know (m).
-    pub uncertainty: f64,
+    /// Where the secant changes sign (1).
+    start: f64,
     /// Whether it is positive at the end.
     closes: bool,
 }
@@ -43,9 +19,7 @@ impl Quintic {
         let [p0, w0, g0] = from;
         let [p1, w1, g1] = to;
         let (p, q, r) = (p1 - p0 - w0 - 0.5 * g0, w1 - w0 - g0, g1 - g0);
-        let square = 3.0 * (p1 - p0) - 2.0 * w0 - w1;
-        let cube = 2.0 * (p0 - p1) + w0 + w1;
-        let mut quintic = Self {
+        Self {
             coefficients: [
                 p0,
                 w0,
@@ -54,12 +28,9 @@ impl Quintic {
                 -15.0 * p + 7.0 * q - r,
                 6.0 * p - 3.0 * q + 0.5 * r,
             ],
-            root: 0.0,
-            uncertainty: ((g0 - 2.0 * square) + (g1 - 2.0 * square - 6.0 * cube)).abs() / 64.0,
             closes: p1 > 0.0,
-        };
-        quintic.root = quintic.find_root(p0, p1);
-        quintic
+            start: p0 / (p0 - p1),
+        }
     }
 
     #[inline(always)]
@@ -68,12 +39,12 @@ impl Quintic {
         c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * (c[4] + t * c[5]))))
     }
 
-    /// Newton's method, kept between the ends by bisection.
+    /// Where it changes sign: Newton's method, kept between the ends by bisection (1).
     #[inline(always)]
-    fn find_root(&self, p0: f64, p1: f64) -> f64 {
+    pub fn root(&self) -> f64 {
         let c = &self.coefficients;
         let (mut low, mut high) = (0.0, 1.0);
-        let mut t = p0 / (p0 - p1);
+        let mut t = self.start;
         for _ in 0..12 {
             let value = self.at(t);
             if (value > 0.0) == self.closes {
@@ -111,27 +82,6 @@ impl Quintic {
             sum = L::mul_add(sum, t, L::splat(*coefficient));
         }
         sum
-    }
-
-    /// Closed overlaps at eight times, to the power 1.5.
-    #[inline(always)]
-    pub fn power<L: Lanes>(&self, times: &Row) -> L::V {
-        let closed = L::max(self.lanes::<L>(L::load(times)), L::splat(0.0));
-        L::mul(closed, L::sqrt(closed))
-    }
-
-    /// `int overlap^1.5` and `int (1 - t) overlap^1.5` over the closed part (m^1.5).
-    #[inline(always)]
-    pub fn impulses<L: Lanes>(&self) -> (f64, f64) {
-        let length = if self.closes { 1.0 - self.root } else { -self.root };
-        let s = L::load(&ROOT_NODES);
-        let t = L::mul_add(s, L::splat(length), L::splat(self.root));
-        // The root is taken out, what remains is smooth.
-        let rest = L::div(self.lanes::<L>(t), s);
-        let closed = L::max(rest, L::splat(0.0));
-        let value = L::mul(L::load(&ROOT_WEIGHTS), L::mul(closed, L::sqrt(closed)));
-        let moment = L::mul(value, L::sub(L::splat(1.0), t));
-        (L::total(value) * length.abs(), L::total(moment) * length.abs())
     }
 }
 

@@ -5,10 +5,11 @@ use std::marker::PhantomData;
 
 use super::dispatch::Task;
 use super::forces::{self, Cut, EXACT, LINEAR, PLAIN};
-use super::kinks::{self, Guard, Quadrature};
+use super::kinks::{self, Guard};
 use super::lanes::{Lanes, Row};
 use super::passes;
 use super::plan::{Form, Layout, Plan};
+use super::quadrature::Quadrature;
 use super::workspace::{Motion, Workspace};
 use crate::integrate::nystrom::NystromPair;
 
@@ -97,13 +98,14 @@ impl<Y: Layout> Task for Attempt<'_, Y> {
                 return None;
             }
         };
-        if !sides.changed && !sides.doubtful {
+        let matters = slack[0].0.iter().any(|slack| slack.is_finite());
+        if !matters || !sides.changed && !sides.doubtful {
             return None;
         }
         let limits = (&step, &slack);
         let mut guard = Guard::default();
         if sides.changed {
-            guard = kinks::correct::<L, Y>(plan, quadrature, work, limits);
+            guard = kinks::correct::<L, Y>(plan, quadrature, work, &step);
         }
         let missed = kinks::missed::<L, Y>(plan, work, limits, &mut guard);
         if !sides.changed && !missed {

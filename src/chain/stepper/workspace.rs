@@ -1,5 +1,6 @@
 //! What a step reads and writes.
 
+use super::kinks::Correction;
 use super::lanes::Row;
 
 /// Positions and velocities in rows.
@@ -43,6 +44,8 @@ pub struct Workspace {
     pub error_velocity: Vec<Row>,
     /// Overlaps where the step ends (m).
     pub overlap: Vec<Row>,
+    /// Contacts that changed sides in the step last tried.
+    pub corrections: Vec<Correction>,
     /// Largest magnitudes of the step last tried.
     pub largest: Largest,
     /// Whether all velocities of the step last tried are finite, a bit for each lane.
@@ -83,6 +86,7 @@ impl Workspace {
             error_position: vec![Row::default(); rows],
             error_velocity: vec![Row::default(); rows],
             overlap: vec![Row::default(); rows],
+            corrections: Vec::new(),
             largest: Largest::default(),
             finite: 0,
         }

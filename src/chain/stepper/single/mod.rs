@@ -6,9 +6,11 @@ use std::marker::PhantomData;
 
 use super::dispatch::{InstructionSet, dispatch};
 use super::frame::Ends;
-use super::kinks::{self, Quadrature};
+use super::kinks;
 use super::lanes::{Row, WIDTH};
 use super::plan::{Along, Form, Plan};
+use super::quadrature::Quadrature;
+use super::steps::{UNMOVED, control, worth};
 use super::tasks::{Attempt, Evaluate, Settle};
 use super::workspace::Workspace;
 use crate::chain::Chain;
@@ -16,11 +18,6 @@ use crate::integrate::control::StepControl;
 use crate::integrate::hermite::{End, septic};
 use crate::integrate::nystrom::NystromPair;
 use crate::integrate::{IntegrateError, Integrator, Interpolant, State, Work};
-
-/// The first step, as a fraction of overlap over speed (1).
-pub(super) const FIRST_STEP: f64 = 1e-3;
-/// A corrected position that moved by less than this share of the tolerance keeps its acceleration (1).
-pub(super) const UNMOVED: f64 = 0.03;
 
 /// Rows at rest behind the last that moves: within a step news travel a contact a stage, of which there are fewer than in these.
 const MARGIN: usize = 2;
@@ -129,7 +126,7 @@ impl ChainStepper {
             pair,
             quadrature: Quadrature::of(pair),
             work,
-            control: StepControl::new(FIRST_STEP * scales.0 / scales.1, pair.error_order),
+            control: control(scales, pair),
             tolerance,
             scales,
             lightest: chain.lightest(),
@@ -212,11 +209,6 @@ impl ChainStepper {
         work.largest.overlap = dispatch(*set, task);
         self.counts.force_evaluations += 1;
     }
-}
-
-/// How many tolerated errors an error of 1 m, or of 1 m/s, is (1/m, s/m).
-pub(super) fn worth(tolerance: f64, scales: (f64, f64)) -> [f64; 2] {
-    [1.0 / (tolerance * scales.0), 1.0 / (tolerance * scales.1)]
 }
 
 /// The first `count` values of rows.
