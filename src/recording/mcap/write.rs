@@ -6,6 +6,7 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use mcap::records::{MessageHeader, Metadata};
+use mcap::write::NoSeek;
 use mcap::{Attachment as McapAttachment, Compression, WriteOptions, Writer};
 use prost::Message as _;
 
@@ -54,7 +55,7 @@ pub struct ShotNotes {
 /// An open recording.
 pub struct RecordingWriter {
     file: PathBuf,
-    writer: Writer<BufWriter<File>>,
+    writer: Writer<NoSeek<BufWriter<File>>>,
     schemas: BTreeMap<Schema, u16>,
     channels: BTreeMap<String, u16>,
     sequence: u32,
@@ -76,11 +77,13 @@ impl RecordingWriter {
         if let Some(folder) = file.parent().filter(|f| !f.as_os_str().is_empty()) {
             std::fs::create_dir_all(folder).map_err(system)?;
         }
-        let target = BufWriter::new(File::create(file).map_err(system)?);
+        // To ask a buffered file where it is would empty the buffer each time.
+        let target = NoSeek::new(BufWriter::new(File::create(file).map_err(system)?));
         let mut writer = WriteOptions::new()
             .profile(PROFILE)
             .library(concat!("hertzscope ", env!("CARGO_PKG_VERSION")))
             .compression(Some(Compression::Zstd))
+            .compression_level(1)
             .compression_threads(0)
             .chunk_size(Some(CHUNK_BYTES))
             .disable_seeking(true)
@@ -198,7 +201,7 @@ impl RecordingWriter {
         self.writer.finish().map_err(|source| self.container(source))?;
         let file = self.file;
         let system = |source| WriteError::File { file: file.clone(), source };
-        let buffer = self.writer.into_inner();
+        let buffer = self.writer.into_inner().into_inner();
         let target = buffer.into_inner().map_err(|e| system(e.into_error()))?;
         target.sync_all().map_err(system)
     }
