@@ -173,8 +173,8 @@ pub fn missing<L: Lanes>(quadrature: &Quadrature, ends: &Ends) -> Missing {
 
 #[cfg(test)]
 mod tests {
-    use super::super::lanes::Baseline;
     use super::*;
+    use crate::chain::stepper::lanes::Baseline;
     use crate::integrate::dormand_el_mikkawy_prince_64::DORMAND_EL_MIKKAWY_PRINCE_64;
 
     /// Parabolas through zero at eight places, opening or closing: their integrals against the midpoint rule in `s^2` from the root on,
