@@ -9,7 +9,8 @@
 //! `dv = h/m (int_0^1 F dc - sum b'_i F(c_i))`, `dx = h^2/m (int_0^1 (1 - c) F dc - sum b_i F(c_i))`.
 //!
 //! The embedded solution gets the same treatment, so the error estimate sees what is left over and not the kink. Both the
-//! correction itself and the quintic's own uncertainty guard the estimate.
+//! correction itself and the quintic's own uncertainty guard the estimate. Contacts that change sides so slowly that nobody could
+//! see the difference are left alone ([`super::visible`]).
 //! Sources: C. W. Gear, O. Osterby, ACM Trans. Math. Softw. 10, 23 (1984), on discontinuities and order; W. Gautschi, Orthogonal
 //! Polynomials (Oxford, 2004), section 3.1, on Gauss-Jacobi quadrature. Measured in `tests/it/kinks.rs`.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
@@ -19,6 +20,7 @@ use super::plan::{Layout, Plan};
 use super::quadrature::Quadrature;
 use super::quintic::{Quintic, raise};
 use super::quintics;
+use super::visible::Visible;
 use super::workspace::{Motion, Workspace};
 
 /// Share of a correction that is counted as error: residuals measured on the shipped scenes stayed below (1).
@@ -51,14 +53,15 @@ fn changed(work: &Workspace, row: usize) -> u8 {
     work.now.closed[row] ^ work.next.closed[row]
 }
 
-/// Corrects the step of `h` (s, lane by lane) that `work` holds.
+/// Corrects the step of `h` (s, lane by lane) that `work` holds; none if there is nothing that could be seen.
 #[inline(always)]
 pub fn correct<L: Lanes, Y: Layout>(
     plan: &Plan,
     quadrature: &Quadrature,
     work: &mut Workspace,
-    h: &Row,
-) -> Guard {
+    (h, slack): (&Row, &[Row; 2]),
+) -> Option<Guard> {
+    let visible = Visible::<L>::new(h, slack);
     let mut guard = Guard::default();
     let mut corrections = std::mem::take(&mut work.corrections);
     corrections.clear();
@@ -66,6 +69,9 @@ pub fn correct<L: Lanes, Y: Layout>(
     let mut waiting = 0;
     for row in 0..plan.rows() {
         let mut bits = changed(work, row);
+        if bits != 0 {
+            bits &= visible.among::<Y>(plan, work, row);
+        }
         while bits != 0 {
             let lane = bits.trailing_zeros() as usize;
             bits &= bits - 1;
@@ -91,7 +97,7 @@ pub fn correct<L: Lanes, Y: Layout>(
         correction.apply(plan, work, &mut guard);
     }
     work.corrections = corrections;
-    guard
+    if work.corrections.is_empty() { None } else { Some(guard) }
 }
 
 /// Finds the last `count` corrections from the `ends` of their contacts' steps.

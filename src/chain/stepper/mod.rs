@@ -20,6 +20,7 @@ mod quintics;
 mod single;
 mod steps;
 mod tasks;
+mod visible;
 mod workspace;
 
 pub use dispatch::InstructionSet;

@@ -103,12 +103,14 @@ impl<Y: Layout> Task for Attempt<'_, Y> {
             return None;
         }
         let limits = (&step, &slack);
-        let mut guard = Guard::default();
-        if sides.changed {
-            guard = kinks::correct::<L, Y>(plan, quadrature, work, &step);
-        }
+        let corrected = if sides.changed {
+            kinks::correct::<L, Y>(plan, quadrature, work, limits)
+        } else {
+            None
+        };
+        let mut guard = corrected.unwrap_or_default();
         let missed = kinks::missed::<L, Y>(plan, work, limits, &mut guard);
-        if !sides.changed && !missed {
+        if corrected.is_none() && !missed {
             return None;
         }
         let rows = plan.rows();
