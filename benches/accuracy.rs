@@ -1,5 +1,5 @@
 //! What accuracy costs in time: the coarsest setting that meets a tolerance, as all finer ones do, and how long it takes; beside a
-//! velocity Verlet, and how much faster than the bench itself that is. `cargo bench --bench accuracy`; other people's solvers are in
+//! velocity Verlet in plain loops, and how much faster than the bench itself that is. `cargo bench --bench accuracy`; other people's solvers are in
 //! `benches/peers`.
 #![allow(clippy::expect_used, reason = "a bench that cannot run has nothing to say")]
 
@@ -22,8 +22,18 @@ const TOLERANCES: [f64; 3] = [1e-3, 1e-6, 1e-9];
 const SCENES: [&str; 4] = ["P37", "G37", "P600", "bench"];
 /// Tolerance of the reference's steps (1).
 const REFERENCE: f64 = 1e-15;
-/// Steps of velocity Verlet beyond which nobody waits.
-const MOST_STEPS: f64 = 1e6;
+/// Evaluations of a method with fixed steps beyond which nobody waits.
+const MOST_EVALUATIONS: f64 = 1e6;
+
+type Make = fn(f64) -> Method;
+
+/// The methods with fixed steps, by their step (s).
+const FIXED: [Make; 4] = [
+    |step| Method::VelocityVerlet { step },
+    |step| Method::Pefrl { step },
+    |step| Method::BlanesMoan { step },
+    |step| Method::ForceGradient { step },
+];
 
 fn main() {
     println!(
@@ -34,12 +44,16 @@ fn main() {
         let case = Case::named(name).expect("a scene");
         let exact = peaks(&case, Method::DormandPrince853 { tolerance: REFERENCE });
         let error = |method: Method| error(&peaks(&case, method), &exact);
-        let pair = |name: &'static str| -> Vec<(Method, f64)> {
-            let methods = (2..=26).map(|k| ours::method(name, 10f64.powf(-0.5 * f64::from(k))));
-            methods.flatten().map(|method| (method, error(method))).collect()
+        let pair = |name: &'static str| -> Ladder {
+            let settings = (2..=26).map(|k| 10f64.powf(-0.5 * f64::from(k)));
+            let methods = settings.filter_map(|setting| ours::method(name, setting, &case));
+            methods.map(|method| (method, error(method))).collect()
         };
-        let ladders = [pair("rkn64"), pair("rkn86")];
-        let verlet = verlet_ladder(&case, &error);
+        let mut ladders = vec![pair("rkn64"), pair("rkn86")];
+        for make in FIXED {
+            ladders.push(fixed_ladder(&case, make, &error));
+        }
+        let verlet = fixed_ladder(&case, FIXED[0], &error);
         for tolerance in TOLERANCES {
             row(&case, tolerance, &ladders, &verlet);
         }
@@ -85,15 +99,16 @@ fn table_scenes() {
 
 type Ladder = Vec<(Method, f64)>;
 
-/// Steps of velocity Verlet from the edge of stability on, with their errors.
-fn verlet_ladder(case: &Case, error: &dyn Fn(Method) -> f64) -> Ladder {
-    let method = |step| Method::VelocityVerlet { step };
-    let limit = case.chain.stability_limit(&case.velocities, 2.0).expect("contacts");
-    let mut step = 0.5 * limit.step;
+/// Steps of `make` from the edge of stability down, with their errors.
+fn fixed_ladder(case: &Case, make: Make, error: &dyn Fn(Method) -> f64) -> Ladder {
+    let (_, reach) = make(1.0).fixed_step().expect("a method with a fixed step");
+    let limit = case.chain.stability_limit(&case.velocities, reach).expect("contacts");
+    let stages = f64::from(make(1.0).stages());
+    let mut step = limit.step;
     let mut ladder = Vec::new();
-    while case.duration / step < MOST_STEPS {
-        let found = error(method(step));
-        ladder.push((method(step), found));
+    while case.duration / step * stages < MOST_EVALUATIONS {
+        let found = error(make(step));
+        ladder.push((make(step), found));
         if found < 1e-10 {
             break;
         }
@@ -126,18 +141,21 @@ fn row(case: &Case, tolerance: f64, ladders: &[Ladder], verlet: &Ladder) {
     }
     let seconds = median(&mut bare);
     let [peaks, recorded, plain] = others.map(|mut o| median(&mut o));
+    let setting = match method.fixed_step() {
+        Some((step, _)) => format!("{:.2} us", 1e6 * step),
+        None => format!("{:.1e}", method.tolerance().unwrap_or(f64::NAN)),
+    };
     let plain = if plain.is_nan() { "out of reach".to_owned() } else { format!("{plain:.1}") };
     println!(
-        "| {} | {tolerance:.0e} | {} | {:.1e} | {error:.1e} | {:.1} | {:.1} | {peaks:.2} | {recorded:.2} | {plain} |",
+        "| {} | {tolerance:.0e} | {} | {setting} | {error:.1e} | {:.1} | {:.1} | {peaks:.2} | {recorded:.2} | {plain} |",
         case.name,
         method.name(),
-        method.tolerance().unwrap_or(f64::NAN),
         1e6 * seconds,
         case.duration / seconds,
     );
 }
 
-/// Velocity Verlet with hertzscope's forces, nothing watched.
+/// Velocity Verlet in the plain loops of `integrate`, nothing watched.
 fn fixed(case: &Case, method: Method) {
     let bodies = case.velocities.len();
     let state = State { time: 0.0, position: vec![0.0; bodies], velocity: case.velocities.clone() };

@@ -13,8 +13,9 @@ use common::clock::{median, time};
 use common::ours;
 use common::scenes::Case;
 use hertzscope::chain::stepper::InstructionSet;
+use hertzscope::experiment::Integration;
 use hertzscope::experiment::ensemble::{self, Ensemble};
-use hertzscope::integrate::Method;
+use hertzscope::integrate::{IntegrateError, Method};
 
 const ROUNDS: usize = 9;
 /// CPU time of one measurement (s).
@@ -36,53 +37,69 @@ fn main() {
     processes();
 }
 
-/// A scene, by name, and the pair and step tolerance it is run with.
-const KERNELS: [(&str, &str, &str, f64); 6] = [
-    ("37 particles, preloaded (P37)", "P37", "rkn86", 1e-6),
-    ("37 particles, gravity only (G37)", "G37", "rkn64", 1e-6),
-    ("38 particles, the real bench", "bench", "rkn86", 1e-6),
-    ("600 particles (P600)", "P600", "rkn86", 1e-6),
-    ("600 particles (P600)", "P600", "rkn64", 1e-3),
-    ("10,000 particles", "P10000", "rkn86", 1e-6),
+/// What is run.
+type Run = fn(&Case, Method, InstructionSet) -> Result<u64, IntegrateError>;
+
+/// What it is, the scene's name, the method with its tolerance or its step in the scene's unit, and how it is run.
+type Kernel = (&'static str, &'static str, &'static str, f64, Run);
+
+/// With all that error control takes, contacts ahead of the wave left alone.
+const CONTROLLED: [Kernel; 6] = [
+    ("37 particles, preloaded (P37)", "P37", "rkn86", 1e-6, ours::bare),
+    ("37 particles, gravity only (G37)", "G37", "rkn64", 1e-6, ours::bare),
+    ("38 particles, the real bench", "bench", "rkn86", 1e-6, ours::bare),
+    ("600 particles (P600)", "P600", "rkn86", 1e-6, ours::bare),
+    ("600 particles (P600)", "P600", "rkn64", 1e-3, ours::bare),
+    ("10,000 particles", "P10000", "rkn86", 1e-6, ours::bare),
+];
+
+/// In fixed steps, no contact left alone.
+const FIXED: [Kernel; 9] = [
+    ("37 particles, preloaded (P37)", "P37", "velocity-verlet", 0.1, ours::awake),
+    ("37 particles, preloaded (P37)", "P37", "blanes-moan", 0.5, ours::awake),
+    ("37 particles, preloaded (P37)", "P37", "force-gradient", 0.5, ours::awake),
+    ("600 particles (P600)", "P600", "velocity-verlet", 0.1, ours::awake),
+    ("600 particles (P600)", "P600", "blanes-moan", 0.5, ours::awake),
+    ("10,000 particles", "P10000", "blanes-moan", 0.5, ours::awake),
+    ("eight P37 side by side", "P37", "velocity-verlet", 0.1, ours::eight),
+    ("eight P37 side by side", "P37", "blanes-moan", 0.5, ours::eight),
+    ("eight P37 side by side", "P37", "force-gradient", 0.5, ours::eight),
 ];
 
 fn kernels() {
-    let sets = InstructionSet::available();
-    let cases: Vec<(Case, &str, Method)> = KERNELS
-        .iter()
-        .map(|(_, scene, pair, tolerance)| {
-            let method = ours::method(pair, *tolerance).expect("a pair");
-            (Case::named(scene).expect("a scene"), *pair, method)
-        })
-        .collect();
-    let mut streams = Vec::new();
-    let mut costs = vec![vec![Vec::new(); sets.len()]; cases.len()];
     let values: Vec<f64> = (1..=STREAM).map(|i| i as f64).collect();
     let mut roots = vec![0.0; STREAM];
-    for _ in 0..ROUNDS {
-        let stream = time(SLICE, || square_roots::stream(&values, &mut roots)) / STREAM as f64;
-        streams.push(stream);
-        for ((case, _, method), costs) in cases.iter().zip(&mut costs) {
-            for (set, costs) in sets.iter().zip(costs) {
-                let mut evaluations = 0;
-                let seconds = time(SLICE, || {
-                    evaluations = ours::bare(case, *method, *set).expect("a run");
-                });
-                costs.push(seconds / (evaluations as f64 * case.contacts() as f64) / stream);
-            }
-        }
-    }
-    let stream = median(&mut streams);
-    println!("A stream of vector square roots takes {:.4} ns a contact.\n", 1e9 * stream);
-    print!("| time of a contact over the stream's, own A in every contact | pair |");
+    let mut stream = || time(SLICE, || square_roots::stream(&values, &mut roots)) / STREAM as f64;
+    let mut streams: Vec<f64> = (0..ROUNDS).map(|_| stream()).collect();
+    let nanoseconds = 1e9 * median(&mut streams);
+    println!("A stream of vector square roots takes {nanoseconds:.4} ns a contact.\n");
+    table("with error control", &CONTROLLED, &mut stream);
+    table("in fixed steps, all of the chain", &FIXED, &mut stream);
+}
+
+/// Times of contacts over the stream's, in the same round.
+fn table(what: &str, kernels: &[Kernel], stream: &mut dyn FnMut() -> f64) {
+    let sets = InstructionSet::available();
+    print!("| time of a contact over the stream's, own A in every contact, {what} | method |");
     for set in &sets {
         print!(" {} |", set.name());
     }
     println!("\n|---|---|{}", "---|".repeat(sets.len()));
-    for ((what, ..), ((_, pair, _), costs)) in KERNELS.iter().zip(cases.iter().zip(&mut costs)) {
-        print!("| {what} | {pair} |");
-        for costs in costs.iter_mut() {
-            print!(" {:.2} |", median(costs));
+    for (words, scene, name, setting, run) in kernels {
+        let case = Case::named(scene).expect("a scene");
+        let method = ours::method(name, *setting, &case).expect("a method");
+        print!("| {words} | {name} |");
+        for set in &sets {
+            let mut costs = Vec::new();
+            for _ in 0..ROUNDS {
+                let stream = stream();
+                let mut evaluations = 0;
+                let seconds = time(SLICE, || {
+                    evaluations = run(&case, method, *set).expect("a run");
+                });
+                costs.push(seconds / (evaluations as f64 * case.contacts() as f64) / stream);
+            }
+            print!(" {:.2} |", median(&mut costs));
         }
         println!();
     }
@@ -95,7 +112,7 @@ fn quiet_part() {
     println!("| the quiet part ahead of the wave, left alone | times as fast |\n|---|---|");
     for name in ["P37", "P600", "P10000"] {
         let case = Case::named(name).expect("a scene");
-        let method = ours::method("rkn86", 1e-6).expect("a pair");
+        let method = ours::method("rkn86", 1e-6, &case).expect("a pair");
         let run = |whole: bool| {
             time(SLICE, || {
                 let run = if whole { ours::awake } else { ours::bare };
@@ -114,44 +131,59 @@ const ENSEMBLE: u32 = 512;
 /// Throughput of ensembles over that of single chains, first peaks followed in both, and of two threads over one.
 fn ensembles() {
     println!(
-        "| throughput of {ENSEMBLE} chains of their own speeds | over single chains, one thread | two threads over one, wall time |\n|---|---|---|"
+        "| throughput of {ENSEMBLE} chains of their own speeds | over single chains, one thread | two threads over one, wall time | us a chain |\n|---|---|---|---|"
     );
     for (name, accuracy) in [("P37", 1e-3), ("P37", 1e-6), ("G37", 1e-3), ("G37", 1e-6)] {
+        let words = format!("{name} at {accuracy:.0e}");
+        ensemble(&words, &Case::named(name).expect("a scene"), Integration::Accuracy(accuracy));
+    }
+    for (name, method, step) in [
+        ("P37", "force-gradient", 1.0),
+        ("P37", "force-gradient", 0.3),
+        ("G37", "velocity-verlet", 0.1),
+    ] {
         let case = Case::named(name).expect("a scene");
-        let cases: Vec<ensemble::Case> = (0..ENSEMBLE)
-            .map(|index| {
-                let speed = 1.0 + 0.2 * f64::from(index) / f64::from(ENSEMBLE);
-                ensemble::Case {
-                    chain: case.chain.clone(),
-                    velocities: case.velocities.iter().map(|v| speed * v).collect(),
-                    probes: case.probes(),
-                    duration: case.duration,
-                }
-            })
-            .collect();
-        let together = |threads: usize| {
-            let found = Ensemble::new(accuracy).threads(threads).run(&cases, &|_| ());
-            assert!(found.iter().all(Result::is_ok), "{name}");
-        };
-        let alone = || {
-            for case in &cases {
-                case.run_alone(accuracy).expect("a run");
-            }
-        };
-        let (mut gains, mut threads) = (Vec::new(), Vec::new());
-        for _ in 0..ROUNDS {
-            gains.push(time(SLICE, alone) / time(SLICE, || together(1)));
-            let wall = |threads| {
-                let start = Instant::now();
-                together(threads);
-                start.elapsed().as_secs_f64()
-            };
-            threads.push(wall(1) / wall(2));
-        }
-        let (gain, threads) = (median(&mut gains), median(&mut threads));
-        println!("| {name} at {accuracy:.0e} | {gain:.2} | {threads:.2} |");
+        let method = ours::method(method, step, &case).expect("a method");
+        ensemble(&format!("{name}, {method}"), &case, Integration::Method(method));
     }
     println!();
+}
+
+fn ensemble(words: &str, case: &Case, integration: Integration) {
+    let cases: Vec<ensemble::Case> = (0..ENSEMBLE)
+        .map(|index| {
+            let speed = 1.0 + 0.2 * f64::from(index) / f64::from(ENSEMBLE);
+            ensemble::Case {
+                chain: case.chain.clone(),
+                velocities: case.velocities.iter().map(|v| speed * v).collect(),
+                probes: case.probes(),
+                duration: case.duration,
+            }
+        })
+        .collect();
+    let together = |threads: usize| {
+        let found = Ensemble::by(integration).threads(threads).run(&cases, &|_| ());
+        assert!(found.iter().all(Result::is_ok), "{words}");
+    };
+    let alone = || {
+        for case in &cases {
+            case.run_alone(integration).expect("a run");
+        }
+    };
+    let (mut gains, mut threads, mut times) = (Vec::new(), Vec::new(), Vec::new());
+    for _ in 0..ROUNDS {
+        let (single, group) = (time(SLICE, alone), time(SLICE, || together(1)));
+        gains.push(single / group);
+        times.push(1e6 * group / f64::from(ENSEMBLE));
+        let wall = |threads| {
+            let start = Instant::now();
+            together(threads);
+            start.elapsed().as_secs_f64()
+        };
+        threads.push(wall(1) / wall(2));
+    }
+    let (gain, threads, time) = (median(&mut gains), median(&mut threads), median(&mut times));
+    println!("| {words} | {gain:.2} | {threads:.2} | {time:.1} |");
 }
 
 /// CPU time of whole processes: user and system, as the kernel counts them for children.

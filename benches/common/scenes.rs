@@ -46,6 +46,12 @@ impl Case {
         self.particles.iter().filter_map(inside).collect()
     }
 
+    /// Time in which the striker goes as far as its contact is pressed: what fixed steps are measured by (s).
+    pub fn unit(&self) -> f64 {
+        let fastest = self.velocities.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        self.chain.impact_overlap(&self.velocities) / fastest
+    }
+
     /// Contacts that can close.
     pub fn contacts(&self) -> usize {
         self.chain.contacts().iter().filter(|contact| contact.stiffness > 0.0).count()

@@ -55,6 +55,8 @@ enum ByHand {
     Pefrl,
     /// Order 6, symplectic
     BlanesMoan,
+    /// Order 4, symplectic; kicks by gradients of the forces, too
+    ForceGradient,
     /// Order 4, for scenes with losses
     #[value(name = "runge-kutta-4")]
     RungeKutta4,
@@ -66,6 +68,7 @@ impl ByHand {
             Self::VelocityVerlet => Method::VelocityVerlet { step },
             Self::Pefrl => Method::Pefrl { step },
             Self::BlanesMoan => Method::BlanesMoan { step },
+            Self::ForceGradient => Method::ForceGradient { step },
             Self::RungeKutta4 => Method::RungeKutta4 { step },
         }
     }

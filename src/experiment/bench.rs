@@ -52,27 +52,27 @@ pub struct Watch {
 
 /// The method at work on the chain.
 enum Engine<'a> {
-    /// Where contacts and constant loads are all there is, Runge-Kutta-Nystrom pairs run on the chain's own stepper; with a view for each watch.
+    /// Where contacts and constant loads are all there is, methods made for that run on the chain's own stepper; with a view for each watch.
     Stepper(Box<ChainStepper>, Vec<View>),
     /// Everything else.
     General(Box<dyn Integrator + 'a>),
 }
 
-/// A method at work on a lossless chain, from any state; pairs on the chain's own stepper where that takes its forces.
+/// A method at work on a lossless chain, from any state; on the chain's own stepper where that takes its forces.
 #[must_use]
 pub fn start(chain: &Chain, method: Method, state: State) -> Box<dyn Integrator> {
-    if let (Some(pair), true) = (method.nystrom(), chain.is_plain()) {
-        return Box::new(ChainStepper::from_state(chain, &state, pair, InstructionSet::best()));
+    if let (Some(scheme), true) = (method.scheme(), chain.is_plain()) {
+        return Box::new(ChainStepper::from_state(chain, &state, scheme, InstructionSet::best()));
     }
     method.start(chain.system(&state.velocity), state)
 }
 
 impl<'a> Engine<'a> {
     fn start(chain: &Chain, velocities: &[f64], method: Method, probes: &[ForceProbe]) -> Self {
-        match method.nystrom() {
-            Some((pair, tolerance)) if chain.is_plain() => {
+        match method.scheme() {
+            Some(scheme) if chain.is_plain() => {
                 let set = InstructionSet::best();
-                let stepper = ChainStepper::new(chain, velocities, pair, tolerance, set);
+                let stepper = ChainStepper::new(chain, velocities, scheme, set);
                 Self::Stepper(Box::new(stepper), probes.iter().map(View::new).collect())
             }
             _ => {

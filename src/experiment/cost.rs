@@ -12,7 +12,7 @@ use super::comparison::{
 };
 use super::{Integration, method};
 use crate::chain::stepper::Refinement;
-use crate::integrate::Method;
+use crate::integrate::{Method, Scheme};
 use crate::scene::Scene;
 
 /// Runs of each point that are timed where nobody says otherwise.
@@ -175,10 +175,11 @@ fn name(method: Method, without: Option<Refinement>) -> &'static str {
 /// Every method over its range: steps from the edge of stability down, tolerances from coarse to tight.
 fn settings(scene: &Scene) -> Vec<Treated> {
     type Make = fn(f64) -> Method;
-    let fixed: [Make; 4] = [
+    let fixed: [Make; 5] = [
         |step| Method::VelocityVerlet { step },
         |step| Method::Pefrl { step },
         |step| Method::BlanesMoan { step },
+        |step| Method::ForceGradient { step },
         |step| Method::RungeKutta4 { step },
     ];
     let adaptive: [Make; 5] = [
@@ -204,7 +205,7 @@ fn settings(scene: &Scene) -> Vec<Treated> {
     for make in adaptive.into_iter().filter(|make| suits(make(1.0))) {
         let range = || (1..=13).map(|decade| make(10f64.powi(-decade)));
         settings.extend(range().map(|method| (method, None)));
-        if make(1.0).nystrom().is_some() {
+        if let Some(Scheme::Pair(..)) = make(1.0).scheme() {
             settings.extend(range().map(|method| (method, Some(Refinement::KinkCorrection))));
         }
     }

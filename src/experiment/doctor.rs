@@ -52,7 +52,10 @@ pub fn examine() -> Vec<Check> {
         checks.push(held(format!("{} lanes", set.name()), found.and_then(Result::ok)));
     }
     let best = InstructionSet::best().name();
-    checks.push(held(format!("single runs, {best}"), case.run_alone(ACCURACY).ok()));
+    checks.push(held(
+        format!("single runs, {best}"),
+        case.run_alone(Integration::Accuracy(ACCURACY)).ok(),
+    ));
     checks.push(recorded(&scene));
     checks
 }

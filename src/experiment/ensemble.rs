@@ -14,7 +14,7 @@ use super::pulse::PulseRecorder;
 use super::{Integration, losses};
 use crate::chain::stepper::{ChainGroup, InstructionSet, Member, View};
 use crate::chain::{Chain, ForceProbe};
-use crate::integrate::{IntegrateError, Work};
+use crate::integrate::{IntegrateError, Method, Work};
 use crate::scene::{PlacedSensor, Scene, Site};
 
 /// One chain and what is to be read from it.
@@ -42,7 +42,7 @@ pub struct Readout {
 /// How many chains are run at once.
 #[derive(Debug, Clone, Copy)]
 pub struct Ensemble {
-    accuracy: f64,
+    integration: Integration,
     threads: usize,
     set: InstructionSet,
 }
@@ -51,8 +51,14 @@ impl Ensemble {
     /// All processors, to `accuracy`: relative error of first-peak forces and times (1).
     #[must_use]
     pub fn new(accuracy: f64) -> Self {
+        Self::by(Integration::Accuracy(accuracy))
+    }
+
+    /// All processors, each case integrated by `integration`.
+    #[must_use]
+    pub fn by(integration: Integration) -> Self {
         let threads = std::thread::available_parallelism().map_or(1, NonZero::get);
-        Self { accuracy, threads, set: InstructionSet::best() }
+        Self { integration, threads, set: InstructionSet::best() }
     }
 
     /// With this many threads.
@@ -103,12 +109,13 @@ impl Ensemble {
     fn groups(&self, cases: &[&Case]) -> Vec<Vec<usize>> {
         let (mut full, mut open): (Vec<Vec<usize>>, Vec<Vec<usize>>) = (Vec::new(), Vec::new());
         for (index, case) in cases.iter().enumerate() {
-            if !case.chain.is_plain() {
+            let scheme = case.method(self.integration).scheme();
+            let Some(scheme) = scheme.filter(|_| case.chain.is_plain()) else {
                 full.push(vec![index]);
                 continue;
-            }
+            };
             let fits = |group: &Vec<usize>| {
-                ChainGroup::fit(&cases[group[0]].member(), &case.member(), self.accuracy)
+                ChainGroup::fit(&cases[group[0]].member(), &case.member(), scheme)
             };
             let Some(place) = open.iter().position(fits) else {
                 open.push(vec![index]);
@@ -125,15 +132,13 @@ impl Ensemble {
 
     fn run_group(&self, cases: &[&Case], group: &[usize]) -> Vec<Result<Readout, IntegrateError>> {
         let members: Vec<&Case> = group.iter().map(|index| cases[*index]).collect();
-        let method = members
-            .first()
-            .map(|case| losses::method_for(&case.chain, &case.velocities, self.accuracy));
-        match method.and_then(|method| method.nystrom()) {
-            Some((pair, tolerance)) => {
+        let first = members.first().filter(|case| case.chain.is_plain());
+        match first.and_then(|case| case.method(self.integration).scheme()) {
+            Some(scheme) => {
                 let all: Vec<Member<'_>> = members.iter().map(|case| case.member()).collect();
-                follow(ChainGroup::new(&all, pair, tolerance, self.set), &members)
+                follow(ChainGroup::new(&all, scheme, self.set), &members)
             }
-            None => members.iter().map(|case| case.run_alone(self.accuracy)).collect(),
+            None => members.iter().map(|case| case.run_alone(self.integration)).collect(),
         }
     }
 }
@@ -182,13 +187,22 @@ impl Case {
         Member { chain: &self.chain, velocities: &self.velocities, duration: self.duration }
     }
 
-    /// Runs it on its own stepper, to `accuracy` (1): as exact as in a lane, but not the same to the last bit.
+    fn method(&self, integration: Integration) -> Method {
+        match integration {
+            Integration::Accuracy(accuracy) => {
+                losses::method_for(&self.chain, &self.velocities, accuracy)
+            }
+            Integration::Method(method) => method,
+        }
+    }
+
+    /// Runs it on its own stepper: as exact as in a lane, but not the same to the last bit.
     ///
     /// # Errors
     /// [`IntegrateError`] where the integrator cannot go on.
-    pub fn run_alone(&self, accuracy: f64) -> Result<Readout, IntegrateError> {
+    pub fn run_alone(&self, integration: Integration) -> Result<Readout, IntegrateError> {
         let never = Grid { start: f64::MAX, interval: 1.0 };
-        let method = losses::method_for(&self.chain, &self.velocities, accuracy);
+        let method = self.method(integration);
         let grids = (never, never);
         let mut bench = Bench::new(&self.chain, &self.velocities, method, &self.probes, grids);
         bench.run_until(self.duration, true, &mut |_| ())?;

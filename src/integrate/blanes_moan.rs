@@ -28,5 +28,7 @@ pub static BLANES_MOAN: Splitting = Splitting {
     order: 6,
     kicks: &[B[0], B[1], B[2], B[3], B[4], B6, B6, B[4], B[3], B[2], B[1], B[0]],
     drifts: &[A[0], A[1], A[2], A[3], A[4], A6, A[4], A[3], A[2], A[1], A[0]],
+    gradients: &[],
+    first_step: &[],
     stability: 3.1,
 };

@@ -6,6 +6,7 @@ use super::blanes_moan::BLANES_MOAN;
 use super::dormand_el_mikkawy_prince_64::DORMAND_EL_MIKKAWY_PRINCE_64;
 use super::dormand_el_mikkawy_prince_86::DORMAND_EL_MIKKAWY_PRINCE_86;
 use super::dormand_prince_54::DORMAND_PRINCE_54;
+use super::force_gradient::FORCE_GRADIENT;
 use super::nystrom::{NystromIntegrator, NystromPair};
 use super::pefrl::PEFRL;
 use super::rodas::{self, Rodas};
@@ -31,6 +32,11 @@ pub enum Method {
     },
     /// Blanes and Moan's splitting: order 6, symplectic.
     BlanesMoan {
+        /// The step (s).
+        step: f64,
+    },
+    /// Omelyan, Mryglod and Folk's splitting with force gradients: order 4, symplectic.
+    ForceGradient {
         /// The step (s).
         step: f64,
     },
@@ -66,6 +72,15 @@ pub enum Method {
     },
 }
 
+/// A method and its setting, of those for forces that depend on positions alone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Scheme {
+    /// A Runge-Kutta-Nystrom pair, and the tolerated error of a step relative to the system's scales (1).
+    Pair(&'static NystromPair, f64),
+    /// A splitting, and its step (s).
+    Splitting(&'static Splitting, f64),
+}
+
 /// What a method's arm leads to.
 enum Kind {
     Splitting(&'static Splitting, f64),
@@ -81,6 +96,7 @@ impl Method {
             Self::VelocityVerlet { step } => Kind::Splitting(&VELOCITY_VERLET, step),
             Self::Pefrl { step } => Kind::Splitting(&PEFRL, step),
             Self::BlanesMoan { step } => Kind::Splitting(&BLANES_MOAN, step),
+            Self::ForceGradient { step } => Kind::Splitting(&FORCE_GRADIENT, step),
             Self::DormandElMikkawyPrince64 { tolerance } => {
                 Kind::Nystrom(&DORMAND_EL_MIKKAWY_PRINCE_64, tolerance)
             }
@@ -179,11 +195,12 @@ impl Method {
         }
     }
 
-    /// The Runge-Kutta-Nystrom pair and the tolerated error of a step; none for other methods (1).
+    /// What the chain's own stepper makes of the method; none for methods made for forces that depend on velocities.
     #[must_use]
-    pub fn nystrom(&self) -> Option<(&'static NystromPair, f64)> {
+    pub fn scheme(&self) -> Option<Scheme> {
         match self.kind() {
-            Kind::Nystrom(pair, tolerance) => Some((pair, tolerance)),
+            Kind::Nystrom(pair, tolerance) => Some(Scheme::Pair(pair, tolerance)),
+            Kind::Splitting(method, step) => Some(Scheme::Splitting(method, step)),
             _ => None,
         }
     }

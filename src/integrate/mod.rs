@@ -10,6 +10,7 @@ pub mod dormand_el_mikkawy_prince_64;
 pub mod dormand_el_mikkawy_prince_86;
 pub mod dormand_prince_54;
 pub mod dormand_prince_853;
+pub mod force_gradient;
 pub mod hermite;
 pub mod interpolant;
 mod linearised;
@@ -26,7 +27,7 @@ pub mod velocity_verlet;
 pub use dormand_prince_853::DormandPrince853;
 pub use interpolant::Interpolant;
 pub use linearised::{Linearised, Tridiagonal};
-pub use method::Method;
+pub use method::{Method, Scheme};
 pub use rodas::Rodas;
 pub use switching::{Motion, Sides, Switching};
 
@@ -105,7 +106,7 @@ pub enum IntegrateError {
     NotFinite {
         /// Index of the first such body.
         body: usize,
-        /// Time at the start of the step (s).
+        /// A time at which it still was (s).
         time: f64,
     },
     /// The error control asks for steps that rounding swallows.
@@ -133,6 +134,17 @@ pub trait Integrator {
     /// # Errors
     /// [`IntegrateError`] when the state stops being finite or no step is short enough.
     fn step(&mut self, end: f64) -> Result<(), IntegrateError>;
+
+    /// Takes steps up to `end` (s), all but the last unseen: for those who want nothing but where it leads.
+    ///
+    /// # Errors
+    /// Those of [`Integrator::step`].
+    fn advance(&mut self, end: f64) -> Result<(), IntegrateError> {
+        while self.time() < end {
+            self.step(end)?;
+        }
+        Ok(())
+    }
 
     /// Prepares the interpolation of the last step; may evaluate forces. Called at most once a step, and
     /// only for steps that somebody reads.

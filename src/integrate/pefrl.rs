@@ -14,5 +14,7 @@ pub static PEFRL: Splitting = Splitting {
     order: 4,
     kicks: &[XI, CHI, 1.0 - 2.0 * (CHI + XI), CHI, XI],
     drifts: &[0.5 * (1.0 - 2.0 * LAMBDA), LAMBDA, LAMBDA, 0.5 * (1.0 - 2.0 * LAMBDA)],
+    gradients: &[],
+    first_step: &[],
     stability: 3.46,
 };

@@ -1,7 +1,7 @@
 //! Symplectic methods with a fixed step: kicks and drifts in turn.
 //!
 //! A method is the list of its kick fractions `b` and drift fractions `a`: `v += b h a(x)`, `x += a h v`, and so on, kick first and
-//! last. The last kick of a step and the first of the next share one force evaluation. All are explicit, time-reversible,
+//! last. Kicks may also go by how the forces change where they point, `v += g h^3 (da/dx) a`. The last kick of a step and the first of the next share one force evaluation. All are explicit, time-reversible,
 //! and keep the energy error bounded as long as every contact stays closed; where a contact opens or closes the force
 //! has no second derivative and all of them fall to about order 2.5.
 
@@ -24,11 +24,82 @@ pub struct Splitting {
     pub kicks: &'static [f64],
     /// Drift fractions (1).
     pub drifts: &'static [f64],
+    /// What accelerations' gradients along themselves weigh in each kick, in units of the step cubed; empty without them (1).
+    pub gradients: &'static [f64],
+    /// Where the parts of a run's first step end, in steps, the last at 1; empty where it is taken whole (1).
+    pub first_step: &'static [f64],
     /// Longest stable step times the highest angular frequency of a linear chain (1).
     pub stability: f64,
 }
 
-/// A splitting at work on a system.
+/// Times at which fixed steps end: `origin + count * step`, never a running sum; an interval's end starts a new count.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Clock {
+    step: f64,
+    origin: f64,
+    count: u64,
+    /// Ends of the first step's parts that are still to come (1).
+    cuts: &'static [f64],
+}
+
+impl Clock {
+    /// Steps of `step` (s) by `method` from `origin` (s) on.
+    #[must_use]
+    pub fn new(method: &Splitting, step: f64, origin: f64) -> Self {
+        Self { step, origin, count: 0, cuts: method.first_step }
+    }
+
+    /// Length of a whole step (s).
+    #[must_use]
+    pub fn step(&self) -> f64 {
+        self.step
+    }
+
+    /// Length of the next step from `time` on, and where it ends, not beyond `end` (s).
+    pub fn next(&mut self, time: f64, end: f64) -> (f64, f64) {
+        if let Some((cut, rest)) = self.cuts.split_first() {
+            let next = self.origin + cut * self.step;
+            if self.is_before(next, end) {
+                (self.cuts, self.count) = (rest, u64::from(rest.is_empty()));
+                return (next - time, next);
+            }
+        } else if self.room(1, end) > 0 {
+            return (self.step, self.go(1));
+        }
+        (self.origin, self.count, self.cuts) = (end, 0, &[]);
+        (end - time, end)
+    }
+
+    /// How many whole steps end before `end` (s), up to `most`, in powers of two below.
+    #[must_use]
+    pub fn room(&self, most: u64, end: f64) -> u64 {
+        let mut count = if self.cuts.is_empty() { most } else { 0 };
+        while count > 0 && !self.is_before(self.after(count), end) {
+            count /= 2;
+        }
+        count
+    }
+
+    /// Takes `count` whole steps; returns where the last ends (s).
+    pub fn go(&mut self, count: u64) -> f64 {
+        self.count += count;
+        self.after(0)
+    }
+
+    /// Where `count` more whole steps end (s).
+    #[allow(clippy::cast_precision_loss, reason = "runs take far fewer than 2^53 steps")]
+    fn after(&self, count: u64) -> f64 {
+        self.origin + (self.count + count) as f64 * self.step
+    }
+
+    /// Whether a step that ends at `time` (s) leaves some of the interval; what is nothing but the rounding of the times is taken along,
+    /// not stepped over on its own.
+    fn is_before(&self, time: f64, end: f64) -> bool {
+        time + REMAINDER * self.step < end
+    }
+}
+
+/// A splitting at work on a system; one with gradients needs a system that knows its jerks.
 pub struct SplittingIntegrator<'a> {
     method: &'static Splitting,
     system: Box<dyn System + 'a>,
@@ -38,10 +109,10 @@ pub struct SplittingIntegrator<'a> {
     previous_acceleration: Vec<f64>,
     /// Rates of the accelerations at both ends, where the system knows them and the order deserves them.
     jerks: Option<[Vec<f64>; 2]>,
-    step: f64,
-    /// Time is `origin + count * step`, never a running sum; an interval's end starts a new count.
-    origin: f64,
-    count: u64,
+    /// Gradients of the accelerations along themselves (m/s⁴), for methods that have a use for them, and the state they are asked for
+    /// with: accelerations in the velocities' place.
+    gradient: Option<(Vec<f64>, State)>,
+    clock: Clock,
     work: Work,
 }
 
@@ -59,18 +130,37 @@ impl<'a> SplittingIntegrator<'a> {
         system.accelerations(&state.position, &state.velocity, &mut acceleration);
         // A quintic's error of order 6 is below that of a method of order 4.
         let jerks = (method.order > 4).then(|| [vec![0.0; n], vec![0.0; n]]);
-        Self {
+        let gradient = (!method.gradients.is_empty()).then(|| (vec![0.0; n], state.clone()));
+        let mut start = Self {
             method,
             previous: state.clone(),
             previous_acceleration: acceleration.clone(),
-            origin: state.time,
-            count: 0,
+            clock: Clock::new(method, step, state.time),
             work: Work { force_evaluations: 1, ..Work::default() },
             system,
             state,
             acceleration,
             jerks,
-            step,
+            gradient,
+        };
+        start.find_gradient();
+        start
+    }
+
+    fn find_gradient(&mut self) {
+        if let Some((gradient, at)) = &mut self.gradient {
+            at.position.copy_from_slice(&self.state.position);
+            at.velocity.copy_from_slice(&self.acceleration);
+            self.system.jerks(at, gradient);
+        }
+    }
+
+    /// Kick `index` of a step of `h` (s).
+    fn kick(&mut self, index: usize, h: f64) {
+        let velocity = &mut self.state.velocity;
+        add_scaled(velocity, &self.acceleration, self.method.kicks[index] * h);
+        if let Some((gradient, _)) = &self.gradient {
+            add_scaled(velocity, gradient, self.method.gradients[index] * h * h * h);
         }
     }
 }
@@ -84,30 +174,20 @@ impl Integrator for SplittingIntegrator<'_> {
         self.state.clone()
     }
 
-    #[allow(clippy::cast_precision_loss, reason = "runs take far fewer than 2^53 steps")]
     fn step(&mut self, end: f64) -> Result<(), IntegrateError> {
         self.previous.clone_from(&self.state);
         self.previous_acceleration.copy_from_slice(&self.acceleration);
-        let regular = self.origin + (self.count + 1) as f64 * self.step;
-        // A remainder that is nothing but the rounding of the times is taken along, not stepped over on its own.
-        let next = if regular + REMAINDER * self.step < end {
-            self.count += 1;
-            regular
-        } else {
-            self.origin = end;
-            self.count = 0;
-            end
-        };
-        let h = next - self.state.time;
-        let State { position, velocity, .. } = &mut self.state;
-        let (first, kicks) = self.method.kicks.split_first().unwrap_or((&0.0, &[]));
-        add_scaled(velocity, &self.acceleration, first * h);
-        for (drift, kick) in self.method.drifts.iter().zip(kicks) {
+        let (h, next) = self.clock.next(self.state.time, end);
+        self.kick(0, h);
+        for (index, drift) in self.method.drifts.iter().enumerate() {
+            let State { position, velocity, .. } = &mut self.state;
             add_scaled(position, velocity, drift * h);
             self.system.accelerations(position, velocity, &mut self.acceleration);
-            add_scaled(velocity, &self.acceleration, kick * h);
+            self.find_gradient();
+            self.kick(index + 1, h);
             self.work.force_evaluations += 1;
         }
+        let State { position, velocity, .. } = &self.state;
         if let Some(body) = first_not_finite(position, velocity) {
             return Err(IntegrateError::NotFinite { body, time: self.previous.time });
         }

@@ -9,5 +9,7 @@ pub static VELOCITY_VERLET: Splitting = Splitting {
     order: 2,
     kicks: &[0.5, 0.5],
     drifts: &[1.0],
+    gradients: &[],
+    first_step: &[],
     stability: 2.0,
 };

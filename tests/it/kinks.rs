@@ -3,7 +3,7 @@
 use hertzscope::chain::stepper::{ChainStepper, InstructionSet};
 use hertzscope::integrate::dormand_el_mikkawy_prince_64::DORMAND_EL_MIKKAWY_PRINCE_64;
 use hertzscope::integrate::dormand_el_mikkawy_prince_86::DORMAND_EL_MIKKAWY_PRINCE_86;
-use hertzscope::integrate::{Integrator, Method, State};
+use hertzscope::integrate::{Integrator, Method, Scheme, State};
 use hertzscope::scene::Scene;
 
 /// Largest difference of velocities, relative to the largest (1).
@@ -36,7 +36,8 @@ fn a_bouncing_striker_amplifies_what_is_off() {
     for pair in [&DORMAND_EL_MIKKAWY_PRINCE_64, &DORMAND_EL_MIKKAWY_PRINCE_86] {
         for tolerance in [1e-3, 1e-5, 1e-7] {
             let set = InstructionSet::best();
-            let mut stepper = ChainStepper::new(chain, velocities, pair, tolerance, set);
+            let mut stepper =
+                ChainStepper::new(chain, velocities, Scheme::Pair(pair, tolerance), set);
             let (early, _) = run(&mut stepper, 2e-4);
             let bound = tolerance * (stepper.work().steps as f64).sqrt();
             let off = distance(&early, &let_go);
@@ -75,7 +76,8 @@ fn corrections_keep_the_tolerance_and_save_evaluations() {
             };
             let (_, without) = general(bare);
             for set in InstructionSet::available() {
-                let mut stepper = ChainStepper::new(chain, velocities, pair, tolerance, set);
+                let mut stepper =
+                    ChainStepper::new(chain, velocities, Scheme::Pair(pair, tolerance), set);
                 let (state, with) = run(&mut stepper, end);
                 let error = distance(&state, &exact);
                 println!(

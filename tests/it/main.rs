@@ -48,6 +48,7 @@ mod scpi;
 #[cfg(feature = "server")]
 mod server;
 mod set_file;
+mod splittings;
 mod sweep;
 mod tek_csv;
 #[cfg(feature = "tui")]

@@ -3,7 +3,6 @@
 
 use super::lanes::{Lanes, Row};
 use super::plan::{Form, Layout, Plan};
-use super::workspace::Motion;
 
 /// Forms as constants of the generic loops.
 pub const PLAIN: u8 = 0;
@@ -18,10 +17,11 @@ pub struct Cut<'a> {
     stiffness: &'a [Row],
     pub static_overlap: &'a [Row],
     static_root: &'a [Row],
-    static_force: &'a [Row],
     inverse_mass: &'a [Row],
-    residual: &'a [Row],
+    load: &'a [Row],
     pub active: &'a [Row],
+    /// Forces in the row behind the last: nothing has moved there (N).
+    pub beyond: Row,
 }
 
 impl<'a> Cut<'a> {
@@ -32,62 +32,98 @@ impl<'a> Cut<'a> {
             stiffness: &plan.stiffness[..rows],
             static_overlap: &plan.static_overlap[..rows],
             static_root: &plan.static_root[..rows],
-            static_force: &plan.static_force[..rows],
             inverse_mass: &plan.inverse_mass[..rows],
-            residual: &plan.residual[..rows],
+            load: &plan.load[..rows],
             active: &plan.active[..rows],
+            beyond: plan.static_force.get(rows).copied().unwrap_or_default(),
         }
     }
 }
 
-/// Change of the forces in row `r` for overlaps that have changed by `change`, and the overlaps themselves.
+/// Forces of a row that are begun: what comes out of the square-root unit takes its time.
+#[derive(Clone, Copy)]
+pub struct Begun<L: Lanes> {
+    /// Overlaps of closed contacts, or their changes (m).
+    closed: L::V,
+    /// Roots of overlaps, or what they start from (m^0.5).
+    root: L::V,
+}
+
+/// Begins the forces in row `r` for overlaps that have changed by `change`; the overlaps themselves.
 #[inline(always)]
-pub fn forces<L: Lanes, const FORM: u8>(plan: Cut, r: usize, change: L::V) -> (L::V, L::V) {
-    let stiffness = L::load(&plan.stiffness[r]);
+pub fn begin<L: Lanes, const FORM: u8>(plan: Cut, r: usize, change: L::V) -> (Begun<L>, L::V) {
     let static_overlap = L::load(&plan.static_overlap[r]);
     let overlap = L::add(change, static_overlap);
-    let force = match FORM {
+    let begun = match FORM {
         // Every other row leaves the square-root unit alone: it and the multipliers work side by side.
         PLAIN if r % 2 == 1 => {
-            let power = L::three_halves(L::max(overlap, L::splat(1e-200)));
-            L::sub(L::mul(stiffness, power), L::load(&plan.static_force[r]))
+            let closed = L::max(overlap, L::splat(1e-200));
+            Begun { closed, root: L::start_root(closed) }
         }
         PLAIN => {
             let closed = L::max(overlap, L::splat(0.0));
-            let force = L::mul(L::mul(stiffness, closed), L::sqrt(closed));
-            L::sub(force, L::load(&plan.static_force[r]))
+            Begun { closed, root: L::sqrt(closed) }
         }
+        EXACT => {
+            let closed = L::max(change, L::sub(L::splat(0.0), static_overlap));
+            Begun { closed, root: L::sqrt(L::add(static_overlap, closed)) }
+        }
+        _ => Begun { closed: change, root: L::splat(2.0 / 3.0) },
+    };
+    (begun, overlap)
+}
+
+/// Forces in row `r`, or their changes in all forms but the plain one (N), and two thirds of the tangent stiffnesses (N/m).
+#[inline(always)]
+pub fn finish<L: Lanes, const FORM: u8>(plan: Cut, r: usize, begun: Begun<L>) -> [L::V; 2] {
+    let Begun { closed, root } = begun;
+    let stiffness = L::load(&plan.stiffness[r]);
+    match FORM {
+        PLAIN if r % 2 == 1 => {
+            let root = L::root(closed, root);
+            [L::mul(stiffness, L::mul(closed, root)), L::mul(stiffness, root)]
+        }
+        PLAIN => [L::mul(L::mul(stiffness, closed), root), L::mul(stiffness, root)],
         EXACT => {
             // `hertz::force_change`
             let static_root = L::load(&plan.static_root[r]);
-            let lost = L::sub(L::splat(0.0), static_overlap);
-            let change = L::max(change, lost);
-            let root = L::sqrt(L::add(static_overlap, change));
             let sum = L::add(root, static_root);
             let divisor = L::max(sum, L::splat(f64::MIN_POSITIVE));
             let rest = L::sub(sum, L::div(L::mul(root, static_root), divisor));
-            L::mul(L::mul(stiffness, change), rest)
+            [L::mul(L::mul(stiffness, closed), rest), L::mul(stiffness, root)]
         }
-        _ => L::mul(stiffness, change),
-    };
+        _ => [L::mul(stiffness, closed), L::mul(stiffness, root)],
+    }
+}
+
+/// Forces in row `r`, as [`finish`] has them, for overlaps that have changed by `change`, and the overlaps themselves.
+#[inline(always)]
+pub fn forces<L: Lanes, const FORM: u8>(plan: Cut, r: usize, change: L::V) -> (L::V, L::V) {
+    let (begun, overlap) = begin::<L, FORM>(plan, r, change);
+    let [force, _] = finish::<L, FORM>(plan, r, begun);
     (force, overlap)
 }
 
-/// Writes the accelerations of row `r` between the forces above and those of the next row.
+/// What the contacts do to the accelerations of row `r`, between the forces above and those of the next row.
 #[inline(always)]
-pub fn accelerate<L: Lanes, Y: Layout>(plan: Cut, r: usize, force: [L::V; 2], out: &mut [Row]) {
+pub fn pushed<L: Lanes, Y: Layout>(plan: Cut, r: usize, force: [L::V; 2]) -> L::V {
     let net = L::sub(force[0], Y::below::<L>(force[0], force[1]));
-    let inverse_mass = L::load(&plan.inverse_mass[r]);
-    L::store(L::mul_add(net, inverse_mass, L::load(&plan.residual[r])), &mut out[r]);
+    L::mul(net, L::load(&plan.inverse_mass[r]))
 }
 
-/// Rates of the accelerations at `motion`.
+/// Accelerations of row `r`. Rounded twice: where the forces are the static ones, the load is what their push has been taken from.
 #[inline(always)]
-pub fn jerks<L: Lanes, Y: Layout>(plan: &Plan, motion: &Motion, out: &mut [Row]) {
+pub fn accelerations<L: Lanes, Y: Layout>(plan: Cut, r: usize, force: [L::V; 2]) -> L::V {
+    L::add(pushed::<L, Y>(plan, r, force), L::load(&plan.load[r]))
+}
+
+/// Rates of the accelerations at positions `x` where bodies move at `v`.
+#[inline(always)]
+pub fn jerks<L: Lanes, Y: Layout>(plan: &Plan, (x, v): (&[Row], &[Row]), out: &mut [Row]) {
     let rows = plan.rows();
     let linear = plan.form == Form::Linear;
     let plan = Cut::new(plan, rows);
-    let (x, v, out) = (&motion.position[..rows], &motion.velocity[..rows], &mut out[..rows]);
+    let (x, v, out) = (&x[..rows], &v[..rows], &mut out[..rows]);
     let mut last = [L::splat(0.0); 2];
     let mut rate = L::splat(0.0);
     for r in 0..rows {
@@ -104,13 +140,11 @@ pub fn jerks<L: Lanes, Y: Layout>(plan: &Plan, motion: &Motion, out: &mut [Row])
         };
         let next = L::mul(tangent, closing);
         if r > 0 {
-            let sum = L::sub(rate, Y::below::<L>(rate, next));
-            L::store(L::mul(sum, L::load(&plan.inverse_mass[r - 1])), &mut out[r - 1]);
+            L::store(pushed::<L, Y>(plan, r - 1, [rate, next]), &mut out[r - 1]);
         }
         (last, rate) = (here, next);
     }
     if rows > 0 {
-        let net = L::sub(rate, Y::below::<L>(rate, L::splat(0.0)));
-        L::store(L::mul(net, L::load(&plan.inverse_mass[rows - 1])), &mut out[rows - 1]);
+        L::store(pushed::<L, Y>(plan, rows - 1, [rate, L::splat(0.0)]), &mut out[rows - 1]);
     }
 }

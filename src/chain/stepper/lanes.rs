@@ -38,9 +38,11 @@ pub trait Lanes: Copy {
     fn abs(a: Self::V) -> Self::V;
     /// Square root.
     fn sqrt(a: Self::V) -> Self::V;
-    /// `a^1.5` within 2 ulp without the square-root unit where the machine can, for `a >= 1e-200`: 14 bits of `1/sqrt(a)`, then
-    /// Householder's correction of fourth order.
-    fn three_halves(a: Self::V) -> Self::V;
+    /// What [`Lanes::root`] starts from: 14 bits of `1/sqrt(a)` where the machine has them, for `a >= 1e-200`.
+    fn start_root(a: Self::V) -> Self::V;
+    /// Square root without the square-root unit where the machine can, so that `a` times it is `a^1.5` within 2 ulp: Householder's
+    /// correction of fourth order.
+    fn root(a: Self::V, start: Self::V) -> Self::V;
     /// `[before[7], here[0], ..., here[6]]`
     fn shift_up(before: Self::V, here: Self::V) -> Self::V;
     /// `[here[1], ..., here[7], after[0]]`
@@ -121,8 +123,13 @@ impl Lanes for Baseline {
     }
 
     #[inline(always)]
-    fn three_halves(a: Self::V) -> Self::V {
-        a.map(|d| d * d.sqrt())
+    fn start_root(a: Self::V) -> Self::V {
+        Self::sqrt(a)
+    }
+
+    #[inline(always)]
+    fn root(_a: Self::V, start: Self::V) -> Self::V {
+        start
     }
 
     #[inline(always)]

@@ -74,16 +74,19 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
-    fn three_halves(a: Self::V) -> Self::V {
+    fn start_root(a: Self::V) -> Self::V {
+        unsafe { _mm512_rsqrt14_pd(a) }
+    }
+
+    #[inline(always)]
+    fn root(a: Self::V, inverse: Self::V) -> Self::V {
         unsafe {
-            let inverse = _mm512_rsqrt14_pd(a);
             let root = _mm512_mul_pd(a, inverse);
             // e = 1 - a inverse^2; sqrt(a) = root (1 - e)^(-1/2) = root (1 + e/2 + 3 e^2/8 + 5 e^3/16 + ...), e < 2^-13.
             let e = _mm512_fnmadd_pd(root, inverse, _mm512_set1_pd(1.0));
             let series = _mm512_fmadd_pd(e, _mm512_set1_pd(0.3125), _mm512_set1_pd(0.375));
             let series = _mm512_fmadd_pd(e, series, _mm512_set1_pd(0.5));
-            let root = _mm512_fmadd_pd(_mm512_mul_pd(root, e), series, root);
-            _mm512_mul_pd(a, root)
+            _mm512_fmadd_pd(_mm512_mul_pd(root, e), series, root)
         }
     }
 
@@ -193,8 +196,13 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    fn three_halves(a: Self::V) -> Self::V {
-        Self::mul(a, Self::sqrt(a))
+    fn start_root(a: Self::V) -> Self::V {
+        Self::sqrt(a)
+    }
+
+    #[inline(always)]
+    fn root(_a: Self::V, start: Self::V) -> Self::V {
+        start
     }
 
     #[inline(always)]

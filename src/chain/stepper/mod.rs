@@ -1,9 +1,11 @@
-//! The lossless chain's own stepper: Runge-Kutta-Nystrom pairs on rows of eight contacts, contacts that open or close put right.
+//! The lossless chain's own stepper: Runge-Kutta-Nystrom pairs on rows of eight contacts, contacts that open or close put right, and
+//! splittings in fixed steps.
 //!
 //! For chains whose forces depend on positions alone. Everything is allocated before the first step. What the machine can do is
 //! asked once, at the start.
 
 mod dispatch;
+mod evaluate;
 mod force_track;
 mod forces;
 mod frame;
@@ -12,13 +14,16 @@ mod kinks;
 mod lanes;
 #[cfg(target_arch = "x86_64")]
 mod lanes_x86;
+mod parts;
 mod passes;
 mod plan;
 mod quadrature;
 mod quintic;
 mod quintics;
 mod single;
+mod splits;
 mod steps;
+mod sweep;
 mod tasks;
 mod visible;
 mod workspace;

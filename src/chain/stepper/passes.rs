@@ -2,10 +2,12 @@
 //! and nothing but the accelerations is written.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
-use super::forces::{Cut, accelerate, forces};
+use super::evaluate::Largest;
+use super::forces::Cut;
 use super::lanes::{Lanes, Row};
 use super::plan::{Layout, Plan};
 use super::quadrature::Quadrature;
+use super::sweep::{Visit, sweep};
 use super::workspace::{Motion, Workspace};
 use crate::integrate::nystrom::{NystromPair, Row as Terms};
 
@@ -58,7 +60,27 @@ macro_rules! for_terms {
     };
 }
 
-/// Accelerations at `x + c h v + h^2 sum`.
+/// Positions `x + c h v + h^2 sum` of a stage, and the accelerations there.
+struct Stage<'a, L: Lanes, const M: usize> {
+    sum: Sum<'a, L, M>,
+    reach: L::V,
+    from: [&'a [Row]; 2],
+    out: &'a mut [Row],
+}
+
+impl<L: Lanes, Y: Layout, const M: usize> Visit<L, Y> for Stage<'_, L, M> {
+    #[inline(always)]
+    fn enter(&mut self, r: usize) -> L::V {
+        let [x, v] = self.from;
+        self.sum.plus(L::mul_add(self.reach, L::load(&v[r]), L::load(&x[r])), r)
+    }
+
+    #[inline(always)]
+    fn leave(&mut self, r: usize, acceleration: L::V, _tangent: L::V) {
+        L::store(acceleration, &mut self.out[r]);
+    }
+}
+
 #[inline(always)]
 fn stage<L: Lanes, Y: Layout, const FORM: u8, const M: usize>(
     plan: &Plan,
@@ -68,27 +90,57 @@ fn stage<L: Lanes, Y: Layout, const FORM: u8, const M: usize>(
     out: &mut [Row],
 ) {
     let rows = plan.rows();
-    let plan = Cut::new(plan, rows);
-    let sum = Sum::<L, M>::new(terms, before, L::mul(h, h), rows);
-    let reach = L::mul(h, L::splat(node));
-    let (x, v, out) = (&now.position[..rows], &now.velocity[..rows], &mut out[..rows]);
-    let mut last = L::splat(0.0);
-    let mut force = L::splat(0.0);
-    for r in 0..rows {
-        let here = sum.plus(L::mul_add(reach, L::load(&v[r]), L::load(&x[r])), r);
-        let (next, _) = forces::<L, FORM>(plan, r, L::sub(Y::above::<L>(last, here), here));
-        if r > 0 {
-            accelerate::<L, Y>(plan, r - 1, [force, next], out);
-        }
-        (last, force) = (here, next);
+    let mut stage = Stage {
+        sum: Sum::<L, M>::new(terms, before, L::mul(h, h), rows),
+        reach: L::mul(h, L::splat(node)),
+        from: [&now.position[..rows], &now.velocity[..rows]],
+        out: &mut out[..rows],
+    };
+    sweep::<L, Y, FORM>(Cut::new(plan, rows), rows, &mut stage);
+}
+
+/// The new positions, with what rounding took from them, and the overlaps and accelerations there.
+struct Arrive<'a, L: Lanes, const M: usize> {
+    sum: Sum<'a, L, M>,
+    h: L::V,
+    /// Positions, velocities, and what rounding took from the positions, where the step starts.
+    from: [&'a [Row]; 3],
+    was_closed: &'a [u8],
+    position: [&'a mut [Row]; 2],
+    overlap: &'a mut [Row],
+    out: &'a mut [Row],
+    closed: &'a mut [u8],
+    /// Contacts that have changed sides, a bit for each lane.
+    changed: u8,
+    largest: Largest<'a, L>,
+}
+
+impl<L: Lanes, Y: Layout, const M: usize> Visit<L, Y> for Arrive<'_, L, M> {
+    #[inline(always)]
+    fn enter(&mut self, r: usize) -> L::V {
+        let [x, v, lost] = self.from;
+        let rise = self.sum.plus(L::mul(self.h, L::load(&v[r])), r);
+        let (position, rest) = add_compensated::<L>(L::load(&x[r]), L::load(&lost[r]), rise);
+        L::store(position, &mut self.position[0][r]);
+        L::store(rest, &mut self.position[1][r]);
+        position
     }
-    if rows > 0 {
-        accelerate::<L, Y>(plan, rows - 1, [force, L::splat(0.0)], out);
+
+    #[inline(always)]
+    fn see(&mut self, r: usize, overlap: L::V, change: L::V) {
+        self.closed[r] = L::positive(overlap);
+        self.changed |= self.closed[r] ^ self.was_closed[r];
+        L::store(overlap, &mut self.overlap[r]);
+        self.largest.see(r, change);
+    }
+
+    #[inline(always)]
+    fn leave(&mut self, r: usize, acceleration: L::V, _tangent: L::V) {
+        L::store(acceleration, &mut self.out[r]);
     }
 }
 
-/// The new positions, with what rounding took from them, and the overlaps and accelerations there; how far the overlaps have changed,
-/// and whether any contact has changed sides.
+/// Arrives where the step ends; how far the overlaps have changed, and whether any contact has changed sides.
 #[inline(always)]
 fn arrive<L: Lanes, Y: Layout, const FORM: u8, const M: usize>(
     plan: &Plan,
@@ -98,72 +150,21 @@ fn arrive<L: Lanes, Y: Layout, const FORM: u8, const M: usize>(
     (next, overlaps): (&mut Motion, &mut [Row]),
 ) -> (L::V, bool) {
     let rows = plan.rows();
-    let sum = Sum::<L, M>::new(terms, before, L::mul(h, h), rows);
-    let (x, v, lost) = (&now.position[..rows], &now.velocity[..rows], &now.lost_position[..rows]);
-    let (new_x, new_lost) = (&mut next.position[..rows], &mut next.lost_position[..rows]);
-    let position = |r: usize| {
-        let rise = sum.plus(L::mul(h, L::load(&v[r])), r);
-        let (position, rest) = add_compensated::<L>(L::load(&x[r]), L::load(&lost[r]), rise);
-        L::store(position, &mut new_x[r]);
-        L::store(rest, &mut new_lost[r]);
-        position
+    let cut = Cut::new(plan, rows);
+    let mut arrive = Arrive {
+        sum: Sum::<L, M>::new(terms, before, L::mul(h, h), rows),
+        h,
+        from: [&now.position[..rows], &now.velocity[..rows], &now.lost_position[..rows]],
+        was_closed: &now.closed[..rows],
+        position: [&mut next.position[..rows], &mut next.lost_position[..rows]],
+        overlap: &mut overlaps[..rows],
+        out: &mut out[..rows],
+        closed: &mut next.closed[..rows],
+        changed: 0,
+        largest: Largest::new(cut),
     };
-    let (was_closed, closed) = (&now.closed[..rows], &mut next.closed[..rows]);
-    let overlaps = &mut overlaps[..rows];
-    let mut changed = 0;
-    let see = |r: usize, overlap: L::V| {
-        closed[r] = L::positive(overlap);
-        changed |= closed[r] ^ was_closed[r];
-        L::store(overlap, &mut overlaps[r]);
-    };
-    let largest = sweep::<L, Y, FORM>(plan, position, see, out);
-    (largest, changed != 0)
-}
-
-/// Accelerations at the positions of `motion`, and which contacts are closed there. Returns the largest change of an overlap, an
-/// open contact counting as having lost its static one.
-#[inline(always)]
-pub fn evaluate<L: Lanes, Y: Layout, const FORM: u8>(
-    plan: &Plan,
-    motion: &mut Motion,
-    out: &mut [Row],
-) -> L::V {
-    let (x, closed) = (&motion.position[..plan.rows()], &mut motion.closed[..plan.rows()]);
-    let see = |r: usize, overlap: L::V| closed[r] = L::positive(overlap);
-    sweep::<L, Y, FORM>(plan, |r| L::load(&x[r]), see, out)
-}
-
-/// Accelerations and largest overlap change at the positions that `position` makes, row by row; `see` is shown the overlaps.
-#[inline(always)]
-fn sweep<L: Lanes, Y: Layout, const FORM: u8>(
-    plan: &Plan,
-    mut position: impl FnMut(usize) -> L::V,
-    mut see: impl FnMut(usize, L::V),
-    out: &mut [Row],
-) -> L::V {
-    let rows = plan.rows();
-    let plan = Cut::new(plan, rows);
-    let out = &mut out[..rows];
-    let mut last = L::splat(0.0);
-    let mut force = L::splat(0.0);
-    let mut largest = L::splat(0.0);
-    for r in 0..rows {
-        let here = position(r);
-        let change = L::sub(Y::above::<L>(last, here), here);
-        let (next, overlap) = forces::<L, FORM>(plan, r, change);
-        see(r, overlap);
-        let floor = L::sub(L::splat(0.0), L::load(&plan.static_overlap[r]));
-        let counted = L::mul(L::abs(L::max(change, floor)), L::load(&plan.active[r]));
-        largest = L::max(counted, largest);
-        if r > 0 {
-            accelerate::<L, Y>(plan, r - 1, [force, next], out);
-        }
-        (last, force) = (here, next);
-    }
-    if rows > 0 {
-        accelerate::<L, Y>(plan, rows - 1, [force, L::splat(0.0)], out);
-    }
-    largest
+    sweep::<L, Y, FORM>(cut, rows, &mut arrive);
+    (arrive.largest.change, arrive.changed != 0)
 }
 
 /// The new velocities, with what rounding took from them, and the estimated errors, by the weights `ends` of each stage; their largest

@@ -100,7 +100,7 @@ impl Layout for Across {
 /// How forces are computed from overlaps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
-    /// `A overlap^1.5 - F0`: rounds to 2 ulp of the larger of the two.
+    /// `A overlap^1.5`: rounds to 2 ulp of the static force.
     Plain,
     /// Without cancellation, for waves far below the preload; one division more.
     Exact,
@@ -121,12 +121,13 @@ pub struct Plan {
     pub static_overlap: Vec<Row>,
     /// Its square root (m^0.5).
     pub static_root: Vec<Row>,
-    /// Static force of each contact as these loops compute it, so that rest is rest to the last bit (N).
-    pub static_force: Vec<Row>,
     /// Inverse mass of each body (1/kg).
     pub inverse_mass: Vec<Row>,
-    /// Acceleration of each body that statics does not balance (m/s²).
-    pub residual: Vec<Row>,
+    /// Force of each contact at rest as these loops compute it; none where they compute changes (N).
+    pub static_force: Vec<Row>,
+    /// Acceleration of each body by all but its contacts: what statics does not balance, and in plain form, less what the static forces
+    /// do as these loops compute them, so that rest is rest to the last bit (m/s²).
+    pub load: Vec<Row>,
     /// 1 for a contact, 0 where there is nothing to touch (1).
     pub active: Vec<Row>,
 }
@@ -203,9 +204,9 @@ impl Plan {
             stiffness: zeros(),
             static_overlap: zeros(),
             static_root: zeros(),
-            static_force: zeros(),
             inverse_mass: zeros(),
-            residual: zeros(),
+            static_force: zeros(),
+            load: zeros(),
             active: zeros(),
         }
     }
@@ -230,7 +231,7 @@ impl Plan {
         put(&mut self.active, if touches { 1.0 } else { 0.0 });
         if let (Some(body), Some(force)) = (chain.bodies().get(j), chain.residual.get(j)) {
             put(&mut self.inverse_mass, 1.0 / body.mass);
-            put(&mut self.residual, force / body.mass);
+            put(&mut self.load, force / body.mass);
         }
     }
 }

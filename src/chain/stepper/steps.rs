@@ -1,5 +1,12 @@
 //! How a chain's steps are chosen.
 
+use std::marker::PhantomData;
+
+use super::dispatch::{InstructionSet, dispatch};
+use super::plan::{Layout, Plan};
+use super::tasks::Gradients;
+use super::workspace::Workspace;
+use crate::integrate::Scheme;
 use crate::integrate::control::StepControl;
 use crate::integrate::nystrom::NystromPair;
 
@@ -10,6 +17,29 @@ const FIRST_STEP: f64 = 1e-3;
 const GROWTH: f64 = 3.0;
 /// A corrected position that moved by less than this share of the tolerance keeps its acceleration (1).
 pub const UNMOVED: f64 = 0.03;
+
+/// What fixed steps are taken to be after: forces are computed so that rounding stays below (1).
+const FINEST: f64 = 1e-12;
+/// Fixed steps that are taken without a look at what has come of them.
+pub const AT_ONCE: u64 = 64;
+
+/// The accuracy that forces are computed for (1).
+pub fn finest_asked(scheme: Scheme) -> f64 {
+    match scheme {
+        Scheme::Pair(_, tolerance) => tolerance,
+        Scheme::Splitting(..) => FINEST,
+    }
+}
+
+/// Finds the gradients of the accelerations where `work` is, if it has room for them.
+pub fn find_gradients<Y: Layout>(set: InstructionSet, plan: &Plan, work: &mut Workspace) {
+    if work.gradients[0].is_empty() {
+        return;
+    }
+    let (motion, acceleration) = (&work.now, work.stages[0].as_slice());
+    let (out, layout) = (work.gradients[0].as_mut_slice(), PhantomData);
+    dispatch(set, Gradients::<Y> { plan, motion, acceleration, out, layout });
+}
 
 /// The control of a chain that starts from `scales` of overlap (m) and speed (m/s).
 pub fn control(scales: (f64, f64), pair: &NystromPair) -> StepControl {

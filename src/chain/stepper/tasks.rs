@@ -4,16 +4,19 @@
 use std::marker::PhantomData;
 
 use super::dispatch::Task;
+use super::evaluate;
 use super::forces::{self, Cut, EXACT, LINEAR, PLAIN};
 use super::kinks::{self, Guard};
 use super::lanes::{Lanes, Row};
 use super::passes;
 use super::plan::{Form, Layout, Plan};
 use super::quadrature::Quadrature;
+use super::splits;
 use super::workspace::{Motion, Workspace};
 use crate::integrate::nystrom::NystromPair;
+use crate::integrate::splitting::Splitting;
 
-/// Finds the static forces as the loops compute them.
+/// Takes what the static forces do from the load, as the loops compute it.
 pub struct Settle<'a, Y>(pub &'a mut Plan, pub PhantomData<Y>);
 
 impl<Y: Layout> Task for Settle<'_, Y> {
@@ -22,16 +25,19 @@ impl<Y: Layout> Task for Settle<'_, Y> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Self(plan, _) = self;
-        for force in &mut plan.static_force {
-            *force = Row::default();
+        if plan.form != Form::Plain {
+            return;
         }
-        let rest = L::splat(0.0);
-        for r in 0..plan.rows() {
-            if plan.form == Form::Plain {
-                let cut = Cut::new(plan, plan.rows());
-                let (force, _) = forces::forces::<L, PLAIN>(cut, r, rest);
-                L::store(force, &mut plan.static_force[r]);
-            }
+        let (rows, rest) = (plan.rows(), L::splat(0.0));
+        let mut next = rest;
+        // From behind, so that each force is found once.
+        for r in (0..rows).rev() {
+            let cut = Cut::new(plan, rows);
+            let (here, _) = forces::forces::<L, PLAIN>(cut, r, rest);
+            let taken = forces::pushed::<L, Y>(cut, r, [here, next]);
+            L::store(L::sub(L::load(&plan.load[r]), taken), &mut plan.load[r]);
+            L::store(here, &mut plan.static_force[r]);
+            next = here;
         }
     }
 }
@@ -60,9 +66,9 @@ impl<Y: Layout> Task for Evaluate<'_, Y> {
 #[inline(always)]
 fn evaluate<L: Lanes, Y: Layout>(plan: &Plan, motion: &mut Motion, out: &mut [Row]) -> L::V {
     match plan.form {
-        Form::Plain => passes::evaluate::<L, Y, PLAIN>(plan, motion, out),
-        Form::Exact => passes::evaluate::<L, Y, EXACT>(plan, motion, out),
-        Form::Linear => passes::evaluate::<L, Y, LINEAR>(plan, motion, out),
+        Form::Plain => evaluate::evaluate::<L, Y, PLAIN>(plan, motion, out),
+        Form::Exact => evaluate::evaluate::<L, Y, EXACT>(plan, motion, out),
+        Form::Linear => evaluate::evaluate::<L, Y, LINEAR>(plan, motion, out),
     }
 }
 
@@ -123,6 +129,56 @@ impl<Y: Layout> Task for Attempt<'_, Y> {
     }
 }
 
+/// Takes steps of a splitting.
+pub struct Split<'a, Y> {
+    pub plan: &'a Plan,
+    pub method: &'a Splitting,
+    pub work: &'a mut Workspace,
+    /// Length of a step in each lane (s).
+    pub step: Row,
+    /// How many.
+    pub count: u64,
+    pub layout: PhantomData<Y>,
+}
+
+impl<Y: Layout> Task for Split<'_, Y> {
+    /// Whether all velocities are finite, a bit for each lane.
+    type Output = u8;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> u8 {
+        let Self { plan, method, work, step, count, .. } = self;
+        let h = (L::load(&step), count);
+        match (plan.form, method.gradients.is_empty()) {
+            (Form::Plain, true) => splits::steps::<L, Y, PLAIN, false>(plan, method, work, h),
+            (Form::Plain, false) => splits::steps::<L, Y, PLAIN, true>(plan, method, work, h),
+            (Form::Exact, true) => splits::steps::<L, Y, EXACT, false>(plan, method, work, h),
+            (Form::Exact, false) => splits::steps::<L, Y, EXACT, true>(plan, method, work, h),
+            (Form::Linear, true) => splits::steps::<L, Y, LINEAR, false>(plan, method, work, h),
+            (Form::Linear, false) => splits::steps::<L, Y, LINEAR, true>(plan, method, work, h),
+        }
+    }
+}
+
+/// Finds the gradients of accelerations along themselves (m/s⁴).
+pub struct Gradients<'a, Y> {
+    pub plan: &'a Plan,
+    pub motion: &'a Motion,
+    pub acceleration: &'a [Row],
+    pub out: &'a mut [Row],
+    pub layout: PhantomData<Y>,
+}
+
+impl<Y: Layout> Task for Gradients<'_, Y> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { plan, motion, acceleration, out, .. } = self;
+        forces::jerks::<L, Y>(plan, (&motion.position, acceleration), out);
+    }
+}
+
 /// Largest magnitudes in `rows`, lane by lane, `least` at least.
 #[inline(always)]
 fn largest<L: Lanes>(rows: &[Row], least: &Row) -> L::V {
@@ -146,6 +202,7 @@ impl<Y: Layout> Task for Jerks<'_, Y> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        forces::jerks::<L, Y>(self.plan, self.motion, self.out);
+        let Motion { position, velocity, .. } = self.motion;
+        forces::jerks::<L, Y>(self.plan, (position, velocity), self.out);
     }
 }

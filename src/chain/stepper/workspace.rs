@@ -2,6 +2,7 @@
 
 use super::kinks::Correction;
 use super::lanes::Row;
+use crate::integrate::Scheme;
 
 /// Positions and velocities in rows.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,6 +39,8 @@ pub struct Workspace {
     pub next: Motion,
     /// Accelerations at the stages (m/s²).
     pub stages: Vec<Vec<Row>>,
+    /// Gradients of the accelerations along themselves where the step starts and where it ends, for methods that ask for them (m/s⁴).
+    pub gradients: [Vec<Row>; 2],
     /// Estimated error of each position (m).
     pub error_position: Vec<Row>,
     /// Estimated error of each velocity (m/s).
@@ -76,13 +79,28 @@ impl Workspace {
         if known { error } else { f64::INFINITY }
     }
 
-    /// Everything at rest, for `rows` rows and `stages` stages.
+    /// Makes the step's end the present; what was the start stays where interpolation finds it.
+    #[inline]
+    pub fn turn(&mut self) {
+        let last = self.stages.len() - 1;
+        std::mem::swap(&mut self.now, &mut self.next);
+        self.stages.swap(0, last);
+        self.gradients.swap(0, 1);
+    }
+
+    /// Everything at rest, in `rows` rows, with what `scheme` needs.
     #[must_use]
-    pub fn new(rows: usize, stages: usize) -> Self {
+    pub fn new(rows: usize, scheme: Scheme) -> Self {
+        let (stages, gradients) = match scheme {
+            Scheme::Pair(pair, _) => (pair.nodes.len(), 0),
+            Scheme::Splitting(method, _) if method.gradients.is_empty() => (2, 0),
+            Scheme::Splitting(..) => (2, rows),
+        };
         Self {
             now: Motion::at_rest(rows),
             next: Motion::at_rest(rows),
             stages: vec![vec![Row::default(); rows]; stages],
+            gradients: std::array::from_fn(|_| vec![Row::default(); gradients]),
             error_position: vec![Row::default(); rows],
             error_velocity: vec![Row::default(); rows],
             overlap: vec![Row::default(); rows],

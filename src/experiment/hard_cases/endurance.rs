@@ -140,10 +140,11 @@ fn time_reversal(tally: &mut Tally) -> Result<(), String> {
 }
 
 /// The fixed-step methods, with a step (s).
-const BY_HAND: [fn(f64) -> Method; 3] = [
+const BY_HAND: [fn(f64) -> Method; 4] = [
     |step| Method::VelocityVerlet { step },
     |step| Method::Pefrl { step },
     |step| Method::BlanesMoan { step },
+    |step| Method::ForceGradient { step },
 ];
 
 fn longest_step(

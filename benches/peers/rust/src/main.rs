@@ -49,14 +49,14 @@ fn known<'a>(problems: &'a mut HashMap<String, Problem>, name: &str) -> &'a Prob
     problems.entry(name.to_owned()).or_insert_with(|| Problem::of(&case(name)))
 }
 
-/// hertzscope itself: METHOD is `rkn64+bare` and the like.
+/// hertzscope itself: METHOD is `rkn64+bare`, `pefrl+recorded` and the like.
 fn hertzscope(
-    (pair, watching): (&str, &str),
+    (name, watching): (&str, &str),
     setting: f64,
     seconds: f64,
     case: &Case,
 ) -> Result<Value, String> {
-    let method = ours::method(pair, setting).ok_or("found no such method")?;
+    let method = ours::method(name, setting, case).ok_or("found no such method")?;
     let watching = match watching {
         "bare" => Watching::Bare,
         "peaks" => Watching::Peaks,

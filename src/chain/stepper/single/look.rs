@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use super::ChainStepper;
+use super::{ChainStepper, Course};
 use crate::chain::stepper::dispatch::dispatch;
 use crate::chain::stepper::force_track::{ForceTrack, Sample, View};
 use crate::chain::stepper::frame::{Ends, Frame, Look};
@@ -21,7 +21,7 @@ impl ChainStepper {
     pub fn look(&mut self, views: &mut [View], all: bool) {
         self.find_jerks();
         let ends = self.ends();
-        dispatch(self.set, Look::<Along> { ends, lane: 0, views, all, layout: PhantomData });
+        dispatch(self.course.set, Look::<Along> { ends, lane: 0, views, all, layout: PhantomData });
     }
 
     /// Displacements (m) and changes of the contact forces (N) at the fraction `theta` of the last step (1).
@@ -29,11 +29,11 @@ impl ChainStepper {
         self.find_jerks();
         let mut frame = std::mem::take(&mut self.frame);
         for rows in &mut frame {
-            rows.resize(self.plan.all_rows(), Row::default());
+            rows.resize(self.course.plan.all_rows(), Row::default());
         }
         let [position, force] = &mut frame;
-        let task = Frame { plan: &self.plan, ends: self.ends(), theta, position, force };
-        dispatch(self.set, task);
+        let task = Frame { plan: &self.course.plan, ends: self.ends(), theta, position, force };
+        dispatch(self.course.set, task);
         self.frame = frame;
         let [position, force] = &self.frame;
         (flat(position, self.bodies), flat(force, self.bodies + 1))
@@ -41,19 +41,19 @@ impl ChainStepper {
 
     /// The forces of `track` from the fraction `first` of the step on, every `interval` of it (1).
     pub fn sample(&self, track: &ForceTrack, (first, interval): (f64, f64), out: &mut [f64]) {
-        dispatch(self.set, Sample { track, first, interval, out });
+        dispatch(self.course.set, Sample { track, first, interval, out });
     }
 
     pub(super) fn find_jerks(&mut self) {
-        if self.jerks_of == self.counts.steps {
+        if self.jerks_of == self.course.counts.steps {
             return;
         }
-        let Self { set, plan, work, jerks, .. } = self;
+        let Self { course: Course { set, plan, work, .. }, jerks, .. } = self;
         for rows in &mut *jerks {
             rows.resize(plan.all_rows(), Row::default());
         }
         let [before, after] = jerks;
-        if self.jerks_of.wrapping_add(1) == self.counts.steps {
+        if self.jerks_of.wrapping_add(1) == self.course.counts.steps {
             std::mem::swap(before, after);
         } else {
             let motion = &work.next;
@@ -61,13 +61,13 @@ impl ChainStepper {
         }
         let motion = &work.now;
         dispatch(*set, Jerks::<Along> { plan, motion, out: after, layout: PhantomData });
-        self.jerks_of = self.counts.steps;
+        self.jerks_of = self.course.counts.steps;
     }
 
     /// The last step's ends: what was the start stays where the next step will end.
     pub(super) fn ends(&self) -> Ends<'_> {
-        let Workspace { now, next, stages, .. } = &self.work;
-        let last = self.pair.nodes.len() - 1;
+        let Workspace { now, next, stages, .. } = &self.course.work;
+        let last = stages.len() - 1;
         Ends {
             from: [&next.position, &next.velocity, &stages[last], &self.jerks[0]],
             to: [&now.position, &now.velocity, &stages[0], &self.jerks[1]],

@@ -1,23 +1,23 @@
-//! One chain, stepped with error control.
+//! One chain, stepped with error control or in fixed steps.
 
 mod look;
+mod paired;
+mod split;
 
 use std::marker::PhantomData;
 
 use super::dispatch::{InstructionSet, dispatch};
 use super::frame::Ends;
-use super::kinks;
 use super::lanes::{Row, WIDTH};
 use super::plan::{Along, Form, Plan};
-use super::quadrature::Quadrature;
-use super::steps::{UNMOVED, control, worth};
-use super::tasks::{Attempt, Evaluate, Settle};
+use super::steps::{find_gradients, finest_asked};
+use super::tasks::{Evaluate, Settle};
 use super::workspace::Workspace;
 use crate::chain::Chain;
-use crate::integrate::control::StepControl;
 use crate::integrate::hermite::{End, septic};
-use crate::integrate::nystrom::NystromPair;
-use crate::integrate::{IntegrateError, Integrator, Interpolant, State, Work};
+use crate::integrate::{IntegrateError, Integrator, Interpolant, Scheme, State, Work};
+use paired::Paired;
+use split::Split;
 
 /// Rows at rest behind the last that moves: within a step news travel a contact a stage, of which there are fewer than in these.
 const MARGIN: usize = 2;
@@ -33,27 +33,28 @@ pub enum Refinement {
     ForceForm,
 }
 
-/// A lossless chain under a Runge-Kutta-Nystrom pair.
-pub struct ChainStepper {
+/// What moves, and all that a step reads and writes.
+struct Course {
     set: InstructionSet,
     plan: Plan,
-    pair: &'static NystromPair,
-    quadrature: Quadrature,
     work: Workspace,
-    control: StepControl,
-    tolerance: f64,
-    /// Largest overlap change (m) and speed (m/s) so far: what errors are relative to.
-    scales: (f64, f64),
-    /// Smallest mass (kg).
-    lightest: f64,
-    bodies: usize,
     time: f64,
-    last_step: (f64, f64),
     counts: Work,
-    /// Steps tried in which contacts changed sides.
-    events: u64,
-    /// Whether kinks are corrected.
-    corrects: bool,
+}
+
+/// How its steps are taken.
+enum Drive {
+    Paired(Box<Paired>),
+    Split(Split),
+}
+
+/// A lossless chain under a method for forces that depend on positions alone.
+pub struct ChainStepper {
+    course: Course,
+    drive: Drive,
+    scheme: Scheme,
+    bodies: usize,
+    last_step: (f64, f64),
     /// Rates of the accelerations at the start and the end of the last step (m/s³), and which step that was; empty until they are
     /// asked for.
     jerks: [Vec<Row>; 2],
@@ -63,43 +64,32 @@ pub struct ChainStepper {
 }
 
 impl ChainStepper {
-    /// Starts `pair` on `chain` with `velocities` (m/s), tolerating errors of `tolerance` a step relative to the largest overlap
-    /// change and speed so far (1).
+    /// Starts `scheme` on `chain` with `velocities` (m/s). Errors that a pair tolerates are relative to the largest overlap change and
+    /// speed so far.
     #[must_use]
-    pub fn new(
-        chain: &Chain,
-        velocities: &[f64],
-        pair: &'static NystromPair,
-        tolerance: f64,
-        set: InstructionSet,
-    ) -> Self {
+    pub fn new(chain: &Chain, velocities: &[f64], scheme: Scheme, set: InstructionSet) -> Self {
         let position = vec![0.0; velocities.len()];
         let state = State { time: 0.0, position, velocity: velocities.to_vec() };
-        Self::from_state(chain, &state, (pair, tolerance), set)
+        Self::from_state(chain, &state, scheme, set)
     }
 
-    /// Starts at `state` with a pair and the tolerated error of its steps, as [`ChainStepper::new`] does at rest.
+    /// Starts at `state`, as [`ChainStepper::new`] does at rest.
     #[must_use]
-    pub fn from_state(
-        chain: &Chain,
-        state: &State,
-        (pair, tolerance): (&'static NystromPair, f64),
-        set: InstructionSet,
-    ) -> Self {
-        let form = Form::needed(chain, &state.velocity, tolerance);
-        Self::with_form(chain, state, (pair, tolerance), (set, form))
+    pub fn from_state(chain: &Chain, state: &State, scheme: Scheme, set: InstructionSet) -> Self {
+        let form = Form::needed(chain, &state.velocity, finest_asked(scheme));
+        Self::with_form(chain, state, scheme, (set, form))
     }
 
     fn with_form(
         chain: &Chain,
         state: &State,
-        (pair, tolerance): (&'static NystromPair, f64),
+        scheme: Scheme,
         (set, form): (InstructionSet, Form),
     ) -> Self {
         let velocities = &state.velocity;
         let mut plan = Plan::along(chain, form);
         dispatch(set, Settle::<Along>(&mut plan, PhantomData));
-        let mut work = Workspace::new(plan.all_rows(), pair.nodes.len());
+        let mut work = Workspace::new(plan.all_rows(), scheme);
         for (i, velocity) in velocities.iter().enumerate() {
             work.now.velocity[i / WIDTH].0[i % WIDTH] = *velocity;
         }
@@ -118,28 +108,28 @@ impl ChainStepper {
         };
         let last = (0..plan.all_rows()).rev().find(|row| moves(*row)).unwrap_or(0);
         plan.live = (last + 1 + MARGIN).min(plan.all_rows());
-        let bodies = chain.bodies().len();
-        let speed = velocities.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-        let scales = (chain.impact_overlap(velocities).max(overlap.0[0]), speed);
+        let counts = Work { force_evaluations: 1, ..Work::default() };
+        let mut course = Course { set, plan, work, time: state.time, counts };
+        let drive = match scheme {
+            Scheme::Pair(pair, tolerance) => {
+                let speed = velocities.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+                let scales = (chain.impact_overlap(velocities).max(overlap.0[0]), speed);
+                Drive::Paired(Box::new(Paired::new(pair, tolerance, scales, chain.lightest())))
+            }
+            Scheme::Splitting(method, step) => {
+                find_gradients::<Along>(set, &course.plan, &mut course.work);
+                Drive::Split(Split::new(method, step, state.time))
+            }
+        };
         Self {
-            set,
-            pair,
-            quadrature: Quadrature::of(pair),
-            work,
-            control: control(scales, pair),
-            tolerance,
-            scales,
-            lightest: chain.lightest(),
-            bodies,
-            time: state.time,
+            course,
+            drive,
+            scheme,
+            bodies: chain.bodies().len(),
             last_step: (state.time, 0.0),
-            counts: Work { force_evaluations: 1, ..Work::default() },
-            events: 0,
-            corrects: true,
             jerks: [Vec::new(), Vec::new()],
             jerks_of: u64::MAX,
             frame: [Vec::new(), Vec::new()],
-            plan,
         }
     }
 
@@ -147,27 +137,36 @@ impl ChainStepper {
     #[must_use]
     pub fn without(mut self, refinement: Refinement, chain: &Chain) -> Self {
         match refinement {
-            Refinement::KinkCorrection => self.corrects = false,
-            Refinement::QuietPart => self.plan.live = self.plan.all_rows(),
+            Refinement::KinkCorrection => {
+                if let Drive::Paired(paired) = &mut self.drive {
+                    paired.corrects = false;
+                }
+            }
+            Refinement::QuietPart => self.course.plan.live = self.course.plan.all_rows(),
             Refinement::ForceForm => {
-                let form = match self.plan.form {
+                let form = match self.course.plan.form {
                     Form::Plain => Form::Exact,
                     Form::Exact => Form::Plain,
                     Form::Linear => Form::Linear,
                 };
-                let setting = (self.pair, self.tolerance);
-                return Self::with_form(chain, &self.state(), setting, (self.set, form));
+                let set = self.course.set;
+                return Self::with_form(chain, &self.state(), self.scheme, (set, form));
             }
         }
         self
     }
 
-    /// Steps tried in which contacts opened or closed.
+    /// Steps tried in which contacts opened or closed; methods with a fixed step do not ask.
     #[must_use]
     pub fn events(&self) -> u64 {
-        self.events
+        match &self.drive {
+            Drive::Paired(paired) => paired.events,
+            Drive::Split(_) => 0,
+        }
     }
+}
 
+impl Course {
     /// Goes on with the rows that the motion has come near to.
     fn follow_front(&mut self) {
         let (live, all) = (self.plan.live, self.plan.all_rows());
@@ -175,39 +174,6 @@ impl ChainStepper {
         if live < all && self.work.now.velocity[ahead].iter().any(|row| *row != Row::default()) {
             self.plan.live = (live + MARGIN).min(all);
         }
-    }
-
-    /// Tries a step of `h` (s) and returns its error as a multiple of the tolerance (1).
-    fn attempt(&mut self, h: f64) -> f64 {
-        let Self { set, plan, pair, quadrature, work, .. } = self;
-        let step = Row([h; WIDTH]);
-        // Without corrections no impulse is worth one.
-        let tolerance = if self.corrects { self.tolerance } else { f64::INFINITY };
-        let slack = kinks::slack(tolerance, self.scales, self.lightest).map(|s| Row([s; WIDTH]));
-        let worth = worth(self.tolerance, self.scales).map(|worth| Row([worth; WIDTH]));
-        let layout = PhantomData;
-        let task = Attempt::<Along> { plan, pair, quadrature, work, step, worth, slack, layout };
-        let guard = dispatch(*set, task);
-        self.counts.force_evaluations += self.pair.nodes.len() as u64 - 1;
-        let error = self.work.error(0);
-        if let Some(guard) = guard.filter(|_| error <= 1.0) {
-            self.events += 1;
-            let moved = guard.moved.0.into_iter().fold(0.0, f64::max);
-            if moved > UNMOVED * self.tolerance * self.scales.0 {
-                self.evaluate_end();
-            }
-        }
-        error
-    }
-
-    /// The accelerations where the step ended, after a correction.
-    fn evaluate_end(&mut self) {
-        let Self { set, plan, work, .. } = self;
-        let Some(acceleration) = work.stages.last_mut() else { return };
-        let task =
-            Evaluate::<Along> { plan, motion: &mut work.next, acceleration, layout: PhantomData };
-        work.largest.overlap = dispatch(*set, task);
-        self.counts.force_evaluations += 1;
     }
 }
 
@@ -220,43 +186,43 @@ fn unpack(rows: &[Row], out: &mut [f64]) {
 
 impl Integrator for ChainStepper {
     fn time(&self) -> f64 {
-        self.time
+        self.course.time
     }
 
     fn state(&self) -> State {
         let mut state = State {
-            time: self.time,
+            time: self.course.time,
             position: vec![0.0; self.bodies],
             velocity: vec![0.0; self.bodies],
         };
-        unpack(&self.work.now.position, &mut state.position);
-        unpack(&self.work.now.velocity, &mut state.velocity);
+        unpack(&self.course.work.now.position, &mut state.position);
+        unpack(&self.course.work.now.velocity, &mut state.velocity);
         state
     }
 
     fn step(&mut self, end: f64) -> Result<(), IntegrateError> {
-        let last = self.pair.nodes.len() - 1;
-        loop {
-            let trial = self.control.trial(self.time, end)?;
-            let error = self.attempt(trial.length);
-            let work = &self.work;
-            let culprit = || first_lost(&work.next.position, &work.next.velocity);
-            if !self.control.accepts(trial, error, culprit) {
-                self.counts.rejected += 1;
+        let start = self.course.time;
+        let length = match &mut self.drive {
+            Drive::Paired(paired) => paired.step(&mut self.course, end)?,
+            Drive::Split(split) => split.step(&mut self.course, end)?,
+        };
+        self.last_step = (start, length);
+        self.course.follow_front();
+        Ok(())
+    }
+
+    fn advance(&mut self, end: f64) -> Result<(), IntegrateError> {
+        while self.course.time < end {
+            let Self { drive: Drive::Split(split), course, last_step, .. } = self else {
+                self.step(end)?;
                 continue;
+            };
+            match split.several(course, end)? {
+                Some(length) => *last_step = (course.time - length, length),
+                None => self.step(end)?,
             }
-            // What was the start stays where interpolation finds it.
-            std::mem::swap(&mut self.work.now, &mut self.work.next);
-            self.work.stages.swap(0, last);
-            self.last_step = (self.time, trial.length);
-            self.time = trial.next;
-            self.counts.steps += 1;
-            let largest = &self.work.largest;
-            self.scales.0 = self.scales.0.max(largest.overlap.0[0]);
-            self.scales.1 = self.scales.1.max(largest.speed.0[0]);
-            self.follow_front();
-            return Ok(());
         }
+        Ok(())
     }
 
     fn prepare_interpolation(&mut self) {
@@ -277,7 +243,7 @@ impl Integrator for ChainStepper {
     }
 
     fn work(&self) -> Work {
-        self.counts
+        self.course.counts
     }
 }
 

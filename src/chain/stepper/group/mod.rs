@@ -1,0 +1,193 @@
+//! Eight chains side by side, one in each lane, each with a step of its own.
+//!
+//! Lanes never see each other: a chain's results are the same to the last bit whatever its neighbours are.
+
+mod lane;
+mod paired;
+
+use std::marker::PhantomData;
+
+use super::dispatch::{InstructionSet, dispatch};
+use super::force_track::View;
+use super::frame::{Ends, Look};
+use super::lanes::{Row, WIDTH};
+use super::plan::{Across, Form, Plan};
+use super::steps::{find_gradients, finest_asked};
+use super::tasks::{Evaluate, Jerks, Settle, Split};
+use super::workspace::Workspace;
+use crate::chain::Chain;
+use crate::integrate::splitting::Splitting;
+use crate::integrate::{IntegrateError, Scheme, Work};
+use lane::Lane;
+use paired::Paired;
+
+/// How steps are taken.
+enum Drive {
+    Paired(Box<Paired>),
+    Split(&'static Splitting),
+}
+
+/// Up to eight lossless chains with the same number of bodies under a method for forces that depend on positions alone.
+pub struct ChainGroup {
+    set: InstructionSet,
+    plan: Plan,
+    drive: Drive,
+    work: Workspace,
+    lanes: Vec<Lane>,
+    jerks: [Vec<Row>; 2],
+}
+
+/// One chain to be put into a group.
+#[derive(Debug, Clone, Copy)]
+pub struct Member<'a> {
+    /// The chain.
+    pub chain: &'a Chain,
+    /// Initial velocities of its bodies (m/s).
+    pub velocities: &'a [f64],
+    /// How long it is followed (s).
+    pub duration: f64,
+}
+
+impl ChainGroup {
+    /// Lanes of a group.
+    pub const LANES: usize = WIDTH;
+
+    /// Whether chains may share a group: as many bodies, and forces computed in the same way.
+    #[must_use]
+    pub fn fit(a: &Member<'_>, b: &Member<'_>, scheme: Scheme) -> bool {
+        let form = |member: &Member<'_>| {
+            Form::needed(member.chain, member.velocities, finest_asked(scheme))
+        };
+        a.chain.contacts().len() == b.chain.contacts().len() && form(a) == form(b)
+    }
+
+    /// Starts `scheme` on up to [`Self::LANES`] members that fit each other.
+    #[must_use]
+    pub fn new(members: &[Member<'_>], scheme: Scheme, set: InstructionSet) -> Self {
+        let members = &members[..members.len().min(WIDTH)];
+        let chains: Vec<&Chain> = members.iter().map(|member| member.chain).collect();
+        let form = |m: &Member<'_>| Form::needed(m.chain, m.velocities, finest_asked(scheme));
+        let mut plan = Plan::across(&chains, members.first().map_or(Form::Plain, form));
+        dispatch(set, Settle::<Across>(&mut plan, PhantomData));
+        let mut work = Workspace::new(plan.rows(), scheme);
+        for (lane, member) in members.iter().enumerate() {
+            for (row, velocity) in work.now.velocity.iter_mut().zip(member.velocities) {
+                row.0[lane] = *velocity;
+            }
+        }
+        let (motion, acceleration) = (&mut work.now, work.stages[0].as_mut_slice());
+        let task = Evaluate::<Across> { plan: &plan, motion, acceleration, layout: PhantomData };
+        dispatch(set, task);
+        let drive = match scheme {
+            Scheme::Pair(pair, tolerance) => {
+                Drive::Paired(Box::new(Paired::new(pair, tolerance, plan.rows())))
+            }
+            Scheme::Splitting(method, _) => {
+                find_gradients::<Across>(set, &plan, &mut work);
+                Drive::Split(method)
+            }
+        };
+        Self {
+            set,
+            drive,
+            work,
+            lanes: members.iter().map(|member| Lane::new(member, scheme)).collect(),
+            jerks: std::array::from_fn(|_| vec![Row::default(); plan.rows()]),
+            plan,
+        }
+    }
+
+    /// Whether every lane has come to its end, or failed.
+    #[must_use]
+    pub fn is_done(&self) -> bool {
+        self.lanes.iter().all(|lane| !lane.is_moving())
+    }
+
+    /// Tries a step in every lane that is still moving; tells which lanes have taken theirs.
+    pub fn step(&mut self) -> [bool; WIDTH] {
+        let mut step = Row::default();
+        for (lane, h) in self.lanes.iter_mut().zip(&mut step.0) {
+            *h = lane.choose();
+        }
+        match &mut self.drive {
+            Drive::Paired(paired) => {
+                let Self { set, plan, work, lanes, .. } = self;
+                paired.step(*set, plan, (work, lanes), step)
+            }
+            Drive::Split(method) => {
+                let method = *method;
+                self.split(method, (step, 1))
+            }
+        }
+    }
+
+    /// Steps up to the ends of all lanes, unseen: for those who want nothing but where they lead.
+    pub fn advance(&mut self) {
+        while !self.is_done() {
+            let count = match self.drive {
+                Drive::Paired(_) => 0,
+                Drive::Split(_) => self.lanes.iter().map(Lane::room).min().unwrap_or(0),
+            };
+            match self.drive {
+                Drive::Split(method) if count > 1 => {
+                    let mut step = Row::default();
+                    for (lane, h) in self.lanes.iter_mut().zip(&mut step.0) {
+                        *h = lane.choose_several(count);
+                    }
+                    self.split(method, (step, count));
+                }
+                _ => _ = self.step(),
+            }
+        }
+    }
+
+    /// Takes `count` steps in all lanes, of 0 s in those that stand still.
+    fn split(&mut self, method: &Splitting, (step, count): (Row, u64)) -> [bool; WIDTH] {
+        let Self { set, plan, work, lanes, .. } = self;
+        let layout = PhantomData;
+        let finite = dispatch(*set, Split::<Across> { plan, method, work, step, count, layout });
+        work.turn();
+        let mut taken = [false; WIDTH];
+        for (index, lane) in lanes.iter_mut().enumerate() {
+            let evaluations = count * method.drifts.len() as u64;
+            taken[index] = lane.takes(finite & (1 << index) != 0, (count, evaluations));
+        }
+        taken
+    }
+
+    /// Brings the views of every lane that has just `taken` a step up to its end.
+    pub fn look(&mut self, views: &mut [Vec<View>], taken: [bool; WIDTH]) {
+        let Self { set, plan, work, jerks, .. } = self;
+        let [before, after] = jerks;
+        let Workspace { now, next, stages, .. } = work;
+        let out = before.as_mut_slice();
+        dispatch(*set, Jerks::<Across> { plan, motion: next, out, layout: PhantomData });
+        let out = after.as_mut_slice();
+        dispatch(*set, Jerks::<Across> { plan, motion: now, out, layout: PhantomData });
+        let last = stages.len() - 1;
+        for (index, (lane, views)) in self.lanes.iter().zip(views).enumerate() {
+            if taken[index] {
+                let ends = Ends {
+                    from: [&next.position, &next.velocity, &stages[last], before],
+                    to: [&now.position, &now.velocity, &stages[0], after],
+                    span: lane.last_step,
+                };
+                let task =
+                    Look::<Across> { ends, lane: index, views, all: false, layout: PhantomData };
+                dispatch(*set, task);
+            }
+        }
+    }
+
+    /// What lane `index` has cost, or why it failed.
+    ///
+    /// # Errors
+    /// [`IntegrateError`] where the error control could not go on.
+    pub fn outcome(&self, index: usize) -> Result<Work, IntegrateError> {
+        match self.lanes.get(index) {
+            Some(Lane { failed: Some(error), .. }) => Err(error.clone()),
+            Some(lane) => Ok(lane.counts),
+            None => Ok(Work::default()),
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! A splitting's steps in parts, one sweep along the rows each: a drift, the forces, where the method asks for it how they change where
+//! they point, and a kick.
+#![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
+
+use super::forces::{Cut, pushed};
+use super::lanes::{Lanes, Row};
+use super::plan::{Layout, Plan};
+use super::splits::Kick;
+use super::sweep::{Visit, sweep};
+use super::workspace::Workspace;
+use crate::integrate::splitting::Splitting;
+
+/// Positions, velocities, accelerations, and their gradients where a method asks for them.
+type Rows<'a> = [&'a mut [Row]; 4];
+
+/// A part of a step that goes on where the one before ended.
+const ON: u8 = 0;
+/// The first part of a step, from its start elsewhere.
+const FROM: u8 = 1;
+/// The first part of a step, from its start in the same place.
+const HERE: u8 = 2;
+
+/// Steps of a chain that does not fit into the registers, as [`super::splits::steps`] takes them. All but the last are taken in place: less memory is read and written.
+#[inline(always)]
+pub fn long<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
+    plan: &Plan,
+    method: &Splitting,
+    work: &mut Workspace,
+    (h, count): (L::V, u64),
+) {
+    let rows = plan.rows();
+    let plan = Cut::new(plan, rows);
+    let shown = if GRADIENT { rows } else { 0 };
+    let Workspace { now, next, stages, gradients, .. } = work;
+    let (first, last) = stages.split_at_mut(1);
+    let [before, after] = gradients;
+    let mut from: Rows = [
+        &mut now.position[..rows],
+        &mut now.velocity[..rows],
+        &mut first[0][..rows],
+        &mut before[..shown],
+    ];
+    for _ in 1..count {
+        step::<L, Y, FORM, GRADIENT, HERE>(plan, method, h, ([&[]; 4], &mut from));
+    }
+    let mut to: Rows = [
+        &mut next.position[..rows],
+        &mut next.velocity[..rows],
+        &mut last[0][..rows],
+        &mut after[..shown],
+    ];
+    let from = [&*from[0], &*from[1], &*from[2], &*from[3]];
+    step::<L, Y, FORM, GRADIENT, FROM>(plan, method, h, (from, &mut to));
+}
+
+#[inline(always)]
+fn step<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool, const START: u8>(
+    plan: Cut,
+    method: &Splitting,
+    h: L::V,
+    (from, to): ([&[Row]; 4], &mut Rows),
+) {
+    let rows = to[0].len();
+    let kick = |index| Kick::<L>::new(method, index, h);
+    let drift = |index: usize| L::mul(h, L::splat(method.drifts[index]));
+    let last = method.drifts.len() - 1;
+    let kicks = [kick(0), kick(1)];
+    let mut part = Part::<L, GRADIENT, START>::new(plan, kicks, (drift(0), last == 0), (from, to));
+    sweep::<L, Y, FORM>(plan, rows, &mut part);
+    part.end::<Y>();
+    for index in 1..=last {
+        let kicks = [kick(index), kick(index + 1)];
+        let mut part =
+            Part::<L, GRADIENT, ON>::new(plan, kicks, (drift(index), index == last), (from, to));
+        sweep::<L, Y, FORM>(plan, rows, &mut part);
+        part.end::<Y>();
+    }
+}
+
+/// Drift, forces, gradients and the second of `kicks`; before it the first of them, where a step begins.
+struct Part<'a, L: Lanes, const GRADIENT: bool, const START: u8> {
+    plan: Cut<'a>,
+    kicks: [Kick<L>; 2],
+    drift: L::V,
+    /// Whether the step ends here, so that the next one asks for accelerations.
+    last: bool,
+    from: [&'a [Row]; 4],
+    to: Rows<'a>,
+    /// Accelerations of the row left last (m/s²), and two thirds of what their differences do to the forces (N/s²).
+    bent: [L::V; 2],
+}
+
+impl<'a, L: Lanes, const GRADIENT: bool, const START: u8> Part<'a, L, GRADIENT, START> {
+    #[inline(always)]
+    fn new(
+        plan: Cut<'a>,
+        kicks: [Kick<L>; 2],
+        (drift, last): (L::V, bool),
+        (from, to): ([&'a [Row]; 4], &'a mut Rows),
+    ) -> Self {
+        let rows = to[0].len();
+        let shown = if GRADIENT { rows } else { 0 };
+        let from = if START == FROM {
+            [&from[0][..rows], &from[1][..rows], &from[2][..rows], &from[3][..shown]]
+        } else {
+            from
+        };
+        let [x, v, a, g] = to;
+        let to: Rows = [&mut x[..rows], &mut v[..rows], &mut a[..rows], &mut g[..shown]];
+        Self { plan, kicks, drift, last, from, to, bent: [L::splat(0.0); 2] }
+    }
+
+    /// Velocities in row `r` of what is `at` the start, after the first kick.
+    #[inline(always)]
+    fn opened(&self, at: [&[Row]; 4], r: usize) -> L::V {
+        let gradient = if GRADIENT { L::load(&at[3][r]) } else { L::splat(0.0) };
+        self.kicks[0].on::<GRADIENT>(L::load(&at[1][r]), [L::load(&at[2][r]), gradient])
+    }
+
+    /// Kicks row `r`, whose contacts' bends end above `next`.
+    #[inline(always)]
+    fn bend<Y: Layout>(&mut self, r: usize, next: L::V) {
+        let [acceleration, bend] = self.bent;
+        let gradient = pushed::<L, Y>(self.plan, r, [bend, next]);
+        if self.last {
+            L::store(gradient, &mut self.to[3][r]);
+        }
+        let velocity = &mut self.to[1][r];
+        let kicked = self.kicks[1].on::<true>(L::load(velocity), [acceleration, gradient]);
+        L::store(kicked, velocity);
+    }
+
+    /// Kicks the last row.
+    #[inline(always)]
+    fn end<Y: Layout>(mut self) {
+        let rows = self.to[0].len();
+        if GRADIENT && rows > 0 {
+            self.bend::<Y>(rows - 1, L::splat(0.0));
+        }
+    }
+}
+
+impl<L: Lanes, Y: Layout, const GRADIENT: bool, const START: u8> Visit<L, Y>
+    for Part<'_, L, GRADIENT, START>
+{
+    #[inline(always)]
+    fn enter(&mut self, r: usize) -> L::V {
+        let (x, speed) = match START {
+            FROM => (&self.from[0][r], self.opened(self.from, r)),
+            HERE => {
+                let [position, velocity, of, gradient] = &self.to;
+                (&position[r], self.opened([position, velocity, of, gradient], r))
+            }
+            _ => (&self.to[0][r], L::load(&self.to[1][r])),
+        };
+        let here = L::mul_add(self.drift, speed, L::load(x));
+        L::store(here, &mut self.to[0][r]);
+        if START != ON {
+            L::store(speed, &mut self.to[1][r]);
+        }
+        here
+    }
+
+    #[inline(always)]
+    fn leave(&mut self, r: usize, acceleration: L::V, tangent: L::V) {
+        if self.last {
+            L::store(acceleration, &mut self.to[2][r]);
+        }
+        if GRADIENT {
+            let above = Y::above::<L>(self.bent[0], acceleration);
+            let bend = L::mul(tangent, L::sub(above, acceleration));
+            if r > 0 {
+                self.bend::<Y>(r - 1, bend);
+            }
+            self.bent = [acceleration, bend];
+        } else {
+            let velocity = &mut self.to[1][r];
+            let of = [acceleration, L::splat(0.0)];
+            L::store(self.kicks[1].on::<false>(L::load(velocity), of), velocity);
+        }
+    }
+}

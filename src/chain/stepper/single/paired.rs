@@ -1,0 +1,100 @@
+//! Steps of a Runge-Kutta-Nystrom pair, with error control.
+
+use std::marker::PhantomData;
+
+use super::{Course, first_lost};
+use crate::chain::stepper::dispatch::dispatch;
+use crate::chain::stepper::kinks;
+use crate::chain::stepper::lanes::{Row, WIDTH};
+use crate::chain::stepper::plan::Along;
+use crate::chain::stepper::quadrature::Quadrature;
+use crate::chain::stepper::steps::{UNMOVED, control, worth};
+use crate::chain::stepper::tasks::{Attempt, Evaluate};
+use crate::integrate::IntegrateError;
+use crate::integrate::control::StepControl;
+use crate::integrate::nystrom::NystromPair;
+
+/// A pair at work.
+pub struct Paired {
+    pair: &'static NystromPair,
+    quadrature: Quadrature,
+    control: StepControl,
+    tolerance: f64,
+    /// Largest overlap change (m) and speed (m/s) so far: what errors are relative to.
+    scales: (f64, f64),
+    /// Smallest mass (kg).
+    lightest: f64,
+    /// Steps tried in which contacts changed sides.
+    pub events: u64,
+    /// Whether kinks are corrected.
+    pub corrects: bool,
+}
+
+impl Paired {
+    /// With errors of `tolerance` a step (1) relative to `scales` of overlap (m) and speed (m/s); `lightest` is the smallest mass (kg).
+    pub fn new(
+        pair: &'static NystromPair,
+        tolerance: f64,
+        scales: (f64, f64),
+        lightest: f64,
+    ) -> Self {
+        let (quadrature, control) = (Quadrature::of(pair), control(scales, pair));
+        let (events, corrects) = (0, true);
+        Self { pair, quadrature, control, tolerance, scales, lightest, events, corrects }
+    }
+
+    /// Takes a step, not beyond `end` (s); returns its length (s).
+    pub fn step(&mut self, course: &mut Course, end: f64) -> Result<f64, IntegrateError> {
+        loop {
+            let trial = self.control.trial(course.time, end)?;
+            let error = self.attempt(course, trial.length);
+            let work = &mut course.work;
+            let culprit = || first_lost(&work.next.position, &work.next.velocity);
+            if !self.control.accepts(trial, error, culprit) {
+                course.counts.rejected += 1;
+                continue;
+            }
+            work.turn();
+            course.time = trial.next;
+            course.counts.steps += 1;
+            let largest = &work.largest;
+            self.scales.0 = self.scales.0.max(largest.overlap.0[0]);
+            self.scales.1 = self.scales.1.max(largest.speed.0[0]);
+            return Ok(trial.length);
+        }
+    }
+
+    /// Tries a step of `h` (s) and returns its error as a multiple of the tolerance (1).
+    fn attempt(&mut self, course: &mut Course, h: f64) -> f64 {
+        let Self { pair, quadrature, .. } = self;
+        let Course { set, plan, work, counts, .. } = course;
+        let step = Row([h; WIDTH]);
+        // Without corrections no impulse is worth one.
+        let tolerance = if self.corrects { self.tolerance } else { f64::INFINITY };
+        let slack = kinks::slack(tolerance, self.scales, self.lightest).map(|s| Row([s; WIDTH]));
+        let worth = worth(self.tolerance, self.scales).map(|worth| Row([worth; WIDTH]));
+        let layout = PhantomData;
+        let task = Attempt::<Along> { plan, pair, quadrature, work, step, worth, slack, layout };
+        let guard = dispatch(*set, task);
+        counts.force_evaluations += pair.nodes.len() as u64 - 1;
+        let error = work.error(0);
+        if let Some(guard) = guard.filter(|_| error <= 1.0) {
+            self.events += 1;
+            let moved = guard.moved.0.into_iter().fold(0.0, f64::max);
+            if moved > UNMOVED * self.tolerance * self.scales.0 {
+                evaluate_end(course);
+            }
+        }
+        error
+    }
+}
+
+/// The accelerations where the step ended, after a correction.
+fn evaluate_end(course: &mut Course) {
+    let Course { set, plan, work, counts, .. } = course;
+    let Some(acceleration) = work.stages.last_mut() else { return };
+    let task =
+        Evaluate::<Along> { plan, motion: &mut work.next, acceleration, layout: PhantomData };
+    work.largest.overlap = dispatch(*set, task);
+    counts.force_evaluations += 1;
+}

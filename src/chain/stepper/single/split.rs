@@ -1,0 +1,67 @@
+//! Fixed steps of a splitting.
+
+use std::marker::PhantomData;
+
+use super::{Course, first_lost};
+use crate::chain::stepper::dispatch::dispatch;
+use crate::chain::stepper::lanes::{Row, WIDTH};
+use crate::chain::stepper::plan::Along;
+use crate::chain::stepper::steps::AT_ONCE;
+use crate::chain::stepper::tasks;
+use crate::integrate::IntegrateError;
+use crate::integrate::splitting::{Clock, Splitting};
+
+/// A splitting at work.
+pub struct Split {
+    method: &'static Splitting,
+    clock: Clock,
+}
+
+impl Split {
+    /// Steps of `step` from `time` on (s).
+    pub fn new(method: &'static Splitting, step: f64, time: f64) -> Self {
+        Self { method, clock: Clock::new(method, step, time) }
+    }
+
+    /// Takes a step, not beyond `end` (s); returns its length (s).
+    pub fn step(&mut self, course: &mut Course, end: f64) -> Result<f64, IntegrateError> {
+        let (h, next) = self.clock.next(course.time, end);
+        self.take(course, (h, 1))?;
+        course.time = next;
+        Ok(h)
+    }
+
+    /// Takes up to [`AT_ONCE`] whole steps, none of which reaches `end` (s), if all rows are under way; the length of the last (s).
+    pub fn several(
+        &mut self,
+        course: &mut Course,
+        end: f64,
+    ) -> Result<Option<f64>, IntegrateError> {
+        if course.plan.live < course.plan.all_rows() {
+            return Ok(None);
+        }
+        let count = self.clock.room(AT_ONCE, end);
+        if count == 0 {
+            return Ok(None);
+        }
+        self.take(course, (self.clock.step(), count))?;
+        course.time = self.clock.go(count);
+        Ok(Some(self.clock.step()))
+    }
+
+    /// Takes `count` steps of `h` (s).
+    fn take(&self, course: &mut Course, (h, count): (f64, u64)) -> Result<(), IntegrateError> {
+        let Course { set, plan, work, counts, time } = course;
+        let (step, method, layout) = (Row([h; WIDTH]), self.method, PhantomData);
+        let finite =
+            dispatch(*set, tasks::Split::<Along> { plan, method, work, step, count, layout });
+        counts.steps += count;
+        counts.force_evaluations += count * method.drifts.len() as u64;
+        if finite == 0 {
+            let body = first_lost(&work.next.position, &work.next.velocity);
+            return Err(IntegrateError::NotFinite { body, time: *time });
+        }
+        work.turn();
+        Ok(())
+    }
+}

@@ -1,0 +1,101 @@
+//! One sweep along the rows, from positions over forces to accelerations.
+//!
+//! Square roots take their time: two rows are begun while those of the two before are on their way, so that the processor need not look
+//! far ahead for work.
+#![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
+
+use super::forces::{Begun, Cut, accelerations, begin, finish};
+use super::lanes::Lanes;
+use super::plan::Layout;
+
+/// What a sweep asks for and what becomes of its results, row by row.
+pub trait Visit<L: Lanes, Y: Layout> {
+    /// Positions in row `r` (m).
+    fn enter(&mut self, r: usize) -> L::V;
+
+    /// Overlaps in row `r`, and how they have changed (m).
+    #[inline(always)]
+    fn see(&mut self, r: usize, overlap: L::V, change: L::V) {
+        let _ = (r, overlap, change);
+    }
+
+    /// Accelerations of row `r` (m/s²), and two thirds of its contacts' tangent stiffnesses (N/m).
+    fn leave(&mut self, r: usize, acceleration: L::V, tangent: L::V);
+}
+
+/// Where a sweep is.
+struct Sweep<'a, L: Lanes> {
+    plan: Cut<'a>,
+    /// Positions of the row entered last (m).
+    position: L::V,
+    /// Forces (N) and two thirds of tangents (N/m) of the row pressed last.
+    pressed: [L::V; 2],
+}
+
+/// Sweeps over the first `rows` rows of `plan`.
+#[inline(always)]
+pub fn sweep<L: Lanes, Y: Layout, const FORM: u8>(
+    plan: Cut,
+    rows: usize,
+    visit: &mut impl Visit<L, Y>,
+) {
+    let none = L::splat(0.0);
+    let mut sweep = Sweep::<L> { plan, position: none, pressed: [none; 2] };
+    let pairs = rows / 2;
+    if pairs > 0 {
+        let mut begun = sweep.enter::<Y, FORM>(0, visit);
+        let mut second = sweep.enter::<Y, FORM>(1, visit);
+        for pair in 1..pairs {
+            let next = sweep.enter::<Y, FORM>(2 * pair, visit);
+            let after = sweep.enter::<Y, FORM>(2 * pair + 1, visit);
+            sweep.press::<Y, FORM>(2 * pair - 2, begun, visit);
+            sweep.press::<Y, FORM>(2 * pair - 1, second, visit);
+            (begun, second) = (next, after);
+        }
+        sweep.press::<Y, FORM>(2 * pairs - 2, begun, visit);
+        sweep.press::<Y, FORM>(2 * pairs - 1, second, visit);
+    }
+    if 2 * pairs < rows {
+        let begun = sweep.enter::<Y, FORM>(2 * pairs, visit);
+        sweep.press::<Y, FORM>(2 * pairs, begun, visit);
+    }
+    if rows > 0 {
+        sweep.leave::<Y>(rows - 1, L::load(&plan.beyond), visit);
+    }
+}
+
+impl<L: Lanes> Sweep<'_, L> {
+    #[inline(always)]
+    fn enter<Y: Layout, const FORM: u8>(
+        &mut self,
+        r: usize,
+        visit: &mut impl Visit<L, Y>,
+    ) -> Begun<L> {
+        let here = visit.enter(r);
+        let change = L::sub(Y::above::<L>(self.position, here), here);
+        self.position = here;
+        let (begun, overlap) = begin::<L, FORM>(self.plan, r, change);
+        visit.see(r, overlap, change);
+        begun
+    }
+
+    #[inline(always)]
+    fn press<Y: Layout, const FORM: u8>(
+        &mut self,
+        r: usize,
+        begun: Begun<L>,
+        visit: &mut impl Visit<L, Y>,
+    ) {
+        let pressed = finish::<L, FORM>(self.plan, r, begun);
+        if r > 0 {
+            self.leave::<Y>(r - 1, pressed[0], visit);
+        }
+        self.pressed = pressed;
+    }
+
+    #[inline(always)]
+    fn leave<Y: Layout>(&mut self, r: usize, next: L::V, visit: &mut impl Visit<L, Y>) {
+        let [force, tangent] = self.pressed;
+        visit.leave(r, accelerations::<L, Y>(self.plan, r, [force, next]), tangent);
+    }
+}

@@ -1,0 +1,91 @@
+//! Fixed steps on the chain's own stepper: the same as the plain loops of `integrate`, whatever the length of the chain, the instructions,
+//! and whether anybody looks.
+
+use hertzscope::chain::Chain;
+use hertzscope::chain::stepper::{ChainStepper, InstructionSet};
+use hertzscope::integrate::{Integrator, Method, State};
+
+use super::chains::diatomic;
+
+/// Time that is simulated (s): a wave runs through a dozen cells.
+const TIME: f64 = 0.3e-3;
+/// Speed of the first body (m/s).
+const SPEED: f64 = 0.1;
+
+const METHODS: [fn(f64) -> Method; 4] = [
+    |step| Method::VelocityVerlet { step },
+    |step| Method::Pefrl { step },
+    |step| Method::BlanesMoan { step },
+    |step| Method::ForceGradient { step },
+];
+
+fn kick(chain: &Chain) -> Vec<f64> {
+    let mut velocities = vec![0.0; chain.bodies().len()];
+    velocities[0] = SPEED;
+    velocities
+}
+
+fn stepper(chain: &Chain, method: Method, set: InstructionSet) -> ChainStepper {
+    let scheme = method.scheme().expect("a splitting");
+    ChainStepper::new(chain, &kick(chain), scheme, set)
+}
+
+/// Largest difference of velocities, relative to the first body's (1).
+fn distance(a: &State, b: &State) -> f64 {
+    let pairs = a.velocity.iter().zip(&b.velocity);
+    pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / SPEED
+}
+
+/// Preloaded and without preload, in chains that fit into registers and in those that do not: 8 to 130 bodies. Contacts without preload
+/// open; within this time that makes at most hundreds of what rounding has left.
+#[test]
+fn they_are_those_of_the_plain_loops() {
+    for force in [2.38, 0.0] {
+        for cells in [4, 19, 20, 65] {
+            let chain = diatomic(cells, force, false);
+            for method in METHODS {
+                let method = method(0.73e-6);
+                let system = chain.system(&kick(&chain));
+                let mut plain = method.start(system, chain.initial_state(&kick(&chain)));
+                plain.advance(TIME).expect("a stable step");
+                for set in InstructionSet::available() {
+                    let mut stepper = stepper(&chain, method, set);
+                    stepper.advance(TIME).expect("a stable step");
+                    assert_eq!(stepper.work(), plain.work(), "{}", method.name());
+                    let off = distance(&stepper.state(), &plain.state());
+                    let what = format!("{} {force} N {cells} {}", method.name(), set.name());
+                    println!("{what}: {off:.1e}");
+                    assert!(off < 1e-11, "{what}: {off:e}");
+                }
+            }
+        }
+    }
+}
+
+/// Many steps at once are the same as one after the other, to the last bit, and so is the last one, which can be looked at.
+#[test]
+fn a_look_changes_nothing() {
+    for cells in [4, 19, 65] {
+        let chain = diatomic(cells, 2.38, false);
+        for method in METHODS {
+            let method = method(0.73e-6);
+            for set in InstructionSet::available() {
+                let [mut seen, mut unseen] = std::array::from_fn(|_| stepper(&chain, method, set));
+                for end in [0.4 * TIME, TIME] {
+                    while seen.time() < end {
+                        seen.step(end).expect("a stable step");
+                        seen.prepare_interpolation();
+                    }
+                    unseen.advance(end).expect("a stable step");
+                    unseen.prepare_interpolation();
+                    assert_eq!(seen.state(), unseen.state());
+                    assert_eq!(seen.work(), unseen.work());
+                    for body in 0..chain.bodies().len() {
+                        let (a, b) = (seen.interpolant(body), unseen.interpolant(body));
+                        assert_eq!(a.position(0.3).to_bits(), b.position(0.3).to_bits());
+                    }
+                }
+            }
+        }
+    }
+}
