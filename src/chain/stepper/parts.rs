@@ -5,10 +5,9 @@
 use super::forces::{Cut, pushed};
 use super::lanes::{Lanes, Row};
 use super::plan::{Layout, Plan};
-use super::splits::Kick;
+use super::splits::{Kick, Weights};
 use super::sweep::{Visit, sweep};
 use super::workspace::Workspace;
-use crate::integrate::splitting::Splitting;
 
 /// Positions, velocities, accelerations, and their gradients where a method asks for them.
 type Rows<'a> = [&'a mut [Row]; 4];
@@ -24,9 +23,8 @@ const HERE: u8 = 2;
 #[inline(always)]
 pub fn long<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
     plan: &Plan,
-    method: &Splitting,
     work: &mut Workspace,
-    (h, count): (L::V, u64),
+    (weights, count): (&Weights<L>, u64),
 ) {
     let rows = plan.rows();
     let plan = Cut::new(plan, rows);
@@ -41,7 +39,7 @@ pub fn long<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
         &mut before[..shown],
     ];
     for _ in 1..count {
-        step::<L, Y, FORM, GRADIENT, HERE>(plan, method, h, ([&[]; 4], &mut from));
+        step::<L, Y, FORM, GRADIENT, HERE>(plan, weights, ([&[]; 4], &mut from));
     }
     let mut to: Rows = [
         &mut next.position[..rows],
@@ -50,28 +48,25 @@ pub fn long<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
         &mut after[..shown],
     ];
     let from = [&*from[0], &*from[1], &*from[2], &*from[3]];
-    step::<L, Y, FORM, GRADIENT, FROM>(plan, method, h, (from, &mut to));
+    step::<L, Y, FORM, GRADIENT, FROM>(plan, weights, (from, &mut to));
 }
 
 #[inline(always)]
 fn step<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool, const START: u8>(
     plan: Cut,
-    method: &Splitting,
-    h: L::V,
+    weights: &Weights<L>,
     (from, to): ([&[Row]; 4], &mut Rows),
 ) {
     let rows = to[0].len();
-    let kick = |index| Kick::<L>::new(method, index, h);
-    let drift = |index: usize| L::mul(h, L::splat(method.drifts[index]));
-    let last = method.drifts.len() - 1;
-    let kicks = [kick(0), kick(1)];
-    let mut part = Part::<L, GRADIENT, START>::new(plan, kicks, (drift(0), last == 0), (from, to));
+    let Weights { kicks, drifts, parts } = weights;
+    let drift = (drifts[0], *parts == 1);
+    let mut part = Part::<L, GRADIENT, START>::new(plan, [kicks[0], kicks[1]], drift, (from, to));
     sweep::<L, Y, FORM>(plan, rows, &mut part);
     part.end::<Y>();
-    for index in 1..=last {
-        let kicks = [kick(index), kick(index + 1)];
-        let mut part =
-            Part::<L, GRADIENT, ON>::new(plan, kicks, (drift(index), index == last), (from, to));
+    for index in 1..*parts {
+        let kicks = [kicks[index], kicks[index + 1]];
+        let drift = (drifts[index], index + 1 == *parts);
+        let mut part = Part::<L, GRADIENT, ON>::new(plan, kicks, drift, (from, to));
         sweep::<L, Y, FORM>(plan, rows, &mut part);
         part.end::<Y>();
     }
@@ -132,7 +127,7 @@ impl<'a, L: Lanes, const GRADIENT: bool, const START: u8> Part<'a, L, GRADIENT, 
 
     /// Kicks the last row.
     #[inline(always)]
-    fn end<Y: Layout>(mut self) {
+    fn end<Y: Layout>(&mut self) {
         let rows = self.to[0].len();
         if GRADIENT && rows > 0 {
             self.bend::<Y>(rows - 1, L::splat(0.0));

@@ -8,6 +8,8 @@ use crate::chain::{Chain, Contact, Law};
 
 /// How rows lie in the chain.
 pub trait Layout: Copy {
+    /// Whether a whole chain may be in a few rows.
+    const IN_FEW_ROWS: bool;
     /// What stands above `here`, given the row before.
     fn above<L: Lanes>(before: L::V, here: L::V) -> L::V;
     /// What stands below `here`, given the row after.
@@ -32,6 +34,8 @@ pub struct Across;
 
 #[allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 impl Layout for Along {
+    const IN_FEW_ROWS: bool = true;
+
     #[inline(always)]
     fn above<L: Lanes>(before: L::V, here: L::V) -> L::V {
         L::shift_up(before, here)
@@ -66,6 +70,8 @@ impl Layout for Along {
 
 #[allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 impl Layout for Across {
+    const IN_FEW_ROWS: bool = false;
+
     #[inline(always)]
     fn above<L: Lanes>(before: L::V, _here: L::V) -> L::V {
         before

@@ -1,7 +1,7 @@
 //! Steps of splittings. A chain of few rows stays in the registers from one step to the next; longer ones go through [`super::parts`].
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
-use super::forces::{Cut, accelerations, begin, finish, pushed};
+use super::forces::{Cut, PLAIN, accelerations, begin, finish, pushed};
 use super::lanes::{Lanes, Row};
 use super::parts::long;
 use super::plan::{Layout, Plan};
@@ -10,6 +10,9 @@ use crate::integrate::splitting::Splitting;
 
 /// Tangents are carried as two thirds of themselves (1).
 const TANGENT: f64 = 1.5;
+
+/// Most kicks of a step.
+const MOST_KICKS: usize = 12;
 
 /// What a kick weighs, steps included.
 #[derive(Clone, Copy)]
@@ -20,18 +23,41 @@ pub struct Kick<L: Lanes> {
     gradient: L::V,
 }
 
-impl<L: Lanes> Kick<L> {
-    /// Kick `index` of a step of `h` (s).
-    #[inline(always)]
-    pub fn new(method: &Splitting, index: usize, h: L::V) -> Self {
-        let cube = L::mul(L::mul(h, h), L::mul(h, L::splat(TANGENT)));
-        let gradient = method.gradients.get(index).copied().unwrap_or(0.0);
-        Self {
-            force: L::mul(h, L::splat(method.kicks[index])),
-            gradient: L::mul(cube, L::splat(gradient)),
-        }
-    }
+/// A step's kicks and drifts, its length included.
+#[derive(Clone, Copy)]
+pub struct Weights<L: Lanes> {
+    pub kicks: [Kick<L>; MOST_KICKS],
+    /// One fewer than kicks (s).
+    pub drifts: [L::V; MOST_KICKS],
+    /// How many drifts there are.
+    pub parts: usize,
+}
 
+impl<L: Lanes> Weights<L> {
+    /// Of a step of `h` (s).
+    #[inline(always)]
+    pub fn new(method: &Splitting, h: L::V) -> Self {
+        let none = L::splat(0.0);
+        let cube = L::mul(L::mul(h, h), L::mul(h, L::splat(TANGENT)));
+        let mut weights = Self {
+            kicks: [Kick { force: none, gradient: none }; MOST_KICKS],
+            drifts: [none; MOST_KICKS],
+            parts: method.drifts.len(),
+        };
+        for index in 0..method.kicks.len() {
+            weights.kicks[index].force = L::mul(h, L::splat(method.kicks[index]));
+        }
+        for index in 0..method.gradients.len() {
+            weights.kicks[index].gradient = L::mul(cube, L::splat(method.gradients[index]));
+        }
+        for index in 0..method.drifts.len() {
+            weights.drifts[index] = L::mul(h, L::splat(method.drifts[index]));
+        }
+        weights
+    }
+}
+
+impl<L: Lanes> Kick<L> {
     /// `velocity` after the kick by accelerations and two thirds of their gradients.
     #[inline(always)]
     pub fn on<const GRADIENT: bool>(self, velocity: L::V, of: [L::V; 2]) -> L::V {
@@ -49,17 +75,22 @@ pub fn steps<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
     work: &mut Workspace,
     (h, count): (L::V, u64),
 ) -> u8 {
+    let weights = Weights::<L>::new(method, h);
+    let run = (&weights, count);
+    let few = Y::IN_FEW_ROWS && FORM == PLAIN;
     match plan.rows() {
-        1 => short::<L, Y, FORM, GRADIENT, 1>(plan, method, work, (h, count)),
-        2 => short::<L, Y, FORM, GRADIENT, 2>(plan, method, work, (h, count)),
-        3 => short::<L, Y, FORM, GRADIENT, 3>(plan, method, work, (h, count)),
-        4 => short::<L, Y, FORM, GRADIENT, 4>(plan, method, work, (h, count)),
-        5 => short::<L, Y, FORM, GRADIENT, 5>(plan, method, work, (h, count)),
-        _ => long::<L, Y, FORM, GRADIENT>(plan, method, work, (h, count)),
+        1 if few => short::<L, Y, FORM, GRADIENT, 1>(plan, work, run),
+        2 if few => short::<L, Y, FORM, GRADIENT, 2>(plan, work, run),
+        3 if few => short::<L, Y, FORM, GRADIENT, 3>(plan, work, run),
+        4 if few => short::<L, Y, FORM, GRADIENT, 4>(plan, work, run),
+        5 if few => short::<L, Y, FORM, GRADIENT, 5>(plan, work, run),
+        _ => long::<L, Y, FORM, GRADIENT>(plan, work, run),
     }
-    let rows = plan.rows();
-    let sum = |sum, row: &Row| L::add(sum, L::load(row));
-    Y::all(L::finite(work.next.velocity[..rows].iter().fold(L::splat(0.0), sum)))
+    let mut sum = L::splat(0.0);
+    for row in &work.next.velocity[..plan.rows()] {
+        sum = L::add(sum, L::load(row));
+    }
+    Y::all(L::finite(sum))
 }
 
 /// Steps of a chain of `R` rows.
@@ -67,20 +98,15 @@ pub fn steps<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
 #[allow(clippy::many_single_char_names, reason = "the names of mechanics")]
 fn short<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool, const R: usize>(
     plan: &Plan,
-    method: &Splitting,
     work: &mut Workspace,
-    (h, count): (L::V, u64),
+    (weights, count): (&Weights<L>, u64),
 ) {
     let plan = Cut::new(plan, R);
     let none = L::splat(0.0);
-    let load = |rows: &[Row]| {
-        let rows = &rows[..R];
-        std::array::from_fn::<L::V, R, _>(|r| L::load(&rows[r]))
-    };
-    let (mut x, mut v) = (load(&work.now.position), load(&work.now.velocity));
-    let (mut a, mut g) = (load(&work.stages[0]), [none; R]);
+    let (mut x, mut v) = (load::<L, R>(&work.now.position), load::<L, R>(&work.now.velocity));
+    let (mut a, mut g) = (load::<L, R>(&work.stages[0]), [none; R]);
     if GRADIENT {
-        g = load(&work.gradients[0]);
+        g = load::<L, R>(&work.gradients[0]);
     }
     for step in 1..=count {
         if step == count && count > 1 {
@@ -88,13 +114,12 @@ fn short<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool, const R: usi
             store::<L, R>(&v, &mut work.now.velocity);
             store::<L, R>(&a, &mut work.stages[0]);
         }
-        let kick = Kick::<L>::new(method, 0, h);
+        let kick = weights.kicks[0];
         for r in 0..R {
             v[r] = kick.on::<GRADIENT>(v[r], [a[r], g[r]]);
         }
-        for (index, drift) in method.drifts.iter().enumerate() {
-            let drift = L::mul(h, L::splat(*drift));
-            let kick = Kick::<L>::new(method, index + 1, h);
+        for part in 0..weights.parts {
+            let (drift, kick) = (weights.drifts[part], weights.kicks[part + 1]);
             let (mut force, mut tangent) = ([none; R], [none; R]);
             for r in 0..R {
                 x[r] = L::mul_add(drift, v[r], x[r]);
@@ -131,8 +156,19 @@ fn short<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool, const R: usi
 }
 
 #[inline(always)]
+fn load<L: Lanes, const R: usize>(rows: &[Row]) -> [L::V; R] {
+    let rows = &rows[..R];
+    let mut values = [L::splat(0.0); R];
+    for r in 0..R {
+        values[r] = L::load(&rows[r]);
+    }
+    values
+}
+
+#[inline(always)]
 fn store<L: Lanes, const R: usize>(values: &[L::V; R], rows: &mut [Row]) {
-    for (value, row) in values.iter().zip(&mut rows[..R]) {
-        L::store(*value, row);
+    let rows = &mut rows[..R];
+    for r in 0..R {
+        L::store(values[r], &mut rows[r]);
     }
 }

@@ -37,17 +37,21 @@ impl<L: Lanes> Visible<L> {
     #[inline(always)]
     #[must_use]
     pub fn among<Y: Layout>(&self, plan: &Plan, work: &Workspace, row: usize) -> u8 {
-        let closing = |rows: &[Row]| {
-            let before = row.checked_sub(1).map_or(L::splat(0.0), |row| L::load(&rows[row]));
-            let here = L::load(&rows[row]);
-            L::abs(L::sub(Y::above::<L>(before, here), here))
-        };
-        let speed = L::max(closing(&work.now.velocity), closing(&work.next.velocity));
+        let start = closing::<L, Y>(&work.now.velocity, row);
+        let speed = L::max(start, closing::<L, Y>(&work.next.velocity, row));
         let travel = L::mul(self.step, speed);
         let whole = L::mul(self.step, L::load(&plan.stiffness[row]));
         let cube = L::mul(travel, L::mul(travel, travel));
         L::positive(L::sub(L::mul(cube, L::mul(whole, whole)), self.limit))
     }
+}
+
+/// Speeds at which the contacts in row `row` close or open.
+#[inline(always)]
+fn closing<L: Lanes, Y: Layout>(velocity: &[Row], row: usize) -> L::V {
+    let before = if row > 0 { L::load(&velocity[row - 1]) } else { L::splat(0.0) };
+    let here = L::load(&velocity[row]);
+    L::abs(L::sub(Y::above::<L>(before, here), here))
 }
 
 #[cfg(test)]
