@@ -59,7 +59,7 @@ impl Lane {
         matches!(self.pace, Pace::Controlled(_, Some(_)) | Pace::Fixed(_, Some(_)))
     }
 
-    /// The next step (s); 0 for a lane that stands.
+    /// The next step; 0 for a lane that stands (s).
     pub fn choose(&mut self) -> f64 {
         let (moves, time, end) = (self.is_moving(), self.time, self.end);
         match &mut self.pace {
@@ -88,7 +88,7 @@ impl Lane {
         }
     }
 
-    /// The length of each of `count` whole steps that are taken next (s); 0 for a lane that stands.
+    /// The length of each of `count` whole steps that are taken next; 0 for a lane that stands (s).
     pub fn choose_several(&mut self, count: u64) -> f64 {
         let moves = self.is_moving();
         let Pace::Fixed(clock, step) = &mut self.pace else { return 0.0 };
