@@ -19,7 +19,8 @@ const FROM: u8 = 1;
 /// The first part of a step, from its start in the same place.
 const HERE: u8 = 2;
 
-/// Steps of a chain that does not fit into the registers, as [`super::splits::steps`] takes them. All but the last are taken in place: less memory is read and written.
+/// Steps of a chain that does not fit into the registers, as [`super::splits::steps`] takes them. All but the last are taken in place:
+/// less memory is read and written.
 #[inline(always)]
 pub fn long<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
     plan: &Plan,

@@ -6,7 +6,7 @@ use crate::experiment::bench::{Bench, Grid, start};
 use crate::experiment::for_accuracy;
 use crate::experiment::losses::method_for;
 use crate::experiment::pulse::Peak;
-use crate::integrate::{IntegrateError, Integrator, Method, State, Work};
+use crate::integrate::{Method, State, Work};
 
 pub const PTFE: Elasticity = Elasticity { youngs_modulus: 1.46e9, poissons_ratio: 0.46 };
 pub const STEEL: Elasticity = Elasticity { youngs_modulus: 193e9, poissons_ratio: 0.3 };
@@ -102,7 +102,7 @@ impl Motion<'_> {
     /// The state after `time` (s).
     pub fn by(&self, method: Method, time: f64) -> Result<Arrived, String> {
         let mut integrator = start(self.chain, method, self.start());
-        advance(integrator.as_mut(), time).map_err(|error| error.to_string())?;
+        integrator.advance(time).map_err(|error| error.to_string())?;
         Ok(Arrived { state: integrator.state(), work: integrator.work() })
     }
 
@@ -232,12 +232,4 @@ fn check_readings(
 #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^53 steps")]
 pub fn drift_bound(end: &Arrived, accuracy: f64) -> f64 {
     2.0 * end.work.steps as f64 * accuracy
-}
-
-/// Steps until `time` (s).
-pub fn advance(integrator: &mut dyn Integrator, time: f64) -> Result<(), IntegrateError> {
-    while integrator.time() < time {
-        integrator.step(time)?;
-    }
-    Ok(())
 }

@@ -2,7 +2,7 @@
 
 use super::HardCase;
 use super::benches::{
-    HEAVY, LIGHT, Motion, advance, assemble, diatomic, drift_bound, kick, pressed, spheres,
+    HEAVY, LIGHT, Motion, assemble, diatomic, drift_bound, kick, pressed, spheres,
 };
 use super::tally::Tally;
 use crate::chain::{Chain, ChainSpec, EffectsSpec, End, LinearisedContacts};
@@ -108,7 +108,7 @@ fn there_and_back(chain: &Chain, method: Method, time: f64) -> Result<(f64, f64)
         *velocity = -*velocity;
     }
     let mut back = start(chain, method, state);
-    advance(back.as_mut(), time).map_err(|error| error.to_string())?;
+    back.advance(time).map_err(|error| error.to_string())?;
     let state = back.state();
     let scale = chain.impact_overlap(&motion.velocities);
     let position = state.position.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
