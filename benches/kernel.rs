@@ -144,7 +144,8 @@ fn ensembles() {
     ] {
         let case = Case::named(name).expect("a scene");
         let method = ours::method(method, step, &case).expect("a method");
-        ensemble(&format!("{name}, {method}"), &case, Integration::Method(method));
+        let words = format!("{name}, {}, steps of {step} units", method.name());
+        ensemble(&words, &case, Integration::Method(method));
     }
     println!();
 }
