@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use super::dispatch::{InstructionSet, dispatch};
 use super::plan::{Layout, Plan};
-use super::tasks::Gradients;
+use super::tasks::Jerks;
 use super::workspace::Workspace;
 use crate::integrate::Scheme;
 use crate::integrate::control::StepControl;
@@ -36,9 +36,9 @@ pub fn find_gradients<Y: Layout>(set: InstructionSet, plan: &Plan, work: &mut Wo
     if work.gradients[0].is_empty() {
         return;
     }
-    let (motion, acceleration) = (&work.now, work.stages[0].as_slice());
+    let at = (work.now.position.as_slice(), work.stages[0].as_slice());
     let (out, layout) = (work.gradients[0].as_mut_slice(), PhantomData);
-    dispatch(set, Gradients::<Y> { plan, motion, acceleration, out, layout });
+    dispatch(set, Jerks::<Y> { plan, at, out, layout });
 }
 
 /// The control of a chain that starts from `scales` of overlap (m) and speed (m/s).

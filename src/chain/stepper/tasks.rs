@@ -160,25 +160,6 @@ impl<Y: Layout> Task for Split<'_, Y> {
     }
 }
 
-/// Finds the gradients of accelerations along themselves (m/s⁴).
-pub struct Gradients<'a, Y> {
-    pub plan: &'a Plan,
-    pub motion: &'a Motion,
-    pub acceleration: &'a [Row],
-    pub out: &'a mut [Row],
-    pub layout: PhantomData<Y>,
-}
-
-impl<Y: Layout> Task for Gradients<'_, Y> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { plan, motion, acceleration, out, .. } = self;
-        forces::jerks::<L, Y>(plan, (&motion.position, acceleration), out);
-    }
-}
-
 /// Largest magnitudes in `rows`, lane by lane, `least` at least.
 #[inline(always)]
 fn largest<L: Lanes>(rows: &[Row], least: &Row) -> L::V {
@@ -189,10 +170,11 @@ fn largest<L: Lanes>(rows: &[Row], least: &Row) -> L::V {
     most
 }
 
-/// Finds the rates of the accelerations (m/s³).
+/// Finds the rates of the accelerations (m/s³), or with accelerations in the velocities' place their gradients along themselves (m/s⁴).
 pub struct Jerks<'a, Y> {
     pub plan: &'a Plan,
-    pub motion: &'a Motion,
+    /// Positions and velocities.
+    pub at: (&'a [Row], &'a [Row]),
     pub out: &'a mut [Row],
     pub layout: PhantomData<Y>,
 }
@@ -202,7 +184,6 @@ impl<Y: Layout> Task for Jerks<'_, Y> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Motion { position, velocity, .. } = self.motion;
-        forces::jerks::<L, Y>(self.plan, (position, velocity), self.out);
+        forces::jerks::<L, Y>(self.plan, self.at, self.out);
     }
 }

@@ -56,6 +56,12 @@ pub struct Workspace {
 }
 
 impl Motion {
+    /// Positions (m) and velocities (m/s).
+    #[must_use]
+    pub fn seen(&self) -> (&[Row], &[Row]) {
+        (&self.position, &self.velocity)
+    }
+
     fn at_rest(rows: usize) -> Self {
         let zeros = || vec![Row::default(); rows];
         Self {

@@ -161,9 +161,9 @@ impl ChainGroup {
         let [before, after] = jerks;
         let Workspace { now, next, stages, .. } = work;
         let out = before.as_mut_slice();
-        dispatch(*set, Jerks::<Across> { plan, motion: next, out, layout: PhantomData });
+        dispatch(*set, Jerks::<Across> { plan, at: next.seen(), out, layout: PhantomData });
         let out = after.as_mut_slice();
-        dispatch(*set, Jerks::<Across> { plan, motion: now, out, layout: PhantomData });
+        dispatch(*set, Jerks::<Across> { plan, at: now.seen(), out, layout: PhantomData });
         let last = stages.len() - 1;
         for (index, (lane, views)) in self.lanes.iter().zip(views).enumerate() {
             if taken[index] {

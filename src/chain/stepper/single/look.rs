@@ -56,11 +56,11 @@ impl ChainStepper {
         if self.jerks_of.wrapping_add(1) == self.course.counts.steps {
             std::mem::swap(before, after);
         } else {
-            let motion = &work.next;
-            dispatch(*set, Jerks::<Along> { plan, motion, out: before, layout: PhantomData });
+            let at = work.next.seen();
+            dispatch(*set, Jerks::<Along> { plan, at, out: before, layout: PhantomData });
         }
-        let motion = &work.now;
-        dispatch(*set, Jerks::<Along> { plan, motion, out: after, layout: PhantomData });
+        let at = work.now.seen();
+        dispatch(*set, Jerks::<Along> { plan, at, out: after, layout: PhantomData });
         self.jerks_of = self.course.counts.steps;
     }
 
