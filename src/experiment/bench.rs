@@ -234,13 +234,12 @@ fn follow(
     let (start, length) = stepper.last_step();
     let end = stepper.time();
     let sampled = watches.first().is_some_and(|watch| grid.time(watch.samples.len()) <= end);
-    if !pulses {
-        for view in &mut *views {
-            view.deaf_below = f64::INFINITY;
-        }
+    stepper.glance(views);
+    for (view, watch) in views.iter_mut().zip(&*watches) {
+        view.wanted = sampled || pulses && watch.pulse.wants(view);
     }
-    stepper.look(views, sampled);
-    for (view, watch) in views.iter_mut().zip(watches) {
+    stepper.look(views);
+    for (view, watch) in views.iter().zip(watches) {
         if sampled {
             let before = watch.samples.len();
             watch.samples.resize(grid.samples_until(end), 0.0);

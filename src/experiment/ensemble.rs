@@ -222,9 +222,17 @@ fn follow(mut group: ChainGroup, cases: &[&Case]) -> Vec<Result<Readout, Integra
     let mut pulses: Vec<Vec<PulseRecorder>> = cases.iter().map(recorders).collect();
     while !group.is_done() {
         let taken = group.step();
-        group.look(&mut views, taken);
-        for ((views, pulses), taken) in views.iter_mut().zip(&mut pulses).zip(taken) {
-            for (view, pulse) in views.iter_mut().zip(pulses).filter(|_| taken) {
+        for (lane, (views, pulses)) in views.iter_mut().zip(&pulses).enumerate() {
+            if taken[lane] {
+                group.glance(lane, views);
+            }
+            for (view, pulse) in views.iter_mut().zip(pulses) {
+                view.wanted = taken[lane] && pulse.wants(view);
+            }
+        }
+        group.look(&mut views);
+        for ((views, pulses), taken) in views.iter().zip(&mut pulses).zip(taken) {
+            for (view, pulse) in views.iter().zip(pulses).filter(|_| taken) {
                 pulse.meet(view);
             }
         }

@@ -11,6 +11,10 @@ use crate::integrate::Integrator;
 /// A maximum between two looks is at most this much above the larger of them: looks are a fifteenth of the fastest oscillation apart,
 /// or the step would not have been accepted (1).
 const BETWEEN_LOOKS: f64 = 1.25;
+/// Where a force rises at two looks and their cubic's least rate in between is below this share of both rates, it may fall there (1).
+const BETWEEN: f64 = 0.3;
+/// The same for the ends of a whole step: four times as far apart, they know less of what is between them (1).
+const WITHIN_STEPS: f64 = 0.6;
 /// A peak counts when it exceeds this share of the record's largest dynamic force (1).
 const PEAK_SHARE: f64 = 0.25;
 /// What does not exceed this share of the static force, or of the impact's, is rounding, and no pulse (1).
@@ -155,19 +159,39 @@ impl PulseRecorder {
         segment
     }
 
-    /// Takes in one step of the stepper for lossless chains, and tells the view below which force nobody wants to know more: it can
-    /// hold no first peak and reach no new level, for largest forces only grow.
-    pub fn meet(&mut self, view: &mut View) {
+    /// Whether the force within a step of the stepper for lossless chains, which `view` has only seen the end of, may hold a first peak or reach a
+    /// new level: most steps do neither, for largest forces only grow.
+    #[must_use]
+    pub fn wants(&self, view: &View) -> bool {
+        let (force, rate) = (view.end, view.rate);
+        // Levels that anybody asks for are shares of a peak that is no rounding.
+        if force.max(self.last) <= self.deaf_below().max(FOOT * self.quietest) {
+            return false;
+        }
+        if force > self.largest {
+            return true;
+        }
+        let mean = (force - self.last) / view.length;
+        match (self.rate_before > 0.0, rate > 0.0) {
+            (true, false) => true,
+            (true, true) => may_fall((self.rate_before, rate), mean, WITHIN_STEPS),
+            (false, false) => may_fall((-self.rate_before, -rate), -mean, WITHIN_STEPS),
+            // One that turns to rise has no peak: for that it had to turn three times.
+            (false, true) => false,
+        }
+    }
+
+    /// Takes in one step of the stepper for lossless chains.
+    pub fn meet(&mut self, view: &View) {
         if view.wanted {
             let track = &view.track;
             self.see(&view.looks, track.length, &|| Segment::Lossless(Box::new(track.clone())));
         } else {
-            self.last = view.end;
-            self.rate_before = 0.0;
+            (self.last, self.rate_before) = (view.end, view.rate);
         }
-        view.deaf_below = self.deaf_below();
     }
 
+    /// Force below which nobody wants to know more: no first peak is lower (N).
     fn deaf_below(&self) -> f64 {
         PEAK_SHARE * self.largest / BETWEEN_LOOKS
     }
@@ -183,7 +207,7 @@ impl PulseRecorder {
                 let mean = (force - self.last) / ((high - low) * length);
                 let falls = if rate <= 0.0 {
                     Some(high)
-                } else if may_fall(self.rate_before, mean, rate) {
+                } else if may_fall((self.rate_before, rate), mean, BETWEEN) {
                     let segment = segment();
                     fall(&|theta| segment.rate(theta), low, high)
                 } else {

@@ -1,15 +1,13 @@
 //! Where a force turns, and where it reaches a level, within one step.
 
-/// Where a force rises at two looks and their cubic's least rate in between is below this share of both rates, it may fall there (1).
-const DOUBTFUL_RATE: f64 = 0.3;
-
 /// Whether a force that rises at two looks, on average at `mean`, may fall in between (N/s): its cubic's rate is
-/// `first + 2 (3 mean - 2 first - second) t + 3 (first + second - 2 mean) t^2`.
-pub fn may_fall(first: f64, mean: f64, second: f64) -> bool {
+/// `first + 2 (3 mean - 2 first - second) t + 3 (first + second - 2 mean) t^2`, and where its least value is below the share `doubtful` (1)
+/// of both rates, the force's own may be below zero.
+pub fn may_fall((first, second): (f64, f64), mean: f64, doubtful: f64) -> bool {
     let bend = 3.0 * (first + second - 2.0 * mean);
     let turn = 2.0 * first + second - 3.0 * mean;
     let least = first - turn * turn / bend;
-    bend > 0.0 && turn > 0.0 && turn < bend && least < DOUBTFUL_RATE * first.min(second)
+    bend > 0.0 && turn > 0.0 && turn < bend && least < doubtful * first.min(second)
 }
 
 /// A place between `low` and `high` where `rate` is below zero, if there is one: its least value, found by golden sections (J. Kiefer,
@@ -70,15 +68,15 @@ mod tests {
     fn a_fall_between_two_rising_ends_is_found() {
         let rate = |t: f64| 1.0 - 9.0 * t + 17.4 * t * t;
         let force = |t: f64| t * (1.0 + t * (-4.5 + t * 5.8));
-        assert!(may_fall(rate(0.0), force(1.0) - force(0.0), rate(1.0)));
+        assert!(may_fall((rate(0.0), rate(1.0)), force(1.0) - force(0.0), 0.3));
         let place = fall(&rate, 0.0, 1.0).expect("a fall");
         assert!(rate(place) < 0.0, "{place}");
     }
 
     #[test]
     fn a_straight_rise_is_none() {
-        assert!(!may_fall(1.0, 1.0, 1.0));
-        assert!(!may_fall(1.0, 0.9, 1.0));
+        assert!(!may_fall((1.0, 1.0), 1.0, 0.3));
+        assert!(!may_fall((1.0, 1.0), 0.9, 0.3));
         assert_eq!(fall(&|t| 0.1 + (t - 0.5).powi(2), 0.0, 1.0), None);
     }
 }

@@ -39,6 +39,7 @@ mod magnet;
 mod order;
 mod paper;
 mod physics;
+mod pulses;
 mod random_scenes;
 mod recordings;
 mod refinements;

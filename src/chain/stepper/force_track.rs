@@ -6,6 +6,7 @@
 
 use super::dispatch::Task;
 use super::lanes::{Lanes, Row, WIDTH};
+use crate::chain::hertz::force_change;
 use crate::chain::{Contact, ForceProbe, Law};
 
 /// Coefficients of a septic.
@@ -19,6 +20,8 @@ pub const LOOKS: usize = WIDTH / CONTACTS;
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForceTrack {
     contacts: [Contact; CONTACTS],
+    /// Square roots of the static overlaps (m^0.5).
+    static_roots: [f64; CONTACTS],
     weights: [f64; CONTACTS],
     /// Start of the step (s).
     pub start: f64,
@@ -37,11 +40,13 @@ pub struct View {
     pub track: ForceTrack,
     /// The force in a few places of the last step, where it was wanted.
     pub looks: Looks,
-    /// Dynamic force at the end of the last step (N).
+    /// Length of the last step (s).
+    pub length: f64,
+    /// Dynamic force at its end (N).
     pub end: f64,
-    /// Dynamic force below which nobody wants to know more (N).
-    pub deaf_below: f64,
-    /// Whether the last step was wanted.
+    /// Its rate of change there (N/s).
+    pub rate: f64,
+    /// Whether the force within the last step is wanted.
     pub wanted: bool,
 }
 
@@ -53,8 +58,9 @@ impl View {
             body: probe.body(),
             track: ForceTrack::new(probe),
             looks: Looks::default(),
+            length: 0.0,
             end: 0.0,
-            deaf_below: 0.0,
+            rate: 0.0,
             wanted: false,
         }
     }
@@ -75,6 +81,7 @@ impl ForceTrack {
     pub fn new(probe: &ForceProbe) -> Self {
         Self {
             contacts: *probe.contacts(),
+            static_roots: probe.contacts().map(|contact| contact.static_overlap.sqrt()),
             weights: *probe.weights(),
             start: 0.0,
             length: 0.0,
@@ -90,10 +97,26 @@ impl ForceTrack {
     }
 
     /// Dynamic force for these overlap changes (m) (N).
-    #[inline(always)]
-    pub fn force_of(&self, changes: [f64; CONTACTS]) -> f64 {
-        let part = |i: usize| self.weights[i] * self.contacts[i].force_change(changes[i]);
+    fn force_of(&self, changes: [f64; CONTACTS]) -> f64 {
+        let part = |i: usize| {
+            let contact = &self.contacts[i];
+            let force = match contact.law {
+                Law::Hertz => force_change(contact.stiffness, self.static_roots[i], changes[i]),
+                Law::Linearised => contact.force_change(changes[i]),
+            };
+            self.weights[i] * force
+        };
         part(0) + part(1)
+    }
+
+    /// Dynamic force (N) and its rate of change (N/s) for changes of the overlaps (m) and their rates (m/s).
+    #[must_use]
+    pub fn feel(&self, overlaps: [[f64; 2]; CONTACTS]) -> (f64, f64) {
+        let part = |i: usize| {
+            let [change, closing] = overlaps[i];
+            self.weights[i] * self.contacts[i].tangent_stiffness(change) * closing
+        };
+        (self.force_of(overlaps.map(|[change, _]| change)), part(0) + part(1))
     }
 
     /// Dynamic force at the fraction `theta` of the step (N).
@@ -174,7 +197,7 @@ impl ForceTrack {
     fn constants(&self, which: usize) -> [f64; 2] {
         let contact = &self.contacts[which];
         match contact.law {
-            Law::Hertz => [contact.stiffness, contact.static_overlap.sqrt()],
+            Law::Hertz => [contact.stiffness, self.static_roots[which]],
             Law::Linearised => [contact.static_stiffness(), 0.0],
         }
     }

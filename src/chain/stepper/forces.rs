@@ -1,6 +1,8 @@
 //! From overlaps to forces, accelerations and their rates, eight contacts at a time.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
+use std::ops::Range;
+
 use super::lanes::{Lanes, Row};
 use super::plan::{Form, Layout, Plan};
 
@@ -117,16 +119,25 @@ pub fn accelerations<L: Lanes, Y: Layout>(plan: Cut, r: usize, force: [L::V; 2])
     L::add(pushed::<L, Y>(plan, r, force), L::load(&plan.load[r]))
 }
 
-/// Rates of the accelerations at positions `x` where bodies move at `v`.
+/// Rates of the accelerations at positions `x` where bodies move at `v`, in the rows of `range` that live.
 #[inline(always)]
-pub fn jerks<L: Lanes, Y: Layout>(plan: &Plan, (x, v): (&[Row], &[Row]), out: &mut [Row]) {
+pub fn jerks<L: Lanes, Y: Layout>(
+    plan: &Plan,
+    (x, v): (&[Row], &[Row]),
+    range: Range<usize>,
+    out: &mut [Row],
+) {
     let rows = plan.rows();
     let linear = plan.form == Form::Linear;
     let plan = Cut::new(plan, rows);
     let (x, v, out) = (&x[..rows], &v[..rows], &mut out[..rows]);
-    let mut last = [L::splat(0.0); 2];
+    let (first, end) = (range.start, range.end.min(rows));
+    let mut last = match first.checked_sub(1) {
+        Some(before) if before < rows => [L::load(&x[before]), L::load(&v[before])],
+        _ => [L::splat(0.0); 2],
+    };
     let mut rate = L::splat(0.0);
-    for r in 0..rows {
+    for r in first..rows.min(end + 1) {
         let here = [L::load(&x[r]), L::load(&v[r])];
         let change = L::sub(Y::above::<L>(last[0], here[0]), here[0]);
         let closing = L::sub(Y::above::<L>(last[1], here[1]), here[1]);
@@ -139,12 +150,12 @@ pub fn jerks<L: Lanes, Y: Layout>(plan: &Plan, (x, v): (&[Row], &[Row]), out: &m
             L::mul(L::mul(L::splat(1.5), stiffness), root)
         };
         let next = L::mul(tangent, closing);
-        if r > 0 {
+        if r > first {
             L::store(pushed::<L, Y>(plan, r - 1, [rate, next]), &mut out[r - 1]);
         }
         (last, rate) = (here, next);
     }
-    if rows > 0 {
+    if end == rows && first < rows {
         L::store(pushed::<L, Y>(plan, rows - 1, [rate, L::splat(0.0)]), &mut out[rows - 1]);
     }
 }

@@ -2,6 +2,7 @@
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
 use std::marker::PhantomData;
+use std::ops::Range;
 
 use super::dispatch::Task;
 use super::force_track::{COEFFICIENTS, View, horner, septic};
@@ -18,9 +19,9 @@ pub struct Ends<'a> {
     pub span: (f64, f64),
 }
 
-/// Value and derivatives of the overlap of the contact above body `body`.
+/// Value and derivatives, as many as there are `rows`, of the overlap of the contact above body `body`.
 #[inline(always)]
-fn overlap<Y: Layout>(rows: &[&[Row]; 4], body: usize, lane: usize) -> [f64; 4] {
+fn overlap<Y: Layout, const N: usize>(rows: &[&[Row]; N], body: usize, lane: usize) -> [f64; N] {
     let here = Y::place(body, lane);
     let above = Y::upper(here.0, here.1);
     rows.map(|rows| {
@@ -29,14 +30,29 @@ fn overlap<Y: Layout>(rows: &[&[Row]; 4], body: usize, lane: usize) -> [f64; 4] 
     })
 }
 
-/// Brings views up to the end of the step.
+/// The rows that the bodies beside `body`, and itself, stand in.
+pub fn rows_around<Y: Layout>(body: usize) -> Range<usize> {
+    let row = |body| Y::place(body, 0).0;
+    row(body.saturating_sub(1))..row(body + 1) + 1
+}
+
+/// Brings views up to the end of a step of `length` (s), where bodies stand and move as in `to` (m, m/s).
+pub fn glance<Y: Layout>(to: (&[Row], &[Row]), length: f64, lane: usize, views: &mut [View]) {
+    let to = [to.0, to.1];
+    for view in views {
+        let contacts = [view.body, view.body + 1];
+        let overlaps = contacts.map(|contact| overlap::<Y, 2>(&to, contact, lane));
+        (view.end, view.rate) = view.track.feel(overlaps);
+        view.length = length;
+    }
+}
+
+/// Looks into the step for the views that want it.
 pub struct Look<'a, Y> {
     pub ends: Ends<'a>,
     /// The chain's lane, where lanes are chains.
     pub lane: usize,
     pub views: &'a mut [View],
-    /// Whether every view is wanted.
-    pub all: bool,
     pub layout: PhantomData<Y>,
 }
 
@@ -45,20 +61,14 @@ impl<Y: Layout> Task for Look<'_, Y> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { ends, lane, views, all, .. } = self;
-        for view in views {
-            let contacts = [view.body, view.body + 1];
-            let to = contacts.map(|contact| overlap::<Y>(&ends.to, contact, lane));
-            let before = view.end;
-            view.end = view.track.force_of(to.map(|overlap| overlap[0]));
-            view.wanted = all || view.end > view.deaf_below || before > view.deaf_below;
-            if view.wanted {
-                for (which, contact) in contacts.into_iter().enumerate() {
-                    let from = overlap::<Y>(&ends.from, contact, lane);
-                    view.track.set(which, ends.span, [from, to[which]]);
-                }
-                view.looks = view.track.looks::<L>();
+        let Self { ends, lane, views, .. } = self;
+        for view in views.iter_mut().filter(|view| view.wanted) {
+            for (which, contact) in [view.body, view.body + 1].into_iter().enumerate() {
+                let overlaps =
+                    [&ends.from, &ends.to].map(|rows| overlap::<Y, 4>(rows, contact, lane));
+                view.track.set(which, ends.span, overlaps);
             }
+            view.looks = view.track.looks::<L>();
         }
     }
 }

@@ -38,7 +38,7 @@ pub fn find_gradients<Y: Layout>(set: InstructionSet, plan: &Plan, work: &mut Wo
     }
     let at = (work.now.position.as_slice(), work.stages[0].as_slice());
     let (out, layout) = (work.gradients[0].as_mut_slice(), PhantomData);
-    dispatch(set, Jerks::<Y> { plan, at, out, layout });
+    dispatch(set, Jerks::<Y> { plan, at, rows: 0..plan.rows(), out, layout });
 }
 
 /// The control of a chain that starts from `scales` of overlap (m) and speed (m/s).

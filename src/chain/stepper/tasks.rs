@@ -2,6 +2,7 @@
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
 use std::marker::PhantomData;
+use std::ops::Range;
 
 use super::dispatch::Task;
 use super::evaluate;
@@ -175,6 +176,8 @@ pub struct Jerks<'a, Y> {
     pub plan: &'a Plan,
     /// Positions and velocities.
     pub at: (&'a [Row], &'a [Row]),
+    /// The rows they are wanted in.
+    pub rows: Range<usize>,
     pub out: &'a mut [Row],
     pub layout: PhantomData<Y>,
 }
@@ -184,6 +187,6 @@ impl<Y: Layout> Task for Jerks<'_, Y> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        forces::jerks::<L, Y>(self.plan, self.at, self.out);
+        forces::jerks::<L, Y>(self.plan, self.at, self.rows, self.out);
     }
 }

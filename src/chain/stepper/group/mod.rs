@@ -9,7 +9,7 @@ use std::marker::PhantomData;
 
 use super::dispatch::{InstructionSet, dispatch};
 use super::force_track::View;
-use super::frame::{Ends, Look};
+use super::frame::{Ends, Look, glance, rows_around};
 use super::lanes::{Row, WIDTH};
 use super::plan::{Across, Form, Plan};
 use super::steps::{find_gradients, finest_asked};
@@ -35,6 +35,8 @@ pub struct ChainGroup {
     work: Workspace,
     lanes: Vec<Lane>,
     jerks: [Vec<Row>; 2],
+    /// Bodies that the last look was at.
+    looked_at: Vec<usize>,
 }
 
 /// One chain to be put into a group.
@@ -93,6 +95,7 @@ impl ChainGroup {
             work,
             lanes: members.iter().map(|member| Lane::new(member, scheme)).collect(),
             jerks: std::array::from_fn(|_| vec![Row::default(); plan.rows()]),
+            looked_at: Vec::new(),
             plan,
         }
     }
@@ -155,26 +158,38 @@ impl ChainGroup {
         taken
     }
 
-    /// Brings the views of every lane that has just `taken` a step up to its end.
-    pub fn look(&mut self, views: &mut [Vec<View>], taken: [bool; WIDTH]) {
-        let Self { set, plan, work, jerks, .. } = self;
-        let [before, after] = jerks;
+    /// Brings the `views` of lane `index` up to the end of its last step.
+    pub fn glance(&self, index: usize, views: &mut [View]) {
+        if let Some(lane) = self.lanes.get(index) {
+            glance::<Across>(self.work.now.seen(), lane.last_step.1, index, views);
+        }
+    }
+
+    /// Looks into the step that lanes have just taken for those of their views that want it.
+    pub fn look(&mut self, views: &mut [Vec<View>]) {
+        let Self { set, plan, work, jerks: [before, after], looked_at, .. } = self;
         let Workspace { now, next, stages, .. } = work;
-        let out = before.as_mut_slice();
-        dispatch(*set, Jerks::<Across> { plan, at: next.seen(), out, layout: PhantomData });
-        let out = after.as_mut_slice();
-        dispatch(*set, Jerks::<Across> { plan, at: now.seen(), out, layout: PhantomData });
+        looked_at.clear();
+        for view in views.iter().flatten().filter(|view| view.wanted) {
+            if looked_at.contains(&view.body) {
+                continue;
+            }
+            looked_at.push(view.body);
+            for (motion, out) in [(&*next, &mut *before), (&*now, &mut *after)] {
+                let (at, rows, out) =
+                    (motion.seen(), rows_around::<Across>(view.body), out.as_mut_slice());
+                dispatch(*set, Jerks::<Across> { plan, at, rows, out, layout: PhantomData });
+            }
+        }
         let last = stages.len() - 1;
-        for (index, (lane, views)) in self.lanes.iter().zip(views).enumerate() {
-            if taken[index] {
+        for (lane, (place, views)) in self.lanes.iter().zip(views.iter_mut().enumerate()) {
+            if views.iter().any(|view| view.wanted) {
                 let ends = Ends {
                     from: [&next.position, &next.velocity, &stages[last], before],
                     to: [&now.position, &now.velocity, &stages[0], after],
                     span: lane.last_step,
                 };
-                let task =
-                    Look::<Across> { ends, lane: index, views, all: false, layout: PhantomData };
-                dispatch(*set, task);
+                dispatch(*set, Look::<Across> { ends, lane: place, views, layout: PhantomData });
             }
         }
     }

@@ -1,11 +1,12 @@
 //! What is seen of a chain's last step.
 
 use std::marker::PhantomData;
+use std::ops::Range;
 
 use super::{ChainStepper, Course};
 use crate::chain::stepper::dispatch::dispatch;
 use crate::chain::stepper::force_track::{ForceTrack, Sample, View};
-use crate::chain::stepper::frame::{Ends, Frame, Look};
+use crate::chain::stepper::frame::{Ends, Frame, Look, glance, rows_around};
 use crate::chain::stepper::lanes::Row;
 use crate::chain::stepper::plan::Along;
 use crate::chain::stepper::tasks::Jerks;
@@ -17,16 +18,24 @@ fn flat(rows: &[Row], count: usize) -> impl Iterator<Item = f64> {
 }
 
 impl ChainStepper {
-    /// Brings `views` up to the end of the last step; all of them if `all`, or only those that feel something.
-    pub fn look(&mut self, views: &mut [View], all: bool) {
-        self.find_jerks();
+    /// Brings `views` up to the end of the last step.
+    pub fn glance(&self, views: &mut [View]) {
+        glance::<Along>(self.course.work.now.seen(), self.last_step.1, 0, views);
+    }
+
+    /// Looks into the last step for those of `views` that want it.
+    pub fn look(&mut self, views: &mut [View]) {
+        let wanted = views.iter().filter(|view| view.wanted);
+        let rows = wanted.map(|view| rows_around::<Along>(view.body));
+        let Some(rows) = rows.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)) else { return };
+        self.find_jerks(rows);
         let ends = self.ends();
-        dispatch(self.course.set, Look::<Along> { ends, lane: 0, views, all, layout: PhantomData });
+        dispatch(self.course.set, Look::<Along> { ends, lane: 0, views, layout: PhantomData });
     }
 
     /// Displacements (m) and changes of the contact forces (N) at the fraction `theta` of the last step (1).
     pub fn frame(&mut self, theta: f64) -> (impl Iterator<Item = f64>, impl Iterator<Item = f64>) {
-        self.find_jerks();
+        self.find_jerks(0..self.course.plan.all_rows());
         let mut frame = std::mem::take(&mut self.frame);
         for rows in &mut frame {
             rows.resize(self.course.plan.all_rows(), Row::default());
@@ -44,24 +53,28 @@ impl ChainStepper {
         dispatch(self.course.set, Sample { track, first, interval, out });
     }
 
-    pub(super) fn find_jerks(&mut self) {
-        if self.jerks_of == self.course.counts.steps {
+    /// Finds the rates of the accelerations at both ends of the last step, in `rows` at least.
+    pub(super) fn find_jerks(&mut self, rows: Range<usize>) {
+        let Self { course: Course { set, plan, work, counts, .. }, jerks, jerks_of, .. } = self;
+        let covered = jerks_of.1.start <= rows.start && rows.end <= jerks_of.1.end;
+        if covered && jerks_of.0 == counts.steps {
             return;
         }
-        let Self { course: Course { set, plan, work, .. }, jerks, .. } = self;
-        for rows in &mut *jerks {
-            rows.resize(plan.all_rows(), Row::default());
+        for out in &mut *jerks {
+            out.resize(plan.all_rows(), Row::default());
         }
         let [before, after] = jerks;
-        if self.jerks_of.wrapping_add(1) == self.course.counts.steps {
+        let (set, layout) = (*set, PhantomData);
+        let find = |at, out| {
+            dispatch(set, Jerks::<Along> { plan, at, rows: rows.clone(), out, layout });
+        };
+        if covered && jerks_of.0.wrapping_add(1) == counts.steps {
             std::mem::swap(before, after);
         } else {
-            let at = work.next.seen();
-            dispatch(*set, Jerks::<Along> { plan, at, out: before, layout: PhantomData });
+            find(work.next.seen(), before);
         }
-        let at = work.now.seen();
-        dispatch(*set, Jerks::<Along> { plan, at, out: after, layout: PhantomData });
-        self.jerks_of = self.course.counts.steps;
+        find(work.now.seen(), after);
+        *jerks_of = (counts.steps, rows);
     }
 
     /// The last step's ends: what was the start stays where the next step will end.
