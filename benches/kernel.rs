@@ -24,11 +24,20 @@ const SLICE: f64 = 0.05;
 const PROCESSES: u16 = 200;
 /// Ticks of the kernel's accounts in a second.
 const TICKS: f64 = 100.0;
+/// Arguments of this program as one of the processes that are compared: nothing, or a scene and its motion.
+const EMPTY: &str = "--empty-process";
+const BARE: &str = "--bare-process";
 /// Doubles in the stream: they stay in the first-level cache.
 const STREAM: usize = 1024;
 
 fn main() {
-    if std::env::args().any(|argument| argument == "--empty-process") {
+    let asked = |what: &str| std::env::args().any(|argument| argument == what);
+    if asked(EMPTY) {
+        return;
+    }
+    if asked(BARE) {
+        let case = Case::named("bench").expect("a scene");
+        ours::run(&case, for_accuracy(1e-6), Watching::Recorded).expect("a run");
         return;
     }
     kernels();
@@ -193,23 +202,26 @@ fn processes() {
     let folder = tempfile::tempdir().expect("a folder");
     let output = folder.path().join("run.mcap");
     let this = std::env::current_exe().expect("this program's place");
-    let mut empty = Command::new(this);
-    empty.arg("--empty-process");
+    let [mut empty, mut bare] = [(); 2].map(|()| Command::new(&this));
+    empty.arg(EMPTY);
+    bare.arg(BARE);
     let mut run = Command::new(program);
     run.args(["run", "magnet-0.61g", "--accuracy", "1e-6", "--quiet", "--output"]);
     run.arg(output);
     let mut version = Command::new(program);
     version.arg("--version");
-    let mut commands = [empty, version, run];
-    let mut spent = [0.0; 3];
+    let mut commands = [empty, bare, version, run];
+    let mut spent = [0.0; 4];
     for _ in 0..PROCESSES {
         for (command, spent) in commands.iter_mut().zip(&mut spent) {
             *spent += process_time(command);
         }
     }
-    let [base, version, run] = spent.map(|spent| spent / f64::from(PROCESSES));
+    let [base, bare, version, run] = spent.map(|spent| spent / f64::from(PROCESSES));
     println!("An empty Rust process takes {:.2} ms of CPU time.\n", 1e3 * base);
     println!("| whole process | over an empty Rust process |\n|---|---|");
+    let what = "start, magnet-0.61g, 5 ms at 1e-6 with a sample each us, by the library alone";
+    println!("| {what} | {:.2} |", bare / base);
     println!("| `hertzscope --version` | {:.2} |", version / base);
     let what = "`hertzscope run magnet-0.61g --accuracy 1e-6`, written to disk";
     println!("| {what} | {:.2} |\n", run / base);

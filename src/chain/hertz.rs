@@ -74,12 +74,20 @@ pub fn energy(stiffness: f64, overlap: f64) -> f64 {
 /// `A (s^3 - s0^3)` would lose as many digits as the wave is weaker than the preload: nine for 1 nm/s under 1 kN.
 #[must_use]
 pub fn force_change(stiffness: f64, static_root: f64, change: f64) -> f64 {
+    force_and_tangent(stiffness, static_root, change).0
+}
+
+/// The same (N), and the contact's stiffness against further changes (N/m), as [`tangent_stiffness`] has it.
+#[must_use]
+#[inline]
+pub fn force_and_tangent(stiffness: f64, static_root: f64, change: f64) -> (f64, f64) {
     let static_overlap = static_root * static_root;
     // An open contact has lost its whole static force, whatever the gap.
     let change = change.max(-static_overlap);
     let root = (static_overlap + change).max(0.0).sqrt();
     let sum = root + static_root;
-    stiffness * change * (sum - root * static_root / sum.max(f64::MIN_POSITIVE))
+    let force = stiffness * change * (sum - root * static_root / sum.max(f64::MIN_POSITIVE));
+    (force, 1.5 * stiffness * root)
 }
 
 /// Contact stiffness against small changes, `dF/d overlap = 3/2 A sqrt(overlap)` (N/m).

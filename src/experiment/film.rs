@@ -18,7 +18,7 @@ pub struct Film {
 }
 
 impl Film {
-    /// A film whose first frame is `state`.
+    /// A film whose first frame is `state`, if one is due at the start.
     #[must_use]
     pub fn new(chain: &Chain, grid: Grid, state: &State) -> Self {
         let mut film = Self {
@@ -27,7 +27,9 @@ impl Film {
             displacements: vec![Vec::new(); chain.bodies().len()],
             frames: 0,
         };
-        film.take(chain, (&state.position, &state.velocity), &|_| true);
+        if grid.time(0) <= 0.0 {
+            film.take(chain, (&state.position, &state.velocity), &|_| true);
+        }
         film
     }
 

@@ -6,7 +6,7 @@
 
 use super::dispatch::Task;
 use super::lanes::{Lanes, Row, WIDTH};
-use crate::chain::hertz::force_change;
+use crate::chain::hertz::force_and_tangent;
 use crate::chain::{Contact, ForceProbe, Law};
 
 /// Coefficients of a septic.
@@ -96,43 +96,36 @@ impl ForceTrack {
         self.overlaps[which] = septic(ends, length);
     }
 
-    /// Dynamic force for these overlap changes (m) (N).
-    fn force_of(&self, changes: [f64; CONTACTS]) -> f64 {
-        let part = |i: usize| {
-            let contact = &self.contacts[i];
-            let force = match contact.law {
-                Law::Hertz => force_change(contact.stiffness, self.static_roots[i], changes[i]),
-                Law::Linearised => contact.force_change(changes[i]),
-            };
-            self.weights[i] * force
-        };
-        part(0) + part(1)
-    }
-
     /// Dynamic force (N) and its rate of change (N/s) for changes of the overlaps (m) and their rates (m/s).
     #[must_use]
+    #[inline]
     pub fn feel(&self, overlaps: [[f64; 2]; CONTACTS]) -> (f64, f64) {
-        let part = |i: usize| {
-            let [change, closing] = overlaps[i];
-            self.weights[i] * self.contacts[i].tangent_stiffness(change) * closing
-        };
-        (self.force_of(overlaps.map(|[change, _]| change)), part(0) + part(1))
+        let (mut force, mut rate) = (0.0, 0.0);
+        for (which, [change, closing]) in overlaps.into_iter().enumerate() {
+            let contact = &self.contacts[which];
+            let (felt, tangent) = match contact.law {
+                Law::Hertz => {
+                    force_and_tangent(contact.stiffness, self.static_roots[which], change)
+                }
+                Law::Linearised => (contact.force_change(change), contact.static_stiffness()),
+            };
+            force += self.weights[which] * felt;
+            rate += self.weights[which] * tangent * closing;
+        }
+        (force, rate)
     }
 
     /// Dynamic force at the fraction `theta` of the step (N).
     #[must_use]
     pub fn force(&self, theta: f64) -> f64 {
-        self.force_of(self.overlaps.each_ref().map(|overlap| horner(overlap, theta)))
+        self.feel(self.overlaps.each_ref().map(|overlap| [horner(overlap, theta), 0.0])).0
     }
 
     /// Its rate of change there (N/s).
     #[must_use]
     pub fn rate(&self, theta: f64) -> f64 {
-        let part = |i: usize| {
-            let stiffness = self.contacts[i].tangent_stiffness(horner(&self.overlaps[i], theta));
-            self.weights[i] * stiffness * slope(&self.overlaps[i], theta) / self.length
-        };
-        part(0) + part(1)
+        let overlap = |c: &[f64; COEFFICIENTS]| [horner(c, theta), slope(c, theta) / self.length];
+        self.feel(self.overlaps.each_ref().map(overlap)).1
     }
 }
 

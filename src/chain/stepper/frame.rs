@@ -24,10 +24,12 @@ pub struct Ends<'a> {
 fn overlap<Y: Layout, const N: usize>(rows: &[&[Row]; N], body: usize, lane: usize) -> [f64; N] {
     let here = Y::place(body, lane);
     let above = Y::upper(here.0, here.1);
-    rows.map(|rows| {
-        let upper = above.map_or(0.0, |(row, lane)| rows[row].0[lane]);
-        upper - rows[here.0].0[here.1]
-    })
+    let mut found = [0.0; N];
+    for which in 0..N {
+        let upper = above.map_or(0.0, |(row, lane)| rows[which][row].0[lane]);
+        found[which] = upper - rows[which][here.0].0[here.1];
+    }
+    found
 }
 
 /// The rows that the bodies beside `body`, and itself, stand in.
@@ -40,9 +42,9 @@ pub fn rows_around<Y: Layout>(body: usize) -> Range<usize> {
 pub fn glance<Y: Layout>(to: (&[Row], &[Row]), length: f64, lane: usize, views: &mut [View]) {
     let to = [to.0, to.1];
     for view in views {
-        let contacts = [view.body, view.body + 1];
-        let overlaps = contacts.map(|contact| overlap::<Y, 2>(&to, contact, lane));
-        (view.end, view.rate) = view.track.feel(overlaps);
+        let above = overlap::<Y, 2>(&to, view.body, lane);
+        let below = overlap::<Y, 2>(&to, view.body + 1, lane);
+        (view.end, view.rate) = view.track.feel([above, below]);
         view.length = length;
     }
 }
@@ -63,10 +65,11 @@ impl<Y: Layout> Task for Look<'_, Y> {
     fn run<L: Lanes>(self) {
         let Self { ends, lane, views, .. } = self;
         for view in views.iter_mut().filter(|view| view.wanted) {
-            for (which, contact) in [view.body, view.body + 1].into_iter().enumerate() {
-                let overlaps =
-                    [&ends.from, &ends.to].map(|rows| overlap::<Y, 4>(rows, contact, lane));
-                view.track.set(which, ends.span, overlaps);
+            for which in 0..2 {
+                let contact = view.body + which;
+                let from = overlap::<Y, 4>(&ends.from, contact, lane);
+                let to = overlap::<Y, 4>(&ends.to, contact, lane);
+                view.track.set(which, ends.span, [from, to]);
             }
             view.looks = view.track.looks::<L>();
         }

@@ -59,14 +59,15 @@ fn step<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool, const START: 
     (from, to): ([&[Row]; 4], &mut Rows),
 ) {
     let rows = to[0].len();
-    let Weights { kicks, drifts, parts } = weights;
-    let drift = (drifts[0], *parts == 1);
-    let mut part = Part::<L, GRADIENT, START>::new(plan, [kicks[0], kicks[1]], drift, (from, to));
+    let parts = weights.parts();
+    let kicks = [weights.kick::<GRADIENT>(0), weights.kick::<GRADIENT>(1)];
+    let drift = (weights.drift(0), parts == 1);
+    let mut part = Part::<L, GRADIENT, START>::new(plan, kicks, drift, (from, to));
     sweep::<L, Y, FORM>(plan, rows, &mut part);
     part.end::<Y>();
-    for index in 1..*parts {
-        let kicks = [kicks[index], kicks[index + 1]];
-        let drift = (drifts[index], index + 1 == *parts);
+    for index in 1..parts {
+        let kicks = [weights.kick::<GRADIENT>(index), weights.kick::<GRADIENT>(index + 1)];
+        let drift = (weights.drift(index), index + 1 == parts);
         let mut part = Part::<L, GRADIENT, ON>::new(plan, kicks, drift, (from, to));
         sweep::<L, Y, FORM>(plan, rows, &mut part);
         part.end::<Y>();

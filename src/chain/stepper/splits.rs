@@ -11,9 +11,6 @@ use crate::integrate::splitting::Splitting;
 /// Tangents are carried as two thirds of themselves (1).
 const TANGENT: f64 = 1.5;
 
-/// Most kicks of a step.
-const MOST_KICKS: usize = 12;
-
 /// What a kick weighs, steps included.
 #[derive(Clone, Copy)]
 pub struct Kick<L: Lanes> {
@@ -25,35 +22,44 @@ pub struct Kick<L: Lanes> {
 
 /// A step's kicks and drifts, its length included.
 #[derive(Clone, Copy)]
-pub struct Weights<L: Lanes> {
-    pub kicks: [Kick<L>; MOST_KICKS],
-    /// One fewer than kicks (s).
-    pub drifts: [L::V; MOST_KICKS],
-    /// How many drifts there are.
-    pub parts: usize,
+pub struct Weights<'a, L: Lanes> {
+    method: &'a Splitting,
+    /// Length of the step (s).
+    h: L::V,
+    /// What two thirds of gradients are multiplied by (s³).
+    cube: L::V,
 }
 
-impl<L: Lanes> Weights<L> {
+impl<'a, L: Lanes> Weights<'a, L> {
     /// Of a step of `h` (s).
     #[inline(always)]
-    pub fn new(method: &Splitting, h: L::V) -> Self {
-        let none = L::splat(0.0);
+    pub fn new(method: &'a Splitting, h: L::V) -> Self {
         let cube = L::mul(L::mul(h, h), L::mul(h, L::splat(TANGENT)));
-        let mut weights = Self {
-            kicks: [Kick { force: none, gradient: none }; MOST_KICKS],
-            drifts: [none; MOST_KICKS],
-            parts: method.drifts.len(),
+        Self { method, h, cube }
+    }
+
+    /// How many drifts there are.
+    #[inline(always)]
+    pub fn parts(&self) -> usize {
+        self.method.drifts.len()
+    }
+
+    /// The kick before drift `index`, or after the last.
+    #[inline(always)]
+    pub fn kick<const GRADIENT: bool>(&self, index: usize) -> Kick<L> {
+        let force = L::mul(self.h, L::splat(self.method.kicks[index]));
+        let gradient = if GRADIENT {
+            L::mul(self.cube, L::splat(self.method.gradients[index]))
+        } else {
+            L::splat(0.0)
         };
-        for index in 0..method.kicks.len() {
-            weights.kicks[index].force = L::mul(h, L::splat(method.kicks[index]));
-        }
-        for index in 0..method.gradients.len() {
-            weights.kicks[index].gradient = L::mul(cube, L::splat(method.gradients[index]));
-        }
-        for index in 0..method.drifts.len() {
-            weights.drifts[index] = L::mul(h, L::splat(method.drifts[index]));
-        }
-        weights
+        Kick { force, gradient }
+    }
+
+    /// Drift `index` (s).
+    #[inline(always)]
+    pub fn drift(&self, index: usize) -> L::V {
+        L::mul(self.h, L::splat(self.method.drifts[index]))
     }
 }
 
@@ -114,12 +120,12 @@ fn short<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool, const R: usi
             store::<L, R>(&v, &mut work.now.velocity);
             store::<L, R>(&a, &mut work.stages[0]);
         }
-        let kick = weights.kicks[0];
+        let kick = weights.kick::<GRADIENT>(0);
         for r in 0..R {
             v[r] = kick.on::<GRADIENT>(v[r], [a[r], g[r]]);
         }
-        for part in 0..weights.parts {
-            let (drift, kick) = (weights.drifts[part], weights.kicks[part + 1]);
+        for part in 0..weights.parts() {
+            let (drift, kick) = (weights.drift(part), weights.kick::<GRADIENT>(part + 1));
             let (mut force, mut tangent) = ([none; R], [none; R]);
             for r in 0..R {
                 x[r] = L::mul_add(drift, v[r], x[r]);
