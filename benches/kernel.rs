@@ -10,11 +10,11 @@ use std::process::{Command, Stdio};
 use std::time::Instant;
 
 use common::clock::{median, time};
-use common::ours;
+use common::ours::{self, Watching};
 use common::scenes::Case;
 use hertzscope::chain::stepper::InstructionSet;
-use hertzscope::experiment::Integration;
 use hertzscope::experiment::ensemble::{self, Ensemble};
+use hertzscope::experiment::{Integration, for_accuracy};
 use hertzscope::integrate::{IntegrateError, Method};
 
 const ROUNDS: usize = 9;
@@ -217,14 +217,14 @@ fn processes() {
             *spent += process_time(command);
         }
     }
-    let [base, bare, version, run] = spent.map(|spent| spent / f64::from(PROCESSES));
-    println!("An empty Rust process takes {:.2} ms of CPU time.\n", 1e3 * base);
+    let [least, alone, version, run] = spent.map(|spent| spent / f64::from(PROCESSES));
+    println!("An empty Rust process takes {:.2} ms of CPU time.\n", 1e3 * least);
     println!("| whole process | over an empty Rust process |\n|---|---|");
     let what = "start, magnet-0.61g, 5 ms at 1e-6 with a sample each us, by the library alone";
-    println!("| {what} | {:.2} |", bare / base);
-    println!("| `hertzscope --version` | {:.2} |", version / base);
+    println!("| {what} | {:.2} |", alone / least);
+    println!("| `hertzscope --version` | {:.2} |", version / least);
     let what = "`hertzscope run magnet-0.61g --accuracy 1e-6`, written to disk";
-    println!("| {what} | {:.2} |\n", run / base);
+    println!("| {what} | {:.2} |\n", run / least);
 }
 
 /// CPU time of one run of `command`, user and system, in whole ticks: only sums over many runs mean something (s).

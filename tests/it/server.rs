@@ -294,7 +294,8 @@ fn enter_strikes_the_chain() {
     let address = line().strip_prefix("listening on ").map(str::parse::<SocketAddr>);
     let mut client = connect(address.expect("an address").expect("an address"));
     assert_eq!(line(), "Enter strikes the chain");
-    client.send(b"ACQ:STOPA SEQ;STATE ON\n");
+    // Answered only when the scope is ready: standard input is another way.
+    assert_eq!(client.ask("ACQ:STOPA SEQ;STATE ON;STATE?"), "1\n");
     let mut keys = server.stdin.take().expect("a pipe");
     keys.write_all(b"\n").expect("a line");
     assert_eq!(client.ask("*OPC?"), "1\n");
