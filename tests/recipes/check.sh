@@ -29,7 +29,8 @@ export PATH="$folder/bin:$environment/bin:$PATH"
 # A folder of its own for an engine.
 fresh() {
     mkdir "$folder/$1"
-    cp "$here/grid.toml" "$recipes"/* "$folder/$1"
+    # What Python leaves beside them has no dot in its name.
+    cp "$here/grid.toml" "$recipes"/*.* "$folder/$1"
     cd "$folder/$1"
 }
 same() {
