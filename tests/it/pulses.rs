@@ -5,9 +5,11 @@ use hertzscope::experiment::bench::{Bench, Grid, Watch};
 use hertzscope::integrate::Method;
 use hertzscope::scene::Scene;
 
+use super::splittings::METHODS;
+
 /// Times nobody reaches.
 const NEVER: Grid = Grid { start: 1e9, interval: 1.0 };
-/// Shares of the largest force at which arrivals are compared (1).
+/// Shares of the first peak at which arrivals are compared (1).
 const LEVELS: [f64; 4] = [0.03, 0.1, 0.5, 0.95];
 
 /// First peaks (N, s) and first times of levels (s) at `probes`, to the last bit; none for steps that are too long.
@@ -34,12 +36,6 @@ fn readings(
 /// In every particle, by steps from the edge of stability down.
 #[test]
 fn a_force_reads_the_same_wherever_its_steps_were_looked_into() {
-    type Make = fn(f64) -> Method;
-    let fixed: [Make; 3] = [
-        |step| Method::VelocityVerlet { step },
-        |step| Method::BlanesMoan { step },
-        |step| Method::ForceGradient { step },
-    ];
     let mut compared = 0;
     for name in ["magnet-0.61g", "gravity-17.81g", "monatomic-vacuum"] {
         let scene = Scene::load(name).expect("a shipped scene");
@@ -50,7 +46,7 @@ fn a_force_reads_the_same_wherever_its_steps_were_looked_into() {
             Method::DormandElMikkawyPrince64 { tolerance: 1e-3 },
             Method::DormandElMikkawyPrince86 { tolerance: 1e-5 },
         ];
-        let steps = fixed.into_iter().flat_map(|make| {
+        let steps = METHODS.into_iter().flat_map(|make| {
             let (_, reach) = make(1.0).fixed_step().expect("a method with a fixed step");
             let limit = scene.chain.stability_limit(&scene.initial_velocities, reach);
             let limit = limit.expect("contacts").step;

@@ -12,7 +12,8 @@ const TIME: f64 = 0.3e-3;
 /// Speed of the first body (m/s).
 const SPEED: f64 = 0.1;
 
-const METHODS: [fn(f64) -> Method; 4] = [
+/// By their step (s).
+pub const METHODS: [fn(f64) -> Method; 4] = [
     |step| Method::VelocityVerlet { step },
     |step| Method::Pefrl { step },
     |step| Method::BlanesMoan { step },

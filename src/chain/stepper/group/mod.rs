@@ -176,8 +176,7 @@ impl ChainGroup {
             }
             looked_at.push(view.body);
             for (motion, out) in [(&*next, &mut *before), (&*now, &mut *after)] {
-                let (at, rows, out) =
-                    (motion.seen(), rows_around::<Across>(view.body), out.as_mut_slice());
+                let (at, rows) = (motion.seen(), rows_around::<Across>(view.body));
                 dispatch(*set, Jerks::<Across> { plan, at, rows, out, layout: PhantomData });
             }
         }
