@@ -84,6 +84,33 @@ fn kernels() {
     println!("A stream of vector square roots takes {nanoseconds:.4} ns a contact.\n");
     table("with error control", &CONTROLLED, &mut stream);
     table("in fixed steps, all of the chain", &FIXED, &mut stream);
+    short_chains();
+}
+
+/// What a short chain's evaluations are made of: arithmetic, waiting for each other's results, and the control of steps.
+const SHORT: [Kernel; 5] = [
+    ("its arithmetic: one of eight side by side", "P37", "blanes-moan", 0.5, ours::eight),
+    ("its waiting: a chain of one row", "P7", "blanes-moan", 0.5, ours::awake),
+    ("both, in fixed steps", "P37", "blanes-moan", 0.5, ours::awake),
+    ("both, with error control", "P37", "rkn64", 1e-4, ours::awake),
+    ("both, with error control", "P37", "rkn86", 1e-6, ours::awake),
+];
+
+fn short_chains() {
+    println!("| an evaluation of 37 particles (P37) | method | ns |\n|---|---|---|");
+    let best = InstructionSet::best();
+    for (words, scene, name, setting, run) in SHORT {
+        let case = Case::named(scene).expect("a scene");
+        let method = ours::method(name, setting, &case).expect("a method");
+        let cost = || {
+            let mut evaluations = 0;
+            let seconds = time(SLICE, || evaluations = run(&case, method, best).expect("a run"));
+            1e9 * seconds / evaluations as f64
+        };
+        let mut costs: Vec<f64> = (0..ROUNDS).map(|_| cost()).collect();
+        println!("| {words} | {name} | {:.1} |", median(&mut costs));
+    }
+    println!();
 }
 
 /// Times of contacts over the stream's, in the same round.
@@ -136,6 +163,10 @@ fn quiet_part() {
 
 /// Chains in an ensemble; eight share the lanes of a group. So many that starting threads costs nothing beside them.
 const ENSEMBLE: u32 = 512;
+/// Rounds of one thread against two: the second processor has other work, now and then.
+const THREAD_ROUNDS: usize = 25;
+/// Streams of square roots that are shared out to threads.
+const STREAMS: u32 = 20_000;
 
 /// Throughput of ensembles over that of single chains, first peaks followed in both, and of two threads over one.
 fn ensembles() {
@@ -156,7 +187,37 @@ fn ensembles() {
         let words = format!("{name}, {}, steps of {step} units", method.name());
         ensemble(&words, &case, Integration::Method(method));
     }
-    println!();
+    println!("| a stream of square roots, shared out | | {:.2} | |\n", second_processor());
+}
+
+/// How much sooner two threads are through with square roots than one: what a second processor is worth to arithmetic.
+fn second_processor() -> f64 {
+    let share = |streams: u32| {
+        let values: Vec<f64> = (1..=STREAM).map(|i| i as f64).collect();
+        let mut roots = vec![0.0; STREAM];
+        (0..streams).for_each(|_| square_roots::stream(&values, &mut roots));
+        std::hint::black_box(&roots);
+    };
+    over(
+        || share(STREAMS),
+        || {
+            std::thread::scope(|scope| {
+                scope.spawn(|| share(STREAMS / 2));
+                share(STREAMS / 2);
+            });
+        },
+    )
+}
+
+/// Wall time of `one` over that of `two`, the median of many rounds.
+fn over(one: impl Fn(), two: impl Fn()) -> f64 {
+    let wall = |work: &dyn Fn()| {
+        let start = Instant::now();
+        work();
+        start.elapsed().as_secs_f64()
+    };
+    let mut ratios: Vec<f64> = (0..THREAD_ROUNDS).map(|_| wall(&one) / wall(&two)).collect();
+    median(&mut ratios)
 }
 
 fn ensemble(words: &str, case: &Case, integration: Integration) {
@@ -180,19 +241,14 @@ fn ensemble(words: &str, case: &Case, integration: Integration) {
             case.run_alone(integration).expect("a run");
         }
     };
-    let (mut gains, mut threads, mut times) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut gains, mut times) = (Vec::new(), Vec::new());
     for _ in 0..ROUNDS {
         let (single, group) = (time(SLICE, alone), time(SLICE, || together(1)));
         gains.push(single / group);
         times.push(1e6 * group / f64::from(ENSEMBLE));
-        let wall = |threads| {
-            let start = Instant::now();
-            together(threads);
-            start.elapsed().as_secs_f64()
-        };
-        threads.push(wall(1) / wall(2));
     }
-    let (gain, threads, time) = (median(&mut gains), median(&mut threads), median(&mut times));
+    let (gain, time) = (median(&mut gains), median(&mut times));
+    let threads = over(|| together(1), || together(2));
     println!("| {words} | {gain:.2} | {threads:.2} | {time:.1} |");
 }
 

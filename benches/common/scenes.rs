@@ -28,9 +28,10 @@ pub struct Case {
 }
 
 impl Case {
-    /// P37, G37, P600, or the shipped scene magnet-0.61g as `bench`.
+    /// P37, G37, P600, P10000, the first row of P37 as P7, or the shipped scene magnet-0.61g as `bench`.
     pub fn named(name: &str) -> Option<Self> {
         Some(match name {
+            "P7" => alternating("P7", 7, (PRELOAD, true), 5e-3, vec![4]),
             "P37" => alternating("P37", 37, (PRELOAD, true), 5e-3, vec![14]),
             "G37" => alternating("G37", 37, (0.0, true), 5e-3, vec![14]),
             "P600" => alternating("P600", 600, (PRELOAD, false), 15e-3, vec![14, 400]),

@@ -4,17 +4,15 @@
 //! bit however many threads there are and whatever else runs. Chains with losses run one by one.
 
 use std::borrow::Borrow;
-use std::num::NonZero;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::bench::{Bench, Grid};
 use super::effects::auto::settle;
+use super::parallel::{in_parallel, processors};
 use super::pulse::PulseRecorder;
 use super::{Integration, losses};
-use crate::chain::stepper::{ChainGroup, InstructionSet, Member, View};
+use crate::chain::stepper::{ChainGroup, InstructionSet, Kind, Member, View};
 use crate::chain::{Chain, ForceProbe};
-use crate::integrate::{IntegrateError, Method, Work};
+use crate::integrate::{IntegrateError, Method, Scheme, Work};
 use crate::scene::{PlacedSensor, Scene, Site};
 
 /// One chain and what is to be read from it.
@@ -39,6 +37,12 @@ pub struct Readout {
     pub work: Work,
 }
 
+/// What the chains of a group have in common.
+type Sort = (Scheme, Kind);
+
+/// Cases that a thread sorts at a time: so many that handing them out costs nothing.
+const BLOCK: usize = 64;
+
 /// How many chains are run at once.
 #[derive(Debug, Clone, Copy)]
 pub struct Ensemble {
@@ -57,8 +61,7 @@ impl Ensemble {
     /// All processors, each case integrated by `integration`.
     #[must_use]
     pub fn by(integration: Integration) -> Self {
-        let threads = std::thread::available_parallelism().map_or(1, NonZero::get);
-        Self { integration, threads, set: InstructionSet::best() }
+        Self { integration, threads: processors(), set: InstructionSet::best() }
     }
 
     /// With this many threads.
@@ -80,54 +83,22 @@ impl Ensemble {
         done: &(dyn Fn(usize) + Sync),
     ) -> Vec<Result<Readout, IntegrateError>> {
         let cases: Vec<&Case> = cases.iter().map(Borrow::borrow).collect();
-        let cases = cases.as_slice();
-        let groups = self.groups(cases);
-        let next = AtomicUsize::new(0);
-        let results = Mutex::new(vec![None; cases.len()]);
-        let work = || {
-            while let Some(group) = groups.get(next.fetch_add(1, Ordering::Relaxed)) {
-                let found = self.run_group(cases, group);
-                if let Ok(mut results) = results.lock() {
-                    for (index, result) in group.iter().zip(found) {
-                        results[*index] = Some(result);
-                    }
-                }
-                done(group.len());
-            }
+        let blocks: Vec<&[&Case]> = cases.chunks(BLOCK).collect();
+        let sort = |block: &&[&Case]| -> Vec<Option<Sort>> {
+            block.iter().map(|case| case.sort(self.integration)).collect()
         };
-        std::thread::scope(|scope| {
-            for _ in 1..self.threads.min(groups.len()) {
-                scope.spawn(work);
-            }
-            work();
-        });
-        // Every case is in a group, and a thread that panics takes the scope with it.
-        results.into_inner().unwrap_or_default().into_iter().flatten().collect()
-    }
-
-    /// Cases that run side by side: each goes to the first group with a free lane that it fits.
-    fn groups(&self, cases: &[&Case]) -> Vec<Vec<usize>> {
-        let (mut full, mut open): (Vec<Vec<usize>>, Vec<Vec<usize>>) = (Vec::new(), Vec::new());
-        for (index, case) in cases.iter().enumerate() {
-            let scheme = case.method(self.integration).scheme();
-            let Some(scheme) = scheme.filter(|_| case.chain.is_plain()) else {
-                full.push(vec![index]);
-                continue;
-            };
-            let fits = |group: &Vec<usize>| {
-                ChainGroup::fit(&cases[group[0]].member(), &case.member(), scheme)
-            };
-            let Some(place) = open.iter().position(fits) else {
-                open.push(vec![index]);
-                continue;
-            };
-            open[place].push(index);
-            if open[place].len() == ChainGroup::LANES {
-                full.push(open.remove(place));
-            }
-        }
-        full.append(&mut open);
-        full
+        let sorts = in_parallel(self.threads, &blocks, &sort, &|_| ()).concat();
+        let groups = groups(&sorts);
+        let run = |group: &Vec<usize>| {
+            let found = self.run_group(&cases, group);
+            done(group.len());
+            found
+        };
+        let found = in_parallel(self.threads, &groups, &run, &|_| ());
+        let mut results: Vec<_> =
+            groups.iter().flatten().zip(found.into_iter().flatten()).collect();
+        results.sort_by_key(|(index, _)| **index);
+        results.into_iter().map(|(_, result)| result).collect()
     }
 
     fn run_group(&self, cases: &[&Case], group: &[usize]) -> Vec<Result<Readout, IntegrateError>> {
@@ -141,6 +112,27 @@ impl Ensemble {
             None => members.iter().map(|case| case.run_alone(self.integration)).collect(),
         }
     }
+}
+
+/// Cases that run side by side: each goes to the first group with a free lane of its sort, or is alone if it is of none.
+fn groups(sorts: &[Option<Sort>]) -> Vec<Vec<usize>> {
+    let (mut full, mut open): (Vec<Vec<usize>>, Vec<Vec<usize>>) = (Vec::new(), Vec::new());
+    for (index, sort) in sorts.iter().enumerate() {
+        if sort.is_none() {
+            full.push(vec![index]);
+            continue;
+        }
+        let Some(place) = open.iter().position(|group| sorts[group[0]] == *sort) else {
+            open.push(vec![index]);
+            continue;
+        };
+        open[place].push(index);
+        if open[place].len() == ChainGroup::LANES {
+            full.push(open.remove(place));
+        }
+    }
+    full.append(&mut open);
+    full
 }
 
 /// A place of a scene that is watched.
@@ -185,6 +177,12 @@ impl Case {
 
     fn member(&self) -> Member<'_> {
         Member { chain: &self.chain, velocities: &self.velocities, duration: self.duration }
+    }
+
+    /// None for a chain that runs alone.
+    fn sort(&self, integration: Integration) -> Option<Sort> {
+        let scheme = self.method(integration).scheme().filter(|_| self.chain.is_plain())?;
+        Some((scheme, Kind::of(&self.member(), scheme)))
     }
 
     fn method(&self, integration: Integration) -> Method {

@@ -20,17 +20,22 @@ fn reading(readout: &Readout) -> Vec<[f64; 3]> {
 
 /// Strikers of different speeds on `scene`, 19 of them: two full groups and a rest.
 fn cases(scene: &str) -> Vec<Case> {
+    strikers(scene, 19)
+}
+
+/// So many strikers, of speeds up to twice the scene's.
+fn strikers(scene: &str, count: u32) -> Vec<Case> {
     let scene = Scene::load(scene).expect("a shipped scene");
     let chain = &scene.chain;
     let probes: Vec<ForceProbe> =
         [2, 14, 27].iter().filter_map(|p| ForceProbe::inside(chain, *p, 0.0)).collect();
-    let case = |number: i32| {
+    let case = |number: u32| {
         let mut velocities = scene.initial_velocities.clone();
-        velocities[0] *= 1.0 + 0.05 * f64::from(number);
+        velocities[0] *= 1.0 + f64::from(number) / f64::from(count);
         let chain = chain.clone();
         Case { chain, velocities, probes: probes.clone(), duration: 1.2e-3 }
     };
-    (0..19).map(case).collect()
+    (0..count).map(case).collect()
 }
 
 fn run(ensemble: Ensemble, cases: &[Case]) -> Vec<Vec<[f64; 3]>> {
@@ -41,15 +46,42 @@ fn run(ensemble: Ensemble, cases: &[Case]) -> Vec<Vec<[f64; 3]>> {
 /// Threads, neighbours and order change nothing, to the last bit.
 #[test]
 fn company_changes_nothing() {
-    let cases = cases("gravity-0.61g");
+    // More than a thread sorts at a time; the last group is not full.
+    let cases = strikers("gravity-0.61g", 83);
     let ensemble = Ensemble::new(1e-4);
     let together = run(ensemble.threads(1), &cases);
     assert_eq!(together, run(ensemble.threads(2), &cases));
     let mut reversed = run(ensemble, &cases.iter().rev().cloned().collect::<Vec<Case>>());
     reversed.reverse();
     assert_eq!(together, reversed);
-    // Lengths of groups: 19 end on a group of three, 17 on one of one.
+    // Lengths of groups: 83 end on a group of three, 17 on one of one.
     assert_eq!(together[..17], run(ensemble, &cases[..17])[..]);
+}
+
+/// Chains of different sorts find their own groups, and every result its place.
+#[test]
+fn sorts_of_chains_are_told_apart() {
+    let [one, other] = [strikers("magnet-0.61g", 10), strikers("monatomic-vacuum", 10)];
+    let ensemble = Ensemble::new(1e-4);
+    let mixed: Vec<Case> =
+        one.iter().zip(&other).flat_map(|(a, b)| [a.clone(), b.clone()]).collect();
+    let found = run(ensemble, &mixed);
+    let [one, other] = [one, other].map(|cases| run(ensemble, &cases));
+    for (index, (a, b)) in one.into_iter().zip(other).enumerate() {
+        assert_eq!(found[2 * index..2 * index + 2], [a, b], "{index}");
+    }
+}
+
+/// Steps far too long fail as they do alone: by the same body, at the same time.
+#[test]
+fn a_lane_names_the_body_that_it_has_lost() {
+    let method = Integration::Method(Method::VelocityVerlet { step: 5e-5 });
+    let cases = cases("magnet-0.61g");
+    let found = Ensemble::by(method).run(&cases, &|_| ());
+    for (case, found) in cases.iter().zip(found) {
+        let alone = case.run_alone(method).expect_err("too long a step");
+        assert_eq!(found.expect_err("too long a step"), alone);
+    }
 }
 
 /// In fixed steps too, for chains that end at times of their own; one by one they come out the same but for rounding, which a bouncing

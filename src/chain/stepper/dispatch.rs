@@ -4,7 +4,11 @@
     reason = "calling a function compiled for an instruction set is unsafe until the set is known to be there"
 )]
 
-use super::lanes::{Baseline, Lanes};
+#[cfg(not(target_arch = "x86_64"))]
+use super::lanes::Baseline;
+use super::lanes::Lanes;
+#[cfg(target_arch = "x86_64")]
+use super::lanes_sse2::Sse2 as Baseline;
 #[cfg(target_arch = "x86_64")]
 use super::lanes_x86::{Avx2, Avx512};
 

@@ -39,18 +39,35 @@ pub trait Lanes: Copy {
     /// Square root.
     fn sqrt(a: Self::V) -> Self::V;
     /// What [`Lanes::root`] starts from: 14 bits of `1/sqrt(a)` where the machine has them, for `a >= 1e-200`.
-    fn start_root(a: Self::V) -> Self::V;
+    #[inline(always)]
+    fn start_root(a: Self::V) -> Self::V {
+        Self::sqrt(a)
+    }
     /// Square root without the square-root unit where the machine can, so that `a` times it is `a^1.5` within 2 ulp: Householder's
     /// correction of fourth order.
-    fn root(a: Self::V, start: Self::V) -> Self::V;
+    #[inline(always)]
+    fn root(a: Self::V, start: Self::V) -> Self::V {
+        let _ = a;
+        start
+    }
     /// `[before[7], here[0], ..., here[6]]`
     fn shift_up(before: Self::V, here: Self::V) -> Self::V;
     /// `[here[1], ..., here[7], after[0]]`
     fn shift_down(here: Self::V, after: Self::V) -> Self::V;
     /// Largest of the eight (unit).
-    fn largest(a: Self::V) -> f64;
+    #[inline(always)]
+    fn largest(a: Self::V) -> f64 {
+        let mut row = Row::default();
+        Self::store(a, &mut row);
+        row.0.iter().fold(f64::MIN, |most, value| if *value > most { *value } else { most })
+    }
     /// Sum of the eight (unit).
-    fn total(a: Self::V) -> f64;
+    #[inline(always)]
+    fn total(a: Self::V) -> f64 {
+        let mut row = Row::default();
+        Self::store(a, &mut row);
+        row.0.iter().sum()
+    }
     /// Bit `i` tells whether value `i` is a finite number.
     #[inline(always)]
     fn finite(a: Self::V) -> u8 {
@@ -60,10 +77,12 @@ pub trait Lanes: Copy {
     fn positive(a: Self::V) -> u8;
 }
 
-/// Any machine: plain arrays, which the compiler puts into whatever registers there are.
+/// Any machine: plain arrays, which the compiler puts into whatever registers there are. x86-64 machines have better.
+#[cfg(any(test, not(target_arch = "x86_64")))]
 #[derive(Debug, Clone, Copy)]
 pub struct Baseline;
 
+#[cfg(any(test, not(target_arch = "x86_64")))]
 impl Lanes for Baseline {
     type V = [f64; WIDTH];
 
@@ -123,16 +142,6 @@ impl Lanes for Baseline {
     }
 
     #[inline(always)]
-    fn start_root(a: Self::V) -> Self::V {
-        Self::sqrt(a)
-    }
-
-    #[inline(always)]
-    fn root(_a: Self::V, start: Self::V) -> Self::V {
-        start
-    }
-
-    #[inline(always)]
     fn shift_up(b: Self::V, h: Self::V) -> Self::V {
         [b[7], h[0], h[1], h[2], h[3], h[4], h[5], h[6]]
     }
@@ -140,16 +149,6 @@ impl Lanes for Baseline {
     #[inline(always)]
     fn shift_down(h: Self::V, a: Self::V) -> Self::V {
         [h[1], h[2], h[3], h[4], h[5], h[6], h[7], a[0]]
-    }
-
-    #[inline(always)]
-    fn largest(a: Self::V) -> f64 {
-        a.iter().fold(f64::MIN, |most, value| if *value > most { *value } else { most })
-    }
-
-    #[inline(always)]
-    fn total(a: Self::V) -> f64 {
-        a.iter().sum()
     }
 
     #[inline(always)]

@@ -9,7 +9,7 @@
 
 use std::arch::x86_64::*;
 
-use super::lanes::{Baseline, Lanes, Row};
+use super::lanes::{Lanes, Row};
 
 /// AVX-512 F, VL and DQ: one register.
 #[derive(Debug, Clone, Copy)]
@@ -196,16 +196,6 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    fn start_root(a: Self::V) -> Self::V {
-        Self::sqrt(a)
-    }
-
-    #[inline(always)]
-    fn root(_a: Self::V, start: Self::V) -> Self::V {
-        start
-    }
-
-    #[inline(always)]
     fn shift_up(before: Self::V, here: Self::V) -> Self::V {
         let up = |before: __m256d, here: __m256d| unsafe {
             let middle = _mm256_permute2f128_pd::<0x21>(before, here);
@@ -221,20 +211,6 @@ impl Lanes for Avx2 {
             _mm256_shuffle_pd::<0b0101>(here, middle)
         };
         [down(here[0], here[1]), down(here[1], after[0])]
-    }
-
-    #[inline(always)]
-    fn largest(a: Self::V) -> f64 {
-        let mut row = Row::default();
-        Self::store(a, &mut row);
-        Baseline::largest(row.0)
-    }
-
-    #[inline(always)]
-    fn total(a: Self::V) -> f64 {
-        let mut row = Row::default();
-        Self::store(a, &mut row);
-        Baseline::total(row.0)
     }
 
     #[inline(always)]

@@ -13,6 +13,8 @@ mod group;
 mod kinks;
 mod lanes;
 #[cfg(target_arch = "x86_64")]
+mod lanes_sse2;
+#[cfg(target_arch = "x86_64")]
 mod lanes_x86;
 mod parts;
 mod passes;
@@ -30,5 +32,5 @@ mod workspace;
 
 pub use dispatch::InstructionSet;
 pub use force_track::{ForceTrack, LOOKS, Looks, View};
-pub use group::{ChainGroup, Member};
+pub use group::{ChainGroup, Kind, Member};
 pub use single::{ChainStepper, Refinement};

@@ -9,10 +9,6 @@ mod knob;
 
 pub use knob::Knob;
 
-use std::num::NonZero;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::gate::Gate;
 use crate::analysis::spectrum::{Analyser, Settings, Spectrum, SpectrumError};
@@ -20,6 +16,7 @@ use crate::analysis::window::Window;
 use crate::chain::{ChainError, ForceProbe};
 use crate::experiment::bench::{Bench, Grid};
 use crate::experiment::losses;
+use crate::experiment::parallel::{in_parallel, processors};
 use crate::experiment::pulse::{HALF_RISE, PulseRecorder};
 use crate::experiment::recorded::cell;
 use crate::integrate::IntegrateError;
@@ -121,46 +118,16 @@ pub fn tune(
             jobs.push((*knob, value));
         }
     }
-    let mut results =
-        in_parallel(&jobs, &|(knob, value)| point(scene, *knob, *value), progress).into_iter();
+    let work = |(knob, value): &(Knob, f64)| point(scene, *knob, *value);
+    #[allow(clippy::cast_precision_loss, reason = "a few hundred jobs")]
+    let done = |finished: usize| progress(finished as f64 / jobs.len() as f64);
+    let mut results = in_parallel(processors(), &jobs, &work, &done).into_iter();
     let mut tunings = Vec::new();
     for (knob, now) in turned {
         let points: Result<Vec<_>, _> = results.by_ref().take(points as usize).collect();
         tunings.push(Tuning { knob, now, points: points? });
     }
     Ok(tunings)
-}
-
-/// `work` on every job, on all processors; results stand in the order of the jobs.
-#[allow(clippy::cast_precision_loss, reason = "a few hundred jobs")]
-fn in_parallel<J: Sync, R: Send>(
-    jobs: &[J],
-    work: &(dyn Fn(&J) -> R + Sync),
-    progress: &(dyn Fn(f64) + Sync),
-) -> Vec<R> {
-    let next = AtomicUsize::new(0);
-    let results = Mutex::new(Vec::new());
-    let hand = || {
-        loop {
-            let index = next.fetch_add(1, Ordering::Relaxed);
-            let Some(job) = jobs.get(index) else { break };
-            let result = work(job);
-            if let Ok(mut results) = results.lock() {
-                results.push((index, result));
-                progress(results.len() as f64 / jobs.len() as f64);
-            }
-        }
-    };
-    std::thread::scope(|scope| {
-        let processors = std::thread::available_parallelism().map_or(1, NonZero::get);
-        for _ in 1..processors.min(jobs.len()) {
-            scope.spawn(hand);
-        }
-        hand();
-    });
-    let mut results = results.into_inner().unwrap_or_default();
-    results.sort_by_key(|(index, _)| *index);
-    results.into_iter().map(|(_, result)| result).collect()
 }
 
 fn point(scene: &Scene, knob: Knob, value: f64) -> Result<TunedPoint, TuneError> {

@@ -2,7 +2,7 @@
 
 use super::Member;
 use crate::chain::stepper::steps::{AT_ONCE, control};
-use crate::chain::stepper::workspace::Workspace;
+use crate::chain::stepper::workspace::{Motion, Workspace};
 use crate::integrate::control::{StepControl, Trial};
 use crate::integrate::splitting::Clock;
 use crate::integrate::{IntegrateError, Scheme, Work};
@@ -96,12 +96,12 @@ impl Lane {
         step.map_or(0.0, |(length, _)| length)
     }
 
-    /// Takes fixed steps that have just been made, if they ended in numbers; `made` are steps and force evaluations.
-    pub fn takes(&mut self, finite: bool, made: (u64, u64)) -> bool {
+    /// Takes fixed steps that have just been made, unless a body is `lost`; `made` are steps and force evaluations.
+    pub fn takes(&mut self, lost: Option<usize>, made: (u64, u64)) -> bool {
         let Pace::Fixed(_, Some((length, next))) = self.pace else { return false };
         self.counts.force_evaluations += made.1;
-        if !finite {
-            self.failed = Some(IntegrateError::NotFinite { body: 0, time: self.time });
+        if let Some(body) = lost {
+            self.failed = Some(IntegrateError::NotFinite { body, time: self.time });
             return false;
         }
         (self.last_step, self.time) = ((next - length, length), next);
@@ -114,7 +114,7 @@ impl Lane {
         let Pace::Controlled(control, Some(trial)) = &mut self.pace else { return false };
         let largest = &work.largest;
         let error = work.error(index);
-        if !control.accepts(*trial, error, || 0) {
+        if !control.accepts(*trial, error, || first_lost(&work.next, index)) {
             self.counts.rejected += 1;
             return false;
         }
@@ -125,4 +125,11 @@ impl Lane {
         self.scales.1 = self.scales.1.max(largest.speed.0[index]);
         true
     }
+}
+
+/// First body of the chain in lane `index` whose state is not finite.
+pub fn first_lost(motion: &Motion, index: usize) -> usize {
+    let mut states = motion.position.iter().zip(&motion.velocity);
+    let lost = states.position(|(x, v)| !(x.0[index].is_finite() && v.0[index].is_finite()));
+    lost.unwrap_or(0)
 }

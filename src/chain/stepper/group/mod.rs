@@ -18,7 +18,7 @@ use super::workspace::Workspace;
 use crate::chain::Chain;
 use crate::integrate::splitting::Splitting;
 use crate::integrate::{IntegrateError, Scheme, Work};
-use lane::Lane;
+use lane::{Lane, first_lost};
 use paired::Paired;
 
 /// How steps are taken.
@@ -50,26 +50,34 @@ pub struct Member<'a> {
     pub duration: f64,
 }
 
+/// What the chains of a group have in common, apart from their scheme.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Kind {
+    contacts: usize,
+    form: Form,
+}
+
+impl Kind {
+    /// That of `member` under `scheme`.
+    #[must_use]
+    pub fn of(member: &Member<'_>, scheme: Scheme) -> Self {
+        let Member { chain, velocities, .. } = member;
+        let form = Form::needed(chain, velocities, finest_asked(scheme));
+        Self { contacts: chain.contacts().len(), form }
+    }
+}
+
 impl ChainGroup {
     /// Lanes of a group.
     pub const LANES: usize = WIDTH;
 
-    /// Whether chains may share a group: as many bodies, and forces computed in the same way.
-    #[must_use]
-    pub fn fit(a: &Member<'_>, b: &Member<'_>, scheme: Scheme) -> bool {
-        let form = |member: &Member<'_>| {
-            Form::needed(member.chain, member.velocities, finest_asked(scheme))
-        };
-        a.chain.contacts().len() == b.chain.contacts().len() && form(a) == form(b)
-    }
-
-    /// Starts `scheme` on up to [`Self::LANES`] members that fit each other.
+    /// Starts `scheme` on up to [`Self::LANES`] members of one kind.
     #[must_use]
     pub fn new(members: &[Member<'_>], scheme: Scheme, set: InstructionSet) -> Self {
         let members = &members[..members.len().min(WIDTH)];
         let chains: Vec<&Chain> = members.iter().map(|member| member.chain).collect();
-        let form = |m: &Member<'_>| Form::needed(m.chain, m.velocities, finest_asked(scheme));
-        let mut plan = Plan::across(&chains, members.first().map_or(Form::Plain, form));
+        let form = members.first().map_or(Form::Plain, |first| Kind::of(first, scheme).form);
+        let mut plan = Plan::across(&chains, form);
         dispatch(set, Settle::<Across>(&mut plan, PhantomData));
         let mut work = Workspace::new(plan.rows(), scheme);
         for (lane, member) in members.iter().enumerate() {
@@ -153,7 +161,8 @@ impl ChainGroup {
         let mut taken = [false; WIDTH];
         for (index, lane) in lanes.iter_mut().enumerate() {
             let evaluations = count * method.drifts.len() as u64;
-            taken[index] = lane.takes(finite & (1 << index) != 0, (count, evaluations));
+            let lost = (finite & (1 << index) == 0).then(|| first_lost(&work.now, index));
+            taken[index] = lane.takes(lost, (count, evaluations));
         }
         taken
     }

@@ -1,0 +1,44 @@
+//! Independent jobs on several threads.
+
+use std::num::NonZero;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Threads that this machine runs at once.
+#[must_use]
+pub fn processors() -> usize {
+    std::thread::available_parallelism().map_or(1, NonZero::get)
+}
+
+/// What `work` makes of each of `jobs`, in their order, on up to `threads` threads, this one among them. `done` hears how many are
+/// finished, from any of them.
+pub fn in_parallel<J: Sync, R: Send>(
+    threads: usize,
+    jobs: &[J],
+    work: &(dyn Fn(&J) -> R + Sync),
+    done: &(dyn Fn(usize) + Sync),
+) -> Vec<R> {
+    let next = AtomicUsize::new(0);
+    let results = Mutex::new(Vec::with_capacity(jobs.len()));
+    let hand = || {
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            let Some(job) = jobs.get(index) else { break };
+            let result = work(job);
+            if let Ok(mut results) = results.lock() {
+                results.push((index, result));
+                done(results.len());
+            }
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 1..threads.min(jobs.len()) {
+            scope.spawn(hand);
+        }
+        hand();
+    });
+    // A thread that panics takes the scope with it.
+    let mut results = results.into_inner().unwrap_or_default();
+    results.sort_unstable_by_key(|(index, _)| *index);
+    results.into_iter().map(|(_, result)| result).collect()
+}
