@@ -15,6 +15,8 @@ const BETWEEN_LOOKS: f64 = 1.25;
 const BETWEEN: f64 = 0.3;
 /// The same for the ends of a whole step: four times as far apart, they know less of what is between them (1).
 const WITHIN_STEPS: f64 = 0.6;
+/// A maximum within a step is at most this much above the larger of its ends, at `cos(4 pi/15)^1.5` of it at least (1).
+const WITHIN_STEP: f64 = 2.0;
 /// A peak counts when it exceeds this share of the record's largest dynamic force (1).
 const PEAK_SHARE: f64 = 0.25;
 /// What does not exceed this share of the static force, or of the impact's, is rounding, and no pulse (1).
@@ -48,6 +50,8 @@ pub struct PulseRecorder {
     /// Steps during which the force exceeded all before: where any level was first reached.
     rises: Vec<Rise>,
     largest: f64,
+    /// What the highest of the maxima reaches at least (N).
+    highest: f64,
     rate_before: f64,
     /// Force at the end of the last step (N).
     last: f64,
@@ -134,6 +138,7 @@ impl PulseRecorder {
             peaks: Vec::new(),
             rises: Vec::new(),
             largest: 0.0,
+            highest: 0.0,
             rate_before: 0.0,
             last: 0.0,
         }
@@ -159,13 +164,13 @@ impl PulseRecorder {
         segment
     }
 
-    /// Whether the force within a step of the stepper for lossless chains, which `view` has only seen the end of, may hold a first peak or reach a
-    /// new level: most steps do neither, for largest forces only grow.
+    /// Whether the force within a step that `view` has only seen the end of may hold a first peak or reach a new level: most do neither.
     #[must_use]
     pub fn wants(&self, view: &View) -> bool {
         let (force, rate) = (view.end, view.rate);
         // Levels that anybody asks for are shares of a peak that is no rounding.
-        if force.max(self.last) <= self.deaf_below().max(FOOT * self.quietest) {
+        let least = (self.first_exceeds() / WITHIN_STEP).max(FOOT * self.quietest);
+        if force.max(self.last) <= least {
             return false;
         }
         if force > self.largest {
@@ -191,9 +196,14 @@ impl PulseRecorder {
         }
     }
 
-    /// Force below which nobody wants to know more: no first peak is lower (N).
-    fn deaf_below(&self) -> f64 {
-        PEAK_SHARE * self.largest / BETWEEN_LOOKS
+    /// What a first peak that is yet to come exceeds: a share of the largest force, and all maxima before it, or one of them were first (N).
+    fn first_exceeds(&self) -> f64 {
+        self.highest.max(PEAK_SHARE * self.largest)
+    }
+
+    fn keep(&mut self, peak: Bracket) {
+        self.highest = self.highest.max(peak.near);
+        self.peaks.push(peak);
     }
 
     fn see(&mut self, looks: &Looks, length: f64, segment: &dyn Fn() -> Segment) {
@@ -203,7 +213,7 @@ impl PulseRecorder {
             let (rate, force) = (looks.rates[index], looks.forces[index]);
             let high = theta(index);
             let near = force.max(self.last);
-            if self.rate_before > 0.0 && near > self.deaf_below() {
+            if self.rate_before > 0.0 && near * BETWEEN_LOOKS > self.first_exceeds() {
                 let mean = (force - self.last) / ((high - low) * length);
                 let falls = if rate <= 0.0 {
                     Some(high)
@@ -221,7 +231,7 @@ impl PulseRecorder {
                             (reached, top) = (force, at);
                         }
                     }
-                    self.peaks.push(bracket);
+                    self.keep(bracket);
                 }
             }
             low = high;
@@ -243,7 +253,7 @@ impl PulseRecorder {
         let (force, rate) = (segment.force(0.0), segment.rate(0.0));
         let whole = || Segment::General(Box::new(segment.clone()));
         if force - self.last > SMALLEST_JUMP * self.largest && rate <= 0.0 {
-            self.peaks.push(Bracket { segment: whole(), low: 0.0, high: 0.0, near: force });
+            self.keep(Bracket { segment: whole(), low: 0.0, high: 0.0, near: force });
             if force > self.largest {
                 self.largest = force;
                 self.rises.push(Rise { segment: whole(), reached: force, top: 0.0 });

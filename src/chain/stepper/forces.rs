@@ -51,6 +51,14 @@ pub struct Begun<L: Lanes> {
     root: L::V,
 }
 
+impl<L: Lanes> Begun<L> {
+    /// Nothing.
+    #[inline(always)]
+    pub fn none() -> Self {
+        Self { closed: L::splat(0.0), root: L::splat(0.0) }
+    }
+}
+
 /// Begins the forces in row `r` for overlaps that have changed by `change`; the overlaps themselves.
 #[inline(always)]
 pub fn begin<L: Lanes, const FORM: u8>(plan: Cut, r: usize, change: L::V) -> (Begun<L>, L::V) {
@@ -82,8 +90,8 @@ pub fn finish<L: Lanes, const FORM: u8>(plan: Cut, r: usize, begun: Begun<L>) ->
     let stiffness = L::load(&plan.stiffness[r]);
     match FORM {
         PLAIN if r % 2 == 1 => {
-            let root = L::root(closed, root);
-            [L::mul(stiffness, L::mul(closed, root)), L::mul(stiffness, root)]
+            let force = L::weigh_root(closed, root, L::mul(stiffness, closed));
+            [force, L::weigh_root(closed, root, stiffness)]
         }
         PLAIN => [L::mul(L::mul(stiffness, closed), root), L::mul(stiffness, root)],
         EXACT => {

@@ -16,6 +16,8 @@ pub struct Row(pub [f64; WIDTH]);
 pub trait Lanes: Copy {
     /// Eight doubles.
     type V: Copy;
+    /// Rows of a sweep with little else in it that are begun ahead: as many as there are registers for.
+    const AHEAD: usize = 2;
     /// From memory.
     fn load(row: &Row) -> Self::V;
     /// To memory.
@@ -38,17 +40,17 @@ pub trait Lanes: Copy {
     fn abs(a: Self::V) -> Self::V;
     /// Square root.
     fn sqrt(a: Self::V) -> Self::V;
-    /// What [`Lanes::root`] starts from: 14 bits of `1/sqrt(a)` where the machine has them, for `a >= 1e-200`.
+    /// What [`Lanes::weigh_root`] starts from: 14 bits of `1/sqrt(a)` where the machine has them, for `a >= 1e-200`.
     #[inline(always)]
     fn start_root(a: Self::V) -> Self::V {
         Self::sqrt(a)
     }
-    /// Square root without the square-root unit where the machine can, so that `a` times it is `a^1.5` within 2 ulp: Householder's
-    /// correction of fourth order.
+    /// `weight` times the square root of `a` without the square-root unit where the machine can, so that with `a` for a weight it is `a^1.5`
+    /// within 2 ulp: Householder's correction of fourth order.
     #[inline(always)]
-    fn root(a: Self::V, start: Self::V) -> Self::V {
+    fn weigh_root(a: Self::V, start: Self::V, weight: Self::V) -> Self::V {
         let _ = a;
-        start
+        Self::mul(weight, start)
     }
     /// `[before[7], here[0], ..., here[6]]`
     fn shift_up(before: Self::V, here: Self::V) -> Self::V;

@@ -187,7 +187,10 @@ mod tests {
             same(Sse2::div(a, b), Baseline::div(x, y));
             same(Sse2::mul_add(a, b, Sse2::splat(0.1)), Baseline::mul_add(x, y, [0.1; 8]));
             same(Sse2::sqrt(a), Baseline::sqrt(x));
-            same(Sse2::root(a, Sse2::start_root(a)), Baseline::root(x, Baseline::start_root(x)));
+            same(
+                Sse2::weigh_root(a, Sse2::start_root(a), a),
+                Baseline::weigh_root(x, Baseline::start_root(x), x),
+            );
         }
     }
 }

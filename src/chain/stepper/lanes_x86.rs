@@ -7,6 +7,7 @@
 #![allow(clippy::undocumented_unsafe_blocks, reason = "one reason for all of them, above")]
 #![allow(clippy::wildcard_imports, reason = "forty intrinsics, used nowhere else")]
 
+use std::arch::asm;
 use std::arch::x86_64::*;
 
 use super::lanes::{Lanes, Row};
@@ -17,6 +18,7 @@ pub struct Avx512;
 
 impl Lanes for Avx512 {
     type V = __m512d;
+    const AHEAD: usize = 4;
 
     #[inline(always)]
     fn load(row: &Row) -> Self::V {
@@ -79,31 +81,26 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
-    fn root(a: Self::V, inverse: Self::V) -> Self::V {
+    fn weigh_root(a: Self::V, inverse: Self::V, weight: Self::V) -> Self::V {
         unsafe {
             let root = _mm512_mul_pd(a, inverse);
             // e = 1 - a inverse^2; sqrt(a) = root (1 - e)^(-1/2) = root (1 + e/2 + 3 e^2/8 + 5 e^3/16 + ...), e < 2^-13.
             let e = _mm512_fnmadd_pd(root, inverse, _mm512_set1_pd(1.0));
             let series = _mm512_fmadd_pd(e, _mm512_set1_pd(0.3125), _mm512_set1_pd(0.375));
             let series = _mm512_fmadd_pd(e, series, _mm512_set1_pd(0.5));
-            _mm512_fmadd_pd(_mm512_mul_pd(root, e), series, root)
+            let rough = _mm512_mul_pd(weight, root);
+            _mm512_fmadd_pd(_mm512_mul_pd(rough, e), series, rough)
         }
     }
 
     #[inline(always)]
     fn shift_up(before: Self::V, here: Self::V) -> Self::V {
-        unsafe {
-            let (before, here) = (_mm512_castpd_si512(before), _mm512_castpd_si512(here));
-            _mm512_castsi512_pd(_mm512_alignr_epi64::<7>(here, before))
-        }
+        unsafe { align::<7>(before, here) }
     }
 
     #[inline(always)]
     fn shift_down(here: Self::V, after: Self::V) -> Self::V {
-        unsafe {
-            let (here, after) = (_mm512_castpd_si512(here), _mm512_castpd_si512(after));
-            _mm512_castsi512_pd(_mm512_alignr_epi64::<1>(after, here))
-        }
+        unsafe { align::<1>(here, after) }
     }
 
     #[inline(always)]
@@ -120,6 +117,26 @@ impl Lanes for Avx512 {
     fn positive(a: Self::V) -> u8 {
         unsafe { _mm512_cmp_pd_mask::<_CMP_GT_OQ>(a, _mm512_setzero_pd()) }
     }
+}
+
+/// Eight values from number `FROM` of `low` and then `high` on. The compiler would take a permutation instead, which costs a copy of a
+/// register more and half as much time again.
+#[inline]
+#[target_feature(enable = "avx512f")]
+fn align<const FROM: u8>(low: __m512d, high: __m512d) -> __m512d {
+    let out;
+    // SAFETY: registers only, and the instruction is one of those asked for above.
+    unsafe {
+        asm!(
+            "valignq {out}, {high}, {low}, {from}",
+            out = lateout(zmm_reg) out,
+            high = in(zmm_reg) high,
+            low = in(zmm_reg) low,
+            from = const FROM,
+            options(pure, nomem, nostack, preserves_flags),
+        );
+    }
+    out
 }
 
 /// AVX2 and FMA: two registers.

@@ -6,6 +6,7 @@
 
 mod dispatch;
 mod evaluate;
+mod few;
 mod force_track;
 mod forces;
 mod frame;

@@ -63,13 +63,13 @@ fn step<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool, const START: 
     let kicks = [weights.kick::<GRADIENT>(0), weights.kick::<GRADIENT>(1)];
     let drift = (weights.drift(0), parts == 1);
     let mut part = Part::<L, GRADIENT, START>::new(plan, kicks, drift, (from, to));
-    sweep::<L, Y, FORM>(plan, rows, &mut part);
+    sweep::<L, Y, _, FORM>(plan, rows, &mut part);
     part.end::<Y>();
     for index in 1..parts {
         let kicks = [weights.kick::<GRADIENT>(index), weights.kick::<GRADIENT>(index + 1)];
         let drift = (weights.drift(index), index + 1 == parts);
         let mut part = Part::<L, GRADIENT, ON>::new(plan, kicks, drift, (from, to));
-        sweep::<L, Y, FORM>(plan, rows, &mut part);
+        sweep::<L, Y, _, FORM>(plan, rows, &mut part);
         part.end::<Y>();
     }
 }
@@ -140,6 +140,8 @@ impl<'a, L: Lanes, const GRADIENT: bool, const START: u8> Part<'a, L, GRADIENT, 
 impl<L: Lanes, Y: Layout, const GRADIENT: bool, const START: u8> Visit<L, Y>
     for Part<'_, L, GRADIENT, START>
 {
+    const AHEAD: usize = L::AHEAD;
+
     #[inline(always)]
     fn enter(&mut self, r: usize) -> L::V {
         let (x, speed) = match START {

@@ -3,7 +3,7 @@
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
 use super::evaluate::Largest;
-use super::forces::Cut;
+use super::forces::{Cut, PLAIN};
 use super::lanes::{Lanes, Row};
 use super::plan::{Layout, Plan};
 use super::quadrature::Quadrature;
@@ -96,7 +96,7 @@ fn stage<L: Lanes, Y: Layout, const FORM: u8, const M: usize>(
         from: [&now.position[..rows], &now.velocity[..rows]],
         out: &mut out[..rows],
     };
-    sweep::<L, Y, FORM>(Cut::new(plan, rows), rows, &mut stage);
+    sweep::<L, Y, _, FORM>(Cut::new(plan, rows), rows, &mut stage);
 }
 
 /// The new positions, with what rounding took from them, and the overlaps and accelerations there.
@@ -163,7 +163,7 @@ fn arrive<L: Lanes, Y: Layout, const FORM: u8, const M: usize>(
         changed: 0,
         largest: Largest::new(cut),
     };
-    sweep::<L, Y, FORM>(cut, rows, &mut arrive);
+    sweep::<L, Y, _, FORM>(cut, rows, &mut arrive);
     (arrive.largest.change, arrive.changed != 0)
 }
 
@@ -173,7 +173,7 @@ fn arrive<L: Lanes, Y: Layout, const FORM: u8, const M: usize>(
 fn speed_up<L: Lanes, Y: Layout, const M: usize>(
     rows: usize,
     ends: &[[f64; 3]],
-    (h, worth): (L::V, &[Row; 2]),
+    (h, worth): (L::V, [L::V; 2]),
     work: &mut Workspace,
 ) -> bool {
     let Workspace {
@@ -229,7 +229,7 @@ fn speed_up<L: Lanes, Y: Layout, const M: usize>(
         doubtful = L::max(L::mul(overlap, L::sub(travel, overlap)), doubtful);
         above = velocity;
     }
-    let error = L::max(L::mul(most[1], L::load(&worth[0])), L::mul(most[2], L::load(&worth[1])));
+    let error = L::max(L::mul(most[1], worth[0]), L::mul(most[2], worth[1]));
     L::store(Y::largest::<L>(error), &mut largest.error);
     L::store(Y::largest::<L>(most[0]), &mut largest.speed);
     *finite = Y::all(L::finite(total));
@@ -238,7 +238,7 @@ fn speed_up<L: Lanes, Y: Layout, const M: usize>(
 
 /// `value + increment`, and what rounding took. Source: W. Kahan, Commun. ACM 8, 40 (1965).
 #[inline(always)]
-fn add_compensated<L: Lanes>(value: L::V, lost: L::V, increment: L::V) -> (L::V, L::V) {
+pub fn add_compensated<L: Lanes>(value: L::V, lost: L::V, increment: L::V) -> (L::V, L::V) {
     let increment = L::sub(increment, lost);
     let sum = L::add(value, increment);
     (sum, L::sub(L::sub(sum, value), increment))
@@ -260,8 +260,13 @@ pub fn attempt<L: Lanes, Y: Layout, const FORM: u8>(
     plan: &Plan,
     (pair, quadrature): (&NystromPair, &Quadrature),
     work: &mut Workspace,
-    (h, worth): (L::V, &[Row; 2]),
+    (h, worth): (L::V, [L::V; 2]),
 ) -> Sides {
+    if FORM == PLAIN
+        && let Some(sides) = Y::in_few_rows::<L>(plan, pair, work, (h, worth))
+    {
+        return sides;
+    }
     let last = pair.nodes.len() - 1;
     for stage_number in 1..last {
         let (before, rest) = work.stages.split_at_mut(stage_number);
@@ -270,7 +275,7 @@ pub fn attempt<L: Lanes, Y: Layout, const FORM: u8>(
         for_terms!(terms, stage::<L, Y, FORM>(plan, &work.now, setting, before, &mut rest[0]));
     }
     let (before, rest) = work.stages.split_at_mut(last);
-    let (now, next) = (&work.now, (&mut work.next, work.overlap.as_mut_slice()));
+    let (now, next) = (&*work.now, (&mut *work.next, work.overlap.as_mut_slice()));
     let (overlap, changed) = for_terms!(
         pair.position,
         arrive::<L, Y, FORM>(plan, now, (pair.position, h), (before, &mut rest[0]), next)

@@ -2,20 +2,42 @@
 //!
 //! Along: one chain, eight neighbouring contacts in a row. Across: eight chains of equal length, contact `j` of each in row `j`.
 //! Entry `j` holds contact `j` and the body below it; behind the last body stands a ghost, the bottom wall, that nothing moves.
+#![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
+use super::few;
 use super::lanes::{Lanes, Row, WIDTH};
+use super::passes::Sides;
+use super::workspace::Workspace;
 use crate::chain::{Chain, Contact, Law};
+use crate::integrate::nystrom::NystromPair;
 
 /// How rows lie in the chain.
 pub trait Layout: Copy {
     /// Whether a whole chain may be in a few rows.
     const IN_FEW_ROWS: bool;
+    /// A number of each chain's own.
+    type Own: Copy;
     /// What stands above `here`, given the row before.
     fn above<L: Lanes>(before: L::V, here: L::V) -> L::V;
     /// What stands below `here`, given the row after.
     fn below<L: Lanes>(here: L::V, after: L::V) -> L::V;
     /// Largest value of a chain, in all its lanes.
     fn largest<L: Lanes>(values: L::V) -> L::V;
+    /// `own` in the lanes of its chain.
+    fn spread<L: Lanes>(own: Self::Own) -> L::V;
+    /// The same as a row.
+    fn row(own: Self::Own) -> Row;
+    /// Tries a step of a chain in a few rows, where the layout knows such.
+    #[inline(always)]
+    fn in_few_rows<L: Lanes>(
+        plan: &Plan,
+        pair: &NystromPair,
+        work: &mut Workspace,
+        step: (L::V, [L::V; 2]),
+    ) -> Option<Sides> {
+        let _ = (plan, pair, work, step);
+        None
+    }
     /// Bits of lanes whose chain has all its bits set.
     fn all(bits: u8) -> u8;
     /// Where entry `index` of the chain in `lane` is.
@@ -32,9 +54,9 @@ pub struct Along;
 #[derive(Debug, Clone, Copy)]
 pub struct Across;
 
-#[allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 impl Layout for Along {
     const IN_FEW_ROWS: bool = true;
+    type Own = f64;
 
     #[inline(always)]
     fn above<L: Lanes>(before: L::V, here: L::V) -> L::V {
@@ -49,6 +71,26 @@ impl Layout for Along {
     #[inline(always)]
     fn largest<L: Lanes>(values: L::V) -> L::V {
         L::splat(L::largest(values))
+    }
+
+    #[inline(always)]
+    fn spread<L: Lanes>(own: f64) -> L::V {
+        L::splat(own)
+    }
+
+    #[inline(always)]
+    fn row(own: f64) -> Row {
+        Row([own; WIDTH])
+    }
+
+    #[inline(always)]
+    fn in_few_rows<L: Lanes>(
+        plan: &Plan,
+        pair: &NystromPair,
+        work: &mut Workspace,
+        step: (L::V, [L::V; 2]),
+    ) -> Option<Sides> {
+        few::attempt::<L>(plan, pair, work, step)
     }
 
     #[inline(always)]
@@ -68,9 +110,9 @@ impl Layout for Along {
     }
 }
 
-#[allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 impl Layout for Across {
     const IN_FEW_ROWS: bool = false;
+    type Own = Row;
 
     #[inline(always)]
     fn above<L: Lanes>(before: L::V, _here: L::V) -> L::V {
@@ -85,6 +127,16 @@ impl Layout for Across {
     #[inline(always)]
     fn largest<L: Lanes>(values: L::V) -> L::V {
         values
+    }
+
+    #[inline(always)]
+    fn spread<L: Lanes>(own: Row) -> L::V {
+        L::load(&own)
+    }
+
+    #[inline(always)]
+    fn row(own: Row) -> Row {
+        own
     }
 
     #[inline(always)]

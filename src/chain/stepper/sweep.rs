@@ -1,7 +1,7 @@
 //! One sweep along the rows, from positions over forces to accelerations.
 //!
-//! Square roots take their time: two rows are begun while those of the two before are on their way, so that the processor need not look
-//! far ahead for work.
+//! Square roots take their time: a few rows are begun while those before are on their way, so that the processor need not look far ahead for
+//! work.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
 use super::forces::{Begun, Cut, accelerations, begin, finish};
@@ -10,6 +10,9 @@ use super::plan::Layout;
 
 /// What a sweep asks for and what becomes of its results, row by row.
 pub trait Visit<L: Lanes, Y: Layout> {
+    /// Rows that are begun while those before them are on their way, up to [`MOST_AHEAD`]: as many as the machine has registers for.
+    const AHEAD: usize = 2;
+
     /// Positions in row `r` (m).
     fn enter(&mut self, r: usize) -> L::V;
 
@@ -23,6 +26,9 @@ pub trait Visit<L: Lanes, Y: Layout> {
     fn leave(&mut self, r: usize, acceleration: L::V, tangent: L::V);
 }
 
+/// Most rows that are begun ahead.
+pub const MOST_AHEAD: usize = 4;
+
 /// Where a sweep is.
 struct Sweep<'a, L: Lanes> {
     plan: Cut<'a>,
@@ -34,30 +40,37 @@ struct Sweep<'a, L: Lanes> {
 
 /// Sweeps over the first `rows` rows of `plan`.
 #[inline(always)]
-pub fn sweep<L: Lanes, Y: Layout, const FORM: u8>(
+pub fn sweep<L: Lanes, Y: Layout, V: Visit<L, Y>, const FORM: u8>(
     plan: Cut,
     rows: usize,
-    visit: &mut impl Visit<L, Y>,
+    visit: &mut V,
 ) {
     let none = L::splat(0.0);
     let mut sweep = Sweep::<L> { plan, position: none, pressed: [none; 2] };
-    let pairs = rows / 2;
-    if pairs > 0 {
-        let mut begun = sweep.enter::<Y, FORM>(0, visit);
-        let mut second = sweep.enter::<Y, FORM>(1, visit);
-        for pair in 1..pairs {
-            let next = sweep.enter::<Y, FORM>(2 * pair, visit);
-            let after = sweep.enter::<Y, FORM>(2 * pair + 1, visit);
-            sweep.press::<Y, FORM>(2 * pair - 2, begun, visit);
-            sweep.press::<Y, FORM>(2 * pair - 1, second, visit);
-            (begun, second) = (next, after);
+    let blocks = rows / V::AHEAD;
+    if blocks > 0 {
+        let mut begun = [Begun::none(); MOST_AHEAD];
+        for (r, begun) in begun.iter_mut().enumerate().take(V::AHEAD) {
+            *begun = sweep.enter::<Y, FORM>(r, visit);
         }
-        sweep.press::<Y, FORM>(2 * pairs - 2, begun, visit);
-        sweep.press::<Y, FORM>(2 * pairs - 1, second, visit);
+        for block in 1..blocks {
+            let (before, here) = ((block - 1) * V::AHEAD, block * V::AHEAD);
+            let mut next = begun;
+            for (i, next) in next.iter_mut().enumerate().take(V::AHEAD) {
+                *next = sweep.enter::<Y, FORM>(here + i, visit);
+            }
+            for (i, begun) in begun.iter().enumerate().take(V::AHEAD) {
+                sweep.press::<Y, FORM>(before + i, *begun, visit);
+            }
+            begun = next;
+        }
+        for (i, begun) in begun.iter().enumerate().take(V::AHEAD) {
+            sweep.press::<Y, FORM>((blocks - 1) * V::AHEAD + i, *begun, visit);
+        }
     }
-    if 2 * pairs < rows {
-        let begun = sweep.enter::<Y, FORM>(2 * pairs, visit);
-        sweep.press::<Y, FORM>(2 * pairs, begun, visit);
+    for r in blocks * V::AHEAD..rows {
+        let begun = sweep.enter::<Y, FORM>(r, visit);
+        sweep.press::<Y, FORM>(r, begun, visit);
     }
     if rows > 0 {
         sweep.leave::<Y>(rows - 1, L::load(&plan.beyond), visit);

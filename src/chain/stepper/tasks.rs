@@ -74,17 +74,17 @@ fn evaluate<L: Lanes, Y: Layout>(plan: &Plan, motion: &mut Motion, out: &mut [Ro
 }
 
 /// Tries a step, and corrects it where contacts opened or closed.
-pub struct Attempt<'a, Y> {
+pub struct Attempt<'a, Y: Layout> {
     pub plan: &'a Plan,
     pub pair: &'a NystromPair,
     pub quadrature: &'a Quadrature,
     pub work: &'a mut Workspace,
-    /// Length of the step in each lane (s).
-    pub step: Row,
-    /// How many tolerated errors an error of 1 m or 1 m/s is, lane by lane.
-    pub worth: [Row; 2],
-    /// Impulses (N s) and their moments (N s²) that nobody would see, lane by lane.
-    pub slack: [Row; 2],
+    /// Length of the step (s).
+    pub step: Y::Own,
+    /// How many tolerated errors an error of 1 m or 1 m/s is.
+    pub worth: [Y::Own; 2],
+    /// Impulses (N s) and their moments (N s²) that nobody would see.
+    pub slack: [Y::Own; 2],
     pub layout: PhantomData<Y>,
 }
 
@@ -95,7 +95,8 @@ impl<Y: Layout> Task for Attempt<'_, Y> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> Option<Guard> {
         let Self { plan, pair, quadrature, work, step, worth, slack, .. } = self;
-        let h = (L::load(&step), &worth);
+        let worth = worth.map(|worth| Y::spread::<L>(worth));
+        let h = (Y::spread::<L>(step), worth);
         let sides = match plan.form {
             Form::Plain => passes::attempt::<L, Y, PLAIN>(plan, (pair, quadrature), work, h),
             Form::Exact => passes::attempt::<L, Y, EXACT>(plan, (pair, quadrature), work, h),
@@ -105,8 +106,11 @@ impl<Y: Layout> Task for Attempt<'_, Y> {
                 return None;
             }
         };
-        let matters = slack[0].0.iter().any(|slack| slack.is_finite());
-        if !matters || !sides.changed && !sides.doubtful {
+        if !sides.changed && !sides.doubtful {
+            return None;
+        }
+        let (step, slack) = (Y::row(step), slack.map(|slack| Y::row(slack)));
+        if !slack[0].0.iter().any(|slack| slack.is_finite()) {
             return None;
         }
         let limits = (&step, &slack);
@@ -123,7 +127,7 @@ impl<Y: Layout> Task for Attempt<'_, Y> {
         let rows = plan.rows();
         let position = largest::<L>(&work.error_position[..rows], &guard.position);
         let velocity = largest::<L>(&work.error_velocity[..rows], &guard.velocity);
-        let [position_worth, velocity_worth] = worth.map(|worth| L::load(&worth));
+        let [position_worth, velocity_worth] = worth;
         let error = L::max(L::mul(position, position_worth), L::mul(velocity, velocity_worth));
         L::store(Y::largest::<L>(error), &mut work.largest.error);
         Some(guard)

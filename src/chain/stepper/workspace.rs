@@ -34,9 +34,9 @@ pub struct Largest {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Workspace {
     /// Where the step starts.
-    pub now: Motion,
+    pub now: Box<Motion>,
     /// Where it ends.
-    pub next: Motion,
+    pub next: Box<Motion>,
     /// Accelerations at the stages (m/s²).
     pub stages: Vec<Vec<Row>>,
     /// Gradients of the accelerations along themselves where the step starts and where it ends, for methods that ask for them (m/s⁴).
@@ -103,8 +103,8 @@ impl Workspace {
             Scheme::Splitting(..) => (2, rows),
         };
         Self {
-            now: Motion::at_rest(rows),
-            next: Motion::at_rest(rows),
+            now: Box::new(Motion::at_rest(rows)),
+            next: Box::new(Motion::at_rest(rows)),
             stages: vec![vec![Row::default(); rows]; stages],
             gradients: std::array::from_fn(|_| vec![Row::default(); gradients]),
             error_position: vec![Row::default(); rows],

@@ -5,7 +5,6 @@ use std::marker::PhantomData;
 use super::{Course, first_lost};
 use crate::chain::stepper::dispatch::dispatch;
 use crate::chain::stepper::kinks;
-use crate::chain::stepper::lanes::{Row, WIDTH};
 use crate::chain::stepper::plan::Along;
 use crate::chain::stepper::quadrature::Quadrature;
 use crate::chain::stepper::steps::{UNMOVED, control, worth};
@@ -68,13 +67,12 @@ impl Paired {
     fn attempt(&mut self, course: &mut Course, h: f64) -> f64 {
         let Self { pair, quadrature, .. } = self;
         let Course { set, plan, work, counts, .. } = course;
-        let step = Row([h; WIDTH]);
         // Without corrections no impulse is worth one.
         let tolerance = if self.corrects { self.tolerance } else { f64::INFINITY };
-        let slack = kinks::slack(tolerance, self.scales, self.lightest).map(|s| Row([s; WIDTH]));
-        let worth = worth(self.tolerance, self.scales).map(|worth| Row([worth; WIDTH]));
+        let slack = kinks::slack(tolerance, self.scales, self.lightest);
+        let worth = worth(self.tolerance, self.scales);
         let layout = PhantomData;
-        let task = Attempt::<Along> { plan, pair, quadrature, work, step, worth, slack, layout };
+        let task = Attempt::<Along> { plan, pair, quadrature, work, step: h, worth, slack, layout };
         let guard = dispatch(*set, task);
         counts.force_evaluations += pair.nodes.len() as u64 - 1;
         let error = work.error(0);
