@@ -7,11 +7,8 @@
 
 use super::nystrom::NystromPair;
 
-/// The pair.
-pub static DORMAND_EL_MIKKAWY_PRINCE_86: NystromPair = PAIR;
-
-/// Its coefficients, for those who want them known to the compiler.
-pub const PAIR: NystromPair = NystromPair {
+/// The pair's coefficients: a constant, so that loops can be compiled for them.
+pub const DORMAND_EL_MIKKAWY_PRINCE_86: NystromPair = NystromPair {
     name: "dormand-el-mikkawy-prince-86",
     source: "J. R. Dormand, M. E. A. El-Mikkawy, P. J. Prince, IMA J. Numer. Anal. 7, 423 (1987)",
     order: 8,

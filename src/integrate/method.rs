@@ -72,11 +72,37 @@ pub enum Method {
     },
 }
 
+/// The Runge-Kutta-Nystrom pairs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pair {
+    /// Orders 6(4).
+    DormandElMikkawyPrince64,
+    /// Orders 8(6).
+    DormandElMikkawyPrince86,
+}
+
+impl Pair {
+    /// Its coefficients.
+    #[must_use]
+    pub fn coefficients(self) -> &'static NystromPair {
+        match self {
+            Self::DormandElMikkawyPrince64 => &DORMAND_EL_MIKKAWY_PRINCE_64,
+            Self::DormandElMikkawyPrince86 => &DORMAND_EL_MIKKAWY_PRINCE_86,
+        }
+    }
+
+    /// Force evaluations of a step: the last one opens the next step.
+    #[must_use]
+    pub fn evaluations(self) -> u64 {
+        self.coefficients().nodes.len() as u64 - 1
+    }
+}
+
 /// A method and its setting, of those for forces that depend on positions alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Scheme {
     /// A Runge-Kutta-Nystrom pair, and the tolerated error of a step relative to the system's scales (1).
-    Pair(&'static NystromPair, f64),
+    Pair(Pair, f64),
     /// A splitting, and its step (s).
     Splitting(&'static Splitting, f64),
 }
@@ -84,7 +110,7 @@ pub enum Scheme {
 /// What a method's arm leads to.
 enum Kind {
     Splitting(&'static Splitting, f64),
-    Nystrom(&'static NystromPair, f64),
+    Nystrom(Pair, f64),
     DormandPrince853(f64),
     RungeKutta(&'static RungeKutta, f64),
     Rodas(f64),
@@ -98,10 +124,10 @@ impl Method {
             Self::BlanesMoan { step } => Kind::Splitting(&BLANES_MOAN, step),
             Self::ForceGradient { step } => Kind::Splitting(&FORCE_GRADIENT, step),
             Self::DormandElMikkawyPrince64 { tolerance } => {
-                Kind::Nystrom(&DORMAND_EL_MIKKAWY_PRINCE_64, tolerance)
+                Kind::Nystrom(Pair::DormandElMikkawyPrince64, tolerance)
             }
             Self::DormandElMikkawyPrince86 { tolerance } => {
-                Kind::Nystrom(&DORMAND_EL_MIKKAWY_PRINCE_86, tolerance)
+                Kind::Nystrom(Pair::DormandElMikkawyPrince86, tolerance)
             }
             Self::DormandPrince54 { tolerance } => Kind::RungeKutta(&DORMAND_PRINCE_54, tolerance),
             Self::DormandPrince853 { tolerance } => Kind::DormandPrince853(tolerance),
@@ -115,7 +141,7 @@ impl Method {
     pub fn name(&self) -> &'static str {
         match self.kind() {
             Kind::Splitting(method, _) => method.name,
-            Kind::Nystrom(pair, _) => pair.name,
+            Kind::Nystrom(pair, _) => pair.coefficients().name,
             Kind::DormandPrince853(_) => DormandPrince853::NAME,
             Kind::RungeKutta(method, _) => method.name,
             Kind::Rodas(_) => Rodas::NAME,
@@ -127,7 +153,7 @@ impl Method {
     pub fn source(&self) -> &'static str {
         match self.kind() {
             Kind::Splitting(method, _) => method.source,
-            Kind::Nystrom(pair, _) => pair.source,
+            Kind::Nystrom(pair, _) => pair.coefficients().source,
             Kind::DormandPrince853(_) => DormandPrince853::SOURCE,
             Kind::RungeKutta(method, _) => method.source,
             Kind::Rodas(_) => Rodas::SOURCE,
@@ -139,7 +165,7 @@ impl Method {
     pub fn order(&self) -> u8 {
         match self.kind() {
             Kind::Splitting(method, _) => method.order,
-            Kind::Nystrom(pair, _) => pair.order,
+            Kind::Nystrom(pair, _) => pair.coefficients().order,
             Kind::DormandPrince853(_) => 8,
             Kind::RungeKutta(method, _) => method.order,
             Kind::Rodas(_) => Rodas::ORDER,
@@ -210,7 +236,7 @@ impl Method {
     pub fn stages(&self) -> u8 {
         let count = match self.kind() {
             Kind::Splitting(method, _) => method.drifts.len(),
-            Kind::Nystrom(pair, _) => pair.nodes.len() - 1,
+            Kind::Nystrom(pair, _) => pair.coefficients().nodes.len() - 1,
             Kind::DormandPrince853(_) => 12,
             Kind::RungeKutta(method, _) => method.stages.len() - 1,
             Kind::Rodas(_) => rodas::STAGES,
@@ -230,7 +256,7 @@ impl Method {
                 Box::new(SplittingIntegrator::new(method, system, state, step))
             }
             Kind::Nystrom(pair, tolerance) => {
-                Box::new(NystromIntegrator::new(pair, system, state, tolerance))
+                Box::new(NystromIntegrator::new(pair.coefficients(), system, state, tolerance))
             }
             Kind::DormandPrince853(tolerance) => {
                 watched(DormandPrince853::new(system, state, tolerance))

@@ -27,7 +27,7 @@ pub mod velocity_verlet;
 pub use dormand_prince_853::DormandPrince853;
 pub use interpolant::Interpolant;
 pub use linearised::{Linearised, Tridiagonal};
-pub use method::{Method, Scheme};
+pub use method::{Method, Pair, Scheme};
 pub use rodas::Rodas;
 pub use switching::{Motion, Sides, Switching};
 

@@ -1,10 +1,10 @@
 //! Contacts that open and close: what they do to the order of a method, and that the stepper puts it right.
 
 use hertzscope::chain::stepper::{ChainStepper, InstructionSet};
-use hertzscope::integrate::dormand_el_mikkawy_prince_64::DORMAND_EL_MIKKAWY_PRINCE_64;
-use hertzscope::integrate::dormand_el_mikkawy_prince_86::DORMAND_EL_MIKKAWY_PRINCE_86;
-use hertzscope::integrate::{Integrator, Method, Scheme, State};
+use hertzscope::integrate::{Integrator, Method, Pair, Scheme, State};
 use hertzscope::scene::Scene;
+
+const PAIRS: [Pair; 2] = [Pair::DormandElMikkawyPrince64, Pair::DormandElMikkawyPrince86];
 
 /// Largest difference of velocities, relative to the largest (1).
 fn distance(a: &State, b: &State) -> f64 {
@@ -33,7 +33,7 @@ fn a_bouncing_striker_amplifies_what_is_off() {
     };
     let let_go = exactly(chain.initial_state(velocities), 2e-4);
     let exact = exactly(let_go.clone(), 4e-4);
-    for pair in [&DORMAND_EL_MIKKAWY_PRINCE_64, &DORMAND_EL_MIKKAWY_PRINCE_86] {
+    for pair in PAIRS {
         for tolerance in [1e-3, 1e-5, 1e-7] {
             let set = InstructionSet::best();
             let mut stepper =
@@ -41,15 +41,23 @@ fn a_bouncing_striker_amplifies_what_is_off() {
             let (early, _) = run(&mut stepper, 2e-4);
             let bound = tolerance * (stepper.work().steps as f64).sqrt();
             let off = distance(&early, &let_go);
-            assert!(off < bound, "{} {tolerance:e}: {off:e}, at most {bound:e}", pair.name);
+            assert!(
+                off < bound,
+                "{} {tolerance:e}: {off:e}, at most {bound:e}",
+                pair.coefficients().name
+            );
             let growth = distance(&exactly(early, 4e-4), &exact) / off;
             let (late, _) = run(&mut stepper, 4e-4);
             let error = distance(&late, &exact);
             println!(
                 "{} {tolerance:e}: {off:.1e}, then {error:.1e}; grows {growth:.0} times",
-                pair.name
+                pair.coefficients().name
             );
-            assert!(error < growth * bound, "{} {tolerance:e}: {error:e}", pair.name);
+            assert!(
+                error < growth * bound,
+                "{} {tolerance:e}: {error:e}",
+                pair.coefficients().name
+            );
         }
     }
 }
@@ -67,12 +75,11 @@ fn corrections_keep_the_tolerance_and_save_evaluations() {
         run(method.start(chain.system(velocities), state).as_mut(), end)
     };
     let (exact, _) = general(Method::DormandPrince853 { tolerance: 1e-14 });
-    for pair in [&DORMAND_EL_MIKKAWY_PRINCE_64, &DORMAND_EL_MIKKAWY_PRINCE_86] {
+    for pair in PAIRS {
         for tolerance in [1e-3, 1e-5, 1e-7, 1e-9] {
-            let bare = if pair.order == 6 {
-                Method::DormandElMikkawyPrince64 { tolerance }
-            } else {
-                Method::DormandElMikkawyPrince86 { tolerance }
+            let bare = match pair {
+                Pair::DormandElMikkawyPrince64 => Method::DormandElMikkawyPrince64 { tolerance },
+                Pair::DormandElMikkawyPrince86 => Method::DormandElMikkawyPrince86 { tolerance },
             };
             let (_, without) = general(bare);
             for set in InstructionSet::available() {
@@ -82,7 +89,7 @@ fn corrections_keep_the_tolerance_and_save_evaluations() {
                 let error = distance(&state, &exact);
                 println!(
                     "{} {tolerance:e} {}: error {error:.1e}, {with} evaluations, {without} without",
-                    pair.name,
+                    pair.coefficients().name,
                     set.name()
                 );
                 let bound = tolerance * (stepper.work().steps as f64).sqrt();

@@ -71,6 +71,6 @@ pub fn evaluate<L: Lanes, Y: Layout, const FORM: u8>(
         out: &mut out[..rows],
         largest: Largest::new(cut),
     };
-    sweep::<L, Y, _, FORM>(cut, rows, &mut look);
+    sweep::<L, Y, FORM>(cut, rows, &mut look);
     look.largest.change
 }

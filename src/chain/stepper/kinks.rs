@@ -231,8 +231,8 @@ impl Contact {
 
     #[inline(always)]
     fn ends(&self, work: &Workspace) -> [[f64; 3]; 2] {
-        let last = work.stages.len() - 1;
-        [self.end(&work.now, &work.stages[0]), self.end(&work.next, &work.stages[last])]
+        let [first, last] = &work.accelerations;
+        [self.end(&work.now, first), self.end(&work.next, last)]
     }
 }
 

@@ -16,7 +16,7 @@ pub struct Row(pub [f64; WIDTH]);
 pub trait Lanes: Copy {
     /// Eight doubles.
     type V: Copy;
-    /// Rows of a sweep with little else in it that are begun ahead: as many as there are registers for.
+    /// Rows of a sweep that are begun ahead: as many as there are registers for.
     const AHEAD: usize = 2;
     /// From memory.
     fn load(row: &Row) -> Self::V;

@@ -12,6 +12,7 @@ mod forces;
 mod frame;
 mod group;
 mod kinks;
+mod known;
 mod lanes;
 #[cfg(target_arch = "x86_64")]
 mod lanes_sse2;

@@ -30,13 +30,12 @@ pub fn long<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
     let rows = plan.rows();
     let plan = Cut::new(plan, rows);
     let shown = if GRADIENT { rows } else { 0 };
-    let Workspace { now, next, stages, gradients, .. } = work;
-    let (first, last) = stages.split_at_mut(1);
+    let Workspace { now, next, accelerations: [first, last], gradients, .. } = work;
     let [before, after] = gradients;
     let mut from: Rows = [
         &mut now.position[..rows],
         &mut now.velocity[..rows],
-        &mut first[0][..rows],
+        &mut first[..rows],
         &mut before[..shown],
     ];
     for _ in 1..count {
@@ -45,7 +44,7 @@ pub fn long<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
     let mut to: Rows = [
         &mut next.position[..rows],
         &mut next.velocity[..rows],
-        &mut last[0][..rows],
+        &mut last[..rows],
         &mut after[..shown],
     ];
     let from = [&*from[0], &*from[1], &*from[2], &*from[3]];
@@ -63,13 +62,13 @@ fn step<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool, const START: 
     let kicks = [weights.kick::<GRADIENT>(0), weights.kick::<GRADIENT>(1)];
     let drift = (weights.drift(0), parts == 1);
     let mut part = Part::<L, GRADIENT, START>::new(plan, kicks, drift, (from, to));
-    sweep::<L, Y, _, FORM>(plan, rows, &mut part);
+    sweep::<L, Y, FORM>(plan, rows, &mut part);
     part.end::<Y>();
     for index in 1..parts {
         let kicks = [weights.kick::<GRADIENT>(index), weights.kick::<GRADIENT>(index + 1)];
         let drift = (weights.drift(index), index + 1 == parts);
         let mut part = Part::<L, GRADIENT, ON>::new(plan, kicks, drift, (from, to));
-        sweep::<L, Y, _, FORM>(plan, rows, &mut part);
+        sweep::<L, Y, FORM>(plan, rows, &mut part);
         part.end::<Y>();
     }
 }
@@ -140,8 +139,6 @@ impl<'a, L: Lanes, const GRADIENT: bool, const START: u8> Part<'a, L, GRADIENT, 
 impl<L: Lanes, Y: Layout, const GRADIENT: bool, const START: u8> Visit<L, Y>
     for Part<'_, L, GRADIENT, START>
 {
-    const AHEAD: usize = L::AHEAD;
-
     #[inline(always)]
     fn enter(&mut self, r: usize) -> L::V {
         let (x, speed) = match START {

@@ -4,107 +4,68 @@
 
 use super::evaluate::Largest;
 use super::forces::{Cut, PLAIN};
+use super::known::{
+    Known, Pair64, Pair86, Position, PositionError, Stage, Sum, Velocity, VelocityError,
+};
 use super::lanes::{Lanes, Row};
 use super::plan::{Layout, Plan};
-use super::quadrature::Quadrature;
 use super::sweep::{Visit, sweep};
-use super::workspace::{Motion, Workspace};
-use crate::integrate::nystrom::{NystromPair, Row as Terms};
+use super::workspace::{Between, Workspace};
+use crate::integrate::Pair;
 
-/// A weighted sum of `M` stages.
-#[derive(Clone, Copy)]
-struct Sum<'a, L: Lanes, const M: usize> {
-    stages: [&'a [Row]; M],
-    weights: [L::V; M],
-}
-
-impl<'a, L: Lanes, const M: usize> Sum<'a, L, M> {
-    /// The first `M` terms, each weight times `scale`; every stage cut to `rows` rows.
-    #[inline(always)]
-    fn new(terms: Terms, stages: &'a [Vec<Row>], scale: L::V, rows: usize) -> Self {
-        let mut stages_of = [&stages[0][..rows]; M];
-        let mut weights = [scale; M];
-        for m in 0..M {
-            stages_of[m] = &stages[terms[m].0][..rows];
-            weights[m] = L::mul(scale, L::splat(terms[m].1));
-        }
-        Self { stages: stages_of, weights }
-    }
-
-    /// `start` plus the sum in row `r`.
-    #[inline(always)]
-    fn plus(&self, start: L::V, r: usize) -> L::V {
-        // The newest stage comes last: all others can be summed while it is still being computed.
-        let mut sum = start;
-        for m in 0..M {
-            sum = L::mul_add(self.weights[m], L::load(&self.stages[m][r]), sum);
-        }
-        sum
-    }
-}
-
-/// Calls a function for the number of terms there are: the loops over terms are unrolled.
-macro_rules! for_terms {
-    ($terms:expr, $call:ident::<$($generic:ident),*>($($argument:expr),*)) => {
-        match $terms.len() {
-            0 => $call::<$($generic,)* 0>($($argument),*),
-            1 => $call::<$($generic,)* 1>($($argument),*),
-            2 => $call::<$($generic,)* 2>($($argument),*),
-            3 => $call::<$($generic,)* 3>($($argument),*),
-            4 => $call::<$($generic,)* 4>($($argument),*),
-            5 => $call::<$($generic,)* 5>($($argument),*),
-            6 => $call::<$($generic,)* 6>($($argument),*),
-            7 => $call::<$($generic,)* 7>($($argument),*),
-            _ => $call::<$($generic,)* 8>($($argument),*),
-        }
-    };
-}
-
-/// Positions `x + c h v + h^2 sum` of a stage, and the accelerations there.
-struct Stage<'a, L: Lanes, const M: usize> {
-    sum: Sum<'a, L, M>,
+/// Positions `x + c h v + h^2 sum` of stage `S`, and the accelerations there.
+struct Pass<'a, L: Lanes, P, const N: usize, const S: usize> {
+    sum: Sum<L, Stage<P, N, S>>,
     reach: L::V,
-    from: [&'a [Row]; 2],
-    out: &'a mut [Row],
+    /// Positions, velocities and accelerations where the step starts.
+    from: [&'a [Row]; 3],
+    between: &'a mut [Between],
 }
 
-impl<L: Lanes, Y: Layout, const M: usize> Visit<L, Y> for Stage<'_, L, M> {
+impl<L: Lanes, Y: Layout, P: Known<N>, const N: usize, const S: usize> Visit<L, Y>
+    for Pass<'_, L, P, N, S>
+{
     #[inline(always)]
     fn enter(&mut self, r: usize) -> L::V {
-        let [x, v] = self.from;
-        self.sum.plus(L::mul_add(self.reach, L::load(&v[r]), L::load(&x[r])), r)
+        let [x, v, a] = self.from;
+        let here = L::mul_add(self.reach, L::load(&v[r]), L::load(&x[r]));
+        self.sum.plus((&a[r], &self.between[r]), S, here)
     }
 
     #[inline(always)]
     fn leave(&mut self, r: usize, acceleration: L::V, _tangent: L::V) {
-        L::store(acceleration, &mut self.out[r]);
+        L::store(acceleration, &mut self.between[r][S - 1]);
     }
 }
 
+/// Finds the accelerations of stage `S`, if there is one before the last.
 #[inline(always)]
-fn stage<L: Lanes, Y: Layout, const FORM: u8, const M: usize>(
+fn stage<L: Lanes, Y: Layout, P: Known<N>, const FORM: u8, const N: usize, const S: usize>(
     plan: &Plan,
-    now: &Motion,
-    (terms, node, h): (Terms, f64, L::V),
-    before: &[Vec<Row>],
-    out: &mut [Row],
+    work: &mut Workspace,
+    h: L::V,
 ) {
+    if S + 1 >= N {
+        return;
+    }
     let rows = plan.rows();
-    let mut stage = Stage {
-        sum: Sum::<L, M>::new(terms, before, L::mul(h, h), rows),
-        reach: L::mul(h, L::splat(node)),
-        from: [&now.position[..rows], &now.velocity[..rows]],
-        out: &mut out[..rows],
+    let Workspace { now, accelerations: [first, _], between, .. } = work;
+    let mut pass = Pass::<L, P, N, S> {
+        sum: Sum::new(L::mul(h, h)),
+        reach: L::mul(h, L::splat(P::PAIR.nodes[S])),
+        from: [&now.position[..rows], &now.velocity[..rows], &first[..rows]],
+        between: &mut between[..rows],
     };
-    sweep::<L, Y, _, FORM>(Cut::new(plan, rows), rows, &mut stage);
+    sweep::<L, Y, FORM>(Cut::new(plan, rows), rows, &mut pass);
 }
 
 /// The new positions, with what rounding took from them, and the overlaps and accelerations there.
-struct Arrive<'a, L: Lanes, const M: usize> {
-    sum: Sum<'a, L, M>,
+struct Arrive<'a, L: Lanes, P, const N: usize> {
+    sum: Sum<L, Position<P, N>>,
     h: L::V,
-    /// Positions, velocities, and what rounding took from the positions, where the step starts.
-    from: [&'a [Row]; 3],
+    /// Positions, velocities, what rounding took from the positions, and accelerations, where the step starts.
+    from: [&'a [Row]; 4],
+    between: &'a [Between],
     was_closed: &'a [u8],
     position: [&'a mut [Row]; 2],
     overlap: &'a mut [Row],
@@ -115,11 +76,12 @@ struct Arrive<'a, L: Lanes, const M: usize> {
     largest: Largest<'a, L>,
 }
 
-impl<L: Lanes, Y: Layout, const M: usize> Visit<L, Y> for Arrive<'_, L, M> {
+impl<L: Lanes, Y: Layout, P: Known<N>, const N: usize> Visit<L, Y> for Arrive<'_, L, P, N> {
     #[inline(always)]
     fn enter(&mut self, r: usize) -> L::V {
-        let [x, v, lost] = self.from;
-        let rise = self.sum.plus(L::mul(self.h, L::load(&v[r])), r);
+        let [x, v, lost, a] = self.from;
+        let drift = L::mul(self.h, L::load(&v[r]));
+        let rise = self.sum.plus((&a[r], &self.between[r]), N - 1, drift);
         let (position, rest) = add_compensated::<L>(L::load(&x[r]), L::load(&lost[r]), rise);
         L::store(position, &mut self.position[0][r]);
         L::store(rest, &mut self.position[1][r]);
@@ -140,46 +102,52 @@ impl<L: Lanes, Y: Layout, const M: usize> Visit<L, Y> for Arrive<'_, L, M> {
     }
 }
 
-/// Arrives where the step ends; how far the overlaps have changed, and whether any contact has changed sides.
+/// Arrives where the step ends; whether any contact has changed sides.
 #[inline(always)]
-fn arrive<L: Lanes, Y: Layout, const FORM: u8, const M: usize>(
+fn arrive<L: Lanes, Y: Layout, P: Known<N>, const FORM: u8, const N: usize>(
     plan: &Plan,
-    now: &Motion,
-    (terms, h): (Terms, L::V),
-    (before, out): (&[Vec<Row>], &mut [Row]),
-    (next, overlaps): (&mut Motion, &mut [Row]),
-) -> (L::V, bool) {
+    work: &mut Workspace,
+    h: L::V,
+) -> bool {
     let rows = plan.rows();
     let cut = Cut::new(plan, rows);
-    let mut arrive = Arrive {
-        sum: Sum::<L, M>::new(terms, before, L::mul(h, h), rows),
+    let Workspace { now, next, accelerations: [first, last], between, overlap, .. } = work;
+    let mut arrive = Arrive::<L, P, N> {
+        sum: Sum::new(L::mul(h, h)),
         h,
-        from: [&now.position[..rows], &now.velocity[..rows], &now.lost_position[..rows]],
+        from: [
+            &now.position[..rows],
+            &now.velocity[..rows],
+            &now.lost_position[..rows],
+            &first[..rows],
+        ],
+        between: &between[..rows],
         was_closed: &now.closed[..rows],
         position: [&mut next.position[..rows], &mut next.lost_position[..rows]],
-        overlap: &mut overlaps[..rows],
-        out: &mut out[..rows],
+        overlap: &mut overlap[..rows],
+        out: &mut last[..rows],
         closed: &mut next.closed[..rows],
         changed: 0,
         largest: Largest::new(cut),
     };
-    sweep::<L, Y, _, FORM>(cut, rows, &mut arrive);
-    (arrive.largest.change, arrive.changed != 0)
+    sweep::<L, Y, FORM>(cut, rows, &mut arrive);
+    L::store(Y::largest::<L>(arrive.largest.change), &mut work.largest.overlap);
+    arrive.changed != 0
 }
 
-/// The new velocities, with what rounding took from them, and the estimated errors, by the weights `ends` of each stage; their largest
-/// magnitudes. Tells whether a contact may have opened or closed and gone back within the step.
+/// The new velocities, with what rounding took from them, and the estimated errors; their largest magnitudes. Tells whether a contact may have
+/// opened or closed and gone back within the step.
 #[inline(always)]
-fn speed_up<L: Lanes, Y: Layout, const M: usize>(
+pub fn speed_up<L: Lanes, Y: Layout, P: Known<N>, const N: usize>(
     rows: usize,
-    ends: &[[f64; 3]],
     (h, worth): (L::V, [L::V; 2]),
     work: &mut Workspace,
 ) -> bool {
     let Workspace {
         now,
         next,
-        stages,
+        accelerations: [first, arrived],
+        between,
         error_position,
         error_velocity,
         overlap,
@@ -187,18 +155,10 @@ fn speed_up<L: Lanes, Y: Layout, const M: usize>(
         finite,
         ..
     } = work;
-    let square = L::mul(h, h);
-    let mut stages_of = [&stages[0][..rows]; M];
-    let mut weights = [[h; 3]; M];
-    for m in 0..M {
-        stages_of[m] = &stages[m][..rows];
-        let [velocity, position_error, velocity_error] = ends[m];
-        weights[m] = [
-            L::mul(h, L::splat(velocity)),
-            L::mul(square, L::splat(position_error)),
-            L::mul(h, L::splat(velocity_error)),
-        ];
-    }
+    let velocity_sum = Sum::<L, Velocity<P, N>>::new(h);
+    let position_error_sum = Sum::<L, PositionError<P, N>>::new(L::mul(h, h));
+    let velocity_error_sum = Sum::<L, VelocityError<P, N>>::new(h);
+    let (first, arrived, between) = (&first[..rows], &arrived[..rows], &between[..rows]);
     let (v, lost) = (&now.velocity[..rows], &now.lost_velocity[..rows]);
     let (new_v, new_lost) = (&mut next.velocity[..rows], &mut next.lost_velocity[..rows]);
     let (out_position, out_velocity) = (&mut error_position[..rows], &mut error_velocity[..rows]);
@@ -207,19 +167,18 @@ fn speed_up<L: Lanes, Y: Layout, const M: usize>(
     let none = L::splat(0.0);
     let (mut total, mut above, mut doubtful) = (none, none, none);
     for r in 0..rows {
-        let mut sums = [L::splat(0.0); 3];
-        for m in 0..M {
-            let stage = L::load(&stages_of[m][r]);
-            for kind in 0..3 {
-                sums[kind] = L::mul_add(weights[m][kind], stage, sums[kind]);
-            }
-        }
-        let (velocity, rest) = add_compensated::<L>(L::load(&v[r]), L::load(&lost[r]), sums[0]);
+        let (stages, end) = ((&first[r], &between[r]), L::load(&arrived[r]));
+        let rise = velocity_sum.newest(N - 1, end, velocity_sum.plus(stages, N - 1, none));
+        let sum = &position_error_sum;
+        let position_error = sum.newest(N - 1, end, sum.plus(stages, N - 1, none));
+        let sum = &velocity_error_sum;
+        let velocity_error = sum.newest(N - 1, end, sum.plus(stages, N - 1, none));
+        let (velocity, rest) = add_compensated::<L>(L::load(&v[r]), L::load(&lost[r]), rise);
         L::store(velocity, &mut new_v[r]);
         L::store(rest, &mut new_lost[r]);
-        L::store(sums[1], &mut out_position[r]);
-        L::store(sums[2], &mut out_velocity[r]);
-        for (most, value) in most.iter_mut().zip([velocity, sums[1], sums[2]]) {
+        L::store(position_error, &mut out_position[r]);
+        L::store(velocity_error, &mut out_velocity[r]);
+        for (most, value) in most.iter_mut().zip([velocity, position_error, velocity_error]) {
             *most = L::max(L::abs(value), *most);
         }
         total = L::add(total, velocity);
@@ -258,32 +217,35 @@ pub struct Sides {
 #[inline(always)]
 pub fn attempt<L: Lanes, Y: Layout, const FORM: u8>(
     plan: &Plan,
-    (pair, quadrature): (&NystromPair, &Quadrature),
+    pair: Pair,
+    work: &mut Workspace,
+    step: (L::V, [L::V; 2]),
+) -> Sides {
+    match pair {
+        Pair::DormandElMikkawyPrince64 => whole::<L, Y, Pair64, FORM, 6>(plan, work, step),
+        Pair::DormandElMikkawyPrince86 => whole::<L, Y, Pair86, FORM, 9>(plan, work, step),
+    }
+}
+
+#[inline(always)]
+fn whole<L: Lanes, Y: Layout, P: Known<N>, const FORM: u8, const N: usize>(
+    plan: &Plan,
     work: &mut Workspace,
     (h, worth): (L::V, [L::V; 2]),
 ) -> Sides {
     if FORM == PLAIN
-        && let Some(sides) = Y::in_few_rows::<L>(plan, pair, work, (h, worth))
+        && let Some(sides) = Y::in_few_rows::<L, P, N>(plan, work, (h, worth))
     {
         return sides;
     }
-    let last = pair.nodes.len() - 1;
-    for stage_number in 1..last {
-        let (before, rest) = work.stages.split_at_mut(stage_number);
-        let terms = pair.stages[stage_number];
-        let setting = (terms, pair.nodes[stage_number], h);
-        for_terms!(terms, stage::<L, Y, FORM>(plan, &work.now, setting, before, &mut rest[0]));
-    }
-    let (before, rest) = work.stages.split_at_mut(last);
-    let (now, next) = (&*work.now, (&mut *work.next, work.overlap.as_mut_slice()));
-    let (overlap, changed) = for_terms!(
-        pair.position,
-        arrive::<L, Y, FORM>(plan, now, (pair.position, h), (before, &mut rest[0]), next)
-    );
-    L::store(Y::largest::<L>(overlap), &mut work.largest.overlap);
-    let doubtful = match pair.nodes.len() {
-        6 => speed_up::<L, Y, 6>(plan.rows(), &quadrature.ends[..6], (h, worth), work),
-        _ => speed_up::<L, Y, 9>(plan.rows(), &quadrature.ends[..9], (h, worth), work),
-    };
+    stage::<L, Y, P, FORM, N, 1>(plan, work, h);
+    stage::<L, Y, P, FORM, N, 2>(plan, work, h);
+    stage::<L, Y, P, FORM, N, 3>(plan, work, h);
+    stage::<L, Y, P, FORM, N, 4>(plan, work, h);
+    stage::<L, Y, P, FORM, N, 5>(plan, work, h);
+    stage::<L, Y, P, FORM, N, 6>(plan, work, h);
+    stage::<L, Y, P, FORM, N, 7>(plan, work, h);
+    let changed = arrive::<L, Y, P, FORM, N>(plan, work, h);
+    let doubtful = speed_up::<L, Y, P, N>(plan.rows(), (h, worth), work);
     Sides { changed, doubtful }
 }

@@ -5,11 +5,11 @@
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
 use super::few;
+use super::known::Known;
 use super::lanes::{Lanes, Row, WIDTH};
 use super::passes::Sides;
 use super::workspace::Workspace;
 use crate::chain::{Chain, Contact, Law};
-use crate::integrate::nystrom::NystromPair;
 
 /// How rows lie in the chain.
 pub trait Layout: Copy {
@@ -29,13 +29,12 @@ pub trait Layout: Copy {
     fn row(own: Self::Own) -> Row;
     /// Tries a step of a chain in a few rows, where the layout knows such.
     #[inline(always)]
-    fn in_few_rows<L: Lanes>(
+    fn in_few_rows<L: Lanes, P: Known<N>, const N: usize>(
         plan: &Plan,
-        pair: &NystromPair,
         work: &mut Workspace,
         step: (L::V, [L::V; 2]),
     ) -> Option<Sides> {
-        let _ = (plan, pair, work, step);
+        let _ = (plan, work, step);
         None
     }
     /// Bits of lanes whose chain has all its bits set.
@@ -84,13 +83,12 @@ impl Layout for Along {
     }
 
     #[inline(always)]
-    fn in_few_rows<L: Lanes>(
+    fn in_few_rows<L: Lanes, P: Known<N>, const N: usize>(
         plan: &Plan,
-        pair: &NystromPair,
         work: &mut Workspace,
         step: (L::V, [L::V; 2]),
     ) -> Option<Sides> {
-        few::attempt::<L>(plan, pair, work, step)
+        few::attempt::<L, P, N>(plan, work, step)
     }
 
     #[inline(always)]

@@ -24,8 +24,6 @@ pub struct Quadrature {
     pub velocity_error: Weights,
     /// What they weigh in the error estimate of the positions (1).
     pub position_error: Weights,
-    /// Weights of velocity, position error and velocity error, stage by stage (1).
-    pub ends: [[f64; 3]; MOST_STAGES],
 }
 
 impl Quadrature {
@@ -47,7 +45,6 @@ impl Quadrature {
         let velocity = spread(pair.velocity);
         let velocity_error = spread(pair.velocity_error);
         let position_error = spread(pair.position_error);
-        let at = |weights: &Weights, stage: usize| weights[stage / WIDTH].0[stage % WIDTH];
         Self {
             stages: pair.nodes.len(),
             nodes: nodes_of,
@@ -55,9 +52,6 @@ impl Quadrature {
             position: spread(pair.position),
             velocity_error,
             position_error,
-            ends: std::array::from_fn(|i| {
-                [at(&velocity, i), at(&position_error, i), at(&velocity_error, i)]
-            }),
         }
     }
 }

@@ -110,7 +110,7 @@ fn short<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool, const R: usi
     let plan = Cut::new(plan, R);
     let none = L::splat(0.0);
     let (mut x, mut v) = (load::<L, R>(&work.now.position), load::<L, R>(&work.now.velocity));
-    let (mut a, mut g) = (load::<L, R>(&work.stages[0]), [none; R]);
+    let (mut a, mut g) = (load::<L, R>(&work.accelerations[0]), [none; R]);
     if GRADIENT {
         g = load::<L, R>(&work.gradients[0]);
     }
@@ -118,7 +118,7 @@ fn short<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool, const R: usi
         if step == count && count > 1 {
             store::<L, R>(&x, &mut work.now.position);
             store::<L, R>(&v, &mut work.now.velocity);
-            store::<L, R>(&a, &mut work.stages[0]);
+            store::<L, R>(&a, &mut work.accelerations[0]);
         }
         let kick = weights.kick::<GRADIENT>(0);
         for r in 0..R {
@@ -155,7 +155,7 @@ fn short<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool, const R: usi
     }
     store::<L, R>(&x, &mut work.next.position);
     store::<L, R>(&v, &mut work.next.velocity);
-    store::<L, R>(&a, &mut work.stages[1]);
+    store::<L, R>(&a, &mut work.accelerations[1]);
     if GRADIENT {
         store::<L, R>(&g, &mut work.gradients[1]);
     }

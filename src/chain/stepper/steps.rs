@@ -6,9 +6,8 @@ use super::dispatch::{InstructionSet, dispatch};
 use super::plan::{Layout, Plan};
 use super::tasks::Jerks;
 use super::workspace::Workspace;
-use crate::integrate::Scheme;
 use crate::integrate::control::StepControl;
-use crate::integrate::nystrom::NystromPair;
+use crate::integrate::{Pair, Scheme};
 
 /// The first step, as a fraction of overlap over speed (1).
 const FIRST_STEP: f64 = 1e-3;
@@ -36,14 +35,15 @@ pub fn find_gradients<Y: Layout>(set: InstructionSet, plan: &Plan, work: &mut Wo
     if work.gradients[0].is_empty() {
         return;
     }
-    let at = (work.now.position.as_slice(), work.stages[0].as_slice());
+    let at = (work.now.position.as_slice(), work.accelerations[0].as_slice());
     let (out, layout) = (work.gradients[0].as_mut_slice(), PhantomData);
     dispatch(set, Jerks::<Y> { plan, at, rows: 0..plan.rows(), out, layout });
 }
 
 /// The control of a chain that starts from `scales` of overlap (m) and speed (m/s).
-pub fn control(scales: (f64, f64), pair: &NystromPair) -> StepControl {
-    StepControl::new(FIRST_STEP * scales.0 / scales.1, pair.error_order).growing(GROWTH)
+pub fn control(scales: (f64, f64), pair: Pair) -> StepControl {
+    StepControl::new(FIRST_STEP * scales.0 / scales.1, pair.coefficients().error_order)
+        .growing(GROWTH)
 }
 
 /// How many tolerated errors an error of 1 m, or of 1 m/s, is (1/m, s/m).

@@ -10,9 +10,6 @@ use super::plan::Layout;
 
 /// What a sweep asks for and what becomes of its results, row by row.
 pub trait Visit<L: Lanes, Y: Layout> {
-    /// Rows that are begun while those before them are on their way, up to [`MOST_AHEAD`]: as many as the machine has registers for.
-    const AHEAD: usize = 2;
-
     /// Positions in row `r` (m).
     fn enter(&mut self, r: usize) -> L::V;
 
@@ -27,7 +24,7 @@ pub trait Visit<L: Lanes, Y: Layout> {
 }
 
 /// Most rows that are begun ahead.
-pub const MOST_AHEAD: usize = 4;
+const MOST_AHEAD: usize = 4;
 
 /// Where a sweep is.
 struct Sweep<'a, L: Lanes> {
@@ -40,35 +37,35 @@ struct Sweep<'a, L: Lanes> {
 
 /// Sweeps over the first `rows` rows of `plan`.
 #[inline(always)]
-pub fn sweep<L: Lanes, Y: Layout, V: Visit<L, Y>, const FORM: u8>(
+pub fn sweep<L: Lanes, Y: Layout, const FORM: u8>(
     plan: Cut,
     rows: usize,
-    visit: &mut V,
+    visit: &mut impl Visit<L, Y>,
 ) {
     let none = L::splat(0.0);
     let mut sweep = Sweep::<L> { plan, position: none, pressed: [none; 2] };
-    let blocks = rows / V::AHEAD;
+    let blocks = rows / L::AHEAD;
     if blocks > 0 {
         let mut begun = [Begun::none(); MOST_AHEAD];
-        for (r, begun) in begun.iter_mut().enumerate().take(V::AHEAD) {
+        for (r, begun) in begun.iter_mut().enumerate().take(L::AHEAD) {
             *begun = sweep.enter::<Y, FORM>(r, visit);
         }
         for block in 1..blocks {
-            let (before, here) = ((block - 1) * V::AHEAD, block * V::AHEAD);
+            let (before, here) = ((block - 1) * L::AHEAD, block * L::AHEAD);
             let mut next = begun;
-            for (i, next) in next.iter_mut().enumerate().take(V::AHEAD) {
+            for (i, next) in next.iter_mut().enumerate().take(L::AHEAD) {
                 *next = sweep.enter::<Y, FORM>(here + i, visit);
             }
-            for (i, begun) in begun.iter().enumerate().take(V::AHEAD) {
+            for (i, begun) in begun.iter().enumerate().take(L::AHEAD) {
                 sweep.press::<Y, FORM>(before + i, *begun, visit);
             }
             begun = next;
         }
-        for (i, begun) in begun.iter().enumerate().take(V::AHEAD) {
-            sweep.press::<Y, FORM>((blocks - 1) * V::AHEAD + i, *begun, visit);
+        for (i, begun) in begun.iter().enumerate().take(L::AHEAD) {
+            sweep.press::<Y, FORM>((blocks - 1) * L::AHEAD + i, *begun, visit);
         }
     }
-    for r in blocks * V::AHEAD..rows {
+    for r in blocks * L::AHEAD..rows {
         let begun = sweep.enter::<Y, FORM>(r, visit);
         sweep.press::<Y, FORM>(r, begun, visit);
     }

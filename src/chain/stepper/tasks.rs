@@ -14,7 +14,7 @@ use super::plan::{Form, Layout, Plan};
 use super::quadrature::Quadrature;
 use super::splits;
 use super::workspace::{Motion, Workspace};
-use crate::integrate::nystrom::NystromPair;
+use crate::integrate::Pair;
 use crate::integrate::splitting::Splitting;
 
 /// Takes what the static forces do from the load, as the loops compute it.
@@ -76,7 +76,7 @@ fn evaluate<L: Lanes, Y: Layout>(plan: &Plan, motion: &mut Motion, out: &mut [Ro
 /// Tries a step, and corrects it where contacts opened or closed.
 pub struct Attempt<'a, Y: Layout> {
     pub plan: &'a Plan,
-    pub pair: &'a NystromPair,
+    pub pair: Pair,
     pub quadrature: &'a Quadrature,
     pub work: &'a mut Workspace,
     /// Length of the step (s).
@@ -98,11 +98,11 @@ impl<Y: Layout> Task for Attempt<'_, Y> {
         let worth = worth.map(|worth| Y::spread::<L>(worth));
         let h = (Y::spread::<L>(step), worth);
         let sides = match plan.form {
-            Form::Plain => passes::attempt::<L, Y, PLAIN>(plan, (pair, quadrature), work, h),
-            Form::Exact => passes::attempt::<L, Y, EXACT>(plan, (pair, quadrature), work, h),
+            Form::Plain => passes::attempt::<L, Y, PLAIN>(plan, pair, work, h),
+            Form::Exact => passes::attempt::<L, Y, EXACT>(plan, pair, work, h),
             Form::Linear => {
                 // These contacts never open.
-                passes::attempt::<L, Y, LINEAR>(plan, (pair, quadrature), work, h);
+                passes::attempt::<L, Y, LINEAR>(plan, pair, work, h);
                 return None;
             }
         };

@@ -4,6 +4,12 @@ use super::kinks::Correction;
 use super::lanes::Row;
 use crate::integrate::Scheme;
 
+/// Most stages of a pair between the ends of a step.
+pub const BETWEEN: usize = 7;
+
+/// A row at each of them, side by side in memory.
+pub type Between = [Row; BETWEEN];
+
 /// Positions and velocities in rows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motion {
@@ -37,8 +43,10 @@ pub struct Workspace {
     pub now: Box<Motion>,
     /// Where it ends.
     pub next: Box<Motion>,
-    /// Accelerations at the stages (m/s²).
-    pub stages: Vec<Vec<Row>>,
+    /// Accelerations where the step starts and where it ends (m/s²).
+    pub accelerations: [Vec<Row>; 2],
+    /// Accelerations at the stages between (m/s²), for methods that have any.
+    pub between: Vec<Between>,
     /// Gradients of the accelerations along themselves where the step starts and where it ends, for methods that ask for them (m/s⁴).
     pub gradients: [Vec<Row>; 2],
     /// Estimated error of each position (m).
@@ -88,24 +96,24 @@ impl Workspace {
     /// Makes the step's end the present; what was the start stays where interpolation finds it.
     #[inline]
     pub fn turn(&mut self) {
-        let last = self.stages.len() - 1;
         std::mem::swap(&mut self.now, &mut self.next);
-        self.stages.swap(0, last);
+        self.accelerations.swap(0, 1);
         self.gradients.swap(0, 1);
     }
 
     /// Everything at rest, in `rows` rows, with what `scheme` needs.
     #[must_use]
     pub fn new(rows: usize, scheme: Scheme) -> Self {
-        let (stages, gradients) = match scheme {
-            Scheme::Pair(pair, _) => (pair.nodes.len(), 0),
-            Scheme::Splitting(method, _) if method.gradients.is_empty() => (2, 0),
-            Scheme::Splitting(..) => (2, rows),
+        let (between, gradients) = match scheme {
+            Scheme::Pair(..) => (rows, 0),
+            Scheme::Splitting(method, _) if method.gradients.is_empty() => (0, 0),
+            Scheme::Splitting(..) => (0, rows),
         };
         Self {
             now: Box::new(Motion::at_rest(rows)),
             next: Box::new(Motion::at_rest(rows)),
-            stages: vec![vec![Row::default(); rows]; stages],
+            accelerations: std::array::from_fn(|_| vec![Row::default(); rows]),
+            between: vec![[Row::default(); BETWEEN]; between],
             gradients: std::array::from_fn(|_| vec![Row::default(); gradients]),
             error_position: vec![Row::default(); rows],
             error_velocity: vec![Row::default(); rows],

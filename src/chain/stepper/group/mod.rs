@@ -85,7 +85,7 @@ impl ChainGroup {
                 row.0[lane] = *velocity;
             }
         }
-        let (motion, acceleration) = (&mut work.now, work.stages[0].as_mut_slice());
+        let (motion, acceleration) = (&mut work.now, work.accelerations[0].as_mut_slice());
         let task = Evaluate::<Across> { plan: &plan, motion, acceleration, layout: PhantomData };
         dispatch(set, task);
         let drive = match scheme {
@@ -177,7 +177,7 @@ impl ChainGroup {
     /// Looks into the step that lanes have just taken for those of their views that want it.
     pub fn look(&mut self, views: &mut [Vec<View>]) {
         let Self { set, plan, work, jerks: [before, after], looked_at, .. } = self;
-        let Workspace { now, next, stages, .. } = work;
+        let Workspace { now, next, accelerations, .. } = work;
         looked_at.clear();
         for view in views.iter().flatten().filter(|view| view.wanted) {
             if looked_at.contains(&view.body) {
@@ -189,12 +189,11 @@ impl ChainGroup {
                 dispatch(*set, Jerks::<Across> { plan, at, rows, out, layout: PhantomData });
             }
         }
-        let last = stages.len() - 1;
         for (lane, (place, views)) in self.lanes.iter().zip(views.iter_mut().enumerate()) {
             if views.iter().any(|view| view.wanted) {
                 let ends = Ends {
-                    from: [&next.position, &next.velocity, &stages[last], before],
-                    to: [&now.position, &now.velocity, &stages[0], after],
+                    from: [&next.position, &next.velocity, &accelerations[1], before],
+                    to: [&now.position, &now.velocity, &accelerations[0], after],
                     span: lane.last_step,
                 };
                 dispatch(*set, Look::<Across> { ends, lane: place, views, layout: PhantomData });

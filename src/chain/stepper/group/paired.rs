@@ -11,11 +11,11 @@ use crate::chain::stepper::quadrature::Quadrature;
 use crate::chain::stepper::steps::{UNMOVED, worth as worth_of};
 use crate::chain::stepper::tasks::{Attempt, Evaluate};
 use crate::chain::stepper::workspace::{Motion, Workspace};
-use crate::integrate::nystrom::NystromPair;
+use crate::integrate::Pair;
 
 /// A pair at work.
 pub struct Paired {
-    pair: &'static NystromPair,
+    pair: Pair,
     quadrature: Quadrature,
     tolerance: f64,
     /// Room for accelerations (m/s²).
@@ -24,10 +24,10 @@ pub struct Paired {
 
 impl Paired {
     /// With errors of `tolerance` a step (1), in `rows` rows.
-    pub fn new(pair: &'static NystromPair, tolerance: f64, rows: usize) -> Self {
+    pub fn new(pair: Pair, tolerance: f64, rows: usize) -> Self {
         Self {
             pair,
-            quadrature: Quadrature::of(pair),
+            quadrature: Quadrature::of(pair.coefficients()),
             tolerance,
             fresh: vec![Row::default(); rows],
         }
@@ -67,9 +67,10 @@ impl Paired {
             }
         }
         let layout = PhantomData;
+        let pair = *pair;
         let task = Attempt::<Across> { plan, pair, quadrature, work, step, worth, slack, layout };
         let guard = dispatch(set, task);
-        let stages = self.pair.nodes.len() as u64 - 1;
+        let stages = self.pair.evaluations();
         for lane in lanes.iter_mut().filter(|lane| lane.tries()) {
             lane.counts.force_evaluations += stages;
         }
@@ -93,7 +94,7 @@ impl Paired {
         moved: &Row,
     ) {
         let Self { tolerance, fresh, .. } = self;
-        let Some(kept) = work.stages.last_mut() else { return };
+        let kept = &mut work.accelerations[1];
         let task = Evaluate::<Across> {
             plan,
             motion: &mut work.next,
@@ -115,12 +116,10 @@ impl Paired {
 /// Makes the step's end the present in all lanes that have `taken` it.
 fn keep(work: &mut Workspace, taken: &[bool]) {
     work.turn();
-    let Workspace { now, next, stages, .. } = work;
-    let (first, rest) = stages.split_at_mut(1);
-    let Some(last) = rest.last() else { return };
+    let Workspace { now, next, accelerations: [first, last], .. } = work;
     for (index, _) in taken.iter().enumerate().filter(|(_, taken)| !**taken) {
         now.take_lane(next, index);
-        copy_lane(&mut first[0], last, index);
+        copy_lane(first, last, index);
     }
 }
 

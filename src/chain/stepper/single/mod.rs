@@ -97,14 +97,15 @@ impl ChainStepper {
         for (i, position) in state.position.iter().enumerate() {
             work.now.position[i / WIDTH].0[i % WIDTH] = *position;
         }
-        let (motion, first) = (&mut work.now, &mut work.stages[0]);
+        let (motion, first) = (&mut work.now, &mut work.accelerations[0]);
         let overlap = dispatch(
             set,
             Evaluate::<Along> { plan: &plan, motion, acceleration: first, layout: PhantomData },
         );
         work.next.closed.clone_from(&work.now.closed);
         let moves = |row: usize| {
-            let all = [&work.now.velocity[row], &work.now.position[row], &work.stages[0][row]];
+            let all =
+                [&work.now.velocity[row], &work.now.position[row], &work.accelerations[0][row]];
             all.iter().any(|row| **row != Row::default())
         };
         let last = (0..plan.all_rows()).rev().find(|row| moves(*row)).unwrap_or(0);

@@ -10,12 +10,12 @@ use crate::chain::stepper::quadrature::Quadrature;
 use crate::chain::stepper::steps::{UNMOVED, control, worth};
 use crate::chain::stepper::tasks::{Attempt, Evaluate};
 use crate::integrate::IntegrateError;
+use crate::integrate::Pair;
 use crate::integrate::control::StepControl;
-use crate::integrate::nystrom::NystromPair;
 
 /// A pair at work.
 pub struct Paired {
-    pair: &'static NystromPair,
+    pair: Pair,
     quadrature: Quadrature,
     control: StepControl,
     tolerance: f64,
@@ -31,13 +31,8 @@ pub struct Paired {
 
 impl Paired {
     /// With errors of `tolerance` a step (1) relative to `scales` of overlap (m) and speed (m/s); `lightest` is the smallest mass (kg).
-    pub fn new(
-        pair: &'static NystromPair,
-        tolerance: f64,
-        scales: (f64, f64),
-        lightest: f64,
-    ) -> Self {
-        let (quadrature, control) = (Quadrature::of(pair), control(scales, pair));
+    pub fn new(pair: Pair, tolerance: f64, scales: (f64, f64), lightest: f64) -> Self {
+        let (quadrature, control) = (Quadrature::of(pair.coefficients()), control(scales, pair));
         let (events, corrects) = (0, true);
         Self { pair, quadrature, control, tolerance, scales, lightest, events, corrects }
     }
@@ -72,9 +67,10 @@ impl Paired {
         let slack = kinks::slack(tolerance, self.scales, self.lightest);
         let worth = worth(self.tolerance, self.scales);
         let layout = PhantomData;
+        let pair = *pair;
         let task = Attempt::<Along> { plan, pair, quadrature, work, step: h, worth, slack, layout };
         let guard = dispatch(*set, task);
-        counts.force_evaluations += pair.nodes.len() as u64 - 1;
+        counts.force_evaluations += pair.evaluations();
         let error = work.error(0);
         if let Some(guard) = guard.filter(|_| error <= 1.0) {
             self.events += 1;
@@ -90,7 +86,7 @@ impl Paired {
 /// The accelerations where the step ended, after a correction.
 fn evaluate_end(course: &mut Course) {
     let Course { set, plan, work, counts, .. } = course;
-    let Some(acceleration) = work.stages.last_mut() else { return };
+    let acceleration = &mut work.accelerations[1];
     let task =
         Evaluate::<Along> { plan, motion: &mut work.next, acceleration, layout: PhantomData };
     work.largest.overlap = dispatch(*set, task);
