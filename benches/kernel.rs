@@ -16,14 +16,14 @@ use hertzscope::chain::stepper::InstructionSet;
 use hertzscope::experiment::ensemble::{self, Ensemble};
 use hertzscope::experiment::{Integration, for_accuracy};
 use hertzscope::integrate::{IntegrateError, Method};
+use nix::sys::resource::{UsageWho, getrusage};
+use nix::sys::time::TimeValLike;
 
 const ROUNDS: usize = 9;
 /// CPU time of one measurement (s).
 const SLICE: f64 = 0.05;
 /// Runs of each whole process.
 const PROCESSES: u16 = 200;
-/// Ticks of the kernel's accounts in a second.
-const TICKS: f64 = 100.0;
 /// Arguments of this program as one of the processes that are compared: nothing, or a scene and its motion.
 const EMPTY: &str = "--empty-process";
 const BARE: &str = "--bare-process";
@@ -252,7 +252,7 @@ fn ensemble(words: &str, case: &Case, integration: Integration) {
     println!("| {words} | {gain:.2} | {threads:.2} | {time:.1} |");
 }
 
-/// CPU time of whole processes: user and system, as the kernel counts them for children.
+/// CPU time of whole processes, user and system: the middle one of many.
 fn processes() {
     let program = env!("CARGO_BIN_EXE_hertzscope");
     let folder = tempfile::tempdir().expect("a folder");
@@ -267,13 +267,13 @@ fn processes() {
     let mut version = Command::new(program);
     version.arg("--version");
     let mut commands = [empty, bare, version, run];
-    let mut spent = [0.0; 4];
+    let mut spent: [Vec<f64>; 4] = std::array::from_fn(|_| Vec::new());
     for _ in 0..PROCESSES {
         for (command, spent) in commands.iter_mut().zip(&mut spent) {
-            *spent += process_time(command);
+            spent.push(process_time(command));
         }
     }
-    let [least, alone, version, run] = spent.map(|spent| spent / f64::from(PROCESSES));
+    let [least, alone, version, run] = spent.map(|mut spent| median(&mut spent));
     println!("An empty Rust process takes {:.2} ms of CPU time.\n", 1e3 * least);
     println!("| whole process | over an empty Rust process |\n|---|---|");
     let what = "start, magnet-0.61g, 5 ms at 1e-6 with a sample each us, by the library alone";
@@ -283,7 +283,7 @@ fn processes() {
     println!("| {what} | {:.2} |\n", run / least);
 }
 
-/// CPU time of one run of `command`, user and system, in whole ticks: only sums over many runs mean something (s).
+/// CPU time of one run of `command` (s).
 fn process_time(command: &mut Command) -> f64 {
     let before = children_time();
     command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
@@ -292,14 +292,11 @@ fn process_time(command: &mut Command) -> f64 {
     children_time() - before
 }
 
-/// CPU time of this process's children so far; `proc_pid_stat(5)`, fields 16 and 17 (s).
+/// CPU time of this process's children so far, to the microsecond: the ticks of `/proc` are longer than many a process (s).
 fn children_time() -> f64 {
-    let stat = std::fs::read_to_string("/proc/self/stat").expect("Linux");
-    // The second field, the name in brackets, may hold spaces.
-    let (_, rest) = stat.rsplit_once(')').expect("a name in brackets");
-    let ticks =
-        rest.split_whitespace().skip(13).take(2).filter_map(|word| word.parse::<f64>().ok());
-    ticks.sum::<f64>() / TICKS
+    let usage = getrusage(UsageWho::RUSAGE_CHILDREN).expect("accounts of children");
+    let spent = usage.user_time() + usage.system_time();
+    1e-6 * spent.num_microseconds() as f64
 }
 
 /// Square roots as fast as the machine can: the yardstick.

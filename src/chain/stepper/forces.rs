@@ -19,8 +19,8 @@ pub struct Cut<'a> {
     stiffness: &'a [Row],
     pub static_overlap: &'a [Row],
     static_root: &'a [Row],
-    inverse_mass: &'a [Row],
-    load: &'a [Row],
+    pub inverse_mass: &'a [Row],
+    balanced: &'a [Row],
     pub active: &'a [Row],
     /// Forces in the row behind the last: nothing has moved there (N).
     pub beyond: Row,
@@ -35,7 +35,7 @@ impl<'a> Cut<'a> {
             static_overlap: &plan.static_overlap[..rows],
             static_root: &plan.static_root[..rows],
             inverse_mass: &plan.inverse_mass[..rows],
-            load: &plan.load[..rows],
+            balanced: &plan.balanced[..rows],
             active: &plan.active[..rows],
             beyond: plan.static_force.get(rows).copied().unwrap_or_default(),
         }
@@ -114,17 +114,28 @@ pub fn forces<L: Lanes, const FORM: u8>(plan: Cut, r: usize, change: L::V) -> (L
     (force, overlap)
 }
 
-/// What the contacts do to the accelerations of row `r`, between the forces above and those of the next row.
+/// Net forces of the contacts on a row, between the forces above and those of the next row.
 #[inline(always)]
-pub fn pushed<L: Lanes, Y: Layout>(plan: Cut, r: usize, force: [L::V; 2]) -> L::V {
-    let net = L::sub(force[0], Y::below::<L>(force[0], force[1]));
-    L::mul(net, L::load(&plan.inverse_mass[r]))
+pub fn net<L: Lanes, Y: Layout>(force: [L::V; 2]) -> L::V {
+    L::sub(force[0], Y::below::<L>(force[0], force[1]))
 }
 
-/// Accelerations of row `r`. Rounded twice: where the forces are the static ones, the load is what their push has been taken from.
+/// What net forces of the contacts do to the accelerations of row `r`.
+#[inline(always)]
+pub fn pushed<L: Lanes, Y: Layout>(plan: Cut, r: usize, force: [L::V; 2]) -> L::V {
+    L::mul(net::<L, Y>(force), L::load(&plan.inverse_mass[r]))
+}
+
+/// Forces on row `r` that nothing balances: exactly none where the contacts' are the static ones.
+#[inline(always)]
+pub fn unbalanced<L: Lanes, Y: Layout>(plan: Cut, r: usize, force: [L::V; 2]) -> L::V {
+    L::sub(net::<L, Y>(force), L::load(&plan.balanced[r]))
+}
+
+/// Accelerations of row `r`.
 #[inline(always)]
 pub fn accelerations<L: Lanes, Y: Layout>(plan: Cut, r: usize, force: [L::V; 2]) -> L::V {
-    L::add(pushed::<L, Y>(plan, r, force), L::load(&plan.load[r]))
+    L::mul(unbalanced::<L, Y>(plan, r, force), L::load(&plan.inverse_mass[r]))
 }
 
 /// Rates of the accelerations at positions `x` where bodies move at `v`, in the rows of `range` that live.

@@ -181,9 +181,9 @@ pub struct Plan {
     pub inverse_mass: Vec<Row>,
     /// Force of each contact at rest as these loops compute it; none where they compute changes (N).
     pub static_force: Vec<Row>,
-    /// Acceleration of each body by all but its contacts: what statics does not balance, and in plain form, less what the static forces
-    /// do as these loops compute them, so that rest is rest to the last bit (m/s²).
-    pub load: Vec<Row>,
+    /// Net force of its contacts that leaves each body at rest: in plain form that of the static forces as these loops compute them, so that rest
+    /// is rest to the last bit, less what statics does not balance (N).
+    pub balanced: Vec<Row>,
     /// 1 for a contact, 0 where there is nothing to touch (1).
     pub active: Vec<Row>,
 }
@@ -262,7 +262,7 @@ impl Plan {
             static_root: zeros(),
             inverse_mass: zeros(),
             static_force: zeros(),
-            load: zeros(),
+            balanced: zeros(),
             active: zeros(),
         }
     }
@@ -287,7 +287,7 @@ impl Plan {
         put(&mut self.active, if touches { 1.0 } else { 0.0 });
         if let (Some(body), Some(force)) = (chain.bodies().get(j), chain.residual.get(j)) {
             put(&mut self.inverse_mass, 1.0 / body.mass);
-            put(&mut self.load, force / body.mass);
+            put(&mut self.balanced, -force);
         }
     }
 }

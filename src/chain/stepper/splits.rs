@@ -1,7 +1,7 @@
 //! Steps of splittings. A chain of few rows stays in the registers from one step to the next; longer ones go through [`super::parts`].
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
-use super::forces::{Cut, PLAIN, accelerations, begin, finish, pushed};
+use super::forces::{Cut, PLAIN, begin, finish, net, unbalanced};
 use super::lanes::{Lanes, Row};
 use super::parts::long;
 use super::plan::{Layout, Plan};
@@ -83,7 +83,8 @@ pub fn steps<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
 ) -> u8 {
     let weights = Weights::<L>::new(method, h);
     let run = (&weights, count);
-    let few = Y::IN_FEW_ROWS && FORM == PLAIN;
+    // A chain is all its time one or the other: they round in their own ways.
+    let few = Y::IN_FEW_ROWS && FORM == PLAIN && plan.all_rows() <= 5;
     match plan.rows() {
         1 if few => short::<L, Y, FORM, GRADIENT, 1>(plan, work, run),
         2 if few => short::<L, Y, FORM, GRADIENT, 2>(plan, work, run),
@@ -120,36 +121,56 @@ fn short<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool, const R: usi
             store::<L, R>(&v, &mut work.now.velocity);
             store::<L, R>(&a, &mut work.accelerations[0]);
         }
-        let kick = weights.kick::<GRADIENT>(0);
+        let (kick, drift) = (weights.kick::<GRADIENT>(0), weights.drift(0));
         for r in 0..R {
             v[r] = kick.on::<GRADIENT>(v[r], [a[r], g[r]]);
+            x[r] = L::mul_add(drift, v[r], x[r]);
         }
-        for part in 0..weights.parts() {
-            let (drift, kick) = (weights.drift(part), weights.kick::<GRADIENT>(part + 1));
+        for part in 1..=weights.parts() {
             let (mut force, mut tangent) = ([none; R], [none; R]);
             for r in 0..R {
-                x[r] = L::mul_add(drift, v[r], x[r]);
                 let above = if r > 0 { x[r - 1] } else { none };
                 let change = L::sub(Y::above::<L>(above, x[r]), x[r]);
                 let (begun, _) = begin::<L, FORM>(plan, r, change);
                 [force[r], tangent[r]] = finish::<L, FORM>(plan, r, begun);
             }
+            let (kick, last) = (weights.kick::<GRADIENT>(part), part == weights.parts());
+            let mut push = [none; R];
             for r in 0..R {
                 let next = if r + 1 < R { force[r + 1] } else { L::load(&plan.beyond) };
-                a[r] = accelerations::<L, Y>(plan, r, [force[r], next]);
+                push[r] = unbalanced::<L, Y>(plan, r, [force[r], next]);
             }
+            let mut weight = kick.force;
             if GRADIENT {
+                for r in 0..R {
+                    a[r] = L::mul(push[r], L::load(&plan.inverse_mass[r]));
+                    v[r] = L::mul_add(kick.force, a[r], v[r]);
+                }
                 for r in 0..R {
                     let above = if r > 0 { a[r - 1] } else { none };
                     tangent[r] = L::mul(tangent[r], L::sub(Y::above::<L>(above, a[r]), a[r]));
                 }
                 for r in 0..R {
                     let next = if r + 1 < R { tangent[r + 1] } else { none };
-                    g[r] = pushed::<L, Y>(plan, r, [tangent[r], next]);
+                    push[r] = net::<L, Y>([tangent[r], next]);
                 }
+                weight = kick.gradient;
             }
+            if last {
+                for r in 0..R {
+                    let pushed = L::mul(push[r], L::load(&plan.inverse_mass[r]));
+                    v[r] = L::mul_add(weight, pushed, v[r]);
+                    if GRADIENT { g[r] = pushed } else { a[r] = pushed }
+                }
+                break;
+            }
+            // The next drift does not wait for the velocities: all but what the newest forces add to it is there before them.
+            let drift = weights.drift(part);
             for r in 0..R {
-                v[r] = kick.on::<GRADIENT>(v[r], [a[r], g[r]]);
+                let weight = L::mul(weight, L::load(&plan.inverse_mass[r]));
+                let drifted = L::mul_add(drift, v[r], x[r]);
+                x[r] = L::mul_add(L::mul(drift, weight), push[r], drifted);
+                v[r] = L::mul_add(weight, push[r], v[r]);
             }
         }
     }

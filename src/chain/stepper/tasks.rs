@@ -17,7 +17,7 @@ use super::workspace::{Motion, Workspace};
 use crate::integrate::Pair;
 use crate::integrate::splitting::Splitting;
 
-/// Takes what the static forces do from the load, as the loops compute it.
+/// Counts the static forces, as the loops compute them, among what leaves bodies at rest.
 pub struct Settle<'a, Y>(pub &'a mut Plan, pub PhantomData<Y>);
 
 impl<Y: Layout> Task for Settle<'_, Y> {
@@ -35,8 +35,8 @@ impl<Y: Layout> Task for Settle<'_, Y> {
         for r in (0..rows).rev() {
             let cut = Cut::new(plan, rows);
             let (here, _) = forces::forces::<L, PLAIN>(cut, r, rest);
-            let taken = forces::pushed::<L, Y>(cut, r, [here, next]);
-            L::store(L::sub(L::load(&plan.load[r]), taken), &mut plan.load[r]);
+            let held = forces::net::<L, Y>([here, next]);
+            L::store(L::add(held, L::load(&plan.balanced[r])), &mut plan.balanced[r]);
             L::store(here, &mut plan.static_force[r]);
             next = here;
         }
