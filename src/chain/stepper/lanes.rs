@@ -18,6 +18,8 @@ pub trait Lanes: Copy {
     type V: Copy;
     /// Rows of a sweep that are begun ahead: as many as there are registers for.
     const AHEAD: usize = 2;
+    /// Whether the eight are so quick that short chains wait for results and not for arithmetic.
+    const WAITS: bool = false;
     /// From memory.
     fn load(row: &Row) -> Self::V;
     /// To memory.

@@ -19,6 +19,7 @@ pub struct Avx512;
 impl Lanes for Avx512 {
     type V = __m512d;
     const AHEAD: usize = 4;
+    const WAITS: bool = true;
 
     #[inline(always)]
     fn load(row: &Row) -> Self::V {

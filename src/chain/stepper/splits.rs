@@ -164,13 +164,18 @@ fn short<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool, const R: usi
                 }
                 break;
             }
-            // The next drift does not wait for the velocities: all but what the newest forces add to it is there before them.
             let drift = weights.drift(part);
             for r in 0..R {
                 let weight = L::mul(weight, L::load(&plan.inverse_mass[r]));
-                let drifted = L::mul_add(drift, v[r], x[r]);
-                x[r] = L::mul_add(L::mul(drift, weight), push[r], drifted);
-                v[r] = L::mul_add(weight, push[r], v[r]);
+                if L::WAITS {
+                    // The drift does not wait for the velocities: all but what the newest forces add to it is there before them.
+                    let drifted = L::mul_add(drift, v[r], x[r]);
+                    x[r] = L::mul_add(L::mul(drift, weight), push[r], drifted);
+                    v[r] = L::mul_add(weight, push[r], v[r]);
+                } else {
+                    v[r] = L::mul_add(weight, push[r], v[r]);
+                    x[r] = L::mul_add(drift, v[r], x[r]);
+                }
             }
         }
     }
