@@ -57,41 +57,61 @@ fn step<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool, const START: 
     weights: &Weights<L>,
     (from, to): ([&[Row]; 4], &mut Rows),
 ) {
-    let rows = to[0].len();
     let parts = weights.parts();
-    let kicks = [weights.kick::<GRADIENT>(0), weights.kick::<GRADIENT>(1)];
-    let drift = (weights.drift(0), parts == 1);
-    let mut part = Part::<L, GRADIENT, START>::new(plan, kicks, drift, (from, to));
-    sweep::<L, Y, FORM>(plan, rows, &mut part);
-    part.end::<Y>();
-    for index in 1..parts {
-        let kicks = [weights.kick::<GRADIENT>(index), weights.kick::<GRADIENT>(index + 1)];
-        let drift = (weights.drift(index), index + 1 == parts);
-        let mut part = Part::<L, GRADIENT, ON>::new(plan, kicks, drift, (from, to));
-        sweep::<L, Y, FORM>(plan, rows, &mut part);
-        part.end::<Y>();
+    if parts == 1 {
+        part::<L, Y, FORM, GRADIENT, START, true>(plan, weights, 0, (from, to));
+        return;
     }
+    part::<L, Y, FORM, GRADIENT, START, false>(plan, weights, 0, (from, to));
+    for index in 1..parts - 1 {
+        part::<L, Y, FORM, GRADIENT, ON, false>(plan, weights, index, (from, to));
+    }
+    part::<L, Y, FORM, GRADIENT, ON, true>(plan, weights, parts - 1, (from, to));
 }
 
-/// Drift, forces, gradients and the second of `kicks`; before it the first of them, where a step begins.
-struct Part<'a, L: Lanes, const GRADIENT: bool, const START: u8> {
+/// Part `index` of a step, the last of it or not.
+#[inline(always)]
+fn part<
+    L: Lanes,
+    Y: Layout,
+    const FORM: u8,
+    const GRADIENT: bool,
+    const START: u8,
+    const LAST: bool,
+>(
+    plan: Cut,
+    weights: &Weights<L>,
+    index: usize,
+    (from, to): ([&[Row]; 4], &mut Rows),
+) {
+    let rows = to[0].len();
+    let kicks = [weights.kick::<GRADIENT>(index), weights.kick::<GRADIENT>(index + 1)];
+    let drift = weights.drift(index);
+    let mut part = Part::<L, GRADIENT, START, LAST>::new(plan, kicks, drift, (from, to));
+    sweep::<L, Y, FORM>(plan, rows, &mut part);
+    part.end::<Y>();
+}
+
+/// Drift, forces, gradients and the second of `kicks`; before it the first of them, where a step begins. In the last part of a step,
+/// accelerations are kept for the next.
+struct Part<'a, L: Lanes, const GRADIENT: bool, const START: u8, const LAST: bool> {
     plan: Cut<'a>,
     kicks: [Kick<L>; 2],
     drift: L::V,
-    /// Whether the step ends here, so that the next one asks for accelerations.
-    last: bool,
     from: [&'a [Row]; 4],
     to: Rows<'a>,
     /// Accelerations of the row left last (m/s²), and two thirds of what their differences do to the forces (N/s²).
     bent: [L::V; 2],
 }
 
-impl<'a, L: Lanes, const GRADIENT: bool, const START: u8> Part<'a, L, GRADIENT, START> {
+impl<'a, L: Lanes, const GRADIENT: bool, const START: u8, const LAST: bool>
+    Part<'a, L, GRADIENT, START, LAST>
+{
     #[inline(always)]
     fn new(
         plan: Cut<'a>,
         kicks: [Kick<L>; 2],
-        (drift, last): (L::V, bool),
+        drift: L::V,
         (from, to): ([&'a [Row]; 4], &'a mut Rows),
     ) -> Self {
         let rows = to[0].len();
@@ -103,7 +123,7 @@ impl<'a, L: Lanes, const GRADIENT: bool, const START: u8> Part<'a, L, GRADIENT, 
         };
         let [x, v, a, g] = to;
         let to: Rows = [&mut x[..rows], &mut v[..rows], &mut a[..rows], &mut g[..shown]];
-        Self { plan, kicks, drift, last, from, to, bent: [L::splat(0.0); 2] }
+        Self { plan, kicks, drift, from, to, bent: [L::splat(0.0); 2] }
     }
 
     /// Velocities in row `r` of what is `at` the start, after the first kick.
@@ -118,7 +138,7 @@ impl<'a, L: Lanes, const GRADIENT: bool, const START: u8> Part<'a, L, GRADIENT, 
     fn bend<Y: Layout>(&mut self, r: usize, next: L::V) {
         let [acceleration, bend] = self.bent;
         let gradient = pushed::<L, Y>(self.plan, r, [bend, next]);
-        if self.last {
+        if LAST {
             L::store(gradient, &mut self.to[3][r]);
         }
         let velocity = &mut self.to[1][r];
@@ -136,8 +156,8 @@ impl<'a, L: Lanes, const GRADIENT: bool, const START: u8> Part<'a, L, GRADIENT, 
     }
 }
 
-impl<L: Lanes, Y: Layout, const GRADIENT: bool, const START: u8> Visit<L, Y>
-    for Part<'_, L, GRADIENT, START>
+impl<L: Lanes, Y: Layout, const GRADIENT: bool, const START: u8, const LAST: bool> Visit<L, Y>
+    for Part<'_, L, GRADIENT, START, LAST>
 {
     #[inline(always)]
     fn enter(&mut self, r: usize) -> L::V {
@@ -159,7 +179,7 @@ impl<L: Lanes, Y: Layout, const GRADIENT: bool, const START: u8> Visit<L, Y>
 
     #[inline(always)]
     fn leave(&mut self, r: usize, acceleration: L::V, tangent: L::V) {
-        if self.last {
+        if LAST {
             L::store(acceleration, &mut self.to[2][r]);
         }
         if GRADIENT {
