@@ -14,6 +14,7 @@ use super::gather::gathered;
 use super::progress::Progress;
 use super::run::accuracy;
 use crate::chain::stepper::InstructionSet;
+use crate::experiment::parallel::processors;
 use crate::report;
 use crate::sweep::SweepError;
 use crate::sweep::log::{Log, Scan, logs, scan};
@@ -76,12 +77,11 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     for notice in &notices {
         eprintln!("note: {notice}");
     }
-    let processors = std::thread::available_parallelism().map_or(1, NonZero::get);
     let job = Job {
         file: arguments.grid.clone(),
         accuracy: arguments.accuracy,
         instructions: instructions(&held.header.instructions)?,
-        threads: arguments.threads.map_or(processors, NonZero::get),
+        threads: arguments.threads.map_or_else(processors, NonZero::get),
     };
     let mut finished = finished_elsewhere(&folder, &held)?;
     finished.extend(held.finished());

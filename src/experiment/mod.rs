@@ -25,7 +25,7 @@ mod losses;
 mod notes;
 pub mod outcome;
 pub mod paper;
-mod parallel;
+pub mod parallel;
 pub mod pulse;
 pub mod recorded;
 pub mod tunability;

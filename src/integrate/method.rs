@@ -93,8 +93,8 @@ impl Pair {
 
     /// Force evaluations of a step: the last one opens the next step.
     #[must_use]
-    pub fn evaluations(self) -> u64 {
-        self.coefficients().nodes.len() as u64 - 1
+    pub fn evaluations(self) -> usize {
+        self.coefficients().nodes.len() - 1
     }
 }
 
@@ -236,7 +236,7 @@ impl Method {
     pub fn stages(&self) -> u8 {
         let count = match self.kind() {
             Kind::Splitting(method, _) => method.drifts.len(),
-            Kind::Nystrom(pair, _) => pair.coefficients().nodes.len() - 1,
+            Kind::Nystrom(pair, _) => pair.evaluations(),
             Kind::DormandPrince853(_) => 12,
             Kind::RungeKutta(method, _) => method.stages.len() - 1,
             Kind::Rodas(_) => rodas::STAGES,

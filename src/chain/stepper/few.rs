@@ -10,7 +10,7 @@ use super::forces::{Cut, PLAIN, accelerations, begin, finish};
 use super::known::{Known, Position, Stage, Sum};
 use super::lanes::{Lanes, Row};
 use super::passes::{Sides, add_compensated, speed_up};
-use super::plan::{Along, Layout, Plan};
+use super::plan::{Along, FEW, Layout, Plan};
 use super::workspace::{Between, Motion, Workspace};
 
 /// The first `R` of `rows`.
@@ -111,7 +111,7 @@ pub fn attempt<L: Lanes, P: Known<N>, const N: usize>(
         2 => Some(whole::<L, P, 2, N>(plan, work, step)),
         3 => Some(whole::<L, P, 3, N>(plan, work, step)),
         4 => Some(whole::<L, P, 4, N>(plan, work, step)),
-        5 => Some(whole::<L, P, 5, N>(plan, work, step)),
+        FEW => Some(whole::<L, P, FEW, N>(plan, work, step)),
         _ => None,
     }
 }

@@ -3,6 +3,7 @@
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
 use super::evaluate::Largest;
+use super::few;
 use super::forces::{Cut, PLAIN};
 use super::known::{
     Known, Pair64, Pair86, Position, PositionError, Stage, Sum, Velocity, VelocityError,
@@ -233,9 +234,8 @@ fn whole<L: Lanes, Y: Layout, P: Known<N>, const FORM: u8, const N: usize>(
     work: &mut Workspace,
     (h, worth): (L::V, [L::V; 2]),
 ) -> Sides {
-    if FORM == PLAIN
-        && let Some(sides) = Y::in_few_rows::<L, P, N>(plan, work, (h, worth))
-    {
+    let few = Y::IN_FEW_ROWS && FORM == PLAIN;
+    if few && let Some(sides) = few::attempt::<L, P, N>(plan, work, (h, worth)) {
         return sides;
     }
     stage::<L, Y, P, FORM, N, 1>(plan, work, h);

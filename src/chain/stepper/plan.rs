@@ -4,12 +4,11 @@
 //! Entry `j` holds contact `j` and the body below it; behind the last body stands a ghost, the bottom wall, that nothing moves.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
-use super::few;
-use super::known::Known;
 use super::lanes::{Lanes, Row, WIDTH};
-use super::passes::Sides;
-use super::workspace::Workspace;
 use crate::chain::{Chain, Contact, Law};
+
+/// Most rows of a short chain: what moves of it fits into the registers.
+pub const FEW: usize = 5;
 
 /// How rows lie in the chain.
 pub trait Layout: Copy {
@@ -27,16 +26,6 @@ pub trait Layout: Copy {
     fn spread<L: Lanes>(own: Self::Own) -> L::V;
     /// The same as a row.
     fn row(own: Self::Own) -> Row;
-    /// Tries a step of a chain in a few rows, where the layout knows such.
-    #[inline(always)]
-    fn in_few_rows<L: Lanes, P: Known<N>, const N: usize>(
-        plan: &Plan,
-        work: &mut Workspace,
-        step: (L::V, [L::V; 2]),
-    ) -> Option<Sides> {
-        let _ = (plan, work, step);
-        None
-    }
     /// Bits of lanes whose chain has all its bits set.
     fn all(bits: u8) -> u8;
     /// Where entry `index` of the chain in `lane` is.
@@ -80,15 +69,6 @@ impl Layout for Along {
     #[inline(always)]
     fn row(own: f64) -> Row {
         Row([own; WIDTH])
-    }
-
-    #[inline(always)]
-    fn in_few_rows<L: Lanes, P: Known<N>, const N: usize>(
-        plan: &Plan,
-        work: &mut Workspace,
-        step: (L::V, [L::V; 2]),
-    ) -> Option<Sides> {
-        few::attempt::<L, P, N>(plan, work, step)
     }
 
     #[inline(always)]

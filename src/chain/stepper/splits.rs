@@ -4,7 +4,7 @@
 use super::forces::{Cut, PLAIN, begin, finish, net, unbalanced};
 use super::lanes::{Lanes, Row};
 use super::parts::long;
-use super::plan::{Layout, Plan};
+use super::plan::{FEW, Layout, Plan};
 use super::workspace::Workspace;
 use crate::integrate::splitting::Splitting;
 
@@ -84,13 +84,13 @@ pub fn steps<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
     let weights = Weights::<L>::new(method, h);
     let run = (&weights, count);
     // A chain is all its time one or the other: they round in their own ways.
-    let few = Y::IN_FEW_ROWS && FORM == PLAIN && plan.all_rows() <= 5;
+    let few = Y::IN_FEW_ROWS && FORM == PLAIN && plan.all_rows() <= FEW;
     match plan.rows() {
         1 if few => short::<L, Y, FORM, GRADIENT, 1>(plan, work, run),
         2 if few => short::<L, Y, FORM, GRADIENT, 2>(plan, work, run),
         3 if few => short::<L, Y, FORM, GRADIENT, 3>(plan, work, run),
         4 if few => short::<L, Y, FORM, GRADIENT, 4>(plan, work, run),
-        5 if few => short::<L, Y, FORM, GRADIENT, 5>(plan, work, run),
+        FEW if few => short::<L, Y, FORM, GRADIENT, FEW>(plan, work, run),
         _ => long::<L, Y, FORM, GRADIENT>(plan, work, run),
     }
     let mut sum = L::splat(0.0);

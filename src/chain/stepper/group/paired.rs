@@ -70,7 +70,7 @@ impl Paired {
         let pair = *pair;
         let task = Attempt::<Across> { plan, pair, quadrature, work, step, worth, slack, layout };
         let guard = dispatch(set, task);
-        let stages = self.pair.evaluations();
+        let stages = self.pair.evaluations() as u64;
         for lane in lanes.iter_mut().filter(|lane| lane.tries()) {
             lane.counts.force_evaluations += stages;
         }

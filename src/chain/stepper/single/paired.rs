@@ -70,7 +70,7 @@ impl Paired {
         let pair = *pair;
         let task = Attempt::<Along> { plan, pair, quadrature, work, step: h, worth, slack, layout };
         let guard = dispatch(*set, task);
-        counts.force_evaluations += pair.evaluations();
+        counts.force_evaluations += pair.evaluations() as u64;
         let error = work.error(0);
         if let Some(guard) = guard.filter(|_| error <= 1.0) {
             self.events += 1;
