@@ -5,7 +5,6 @@ use super::forces::Cut;
 use super::lanes::{Lanes, Row};
 use super::plan::{Layout, Plan};
 use super::sweep::{Visit, sweep};
-use super::workspace::Motion;
 
 /// The largest change of an overlap, an open contact counting as having lost its static one.
 pub struct Largest<'a, L: Lanes> {
@@ -24,17 +23,18 @@ impl<'a, L: Lanes> Largest<'a, L> {
     /// Overlaps of row `r` that have changed by `change` (m).
     #[inline(always)]
     pub fn see(&mut self, r: usize, change: L::V) {
-        let floor = L::sub(L::splat(0.0), L::load(&self.plan.static_overlap[r]));
-        let counted = L::mul(L::abs(L::max(change, floor)), L::load(&self.plan.active[r]));
+        let counted = L::abs(L::max(change, L::load(&self.plan.floor[r])));
+        // `max` leaves out what is not a number.
         self.change = L::max(counted, self.change);
     }
 }
 
-/// Accelerations, closed contacts and the largest overlap change at given positions.
+/// Closed contacts, their forces (N), and accelerations (m/s²): what is found at given positions.
+pub type Found<'a> = (&'a mut [u8], &'a mut [Row], &'a mut [Row]);
+
 struct Look<'a, L: Lanes> {
     position: &'a [Row],
-    closed: &'a mut [u8],
-    out: &'a mut [Row],
+    out: Found<'a>,
     largest: Largest<'a, L>,
 }
 
@@ -46,29 +46,29 @@ impl<L: Lanes, Y: Layout> Visit<L, Y> for Look<'_, L> {
 
     #[inline(always)]
     fn see(&mut self, r: usize, overlap: L::V, change: L::V) {
-        self.closed[r] = L::positive(overlap);
+        self.out.0[r] = L::positive(overlap);
         self.largest.see(r, change);
     }
 
     #[inline(always)]
-    fn leave(&mut self, r: usize, acceleration: L::V, _tangent: L::V) {
-        L::store(acceleration, &mut self.out[r]);
+    fn leave(&mut self, r: usize, acceleration: L::V, [force, _]: [L::V; 2]) {
+        L::store(force, &mut self.out.1[r]);
+        L::store(acceleration, &mut self.out.2[r]);
     }
 }
 
-/// Accelerations at the positions of `motion`, and which contacts are closed there; the largest change of an overlap.
+/// Looks at `position`; returns the largest change of an overlap.
 #[inline(always)]
 pub fn evaluate<L: Lanes, Y: Layout, const FORM: u8>(
     plan: &Plan,
-    motion: &mut Motion,
-    out: &mut [Row],
+    position: &[Row],
+    (closed, force, acceleration): Found,
 ) -> L::V {
     let rows = plan.rows();
     let cut = Cut::new(plan, rows);
     let mut look = Look::<L> {
-        position: &motion.position[..rows],
-        closed: &mut motion.closed[..rows],
-        out: &mut out[..rows],
+        position: &position[..rows],
+        out: (&mut closed[..rows], &mut force[..rows], &mut acceleration[..rows]),
         largest: Largest::new(cut),
     };
     sweep::<L, Y, FORM>(cut, rows, &mut look);

@@ -1,101 +1,163 @@
 //! Steps of short chains under a pair, with the number of rows and the pair's coefficients known to the compiler: a whole step is one run of
-//! instructions, and the newest accelerations stay in the registers.
+//! instructions.
 //!
-//! Rows of a short chain wait for each other's results most of the time, and every instruction between the end of a step and the start of
-//! the next is waited for as well. The arithmetic is that of [`super::passes`].
+//! Rows of a short chain wait for each other's results most of the time, so what counts is how many operations stand between a stage's
+//! forces and those of the next. Here stages go from overlap to overlap, and bodies move only where the step ends. With `d` the overlaps at
+//! its start, `w` their rates, `k` those' rates, `F` the forces, and `D` what forces do to overlaps by way of the bodies' masses `m`,
+//!
+//! `d_s = d + c_s h w + c_s^2/2 h^2 k + h^2 D sum_(0<i<s) a_si (F_i - F_0)`,
+//! `(D F)_j = F_(j-1)/m_(j-1) - F_j (1/m_(j-1) + 1/m_j) + F_(j+1)/m_j`,
+//!
+//! which is [`super::passes`]' stage, for `sum_i a_si = c_s^2/2`; in the same way the weights of the position sum to 1/2, those of the velocity
+//! to 1, and those of the errors to 0. `F_i - F_0` is exactly zero where nothing has moved.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
 use super::evaluate::Largest;
-use super::forces::{Cut, PLAIN, accelerations, begin, finish};
-use super::known::{Known, Position, Stage, Sum};
-use super::lanes::{Lanes, Row};
-use super::passes::{Sides, add_compensated, speed_up};
+use super::forces::{Cut, PLAIN, accelerations, begin_plain, finish};
+use super::known::{Known, Position, PositionError, Stage, Velocity, VelocityError, Weights};
+use super::lanes::Lanes;
+use super::passes::{Sides, add_compensated};
 use super::plan::{Along, FEW, Layout, Plan};
-use super::workspace::{Between, Motion, Workspace};
+use super::rows::{Mobility, Rows, added, differences, load, nets, scaled, store};
+use super::workspace::{BETWEEN, Motion, Workspace};
 
-/// The first `R` of `rows`.
+/// `sum` plus what stage `m` weighs.
 #[inline(always)]
-fn first<T, const R: usize>(rows: &[T]) -> &[T; R] {
-    &rows.as_chunks::<R>().0[0]
+fn plus<L: Lanes, W: Weights>(m: usize, value: L::V, sum: L::V) -> L::V {
+    if W::OF[m] == 0.0 { sum } else { L::mul_add(L::splat(W::OF[m]), value, sum) }
 }
 
-/// The same to be written.
-#[inline(always)]
-fn first_mut<T, const R: usize>(rows: &mut [T]) -> &mut [T; R] {
-    &mut rows.as_chunks_mut::<R>().0[0]
-}
-
-/// Contacts at some positions, and what they do to the bodies.
-struct Contacts<L: Lanes, const R: usize> {
-    /// Changes of the overlaps (m).
-    change: [L::V; R],
-    /// Overlaps (m).
-    overlap: [L::V; R],
-    /// Accelerations (m/s²).
-    acceleration: [L::V; R],
-}
-
-impl<L: Lanes, const R: usize> Contacts<L, R> {
-    /// At positions `x` (m).
-    #[inline(always)]
-    fn at(plan: Cut, x: &[L::V; R]) -> Self {
-        let none = L::splat(0.0);
-        let (mut change, mut overlap) = ([none; R], [none; R]);
-        let (mut force, mut acceleration) = ([none; R], [none; R]);
-        for r in 0..R {
-            let above = if r > 0 { x[r - 1] } else { none };
-            change[r] = L::sub(Along::above::<L>(above, x[r]), x[r]);
-            let begun;
-            (begun, overlap[r]) = begin::<L, PLAIN>(plan, r, change[r]);
-            [force[r], _] = finish::<L, PLAIN>(plan, r, begun);
-        }
-        for r in 0..R {
-            let next = if r + 1 < R { force[r + 1] } else { L::load(&plan.beyond) };
-            acceleration[r] = accelerations::<L, Along>(plan, r, [force[r], next]);
-        }
-        Self { change, overlap, acceleration }
-    }
-}
-
-/// Where a step starts, and how long it is.
-#[derive(Clone, Copy)]
-struct Start<'a, L: Lanes, const R: usize> {
+/// Where a step starts and what it has come by; its length is in overlaps and mobilities.
+struct Step<'a, L: Lanes, const R: usize> {
     plan: Cut<'a>,
     now: &'a Motion,
-    /// Accelerations (m/s²).
-    acceleration: &'a [Row; R],
-    /// Length of the step (s), and its square (s²).
-    h: [L::V; 2],
+    /// (s)
+    h: L::V,
+    /// Overlaps, their rates and those' rates (m).
+    start: [Rows<L, R>; 3],
+    /// Forces there (N).
+    force: Rows<L, R>,
+    /// (m/N)
+    mobility: Mobility<L, R>,
+    /// What the forces have changed by at the stages between (N).
+    between: [Rows<L, R>; BETWEEN],
 }
 
-impl<L: Lanes, const R: usize> Start<'_, L, R> {
-    /// Finds the accelerations of stage `S` from those before, the last of which are `newest`.
+impl<'a, L: Lanes, const R: usize> Step<'a, L, R> {
+    /// Of `h` (s) from `now`.
     #[inline(always)]
-    fn stage<P: Known<N>, const S: usize, const N: usize>(
+    fn new(plan: Cut<'a>, now: &'a Motion, h: L::V) -> Self {
+        let square = L::mul(h, h);
+        let force = load::<L, R>(&now.force);
+        let change = differences::<L, R>(&load::<L, R>(&now.position));
+        let overlap = added::<L, R>(change, plan.static_overlap);
+        let rate = differences::<L, R>(&load::<L, R>(&now.velocity));
+        let second = differences::<L, R>(&load::<L, R>(&now.acceleration));
+        Self {
+            plan,
+            now,
+            h,
+            start: [overlap, scaled::<L, R>(h, rate), scaled::<L, R>(square, second)],
+            force,
+            mobility: Mobility::new(scaled::<L, R>(square, load::<L, R>(plan.inverse_mass))),
+            between: [force; BETWEEN],
+        }
+    }
+
+    /// What the stages between weigh before stage `end`: one after the other, for the compiler may leave a loop as it is.
+    #[inline(always)]
+    fn sum<W: Weights>(&self, end: usize) -> Rows<L, R> {
+        let sum = self.term::<W, 1>(end, None);
+        let sum = self.term::<W, 2>(end, sum);
+        let sum = self.term::<W, 3>(end, sum);
+        let sum = self.term::<W, 4>(end, sum);
+        let sum = self.term::<W, 5>(end, sum);
+        let sum = self.term::<W, 6>(end, sum);
+        let sum = self.term::<W, BETWEEN>(end, sum);
+        sum.unwrap_or([L::splat(0.0); R])
+    }
+
+    #[inline(always)]
+    fn term<W: Weights, const M: usize>(
         &self,
-        between: &mut [Between; R],
-        newest: [L::V; R],
-    ) -> [L::V; R] {
+        end: usize,
+        sum: Option<Rows<L, R>>,
+    ) -> Option<Rows<L, R>> {
+        if M >= end || W::OF[M] == 0.0 {
+            return sum;
+        }
+        let change = &self.between[M - 1];
+        let Some(mut sum) = sum else {
+            return Some(scaled::<L, R>(L::splat(W::OF[M]), *change));
+        };
+        for r in 0..R {
+            sum[r] = plus::<L, W>(M, change[r], sum[r]);
+        }
+        Some(sum)
+    }
+
+    /// Overlaps at stage `S` (m).
+    #[inline(always)]
+    fn overlaps<P: Known<N>, const S: usize, const N: usize>(&self) -> Rows<L, R> {
+        let ([overlap, rate, second], node) = (&self.start, P::PAIR.nodes[S]);
+        let (node, half_square) = (L::splat(node), L::splat(0.5 * node * node));
+        let mut at = *overlap;
+        for (at, (rate, second)) in at.iter_mut().zip(rate.iter().zip(second)) {
+            *at = L::mul_add(half_square, *second, L::mul_add(node, *rate, *at));
+        }
+        if S == 1 {
+            return at;
+        }
+        self.mobility.moved(at, &self.sum::<Stage<P, N, S>>(S))
+    }
+
+    /// Finds what the forces have changed by at stage `S`, if there is one before the last.
+    #[inline(always)]
+    fn stage<P: Known<N>, const S: usize, const N: usize>(&mut self) {
         if S + 1 >= N {
-            return newest;
+            return;
         }
-        let [h, square] = self.h;
-        let (x, v) = (first::<Row, R>(&self.now.position), first::<Row, R>(&self.now.velocity));
-        let sum = Sum::<L, Stage<P, N, S>>::new(square);
-        let reach = L::mul(h, L::splat(P::PAIR.nodes[S]));
-        let mut at = newest;
+        let at = self.overlaps::<P, S, N>();
+        for (r, (at, from)) in at.into_iter().zip(self.force).enumerate() {
+            let [force, _] = finish::<L, PLAIN>(self.plan, r, begin_plain::<L>(r, at));
+            self.between[S - 1][r] = L::sub(force, from);
+        }
+    }
+
+    /// The new positions; how overlaps have changed there, and what they are (m).
+    #[inline(always)]
+    fn arrive<P: Known<N>, const N: usize>(&self, next: &mut Motion) -> [Rows<L, R>; 2] {
+        let push = nets::<L, R>(&self.sum::<Position<P, N>>(N - 1));
+        let (mut at, mut rest) = (push, push);
+        let half = L::mul(L::splat(0.5), L::mul(self.h, self.h));
         for r in 0..R {
-            let mut here = L::mul_add(reach, L::load(&v[r]), L::load(&x[r]));
-            if S > 1 {
-                here = sum.plus((&self.acceleration[r], &between[r]), S - 1, here);
-            }
-            at[r] = sum.newest(S - 1, newest[r], here);
+            let now = self.now;
+            let fall = L::mul(half, L::load(&now.acceleration[r]));
+            let fall = L::mul_add(self.h, L::load(&now.velocity[r]), fall);
+            let rise = L::mul_add(self.mobility.below[r], push[r], fall);
+            let (from, lost) = (L::load(&now.position[r]), L::load(&now.lost_position[r]));
+            (at[r], rest[r]) = add_compensated::<L>(from, lost, rise);
         }
-        let Contacts { acceleration, .. } = Contacts::<L, R>::at(self.plan, &at);
+        store::<L, R>(&at, &mut next.position);
+        store::<L, R>(&rest, &mut next.lost_position);
+        let change = differences::<L, R>(&at);
+        [change, added::<L, R>(change, self.plan.static_overlap)]
+    }
+
+    /// The new velocities (m/s), from what the stages weigh in them.
+    #[inline(always)]
+    fn speed_up(&self, sum: &Rows<L, R>, next: &mut Motion) -> Rows<L, R> {
+        let push = nets::<L, R>(sum);
+        let (mut speed, mut rest) = (push, push);
         for r in 0..R {
-            L::store(acceleration[r], &mut between[r][S - 1]);
+            let (now, inverse_mass) = (self.now, L::load(&self.plan.inverse_mass[r]));
+            let rise = L::mul_add(inverse_mass, push[r], L::load(&now.acceleration[r]));
+            let (from, lost) = (L::load(&now.velocity[r]), L::load(&now.lost_velocity[r]));
+            (speed[r], rest[r]) = add_compensated::<L>(from, lost, L::mul(self.h, rise));
         }
-        acceleration
+        store::<L, R>(&speed, &mut next.velocity);
+        store::<L, R>(&rest, &mut next.lost_velocity);
+        speed
     }
 }
 
@@ -122,52 +184,68 @@ fn whole<L: Lanes, P: Known<N>, const R: usize, const N: usize>(
     work: &mut Workspace,
     (h, worth): (L::V, [L::V; 2]),
 ) -> Sides {
-    let Workspace { now, next, accelerations, between, overlap, .. } = work;
-    let [first_of, last_of] = accelerations;
-    let (acceleration, arrived) = (first::<Row, R>(first_of), first_mut::<Row, R>(last_of));
-    let between = first_mut::<Between, R>(between);
-    let square = L::mul(h, h);
-    let start = Start::<L, R> { plan: Cut::new(plan, R), now, acceleration, h: [h, square] };
-    let mut newest = [h; R];
+    let Workspace { now, next, error_position, error_velocity, largest, finite, .. } = work;
+    let (plan, none) = (Cut::new(plan, R), L::splat(0.0));
+    let mut step = Step::<L, R>::new(plan, now, h);
+    step.stage::<P, 1, N>();
+    step.stage::<P, 2, N>();
+    step.stage::<P, 3, N>();
+    step.stage::<P, 4, N>();
+    step.stage::<P, 5, N>();
+    step.stage::<P, 6, N>();
+    step.stage::<P, 7, N>();
+
+    // What the next step waits for comes first.
+    let [change, overlap] = step.arrive::<P, N>(next);
+    let mut begun = [begin_plain::<L>(0, none); R];
     for r in 0..R {
-        newest[r] = L::load(&acceleration[r]);
+        begun[r] = begin_plain::<L>(r, overlap[r]);
     }
-    newest = start.stage::<P, 1, N>(between, newest);
-    newest = start.stage::<P, 2, N>(between, newest);
-    newest = start.stage::<P, 3, N>(between, newest);
-    newest = start.stage::<P, 4, N>(between, newest);
-    newest = start.stage::<P, 5, N>(between, newest);
-    newest = start.stage::<P, 6, N>(between, newest);
-    newest = start.stage::<P, 7, N>(between, newest);
-    // As `passes::arrive` has it.
-    let (x, v) = (first::<Row, R>(&now.position), first::<Row, R>(&now.velocity));
-    let sum = Sum::<L, Position<P, N>>::new(square);
-    let lost = first::<Row, R>(&now.lost_position);
-    let to = first_mut::<Row, R>(&mut next.position);
-    let to_lost = first_mut::<Row, R>(&mut next.lost_position);
-    let mut at = [h; R];
+    // While roots are on their way.
+    let mut off = step.sum::<PositionError<P, N>>(N - 1);
+    let mut off_speed = step.sum::<VelocityError<P, N>>(N - 1);
+    let mut speed = step.sum::<Velocity<P, N>>(N - 1);
+    let mut force = step.force;
     for r in 0..R {
-        let drift = L::mul(h, L::load(&v[r]));
-        let kept = sum.plus((&acceleration[r], &between[r]), N - 2, drift);
-        let rise = sum.newest(N - 2, newest[r], kept);
-        let rest;
-        (at[r], rest) = add_compensated::<L>(L::load(&x[r]), L::load(&lost[r]), rise);
-        L::store(at[r], &mut to[r]);
-        L::store(rest, &mut to_lost[r]);
+        [force[r], _] = finish::<L, PLAIN>(plan, r, begun[r]);
+        let newest = L::sub(force[r], step.force[r]);
+        off[r] = plus::<L, PositionError<P, N>>(N - 1, newest, off[r]);
+        off_speed[r] = plus::<L, VelocityError<P, N>>(N - 1, newest, off_speed[r]);
+        speed[r] = plus::<L, Velocity<P, N>>(N - 1, newest, speed[r]);
     }
-    let there = Contacts::<L, R>::at(start.plan, &at);
-    let mut largest = Largest::<L>::new(start.plan);
+    store::<L, R>(&force, &mut next.force);
+    let (mut off, mut off_speed) = (nets::<L, R>(&off), nets::<L, R>(&off_speed));
+    let mut most = [none; 3];
+    for r in 0..R {
+        off[r] = L::mul(step.mobility.below[r], off[r]);
+        off_speed[r] = L::mul(L::load(&plan.inverse_mass[r]), off_speed[r]);
+        most[0] = L::max(L::abs(off[r]), most[0]);
+        most[1] = L::max(L::abs(off_speed[r]), most[1]);
+    }
+    let error = L::max(L::mul(most[0], worth[0]), L::mul(most[1], L::mul(h, worth[1])));
+    L::store(Along::largest::<L>(error), &mut largest.error);
+    store::<L, R>(&off, error_position);
+    store::<L, R>(&scaled::<L, R>(h, off_speed), error_velocity);
+
+    let speed = step.speed_up(&speed, next);
+    let travel = scaled::<L, R>(h, differences::<L, R>(&speed));
     let (was_closed, closed) = (&now.closed[..R], &mut next.closed[..R]);
-    let overlap = first_mut::<Row, R>(overlap);
-    let mut changed = 0;
+    let (mut seen, mut changed) = (Largest::<L>::new(plan), 0);
+    let (mut total, mut doubtful) = (none, none);
     for r in 0..R {
-        L::store(there.acceleration[r], &mut arrived[r]);
-        closed[r] = L::positive(there.overlap[r]);
+        let below = if r + 1 < R { force[r + 1] } else { L::load(&plan.beyond) };
+        let acceleration = accelerations::<L, Along>(plan, r, [force[r], below]);
+        L::store(acceleration, &mut next.acceleration[r]);
+        most[2] = L::max(L::abs(speed[r]), most[2]);
+        total = L::add(total, speed[r]);
+        closed[r] = L::positive(overlap[r]);
         changed |= closed[r] ^ was_closed[r];
-        L::store(there.overlap[r], &mut overlap[r]);
-        largest.see(r, there.change[r]);
+        seen.see(r, change[r]);
+        // As `passes::speed_up` has it.
+        doubtful = L::max(L::mul(overlap[r], L::sub(travel[r], overlap[r])), doubtful);
     }
-    L::store(Along::largest::<L>(largest.change), &mut work.largest.overlap);
-    let doubtful = speed_up::<L, Along, P, N>(R, (h, worth), work);
-    Sides { changed: changed != 0, doubtful }
+    L::store(Along::largest::<L>(most[2]), &mut largest.speed);
+    L::store(Along::largest::<L>(seen.change), &mut largest.overlap);
+    *finite = Along::all(L::finite(total));
+    Sides { changed: changed != 0, doubtful: L::positive(doubtful) != 0 }
 }

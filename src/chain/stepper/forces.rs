@@ -21,7 +21,7 @@ pub struct Cut<'a> {
     static_root: &'a [Row],
     pub inverse_mass: &'a [Row],
     balanced: &'a [Row],
-    pub active: &'a [Row],
+    pub floor: &'a [Row],
     /// Forces in the row behind the last: nothing has moved there (N).
     pub beyond: Row,
 }
@@ -36,7 +36,7 @@ impl<'a> Cut<'a> {
             static_root: &plan.static_root[..rows],
             inverse_mass: &plan.inverse_mass[..rows],
             balanced: &plan.balanced[..rows],
-            active: &plan.active[..rows],
+            floor: &plan.floor[..rows],
             beyond: plan.static_force.get(rows).copied().unwrap_or_default(),
         }
     }
@@ -65,15 +65,7 @@ pub fn begin<L: Lanes, const FORM: u8>(plan: Cut, r: usize, change: L::V) -> (Be
     let static_overlap = L::load(&plan.static_overlap[r]);
     let overlap = L::add(change, static_overlap);
     let begun = match FORM {
-        // Every other row leaves the square-root unit alone: it and the multipliers work side by side.
-        PLAIN if r % 2 == 1 => {
-            let closed = L::max(overlap, L::splat(1e-200));
-            Begun { closed, root: L::start_root(closed) }
-        }
-        PLAIN => {
-            let closed = L::max(overlap, L::splat(0.0));
-            Begun { closed, root: L::sqrt(closed) }
-        }
+        PLAIN => begin_plain::<L>(r, overlap),
         EXACT => {
             let closed = L::max(change, L::sub(L::splat(0.0), static_overlap));
             Begun { closed, root: L::sqrt(L::add(static_overlap, closed)) }
@@ -81,6 +73,19 @@ pub fn begin<L: Lanes, const FORM: u8>(plan: Cut, r: usize, change: L::V) -> (Be
         _ => Begun { closed: change, root: L::splat(2.0 / 3.0) },
     };
     (begun, overlap)
+}
+
+/// Begins the forces in row `r` in plain form.
+#[inline(always)]
+pub fn begin_plain<L: Lanes>(r: usize, overlap: L::V) -> Begun<L> {
+    // Every other row leaves the square-root unit alone: it and the multipliers work side by side.
+    if r % 2 == 1 {
+        let closed = L::max(overlap, L::splat(1e-200));
+        Begun { closed, root: L::start_root(closed) }
+    } else {
+        let closed = L::max(overlap, L::splat(0.0));
+        Begun { closed, root: L::sqrt(closed) }
+    }
 }
 
 /// Forces in row `r`, or their changes in all forms but the plain one (N), and two thirds of the tangent stiffnesses (N/m).

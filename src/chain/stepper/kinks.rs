@@ -220,19 +220,18 @@ impl Contact {
 
     /// Overlap, closing speed and relative acceleration at one end, in units of the step (m).
     #[inline(always)]
-    fn end(&self, motion: &Motion, acceleration: &[Row]) -> [f64; 3] {
+    fn end(&self, motion: &Motion) -> [f64; 3] {
         let h = self.h;
         [
             self.static_overlap + self.difference(&motion.position),
             h * self.difference(&motion.velocity),
-            h * h * self.difference(acceleration),
+            h * h * self.difference(&motion.acceleration),
         ]
     }
 
     #[inline(always)]
     fn ends(&self, work: &Workspace) -> [[f64; 3]; 2] {
-        let [first, last] = &work.accelerations;
-        [self.end(&work.now, first), self.end(&work.next, last)]
+        [self.end(&work.now), self.end(&work.next)]
     }
 }
 

@@ -24,6 +24,7 @@ mod plan;
 mod quadrature;
 mod quintic;
 mod quintics;
+mod rows;
 mod single;
 mod splits;
 mod steps;

@@ -30,13 +30,12 @@ pub fn long<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
     let rows = plan.rows();
     let plan = Cut::new(plan, rows);
     let shown = if GRADIENT { rows } else { 0 };
-    let Workspace { now, next, accelerations: [first, last], gradients, .. } = work;
-    let [before, after] = gradients;
+    let Workspace { now, next, .. } = work;
     let mut from: Rows = [
         &mut now.position[..rows],
         &mut now.velocity[..rows],
-        &mut first[..rows],
-        &mut before[..shown],
+        &mut now.acceleration[..rows],
+        &mut now.gradient[..shown],
     ];
     for _ in 1..count {
         step::<L, Y, FORM, GRADIENT, HERE>(plan, weights, ([&[]; 4], &mut from));
@@ -44,8 +43,8 @@ pub fn long<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
     let mut to: Rows = [
         &mut next.position[..rows],
         &mut next.velocity[..rows],
-        &mut last[..rows],
-        &mut after[..shown],
+        &mut next.acceleration[..rows],
+        &mut next.gradient[..shown],
     ];
     let from = [&*from[0], &*from[1], &*from[2], &*from[3]];
     step::<L, Y, FORM, GRADIENT, FROM>(plan, weights, (from, &mut to));
@@ -178,7 +177,7 @@ impl<L: Lanes, Y: Layout, const GRADIENT: bool, const START: u8, const LAST: boo
     }
 
     #[inline(always)]
-    fn leave(&mut self, r: usize, acceleration: L::V, tangent: L::V) {
+    fn leave(&mut self, r: usize, acceleration: L::V, [_, tangent]: [L::V; 2]) {
         if LAST {
             L::store(acceleration, &mut self.to[2][r]);
         }

@@ -34,7 +34,7 @@ impl<L: Lanes, Y: Layout, P: Known<N>, const N: usize, const S: usize> Visit<L, 
     }
 
     #[inline(always)]
-    fn leave(&mut self, r: usize, acceleration: L::V, _tangent: L::V) {
+    fn leave(&mut self, r: usize, acceleration: L::V, _pressed: [L::V; 2]) {
         L::store(acceleration, &mut self.between[r][S - 1]);
     }
 }
@@ -50,11 +50,11 @@ fn stage<L: Lanes, Y: Layout, P: Known<N>, const FORM: u8, const N: usize, const
         return;
     }
     let rows = plan.rows();
-    let Workspace { now, accelerations: [first, _], between, .. } = work;
+    let Workspace { now, between, .. } = work;
     let mut pass = Pass::<L, P, N, S> {
         sum: Sum::new(L::mul(h, h)),
         reach: L::mul(h, L::splat(P::PAIR.nodes[S])),
-        from: [&now.position[..rows], &now.velocity[..rows], &first[..rows]],
+        from: [&now.position[..rows], &now.velocity[..rows], &now.acceleration[..rows]],
         between: &mut between[..rows],
     };
     sweep::<L, Y, FORM>(Cut::new(plan, rows), rows, &mut pass);
@@ -98,7 +98,7 @@ impl<L: Lanes, Y: Layout, P: Known<N>, const N: usize> Visit<L, Y> for Arrive<'_
     }
 
     #[inline(always)]
-    fn leave(&mut self, r: usize, acceleration: L::V, _tangent: L::V) {
+    fn leave(&mut self, r: usize, acceleration: L::V, _pressed: [L::V; 2]) {
         L::store(acceleration, &mut self.out[r]);
     }
 }
@@ -112,7 +112,7 @@ fn arrive<L: Lanes, Y: Layout, P: Known<N>, const FORM: u8, const N: usize>(
 ) -> bool {
     let rows = plan.rows();
     let cut = Cut::new(plan, rows);
-    let Workspace { now, next, accelerations: [first, last], between, overlap, .. } = work;
+    let Workspace { now, next, between, overlap, .. } = work;
     let mut arrive = Arrive::<L, P, N> {
         sum: Sum::new(L::mul(h, h)),
         h,
@@ -120,13 +120,13 @@ fn arrive<L: Lanes, Y: Layout, P: Known<N>, const FORM: u8, const N: usize>(
             &now.position[..rows],
             &now.velocity[..rows],
             &now.lost_position[..rows],
-            &first[..rows],
+            &now.acceleration[..rows],
         ],
         between: &between[..rows],
         was_closed: &now.closed[..rows],
         position: [&mut next.position[..rows], &mut next.lost_position[..rows]],
         overlap: &mut overlap[..rows],
-        out: &mut last[..rows],
+        out: &mut next.acceleration[..rows],
         closed: &mut next.closed[..rows],
         changed: 0,
         largest: Largest::new(cut),
@@ -147,7 +147,6 @@ pub fn speed_up<L: Lanes, Y: Layout, P: Known<N>, const N: usize>(
     let Workspace {
         now,
         next,
-        accelerations: [first, arrived],
         between,
         error_position,
         error_velocity,
@@ -159,7 +158,8 @@ pub fn speed_up<L: Lanes, Y: Layout, P: Known<N>, const N: usize>(
     let velocity_sum = Sum::<L, Velocity<P, N>>::new(h);
     let position_error_sum = Sum::<L, PositionError<P, N>>::new(L::mul(h, h));
     let velocity_error_sum = Sum::<L, VelocityError<P, N>>::new(h);
-    let (first, arrived, between) = (&first[..rows], &arrived[..rows], &between[..rows]);
+    let (first, arrived) = (&now.acceleration[..rows], &next.acceleration[..rows]);
+    let between = &between[..rows];
     let (v, lost) = (&now.velocity[..rows], &now.lost_velocity[..rows]);
     let (new_v, new_lost) = (&mut next.velocity[..rows], &mut next.lost_velocity[..rows]);
     let (out_position, out_velocity) = (&mut error_position[..rows], &mut error_velocity[..rows]);
@@ -234,7 +234,7 @@ fn whole<L: Lanes, Y: Layout, P: Known<N>, const FORM: u8, const N: usize>(
     work: &mut Workspace,
     (h, worth): (L::V, [L::V; 2]),
 ) -> Sides {
-    let few = Y::IN_FEW_ROWS && FORM == PLAIN;
+    let few = FORM == PLAIN && plan.in_few_rows::<Y>();
     if few && let Some(sides) = few::attempt::<L, P, N>(plan, work, (h, worth)) {
         return sides;
     }

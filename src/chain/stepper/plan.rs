@@ -145,7 +145,7 @@ pub enum Form {
 }
 
 /// Contacts and bodies in rows.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Plan {
     /// How forces are computed.
     pub form: Form,
@@ -164,8 +164,8 @@ pub struct Plan {
     /// Net force of its contacts that leaves each body at rest: in plain form that of the static forces as these loops compute them, so that rest
     /// is rest to the last bit, less what statics does not balance (N).
     pub balanced: Vec<Row>,
-    /// 1 for a contact, 0 where there is nothing to touch (1).
-    pub active: Vec<Row>,
+    /// The least that a contact's overlap changes by, for it opens there (m); not a number where there is nothing to touch.
+    pub floor: Vec<Row>,
 }
 
 /// Relative rounding of a force in plain form (1).
@@ -226,6 +226,13 @@ impl Plan {
         self.live
     }
 
+    /// Whether the whole chain fits into a few rows, where it has its own loops: they round in their own ways, and a chain is all its
+    /// time in one or the other.
+    #[must_use]
+    pub fn in_few_rows<Y: Layout>(&self) -> bool {
+        Y::IN_FEW_ROWS && self.form == Form::Plain && self.all_rows() <= FEW
+    }
+
     /// Number of all rows.
     #[must_use]
     pub fn all_rows(&self) -> usize {
@@ -243,7 +250,7 @@ impl Plan {
             inverse_mass: zeros(),
             static_force: zeros(),
             balanced: zeros(),
-            active: zeros(),
+            floor: vec![Row([f64::NAN; WIDTH]); rows],
         }
     }
 
@@ -264,7 +271,7 @@ impl Plan {
         put(&mut self.stiffness, stiffness);
         put(&mut self.static_overlap, overlap);
         put(&mut self.static_root, overlap.max(0.0).sqrt());
-        put(&mut self.active, if touches { 1.0 } else { 0.0 });
+        put(&mut self.floor, if touches { -overlap } else { f64::NAN });
         if let (Some(body), Some(force)) = (chain.bodies().get(j), chain.residual.get(j)) {
             put(&mut self.inverse_mass, 1.0 / body.mass);
             put(&mut self.balanced, -force);

@@ -2,9 +2,10 @@
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
 use super::forces::{Cut, PLAIN, begin, finish, net, unbalanced};
-use super::lanes::{Lanes, Row};
+use super::lanes::Lanes;
 use super::parts::long;
 use super::plan::{FEW, Layout, Plan};
+use super::rows::{load, store};
 use super::workspace::Workspace;
 use crate::integrate::splitting::Splitting;
 
@@ -83,8 +84,7 @@ pub fn steps<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
 ) -> u8 {
     let weights = Weights::<L>::new(method, h);
     let run = (&weights, count);
-    // A chain is all its time one or the other: they round in their own ways.
-    let few = Y::IN_FEW_ROWS && FORM == PLAIN && plan.all_rows() <= FEW;
+    let few = FORM == PLAIN && plan.in_few_rows::<Y>();
     match plan.rows() {
         1 if few => short::<L, Y, FORM, GRADIENT, 1>(plan, work, run),
         2 if few => short::<L, Y, FORM, GRADIENT, 2>(plan, work, run),
@@ -111,15 +111,15 @@ fn short<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool, const R: usi
     let plan = Cut::new(plan, R);
     let none = L::splat(0.0);
     let (mut x, mut v) = (load::<L, R>(&work.now.position), load::<L, R>(&work.now.velocity));
-    let (mut a, mut g) = (load::<L, R>(&work.accelerations[0]), [none; R]);
+    let (mut a, mut g) = (load::<L, R>(&work.now.acceleration), [none; R]);
     if GRADIENT {
-        g = load::<L, R>(&work.gradients[0]);
+        g = load::<L, R>(&work.now.gradient);
     }
     for step in 1..=count {
         if step == count && count > 1 {
             store::<L, R>(&x, &mut work.now.position);
             store::<L, R>(&v, &mut work.now.velocity);
-            store::<L, R>(&a, &mut work.accelerations[0]);
+            store::<L, R>(&a, &mut work.now.acceleration);
         }
         let (kick, drift) = (weights.kick::<GRADIENT>(0), weights.drift(0));
         for r in 0..R {
@@ -181,26 +181,8 @@ fn short<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool, const R: usi
     }
     store::<L, R>(&x, &mut work.next.position);
     store::<L, R>(&v, &mut work.next.velocity);
-    store::<L, R>(&a, &mut work.accelerations[1]);
+    store::<L, R>(&a, &mut work.next.acceleration);
     if GRADIENT {
-        store::<L, R>(&g, &mut work.gradients[1]);
-    }
-}
-
-#[inline(always)]
-fn load<L: Lanes, const R: usize>(rows: &[Row]) -> [L::V; R] {
-    let rows = &rows[..R];
-    let mut values = [L::splat(0.0); R];
-    for r in 0..R {
-        values[r] = L::load(&rows[r]);
-    }
-    values
-}
-
-#[inline(always)]
-fn store<L: Lanes, const R: usize>(values: &[L::V; R], rows: &mut [Row]) {
-    let rows = &mut rows[..R];
-    for r in 0..R {
-        L::store(values[r], &mut rows[r]);
+        store::<L, R>(&g, &mut work.next.gradient);
     }
 }

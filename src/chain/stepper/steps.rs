@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use super::dispatch::{InstructionSet, dispatch};
 use super::plan::{Layout, Plan};
 use super::tasks::Jerks;
-use super::workspace::Workspace;
+use super::workspace::{Motion, Workspace};
 use crate::integrate::control::StepControl;
 use crate::integrate::{Pair, Scheme};
 
@@ -32,12 +32,11 @@ pub fn finest_asked(scheme: Scheme) -> f64 {
 
 /// Finds the gradients of the accelerations where `work` is, if it has room for them.
 pub fn find_gradients<Y: Layout>(set: InstructionSet, plan: &Plan, work: &mut Workspace) {
-    if work.gradients[0].is_empty() {
-        return;
+    let Motion { position, acceleration, gradient, .. } = &mut *work.now;
+    if !gradient.is_empty() {
+        let (at, rows, layout) = ((&**position, &**acceleration), 0..plan.rows(), PhantomData);
+        dispatch(set, Jerks::<Y> { plan, at, rows, out: gradient, layout });
     }
-    let at = (work.now.position.as_slice(), work.accelerations[0].as_slice());
-    let (out, layout) = (work.gradients[0].as_mut_slice(), PhantomData);
-    dispatch(set, Jerks::<Y> { plan, at, rows: 0..plan.rows(), out, layout });
 }
 
 /// The control of a chain that starts from `scales` of overlap (m) and speed (m/s).

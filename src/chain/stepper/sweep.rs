@@ -19,8 +19,8 @@ pub trait Visit<L: Lanes, Y: Layout> {
         let _ = (r, overlap, change);
     }
 
-    /// Accelerations of row `r` (m/s²), and two thirds of its contacts' tangent stiffnesses (N/m).
-    fn leave(&mut self, r: usize, acceleration: L::V, tangent: L::V);
+    /// Accelerations of row `r` (m/s²), and what its contacts are pressed with: forces (N), and two thirds of tangent stiffnesses (N/m).
+    fn leave(&mut self, r: usize, acceleration: L::V, pressed: [L::V; 2]);
 }
 
 /// Most rows that are begun ahead.
@@ -105,7 +105,7 @@ impl<L: Lanes> Sweep<'_, L> {
 
     #[inline(always)]
     fn leave<Y: Layout>(&mut self, r: usize, next: L::V, visit: &mut impl Visit<L, Y>) {
-        let [force, tangent] = self.pressed;
-        visit.leave(r, accelerations::<L, Y>(self.plan, r, [force, next]), tangent);
+        let acceleration = accelerations::<L, Y>(self.plan, r, [self.pressed[0], next]);
+        visit.leave(r, acceleration, self.pressed);
     }
 }

@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use std::ops::Range;
 
 use super::dispatch::Task;
-use super::evaluate;
+use super::evaluate::{Found, evaluate};
 use super::forces::{self, Cut, EXACT, LINEAR, PLAIN};
 use super::kinks::{self, Guard};
 use super::lanes::{Lanes, Row};
@@ -43,12 +43,20 @@ impl<Y: Layout> Task for Settle<'_, Y> {
     }
 }
 
-/// Finds accelerations (m/s²) and closed contacts at a motion's positions; returns the largest change of an overlap (m).
+/// Finds closed contacts, forces and accelerations at given positions; returns the largest change of an overlap (m).
 pub struct Evaluate<'a, Y> {
     pub plan: &'a Plan,
-    pub motion: &'a mut Motion,
-    pub acceleration: &'a mut [Row],
+    pub position: &'a [Row],
+    pub out: Found<'a>,
     pub layout: PhantomData<Y>,
+}
+
+impl<'a, Y> Evaluate<'a, Y> {
+    /// Where `motion` is, kept there.
+    pub fn at(plan: &'a Plan, motion: &'a mut Motion) -> Self {
+        let Motion { position, closed, force, acceleration, .. } = motion;
+        Self { plan, position, out: (closed, force, acceleration), layout: PhantomData }
+    }
 }
 
 impl<Y: Layout> Task for Evaluate<'_, Y> {
@@ -56,20 +64,15 @@ impl<Y: Layout> Task for Evaluate<'_, Y> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Row {
-        let Self { plan, motion, acceleration, .. } = self;
+        let Self { plan, position, out, .. } = self;
+        let most = match plan.form {
+            Form::Plain => evaluate::<L, Y, PLAIN>(plan, position, out),
+            Form::Exact => evaluate::<L, Y, EXACT>(plan, position, out),
+            Form::Linear => evaluate::<L, Y, LINEAR>(plan, position, out),
+        };
         let mut largest = Row::default();
-        let most = evaluate::<L, Y>(plan, motion, acceleration);
         L::store(Y::largest::<L>(most), &mut largest);
         largest
-    }
-}
-
-#[inline(always)]
-fn evaluate<L: Lanes, Y: Layout>(plan: &Plan, motion: &mut Motion, out: &mut [Row]) -> L::V {
-    match plan.form {
-        Form::Plain => evaluate::evaluate::<L, Y, PLAIN>(plan, motion, out),
-        Form::Exact => evaluate::evaluate::<L, Y, EXACT>(plan, motion, out),
-        Form::Linear => evaluate::evaluate::<L, Y, LINEAR>(plan, motion, out),
     }
 }
 

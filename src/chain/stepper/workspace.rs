@@ -10,7 +10,7 @@ pub const BETWEEN: usize = 7;
 /// A row at each of them, side by side in memory.
 pub type Between = [Row; BETWEEN];
 
-/// Positions and velocities in rows.
+/// One end of a step, in rows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motion {
     /// Displacements (m).
@@ -23,6 +23,12 @@ pub struct Motion {
     pub lost_velocity: Vec<Row>,
     /// Which contacts are closed, a bit each.
     pub closed: Vec<u8>,
+    /// Forces of the contacts (N), for those who ask for them.
+    pub force: Vec<Row>,
+    /// Accelerations (m/s²).
+    pub acceleration: Vec<Row>,
+    /// Gradients of the accelerations along themselves, for methods that ask for them (m/s⁴).
+    pub gradient: Vec<Row>,
 }
 
 /// Largest magnitudes: of each lane where lanes are chains, of the whole chain in every lane otherwise.
@@ -43,12 +49,8 @@ pub struct Workspace {
     pub now: Box<Motion>,
     /// Where it ends.
     pub next: Box<Motion>,
-    /// Accelerations where the step starts and where it ends (m/s²).
-    pub accelerations: [Vec<Row>; 2],
     /// Accelerations at the stages between (m/s²), for methods that have any.
     pub between: Vec<Between>,
-    /// Gradients of the accelerations along themselves where the step starts and where it ends, for methods that ask for them (m/s⁴).
-    pub gradients: [Vec<Row>; 2],
     /// Estimated error of each position (m).
     pub error_position: Vec<Row>,
     /// Estimated error of each velocity (m/s).
@@ -70,7 +72,7 @@ impl Motion {
         (&self.position, &self.velocity)
     }
 
-    fn at_rest(rows: usize) -> Self {
+    fn at_rest(rows: usize, gradients: usize) -> Self {
         let zeros = || vec![Row::default(); rows];
         Self {
             position: zeros(),
@@ -78,6 +80,9 @@ impl Motion {
             lost_position: zeros(),
             lost_velocity: zeros(),
             closed: vec![0; rows],
+            force: zeros(),
+            acceleration: zeros(),
+            gradient: vec![Row::default(); gradients],
         }
     }
 }
@@ -97,8 +102,6 @@ impl Workspace {
     #[inline]
     pub fn turn(&mut self) {
         std::mem::swap(&mut self.now, &mut self.next);
-        self.accelerations.swap(0, 1);
-        self.gradients.swap(0, 1);
     }
 
     /// Everything at rest, in `rows` rows, with what `scheme` needs.
@@ -109,12 +112,11 @@ impl Workspace {
             Scheme::Splitting(method, _) if method.gradients.is_empty() => (0, 0),
             Scheme::Splitting(..) => (0, rows),
         };
+        let motion = || Box::new(Motion::at_rest(rows, gradients));
         Self {
-            now: Box::new(Motion::at_rest(rows)),
-            next: Box::new(Motion::at_rest(rows)),
-            accelerations: std::array::from_fn(|_| vec![Row::default(); rows]),
+            now: motion(),
+            next: motion(),
             between: vec![[Row::default(); BETWEEN]; between],
-            gradients: std::array::from_fn(|_| vec![Row::default(); gradients]),
             error_position: vec![Row::default(); rows],
             error_velocity: vec![Row::default(); rows],
             overlap: vec![Row::default(); rows],

@@ -85,9 +85,7 @@ impl ChainGroup {
                 row.0[lane] = *velocity;
             }
         }
-        let (motion, acceleration) = (&mut work.now, work.accelerations[0].as_mut_slice());
-        let task = Evaluate::<Across> { plan: &plan, motion, acceleration, layout: PhantomData };
-        dispatch(set, task);
+        dispatch(set, Evaluate::<Across>::at(&plan, &mut work.now));
         let drive = match scheme {
             Scheme::Pair(pair, tolerance) => {
                 Drive::Paired(Box::new(Paired::new(pair, tolerance, plan.rows())))
@@ -177,7 +175,7 @@ impl ChainGroup {
     /// Looks into the step that lanes have just taken for those of their views that want it.
     pub fn look(&mut self, views: &mut [Vec<View>]) {
         let Self { set, plan, work, jerks: [before, after], looked_at, .. } = self;
-        let Workspace { now, next, accelerations, .. } = work;
+        let Workspace { now, next, .. } = work;
         looked_at.clear();
         for view in views.iter().flatten().filter(|view| view.wanted) {
             if looked_at.contains(&view.body) {
@@ -192,8 +190,8 @@ impl ChainGroup {
         for (lane, (place, views)) in self.lanes.iter().zip(views.iter_mut().enumerate()) {
             if views.iter().any(|view| view.wanted) {
                 let ends = Ends {
-                    from: [&next.position, &next.velocity, &accelerations[1], before],
-                    to: [&now.position, &now.velocity, &accelerations[0], after],
+                    from: [&next.position, &next.velocity, &next.acceleration, before],
+                    to: [&now.position, &now.velocity, &now.acceleration, after],
                     span: lane.last_step,
                 };
                 dispatch(*set, Look::<Across> { ends, lane: place, views, layout: PhantomData });

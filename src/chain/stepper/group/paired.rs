@@ -94,14 +94,9 @@ impl Paired {
         moved: &Row,
     ) {
         let Self { tolerance, fresh, .. } = self;
-        let kept = &mut work.accelerations[1];
-        let task = Evaluate::<Across> {
-            plan,
-            motion: &mut work.next,
-            acceleration: &mut *fresh,
-            layout: PhantomData,
-        };
-        dispatch(set, task);
+        let Motion { position, closed, force, acceleration: kept, .. } = &mut *work.next;
+        let out = (&mut **closed, &mut **force, &mut **fresh);
+        dispatch(set, Evaluate::<Across> { plan, position, out, layout: PhantomData });
         for (index, lane) in lanes.iter_mut().enumerate() {
             if lane.tries() && moved.0[index] > UNMOVED * *tolerance * lane.scales.0 {
                 lane.counts.force_evaluations += 1;
@@ -116,10 +111,9 @@ impl Paired {
 /// Makes the step's end the present in all lanes that have `taken` it.
 fn keep(work: &mut Workspace, taken: &[bool]) {
     work.turn();
-    let Workspace { now, next, accelerations: [first, last], .. } = work;
+    let Workspace { now, next, .. } = work;
     for (index, _) in taken.iter().enumerate().filter(|(_, taken)| !**taken) {
         now.take_lane(next, index);
-        copy_lane(first, last, index);
     }
 }
 
@@ -130,6 +124,7 @@ impl Motion {
         copy_lane(&mut self.velocity, &from.velocity, index);
         copy_lane(&mut self.lost_position, &from.lost_position, index);
         copy_lane(&mut self.lost_velocity, &from.lost_velocity, index);
+        copy_lane(&mut self.acceleration, &from.acceleration, index);
         let bit = 1_u8 << index;
         for (closed, from) in self.closed.iter_mut().zip(&from.closed) {
             *closed = *closed & !bit | from & bit;

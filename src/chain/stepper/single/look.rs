@@ -79,10 +79,10 @@ impl ChainStepper {
 
     /// The last step's ends: what was the start stays where the next step will end.
     pub(super) fn ends(&self) -> Ends<'_> {
-        let Workspace { now, next, accelerations, .. } = &self.course.work;
+        let Workspace { now, next, .. } = &self.course.work;
         Ends {
-            from: [&next.position, &next.velocity, &accelerations[1], &self.jerks[0]],
-            to: [&now.position, &now.velocity, &accelerations[0], &self.jerks[1]],
+            from: [&next.position, &next.velocity, &next.acceleration, &self.jerks[0]],
+            to: [&now.position, &now.velocity, &now.acceleration, &self.jerks[1]],
             span: self.last_step,
         }
     }

@@ -13,7 +13,7 @@ use super::lanes::{Row, WIDTH};
 use super::plan::{Along, Form, Plan};
 use super::steps::{find_gradients, finest_asked};
 use super::tasks::{Evaluate, Settle};
-use super::workspace::Workspace;
+use super::workspace::{Motion, Workspace};
 use crate::chain::Chain;
 use crate::integrate::hermite::{End, septic};
 use crate::integrate::{IntegrateError, Integrator, Interpolant, Scheme, State, Work};
@@ -97,15 +97,12 @@ impl ChainStepper {
         for (i, position) in state.position.iter().enumerate() {
             work.now.position[i / WIDTH].0[i % WIDTH] = *position;
         }
-        let (motion, first) = (&mut work.now, &mut work.accelerations[0]);
-        let overlap = dispatch(
-            set,
-            Evaluate::<Along> { plan: &plan, motion, acceleration: first, layout: PhantomData },
-        );
+        let overlap = dispatch(set, Evaluate::<Along>::at(&plan, &mut work.now));
         work.next.closed.clone_from(&work.now.closed);
+        work.next.force.clone_from(&work.now.force);
         let moves = |row: usize| {
-            let all =
-                [&work.now.velocity[row], &work.now.position[row], &work.accelerations[0][row]];
+            let Motion { velocity, position, acceleration, .. } = &*work.now;
+            let all = [&velocity[row], &position[row], &acceleration[row]];
             all.iter().any(|row| **row != Row::default())
         };
         let last = (0..plan.all_rows()).rev().find(|row| moves(*row)).unwrap_or(0);

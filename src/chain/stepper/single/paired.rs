@@ -1,10 +1,12 @@
 //! Steps of a Runge-Kutta-Nystrom pair, with error control.
+#![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
 use std::marker::PhantomData;
 
 use super::{Course, first_lost};
-use crate::chain::stepper::dispatch::dispatch;
+use crate::chain::stepper::dispatch::{Task, dispatch};
 use crate::chain::stepper::kinks;
+use crate::chain::stepper::lanes::Lanes;
 use crate::chain::stepper::plan::Along;
 use crate::chain::stepper::quadrature::Quadrature;
 use crate::chain::stepper::steps::{UNMOVED, control, worth};
@@ -39,29 +41,14 @@ impl Paired {
 
     /// Takes a step, not beyond `end` (s); returns its length (s).
     pub fn step(&mut self, course: &mut Course, end: f64) -> Result<f64, IntegrateError> {
-        loop {
-            let trial = self.control.trial(course.time, end)?;
-            let error = self.attempt(course, trial.length);
-            let work = &mut course.work;
-            let culprit = || first_lost(&work.next.position, &work.next.velocity);
-            if !self.control.accepts(trial, error, culprit) {
-                course.counts.rejected += 1;
-                continue;
-            }
-            work.turn();
-            course.time = trial.next;
-            course.counts.steps += 1;
-            let largest = &work.largest;
-            self.scales.0 = self.scales.0.max(largest.overlap.0[0]);
-            self.scales.1 = self.scales.1.max(largest.speed.0[0]);
-            return Ok(trial.length);
-        }
+        dispatch(course.set, Step { paired: self, course, end })
     }
 
     /// Tries a step of `h` (s) and returns its error as a multiple of the tolerance (1).
-    fn attempt(&mut self, course: &mut Course, h: f64) -> f64 {
+    #[inline(always)]
+    fn attempt<L: Lanes>(&mut self, course: &mut Course, h: f64) -> f64 {
         let Self { pair, quadrature, .. } = self;
-        let Course { set, plan, work, counts, .. } = course;
+        let Course { plan, work, counts, .. } = course;
         // Without corrections no impulse is worth one.
         let tolerance = if self.corrects { self.tolerance } else { f64::INFINITY };
         let slack = kinks::slack(tolerance, self.scales, self.lightest);
@@ -69,7 +56,7 @@ impl Paired {
         let layout = PhantomData;
         let pair = *pair;
         let task = Attempt::<Along> { plan, pair, quadrature, work, step: h, worth, slack, layout };
-        let guard = dispatch(*set, task);
+        let guard = task.run::<L>();
         counts.force_evaluations += pair.evaluations() as u64;
         let error = work.error(0);
         if let Some(guard) = guard.filter(|_| error <= 1.0) {
@@ -83,12 +70,42 @@ impl Paired {
     }
 }
 
-/// The accelerations where the step ended, after a correction.
+/// A step with all that decides on it: nothing leaves the registers that the next step waits for.
+struct Step<'a> {
+    paired: &'a mut Paired,
+    course: &'a mut Course,
+    end: f64,
+}
+
+impl Task for Step<'_> {
+    type Output = Result<f64, IntegrateError>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Self::Output {
+        let Self { paired, course, end } = self;
+        loop {
+            let trial = paired.control.trial(course.time, end)?;
+            let error = paired.attempt::<L>(course, trial.length);
+            let work = &mut course.work;
+            let culprit = || first_lost(&work.next.position, &work.next.velocity);
+            if !paired.control.accepts(trial, error, culprit) {
+                course.counts.rejected += 1;
+                continue;
+            }
+            work.turn();
+            course.time = trial.next;
+            course.counts.steps += 1;
+            let largest = &work.largest;
+            paired.scales.0 = paired.scales.0.max(largest.overlap.0[0]);
+            paired.scales.1 = paired.scales.1.max(largest.speed.0[0]);
+            return Ok(trial.length);
+        }
+    }
+}
+
+/// Forces and accelerations where the step ended, after a correction.
 fn evaluate_end(course: &mut Course) {
     let Course { set, plan, work, counts, .. } = course;
-    let acceleration = &mut work.accelerations[1];
-    let task =
-        Evaluate::<Along> { plan, motion: &mut work.next, acceleration, layout: PhantomData };
-    work.largest.overlap = dispatch(*set, task);
+    work.largest.overlap = dispatch(*set, Evaluate::<Along>::at(plan, &mut work.next));
     counts.force_evaluations += 1;
 }
