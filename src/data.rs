@@ -8,14 +8,22 @@ static RECORDINGS: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/recordings");
 /// Text of the instrument file `kind/name.toml`; an empty `kind` is the top folder.
 #[must_use]
 pub fn instrument(kind: &str, name: &str) -> Option<&'static str> {
-    INSTRUMENTS.get_file(path(kind, name))?.contents_utf8()
+    let path = if kind.is_empty() { format!("{name}.toml") } else { format!("{kind}/{name}.toml") };
+    folder(kind)?.files().find(|file| file.path().as_os_str() == &*path)?.contents_utf8()
+}
+
+/// By name, letter by letter: paths are compared part by part, which takes longer than reading a scene.
+fn folder(kind: &str) -> Option<&'static Dir<'static>> {
+    if kind.is_empty() {
+        return Some(&INSTRUMENTS);
+    }
+    INSTRUMENTS.dirs().find(|folder| folder.path().as_os_str() == kind)
 }
 
 /// Names of all instrument files of one kind, sorted; an empty `kind` is the top folder.
 #[must_use]
 pub fn instrument_names(kind: &str) -> Vec<&'static str> {
-    let folder = if kind.is_empty() { Some(&INSTRUMENTS) } else { INSTRUMENTS.get_dir(kind) };
-    let mut names: Vec<&str> = folder
+    let mut names: Vec<&str> = folder(kind)
         .into_iter()
         .flat_map(Dir::files)
         .filter(|file| file.path().extension().is_some_and(|e| e == "toml"))
@@ -29,8 +37,4 @@ pub fn instrument_names(kind: &str) -> Vec<&'static str> {
 #[must_use]
 pub fn recording(name: &str) -> Option<&'static [u8]> {
     RECORDINGS.get_file(name).map(include_dir::File::contents)
-}
-
-fn path(kind: &str, name: &str) -> String {
-    if kind.is_empty() { format!("{name}.toml") } else { format!("{kind}/{name}.toml") }
 }

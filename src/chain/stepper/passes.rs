@@ -234,7 +234,7 @@ fn whole<L: Lanes, Y: Layout, P: Known<N>, const FORM: u8, const N: usize>(
     work: &mut Workspace,
     (h, worth): (L::V, [L::V; 2]),
 ) -> Sides {
-    let few = FORM == PLAIN && plan.in_few_rows::<Y>();
+    let few = L::WAITS && FORM == PLAIN && plan.in_few_rows::<Y>();
     if few && let Some(sides) = few::attempt::<L, P, N>(plan, work, (h, worth)) {
         return sides;
     }

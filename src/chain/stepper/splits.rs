@@ -1,7 +1,7 @@
 //! Steps of splittings. A chain of few rows stays in the registers from one step to the next; longer ones go through [`super::parts`].
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
-use super::forces::{Cut, PLAIN, begin, finish, net, unbalanced};
+use super::forces::{Cut, PLAIN, begin_plain, finish, net, unbalanced};
 use super::lanes::Lanes;
 use super::parts::long;
 use super::plan::{FEW, Layout, Plan};
@@ -86,11 +86,11 @@ pub fn steps<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
     let run = (&weights, count);
     let few = FORM == PLAIN && plan.in_few_rows::<Y>();
     match plan.rows() {
-        1 if few => short::<L, Y, FORM, GRADIENT, 1>(plan, work, run),
-        2 if few => short::<L, Y, FORM, GRADIENT, 2>(plan, work, run),
-        3 if few => short::<L, Y, FORM, GRADIENT, 3>(plan, work, run),
-        4 if few => short::<L, Y, FORM, GRADIENT, 4>(plan, work, run),
-        FEW if few => short::<L, Y, FORM, GRADIENT, FEW>(plan, work, run),
+        1 if few => short::<L, Y, GRADIENT, 1>(plan, work, run),
+        2 if few => short::<L, Y, GRADIENT, 2>(plan, work, run),
+        3 if few => short::<L, Y, GRADIENT, 3>(plan, work, run),
+        4 if few => short::<L, Y, GRADIENT, 4>(plan, work, run),
+        FEW if few => short::<L, Y, GRADIENT, FEW>(plan, work, run),
         _ => long::<L, Y, FORM, GRADIENT>(plan, work, run),
     }
     let mut sum = L::splat(0.0);
@@ -100,10 +100,10 @@ pub fn steps<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
     Y::all(L::finite(sum))
 }
 
-/// Steps of a chain of `R` rows.
+/// Steps of a chain of `R` rows, in plain form.
 #[inline(always)]
 #[allow(clippy::many_single_char_names, reason = "the names of mechanics")]
-fn short<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool, const R: usize>(
+fn short<L: Lanes, Y: Layout, const GRADIENT: bool, const R: usize>(
     plan: &Plan,
     work: &mut Workspace,
     (weights, count): (&Weights<L>, u64),
@@ -130,9 +130,10 @@ fn short<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool, const R: usi
             let (mut force, mut tangent) = ([none; R], [none; R]);
             for r in 0..R {
                 let above = if r > 0 { x[r - 1] } else { none };
-                let change = L::sub(Y::above::<L>(above, x[r]), x[r]);
-                let (begun, _) = begin::<L, FORM>(plan, r, change);
-                [force[r], tangent[r]] = finish::<L, FORM>(plan, r, begun);
+                // In this order one of the two need not wait for the neighbour.
+                let short = L::sub(x[r], L::load(&plan.static_overlap[r]));
+                let overlap = L::sub(Y::above::<L>(above, x[r]), short);
+                [force[r], tangent[r]] = finish::<L, PLAIN>(plan, r, begin_plain::<L>(r, overlap));
             }
             let (kick, last) = (weights.kick::<GRADIENT>(part), part == weights.parts());
             let mut push = [none; R];
