@@ -75,6 +75,24 @@ pub fn nets<L: Lanes, const R: usize>(of: &Rows<L, R>) -> Rows<L, R> {
     out
 }
 
+/// Largest magnitude of the rows, lane by lane: in pairs, for each waits for those before.
+#[inline(always)]
+pub fn largest_of<L: Lanes, const R: usize>(mut values: Rows<L, R>) -> L::V {
+    for value in &mut values {
+        *value = L::abs(*value);
+    }
+    let mut apart = 1;
+    while apart < R {
+        let mut r = 0;
+        while r + apart < R {
+            values[r] = L::max(values[r + apart], values[r]);
+            r += 2 * apart;
+        }
+        apart *= 2;
+    }
+    values[0]
+}
+
 /// What forces do to overlaps by way of the bodies' masses.
 #[derive(Clone, Copy)]
 pub struct Mobility<L: Lanes, const R: usize> {

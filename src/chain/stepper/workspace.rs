@@ -23,7 +23,7 @@ pub struct Motion {
     pub lost_velocity: Vec<Row>,
     /// Which contacts are closed, a bit each.
     pub closed: Vec<u8>,
-    /// Forces of the contacts (N), for those who ask for them.
+    /// Forces of the contacts (N), where somebody goes on from them.
     pub force: Vec<Row>,
     /// Accelerations (m/s²).
     pub acceleration: Vec<Row>,
