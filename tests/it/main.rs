@@ -37,6 +37,7 @@ mod kinks;
 mod losses;
 mod magnet;
 mod order;
+mod pairs;
 mod paper;
 mod physics;
 mod pulses;
