@@ -12,7 +12,7 @@ pub fn instrument(kind: &str, name: &str) -> Option<&'static str> {
     folder(kind)?.files().find(|file| file.path().as_os_str() == &*path)?.contents_utf8()
 }
 
-/// By name, letter by letter: paths are compared part by part, which takes longer than reading a scene.
+/// By name, letter by letter: paths would be compared part by part, which shows in how long a program takes to start.
 fn folder(kind: &str) -> Option<&'static Dir<'static>> {
     if kind.is_empty() {
         return Some(&INSTRUMENTS);

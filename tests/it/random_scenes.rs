@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 
-use hertzscope::experiment::accuracy::{doubt, run_held};
+use hertzscope::experiment::accuracy::{TIGHTER, doubt, run_held};
 use hertzscope::experiment::bench::start;
 use hertzscope::experiment::outcome::{Reading, Summary};
 use hertzscope::experiment::pulse::Peak;
@@ -37,8 +37,7 @@ fn seeds(part: u64) -> impl Iterator<Item = u64> {
 /// Thirty turns of the fastest contact take 30 steps each at the tightest accuracy, nine force evaluations a step, and half of them
 /// may be rejected: four times that is a hang.
 const MOST_EVALUATIONS: u64 = 2 * 30 * 30 * 9 * 4;
-/// Forces this far below the static one, or by the accuracy below the loudest, by which the error control measures, are what tolerances
-/// leave of a wave that has not arrived (1).
+/// Forces this far below the static one are what tolerances leave of a wave that has not arrived (1).
 const QUIET: f64 = 1e-10;
 /// At most one of so many held runs may say that it could not be held.
 const DOUBTFUL: usize = 50;
@@ -254,7 +253,10 @@ fn held(scene: &mut Scene, end: f64) -> (f64, bool) {
     let places = |s: &Summary| s.sensors.iter().chain(&s.wall).cloned().collect::<Vec<Reading>>();
     let off = |a: f64, b: f64| (a / b - 1.0).abs();
     let loudest = places(&exact).iter().map(|reading| reading.largest_n).fold(0.0, f64::max);
-    let quiet = |peak: Peak| peak.dynamic_n < (QUIET * peak.total_n).max(accuracy * loudest);
+    // The error control measures by the loudest: what is below it by the accuracy of the tighter run, which a run is held against,
+    // neither of them can tell from a wave that has not arrived.
+    let quiet =
+        |peak: Peak| peak.dynamic_n < (QUIET * peak.total_n).max(TIGHTER * accuracy * loudest);
     let mut worst = 0.0_f64;
     for (found, exact) in places(&found).iter().zip(&places(&exact)) {
         let error = match (found.first_peak, exact.first_peak) {

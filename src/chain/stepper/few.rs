@@ -13,7 +13,7 @@
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
 use super::evaluate::Largest;
-use super::forces::{Cut, PLAIN, accelerations, begin_plain, finish};
+use super::forces::{Begun, Cut, PLAIN, accelerations, begin_plain, finish};
 use super::known::{Known, Position, PositionError, Stage, Velocity, VelocityError, Weights};
 use super::lanes::Lanes;
 use super::passes::{Sides, add_compensated};
@@ -100,7 +100,7 @@ impl<'a, L: Lanes, const R: usize> Step<'a, L, R> {
     #[inline(always)]
     #[allow(
         clippy::needless_range_loop,
-        reason = "over iterators side by side, steps took 3 % longer"
+        reason = "the compiler makes less of iterators side by side"
     )]
     fn overlaps<P: Known<N>, const S: usize, const N: usize>(&self) -> Rows<L, R> {
         let ([overlap, rate, second], node) = (&self.start, P::PAIR.nodes[S]);
@@ -201,7 +201,7 @@ fn whole<L: Lanes, P: Known<N>, const R: usize, const N: usize>(
 
     // What the next step waits for comes first.
     let [change, overlap] = step.arrive::<P, N>(next);
-    let mut begun = [begin_plain::<L>(0, none); R];
+    let mut begun = [Begun::none(); R];
     for r in 0..R {
         begun[r] = begin_plain::<L>(r, overlap[r]);
     }

@@ -23,7 +23,7 @@ pub struct Motion {
     pub lost_velocity: Vec<Row>,
     /// Which contacts are closed, a bit each.
     pub closed: Vec<u8>,
-    /// Forces of the contacts (N), where somebody goes on from them.
+    /// Forces of the contacts (N): steps of short chains go on from them, all others leave them as they were first.
     pub force: Vec<Row>,
     /// Accelerations (m/s²).
     pub acceleration: Vec<Row>,
