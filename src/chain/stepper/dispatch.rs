@@ -1,12 +1,8 @@
-//! The loops compiled for each instruction set, and the choice at run time.
-#![allow(
-    unsafe_code,
-    reason = "calling a function compiled for an instruction set is unsafe until the set is known to be there"
-)]
+//! The choice of an instruction set at run time.
 
 #[cfg(not(target_arch = "x86_64"))]
 use super::lanes::Baseline;
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Task};
 #[cfg(target_arch = "x86_64")]
 use super::lanes_sse2::Sse2 as Baseline;
 #[cfg(target_arch = "x86_64")]
@@ -66,36 +62,13 @@ impl InstructionSet {
     }
 }
 
-/// Something to be compiled for every instruction set.
-pub trait Task {
-    /// What comes of it.
-    type Output;
-
-    /// Does it; inlined into a function compiled for the instructions of `L`.
-    fn run<L: Lanes>(self) -> Self::Output;
-}
-
-/// Runs `task` with the instructions of `set`.
+/// Runs `task` with the instructions of `set`: [`InstructionSet::available`] is the only way to one, and it has asked the machine.
 pub fn dispatch<T: Task>(set: InstructionSet, task: T) -> T::Output {
     match set.0 {
-        // SAFETY: `InstructionSet::available` is the only way to these values, and it has asked the machine.
         #[cfg(target_arch = "x86_64")]
-        Set::Avx512 => unsafe { avx512(task) },
-        // SAFETY: as above.
+        Set::Avx512 => Avx512::apart(task),
         #[cfg(target_arch = "x86_64")]
-        Set::Avx2 => unsafe { avx2(task) },
-        Set::Baseline => task.run::<Baseline>(),
+        Set::Avx2 => Avx2::apart(task),
+        Set::Baseline => Baseline::apart(task),
     }
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512vl,avx512dq,avx2,fma")]
-fn avx512<T: Task>(task: T) -> T::Output {
-    task.run::<Avx512>()
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
-fn avx2<T: Task>(task: T) -> T::Output {
-    task.run::<Avx2>()
 }

@@ -188,7 +188,7 @@ fn whole<L: Lanes, P: Known<N>, const R: usize, const N: usize>(
     work: &mut Workspace,
     (h, worth): (L::V, [L::V; 2]),
 ) -> Sides {
-    let Workspace { now, next, error_position, error_velocity, largest, finite, .. } = work;
+    let (now, next) = (&*work.now, &mut *work.next);
     let (plan, none) = (Cut::new(plan, R), L::splat(0.0));
     let mut step = Step::<L, R>::new(plan, now, h);
     step.stage::<P, 1, N>();
@@ -200,7 +200,7 @@ fn whole<L: Lanes, P: Known<N>, const R: usize, const N: usize>(
     step.stage::<P, 7, N>();
 
     // What the next step waits for comes first.
-    let [change, overlap] = step.arrive::<P, N>(next);
+    let [moved, overlap] = step.arrive::<P, N>(next);
     let mut begun = [Begun::none(); R];
     for r in 0..R {
         begun[r] = begin_plain::<L>(r, overlap[r]);
@@ -225,28 +225,36 @@ fn whole<L: Lanes, P: Known<N>, const R: usize, const N: usize>(
     }
     let (most, most_speed) = (largest_of::<L, R>(off), largest_of::<L, R>(off_speed));
     let error = L::max(L::mul(most, worth[0]), L::mul(most_speed, L::mul(h, worth[1])));
-    L::store(Along::largest::<L>(error), &mut largest.error);
-    store::<L, R>(&off, error_position);
-    store::<L, R>(&scaled::<L, R>(h, off_speed), error_velocity);
+    L::store(Along::largest::<L>(error), &mut work.largest.error);
+    store::<L, R>(&off, &mut work.error_position);
+    store::<L, R>(&scaled::<L, R>(h, off_speed), &mut work.error_velocity);
 
     let speed = step.speed_up(&speed, next);
     let travel = scaled::<L, R>(h, differences::<L, R>(&speed));
+    // As `passes::speed_up` has it.
+    let beyond = |r: usize| L::mul(overlap[r], L::sub(travel[r], overlap[r]));
     let (was_closed, closed) = (&now.closed[..R], &mut next.closed[..R]);
-    let (mut seen, mut changed) = (Largest::<L>::new(plan), 0);
-    let (mut total, mut doubtful) = (none, none);
+    let (mut seen, mut total) = (Largest::<L>::new(plan), none);
+    let (mut any_changed, mut most_doubtful) = (0, none);
     for r in 0..R {
         let below = if r + 1 < R { force[r + 1] } else { L::load(&plan.beyond) };
         let acceleration = accelerations::<L, Along>(plan, r, [force[r], below]);
         L::store(acceleration, &mut next.acceleration[r]);
         total = L::add(total, speed[r]);
         closed[r] = L::positive(overlap[r]);
-        changed |= closed[r] ^ was_closed[r];
-        seen.see(r, change[r]);
-        // As `passes::speed_up` has it.
-        doubtful = L::max(L::mul(overlap[r], L::sub(travel[r], overlap[r])), doubtful);
+        any_changed |= closed[r] ^ was_closed[r];
+        seen.see(r, moved[r]);
+        most_doubtful = L::max(beyond(r), most_doubtful);
     }
-    L::store(Along::largest::<L>(largest_of::<L, R>(speed)), &mut largest.speed);
-    L::store(Along::largest::<L>(seen.change), &mut largest.overlap);
-    *finite = Along::all(L::finite(total));
-    Sides { changed: changed != 0, doubtful: L::positive(doubtful) != 0 }
+    L::store(Along::largest::<L>(largest_of::<L, R>(speed)), &mut work.largest.speed);
+    L::store(Along::largest::<L>(seen.change), &mut work.largest.overlap);
+    work.finite = Along::all(L::finite(total));
+    let sides = Sides { changed: any_changed, doubtful: L::positive(most_doubtful) };
+    if sides.any() {
+        for r in 0..R {
+            work.changed[r] = closed[r] ^ was_closed[r];
+            work.doubtful[r] = !work.changed[r] & L::positive(beyond(r));
+        }
+    }
+    sides
 }

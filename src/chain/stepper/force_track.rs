@@ -4,8 +4,7 @@
 //! step to the power 8 with the constant `1/(8! 2^8)`. Source: C. Hermite, J. reine angew. Math. 84, 70 (1878).
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
-use super::dispatch::Task;
-use super::lanes::{Lanes, Row, WIDTH};
+use super::lanes::{Lanes, Row, Task, WIDTH};
 use crate::chain::hertz::force_and_tangent;
 use crate::chain::{Contact, ForceProbe, Law};
 

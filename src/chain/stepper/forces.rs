@@ -59,6 +59,15 @@ impl<L: Lanes> Begun<L> {
     }
 }
 
+impl<L: Lanes> Begun<L> {
+    /// `closed^1.5` of row `r` (m^1.5).
+    #[inline(always)]
+    pub fn power(self, r: usize) -> L::V {
+        let Self { closed, root } = self;
+        if r % 2 == 1 { L::weigh_root(closed, root, closed) } else { L::mul(closed, root) }
+    }
+}
+
 /// Begins the forces in row `r` for overlaps that have changed by `change`; the overlaps themselves.
 #[inline(always)]
 pub fn begin<L: Lanes, const FORM: u8>(plan: Cut, r: usize, change: L::V) -> (Begun<L>, L::V) {

@@ -4,10 +4,9 @@
 use std::marker::PhantomData;
 use std::ops::Range;
 
-use super::dispatch::Task;
 use super::force_track::{COEFFICIENTS, View, horner, septic};
 use super::forces::{self, Cut, EXACT, LINEAR};
-use super::lanes::{Lanes, Row};
+use super::lanes::{Lanes, Row, Task};
 use super::plan::{Along, Form, Layout, Plan};
 
 /// Positions, velocities, accelerations and jerks in rows at both ends of a step.

@@ -12,6 +12,15 @@ pub const WIDTH: usize = 8;
 #[repr(C, align(64))]
 pub struct Row(pub [f64; WIDTH]);
 
+/// Something to be compiled for every instruction set.
+pub trait Task {
+    /// What comes of it.
+    type Output;
+
+    /// Does it; inlined into a function compiled for the instructions of `L`.
+    fn run<L: Lanes>(self) -> Self::Output;
+}
+
 /// Arithmetic on eight doubles.
 pub trait Lanes: Copy {
     /// Eight doubles.
@@ -20,6 +29,11 @@ pub trait Lanes: Copy {
     const AHEAD: usize = 2;
     /// Whether the eight are so quick that short chains wait for results and not for arithmetic.
     const WAITS: bool = false;
+    /// Runs `task` in a function of its own, compiled for these instructions.
+    #[inline(never)]
+    fn apart<T: Task>(task: T) -> T::Output {
+        task.run::<Self>()
+    }
     /// From memory.
     fn load(row: &Row) -> Self::V;
     /// To memory.
@@ -38,6 +52,8 @@ pub trait Lanes: Copy {
     fn mul_add(a: Self::V, b: Self::V, c: Self::V) -> Self::V;
     /// The larger; `b` where one is not a number.
     fn max(a: Self::V, b: Self::V) -> Self::V;
+    /// The smaller; `b` where one is not a number.
+    fn min(a: Self::V, b: Self::V) -> Self::V;
     /// `|a|`
     fn abs(a: Self::V) -> Self::V;
     /// Square root.
@@ -79,6 +95,44 @@ pub trait Lanes: Copy {
     }
     /// Bit `i` tells whether value `i` is above zero.
     fn positive(a: Self::V) -> u8;
+    /// `a` where the bit is set, `b` elsewhere.
+    #[inline(always)]
+    fn select(bits: u8, a: Self::V, b: Self::V) -> Self::V {
+        let (mut from, mut to) = (Row::default(), Row::default());
+        Self::store(a, &mut from);
+        Self::store(b, &mut to);
+        for lane in set(bits) {
+            to.0[lane] = from.0[lane];
+        }
+        Self::load(&to)
+    }
+    /// Those of `a` whose bit is set, one beside the other from the first on, and zeros behind them.
+    #[inline(always)]
+    fn compress(bits: u8, a: Self::V) -> Self::V {
+        let (mut from, mut to) = (Row::default(), Row::default());
+        Self::store(a, &mut from);
+        for (to, lane) in to.0.iter_mut().zip(set(bits)) {
+            *to = from.0[lane];
+        }
+        Self::load(&to)
+    }
+    /// The first of `a`, one after the other, where the bit is set, `b` elsewhere.
+    #[inline(always)]
+    fn expand(bits: u8, a: Self::V, b: Self::V) -> Self::V {
+        let (mut from, mut to) = (Row::default(), Row::default());
+        Self::store(a, &mut from);
+        Self::store(b, &mut to);
+        for (from, lane) in from.0.iter().zip(set(bits)) {
+            to.0[lane] = *from;
+        }
+        Self::load(&to)
+    }
+}
+
+/// The places of the bits that are set.
+#[inline(always)]
+fn set(bits: u8) -> impl Iterator<Item = usize> {
+    (0..WIDTH).filter(move |lane| bits & (1 << lane) != 0)
 }
 
 /// Any machine: plain arrays, which the compiler puts into whatever registers there are. x86-64 machines have better.
@@ -136,6 +190,11 @@ impl Lanes for Baseline {
     }
 
     #[inline(always)]
+    fn min(a: Self::V, b: Self::V) -> Self::V {
+        std::array::from_fn(|i| if a[i] < b[i] { a[i] } else { b[i] })
+    }
+
+    #[inline(always)]
     fn abs(a: Self::V) -> Self::V {
         a.map(f64::abs)
     }
@@ -158,5 +217,50 @@ impl Lanes for Baseline {
     #[inline(always)]
     fn positive(a: Self::V) -> u8 {
         (0..WIDTH).fold(0, |mask, i| mask | (u8::from(a[i] > 0.0) << i))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chain::stepper::dispatch::{InstructionSet, dispatch};
+    use crate::chain::stepper::lanes::Baseline;
+
+    /// Values moved about by bits.
+    struct Moved {
+        bits: u8,
+        of: [Row; 2],
+    }
+
+    impl Task for Moved {
+        type Output = [Row; 3];
+
+        fn run<L: Lanes>(self) -> [Row; 3] {
+            let (bits, a, b) = (self.bits, L::load(&self.of[0]), L::load(&self.of[1]));
+            let mut out = [Row::default(); 3];
+            L::store(L::select(bits, a, b), &mut out[0]);
+            L::store(L::compress(bits, a), &mut out[1]);
+            L::store(L::expand(bits, a, b), &mut out[2]);
+            out
+        }
+    }
+
+    #[test]
+    fn values_go_where_bits_say() {
+        let of = [Row([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]), Row([-1.0; 8])];
+        for bits in 0..=u8::MAX {
+            let expected = Moved { bits, of }.run::<Baseline>();
+            let lanes = (0..WIDTH).filter(|lane| bits & (1 << lane) != 0);
+            let mut by_hand = [of[1], Row::default(), of[1]];
+            for (count, lane) in lanes.enumerate() {
+                by_hand[0].0[lane] = of[0].0[lane];
+                by_hand[1].0[count] = of[0].0[lane];
+                by_hand[2].0[lane] = of[0].0[count];
+            }
+            assert_eq!(expected, by_hand, "{bits:b}");
+            for set in InstructionSet::available() {
+                assert_eq!(dispatch(set, Moved { bits, of }), expected, "{}", set.name());
+            }
+        }
     }
 }

@@ -6,8 +6,8 @@
 
 use std::arch::x86_64::{
     __m128d, _mm_add_pd, _mm_andnot_pd, _mm_cmpgt_pd, _mm_div_pd, _mm_load_pd, _mm_max_pd,
-    _mm_movemask_pd, _mm_mul_pd, _mm_set1_pd, _mm_setzero_pd, _mm_shuffle_pd, _mm_sqrt_pd,
-    _mm_store_pd, _mm_sub_pd,
+    _mm_min_pd, _mm_movemask_pd, _mm_mul_pd, _mm_set1_pd, _mm_setzero_pd, _mm_shuffle_pd,
+    _mm_sqrt_pd, _mm_store_pd, _mm_sub_pd,
 };
 
 use super::lanes::{Lanes, Row};
@@ -99,6 +99,11 @@ impl Lanes for Sse2 {
     }
 
     #[inline(always)]
+    fn min(a: Self::V, b: Self::V) -> Self::V {
+        quarters!(_mm_min_pd(a, b))
+    }
+
+    #[inline(always)]
     fn abs(a: Self::V) -> Self::V {
         let sign = Self::splat(-0.0);
         quarters!(_mm_andnot_pd(sign, a))
@@ -168,6 +173,7 @@ mod tests {
             let (a, b) = (Sse2::load(&x), Sse2::load(&y));
             let (x, y) = (x.0, y.0);
             assert_eq!(out(Sse2::max(a, b)), bits(Baseline::max(x, y)));
+            assert_eq!(out(Sse2::min(a, b)), bits(Baseline::min(x, y)));
             assert_eq!(out(Sse2::abs(a)), bits(Baseline::abs(x)));
             assert_eq!(out(Sse2::shift_up(a, b)), bits(Baseline::shift_up(x, y)));
             assert_eq!(out(Sse2::shift_down(a, b)), bits(Baseline::shift_down(x, y)));

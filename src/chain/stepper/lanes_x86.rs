@@ -10,7 +10,7 @@
 use std::arch::asm;
 use std::arch::x86_64::*;
 
-use super::lanes::{Lanes, Row};
+use super::lanes::{Lanes, Row, Task};
 
 /// AVX-512 F, VL and DQ: one register.
 #[derive(Debug, Clone, Copy)]
@@ -20,6 +20,15 @@ impl Lanes for Avx512 {
     type V = __m512d;
     const AHEAD: usize = 4;
     const WAITS: bool = true;
+
+    fn apart<T: Task>(task: T) -> T::Output {
+        #[inline(never)]
+        #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx2,fma")]
+        fn wide<T: Task>(task: T) -> T::Output {
+            task.run::<Avx512>()
+        }
+        unsafe { wide(task) }
+    }
 
     #[inline(always)]
     fn load(row: &Row) -> Self::V {
@@ -64,6 +73,11 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn max(a: Self::V, b: Self::V) -> Self::V {
         unsafe { _mm512_max_pd(a, b) }
+    }
+
+    #[inline(always)]
+    fn min(a: Self::V, b: Self::V) -> Self::V {
+        unsafe { _mm512_min_pd(a, b) }
     }
 
     #[inline(always)]
@@ -118,6 +132,21 @@ impl Lanes for Avx512 {
     fn positive(a: Self::V) -> u8 {
         unsafe { _mm512_cmp_pd_mask::<_CMP_GT_OQ>(a, _mm512_setzero_pd()) }
     }
+
+    #[inline(always)]
+    fn select(bits: u8, a: Self::V, b: Self::V) -> Self::V {
+        unsafe { _mm512_mask_blend_pd(bits, b, a) }
+    }
+
+    #[inline(always)]
+    fn compress(bits: u8, a: Self::V) -> Self::V {
+        unsafe { _mm512_maskz_compress_pd(bits, a) }
+    }
+
+    #[inline(always)]
+    fn expand(bits: u8, a: Self::V, b: Self::V) -> Self::V {
+        unsafe { _mm512_mask_expand_pd(b, bits, a) }
+    }
 }
 
 /// Eight values from number `FROM` of `low` and then `high` on. The compiler would take a permutation instead, which costs a copy of a
@@ -153,6 +182,15 @@ macro_rules! halves {
 
 impl Lanes for Avx2 {
     type V = [__m256d; 2];
+
+    fn apart<T: Task>(task: T) -> T::Output {
+        #[inline(never)]
+        #[target_feature(enable = "avx2,fma")]
+        fn wide<T: Task>(task: T) -> T::Output {
+            task.run::<Avx2>()
+        }
+        unsafe { wide(task) }
+    }
 
     #[inline(always)]
     fn load(row: &Row) -> Self::V {
@@ -200,6 +238,11 @@ impl Lanes for Avx2 {
     #[inline(always)]
     fn max(a: Self::V, b: Self::V) -> Self::V {
         halves!(_mm256_max_pd(a, b))
+    }
+
+    #[inline(always)]
+    fn min(a: Self::V, b: Self::V) -> Self::V {
+        halves!(_mm256_min_pd(a, b))
     }
 
     #[inline(always)]

@@ -5,14 +5,11 @@
 use super::evaluate::Largest;
 use super::few;
 use super::forces::{Cut, PLAIN};
-use super::known::{
-    Known, Pair64, Pair86, Position, PositionError, Stage, Sum, Velocity, VelocityError,
-};
+use super::known::{Known, Position, PositionError, Stage, Sum, Velocity, VelocityError};
 use super::lanes::{Lanes, Row};
 use super::plan::{Layout, Plan};
 use super::sweep::{Visit, sweep};
 use super::workspace::{Between, Workspace};
-use crate::integrate::Pair;
 
 /// Positions `x + c h v + h^2 sum` of stage `S`, and the accelerations there.
 struct Pass<'a, L: Lanes, P, const N: usize, const S: usize> {
@@ -67,13 +64,10 @@ struct Arrive<'a, L: Lanes, P, const N: usize> {
     /// Positions, velocities, what rounding took from the positions, and accelerations, where the step starts.
     from: [&'a [Row]; 4],
     between: &'a [Between],
-    was_closed: &'a [u8],
     position: [&'a mut [Row]; 2],
     overlap: &'a mut [Row],
     out: &'a mut [Row],
     closed: &'a mut [u8],
-    /// Contacts that have changed sides, a bit for each lane.
-    changed: u8,
     largest: Largest<'a, L>,
 }
 
@@ -92,7 +86,6 @@ impl<L: Lanes, Y: Layout, P: Known<N>, const N: usize> Visit<L, Y> for Arrive<'_
     #[inline(always)]
     fn see(&mut self, r: usize, overlap: L::V, change: L::V) {
         self.closed[r] = L::positive(overlap);
-        self.changed |= self.closed[r] ^ self.was_closed[r];
         L::store(overlap, &mut self.overlap[r]);
         self.largest.see(r, change);
     }
@@ -103,13 +96,13 @@ impl<L: Lanes, Y: Layout, P: Known<N>, const N: usize> Visit<L, Y> for Arrive<'_
     }
 }
 
-/// Arrives where the step ends; whether any contact has changed sides.
+/// Arrives where the step ends.
 #[inline(always)]
 fn arrive<L: Lanes, Y: Layout, P: Known<N>, const FORM: u8, const N: usize>(
     plan: &Plan,
     work: &mut Workspace,
     h: L::V,
-) -> bool {
+) {
     let rows = plan.rows();
     let cut = Cut::new(plan, rows);
     let Workspace { now, next, between, overlap, .. } = work;
@@ -123,27 +116,23 @@ fn arrive<L: Lanes, Y: Layout, P: Known<N>, const FORM: u8, const N: usize>(
             &now.acceleration[..rows],
         ],
         between: &between[..rows],
-        was_closed: &now.closed[..rows],
         position: [&mut next.position[..rows], &mut next.lost_position[..rows]],
         overlap: &mut overlap[..rows],
         out: &mut next.acceleration[..rows],
         closed: &mut next.closed[..rows],
-        changed: 0,
         largest: Largest::new(cut),
     };
     sweep::<L, Y, FORM>(cut, rows, &mut arrive);
     L::store(Y::largest::<L>(arrive.largest.change), &mut work.largest.overlap);
-    arrive.changed != 0
 }
 
-/// The new velocities, with what rounding took from them, and the estimated errors; their largest magnitudes. Tells whether a contact may have
-/// opened or closed and gone back within the step.
+/// The new velocities, with what rounding took from them, and the estimated errors; their largest magnitudes; and what contacts have done.
 #[inline(always)]
 pub fn speed_up<L: Lanes, Y: Layout, P: Known<N>, const N: usize>(
     rows: usize,
     (h, worth): (L::V, [L::V; 2]),
     work: &mut Workspace,
-) -> bool {
+) -> Sides {
     let Workspace {
         now,
         next,
@@ -151,6 +140,8 @@ pub fn speed_up<L: Lanes, Y: Layout, P: Known<N>, const N: usize>(
         error_position,
         error_velocity,
         overlap,
+        changed,
+        doubtful,
         largest,
         finite,
         ..
@@ -166,7 +157,10 @@ pub fn speed_up<L: Lanes, Y: Layout, P: Known<N>, const N: usize>(
     let mut most = [L::splat(0.0); 3];
     let overlap = &overlap[..rows];
     let none = L::splat(0.0);
-    let (mut total, mut above, mut doubtful) = (none, none, none);
+    let (mut total, mut above) = (none, none);
+    let (changed, doubtful) = (&mut changed[..rows], &mut doubtful[..rows]);
+    let mut sides = Sides::default();
+    let (was_closed, closed) = (&now.closed[..rows], &next.closed[..rows]);
     for r in 0..rows {
         let (stages, end) = ((&first[r], &between[r]), L::load(&arrived[r]));
         let rise = velocity_sum.newest(N - 1, end, velocity_sum.plus(stages, N - 1, none));
@@ -186,14 +180,17 @@ pub fn speed_up<L: Lanes, Y: Layout, P: Known<N>, const N: usize>(
         // `kinks::missed` asks for more; what it finds has come from beyond zero overlap, if its speed has been what it is now.
         let overlap = L::load(&overlap[r]);
         let travel = L::mul(h, L::sub(Y::above::<L>(above, velocity), velocity));
-        doubtful = L::max(L::mul(overlap, L::sub(travel, overlap)), doubtful);
+        changed[r] = closed[r] ^ was_closed[r];
+        doubtful[r] = !changed[r] & L::positive(L::mul(overlap, L::sub(travel, overlap)));
+        sides.changed |= changed[r];
+        sides.doubtful |= doubtful[r];
         above = velocity;
     }
     let error = L::max(L::mul(most[1], worth[0]), L::mul(most[2], worth[1]));
     L::store(Y::largest::<L>(error), &mut largest.error);
     L::store(Y::largest::<L>(most[0]), &mut largest.speed);
     *finite = Y::all(L::finite(total));
-    L::positive(doubtful) != 0
+    sides
 }
 
 /// `value + increment`, and what rounding took. Source: W. Kahan, Commun. ACM 8, 40 (1965).
@@ -204,32 +201,27 @@ pub fn add_compensated<L: Lanes>(value: L::V, lost: L::V, increment: L::V) -> (L
     (sum, L::sub(L::sub(sum, value), increment))
 }
 
-/// What the contacts have done in a step.
-#[derive(Debug, Clone, Copy)]
+/// What the contacts have done in a step, in any row.
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Sides {
-    /// Some are open that were closed, or the other way round.
-    pub changed: bool,
-    /// Some may have been on the other side in between.
-    pub doubtful: bool,
+    /// Lanes in which some are open that were closed, or the other way round.
+    pub changed: u8,
+    /// Lanes in which some may have been on the other side in between.
+    pub doubtful: u8,
+}
+
+impl Sides {
+    /// Whether any.
+    #[inline(always)]
+    pub fn any(self) -> bool {
+        self.changed | self.doubtful != 0
+    }
 }
 
 /// Tries a step of `h` (s) from `work.now`: everything of `work` but that is written. An error of 1 m or 1 m/s is `worth` so many
 /// tolerated ones.
 #[inline(always)]
-pub fn attempt<L: Lanes, Y: Layout, const FORM: u8>(
-    plan: &Plan,
-    pair: Pair,
-    work: &mut Workspace,
-    step: (L::V, [L::V; 2]),
-) -> Sides {
-    match pair {
-        Pair::DormandElMikkawyPrince64 => whole::<L, Y, Pair64, FORM, 6>(plan, work, step),
-        Pair::DormandElMikkawyPrince86 => whole::<L, Y, Pair86, FORM, 9>(plan, work, step),
-    }
-}
-
-#[inline(always)]
-fn whole<L: Lanes, Y: Layout, P: Known<N>, const FORM: u8, const N: usize>(
+pub fn attempt<L: Lanes, Y: Layout, P: Known<N>, const FORM: u8, const N: usize>(
     plan: &Plan,
     work: &mut Workspace,
     (h, worth): (L::V, [L::V; 2]),
@@ -245,7 +237,6 @@ fn whole<L: Lanes, Y: Layout, P: Known<N>, const FORM: u8, const N: usize>(
     stage::<L, Y, P, FORM, N, 5>(plan, work, h);
     stage::<L, Y, P, FORM, N, 6>(plan, work, h);
     stage::<L, Y, P, FORM, N, 7>(plan, work, h);
-    let changed = arrive::<L, Y, P, FORM, N>(plan, work, h);
-    let doubtful = speed_up::<L, Y, P, N>(plan.rows(), (h, worth), work);
-    Sides { changed, doubtful }
+    arrive::<L, Y, P, FORM, N>(plan, work, h);
+    speed_up::<L, Y, P, N>(plan.rows(), (h, worth), work)
 }

@@ -24,8 +24,6 @@ pub trait Layout: Copy {
     fn largest<L: Lanes>(values: L::V) -> L::V;
     /// `own` in the lanes of its chain.
     fn spread<L: Lanes>(own: Self::Own) -> L::V;
-    /// The same as a row.
-    fn row(own: Self::Own) -> Row;
     /// Bits of lanes whose chain has all its bits set.
     fn all(bits: u8) -> u8;
     /// Where entry `index` of the chain in `lane` is.
@@ -67,11 +65,6 @@ impl Layout for Along {
     }
 
     #[inline(always)]
-    fn row(own: f64) -> Row {
-        Row([own; WIDTH])
-    }
-
-    #[inline(always)]
     fn all(bits: u8) -> u8 {
         if bits == u8::MAX { bits } else { 0 }
     }
@@ -110,11 +103,6 @@ impl Layout for Across {
     #[inline(always)]
     fn spread<L: Lanes>(own: Row) -> L::V {
         L::load(&own)
-    }
-
-    #[inline(always)]
-    fn row(own: Row) -> Row {
-        own
     }
 
     #[inline(always)]

@@ -1,9 +1,9 @@
-//! Overlaps of eight contacts that change sides in a step, side by side, and what their forces do there.
+//! Overlaps of eight contacts over a step, side by side, and what their forces do where they change sides.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
-use super::lanes::{Lanes, Row, WIDTH};
-use super::quadrature::{Quadrature, Weights};
-use super::quintic::Quintic;
+use super::forces::begin_plain;
+use super::known::{Known, Position, PositionError, Velocity, VelocityError, Weights};
+use super::lanes::Lanes;
 
 /// Nodes of the Gauss-Jacobi quadrature for the weight `s^1.5` on 0 to 1, and their weights (1).
 const ROOT_NODES: [(f64, f64); 5] = [
@@ -13,72 +13,63 @@ const ROOT_NODES: [(f64, f64); 5] = [
     (0.815_071_707_804_017_6, 0.144_130_795_395_627_18),
     (0.962_989_798_475_994_5, 0.088_646_788_043_552_97),
 ];
-/// Steps of Newton's method from the secant's root.
-const NEWTON_STEPS: usize = 3;
-/// What may be left of an overlap at its root, as a share of those at both ends (1).
-const ROOT_RESIDUE: f64 = 1e-10;
+/// What may be left of an overlap at its root, as a share of those at both ends. The impulse from there on is off by less than that share of
+/// itself, and of any impulse far more is counted as error (1).
+const ROOT_RESIDUE: f64 = 1e-7;
+/// Most steps of the search for a root, each of which at least halves what is left.
+const SEARCH_STEPS: usize = 30;
+/// Where an overlap is looked at that may have gone to the other side and back, fractions of the step (1).
+const LOOKS: [f64; 8] = [0.12, 0.23, 0.34, 0.45, 0.55, 0.66, 0.77, 0.88];
 
 /// Overlap, closing speed and relative acceleration of eight contacts, times 1, `h` and `h^2` (m), at both ends of their steps.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ends(pub [[Row; 3]; 2]);
-
-impl Default for Ends {
-    /// Contacts that open half-way, so that lanes left over do no harm.
-    #[inline(always)]
-    fn default() -> Self {
-        let mut ends = [[Row::default(); 3]; 2];
-        (ends[0][0], ends[1][0]) = (Row([1.0; WIDTH]), Row([-1.0; WIDTH]));
-        Self(ends)
-    }
-}
+pub type Ends<L> = [[<L as Lanes>::V; 3]; 2];
 
 /// What the quadrature misses of `overlap^1.5`, contact by contact.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Missing {
+#[derive(Clone, Copy)]
+pub struct Missing<L: Lanes> {
     /// Of its integral over the step, in units of the step (m^1.5).
-    pub impulse: Row,
+    pub impulse: L::V,
     /// Of its first moment to the end of the step (m^1.5).
-    pub moment: Row,
+    pub moment: L::V,
     /// What it contributes to the error estimates of velocity and position (m^1.5).
-    pub errors: [Row; 2],
-    /// Difference of quintic and cubic at mid-step: what the ends do not know (m).
-    pub uncertainty: Row,
+    pub errors: [L::V; 2],
+    /// What the integral is off if the overlap is off by [`doubt`] (m^1.5).
+    pub uncertainty: L::V,
+}
+
+#[inline(always)]
+fn times<L: Lanes>(factor: f64, value: L::V) -> L::V {
+    L::mul(L::splat(factor), value)
+}
+
+/// `max(overlap, 0)^1.5`; every other `number` leaves the square-root unit alone.
+#[inline(always)]
+fn power<L: Lanes>(number: usize, overlap: L::V) -> L::V {
+    begin_plain::<L>(number, overlap).power(number)
 }
 
 /// Eight quintics in the fraction of the step.
-struct Quintics<L: Lanes> {
+pub struct Quintics<L: Lanes> {
     coefficients: [L::V; 6],
-    /// Where they change sign (1).
-    root: L::V,
 }
 
 impl<L: Lanes> Quintics<L> {
+    /// Through `ends`.
     #[inline(always)]
-    fn new(ends: &Ends) -> (Self, L::V) {
-        let [[p0, w0, g0], [p1, w1, g1]] = ends.0;
-        let [p0, w0, g0] = [L::load(&p0), L::load(&w0), L::load(&g0)];
-        let [p1, w1, g1] = [L::load(&p1), L::load(&w1), L::load(&g1)];
-        let times = |factor: f64, value: L::V| L::mul(L::splat(factor), value);
-        let rise = L::sub(p1, p0);
-        let p = L::sub(L::sub(rise, w0), times(0.5, g0));
+    pub fn new([[p0, w0, g0], [p1, w1, g1]]: Ends<L>) -> Self {
+        let (rise, square) = (L::sub(p1, p0), times::<L>(0.5, g0));
+        let p = L::sub(L::sub(rise, w0), square);
         let q = L::sub(L::sub(w1, w0), g0);
-        let r = L::sub(g1, g0);
-        let square = L::sub(L::sub(times(3.0, rise), times(2.0, w0)), w1);
-        let cube = L::sub(L::add(w0, w1), times(2.0, rise));
-        let early = L::sub(g0, times(2.0, square));
-        let late = L::sub(L::sub(g1, times(2.0, square)), times(6.0, cube));
-        let uncertainty = times(1.0 / 64.0, L::abs(L::add(early, late)));
+        let r = times::<L>(0.5, L::sub(g1, g0));
         let coefficients = [
             p0,
             w0,
-            times(0.5, g0),
-            L::add(L::sub(times(10.0, p), times(4.0, q)), times(0.5, r)),
-            L::sub(L::sub(times(7.0, q), times(15.0, p)), r),
-            L::add(L::sub(times(6.0, p), times(3.0, q)), times(0.5, r)),
+            square,
+            L::add(L::sub(times::<L>(10.0, p), times::<L>(4.0, q)), r),
+            L::sub(L::sub(times::<L>(7.0, q), times::<L>(15.0, p)), L::add(r, r)),
+            L::add(L::sub(times::<L>(6.0, p), times::<L>(3.0, q)), r),
         ];
-        let mut quintics = Self { coefficients, root: L::div(p0, L::sub(p0, p1)) };
-        quintics.find_roots(ends);
-        (quintics, uncertainty)
+        Self { coefficients }
     }
 
     #[inline(always)]
@@ -91,95 +82,135 @@ impl<L: Lanes> Quintics<L> {
         sum
     }
 
-    /// Newton's method; what it does not find is left to one contact's own search.
+    /// A step of Halley's method from `t`: `t - f f' / (f'^2 - f f''/2)`.
     #[inline(always)]
-    fn find_roots(&mut self, ends: &Ends) {
-        let c = self.coefficients;
-        let times = |factor: f64, value: L::V| L::mul(L::splat(factor), value);
-        let slopes = [times(4.0, c[4]), times(3.0, c[3]), times(2.0, c[2]), c[1]];
-        let steepest = times(5.0, c[5]);
-        let (none, one) = (L::splat(0.0), L::splat(1.0));
-        for _ in 0..NEWTON_STEPS {
-            let mut slope = steepest;
-            for coefficient in slopes {
-                slope = L::mul_add(slope, self.root, coefficient);
-            }
-            let next = L::sub(self.root, L::div(self.at(self.root), slope));
-            // The smaller of both, as there is only a larger one.
-            let capped = L::sub(none, L::max(L::sub(none, next), L::sub(none, one)));
-            self.root = L::max(capped, none);
+    fn nearer(&self, t: L::V) -> L::V {
+        let c = &self.coefficients;
+        let mut slope = times::<L>(5.0, c[5]);
+        let mut half_bend = times::<L>(10.0, c[5]);
+        for (n, k) in [(4.0, 4), (3.0, 3), (2.0, 2), (1.0, 1)] {
+            slope = L::mul_add(slope, t, times::<L>(n, c[k]));
         }
-        let (p0, p1) = (L::load(&ends.0[0][0]), L::load(&ends.0[1][0]));
-        let allowed = times(ROOT_RESIDUE, L::add(L::abs(p0), L::abs(p1)));
-        let found = L::positive(L::sub(allowed, L::abs(self.at(self.root))));
-        if found != u8::MAX {
-            let mut roots = Row::default();
-            L::store(self.root, &mut roots);
-            for lane in (0..WIDTH).filter(|lane| found & (1 << lane) == 0) {
-                let end = |which: usize| ends.0[which].map(|row| row.0[lane]);
-                roots.0[lane] = Quintic::new(end(0), end(1)).root();
-            }
-            self.root = L::load(&roots);
+        for (n, k) in [(6.0, 4), (3.0, 3), (1.0, 2)] {
+            half_bend = L::mul_add(half_bend, t, times::<L>(n, c[k]));
         }
+        let value = self.at(t);
+        let divisor = L::sub(L::mul(slope, slope), L::mul(value, half_bend));
+        L::sub(t, L::div(L::mul(value, slope), divisor))
     }
 
-    /// `int overlap^1.5` and `int (1 - t) overlap^1.5` over the closed parts; `closing` is 1 where a contact closes, or 0 (m^1.5).
+    /// Where they change sign between `ends`, for the contacts of `wanted`: each as if it were alone (1).
     #[inline(always)]
-    fn impulses(&self, closing: L::V) -> (L::V, L::V) {
-        let none = L::splat(0.0);
-        let length = L::sub(closing, self.root);
+    fn roots(&self, [[start, early, _], [end, late, _]]: Ends<L>, wanted: u8) -> L::V {
+        let (none, one) = (L::splat(0.0), L::splat(1.0));
+        // Where time, as a cubic in the overlap with the slopes at both ends, says that there is none left.
+        let rise = L::sub(end, start);
+        let (done, left) = (L::div(L::sub(none, start), rise), L::div(end, rise));
+        let (early, late) = (L::sub(L::div(rise, early), one), L::sub(one, L::div(rise, late)));
+        let bend = L::mul_add(early, left, L::mul(late, done));
+        let guess = L::mul_add(L::mul(done, left), bend, done);
+        let mut root = L::max(L::min(self.nearer(guess), one), none);
+
+        let allowed = times::<L>(ROOT_RESIDUE, L::add(L::abs(start), L::abs(end)));
+        let closing = L::positive(end);
+        let (mut low, mut high) = (none, one);
+        for _ in 0..SEARCH_STEPS {
+            let value = self.at(root);
+            let searched = wanted & !L::positive(L::sub(allowed, L::abs(value)));
+            if searched == 0 {
+                break;
+            }
+            // Kept between the ends by bisection.
+            let beyond = !(L::positive(value) ^ closing);
+            high = L::select(beyond, root, high);
+            low = L::select(beyond, low, root);
+            let next = self.nearer(root);
+            let inside = L::positive(L::sub(next, low)) & L::positive(L::sub(high, next));
+            let next = L::select(inside, next, times::<L>(0.5, L::add(low, high)));
+            root = L::select(searched, next, root);
+        }
+        root
+    }
+
+    /// `int overlap^1.5` and `int (1 - t) overlap^1.5` over the closed parts, which reach from `root` (1) to where `end` says: to the end of
+    /// the step where contacts are closed there, or to its start (m^1.5).
+    #[inline(always)]
+    fn impulses(&self, root: L::V, end: L::V) -> [L::V; 2] {
+        let (none, one) = (L::splat(0.0), L::splat(1.0));
+        let length = L::sub(L::select(L::positive(end), one, none), root);
         let (mut impulse, mut moment) = (none, none);
-        for (node, weight) in ROOT_NODES {
-            let t = L::mul_add(L::splat(node), length, self.root);
+        for (number, (node, weight)) in ROOT_NODES.into_iter().enumerate() {
+            let t = L::mul_add(L::splat(node), length, root);
             // The root is taken out, what remains is smooth.
-            let closed = L::max(L::mul(self.at(t), L::splat(1.0 / node)), none);
-            let value = L::mul(L::splat(weight), L::mul(closed, L::sqrt(closed)));
+            let value = power::<L>(number, times::<L>(1.0 / node, self.at(t)));
+            let value = times::<L>(weight, value);
             impulse = L::add(impulse, value);
-            moment = L::mul_add(value, L::sub(L::splat(1.0), t), moment);
+            moment = L::mul_add(value, L::sub(one, t), moment);
         }
         let length = L::abs(length);
-        (L::mul(impulse, length), L::mul(moment, length))
+        [L::mul(impulse, length), L::mul(moment, length)]
+    }
+
+    /// How far overlaps that are `end` (m) at last have been on the other side of zero (m).
+    #[inline(always)]
+    pub fn beyond(&self, end: L::V) -> L::V {
+        let none = L::splat(0.0);
+        let (mut above, mut below) = (none, none);
+        for time in LOOKS {
+            let overlap = self.at(L::splat(time));
+            above = L::max(overlap, above);
+            below = L::max(L::sub(none, overlap), below);
+        }
+        L::select(L::positive(end), below, above)
     }
 }
 
-/// What `quadrature` misses of the contacts between `ends`.
+/// Difference of quintic and cubic at mid-step: what the ends do not know (m).
 #[inline(always)]
-pub fn missing<L: Lanes>(quadrature: &Quadrature, ends: &Ends) -> Missing {
-    let (quintics, uncertainty) = Quintics::<L>::new(ends);
-    let mut closing = Row::default();
-    for (closing, end) in closing.0.iter_mut().zip(ends.0[1][0].0) {
-        *closing = f64::from(u8::from(end > 0.0));
+fn doubt<L: Lanes>([[p0, w0, g0], [p1, w1, g1]]: Ends<L>) -> L::V {
+    let rise = L::sub(p1, p0);
+    let square = L::sub(L::sub(times::<L>(3.0, rise), times::<L>(2.0, w0)), w1);
+    let cube = L::sub(L::add(w0, w1), times::<L>(2.0, rise));
+    let early = L::sub(g0, times::<L>(2.0, square));
+    let late = L::sub(L::sub(g1, times::<L>(2.0, square)), times::<L>(6.0, cube));
+    times::<L>(1.0 / 64.0, L::abs(L::add(early, late)))
+}
+
+/// What the pair's quadrature misses of contacts that change sides between `ends`; nothing of those that are not `wanted`.
+#[inline(always)]
+pub fn missing<L: Lanes, P: Known<N>, const N: usize>(ends: Ends<L>, wanted: u8) -> Missing<L> {
+    let quintics = Quintics::<L>::new(ends);
+    let ([start, end], none) = ([ends[0][0], ends[1][0]], L::splat(0.0));
+    // The quadrature first: it does not wait for the roots.
+    let [mut impulse, mut moment, mut velocity, mut position] = [none; 4];
+    for stage in 0..N {
+        // Sides by themselves: two roots at a time are as many as the step has time for while it searches.
+        let power = power::<L>(1, quintics.at(L::splat(P::PAIR.nodes[stage])));
+        let weigh = |weight: f64, sum: L::V| L::mul_add(L::splat(weight), power, sum);
+        impulse = weigh(Velocity::<P, N>::OF[stage], impulse);
+        moment = weigh(Position::<P, N>::OF[stage], moment);
+        velocity = weigh(VelocityError::<P, N>::OF[stage], velocity);
+        position = weigh(PositionError::<P, N>::OF[stage], position);
     }
-    let (mut impulse, mut moment) = quintics.impulses(L::load(&closing));
-    let none = L::splat(0.0);
-    let mut errors = [none; 2];
-    let at = |weights: &Weights, stage: usize| L::splat(weights[stage / WIDTH].0[stage % WIDTH]);
-    for stage in 0..quadrature.stages {
-        let closed = L::max(quintics.at(at(&quadrature.nodes, stage)), none);
-        let power = L::mul(closed, L::sqrt(closed));
-        impulse = L::sub(impulse, L::mul(at(&quadrature.velocity, stage), power));
-        moment = L::sub(moment, L::mul(at(&quadrature.position, stage), power));
-        errors[0] = L::mul_add(at(&quadrature.velocity_error, stage), power, errors[0]);
-        errors[1] = L::mul_add(at(&quadrature.position_error, stage), power, errors[1]);
+    let root = quintics.roots(ends, wanted);
+    let [whole_impulse, whole_moment] = quintics.impulses(root, end);
+    let depth = L::sqrt(L::max(L::max(start, end), none));
+    let uncertainty = times::<L>(1.5, L::mul(depth, doubt::<L>(ends)));
+    Missing {
+        impulse: L::select(wanted, L::sub(whole_impulse, impulse), none),
+        moment: L::select(wanted, L::sub(whole_moment, moment), none),
+        errors: [L::select(wanted, velocity, none), L::select(wanted, position, none)],
+        uncertainty: L::select(wanted, uncertainty, none),
     }
-    let mut found = Missing::default();
-    L::store(impulse, &mut found.impulse);
-    L::store(moment, &mut found.moment);
-    L::store(errors[0], &mut found.errors[0]);
-    L::store(errors[1], &mut found.errors[1]);
-    L::store(uncertainty, &mut found.uncertainty);
-    found
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::chain::stepper::lanes::Baseline;
-    use crate::integrate::dormand_el_mikkawy_prince_64::DORMAND_EL_MIKKAWY_PRINCE_64;
 
     /// Parabolas through zero at eight places, opening or closing: their integrals against the midpoint rule in `s^2` from the root on,
-    /// where they are smooth. The last two are so bent that Newton's method goes astray; five nodes follow them less closely, but a
-    /// wrong root would leave nothing right.
+    /// where they are smooth. The last two are so bent that five nodes follow them less closely.
     #[test]
     fn integrals_are_those_of_the_overlaps() {
         let overlaps = [
@@ -193,20 +224,21 @@ mod tests {
             (0.95, -0.06, 1.0),
         ];
         // `b (t - root) + c (t - root)^2`, up to the other root, which lies outside.
-        let mut ends = Ends::default();
+        let mut ends = [[[0.0; 8]; 3]; 2];
         for (lane, (root, b, c)) in overlaps.into_iter().enumerate() {
             for (which, t) in [0.0 - root, 1.0 - root].into_iter().enumerate() {
                 let values = [b * t + c * t * t, b + 2.0 * c * t, 2.0 * c];
-                for (row, value) in ends.0[which].iter_mut().zip(values) {
-                    row.0[lane] = value;
+                for (row, value) in ends[which].iter_mut().zip(values) {
+                    row[lane] = value;
                 }
             }
         }
-        let mut nothing = Quadrature::of(&DORMAND_EL_MIKKAWY_PRINCE_64);
-        nothing.stages = 0;
-        let found = missing::<Baseline>(&nothing, &ends);
+        let quintics = Quintics::<Baseline>::new(ends);
+        let at = quintics.roots(ends, u8::MAX);
+        let [impulses, moments] = quintics.impulses(at, ends[1][0]);
         for (lane, (root, b, c)) in overlaps.into_iter().enumerate() {
-            let closes = ends.0[1][0].0[lane] > 0.0;
+            let closes = ends[1][0][lane] > 0.0;
+            assert!((at[lane] - root).abs() < 1e-6, "{lane}: {} and {root}", at[lane]);
             let allowed = if lane < 6 { 1e-6 } else { 1e-2 };
             let length: f64 = if closes { 1.0 - root } else { -root };
             let (mut impulse, mut moment) = (0.0, 0.0);
@@ -219,12 +251,13 @@ mod tests {
                 impulse += part;
                 moment += part * (1.0 - root - x);
             }
-            let off = (found.impulse.0[lane] / impulse - 1.0).abs();
-            assert!(off < allowed, "{lane}: {} and {impulse}", found.impulse.0[lane]);
-            let off = (found.moment.0[lane] - moment).abs() / impulse;
-            assert!(off < allowed, "{lane}: {} and {moment}", found.moment.0[lane]);
+            let off = (impulses[lane] / impulse - 1.0).abs();
+            assert!(off < allowed, "{lane}: {} and {impulse}", impulses[lane]);
+            let off = (moments[lane] - moment).abs() / impulse;
+            assert!(off < allowed, "{lane}: {} and {moment}", moments[lane]);
         }
         // A parabola is a cubic.
-        assert!(found.uncertainty.0.iter().all(|off| *off < 1e-15), "{:?}", found.uncertainty);
+        let off = doubt::<Baseline>(ends);
+        assert!(off.iter().all(|off| *off < 1e-15), "{off:?}");
     }
 }

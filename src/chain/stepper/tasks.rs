@@ -4,14 +4,13 @@
 use std::marker::PhantomData;
 use std::ops::Range;
 
-use super::dispatch::Task;
 use super::evaluate::{Found, evaluate};
 use super::forces::{self, Cut, EXACT, LINEAR, PLAIN};
 use super::kinks::{self, Guard};
-use super::lanes::{Lanes, Row};
-use super::passes;
+use super::known::{Known, Pair64, Pair86};
+use super::lanes::{Lanes, Row, Task};
+use super::passes::{self, Sides};
 use super::plan::{Form, Layout, Plan};
-use super::quadrature::Quadrature;
 use super::splits;
 use super::workspace::{Motion, Workspace};
 use crate::integrate::Pair;
@@ -76,64 +75,89 @@ impl<Y: Layout> Task for Evaluate<'_, Y> {
     }
 }
 
-/// Tries a step, and corrects it where contacts opened or closed.
+/// Tries a step.
 pub struct Attempt<'a, Y: Layout> {
     pub plan: &'a Plan,
     pub pair: Pair,
-    pub quadrature: &'a Quadrature,
     pub work: &'a mut Workspace,
     /// Length of the step (s).
     pub step: Y::Own,
     /// How many tolerated errors an error of 1 m or 1 m/s is.
     pub worth: [Y::Own; 2],
-    /// Impulses (N s) and their moments (N s²) that nobody would see.
-    pub slack: [Y::Own; 2],
-    pub layout: PhantomData<Y>,
 }
 
 impl<Y: Layout> Task for Attempt<'_, Y> {
-    /// What corrections leave uncertain; none where no contact changed sides.
-    type Output = Option<Guard>;
+    /// What contacts have done that asks for more.
+    type Output = Sides;
 
     #[inline(always)]
-    fn run<L: Lanes>(self) -> Option<Guard> {
-        let Self { plan, pair, quadrature, work, step, worth, slack, .. } = self;
-        let worth = worth.map(|worth| Y::spread::<L>(worth));
-        let h = (Y::spread::<L>(step), worth);
-        let sides = match plan.form {
-            Form::Plain => passes::attempt::<L, Y, PLAIN>(plan, pair, work, h),
-            Form::Exact => passes::attempt::<L, Y, EXACT>(plan, pair, work, h),
+    fn run<L: Lanes>(self) -> Sides {
+        match self.pair {
+            Pair::DormandElMikkawyPrince64 => self.by::<L, Pair64, 6>(),
+            Pair::DormandElMikkawyPrince86 => self.by::<L, Pair86, 9>(),
+        }
+    }
+}
+
+impl<Y: Layout> Attempt<'_, Y> {
+    #[inline(always)]
+    fn by<L: Lanes, P: Known<N>, const N: usize>(self) -> Sides {
+        let Self { plan, work, step, worth, .. } = self;
+        let h = (Y::spread::<L>(step), worth.map(|worth| Y::spread::<L>(worth)));
+        match plan.form {
+            Form::Plain => passes::attempt::<L, Y, P, PLAIN, N>(plan, work, h),
+            Form::Exact => passes::attempt::<L, Y, P, EXACT, N>(plan, work, h),
             Form::Linear => {
+                passes::attempt::<L, Y, P, LINEAR, N>(plan, work, h);
                 // These contacts never open.
-                passes::attempt::<L, Y, LINEAR>(plan, pair, work, h);
-                return None;
+                Sides::default()
             }
-        };
-        if !sides.changed && !sides.doubtful {
-            return None;
         }
-        let (step, slack) = (Y::row(step), slack.map(|slack| Y::row(slack)));
-        if !slack[0].0.iter().any(|slack| slack.is_finite()) {
-            return None;
+    }
+}
+
+/// Corrects the step that was tried last, where contacts opened or closed.
+pub struct Correct<'a, Y: Layout> {
+    /// That step.
+    pub attempt: Attempt<'a, Y>,
+    /// What its contacts have done.
+    pub sides: Sides,
+    /// Impulses (N s) and their moments (N s²) that nobody would see.
+    pub slack: [Y::Own; 2],
+}
+
+impl<Y: Layout> Task for Correct<'_, Y> {
+    /// Whether anything had to be.
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> bool {
+        match self.attempt.pair {
+            Pair::DormandElMikkawyPrince64 => self.by::<L, Pair64, 6>(),
+            Pair::DormandElMikkawyPrince86 => self.by::<L, Pair86, 9>(),
         }
-        let limits = (&step, &slack);
-        let corrected = if sides.changed {
-            kinks::correct::<L, Y>(plan, quadrature, work, limits)
-        } else {
-            None
-        };
-        let mut guard = corrected.unwrap_or_default();
-        let missed = kinks::missed::<L, Y>(plan, work, limits, &mut guard);
-        if corrected.is_none() && !missed {
-            return None;
+    }
+}
+
+impl<Y: Layout> Correct<'_, Y> {
+    #[inline(always)]
+    fn by<L: Lanes, P: Known<N>, const N: usize>(self) -> bool {
+        let Self { attempt: Attempt { plan, work, step, worth, .. }, sides, slack } = self;
+        let limits = (Y::spread::<L>(step), slack.map(|slack| Y::spread::<L>(slack)));
+        let mut guard = Guard::none();
+        let corrected =
+            sides.changed != 0 && kinks::correct::<L, Y, P, N>(plan, work, limits, &mut guard);
+        let missed = sides.doubtful != 0 && kinks::missed::<L, Y>(plan, work, limits, &mut guard);
+        if !corrected && !missed {
+            return false;
         }
-        let rows = plan.rows();
-        let position = largest::<L>(&work.error_position[..rows], &guard.position);
-        let velocity = largest::<L>(&work.error_velocity[..rows], &guard.velocity);
-        let [position_worth, velocity_worth] = worth;
-        let error = L::max(L::mul(position, position_worth), L::mul(velocity, velocity_worth));
+        let (rows, worth) = (plan.rows(), worth.map(|worth| Y::spread::<L>(worth)));
+        let position = largest::<L>(&work.error_position[..rows], guard.position);
+        let velocity = largest::<L>(&work.error_velocity[..rows], guard.velocity);
+        let error = L::max(L::mul(position, worth[0]), L::mul(velocity, worth[1]));
         L::store(Y::largest::<L>(error), &mut work.largest.error);
-        Some(guard)
+        L::store(Y::largest::<L>(guard.moved), &mut work.largest.moved);
+        true
     }
 }
 
@@ -170,8 +194,8 @@ impl<Y: Layout> Task for Split<'_, Y> {
 
 /// Largest magnitudes in `rows`, lane by lane, `least` at least.
 #[inline(always)]
-fn largest<L: Lanes>(rows: &[Row], least: &Row) -> L::V {
-    let mut most = L::load(least);
+fn largest<L: Lanes>(rows: &[Row], least: L::V) -> L::V {
+    let mut most = least;
     for row in rows {
         most = L::max(L::abs(L::load(row)), most);
     }

@@ -21,15 +21,12 @@ pub struct Visible<L: Lanes> {
 }
 
 impl<L: Lanes> Visible<L> {
-    /// Of steps of `h` (s), given what is negligible (N s, N s²).
+    /// Of steps of `step` (s), given what is negligible (N s, N s²).
     #[inline(always)]
     #[must_use]
-    pub fn new(h: &Row, slack: &[Row; 2]) -> Self {
-        let step = L::load(h);
-        let moment = L::div(L::load(&slack[1]), L::max(step, L::splat(f64::MIN_POSITIVE)));
-        let none = L::splat(0.0);
-        let least = L::sub(none, L::max(L::sub(none, L::load(&slack[0])), L::sub(none, moment)));
-        let limit = L::mul(L::splat(LEFT_ALONE / MISSED), least);
+    pub fn new(step: L::V, slack: [L::V; 2]) -> Self {
+        let moment = L::div(slack[1], L::max(step, L::splat(f64::MIN_POSITIVE)));
+        let limit = L::mul(L::splat(LEFT_ALONE / MISSED), L::min(slack[0], moment));
         Self { step, limit: L::mul(limit, limit) }
     }
 

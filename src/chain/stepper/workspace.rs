@@ -1,6 +1,5 @@
 //! What a step reads and writes.
 
-use super::kinks::Correction;
 use super::lanes::Row;
 use crate::integrate::Scheme;
 
@@ -40,6 +39,8 @@ pub struct Largest {
     pub speed: Row,
     /// Estimated error of a position or a velocity, as a multiple of the tolerated one (1).
     pub error: Row,
+    /// How far a correction has moved a body (m), where there was one.
+    pub moved: Row,
 }
 
 /// All arrays of a run; made once.
@@ -49,7 +50,7 @@ pub struct Workspace {
     pub now: Box<Motion>,
     /// Where it ends.
     pub next: Box<Motion>,
-    /// Accelerations at the stages between (m/s²), for methods that have any.
+    /// Accelerations at the stages between (m/s²), for methods that have any; once they have been summed, what kinks have missed.
     pub between: Vec<Between>,
     /// Estimated error of each position (m).
     pub error_position: Vec<Row>,
@@ -57,8 +58,10 @@ pub struct Workspace {
     pub error_velocity: Vec<Row>,
     /// Overlaps where the step ends (m).
     pub overlap: Vec<Row>,
-    /// Contacts that changed sides in the step last tried.
-    pub corrections: Vec<Correction>,
+    /// Contacts that changed sides in the step last tried, a bit each; those left whose kinks are put right.
+    pub changed: Vec<u8>,
+    /// Contacts that did not, but may have been on the other side in between, a bit each.
+    pub doubtful: Vec<u8>,
     /// Largest magnitudes of the step last tried.
     pub largest: Largest,
     /// Whether all velocities of the step last tried are finite, a bit for each lane.
@@ -120,7 +123,8 @@ impl Workspace {
             error_position: vec![Row::default(); rows],
             error_velocity: vec![Row::default(); rows],
             overlap: vec![Row::default(); rows],
-            corrections: Vec::new(),
+            changed: vec![0; rows],
+            doubtful: vec![0; rows],
             largest: Largest::default(),
             finite: 0,
         }

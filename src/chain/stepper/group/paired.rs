@@ -1,22 +1,21 @@
 //! A group's steps under a Runge-Kutta-Nystrom pair, with error control.
+#![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
 use std::marker::PhantomData;
 
 use super::lane::Lane;
 use crate::chain::stepper::dispatch::{InstructionSet, dispatch};
 use crate::chain::stepper::kinks;
-use crate::chain::stepper::lanes::{Row, WIDTH};
+use crate::chain::stepper::lanes::{Lanes, Row, Task, WIDTH};
 use crate::chain::stepper::plan::{Across, Plan};
-use crate::chain::stepper::quadrature::Quadrature;
 use crate::chain::stepper::steps::{UNMOVED, worth as worth_of};
-use crate::chain::stepper::tasks::{Attempt, Evaluate};
+use crate::chain::stepper::tasks::{Attempt, Correct, Evaluate};
 use crate::chain::stepper::workspace::{Motion, Workspace};
 use crate::integrate::Pair;
 
 /// A pair at work.
 pub struct Paired {
     pair: Pair,
-    quadrature: Quadrature,
     tolerance: f64,
     /// Room for accelerations (m/s²).
     fresh: Vec<Row>,
@@ -25,12 +24,7 @@ pub struct Paired {
 impl Paired {
     /// With errors of `tolerance` a step (1), in `rows` rows.
     pub fn new(pair: Pair, tolerance: f64, rows: usize) -> Self {
-        Self {
-            pair,
-            quadrature: Quadrature::of(pair.coefficients()),
-            tolerance,
-            fresh: vec![Row::default(); rows],
-        }
+        Self { pair, tolerance, fresh: vec![Row::default(); rows] }
     }
 
     /// Tries a step in every lane; tells which lanes have taken theirs.
@@ -46,7 +40,7 @@ impl Paired {
         for (index, lane) in lanes.iter_mut().enumerate() {
             taken[index] = lane.judge(work, index);
         }
-        keep(work, &taken[..lanes.len()]);
+        keep(set, work, &taken[..lanes.len()]);
         taken
     }
 
@@ -57,7 +51,6 @@ impl Paired {
         (work, lanes): (&mut Workspace, &mut [Lane]),
         step: Row,
     ) {
-        let Self { pair, quadrature, .. } = self;
         let (mut slack, mut worth) = ([Row::default(); 2], [Row::default(); 2]);
         for (index, lane) in lanes.iter().enumerate() {
             let own = worth_of(self.tolerance, lane.scales);
@@ -66,22 +59,26 @@ impl Paired {
                 (slack[kind].0[index], worth[kind].0[index]) = (least[kind], own[kind]);
             }
         }
-        let layout = PhantomData;
-        let pair = *pair;
-        let task = Attempt::<Across> { plan, pair, quadrature, work, step, worth, slack, layout };
-        let guard = dispatch(set, task);
+        let pair = self.pair;
+        let sides = dispatch(set, Attempt::<Across> { plan, pair, work, step, worth });
         let stages = self.pair.evaluations() as u64;
         for lane in lanes.iter_mut().filter(|lane| lane.tries()) {
             lane.counts.force_evaluations += stages;
         }
-        let Some(guard) = guard else { return };
-        let moved = lanes.iter().zip(guard.moved.0);
+        if !sides.any() {
+            return;
+        }
+        let attempt = Attempt::<Across> { plan, pair, work, step, worth };
+        if !dispatch(set, Correct { attempt, sides, slack }) {
+            return;
+        }
+        let moved = work.largest.moved;
         let mut again = false;
-        for (lane, moved) in moved {
+        for (lane, moved) in lanes.iter().zip(moved.0) {
             again |= lane.tries() && moved > UNMOVED * self.tolerance * lane.scales.0;
         }
         if again {
-            self.evaluate_end(set, plan, (work, lanes), &guard.moved);
+            self.evaluate_end(set, plan, (work, lanes), &moved);
         }
     }
 
@@ -97,43 +94,55 @@ impl Paired {
         let Motion { position, closed, force, acceleration: kept, .. } = &mut *work.next;
         let out = (&mut **closed, &mut **force, &mut **fresh);
         dispatch(set, Evaluate::<Across> { plan, position, out, layout: PhantomData });
+        let mut lanes_moved = 0;
         for (index, lane) in lanes.iter_mut().enumerate() {
             if lane.tries() && moved.0[index] > UNMOVED * *tolerance * lane.scales.0 {
                 lane.counts.force_evaluations += 1;
-                for (kept, fresh) in kept.iter_mut().zip(&*fresh) {
-                    kept.0[index] = fresh.0[index];
-                }
+                lanes_moved |= 1 << index;
             }
         }
+        dispatch(set, Take { lanes: lanes_moved, rows: [(&mut **kept, &**fresh)] });
     }
 }
 
 /// Makes the step's end the present in all lanes that have `taken` it.
-fn keep(work: &mut Workspace, taken: &[bool]) {
+fn keep(set: InstructionSet, work: &mut Workspace, taken: &[bool]) {
     work.turn();
+    let left = taken.iter().enumerate().filter(|(_, taken)| !**taken);
+    let lanes = left.fold(0, |lanes, (index, _)| lanes | 1 << index);
+    if lanes == 0 {
+        return;
+    }
     let Workspace { now, next, .. } = work;
-    for (index, _) in taken.iter().enumerate().filter(|(_, taken)| !**taken) {
-        now.take_lane(next, index);
+    let rows = [
+        (&mut *now.position, &*next.position),
+        (&mut *now.velocity, &*next.velocity),
+        (&mut *now.lost_position, &*next.lost_position),
+        (&mut *now.lost_velocity, &*next.lost_velocity),
+        (&mut *now.acceleration, &*next.acceleration),
+    ];
+    dispatch(set, Take { lanes, rows });
+    for (now, next) in now.closed.iter_mut().zip(&next.closed) {
+        *now = *now & !lanes | next & lanes;
     }
 }
 
-impl Motion {
-    /// Takes lane `index` from `from`.
-    fn take_lane(&mut self, from: &Self, index: usize) {
-        copy_lane(&mut self.position, &from.position, index);
-        copy_lane(&mut self.velocity, &from.velocity, index);
-        copy_lane(&mut self.lost_position, &from.lost_position, index);
-        copy_lane(&mut self.lost_velocity, &from.lost_velocity, index);
-        copy_lane(&mut self.acceleration, &from.acceleration, index);
-        let bit = 1_u8 << index;
-        for (closed, from) in self.closed.iter_mut().zip(&from.closed) {
-            *closed = *closed & !bit | from & bit;
+/// Copies some lanes of rows.
+struct Take<'a, const N: usize> {
+    lanes: u8,
+    /// To where, from where.
+    rows: [(&'a mut [Row], &'a [Row]); N],
+}
+
+impl<const N: usize> Task for Take<'_, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        for (to, from) in self.rows {
+            for (to, from) in to.iter_mut().zip(from) {
+                L::store(L::select(self.lanes, L::load(from), L::load(to)), to);
+            }
         }
-    }
-}
-
-fn copy_lane(to: &mut [Row], from: &[Row], index: usize) {
-    for (to, from) in to.iter_mut().zip(from) {
-        to.0[index] = from.0[index];
     }
 }

@@ -1,16 +1,14 @@
 //! Steps of a Runge-Kutta-Nystrom pair, with error control.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
-use std::marker::PhantomData;
-
 use super::{Course, first_lost};
-use crate::chain::stepper::dispatch::{Task, dispatch};
+use crate::chain::stepper::dispatch::dispatch;
 use crate::chain::stepper::kinks;
-use crate::chain::stepper::lanes::Lanes;
+use crate::chain::stepper::lanes::{Lanes, Task};
+use crate::chain::stepper::passes::Sides;
 use crate::chain::stepper::plan::Along;
-use crate::chain::stepper::quadrature::Quadrature;
 use crate::chain::stepper::steps::{UNMOVED, control, worth};
-use crate::chain::stepper::tasks::{Attempt, Evaluate};
+use crate::chain::stepper::tasks::{Attempt, Correct, Evaluate};
 use crate::integrate::IntegrateError;
 use crate::integrate::Pair;
 use crate::integrate::control::StepControl;
@@ -18,7 +16,6 @@ use crate::integrate::control::StepControl;
 /// A pair at work.
 pub struct Paired {
     pair: Pair,
-    quadrature: Quadrature,
     control: StepControl,
     tolerance: f64,
     /// Largest overlap change (m) and speed (m/s) so far: what errors are relative to.
@@ -34,9 +31,8 @@ pub struct Paired {
 impl Paired {
     /// With errors of `tolerance` a step (1) relative to `scales` of overlap (m) and speed (m/s); `lightest` is the smallest mass (kg).
     pub fn new(pair: Pair, tolerance: f64, scales: (f64, f64), lightest: f64) -> Self {
-        let (quadrature, control) = (Quadrature::of(pair.coefficients()), control(scales, pair));
-        let (events, corrects) = (0, true);
-        Self { pair, quadrature, control, tolerance, scales, lightest, events, corrects }
+        let (control, events, corrects) = (control(scales, pair), 0, true);
+        Self { pair, control, tolerance, scales, lightest, events, corrects }
     }
 
     /// Takes a step, not beyond `end` (s); returns its length (s).
@@ -47,26 +43,37 @@ impl Paired {
     /// Tries a step of `h` (s) and returns its error as a multiple of the tolerance (1).
     #[inline(always)]
     fn attempt<L: Lanes>(&mut self, course: &mut Course, h: f64) -> f64 {
-        let Self { pair, quadrature, .. } = self;
+        let (pair, worth) = (self.pair, worth(self.tolerance, self.scales));
         let Course { plan, work, counts, .. } = course;
-        // Without corrections no impulse is worth one.
-        let tolerance = if self.corrects { self.tolerance } else { f64::INFINITY };
-        let slack = kinks::slack(tolerance, self.scales, self.lightest);
-        let worth = worth(self.tolerance, self.scales);
-        let layout = PhantomData;
-        let pair = *pair;
-        let task = Attempt::<Along> { plan, pair, quadrature, work, step: h, worth, slack, layout };
-        let guard = task.run::<L>();
         counts.force_evaluations += pair.evaluations() as u64;
-        let error = work.error(0);
-        if let Some(guard) = guard.filter(|_| error <= 1.0) {
-            self.events += 1;
-            let moved = guard.moved.0.into_iter().fold(0.0, f64::max);
-            if moved > UNMOVED * self.tolerance * self.scales.0 {
-                evaluate_end(course);
-            }
+        let sides = Attempt::<Along> { plan, pair, work, step: h, worth }.run::<L>();
+        if sides.any() && self.corrects {
+            self.correct::<L>(course, (h, worth), sides);
         }
-        error
+        course.work.error(0)
+    }
+
+    /// Corrects a step of `h` (s) that was tried; an error of 1 m or 1 m/s is `worth` so many tolerated ones.
+    #[inline(always)]
+    fn correct<L: Lanes>(
+        &mut self,
+        course: &mut Course,
+        (h, worth): (f64, [f64; 2]),
+        sides: Sides,
+    ) {
+        let Course { plan, work, counts, .. } = course;
+        let attempt = Attempt::<Along> { plan, pair: self.pair, work, step: h, worth };
+        let slack = kinks::slack(self.tolerance, self.scales, self.lightest);
+        // Apart from the loops that every step goes through, which are the quicker for it.
+        let corrected = L::apart(Correct { attempt, sides, slack });
+        if !corrected || work.error(0) > 1.0 {
+            return;
+        }
+        self.events += 1;
+        if work.largest.moved.0[0] > UNMOVED * self.tolerance * self.scales.0 {
+            work.largest.overlap = L::apart(Evaluate::<Along>::at(plan, &mut work.next));
+            counts.force_evaluations += 1;
+        }
     }
 }
 
@@ -101,11 +108,4 @@ impl Task for Step<'_> {
             return Ok(trial.length);
         }
     }
-}
-
-/// Forces and accelerations where the step ended, after a correction.
-fn evaluate_end(course: &mut Course) {
-    let Course { set, plan, work, counts, .. } = course;
-    work.largest.overlap = dispatch(*set, Evaluate::<Along>::at(plan, &mut work.next));
-    counts.force_evaluations += 1;
 }

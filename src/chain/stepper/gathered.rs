@@ -1,0 +1,142 @@
+//! Contacts of several rows that change sides, side by side: what is asked of eight costs no more than of one.
+#![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
+#![allow(
+    clippy::needless_range_loop,
+    reason = "closures would be compiled without the instruction set, and iterators of two sides make more of it"
+)]
+
+use super::known::Known;
+use super::lanes::{Lanes, WIDTH};
+use super::quintics::{Ends, Missing, missing};
+use super::workspace::Between;
+
+/// Contacts not yet asked about, fewer than eight, and how many eights have been.
+pub struct Gathered<L: Lanes> {
+    ends: Ends<L>,
+    count: usize,
+    eights: usize,
+}
+
+/// Bits of all lanes from number `first` on, of which there may be none.
+#[inline(always)]
+fn from(first: usize) -> u8 {
+    #[allow(clippy::cast_possible_truncation, reason = "what is cut off are lanes beyond the last")]
+    let bits = (u32::from(u8::MAX) << first) as u8;
+    bits
+}
+
+impl<L: Lanes> Gathered<L> {
+    /// None so far.
+    #[inline(always)]
+    pub fn new() -> Self {
+        Self { ends: [[L::splat(0.0); 3]; 2], count: 0, eights: 0 }
+    }
+
+    /// Adds a row's contacts of `bits`; what is missing of the eights that are full goes into `found`.
+    #[inline(always)]
+    pub fn add<P: Known<N>, const N: usize>(
+        &mut self,
+        (bits, mut ends): (u8, Ends<L>),
+        found: &mut [Between],
+    ) {
+        let before = self.count;
+        for end in 0..2 {
+            for value in 0..3 {
+                let (new, all) = (&mut ends[end][value], &mut self.ends[end][value]);
+                *new = L::compress(bits, *new);
+                *all = L::expand(from(before), *new, *all);
+            }
+        }
+        self.count += bits.count_ones() as usize;
+        if self.count < WIDTH {
+            return;
+        }
+        let left = self.count - WIDTH;
+        self.count = WIDTH;
+        self.finish::<P, N>(found);
+        self.count = left;
+        for end in 0..2 {
+            for value in 0..3 {
+                self.ends[end][value] = L::compress(from(WIDTH - before), ends[end][value]);
+            }
+        }
+    }
+
+    /// Finds what is missing of the contacts that are left.
+    #[inline(always)]
+    pub fn finish<P: Known<N>, const N: usize>(&mut self, found: &mut [Between]) {
+        if self.count == 0 {
+            return;
+        }
+        let Missing { impulse, moment, errors, uncertainty } =
+            missing::<L, P, N>(self.ends, !from(self.count));
+        let found = &mut found[self.eights];
+        L::store(impulse, &mut found[0]);
+        L::store(moment, &mut found[1]);
+        L::store(errors[0], &mut found[2]);
+        L::store(errors[1], &mut found[3]);
+        L::store(uncertainty, &mut found[4]);
+        self.eights += 1;
+        self.count = 0;
+    }
+}
+
+/// What `found` says of a row's contacts of `bits`, before which `count` were added; nothing is missing at the row's others.
+#[inline(always)]
+pub fn spread<L: Lanes>(found: &[Between], count: usize, bits: u8) -> Missing<L> {
+    let (eight, lane) = (count / WIDTH, count % WIDTH);
+    let mut values = [L::splat(0.0); 5];
+    for which in 0..5 {
+        values[which] = L::compress(from(lane), L::load(&found[eight][which]));
+    }
+    if lane + bits.count_ones() as usize > WIDTH {
+        for which in 0..5 {
+            let more = L::load(&found[eight + 1][which]);
+            values[which] = L::expand(from(WIDTH - lane), more, values[which]);
+        }
+    }
+    for which in 0..5 {
+        values[which] = L::expand(bits, values[which], L::splat(0.0));
+    }
+    let [impulse, moment, velocity, position, uncertainty] = values;
+    Missing { impulse, moment, errors: [velocity, position], uncertainty }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chain::stepper::known::Pair64;
+    use crate::chain::stepper::lanes::Baseline;
+
+    /// Three rows with 3, 6 and 8 of their contacts: what is found of each must be what is found of it alone.
+    #[test]
+    fn contacts_side_by_side_are_as_alone() {
+        let row = |shift: f64| -> Ends<Baseline> {
+            let of = |scale: f64, slope: f64| {
+                [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0].map(|lane| scale + slope * (lane + shift))
+            };
+            [
+                [of(-0.2, -0.01), of(0.9, 0.03), of(0.1, 0.05)],
+                [of(0.8, 0.02), of(1.0, 0.07), of(0.2, -0.03)],
+            ]
+        };
+        let rows = [(0b0101_1000, row(0.0)), (0b1110_0111, row(0.3)), (u8::MAX, row(0.6))];
+        let mut found = [Between::default(); 3];
+        let mut gathered = Gathered::<Baseline>::new();
+        for (bits, ends) in rows {
+            gathered.add::<Pair64, 6>((bits, ends), &mut found);
+        }
+        gathered.finish::<Pair64, 6>(&mut found);
+        let mut count = 0;
+        for (bits, ends) in rows {
+            let together = spread::<Baseline>(&found, count, bits);
+            let alone = missing::<Baseline, Pair64, 6>(ends, bits);
+            assert!(alone.impulse.iter().any(|missing| missing.abs() > 1e-6));
+            let values = |m: Missing<Baseline>| {
+                [m.impulse, m.moment, m.errors[0], m.errors[1], m.uncertainty]
+            };
+            assert_eq!(values(together), values(alone));
+            count += bits.count_ones() as usize;
+        }
+    }
+}
