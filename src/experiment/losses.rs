@@ -20,7 +20,7 @@ const KINK_MARGIN: f64 = 16.0;
 /// low order, and their error estimates up to 4.7 times too small, measured at 1e-9 (1).
 const ROUGH_MARGIN: f64 = 32.0;
 /// Above this accuracy the pair of order 6 is cheaper than that of order 8 (1).
-const SIXTH_ORDER_UP_TO: f64 = 1e-5;
+const SIXTH_ORDER_UP_TO: f64 = 6e-4;
 /// Steps of order 8 are held to so many times the accuracy: they are far better than they must be (1).
 const EIGHTH_ORDER_MARGIN: f64 = 3.0;
 /// What [`STEP_MARGIN`] is for the implicit method: overdamped pulses have flat peaks, whose times were up to 3.2 times as far off as a
