@@ -18,13 +18,32 @@ use super::known::{Known, Position, PositionError, Stage, Velocity, VelocityErro
 use super::lanes::Lanes;
 use super::passes::{Sides, add_compensated};
 use super::plan::{Along, FEW, Layout, Plan};
-use super::rows::{Mobility, Rows, added, differences, largest_of, load, nets, scaled, store};
-use super::workspace::{BETWEEN, Motion, Workspace};
+use super::rows::{Mobility, Rows, differences, largest_of, load, nets, scaled, store};
+use super::workspace::{BETWEEN, Motion, Parts, Workspace};
 
 /// `sum` plus what stage `m` weighs.
 #[inline(always)]
 fn plus<L: Lanes, W: Weights>(m: usize, value: L::V, sum: L::V) -> L::V {
     if W::OF[m] == 0.0 { sum } else { L::mul_add(L::splat(W::OF[m]), value, sum) }
+}
+
+/// The overlaps that have changed by `change` (m).
+#[inline(always)]
+fn overlaps<L: Lanes, const R: usize>(plan: Cut, mut change: Rows<L, R>) -> Rows<L, R> {
+    for (change, row) in change.iter_mut().zip(plan.rows) {
+        *change = L::add(*change, L::load(&row.static_overlap));
+    }
+    change
+}
+
+/// Inverse masses of the bodies (1/kg).
+#[inline(always)]
+fn inverse_masses<L: Lanes, const R: usize>(plan: Cut) -> Rows<L, R> {
+    let mut inverse = [L::splat(0.0); R];
+    for (inverse, row) in inverse.iter_mut().zip(plan.rows) {
+        *inverse = L::load(&row.inverse_mass);
+    }
+    inverse
 }
 
 /// Where a step starts and what it has come by; its length is in overlaps and mobilities.
@@ -48,18 +67,18 @@ impl<'a, L: Lanes, const R: usize> Step<'a, L, R> {
     #[inline(always)]
     fn new(plan: Cut<'a>, now: &'a Motion, h: L::V) -> Self {
         let square = L::mul(h, h);
-        let force = load::<L, R>(&now.force);
-        let change = differences::<L, R>(&load::<L, R>(&now.position));
-        let overlap = added::<L, R>(change, plan.static_overlap);
-        let rate = differences::<L, R>(&load::<L, R>(&now.velocity));
-        let second = differences::<L, R>(&load::<L, R>(&now.acceleration));
+        let force = load::<L, R>(now.force());
+        let change = differences::<L, R>(&load::<L, R>(now.position()));
+        let overlap = overlaps::<L, R>(plan, change);
+        let rate = differences::<L, R>(&load::<L, R>(now.velocity()));
+        let second = differences::<L, R>(&load::<L, R>(now.acceleration()));
         Self {
             plan,
             now,
             h,
             start: [overlap, scaled::<L, R>(h, rate), scaled::<L, R>(square, second)],
             force,
-            mobility: Mobility::new(scaled::<L, R>(square, load::<L, R>(plan.inverse_mass))),
+            mobility: Mobility::new(scaled::<L, R>(square, inverse_masses::<L, R>(plan))),
             between: [force; BETWEEN],
         }
     }
@@ -130,37 +149,42 @@ impl<'a, L: Lanes, const R: usize> Step<'a, L, R> {
 
     /// The new positions; how overlaps have changed there, and what they are (m).
     #[inline(always)]
-    fn arrive<P: Known<N>, const N: usize>(&self, next: &mut Motion) -> [Rows<L, R>; 2] {
+    fn arrive<P: Known<N>, const N: usize>(&self, next: &mut Parts) -> [Rows<L, R>; 2] {
         let push = nets::<L, R>(&self.sum::<Position<P, N>>(N - 1));
         let (mut at, mut rest) = (push, push);
         let half = L::mul(L::splat(0.5), L::mul(self.h, self.h));
+        let now = self.now;
+        let (acceleration, velocity) = (&now.acceleration()[..R], &now.velocity()[..R]);
+        let (position, lost) = (&now.position()[..R], &now.lost_position()[..R]);
         for r in 0..R {
-            let now = self.now;
-            let fall = L::mul(half, L::load(&now.acceleration[r]));
-            let fall = L::mul_add(self.h, L::load(&now.velocity[r]), fall);
+            let fall = L::mul(half, L::load(&acceleration[r]));
+            let fall = L::mul_add(self.h, L::load(&velocity[r]), fall);
             let rise = L::mul_add(self.mobility.below[r], push[r], fall);
-            let (from, lost) = (L::load(&now.position[r]), L::load(&now.lost_position[r]));
+            let (from, lost) = (L::load(&position[r]), L::load(&lost[r]));
             (at[r], rest[r]) = add_compensated::<L>(from, lost, rise);
         }
-        store::<L, R>(&at, &mut next.position);
-        store::<L, R>(&rest, &mut next.lost_position);
+        store::<L, R>(&at, next.position);
+        store::<L, R>(&rest, next.lost_position);
         let change = differences::<L, R>(&at);
-        [change, added::<L, R>(change, self.plan.static_overlap)]
+        [change, overlaps::<L, R>(self.plan, change)]
     }
 
     /// The new velocities (m/s), from what the stages weigh in them.
     #[inline(always)]
-    fn speed_up(&self, sum: &Rows<L, R>, next: &mut Motion) -> Rows<L, R> {
+    fn speed_up(&self, sum: &Rows<L, R>, next: &mut Parts) -> Rows<L, R> {
         let push = nets::<L, R>(sum);
         let (mut speed, mut rest) = (push, push);
+        let (now, plan) = (self.now, &self.plan.rows[..R]);
+        let acceleration = &now.acceleration()[..R];
+        let (velocity, lost) = (&now.velocity()[..R], &now.lost_velocity()[..R]);
         for r in 0..R {
-            let (now, inverse_mass) = (self.now, L::load(&self.plan.inverse_mass[r]));
-            let rise = L::mul_add(inverse_mass, push[r], L::load(&now.acceleration[r]));
-            let (from, lost) = (L::load(&now.velocity[r]), L::load(&now.lost_velocity[r]));
+            let inverse_mass = L::load(&plan[r].inverse_mass);
+            let rise = L::mul_add(inverse_mass, push[r], L::load(&acceleration[r]));
+            let (from, lost) = (L::load(&velocity[r]), L::load(&lost[r]));
             (speed[r], rest[r]) = add_compensated::<L>(from, lost, L::mul(self.h, rise));
         }
-        store::<L, R>(&speed, &mut next.velocity);
-        store::<L, R>(&rest, &mut next.lost_velocity);
+        store::<L, R>(&speed, next.velocity);
+        store::<L, R>(&rest, next.lost_velocity);
         speed
     }
 }
@@ -188,7 +212,7 @@ fn whole<L: Lanes, P: Known<N>, const R: usize, const N: usize>(
     work: &mut Workspace,
     (h, worth): (L::V, [L::V; 2]),
 ) -> Sides {
-    let (now, next) = (&*work.now, &mut *work.next);
+    let (now, mut next) = (&*work.now, work.next.parts());
     let (plan, none) = (Cut::new(plan, R), L::splat(0.0));
     let mut step = Step::<L, R>::new(plan, now, h);
     step.stage::<P, 1, N>();
@@ -200,7 +224,7 @@ fn whole<L: Lanes, P: Known<N>, const R: usize, const N: usize>(
     step.stage::<P, 7, N>();
 
     // What the next step waits for comes first.
-    let [moved, overlap] = step.arrive::<P, N>(next);
+    let [moved, overlap] = step.arrive::<P, N>(&mut next);
     let mut begun = [Begun::none(); R];
     for r in 0..R {
         begun[r] = begin_plain::<L>(r, overlap[r]);
@@ -217,11 +241,11 @@ fn whole<L: Lanes, P: Known<N>, const R: usize, const N: usize>(
         off_speed[r] = plus::<L, VelocityError<P, N>>(N - 1, newest, off_speed[r]);
         speed[r] = plus::<L, Velocity<P, N>>(N - 1, newest, speed[r]);
     }
-    store::<L, R>(&force, &mut next.force);
+    store::<L, R>(&force, next.force);
     let (mut off, mut off_speed) = (nets::<L, R>(&off), nets::<L, R>(&off_speed));
     for r in 0..R {
         off[r] = L::mul(step.mobility.below[r], off[r]);
-        off_speed[r] = L::mul(L::load(&plan.inverse_mass[r]), off_speed[r]);
+        off_speed[r] = L::mul(L::load(&plan.rows[r].inverse_mass), off_speed[r]);
     }
     let (most, most_speed) = (largest_of::<L, R>(off), largest_of::<L, R>(off_speed));
     let error = L::max(L::mul(most, worth[0]), L::mul(most_speed, L::mul(h, worth[1])));
@@ -229,7 +253,7 @@ fn whole<L: Lanes, P: Known<N>, const R: usize, const N: usize>(
     store::<L, R>(&off, &mut work.error_position);
     store::<L, R>(&scaled::<L, R>(h, off_speed), &mut work.error_velocity);
 
-    let speed = step.speed_up(&speed, next);
+    let speed = step.speed_up(&speed, &mut next);
     let travel = scaled::<L, R>(h, differences::<L, R>(&speed));
     // As `passes::speed_up` has it.
     let beyond = |r: usize| L::mul(overlap[r], L::sub(travel[r], overlap[r]));

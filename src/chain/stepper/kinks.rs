@@ -18,10 +18,11 @@
 use super::gathered::{Gathered, spread};
 use super::known::Known;
 use super::lanes::{Lanes, Row};
-use super::plan::{Layout, Plan};
-use super::quintics::{Ends, Missing, Quintics};
+use super::plan::{Contacts, Layout, Plan};
+use super::quintics::{Missing, Quintics};
+use super::tried::Tried;
 use super::visible::Visible;
-use super::workspace::{Motion, Workspace};
+use super::workspace::{Parts, Workspace};
 
 /// Share of a correction that is counted as error: residuals measured on the shipped scenes stayed below (1).
 const CORRECTION_SHARE: f64 = 0.01;
@@ -76,46 +77,26 @@ impl<L: Lanes> Kink<L> {
     }
 }
 
-/// A step that was tried, of `h` (s, lane by lane).
-struct Step<'a, L: Lanes> {
-    plan: &'a Plan,
+/// Contacts, and how long they were followed.
+struct Correction<'a, L: Lanes> {
+    plan: &'a [Contacts],
     h: L::V,
 }
 
-impl<L: Lanes> Step<'_, L> {
-    /// Overlaps and closing speeds of row `r` at one end, in units of the step (m).
-    #[inline(always)]
-    fn moves<Y: Layout>(&self, motion: &Motion, r: usize) -> [L::V; 2] {
-        let change = above_less_below::<L, Y>(&motion.position, r);
-        let overlap = L::add(L::load(&self.plan.static_overlap[r]), change);
-        [overlap, L::mul(self.h, above_less_below::<L, Y>(&motion.velocity, r))]
-    }
+/// Inverse mass of the lighter body at each contact of row `r` (1/kg).
+#[inline(always)]
+fn lighter<L: Lanes, Y: Layout>(plan: &[Contacts], r: usize) -> L::V {
+    let before = if r > 0 { L::load(&plan[r - 1].inverse_mass) } else { L::splat(0.0) };
+    let here = L::load(&plan[r].inverse_mass);
+    L::max(Y::above::<L>(before, here), here)
+}
 
-    /// The same and relative accelerations (m).
-    #[inline(always)]
-    fn end<Y: Layout>(&self, motion: &Motion, r: usize) -> [L::V; 3] {
-        let [overlap, closing] = self.moves::<Y>(motion, r);
-        let square = L::mul(self.h, self.h);
-        [overlap, closing, L::mul(square, above_less_below::<L, Y>(&motion.acceleration, r))]
-    }
-
-    #[inline(always)]
-    fn ends<Y: Layout>(&self, work: &Workspace, r: usize) -> Ends<L> {
-        [self.end::<Y>(&work.now, r), self.end::<Y>(&work.next, r)]
-    }
-
-    /// Inverse mass of the lighter body at each contact of row `r` (1/kg).
-    #[inline(always)]
-    fn lighter<Y: Layout>(&self, r: usize) -> L::V {
-        let [above, here] = above_and_here::<L, Y>(&self.plan.inverse_mass, r);
-        L::max(above, here)
-    }
-
+impl<L: Lanes> Correction<'_, L> {
     /// What is missing at the contacts of row `r` that change sides.
     #[inline(always)]
     fn kink<Y: Layout>(&self, missing: Missing<L>, r: usize, guard: &mut Guard<L>) -> Kink<L> {
         let Missing { impulse, moment, errors, uncertainty } = missing;
-        let whole = L::mul(self.h, L::load(&self.plan.stiffness[r]));
+        let whole = L::mul(self.h, L::load(&self.plan[r].stiffness));
         let square = L::mul(self.h, whole);
         let found = Kink {
             kick: L::mul(whole, impulse),
@@ -123,7 +104,7 @@ impl<L: Lanes> Step<'_, L> {
             kick_error: L::mul(whole, errors[0]),
             shift_error: L::mul(square, errors[1]),
         };
-        let (lighter, share) = (self.lighter::<Y>(r), L::splat(CORRECTION_SHARE));
+        let (lighter, share) = (lighter::<L, Y>(self.plan, r), L::splat(CORRECTION_SHARE));
         let model = L::mul(L::mul(L::splat(MODEL_SHARE), whole), uncertainty);
         let shift = L::abs(found.shift);
         let velocity = L::max(L::mul(share, L::abs(found.kick)), model);
@@ -139,40 +120,24 @@ impl<L: Lanes> Step<'_, L> {
     #[inline(always)]
     fn apply<Y: Layout>(
         &self,
-        work: &mut Workspace,
+        [position, velocity, error_position, error_velocity]: &mut [&mut [Row]; 4],
         r: usize,
         (above, below): (Kink<L>, Kink<L>),
     ) -> L::V {
-        let inverse_mass = L::load(&self.plan.inverse_mass[r]);
+        let inverse_mass = L::load(&self.plan[r].inverse_mass);
         let net = |above: L::V, below: L::V| {
             L::mul(inverse_mass, L::sub(above, Y::below::<L>(above, below)))
         };
-        let Workspace { next, error_position, error_velocity, .. } = work;
-        let velocity = L::add(L::load(&next.velocity[r]), net(above.kick, below.kick));
-        let position = L::add(L::load(&next.position[r]), net(above.shift, below.shift));
-        L::store(velocity, &mut next.velocity[r]);
-        L::store(position, &mut next.position[r]);
-        let off = net(above.kick_error, below.kick_error);
-        L::store(L::sub(L::load(&error_velocity[r]), off), &mut error_velocity[r]);
-        let off = net(above.shift_error, below.shift_error);
-        L::store(L::sub(L::load(&error_position[r]), off), &mut error_position[r]);
-        velocity
+        let speed = L::add(L::load(&velocity[r]), net(above.kick, below.kick));
+        L::store(speed, &mut velocity[r]);
+        let at = L::add(L::load(&position[r]), net(above.shift, below.shift));
+        L::store(at, &mut position[r]);
+        let off = L::sub(L::load(&error_velocity[r]), net(above.kick_error, below.kick_error));
+        L::store(off, &mut error_velocity[r]);
+        let off = L::sub(L::load(&error_position[r]), net(above.shift_error, below.shift_error));
+        L::store(off, &mut error_position[r]);
+        speed
     }
-}
-
-/// What stands above and at row `r`.
-#[inline(always)]
-fn above_and_here<L: Lanes, Y: Layout>(rows: &[Row], r: usize) -> [L::V; 2] {
-    let before = if r > 0 { L::load(&rows[r - 1]) } else { L::splat(0.0) };
-    let here = L::load(&rows[r]);
-    [Y::above::<L>(before, here), here]
-}
-
-/// How much more the bodies above have than those of row `r`.
-#[inline(always)]
-fn above_less_below<L: Lanes, Y: Layout>(rows: &[Row], r: usize) -> L::V {
-    let [above, here] = above_and_here::<L, Y>(rows, r);
-    L::sub(above, here)
 }
 
 /// Corrects the step of `h` (s, lane by lane) that `work` holds; whether there is anything that could be seen.
@@ -183,43 +148,52 @@ pub fn correct<L: Lanes, Y: Layout, P: Known<N>, const N: usize>(
     (h, slack): (L::V, [L::V; 2]),
     guard: &mut Guard<L>,
 ) -> bool {
-    let (visible, step) = (Visible::<L>::new(h, slack), Step::<L> { plan, h });
-    let rows = plan.rows();
+    let (rows, visible) = (plan.rows(), Visible::<L>::new(h, slack));
+    let plan = &plan.all[..rows];
+    let Workspace { now, next, between, changed, error_position, error_velocity, finite, .. } =
+        work;
+    let tried = Tried::<L>::new(plan, [now, next], h);
+    let changed = &mut changed[..rows];
     let (mut gathered, mut any) = (Gathered::<L>::new(), false);
     for r in 0..rows {
-        if work.changed[r] == 0 {
+        if changed[r] == 0 {
             continue;
         }
-        let bits = work.changed[r] & visible.among::<Y>(plan, work, r);
-        work.changed[r] = bits;
-        if bits != 0 {
-            let ends = step.ends::<Y>(work, r);
-            gathered.add::<P, N>((bits, ends), &mut work.between);
+        changed[r] &= visible.among::<Y>(&tried, r);
+        if changed[r] != 0 {
+            gathered.add::<P, N>((changed[r], tried.ends::<Y>(r)), between);
             any = true;
         }
     }
     if !any {
         return false;
     }
-    gathered.finish::<P, N>(&mut work.between);
+    gathered.finish::<P, N>(between);
+    let Parts { position, velocity, .. } = next.parts();
+    let mut out = [
+        &mut position[..rows],
+        &mut velocity[..rows],
+        &mut error_position[..rows],
+        &mut error_velocity[..rows],
+    ];
+    let correction = Correction::<L> { plan, h };
     let (mut count, mut above, mut total) = (0, None, L::splat(0.0));
     for r in 0..=rows {
-        let bits = if r < rows { work.changed[r] } else { 0 };
+        let bits = if r < rows { changed[r] } else { 0 };
         let mut below = None;
         if bits != 0 {
-            let missing = spread::<L>(&work.between, count, bits);
-            below = Some(step.kink::<Y>(missing, r, guard));
+            below = Some(correction.kink::<Y>(spread::<L>(between, count, bits), r, guard));
             count += bits.count_ones() as usize;
         }
         if above.is_some() || below.is_some() {
             let both = (above.unwrap_or(Kink::none()), below.unwrap_or(Kink::none()));
-            if let Some(between) = r.checked_sub(1) {
-                total = L::add(total, step.apply::<Y>(work, between, both));
+            if let Some(body) = r.checked_sub(1) {
+                total = L::add(total, correction.apply::<Y>(&mut out, body, both));
             }
         }
         above = below;
     }
-    work.finite &= Y::all(L::finite(total));
+    *finite &= Y::all(L::finite(total));
     true
 }
 
@@ -234,18 +208,17 @@ pub fn missed<L: Lanes, Y: Layout>(
 ) -> bool {
     let mut any = 0;
     let none = L::splat(0.0);
-    let step = Step::<L> { plan, h };
-    for r in 0..plan.rows() {
-        let doubtful = work.doubtful[r];
+    let plan = &plan.all[..plan.rows()];
+    let tried = Tried::<L>::new(plan, [&work.now, &work.next], h);
+    for (r, doubtful) in work.doubtful[..plan.len()].iter().copied().enumerate() {
         if doubtful == 0 {
             continue;
         }
-        let ([from, start], [to, end]) =
-            (step.moves::<Y>(&work.now, r), step.moves::<Y>(&work.next, r));
+        let [[from, start], [to, end]] = tried.moves::<Y>(r);
         // The tangents at both ends meet beyond zero overlap.
         let meet = L::sub(L::mul(start, L::sub(to, end)), L::mul(end, from));
         let towards = L::sub(none, L::mul(start, from));
-        let stiffness = L::load(&plan.stiffness[r]);
+        let stiffness = L::load(&plan[r].stiffness);
         let bits = doubtful
             & L::positive(meet)
             & L::positive(L::mul(from, to))
@@ -255,12 +228,12 @@ pub fn missed<L: Lanes, Y: Layout>(
         if bits == 0 {
             continue;
         }
-        let beyond = Quintics::<L>::new(step.ends::<Y>(work, r)).beyond(to);
+        let beyond = Quintics::<L>::new(tried.ends::<Y>(r)).beyond(to);
         let impulse = L::mul(L::mul(h, stiffness), L::mul(beyond, L::sqrt(beyond)));
         let seen = L::positive(L::sub(impulse, slack[0]))
             | L::positive(L::sub(L::mul(impulse, h), slack[1]));
         any |= bits & seen;
-        let kick = L::select(bits & seen, L::mul(step.lighter::<Y>(r), impulse), none);
+        let kick = L::select(bits & seen, L::mul(lighter::<L, Y>(plan, r), impulse), none);
         guard.velocity = L::max(guard.velocity, kick);
         guard.position = L::max(guard.position, L::mul(L::mul(L::splat(0.5), h), kick));
     }

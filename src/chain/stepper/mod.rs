@@ -29,6 +29,7 @@ mod splits;
 mod steps;
 mod sweep;
 mod tasks;
+mod tried;
 mod visible;
 mod workspace;
 

@@ -30,7 +30,7 @@ pub fn long<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
     let rows = plan.rows();
     let plan = Cut::new(plan, rows);
     let shown = if GRADIENT { rows } else { 0 };
-    let Workspace { now, next, .. } = work;
+    let (now, next) = (work.now.parts(), work.next.parts());
     let mut from: Rows = [
         &mut now.position[..rows],
         &mut now.velocity[..rows],

@@ -51,7 +51,7 @@ fn stage<L: Lanes, Y: Layout, P: Known<N>, const FORM: u8, const N: usize, const
     let mut pass = Pass::<L, P, N, S> {
         sum: Sum::new(L::mul(h, h)),
         reach: L::mul(h, L::splat(P::PAIR.nodes[S])),
-        from: [&now.position[..rows], &now.velocity[..rows], &now.acceleration[..rows]],
+        from: [&now.position()[..rows], &now.velocity()[..rows], &now.acceleration()[..rows]],
         between: &mut between[..rows],
     };
     sweep::<L, Y, FORM>(Cut::new(plan, rows), rows, &mut pass);
@@ -106,14 +106,15 @@ fn arrive<L: Lanes, Y: Layout, P: Known<N>, const FORM: u8, const N: usize>(
     let rows = plan.rows();
     let cut = Cut::new(plan, rows);
     let Workspace { now, next, between, overlap, .. } = work;
+    let next = next.parts();
     let mut arrive = Arrive::<L, P, N> {
         sum: Sum::new(L::mul(h, h)),
         h,
         from: [
-            &now.position[..rows],
-            &now.velocity[..rows],
-            &now.lost_position[..rows],
-            &now.acceleration[..rows],
+            &now.position()[..rows],
+            &now.velocity()[..rows],
+            &now.lost_position()[..rows],
+            &now.acceleration()[..rows],
         ],
         between: &between[..rows],
         position: [&mut next.position[..rows], &mut next.lost_position[..rows]],
@@ -146,12 +147,13 @@ pub fn speed_up<L: Lanes, Y: Layout, P: Known<N>, const N: usize>(
         finite,
         ..
     } = work;
+    let next = next.parts();
     let velocity_sum = Sum::<L, Velocity<P, N>>::new(h);
     let position_error_sum = Sum::<L, PositionError<P, N>>::new(L::mul(h, h));
     let velocity_error_sum = Sum::<L, VelocityError<P, N>>::new(h);
-    let (first, arrived) = (&now.acceleration[..rows], &next.acceleration[..rows]);
+    let (first, arrived) = (&now.acceleration()[..rows], &next.acceleration[..rows]);
     let between = &between[..rows];
-    let (v, lost) = (&now.velocity[..rows], &now.lost_velocity[..rows]);
+    let (v, lost) = (&now.velocity()[..rows], &now.lost_velocity()[..rows]);
     let (new_v, new_lost) = (&mut next.velocity[..rows], &mut next.lost_velocity[..rows]);
     let (out_position, out_velocity) = (&mut error_position[..rows], &mut error_velocity[..rows]);
     let mut most = [L::splat(0.0); 3];

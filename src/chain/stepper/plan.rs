@@ -139,21 +139,44 @@ pub struct Plan {
     pub form: Form,
     /// Rows from the first on that the loops go over; in those behind nothing has moved yet.
     pub live: usize,
+    /// All rows.
+    pub all: Vec<Contacts>,
+}
+
+/// A row of contacts and of the bodies below them: what every force asks for comes first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contacts {
     /// `A` of each contact, or its tangent where contacts are linearised (unit).
-    pub stiffness: Vec<Row>,
+    pub stiffness: Row,
     /// Static overlap of each contact (m).
-    pub static_overlap: Vec<Row>,
-    /// Its square root (m^0.5).
-    pub static_root: Vec<Row>,
+    pub static_overlap: Row,
     /// Inverse mass of each body (1/kg).
-    pub inverse_mass: Vec<Row>,
-    /// Force of each contact at rest as these loops compute it; none where they compute changes (N).
-    pub static_force: Vec<Row>,
-    /// Net force of its contacts that leaves each body at rest: in plain form that of the static forces as these loops compute them, so that rest
-    /// is rest to the last bit, less what statics does not balance (N).
-    pub balanced: Vec<Row>,
+    pub inverse_mass: Row,
+    /// Net force of its contacts that leaves each body at rest: in plain form that of the static forces as these loops compute them, so that
+    /// rest is rest to the last bit, less what statics does not balance (N).
+    pub balanced: Row,
     /// The least that a contact's overlap changes by, for it opens there (m); not a number where there is nothing to touch.
-    pub floor: Vec<Row>,
+    pub floor: Row,
+    /// Square root of the static overlap (m^0.5).
+    pub static_root: Row,
+    /// Force of each contact at rest as these loops compute it; none where they compute changes (N).
+    pub static_force: Row,
+}
+
+impl Contacts {
+    /// Nothing to touch, and bodies that nothing moves.
+    const NONE: Self = {
+        let none = Row([0.0; WIDTH]);
+        Self {
+            stiffness: none,
+            static_overlap: none,
+            inverse_mass: none,
+            balanced: none,
+            floor: Row([f64::NAN; WIDTH]),
+            static_root: none,
+            static_force: none,
+        }
+    };
 }
 
 /// Relative rounding of a force in plain form (1).
@@ -171,9 +194,11 @@ impl Form {
             return Self::Linear;
         }
         let overlap = chain.impact_overlap(velocity);
+        // The wave presses a contact at least as it would without preload: where that is enough, nothing more need be known.
+        let least = overlap * overlap.sqrt();
         let visible = |c: &&Contact| {
-            let wave = c.force_change(overlap);
-            ROUNDING * c.static_force > ROUNDING_SHARE * accuracy * wave
+            let is_more = |wave| ROUNDING * c.static_force > ROUNDING_SHARE * accuracy * wave;
+            is_more(c.stiffness * least) && is_more(c.force_change(overlap))
         };
         if contacts.iter().filter(|c| c.stiffness > 0.0).any(|c| visible(&c)) {
             Self::Exact
@@ -224,30 +249,16 @@ impl Plan {
     /// Number of all rows.
     #[must_use]
     pub fn all_rows(&self) -> usize {
-        self.stiffness.len()
+        self.all.len()
     }
 
     fn empty(form: Form, rows: usize) -> Self {
-        let zeros = || vec![Row::default(); rows];
-        Self {
-            form,
-            live: rows,
-            stiffness: zeros(),
-            static_overlap: zeros(),
-            static_root: zeros(),
-            inverse_mass: zeros(),
-            static_force: zeros(),
-            balanced: zeros(),
-            floor: vec![Row([f64::NAN; WIDTH]); rows],
-        }
+        Self { form, live: rows, all: vec![Contacts::NONE; rows] }
     }
 
     fn set(&mut self, chain: &Chain, j: usize, place: (usize, usize)) {
-        let put = |rows: &mut Vec<Row>, value: f64| {
-            if let Some(row) = rows.get_mut(place.0) {
-                row.0[place.1] = value;
-            }
-        };
+        let (row, lane) = place;
+        let out = &mut self.all[row];
         let contact = chain.contacts()[j];
         let touches = contact.stiffness > 0.0;
         let stiffness = match self.form {
@@ -256,13 +267,13 @@ impl Plan {
         };
         // Where there is nothing to touch, there is a gap that nothing closes.
         let overlap = if touches { contact.static_overlap } else { -1.0 };
-        put(&mut self.stiffness, stiffness);
-        put(&mut self.static_overlap, overlap);
-        put(&mut self.static_root, overlap.max(0.0).sqrt());
-        put(&mut self.floor, if touches { -overlap } else { f64::NAN });
+        out.stiffness.0[lane] = stiffness;
+        out.static_overlap.0[lane] = overlap;
+        out.static_root.0[lane] = overlap.max(0.0).sqrt();
+        out.floor.0[lane] = if touches { -overlap } else { f64::NAN };
         if let (Some(body), Some(force)) = (chain.bodies().get(j), chain.residual.get(j)) {
-            put(&mut self.inverse_mass, 1.0 / body.mass);
-            put(&mut self.balanced, -force);
+            out.inverse_mass.0[lane] = 1.0 / body.mass;
+            out.balanced.0[lane] = -force;
         }
     }
 }

@@ -34,15 +34,6 @@ pub fn scaled<L: Lanes, const R: usize>(by: L::V, mut values: Rows<L, R>) -> Row
     values
 }
 
-/// `values` plus those of `rows`.
-#[inline(always)]
-pub fn added<L: Lanes, const R: usize>(mut values: Rows<L, R>, rows: &[Row]) -> Rows<L, R> {
-    for (value, row) in values.iter_mut().zip(&rows.as_chunks::<R>().0[0]) {
-        *value = L::add(*value, L::load(row));
-    }
-    values
-}
-
 /// Those of the bodies above.
 #[inline(always)]
 fn above<L: Lanes, const R: usize>(of: &Rows<L, R>) -> Rows<L, R> {

@@ -94,7 +94,7 @@ pub fn steps<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
         _ => long::<L, Y, FORM, GRADIENT>(plan, work, run),
     }
     let mut sum = L::splat(0.0);
-    for row in &work.next.velocity[..plan.rows()] {
+    for row in &work.next.velocity()[..plan.rows()] {
         sum = L::add(sum, L::load(row));
     }
     Y::all(L::finite(sum))
@@ -110,16 +110,17 @@ fn short<L: Lanes, Y: Layout, const GRADIENT: bool, const R: usize>(
 ) {
     let plan = Cut::new(plan, R);
     let none = L::splat(0.0);
-    let (mut x, mut v) = (load::<L, R>(&work.now.position), load::<L, R>(&work.now.velocity));
-    let (mut a, mut g) = (load::<L, R>(&work.now.acceleration), [none; R]);
+    let (mut x, mut v) = (load::<L, R>(work.now.position()), load::<L, R>(work.now.velocity()));
+    let (mut a, mut g) = (load::<L, R>(work.now.acceleration()), [none; R]);
     if GRADIENT {
         g = load::<L, R>(&work.now.gradient);
     }
     for step in 1..=count {
         if step == count && count > 1 {
-            store::<L, R>(&x, &mut work.now.position);
-            store::<L, R>(&v, &mut work.now.velocity);
-            store::<L, R>(&a, &mut work.now.acceleration);
+            let now = work.now.parts();
+            store::<L, R>(&x, now.position);
+            store::<L, R>(&v, now.velocity);
+            store::<L, R>(&a, now.acceleration);
         }
         let (kick, drift) = (weights.kick::<GRADIENT>(0), weights.drift(0));
         for r in 0..R {
@@ -131,7 +132,7 @@ fn short<L: Lanes, Y: Layout, const GRADIENT: bool, const R: usize>(
             for r in 0..R {
                 let above = if r > 0 { x[r - 1] } else { none };
                 // In this order one of the two need not wait for the neighbour.
-                let short = L::sub(x[r], L::load(&plan.static_overlap[r]));
+                let short = L::sub(x[r], L::load(&plan.rows[r].static_overlap));
                 let overlap = L::sub(Y::above::<L>(above, x[r]), short);
                 [force[r], tangent[r]] = finish::<L, PLAIN>(plan, r, begin_plain::<L>(r, overlap));
             }
@@ -144,7 +145,7 @@ fn short<L: Lanes, Y: Layout, const GRADIENT: bool, const R: usize>(
             let mut weight = kick.force;
             if GRADIENT {
                 for r in 0..R {
-                    a[r] = L::mul(push[r], L::load(&plan.inverse_mass[r]));
+                    a[r] = L::mul(push[r], L::load(&plan.rows[r].inverse_mass));
                     v[r] = L::mul_add(kick.force, a[r], v[r]);
                 }
                 for r in 0..R {
@@ -159,7 +160,7 @@ fn short<L: Lanes, Y: Layout, const GRADIENT: bool, const R: usize>(
             }
             if last {
                 for r in 0..R {
-                    let pushed = L::mul(push[r], L::load(&plan.inverse_mass[r]));
+                    let pushed = L::mul(push[r], L::load(&plan.rows[r].inverse_mass));
                     v[r] = L::mul_add(weight, pushed, v[r]);
                     if GRADIENT { g[r] = pushed } else { a[r] = pushed }
                 }
@@ -167,7 +168,7 @@ fn short<L: Lanes, Y: Layout, const GRADIENT: bool, const R: usize>(
             }
             let drift = weights.drift(part);
             for r in 0..R {
-                let weight = L::mul(weight, L::load(&plan.inverse_mass[r]));
+                let weight = L::mul(weight, L::load(&plan.rows[r].inverse_mass));
                 if L::WAITS {
                     // The drift does not wait for the velocities: all but what the newest forces add to it is there before them.
                     let drifted = L::mul_add(drift, v[r], x[r]);
@@ -180,9 +181,10 @@ fn short<L: Lanes, Y: Layout, const GRADIENT: bool, const R: usize>(
             }
         }
     }
-    store::<L, R>(&x, &mut work.next.position);
-    store::<L, R>(&v, &mut work.next.velocity);
-    store::<L, R>(&a, &mut work.next.acceleration);
+    let next = work.next.parts();
+    store::<L, R>(&x, next.position);
+    store::<L, R>(&v, next.velocity);
+    store::<L, R>(&a, next.acceleration);
     if GRADIENT {
         store::<L, R>(&g, &mut work.next.gradient);
     }

@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use super::dispatch::{InstructionSet, dispatch};
 use super::plan::{Layout, Plan};
 use super::tasks::Jerks;
-use super::workspace::{Motion, Workspace};
+use super::workspace::{Parts, Workspace};
 use crate::integrate::control::StepControl;
 use crate::integrate::{Pair, Scheme};
 
@@ -32,9 +32,9 @@ pub fn finest_asked(scheme: Scheme) -> f64 {
 
 /// Finds the gradients of the accelerations where `work` is, if it has room for them.
 pub fn find_gradients<Y: Layout>(set: InstructionSet, plan: &Plan, work: &mut Workspace) {
-    let Motion { position, acceleration, gradient, .. } = &mut *work.now;
+    let Parts { position, acceleration, gradient, .. } = work.now.parts();
     if !gradient.is_empty() {
-        let (at, rows, layout) = ((&**position, &**acceleration), 0..plan.rows(), PhantomData);
+        let (at, rows, layout) = ((&*position, &*acceleration), 0..plan.rows(), PhantomData);
         dispatch(set, Jerks::<Y> { plan, at, rows, out: gradient, layout });
     }
 }

@@ -12,7 +12,7 @@ use super::lanes::{Lanes, Row, Task};
 use super::passes::{self, Sides};
 use super::plan::{Form, Layout, Plan};
 use super::splits;
-use super::workspace::{Motion, Workspace};
+use super::workspace::{Motion, Parts, Workspace};
 use crate::integrate::Pair;
 use crate::integrate::splitting::Splitting;
 
@@ -35,8 +35,9 @@ impl<Y: Layout> Task for Settle<'_, Y> {
             let cut = Cut::new(plan, rows);
             let (here, _) = forces::forces::<L, PLAIN>(cut, r, rest);
             let held = forces::net::<L, Y>([here, next]);
-            L::store(L::add(held, L::load(&plan.balanced[r])), &mut plan.balanced[r]);
-            L::store(here, &mut plan.static_force[r]);
+            let out = &mut plan.all[r];
+            L::store(L::add(held, L::load(&out.balanced)), &mut out.balanced);
+            L::store(here, &mut out.static_force);
             next = here;
         }
     }
@@ -53,7 +54,7 @@ pub struct Evaluate<'a, Y> {
 impl<'a, Y> Evaluate<'a, Y> {
     /// Where `motion` is, kept there.
     pub fn at(plan: &'a Plan, motion: &'a mut Motion) -> Self {
-        let Motion { position, closed, force, acceleration, .. } = motion;
+        let Parts { position, closed, force, acceleration, .. } = motion.parts();
         Self { plan, position, out: (closed, force, acceleration), layout: PhantomData }
     }
 }

@@ -4,9 +4,9 @@
 //! that is, and half as much of its moment over `h`.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
-use super::lanes::{Lanes, Row};
-use super::plan::{Layout, Plan};
-use super::workspace::Workspace;
+use super::lanes::Lanes;
+use super::plan::Layout;
+use super::tried::Tried;
 
 /// What either pair's nodes miss of `max(t - root, 0)^1.5` at most (1).
 const MISSED: f64 = 0.0062;
@@ -33,22 +33,12 @@ impl<L: Lanes> Visible<L> {
     /// Bits of the contacts in row `row` whose kink may be seen: those that change sides fast enough.
     #[inline(always)]
     #[must_use]
-    pub fn among<Y: Layout>(&self, plan: &Plan, work: &Workspace, row: usize) -> u8 {
-        let start = closing::<L, Y>(&work.now.velocity, row);
-        let speed = L::max(start, closing::<L, Y>(&work.next.velocity, row));
-        let travel = L::mul(self.step, speed);
-        let whole = L::mul(self.step, L::load(&plan.stiffness[row]));
+    pub fn among<Y: Layout>(&self, tried: &Tried<L>, row: usize) -> u8 {
+        let travel = L::mul(self.step, tried.speed::<Y>(row));
+        let whole = L::mul(self.step, L::load(&tried.plan[row].stiffness));
         let cube = L::mul(travel, L::mul(travel, travel));
         L::positive(L::sub(L::mul(cube, L::mul(whole, whole)), self.limit))
     }
-}
-
-/// Speeds at which the contacts in row `row` close or open.
-#[inline(always)]
-fn closing<L: Lanes, Y: Layout>(velocity: &[Row], row: usize) -> L::V {
-    let before = if row > 0 { L::load(&velocity[row - 1]) } else { L::splat(0.0) };
-    let here = L::load(&velocity[row]);
-    L::abs(L::sub(Y::above::<L>(before, here), here))
 }
 
 #[cfg(test)]

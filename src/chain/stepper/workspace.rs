@@ -9,26 +9,39 @@ pub const BETWEEN: usize = 7;
 /// A row at each of them, side by side in memory.
 pub type Between = [Row; BETWEEN];
 
-/// One end of a step, in rows.
+/// One end of a step, in rows. All in one piece of memory: a short chain's set-up is mostly asking for it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motion {
-    /// Displacements (m).
-    pub position: Vec<Row>,
-    /// Velocities (m/s).
-    pub velocity: Vec<Row>,
-    /// What rounding took from the displacements (m).
-    pub lost_position: Vec<Row>,
-    /// What rounding took from the velocities (m/s).
-    pub lost_velocity: Vec<Row>,
+    rows: Vec<Row>,
+    count: usize,
     /// Which contacts are closed, a bit each.
     pub closed: Vec<u8>,
-    /// Forces of the contacts (N): steps of short chains go on from them, all others leave them as they were first.
-    pub force: Vec<Row>,
-    /// Accelerations (m/s²).
-    pub acceleration: Vec<Row>,
     /// Gradients of the accelerations along themselves, for methods that ask for them (m/s⁴).
     pub gradient: Vec<Row>,
 }
+
+/// The parts of a motion, to be written.
+pub struct Parts<'a> {
+    /// Displacements (m).
+    pub position: &'a mut [Row],
+    /// Velocities (m/s).
+    pub velocity: &'a mut [Row],
+    /// Accelerations (m/s²).
+    pub acceleration: &'a mut [Row],
+    /// What rounding took from the displacements (m).
+    pub lost_position: &'a mut [Row],
+    /// What rounding took from the velocities (m/s).
+    pub lost_velocity: &'a mut [Row],
+    /// Forces of the contacts (N): steps of short chains go on from them, all others leave them as they were first.
+    pub force: &'a mut [Row],
+    /// Which contacts are closed, a bit each.
+    pub closed: &'a mut [u8],
+    /// Gradients of the accelerations along themselves (m/s⁴).
+    pub gradient: &'a mut [Row],
+}
+
+/// How many parts of a motion are rows.
+const PARTS: usize = 6;
 
 /// Largest magnitudes: of each lane where lanes are chains, of the whole chain in every lane otherwise.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -69,22 +82,81 @@ pub struct Workspace {
 }
 
 impl Motion {
+    #[inline]
+    fn part(&self, index: usize) -> &[Row] {
+        &self.rows[index * self.count..][..self.count]
+    }
+
+    /// Displacements (m).
+    #[inline]
+    #[must_use]
+    pub fn position(&self) -> &[Row] {
+        self.part(0)
+    }
+
+    /// Velocities (m/s).
+    #[inline]
+    #[must_use]
+    pub fn velocity(&self) -> &[Row] {
+        self.part(1)
+    }
+
+    /// Accelerations (m/s²).
+    #[inline]
+    #[must_use]
+    pub fn acceleration(&self) -> &[Row] {
+        self.part(2)
+    }
+
+    /// What rounding took from the displacements (m).
+    #[inline]
+    #[must_use]
+    pub fn lost_position(&self) -> &[Row] {
+        self.part(3)
+    }
+
+    /// What rounding took from the velocities (m/s).
+    #[inline]
+    #[must_use]
+    pub fn lost_velocity(&self) -> &[Row] {
+        self.part(4)
+    }
+
+    /// Forces of the contacts (N).
+    #[inline]
+    #[must_use]
+    pub fn force(&self) -> &[Row] {
+        self.part(5)
+    }
+
+    /// All of it, to be written.
+    #[inline]
+    pub fn parts(&mut self) -> Parts<'_> {
+        let mut parts = self.rows.chunks_exact_mut(self.count);
+        let mut next = || parts.next().unwrap_or_default();
+        Parts {
+            position: next(),
+            velocity: next(),
+            acceleration: next(),
+            lost_position: next(),
+            lost_velocity: next(),
+            force: next(),
+            closed: &mut self.closed,
+            gradient: &mut self.gradient,
+        }
+    }
+
     /// Positions (m) and velocities (m/s).
     #[must_use]
     pub fn seen(&self) -> (&[Row], &[Row]) {
-        (&self.position, &self.velocity)
+        (self.position(), self.velocity())
     }
 
-    fn at_rest(rows: usize, gradients: usize) -> Self {
-        let zeros = || vec![Row::default(); rows];
+    fn at_rest(count: usize, gradients: usize) -> Self {
         Self {
-            position: zeros(),
-            velocity: zeros(),
-            lost_position: zeros(),
-            lost_velocity: zeros(),
-            closed: vec![0; rows],
-            force: zeros(),
-            acceleration: zeros(),
+            rows: vec![Row::default(); PARTS * count],
+            count,
+            closed: vec![0; count],
             gradient: vec![Row::default(); gradients],
         }
     }

@@ -129,7 +129,7 @@ impl Lane {
 
 /// First body of the chain in lane `index` whose state is not finite.
 pub fn first_lost(motion: &Motion, index: usize) -> usize {
-    let mut states = motion.position.iter().zip(&motion.velocity);
+    let mut states = motion.position().iter().zip(motion.velocity());
     let lost = states.position(|(x, v)| !(x.0[index].is_finite() && v.0[index].is_finite()));
     lost.unwrap_or(0)
 }

@@ -81,7 +81,7 @@ impl ChainGroup {
         dispatch(set, Settle::<Across>(&mut plan, PhantomData));
         let mut work = Workspace::new(plan.rows(), scheme);
         for (lane, member) in members.iter().enumerate() {
-            for (row, velocity) in work.now.velocity.iter_mut().zip(member.velocities) {
+            for (row, velocity) in work.now.parts().velocity.iter_mut().zip(member.velocities) {
                 row.0[lane] = *velocity;
             }
         }
@@ -190,8 +190,8 @@ impl ChainGroup {
         for (lane, (place, views)) in self.lanes.iter().zip(views.iter_mut().enumerate()) {
             if views.iter().any(|view| view.wanted) {
                 let ends = Ends {
-                    from: [&next.position, &next.velocity, &next.acceleration, before],
-                    to: [&now.position, &now.velocity, &now.acceleration, after],
+                    from: [next.position(), next.velocity(), next.acceleration(), before],
+                    to: [now.position(), now.velocity(), now.acceleration(), after],
                     span: lane.last_step,
                 };
                 dispatch(*set, Look::<Across> { ends, lane: place, views, layout: PhantomData });

@@ -10,7 +10,7 @@ use crate::chain::stepper::lanes::{Lanes, Row, Task, WIDTH};
 use crate::chain::stepper::plan::{Across, Plan};
 use crate::chain::stepper::steps::{UNMOVED, worth as worth_of};
 use crate::chain::stepper::tasks::{Attempt, Correct, Evaluate};
-use crate::chain::stepper::workspace::{Motion, Workspace};
+use crate::chain::stepper::workspace::{Parts, Workspace};
 use crate::integrate::Pair;
 
 /// A pair at work.
@@ -91,8 +91,8 @@ impl Paired {
         moved: &Row,
     ) {
         let Self { tolerance, fresh, .. } = self;
-        let Motion { position, closed, force, acceleration: kept, .. } = &mut *work.next;
-        let out = (&mut **closed, &mut **force, &mut **fresh);
+        let Parts { position, closed, force, acceleration: kept, .. } = work.next.parts();
+        let out = (closed, force, &mut **fresh);
         dispatch(set, Evaluate::<Across> { plan, position, out, layout: PhantomData });
         let mut lanes_moved = 0;
         for (index, lane) in lanes.iter_mut().enumerate() {
@@ -101,7 +101,7 @@ impl Paired {
                 lanes_moved |= 1 << index;
             }
         }
-        dispatch(set, Take { lanes: lanes_moved, rows: [(&mut **kept, &**fresh)] });
+        dispatch(set, Take { lanes: lanes_moved, rows: [(kept, &**fresh)] });
     }
 }
 
@@ -113,13 +113,13 @@ fn keep(set: InstructionSet, work: &mut Workspace, taken: &[bool]) {
     if lanes == 0 {
         return;
     }
-    let Workspace { now, next, .. } = work;
+    let (now, next) = (work.now.parts(), &*work.next);
     let rows = [
-        (&mut *now.position, &*next.position),
-        (&mut *now.velocity, &*next.velocity),
-        (&mut *now.lost_position, &*next.lost_position),
-        (&mut *now.lost_velocity, &*next.lost_velocity),
-        (&mut *now.acceleration, &*next.acceleration),
+        (now.position, next.position()),
+        (now.velocity, next.velocity()),
+        (now.acceleration, next.acceleration()),
+        (now.lost_position, next.lost_position()),
+        (now.lost_velocity, next.lost_velocity()),
     ];
     dispatch(set, Take { lanes, rows });
     for (now, next) in now.closed.iter_mut().zip(&next.closed) {

@@ -81,8 +81,8 @@ impl ChainStepper {
     pub(super) fn ends(&self) -> Ends<'_> {
         let Workspace { now, next, .. } = &self.course.work;
         Ends {
-            from: [&next.position, &next.velocity, &next.acceleration, &self.jerks[0]],
-            to: [&now.position, &now.velocity, &now.acceleration, &self.jerks[1]],
+            from: [next.position(), next.velocity(), next.acceleration(), &self.jerks[0]],
+            to: [now.position(), now.velocity(), now.acceleration(), &self.jerks[1]],
             span: self.last_step,
         }
     }

@@ -13,7 +13,7 @@ use super::lanes::{Row, WIDTH};
 use super::plan::{Along, Form, Plan};
 use super::steps::{find_gradients, finest_asked};
 use super::tasks::{Evaluate, Settle};
-use super::workspace::{Motion, Workspace};
+use super::workspace::Workspace;
 use crate::chain::Chain;
 use crate::integrate::hermite::{End, septic};
 use crate::integrate::{IntegrateError, Integrator, Interpolant, Scheme, State, Work};
@@ -91,18 +91,19 @@ impl ChainStepper {
         let mut plan = Plan::along(chain, form);
         dispatch(set, Settle::<Along>(&mut plan, PhantomData));
         let mut work = Workspace::new(plan.all_rows(), scheme);
+        let now = work.now.parts();
         for (i, velocity) in velocities.iter().enumerate() {
-            work.now.velocity[i / WIDTH].0[i % WIDTH] = *velocity;
+            now.velocity[i / WIDTH].0[i % WIDTH] = *velocity;
         }
         for (i, position) in state.position.iter().enumerate() {
-            work.now.position[i / WIDTH].0[i % WIDTH] = *position;
+            now.position[i / WIDTH].0[i % WIDTH] = *position;
         }
         let overlap = dispatch(set, Evaluate::<Along>::at(&plan, &mut work.now));
         work.next.closed.clone_from(&work.now.closed);
-        work.next.force.clone_from(&work.now.force);
+        work.next.parts().force.copy_from_slice(work.now.force());
         let moves = |row: usize| {
-            let Motion { velocity, position, acceleration, .. } = &*work.now;
-            let all = [&velocity[row], &position[row], &acceleration[row]];
+            let now = &work.now;
+            let all = [&now.velocity()[row], &now.position()[row], &now.acceleration()[row]];
             all.iter().any(|row| **row != Row::default())
         };
         let last = (0..plan.all_rows()).rev().find(|row| moves(*row)).unwrap_or(0);
@@ -170,7 +171,7 @@ impl Course {
     fn follow_front(&mut self) {
         let (live, all) = (self.plan.live, self.plan.all_rows());
         let ahead = live.saturating_sub(MARGIN)..live;
-        if live < all && self.work.now.velocity[ahead].iter().any(|row| *row != Row::default()) {
+        if live < all && self.work.now.velocity()[ahead].iter().any(|row| *row != Row::default()) {
             self.plan.live = (live + MARGIN).min(all);
         }
     }
@@ -194,8 +195,8 @@ impl Integrator for ChainStepper {
             position: vec![0.0; self.bodies],
             velocity: vec![0.0; self.bodies],
         };
-        unpack(&self.course.work.now.position, &mut state.position);
-        unpack(&self.course.work.now.velocity, &mut state.velocity);
+        unpack(self.course.work.now.position(), &mut state.position);
+        unpack(self.course.work.now.velocity(), &mut state.velocity);
         state
     }
 

@@ -94,7 +94,7 @@ impl Task for Step<'_> {
             let trial = paired.control.trial(course.time, end)?;
             let error = paired.attempt::<L>(course, trial.length);
             let work = &mut course.work;
-            let culprit = || first_lost(&work.next.position, &work.next.velocity);
+            let culprit = || first_lost(work.next.position(), work.next.velocity());
             if !paired.control.accepts(trial, error, culprit) {
                 course.counts.rejected += 1;
                 continue;

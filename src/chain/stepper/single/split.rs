@@ -58,7 +58,7 @@ impl Split {
         counts.steps += count;
         counts.force_evaluations += count * method.drifts.len() as u64;
         if finite == 0 {
-            let body = first_lost(&work.next.position, &work.next.velocity);
+            let body = first_lost(work.next.position(), work.next.velocity());
             return Err(IntegrateError::NotFinite { body, time: *time });
         }
         work.turn();
