@@ -155,13 +155,13 @@ pub fn correct<L: Lanes, Y: Layout, P: Known<N>, const N: usize>(
     let tried = Tried::<L>::new(plan, [now, next], h);
     let changed = &mut changed[..rows];
     let (mut gathered, mut any) = (Gathered::<L>::new(), false);
-    for r in 0..rows {
-        if changed[r] == 0 {
+    for (r, bits) in changed.iter_mut().enumerate() {
+        if *bits == 0 {
             continue;
         }
-        changed[r] &= visible.among::<Y>(&tried, r);
-        if changed[r] != 0 {
-            gathered.add::<P, N>((changed[r], tried.ends::<Y>(r)), between);
+        *bits &= visible.among::<Y>(&tried, r);
+        if *bits != 0 {
+            gathered.add::<P, N>((*bits, tried.ends::<Y>(r)), between);
             any = true;
         }
     }
@@ -179,7 +179,7 @@ pub fn correct<L: Lanes, Y: Layout, P: Known<N>, const N: usize>(
     let correction = Correction::<L> { plan, h };
     let (mut count, mut above, mut total) = (0, None, L::splat(0.0));
     for r in 0..=rows {
-        let bits = if r < rows { changed[r] } else { 0 };
+        let bits = changed.get(r).copied().unwrap_or(0);
         let mut below = None;
         if bits != 0 {
             below = Some(correction.kink::<Y>(spread::<L>(between, count, bits), r, guard));
