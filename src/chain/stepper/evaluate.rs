@@ -23,7 +23,7 @@ impl<'a, L: Lanes> Largest<'a, L> {
     /// Overlaps of row `r` that have changed by `change` (m).
     #[inline(always)]
     pub fn see(&mut self, r: usize, change: L::V) {
-        let counted = L::abs(L::max(change, L::load(&self.plan.rows[r].floor)));
+        let counted = L::abs(L::max(change, L::load(&self.plan.rest[r].floor)));
         // `max` leaves out what is not a number.
         self.change = L::max(counted, self.change);
     }

@@ -30,20 +30,10 @@ fn plus<L: Lanes, W: Weights>(m: usize, value: L::V, sum: L::V) -> L::V {
 /// The overlaps that have changed by `change` (m).
 #[inline(always)]
 fn overlaps<L: Lanes, const R: usize>(plan: Cut, mut change: Rows<L, R>) -> Rows<L, R> {
-    for (change, row) in change.iter_mut().zip(plan.rows) {
-        *change = L::add(*change, L::load(&row.static_overlap));
+    for (change, row) in change.iter_mut().zip(plan.static_overlap) {
+        *change = L::add(*change, L::load(row));
     }
     change
-}
-
-/// Inverse masses of the bodies (1/kg).
-#[inline(always)]
-fn inverse_masses<L: Lanes, const R: usize>(plan: Cut) -> Rows<L, R> {
-    let mut inverse = [L::splat(0.0); R];
-    for (inverse, row) in inverse.iter_mut().zip(plan.rows) {
-        *inverse = L::load(&row.inverse_mass);
-    }
-    inverse
 }
 
 /// Where a step starts and what it has come by; its length is in overlaps and mobilities.
@@ -78,7 +68,7 @@ impl<'a, L: Lanes, const R: usize> Step<'a, L, R> {
             h,
             start: [overlap, scaled::<L, R>(h, rate), scaled::<L, R>(square, second)],
             force,
-            mobility: Mobility::new(scaled::<L, R>(square, inverse_masses::<L, R>(plan))),
+            mobility: Mobility::new(scaled::<L, R>(square, load::<L, R>(plan.inverse_mass))),
             between: [force; BETWEEN],
         }
     }
@@ -174,12 +164,11 @@ impl<'a, L: Lanes, const R: usize> Step<'a, L, R> {
     fn speed_up(&self, sum: &Rows<L, R>, next: &mut Parts) -> Rows<L, R> {
         let push = nets::<L, R>(sum);
         let (mut speed, mut rest) = (push, push);
-        let (now, plan) = (self.now, &self.plan.rows[..R]);
+        let (now, inverse_mass) = (self.now, &self.plan.inverse_mass[..R]);
         let acceleration = &now.acceleration()[..R];
         let (velocity, lost) = (&now.velocity()[..R], &now.lost_velocity()[..R]);
         for r in 0..R {
-            let inverse_mass = L::load(&plan[r].inverse_mass);
-            let rise = L::mul_add(inverse_mass, push[r], L::load(&acceleration[r]));
+            let rise = L::mul_add(L::load(&inverse_mass[r]), push[r], L::load(&acceleration[r]));
             let (from, lost) = (L::load(&velocity[r]), L::load(&lost[r]));
             (speed[r], rest[r]) = add_compensated::<L>(from, lost, L::mul(self.h, rise));
         }
@@ -245,7 +234,7 @@ fn whole<L: Lanes, P: Known<N>, const R: usize, const N: usize>(
     let (mut off, mut off_speed) = (nets::<L, R>(&off), nets::<L, R>(&off_speed));
     for r in 0..R {
         off[r] = L::mul(step.mobility.below[r], off[r]);
-        off_speed[r] = L::mul(L::load(&plan.rows[r].inverse_mass), off_speed[r]);
+        off_speed[r] = L::mul(L::load(&plan.inverse_mass[r]), off_speed[r]);
     }
     let (most, most_speed) = (largest_of::<L, R>(off), largest_of::<L, R>(off_speed));
     let error = L::max(L::mul(most, worth[0]), L::mul(most_speed, L::mul(h, worth[1])));

@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use super::lanes::{Lanes, Row};
-use super::plan::{Contacts, Form, Layout, Plan};
+use super::plan::{Form, Layout, Plan, Rest};
 
 /// Forms as constants of the generic loops.
 pub const PLAIN: u8 = 0;
@@ -16,7 +16,11 @@ pub const LINEAR: u8 = 2;
 /// The plan's rows, all cut to the same length, so that the loops need not check it.
 #[derive(Clone, Copy)]
 pub struct Cut<'a> {
-    pub rows: &'a [Contacts],
+    pub stiffness: &'a [Row],
+    pub static_overlap: &'a [Row],
+    pub inverse_mass: &'a [Row],
+    balanced: &'a [Row],
+    pub rest: &'a [Rest],
     /// Forces in the row behind the last: nothing has moved there (N).
     pub beyond: Row,
 }
@@ -26,8 +30,12 @@ impl<'a> Cut<'a> {
     #[inline(always)]
     pub fn new(plan: &'a Plan, rows: usize) -> Self {
         Self {
-            rows: &plan.all[..rows],
-            beyond: plan.all.get(rows).map_or(Row::default(), |row| row.static_force),
+            stiffness: &plan.stiffness[..rows],
+            static_overlap: &plan.static_overlap[..rows],
+            inverse_mass: &plan.inverse_mass[..rows],
+            balanced: &plan.balanced[..rows],
+            rest: &plan.rest[..rows],
+            beyond: plan.rest.get(rows).map_or(Row::default(), |row| row.static_force),
         }
     }
 }
@@ -61,7 +69,7 @@ impl<L: Lanes> Begun<L> {
 /// Begins the forces in row `r` for overlaps that have changed by `change`; the overlaps themselves.
 #[inline(always)]
 pub fn begin<L: Lanes, const FORM: u8>(plan: Cut, r: usize, change: L::V) -> (Begun<L>, L::V) {
-    let static_overlap = L::load(&plan.rows[r].static_overlap);
+    let static_overlap = L::load(&plan.static_overlap[r]);
     let overlap = L::add(change, static_overlap);
     let begun = match FORM {
         PLAIN => begin_plain::<L>(r, overlap),
@@ -91,7 +99,7 @@ pub fn begin_plain<L: Lanes>(r: usize, overlap: L::V) -> Begun<L> {
 #[inline(always)]
 pub fn finish<L: Lanes, const FORM: u8>(plan: Cut, r: usize, begun: Begun<L>) -> [L::V; 2] {
     let Begun { closed, root } = begun;
-    let stiffness = L::load(&plan.rows[r].stiffness);
+    let stiffness = L::load(&plan.stiffness[r]);
     match FORM {
         PLAIN if r % 2 == 1 => {
             let force = L::weigh_root(closed, root, L::mul(stiffness, closed));
@@ -100,7 +108,7 @@ pub fn finish<L: Lanes, const FORM: u8>(plan: Cut, r: usize, begun: Begun<L>) ->
         PLAIN => [L::mul(L::mul(stiffness, closed), root), L::mul(stiffness, root)],
         EXACT => {
             // `hertz::force_change`
-            let static_root = L::load(&plan.rows[r].static_root);
+            let static_root = L::load(&plan.rest[r].static_root);
             let sum = L::add(root, static_root);
             let divisor = L::max(sum, L::splat(f64::MIN_POSITIVE));
             let rest = L::sub(sum, L::div(L::mul(root, static_root), divisor));
@@ -127,19 +135,19 @@ pub fn net<L: Lanes, Y: Layout>(force: [L::V; 2]) -> L::V {
 /// What net forces of the contacts do to the accelerations of row `r`.
 #[inline(always)]
 pub fn pushed<L: Lanes, Y: Layout>(plan: Cut, r: usize, force: [L::V; 2]) -> L::V {
-    L::mul(net::<L, Y>(force), L::load(&plan.rows[r].inverse_mass))
+    L::mul(net::<L, Y>(force), L::load(&plan.inverse_mass[r]))
 }
 
 /// Forces on row `r` that nothing balances: exactly none where the contacts' are the static ones.
 #[inline(always)]
 pub fn unbalanced<L: Lanes, Y: Layout>(plan: Cut, r: usize, force: [L::V; 2]) -> L::V {
-    L::sub(net::<L, Y>(force), L::load(&plan.rows[r].balanced))
+    L::sub(net::<L, Y>(force), L::load(&plan.balanced[r]))
 }
 
 /// Accelerations of row `r`.
 #[inline(always)]
 pub fn accelerations<L: Lanes, Y: Layout>(plan: Cut, r: usize, force: [L::V; 2]) -> L::V {
-    L::mul(unbalanced::<L, Y>(plan, r, force), L::load(&plan.rows[r].inverse_mass))
+    L::mul(unbalanced::<L, Y>(plan, r, force), L::load(&plan.inverse_mass[r]))
 }
 
 /// Rates of the accelerations at positions `x` where bodies move at `v`, in the rows of `range` that live.
@@ -164,11 +172,11 @@ pub fn jerks<L: Lanes, Y: Layout>(
         let here = [L::load(&x[r]), L::load(&v[r])];
         let change = L::sub(Y::above::<L>(last[0], here[0]), here[0]);
         let closing = L::sub(Y::above::<L>(last[1], here[1]), here[1]);
-        let stiffness = L::load(&plan.rows[r].stiffness);
+        let stiffness = L::load(&plan.stiffness[r]);
         let tangent = if linear {
             stiffness
         } else {
-            let overlap = L::add(change, L::load(&plan.rows[r].static_overlap));
+            let overlap = L::add(change, L::load(&plan.static_overlap[r]));
             let root = L::sqrt(L::max(overlap, L::splat(0.0)));
             L::mul(L::mul(L::splat(1.5), stiffness), root)
         };

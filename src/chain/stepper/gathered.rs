@@ -17,11 +17,12 @@ pub struct Gathered<L: Lanes> {
     eights: usize,
 }
 
-/// Bits of all lanes from number `first` on, of which there may be none.
+/// `bits` without the first `count` that are set.
 #[inline(always)]
-fn from(first: usize) -> u8 {
-    #[allow(clippy::cast_possible_truncation, reason = "what is cut off are lanes beyond the last")]
-    let bits = (u32::from(u8::MAX) << first) as u8;
+fn behind(mut bits: u8, count: usize) -> u8 {
+    for _ in 0..count {
+        bits &= bits.wrapping_sub(1);
+    }
     bits
 }
 
@@ -36,30 +37,28 @@ impl<L: Lanes> Gathered<L> {
     #[inline(always)]
     pub fn add<P: Known<N>, const N: usize>(
         &mut self,
-        (bits, mut ends): (u8, Ends<L>),
+        (bits, ends): (u8, Ends<L>),
         found: &mut [Between],
     ) {
-        let before = self.count;
+        let (before, after) = (self.count, self.count + bits.count_ones() as usize);
         for end in 0..2 {
             for value in 0..3 {
-                let (new, all) = (&mut ends[end][value], &mut self.ends[end][value]);
-                *new = L::compress(bits, *new);
-                *all = L::expand(from(before), *new, *all);
+                let all = &mut self.ends[end][value];
+                *all = L::gather(bits, ends[end][value], (*all, before));
             }
         }
-        self.count += bits.count_ones() as usize;
-        if self.count < WIDTH {
+        self.count = after.min(WIDTH);
+        if after < WIDTH {
             return;
         }
-        let left = self.count - WIDTH;
-        self.count = WIDTH;
         self.finish::<P, N>(found);
-        self.count = left;
+        let rest = behind(bits, WIDTH - before);
         for end in 0..2 {
             for value in 0..3 {
-                self.ends[end][value] = L::compress(from(WIDTH - before), ends[end][value]);
+                self.ends[end][value] = L::gather(rest, ends[end][value], (L::splat(0.0), 0));
             }
         }
+        self.count = after - WIDTH;
     }
 
     /// Finds what is missing of the contacts that are left.
@@ -68,8 +67,10 @@ impl<L: Lanes> Gathered<L> {
         if self.count == 0 {
             return;
         }
+        #[allow(clippy::cast_possible_truncation, reason = "eight lanes")]
+        let wanted = ((1_u32 << self.count) - 1) as u8;
         let Missing { impulse, moment, errors, uncertainty } =
-            missing::<L, P, N>(self.ends, !from(self.count));
+            missing::<L, P, N>(self.ends, wanted);
         let found = &mut found[self.eights];
         L::store(impulse, &mut found[0]);
         L::store(moment, &mut found[1]);
@@ -84,19 +85,18 @@ impl<L: Lanes> Gathered<L> {
 /// What `found` says of a row's contacts of `bits`, before which `count` were added; nothing is missing at the row's others.
 #[inline(always)]
 pub fn spread<L: Lanes>(found: &[Between], count: usize, bits: u8) -> Missing<L> {
-    let (eight, lane) = (count / WIDTH, count % WIDTH);
+    let (eight, at) = (count / WIDTH, count % WIDTH);
     let mut values = [L::splat(0.0); 5];
     for which in 0..5 {
-        values[which] = L::compress(from(lane), L::load(&found[eight][which]));
+        let found = L::load(&found[eight][which]);
+        values[which] = L::scatter(bits, (found, at), values[which]);
     }
-    if lane + bits.count_ones() as usize > WIDTH {
+    if at + bits.count_ones() as usize > WIDTH {
+        let rest = behind(bits, WIDTH - at);
         for which in 0..5 {
-            let more = L::load(&found[eight + 1][which]);
-            values[which] = L::expand(from(WIDTH - lane), more, values[which]);
+            let found = L::load(&found[eight + 1][which]);
+            values[which] = L::scatter(rest, (found, 0), values[which]);
         }
-    }
-    for which in 0..5 {
-        values[which] = L::expand(bits, values[which], L::splat(0.0));
     }
     let [impulse, moment, velocity, position, uncertainty] = values;
     Missing { impulse, moment, errors: [velocity, position], uncertainty }

@@ -14,11 +14,16 @@
 //! Sources: C. W. Gear, O. Osterby, ACM Trans. Math. Softw. 10, 23 (1984), on discontinuities and order; W. Gautschi, Orthogonal
 //! Polynomials (Oxford, 2004), section 3.1, on Gauss-Jacobi quadrature. Measured in `tests/it/kinks.rs`.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
+#![allow(
+    clippy::needless_range_loop,
+    reason = "the compiler makes less of iterators side by side: 8 % of a chain under gravity"
+)]
 
+use super::forces::Cut;
 use super::gathered::{Gathered, spread};
 use super::known::Known;
 use super::lanes::{Lanes, Row};
-use super::plan::{Contacts, Layout, Plan};
+use super::plan::{Layout, Plan};
 use super::quintics::{Missing, Quintics};
 use super::tried::Tried;
 use super::visible::Visible;
@@ -79,15 +84,15 @@ impl<L: Lanes> Kink<L> {
 
 /// Contacts, and how long they were followed.
 struct Correction<'a, L: Lanes> {
-    plan: &'a [Contacts],
+    plan: Cut<'a>,
     h: L::V,
 }
 
 /// Inverse mass of the lighter body at each contact of row `r` (1/kg).
 #[inline(always)]
-fn lighter<L: Lanes, Y: Layout>(plan: &[Contacts], r: usize) -> L::V {
-    let before = if r > 0 { L::load(&plan[r - 1].inverse_mass) } else { L::splat(0.0) };
-    let here = L::load(&plan[r].inverse_mass);
+fn lighter<L: Lanes, Y: Layout>(plan: Cut, r: usize) -> L::V {
+    let before = if r > 0 { L::load(&plan.inverse_mass[r - 1]) } else { L::splat(0.0) };
+    let here = L::load(&plan.inverse_mass[r]);
     L::max(Y::above::<L>(before, here), here)
 }
 
@@ -96,7 +101,7 @@ impl<L: Lanes> Correction<'_, L> {
     #[inline(always)]
     fn kink<Y: Layout>(&self, missing: Missing<L>, r: usize, guard: &mut Guard<L>) -> Kink<L> {
         let Missing { impulse, moment, errors, uncertainty } = missing;
-        let whole = L::mul(self.h, L::load(&self.plan[r].stiffness));
+        let whole = L::mul(self.h, L::load(&self.plan.stiffness[r]));
         let square = L::mul(self.h, whole);
         let found = Kink {
             kick: L::mul(whole, impulse),
@@ -124,7 +129,7 @@ impl<L: Lanes> Correction<'_, L> {
         r: usize,
         (above, below): (Kink<L>, Kink<L>),
     ) -> L::V {
-        let inverse_mass = L::load(&self.plan[r].inverse_mass);
+        let inverse_mass = L::load(&self.plan.inverse_mass[r]);
         let net = |above: L::V, below: L::V| {
             L::mul(inverse_mass, L::sub(above, Y::below::<L>(above, below)))
         };
@@ -149,19 +154,19 @@ pub fn correct<L: Lanes, Y: Layout, P: Known<N>, const N: usize>(
     guard: &mut Guard<L>,
 ) -> bool {
     let (rows, visible) = (plan.rows(), Visible::<L>::new(h, slack));
-    let plan = &plan.all[..rows];
+    let plan = Cut::new(plan, rows);
     let Workspace { now, next, between, changed, error_position, error_velocity, finite, .. } =
         work;
-    let tried = Tried::<L>::new(plan, [now, next], h);
+    let tried = Tried::<L>::new((plan, rows), [now, next], h);
     let changed = &mut changed[..rows];
     let (mut gathered, mut any) = (Gathered::<L>::new(), false);
-    for (r, bits) in changed.iter_mut().enumerate() {
-        if *bits == 0 {
+    for r in 0..rows {
+        if changed[r] == 0 {
             continue;
         }
-        *bits &= visible.among::<Y>(&tried, r);
-        if *bits != 0 {
-            gathered.add::<P, N>((*bits, tried.ends::<Y>(r)), between);
+        changed[r] &= visible.among::<Y>(&tried, r);
+        if changed[r] != 0 {
+            gathered.add::<P, N>((changed[r], tried.ends::<Y>(r)), between);
             any = true;
         }
     }
@@ -179,7 +184,7 @@ pub fn correct<L: Lanes, Y: Layout, P: Known<N>, const N: usize>(
     let correction = Correction::<L> { plan, h };
     let (mut count, mut above, mut total) = (0, None, L::splat(0.0));
     for r in 0..=rows {
-        let bits = changed.get(r).copied().unwrap_or(0);
+        let bits = if r < rows { changed[r] } else { 0 };
         let mut below = None;
         if bits != 0 {
             below = Some(correction.kink::<Y>(spread::<L>(between, count, bits), r, guard));
@@ -208,9 +213,10 @@ pub fn missed<L: Lanes, Y: Layout>(
 ) -> bool {
     let mut any = 0;
     let none = L::splat(0.0);
-    let plan = &plan.all[..plan.rows()];
-    let tried = Tried::<L>::new(plan, [&work.now, &work.next], h);
-    for (r, doubtful) in work.doubtful[..plan.len()].iter().copied().enumerate() {
+    let rows = plan.rows();
+    let plan = Cut::new(plan, rows);
+    let tried = Tried::<L>::new((plan, rows), [&work.now, &work.next], h);
+    for (r, doubtful) in work.doubtful[..rows].iter().copied().enumerate() {
         if doubtful == 0 {
             continue;
         }
@@ -218,7 +224,7 @@ pub fn missed<L: Lanes, Y: Layout>(
         // The tangents at both ends meet beyond zero overlap.
         let meet = L::sub(L::mul(start, L::sub(to, end)), L::mul(end, from));
         let towards = L::sub(none, L::mul(start, from));
-        let stiffness = L::load(&plan[r].stiffness);
+        let stiffness = L::load(&plan.stiffness[r]);
         let bits = doubtful
             & L::positive(meet)
             & L::positive(L::mul(from, to))

@@ -96,33 +96,27 @@ pub trait Lanes: Copy {
     /// Bit `i` tells whether value `i` is above zero.
     fn positive(a: Self::V) -> u8;
     /// `a` where the bit is set, `b` elsewhere.
+    fn select(bits: u8, a: Self::V, b: Self::V) -> Self::V;
+    /// `b` up to place `at`, and from there on those of `a` whose bit is set, as far as there is room; what comes after them differs from
+    /// machine to machine.
     #[inline(always)]
-    fn select(bits: u8, a: Self::V, b: Self::V) -> Self::V {
+    fn gather(bits: u8, a: Self::V, (b, at): (Self::V, usize)) -> Self::V {
         let (mut from, mut to) = (Row::default(), Row::default());
         Self::store(a, &mut from);
         Self::store(b, &mut to);
-        for lane in set(bits) {
-            to.0[lane] = from.0[lane];
-        }
-        Self::load(&to)
-    }
-    /// Those of `a` whose bit is set, one beside the other from the first on, and zeros behind them.
-    #[inline(always)]
-    fn compress(bits: u8, a: Self::V) -> Self::V {
-        let (mut from, mut to) = (Row::default(), Row::default());
-        Self::store(a, &mut from);
-        for (to, lane) in to.0.iter_mut().zip(set(bits)) {
+        for (to, lane) in to.0[at..].iter_mut().zip(set(bits)) {
             *to = from.0[lane];
         }
         Self::load(&to)
     }
-    /// The first of `a`, one after the other, where the bit is set, `b` elsewhere.
+    /// `b`, overwritten where the bit is set by the values of `a` from place `at` on, one after the other; what is left where there are none
+    /// any more differs from machine to machine.
     #[inline(always)]
-    fn expand(bits: u8, a: Self::V, b: Self::V) -> Self::V {
+    fn scatter(bits: u8, (a, at): (Self::V, usize), b: Self::V) -> Self::V {
         let (mut from, mut to) = (Row::default(), Row::default());
         Self::store(a, &mut from);
         Self::store(b, &mut to);
-        for (from, lane) in from.0.iter().zip(set(bits)) {
+        for (from, lane) in from.0[at..].iter().zip(set(bits)) {
             to.0[lane] = *from;
         }
         Self::load(&to)
@@ -131,8 +125,21 @@ pub trait Lanes: Copy {
 
 /// The places of the bits that are set.
 #[inline(always)]
-fn set(bits: u8) -> impl Iterator<Item = usize> {
-    (0..WIDTH).filter(move |lane| bits & (1 << lane) != 0)
+fn set(mut bits: u8) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = bits.trailing_zeros() as usize;
+        bits &= bits.wrapping_sub(1);
+        (lane < WIDTH).then_some(lane)
+    })
+}
+
+/// Bits of all lanes from number `first` on, of which there may be none.
+#[inline(always)]
+#[cfg(target_arch = "x86_64")]
+pub fn from(first: usize) -> u8 {
+    #[allow(clippy::cast_possible_truncation, reason = "what is cut off are lanes beyond the last")]
+    let bits = (u32::from(u8::MAX) << first) as u8;
+    bits
 }
 
 /// Any machine: plain arrays, which the compiler puts into whatever registers there are. x86-64 machines have better.
@@ -215,6 +222,11 @@ impl Lanes for Baseline {
     }
 
     #[inline(always)]
+    fn select(bits: u8, a: Self::V, b: Self::V) -> Self::V {
+        std::array::from_fn(|i| if bits & (1 << i) == 0 { b[i] } else { a[i] })
+    }
+
+    #[inline(always)]
     fn positive(a: Self::V) -> u8 {
         (0..WIDTH).fold(0, |mask, i| mask | (u8::from(a[i] > 0.0) << i))
     }
@@ -226,9 +238,10 @@ mod tests {
     use crate::chain::stepper::dispatch::{InstructionSet, dispatch};
     use crate::chain::stepper::lanes::Baseline;
 
-    /// Values moved about by bits.
+    /// Values moved about by bits, in as many places from `at` on as there is room for.
     struct Moved {
         bits: u8,
+        at: usize,
         of: [Row; 2],
     }
 
@@ -236,11 +249,14 @@ mod tests {
         type Output = [Row; 3];
 
         fn run<L: Lanes>(self) -> [Row; 3] {
-            let (bits, a, b) = (self.bits, L::load(&self.of[0]), L::load(&self.of[1]));
+            let Self { bits, at, of } = self;
+            let (a, b) = (L::load(&of[0]), L::load(&of[1]));
             let mut out = [Row::default(); 3];
             L::store(L::select(bits, a, b), &mut out[0]);
-            L::store(L::compress(bits, a), &mut out[1]);
-            L::store(L::expand(bits, a, b), &mut out[2]);
+            L::store(L::gather(bits, a, (b, at)), &mut out[1]);
+            out[1].0[at + bits.count_ones() as usize..]
+                .copy_from_slice(&of[1].0[at + bits.count_ones() as usize..]);
+            L::store(L::scatter(bits, (a, at), b), &mut out[2]);
             out
         }
     }
@@ -249,17 +265,18 @@ mod tests {
     fn values_go_where_bits_say() {
         let of = [Row([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]), Row([-1.0; 8])];
         for bits in 0..=u8::MAX {
-            let expected = Moved { bits, of }.run::<Baseline>();
             let lanes = (0..WIDTH).filter(|lane| bits & (1 << lane) != 0);
-            let mut by_hand = [of[1], Row::default(), of[1]];
-            for (count, lane) in lanes.enumerate() {
-                by_hand[0].0[lane] = of[0].0[lane];
-                by_hand[1].0[count] = of[0].0[lane];
-                by_hand[2].0[lane] = of[0].0[count];
-            }
-            assert_eq!(expected, by_hand, "{bits:b}");
-            for set in InstructionSet::available() {
-                assert_eq!(dispatch(set, Moved { bits, of }), expected, "{}", set.name());
+            for at in 0..=WIDTH - bits.count_ones() as usize {
+                let mut expected = [of[1]; 3];
+                for (count, lane) in lanes.clone().enumerate() {
+                    expected[0].0[lane] = of[0].0[lane];
+                    expected[1].0[at + count] = of[0].0[lane];
+                    expected[2].0[lane] = of[0].0[at + count];
+                }
+                assert_eq!(Moved { bits, at, of }.run::<Baseline>(), expected, "{bits:b}, {at}");
+                for set in InstructionSet::available() {
+                    assert_eq!(dispatch(set, Moved { bits, at, of }), expected, "{}", set.name());
+                }
             }
         }
     }

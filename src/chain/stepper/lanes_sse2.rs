@@ -5,9 +5,10 @@
 #![allow(clippy::undocumented_unsafe_blocks, reason = "one reason for all of them, above")]
 
 use std::arch::x86_64::{
-    __m128d, _mm_add_pd, _mm_andnot_pd, _mm_cmpgt_pd, _mm_div_pd, _mm_load_pd, _mm_max_pd,
-    _mm_min_pd, _mm_movemask_pd, _mm_mul_pd, _mm_set1_pd, _mm_setzero_pd, _mm_shuffle_pd,
-    _mm_sqrt_pd, _mm_store_pd, _mm_sub_pd,
+    __m128d, _mm_add_pd, _mm_and_pd, _mm_and_si128, _mm_andnot_pd, _mm_castsi128_pd,
+    _mm_cmpeq_epi32, _mm_cmpgt_pd, _mm_div_pd, _mm_load_pd, _mm_max_pd, _mm_min_pd,
+    _mm_movemask_pd, _mm_mul_pd, _mm_or_pd, _mm_set1_epi32, _mm_set1_pd, _mm_setr_epi32,
+    _mm_setzero_pd, _mm_shuffle_pd, _mm_sqrt_pd, _mm_store_pd, _mm_sub_pd,
 };
 
 use super::lanes::{Lanes, Row};
@@ -112,6 +113,18 @@ impl Lanes for Sse2 {
     #[inline(always)]
     fn sqrt(a: Self::V) -> Self::V {
         quarters!(_mm_sqrt_pd(a))
+    }
+
+    #[inline(always)]
+    fn select(bits: u8, a: Self::V, b: Self::V) -> Self::V {
+        let quarter = |number: usize| unsafe {
+            let (first, second) = (1 << (2 * number), 2 << (2 * number));
+            let own = _mm_setr_epi32(first, first, second, second);
+            let set = _mm_and_si128(_mm_set1_epi32(i32::from(bits)), own);
+            let all = _mm_castsi128_pd(_mm_cmpeq_epi32(set, own));
+            _mm_or_pd(_mm_and_pd(all, a[number]), _mm_andnot_pd(all, b[number]))
+        };
+        [quarter(0), quarter(1), quarter(2), quarter(3)]
     }
 
     #[inline(always)]

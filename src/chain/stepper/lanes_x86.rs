@@ -10,7 +10,7 @@
 use std::arch::asm;
 use std::arch::x86_64::*;
 
-use super::lanes::{Lanes, Row, Task};
+use super::lanes::{Lanes, Row, Task, from};
 
 /// AVX-512 F, VL and DQ: one register.
 #[derive(Debug, Clone, Copy)]
@@ -139,13 +139,13 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
-    fn compress(bits: u8, a: Self::V) -> Self::V {
-        unsafe { _mm512_maskz_compress_pd(bits, a) }
+    fn gather(bits: u8, a: Self::V, (b, at): (Self::V, usize)) -> Self::V {
+        unsafe { _mm512_mask_expand_pd(b, from(at), _mm512_maskz_compress_pd(bits, a)) }
     }
 
     #[inline(always)]
-    fn expand(bits: u8, a: Self::V, b: Self::V) -> Self::V {
-        unsafe { _mm512_mask_expand_pd(b, bits, a) }
+    fn scatter(bits: u8, (a, at): (Self::V, usize), b: Self::V) -> Self::V {
+        unsafe { _mm512_mask_expand_pd(b, bits, _mm512_maskz_compress_pd(from(at), a)) }
     }
 }
 
@@ -254,6 +254,16 @@ impl Lanes for Avx2 {
     #[inline(always)]
     fn sqrt(a: Self::V) -> Self::V {
         halves!(_mm256_sqrt_pd(a))
+    }
+
+    #[inline(always)]
+    fn select(bits: u8, a: Self::V, b: Self::V) -> Self::V {
+        let half = |a: __m256d, b: __m256d, own: __m256i| unsafe {
+            let set = _mm256_and_si256(_mm256_set1_epi64x(i64::from(bits)), own);
+            _mm256_blendv_pd(b, a, _mm256_castsi256_pd(_mm256_cmpeq_epi64(set, own)))
+        };
+        let own = unsafe { [_mm256_setr_epi64x(1, 2, 4, 8), _mm256_setr_epi64x(16, 32, 64, 128)] };
+        [half(a[0], b[0], own[0]), half(a[1], b[1], own[1])]
     }
 
     #[inline(always)]

@@ -139,22 +139,22 @@ pub struct Plan {
     pub form: Form,
     /// Rows from the first on that the loops go over; in those behind nothing has moved yet.
     pub live: usize,
-    /// All rows.
-    pub all: Vec<Contacts>,
-}
-
-/// A row of contacts and of the bodies below them: what every force asks for comes first.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Contacts {
     /// `A` of each contact, or its tangent where contacts are linearised (unit).
-    pub stiffness: Row,
+    pub stiffness: Vec<Row>,
     /// Static overlap of each contact (m).
-    pub static_overlap: Row,
+    pub static_overlap: Vec<Row>,
     /// Inverse mass of each body (1/kg).
-    pub inverse_mass: Row,
+    pub inverse_mass: Vec<Row>,
     /// Net force of its contacts that leaves each body at rest: in plain form that of the static forces as these loops compute them, so that
     /// rest is rest to the last bit, less what statics does not balance (N).
-    pub balanced: Row,
+    pub balanced: Vec<Row>,
+    /// The rest, row by row.
+    pub rest: Vec<Rest>,
+}
+
+/// What is asked for now and then of a row.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rest {
     /// The least that a contact's overlap changes by, for it opens there (m); not a number where there is nothing to touch.
     pub floor: Row,
     /// Square root of the static overlap (m^0.5).
@@ -163,19 +163,12 @@ pub struct Contacts {
     pub static_force: Row,
 }
 
-impl Contacts {
-    /// Nothing to touch, and bodies that nothing moves.
-    const NONE: Self = {
-        let none = Row([0.0; WIDTH]);
-        Self {
-            stiffness: none,
-            static_overlap: none,
-            inverse_mass: none,
-            balanced: none,
-            floor: Row([f64::NAN; WIDTH]),
-            static_root: none,
-            static_force: none,
-        }
+impl Rest {
+    /// Of contacts that there are none of.
+    const NONE: Self = Self {
+        floor: Row([f64::NAN; WIDTH]),
+        static_root: Row([0.0; WIDTH]),
+        static_force: Row([0.0; WIDTH]),
     };
 }
 
@@ -249,16 +242,25 @@ impl Plan {
     /// Number of all rows.
     #[must_use]
     pub fn all_rows(&self) -> usize {
-        self.all.len()
+        self.rest.len()
     }
 
     fn empty(form: Form, rows: usize) -> Self {
-        Self { form, live: rows, all: vec![Contacts::NONE; rows] }
+        let zeros = || vec![Row::default(); rows];
+        Self {
+            form,
+            live: rows,
+            stiffness: zeros(),
+            static_overlap: zeros(),
+            inverse_mass: zeros(),
+            balanced: zeros(),
+            rest: vec![Rest::NONE; rows],
+        }
     }
 
     fn set(&mut self, chain: &Chain, j: usize, place: (usize, usize)) {
         let (row, lane) = place;
-        let out = &mut self.all[row];
+        let rest = &mut self.rest[row];
         let contact = chain.contacts()[j];
         let touches = contact.stiffness > 0.0;
         let stiffness = match self.form {
@@ -267,13 +269,13 @@ impl Plan {
         };
         // Where there is nothing to touch, there is a gap that nothing closes.
         let overlap = if touches { contact.static_overlap } else { -1.0 };
-        out.stiffness.0[lane] = stiffness;
-        out.static_overlap.0[lane] = overlap;
-        out.static_root.0[lane] = overlap.max(0.0).sqrt();
-        out.floor.0[lane] = if touches { -overlap } else { f64::NAN };
+        self.stiffness[row].0[lane] = stiffness;
+        self.static_overlap[row].0[lane] = overlap;
+        rest.static_root.0[lane] = overlap.max(0.0).sqrt();
+        rest.floor.0[lane] = if touches { -overlap } else { f64::NAN };
         if let (Some(body), Some(force)) = (chain.bodies().get(j), chain.residual.get(j)) {
-            out.inverse_mass.0[lane] = 1.0 / body.mass;
-            out.balanced.0[lane] = -force;
+            self.inverse_mass[row].0[lane] = 1.0 / body.mass;
+            self.balanced[row].0[lane] = -force;
         }
     }
 }

@@ -184,7 +184,7 @@ pub fn missing<L: Lanes, P: Known<N>, const N: usize>(ends: Ends<L>, wanted: u8)
     // The quadrature first: it does not wait for the roots.
     let [mut impulse, mut moment, mut velocity, mut position] = [none; 4];
     for stage in 0..N {
-        // Sides by themselves: two roots at a time are as many as the step has time for while it searches.
+        // The square-root unit is left to the roots that wait for it.
         let power = power::<L>(1, quintics.at(L::splat(P::PAIR.nodes[stage])));
         let weigh = |weight: f64, sum: L::V| L::mul_add(L::splat(weight), power, sum);
         impulse = weigh(Velocity::<P, N>::OF[stage], impulse);

@@ -132,7 +132,7 @@ fn short<L: Lanes, Y: Layout, const GRADIENT: bool, const R: usize>(
             for r in 0..R {
                 let above = if r > 0 { x[r - 1] } else { none };
                 // In this order one of the two need not wait for the neighbour.
-                let short = L::sub(x[r], L::load(&plan.rows[r].static_overlap));
+                let short = L::sub(x[r], L::load(&plan.static_overlap[r]));
                 let overlap = L::sub(Y::above::<L>(above, x[r]), short);
                 [force[r], tangent[r]] = finish::<L, PLAIN>(plan, r, begin_plain::<L>(r, overlap));
             }
@@ -145,7 +145,7 @@ fn short<L: Lanes, Y: Layout, const GRADIENT: bool, const R: usize>(
             let mut weight = kick.force;
             if GRADIENT {
                 for r in 0..R {
-                    a[r] = L::mul(push[r], L::load(&plan.rows[r].inverse_mass));
+                    a[r] = L::mul(push[r], L::load(&plan.inverse_mass[r]));
                     v[r] = L::mul_add(kick.force, a[r], v[r]);
                 }
                 for r in 0..R {
@@ -160,7 +160,7 @@ fn short<L: Lanes, Y: Layout, const GRADIENT: bool, const R: usize>(
             }
             if last {
                 for r in 0..R {
-                    let pushed = L::mul(push[r], L::load(&plan.rows[r].inverse_mass));
+                    let pushed = L::mul(push[r], L::load(&plan.inverse_mass[r]));
                     v[r] = L::mul_add(weight, pushed, v[r]);
                     if GRADIENT { g[r] = pushed } else { a[r] = pushed }
                 }
@@ -168,7 +168,7 @@ fn short<L: Lanes, Y: Layout, const GRADIENT: bool, const R: usize>(
             }
             let drift = weights.drift(part);
             for r in 0..R {
-                let weight = L::mul(weight, L::load(&plan.rows[r].inverse_mass));
+                let weight = L::mul(weight, L::load(&plan.inverse_mass[r]));
                 if L::WAITS {
                     // The drift does not wait for the velocities: all but what the newest forces add to it is there before them.
                     let drifted = L::mul_add(drift, v[r], x[r]);

@@ -35,9 +35,9 @@ impl<Y: Layout> Task for Settle<'_, Y> {
             let cut = Cut::new(plan, rows);
             let (here, _) = forces::forces::<L, PLAIN>(cut, r, rest);
             let held = forces::net::<L, Y>([here, next]);
-            let out = &mut plan.all[r];
-            L::store(L::add(held, L::load(&out.balanced)), &mut out.balanced);
-            L::store(here, &mut out.static_force);
+            let balanced = &mut plan.balanced[r];
+            L::store(L::add(held, L::load(balanced)), balanced);
+            L::store(here, &mut plan.rest[r].static_force);
             next = here;
         }
     }

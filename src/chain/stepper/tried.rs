@@ -1,8 +1,9 @@
 //! A step that was tried, as its contacts see it.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
+use super::forces::Cut;
 use super::lanes::{Lanes, Row};
-use super::plan::{Contacts, Layout};
+use super::plan::Layout;
 use super::quintics::Ends;
 use super::workspace::Motion;
 
@@ -10,7 +11,7 @@ use super::workspace::Motion;
 #[derive(Clone, Copy)]
 pub struct Tried<'a, L: Lanes> {
     /// Rows of contacts.
-    pub plan: &'a [Contacts],
+    pub plan: Cut<'a>,
     /// Positions (m), velocities (m/s) and accelerations (m/s²) at both ends.
     ends: [[&'a [Row]; 3]; 2],
     /// Length of the step, lane by lane (s).
@@ -26,10 +27,9 @@ fn difference<L: Lanes, Y: Layout>(rows: &[Row], r: usize) -> L::V {
 }
 
 impl<'a, L: Lanes> Tried<'a, L> {
-    /// A step of `h` (s) between `ends`, with the contacts of `plan`.
+    /// A step of `h` (s) from one end to another, with the contacts in the first rows of `plan`.
     #[inline(always)]
-    pub fn new(plan: &'a [Contacts], [from, to]: [&'a Motion; 2], h: L::V) -> Self {
-        let rows = plan.len();
+    pub fn new((plan, rows): (Cut<'a>, usize), [from, to]: [&'a Motion; 2], h: L::V) -> Self {
         let of = |motion: &'a Motion| {
             [&motion.position()[..rows], &motion.velocity()[..rows], &motion.acceleration()[..rows]]
         };
@@ -54,7 +54,7 @@ impl<'a, L: Lanes> Tried<'a, L> {
     #[inline(always)]
     fn move_of<Y: Layout>(&self, [position, velocity, _]: [&[Row]; 3], r: usize) -> [L::V; 2] {
         let change = difference::<L, Y>(position, r);
-        let overlap = L::add(L::load(&self.plan[r].static_overlap), change);
+        let overlap = L::add(L::load(&self.plan.static_overlap[r]), change);
         [overlap, L::mul(self.h, difference::<L, Y>(velocity, r))]
     }
 

@@ -35,7 +35,7 @@ impl<L: Lanes> Visible<L> {
     #[must_use]
     pub fn among<Y: Layout>(&self, tried: &Tried<L>, row: usize) -> u8 {
         let travel = L::mul(self.step, tried.speed::<Y>(row));
-        let whole = L::mul(self.step, L::load(&tried.plan[row].stiffness));
+        let whole = L::mul(self.step, L::load(&tried.plan.stiffness[row]));
         let cube = L::mul(travel, L::mul(travel, travel));
         L::positive(L::sub(L::mul(cube, L::mul(whole, whole)), self.limit))
     }
