@@ -254,8 +254,7 @@ mod tests {
             let mut out = [Row::default(); 3];
             L::store(L::select(bits, a, b), &mut out[0]);
             L::store(L::gather(bits, a, (b, at)), &mut out[1]);
-            out[1].0[at + bits.count_ones() as usize..]
-                .copy_from_slice(&of[1].0[at + bits.count_ones() as usize..]);
+            out[1].0[at + bits.count_ones() as usize..].fill(of[1].0[0]);
             L::store(L::scatter(bits, (a, at), b), &mut out[2]);
             out
         }
