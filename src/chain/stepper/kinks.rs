@@ -16,7 +16,7 @@
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 #![allow(
     clippy::needless_range_loop,
-    reason = "the compiler makes less of iterators side by side: 8 % of a chain under gravity"
+    reason = "the compiler makes less of iterators side by side"
 )]
 
 use super::forces::Cut;

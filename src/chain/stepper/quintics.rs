@@ -13,8 +13,8 @@ const ROOT_NODES: [(f64, f64); 5] = [
     (0.815_071_707_804_017_6, 0.144_130_795_395_627_18),
     (0.962_989_798_475_994_5, 0.088_646_788_043_552_97),
 ];
-/// What may be left of an overlap at its root, as a share of those at both ends. The impulse from there on is off by less than that share of
-/// itself, and of any impulse far more is counted as error (1).
+/// What may be left of an overlap at its root, as a share of those at both ends: the impulse from there on is off by less than that share of
+/// itself (1).
 const ROOT_RESIDUE: f64 = 1e-7;
 /// Most steps of the search for a root, each of which at least halves what is left.
 const SEARCH_STEPS: usize = 30;
