@@ -14,10 +14,7 @@
 //! Sources: C. W. Gear, O. Osterby, ACM Trans. Math. Softw. 10, 23 (1984), on discontinuities and order; W. Gautschi, Orthogonal
 //! Polynomials (Oxford, 2004), section 3.1, on Gauss-Jacobi quadrature. Measured in `tests/it/kinks.rs`.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
-#![allow(
-    clippy::needless_range_loop,
-    reason = "the compiler makes less of iterators side by side"
-)]
+#![allow(clippy::needless_range_loop, reason = "the compiler makes less of iterators side by side")]
 
 use super::forces::Cut;
 use super::gathered::{Gathered, spread};
