@@ -55,9 +55,7 @@ impl<L: Lanes> Begun<L> {
     pub fn none() -> Self {
         Self { closed: L::splat(0.0), root: L::splat(0.0) }
     }
-}
 
-impl<L: Lanes> Begun<L> {
     /// `closed^1.5` of row `r` (m^1.5).
     #[inline(always)]
     pub fn power(self, r: usize) -> L::V {

@@ -2,7 +2,7 @@
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 #![allow(
     clippy::needless_range_loop,
-    reason = "closures would be compiled without the instruction set, and iterators of two sides make more of it"
+    reason = "closures would be compiled without the instruction set"
 )]
 
 use super::known::Known;

@@ -16,7 +16,7 @@ const ROOT_NODES: [(f64, f64); 5] = [
 /// What may be left of an overlap at its root, as a share of those at both ends: the impulse from there on is off by less than that share of
 /// itself (1).
 const ROOT_RESIDUE: f64 = 1e-7;
-/// Most steps of the search for a root, each of which at least halves what is left.
+/// Most steps of the search for a root that the first one has not found.
 const SEARCH_STEPS: usize = 30;
 /// Where an overlap is looked at that may have gone to the other side and back, fractions of the step (1).
 const LOOKS: [f64; 8] = [0.12, 0.23, 0.34, 0.45, 0.55, 0.66, 0.77, 0.88];

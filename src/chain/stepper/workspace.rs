@@ -9,7 +9,7 @@ pub const BETWEEN: usize = 7;
 /// A row at each of them, side by side in memory.
 pub type Between = [Row; BETWEEN];
 
-/// One end of a step, in rows. All in one piece of memory: a short chain's set-up is mostly asking for it.
+/// One end of a step, in rows: all in one piece of memory, for asking for six takes a short chain's set-up longer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motion {
     rows: Vec<Row>,

@@ -51,12 +51,10 @@ impl Paired {
         (work, lanes): (&mut Workspace, &mut [Lane]),
         step: Row,
     ) {
-        let (mut slack, mut worth) = ([Row::default(); 2], [Row::default(); 2]);
+        let mut worth = [Row::default(); 2];
         for (index, lane) in lanes.iter().enumerate() {
-            let own = worth_of(self.tolerance, lane.scales);
-            let least = kinks::slack(self.tolerance, lane.scales, lane.lightest);
-            for kind in 0..2 {
-                (slack[kind].0[index], worth[kind].0[index]) = (least[kind], own[kind]);
+            for (worth, own) in worth.iter_mut().zip(worth_of(self.tolerance, lane.scales)) {
+                worth.0[index] = own;
             }
         }
         let pair = self.pair;
@@ -67,6 +65,13 @@ impl Paired {
         }
         if !sides.any() {
             return;
+        }
+        let mut slack = [Row::default(); 2];
+        for (index, lane) in lanes.iter().enumerate() {
+            let own = kinks::slack(self.tolerance, lane.scales, lane.lightest);
+            for (slack, own) in slack.iter_mut().zip(own) {
+                slack.0[index] = own;
+            }
         }
         let attempt = Attempt::<Across> { plan, pair, work, step, worth };
         if !dispatch(set, Correct { attempt, sides, slack }) {
