@@ -3,7 +3,8 @@
 
 use super::forces::Cut;
 use super::lanes::{Lanes, Row};
-use super::plan::{Layout, Plan};
+use super::layout::Layout;
+use super::plan::Plan;
 use super::sweep::{Visit, sweep};
 
 /// The largest change of an overlap, an open contact counting as having lost its static one.

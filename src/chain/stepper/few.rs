@@ -16,8 +16,9 @@ use super::evaluate::Largest;
 use super::forces::{Begun, Cut, PLAIN, accelerations, begin_plain, finish};
 use super::known::{Known, Position, PositionError, Stage, Velocity, VelocityError, Weights};
 use super::lanes::Lanes;
+use super::layout::{Along, Layout};
 use super::passes::{Sides, add_compensated};
-use super::plan::{Along, FEW, Layout, Plan};
+use super::plan::{FEW, Plan};
 use super::rows::{Mobility, Rows, differences, largest_of, load, nets, scaled, store};
 use super::workspace::{BETWEEN, Motion, Parts, Workspace};
 
@@ -58,10 +59,10 @@ impl<'a, L: Lanes, const R: usize> Step<'a, L, R> {
     fn new(plan: Cut<'a>, now: &'a Motion, h: L::V) -> Self {
         let square = L::mul(h, h);
         let force = load::<L, R>(now.force());
-        let change = differences::<L, R>(&load::<L, R>(now.position()));
+        let change = differences::<L, Along, R>(&load::<L, R>(now.position()));
         let overlap = overlaps::<L, R>(plan, change);
-        let rate = differences::<L, R>(&load::<L, R>(now.velocity()));
-        let second = differences::<L, R>(&load::<L, R>(now.acceleration()));
+        let rate = differences::<L, Along, R>(&load::<L, R>(now.velocity()));
+        let second = differences::<L, Along, R>(&load::<L, R>(now.acceleration()));
         Self {
             plan,
             now,
@@ -140,7 +141,7 @@ impl<'a, L: Lanes, const R: usize> Step<'a, L, R> {
     /// The new positions; how overlaps have changed there, and what they are (m).
     #[inline(always)]
     fn arrive<P: Known<N>, const N: usize>(&self, next: &mut Parts) -> [Rows<L, R>; 2] {
-        let push = nets::<L, R>(&self.sum::<Position<P, N>>(N - 1));
+        let push = nets::<L, Along, R>(&self.sum::<Position<P, N>>(N - 1));
         let (mut at, mut rest) = (push, push);
         let half = L::mul(L::splat(0.5), L::mul(self.h, self.h));
         let now = self.now;
@@ -155,14 +156,14 @@ impl<'a, L: Lanes, const R: usize> Step<'a, L, R> {
         }
         store::<L, R>(&at, next.position);
         store::<L, R>(&rest, next.lost_position);
-        let change = differences::<L, R>(&at);
+        let change = differences::<L, Along, R>(&at);
         [change, overlaps::<L, R>(self.plan, change)]
     }
 
     /// The new velocities (m/s), from what the stages weigh in them.
     #[inline(always)]
     fn speed_up(&self, sum: &Rows<L, R>, next: &mut Parts) -> Rows<L, R> {
-        let push = nets::<L, R>(sum);
+        let push = nets::<L, Along, R>(sum);
         let (mut speed, mut rest) = (push, push);
         let (now, inverse_mass) = (self.now, &self.plan.inverse_mass[..R]);
         let acceleration = &now.acceleration()[..R];
@@ -231,7 +232,7 @@ fn whole<L: Lanes, P: Known<N>, const R: usize, const N: usize>(
         speed[r] = plus::<L, Velocity<P, N>>(N - 1, newest, speed[r]);
     }
     store::<L, R>(&force, next.force);
-    let (mut off, mut off_speed) = (nets::<L, R>(&off), nets::<L, R>(&off_speed));
+    let (mut off, mut off_speed) = (nets::<L, Along, R>(&off), nets::<L, Along, R>(&off_speed));
     for r in 0..R {
         off[r] = L::mul(step.mobility.below[r], off[r]);
         off_speed[r] = L::mul(L::load(&plan.inverse_mass[r]), off_speed[r]);
@@ -243,7 +244,7 @@ fn whole<L: Lanes, P: Known<N>, const R: usize, const N: usize>(
     store::<L, R>(&scaled::<L, R>(h, off_speed), &mut work.error_velocity);
 
     let speed = step.speed_up(&speed, &mut next);
-    let travel = scaled::<L, R>(h, differences::<L, R>(&speed));
+    let travel = scaled::<L, R>(h, differences::<L, Along, R>(&speed));
     // As `passes::speed_up` has it.
     let beyond = |r: usize| L::mul(overlap[r], L::sub(travel[r], overlap[r]));
     let (was_closed, closed) = (&now.closed[..R], &mut next.closed[..R]);

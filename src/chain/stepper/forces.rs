@@ -4,7 +4,8 @@
 use std::ops::Range;
 
 use super::lanes::{Lanes, Row};
-use super::plan::{Form, Layout, Plan, Rest};
+use super::layout::Layout;
+use super::plan::{Form, Plan, Rest};
 
 /// Forms as constants of the generic loops.
 pub const PLAIN: u8 = 0;
@@ -19,7 +20,7 @@ pub struct Cut<'a> {
     pub stiffness: &'a [Row],
     pub static_overlap: &'a [Row],
     pub inverse_mass: &'a [Row],
-    balanced: &'a [Row],
+    pub balanced: &'a [Row],
     pub rest: &'a [Rest],
     /// Forces in the row behind the last: nothing has moved there (N).
     pub beyond: Row,
@@ -161,11 +162,13 @@ pub fn jerks<L: Lanes, Y: Layout>(
     let plan = Cut::new(plan, rows);
     let (x, v, out) = (&x[..rows], &v[..rows], &mut out[..rows]);
     let (first, end) = (range.start, range.end.min(rows));
+    let none = L::splat(0.0);
     let mut last = match first.checked_sub(1) {
         Some(before) if before < rows => [L::load(&x[before]), L::load(&v[before])],
-        _ => [L::splat(0.0); 2],
+        _ if Y::STRIPED => [&x[rows - 1], &v[rows - 1]].map(|l| Y::before_first::<L>(L::load(l))),
+        _ => [none; 2],
     };
-    let mut rate = L::splat(0.0);
+    let (mut rate, mut top) = (none, none);
     for r in first..rows.min(end + 1) {
         let here = [L::load(&x[r]), L::load(&v[r])];
         let change = L::sub(Y::above::<L>(last[0], here[0]), here[0]);
@@ -181,10 +184,13 @@ pub fn jerks<L: Lanes, Y: Layout>(
         let next = L::mul(tangent, closing);
         if r > first {
             L::store(pushed::<L, Y>(plan, r - 1, [rate, next]), &mut out[r - 1]);
+        } else if Y::STRIPED {
+            top = next;
         }
         (last, rate) = (here, next);
     }
     if end == rows && first < rows {
-        L::store(pushed::<L, Y>(plan, rows - 1, [rate, L::splat(0.0)]), &mut out[rows - 1]);
+        let next = Y::after_last::<L>(top, none);
+        L::store(pushed::<L, Y>(plan, rows - 1, [rate, next]), &mut out[rows - 1]);
     }
 }

@@ -7,7 +7,8 @@ use std::ops::Range;
 use super::force_track::{COEFFICIENTS, View, horner, septic};
 use super::forces::{self, Cut, EXACT, LINEAR};
 use super::lanes::{Lanes, Row, Task};
-use super::plan::{Along, Form, Layout, Plan};
+use super::layout::Layout;
+use super::plan::{Form, Plan};
 
 /// Positions, velocities, accelerations and jerks in rows at both ends of a step.
 #[derive(Clone, Copy)]
@@ -21,8 +22,8 @@ pub struct Ends<'a> {
 /// Value and derivatives, as many as there are `rows`, of the overlap of the contact above body `body`.
 #[inline(always)]
 fn overlap<Y: Layout, const N: usize>(rows: &[&[Row]; N], body: usize, lane: usize) -> [f64; N] {
-    let here = Y::place(body, lane);
-    let above = Y::upper(here.0, here.1);
+    let place = |body| Y::place(rows[0].len(), body, lane);
+    let (here, above) = (place(body), body.checked_sub(1).map(place));
     let mut found = [0.0; N];
     for which in 0..N {
         let upper = above.map_or(0.0, |(row, lane)| rows[which][row].0[lane]);
@@ -31,9 +32,12 @@ fn overlap<Y: Layout, const N: usize>(rows: &[&[Row]; N], body: usize, lane: usi
     found
 }
 
-/// The rows that the bodies beside `body`, and itself, stand in.
-pub fn rows_around<Y: Layout>(body: usize) -> Range<usize> {
-    let row = |body| Y::place(body, 0).0;
+/// Those of all `rows` that the bodies beside `body`, and itself, stand in.
+pub fn rows_around<Y: Layout>(rows: usize, body: usize) -> Range<usize> {
+    if Y::STRIPED {
+        return 0..rows;
+    }
+    let row = |body| Y::place(rows, body, 0).0;
     row(body.saturating_sub(1))..row(body + 1) + 1
 }
 
@@ -76,31 +80,37 @@ impl<Y: Layout> Task for Look<'_, Y> {
 }
 
 /// Positions (m) and force changes (N) of the whole chain at one time of the step.
-pub struct Frame<'a> {
+pub struct Frame<'a, Y> {
     pub plan: &'a Plan,
     pub ends: Ends<'a>,
     /// Fraction of the step (1).
     pub theta: f64,
     pub position: &'a mut [Row],
     pub force: &'a mut [Row],
+    pub layout: PhantomData<Y>,
 }
 
-impl Task for Frame<'_> {
+impl<Y: Layout> Task for Frame<'_, Y> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { plan, ends, theta, position, force } = self;
+        let Self { plan, ends, theta, position, force, .. } = self;
         let weights = basis(theta, ends.span.1).map(|weight| L::splat(weight));
         let cut = Cut::new(plan, plan.rows());
-        let mut last = L::splat(0.0);
-        for r in 0..plan.rows() {
+        let position = &mut position[..plan.rows()];
+        for (r, position) in position.iter_mut().enumerate() {
             let mut here = L::splat(0.0);
             for (weight, rows) in weights.iter().zip(ends.from.iter().chain(&ends.to)) {
                 here = L::mul_add(*weight, L::load(&rows[r]), here);
             }
-            L::store(here, &mut position[r]);
-            let change = L::sub(Along::above::<L>(last, here), here);
+            L::store(here, position);
+        }
+        let last = position.last().map_or(L::splat(0.0), |row| L::load(row));
+        let mut last = Y::before_first::<L>(last);
+        for (r, position) in position.iter().enumerate() {
+            let here = L::load(position);
+            let change = L::sub(Y::above::<L>(last, here), here);
             let (row, _) = match plan.form {
                 Form::Linear => forces::forces::<L, LINEAR>(cut, r, change),
                 Form::Plain | Form::Exact => forces::forces::<L, EXACT>(cut, r, change),

@@ -19,6 +19,7 @@ mod lanes;
 mod lanes_sse2;
 #[cfg(target_arch = "x86_64")]
 mod lanes_x86;
+mod layout;
 mod parts;
 mod passes;
 mod plan;

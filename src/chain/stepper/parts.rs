@@ -4,7 +4,8 @@
 
 use super::forces::{Cut, pushed};
 use super::lanes::{Lanes, Row};
-use super::plan::{Layout, Plan};
+use super::layout::Layout;
+use super::plan::Plan;
 use super::splits::{Kick, Weights};
 use super::sweep::{Visit, sweep};
 use super::workspace::Workspace;

@@ -7,7 +7,8 @@ use super::few;
 use super::forces::{Cut, PLAIN};
 use super::known::{Known, Position, PositionError, Stage, Sum, Velocity, VelocityError};
 use super::lanes::{Lanes, Row};
-use super::plan::{Layout, Plan};
+use super::layout::Layout;
+use super::plan::Plan;
 use super::sweep::{Visit, sweep};
 use super::workspace::{Between, Workspace};
 

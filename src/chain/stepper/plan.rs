@@ -1,125 +1,13 @@
 //! A chain as the loops read it: rows of eight, padded with contacts that bear nothing and bodies that never move.
 //!
-//! Along: one chain, eight neighbouring contacts in a row. Across: eight chains of equal length, contact `j` of each in row `j`.
 //! Entry `j` holds contact `j` and the body below it; behind the last body stands a ghost, the bottom wall, that nothing moves.
-#![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
-use super::lanes::{Lanes, Row, WIDTH};
+use super::lanes::{Row, WIDTH};
+use super::layout::Layout;
 use crate::chain::{Chain, Contact, Law};
 
 /// Most rows of a short chain: what moves of it fits into the registers.
 pub const FEW: usize = 5;
-
-/// How rows lie in the chain.
-pub trait Layout: Copy {
-    /// Whether a whole chain may be in a few rows.
-    const IN_FEW_ROWS: bool;
-    /// A number of each chain's own.
-    type Own: Copy;
-    /// What stands above `here`, given the row before.
-    fn above<L: Lanes>(before: L::V, here: L::V) -> L::V;
-    /// What stands below `here`, given the row after.
-    fn below<L: Lanes>(here: L::V, after: L::V) -> L::V;
-    /// Largest value of a chain, in all its lanes.
-    fn largest<L: Lanes>(values: L::V) -> L::V;
-    /// `own` in the lanes of its chain.
-    fn spread<L: Lanes>(own: Self::Own) -> L::V;
-    /// Bits of lanes whose chain has all its bits set.
-    fn all(bits: u8) -> u8;
-    /// Where entry `index` of the chain in `lane` is.
-    fn place(index: usize, lane: usize) -> (usize, usize);
-    /// Where the body above contact (`row`, `lane`) is; none above the first.
-    fn upper(row: usize, lane: usize) -> Option<(usize, usize)>;
-}
-
-/// One chain along the rows.
-#[derive(Debug, Clone, Copy)]
-pub struct Along;
-
-/// Eight chains across the rows.
-#[derive(Debug, Clone, Copy)]
-pub struct Across;
-
-impl Layout for Along {
-    const IN_FEW_ROWS: bool = true;
-    type Own = f64;
-
-    #[inline(always)]
-    fn above<L: Lanes>(before: L::V, here: L::V) -> L::V {
-        L::shift_up(before, here)
-    }
-
-    #[inline(always)]
-    fn below<L: Lanes>(here: L::V, after: L::V) -> L::V {
-        L::shift_down(here, after)
-    }
-
-    #[inline(always)]
-    fn largest<L: Lanes>(values: L::V) -> L::V {
-        L::splat(L::largest(values))
-    }
-
-    #[inline(always)]
-    fn spread<L: Lanes>(own: f64) -> L::V {
-        L::splat(own)
-    }
-
-    #[inline(always)]
-    fn all(bits: u8) -> u8 {
-        if bits == u8::MAX { bits } else { 0 }
-    }
-
-    #[inline(always)]
-    fn place(index: usize, _lane: usize) -> (usize, usize) {
-        (index / WIDTH, index % WIDTH)
-    }
-
-    #[inline(always)]
-    fn upper(row: usize, lane: usize) -> Option<(usize, usize)> {
-        let index = (row * WIDTH + lane).checked_sub(1)?;
-        Some((index / WIDTH, index % WIDTH))
-    }
-}
-
-impl Layout for Across {
-    const IN_FEW_ROWS: bool = false;
-    type Own = Row;
-
-    #[inline(always)]
-    fn above<L: Lanes>(before: L::V, _here: L::V) -> L::V {
-        before
-    }
-
-    #[inline(always)]
-    fn below<L: Lanes>(_here: L::V, after: L::V) -> L::V {
-        after
-    }
-
-    #[inline(always)]
-    fn largest<L: Lanes>(values: L::V) -> L::V {
-        values
-    }
-
-    #[inline(always)]
-    fn spread<L: Lanes>(own: Row) -> L::V {
-        L::load(&own)
-    }
-
-    #[inline(always)]
-    fn all(bits: u8) -> u8 {
-        bits
-    }
-
-    #[inline(always)]
-    fn place(index: usize, lane: usize) -> (usize, usize) {
-        (index, lane)
-    }
-
-    #[inline(always)]
-    fn upper(row: usize, lane: usize) -> Option<(usize, usize)> {
-        Some((row.checked_sub(1)?, lane))
-    }
-}
 
 /// How forces are computed from overlaps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -201,14 +89,26 @@ impl Form {
     }
 }
 
+/// Rows that one chain takes.
+#[must_use]
+pub fn rows_of(chain: &Chain) -> usize {
+    chain.contacts().len().div_ceil(WIDTH)
+}
+
+/// Whether chains in so many `rows` have loops of their own.
+#[must_use]
+pub fn are_few(rows: usize, form: Form) -> bool {
+    form == Form::Plain && rows <= FEW
+}
+
 impl Plan {
-    /// One chain along the rows.
+    /// One chain.
     #[must_use]
-    pub fn along(chain: &Chain, form: Form) -> Self {
-        let rows = chain.contacts().len().div_ceil(WIDTH);
+    pub fn one<Y: Layout>(chain: &Chain, form: Form) -> Self {
+        let rows = rows_of(chain);
         let mut plan = Self::empty(form, rows);
         for j in 0..chain.contacts().len() {
-            plan.set(chain, j, (j / WIDTH, j % WIDTH));
+            plan.set(chain, j, Y::place(rows, j, 0));
         }
         plan
     }
@@ -236,7 +136,7 @@ impl Plan {
     /// time in one or the other.
     #[must_use]
     pub fn in_few_rows<Y: Layout>(&self) -> bool {
-        Y::IN_FEW_ROWS && self.form == Form::Plain && self.all_rows() <= FEW
+        Y::IN_FEW_ROWS && are_few(self.all_rows(), self.form)
     }
 
     /// Number of all rows.

@@ -2,7 +2,7 @@
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
 use super::lanes::{Lanes, Row};
-use super::plan::{Along, Layout};
+use super::layout::{Along, Layout};
 
 /// A value of each contact, or of the body below it.
 pub type Rows<L, const R: usize> = [<L as Lanes>::V; R];
@@ -34,21 +34,32 @@ pub fn scaled<L: Lanes, const R: usize>(by: L::V, mut values: Rows<L, R>) -> Row
     values
 }
 
-/// Those of the bodies above.
+/// Those above.
 #[inline(always)]
-fn above<L: Lanes, const R: usize>(of: &Rows<L, R>) -> Rows<L, R> {
+pub fn above<L: Lanes, Y: Layout, const R: usize>(of: &Rows<L, R>) -> Rows<L, R> {
     let mut out = *of;
     for r in 0..R {
-        let before = if r > 0 { of[r - 1] } else { L::splat(0.0) };
-        out[r] = Along::above::<L>(before, of[r]);
+        let before = if r > 0 { of[r - 1] } else { Y::before_first::<L>(of[R - 1]) };
+        out[r] = Y::above::<L>(before, of[r]);
+    }
+    out
+}
+
+/// Those below; behind the last is what is `beyond` the chain.
+#[inline(always)]
+pub fn below<L: Lanes, Y: Layout, const R: usize>(of: &Rows<L, R>, beyond: L::V) -> Rows<L, R> {
+    let mut out = *of;
+    for r in 0..R {
+        let after = if r + 1 < R { of[r + 1] } else { Y::after_last::<L>(of[0], beyond) };
+        out[r] = Y::below::<L>(of[r], after);
     }
     out
 }
 
 /// How much more the bodies above have than those below.
 #[inline(always)]
-pub fn differences<L: Lanes, const R: usize>(of: &Rows<L, R>) -> Rows<L, R> {
-    let mut out = above::<L, R>(of);
+pub fn differences<L: Lanes, Y: Layout, const R: usize>(of: &Rows<L, R>) -> Rows<L, R> {
+    let mut out = above::<L, Y, R>(of);
     for r in 0..R {
         out[r] = L::sub(out[r], of[r]);
     }
@@ -57,11 +68,10 @@ pub fn differences<L: Lanes, const R: usize>(of: &Rows<L, R>) -> Rows<L, R> {
 
 /// Net of the contacts above and below each body, with nothing below the last.
 #[inline(always)]
-pub fn nets<L: Lanes, const R: usize>(of: &Rows<L, R>) -> Rows<L, R> {
-    let mut out = *of;
+pub fn nets<L: Lanes, Y: Layout, const R: usize>(of: &Rows<L, R>) -> Rows<L, R> {
+    let mut out = below::<L, Y, R>(of, L::splat(0.0));
     for r in 0..R {
-        let next = if r + 1 < R { of[r + 1] } else { L::splat(0.0) };
-        out[r] = L::sub(of[r], Along::below::<L>(of[r], next));
+        out[r] = L::sub(of[r], out[r]);
     }
     out
 }
@@ -99,7 +109,7 @@ impl<L: Lanes, const R: usize> Mobility<L, R> {
     /// Of bodies of these inverse masses, times anything.
     #[inline(always)]
     pub fn new(inverse_mass: Rows<L, R>) -> Self {
-        let (above, mut both) = (above::<L, R>(&inverse_mass), inverse_mass);
+        let (above, mut both) = (above::<L, Along, R>(&inverse_mass), inverse_mass);
         for r in 0..R {
             both[r] = L::sub(L::sub(L::splat(0.0), above[r]), inverse_mass[r]);
         }

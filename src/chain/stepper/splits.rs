@@ -1,11 +1,12 @@
-//! Steps of splittings. A chain of few rows stays in the registers from one step to the next; longer ones go through [`super::parts`].
+//! Steps of splittings. A striped chain of few rows stays in the registers from one step to the next; longer ones go through [`super::parts`].
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
-use super::forces::{Cut, PLAIN, begin_plain, finish, net, unbalanced};
+use super::forces::{Cut, PLAIN, begin_plain, finish};
 use super::lanes::Lanes;
+use super::layout::Layout;
 use super::parts::long;
-use super::plan::{FEW, Layout, Plan};
-use super::rows::{load, store};
+use super::plan::{FEW, Plan};
+use super::rows::{above, differences, load, nets, store};
 use super::workspace::Workspace;
 use crate::integrate::splitting::Splitting;
 
@@ -84,13 +85,12 @@ pub fn steps<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
 ) -> u8 {
     let weights = Weights::<L>::new(method, h);
     let run = (&weights, count);
-    let few = FORM == PLAIN && plan.in_few_rows::<Y>();
     match plan.rows() {
-        1 if few => short::<L, Y, GRADIENT, 1>(plan, work, run),
-        2 if few => short::<L, Y, GRADIENT, 2>(plan, work, run),
-        3 if few => short::<L, Y, GRADIENT, 3>(plan, work, run),
-        4 if few => short::<L, Y, GRADIENT, 4>(plan, work, run),
-        FEW if few => short::<L, Y, GRADIENT, FEW>(plan, work, run),
+        1 if Y::STRIPED => short::<L, Y, GRADIENT, 1>(plan, work, run),
+        2 if Y::STRIPED => short::<L, Y, GRADIENT, 2>(plan, work, run),
+        3 if Y::STRIPED => short::<L, Y, GRADIENT, 3>(plan, work, run),
+        4 if Y::STRIPED => short::<L, Y, GRADIENT, 4>(plan, work, run),
+        FEW if Y::STRIPED => short::<L, Y, GRADIENT, FEW>(plan, work, run),
         _ => long::<L, Y, FORM, GRADIENT>(plan, work, run),
     }
     let mut sum = L::splat(0.0);
@@ -128,19 +128,17 @@ fn short<L: Lanes, Y: Layout, const GRADIENT: bool, const R: usize>(
             x[r] = L::mul_add(drift, v[r], x[r]);
         }
         for part in 1..=weights.parts() {
-            let (mut force, mut tangent) = ([none; R], [none; R]);
+            let (mut force, mut tangent, from) = ([none; R], [none; R], above::<L, Y, R>(&x));
             for r in 0..R {
-                let above = if r > 0 { x[r - 1] } else { none };
                 // In this order one of the two need not wait for the neighbour.
                 let short = L::sub(x[r], L::load(&plan.static_overlap[r]));
-                let overlap = L::sub(Y::above::<L>(above, x[r]), short);
+                let overlap = L::sub(from[r], short);
                 [force[r], tangent[r]] = finish::<L, PLAIN>(plan, r, begin_plain::<L>(r, overlap));
             }
             let (kick, last) = (weights.kick::<GRADIENT>(part), part == weights.parts());
-            let mut push = [none; R];
-            for r in 0..R {
-                let next = if r + 1 < R { force[r + 1] } else { L::load(&plan.beyond) };
-                push[r] = unbalanced::<L, Y>(plan, r, [force[r], next]);
+            let mut push = nets::<L, Y, R>(&force);
+            for (push, balanced) in push.iter_mut().zip(plan.balanced) {
+                *push = L::sub(*push, L::load(balanced));
             }
             let mut weight = kick.force;
             if GRADIENT {
@@ -148,14 +146,11 @@ fn short<L: Lanes, Y: Layout, const GRADIENT: bool, const R: usize>(
                     a[r] = L::mul(push[r], L::load(&plan.inverse_mass[r]));
                     v[r] = L::mul_add(kick.force, a[r], v[r]);
                 }
+                let bend = differences::<L, Y, R>(&a);
                 for r in 0..R {
-                    let above = if r > 0 { a[r - 1] } else { none };
-                    tangent[r] = L::mul(tangent[r], L::sub(Y::above::<L>(above, a[r]), a[r]));
+                    tangent[r] = L::mul(tangent[r], bend[r]);
                 }
-                for r in 0..R {
-                    let next = if r + 1 < R { tangent[r + 1] } else { none };
-                    push[r] = net::<L, Y>([tangent[r], next]);
-                }
+                push = nets::<L, Y, R>(&tangent);
                 weight = kick.gradient;
             }
             if last {

@@ -3,7 +3,8 @@
 use std::marker::PhantomData;
 
 use super::dispatch::{InstructionSet, dispatch};
-use super::plan::{Layout, Plan};
+use super::layout::Layout;
+use super::plan::Plan;
 use super::tasks::Jerks;
 use super::workspace::{Parts, Workspace};
 use crate::integrate::control::StepControl;

@@ -9,8 +9,9 @@ use super::forces::{self, Cut, EXACT, LINEAR, PLAIN};
 use super::kinks::{self, Guard};
 use super::known::{Known, Pair64, Pair86};
 use super::lanes::{Lanes, Row, Task};
+use super::layout::Layout;
 use super::passes::{self, Sides};
-use super::plan::{Form, Layout, Plan};
+use super::plan::{Form, Plan};
 use super::splits;
 use super::workspace::{Motion, Parts, Workspace};
 use crate::integrate::Pair;
@@ -30,6 +31,10 @@ impl<Y: Layout> Task for Settle<'_, Y> {
         }
         let (rows, rest) = (plan.rows(), L::splat(0.0));
         let mut next = rest;
+        if Y::STRIPED {
+            let (first, _) = forces::forces::<L, PLAIN>(Cut::new(plan, rows), 0, rest);
+            next = Y::after_last::<L>(first, rest);
+        }
         // From behind, so that each force is found once.
         for r in (0..rows).rev() {
             let cut = Cut::new(plan, rows);

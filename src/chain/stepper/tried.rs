@@ -3,7 +3,7 @@
 
 use super::forces::Cut;
 use super::lanes::{Lanes, Row};
-use super::plan::Layout;
+use super::layout::Layout;
 use super::quintics::Ends;
 use super::workspace::Motion;
 

@@ -5,7 +5,7 @@
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
 use super::lanes::Lanes;
-use super::plan::Layout;
+use super::layout::Layout;
 use super::tried::Tried;
 
 /// What either pair's nodes miss of `max(t - root, 0)^1.5` at most (1).

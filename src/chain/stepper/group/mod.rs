@@ -11,7 +11,8 @@ use super::dispatch::{InstructionSet, dispatch};
 use super::force_track::View;
 use super::frame::{Ends, Look, glance, rows_around};
 use super::lanes::{Row, WIDTH};
-use super::plan::{Across, Form, Plan};
+use super::layout::Across;
+use super::plan::{Form, Plan};
 use super::steps::{find_gradients, finest_asked};
 use super::tasks::{Evaluate, Jerks, Settle, Split};
 use super::workspace::Workspace;
@@ -183,7 +184,7 @@ impl ChainGroup {
             }
             looked_at.push(view.body);
             for (motion, out) in [(&*next, &mut *before), (&*now, &mut *after)] {
-                let (at, rows) = (motion.seen(), rows_around::<Across>(view.body));
+                let (at, rows) = (motion.seen(), rows_around::<Across>(plan.all_rows(), view.body));
                 dispatch(*set, Jerks::<Across> { plan, at, rows, out, layout: PhantomData });
             }
         }

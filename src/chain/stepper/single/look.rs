@@ -8,29 +8,27 @@ use crate::chain::stepper::dispatch::dispatch;
 use crate::chain::stepper::force_track::{ForceTrack, Sample, View};
 use crate::chain::stepper::frame::{Ends, Frame, Look, glance, rows_around};
 use crate::chain::stepper::lanes::Row;
-use crate::chain::stepper::plan::Along;
+use crate::chain::stepper::layout::{Along, Striped};
 use crate::chain::stepper::tasks::Jerks;
 use crate::chain::stepper::workspace::Workspace;
-
-/// The first values of rows.
-fn flat(rows: &[Row], count: usize) -> impl Iterator<Item = f64> {
-    rows.iter().flat_map(|row| row.0).take(count)
-}
 
 impl ChainStepper {
     /// Brings `views` up to the end of the last step.
     pub fn glance(&self, views: &mut [View]) {
-        glance::<Along>(self.course.work.now.seen(), self.last_step.1, 0, views);
+        let to = self.course.work.now.seen();
+        laid!(self.course.striped, Y => glance::<Y>(to, self.last_step.1, 0, views));
     }
 
     /// Looks into the last step for those of `views` that want it.
     pub fn look(&mut self, views: &mut [View]) {
+        let Course { set, striped, plan, .. } = &self.course;
+        let (set, striped, all) = (*set, *striped, plan.all_rows());
         let wanted = views.iter().filter(|view| view.wanted);
-        let rows = wanted.map(|view| rows_around::<Along>(view.body));
+        let rows = wanted.map(|view| laid!(striped, Y => rows_around::<Y>(all, view.body)));
         let Some(rows) = rows.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)) else { return };
         self.find_jerks(rows);
         let ends = self.ends();
-        dispatch(self.course.set, Look::<Along> { ends, lane: 0, views, layout: PhantomData });
+        laid!(striped, Y => dispatch(set, Look::<Y> { ends, lane: 0, views, layout: PhantomData }));
     }
 
     /// Displacements (m) and changes of the contact forces (N) at the fraction `theta` of the last step (1).
@@ -41,11 +39,13 @@ impl ChainStepper {
             rows.resize(self.course.plan.all_rows(), Row::default());
         }
         let [position, force] = &mut frame;
-        let task = Frame { plan: &self.course.plan, ends: self.ends(), theta, position, force };
-        dispatch(self.course.set, task);
+        let (Course { set, striped, plan, .. }, ends) = (&self.course, self.ends());
+        laid!(*striped, Y => {
+            dispatch(*set, Frame::<Y> { plan, ends, theta, position, force, layout: PhantomData });
+        });
         self.frame = frame;
         let [position, force] = &self.frame;
-        (flat(position, self.bodies), flat(force, self.bodies + 1))
+        (self.course.flat(position, self.bodies), self.course.flat(force, self.bodies + 1))
     }
 
     /// The forces of `track` from the fraction `first` of the step on, every `interval` of it (1).
@@ -55,7 +55,8 @@ impl ChainStepper {
 
     /// Finds the rates of the accelerations at both ends of the last step, in `rows` at least.
     pub(super) fn find_jerks(&mut self, rows: Range<usize>) {
-        let Self { course: Course { set, plan, work, counts, .. }, jerks, jerks_of, .. } = self;
+        let Self { course, jerks, jerks_of, .. } = self;
+        let Course { set, striped, plan, work, counts, .. } = course;
         let covered = jerks_of.1.start <= rows.start && rows.end <= jerks_of.1.end;
         if covered && jerks_of.0 == counts.steps {
             return;
@@ -64,9 +65,10 @@ impl ChainStepper {
             out.resize(plan.all_rows(), Row::default());
         }
         let [before, after] = jerks;
-        let (set, layout) = (*set, PhantomData);
+        let set = *set;
         let find = |at, out| {
-            dispatch(set, Jerks::<Along> { plan, at, rows: rows.clone(), out, layout });
+            let rows = rows.clone();
+            laid!(*striped, Y => dispatch(set, Jerks::<Y> { plan, at, rows, out, layout: PhantomData }));
         };
         if covered && jerks_of.0.wrapping_add(1) == counts.steps {
             std::mem::swap(before, after);

@@ -1,4 +1,17 @@
-//! One chain, stepped with error control or in fixed steps.
+//! One chain, stepped with error control or in fixed steps: along the rows, or where it is short and steps are fixed, striped.
+
+/// `$body` for the layout of a chain that is `$striped` or not.
+macro_rules! laid {
+    ($striped:expr, $layout:ident => $body:expr) => {
+        if $striped {
+            type $layout = Striped;
+            $body
+        } else {
+            type $layout = Along;
+            $body
+        }
+    };
+}
 
 mod look;
 mod paired;
@@ -10,7 +23,8 @@ use std::ops::Range;
 use super::dispatch::{InstructionSet, dispatch};
 use super::frame::Ends;
 use super::lanes::{Row, WIDTH};
-use super::plan::{Along, Form, Plan};
+use super::layout::{Along, Layout, Striped};
+use super::plan::{Form, Plan, are_few, rows_of};
 use super::steps::{find_gradients, finest_asked};
 use super::tasks::{Evaluate, Settle};
 use super::workspace::Workspace;
@@ -37,6 +51,7 @@ pub enum Refinement {
 /// What moves, and all that a step reads and writes.
 struct Course {
     set: InstructionSet,
+    striped: bool,
     plan: Plan,
     work: Workspace,
     time: f64,
@@ -87,18 +102,28 @@ impl ChainStepper {
         scheme: Scheme,
         (set, form): (InstructionSet, Form),
     ) -> Self {
+        // Pairs go from overlap to overlap, which gains nothing by stripes.
+        let striped = matches!(scheme, Scheme::Splitting(..)) && are_few(rows_of(chain), form);
+        laid!(striped, Y => Self::laid::<Y>(chain, state, scheme, (set, form)))
+    }
+
+    fn laid<Y: Layout>(
+        chain: &Chain,
+        state: &State,
+        scheme: Scheme,
+        (set, form): (InstructionSet, Form),
+    ) -> Self {
         let velocities = &state.velocity;
-        let mut plan = Plan::along(chain, form);
-        dispatch(set, Settle::<Along>(&mut plan, PhantomData));
+        let mut plan = Plan::one::<Y>(chain, form);
+        dispatch(set, Settle::<Y>(&mut plan, PhantomData));
         let mut work = Workspace::new(plan.all_rows(), scheme);
         let now = work.now.parts();
-        for (i, velocity) in velocities.iter().enumerate() {
-            now.velocity[i / WIDTH].0[i % WIDTH] = *velocity;
+        for (i, (position, velocity)) in state.position.iter().zip(velocities).enumerate() {
+            let (row, lane) = Y::place(plan.all_rows(), i, 0);
+            now.position[row].0[lane] = *position;
+            now.velocity[row].0[lane] = *velocity;
         }
-        for (i, position) in state.position.iter().enumerate() {
-            now.position[i / WIDTH].0[i % WIDTH] = *position;
-        }
-        let overlap = dispatch(set, Evaluate::<Along>::at(&plan, &mut work.now));
+        let overlap = dispatch(set, Evaluate::<Y>::at(&plan, &mut work.now));
         work.next.closed.clone_from(&work.now.closed);
         work.next.parts().force.copy_from_slice(work.now.force());
         let moves = |row: usize| {
@@ -107,9 +132,11 @@ impl ChainStepper {
             all.iter().any(|row| **row != Row::default())
         };
         let last = (0..plan.all_rows()).rev().find(|row| moves(*row)).unwrap_or(0);
-        plan.live = (last + 1 + MARGIN).min(plan.all_rows());
+        if !Y::STRIPED {
+            plan.live = (last + 1 + MARGIN).min(plan.all_rows());
+        }
         let counts = Work { force_evaluations: 1, ..Work::default() };
-        let mut course = Course { set, plan, work, time: state.time, counts };
+        let mut course = Course { set, striped: Y::STRIPED, plan, work, time: state.time, counts };
         let drive = match scheme {
             Scheme::Pair(pair, tolerance) => {
                 let speed = velocities.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
@@ -117,7 +144,7 @@ impl ChainStepper {
                 Drive::Paired(Box::new(Paired::new(pair, tolerance, scales, chain.lightest())))
             }
             Scheme::Splitting(method, step) => {
-                find_gradients::<Along>(set, &course.plan, &mut course.work);
+                find_gradients::<Y>(set, &course.plan, &mut course.work);
                 Drive::Split(Split::new(method, step, state.time))
             }
         };
@@ -175,12 +202,28 @@ impl Course {
             self.plan.live = (live + MARGIN).min(all);
         }
     }
-}
 
-/// The first `count` values of rows.
-fn unpack(rows: &[Row], out: &mut [f64]) {
-    for (out, row) in out.chunks_mut(WIDTH).zip(rows) {
-        out.copy_from_slice(&row.0[..out.len()]);
+    /// First body whose state is not finite at the end of the step last tried.
+    fn first_lost(&self) -> usize {
+        let (positions, velocities) = self.work.next.seen();
+        let lost = |index: &usize| {
+            let (row, lane) = self.place(*index);
+            !(positions[row].0[lane].is_finite() && velocities[row].0[lane].is_finite())
+        };
+        (0..WIDTH * self.plan.all_rows()).find(lost).unwrap_or(0)
+    }
+
+    /// Row and lane of entry `index`.
+    fn place(&self, index: usize) -> (usize, usize) {
+        laid!(self.striped, Y => Y::place(self.plan.all_rows(), index, 0))
+    }
+
+    /// The first `count` values of `rows`.
+    fn flat(&self, rows: &[Row], count: usize) -> impl Iterator<Item = f64> {
+        (0..count).map(|index| {
+            let (row, lane) = self.place(index);
+            rows[row].0[lane]
+        })
     }
 }
 
@@ -190,14 +233,10 @@ impl Integrator for ChainStepper {
     }
 
     fn state(&self) -> State {
-        let mut state = State {
-            time: self.course.time,
-            position: vec![0.0; self.bodies],
-            velocity: vec![0.0; self.bodies],
-        };
-        unpack(self.course.work.now.position(), &mut state.position);
-        unpack(self.course.work.now.velocity(), &mut state.velocity);
-        state
+        let course = &self.course;
+        let flat = |rows| course.flat(rows, self.bodies).collect();
+        let (position, velocity) = course.work.now.seen();
+        State { time: course.time, position: flat(position), velocity: flat(velocity) }
     }
 
     fn step(&mut self, end: f64) -> Result<(), IntegrateError> {
@@ -231,7 +270,8 @@ impl Integrator for ChainStepper {
 
     fn interpolant(&self, body: usize) -> Interpolant {
         let Ends { from, to, span: (_, length) } = self.ends();
-        let at = |rows: [&[Row]; 4]| rows.map(|rows| rows[body / WIDTH].0[body % WIDTH]);
+        let (row, lane) = self.course.place(body);
+        let at = |rows: [&[Row]; 4]| rows.map(|rows| rows[row].0[lane]);
         let ([x0, v0, a0, j0], [x1, v1, a1, j1]) = (at(from), at(to));
         let from = End { position: x0, velocity: v0, acceleration: a0 };
         let to = End { position: x1, velocity: v1, acceleration: a1 };
@@ -245,14 +285,4 @@ impl Integrator for ChainStepper {
     fn work(&self) -> Work {
         self.course.counts
     }
-}
-
-/// First body whose state is not finite.
-fn first_lost(position: &[Row], velocity: &[Row]) -> usize {
-    let flat = |rows: &[Row]| rows.iter().flat_map(|row| row.0).collect::<Vec<f64>>();
-    flat(position)
-        .iter()
-        .zip(&flat(velocity))
-        .position(|(x, v)| !(x.is_finite() && v.is_finite()))
-        .unwrap_or(0)
 }

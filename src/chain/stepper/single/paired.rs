@@ -1,12 +1,12 @@
 //! Steps of a Runge-Kutta-Nystrom pair, with error control.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
-use super::{Course, first_lost};
+use super::Course;
 use crate::chain::stepper::dispatch::dispatch;
 use crate::chain::stepper::kinks;
 use crate::chain::stepper::lanes::{Lanes, Task};
+use crate::chain::stepper::layout::Along;
 use crate::chain::stepper::passes::Sides;
-use crate::chain::stepper::plan::Along;
 use crate::chain::stepper::steps::{UNMOVED, control, worth};
 use crate::chain::stepper::tasks::{Attempt, Correct, Evaluate};
 use crate::integrate::IntegrateError;
@@ -93,16 +93,14 @@ impl Task for Step<'_> {
         loop {
             let trial = paired.control.trial(course.time, end)?;
             let error = paired.attempt::<L>(course, trial.length);
-            let work = &mut course.work;
-            let culprit = || first_lost(work.next.position(), work.next.velocity());
-            if !paired.control.accepts(trial, error, culprit) {
+            if !paired.control.accepts(trial, error, || course.first_lost()) {
                 course.counts.rejected += 1;
                 continue;
             }
-            work.turn();
+            course.work.turn();
             course.time = trial.next;
             course.counts.steps += 1;
-            let largest = &work.largest;
+            let largest = &course.work.largest;
             paired.scales.0 = paired.scales.0.max(largest.overlap.0[0]);
             paired.scales.1 = paired.scales.1.max(largest.speed.0[0]);
             return Ok(trial.length);

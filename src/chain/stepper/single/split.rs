@@ -2,10 +2,10 @@
 
 use std::marker::PhantomData;
 
-use super::{Course, first_lost};
+use super::Course;
 use crate::chain::stepper::dispatch::dispatch;
 use crate::chain::stepper::lanes::{Row, WIDTH};
-use crate::chain::stepper::plan::Along;
+use crate::chain::stepper::layout::{Along, Striped};
 use crate::chain::stepper::steps::AT_ONCE;
 use crate::chain::stepper::tasks;
 use crate::integrate::IntegrateError;
@@ -51,17 +51,18 @@ impl Split {
 
     /// Takes `count` steps of `h` (s).
     fn take(&self, course: &mut Course, (h, count): (f64, u64)) -> Result<(), IntegrateError> {
-        let Course { set, plan, work, counts, time } = course;
-        let (step, method, layout) = (Row([h; WIDTH]), self.method, PhantomData);
-        let finite =
-            dispatch(*set, tasks::Split::<Along> { plan, method, work, step, count, layout });
+        let Course { set, striped, plan, work, counts, .. } = course;
+        let (set, step, method) = (*set, Row([h; WIDTH]), self.method);
+        let finite = laid!(*striped, Y => {
+            dispatch(set, tasks::Split::<Y> { plan, method, work, step, count, layout: PhantomData })
+        });
         counts.steps += count;
         counts.force_evaluations += count * method.drifts.len() as u64;
         if finite == 0 {
-            let body = first_lost(work.next.position(), work.next.velocity());
-            return Err(IntegrateError::NotFinite { body, time: *time });
+            let (body, time) = (course.first_lost(), course.time);
+            return Err(IntegrateError::NotFinite { body, time });
         }
-        work.turn();
+        course.work.turn();
         Ok(())
     }
 }
