@@ -4,13 +4,14 @@ use std::fs::OpenOptions;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, bail};
+use anyhow::{Context as _, anyhow, bail};
 use clap::{Args, ValueEnum};
 
 use super::progress::Progress;
 use crate::experiment::accuracy::{ChosenAccuracy, of_scene, run_held};
+use crate::experiment::by_hand::{advice, run_by_hand};
 use crate::experiment::effects::auto::settle;
-use crate::experiment::{self, Integration, RunError, facts};
+use crate::experiment::{Integration, RunError, facts};
 use crate::integrate::Method;
 use crate::quantity::{Dimension, parse};
 use crate::recording::mcap::RecordingWriter;
@@ -113,7 +114,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let (integration, reason) = integration(arguments, &scene)?;
     // Before the recording tells what it is of.
     let scene = settle(&scene, integration);
-    let known = facts::facts(&scene, integration)?;
+    let facts = facts::facts(&scene, integration);
+    let known = facts.map_err(|error| advised(error, &scene, integration))?;
     // Before the work, so that a folder that cannot be written to costs no simulation.
     let output = Output::open(arguments.output.as_deref(), &scene.name)?;
     let attachments = [facts::scene_attachment(&scene)];
@@ -124,7 +126,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut report = |share| progress.at(share);
     let outcome = match integration {
         Integration::Accuracy(accuracy) => run_held(&scene, accuracy, 1, &mut report),
-        Integration::Method(_) => experiment::run(&scene, integration, 1, &mut report),
+        Integration::Method(method) => run_by_hand(&scene, method, 1, &mut report),
     };
     progress.done();
     let outcome = match outcome {
@@ -135,7 +137,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Err(error) => {
             drop(early);
             output.give_up();
-            return Err(error.into());
+            return Err(advised(error, &scene, integration));
         }
     };
     let written = early.map_or_else(create, Ok).and_then(|mut writer| {
@@ -151,6 +153,19 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         super::print(&format!("  recording   {}", output.file.display()))?;
     }
     Ok(())
+}
+
+/// What is wrong with a step by hand, and one that would do.
+fn advised(error: RunError, scene: &Scene, integration: Integration) -> anyhow::Error {
+    let is_too_long =
+        !matches!(error, RunError::NotForLosses { .. } | RunError::TooManySteps { .. });
+    match integration {
+        Integration::Method(method) if is_too_long => match advice(scene, method) {
+            Some(advice) => anyhow!("{error}; {advice}"),
+            None => error.into(),
+        },
+        _ => error.into(),
+    }
 }
 
 /// Where the recording goes: known to be writable, and what was there is kept until there is something new.

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::comparison::{arrival_error, compare_readings, level_of, peak_error, readings};
 use super::outcome::{Reading, Summary};
-use super::{Integration, Outcome, RunError, horizon, method, run};
+use super::{Integration, Outcome, RunError, method, run};
 use crate::quantity::engineering;
 use crate::scene::{DEFAULT_ACCURACY, LOOSEST_ACCURACY, Scene, Site, TIGHTEST_ACCURACY};
 
@@ -111,7 +111,10 @@ pub fn run_held(
         summary.accuracy = Some(accuracy);
         summary.notes.extend(doubt(estimate.as_ref(), accuracy));
         summary.error_estimate = estimate;
-        summary.notes.extend(horizon::note(scene, steps));
+        if summary.contact_changes != Some(0) {
+            let method = method(scene, Integration::Accuracy(steps))?;
+            summary.find_horizon(scene, method, steps);
+        }
         return Ok(outcome);
     }
 }

@@ -99,6 +99,7 @@ pub struct Bench<'a> {
     film: Film,
     initial_energy: Energy,
     initial_velocities: Vec<f64>,
+    most_evaluations: u64,
 }
 
 impl<'a> Bench<'a> {
@@ -130,7 +131,15 @@ impl<'a> Bench<'a> {
             film,
             initial_energy,
             initial_velocities: initial_velocities.to_vec(),
+            most_evaluations: u64::MAX,
         }
+    }
+
+    /// The bench, given up when it has taken more than `most` evaluations of all forces.
+    #[must_use]
+    pub fn within(mut self, most: u64) -> Self {
+        self.most_evaluations = most;
+        self
     }
 
     /// Moves on to time `end` (s), taking samples, and following pulses if `pulses`. Calls `progress` with the time.
@@ -143,12 +152,18 @@ impl<'a> Bench<'a> {
         pulses: bool,
         progress: &mut dyn FnMut(f64),
     ) -> Result<(), IntegrateError> {
-        let Self { chain, engine, grid, watches, film, .. } = self;
-        let bodies = chain.bodies().len();
+        let Self { chain, engine, grid, watches, film, most_evaluations, .. } = self;
+        let (bodies, most) = (chain.bodies().len(), *most_evaluations);
+        let allowed = |integrator: &dyn Integrator| {
+            let time = integrator.time();
+            let too_much = integrator.work().force_evaluations > most;
+            if too_much { Err(IntegrateError::TooMuchWork { time, most }) } else { Ok(()) }
+        };
         match engine {
             Engine::Stepper(stepper, views) => {
                 while stepper.time() < end {
                     stepper.step(end)?;
+                    allowed(stepper.as_ref())?;
                     follow(stepper, views, (watches, *grid), pulses);
                     film.follow_stepper(chain, stepper);
                     progress(stepper.time());
@@ -157,6 +172,7 @@ impl<'a> Bench<'a> {
             Engine::General(integrator) => {
                 while integrator.time() < end {
                     integrator.step(end)?;
+                    allowed(integrator.as_ref())?;
                     integrator.prepare_interpolation();
                     for watch in &mut *watches {
                         watch.take(integrator.as_ref(), bodies, *grid, pulses);
@@ -215,6 +231,15 @@ impl<'a> Bench<'a> {
     #[must_use]
     pub fn state(&self) -> State {
         self.engine.integrator().state()
+    }
+
+    /// Steps in which contacts opened or closed; none where the method does not ask.
+    #[must_use]
+    pub fn contact_changes(&self) -> Option<u64> {
+        match &self.engine {
+            Engine::Stepper(stepper, _) => stepper.events(),
+            Engine::General(_) => None,
+        }
     }
 
     /// What the integration has cost so far.

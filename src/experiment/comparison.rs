@@ -24,33 +24,37 @@ pub struct Run {
     pub wall_s: f64,
 }
 
+/// A method, as it is or without one of the stepper's refinements.
+pub type Treated = (Method, Option<Refinement>);
+
 /// Runs `scene` by `method` to the end of its duration.
 ///
 /// # Errors
-/// The integrator's error, in words.
-pub fn run(scene: &Scene, method: Method) -> Result<Run, String> {
-    run_without(scene, method, None)
+/// The integrator's.
+pub fn run(scene: &Scene, method: Method) -> Result<Run, IntegrateError> {
+    run_without(scene, (method, None), u64::MAX)
 }
 
-/// The same without one of the stepper's refinements.
+/// The same without one of the stepper's refinements, and given up when it has taken more than `most` evaluations of all forces.
 ///
 /// # Errors
-/// The integrator's error, in words.
+/// The integrator's.
 pub fn run_without(
     scene: &Scene,
-    method: Method,
-    refinement: Option<Refinement>,
-) -> Result<Run, String> {
+    (method, refinement): Treated,
+    most: u64,
+) -> Result<Run, IntegrateError> {
     let grid = sample_grid(scene, 1);
     let never = Grid { start: f64::MAX, interval: 1.0 };
     let probes = probes(scene);
     let started = Instant::now();
     let mut bench =
-        Bench::new(&scene.chain, &scene.initial_velocities, method, &probes, (grid, never));
+        Bench::new(&scene.chain, &scene.initial_velocities, method, &probes, (grid, never))
+            .within(most);
     if let Some(refinement) = refinement {
         bench = bench.without(refinement);
     }
-    bench.run_until(scene.duration, true, &mut |_| ()).map_err(|error| error.to_string())?;
+    bench.run_until(scene.duration, true, &mut |_| ())?;
     let wall_s = started.elapsed().as_secs_f64();
     let (before, after) = bench.energies();
     Ok(Run {
@@ -113,10 +117,12 @@ pub fn peak_error(found: &Reading, exact: &Reading) -> Option<f64> {
     Some(relative(found.first_peak?.dynamic_n, exact.first_peak?.dynamic_n))
 }
 
-/// Larger relative error of first-peak time and half-rise (1).
+/// Largest relative error of first-peak time, half-rise and tenth (1).
 pub fn arrival_error(found: &Reading, exact: &Reading) -> Option<f64> {
     let peak = relative(found.first_peak?.time_s, exact.first_peak?.time_s);
-    Some(peak.max(relative(found.half_rise_s?, exact.half_rise_s?)))
+    let rise = relative(found.half_rise_s?, exact.half_rise_s?);
+    let foot = relative(found.ten_percent_s?, exact.ten_percent_s?);
+    Some(peak.max(rise).max(foot))
 }
 
 /// Largest deviation of any trace, relative to its largest force (1).

@@ -9,12 +9,10 @@
 use super::bench::start;
 use super::for_accuracy;
 use crate::chain::Chain;
-use crate::integrate::{IntegrateError, State};
-use crate::quantity::engineering;
-use crate::scene::Scene;
+use crate::integrate::{IntegrateError, Method, State};
 
-/// Times at which states are compared.
-const LOOKS: u32 = 64;
+/// From one time at which states are compared to the next (1): a horizon is known to a twentieth, however long is simulated.
+const PACE: f64 = 1.05;
 /// How much more accurate the second motion is (1).
 const TIGHTER: f64 = 0.01;
 /// Two motions of the same accuracy share the size of their errors, not the errors: the estimate may be off by so much (1).
@@ -22,95 +20,48 @@ const LUCK: f64 = 4.0;
 /// The second motion's steps tolerate at least this much: rounding is no error of the method (1).
 const TIGHTEST: f64 = 1e-14;
 
-/// The error of a motion, as far as a second, tighter one can tell.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Horizon {
-    /// The last time before the error may have exceeded `sqrt(accuracy)`; none if it never did (s).
-    pub time: Option<f64>,
-    /// Largest error of overlaps and speeds, relative to the largest so far, up to each of the times that were looked at (1).
-    pub errors: Vec<f64>,
-}
-
-/// Estimates the error of a motion from rest under `velocities` (m/s) over `duration` (s) at `accuracy` (1). None if no contact
-/// opened: such chains forget nothing and amplify nothing.
+/// The last of the times at which states were compared before the error of a motion by `method`, from rest under `velocities` (m/s) over
+/// `duration` (s), may have exceeded `sqrt(accuracy)` of the largest overlap or speed so far (1); none if it never did (s). Chains with losses
+/// forget: they are not asked.
 ///
 /// # Errors
 /// [`IntegrateError`] where the integrator cannot go on.
 pub fn horizon(
     chain: &Chain,
     velocities: &[f64],
+    method: Method,
     (duration, accuracy): (f64, f64),
-) -> Result<Option<Horizon>, IntegrateError> {
-    // Losses make chains forget; their methods make no such estimate.
+) -> Result<Option<f64>, IntegrateError> {
     if chain.is_dissipative() {
         return Ok(None);
     }
-    let found = states(chain, velocities, duration, accuracy)?;
-    if !rattles(chain, &found) {
-        return Ok(None);
-    }
-    let tighter = (accuracy * TIGHTER).max(TIGHTEST);
-    let exact = states(chain, velocities, duration, tighter)?;
-    let mut horizon = Horizon { time: None, errors: Vec::new() };
+    let state = || chain.initial_state(velocities);
+    let tighter = for_accuracy((accuracy * TIGHTER).max(TIGHTEST));
+    let mut motions = [method, tighter].map(|method| start(chain, method, state()));
     let mut scales = (0.0_f64, 0.0_f64);
-    let mut most = 0.0_f64;
-    let mut before = 0.0;
-    for (found, exact) in found.iter().zip(&exact) {
-        let (overlap, speed) = difference(chain, found, exact, &mut scales);
-        most = most.max(overlap / scales.0).max(speed / scales.1);
-        horizon.errors.push(most);
-        if LUCK * most > accuracy.sqrt() && horizon.time.is_none() {
-            horizon.time = Some(before);
-        }
-        before = exact.time;
-    }
-    Ok(Some(horizon))
-}
-
-/// What a user should know of a scene that runs beyond its horizon.
-#[must_use]
-pub fn note(scene: &Scene, accuracy: f64) -> Option<String> {
-    let setting = (scene.duration, accuracy);
-    // A motion that cannot be computed has been refused already.
-    let time = horizon(&scene.chain, &scene.initial_velocities, setting).ok()??.time?;
-    let (time, left) = (engineering(time, "s", 2), accuracy.sqrt());
-    Some(format!(
-        "contacts open and amplify every error: from {time} on it exceeds {left:.0e} of the largest overlap or speed, and the motion is known only in its statistics"
-    ))
-}
-
-/// The motion at even times.
-fn states(
-    chain: &Chain,
-    velocities: &[f64],
-    duration: f64,
-    accuracy: f64,
-) -> Result<Vec<State>, IntegrateError> {
-    let position = vec![0.0; velocities.len()];
-    let state = State { time: 0.0, position, velocity: velocities.to_vec() };
-    let mut integrator = start(chain, for_accuracy(accuracy), state);
-    (1..=LOOKS)
-        .map(|look| {
-            let end = duration * f64::from(look) / f64::from(LOOKS);
-            while integrator.time() < end {
-                integrator.step(end)?;
+    let (mut before, mut end) = (0.0, first_look(chain, velocities));
+    while before < duration {
+        end = duration.min(end);
+        for motion in &mut motions {
+            while motion.time() < end {
+                motion.step(end)?;
             }
-            Ok(integrator.state())
-        })
-        .collect()
+        }
+        let [found, exact] = motions.each_ref().map(|motion| motion.state());
+        let (overlap, speed) = difference(chain, &found, &exact, &mut scales);
+        if LUCK * (overlap / scales.0).max(speed / scales.1) > accuracy.sqrt() {
+            return Ok(Some(before));
+        }
+        (before, end) = (end, PACE * end);
+    }
+    Ok(None)
 }
 
-/// Whether a contact that was closed was found open later.
-fn rattles(chain: &Chain, states: &[State]) -> bool {
-    chain.contacts().iter().enumerate().any(|(j, contact)| {
-        let mut closed = contact.static_overlap > 0.0;
-        states.iter().any(|state| {
-            let overlap = contact.static_overlap + chain.overlap_change(&state.position, j);
-            let opened = closed && overlap <= 0.0 && contact.stiffness > 0.0;
-            closed |= overlap > 0.0;
-            opened
-        })
-    })
+/// The time that the fastest body takes to go as far as an impact presses its contact, or where nothing is struck a microsecond (s).
+fn first_look(chain: &Chain, velocities: &[f64]) -> f64 {
+    let fastest = velocities.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+    let time = chain.impact_overlap(velocities) / fastest;
+    if time.is_normal() { time } else { 1e-6 }
 }
 
 /// Largest differences of overlaps (m) and speeds (m/s); `scales` take in the largest of both so far.

@@ -8,6 +8,7 @@ pub mod accuracy;
 mod acquisition;
 pub mod arrivals;
 pub mod bench;
+pub mod by_hand;
 pub mod calibration;
 pub mod compare;
 mod comparison;
@@ -41,6 +42,7 @@ use rand_distr::{Distribution, StandardUniform};
 
 use crate::chain::{ForceProbe, StabilityLimit};
 use crate::integrate::{IntegrateError, Method};
+use crate::quantity::engineering;
 use crate::recording::Shot;
 use crate::scene::{PlacedSensor, Scene, Site};
 use crate::scope::acquire::Found;
@@ -71,7 +73,7 @@ pub enum Integration {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RunError {
     /// A step chosen by hand is beyond what can be stable.
-    #[error("found a step of {step:e} s, expected at most {:e} s: the contact between {} and {} makes longer ones unstable", limit.step, limit.upper, limit.lower)]
+    #[error("found a step of {}, expected at most {}: the contact between {} and {} makes longer ones unstable", seconds(*step), cut(limit.step), limit.upper, limit.lower)]
     Unstable {
         /// The step (s).
         step: f64,
@@ -80,7 +82,7 @@ pub enum RunError {
     },
     /// A step chosen by hand would take longer than anyone waits.
     #[error(
-        "found a step of {step:e} s, which takes {steps:.1e} steps, expected at most {MOST_STEPS:.0e} steps"
+        "found a step of {}, which takes {steps:.1e} steps, expected at most {MOST_STEPS:.0e} steps", seconds(*step)
     )]
     TooManySteps {
         /// The step (s).
@@ -102,7 +104,7 @@ pub enum RunError {
     },
     /// A step chosen by hand is beyond what losses let be stable.
     #[error(
-        "found a step of {step:e} s, expected at most {limit:e} s: the losses let velocities decay at up to {decay:.3e} 1/s, which makes longer ones unstable"
+        "found a step of {}, expected at most {}: the losses let velocities decay at up to {decay:.3e} 1/s, which makes longer ones unstable", seconds(*step), cut(*limit)
     )]
     UnstableLoss {
         /// The step (s).
@@ -115,6 +117,17 @@ pub enum RunError {
     /// The integrator could not go on.
     #[error(transparent)]
     Integrate(#[from] IntegrateError),
+}
+
+/// A step (s) in words.
+fn seconds(step: f64) -> String {
+    engineering(step, "s", 4)
+}
+
+/// A longest step (s) in words that name no longer one.
+fn cut(step: f64) -> String {
+    let unit = 10f64.powf(step.log10().floor() - 3.0);
+    seconds((step / unit).floor() * unit)
 }
 
 /// Everything a run leaves.
@@ -251,10 +264,12 @@ impl Finished<'_> {
             accuracy,
             accuracy_reason: None,
             error_estimate: None,
+            horizon_s: None,
             step_s,
             force_evaluations: work.force_evaluations,
             steps: work.steps,
             rejected_steps: work.rejected,
+            contact_changes: bench.contact_changes(),
             wall_s,
             simulated_s: bench.time(),
             duration_s: scene.duration,

@@ -5,9 +5,11 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use super::accuracy::ErrorEstimate;
+use super::horizon::horizon;
 use super::paper::PaperSpeed;
 use super::pulse::{FOOT, HALF_RISE, Peak, PulseRecorder};
 use crate::chain::{Chain, Dissipated, Energy};
+use crate::integrate::Method;
 use crate::quantity::engineering;
 use crate::scene::{PlacedSensor, Scene, Site};
 use crate::scope::{ChannelSetup, Deviation};
@@ -33,6 +35,8 @@ pub struct Summary {
     pub accuracy_reason: Option<String>,
     /// How far off first peaks and arrivals may be, where that was looked for.
     pub error_estimate: Option<ErrorEstimate>,
+    /// From when on errors exceed the square root of the accuracy, where they do: the motion is known only in its statistics (s).
+    pub horizon_s: Option<f64>,
     /// Fixed step, where there is one (s).
     pub step_s: Option<f64>,
     /// Evaluations of all contact forces of the chain.
@@ -41,6 +45,8 @@ pub struct Summary {
     pub steps: u64,
     /// Steps thrown away by the error control.
     pub rejected_steps: u64,
+    /// Steps in which contacts opened or closed; none where the method does not ask.
+    pub contact_changes: Option<u64>,
     /// Wall-clock time of the simulation, recording excluded (s).
     pub wall_s: f64,
     /// Time simulated on the bench (s).
@@ -67,6 +73,21 @@ pub struct Summary {
     pub notes: Vec<String>,
 }
 
+impl Summary {
+    /// Notes from when on the motion of `scene` by `method` is no longer known to half of the digits of `accuracy` (1).
+    pub(super) fn find_horizon(&mut self, scene: &Scene, method: Method, accuracy: f64) {
+        let setting = (scene.duration, accuracy);
+        let found = horizon(&scene.chain, &scene.initial_velocities, method, setting);
+        // A motion that cannot be computed has been refused already.
+        let Ok(Some(time)) = found else { return };
+        let (words, left) = (engineering(time, "s", 2), accuracy.sqrt());
+        self.horizon_s = Some(time);
+        self.notes.push(format!(
+            "from {words} on errors may exceed {left:.0e} of the largest overlap or speed, and the motion is known only in its statistics: a tighter accuracy, or a shorter step, reaches further"
+        ));
+    }
+}
+
 /// The energy ledger of a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct EnergyLedger {
@@ -76,7 +97,7 @@ pub struct EnergyLedger {
     pub r#final: f64,
     /// Booked as lost by the effects that were on (J).
     pub dissipated: f64,
-    /// `(final + dissipated - initial) / initial`: the integrator's error (1).
+    /// `(final + dissipated - initial)` over the kinetic energy at first, that of the impact: the integrator's error (1).
     pub drift: f64,
     /// The initial energy by kind.
     pub initial_by_kind: Energy,
@@ -95,7 +116,7 @@ impl EnergyLedger {
             initial: before,
             r#final: after,
             dissipated,
-            drift: (after + dissipated - before) / before,
+            drift: (after + dissipated - before) / initial.kinetic,
             initial_by_kind: initial,
             final_by_kind: last,
             dissipated_by_kind: taken,

@@ -119,6 +119,14 @@ pub enum IntegrateError {
         /// Step that was asked for (s).
         step: f64,
     },
+    /// It has taken more than it was allowed.
+    #[error("at t = {time:e} s more than {most} evaluations of all forces were taken")]
+    TooMuchWork {
+        /// Time (s).
+        time: f64,
+        /// Evaluations that were allowed.
+        most: u64,
+    },
 }
 
 /// A method at work on a system.

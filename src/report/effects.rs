@@ -17,10 +17,11 @@ pub fn effects(ledger: &Ledger) -> String {
     rows.extend(ledger.entries.iter().map(row));
     let mut lines = vec![
         format!("{}: the effects, at accuracy {:.1e}", ledger.scene, ledger.accuracy),
-        "cost: time it adds to a step, 0 within what timing tells; change: with it over without it, in"
+        "cost: wall time of a step with it less that without it, openings and tries included, 0 within"
             .to_owned(),
-        "first peaks, half-rises and speeds, the largest of all places; what is off: if it were on"
+        "what timing tells; change: with it over without it, in first peaks, half-rises and speeds, the"
             .to_owned(),
+        "largest of all places; what is off: if it were on".to_owned(),
         String::new(),
     ];
     lines.extend(table::lines(&rows, &[0, 1]));
@@ -43,7 +44,8 @@ fn row(entry: &Entry) -> Vec<String> {
         match entry.state {
             State::On => "on",
             State::Off => "off",
-            State::Auto => "auto",
+            State::Auto if entry.active => "auto, on",
+            State::Auto => "auto, off",
         }
         .to_owned(),
         cost.map_or("-".to_owned(), |v| signed(v, 0)),

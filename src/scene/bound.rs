@@ -44,6 +44,10 @@ impl Bound {
             Self::Positive => " above zero".to_owned(),
             Self::NotNegative => " of zero or more".to_owned(),
             Self::Between(low, high) => format!(" above {low} and below {high}"),
+            // A long row of zeros is hard to count.
+            Self::Within(low, high) if low > 0.0 && low < 1e-4 => {
+                format!(" from {low:e} to {high}")
+            }
             Self::Within(low, high) => format!(" from {low} to {high}"),
         }
     }

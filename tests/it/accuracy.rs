@@ -10,7 +10,7 @@ fn simulate(scene: &Scene, integration: Integration) -> Summary {
     run(scene, integration, 1, &mut |_| ()).expect("a run").summary
 }
 
-/// Largest relative errors of first peaks, and of first-peak times and half-rises.
+/// Largest relative errors of first peaks, and of first-peak times, half-rises and tenths.
 fn errors(found: &Summary, exact: &Summary) -> (f64, f64) {
     let places = |s: &Summary| s.sensors.iter().chain(&s.wall).cloned().collect::<Vec<Reading>>();
     let (found, exact) = (places(found), places(exact));
@@ -25,7 +25,10 @@ fn errors(found: &Summary, exact: &Summary) -> (f64, f64) {
         let first = found.first_peak.expect("the pulse");
         let rise = |reading: &Reading| reading.half_rise_s.expect("a rise");
         largest.0 = largest.0.max(off(first.dynamic_n, peak.dynamic_n));
-        let times = off(first.time_s, peak.time_s).max(off(rise(found), rise(exact)));
+        let foot = |reading: &Reading| reading.ten_percent_s.expect("a foot");
+        let times = off(first.time_s, peak.time_s)
+            .max(off(rise(found), rise(exact)))
+            .max(off(foot(found), foot(exact)));
         largest.1 = largest.1.max(times);
     }
     largest

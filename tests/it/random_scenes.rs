@@ -239,8 +239,8 @@ fn is_finite(state: &State) -> bool {
     state.position.iter().chain(&state.velocity).all(|value| value.is_finite())
 }
 
-/// A run held to the scene's accuracy, against another family of methods: the largest relative error of first peaks, their times and
-/// half-rises, in terms of the accuracy (1), and whether the run itself says that it may be off by more.
+/// A run held to the scene's accuracy, against another family of methods: the largest relative error of first peaks, their times,
+/// half-rises and tenths, in terms of the accuracy (1), and whether the run itself says that it may be off by more.
 fn held(scene: &mut Scene, end: f64) -> (f64, bool) {
     let accuracy = scene.accuracy.expect("the scene's own");
     scene.duration = end;
@@ -264,7 +264,11 @@ fn held(scene: &mut Scene, end: f64) -> (f64, bool) {
             (None, Some(peak)) | (Some(peak), None) if quiet(peak) => 0.0,
             (Some(peak), Some(truth)) => off(peak.dynamic_n, truth.dynamic_n)
                 .max(off(peak.time_s, truth.time_s))
-                .max(off(found.half_rise_s.expect("a rise"), exact.half_rise_s.expect("a rise"))),
+                .max(off(found.half_rise_s.expect("a rise"), exact.half_rise_s.expect("a rise")))
+                .max(off(
+                    found.ten_percent_s.expect("a foot"),
+                    exact.ten_percent_s.expect("a foot"),
+                )),
             _ => f64::INFINITY,
         };
         if error > accuracy {

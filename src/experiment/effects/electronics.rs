@@ -157,8 +157,9 @@ pub fn bandwidth(subject: &Subject<'_>) -> Entry {
         format!("off: a delay below {NEGLIGIBLE_DELAY} of a sample interval cannot be seen")
     };
     let cost = if is_on { cost } else { Cost::default() };
-    Finding { state: State::Auto, value: Some(delay), reason, trial: Some((cost, change)) }
-        .entry("bandwidth", criterion)
+    let found =
+        Finding { state: State::Auto, value: Some(delay), reason, trial: Some((cost, change)) };
+    Entry { active: is_on, ..found.entry("bandwidth", criterion) }
 }
 
 /// Volts that the scene adds to a channel.

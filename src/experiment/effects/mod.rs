@@ -43,6 +43,8 @@ pub struct Entry {
     pub effect: &'static str,
     /// On, off, or decided by the program.
     pub state: State,
+    /// Whether it is part of this run, whoever decided that.
+    pub active: bool,
     /// The dimensionless number that tells whether it matters.
     pub criterion: &'static str,
     /// Its value; none where it needs a setting that nobody has made (1).
@@ -119,6 +121,7 @@ impl Finding {
         Entry {
             effect,
             state: self.state,
+            active: self.state == State::On,
             criterion,
             value: self.value.filter(|value| value.is_finite()),
             reason: self.reason,

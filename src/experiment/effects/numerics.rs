@@ -3,6 +3,8 @@
 use super::{Entry, Finding, State, Subject, trial};
 use crate::chain::stepper::Refinement;
 
+/// The exact form is taken where the rounding exceeds this share of the accuracy (1).
+const ROUNDING_SHARE: f64 = 1e-3;
 /// Relative rounding of a contact force that is computed in the plain way (1).
 const ROUNDING: f64 = 5e-16;
 
@@ -26,8 +28,9 @@ pub fn kink_correction(subject: &Subject<'_>) -> Entry {
     let state = if chain.is_plain() { State::Auto } else { State::Off };
     let value = Some(f64::from(open) / f64::from(all.max(1)));
     let trial = measured(subject, Refinement::KinkCorrection, state == State::Auto);
-    Finding { state, value, reason: reason.to_owned(), trial }
-        .entry("kink_correction", "contacts that open / all contacts")
+    let active = subject.bench.contact_changes().is_some_and(|changes| changes > 0);
+    let found = Finding { state, value, reason: reason.to_owned(), trial };
+    Entry { active, ..found.entry("kink_correction", "contacts that open / all contacts") }
 }
 
 /// Forces without cancellation, for waves far below the preload.
@@ -46,8 +49,10 @@ pub fn force_form(subject: &Subject<'_>) -> Entry {
         (State::On, "always on with losses, and where the magnet's force follows its particle")
     };
     let trial = measured(subject, Refinement::ForceForm, state == State::Auto);
-    Finding { state, value: Some(ratio), reason: reason.to_owned(), trial }
-        .entry("exact_force_form", "rounding of the static force / force of the wave")
+    let active = state == State::On || ratio > ROUNDING_SHARE * subject.accuracy;
+    let found = Finding { state, value: Some(ratio), reason: reason.to_owned(), trial };
+    let criterion = "rounding of the static force / force of the wave";
+    Entry { active, ..found.entry("exact_force_form", criterion) }
 }
 
 /// Beads ahead of the wave.
@@ -66,8 +71,11 @@ pub fn quiet_part(subject: &Subject<'_>) -> Entry {
     let value = Some((count - last) as f64 / count as f64);
     let trial = measured(subject, Refinement::QuietPart, on);
     let state = if on { State::Auto } else { State::Off };
-    Finding { state, value, reason: reason.to_owned(), trial }
-        .entry("quiet_part", "beads at rest ahead of the impact / all beads")
+    let found = Finding { state, value, reason: reason.to_owned(), trial };
+    Entry {
+        active: on,
+        ..found.entry("quiet_part", "beads at rest ahead of the impact / all beads")
+    }
 }
 
 /// What a refinement costs and changes where there is one.

@@ -10,6 +10,7 @@ use crate::experiment::acquisition::signals;
 use crate::experiment::comparison::{Run, run, run_without};
 use crate::experiment::outcome::{Reading, speeds};
 use crate::experiment::{Integration, method};
+use crate::integrate::IntegrateError;
 use crate::scene::{Scene, input_load};
 use crate::scope::waveform::LEVELS_PER_DIVISION;
 
@@ -174,18 +175,19 @@ pub fn of_refinement(
 ) -> Result<(Cost, Change), String> {
     let scene = subject.scene;
     let by = method(scene, Integration::Accuracy(subject.accuracy)).map_err(|e| e.to_string())?;
-    let without = || run_without(scene, by, Some(refinement));
+    let without = || run_without(scene, (by, Some(refinement)), u64::MAX);
     of_runs((scene, scene), || run(scene, by), without)
 }
 
 fn of_runs(
     (with, without): (&Scene, &Scene),
-    run: impl Fn() -> Result<Run, String>,
-    run_without: impl Fn() -> Result<Run, String>,
+    run: impl Fn() -> Result<Run, IntegrateError>,
+    run_without: impl Fn() -> Result<Run, IntegrateError>,
 ) -> Result<(Cost, Change), String> {
-    let (on, off) = (run()?, run_without()?);
+    let words = |error: IntegrateError| error.to_string();
+    let (on, off) = (run().map_err(words)?, run_without().map_err(words)?);
     let steps = (on.work.steps, off.work.steps);
-    let wall = |run: Result<Run, String>| run.ok().map(|run| run.wall_s);
+    let wall = |run: Result<Run, IntegrateError>| run.ok().map(|run| run.wall_s);
     let cost = Cost { measured: bill(|| wall(run()), || wall(run_without()), steps) };
     let (fast, slow) = (speeds_of(with, &on.readings), speeds_of(without, &off.readings));
     let ratios = fast.iter().filter_map(|(pair, speed)| {
@@ -263,7 +265,7 @@ pub fn of_electronics(subject: &Subject<'_>, with: &Scene, without: &Scene) -> (
     let ((_, on), (_, off)) = (timed(with), timed(without));
     let motion = method(subject.scene, Integration::Accuracy(subject.accuracy))
         .map_err(|error| error.to_string())
-        .and_then(|by| run(subject.scene, by))
+        .and_then(|by| run(subject.scene, by).map_err(|error| error.to_string()))
         .map_or(0.0, |run| run.wall_s);
     // The motion is the same: its time counts in the share alone.
     let wall = |scene: &Scene| Some(timed(scene).0 + motion);

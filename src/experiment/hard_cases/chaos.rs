@@ -6,6 +6,7 @@ use super::benches::{
 };
 use super::tally::Tally;
 use crate::chain::{Chain, ChainSpec, EffectsSpec, End, Gravity};
+use crate::experiment::for_accuracy;
 use crate::experiment::horizon::horizon;
 use crate::integrate::{Method, State};
 use crate::quantity::engineering;
@@ -46,9 +47,9 @@ fn column() -> Result<Chain, String> {
 fn chaos(tally: &mut Tally) -> Result<(), String> {
     let chain = column()?;
     let motion = Motion { velocities: kick(&chain, 0, SPEED), chain: &chain };
-    let setting = (TIME, ACCURACY);
-    let horizon = horizon(&chain, &motion.velocities, setting).map_err(|e| e.to_string())?;
-    let Some(time) = horizon.and_then(|horizon| horizon.time) else {
+    let (method, setting) = (for_accuracy(ACCURACY), (TIME, ACCURACY));
+    let found = horizon(&chain, &motion.velocities, method, setting).map_err(|e| e.to_string())?;
+    let Some(time) = found else {
         tally.check("no horizon was found where there must be one", f64::INFINITY, 1.0);
         return Ok(());
     };

@@ -26,7 +26,8 @@ fn the_study_is_for_people_for_scripts_and_for_the_recording() {
     let folder = temporary();
     let asked = ["cost", "momentum-test", "--quiet"];
     let page = printed(folder.path(), &asked);
-    says(&page, &["dormand-prince-853", "velocity-verlet", "kinks as they are"]);
+    says(&page, &["dormand-prince-853", "velocity-verlet", "kinks as they are", "●"]);
+    says(&page, &["one level of the scope", "one sample interval of the scope"]);
     let written = [&asked[..], &["--json", "--plot", "cost.svg", "--record", "cost.mcap"]].concat();
     let study: Value = serde_json::from_str(&printed(folder.path(), &written)).expect("a study");
     let reference = study["reference"]["error"].as_f64().expect("a number");
@@ -35,6 +36,9 @@ fn the_study_is_for_people_for_scripts_and_for_the_recording() {
         let keys = point.as_object().expect("an object");
         assert!(POINT.iter().all(|key| keys.contains_key(*key)), "{keys:?}");
     }
+    for chosen in list(&study, "chosen") {
+        assert!(chosen["wall_s_median"].as_f64().is_some_and(|wall| wall > 0.0), "{chosen}");
+    }
     // Twice the longest stable step is tried, so that the edge is seen.
     assert!(list(&study, "points").iter().any(|point| point["failed"] == true));
     let verlet = &list(&study, "orders")[0];
@@ -42,7 +46,10 @@ fn the_study_is_for_people_for_scripts_and_for_the_recording() {
     assert!(verlet["method"] == "velocity-verlet" && (order - 2.0).abs() < 0.2, "{verlet}");
     assert_eq!(files(folder.path()), ["cost.mcap", "cost.svg"]);
     let svg = std::fs::read_to_string(folder.path().join("cost.svg")).expect("a picture");
-    says(&svg, &["<svg", "velocity-verlet"]);
+    for point in list(&study, "points") {
+        says(&svg, &[point["method"].as_str().expect("a name")]);
+    }
+    says(&svg, &["<svg", "one level of the scope", "one sample interval", "1e-3", "--accuracy"]);
     says(&printed(folder.path(), &["info", "cost.mcap"]), &["cost.json", "application/json"]);
     says(&refused(folder.path(), &["cost", "--record", "cost.csv"]), &["cost.csv", "cost.mcap"]);
 }

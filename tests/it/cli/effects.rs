@@ -4,8 +4,17 @@ use serde_json::Value;
 
 use super::{files, printed, refused, says, temporary};
 
-const KEYS: [&str; 8] =
-    ["effect", "state", "criterion", "value", "reason", "cost_ns_per_step", "cost_share", "change"];
+const KEYS: [&str; 9] = [
+    "effect",
+    "state",
+    "active",
+    "criterion",
+    "value",
+    "reason",
+    "cost_ns_per_step",
+    "cost_share",
+    "change",
+];
 
 #[test]
 fn the_ledger_is_for_people_and_for_scripts() {
@@ -20,7 +29,9 @@ fn the_ledger_is_for_people_and_for_scripts() {
     for entry in &entries {
         let keys: Vec<&String> = entry.as_object().expect("an object").keys().collect();
         assert!(KEYS.iter().all(|key| keys.iter().any(|k| k == key)), "{keys:?}");
-        assert!(["on", "off", "auto"].contains(&entry["state"].as_str().expect("a state")));
+        let (state, active) = (entry["state"].as_str().expect("a state"), &entry["active"]);
+        let decided = [("on", true), ("off", false)];
+        assert!(state == "auto" || decided.iter().any(|d| (state, active) == (d.0, &d.1.into())));
         assert!(page.contains(entry["effect"].as_str().expect("a name")));
         assert!(!entry["reason"].as_str().expect("a reason").is_empty());
     }

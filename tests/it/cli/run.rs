@@ -176,7 +176,8 @@ fn an_unstable_step_is_refused_with_its_contact_and_limit() {
     let folder = temporary();
     let step = ["run", "--method", "velocity-verlet", "--step", "1ms"];
     let error = refused(folder.path(), &step);
-    says(&error, &["1e-3 s", "expected at most", "the contact between striker and", "unstable"]);
+    says(&error, &["1.000 ms", "expected at most", "the contact between striker and", "unstable"]);
+    says(&error, &["a step of", "reads first peaks and arrivals within"]);
     assert_eq!(files(folder.path()), [""; 0]);
     // An output that is there stays as it was.
     std::fs::write(folder.path().join("old.mcap"), "precious").expect("a file");
@@ -203,7 +204,7 @@ fn methods_that_losses_rule_out_are_refused() {
     // 2.785/(20437 gamma), and the light sphere at the end is as fast.
     scene("1000 N s/m");
     let long = ["run", "lossy.toml", "--method", "runge-kutta-4", "--step", "140ns"];
-    says(&refused(folder.path(), &long), &["1.4e-7 s", "at most 1.36", "decay"]);
+    says(&refused(folder.path(), &long), &["140.0 ns", "at most 136.4 ns", "decay"]);
     assert_eq!(files(folder.path()), ["lossy.toml"]);
     scene("1 N s/m");
     let done = hertzscope(
@@ -275,4 +276,38 @@ fn a_reader_that_goes_away_is_no_error() {
     let output = child.wait_with_output().expect("the program ends");
     assert_ne!(output.status.code(), Some(COULD_NOT));
     assert_eq!(String::from_utf8_lossy(&output.stderr), "");
+}
+
+/// Steps that are stable and too long all the same: what came of them is told, with a step that would do, and that one does.
+#[test]
+fn a_step_that_reads_wrong_is_told() {
+    let folder = temporary();
+    let run = |step: &str| {
+        let asked = ["run", "--method", "velocity-verlet", "--step", step, "--json"];
+        serde_json::from_str::<Value>(&printed(folder.path(), &asked)).expect("a summary")
+    };
+    let notes = |summary: &Value| {
+        let notes = summary["notes"].as_array().expect("a list").iter();
+        notes.map(|note| note.as_str().expect("words").to_owned()).collect::<Vec<_>>().join("\n")
+    };
+    let wrong = run("7.13us");
+    let told = notes(&wrong);
+    says(&told, &["the step is too long: readings may be off by", "has made energy"]);
+    assert!(wrong["error_estimate"]["peak"].as_f64().expect("a number") > 0.5, "{wrong}");
+    assert!(wrong["energy"]["drift"].as_f64().expect("a number") > 0.5, "{wrong}");
+    let advised = told.split("a step of ").nth(1).and_then(|rest| rest.split(" reads").next());
+    let right = run(&advised.expect("a step").replace(' ', "").replace('µ', "u"));
+    assert!(!notes(&right).contains("too long"), "{}", notes(&right));
+    // Held against a run by another family of methods.
+    let exact = printed(folder.path(), &["run", "--accuracy", "1e-9", "--json"]);
+    let exact: Value = serde_json::from_str(&exact).expect("a summary");
+    let worst =
+        ["peak", "arrival"].map(|kind| right["error_estimate"][kind].as_f64().expect("a number"));
+    let peak = |summary: &Value, place: usize| {
+        summary["sensors"][place]["first_peak"]["dynamic_n"].as_f64().expect("a force")
+    };
+    for place in 0..exact["sensors"].as_array().expect("a list").len() {
+        let off = (peak(&right, place) / peak(&exact, place) - 1.0).abs();
+        assert!(off <= worst[0] && off <= 0.01, "{off:e} of {worst:?}");
+    }
 }

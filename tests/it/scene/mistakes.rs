@@ -348,7 +348,7 @@ fn physics_that_is_impossible() {
             "-2.38",
             "zero or more",
         ],
-        ["accuracy = 1e-6", "accuracy = ¦1e-12", "accuracy", "1e-12", "0.00000000001"],
+        ["accuracy = 1e-6", "accuracy = ¦1e-12", "accuracy", "1e-12", "from 1e-11"],
         ["accuracy = 1e-6", "accuracy = ¦0.2", "accuracy", "0.2", "to 0.1"],
     ]);
 }

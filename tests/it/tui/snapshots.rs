@@ -164,6 +164,7 @@ fn point(method: &'static str, setting: f64, error: f64, count: u64) -> Point {
         order: 2,
         setting,
         failed: false,
+        given_up: false,
         error_peak: Some(error),
         error_arrival: Some(0.1 * error),
         error_trace: Some(error),
@@ -185,6 +186,7 @@ fn entry(effect: &'static str, state: State, peak: f64) -> Entry {
     Entry {
         effect,
         state,
+        active: state == State::On,
         criterion: "made up",
         value: Some(1.0),
         reason: format!("{effect} is in this list to be seen"),
@@ -205,7 +207,11 @@ fn accuracy() {
     check("accuracy-busy", &session.model);
     let study = Study {
         scene: "magnet-0.61g".to_owned(),
-        reference: Reference { method: "made up".to_owned(), error: 1e-12 },
+        reference: Reference {
+            method: "made up".to_owned(),
+            second: "another".to_owned(),
+            error: 1e-12,
+        },
         points: vec![
             point("velocity-verlet", 1e-6, 1e-2, 2000),
             point("velocity-verlet", 5e-7, 2.5e-3, 4000),
@@ -220,7 +226,11 @@ fn accuracy() {
             method: "rkn-8(6)",
             setting: 1e-6,
             error: Some(1e-7),
+            error_peak: Some(1e-7),
+            error_arrival: Some(1e-8),
             force_evaluations: 2500,
+            wall_s_median: 1.0,
+            wall_s_min: 1.0,
         }],
         level: None,
         sample: 1e-3,

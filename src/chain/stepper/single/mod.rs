@@ -185,10 +185,10 @@ impl ChainStepper {
 
     /// Steps tried in which contacts opened or closed; methods with a fixed step do not ask.
     #[must_use]
-    pub fn events(&self) -> u64 {
+    pub fn events(&self) -> Option<u64> {
         match &self.drive {
-            Drive::Paired(paired) => paired.events,
-            Drive::Split(_) => 0,
+            Drive::Paired(paired) => Some(paired.events),
+            Drive::Split(_) => None,
         }
     }
 }

@@ -1,0 +1,112 @@
+//! Runs with a step by hand: nothing holds them to an accuracy, so what they are off is found out and told.
+
+use super::accuracy::{ErrorEstimate, TIGHTER, estimate};
+use super::outcome::Summary;
+use super::{Integration, Outcome, RunError, run};
+use crate::integrate::Method;
+use crate::quantity::engineering;
+use crate::scene::{Scene, TIGHTEST_ACCURACY};
+
+/// Readings that are off by more are not taken for what the bench would show without a word (1).
+const TOLERABLE: f64 = 0.01;
+/// The first run that one by hand is held against is to a hundredth of this (1).
+const FIRST: f64 = 0.01;
+/// The next is so much tighter, where the first could not tell (1).
+const NEXT: f64 = 1e-4;
+/// An estimate that exceeds what it adds for the second run by this factor is of the first (1).
+const TELLING: f64 = 10.0;
+/// Steps that are tried for advice: half of the one that does not do, or a quarter of the longest stable one, and halves from there on.
+const TRIES: i32 = 6;
+/// Contact forces that finding advice may take: seconds (1).
+const MOST_FORCES: f64 = 1e9;
+
+/// Runs `scene` by `method`, with a step by hand, error estimate included; notes tell where readings are far off, where the method has made
+/// energy, and how far ahead the motion is known.
+///
+/// # Errors
+/// Those of [`run`].
+pub fn run_by_hand(
+    scene: &Scene,
+    method: Method,
+    shot: u32,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Outcome, RunError> {
+    let mut outcome = run(scene, Integration::Method(method), shot, progress)?;
+    let summary = &mut outcome.summary;
+    let found = told(scene, summary)?;
+    let worst = found.as_ref().map_or(f64::INFINITY, ErrorEstimate::worst);
+    if worst > TOLERABLE {
+        let far = match found {
+            Some(_) => format!("readings may be off by {worst:.1e}"),
+            None => "an accurate run feels other pulses than this one".to_owned(),
+        };
+        let advice = advice(scene, method).map_or(String::new(), |advice| format!("; {advice}"));
+        summary.notes.push(format!("the step is too long: {far}{advice}"));
+    } else {
+        summary.find_horizon(scene, method, worst.max(TIGHTEST_ACCURACY));
+    }
+    let gain = summary.energy.drift;
+    if gain > TOLERABLE {
+        summary.notes.push(format!(
+            "the method has made energy, {gain:.1e} of the impact's: the step is too long"
+        ));
+    }
+    summary.error_estimate = found;
+    Ok(outcome)
+}
+
+/// How far off the run is of which `summary` tells, by ever tighter second runs until one can tell.
+fn told(scene: &Scene, summary: &Summary) -> Result<Option<ErrorEstimate>, RunError> {
+    let mut accuracy = FIRST;
+    loop {
+        let found = estimate(scene, accuracy, summary)?;
+        let tells = |found: &ErrorEstimate| found.worst() > TELLING * TIGHTER * accuracy;
+        if accuracy <= TIGHTEST_ACCURACY || found.as_ref().is_none_or(tells) {
+            return Ok(found);
+        }
+        accuracy = (NEXT * accuracy).max(TIGHTEST_ACCURACY);
+    }
+}
+
+/// A step with which `method` would read `scene` well, in words; none where none was found in reasonable time.
+#[must_use]
+pub fn advice(scene: &Scene, method: Method) -> Option<String> {
+    let (step, reach) = method.fixed_step()?;
+    let limit = scene.chain.stability_limit(&scene.initial_velocities, reach)?;
+    let longest = 0.5 * step.min(0.5 * limit.step);
+    (0..TRIES).find_map(|halvings| {
+        let step = short(longest * 0.5_f64.powi(halvings));
+        let steps = scene.duration / step * f64::from(method.stages());
+        #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^53 contacts")]
+        let contacts = scene.chain.contacts().len() as f64;
+        if steps * contacts > MOST_FORCES {
+            return None;
+        }
+        let integration = Integration::Method(with_step(method, step));
+        let found = run(scene, integration, 1, &mut |_| ()).ok()?;
+        let worst = estimate(scene, FIRST, &found.summary).ok()??.worst();
+        let words = || {
+            let step = engineering(step, "s", 2);
+            format!("a step of {step} reads first peaks and arrivals within {worst:.0e}")
+        };
+        (worst <= TOLERABLE).then(words)
+    })
+}
+
+/// `method` with another step (s), if it takes one by hand.
+fn with_step(method: Method, step: f64) -> Method {
+    match method {
+        Method::VelocityVerlet { .. } => Method::VelocityVerlet { step },
+        Method::Pefrl { .. } => Method::Pefrl { step },
+        Method::BlanesMoan { .. } => Method::BlanesMoan { step },
+        Method::ForceGradient { .. } => Method::ForceGradient { step },
+        Method::RungeKutta4 { .. } => Method::RungeKutta4 { step },
+        adaptive => adaptive,
+    }
+}
+
+/// `step`, cut to two digits (s).
+fn short(step: f64) -> f64 {
+    let unit = 10f64.powf(step.log10().floor() - 1.0);
+    (step / unit).floor() * unit
+}

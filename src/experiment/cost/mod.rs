@@ -1,0 +1,192 @@
+//! The work-precision study of a scene: what accuracy costs.
+//!
+//! Every method runs over its range of settings; its first peaks, arrivals and traces are held against a reference from
+//! another family of methods than those that `--accuracy` goes by, which carries its own error bar: the difference to a second tight solution. Force evaluations
+//! are exact; wall times are informative, median and minimum of several runs.
+
+mod points;
+
+use serde::Serialize;
+
+use super::comparison::level;
+use crate::scene::Scene;
+use points::{choice, name, point, reference, settings};
+
+/// Runs of each point that are timed where nobody says otherwise.
+pub const TIMED_RUNS: u16 = 10;
+/// Orders are fitted where errors lie above this multiple of the reference's own error (1).
+const ABOVE_REFERENCE: f64 = 100.0;
+
+/// The study.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Study {
+    /// Scene name.
+    pub scene: String,
+    /// What errors are measured against.
+    pub reference: Reference,
+    /// One row a method and setting.
+    pub points: Vec<Point>,
+    /// Observed order of each method on this scene, kinks and all.
+    pub orders: Vec<Order>,
+    /// What `--accuracy` chooses at each decade, and what it reaches.
+    pub chosen: Vec<Chosen>,
+    /// One digitiser level of the most sensitive channel, relative to its first peak; none without a wired sensor (1).
+    pub level: Option<f64>,
+    /// The scope's sample interval, relative to the earliest arrival compared (1).
+    pub sample: f64,
+}
+
+/// The reference solution.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Reference {
+    /// Its method and setting.
+    pub method: String,
+    /// The method and setting of a second tight solution.
+    pub second: String,
+    /// Their distance: largest relative difference of peaks and arrivals (1).
+    pub error: f64,
+}
+
+/// One method at one setting.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Point {
+    /// Method name.
+    pub method: &'static str,
+    /// Order on smooth problems.
+    #[serde(skip)]
+    pub order: u8,
+    /// Step (s) of a fixed-step method, tolerance (1) of an adaptive one (unit).
+    pub setting: f64,
+    /// Whether the run stopped, lost its first peaks, or was more than 100 % off.
+    pub failed: bool,
+    /// Whether it was given up, for it took too many evaluations.
+    pub given_up: bool,
+    /// Largest relative error of first-peak dynamic forces (1).
+    pub error_peak: Option<f64>,
+    /// Largest relative error of first-peak times, half-rises and tenths (1).
+    pub error_arrival: Option<f64>,
+    /// Largest deviation of any sensor's force at the scope's sample times, relative to its largest (1).
+    pub error_trace: Option<f64>,
+    /// Energy drift relative to the energy of the impact (1).
+    pub error_energy: Option<f64>,
+    /// Evaluations of all contact forces.
+    pub force_evaluations: u64,
+    /// Median wall time (s).
+    pub wall_s_median: f64,
+    /// Shortest wall time (s).
+    pub wall_s_min: f64,
+}
+
+/// Observed order of convergence.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Order {
+    /// Method name.
+    pub method: &'static str,
+    /// Order on smooth problems.
+    pub nominal: u8,
+    /// Exponent of peak error against force evaluations, by least squares; none with fewer than three points (1).
+    pub observed: Option<f64>,
+}
+
+/// What an accuracy leads to.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Chosen {
+    /// Accuracy asked for (1).
+    pub accuracy: f64,
+    /// Method that was chosen.
+    pub method: &'static str,
+    /// Its setting (unit).
+    pub setting: f64,
+    /// Largest relative error of peaks and arrivals (1).
+    pub error: Option<f64>,
+    /// Of first-peak dynamic forces alone (1).
+    pub error_peak: Option<f64>,
+    /// Of first-peak times, half-rises and tenths alone (1).
+    pub error_arrival: Option<f64>,
+    /// Evaluations of all contact forces.
+    pub force_evaluations: u64,
+    /// Median wall time (s).
+    pub wall_s_median: f64,
+    /// Shortest wall time (s).
+    pub wall_s_min: f64,
+}
+
+/// Makes the study with `runs` timed runs of each point; `progress` hears the share of the work done.
+///
+/// # Errors
+/// The integrator's error where even the reference fails, in words.
+pub fn study(scene: &Scene, runs: u16, progress: &mut dyn FnMut(f64)) -> Result<Study, String> {
+    let (exact, reference) = reference(scene)?;
+    if exact.readings.iter().all(|reading| reading.first_peak.is_none()) {
+        return Err("no sensor and no wall felt a pulse that could be compared".to_owned());
+    }
+    let settings = settings(scene);
+    let all = settings.len() + decades().count();
+    #[allow(clippy::cast_precision_loss, reason = "a few dozen points")]
+    let mut report = |done: usize| progress(done as f64 / all as f64);
+    let mut points: Vec<Point> = Vec::new();
+    for (done, treated) in settings.iter().enumerate() {
+        report(done);
+        // A method that has taken too much will take no less with a tighter tolerance.
+        let before = points.last().filter(|last| last.method == name(*treated) && last.given_up);
+        points.push(match before {
+            Some(_) => Point { given_up: true, ..Point::failed(*treated) },
+            None => point(scene, *treated, (&exact, runs)),
+        });
+    }
+    let mut chosen = Vec::new();
+    for (done, accuracy) in decades().enumerate() {
+        report(settings.len() + done);
+        chosen.extend(choice(scene, accuracy, (&exact, runs)));
+    }
+    let earliest = exact.readings.iter().filter_map(|r| r.half_rise_s).fold(f64::MAX, f64::min);
+    Ok(Study {
+        scene: scene.name.clone(),
+        orders: orders(&points, reference.error),
+        reference,
+        points,
+        chosen,
+        level: level(scene, &exact),
+        sample: scene.scope.model.sample_interval(scene.scope.time_base) / earliest,
+    })
+}
+
+/// Accuracies at which the choice is shown (1).
+fn decades() -> impl Iterator<Item = f64> {
+    (1..=11).map(|decade| 10f64.powi(-decade))
+}
+
+/// Slopes of peak error against force evaluations, where neither the reference nor coarse steps blur them.
+fn orders(points: &[Point], reference: f64) -> Vec<Order> {
+    let mut orders: Vec<Order> = Vec::new();
+    for rows in points.chunk_by(|a, b| a.method == b.method) {
+        let usable = rows.iter().filter(|p| !p.failed).filter_map(|p| {
+            let error = p.error_peak.filter(|e| *e > ABOVE_REFERENCE * reference && *e < 1e-2)?;
+            #[allow(clippy::cast_precision_loss, reason = "counts far below 2^53")]
+            let evaluations = p.force_evaluations as f64;
+            Some((evaluations.ln(), error.ln()))
+        });
+        let Some(first) = rows.first() else { continue };
+        let usable: Vec<(f64, f64)> = usable.collect();
+        orders.push(Order {
+            method: first.method,
+            nominal: first.order,
+            observed: slope(&usable).map(|slope| -slope),
+        });
+    }
+    orders
+}
+
+/// Slope of a straight line by least squares; none with fewer than three points.
+fn slope(points: &[(f64, f64)]) -> Option<f64> {
+    if points.len() < 3 {
+        return None;
+    }
+    #[allow(clippy::cast_precision_loss, reason = "a few points")]
+    let count = points.len() as f64;
+    let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / count;
+    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
+    let covariance: f64 = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
+    let variance: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
+    (variance > 0.0).then(|| covariance / variance)
+}

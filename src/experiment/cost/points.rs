@@ -1,0 +1,189 @@
+//! The points of the study: every method over its settings, and what `--accuracy` comes to.
+
+use super::{Chosen, Point, Reference};
+use crate::chain::stepper::Refinement;
+use crate::experiment::accuracy::{OWN, TIGHTER, steps_tried};
+use crate::experiment::comparison::{
+    Run, Treated, arrival_error, compare, peak_error, run_without, trace_error, worst,
+};
+use crate::experiment::{Integration, method};
+use crate::integrate::{IntegrateError, Method, Scheme};
+use crate::scene::Scene;
+
+/// Points that would take more force evaluations than this are left out: the study is for a coffee break, not for lunch.
+const MOST_EVALUATIONS: f64 = 60_000.0;
+/// With error control nobody knows before: a point that takes more is given up. The chain's own stepper is ten times as fast as all others.
+const MOST_CONTROLLED: u64 = 120_000;
+const MOST_OWN: u64 = 1_000_000;
+/// A reference that takes more is none.
+const MOST_REFERENCE: u64 = 2_000_000;
+/// Tolerance of the reference's steps (1).
+const REFERENCE_TOLERANCE: f64 = 1e-15;
+/// The same where losses are so stiff that only the implicit method comes to an end (1).
+const STIFF_TOLERANCE: f64 = 1e-12;
+/// Names of the pairs without what is done about contacts that open and close.
+const UNTREATED: [&str; 2] = [
+    "dormand-el-mikkawy-prince-64, kinks as they are",
+    "dormand-el-mikkawy-prince-86, kinks as they are",
+];
+/// An error above this is no result (1).
+const FAILED: f64 = 1.0;
+
+/// What stands behind the name of a method whose kinks are left as they are; those that are treated in no way have no such second row.
+pub fn name((method, without): Treated) -> &'static str {
+    match (without, method) {
+        (Some(_), Method::DormandElMikkawyPrince64 { .. }) => UNTREATED[0],
+        (Some(_), Method::DormandElMikkawyPrince86 { .. }) => UNTREATED[1],
+        _ => method.name(),
+    }
+}
+
+/// Every method over its range: steps from the edge of stability down, tolerances from coarse to tight.
+pub fn settings(scene: &Scene) -> Vec<Treated> {
+    type Make = fn(f64) -> Method;
+    let fixed: [Make; 5] = [
+        |step| Method::VelocityVerlet { step },
+        |step| Method::Pefrl { step },
+        |step| Method::BlanesMoan { step },
+        |step| Method::ForceGradient { step },
+        |step| Method::RungeKutta4 { step },
+    ];
+    let adaptive: [Make; 5] = [
+        |tolerance| Method::DormandElMikkawyPrince64 { tolerance },
+        |tolerance| Method::DormandElMikkawyPrince86 { tolerance },
+        |tolerance| Method::DormandPrince54 { tolerance },
+        |tolerance| Method::DormandPrince853 { tolerance },
+        |tolerance| Method::Rodas { tolerance },
+    ];
+    let suits = |method: Method| method.suits(scene.chain.is_dissipative());
+    let mut settings = Vec::new();
+    for make in fixed.into_iter().filter(|make| suits(make(1.0))) {
+        let (_, reach) = make(1.0).fixed_step().unwrap_or((1.0, 2.0));
+        let limit = scene.chain.stability_limit(&scene.initial_velocities, reach);
+        // From twice the limit, so that the edge is seen, in factors of two.
+        let mut step = limit.map_or(1e-6, |limit| 2.0 * limit.step);
+        let stages = f64::from(make(step).stages());
+        while scene.duration / step * stages <= MOST_EVALUATIONS {
+            settings.push((make(step), None));
+            step *= 0.5;
+        }
+    }
+    for make in adaptive.into_iter().filter(|make| suits(make(1.0))) {
+        let range = || (1..=13).map(|decade| make(10f64.powi(-decade)));
+        settings.extend(range().map(|method| (method, None)));
+        if let Some(Scheme::Pair(..)) = make(1.0).scheme() {
+            settings.extend(range().map(|method| (method, Some(Refinement::KinkCorrection))));
+        }
+    }
+    settings
+}
+
+fn setting(method: Method) -> f64 {
+    method.fixed_step().map_or_else(|| method.tolerance().unwrap_or(0.0), |(step, _)| step)
+}
+
+impl Point {
+    /// Nothing found.
+    pub(super) fn failed(treated: Treated) -> Self {
+        let (method, _) = treated;
+        Self {
+            method: name(treated),
+            order: method.order(),
+            setting: setting(method),
+            failed: true,
+            given_up: false,
+            error_peak: None,
+            error_arrival: None,
+            error_trace: None,
+            error_energy: None,
+            force_evaluations: 0,
+            wall_s_median: 0.0,
+            wall_s_min: 0.0,
+        }
+    }
+}
+
+/// A method at one setting, held against `exact`; so many `runs` are timed.
+pub fn point(scene: &Scene, treated: Treated, (exact, runs): (&Run, u16)) -> Point {
+    let mut point = Point::failed(treated);
+    let most = if treated.0.scheme().is_some() { MOST_OWN } else { MOST_CONTROLLED };
+    let run = || run_without(scene, treated, most);
+    let found = match run() {
+        Ok(found) => found,
+        Err(error) => {
+            point.given_up = matches!(error, IntegrateError::TooMuchWork { .. });
+            return point;
+        }
+    };
+    let mut walls = vec![found.wall_s];
+    walls.extend((1..runs).filter_map(|_| run().ok()).map(|r| r.wall_s));
+    walls.sort_by(f64::total_cmp);
+    point.wall_s_min = walls.first().copied().unwrap_or(0.0);
+    point.wall_s_median = walls.get(walls.len() / 2).copied().unwrap_or(0.0);
+    point.force_evaluations = found.work.force_evaluations;
+    point.error_peak = compare(&found, exact, peak_error);
+    point.error_arrival = compare(&found, exact, arrival_error);
+    point.error_trace = Some(trace_error(&found, exact));
+    point.error_energy = Some(found.drift.abs());
+    let worst = [point.error_peak, point.error_arrival, point.error_trace];
+    point.failed = !worst.iter().all(|error| error.is_some_and(|e| e < FAILED));
+    point
+}
+
+/// What `--accuracy` comes to: the first run that is off by no more, with what the run it is held against may be off itself.
+pub fn choice(scene: &Scene, accuracy: f64, (exact, runs): (&Run, u16)) -> Option<Chosen> {
+    steps_tried(accuracy).find_map(|steps| {
+        let treated = (method(scene, Integration::Accuracy(steps)).ok()?, None);
+        let once = point(scene, treated, (exact, 1));
+        let worst = once.error_peak?.max(once.error_arrival?);
+        if worst + OWN * TIGHTER * steps.min(accuracy) > accuracy {
+            return None;
+        }
+        let found = point(scene, treated, (exact, runs));
+        Some(Chosen {
+            accuracy,
+            method: found.method,
+            setting: found.setting,
+            error: Some(worst),
+            error_peak: found.error_peak,
+            error_arrival: found.error_arrival,
+            force_evaluations: found.force_evaluations,
+            wall_s_median: found.wall_s_median,
+            wall_s_min: found.wall_s_min,
+        })
+    })
+}
+
+/// The reference, and what it says of itself. With losses it is by neither of the methods that `--accuracy` goes by, unless they are so
+/// stiff that no other comes to an end.
+///
+/// # Errors
+/// The integrator's error where no two methods come to an end, in words.
+pub fn reference(scene: &Scene) -> Result<(Run, Reference), String> {
+    let tolerance = REFERENCE_TOLERANCE;
+    let methods = if scene.chain.is_dissipative() {
+        vec![
+            Method::DormandPrince54 { tolerance },
+            Method::DormandPrince853 { tolerance },
+            Method::Rodas { tolerance: STIFF_TOLERANCE },
+            Method::Rodas { tolerance: 10.0 * STIFF_TOLERANCE },
+        ]
+    } else {
+        vec![Method::DormandPrince853 { tolerance }, Method::DormandElMikkawyPrince86 { tolerance }]
+    };
+    let mut last = None;
+    let mut found = methods.into_iter().filter_map(|method| {
+        match run_without(scene, (method, None), MOST_REFERENCE) {
+            Ok(run) => Some((run, method.to_string())),
+            Err(error) => {
+                last = Some(error);
+                None
+            }
+        }
+    });
+    if let (Some((exact, method)), Some((other, second))) = (found.next(), found.next()) {
+        let error = worst(&other, &exact).unwrap_or(f64::NAN);
+        return Ok((exact, Reference { method, second, error }));
+    }
+    Err(last.map_or(String::new(), |error| error.to_string()))
+}

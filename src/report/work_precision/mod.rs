@@ -1,0 +1,247 @@
+//! The work-precision study as text and picture: errors of first peaks and of arrivals against force evaluations, on logarithmic axes.
+
+mod picture;
+
+pub use picture::work_precision_svg;
+
+use super::table;
+use crate::experiment::cost::{Chosen, Point, Study};
+use crate::quantity::engineering;
+
+/// Columns and rows of a plot in the terminal.
+const CELLS: (usize, usize) = (72, 18);
+/// Letters and colours of the methods in order of appearance.
+const MARKS: [(char, &str); 12] = [
+    ('v', "#4477aa"),
+    ('p', "#66ccee"),
+    ('b', "#228833"),
+    ('f', "#999933"),
+    ('r', "#aa3377"),
+    ('6', "#cc6600"),
+    ('x', "#996633"),
+    ('8', "#ee6677"),
+    ('y', "#444444"),
+    ('5', "#882255"),
+    ('d', "#332288"),
+    ('s', "#888888"),
+];
+/// What `--accuracy` chooses, in the terminal.
+const CHOSEN: char = '●';
+/// Errors below this are rounding (1).
+const LEAST: f64 = 1e-16;
+
+/// A method with its letter and colour.
+type Mark = (&'static str, char, &'static str);
+
+/// What is plotted against work.
+struct Kind {
+    /// Of what the errors are.
+    of: &'static str,
+    error: fn(&Point) -> Option<f64>,
+    chosen: fn(&Chosen) -> Option<f64>,
+    /// What the scope can tell apart, and its name.
+    limit: fn(&Study) -> Option<f64>,
+    limit_name: &'static str,
+}
+
+const KINDS: [Kind; 2] = [
+    Kind {
+        of: "first peaks",
+        error: |point| point.error_peak,
+        chosen: |chosen| chosen.error_peak,
+        limit: |study| study.level,
+        limit_name: "one level of the scope's digitiser",
+    },
+    Kind {
+        of: "arrivals",
+        error: |point| point.error_arrival,
+        chosen: |chosen| chosen.error_arrival,
+        limit: |study| Some(study.sample),
+        limit_name: "one sample interval of the scope",
+    },
+];
+
+impl Kind {
+    /// Points that can be shown: evaluations and errors.
+    fn shown<'a>(&'a self, study: &'a Study, method: &str) -> impl Iterator<Item = (u64, f64)> {
+        let points = study.points.iter().filter(move |p| p.method == method && !p.failed);
+        points.filter_map(|p| Some((p.force_evaluations, (self.error)(p)?)))
+    }
+
+    /// What `--accuracy` chooses: accuracy, evaluations and error.
+    fn choices<'a>(&'a self, study: &'a Study) -> impl Iterator<Item = (f64, u64, f64)> {
+        let all = study.chosen.iter();
+        all.filter_map(|c| Some((c.accuracy, c.force_evaluations, (self.chosen)(c)?)))
+    }
+}
+
+/// Decades spanned by a plot.
+struct Axes {
+    work: (f64, f64),
+    error: (f64, f64),
+}
+
+impl Axes {
+    fn of(study: &Study, kind: &Kind) -> Self {
+        let shown = || study.points.iter().filter(|p| !p.failed);
+        let work = shown().map(|p| decades(p.force_evaluations));
+        let errors = shown().filter_map(kind.error).map(digits);
+        let limits = [Some(study.reference.error), (kind.limit)(study)];
+        let limits = limits.into_iter().flatten().map(|limit| digits(limit.min(1.0)));
+        let range = |values: &mut dyn Iterator<Item = f64>| {
+            values.fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(v), high.max(v)))
+        };
+        let (low, high) = range(&mut errors.chain(limits));
+        let (few, many) = range(&mut work.into_iter());
+        Self { work: (few.floor(), many.ceil()), error: (low.floor(), high.ceil().min(0.0)) }
+    }
+
+    /// Place of a number of evaluations (from the left) and an error (1, from the top), both from 0 to 1.
+    fn place(&self, evaluations: u64, error: f64) -> (f64, f64) {
+        let x = (decades(evaluations) - self.work.0) / (self.work.1 - self.work.0);
+        let y = (self.error.1 - digits(error)) / (self.error.1 - self.error.0);
+        (x.clamp(0.0, 1.0), y.clamp(0.0, 1.0))
+    }
+
+    /// Powers of ten along the work.
+    fn ticks(&self) -> impl Iterator<Item = f64> {
+        let (few, many) = self.work;
+        std::iter::successors(Some(few), |decade| Some(decade + 1.0))
+            .take_while(move |decade| *decade <= many)
+    }
+}
+
+/// Decimal logarithm of an error (1).
+fn digits(error: f64) -> f64 {
+    error.max(LEAST).log10()
+}
+
+#[allow(clippy::cast_precision_loss, reason = "counts far below 2^53")]
+fn decades(evaluations: u64) -> f64 {
+    (evaluations.max(1) as f64).log10()
+}
+
+/// Methods in order of appearance with their marks.
+fn marks(study: &Study) -> Vec<Mark> {
+    let mut methods: Vec<&'static str> = Vec::new();
+    for point in &study.points {
+        if !methods.contains(&point.method) {
+            methods.push(point.method);
+        }
+    }
+    methods.into_iter().zip(MARKS).map(|(method, (mark, colour))| (method, mark, colour)).collect()
+}
+
+/// The page that `cost` prints.
+#[must_use]
+pub fn work_precision(study: &Study) -> String {
+    let mut lines = Vec::new();
+    for kind in &KINDS {
+        lines.extend(plot(study, kind));
+        lines.push(String::new());
+    }
+    let heading = ["method", "mark", "nominal order", "observed here", "failed points"];
+    let mut rows = vec![heading.map(str::to_owned).to_vec()];
+    for (method, mark, _) in marks(study) {
+        let order = study.orders.iter().find(|o| o.method == method);
+        let failed = study.points.iter().filter(|p| p.method == method && p.failed).count();
+        rows.push(vec![
+            method.to_owned(),
+            mark.to_string(),
+            order.map_or(String::new(), |o| o.nominal.to_string()),
+            order.and_then(|o| o.observed).map_or("-".to_owned(), |o| format!("{o:.1}")),
+            failed.to_string(),
+        ]);
+    }
+    lines.extend(table::lines(&rows, &[0]));
+    lines.push(String::new());
+    lines.extend(choices(study));
+    lines.push(format!("reference: {}", reference(study)));
+    lines.join("\n")
+}
+
+fn reference(study: &Study) -> String {
+    let found = &study.reference;
+    format!("{}, {:.1e} from {}", found.method, found.error, found.second)
+}
+
+fn choices(study: &Study) -> Vec<String> {
+    let heading = ["--accuracy", "method chosen", "error reached", "evaluations", "wall time"];
+    let mut rows = vec![heading.map(str::to_owned).to_vec()];
+    for chosen in &study.chosen {
+        rows.push(vec![
+            format!("{:e}", chosen.accuracy),
+            chosen.method.to_owned(),
+            chosen.error.map_or("-".to_owned(), |e| format!("{e:.1e}")),
+            chosen.force_evaluations.to_string(),
+            engineering(chosen.wall_s_median, "s", 2),
+        ]);
+    }
+    let mut lines = table::lines(&rows, &[1]);
+    let level = study
+        .level
+        .map_or(String::new(), |l| format!("one scope level is {l:.1e} of a first peak, "));
+    lines.push(format!("  {level}one sample interval {:.1e} of an arrival", study.sample));
+    lines.push(
+        "wall times are those of one run with all forces sampled as the scope would, without recording and without the runs that estimate its error"
+            .to_owned(),
+    );
+    lines
+}
+
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "places on a screen of a few dozen cells"
+)]
+fn plot(study: &Study, kind: &Kind) -> Vec<String> {
+    let axes = Axes::of(study, kind);
+    let (columns, rows) = CELLS;
+    let mut cells = vec![vec![' '; columns]; rows];
+    let row_of = |y: f64| (y * (rows - 1) as f64).round() as usize;
+    let column_of = |x: f64| (x * (columns - 1) as f64).round() as usize;
+    let limit = (kind.limit)(study);
+    if let Some(row) = limit.and_then(|limit| cells.get_mut(row_of(axes.place(1, limit).1))) {
+        row.fill('·');
+    }
+    let mut set = |evaluations: u64, error: f64, mark: char| {
+        let (x, y) = axes.place(evaluations, error);
+        if let Some(cell) = cells.get_mut(row_of(y)).and_then(|row| row.get_mut(column_of(x))) {
+            *cell = mark;
+        }
+    };
+    for (method, mark, _) in marks(study) {
+        kind.shown(study, method).for_each(|(evaluations, error)| set(evaluations, error, mark));
+    }
+    kind.choices(study).for_each(|(_, evaluations, error)| set(evaluations, error, CHOSEN));
+    let mut lines = vec![format!(
+        "{}: largest relative error of {} against evaluations of all contact forces",
+        study.scene, kind.of
+    )];
+    let span = axes.error.1 - axes.error.0;
+    let mut labelled = f64::NAN;
+    for (index, row) in cells.iter().enumerate() {
+        let exponent = (axes.error.1 - span * index as f64 / (rows - 1) as f64).round();
+        let label =
+            if (exponent - labelled).abs() < 0.5 { String::new() } else { format!("1e{exponent}") };
+        labelled = exponent;
+        let text: String = row.iter().collect();
+        lines.push(format!("{label:>6} |{}", text.trim_end()));
+    }
+    lines.push(format!("{:>6} +{}", "", "-".repeat(columns)));
+    let mut below = String::new();
+    for decade in axes.ticks() {
+        let x = (decade - axes.work.0) / (axes.work.1 - axes.work.0);
+        let label = format!("1e{decade}");
+        let start = column_of(x).saturating_sub(label.len() / 2);
+        below.push_str(&" ".repeat(start.saturating_sub(below.len())));
+        below.push_str(&label);
+    }
+    lines.push(format!("{:>8}{below}", ""));
+    lines.push(format!("        {CHOSEN} what --accuracy chooses, from 1e-1 down a decade each"));
+    if limit.is_some_and(|limit| limit < 1.0) {
+        lines.push(format!("        · · · {}", kind.limit_name));
+    }
+    lines
+}

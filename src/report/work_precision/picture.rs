@@ -1,0 +1,180 @@
+//! The study as a picture: a panel for each kind of error, and below both what their marks mean.
+
+use std::fmt::Write as _;
+
+use super::{Axes, KINDS, Kind, Mark, digits, marks, reference};
+use crate::experiment::cost::{Point, Study};
+use crate::report::escape;
+
+/// Size of a panel's plot, and what is left of it (pixels).
+const PANEL: (f64, f64) = (480.0, 430.0);
+const LEFT: f64 = 72.0;
+/// From the top to the plots (pixels).
+const TOP: f64 = 74.0;
+/// From the plots to the marks' meanings, and from one of these to the next (pixels).
+const LEGEND: (f64, f64) = (72.0, 20.0);
+/// Columns of meanings.
+const COLUMNS: usize = 2;
+/// Width of the picture (pixels).
+const WIDTH: f64 = 2.0 * (LEFT + PANEL.0) + 24.0;
+
+/// The study as an SVG picture.
+#[must_use]
+#[allow(clippy::cast_precision_loss, reason = "a dozen methods")]
+pub fn work_precision_svg(study: &Study) -> String {
+    let marks = marks(study);
+    let lines = (marks.len() + 1).div_ceil(COLUMNS) + 1;
+    let height = TOP + PANEL.1 + LEGEND.0 + LEGEND.1 * lines as f64 + 10.0;
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height}\" font-family=\"sans-serif\" font-size=\"13\">\n\
+         <rect width=\"{WIDTH}\" height=\"{height}\" fill=\"white\"/>\n\
+         <text x=\"{LEFT}\" y=\"28\" font-size=\"16\">{}: what accuracy costs</text>\n",
+        escape(&study.scene)
+    );
+    for (kind, index) in KINDS.iter().zip([0.0, 1.0]) {
+        let left = LEFT + index * (LEFT + PANEL.0);
+        panel(&mut svg, study, (kind, &marks), left);
+    }
+    let place = |index: usize| {
+        let (row, column) = (index / COLUMNS, index % COLUMNS);
+        let x = LEFT + column as f64 * (LEFT + PANEL.0);
+        (x, TOP + PANEL.1 + LEGEND.0 + LEGEND.1 * row as f64)
+    };
+    for (index, (method, _, colour)) in marks.iter().enumerate() {
+        let (x, y) = place(index);
+        let observed = study.orders.iter().find(|o| o.method == *method).and_then(|o| o.observed);
+        let order = observed.map_or(String::new(), |o| format!(", order {o:.1} here"));
+        let _ = writeln!(
+            svg,
+            "{}<text x=\"{}\" y=\"{}\">{method}{order}</text>",
+            shape(index, (x, y), colour),
+            x + 12.0,
+            y + 4.0
+        );
+    }
+    let (x, y) = place(marks.len());
+    let _ = writeln!(
+        svg,
+        "{}<text x=\"{}\" y=\"{}\">what --accuracy chooses; crosses at the top: failed</text>",
+        ring((x, y)),
+        x + 12.0,
+        y + 4.0
+    );
+    let (x, y) = (LEFT, height - 14.0);
+    let _ = writeln!(
+        svg,
+        "<text x=\"{x}\" y=\"{y}\" fill=\"#555\" font-size=\"12\">reference: {}</text>",
+        escape(&reference(study))
+    );
+    svg.push_str("</svg>\n");
+    svg
+}
+
+/// One kind of error against work.
+fn panel(svg: &mut String, study: &Study, (kind, marks): (&Kind, &[Mark]), left: f64) {
+    let axes = Axes::of(study, kind);
+    let at = |x: f64, y: f64| (left + x * PANEL.0, TOP + y * PANEL.1);
+    let place = |evaluations: u64, error: f64| {
+        let (x, y) = axes.place(evaluations, error);
+        at(x, y)
+    };
+    let _ = writeln!(
+        svg,
+        "<text x=\"{left}\" y=\"{}\">largest relative error of {}</text>",
+        TOP - 14.0,
+        kind.of
+    );
+    grid(svg, &axes, &at);
+    if let Some(limit) = (kind.limit)(study).filter(|limit| *limit < 1.0) {
+        let (x0, y) = place(1, limit);
+        let x1 = left + PANEL.0;
+        let _ = writeln!(
+            svg,
+            "<path d=\"M{x0:.1} {y:.1}H{x1:.1}\" stroke=\"#555\" stroke-dasharray=\"6 4\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\" fill=\"#555\" font-size=\"11\">{}</text>",
+            x1 - 4.0,
+            y - 5.0,
+            kind.limit_name
+        );
+    }
+    for (index, (method, _, colour)) in marks.iter().enumerate() {
+        let points: Vec<_> = kind.shown(study, method).map(|(n, error)| place(n, error)).collect();
+        let mut path = String::new();
+        for (x, y) in &points {
+            let _ = write!(path, "{}{x:.1} {y:.1}", if path.is_empty() { 'M' } else { 'L' });
+        }
+        let _ = writeln!(svg, "<path d=\"{path}\" fill=\"none\" stroke=\"{colour}\"/>");
+        svg.extend(points.iter().map(|point| shape(index, *point, colour)));
+        let failed = |p: &&Point| p.method == *method && p.failed;
+        for point in study.points.iter().filter(failed).filter(|p| p.force_evaluations > 0) {
+            let (x, y) = place(point.force_evaluations, 1.0);
+            let (x, y) = (x - 4.0, y - 4.0);
+            let _ = writeln!(svg, "<path d=\"M{x:.1} {y:.1}l8 8m0 -8l-8 8\" stroke=\"{colour}\"/>");
+        }
+    }
+    let choices: Vec<_> = kind.choices(study).collect();
+    // Several accuracies may lead to one run.
+    for same in choices.chunk_by(|a, b| (a.1, a.2) == (b.1, b.2)) {
+        let Some((_, evaluations, error)) = same.first() else { continue };
+        let (x, y) = place(*evaluations, *error);
+        let words = same.iter().map(|(accuracy, ..)| format!("1e{}", digits(*accuracy).round()));
+        let _ = writeln!(
+            svg,
+            "{}<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"10\">{}</text>",
+            ring((x, y)),
+            x - 4.0,
+            y + 18.0,
+            words.collect::<Vec<_>>().join(", ")
+        );
+    }
+}
+
+/// The mark of method number `index`: shapes tell apart what colours do not.
+fn shape(index: usize, (x, y): (f64, f64), colour: &str) -> String {
+    let path = match index % 4 {
+        0 => return format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\" fill=\"{colour}\"/>\n"),
+        1 => format!("M{:.1} {:.1}h6v6h-6z", x - 3.0, y - 3.0),
+        2 => format!("M{x:.1} {:.1}l4 7h-8z", y - 4.0),
+        _ => format!("M{x:.1} {:.1}l4 4l-4 4l-4 -4z", y - 4.0),
+    };
+    format!("<path d=\"{path}\" fill=\"{colour}\"/>\n")
+}
+
+fn ring((x, y): (f64, f64)) -> String {
+    format!(
+        "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"6\" fill=\"none\" stroke=\"black\" stroke-width=\"1.6\"/>\n"
+    )
+}
+
+fn grid(svg: &mut String, axes: &Axes, at: &dyn Fn(f64, f64) -> (f64, f64)) {
+    let ((few, many), (low, high)) = (axes.work, axes.error);
+    let (corner, end) = (at(0.0, 0.0), at(1.0, 1.0));
+    for decade in axes.ticks() {
+        let (x, _) = at((decade - few) / (many - few), 0.0);
+        let _ = writeln!(
+            svg,
+            "<path d=\"M{x:.1} {:.1}V{:.1}\" stroke=\"#ddd\"/><text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">1e{decade}</text>",
+            corner.1,
+            end.1,
+            end.1 + 18.0
+        );
+    }
+    let mut decade = low;
+    while decade <= high {
+        let (_, y) = at(0.0, (high - decade) / (high - low));
+        let _ = writeln!(
+            svg,
+            "<path d=\"M{:.1} {y:.1}H{:.1}\" stroke=\"#ddd\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">1e{decade}</text>",
+            corner.0,
+            end.0,
+            corner.0 - 6.0,
+            y + 4.0
+        );
+        decade += 1.0;
+    }
+    let _ = writeln!(
+        svg,
+        "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">evaluations of all contact forces</text>",
+        0.5 * (corner.0 + end.0),
+        end.1 + 38.0
+    );
+}
