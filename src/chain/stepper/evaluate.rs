@@ -1,7 +1,7 @@
 //! Accelerations at given positions, and how far the overlaps have changed.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
-use super::forces::Cut;
+use super::forces::{Cut, accelerations, forces};
 use super::lanes::{Lanes, Row};
 use super::layout::Layout;
 use super::plan::Plan;
@@ -72,6 +72,33 @@ pub fn evaluate<L: Lanes, Y: Layout, const FORM: u8>(
         out: (&mut closed[..rows], &mut force[..rows], &mut acceleration[..rows]),
         largest: Largest::new(cut),
     };
-    sweep::<L, Y, FORM>(cut, rows, &mut look);
+    if Y::STRIPED {
+        look.all_round::<Y, FORM>(cut);
+    } else {
+        sweep::<L, Y, FORM>(cut, rows, &mut look);
+    }
     look.largest.change
+}
+
+impl<L: Lanes> Look<'_, L> {
+    /// Rows of which the last stands above the first: one after the other, for this is done once.
+    #[inline(always)]
+    fn all_round<Y: Layout, const FORM: u8>(&mut self, plan: Cut) {
+        let Some(last) = self.position.last() else { return };
+        let mut before = Y::before_first::<L>(L::load(last));
+        for r in 0..self.position.len() {
+            let here = L::load(&self.position[r]);
+            let change = L::sub(Y::above::<L>(before, here), here);
+            let (force, overlap) = forces::<L, FORM>(plan, r, change);
+            Visit::<L, Y>::see(self, r, overlap, change);
+            L::store(force, &mut self.out.1[r]);
+            before = here;
+        }
+        let first = Y::after_last::<L>(L::load(&self.out.1[0]), L::load(&plan.beyond));
+        for r in 0..self.position.len() {
+            let next = self.out.1.get(r + 1).map_or(first, |row| L::load(row));
+            let force = [L::load(&self.out.1[r]), next];
+            L::store(accelerations::<L, Y>(plan, r, force), &mut self.out.2[r]);
+        }
+    }
 }

@@ -20,7 +20,7 @@ pub struct Cut<'a> {
     pub stiffness: &'a [Row],
     pub static_overlap: &'a [Row],
     pub inverse_mass: &'a [Row],
-    pub balanced: &'a [Row],
+    balanced: &'a [Row],
     pub rest: &'a [Rest],
     /// Forces in the row behind the last: nothing has moved there (N).
     pub beyond: Row,

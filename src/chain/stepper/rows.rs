@@ -36,7 +36,7 @@ pub fn scaled<L: Lanes, const R: usize>(by: L::V, mut values: Rows<L, R>) -> Row
 
 /// Those above.
 #[inline(always)]
-pub fn above<L: Lanes, Y: Layout, const R: usize>(of: &Rows<L, R>) -> Rows<L, R> {
+fn above<L: Lanes, Y: Layout, const R: usize>(of: &Rows<L, R>) -> Rows<L, R> {
     let mut out = *of;
     for r in 0..R {
         let before = if r > 0 { of[r - 1] } else { Y::before_first::<L>(of[R - 1]) };
@@ -47,7 +47,7 @@ pub fn above<L: Lanes, Y: Layout, const R: usize>(of: &Rows<L, R>) -> Rows<L, R>
 
 /// Those below; behind the last is what is `beyond` the chain.
 #[inline(always)]
-pub fn below<L: Lanes, Y: Layout, const R: usize>(of: &Rows<L, R>, beyond: L::V) -> Rows<L, R> {
+fn below<L: Lanes, Y: Layout, const R: usize>(of: &Rows<L, R>, beyond: L::V) -> Rows<L, R> {
     let mut out = *of;
     for r in 0..R {
         let after = if r + 1 < R { of[r + 1] } else { Y::after_last::<L>(of[0], beyond) };

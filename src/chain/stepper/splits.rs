@@ -1,12 +1,12 @@
 //! Steps of splittings. A striped chain of few rows stays in the registers from one step to the next; longer ones go through [`super::parts`].
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
-use super::forces::{Cut, PLAIN, begin_plain, finish};
+use super::forces::{Cut, PLAIN, begin_plain, finish, unbalanced};
 use super::lanes::Lanes;
 use super::layout::Layout;
 use super::parts::long;
 use super::plan::{FEW, Plan};
-use super::rows::{above, differences, load, nets, store};
+use super::rows::{differences, load, nets, store};
 use super::workspace::Workspace;
 use crate::integrate::splitting::Splitting;
 
@@ -128,17 +128,20 @@ fn short<L: Lanes, Y: Layout, const GRADIENT: bool, const R: usize>(
             x[r] = L::mul_add(drift, v[r], x[r]);
         }
         for part in 1..=weights.parts() {
-            let (mut force, mut tangent, from) = ([none; R], [none; R], above::<L, Y, R>(&x));
+            let (mut force, mut tangent) = ([none; R], [none; R]);
             for r in 0..R {
+                let before = if r > 0 { x[r - 1] } else { Y::before_first::<L>(x[R - 1]) };
                 // In this order one of the two need not wait for the neighbour.
                 let short = L::sub(x[r], L::load(&plan.static_overlap[r]));
-                let overlap = L::sub(from[r], short);
+                let overlap = L::sub(Y::above::<L>(before, x[r]), short);
                 [force[r], tangent[r]] = finish::<L, PLAIN>(plan, r, begin_plain::<L>(r, overlap));
             }
             let (kick, last) = (weights.kick::<GRADIENT>(part), part == weights.parts());
-            let mut push = nets::<L, Y, R>(&force);
-            for (push, balanced) in push.iter_mut().zip(plan.balanced) {
-                *push = L::sub(*push, L::load(balanced));
+            let mut push = [none; R];
+            for r in 0..R {
+                let beyond = || Y::after_last::<L>(force[0], L::load(&plan.beyond));
+                let next = if r + 1 < R { force[r + 1] } else { beyond() };
+                push[r] = unbalanced::<L, Y>(plan, r, [force[r], next]);
             }
             let mut weight = kick.force;
             if GRADIENT {

@@ -10,7 +10,7 @@ use super::layout::Layout;
 
 /// What a sweep asks for and what becomes of its results, row by row.
 pub trait Visit<L: Lanes, Y: Layout> {
-    /// Positions in row `r` (m); where rows are striped, of the last one twice.
+    /// Positions in row `r` (m).
     fn enter(&mut self, r: usize) -> L::V;
 
     /// Overlaps in row `r`, and how they have changed (m).
@@ -33,8 +33,6 @@ struct Sweep<'a, L: Lanes> {
     position: L::V,
     /// Forces (N) and two thirds of tangents (N/m) of the row pressed last.
     pressed: [L::V; 2],
-    /// Forces of the first row (N).
-    first: L::V,
 }
 
 /// Sweeps over the first `rows` rows of `plan`.
@@ -45,10 +43,7 @@ pub fn sweep<L: Lanes, Y: Layout, const FORM: u8>(
     visit: &mut impl Visit<L, Y>,
 ) {
     let none = L::splat(0.0);
-    let mut sweep = Sweep::<L> { plan, position: none, pressed: [none; 2], first: none };
-    if Y::STRIPED && rows > 0 {
-        sweep.position = Y::before_first::<L>(visit.enter(rows - 1));
-    }
+    let mut sweep = Sweep::<L> { plan, position: none, pressed: [none; 2] };
     let blocks = rows / L::AHEAD;
     if blocks > 0 {
         let mut begun = [Begun::none(); MOST_AHEAD];
@@ -75,8 +70,7 @@ pub fn sweep<L: Lanes, Y: Layout, const FORM: u8>(
         sweep.press::<Y, FORM>(r, begun, visit);
     }
     if rows > 0 {
-        let next = Y::after_last::<L>(sweep.first, L::load(&plan.beyond));
-        sweep.leave::<Y>(rows - 1, next, visit);
+        sweep.leave::<Y>(rows - 1, L::load(&plan.beyond), visit);
     }
 }
 
@@ -105,8 +99,6 @@ impl<L: Lanes> Sweep<'_, L> {
         let pressed = finish::<L, FORM>(self.plan, r, begun);
         if r > 0 {
             self.leave::<Y>(r - 1, pressed[0], visit);
-        } else if Y::STRIPED {
-            self.first = pressed[0];
         }
         self.pressed = pressed;
     }
