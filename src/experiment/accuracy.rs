@@ -93,12 +93,13 @@ pub fn run_held(
     shot: u32,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Outcome, RunError> {
+    let own = &*scene.of_shot(shot);
     let mut tried = steps_tried(accuracy).peekable();
     loop {
         let steps = tried.next().unwrap_or(accuracy);
         let mut outcome = run(scene, Integration::Accuracy(steps), shot, progress)?;
         let summary = &mut outcome.summary;
-        let estimate = estimate(scene, steps.min(accuracy), summary)?;
+        let estimate = estimate(own, steps.min(accuracy), summary)?;
         let held = estimate.as_ref().is_some_and(|estimate| estimate.worst() <= accuracy);
         if !held && tried.peek().is_some() {
             continue;
@@ -112,8 +113,7 @@ pub fn run_held(
         summary.notes.extend(doubt(estimate.as_ref(), accuracy));
         summary.error_estimate = estimate;
         if summary.contact_changes != Some(0) {
-            let method = method(scene, Integration::Accuracy(steps))?;
-            summary.find_horizon(scene, method, steps);
+            summary.find_horizon(own, steps);
         }
         return Ok(outcome);
     }
@@ -134,7 +134,7 @@ pub fn steps_tried(accuracy: f64) -> impl Iterator<Item = f64> {
 pub struct ErrorEstimate {
     /// Relative error of first-peak dynamic forces, the largest of all places (1).
     pub peak: f64,
-    /// Relative error of first-peak times and half-rises, the largest of all places (1).
+    /// Relative error of first-peak times, half-rises and tenths, the largest of all places (1).
     pub arrival: f64,
     /// How it was found.
     pub how: String,

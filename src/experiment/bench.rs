@@ -154,16 +154,11 @@ impl<'a> Bench<'a> {
     ) -> Result<(), IntegrateError> {
         let Self { chain, engine, grid, watches, film, most_evaluations, .. } = self;
         let (bodies, most) = (chain.bodies().len(), *most_evaluations);
-        let allowed = |integrator: &dyn Integrator| {
-            let time = integrator.time();
-            let too_much = integrator.work().force_evaluations > most;
-            if too_much { Err(IntegrateError::TooMuchWork { time, most }) } else { Ok(()) }
-        };
         match engine {
             Engine::Stepper(stepper, views) => {
                 while stepper.time() < end {
                     stepper.step(end)?;
-                    allowed(stepper.as_ref())?;
+                    stepper.work().within(most, stepper.time())?;
                     follow(stepper, views, (watches, *grid), pulses);
                     film.follow_stepper(chain, stepper);
                     progress(stepper.time());
@@ -172,7 +167,7 @@ impl<'a> Bench<'a> {
             Engine::General(integrator) => {
                 while integrator.time() < end {
                     integrator.step(end)?;
-                    allowed(integrator.as_ref())?;
+                    integrator.work().within(most, integrator.time())?;
                     integrator.prepare_interpolation();
                     for watch in &mut *watches {
                         watch.take(integrator.as_ref(), bodies, *grid, pulses);
@@ -233,7 +228,16 @@ impl<'a> Bench<'a> {
         self.engine.integrator().state()
     }
 
-    /// Steps in which contacts opened or closed; none where the method does not ask.
+    /// Whether forces are computed without cancellation, for waves far below the preload.
+    #[must_use]
+    pub fn has_exact_forces(&self) -> bool {
+        match &self.engine {
+            Engine::Stepper(stepper, _) => stepper.is_exact(),
+            Engine::General(_) => true,
+        }
+    }
+
+    /// Steps tried in which contacts opened or closed; none where the method does not ask.
     #[must_use]
     pub fn contact_changes(&self) -> Option<u64> {
         match &self.engine {

@@ -17,6 +17,8 @@ const NEXT: f64 = 1e-4;
 const TELLING: f64 = 10.0;
 /// Steps that are tried for advice: half of the one that does not do, or a quarter of the longest stable one, and halves from there on.
 const TRIES: i32 = 6;
+/// What sums of energies may be off, relative to all that is stored (1).
+const ROUNDING: f64 = 1e-12;
 /// Contact forces that finding advice may take: seconds (1).
 const MOST_FORCES: f64 = 1e9;
 
@@ -32,23 +34,36 @@ pub fn run_by_hand(
     progress: &mut dyn FnMut(f64),
 ) -> Result<Outcome, RunError> {
     let mut outcome = run(scene, Integration::Method(method), shot, progress)?;
-    let summary = &mut outcome.summary;
-    let found = told(scene, summary)?;
+    let (own, summary) = (&*scene.of_shot(shot), &mut outcome.summary);
+    let found = match told(own, summary) {
+        Ok(found) => found,
+        Err(error) => {
+            // This run came to its end: what it has found is not thrown away.
+            summary.notes.push(format!("how far off readings are is not known: {error}"));
+            return Ok(outcome);
+        }
+    };
     let worst = found.as_ref().map_or(f64::INFINITY, ErrorEstimate::worst);
     if worst > TOLERABLE {
         let far = match found {
             Some(_) => format!("readings may be off by {worst:.1e}"),
             None => "an accurate run feels other pulses than this one".to_owned(),
         };
-        let advice = advice(scene, method).map_or(String::new(), |advice| format!("; {advice}"));
+        let advice = advice(own, method).map_or(String::new(), |advice| format!("; {advice}"));
         summary.notes.push(format!("the step is too long: {far}{advice}"));
     } else {
-        summary.find_horizon(scene, method, worst.max(TIGHTEST_ACCURACY));
+        // That of a motion as accurate as this one.
+        let accuracy = worst.max(TIGHTEST_ACCURACY);
+        let accurate = run(own, Integration::Accuracy(accuracy), 1, &mut |_| ())?;
+        if accurate.summary.contact_changes != Some(0) {
+            summary.find_horizon(own, accuracy);
+        }
     }
-    let gain = summary.energy.drift;
-    if gain > TOLERABLE {
+    let (gain, energy) = (summary.energy.drift, &summary.energy);
+    let made = energy.r#final + energy.dissipated - energy.initial;
+    if gain > TOLERABLE && made > ROUNDING * energy.initial.abs() {
         summary.notes.push(format!(
-            "the method has made energy, {gain:.1e} of the impact's: the step is too long"
+            "the method has made energy, {gain:.1e} of that in motion: the step is too long"
         ));
     }
     summary.error_estimate = found;
@@ -61,7 +76,7 @@ fn told(scene: &Scene, summary: &Summary) -> Result<Option<ErrorEstimate>, RunEr
     loop {
         let found = estimate(scene, accuracy, summary)?;
         let tells = |found: &ErrorEstimate| found.worst() > TELLING * TIGHTER * accuracy;
-        if accuracy <= TIGHTEST_ACCURACY || found.as_ref().is_none_or(tells) {
+        if accuracy <= TIGHTEST_ACCURACY || found.as_ref().is_some_and(tells) {
             return Ok(found);
         }
         accuracy = (NEXT * accuracy).max(TIGHTEST_ACCURACY);
@@ -87,7 +102,8 @@ pub fn advice(scene: &Scene, method: Method) -> Option<String> {
         let worst = estimate(scene, FIRST, &found.summary).ok()??.worst();
         let words = || {
             let step = engineering(step, "s", 2);
-            format!("a step of {step} reads first peaks and arrivals within {worst:.0e}")
+            let worst = -short(-worst);
+            format!("a step of {step} reads first peaks and arrivals within {worst:.1e}")
         };
         (worst <= TOLERABLE).then(words)
     })
@@ -105,8 +121,8 @@ fn with_step(method: Method, step: f64) -> Method {
     }
 }
 
-/// `step`, cut to two digits (s).
-fn short(step: f64) -> f64 {
-    let unit = 10f64.powf(step.log10().floor() - 1.0);
-    (step / unit).floor() * unit
+/// `value`, rounded down to two digits (unit).
+fn short(value: f64) -> f64 {
+    let unit = 10f64.powf(value.abs().log10().floor() - 1.0);
+    (value / unit).floor() * unit
 }

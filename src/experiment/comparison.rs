@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::bench::{Bench, Grid};
-use super::outcome::Reading;
+use super::outcome::{Reading, drift};
 use super::{probes, sample_grid};
 use crate::chain::stepper::Refinement;
 use crate::integrate::{IntegrateError, Method, Work};
@@ -16,7 +16,7 @@ pub struct Run {
     pub readings: Vec<Reading>,
     /// Forces at the scope's sample times, one a watched place (N).
     pub traces: Vec<Vec<f64>>,
-    /// Energy drift relative to the energy of the impact (1).
+    /// Energy drift, as [`drift`] has it (1).
     pub drift: f64,
     /// What it cost.
     pub work: Work,
@@ -60,7 +60,7 @@ pub fn run_without(
     Ok(Run {
         readings: bench.watches().iter().map(|w| Reading::of("", None, 0.0, &w.pulse)).collect(),
         traces: bench.watches().iter().map(|w| w.samples.clone()).collect(),
-        drift: (after.total() + bench.dissipated().total() - before.total()) / before.kinetic,
+        drift: drift(&before, &after, &bench.dissipated()),
         work: bench.work(),
         wall_s,
     })

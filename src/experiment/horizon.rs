@@ -7,9 +7,9 @@
 //! Source: two tolerances as an error estimate: Hairer, Norsett, Wanner, Solving ODEs I (1993), II.4.
 
 use super::bench::start;
-use super::for_accuracy;
+use super::losses::method_for;
 use crate::chain::Chain;
-use crate::integrate::{IntegrateError, Method, State};
+use crate::integrate::{IntegrateError, State};
 
 /// From one time at which states are compared to the next (1): a horizon is known to a twentieth, however long is simulated.
 const PACE: f64 = 1.05;
@@ -20,7 +20,7 @@ const LUCK: f64 = 4.0;
 /// The second motion's steps tolerate at least this much: rounding is no error of the method (1).
 const TIGHTEST: f64 = 1e-14;
 
-/// The last of the times at which states were compared before the error of a motion by `method`, from rest under `velocities` (m/s) over
+/// The last of the times at which states were compared before the error of a motion at `accuracy`, from rest under `velocities` (m/s) over
 /// `duration` (s), may have exceeded `sqrt(accuracy)` of the largest overlap or speed so far (1); none if it never did (s). Chains with losses
 /// forget: they are not asked.
 ///
@@ -29,15 +29,15 @@ const TIGHTEST: f64 = 1e-14;
 pub fn horizon(
     chain: &Chain,
     velocities: &[f64],
-    method: Method,
     (duration, accuracy): (f64, f64),
 ) -> Result<Option<f64>, IntegrateError> {
     if chain.is_dissipative() {
         return Ok(None);
     }
-    let state = || chain.initial_state(velocities);
-    let tighter = for_accuracy((accuracy * TIGHTER).max(TIGHTEST));
-    let mut motions = [method, tighter].map(|method| start(chain, method, state()));
+    let mut motions = [accuracy, (accuracy * TIGHTER).max(TIGHTEST)].map(|accuracy| {
+        let method = method_for(chain, velocities, accuracy);
+        start(chain, method, chain.initial_state(velocities))
+    });
     let mut scales = (0.0_f64, 0.0_f64);
     let (mut before, mut end) = (0.0, first_look(chain, velocities));
     while before < duration {

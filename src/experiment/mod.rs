@@ -119,15 +119,15 @@ pub enum RunError {
     Integrate(#[from] IntegrateError),
 }
 
-/// A step (s) in words.
+/// A step (s) in words, exact enough to be told from the longest one.
 fn seconds(step: f64) -> String {
-    engineering(step, "s", 4)
+    engineering(step, "s", 7)
 }
 
 /// A longest step (s) in words that name no longer one.
 fn cut(step: f64) -> String {
     let unit = 10f64.powf(step.log10().floor() - 3.0);
-    seconds((step / unit).floor() * unit)
+    engineering((step / unit).floor() * unit, "s", 4)
 }
 
 /// Everything a run leaves.

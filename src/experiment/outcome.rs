@@ -9,7 +9,6 @@ use super::horizon::horizon;
 use super::paper::PaperSpeed;
 use super::pulse::{FOOT, HALF_RISE, Peak, PulseRecorder};
 use crate::chain::{Chain, Dissipated, Energy};
-use crate::integrate::Method;
 use crate::quantity::engineering;
 use crate::scene::{PlacedSensor, Scene, Site};
 use crate::scope::{ChannelSetup, Deviation};
@@ -45,7 +44,7 @@ pub struct Summary {
     pub steps: u64,
     /// Steps thrown away by the error control.
     pub rejected_steps: u64,
-    /// Steps in which contacts opened or closed; none where the method does not ask.
+    /// Steps tried in which contacts opened or closed; none where the method does not ask.
     pub contact_changes: Option<u64>,
     /// Wall-clock time of the simulation, recording excluded (s).
     pub wall_s: f64,
@@ -74,10 +73,10 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Notes from when on the motion of `scene` by `method` is no longer known to half of the digits of `accuracy` (1).
-    pub(super) fn find_horizon(&mut self, scene: &Scene, method: Method, accuracy: f64) {
+    /// Notes from when on the motion of `scene` at `accuracy` is no longer known to half of its digits (1).
+    pub(super) fn find_horizon(&mut self, scene: &Scene, accuracy: f64) {
         let setting = (scene.duration, accuracy);
-        let found = horizon(&scene.chain, &scene.initial_velocities, method, setting);
+        let found = horizon(&scene.chain, &scene.initial_velocities, setting);
         // A motion that cannot be computed has been refused already.
         let Ok(Some(time)) = found else { return };
         let (words, left) = (engineering(time, "s", 2), accuracy.sqrt());
@@ -97,7 +96,7 @@ pub struct EnergyLedger {
     pub r#final: f64,
     /// Booked as lost by the effects that were on (J).
     pub dissipated: f64,
-    /// `(final + dissipated - initial)` over the kinetic energy at first, that of the impact: the integrator's error (1).
+    /// What [`drift`] says: the integrator's error (1).
     pub drift: f64,
     /// The initial energy by kind.
     pub initial_by_kind: Energy,
@@ -116,12 +115,19 @@ impl EnergyLedger {
             initial: before,
             r#final: after,
             dissipated,
-            drift: (after + dissipated - before) / initial.kinetic,
+            drift: drift(&initial, &last, &taken),
             initial_by_kind: initial,
             final_by_kind: last,
             dissipated_by_kind: taken,
         }
     }
+}
+
+/// `(after + taken - before)` over the kinetic energy before or after, whichever is more: what a method has made of energy, as a share of
+/// that in motion. Static overlaps, which may hold a thousand times as much, do not hide it; what they round to is in it (1).
+#[must_use]
+pub fn drift(before: &Energy, after: &Energy, taken: &Dissipated) -> f64 {
+    (after.total() + taken.total() - before.total()) / before.kinetic.max(after.kinetic)
 }
 
 /// What one watched place felt.

@@ -96,6 +96,19 @@ pub struct Work {
     pub force_evaluations: u64,
 }
 
+impl Work {
+    /// Whether it is no more than `most` evaluations, by `time` (s).
+    ///
+    /// # Errors
+    /// [`IntegrateError::TooMuchWork`] where it is.
+    pub fn within(&self, most: u64, time: f64) -> Result<(), IntegrateError> {
+        if self.force_evaluations > most {
+            return Err(IntegrateError::TooMuchWork { time, most });
+        }
+        Ok(())
+    }
+}
+
 /// Why an integration stopped short.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum IntegrateError {

@@ -120,7 +120,7 @@ fn costs(summary: &Summary) -> Vec<String> {
             engineering(summary.wall_s, "s", 3)
         ),
         format!(
-            "  energy      {} at first, {} dissipated, drift {:.1e} of the impact's",
+            "  energy      {} at first, {} dissipated, drift {:.1e} of that in motion",
             engineering(energy.initial, "J", 4),
             engineering(energy.dissipated, "J", 3),
             energy.drift

@@ -1,5 +1,7 @@
 //! What a shot takes from its scene: circuits, velocities, and the scene with other knobs.
 
+use std::borrow::Cow;
+
 use rand_distr::{Distribution as _, StandardNormal};
 
 use super::{Scene, input_load};
@@ -69,6 +71,18 @@ impl Scene {
         }
         scene.chain = Chain::new(&scene.spec)?;
         Ok(scene)
+    }
+
+    /// The scene whose striker comes at the speed of shot `shot`, whatever shot is taken of it.
+    #[must_use]
+    pub fn of_shot(&self, shot: u32) -> Cow<'_, Self> {
+        if self.striker_speed_spread.is_none() {
+            return Cow::Borrowed(self);
+        }
+        let mut own = self.clone();
+        own.initial_velocities = self.velocities(shot);
+        own.striker_speed_spread = None;
+        Cow::Owned(own)
     }
 
     /// Velocity of each body at the first contact of shot `shot`: the striker's speed is drawn from the seed where the scene

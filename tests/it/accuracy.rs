@@ -1,9 +1,10 @@
 //! The accuracy that is asked for: held, estimated, and chosen from the scope where nobody names one.
 
 use hertzscope::experiment::accuracy::{ErrorEstimate, doubt, estimate, of_scene};
+use hertzscope::experiment::bench::{Bench, Grid};
 use hertzscope::experiment::outcome::{Reading, Summary};
 use hertzscope::experiment::{Integration, run};
-use hertzscope::integrate::Method;
+use hertzscope::integrate::{IntegrateError, Method};
 use hertzscope::scene::{DEFAULT_ACCURACY, Scene};
 
 fn simulate(scene: &Scene, integration: Integration) -> Summary {
@@ -150,4 +151,21 @@ fn without_a_pulse_nothing_can_be_chosen() {
     let chosen = of_scene(&none).expect("an accuracy");
     assert_eq!(chosen.value, DEFAULT_ACCURACY);
     assert!(chosen.reason.contains("no pulse"), "{chosen:?}");
+}
+
+#[test]
+fn work_beyond_what_is_allowed_is_given_up() {
+    let scene = scene("");
+    let method = Method::DormandElMikkawyPrince86 { tolerance: 1e-6 };
+    let never = Grid { start: f64::MAX, interval: 1.0 };
+    let run = |most| {
+        let (chain, velocities) = (&scene.chain, &scene.initial_velocities);
+        let mut bench = Bench::new(chain, velocities, method, &[], (never, never)).within(most);
+        bench.run_until(scene.duration, false, &mut |_| ()).map(|()| bench.work())
+    };
+    let all = run(u64::MAX).expect("a run").force_evaluations;
+    assert!(run(all).is_ok());
+    let most = all / 2;
+    let given_up = run(most).expect_err("too much");
+    assert!(matches!(given_up, IntegrateError::TooMuchWork { most: m, .. } if m == most));
 }

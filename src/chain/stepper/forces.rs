@@ -157,6 +157,7 @@ pub fn jerks<L: Lanes, Y: Layout>(
     range: Range<usize>,
     out: &mut [Row],
 ) {
+    debug_assert!(!Y::STRIPED || range.start == 0, "the first row stands below the last");
     let rows = plan.rows();
     let linear = plan.form == Form::Linear;
     let plan = Cut::new(plan, rows);

@@ -11,7 +11,7 @@ use super::lanes::{Lanes, Row, WIDTH};
 pub trait Layout: Copy {
     /// Whether the last row stands above the first.
     const STRIPED: bool;
-    /// Whether a whole chain may be in a few rows.
+    /// Whether a whole chain along them may be in a few rows, for which there are other loops.
     const IN_FEW_ROWS: bool;
     /// A number of each chain's own.
     type Own: Copy;
@@ -49,7 +49,7 @@ pub struct Across;
 
 impl<const STRIPED: bool> Layout for OneChain<STRIPED> {
     const STRIPED: bool = STRIPED;
-    const IN_FEW_ROWS: bool = true;
+    const IN_FEW_ROWS: bool = !STRIPED;
     type Own = f64;
 
     #[inline(always)]

@@ -85,13 +85,16 @@ pub fn steps<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
 ) -> u8 {
     let weights = Weights::<L>::new(method, h);
     let run = (&weights, count);
-    match plan.rows() {
-        1 if Y::STRIPED => short::<L, Y, GRADIENT, 1>(plan, work, run),
-        2 if Y::STRIPED => short::<L, Y, GRADIENT, 2>(plan, work, run),
-        3 if Y::STRIPED => short::<L, Y, GRADIENT, 3>(plan, work, run),
-        4 if Y::STRIPED => short::<L, Y, GRADIENT, 4>(plan, work, run),
-        FEW if Y::STRIPED => short::<L, Y, GRADIENT, FEW>(plan, work, run),
-        _ => long::<L, Y, FORM, GRADIENT>(plan, work, run),
+    if Y::STRIPED {
+        match plan.rows() {
+            1 => short::<L, Y, GRADIENT, 1>(plan, work, run),
+            2 => short::<L, Y, GRADIENT, 2>(plan, work, run),
+            3 => short::<L, Y, GRADIENT, 3>(plan, work, run),
+            4 => short::<L, Y, GRADIENT, 4>(plan, work, run),
+            _ => short::<L, Y, GRADIENT, FEW>(plan, work, run),
+        }
+    } else {
+        long::<L, Y, FORM, GRADIENT>(plan, work, run);
     }
     let mut sum = L::splat(0.0);
     for row in &work.next.velocity()[..plan.rows()] {

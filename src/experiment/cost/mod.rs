@@ -1,7 +1,7 @@
 //! The work-precision study of a scene: what accuracy costs.
 //!
 //! Every method runs over its range of settings; its first peaks, arrivals and traces are held against a reference from
-//! another family of methods than those that `--accuracy` goes by, which carries its own error bar: the difference to a second tight solution. Force evaluations
+//! another family of methods than those that `--accuracy` goes by, as far as one comes to an end, which carries its own error bar: the difference to a second tight solution. Force evaluations
 //! are exact; wall times are informative, median and minimum of several runs.
 
 mod points;
@@ -14,6 +14,8 @@ use points::{choice, name, point, reference, settings};
 
 /// Runs of each point that are timed where nobody says otherwise.
 pub const TIMED_RUNS: u16 = 10;
+/// Orders are fitted where the most work is at least so many times the least (1).
+const APART: f64 = 2.0;
 /// Orders are fitted where errors lie above this multiple of the reference's own error (1).
 const ABOVE_REFERENCE: f64 = 100.0;
 
@@ -59,7 +61,7 @@ pub struct Point {
     pub setting: f64,
     /// Whether the run stopped, lost its first peaks, or was more than 100 % off.
     pub failed: bool,
-    /// Whether it was given up, for it took too many evaluations.
+    /// Whether it was given up, for it took too many evaluations, or a looser tolerance did.
     pub given_up: bool,
     /// Largest relative error of first-peak dynamic forces (1).
     pub error_peak: Option<f64>,
@@ -67,7 +69,7 @@ pub struct Point {
     pub error_arrival: Option<f64>,
     /// Largest deviation of any sensor's force at the scope's sample times, relative to its largest (1).
     pub error_trace: Option<f64>,
-    /// Energy drift relative to the energy of the impact (1).
+    /// Energy drift relative to the energy in motion (1).
     pub error_energy: Option<f64>,
     /// Evaluations of all contact forces.
     pub force_evaluations: u64,
@@ -84,7 +86,7 @@ pub struct Order {
     pub method: &'static str,
     /// Order on smooth problems.
     pub nominal: u8,
-    /// Exponent of peak error against force evaluations, by least squares; none with fewer than three points (1).
+    /// Exponent of peak error against force evaluations, by least squares; none with fewer than three points, or where the work hardly differs (1).
     pub observed: Option<f64>,
 }
 
@@ -177,9 +179,12 @@ fn orders(points: &[Point], reference: f64) -> Vec<Order> {
     orders
 }
 
-/// Slope of a straight line by least squares; none with fewer than three points.
+/// Slope of a straight line by least squares; none with fewer than three points, or where stability and not accuracy chooses the steps, so that
+/// the work hardly differs.
 fn slope(points: &[(f64, f64)]) -> Option<f64> {
-    if points.len() < 3 {
+    let range = |(low, high): (f64, f64), p: &(f64, f64)| (low.min(p.0), high.max(p.0));
+    let (least, most) = points.iter().fold((f64::MAX, f64::MIN), range);
+    if points.len() < 3 || most - least < APART.ln() {
         return None;
     }
     #[allow(clippy::cast_precision_loss, reason = "a few points")]
@@ -188,5 +193,5 @@ fn slope(points: &[(f64, f64)]) -> Option<f64> {
     let (x, y) = (mean(|p| p.0), mean(|p| p.1));
     let covariance: f64 = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
     let variance: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
-    (variance > 0.0).then(|| covariance / variance)
+    Some(covariance / variance)
 }

@@ -106,7 +106,8 @@ impl Point {
 /// A method at one setting, held against `exact`; so many `runs` are timed.
 pub fn point(scene: &Scene, treated: Treated, (exact, runs): (&Run, u16)) -> Point {
     let mut point = Point::failed(treated);
-    let most = if treated.0.scheme().is_some() { MOST_OWN } else { MOST_CONTROLLED };
+    let own = treated.0.scheme().is_some() && scene.chain.is_plain();
+    let most = if own { MOST_OWN } else { MOST_CONTROLLED };
     let run = || run_without(scene, treated, most);
     let found = match run() {
         Ok(found) => found,
@@ -130,32 +131,39 @@ pub fn point(scene: &Scene, treated: Treated, (exact, runs): (&Run, u16)) -> Poi
     point
 }
 
-/// What `--accuracy` comes to: the first run that is off by no more, with what the run it is held against may be off itself.
+/// What `--accuracy` comes to: the first run that is off by no more, with what the run it is held against may be off itself; where there is
+/// none, the last that was tried before one took too much.
 pub fn choice(scene: &Scene, accuracy: f64, (exact, runs): (&Run, u16)) -> Option<Chosen> {
-    steps_tried(accuracy).find_map(|steps| {
+    let mut last = None;
+    for steps in steps_tried(accuracy) {
         let treated = (method(scene, Integration::Accuracy(steps)).ok()?, None);
         let once = point(scene, treated, (exact, 1));
-        let worst = once.error_peak?.max(once.error_arrival?);
-        if worst + OWN * TIGHTER * steps.min(accuracy) > accuracy {
-            return None;
+        if once.given_up && last.is_some() {
+            break;
         }
-        let found = point(scene, treated, (exact, runs));
-        Some(Chosen {
-            accuracy,
-            method: found.method,
-            setting: found.setting,
-            error: Some(worst),
-            error_peak: found.error_peak,
-            error_arrival: found.error_arrival,
-            force_evaluations: found.force_evaluations,
-            wall_s_median: found.wall_s_median,
-            wall_s_min: found.wall_s_min,
-        })
+        last = Some(treated);
+        let worst = once.error_peak.zip(once.error_arrival).map(|(peak, time)| peak.max(time));
+        let own = OWN * TIGHTER * steps.min(accuracy);
+        if once.given_up || worst.is_some_and(|worst| worst + own <= accuracy) {
+            break;
+        }
+    }
+    let found = point(scene, last?, (exact, runs));
+    Some(Chosen {
+        accuracy,
+        method: found.method,
+        setting: found.setting,
+        error: found.error_peak.zip(found.error_arrival).map(|(peak, time)| peak.max(time)),
+        error_peak: found.error_peak,
+        error_arrival: found.error_arrival,
+        force_evaluations: found.force_evaluations,
+        wall_s_median: found.wall_s_median,
+        wall_s_min: found.wall_s_min,
     })
 }
 
-/// The reference, and what it says of itself. With losses it is by neither of the methods that `--accuracy` goes by, unless they are so
-/// stiff that no other comes to an end.
+/// The reference, and what it says of itself. With losses it is by neither of the methods that `--accuracy` goes by, unless the one of order 5
+/// takes too much.
 ///
 /// # Errors
 /// The integrator's error where no two methods come to an end, in words.
@@ -182,8 +190,10 @@ pub fn reference(scene: &Scene) -> Result<(Run, Reference), String> {
         }
     });
     if let (Some((exact, method)), Some((other, second))) = (found.next(), found.next()) {
-        let error = worst(&other, &exact).unwrap_or(f64::NAN);
-        return Ok((exact, Reference { method, second, error }));
+        return match worst(&other, &exact) {
+            Some(error) => Ok((exact, Reference { method, second, error })),
+            None => Err(format!("{method} and {second} feel different pulses")),
+        };
     }
     Err(last.map_or(String::new(), |error| error.to_string()))
 }

@@ -3,8 +3,6 @@
 use super::{Entry, Finding, State, Subject, trial};
 use crate::chain::stepper::Refinement;
 
-/// The exact form is taken where the rounding exceeds this share of the accuracy (1).
-const ROUNDING_SHARE: f64 = 1e-3;
 /// Relative rounding of a contact force that is computed in the plain way (1).
 const ROUNDING: f64 = 5e-16;
 
@@ -49,7 +47,7 @@ pub fn force_form(subject: &Subject<'_>) -> Entry {
         (State::On, "always on with losses, and where the magnet's force follows its particle")
     };
     let trial = measured(subject, Refinement::ForceForm, state == State::Auto);
-    let active = state == State::On || ratio > ROUNDING_SHARE * subject.accuracy;
+    let active = subject.bench.has_exact_forces();
     let found = Finding { state, value: Some(ratio), reason: reason.to_owned(), trial };
     let criterion = "rounding of the static force / force of the wave";
     Entry { active, ..found.entry("exact_force_form", criterion) }

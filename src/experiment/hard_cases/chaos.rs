@@ -6,7 +6,6 @@ use super::benches::{
 };
 use super::tally::Tally;
 use crate::chain::{Chain, ChainSpec, EffectsSpec, End, Gravity};
-use crate::experiment::for_accuracy;
 use crate::experiment::horizon::horizon;
 use crate::integrate::{Method, State};
 use crate::quantity::engineering;
@@ -47,8 +46,8 @@ fn column() -> Result<Chain, String> {
 fn chaos(tally: &mut Tally) -> Result<(), String> {
     let chain = column()?;
     let motion = Motion { velocities: kick(&chain, 0, SPEED), chain: &chain };
-    let (method, setting) = (for_accuracy(ACCURACY), (TIME, ACCURACY));
-    let found = horizon(&chain, &motion.velocities, method, setting).map_err(|e| e.to_string())?;
+    let setting = (TIME, ACCURACY);
+    let found = horizon(&chain, &motion.velocities, setting).map_err(|e| e.to_string())?;
     let Some(time) = found else {
         tally.check("no horizon was found where there must be one", f64::INFINITY, 1.0);
         return Ok(());

@@ -84,8 +84,10 @@ struct Axes {
 impl Axes {
     fn of(study: &Study, kind: &Kind) -> Self {
         let shown = || study.points.iter().filter(|p| !p.failed);
-        let work = shown().map(|p| decades(p.force_evaluations));
-        let errors = shown().filter_map(kind.error).map(digits);
+        let choices = || kind.choices(study);
+        let work = shown().map(|p| p.force_evaluations).chain(choices().map(|(_, n, _)| n));
+        let errors = shown().filter_map(kind.error).chain(choices().map(|(_, _, error)| error));
+        let (work, errors) = (work.map(decades), errors.map(digits));
         let limits = [Some(study.reference.error), (kind.limit)(study)];
         let limits = limits.into_iter().flatten().map(|limit| digits(limit.min(1.0)));
         let range = |values: &mut dyn Iterator<Item = f64>| {
@@ -140,17 +142,21 @@ pub fn work_precision(study: &Study) -> String {
         lines.extend(plot(study, kind));
         lines.push(String::new());
     }
-    let heading = ["method", "mark", "nominal order", "observed here", "failed points"];
+    let heading = ["method", "mark", "nominal order", "observed here", "failed points", "given up"];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
     for (method, mark, _) in marks(study) {
         let order = study.orders.iter().find(|o| o.method == method);
-        let failed = study.points.iter().filter(|p| p.method == method && p.failed).count();
+        let of = |is: fn(&&Point) -> bool| {
+            study.points.iter().filter(|p| p.method == method).filter(is).count()
+        };
+        let (failed, given_up) = (of(|p| p.failed), of(|p| p.given_up));
         rows.push(vec![
             method.to_owned(),
             mark.to_string(),
             order.map_or(String::new(), |o| o.nominal.to_string()),
             order.and_then(|o| o.observed).map_or("-".to_owned(), |o| format!("{o:.1}")),
             failed.to_string(),
+            given_up.to_string(),
         ]);
     }
     lines.extend(table::lines(&rows, &[0]));

@@ -176,7 +176,10 @@ fn an_unstable_step_is_refused_with_its_contact_and_limit() {
     let folder = temporary();
     let step = ["run", "--method", "velocity-verlet", "--step", "1ms"];
     let error = refused(folder.path(), &step);
-    says(&error, &["1.000 ms", "expected at most", "the contact between striker and", "unstable"]);
+    says(
+        &error,
+        &["1.000000 ms", "expected at most", "the contact between striker and", "unstable"],
+    );
     says(&error, &["a step of", "reads first peaks and arrivals within"]);
     assert_eq!(files(folder.path()), [""; 0]);
     // An output that is there stays as it was.
@@ -204,7 +207,7 @@ fn methods_that_losses_rule_out_are_refused() {
     // 2.785/(20437 gamma), and the light sphere at the end is as fast.
     scene("1000 N s/m");
     let long = ["run", "lossy.toml", "--method", "runge-kutta-4", "--step", "140ns"];
-    says(&refused(folder.path(), &long), &["140.0 ns", "at most 136.4 ns", "decay"]);
+    says(&refused(folder.path(), &long), &["140.0000 ns", "at most 136.4 ns", "decay"]);
     assert_eq!(files(folder.path()), ["lossy.toml"]);
     scene("1 N s/m");
     let done = hertzscope(
@@ -310,4 +313,30 @@ fn a_step_that_reads_wrong_is_told() {
         let off = (peak(&right, place) / peak(&exact, place) - 1.0).abs();
         assert!(off <= worst[0] && off <= 0.01, "{off:e} of {worst:?}");
     }
+}
+
+/// What nothing amplifies is known to its end; a striker's own speed is no error of the method.
+#[test]
+fn by_hand_no_error_is_told_that_is_none() {
+    let folder = temporary();
+    let spread = "base = \"magnet-0.61g\"\n[effects.striker_speed_spread]\nrelative = \"5 %\"\n";
+    std::fs::write(folder.path().join("spread.toml"), spread).expect("a file");
+    for (scene, step) in [("spread.toml", "200ns"), ("linear-300-cells", "1us")] {
+        let asked = ["run", scene, "--method", "velocity-verlet", "--step", step, "--json"];
+        let text = printed(folder.path(), &asked);
+        let summary: Value = serde_json::from_str(&text).expect("a summary");
+        let worst = ["peak", "arrival"]
+            .map(|kind| summary["error_estimate"][kind].as_f64().expect("a number"));
+        assert!(worst.iter().all(|worst| *worst < 3e-3), "{scene}: {worst:?}");
+        let notes = summary["notes"].to_string();
+        assert!(!notes.contains("too long"), "{scene}: {notes}");
+        if scene == "linear-300-cells" {
+            assert!(summary["horizon_s"].is_null() && !notes.contains("statistics"), "{notes}");
+        }
+    }
+    // To an accuracy it holds for the shot's own speed as well.
+    let text = printed(folder.path(), &["run", "spread.toml", "--accuracy", "1e-6", "--json"]);
+    let summary: Value = serde_json::from_str(&text).expect("a summary");
+    let peak = summary["error_estimate"]["peak"].as_f64().expect("a number");
+    assert!(peak <= 1e-6, "{peak:e}");
 }

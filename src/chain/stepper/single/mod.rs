@@ -183,6 +183,12 @@ impl ChainStepper {
         self
     }
 
+    /// Whether forces are computed without cancellation.
+    #[must_use]
+    pub fn is_exact(&self) -> bool {
+        self.course.plan.form == Form::Exact
+    }
+
     /// Steps tried in which contacts opened or closed; methods with a fixed step do not ask.
     #[must_use]
     pub fn events(&self) -> Option<u64> {
