@@ -54,8 +54,8 @@ pub fn run_by_hand(
     } else {
         // That of a motion as accurate as this one.
         let accuracy = worst.max(TIGHTEST_ACCURACY);
-        let accurate = run(own, Integration::Accuracy(accuracy), 1, &mut |_| ())?;
-        if accurate.summary.contact_changes != Some(0) {
+        let accurate = run(own, Integration::Accuracy(accuracy), 1, &mut |_| ());
+        if accurate.is_ok_and(|accurate| accurate.summary.contact_changes != Some(0)) {
             summary.find_horizon(own, accuracy);
         }
     }
