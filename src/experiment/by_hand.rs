@@ -90,7 +90,7 @@ pub fn advice(scene: &Scene, method: Method) -> Option<String> {
     let limit = scene.chain.stability_limit(&scene.initial_velocities, reach)?;
     let longest = 0.5 * step.min(0.5 * limit.step);
     (0..TRIES).find_map(|halvings| {
-        let step = short(longest * 0.5_f64.powi(halvings));
+        let step = rounded_down(longest * 0.5_f64.powi(halvings), 2);
         let steps = scene.duration / step * f64::from(method.stages());
         #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^53 contacts")]
         let contacts = scene.chain.contacts().len() as f64;
@@ -102,7 +102,7 @@ pub fn advice(scene: &Scene, method: Method) -> Option<String> {
         let worst = estimate(scene, FIRST, &found.summary).ok()??.worst();
         let words = || {
             let step = engineering(step, "s", 2);
-            let worst = -short(-worst);
+            let worst = -rounded_down(-worst, 2);
             format!("a step of {step} reads first peaks and arrivals within {worst:.1e}")
         };
         (worst <= TOLERABLE).then(words)
@@ -121,8 +121,8 @@ fn with_step(method: Method, step: f64) -> Method {
     }
 }
 
-/// `value`, rounded down to two digits (unit).
-fn short(value: f64) -> f64 {
-    let unit = 10f64.powf(value.abs().log10().floor() - 1.0);
+/// `value`, rounded down to so many decimal `digits` (unit).
+pub(super) fn rounded_down(value: f64, digits: i32) -> f64 {
+    let unit = 10f64.powf(value.abs().log10().floor() - f64::from(digits - 1));
     (value / unit).floor() * unit
 }

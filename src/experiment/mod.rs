@@ -126,8 +126,7 @@ fn seconds(step: f64) -> String {
 
 /// A longest step (s) in words that name no longer one.
 fn cut(step: f64) -> String {
-    let unit = 10f64.powf(step.log10().floor() - 3.0);
-    engineering((step / unit).floor() * unit, "s", 4)
+    engineering(by_hand::rounded_down(step, 4), "s", 4)
 }
 
 /// Everything a run leaves.
