@@ -34,6 +34,16 @@ pub struct Trial {
     cut_short: bool,
 }
 
+impl Trial {
+    /// The first `share` of it (1), from `start` on (s).
+    #[inline]
+    #[must_use]
+    pub fn shortened(self, start: f64, share: f64) -> Self {
+        let next = start + share * self.length;
+        Self { length: next - start, next, cut_short: false }
+    }
+}
+
 impl StepControl {
     /// Starts with `step` (s); a step's error goes as its length to the power `error_order + 1`.
     pub fn new(step: f64, error_order: u8) -> Self {

@@ -9,6 +9,7 @@ mod evaluate;
 mod few;
 mod force_track;
 mod forces;
+mod foresight;
 mod frame;
 mod gathered;
 mod group;

@@ -20,7 +20,7 @@ pub struct Tried<'a, L: Lanes> {
 
 /// How much more the bodies above have than those of row `r`.
 #[inline(always)]
-fn difference<L: Lanes, Y: Layout>(rows: &[Row], r: usize) -> L::V {
+pub fn difference<L: Lanes, Y: Layout>(rows: &[Row], r: usize) -> L::V {
     let before = if r > 0 { L::load(&rows[r - 1]) } else { L::splat(0.0) };
     let here = L::load(&rows[r]);
     L::sub(Y::above::<L>(before, here), here)

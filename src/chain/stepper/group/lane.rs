@@ -80,6 +80,13 @@ impl Lane {
         }
     }
 
+    /// Tries only the first `share` of its step (1); the length of that (s).
+    pub fn shorten(&mut self, share: f64) -> f64 {
+        let Pace::Controlled(_, Some(trial)) = &mut self.pace else { return 0.0 };
+        *trial = trial.shortened(self.time, share);
+        trial.length
+    }
+
     /// Whole steps that can be taken at once, as many as anybody likes where it stands.
     pub fn room(&self) -> u64 {
         match &self.pace {

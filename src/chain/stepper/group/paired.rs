@@ -5,9 +5,11 @@ use std::marker::PhantomData;
 
 use super::lane::Lane;
 use crate::chain::stepper::dispatch::{InstructionSet, dispatch};
+use crate::chain::stepper::foresight::{Foresee, MOST_SHORTENED};
 use crate::chain::stepper::kinks;
 use crate::chain::stepper::lanes::{Lanes, Row, Task, WIDTH};
 use crate::chain::stepper::layout::Across;
+use crate::chain::stepper::passes::Sides;
 use crate::chain::stepper::plan::Plan;
 use crate::chain::stepper::steps::{UNMOVED, worth as worth_of};
 use crate::chain::stepper::tasks::{Attempt, Correct, Evaluate};
@@ -20,12 +22,15 @@ pub struct Paired {
     tolerance: f64,
     /// Room for accelerations (m/s²).
     fresh: Vec<Row>,
+    /// Lanes in which contacts are so near to zero overlap that they may change sides in the next step.
+    near: u8,
 }
 
 impl Paired {
     /// With errors of `tolerance` a step (1), in `rows` rows.
     pub fn new(pair: Pair, tolerance: f64, rows: usize) -> Self {
-        Self { pair, tolerance, fresh: vec![Row::default(); rows] }
+        // First steps are too short for any to be.
+        Self { pair, tolerance, fresh: vec![Row::default(); rows], near: 0 }
     }
 
     /// Tries a step in every lane; tells which lanes have taken theirs.
@@ -34,30 +39,58 @@ impl Paired {
         set: InstructionSet,
         plan: &Plan,
         (work, lanes): (&mut Workspace, &mut [Lane]),
-        step: Row,
+        mut step: Row,
     ) -> [bool; WIDTH] {
-        self.attempt(set, plan, (work, lanes), step);
-        let mut taken = [false; WIDTH];
-        for (index, lane) in lanes.iter_mut().enumerate() {
-            taken[index] = lane.judge(work, index);
-        }
-        keep(set, work, &taken[..lanes.len()]);
-        taken
-    }
-
-    fn attempt(
-        &mut self,
-        set: InstructionSet,
-        plan: &Plan,
-        (work, lanes): (&mut Workspace, &mut [Lane]),
-        step: Row,
-    ) {
         let mut worth = [Row::default(); 2];
         for (index, lane) in lanes.iter().enumerate() {
             for (worth, own) in worth.iter_mut().zip(worth_of(self.tolerance, lane.scales)) {
                 worth.0[index] = own;
             }
         }
+        self.shorten((set, plan), (work, lanes), &mut step, worth[1]);
+        let sides = self.attempt((set, plan), (work, lanes), step, worth);
+        let mut taken = [false; WIDTH];
+        for (index, lane) in lanes.iter_mut().enumerate() {
+            taken[index] = lane.judge(work, index);
+        }
+        // A step that was tried in vain has said more than can be foreseen.
+        self.near = sides.near & lanes_of(&taken);
+        keep(set, work, &taken);
+        taken
+    }
+
+    /// Makes shorter what is not worth a try as it is.
+    fn shorten(
+        &self,
+        (set, plan): (InstructionSet, &Plan),
+        (work, lanes): (&Workspace, &mut [Lane]),
+        step: &mut Row,
+        worth: Row,
+    ) {
+        if self.near == 0 {
+            return;
+        }
+        for _ in 0..MOST_SHORTENED {
+            let (now, near) = (&work.now, &work.near);
+            let foresee = Foresee::<Across> { plan, now, near, step: *step, worth };
+            let Some(foreseen) = dispatch(set, foresee) else { break };
+            for (index, lane) in lanes.iter_mut().enumerate() {
+                // Lanes never see each other: those that are not near are as if the others were not, either.
+                let share = foreseen.shorter(index).filter(|_| self.near & (1 << index) != 0);
+                if let Some(share) = share {
+                    step.0[index] = lane.shorten(share);
+                }
+            }
+        }
+    }
+
+    fn attempt(
+        &mut self,
+        (set, plan): (InstructionSet, &Plan),
+        (work, lanes): (&mut Workspace, &mut [Lane]),
+        step: Row,
+        worth: [Row; 2],
+    ) -> Sides {
         let pair = self.pair;
         let sides = dispatch(set, Attempt::<Across> { plan, pair, work, step, worth });
         let stages = self.pair.evaluations() as u64;
@@ -65,7 +98,7 @@ impl Paired {
             lane.counts.force_evaluations += stages;
         }
         if !sides.any() {
-            return;
+            return sides;
         }
         let mut slack = [Row::default(); 2];
         for (index, lane) in lanes.iter().enumerate() {
@@ -76,7 +109,7 @@ impl Paired {
         }
         let attempt = Attempt::<Across> { plan, pair, work, step, worth };
         if !dispatch(set, Correct { attempt, sides, slack }) {
-            return;
+            return sides;
         }
         let moved = work.largest.moved;
         let mut again = false;
@@ -86,6 +119,7 @@ impl Paired {
         if again {
             self.evaluate_end(set, plan, (work, lanes), &moved);
         }
+        sides
     }
 
     /// The accelerations where the step ended, after corrections; lanes whose positions hardly moved keep theirs.
@@ -111,11 +145,15 @@ impl Paired {
     }
 }
 
+/// A bit for each lane.
+fn lanes_of(taken: &[bool; WIDTH]) -> u8 {
+    taken.iter().enumerate().fold(0, |lanes, (index, taken)| lanes | u8::from(*taken) << index)
+}
+
 /// Makes the step's end the present in all lanes that have `taken` it.
-fn keep(set: InstructionSet, work: &mut Workspace, taken: &[bool]) {
+fn keep(set: InstructionSet, work: &mut Workspace, taken: &[bool; WIDTH]) {
     work.turn();
-    let left = taken.iter().enumerate().filter(|(_, taken)| !**taken);
-    let lanes = left.fold(0, |lanes, (index, _)| lanes | 1 << index);
+    let lanes = !lanes_of(taken);
     if lanes == 0 {
         return;
     }

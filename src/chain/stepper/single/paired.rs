@@ -3,6 +3,7 @@
 
 use super::Course;
 use crate::chain::stepper::dispatch::dispatch;
+use crate::chain::stepper::foresight::{Foresee, MOST_SHORTENED};
 use crate::chain::stepper::kinks;
 use crate::chain::stepper::lanes::{Lanes, Task};
 use crate::chain::stepper::layout::Along;
@@ -11,7 +12,7 @@ use crate::chain::stepper::steps::{UNMOVED, control, worth};
 use crate::chain::stepper::tasks::{Attempt, Correct, Evaluate};
 use crate::integrate::IntegrateError;
 use crate::integrate::Pair;
-use crate::integrate::control::StepControl;
+use crate::integrate::control::{StepControl, Trial};
 
 /// A pair at work.
 pub struct Paired {
@@ -26,13 +27,16 @@ pub struct Paired {
     pub events: u64,
     /// Whether kinks are corrected.
     pub corrects: bool,
+    /// Whether contacts are so near to zero overlap that they may change sides in the next step.
+    near: bool,
 }
 
 impl Paired {
     /// With errors of `tolerance` a step (1) relative to `scales` of overlap (m) and speed (m/s); `lightest` is the smallest mass (kg).
     pub fn new(pair: Pair, tolerance: f64, scales: (f64, f64), lightest: f64) -> Self {
         let (control, events, corrects) = (control(scales, pair), 0, true);
-        Self { pair, control, tolerance, scales, lightest, events, corrects }
+        // The first step is too short for any to be.
+        Self { pair, control, tolerance, scales, lightest, events, corrects, near: false }
     }
 
     /// Takes a step, not beyond `end` (s); returns its length (s).
@@ -40,9 +44,27 @@ impl Paired {
         dispatch(course.set, Step { paired: self, course, end })
     }
 
-    /// Tries a step of `h` (s) and returns its error as a multiple of the tolerance (1).
+    /// The step to try next, not beyond `end` (s).
     #[inline(always)]
-    fn attempt<L: Lanes>(&mut self, course: &mut Course, h: f64) -> f64 {
+    fn trial<L: Lanes>(&self, course: &Course, end: f64) -> Result<Trial, IntegrateError> {
+        let Course { plan, work, time, .. } = course;
+        let mut trial = self.control.trial(*time, end)?;
+        if !self.near {
+            return Ok(trial);
+        }
+        let [_, worth] = worth(self.tolerance, self.scales);
+        for _ in 0..MOST_SHORTENED {
+            let (now, near, step) = (&work.now, &work.near, trial.length);
+            let foreseen = L::apart(Foresee::<Along> { plan, now, near, step, worth });
+            let Some(share) = foreseen.and_then(|foreseen| foreseen.shortest()) else { break };
+            trial = trial.shortened(*time, share);
+        }
+        Ok(trial)
+    }
+
+    /// Tries a step of `h` (s) and returns its error as a multiple of the tolerance (1), and what contacts have done.
+    #[inline(always)]
+    fn attempt<L: Lanes>(&mut self, course: &mut Course, h: f64) -> (f64, Sides) {
         let (pair, worth) = (self.pair, worth(self.tolerance, self.scales));
         let Course { plan, work, counts, .. } = course;
         counts.force_evaluations += pair.evaluations() as u64;
@@ -50,7 +72,7 @@ impl Paired {
         if sides.any() && self.corrects {
             self.correct::<L>(course, (h, worth), sides);
         }
-        course.work.error(0)
+        (course.work.error(0), sides)
     }
 
     /// Corrects a step of `h` (s) that was tried; an error of 1 m or 1 m/s is `worth` so many tolerated ones.
@@ -91,15 +113,18 @@ impl Task for Step<'_> {
     fn run<L: Lanes>(self) -> Self::Output {
         let Self { paired, course, end } = self;
         loop {
-            let trial = paired.control.trial(course.time, end)?;
-            let error = paired.attempt::<L>(course, trial.length);
+            let trial = paired.trial::<L>(course, end)?;
+            let (error, sides) = paired.attempt::<L>(course, trial.length);
             if !paired.control.accepts(trial, error, || course.first_lost()) {
                 course.counts.rejected += 1;
+                // A step that was tried has said more than can be foreseen.
+                paired.near = false;
                 continue;
             }
             course.work.turn();
             course.time = trial.next;
             course.counts.steps += 1;
+            paired.near = paired.corrects && sides.near != 0;
             let largest = &course.work.largest;
             paired.scales.0 = paired.scales.0.max(largest.overlap.0[0]);
             paired.scales.1 = paired.scales.1.max(largest.speed.0[0]);
