@@ -17,7 +17,7 @@ use super::forces::{Begun, Cut, PLAIN, accelerations, begin_plain, finish};
 use super::known::{Known, Position, PositionError, Stage, Velocity, VelocityError, Weights};
 use super::lanes::Lanes;
 use super::layout::{Along, Layout};
-use super::passes::{NEAR, Sides, add_compensated, doubtful, nearer};
+use super::passes::{Sides, add_compensated};
 use super::plan::{FEW, Plan};
 use super::rows::{Mobility, Rows, differences, largest_of, load, nets, scaled, store};
 use super::workspace::{BETWEEN, Motion, Parts, Workspace};
@@ -245,10 +245,11 @@ fn whole<L: Lanes, P: Known<N>, const R: usize, const N: usize>(
 
     let speed = step.speed_up(&speed, &mut next);
     let travel = scaled::<L, R>(h, differences::<L, Along, R>(&speed));
-    let far = scaled::<L, R>(L::splat(NEAR), travel);
+    // As `passes::speed_up` has it.
+    let beyond = |r: usize| L::mul(overlap[r], L::sub(travel[r], overlap[r]));
     let (was_closed, closed) = (&now.closed[..R], &mut next.closed[..R]);
     let (mut seen, mut total) = (Largest::<L>::new(plan), none);
-    let (mut any_changed, mut nearest) = (0, none);
+    let (mut any_changed, mut most_doubtful) = (0, none);
     for r in 0..R {
         let below = if r + 1 < R { force[r + 1] } else { L::load(&plan.beyond) };
         let acceleration = accelerations::<L, Along>(plan, r, [force[r], below]);
@@ -257,21 +258,16 @@ fn whole<L: Lanes, P: Known<N>, const R: usize, const N: usize>(
         closed[r] = L::positive(overlap[r]);
         any_changed |= closed[r] ^ was_closed[r];
         seen.see(r, moved[r]);
-        nearest = L::max(nearer::<L>(far[r], overlap[r]), nearest);
+        most_doubtful = L::max(beyond(r), most_doubtful);
     }
     L::store(Along::largest::<L>(largest_of::<L, R>(speed)), &mut work.largest.speed);
     L::store(Along::largest::<L>(seen.change), &mut work.largest.overlap);
     work.finite = Along::all(L::finite(total));
-    let mut sides = Sides { changed: any_changed, doubtful: 0, near: L::positive(nearest) };
-    if sides.changed | sides.near != 0 {
+    let sides = Sides { changed: any_changed, doubtful: L::positive(most_doubtful) };
+    if sides.any() {
         for r in 0..R {
-            let (changed, near) =
-                (closed[r] ^ was_closed[r], L::positive(nearer::<L>(far[r], overlap[r])));
-            (work.changed[r], work.near[r], work.doubtful[r]) = (changed, near, 0);
-            if near != 0 {
-                work.doubtful[r] = !changed & doubtful::<L>(travel[r], overlap[r]);
-                sides.doubtful |= work.doubtful[r];
-            }
+            work.changed[r] = closed[r] ^ was_closed[r];
+            work.doubtful[r] = !work.changed[r] & L::positive(beyond(r));
         }
     }
     sides

@@ -143,8 +143,7 @@ pub fn speed_up<L: Lanes, Y: Layout, P: Known<N>, const N: usize>(
         error_velocity,
         overlap,
         changed,
-        doubtful: uncertain,
-        near,
+        doubtful,
         largest,
         finite,
         ..
@@ -162,8 +161,7 @@ pub fn speed_up<L: Lanes, Y: Layout, P: Known<N>, const N: usize>(
     let overlap = &overlap[..rows];
     let none = L::splat(0.0);
     let (mut total, mut above) = (none, none);
-    let (changed, uncertain) = (&mut changed[..rows], &mut uncertain[..rows]);
-    let near = &mut near[..rows];
+    let (changed, doubtful) = (&mut changed[..rows], &mut doubtful[..rows]);
     let mut sides = Sides::default();
     let (was_closed, closed) = (&now.closed[..rows], &next.closed[..rows]);
     for r in 0..rows {
@@ -182,14 +180,13 @@ pub fn speed_up<L: Lanes, Y: Layout, P: Known<N>, const N: usize>(
             *most = L::max(L::abs(value), *most);
         }
         total = L::add(total, velocity);
+        // `kinks::missed` asks for more; what it finds has come from beyond zero overlap, if its speed has been what it is now.
         let overlap = L::load(&overlap[r]);
         let travel = L::mul(h, L::sub(Y::above::<L>(above, velocity), velocity));
         changed[r] = closed[r] ^ was_closed[r];
-        uncertain[r] = !changed[r] & doubtful::<L>(travel, overlap);
+        doubtful[r] = !changed[r] & L::positive(L::mul(overlap, L::sub(travel, overlap)));
         sides.changed |= changed[r];
-        sides.doubtful |= uncertain[r];
-        near[r] = L::positive(nearer::<L>(L::mul(L::splat(NEAR), travel), overlap));
-        sides.near |= near[r];
+        sides.doubtful |= doubtful[r];
         above = velocity;
     }
     let error = L::max(L::mul(most[1], worth[0]), L::mul(most[2], worth[1]));
@@ -197,19 +194,6 @@ pub fn speed_up<L: Lanes, Y: Layout, P: Known<N>, const N: usize>(
     L::store(Y::largest::<L>(most[0]), &mut largest.speed);
     *finite = Y::all(L::finite(total));
     sides
-}
-
-/// Contacts that may have come from beyond zero overlap within a step: those did whose speed has been what it is now, for they are `overlap`
-/// away from it (m) and have gone `travel` (m). [`super::kinks::missed`] asks for more.
-#[inline(always)]
-pub fn doubtful<L: Lanes>(travel: L::V, overlap: L::V) -> u8 {
-    L::positive(L::mul(overlap, L::sub(travel, overlap)))
-}
-
-/// Above zero where contacts are less than `far` from zero overlap (m, both).
-#[inline(always)]
-pub fn nearer<L: Lanes>(far: L::V, overlap: L::V) -> L::V {
-    L::mul(L::sub(far, overlap), L::add(far, overlap))
 }
 
 /// `value + increment`, and what rounding took. Source: W. Kahan, Commun. ACM 8, 40 (1965).
@@ -227,15 +211,10 @@ pub struct Sides {
     pub changed: u8,
     /// Lanes in which some may have been on the other side in between.
     pub doubtful: u8,
-    /// Lanes in which some are so near to it that they may change sides in the next step.
-    pub near: u8,
 }
 
-/// Contacts that are within so many times what they have gone in a step may change sides in the next (1): few steps are that much longer.
-pub const NEAR: f64 = 2.0;
-
 impl Sides {
-    /// Whether any have, or may have, changed sides.
+    /// Whether any.
     #[inline(always)]
     pub fn any(self) -> bool {
         self.changed | self.doubtful != 0

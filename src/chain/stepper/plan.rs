@@ -4,7 +4,7 @@
 
 use super::lanes::{Row, WIDTH};
 use super::layout::Layout;
-use crate::chain::{Chain, Contact, Law};
+use crate::chain::{Body, Chain, Contact, Law};
 
 /// Most rows of a short chain: what moves of it fits into the registers.
 pub const FEW: usize = 5;
@@ -38,7 +38,25 @@ pub struct Plan {
     pub balanced: Vec<Row>,
     /// The rest, row by row.
     pub rest: Vec<Rest>,
+    /// Contacts that ask for shorter steps than all others as they close and open.
+    pub watched: Vec<Watched>,
 }
+
+/// A row in which there are contacts to be watched.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Watched {
+    /// Which row.
+    pub row: usize,
+    /// Which of its contacts, a bit each.
+    pub bits: u8,
+    /// Their stiffness over the reduced mass of their bodies (m^-0.5 s^-2).
+    pub stiffness: Row,
+}
+
+/// More contacts of a chain that are all as stiff for their bodies are not watched: where there is one stiff striker there may be two.
+const MOST_WATCHED: usize = 2;
+/// A contact is as stiff for its bodies as the stiffest down to this share (1).
+const AS_STIFF: f64 = 0.5;
 
 /// What is asked for now and then of a row.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -110,6 +128,7 @@ impl Plan {
         for j in 0..chain.contacts().len() {
             plan.set(chain, j, Y::place(rows, j, 0));
         }
+        plan.watch(chain, |j| Y::place(rows, j, 0));
         plan
     }
 
@@ -122,6 +141,7 @@ impl Plan {
             for j in 0..rows.min(chain.contacts().len()) {
                 plan.set(chain, j, (j, lane));
             }
+            plan.watch(chain, |j| (j, lane));
         }
         plan
     }
@@ -155,6 +175,33 @@ impl Plan {
             inverse_mass: zeros(),
             balanced: zeros(),
             rest: vec![Rest::NONE; rows],
+            watched: Vec::new(),
+        }
+    }
+
+    /// Watches those contacts of `chain` that are far stiffer for their bodies than all others.
+    fn watch(&mut self, chain: &Chain, place: impl Fn(usize) -> (usize, usize)) {
+        let inverse_mass = |body: Option<&Body>| body.map_or(0.0, |body| 1.0 / body.mass);
+        let stiffness = |j: usize| {
+            let above = j.checked_sub(1).and_then(|i| chain.bodies().get(i));
+            let mobility = inverse_mass(above) + inverse_mass(chain.bodies().get(j));
+            chain.contacts()[j].stiffness * mobility
+        };
+        let all = 0..chain.contacts().len();
+        let most = all.clone().map(stiffness).fold(0.0, f64::max);
+        let stiff = |j: &usize| stiffness(*j) > AS_STIFF * most;
+        if self.form == Form::Linear || all.clone().filter(stiff).nth(MOST_WATCHED).is_some() {
+            return;
+        }
+        for j in all.filter(stiff) {
+            let (row, lane) = place(j);
+            let known = self.watched.iter().position(|watched| watched.row == row);
+            let index = known.unwrap_or_else(|| {
+                self.watched.push(Watched { row, bits: 0, stiffness: Row::default() });
+                self.watched.len() - 1
+            });
+            self.watched[index].bits |= 1 << lane;
+            self.watched[index].stiffness.0[lane] = stiffness(j);
         }
     }
 

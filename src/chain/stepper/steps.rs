@@ -11,7 +11,7 @@ use crate::integrate::control::StepControl;
 use crate::integrate::{Pair, Scheme};
 
 /// The first step, as a fraction of overlap over speed (1).
-const FIRST_STEP: f64 = 1e-3;
+const FIRST_STEP: f64 = 0.03;
 /// A step grows at most by this factor: the error estimate knows nothing of how sharply a force sets in that begins at zero
 /// overlap. With 5 instead of 3, first peaks of a chain under gravity were five to ten times as far off at 1e-6 to 1e-9 (1).
 const GROWTH: f64 = 3.0;

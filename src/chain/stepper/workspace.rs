@@ -73,8 +73,6 @@ pub struct Workspace {
     pub overlap: Vec<Row>,
     /// Contacts that changed sides in the step last tried, a bit each; those left whose kinks are put right.
     pub changed: Vec<u8>,
-    /// Contacts that may change sides in the next, a bit each.
-    pub near: Vec<u8>,
     /// Contacts that did not, but may have been on the other side in between, a bit each.
     pub doubtful: Vec<u8>,
     /// Largest magnitudes of the step last tried.
@@ -199,7 +197,6 @@ impl Workspace {
             overlap: vec![Row::default(); rows],
             changed: vec![0; rows],
             doubtful: vec![0; rows],
-            near: vec![0; rows],
             largest: Largest::default(),
             finite: 0,
         }

@@ -1,6 +1,7 @@
 //! One chain of a group: how far it is, and how it goes on.
 
 use super::Member;
+use crate::chain::stepper::foresight::Watch;
 use crate::chain::stepper::steps::{AT_ONCE, control};
 use crate::chain::stepper::workspace::{Motion, Workspace};
 use crate::integrate::control::{StepControl, Trial};
@@ -26,6 +27,8 @@ pub struct Lane {
     time: f64,
     end: f64,
     pub last_step: (f64, f64),
+    /// Whether what contacts will do is foreseen.
+    watch: Watch,
     pub counts: Work,
     /// Why it stopped, if it did.
     pub failed: Option<IntegrateError>,
@@ -45,6 +48,7 @@ impl Lane {
             time: 0.0,
             end: member.duration,
             last_step: (0.0, 0.0),
+            watch: Watch::new(),
             counts: Work { force_evaluations: 1, ..Work::default() },
             failed: None,
         }
@@ -52,6 +56,11 @@ impl Lane {
 
     pub fn is_moving(&self) -> bool {
         self.time < self.end && self.failed.is_none()
+    }
+
+    /// Whether what its contacts will do is foreseen.
+    pub fn is_watched(&self) -> bool {
+        self.watch.is_on()
     }
 
     /// Whether a step of it is being tried.
@@ -84,6 +93,7 @@ impl Lane {
     pub fn shorten(&mut self, share: f64) -> f64 {
         let Pace::Controlled(_, Some(trial)) = &mut self.pace else { return 0.0 };
         *trial = trial.shortened(self.time, share);
+        self.watch.renew();
         trial.length
     }
 
@@ -123,11 +133,13 @@ impl Lane {
         let error = work.error(index);
         if !control.accepts(*trial, error, || first_lost(&work.next, index)) {
             self.counts.rejected += 1;
+            self.watch.renew();
             return false;
         }
         self.last_step = (self.time, trial.length);
         self.time = trial.next;
         self.counts.steps += 1;
+        self.watch.pass();
         self.scales.0 = self.scales.0.max(largest.overlap.0[index]);
         self.scales.1 = self.scales.1.max(largest.speed.0[index]);
         true

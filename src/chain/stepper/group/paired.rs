@@ -9,7 +9,6 @@ use crate::chain::stepper::foresight::{Foresee, MOST_SHORTENED};
 use crate::chain::stepper::kinks;
 use crate::chain::stepper::lanes::{Lanes, Row, Task, WIDTH};
 use crate::chain::stepper::layout::Across;
-use crate::chain::stepper::passes::Sides;
 use crate::chain::stepper::plan::Plan;
 use crate::chain::stepper::steps::{UNMOVED, worth as worth_of};
 use crate::chain::stepper::tasks::{Attempt, Correct, Evaluate};
@@ -22,15 +21,12 @@ pub struct Paired {
     tolerance: f64,
     /// Room for accelerations (m/s²).
     fresh: Vec<Row>,
-    /// Lanes in which contacts are so near to zero overlap that they may change sides in the next step.
-    near: u8,
 }
 
 impl Paired {
     /// With errors of `tolerance` a step (1), in `rows` rows.
     pub fn new(pair: Pair, tolerance: f64, rows: usize) -> Self {
-        // First steps are too short for any to be.
-        Self { pair, tolerance, fresh: vec![Row::default(); rows], near: 0 }
+        Self { pair, tolerance, fresh: vec![Row::default(); rows] }
     }
 
     /// Tries a step in every lane; tells which lanes have taken theirs.
@@ -48,13 +44,11 @@ impl Paired {
             }
         }
         self.shorten((set, plan), (work, lanes), &mut step, worth[1]);
-        let sides = self.attempt((set, plan), (work, lanes), step, worth);
+        self.attempt((set, plan), (work, lanes), step, worth);
         let mut taken = [false; WIDTH];
         for (index, lane) in lanes.iter_mut().enumerate() {
             taken[index] = lane.judge(work, index);
         }
-        // A step that was tried in vain has said more than can be foreseen.
-        self.near = sides.near & lanes_of(&taken);
         keep(set, work, &taken);
         taken
     }
@@ -67,17 +61,15 @@ impl Paired {
         step: &mut Row,
         worth: Row,
     ) {
-        if self.near == 0 {
+        if plan.watched.is_empty() || !lanes.iter().any(Lane::is_watched) {
             return;
         }
         for _ in 0..MOST_SHORTENED {
-            let (now, near) = (&work.now, &work.near);
-            let foresee = Foresee::<Across> { plan, now, near, step: *step, worth };
+            let foresee = Foresee::<Across> { plan, now: &work.now, step: *step, worth };
             let Some(foreseen) = dispatch(set, foresee) else { break };
             for (index, lane) in lanes.iter_mut().enumerate() {
-                // Lanes never see each other: those that are not near are as if the others were not, either.
-                let share = foreseen.shorter(index).filter(|_| self.near & (1 << index) != 0);
-                if let Some(share) = share {
+                // Lanes never see each other: what one is looked at for is nothing to those that are not.
+                if let Some(share) = foreseen.shorter(index).filter(|_| lane.is_watched()) {
                     step.0[index] = lane.shorten(share);
                 }
             }
@@ -90,7 +82,7 @@ impl Paired {
         (work, lanes): (&mut Workspace, &mut [Lane]),
         step: Row,
         worth: [Row; 2],
-    ) -> Sides {
+    ) {
         let pair = self.pair;
         let sides = dispatch(set, Attempt::<Across> { plan, pair, work, step, worth });
         let stages = self.pair.evaluations() as u64;
@@ -98,7 +90,7 @@ impl Paired {
             lane.counts.force_evaluations += stages;
         }
         if !sides.any() {
-            return sides;
+            return;
         }
         let mut slack = [Row::default(); 2];
         for (index, lane) in lanes.iter().enumerate() {
@@ -109,7 +101,7 @@ impl Paired {
         }
         let attempt = Attempt::<Across> { plan, pair, work, step, worth };
         if !dispatch(set, Correct { attempt, sides, slack }) {
-            return sides;
+            return;
         }
         let moved = work.largest.moved;
         let mut again = false;
@@ -119,7 +111,6 @@ impl Paired {
         if again {
             self.evaluate_end(set, plan, (work, lanes), &moved);
         }
-        sides
     }
 
     /// The accelerations where the step ended, after corrections; lanes whose positions hardly moved keep theirs.

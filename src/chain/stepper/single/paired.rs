@@ -3,7 +3,7 @@
 
 use super::Course;
 use crate::chain::stepper::dispatch::dispatch;
-use crate::chain::stepper::foresight::{Foresee, MOST_SHORTENED};
+use crate::chain::stepper::foresight::{Foresee, MOST_SHORTENED, Watch};
 use crate::chain::stepper::kinks;
 use crate::chain::stepper::lanes::{Lanes, Task};
 use crate::chain::stepper::layout::Along;
@@ -27,16 +27,15 @@ pub struct Paired {
     pub events: u64,
     /// Whether kinks are corrected.
     pub corrects: bool,
-    /// Whether contacts are so near to zero overlap that they may change sides in the next step.
-    near: bool,
+    /// Whether what contacts will do is foreseen.
+    watch: Watch,
 }
 
 impl Paired {
     /// With errors of `tolerance` a step (1) relative to `scales` of overlap (m) and speed (m/s); `lightest` is the smallest mass (kg).
     pub fn new(pair: Pair, tolerance: f64, scales: (f64, f64), lightest: f64) -> Self {
-        let (control, events, corrects) = (control(scales, pair), 0, true);
-        // The first step is too short for any to be.
-        Self { pair, control, tolerance, scales, lightest, events, corrects, near: false }
+        let (control, watch, events, corrects) = (control(scales, pair), Watch::new(), 0, true);
+        Self { pair, control, tolerance, scales, lightest, events, corrects, watch }
     }
 
     /// Takes a step, not beyond `end` (s); returns its length (s).
@@ -44,27 +43,24 @@ impl Paired {
         dispatch(course.set, Step { paired: self, course, end })
     }
 
-    /// The step to try next, not beyond `end` (s).
+    /// As much of `trial` as is worth a try.
     #[inline(always)]
-    fn trial<L: Lanes>(&self, course: &Course, end: f64) -> Result<Trial, IntegrateError> {
+    fn foresee<L: Lanes>(&mut self, course: &Course, mut trial: Trial) -> Trial {
         let Course { plan, work, time, .. } = course;
-        let mut trial = self.control.trial(*time, end)?;
-        if !self.near {
-            return Ok(trial);
-        }
         let [_, worth] = worth(self.tolerance, self.scales);
         for _ in 0..MOST_SHORTENED {
-            let (now, near, step) = (&work.now, &work.near, trial.length);
-            let foreseen = L::apart(Foresee::<Along> { plan, now, near, step, worth });
-            let Some(share) = foreseen.and_then(|foreseen| foreseen.shortest()) else { break };
+            let foresee = Foresee::<Along> { plan, now: &work.now, step: trial.length, worth };
+            let Some(foreseen) = L::apart(foresee) else { break };
+            let Some(share) = foreseen.shortest() else { break };
             trial = trial.shortened(*time, share);
+            self.watch.renew();
         }
-        Ok(trial)
+        trial
     }
 
-    /// Tries a step of `h` (s) and returns its error as a multiple of the tolerance (1), and what contacts have done.
+    /// Tries a step of `h` (s) and returns its error as a multiple of the tolerance (1).
     #[inline(always)]
-    fn attempt<L: Lanes>(&mut self, course: &mut Course, h: f64) -> (f64, Sides) {
+    fn attempt<L: Lanes>(&mut self, course: &mut Course, h: f64) -> f64 {
         let (pair, worth) = (self.pair, worth(self.tolerance, self.scales));
         let Course { plan, work, counts, .. } = course;
         counts.force_evaluations += pair.evaluations() as u64;
@@ -72,7 +68,7 @@ impl Paired {
         if sides.any() && self.corrects {
             self.correct::<L>(course, (h, worth), sides);
         }
-        (course.work.error(0), sides)
+        course.work.error(0)
     }
 
     /// Corrects a step of `h` (s) that was tried; an error of 1 m or 1 m/s is `worth` so many tolerated ones.
@@ -113,18 +109,20 @@ impl Task for Step<'_> {
     fn run<L: Lanes>(self) -> Self::Output {
         let Self { paired, course, end } = self;
         loop {
-            let trial = paired.trial::<L>(course, end)?;
-            let (error, sides) = paired.attempt::<L>(course, trial.length);
+            let mut trial = paired.control.trial(course.time, end)?;
+            if paired.watch.is_on() && paired.corrects && !course.plan.watched.is_empty() {
+                trial = paired.foresee::<L>(course, trial);
+            }
+            let error = paired.attempt::<L>(course, trial.length);
             if !paired.control.accepts(trial, error, || course.first_lost()) {
                 course.counts.rejected += 1;
-                // A step that was tried has said more than can be foreseen.
-                paired.near = false;
+                paired.watch.renew();
                 continue;
             }
             course.work.turn();
             course.time = trial.next;
             course.counts.steps += 1;
-            paired.near = paired.corrects && sides.near != 0;
+            paired.watch.pass();
             let largest = &course.work.largest;
             paired.scales.0 = paired.scales.0.max(largest.overlap.0[0]);
             paired.scales.1 = paired.scales.1.max(largest.speed.0[0]);
