@@ -42,6 +42,8 @@ const MARGIN: usize = 2;
 pub enum Refinement {
     /// Steps in which contacts open or close are put right, and taken again where they may have missed one.
     KinkCorrection,
+    /// Steps that would end too far beyond the closing of a stiff contact are made shorter before they are tried.
+    Foresight,
     /// Contacts ahead of the wave, where nothing has moved yet, are left alone.
     QuietPart,
     /// The form that forces are computed in: leaving it out takes the other one.
@@ -169,6 +171,7 @@ impl ChainStepper {
                     paired.corrects = false;
                 }
             }
+            Refinement::Foresight => self.course.plan.watched.clear(),
             Refinement::QuietPart => self.course.plan.live = self.course.plan.all_rows(),
             Refinement::ForceForm => {
                 let form = match self.course.plan.form {
