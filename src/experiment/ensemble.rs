@@ -8,9 +8,9 @@ use std::borrow::Borrow;
 use super::bench::{Bench, Grid};
 use super::effects::auto::settle;
 use super::parallel::{in_parallel, processors};
-use super::pulse::PulseRecorder;
+use super::pulse::{PulseRecorder, WITHIN_STEPS};
 use super::{Integration, losses};
-use crate::chain::stepper::{ChainGroup, InstructionSet, Kind, Member, View};
+use crate::chain::stepper::{ChainGroup, Glances, InstructionSet, Kind, Member, View};
 use crate::chain::{Chain, ForceProbe};
 use crate::integrate::{IntegrateError, Method, Scheme, Work};
 use crate::scene::{PlacedSensor, Scene, Site};
@@ -209,6 +209,11 @@ impl Case {
     }
 }
 
+/// The lanes whose bits are set.
+fn lanes(bits: u8) -> impl Iterator<Item = usize> {
+    (0..ChainGroup::LANES).filter(move |lane| bits & (1 << lane) != 0)
+}
+
 /// Moves a group to its end and reads its forces.
 fn follow(mut group: ChainGroup, cases: &[&Case]) -> Vec<Result<Readout, IntegrateError>> {
     let views = |case: &&Case| case.probes.iter().map(View::new).collect();
@@ -218,20 +223,33 @@ fn follow(mut group: ChainGroup, cases: &[&Case]) -> Vec<Result<Readout, Integra
         case.probes.iter().map(|probe| PulseRecorder::new(probe.clone(), impact)).collect()
     };
     let mut pulses: Vec<Vec<PulseRecorder>> = cases.iter().map(recorders).collect();
+    let places = views.iter().map(Vec::len).max().unwrap_or(0);
+    let mut glances: Vec<Glances> =
+        (0..places).map(|place| Glances::new(views.iter().map(|views| views.get(place)))).collect();
+    for (lane, pulses) in pulses.iter().enumerate() {
+        for (pulse, glances) in pulses.iter().zip(&mut glances) {
+            glances.ask(lane, pulse.asks());
+        }
+    }
     while !group.is_done() {
         let taken = group.step();
-        for (lane, (views, pulses)) in views.iter_mut().zip(&pulses).enumerate() {
-            if taken[lane] {
-                group.glance(lane, views);
-            }
-            for (view, pulse) in views.iter_mut().zip(pulses) {
-                view.wanted = taken[lane] && pulse.wants(view);
+        let mut any = false;
+        for (place, glances) in glances.iter_mut().enumerate() {
+            for lane in lanes(group.glance(glances, taken, WITHIN_STEPS)) {
+                views[lane][place].wanted = true;
+                any = true;
             }
         }
+        if !any {
+            continue;
+        }
         group.look(&mut views);
-        for ((views, pulses), taken) in views.iter().zip(&mut pulses).zip(taken) {
-            for (view, pulse) in views.iter().zip(pulses).filter(|_| taken) {
-                pulse.meet(view);
+        for (lane, (views, pulses)) in views.iter_mut().zip(&mut pulses).enumerate() {
+            let all = views.iter_mut().zip(pulses).zip(&mut glances);
+            for ((view, pulse), glances) in all.filter(|((view, _), _)| view.wanted) {
+                glances.correct(lane, pulse.go_on(glances.before(lane), view));
+                glances.ask(lane, pulse.asks());
+                view.wanted = false;
             }
         }
     }

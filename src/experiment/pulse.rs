@@ -14,7 +14,7 @@ const BETWEEN_LOOKS: f64 = 1.25;
 /// Where a force rises at two looks and their cubic's least rate in between is below this share of both rates, it may fall there (1).
 const BETWEEN: f64 = 0.3;
 /// The same for the ends of a whole step: four times as far apart, they know less of what is between them (1).
-const WITHIN_STEPS: f64 = 0.6;
+pub const WITHIN_STEPS: f64 = 0.6;
 /// A maximum within a step is at most this much above the larger of its ends, at `cos(4 pi/15)^1.5` of it at least (1).
 const WITHIN_STEP: f64 = 2.0;
 /// A peak counts when it exceeds this share of the record's largest dynamic force (1).
@@ -168,12 +168,11 @@ impl PulseRecorder {
     #[must_use]
     pub fn wants(&self, view: &View) -> bool {
         let (force, rate) = (view.end, view.rate);
-        // Levels that anybody asks for are shares of a peak that is no rounding.
-        let least = (self.first_exceeds() / WITHIN_STEP).max(FOOT * self.quietest);
+        let [least, largest] = self.asks();
         if force.max(self.last) <= least {
             return false;
         }
-        if force > self.largest {
+        if force > largest {
             return true;
         }
         let mean = (force - self.last) / view.length;
@@ -184,6 +183,20 @@ impl PulseRecorder {
             // One that turns to rise has no peak: for that it had to turn three times.
             (false, true) => false,
         }
+    }
+
+    /// Where neither end of a step exceeds the first force, nothing in it counts; where its end exceeds the second, a new level may be reached (N).
+    #[must_use]
+    pub fn asks(&self) -> [f64; 2] {
+        // Levels that anybody asks for are shares of a peak that is no rounding.
+        [(self.first_exceeds() / WITHIN_STEP).max(FOOT * self.quietest), self.largest]
+    }
+
+    /// Takes in a step that is looked into, before which force and rate of change were as others have seen them (N, N/s); what they are after it.
+    pub fn go_on(&mut self, [force, rate]: [f64; 2], view: &View) -> [f64; 2] {
+        (self.last, self.rate_before) = (force, rate);
+        self.meet(view);
+        [self.last, self.rate_before]
     }
 
     /// Takes in one step of the stepper for lossless chains.

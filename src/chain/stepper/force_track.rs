@@ -11,7 +11,7 @@ use crate::chain::{Contact, ForceProbe, Law};
 /// Coefficients of a septic.
 pub const COEFFICIENTS: usize = 8;
 /// Contacts that a place feels.
-const CONTACTS: usize = 2;
+pub const CONTACTS: usize = 2;
 /// Places within a step at which a force is looked at.
 pub const LOOKS: usize = WIDTH / CONTACTS;
 
@@ -168,7 +168,7 @@ fn slope(c: &[f64; COEFFICIENTS], t: f64) -> f64 {
 
 /// `hertz::force_change` and the tangent stiffness in eight places; linear where `law` says so.
 #[inline(always)]
-fn lane_forces<L: Lanes>(contact: [L::V; 2], change: L::V, law: Law) -> (L::V, L::V) {
+pub fn lane_forces<L: Lanes>(contact: [L::V; 2], change: L::V, law: Law) -> (L::V, L::V) {
     let [stiffness, static_root] = contact;
     if law == Law::Linearised {
         return (L::mul(stiffness, change), stiffness);
@@ -192,6 +192,12 @@ impl ForceTrack {
             Law::Hertz => [contact.stiffness, self.static_roots[which]],
             Law::Linearised => [contact.static_stiffness(), 0.0],
         }
+    }
+
+    /// Those and the weight of contact `which`.
+    pub fn lane_constants(&self, which: usize) -> [f64; 3] {
+        let [stiffness, static_root] = self.constants(which);
+        [stiffness, static_root, self.weights[which]]
     }
 
     /// The law of both contacts; an open end has none.

@@ -37,5 +37,5 @@ mod workspace;
 
 pub use dispatch::InstructionSet;
 pub use force_track::{ForceTrack, LOOKS, Looks, View};
-pub use group::{ChainGroup, Kind, Member};
+pub use group::{ChainGroup, Glances, Kind, Member};
 pub use single::{ChainStepper, Refinement};

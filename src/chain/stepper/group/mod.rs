@@ -2,6 +2,7 @@
 //!
 //! Lanes never see each other: a chain's results are the same to the last bit whatever its neighbours are.
 
+mod glances;
 mod lane;
 mod paired;
 
@@ -9,16 +10,18 @@ use std::marker::PhantomData;
 
 use super::dispatch::{InstructionSet, dispatch};
 use super::force_track::View;
-use super::frame::{Ends, Look, glance, rows_around};
+use super::frame::{Ends, Look, rows_around};
 use super::lanes::{Row, WIDTH};
 use super::layout::Across;
 use super::plan::{Form, Plan};
 use super::steps::{find_gradients, finest_asked};
 use super::tasks::{Evaluate, Jerks, Settle, Split};
 use super::workspace::Workspace;
-use crate::chain::Chain;
+use crate::chain::{Chain, Law};
 use crate::integrate::splitting::Splitting;
 use crate::integrate::{IntegrateError, Scheme, Work};
+use glances::Glance;
+pub use glances::Glances;
 use lane::{Lane, first_lost};
 use paired::Paired;
 
@@ -49,6 +52,11 @@ pub struct Member<'a> {
     pub velocities: &'a [f64],
     /// How long it is followed (s).
     pub duration: f64,
+}
+
+/// A bit for each lane.
+fn bits(lanes: &[bool; WIDTH]) -> u8 {
+    lanes.iter().enumerate().fold(0, |bits, (lane, is)| bits | u8::from(*is) << lane)
 }
 
 /// What the chains of a group have in common, apart from their scheme.
@@ -166,11 +174,17 @@ impl ChainGroup {
         taken
     }
 
-    /// Brings the `views` of lane `index` up to the end of its last step.
-    pub fn glance(&self, index: usize, views: &mut [View]) {
-        if let Some(lane) = self.lanes.get(index) {
-            glance::<Across>(self.work.now.seen(), lane.last_step.1, index, views);
+    /// Brings `glances` up to the ends of the steps that lanes have just `taken`; in which of them somebody has to look into the step, as
+    /// turns within it are `doubtful` down to this share of the rates at its ends (1).
+    pub fn glance(&self, glances: &mut Glances, taken: [bool; WIDTH], doubtful: f64) -> u8 {
+        let (position, velocity) = self.work.now.seen();
+        let mut length = Row::default();
+        for (length, lane) in length.0.iter_mut().zip(&self.lanes) {
+            *length = lane.last_step.1;
         }
+        let law = if self.plan.form == Form::Linear { Law::Linearised } else { Law::Hertz };
+        let (to, taken) = ([position, velocity], bits(&taken));
+        dispatch(self.set, Glance { glances, to, length, taken, law, doubtful })
     }
 
     /// Looks into the step that lanes have just taken for those of their views that want it.

@@ -3,6 +3,7 @@
 
 use std::marker::PhantomData;
 
+use super::bits;
 use super::lane::Lane;
 use crate::chain::stepper::dispatch::{InstructionSet, dispatch};
 use crate::chain::stepper::foresight::{Foresee, MOST_SHORTENED};
@@ -136,15 +137,10 @@ impl Paired {
     }
 }
 
-/// A bit for each lane.
-fn lanes_of(taken: &[bool; WIDTH]) -> u8 {
-    taken.iter().enumerate().fold(0, |lanes, (index, taken)| lanes | u8::from(*taken) << index)
-}
-
 /// Makes the step's end the present in all lanes that have `taken` it.
 fn keep(set: InstructionSet, work: &mut Workspace, taken: &[bool; WIDTH]) {
     work.turn();
-    let lanes = !lanes_of(taken);
+    let lanes = !bits(taken);
     if lanes == 0 {
         return;
     }
