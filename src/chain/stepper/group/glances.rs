@@ -10,8 +10,9 @@ use crate::chain::stepper::lanes::{Lanes, Row, Task, WIDTH};
 pub struct Glances {
     /// Lanes that have one, a bit each.
     lanes: u8,
-    /// Index of the body between the two contacts.
+    /// Index of the body between the two contacts, and whether it is the same in all lanes.
     bodies: [usize; WIDTH],
+    alike: bool,
     /// Stiffness (unit), square root of the static overlap (m^0.5) and weight of the contacts above and below (1).
     contacts: [[Row; 3]; CONTACTS],
     /// Dynamic forces (N) and their rates of change (N/s) at the start of the last step and at its end.
@@ -27,12 +28,17 @@ impl Glances {
         let mut glances = Self {
             lanes: 0,
             bodies: [0; WIDTH],
+            alike: false,
             contacts: Default::default(),
             felt: Default::default(),
             asked: Default::default(),
         };
         for (lane, view) in views.enumerate().take(WIDTH) {
             let Some(view) = view else { continue };
+            if glances.lanes == 0 {
+                // Lanes that have none are taken along.
+                glances.bodies = [view.body; WIDTH];
+            }
             glances.lanes |= 1 << lane;
             glances.bodies[lane] = view.body;
             for (which, contact) in glances.contacts.iter_mut().enumerate() {
@@ -41,6 +47,7 @@ impl Glances {
                 }
             }
         }
+        glances.alike = glances.bodies.iter().all(|body| *body == glances.bodies[0]);
         glances
     }
 
@@ -81,10 +88,15 @@ pub struct Glance<'a> {
 
 /// How much more the bodies above contacts `which` of the places have than those below.
 #[inline(always)]
-fn differences<L: Lanes>(rows: &[Row], bodies: &[usize; WIDTH], which: usize) -> L::V {
+fn differences<L: Lanes>(rows: &[Row], glances: &Glances, which: usize) -> L::V {
     let (mut above, mut below) = (Row::default(), Row::default());
-    for lane in 0..WIDTH {
-        let body = bodies[lane] + which;
+    if glances.alike {
+        let body = glances.bodies[0] + which;
+        let upper = body.checked_sub(1).map_or(above, |body| rows[body]);
+        return L::sub(L::load(&upper), L::load(&rows[body]));
+    }
+    for (lane, body) in glances.bodies.iter().enumerate() {
+        let body = body + which;
         above.0[lane] = body.checked_sub(1).map_or(0.0, |body| rows[body].0[lane]);
         below.0[lane] = rows[body].0[lane];
     }
@@ -102,8 +114,8 @@ impl Task for Glance<'_> {
         let (none, mut force, mut rate) = (L::splat(0.0), L::splat(0.0), L::splat(0.0));
         for (which, contact) in glances.contacts.iter().enumerate() {
             let [stiffness, static_root, weight] = [&contact[0], &contact[1], &contact[2]];
-            let change = differences::<L>(to[0], &glances.bodies, which);
-            let closing = differences::<L>(to[1], &glances.bodies, which);
+            let change = differences::<L>(to[0], glances, which);
+            let closing = differences::<L>(to[1], glances, which);
             let constants = [L::load(stiffness), L::load(static_root)];
             let (felt, tangent) = lane_forces::<L>(constants, change, law);
             let weight = L::load(weight);

@@ -1,25 +1,18 @@
-//! One chain of a group: how far it is, and how it goes on.
+//! One chain of a group under a pair: how far it is, and how it goes on.
 
 use super::Member;
 use crate::chain::stepper::foresight::Watch;
-use crate::chain::stepper::steps::{AT_ONCE, control};
+use crate::chain::stepper::steps::control;
 use crate::chain::stepper::workspace::{Motion, Workspace};
 use crate::integrate::control::{StepControl, Trial};
-use crate::integrate::splitting::Clock;
-use crate::integrate::{IntegrateError, Scheme, Work};
-
-/// How its next step is found.
-#[derive(Debug, Clone)]
-enum Pace {
-    Controlled(StepControl, Option<Trial>),
-    /// In fixed steps; length and end of the one being taken (s).
-    Fixed(Clock, Option<(f64, f64)>),
-}
+use crate::integrate::{IntegrateError, Pair, Work};
 
 /// One chain of a group.
 #[derive(Debug, Clone)]
 pub struct Lane {
-    pace: Pace,
+    control: StepControl,
+    /// The step that is being tried, if one is.
+    trial: Option<Trial>,
     /// Largest overlap change (m) and speed (m/s) so far: what errors are relative to.
     pub scales: (f64, f64),
     /// Smallest mass (kg).
@@ -35,14 +28,12 @@ pub struct Lane {
 }
 
 impl Lane {
-    pub fn new(member: &Member<'_>, scheme: Scheme) -> Self {
+    pub fn new(member: &Member<'_>, pair: Pair) -> Self {
         let speed = member.velocities.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
         let scales = (member.chain.impact_overlap(member.velocities), speed);
         Self {
-            pace: match scheme {
-                Scheme::Pair(pair, _) => Pace::Controlled(control(scales, pair), None),
-                Scheme::Splitting(method, step) => Pace::Fixed(Clock::new(method, step, 0.0), None),
-            },
+            control: control(scales, pair),
+            trial: None,
             scales,
             lightest: member.chain.lightest(),
             time: 0.0,
@@ -65,70 +56,32 @@ impl Lane {
 
     /// Whether a step of it is being tried.
     pub fn tries(&self) -> bool {
-        matches!(self.pace, Pace::Controlled(_, Some(_)) | Pace::Fixed(_, Some(_)))
+        self.trial.is_some()
     }
 
     /// The next step; 0 for a lane that stands (s).
     pub fn choose(&mut self) -> f64 {
-        let (moves, time, end) = (self.is_moving(), self.time, self.end);
-        match &mut self.pace {
-            Pace::Controlled(control, trial) => {
-                *trial = None;
-                if moves {
-                    match control.trial(time, end) {
-                        Ok(found) => *trial = Some(found),
-                        Err(error) => self.failed = Some(error),
-                    }
-                }
-                trial.map_or(0.0, |trial| trial.length)
-            }
-            Pace::Fixed(clock, step) => {
-                *step = moves.then(|| clock.next(time, end));
-                step.map_or(0.0, |(length, _)| length)
+        self.trial = None;
+        if self.is_moving() {
+            match self.control.trial(self.time, self.end) {
+                Ok(trial) => self.trial = Some(trial),
+                Err(error) => self.failed = Some(error),
             }
         }
+        self.trial.map_or(0.0, |trial| trial.length)
     }
 
     /// Tries only the first `share` of its step (1); the length of that (s).
     pub fn shorten(&mut self, share: f64) -> f64 {
-        let Pace::Controlled(_, Some(trial)) = &mut self.pace else { return 0.0 };
+        let Some(trial) = &mut self.trial else { return 0.0 };
         *trial = trial.shortened(self.time, share);
         self.watch.renew();
         trial.length
     }
 
-    /// Whole steps that can be taken at once, as many as anybody likes where it stands.
-    pub fn room(&self) -> u64 {
-        match &self.pace {
-            Pace::Fixed(clock, _) if self.is_moving() => clock.room(AT_ONCE, self.end),
-            _ => AT_ONCE,
-        }
-    }
-
-    /// The length of each of `count` whole steps that are taken next; 0 for a lane that stands (s).
-    pub fn choose_several(&mut self, count: u64) -> f64 {
-        let moves = self.is_moving();
-        let Pace::Fixed(clock, step) = &mut self.pace else { return 0.0 };
-        *step = moves.then(|| (clock.step(), clock.go(count)));
-        step.map_or(0.0, |(length, _)| length)
-    }
-
-    /// Takes fixed steps that have just been made, unless a body is `lost`; `made` are steps and force evaluations.
-    pub fn takes(&mut self, lost: Option<usize>, made: (u64, u64)) -> bool {
-        let Pace::Fixed(_, Some((length, next))) = self.pace else { return false };
-        self.counts.force_evaluations += made.1;
-        if let Some(body) = lost {
-            self.failed = Some(IntegrateError::NotFinite { body, time: self.time });
-            return false;
-        }
-        (self.last_step, self.time) = ((next - length, length), next);
-        self.counts.steps += made.0;
-        true
-    }
-
     /// Whether the step just tried is taken.
     pub fn judge(&mut self, work: &Workspace, index: usize) -> bool {
-        let Pace::Controlled(control, Some(trial)) = &mut self.pace else { return false };
+        let Self { control, trial: Some(trial), .. } = self else { return false };
         let largest = &work.largest;
         let error = work.error(index);
         if !control.accepts(*trial, error, || first_lost(&work.next, index)) {

@@ -1,10 +1,11 @@
-//! Eight chains side by side, one in each lane, each with a step of its own.
+//! Eight chains side by side, one in each lane: under a pair each with a step of its own, under a splitting in step with each other.
 //!
 //! Lanes never see each other: a chain's results are the same to the last bit whatever its neighbours are.
 
 mod glances;
 mod lane;
 mod paired;
+mod split;
 
 use std::marker::PhantomData;
 
@@ -15,20 +16,30 @@ use super::lanes::{Row, WIDTH};
 use super::layout::Across;
 use super::plan::{Form, Plan};
 use super::steps::{find_gradients, finest_asked};
-use super::tasks::{Evaluate, Jerks, Settle, Split};
+use super::tasks::{Evaluate, Jerks, Settle};
 use super::workspace::Workspace;
 use crate::chain::{Chain, Law};
-use crate::integrate::splitting::Splitting;
 use crate::integrate::{IntegrateError, Scheme, Work};
 use glances::Glance;
 pub use glances::Glances;
-use lane::{Lane, first_lost};
+use lane::Lane;
 use paired::Paired;
+use split::Split;
 
 /// How steps are taken.
 enum Drive {
-    Paired(Box<Paired>),
-    Split(&'static Splitting),
+    Paired(Box<Paired>, Vec<Lane>),
+    Split(Split),
+}
+
+impl Drive {
+    /// Start and length of the step that lane `lane` took last (s).
+    fn last_step(&self, lane: usize) -> (f64, f64) {
+        match self {
+            Self::Paired(_, lanes) => lanes.get(lane).map_or((0.0, 0.0), |lane| lane.last_step),
+            Self::Split(split) => split.last_step,
+        }
+    }
 }
 
 /// Up to eight lossless chains with the same number of bodies under a method for forces that depend on positions alone.
@@ -37,7 +48,6 @@ pub struct ChainGroup {
     plan: Plan,
     drive: Drive,
     work: Workspace,
-    lanes: Vec<Lane>,
     jerks: [Vec<Row>; 2],
     /// Bodies that the last look was at.
     looked_at: Vec<usize>,
@@ -64,15 +74,19 @@ fn bits(lanes: &[bool; WIDTH]) -> u8 {
 pub struct Kind {
     contacts: usize,
     form: Form,
+    /// Bits of the duration in fixed steps, in which all are at the same time (s).
+    duration: Option<u64>,
 }
 
 impl Kind {
     /// That of `member` under `scheme`.
     #[must_use]
     pub fn of(member: &Member<'_>, scheme: Scheme) -> Self {
-        let Member { chain, velocities, .. } = member;
+        let Member { chain, velocities, duration } = member;
         let form = Form::needed(chain, velocities, finest_asked(scheme));
-        Self { contacts: chain.contacts().len(), form }
+        let fixed = matches!(scheme, Scheme::Splitting(..));
+        let duration = fixed.then_some(duration.to_bits());
+        Self { contacts: chain.contacts().len(), form, duration }
     }
 }
 
@@ -97,18 +111,19 @@ impl ChainGroup {
         dispatch(set, Evaluate::<Across>::at(&plan, &mut work.now));
         let drive = match scheme {
             Scheme::Pair(pair, tolerance) => {
-                Drive::Paired(Box::new(Paired::new(pair, tolerance, plan.rows())))
+                let lanes = members.iter().map(|member| Lane::new(member, pair)).collect();
+                Drive::Paired(Box::new(Paired::new(pair, tolerance, plan.rows())), lanes)
             }
-            Scheme::Splitting(method, _) => {
+            Scheme::Splitting(method, step) => {
                 find_gradients::<Across>(set, &plan, &mut work);
-                Drive::Split(method)
+                let end = members.first().map_or(0.0, |first| first.duration);
+                Drive::Split(Split::new(method, (step, end), members.len()))
             }
         };
         Self {
             set,
             drive,
             work,
-            lanes: members.iter().map(|member| Lane::new(member, scheme)).collect(),
             jerks: std::array::from_fn(|_| vec![Row::default(); plan.rows()]),
             looked_at: Vec::new(),
             plan,
@@ -118,60 +133,35 @@ impl ChainGroup {
     /// Whether every lane has come to its end, or failed.
     #[must_use]
     pub fn is_done(&self) -> bool {
-        self.lanes.iter().all(|lane| !lane.is_moving())
+        match &self.drive {
+            Drive::Paired(_, lanes) => lanes.iter().all(|lane| !lane.is_moving()),
+            Drive::Split(split) => split.is_done(),
+        }
     }
 
     /// Tries a step in every lane that is still moving; tells which lanes have taken theirs.
     pub fn step(&mut self) -> [bool; WIDTH] {
-        let mut step = Row::default();
-        for (lane, h) in self.lanes.iter_mut().zip(&mut step.0) {
-            *h = lane.choose();
-        }
-        match &mut self.drive {
-            Drive::Paired(paired) => {
-                let Self { set, plan, work, lanes, .. } = self;
+        let Self { set, plan, work, drive, .. } = self;
+        match drive {
+            Drive::Paired(paired, lanes) => {
+                let mut step = Row::default();
+                for (lane, h) in lanes.iter_mut().zip(&mut step.0) {
+                    *h = lane.choose();
+                }
                 paired.step(*set, plan, (work, lanes), step)
             }
-            Drive::Split(method) => {
-                let method = *method;
-                self.split(method, (step, 1))
-            }
+            Drive::Split(split) => split.step(*set, plan, work),
         }
     }
 
     /// Steps up to the ends of all lanes, unseen: for those who want nothing but where they lead.
     pub fn advance(&mut self) {
+        if let Self { drive: Drive::Split(split), set, plan, work, .. } = self {
+            split.advance(*set, plan, work);
+        }
         while !self.is_done() {
-            let count = match self.drive {
-                Drive::Paired(_) => 0,
-                Drive::Split(_) => self.lanes.iter().map(Lane::room).min().unwrap_or(0),
-            };
-            match self.drive {
-                Drive::Split(method) if count > 1 => {
-                    let mut step = Row::default();
-                    for (lane, h) in self.lanes.iter_mut().zip(&mut step.0) {
-                        *h = lane.choose_several(count);
-                    }
-                    self.split(method, (step, count));
-                }
-                _ => _ = self.step(),
-            }
+            self.step();
         }
-    }
-
-    /// Takes `count` steps in all lanes, of 0 s in those that stand still.
-    fn split(&mut self, method: &Splitting, (step, count): (Row, u64)) -> [bool; WIDTH] {
-        let Self { set, plan, work, lanes, .. } = self;
-        let layout = PhantomData;
-        let finite = dispatch(*set, Split::<Across> { plan, method, work, step, count, layout });
-        work.turn();
-        let mut taken = [false; WIDTH];
-        for (index, lane) in lanes.iter_mut().enumerate() {
-            let evaluations = count * method.drifts.len() as u64;
-            let lost = (finite & (1 << index) == 0).then(|| first_lost(&work.now, index));
-            taken[index] = lane.takes(lost, (count, evaluations));
-        }
-        taken
     }
 
     /// Brings `glances` up to the ends of the steps that lanes have just `taken`; in which of them somebody has to look into the step, as
@@ -179,8 +169,8 @@ impl ChainGroup {
     pub fn glance(&self, glances: &mut Glances, taken: [bool; WIDTH], doubtful: f64) -> u8 {
         let (position, velocity) = self.work.now.seen();
         let mut length = Row::default();
-        for (length, lane) in length.0.iter_mut().zip(&self.lanes) {
-            *length = lane.last_step.1;
+        for (lane, length) in length.0.iter_mut().enumerate() {
+            *length = self.drive.last_step(lane).1;
         }
         let law = if self.plan.form == Form::Linear { Law::Linearised } else { Law::Hertz };
         let (to, taken) = ([position, velocity], bits(&taken));
@@ -189,7 +179,7 @@ impl ChainGroup {
 
     /// Looks into the step that lanes have just taken for those of their views that want it.
     pub fn look(&mut self, views: &mut [Vec<View>]) {
-        let Self { set, plan, work, jerks: [before, after], looked_at, .. } = self;
+        let Self { set, plan, work, drive, jerks: [before, after], looked_at, .. } = self;
         let Workspace { now, next, .. } = work;
         looked_at.clear();
         for view in views.iter().flatten().filter(|view| view.wanted) {
@@ -202,14 +192,14 @@ impl ChainGroup {
                 dispatch(*set, Jerks::<Across> { plan, at, rows, out, layout: PhantomData });
             }
         }
-        for (lane, (place, views)) in self.lanes.iter().zip(views.iter_mut().enumerate()) {
+        for (lane, views) in views.iter_mut().enumerate() {
             if views.iter().any(|view| view.wanted) {
                 let ends = Ends {
                     from: [next.position(), next.velocity(), next.acceleration(), before],
                     to: [now.position(), now.velocity(), now.acceleration(), after],
-                    span: lane.last_step,
+                    span: drive.last_step(lane),
                 };
-                dispatch(*set, Look::<Across> { ends, lane: place, views, layout: PhantomData });
+                dispatch(*set, Look::<Across> { ends, lane, views, layout: PhantomData });
             }
         }
     }
@@ -219,10 +209,13 @@ impl ChainGroup {
     /// # Errors
     /// [`IntegrateError`] where the error control could not go on.
     pub fn outcome(&self, index: usize) -> Result<Work, IntegrateError> {
-        match self.lanes.get(index) {
-            Some(Lane { failed: Some(error), .. }) => Err(error.clone()),
-            Some(lane) => Ok(lane.counts),
-            None => Ok(Work::default()),
+        match &self.drive {
+            Drive::Paired(_, lanes) => match lanes.get(index) {
+                Some(Lane { failed: Some(error), .. }) => Err(error.clone()),
+                Some(lane) => Ok(lane.counts),
+                None => Ok(Work::default()),
+            },
+            Drive::Split(split) => split.outcome(index),
         }
     }
 }
