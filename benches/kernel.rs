@@ -63,16 +63,20 @@ const CONTROLLED: [Kernel; 6] = [
 ];
 
 /// In fixed steps, no contact left alone.
-const FIXED: [Kernel; 9] = [
+const FIXED: [Kernel; 13] = [
     ("37 particles, preloaded (P37)", "P37", "velocity-verlet", 0.1, ours::awake),
     ("37 particles, preloaded (P37)", "P37", "blanes-moan", 0.5, ours::awake),
     ("37 particles, preloaded (P37)", "P37", "force-gradient", 0.5, ours::awake),
     ("600 particles (P600)", "P600", "velocity-verlet", 0.1, ours::awake),
     ("600 particles (P600)", "P600", "blanes-moan", 0.5, ours::awake),
+    ("the same, own A", "P600 own", "blanes-moan", 0.5, ours::awake),
     ("10,000 particles", "P10000", "blanes-moan", 0.5, ours::awake),
+    ("the same, own A", "P10000 own", "blanes-moan", 0.5, ours::awake),
     ("eight P37 side by side", "P37", "velocity-verlet", 0.1, ours::eight),
     ("eight P37 side by side", "P37", "blanes-moan", 0.5, ours::eight),
+    ("the same, own A", "P37 own", "blanes-moan", 0.5, ours::eight),
     ("eight P37 side by side", "P37", "force-gradient", 0.5, ours::eight),
+    ("the real bench, eight side by side", "bench", "blanes-moan", 0.5, ours::eight),
 ];
 
 fn kernels() {
@@ -116,7 +120,7 @@ fn short_chains() {
 /// Times of contacts over the stream's, in the same round.
 fn table(what: &str, kernels: &[Kernel], stream: &mut dyn FnMut() -> f64) {
     let sets = InstructionSet::available();
-    print!("| time of a contact over the stream's, own A in every contact, {what} | method |");
+    print!("| time of a contact over the stream's, {what} | method |");
     for set in &sets {
         print!(" {} |", set.name());
     }

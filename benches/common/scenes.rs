@@ -28,14 +28,19 @@ pub struct Case {
 }
 
 impl Case {
-    /// P37, G37, P600, P10000, the first row of P37 as P7, or the shipped scene magnet-0.61g as `bench`.
+    /// P37, G37, P600, P10000, the first row of P37 as P7, or the shipped scene magnet-0.61g as `bench`. With ` own` behind them, spheres of
+    /// the first four are up to 1 % larger from the top down, so that every contact has a stiffness of its own.
     pub fn named(name: &str) -> Option<Self> {
-        Some(match name {
-            "P7" => alternating("P7", 7, (PRELOAD, true), 5e-3, vec![4]),
-            "P37" => alternating("P37", 37, (PRELOAD, true), 5e-3, vec![14]),
-            "G37" => alternating("G37", 37, (0.0, true), 5e-3, vec![14]),
-            "P600" => alternating("P600", 600, (PRELOAD, false), 15e-3, vec![14, 400]),
-            "P10000" => alternating("P10000", 10_000, (PRELOAD, false), 1e-3, vec![14]),
+        let (kind, growth) = match name.strip_suffix(" own") {
+            Some(kind) => (kind, 0.01),
+            None => (name, 0.0),
+        };
+        Some(match kind {
+            "P7" => alternating("P7", (7, growth), (PRELOAD, true), 5e-3, vec![4]),
+            "P37" => alternating("P37", (37, growth), (PRELOAD, true), 5e-3, vec![14]),
+            "G37" => alternating("G37", (37, growth), (0.0, true), 5e-3, vec![14]),
+            "P600" => alternating("P600", (600, growth), (PRELOAD, false), 15e-3, vec![14, 400]),
+            "P10000" => alternating("P10000", (10_000, growth), (PRELOAD, false), 1e-3, vec![14]),
             "bench" => shipped("magnet-0.61g", 5e-3),
             _ => return None,
         })
@@ -59,31 +64,37 @@ impl Case {
     }
 }
 
-fn body(mass: f64, sphere: bool) -> Body {
+fn body(mass: f64, sphere: bool, radius: f64) -> Body {
     Body {
         name: if sphere { "ptfe_sphere" } else { "steel_cylinder" }.to_owned(),
         mass,
-        length: if sphere { 2.0 * RADIUS } else { 3.12e-3 },
-        curvature: if sphere { 1.0 / RADIUS } else { 0.0 },
+        length: if sphere { 2.0 * radius } else { 3.12e-3 },
+        curvature: if sphere { 1.0 / radius } else { 0.0 },
         elasticity: if sphere { PTFE } else { STEEL },
         yield_strength: None,
     }
 }
 
 /// PTFE spheres and steel cylinders in turn, a sphere last, so that every contact is PTFE on flat steel; the striker's face is what
-/// particle 1 is not.
+/// particle 1 is not. Radii grow by the share `growth` from the first to the last.
 fn alternating(
     name: &'static str,
-    count: usize,
+    (count, growth): (usize, f64),
     (force, gravity): (f64, bool),
     duration: f64,
     particles: Vec<usize>,
 ) -> Case {
     let is_sphere = |particle: usize| (count - particle).is_multiple_of(2);
     let mass = |sphere: bool| if sphere { 0.1226e-3 } else { 0.485e-3 };
+    #[allow(clippy::cast_precision_loss, reason = "counts far below 2^53")]
+    let radius = |particle: usize| RADIUS * (1.0 + growth * particle as f64 / count as f64);
+    let particle = |index: usize| {
+        let sphere = is_sphere(index);
+        body(mass(sphere), sphere, radius(index))
+    };
     let spec = ChainSpec {
-        striker: Some(body(0.61e-3, !is_sphere(1))),
-        particles: (1..=count).map(is_sphere).map(|s| body(mass(s), s)).collect(),
+        striker: Some(body(0.61e-3, !is_sphere(1), RADIUS)),
+        particles: (1..=count).map(particle).collect(),
         top: if force > 0.0 { End::Force(force) } else { End::Free },
         bottom: End::Wall(STEEL),
         wall_preload: 0.0,

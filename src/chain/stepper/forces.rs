@@ -13,6 +13,8 @@ pub const PLAIN: u8 = 0;
 pub const EXACT: u8 = 1;
 /// Linearised.
 pub const LINEAR: u8 = 2;
+/// As the plain one, in units of the stiffness that all contacts share.
+pub const ALIKE: u8 = 3;
 
 /// The plan's rows, all cut to the same length, so that the loops need not check it.
 #[derive(Clone, Copy)]
@@ -37,6 +39,21 @@ impl<'a> Cut<'a> {
             balanced: &plan.balanced[..rows],
             rest: &plan.rest[..rows],
             beyond: plan.rest.get(rows).map_or(Row::default(), |row| row.static_force),
+        }
+    }
+
+    /// The same in units of `FORM`.
+    #[inline(always)]
+    pub fn of<const FORM: u8>(plan: &'a Plan, rows: usize) -> Self {
+        let cut = Self::new(plan, rows);
+        match &plan.alike {
+            Some(alike) if FORM == ALIKE => Self {
+                inverse_mass: &alike.mobility[..rows],
+                balanced: &alike.balanced[..rows],
+                beyond: alike.static_force.get(rows).copied().unwrap_or_default(),
+                ..cut
+            },
+            _ => cut,
         }
     }
 }
@@ -71,7 +88,7 @@ pub fn begin<L: Lanes, const FORM: u8>(plan: Cut, r: usize, change: L::V) -> (Be
     let static_overlap = L::load(&plan.static_overlap[r]);
     let overlap = L::add(change, static_overlap);
     let begun = match FORM {
-        PLAIN => begin_plain::<L>(r, overlap),
+        PLAIN | ALIKE => begin_plain::<L>(r, overlap),
         EXACT => {
             let closed = L::max(change, L::sub(L::splat(0.0), static_overlap));
             Begun { closed, root: L::sqrt(L::add(static_overlap, closed)) }
@@ -98,6 +115,12 @@ pub fn begin_plain<L: Lanes>(r: usize, overlap: L::V) -> Begun<L> {
 #[inline(always)]
 pub fn finish<L: Lanes, const FORM: u8>(plan: Cut, r: usize, begun: Begun<L>) -> [L::V; 2] {
     let Begun { closed, root } = begun;
+    if FORM == ALIKE {
+        let odd = r % 2 == 1;
+        let power = if odd { L::weigh_root(closed, root, closed) } else { L::mul(closed, root) };
+        let one = L::splat(1.0);
+        return [power, if odd { L::weigh_root(closed, root, one) } else { root }];
+    }
     let stiffness = L::load(&plan.stiffness[r]);
     match FORM {
         PLAIN if r % 2 == 1 => {

@@ -9,6 +9,8 @@ use super::lanes::{Lanes, Row, WIDTH};
 
 /// How rows lie in the chain.
 pub trait Layout: Copy {
+    /// Whether all lanes are one chain.
+    const ONE: bool;
     /// Whether the last row stands above the first.
     const STRIPED: bool;
     /// Whether a whole chain along them may be in a few rows, for which there are other loops.
@@ -48,6 +50,7 @@ pub type Striped = OneChain<true>;
 pub struct Across;
 
 impl<const STRIPED: bool> Layout for OneChain<STRIPED> {
+    const ONE: bool = true;
     const STRIPED: bool = STRIPED;
     const IN_FEW_ROWS: bool = !STRIPED;
     type Own = f64;
@@ -95,6 +98,7 @@ impl<const STRIPED: bool> Layout for OneChain<STRIPED> {
 }
 
 impl Layout for Across {
+    const ONE: bool = false;
     const STRIPED: bool = false;
     const IN_FEW_ROWS: bool = false;
     type Own = Row;

@@ -29,7 +29,7 @@ pub fn long<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
     (weights, count): (&Weights<L>, u64),
 ) {
     let rows = plan.rows();
-    let plan = Cut::new(plan, rows);
+    let plan = Cut::of::<FORM>(plan, rows);
     let shown = if GRADIENT { rows } else { 0 };
     let (now, next) = (work.now.parts(), work.next.parts());
     let mut from: Rows = [

@@ -5,6 +5,7 @@
 use super::lanes::{Row, WIDTH};
 use super::layout::Layout;
 use crate::chain::{Body, Chain, Contact, Law};
+use crate::integrate::Scheme;
 
 /// Most rows of a short chain: what moves of it fits into the registers.
 pub const FEW: usize = 5;
@@ -38,9 +39,26 @@ pub struct Plan {
     pub balanced: Vec<Row>,
     /// The rest, row by row.
     pub rest: Vec<Rest>,
+    /// The same chain in units in which the stiffness of its contacts is 1, for splittings that do not wait for their results, where all of a
+    /// chain's contacts have the same.
+    pub alike: Option<Alike>,
     /// Contacts that ask for shorter steps than all others as they close and open.
     pub watched: Vec<Watched>,
 }
+
+/// What becomes of forces over the stiffness `A` that all contacts of a chain share: an operation and a number less for each.
+#[derive(Debug, Clone)]
+pub struct Alike {
+    /// `A` over the mass of each body (m^-0.5 s^-2).
+    pub mobility: Vec<Row>,
+    /// [`Plan::balanced`] over `A` (m^1.5).
+    pub balanced: Vec<Row>,
+    /// [`Rest::static_force`] over `A` (m^1.5).
+    pub static_force: Vec<Row>,
+}
+
+/// Stiffnesses are the same that differ by rounding (1).
+const SAME: f64 = 4e-16;
 
 /// A row in which there are contacts to be watched.
 #[derive(Debug, Clone, PartialEq)]
@@ -175,8 +193,44 @@ impl Plan {
             inverse_mass: zeros(),
             balanced: zeros(),
             rest: vec![Rest::NONE; rows],
+            alike: None,
             watched: Vec::new(),
         }
+    }
+
+    /// Has the chain of each lane in units of its own stiffness, too, if in all of them all contacts have the same; what is balanced is yet to be
+    /// settled. Short chains wait for their results, not for arithmetic, and gain nothing by it.
+    pub fn compare<Y: Layout>(&mut self, scheme: Scheme) {
+        if Y::STRIPED || !matches!(scheme, Scheme::Splitting(..)) {
+            return;
+        }
+        let chains = if Y::ONE { 1 } else { WIDTH };
+        let mut shared = [0.0_f64; WIDTH];
+        for (index, row) in self.stiffness.iter().flat_map(|row| row.0.iter().enumerate()) {
+            let most = &mut shared[index % chains];
+            *most = most.max(*row);
+        }
+        let same = |(index, stiffness): (usize, &f64)| {
+            let most = shared[index % chains];
+            *stiffness == 0.0 || (stiffness / most - 1.0).abs() <= SAME
+        };
+        if self.form != Form::Plain
+            || !self.stiffness.iter().all(|row| row.0.iter().enumerate().all(same))
+        {
+            return;
+        }
+        let scaled = |rows: &[Row], by: &dyn Fn(f64, f64) -> f64| -> Vec<Row> {
+            let lane = |row: &Row, lane: usize| match shared[lane % chains] {
+                0.0 => 0.0,
+                stiffness => by(row.0[lane], stiffness),
+            };
+            rows.iter().map(|row| Row(std::array::from_fn(|index| lane(row, index)))).collect()
+        };
+        self.alike = Some(Alike {
+            mobility: scaled(&self.inverse_mass, &|inverse, stiffness| inverse * stiffness),
+            balanced: scaled(&self.balanced, &|force, stiffness| force / stiffness),
+            static_force: vec![Row::default(); self.stiffness.len()],
+        });
     }
 
     /// Watches those contacts of `chain` that are far stiffer for their bodies than all others.

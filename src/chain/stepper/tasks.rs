@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use std::ops::Range;
 
 use super::evaluate::{Found, evaluate};
-use super::forces::{self, Cut, EXACT, LINEAR, PLAIN};
+use super::forces::{self, ALIKE, Cut, EXACT, LINEAR, PLAIN};
 use super::kinks::{self, Guard};
 use super::known::{Known, Pair64, Pair86};
 use super::lanes::{Lanes, Row, Task};
@@ -29,22 +29,32 @@ impl<Y: Layout> Task for Settle<'_, Y> {
         if plan.form != Form::Plain {
             return;
         }
-        let (rows, rest) = (plan.rows(), L::splat(0.0));
-        let mut next = rest;
-        if Y::STRIPED {
-            let (first, _) = forces::forces::<L, PLAIN>(Cut::new(plan, rows), 0, rest);
-            next = Y::after_last::<L>(first, rest);
+        settle::<L, Y, PLAIN>(plan);
+        if plan.alike.is_some() {
+            settle::<L, Y, ALIKE>(plan);
         }
-        // From behind, so that each force is found once.
-        for r in (0..rows).rev() {
-            let cut = Cut::new(plan, rows);
-            let (here, _) = forces::forces::<L, PLAIN>(cut, r, rest);
-            let held = forces::net::<L, Y>([here, next]);
-            let balanced = &mut plan.balanced[r];
-            L::store(L::add(held, L::load(balanced)), balanced);
-            L::store(here, &mut plan.rest[r].static_force);
-            next = here;
-        }
+    }
+}
+
+#[inline(always)]
+fn settle<L: Lanes, Y: Layout, const FORM: u8>(plan: &mut Plan) {
+    let (rows, rest) = (plan.rows(), L::splat(0.0));
+    let mut next = rest;
+    if Y::STRIPED {
+        let (first, _) = forces::forces::<L, FORM>(Cut::of::<FORM>(plan, rows), 0, rest);
+        next = Y::after_last::<L>(first, rest);
+    }
+    // From behind, so that each force is found once.
+    for r in (0..rows).rev() {
+        let (here, _) = forces::forces::<L, FORM>(Cut::of::<FORM>(plan, rows), r, rest);
+        let held = forces::net::<L, Y>([here, next]);
+        let (balanced, static_force) = match &mut plan.alike {
+            Some(alike) if FORM == ALIKE => (&mut alike.balanced[r], &mut alike.static_force[r]),
+            _ => (&mut plan.balanced[r], &mut plan.rest[r].static_force),
+        };
+        L::store(L::add(held, L::load(balanced)), balanced);
+        L::store(here, static_force);
+        next = here;
     }
 }
 
@@ -188,6 +198,12 @@ impl<Y: Layout> Task for Split<'_, Y> {
         let Self { plan, method, work, step, count, .. } = self;
         let h = (L::load(&step), count);
         match (plan.form, method.gradients.is_empty()) {
+            (_, true) if plan.alike.is_some() => {
+                splits::steps::<L, Y, ALIKE, false>(plan, method, work, h)
+            }
+            (_, false) if plan.alike.is_some() => {
+                splits::steps::<L, Y, ALIKE, true>(plan, method, work, h)
+            }
             (Form::Plain, true) => splits::steps::<L, Y, PLAIN, false>(plan, method, work, h),
             (Form::Plain, false) => splits::steps::<L, Y, PLAIN, true>(plan, method, work, h),
             (Form::Exact, true) => splits::steps::<L, Y, EXACT, false>(plan, method, work, h),

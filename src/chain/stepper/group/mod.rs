@@ -101,6 +101,7 @@ impl ChainGroup {
         let chains: Vec<&Chain> = members.iter().map(|member| member.chain).collect();
         let form = members.first().map_or(Form::Plain, |first| Kind::of(first, scheme).form);
         let mut plan = Plan::across(&chains, form);
+        plan.compare::<Across>(scheme);
         dispatch(set, Settle::<Across>(&mut plan, PhantomData));
         let mut work = Workspace::new(plan.rows(), scheme);
         for (lane, member) in members.iter().enumerate() {

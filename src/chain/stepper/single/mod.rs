@@ -117,6 +117,7 @@ impl ChainStepper {
     ) -> Self {
         let velocities = &state.velocity;
         let mut plan = Plan::one::<Y>(chain, form);
+        plan.compare::<Y>(scheme);
         dispatch(set, Settle::<Y>(&mut plan, PhantomData));
         let mut work = Workspace::new(plan.all_rows(), scheme);
         let now = work.now.parts();
