@@ -29,6 +29,7 @@ pub mod paper;
 pub mod parallel;
 pub mod pulse;
 pub mod recorded;
+mod segment;
 pub mod tunability;
 mod turn;
 pub mod wired;

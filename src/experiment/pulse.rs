@@ -3,8 +3,9 @@
 
 use serde::Serialize;
 
+use super::segment::{Bracket, Rise, Segment};
 use super::turn::{fall, may_fall, root};
-use crate::chain::stepper::{ForceTrack, LOOKS, Looks, View};
+use crate::chain::stepper::{LOOKS, Looks, View};
 use crate::chain::{ForceProbe, ForceSegment};
 use crate::integrate::Integrator;
 
@@ -55,70 +56,6 @@ pub struct PulseRecorder {
     rate_before: f64,
     /// Force at the end of the last step (N).
     last: f64,
-}
-
-/// A force over one step. Steps resolve the stiffest contact, or they would not be accepted, so a force turns at most twice
-/// between two of [`LOOKS`] evenly spaced places.
-#[derive(Debug, Clone)]
-enum Segment {
-    /// Of any method.
-    General(Box<ForceSegment>),
-    /// Of the stepper for lossless chains.
-    Lossless(Box<ForceTrack>),
-}
-
-/// A maximum, between two looks at a step's force or at a known time.
-#[derive(Debug, Clone)]
-struct Bracket {
-    segment: Segment,
-    low: f64,
-    high: f64,
-    /// The larger of the forces at both ends (N).
-    near: f64,
-}
-
-#[derive(Debug, Clone)]
-struct Rise {
-    segment: Segment,
-    /// The largest force (N), and at which fraction of the step it was (1).
-    reached: f64,
-    top: f64,
-}
-
-impl Segment {
-    fn force(&self, theta: f64) -> f64 {
-        match self {
-            Self::General(segment) => segment.force(theta),
-            Self::Lossless(track) => track.force(theta),
-        }
-    }
-
-    fn rate(&self, theta: f64) -> f64 {
-        match self {
-            Self::General(segment) => segment.rate(theta),
-            Self::Lossless(track) => track.rate(theta),
-        }
-    }
-
-    fn time(&self, theta: f64) -> f64 {
-        let (start, length) = match self {
-            Self::General(segment) => (segment.start, segment.length),
-            Self::Lossless(track) => (track.start, track.length),
-        };
-        start + theta * length
-    }
-}
-
-impl Bracket {
-    /// Fraction of the step (1) and force (N) of the maximum.
-    fn top(&self) -> (f64, f64) {
-        let theta = if self.high > self.low {
-            root(&|theta| self.segment.rate(theta), self.low, self.high)
-        } else {
-            self.low
-        };
-        (theta, self.segment.force(theta))
-    }
 }
 
 /// The fraction of a step at which look `index` stands (1).
@@ -192,7 +129,7 @@ impl PulseRecorder {
         [(self.first_exceeds() / WITHIN_STEP).max(FOOT * self.quietest), self.largest]
     }
 
-    /// Takes in a step that is looked into, before which force and rate of change were as others have seen them (N, N/s); what they are after it.
+    /// Takes in a step that is looked into, at whose start others have seen this force and rate of change; what they are at its end (N, N/s).
     pub fn go_on(&mut self, [force, rate]: [f64; 2], view: &View) -> [f64; 2] {
         (self.last, self.rate_before) = (force, rate);
         self.meet(view);

@@ -35,12 +35,17 @@ pub struct Trial {
 }
 
 impl Trial {
-    /// The first `share` of it (1), from `start` on (s).
+    /// The first `share` of it (1), from `start` on (s); all of it where the clock's rounding would swallow that.
     #[inline]
     #[must_use]
     pub fn shortened(self, start: f64, share: f64) -> Self {
         let next = start + share * self.length;
-        Self { length: next - start, next, cut_short: false }
+        let length = next - start;
+        if length > f64::EPSILON * next.abs() {
+            Self { length, next, cut_short: false }
+        } else {
+            self
+        }
     }
 }
 

@@ -74,6 +74,31 @@ fn they_are_those_of_the_plain_loops() {
     }
 }
 
+/// The same from the middle of a motion on, where forces are not balanced and gradients are not zero.
+#[test]
+fn a_start_in_motion_is_that_of_the_plain_loops() {
+    for cells in [19, 65] {
+        let chain = diatomic(cells, 2.38, false);
+        for method in METHODS {
+            let method = method(4e-6);
+            let system = || chain.system(&kick(&chain));
+            let mut first = method.start(system(), chain.initial_state(&kick(&chain)));
+            first.advance(0.5 * TIME).expect("a stable step");
+            let mut plain = method.start(system(), first.state());
+            plain.advance(TIME).expect("a stable step");
+            for set in InstructionSet::available() {
+                let scheme = method.scheme().expect("a splitting");
+                let mut stepper = ChainStepper::from_state(&chain, &first.state(), scheme, set);
+                stepper.advance(TIME).expect("a stable step");
+                let off = distance(&stepper.state(), &plain.state());
+                let what = format!("{} {cells} {}", method.name(), set.name());
+                println!("{what}: {off:.1e}");
+                assert!(off < 1e-11, "{what}: {off:e}");
+            }
+        }
+    }
+}
+
 /// Many steps at once are the same as one after the other, to the last bit, and so is the last one, which can be looked at.
 #[test]
 fn a_look_changes_nothing() {

@@ -194,7 +194,7 @@ impl ForceTrack {
         }
     }
 
-    /// Those and the weight of contact `which`.
+    /// Stiffness, static root and weight of contact `which` (unit).
     pub fn lane_constants(&self, which: usize) -> [f64; 3] {
         let [stiffness, static_root] = self.constants(which);
         [stiffness, static_root, self.weights[which]]

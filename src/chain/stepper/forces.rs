@@ -42,7 +42,7 @@ impl<'a> Cut<'a> {
         }
     }
 
-    /// The same in units of `FORM`.
+    /// The same as `FORM` wants it: for contacts that are alike, masses and forces over their stiffness.
     #[inline(always)]
     pub fn of<const FORM: u8>(plan: &'a Plan, rows: usize) -> Self {
         let cut = Self::new(plan, rows);
@@ -111,15 +111,15 @@ pub fn begin_plain<L: Lanes>(r: usize, overlap: L::V) -> Begun<L> {
     }
 }
 
-/// Forces in row `r`, or their changes in all forms but the plain one (N), and two thirds of the tangent stiffnesses (N/m).
+/// Forces in row `r`, or their changes in all forms but the plain one (N), and two thirds of the tangent stiffnesses (N/m); over the stiffness
+/// where contacts are alike.
 #[inline(always)]
 pub fn finish<L: Lanes, const FORM: u8>(plan: Cut, r: usize, begun: Begun<L>) -> [L::V; 2] {
     let Begun { closed, root } = begun;
     if FORM == ALIKE {
-        let odd = r % 2 == 1;
-        let power = if odd { L::weigh_root(closed, root, closed) } else { L::mul(closed, root) };
         let one = L::splat(1.0);
-        return [power, if odd { L::weigh_root(closed, root, one) } else { root }];
+        let root = if r % 2 == 1 { L::weigh_root(closed, root, one) } else { root };
+        return [begun.power(r), root];
     }
     let stiffness = L::load(&plan.stiffness[r]);
     match FORM {

@@ -14,8 +14,8 @@
 //! 1e-2, 1e-4 and 1e-6, all 260 steps that it says err by more than three tolerated errors were estimated to err by more than one, and 118 of
 //! 161 between one and three.
 //!
-//! Only contacts are watched that are far stiffer for their bodies than all others ([`Plan::watched`]), as a striker's is: they ask for shorter
-//! steps than all others while they are closed, and are open most of the time. Where all are alike, looking ahead costs more than it saves.
+//! Only the stiffest contacts for their bodies are watched, where they are few ([`Plan::watched`]), as a striker's is: they ask for shorter
+//! steps than others while they are closed, and are open most of the time. Where all are alike, looking ahead costs more than it saves.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
 use super::lanes::{Lanes, Row, Task};
@@ -32,7 +32,7 @@ const FADES: f64 = 3.0;
 const HOPELESS: f64 = 1.2;
 /// What its error is brought to (1).
 const AIM: f64 = 0.35;
-/// A step is made shorter so many times at most: another contact may be the worst of what is left of it.
+/// A step is made shorter so many times at most: another contact may be the worst of what is left of it, or one try may not be enough.
 pub const MOST_SHORTENED: usize = 4;
 /// After a step that was made shorter, or tried in vain, so many are looked at: a bead that bounces has hit again by then.
 const WATCHED: u8 = 16;
@@ -147,12 +147,12 @@ impl Foreseen {
 /// The share of a step that brings its `error` to the [`AIM`], when its contact has been `closed` for so many steps at its end (1): it goes as
 /// the step's length to the power 3 and that time to the power 2.
 fn shorter(error: f64, closed: f64) -> f64 {
-    let closes = 1.0 - closed;
+    let start = 1.0 - closed;
     let aim = closed * closed * AIM / error;
-    let (mut low, mut high) = (closes.max(0.0), 1.0);
+    let (mut low, mut high) = (start.max(0.0), 1.0);
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
-        let beyond = middle - closes;
+        let beyond = middle - start;
         if middle * middle * middle * beyond * beyond < aim {
             low = middle;
         } else {

@@ -9,8 +9,6 @@ use super::lanes::{Lanes, Row, WIDTH};
 
 /// How rows lie in the chain.
 pub trait Layout: Copy {
-    /// Whether all lanes are one chain.
-    const ONE: bool;
     /// Whether the last row stands above the first.
     const STRIPED: bool;
     /// Whether a whole chain along them may be in a few rows, for which there are other loops.
@@ -50,7 +48,6 @@ pub type Striped = OneChain<true>;
 pub struct Across;
 
 impl<const STRIPED: bool> Layout for OneChain<STRIPED> {
-    const ONE: bool = true;
     const STRIPED: bool = STRIPED;
     const IN_FEW_ROWS: bool = !STRIPED;
     type Own = f64;
@@ -98,7 +95,6 @@ impl<const STRIPED: bool> Layout for OneChain<STRIPED> {
 }
 
 impl Layout for Across {
-    const ONE: bool = false;
     const STRIPED: bool = false;
     const IN_FEW_ROWS: bool = false;
     type Own = Row;

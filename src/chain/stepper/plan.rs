@@ -42,7 +42,7 @@ pub struct Plan {
     /// The same chain in units in which the stiffness of its contacts is 1, for splittings that do not wait for their results, where all of a
     /// chain's contacts have the same.
     pub alike: Option<Alike>,
-    /// Contacts that ask for shorter steps than all others as they close and open.
+    /// Contacts that ask for shorter steps than others as they close and open: at most two that are as stiff for their bodies as the stiffest.
     pub watched: Vec<Watched>,
 }
 
@@ -96,6 +96,9 @@ impl Rest {
     };
 }
 
+/// Where there is nothing to touch, there is a gap that nothing closes (m).
+const NOTHING: f64 = -1e100;
+
 /// Relative rounding of a force in plain form (1).
 const ROUNDING: f64 = 5e-16;
 /// The plain form's rounding stays below this share of the accuracy asked for (1).
@@ -125,6 +128,15 @@ impl Form {
     }
 }
 
+/// The stiffness that all contacts of `chain` share, if they do, where steps of `scheme` are fixed and forces are in plain form (N/m^1.5).
+#[must_use]
+pub fn shared_stiffness(chain: &Chain, scheme: Scheme, form: Form) -> Option<f64> {
+    let all = || chain.contacts().iter().map(|contact| contact.stiffness).filter(|a| *a > 0.0);
+    let first = all().next()?;
+    let fits = form == Form::Plain && matches!(scheme, Scheme::Splitting(..));
+    (fits && all().all(|stiffness| (stiffness / first - 1.0).abs() <= SAME)).then_some(first)
+}
+
 /// Rows that one chain takes.
 #[must_use]
 pub fn rows_of(chain: &Chain) -> usize {
@@ -138,28 +150,43 @@ pub fn are_few(rows: usize, form: Form) -> bool {
 }
 
 impl Plan {
-    /// One chain.
+    /// One chain, for steps of `scheme`. Short chains wait for their results, not for arithmetic: they gain nothing by a shared stiffness.
     #[must_use]
-    pub fn one<Y: Layout>(chain: &Chain, form: Form) -> Self {
+    pub fn one<Y: Layout>(chain: &Chain, scheme: Scheme, form: Form) -> Self {
         let rows = rows_of(chain);
         let mut plan = Self::empty(form, rows);
         for j in 0..chain.contacts().len() {
             plan.set(chain, j, Y::place(rows, j, 0));
         }
-        plan.watch(chain, |j| Y::place(rows, j, 0));
+        if matches!(scheme, Scheme::Pair(..)) {
+            plan.watch(chain, |j| Y::place(rows, j, 0));
+        }
+        let shared = shared_stiffness(chain, scheme, form).filter(|_| !Y::STRIPED);
+        if let Some(stiffness) = shared {
+            plan.share(Row([stiffness; WIDTH]));
+        }
         plan
     }
 
-    /// Up to eight chains of the same number of bodies across the rows; lanes left over hold nothing.
+    /// Up to eight chains of the same number of bodies across the rows, which share stiffnesses or do not; lanes left over hold nothing.
     #[must_use]
-    pub fn across(chains: &[&Chain], form: Form) -> Self {
+    pub fn across(chains: &[&Chain], scheme: Scheme, form: Form) -> Self {
         let rows = chains.first().map_or(0, |chain| chain.contacts().len());
         let mut plan = Self::empty(form, rows);
         for (lane, chain) in chains.iter().enumerate().take(WIDTH) {
             for j in 0..rows.min(chain.contacts().len()) {
                 plan.set(chain, j, (j, lane));
             }
-            plan.watch(chain, |j| (j, lane));
+            if matches!(scheme, Scheme::Pair(..)) {
+                plan.watch(chain, |j| (j, lane));
+            }
+        }
+        // In the same order whatever the neighbours are.
+        plan.watched.sort_by_key(|watched| watched.row);
+        let shared = |chain: &&Chain| shared_stiffness(chain, scheme, form);
+        if let Some(shared) = chains.iter().map(shared).collect::<Option<Vec<f64>>>() {
+            let lane = |lane| shared.get(lane).copied().unwrap_or(1.0);
+            plan.share(Row(std::array::from_fn(lane)));
         }
         plan
     }
@@ -198,42 +225,20 @@ impl Plan {
         }
     }
 
-    /// Has the chain of each lane in units of its own stiffness, too, if in all of them all contacts have the same; what is balanced is yet to be
-    /// settled. Short chains wait for their results, not for arithmetic, and gain nothing by it.
-    pub fn compare<Y: Layout>(&mut self, scheme: Scheme) {
-        if Y::STRIPED || !matches!(scheme, Scheme::Splitting(..)) {
-            return;
-        }
-        let chains = if Y::ONE { 1 } else { WIDTH };
-        let mut shared = [0.0_f64; WIDTH];
-        for (index, row) in self.stiffness.iter().flat_map(|row| row.0.iter().enumerate()) {
-            let most = &mut shared[index % chains];
-            *most = most.max(*row);
-        }
-        let same = |(index, stiffness): (usize, &f64)| {
-            let most = shared[index % chains];
-            *stiffness == 0.0 || (stiffness / most - 1.0).abs() <= SAME
-        };
-        if self.form != Form::Plain
-            || !self.stiffness.iter().all(|row| row.0.iter().enumerate().all(same))
-        {
-            return;
-        }
-        let scaled = |rows: &[Row], by: &dyn Fn(f64, f64) -> f64| -> Vec<Row> {
-            let lane = |row: &Row, lane: usize| match shared[lane % chains] {
-                0.0 => 0.0,
-                stiffness => by(row.0[lane], stiffness),
-            };
-            rows.iter().map(|row| Row(std::array::from_fn(|index| lane(row, index)))).collect()
+    /// Has the chain of each lane in units of the stiffness that its contacts share, too (N/m^1.5); what is balanced is yet to be settled.
+    pub fn share(&mut self, stiffness: Row) {
+        let scaled = |rows: &[Row], by: fn(f64, f64) -> f64| -> Vec<Row> {
+            let row = |row: &Row| Row(std::array::from_fn(|l| by(row.0[l], stiffness.0[l])));
+            rows.iter().map(row).collect()
         };
         self.alike = Some(Alike {
-            mobility: scaled(&self.inverse_mass, &|inverse, stiffness| inverse * stiffness),
-            balanced: scaled(&self.balanced, &|force, stiffness| force / stiffness),
+            mobility: scaled(&self.inverse_mass, |inverse, stiffness| inverse * stiffness),
+            balanced: scaled(&self.balanced, |force, stiffness| force / stiffness),
             static_force: vec![Row::default(); self.stiffness.len()],
         });
     }
 
-    /// Watches those contacts of `chain` that are far stiffer for their bodies than all others.
+    /// Watches those contacts of `chain` that are as stiff for their bodies as the stiffest, if they are few.
     fn watch(&mut self, chain: &Chain, place: impl Fn(usize) -> (usize, usize)) {
         let inverse_mass = |body: Option<&Body>| body.map_or(0.0, |body| 1.0 / body.mass);
         let stiffness = |j: usize| {
@@ -268,8 +273,7 @@ impl Plan {
             Form::Linear => contact.static_stiffness(),
             Form::Plain | Form::Exact => contact.stiffness,
         };
-        // Where there is nothing to touch, there is a gap that nothing closes.
-        let overlap = if touches { contact.static_overlap } else { -1.0 };
+        let overlap = if touches { contact.static_overlap } else { NOTHING };
         self.stiffness[row].0[lane] = stiffness;
         self.static_overlap[row].0[lane] = overlap;
         rest.static_root.0[lane] = overlap.max(0.0).sqrt();

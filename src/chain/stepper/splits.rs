@@ -11,7 +11,7 @@ use super::workspace::Workspace;
 use crate::integrate::splitting::Splitting;
 
 /// Tangents are carried as two thirds of themselves (1).
-const TANGENT: f64 = 1.5;
+pub const TANGENT: f64 = 1.5;
 
 /// What a kick weighs, steps included.
 #[derive(Clone, Copy)]

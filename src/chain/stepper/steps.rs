@@ -5,6 +5,7 @@ use std::marker::PhantomData;
 use super::dispatch::{InstructionSet, dispatch};
 use super::layout::Layout;
 use super::plan::Plan;
+use super::splits::TANGENT;
 use super::tasks::Jerks;
 use super::workspace::{Parts, Workspace};
 use crate::integrate::control::StepControl;
@@ -37,6 +38,8 @@ pub fn find_gradients<Y: Layout>(set: InstructionSet, plan: &Plan, work: &mut Wo
     if !gradient.is_empty() {
         let (at, rows, layout) = ((&*position, &*acceleration), 0..plan.rows(), PhantomData);
         dispatch(set, Jerks::<Y> { plan, at, rows, out: gradient, layout });
+        // Kicks are weighed for two thirds of them.
+        gradient.iter_mut().flat_map(|row| &mut row.0).for_each(|value| *value /= TANGENT);
     }
 }
 

@@ -182,8 +182,8 @@ pub struct Split<'a, Y> {
     pub plan: &'a Plan,
     pub method: &'a Splitting,
     pub work: &'a mut Workspace,
-    /// Length of a step in each lane (s).
-    pub step: Row,
+    /// Length of a step (s).
+    pub step: f64,
     /// How many.
     pub count: u64,
     pub layout: PhantomData<Y>,
@@ -196,12 +196,12 @@ impl<Y: Layout> Task for Split<'_, Y> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> u8 {
         let Self { plan, method, work, step, count, .. } = self;
-        let h = (L::load(&step), count);
+        let h = (L::splat(step), count);
         match (plan.form, method.gradients.is_empty()) {
-            (_, true) if plan.alike.is_some() => {
+            (_, true) if !Y::STRIPED && plan.alike.is_some() => {
                 splits::steps::<L, Y, ALIKE, false>(plan, method, work, h)
             }
-            (_, false) if plan.alike.is_some() => {
+            (_, false) if !Y::STRIPED && plan.alike.is_some() => {
                 splits::steps::<L, Y, ALIKE, true>(plan, method, work, h)
             }
             (Form::Plain, true) => splits::steps::<L, Y, PLAIN, false>(plan, method, work, h),

@@ -16,7 +16,7 @@ pub struct Motion {
     count: usize,
     /// Which contacts are closed, a bit each.
     pub closed: Vec<u8>,
-    /// Gradients of the accelerations along themselves, for methods that ask for them (m/s⁴).
+    /// Two thirds of the gradients of the accelerations along themselves, for methods that ask for them (m/s⁴).
     pub gradient: Vec<Row>,
 }
 

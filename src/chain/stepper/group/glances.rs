@@ -57,7 +57,7 @@ impl Glances {
         self.asked[1].0[lane] = largest;
     }
 
-    /// Force (N) and its rate of change (N/s) at the start of lane `lane`'s last step.
+    /// Force and its rate of change at the start of lane `lane`'s last step (N, N/s).
     #[must_use]
     pub fn before(&self, lane: usize) -> [f64; 2] {
         self.felt[0].map(|row| row.0[lane])
@@ -130,9 +130,9 @@ impl Task for Glance<'_> {
         }
         let [last, rate_before] = [L::load(&from[0]), L::load(&from[1])];
 
-        let [least, largest] = [L::load(&glances.asked[0]), L::load(&glances.asked[1])];
-        let counts = L::positive(L::sub(L::max(force, last), least));
-        let risen = L::positive(L::sub(force, largest));
+        let [floor, record] = [L::load(&glances.asked[0]), L::load(&glances.asked[1])];
+        let counts = L::positive(L::sub(L::max(force, last), floor));
+        let exceeds = L::positive(L::sub(force, record));
         let (rose, rises) = (L::positive(rate_before), L::positive(rate));
         let mean = L::div(L::sub(force, last), L::load(&length));
         // Falling twice is rising twice, upside down.
@@ -148,6 +148,6 @@ impl Task for Glance<'_> {
             & L::positive(turn)
             & L::positive(L::sub(bend, turn))
             & L::positive(L::sub(doubt, lowest));
-        taken & counts & (risen | rose & !rises | !(rose ^ rises) & turns)
+        taken & counts & (exceeds | rose & !rises | !(rose ^ rises) & turns)
     }
 }

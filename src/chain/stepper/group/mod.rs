@@ -14,7 +14,7 @@ use super::force_track::View;
 use super::frame::{Ends, Look, rows_around};
 use super::lanes::{Row, WIDTH};
 use super::layout::Across;
-use super::plan::{Form, Plan};
+use super::plan::{Form, Plan, shared_stiffness};
 use super::steps::{find_gradients, finest_asked};
 use super::tasks::{Evaluate, Jerks, Settle};
 use super::workspace::Workspace;
@@ -65,7 +65,7 @@ pub struct Member<'a> {
 }
 
 /// A bit for each lane.
-fn bits(lanes: &[bool; WIDTH]) -> u8 {
+fn bits(lanes: [bool; WIDTH]) -> u8 {
     lanes.iter().enumerate().fold(0, |bits, (lane, is)| bits | u8::from(*is) << lane)
 }
 
@@ -76,6 +76,8 @@ pub struct Kind {
     form: Form,
     /// Bits of the duration in fixed steps, in which all are at the same time (s).
     duration: Option<u64>,
+    /// Whether the chain's contacts share a stiffness that its steps make use of.
+    alike: bool,
 }
 
 impl Kind {
@@ -86,7 +88,8 @@ impl Kind {
         let form = Form::needed(chain, velocities, finest_asked(scheme));
         let fixed = matches!(scheme, Scheme::Splitting(..));
         let duration = fixed.then_some(duration.to_bits());
-        Self { contacts: chain.contacts().len(), form, duration }
+        let alike = shared_stiffness(chain, scheme, form).is_some();
+        Self { contacts: chain.contacts().len(), form, duration, alike }
     }
 }
 
@@ -98,10 +101,13 @@ impl ChainGroup {
     #[must_use]
     pub fn new(members: &[Member<'_>], scheme: Scheme, set: InstructionSet) -> Self {
         let members = &members[..members.len().min(WIDTH)];
+        debug_assert!(
+            members.windows(2).all(|two| Kind::of(&two[0], scheme) == Kind::of(&two[1], scheme)),
+            "members are of one kind"
+        );
         let chains: Vec<&Chain> = members.iter().map(|member| member.chain).collect();
         let form = members.first().map_or(Form::Plain, |first| Kind::of(first, scheme).form);
-        let mut plan = Plan::across(&chains, form);
-        plan.compare::<Across>(scheme);
+        let mut plan = Plan::across(&chains, scheme, form);
         dispatch(set, Settle::<Across>(&mut plan, PhantomData));
         let mut work = Workspace::new(plan.rows(), scheme);
         for (lane, member) in members.iter().enumerate() {
@@ -174,7 +180,7 @@ impl ChainGroup {
             *length = self.drive.last_step(lane).1;
         }
         let law = if self.plan.form == Form::Linear { Law::Linearised } else { Law::Hertz };
-        let (to, taken) = ([position, velocity], bits(&taken));
+        let (to, taken) = ([position, velocity], bits(taken));
         dispatch(self.set, Glance { glances, to, length, taken, law, doubtful })
     }
 

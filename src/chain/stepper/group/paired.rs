@@ -3,7 +3,6 @@
 
 use std::marker::PhantomData;
 
-use super::bits;
 use super::lane::Lane;
 use crate::chain::stepper::dispatch::{InstructionSet, dispatch};
 use crate::chain::stepper::foresight::{Foresee, MOST_SHORTENED};
@@ -22,12 +21,14 @@ pub struct Paired {
     tolerance: f64,
     /// Room for accelerations (m/s²).
     fresh: Vec<Row>,
+    /// Room for which contacts are closed, a bit each.
+    fresh_closed: Vec<u8>,
 }
 
 impl Paired {
     /// With errors of `tolerance` a step (1), in `rows` rows.
     pub fn new(pair: Pair, tolerance: f64, rows: usize) -> Self {
-        Self { pair, tolerance, fresh: vec![Row::default(); rows] }
+        Self { pair, tolerance, fresh: vec![Row::default(); rows], fresh_closed: vec![0; rows] }
     }
 
     /// Tries a step in every lane; tells which lanes have taken theirs.
@@ -44,19 +45,19 @@ impl Paired {
                 worth.0[index] = own;
             }
         }
-        self.shorten((set, plan), (work, lanes), &mut step, worth[1]);
+        Self::shorten((set, plan), (work, lanes), &mut step, worth[1]);
         self.attempt((set, plan), (work, lanes), step, worth);
         let mut taken = [false; WIDTH];
         for (index, lane) in lanes.iter_mut().enumerate() {
             taken[index] = lane.judge(work, index);
         }
-        keep(set, work, &taken);
+        let left = (0..lanes.len()).filter(|lane| !taken[*lane]);
+        keep(set, work, left.fold(0, |bits, lane| bits | 1 << lane));
         taken
     }
 
     /// Makes shorter what is not worth a try as it is.
     fn shorten(
-        &self,
         (set, plan): (InstructionSet, &Plan),
         (work, lanes): (&Workspace, &mut [Lane]),
         step: &mut Row,
@@ -122,9 +123,9 @@ impl Paired {
         (work, lanes): (&mut Workspace, &mut [Lane]),
         moved: &Row,
     ) {
-        let Self { tolerance, fresh, .. } = self;
+        let Self { tolerance, fresh, fresh_closed, .. } = self;
         let Parts { position, closed, force, acceleration: kept, .. } = work.next.parts();
-        let out = (closed, force, &mut **fresh);
+        let out = (&mut **fresh_closed, force, &mut **fresh);
         dispatch(set, Evaluate::<Across> { plan, position, out, layout: PhantomData });
         let mut lanes_moved = 0;
         for (index, lane) in lanes.iter_mut().enumerate() {
@@ -134,13 +135,13 @@ impl Paired {
             }
         }
         dispatch(set, Take { lanes: lanes_moved, rows: [(kept, &**fresh)] });
+        take_bits(lanes_moved, closed, fresh_closed);
     }
 }
 
-/// Makes the step's end the present in all lanes that have `taken` it.
-fn keep(set: InstructionSet, work: &mut Workspace, taken: &[bool; WIDTH]) {
+/// Makes the step's end the present, but in `lanes`, which have not taken it.
+fn keep(set: InstructionSet, work: &mut Workspace, lanes: u8) {
     work.turn();
-    let lanes = !bits(taken);
     if lanes == 0 {
         return;
     }
@@ -153,8 +154,13 @@ fn keep(set: InstructionSet, work: &mut Workspace, taken: &[bool; WIDTH]) {
         (now.lost_velocity, next.lost_velocity()),
     ];
     dispatch(set, Take { lanes, rows });
-    for (now, next) in now.closed.iter_mut().zip(&next.closed) {
-        *now = *now & !lanes | next & lanes;
+    take_bits(lanes, now.closed, &next.closed);
+}
+
+/// Copies some lanes of bits.
+fn take_bits(lanes: u8, to: &mut [u8], from: &[u8]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        *to = *to & !lanes | from & lanes;
     }
 }
 

@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use super::lane::first_lost;
 use crate::chain::stepper::dispatch::{InstructionSet, dispatch};
-use crate::chain::stepper::lanes::{Row, WIDTH};
+use crate::chain::stepper::lanes::WIDTH;
 use crate::chain::stepper::layout::Across;
 use crate::chain::stepper::plan::Plan;
 use crate::chain::stepper::steps::AT_ONCE;
@@ -74,7 +74,7 @@ impl Split {
         (h, count): (f64, u64),
         next: f64,
     ) -> [bool; WIDTH] {
-        let (step, method, layout) = (Row([h; WIDTH]), self.method, PhantomData);
+        let (step, method, layout) = (h, self.method, PhantomData);
         let task = tasks::Split::<Across> { plan, method, work, step, count, layout };
         let finite = dispatch(set, task);
         work.turn();

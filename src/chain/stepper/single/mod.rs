@@ -116,8 +116,7 @@ impl ChainStepper {
         (set, form): (InstructionSet, Form),
     ) -> Self {
         let velocities = &state.velocity;
-        let mut plan = Plan::one::<Y>(chain, form);
-        plan.compare::<Y>(scheme);
+        let mut plan = Plan::one::<Y>(chain, scheme, form);
         dispatch(set, Settle::<Y>(&mut plan, PhantomData));
         let mut work = Workspace::new(plan.all_rows(), scheme);
         let now = work.now.parts();

@@ -4,7 +4,6 @@ use std::marker::PhantomData;
 
 use super::Course;
 use crate::chain::stepper::dispatch::dispatch;
-use crate::chain::stepper::lanes::{Row, WIDTH};
 use crate::chain::stepper::layout::{Along, Striped};
 use crate::chain::stepper::steps::AT_ONCE;
 use crate::chain::stepper::tasks;
@@ -52,7 +51,7 @@ impl Split {
     /// Takes `count` steps of `h` (s).
     fn take(&self, course: &mut Course, (h, count): (f64, u64)) -> Result<(), IntegrateError> {
         let Course { set, striped, plan, work, counts, .. } = course;
-        let (set, step, method) = (*set, Row([h; WIDTH]), self.method);
+        let (set, step, method) = (*set, h, self.method);
         let finite = laid!(*striped, Y => {
             dispatch(set, tasks::Split::<Y> { plan, method, work, step, count, layout: PhantomData })
         });
