@@ -12,7 +12,9 @@ use crate::integrate::control::StepControl;
 use crate::integrate::{Pair, Scheme};
 
 /// The first step, as a fraction of overlap over speed (1).
-const FIRST_STEP: f64 = 0.03;
+const FIRST_STEP: f64 = 1e-3;
+/// The same where contacts are watched, so that it is made shorter if need be (1).
+const FIRST_STEP_WATCHED: f64 = 0.03;
 /// A step grows at most by this factor: the error estimate knows nothing of how sharply a force sets in that begins at zero
 /// overlap. With 5 instead of 3, first peaks of a chain under gravity were five to ten times as far off at 1e-6 to 1e-9 (1).
 const GROWTH: f64 = 3.0;
@@ -43,10 +45,10 @@ pub fn find_gradients<Y: Layout>(set: InstructionSet, plan: &Plan, work: &mut Wo
     }
 }
 
-/// The control of a chain that starts from `scales` of overlap (m) and speed (m/s).
-pub fn control(scales: (f64, f64), pair: Pair) -> StepControl {
-    StepControl::new(FIRST_STEP * scales.0 / scales.1, pair.coefficients().error_order)
-        .growing(GROWTH)
+/// The control of a chain that starts from `scales` of overlap (m) and speed (m/s), its contacts watched or not.
+pub fn control(scales: (f64, f64), pair: Pair, watched: bool) -> StepControl {
+    let share = if watched { FIRST_STEP_WATCHED } else { FIRST_STEP };
+    StepControl::new(share * scales.0 / scales.1, pair.coefficients().error_order).growing(GROWTH)
 }
 
 /// How many tolerated errors an error of 1 m, or of 1 m/s, is (1/m, s/m).

@@ -28,11 +28,11 @@ pub struct Lane {
 }
 
 impl Lane {
-    pub fn new(member: &Member<'_>, pair: Pair) -> Self {
+    pub fn new(member: &Member<'_>, pair: Pair, watched: bool) -> Self {
         let speed = member.velocities.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
         let scales = (member.chain.impact_overlap(member.velocities), speed);
         Self {
-            control: control(scales, pair),
+            control: control(scales, pair, watched),
             trial: None,
             scales,
             lightest: member.chain.lightest(),

@@ -118,7 +118,11 @@ impl ChainGroup {
         dispatch(set, Evaluate::<Across>::at(&plan, &mut work.now));
         let drive = match scheme {
             Scheme::Pair(pair, tolerance) => {
-                let lanes = members.iter().map(|member| Lane::new(member, pair)).collect();
+                let lane = |(lane, member): (usize, &Member<'_>)| {
+                    let watched = plan.watched.iter().any(|row| row.bits & (1_u8 << lane) != 0);
+                    Lane::new(member, pair, watched)
+                };
+                let lanes = members.iter().enumerate().map(lane).collect();
                 Drive::Paired(Box::new(Paired::new(pair, tolerance, plan.rows())), lanes)
             }
             Scheme::Splitting(method, step) => {

@@ -143,7 +143,8 @@ impl ChainStepper {
             Scheme::Pair(pair, tolerance) => {
                 let speed = velocities.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
                 let scales = (chain.impact_overlap(velocities).max(overlap.0[0]), speed);
-                Drive::Paired(Box::new(Paired::new(pair, tolerance, scales, chain.lightest())))
+                let (pair, watched) = ((pair, tolerance), !course.plan.watched.is_empty());
+                Drive::Paired(Box::new(Paired::new(pair, scales, chain.lightest(), watched)))
             }
             Scheme::Splitting(method, step) => {
                 find_gradients::<Y>(set, &course.plan, &mut course.work);

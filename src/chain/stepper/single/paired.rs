@@ -33,8 +33,14 @@ pub struct Paired {
 
 impl Paired {
     /// With errors of `tolerance` a step (1) relative to `scales` of overlap (m) and speed (m/s); `lightest` is the smallest mass (kg).
-    pub fn new(pair: Pair, tolerance: f64, scales: (f64, f64), lightest: f64) -> Self {
-        let (control, watch, events, corrects) = (control(scales, pair), Watch::new(), 0, true);
+    pub fn new(
+        (pair, tolerance): (Pair, f64),
+        scales: (f64, f64),
+        lightest: f64,
+        watched: bool,
+    ) -> Self {
+        let (control, watch) = (control(scales, pair, watched), Watch::new());
+        let (events, corrects) = (0, true);
         Self { pair, control, tolerance, scales, lightest, events, corrects, watch }
     }
 
