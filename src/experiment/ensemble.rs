@@ -1,7 +1,7 @@
 //! Many chains at once: eight side by side in the lanes of the machine's registers, groups of eight on all its processors.
 //!
-//! Every chain has steps and error control of its own, and one alone runs in a lane as well, so that a result is the same to the last
-//! bit however many threads there are and whatever else runs. Chains with losses run one by one.
+//! Under error control every chain has steps of its own, in fixed steps those of one duration go in step. One alone runs in a lane as well, so
+//! that a result is the same to the last bit however many threads there are and whatever else runs. Chains with losses run one by one.
 
 use std::borrow::Borrow;
 
