@@ -77,6 +77,17 @@ impl ForceProbe {
         self.body
     }
 
+    /// The two contacts with the next one above and below.
+    pub(super) fn neighbourhood(&self) -> [Contact; 4] {
+        let ([above, below], [first, last]) = (self.contacts, self.outer);
+        [first, above, below, last]
+    }
+
+    /// Inverse masses of the body above, this one and the one below (1/kg).
+    pub(super) fn inverse_masses(&self) -> [f64; 3] {
+        self.inertia.map(|(inverse_mass, _)| inverse_mass)
+    }
+
     /// Force at static equilibrium (N).
     #[must_use]
     pub fn static_force(&self) -> f64 {

@@ -6,6 +6,8 @@ use crate::integrate::{IntegrateError, Integrator, Method, State, Work};
 
 use super::film::Film;
 use super::pulse::PulseRecorder;
+pub use super::watch::Watch;
+use super::watch::follow;
 
 /// Evenly spaced times at which something is sampled: `start + i * interval`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,14 +43,8 @@ impl Grid {
     }
 }
 
-/// One watched force.
-#[derive(Debug, Clone)]
-pub struct Watch {
-    /// Its peaks and arrivals, up to the end of the scene's duration.
-    pub pulse: PulseRecorder,
-    /// Its dynamic force at the times of the sample grid (N).
-    pub samples: Vec<f64>,
-}
+/// Room is made for all samples that are due, up to so many at once.
+const ROOM_FOR_SAMPLES: usize = 1 << 20;
 
 /// The method at work on the chain.
 enum Engine<'a> {
@@ -73,7 +69,8 @@ impl<'a> Engine<'a> {
             Some(scheme) if chain.is_plain() => {
                 let set = InstructionSet::best();
                 let stepper = ChainStepper::new(chain, velocities, scheme, set);
-                Self::Stepper(Box::new(stepper), probes.iter().map(View::new).collect())
+                let views = probes.iter().map(|probe| stepper.view(probe)).collect();
+                Self::Stepper(Box::new(stepper), views)
             }
             _ => {
                 let state = chain.initial_state(velocities);
@@ -154,6 +151,10 @@ impl<'a> Bench<'a> {
     ) -> Result<(), IntegrateError> {
         let Self { chain, engine, grid, watches, film, most_evaluations, .. } = self;
         let (bodies, most) = (chain.bodies().len(), *most_evaluations);
+        for watch in &mut *watches {
+            let due = grid.samples_until(end).saturating_sub(watch.samples.len());
+            watch.samples.reserve_exact(due.min(ROOM_FOR_SAMPLES));
+        }
         match engine {
             Engine::Stepper(stepper, views) => {
                 while stepper.time() < end {
@@ -183,8 +184,10 @@ impl<'a> Bench<'a> {
     /// The bench, not yet run, without one of the stepper's refinements; what runs on no stepper has none.
     #[must_use]
     pub fn without(mut self, refinement: Refinement) -> Self {
-        if let Engine::Stepper(stepper, views) = self.engine {
+        if let Engine::Stepper(stepper, _) = self.engine {
             let stepper = stepper.without(refinement, self.chain);
+            let view = |watch: &Watch| stepper.view(watch.pulse.probe());
+            let views = self.watches.iter().map(view).collect();
             self.engine = Engine::Stepper(Box::new(stepper), views);
         }
         self
@@ -250,50 +253,5 @@ impl<'a> Bench<'a> {
     #[must_use]
     pub fn work(&self) -> Work {
         self.engine.integrator().work()
-    }
-}
-
-/// Takes the stepper's last step into the watches: samples that fall into it, and its pulses if `pulses`.
-fn follow(
-    stepper: &mut ChainStepper,
-    views: &mut [View],
-    (watches, grid): (&mut [Watch], Grid),
-    pulses: bool,
-) {
-    let (start, length) = stepper.last_step();
-    let end = stepper.time();
-    let sampled = watches.first().is_some_and(|watch| grid.time(watch.samples.len()) <= end);
-    stepper.glance(views);
-    for (view, watch) in views.iter_mut().zip(&*watches) {
-        view.wanted = sampled || pulses && watch.pulse.wants(view);
-    }
-    stepper.look(views);
-    for (view, watch) in views.iter().zip(watches) {
-        if sampled {
-            let before = watch.samples.len();
-            watch.samples.resize(grid.samples_until(end), 0.0);
-            let first = (grid.time(before) - start) / length;
-            let out = &mut watch.samples[before..];
-            stepper.sample(&view.track, (first, grid.interval / length), out);
-        }
-        if pulses {
-            watch.pulse.meet(view);
-        }
-    }
-}
-
-impl Watch {
-    fn take(&mut self, integrator: &dyn Integrator, bodies: usize, grid: Grid, pulses: bool) {
-        let segment = if pulses {
-            self.pulse.take(integrator, bodies)
-        } else {
-            self.pulse.probe().over_step(integrator, bodies)
-        };
-        let end = integrator.time();
-        let mut time = grid.time(self.samples.len());
-        while time <= end {
-            self.samples.push(segment.force((time - segment.start) / segment.length));
-            time = grid.time(self.samples.len());
-        }
     }
 }

@@ -216,8 +216,10 @@ fn lanes(bits: u8) -> impl Iterator<Item = usize> {
 
 /// Moves a group to its end and reads its forces.
 fn follow(mut group: ChainGroup, cases: &[&Case]) -> Vec<Result<Readout, IntegrateError>> {
-    let views = |case: &&Case| case.probes.iter().map(View::new).collect();
-    let mut views: Vec<Vec<View>> = cases.iter().map(views).collect();
+    let views = |(lane, case): (usize, &&Case)| {
+        case.probes.iter().map(|probe| group.view(lane, probe)).collect()
+    };
+    let mut views: Vec<Vec<View>> = cases.iter().enumerate().map(views).collect();
     let recorders = |case: &&Case| {
         let impact = case.chain.impact_force(&case.velocities);
         case.probes.iter().map(|probe| PulseRecorder::new(probe.clone(), impact)).collect()

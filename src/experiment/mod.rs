@@ -32,6 +32,7 @@ pub mod recorded;
 mod segment;
 pub mod tunability;
 mod turn;
+mod watch;
 pub mod wired;
 mod yielding;
 

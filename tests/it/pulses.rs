@@ -5,6 +5,7 @@ use hertzscope::experiment::bench::{Bench, Grid, Watch};
 use hertzscope::integrate::Method;
 use hertzscope::scene::Scene;
 
+use super::chains::{diatomic, kicked};
 use super::splittings::METHODS;
 
 /// Times nobody reaches.
@@ -67,4 +68,47 @@ fn a_force_reads_the_same_wherever_its_steps_were_looked_into() {
     }
     println!("{compared} forces");
     assert!(compared > 900, "{compared}");
+}
+
+/// Samples taken within steps are the forces of a chain that was stopped at their times, by the contacts' own formula, whatever the method, the
+/// layout of the chain and the form of its forces; before anything arrives they are nothing to the last bit.
+#[test]
+fn samples_are_the_forces_at_their_times() {
+    const GRID: Grid = Grid { start: -3e-6, interval: 0.7e-6 };
+    let by_pair = |tolerance| Method::DormandElMikkawyPrince86 { tolerance };
+    let by_step = |step| Method::BlanesMoan { step };
+    // Forms: plain at 1e-10, exact at 1e-13. 16 contacts in fixed steps are striped.
+    for (cells, force, linear) in
+        [(8, 2.38, false), (300, 2.38, false), (8, 0.0, false), (8, 2.38, true)]
+    {
+        let chain = diatomic(cells, force, linear);
+        let probes = [5, 2 * cells].map(|particle| ForceProbe::inside(&chain, particle, 0.2));
+        let probes = probes.map(|probe| probe.expect("a particle"));
+        for method in [by_pair(1e-10), by_pair(1e-13), by_step(0.2e-6)] {
+            let words = format!("{cells} cells, {force} N, {method}");
+            let mut bench = kicked(&chain, (0, 0.4), method, &probes, GRID);
+            bench.run_until(300e-6, false, &mut |_| ()).expect("a run");
+            let [near, far] = bench.watches() else { panic!("two watches") };
+            assert_eq!(near.samples.len(), GRID.samples_until(300e-6), "{words}");
+            let largest = near.samples.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
+            assert!(largest > 0.1, "{words}: {largest}");
+            for index in (7..near.samples.len()).step_by(31) {
+                let time = GRID.time(index);
+                let mut stopped = kicked(&chain, (0, 0.4), method, &[], NEVER);
+                stopped.run_until(time, false, &mut |_| ()).expect("a run");
+                let at = stopped.state().position;
+                let felt = |contact: usize, weight: f64| {
+                    let change = chain.overlap_change(&at, contact);
+                    weight * chain.contacts()[contact].force_change(change)
+                };
+                let body = chain.body_of(5);
+                let force = felt(body, 0.3) + felt(body + 1, 0.7);
+                let off = (near.samples[index] - force).abs() / largest;
+                assert!(off < 1e-8, "{words}: {off:e} at {time:e} s");
+            }
+            // What happens in the first two microseconds has not come through 600 particles in steps of so few stages.
+            let silent = far.samples.iter().take(6).all(|force| *force == 0.0);
+            assert!(silent || cells == 8, "{words}: {:?}", &far.samples[..6]);
+        }
+    }
 }

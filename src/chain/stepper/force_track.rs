@@ -4,7 +4,9 @@
 //! step to the power 8 with the constant `1/(8! 2^8)`. Source: C. Hermite, J. reine angew. Math. 84, 70 (1878).
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
+use super::forces::begin_plain;
 use super::lanes::{Lanes, Row, Task, WIDTH};
+use super::plan::Form;
 use crate::chain::hertz::force_and_tangent;
 use crate::chain::{Contact, ForceProbe, Law};
 
@@ -28,41 +30,6 @@ pub struct ForceTrack {
     pub length: f64,
     /// Overlap changes as polynomials in the fraction of the step (m).
     overlaps: [[f64; COEFFICIENTS]; CONTACTS],
-}
-
-/// A place whose force is watched.
-#[derive(Debug, Clone, PartialEq)]
-pub struct View {
-    /// Index of the body between the two contacts.
-    pub body: usize,
-    /// The force over the last step, where it was wanted.
-    pub track: ForceTrack,
-    /// The force in a few places of the last step, where it was wanted.
-    pub looks: Looks,
-    /// Length of the last step (s).
-    pub length: f64,
-    /// Dynamic force at its end (N).
-    pub end: f64,
-    /// Its rate of change there (N/s).
-    pub rate: f64,
-    /// Whether the force within the last step is wanted.
-    pub wanted: bool,
-}
-
-impl View {
-    /// A view of the place of `probe`, at rest.
-    #[must_use]
-    pub fn new(probe: &ForceProbe) -> Self {
-        Self {
-            body: probe.body(),
-            track: ForceTrack::new(probe),
-            looks: Looks::default(),
-            length: 0.0,
-            end: 0.0,
-            rate: 0.0,
-            wanted: false,
-        }
-    }
 }
 
 /// A force at evenly spaced places within a step, its end the last.
@@ -100,7 +67,8 @@ impl ForceTrack {
     #[inline]
     pub fn feel(&self, overlaps: [[f64; 2]; CONTACTS]) -> (f64, f64) {
         let (mut force, mut rate) = (0.0, 0.0);
-        for (which, [change, closing]) in overlaps.into_iter().enumerate() {
+        for which in 0..CONTACTS {
+            let [change, closing] = overlaps[which];
             let contact = &self.contacts[which];
             let (felt, tangent) = match contact.law {
                 Law::Hertz => {
@@ -242,38 +210,55 @@ impl ForceTrack {
 pub struct Sample<'a> {
     /// The force.
     pub track: &'a ForceTrack,
+    /// How the chain computes forces: what is sampled rounds as they do.
+    pub form: Form,
     /// Fraction of the step at the first sample (1).
     pub first: f64,
     /// From one sample to the next, in fractions of the step (1).
     pub interval: f64,
     /// Dynamic forces, one a sample (N).
-    pub out: &'a mut [f64],
+    pub out: &'a mut [[f64; WIDTH]],
+}
+
+impl Sample<'_> {
+    /// Force changes of contact `which` for changes of its overlap (N).
+    #[inline(always)]
+    fn force<L: Lanes>(&self, which: usize, change: L::V) -> L::V {
+        let contact = &self.track.contacts[which];
+        if self.form != Form::Plain {
+            let constants = self.track.constants(which).map(|c| L::splat(c));
+            return lane_forces::<L>(constants, change, contact.law).0;
+        }
+        let still = L::splat(contact.static_overlap);
+        let power = begin_plain::<L>(which, L::add(still, change)).power(which);
+        // The static part by the same loops: exactly nothing is felt where nothing has moved.
+        let felt = L::sub(power, begin_plain::<L>(which, still).power(which));
+        L::mul(L::splat(contact.stiffness), felt)
+    }
 }
 
 impl Task for Sample<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { track, first, interval, out } = self;
+    fn run<L: Lanes>(mut self) {
+        let (first, interval) = (L::splat(self.first), L::splat(self.interval));
         let count = L::load(&Row([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]));
         let mut start = 0.0;
-        for chunk in out.chunks_mut(WIDTH) {
-            let index = L::add(L::splat(start), count);
-            let theta = L::mul_add(index, L::splat(interval), L::splat(first));
+        for out in std::mem::take(&mut self.out) {
+            let theta = L::mul_add(L::add(L::splat(start), count), interval, first);
             let mut total = L::splat(0.0);
             for which in 0..CONTACTS {
                 let mut change = L::splat(0.0);
-                for coefficient in track.overlaps[which].iter().rev() {
+                for coefficient in self.track.overlaps[which].iter().rev() {
                     change = L::mul_add(change, theta, L::splat(*coefficient));
                 }
-                let constants = track.constants(which).map(|c| L::splat(c));
-                let (force, _) = lane_forces::<L>(constants, change, track.contacts[which].law);
-                total = L::mul_add(L::splat(track.weights[which]), force, total);
+                let weight = L::splat(self.track.weights[which]);
+                total = L::mul_add(weight, self.force::<L>(which, change), total);
             }
             let mut row = Row::default();
             L::store(total, &mut row);
-            chunk.copy_from_slice(&row.0[..chunk.len()]);
+            *out = row.0;
             start += 8.0;
         }
     }

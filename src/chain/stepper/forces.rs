@@ -1,8 +1,6 @@
 //! From overlaps to forces, accelerations and their rates, eight contacts at a time.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
-use std::ops::Range;
-
 use super::lanes::{Lanes, Row};
 use super::layout::Layout;
 use super::plan::{Form, Plan, Rest};
@@ -172,28 +170,18 @@ pub fn accelerations<L: Lanes, Y: Layout>(plan: Cut, r: usize, force: [L::V; 2])
     L::mul(unbalanced::<L, Y>(plan, r, force), L::load(&plan.inverse_mass[r]))
 }
 
-/// Rates of the accelerations at positions `x` where bodies move at `v`, in the rows of `range` that live.
+/// Rates of the accelerations at positions `x` where bodies move at `v`, in the rows that live.
 #[inline(always)]
-pub fn jerks<L: Lanes, Y: Layout>(
-    plan: &Plan,
-    (x, v): (&[Row], &[Row]),
-    range: Range<usize>,
-    out: &mut [Row],
-) {
-    debug_assert!(!Y::STRIPED || range.start == 0, "the first row stands below the last");
+pub fn jerks<L: Lanes, Y: Layout>(plan: &Plan, (x, v): (&[Row], &[Row]), out: &mut [Row]) {
     let rows = plan.rows();
     let linear = plan.form == Form::Linear;
     let plan = Cut::new(plan, rows);
     let (x, v, out) = (&x[..rows], &v[..rows], &mut out[..rows]);
-    let (first, end) = (range.start, range.end.min(rows));
     let none = L::splat(0.0);
-    let mut last = match first.checked_sub(1) {
-        Some(before) if before < rows => [L::load(&x[before]), L::load(&v[before])],
-        _ if Y::STRIPED => [&x[rows - 1], &v[rows - 1]].map(|l| Y::before_first::<L>(L::load(l))),
-        _ => [none; 2],
-    };
+    let before = |rows: &[Row]| rows.last().map_or(none, |l| Y::before_first::<L>(L::load(l)));
+    let mut last = [before(x), before(v)];
     let (mut rate, mut top) = (none, none);
-    for r in first..rows.min(end + 1) {
+    for r in 0..rows {
         let here = [L::load(&x[r]), L::load(&v[r])];
         let change = L::sub(Y::above::<L>(last[0], here[0]), here[0]);
         let closing = L::sub(Y::above::<L>(last[1], here[1]), here[1]);
@@ -206,15 +194,15 @@ pub fn jerks<L: Lanes, Y: Layout>(
             L::mul(L::mul(L::splat(1.5), stiffness), root)
         };
         let next = L::mul(tangent, closing);
-        if r > first {
-            L::store(pushed::<L, Y>(plan, r - 1, [rate, next]), &mut out[r - 1]);
-        } else if Y::STRIPED {
+        if r == 0 {
             top = next;
+        } else {
+            L::store(pushed::<L, Y>(plan, r - 1, [rate, next]), &mut out[r - 1]);
         }
         (last, rate) = (here, next);
     }
-    if end == rows && first < rows {
+    if let Some(end) = rows.checked_sub(1) {
         let next = Y::after_last::<L>(top, none);
-        L::store(pushed::<L, Y>(plan, rows - 1, [rate, next]), &mut out[rows - 1]);
+        L::store(pushed::<L, Y>(plan, end, [rate, next]), &mut out[end]);
     }
 }

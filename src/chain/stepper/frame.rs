@@ -1,10 +1,9 @@
-//! The stepper's last step as others see it: forces at a few places, or the whole chain at one time.
+//! The whole chain at one time within the stepper's last step.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
 use std::marker::PhantomData;
-use std::ops::Range;
 
-use super::force_track::{COEFFICIENTS, View, horner, septic};
+use super::force_track::{COEFFICIENTS, horner, septic};
 use super::forces::{self, Cut, EXACT, LINEAR};
 use super::lanes::{Lanes, Row, Task};
 use super::layout::Layout;
@@ -17,66 +16,6 @@ pub struct Ends<'a> {
     pub to: [&'a [Row]; 4],
     /// Start and length of the step (s).
     pub span: (f64, f64),
-}
-
-/// Value and derivatives, as many as there are `rows`, of the overlap of the contact above body `body`.
-#[inline(always)]
-fn overlap<Y: Layout, const N: usize>(rows: &[&[Row]; N], body: usize, lane: usize) -> [f64; N] {
-    let place = |body| Y::place(rows[0].len(), body, lane);
-    let (here, above) = (place(body), body.checked_sub(1).map(place));
-    let mut found = [0.0; N];
-    for which in 0..N {
-        let upper = above.map_or(0.0, |(row, lane)| rows[which][row].0[lane]);
-        found[which] = upper - rows[which][here.0].0[here.1];
-    }
-    found
-}
-
-/// Those of all `rows` that the bodies beside `body`, and itself, stand in.
-pub fn rows_around<Y: Layout>(rows: usize, body: usize) -> Range<usize> {
-    if Y::STRIPED {
-        return 0..rows;
-    }
-    let row = |body| Y::place(rows, body, 0).0;
-    row(body.saturating_sub(1))..row(body + 1) + 1
-}
-
-/// Brings views up to the end of a step of `length` (s), where bodies stand and move as in `to` (m, m/s).
-pub fn glance<Y: Layout>(to: (&[Row], &[Row]), length: f64, lane: usize, views: &mut [View]) {
-    let to = [to.0, to.1];
-    for view in views {
-        let above = overlap::<Y, 2>(&to, view.body, lane);
-        let below = overlap::<Y, 2>(&to, view.body + 1, lane);
-        (view.end, view.rate) = view.track.feel([above, below]);
-        view.length = length;
-    }
-}
-
-/// Looks into the step for the views that want it.
-pub struct Look<'a, Y> {
-    pub ends: Ends<'a>,
-    /// The chain's lane, where lanes are chains.
-    pub lane: usize,
-    pub views: &'a mut [View],
-    pub layout: PhantomData<Y>,
-}
-
-impl<Y: Layout> Task for Look<'_, Y> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { ends, lane, views, .. } = self;
-        for view in views.iter_mut().filter(|view| view.wanted) {
-            for which in 0..2 {
-                let contact = view.body + which;
-                let from = overlap::<Y, 4>(&ends.from, contact, lane);
-                let to = overlap::<Y, 4>(&ends.to, contact, lane);
-                view.track.set(which, ends.span, [from, to]);
-            }
-            view.looks = view.track.looks::<L>();
-        }
-    }
 }
 
 /// Positions (m) and force changes (N) of the whole chain at one time of the step.

@@ -32,10 +32,12 @@ mod steps;
 mod sweep;
 mod tasks;
 mod tried;
+mod view;
 mod visible;
 mod workspace;
 
 pub use dispatch::InstructionSet;
-pub use force_track::{ForceTrack, LOOKS, Looks, View};
+pub use force_track::{ForceTrack, LOOKS, Looks};
 pub use group::{ChainGroup, Glances, Kind, Member};
 pub use single::{ChainStepper, Refinement};
+pub use view::View;

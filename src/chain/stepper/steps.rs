@@ -38,8 +38,8 @@ pub fn finest_asked(scheme: Scheme) -> f64 {
 pub fn find_gradients<Y: Layout>(set: InstructionSet, plan: &Plan, work: &mut Workspace) {
     let Parts { position, acceleration, gradient, .. } = work.now.parts();
     if !gradient.is_empty() {
-        let (at, rows, layout) = ((&*position, &*acceleration), 0..plan.rows(), PhantomData);
-        dispatch(set, Jerks::<Y> { plan, at, rows, out: gradient, layout });
+        let (at, layout) = ((&*position, &*acceleration), PhantomData);
+        dispatch(set, Jerks::<Y> { plan, at, out: gradient, layout });
         // Kicks are weighed for two thirds of them.
         gradient.iter_mut().flat_map(|row| &mut row.0).for_each(|value| *value /= TANGENT);
     }

@@ -2,7 +2,6 @@
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
 use std::marker::PhantomData;
-use std::ops::Range;
 
 use super::evaluate::{Found, evaluate};
 use super::forces::{self, ALIKE, Cut, EXACT, LINEAR, PLAIN};
@@ -229,8 +228,6 @@ pub struct Jerks<'a, Y> {
     pub plan: &'a Plan,
     /// Positions and velocities.
     pub at: (&'a [Row], &'a [Row]),
-    /// The rows they are wanted in.
-    pub rows: Range<usize>,
     pub out: &'a mut [Row],
     pub layout: PhantomData<Y>,
 }
@@ -240,6 +237,6 @@ impl<Y: Layout> Task for Jerks<'_, Y> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        forces::jerks::<L, Y>(self.plan, self.at, self.rows, self.out);
+        forces::jerks::<L, Y>(self.plan, self.at, self.out);
     }
 }

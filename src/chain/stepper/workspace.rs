@@ -1,6 +1,7 @@
 //! What a step reads and writes.
 
 use super::lanes::Row;
+use super::view::Rows;
 use crate::integrate::Scheme;
 
 /// Most stages of a pair between the ends of a step.
@@ -150,6 +151,12 @@ impl Motion {
     #[must_use]
     pub fn seen(&self) -> (&[Row], &[Row]) {
         (self.position(), self.velocity())
+    }
+
+    /// The same and accelerations (m/s²).
+    #[must_use]
+    pub fn moving(&self) -> Rows<'_> {
+        [self.position(), self.velocity(), self.acceleration()]
     }
 
     fn at_rest(count: usize, gradients: usize) -> Self {

@@ -2,8 +2,9 @@
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
 use crate::chain::Law;
-use crate::chain::stepper::force_track::{CONTACTS, View, lane_forces};
+use crate::chain::stepper::force_track::{CONTACTS, lane_forces};
 use crate::chain::stepper::lanes::{Lanes, Row, Task, WIDTH};
+use crate::chain::stepper::view::View;
 
 /// A watched place in each lane, or none.
 #[derive(Debug, Clone)]

@@ -10,15 +10,14 @@ mod split;
 use std::marker::PhantomData;
 
 use super::dispatch::{InstructionSet, dispatch};
-use super::force_track::View;
-use super::frame::{Ends, Look, rows_around};
 use super::lanes::{Row, WIDTH};
 use super::layout::Across;
 use super::plan::{Form, Plan, shared_stiffness};
 use super::steps::{find_gradients, finest_asked};
-use super::tasks::{Evaluate, Jerks, Settle};
+use super::tasks::{Evaluate, Settle};
+use super::view::{Look, View};
 use super::workspace::Workspace;
-use crate::chain::{Chain, Law};
+use crate::chain::{Chain, ForceProbe, Law};
 use crate::integrate::{IntegrateError, Scheme, Work};
 use glances::Glance;
 pub use glances::Glances;
@@ -40,6 +39,14 @@ impl Drive {
             Self::Split(split) => split.last_step,
         }
     }
+
+    /// Steps that lane `lane` has taken.
+    fn steps(&self, lane: usize) -> u64 {
+        match self {
+            Self::Paired(_, lanes) => lanes.get(lane).map_or(0, |lane| lane.counts.steps),
+            Self::Split(split) => split.counts.steps,
+        }
+    }
 }
 
 /// Up to eight lossless chains with the same number of bodies under a method for forces that depend on positions alone.
@@ -48,9 +55,6 @@ pub struct ChainGroup {
     plan: Plan,
     drive: Drive,
     work: Workspace,
-    jerks: [Vec<Row>; 2],
-    /// Bodies that the last look was at.
-    looked_at: Vec<usize>,
 }
 
 /// One chain to be put into a group.
@@ -131,14 +135,7 @@ impl ChainGroup {
                 Drive::Split(Split::new(method, (step, end), members.len()))
             }
         };
-        Self {
-            set,
-            drive,
-            work,
-            jerks: std::array::from_fn(|_| vec![Row::default(); plan.rows()]),
-            looked_at: Vec::new(),
-            plan,
-        }
+        Self { set, drive, work, plan }
     }
 
     /// Whether every lane has come to its end, or failed.
@@ -188,29 +185,20 @@ impl ChainGroup {
         dispatch(self.set, Glance { glances, to, length, taken, law, doubtful })
     }
 
+    /// A view of the place of `probe` in lane `lane`, at rest.
+    #[must_use]
+    pub fn view(&self, lane: usize, probe: &ForceProbe) -> View {
+        View::new(probe, self.plan.all_rows(), |body| (body, lane))
+    }
+
     /// Looks into the step that lanes have just taken for those of their views that want it.
-    pub fn look(&mut self, views: &mut [Vec<View>]) {
-        let Self { set, plan, work, drive, jerks: [before, after], looked_at, .. } = self;
-        let Workspace { now, next, .. } = work;
-        looked_at.clear();
-        for view in views.iter().flatten().filter(|view| view.wanted) {
-            if looked_at.contains(&view.body) {
-                continue;
-            }
-            looked_at.push(view.body);
-            for (motion, out) in [(&*next, &mut *before), (&*now, &mut *after)] {
-                let (at, rows) = (motion.seen(), rows_around::<Across>(plan.all_rows(), view.body));
-                dispatch(*set, Jerks::<Across> { plan, at, rows, out, layout: PhantomData });
-            }
-        }
+    pub fn look(&self, views: &mut [Vec<View>]) {
+        let Self { set, work, drive, .. } = self;
+        let ends = [work.next.moving(), work.now.moving()];
         for (lane, views) in views.iter_mut().enumerate() {
             if views.iter().any(|view| view.wanted) {
-                let ends = Ends {
-                    from: [next.position(), next.velocity(), next.acceleration(), before],
-                    to: [now.position(), now.velocity(), now.acceleration(), after],
-                    span: drive.last_step(lane),
-                };
-                dispatch(*set, Look::<Across> { ends, lane, views, layout: PhantomData });
+                let (span, count) = (drive.last_step(lane), drive.steps(lane));
+                dispatch(*set, Look { ends, span, count, views });
             }
         }
     }

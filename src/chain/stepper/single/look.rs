@@ -1,39 +1,44 @@
 //! What is seen of a chain's last step.
 
 use std::marker::PhantomData;
-use std::ops::Range;
 
 use super::{ChainStepper, Course};
+use crate::chain::ForceProbe;
 use crate::chain::stepper::dispatch::dispatch;
-use crate::chain::stepper::force_track::{ForceTrack, Sample, View};
-use crate::chain::stepper::frame::{Ends, Frame, Look, glance, rows_around};
-use crate::chain::stepper::lanes::Row;
+use crate::chain::stepper::force_track::{ForceTrack, Sample};
+use crate::chain::stepper::frame::{Ends, Frame};
+use crate::chain::stepper::lanes::{Row, WIDTH};
 use crate::chain::stepper::layout::{Along, Striped};
 use crate::chain::stepper::tasks::Jerks;
+use crate::chain::stepper::view::{Look, View};
 use crate::chain::stepper::workspace::Workspace;
 
 impl ChainStepper {
+    /// A view of the place of `probe`, at rest.
+    #[must_use]
+    pub fn view(&self, probe: &ForceProbe) -> View {
+        View::new(probe, self.bodies, |body| self.course.place(body))
+    }
+
     /// Brings `views` up to the end of the last step.
     pub fn glance(&self, views: &mut [View]) {
-        let to = self.course.work.now.seen();
-        laid!(self.course.striped, Y => glance::<Y>(to, self.last_step.1, 0, views));
+        for view in views {
+            view.glance(self.course.work.now.seen(), self.last_step.1);
+        }
     }
 
     /// Looks into the last step for those of `views` that want it.
-    pub fn look(&mut self, views: &mut [View]) {
-        let Course { set, striped, plan, .. } = &self.course;
-        let (set, striped, all) = (*set, *striped, plan.all_rows());
-        let wanted = views.iter().filter(|view| view.wanted);
-        let rows = wanted.map(|view| laid!(striped, Y => rows_around::<Y>(all, view.body)));
-        let Some(rows) = rows.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)) else { return };
-        self.find_jerks(rows);
-        let ends = self.ends();
-        laid!(striped, Y => dispatch(set, Look::<Y> { ends, lane: 0, views, layout: PhantomData }));
+    pub fn look(&self, views: &mut [View]) {
+        let Course { set, work, counts, .. } = &self.course;
+        if views.iter().any(|view| view.wanted) {
+            let ends = [work.next.moving(), work.now.moving()];
+            dispatch(*set, Look { ends, span: self.last_step, count: counts.steps, views });
+        }
     }
 
     /// Displacements (m) and changes of the contact forces (N) at the fraction `theta` of the last step (1).
     pub fn frame(&mut self, theta: f64) -> (impl Iterator<Item = f64>, impl Iterator<Item = f64>) {
-        self.find_jerks(0..self.course.plan.all_rows());
+        self.find_jerks();
         let mut frame = std::mem::take(&mut self.frame);
         for rows in &mut frame {
             rows.resize(self.course.plan.all_rows(), Row::default());
@@ -48,35 +53,43 @@ impl ChainStepper {
         (self.course.flat(position, self.bodies), self.course.flat(force, self.bodies + 1))
     }
 
-    /// The forces of `track` from the fraction `first` of the step on, every `interval` of it (1).
-    pub fn sample(&self, track: &ForceTrack, (first, interval): (f64, f64), out: &mut [f64]) {
-        dispatch(self.course.set, Sample { track, first, interval, out });
+    /// Adds `count` forces of `track` to `samples` (N), from the fraction `first` of the step on, every `interval` of it (1).
+    pub fn sample(
+        &self,
+        track: &ForceTrack,
+        (first, interval): (f64, f64),
+        count: usize,
+        samples: &mut Vec<f64>,
+    ) {
+        let before = samples.len();
+        // Whole rows are written; what is too much of the last is taken off again.
+        samples.resize(before + count.next_multiple_of(WIDTH), 0.0);
+        let (out, _) = samples[before..].as_chunks_mut();
+        let Course { set, plan, .. } = &self.course;
+        dispatch(*set, Sample { track, form: plan.form, first, interval, out });
+        samples.truncate(before + count);
     }
 
-    /// Finds the rates of the accelerations at both ends of the last step, in `rows` at least.
-    pub(super) fn find_jerks(&mut self, rows: Range<usize>) {
-        let Self { course, jerks, jerks_of, .. } = self;
+    /// Finds the rates of the accelerations at both ends of the last step.
+    pub(super) fn find_jerks(&mut self) {
+        let Self { course, jerks: [before, after], jerks_of, .. } = self;
         let Course { set, striped, plan, work, counts, .. } = course;
-        let covered = jerks_of.1.start <= rows.start && rows.end <= jerks_of.1.end;
-        if covered && jerks_of.0 == counts.steps {
+        if *jerks_of == counts.steps {
             return;
         }
-        for out in &mut *jerks {
+        for out in [&mut *before, &mut *after] {
             out.resize(plan.all_rows(), Row::default());
         }
-        let [before, after] = jerks;
-        let set = *set;
         let find = |at, out| {
-            let rows = rows.clone();
-            laid!(*striped, Y => dispatch(set, Jerks::<Y> { plan, at, rows, out, layout: PhantomData }));
+            laid!(*striped, Y => dispatch(*set, Jerks::<Y> { plan, at, out, layout: PhantomData }));
         };
-        if covered && jerks_of.0.wrapping_add(1) == counts.steps {
+        if jerks_of.wrapping_add(1) == counts.steps {
             std::mem::swap(before, after);
         } else {
             find(work.next.seen(), before);
         }
         find(work.now.seen(), after);
-        *jerks_of = (counts.steps, rows);
+        *jerks_of = counts.steps;
     }
 
     /// The last step's ends: what was the start stays where the next step will end.

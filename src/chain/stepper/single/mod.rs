@@ -18,7 +18,6 @@ mod paired;
 mod split;
 
 use std::marker::PhantomData;
-use std::ops::Range;
 
 use super::dispatch::{InstructionSet, dispatch};
 use super::frame::Ends;
@@ -73,10 +72,9 @@ pub struct ChainStepper {
     scheme: Scheme,
     bodies: usize,
     last_step: (f64, f64),
-    /// Rates of the accelerations at the start and the end of the last step (m/s³), and which step that was and in which rows; empty
-    /// until they are asked for.
+    /// Rates of the accelerations at the start and the end of the last step (m/s³), and which step that was; empty until they are asked for.
     jerks: [Vec<Row>; 2],
-    jerks_of: (u64, Range<usize>),
+    jerks_of: u64,
     /// Room for a frame, once one is asked for: positions (m) and force changes (N).
     frame: [Vec<Row>; 2],
 }
@@ -158,7 +156,7 @@ impl ChainStepper {
             bodies: chain.bodies().len(),
             last_step: (state.time, 0.0),
             jerks: [Vec::new(), Vec::new()],
-            jerks_of: (u64::MAX, 0..0),
+            jerks_of: u64::MAX,
             frame: [Vec::new(), Vec::new()],
         }
     }
@@ -275,7 +273,7 @@ impl Integrator for ChainStepper {
     }
 
     fn prepare_interpolation(&mut self) {
-        self.find_jerks(0..self.course.plan.all_rows());
+        self.find_jerks();
     }
 
     fn interpolant(&self, body: usize) -> Interpolant {
