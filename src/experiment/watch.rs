@@ -23,10 +23,13 @@ pub fn follow(
 ) {
     let (start, length) = stepper.last_step();
     let end = stepper.time();
-    let sampled = watches.first().is_some_and(|watch| grid.time(watch.samples.len()) <= end);
-    if sampled {
+    let is_due = |watch: &Watch| grid.time(watch.samples.len()) <= end;
+    let due = if watches.first().is_some_and(is_due) { grid.samples_until(end) } else { 0 };
+    if due > 0 {
         // Whoever looks into the step sees its end, too.
-        views.iter_mut().for_each(|view| view.wanted = true);
+        for view in views.iter_mut() {
+            view.wanted = true;
+        }
     } else if pulses {
         stepper.glance(views);
         for (view, watch) in views.iter_mut().zip(&*watches) {
@@ -36,7 +39,6 @@ pub fn follow(
         return;
     }
     stepper.look(views);
-    let due = if sampled { grid.samples_until(end) } else { 0 };
     for (view, watch) in views.iter().zip(watches) {
         let samples = &mut watch.samples;
         if let Some(count @ 1..) = due.checked_sub(samples.len()) {

@@ -67,8 +67,7 @@ impl ForceTrack {
     #[inline]
     pub fn feel(&self, overlaps: [[f64; 2]; CONTACTS]) -> (f64, f64) {
         let (mut force, mut rate) = (0.0, 0.0);
-        for which in 0..CONTACTS {
-            let [change, closing] = overlaps[which];
+        for (which, [change, closing]) in overlaps.into_iter().enumerate() {
             let contact = &self.contacts[which];
             let (felt, tangent) = match contact.law {
                 Law::Hertz => {

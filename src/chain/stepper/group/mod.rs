@@ -52,9 +52,9 @@ impl Drive {
 /// Up to eight lossless chains with the same number of bodies under a method for forces that depend on positions alone.
 pub struct ChainGroup {
     set: InstructionSet,
-    plan: Plan,
     drive: Drive,
     work: Workspace,
+    plan: Plan,
 }
 
 /// One chain to be put into a group.
