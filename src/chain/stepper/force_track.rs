@@ -84,14 +84,17 @@ impl ForceTrack {
     /// Dynamic force at the fraction `theta` of the step (N).
     #[must_use]
     pub fn force(&self, theta: f64) -> f64 {
-        self.feel(self.overlaps.each_ref().map(|overlap| [horner(overlap, theta), 0.0])).0
+        let [above, below] = &self.overlaps;
+        self.feel([[horner(above, theta), 0.0], [horner(below, theta), 0.0]]).0
     }
 
     /// Its rate of change there (N/s).
     #[must_use]
     pub fn rate(&self, theta: f64) -> f64 {
-        let overlap = |c: &[f64; COEFFICIENTS]| [horner(c, theta), slope(c, theta) / self.length];
-        self.feel(self.overlaps.each_ref().map(overlap)).1
+        let [above, below] = &self.overlaps;
+        let above = [horner(above, theta), slope(above, theta) / self.length];
+        let below = [horner(below, theta), slope(below, theta) / self.length];
+        self.feel([above, below]).1
     }
 }
 
