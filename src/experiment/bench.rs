@@ -1,6 +1,6 @@
 //! The chain in motion with everything that watches it: pulses, scope samples, truth.
 
-use crate::chain::stepper::{ChainStepper, InstructionSet, Refinement, View};
+use crate::chain::stepper::{ChainStepper, InstructionSet, Refinement, SAMPLED_AT_ONCE, View};
 use crate::chain::{Chain, Dissipated, Energy, ForceProbe};
 use crate::integrate::{IntegrateError, Integrator, Method, State, Work};
 
@@ -153,7 +153,7 @@ impl<'a> Bench<'a> {
         let (bodies, most) = (chain.bodies().len(), *most_evaluations);
         for watch in &mut *watches {
             let due = grid.samples_until(end).saturating_sub(watch.samples.len());
-            watch.samples.reserve_exact(due.min(ROOM_FOR_SAMPLES));
+            watch.samples.reserve(due.min(ROOM_FOR_SAMPLES) + SAMPLED_AT_ONCE);
         }
         match engine {
             Engine::Stepper(stepper, views) => {

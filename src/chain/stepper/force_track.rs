@@ -14,6 +14,8 @@ use crate::chain::{Contact, ForceProbe, Law};
 pub const COEFFICIENTS: usize = 8;
 /// Contacts that a place feels.
 pub const CONTACTS: usize = 2;
+/// Samples are taken so many at a time.
+pub const SAMPLED_AT_ONCE: usize = WIDTH;
 /// Places within a step at which a force is looked at.
 pub const LOOKS: usize = WIDTH / CONTACTS;
 
@@ -219,7 +221,7 @@ pub struct Sample<'a> {
     /// From one sample to the next, in fractions of the step (1).
     pub interval: f64,
     /// Dynamic forces, one a sample (N).
-    pub out: &'a mut [[f64; WIDTH]],
+    pub out: &'a mut [[f64; SAMPLED_AT_ONCE]],
 }
 
 impl Sample<'_> {

@@ -178,8 +178,10 @@ pub fn jerks<L: Lanes, Y: Layout>(plan: &Plan, (x, v): (&[Row], &[Row]), out: &m
     let plan = Cut::new(plan, rows);
     let (x, v, out) = (&x[..rows], &v[..rows], &mut out[..rows]);
     let none = L::splat(0.0);
-    let before = |rows: &[Row]| rows.last().map_or(none, |l| Y::before_first::<L>(L::load(l)));
-    let mut last = [before(x), before(v)];
+    let mut last = match (x.last(), v.last()) {
+        (Some(x), Some(v)) => [Y::before_first::<L>(L::load(x)), Y::before_first::<L>(L::load(v))],
+        _ => [none; 2],
+    };
     let (mut rate, mut top) = (none, none);
     for r in 0..rows {
         let here = [L::load(&x[r]), L::load(&v[r])];

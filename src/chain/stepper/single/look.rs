@@ -5,9 +5,9 @@ use std::marker::PhantomData;
 use super::{ChainStepper, Course};
 use crate::chain::ForceProbe;
 use crate::chain::stepper::dispatch::dispatch;
-use crate::chain::stepper::force_track::{ForceTrack, Sample};
+use crate::chain::stepper::force_track::{ForceTrack, SAMPLED_AT_ONCE, Sample};
 use crate::chain::stepper::frame::{Ends, Frame};
-use crate::chain::stepper::lanes::{Row, WIDTH};
+use crate::chain::stepper::lanes::Row;
 use crate::chain::stepper::layout::{Along, Striped};
 use crate::chain::stepper::tasks::Jerks;
 use crate::chain::stepper::view::{Look, View};
@@ -63,7 +63,7 @@ impl ChainStepper {
     ) {
         let before = samples.len();
         // Whole rows are written; what is too much of the last is taken off again.
-        samples.resize(before + count.next_multiple_of(WIDTH), 0.0);
+        samples.resize(before + count.next_multiple_of(SAMPLED_AT_ONCE), 0.0);
         let (out, _) = samples[before..].as_chunks_mut();
         let Course { set, plan, .. } = &self.course;
         dispatch(*set, Sample { track, form: plan.form, first, interval, out });
