@@ -10,10 +10,8 @@ use common::ours::{self, Watching};
 use common::scenes::{Case, shipped};
 use hertzscope::chain::ChainSystem;
 use hertzscope::chain::stepper::InstructionSet;
-use hertzscope::experiment::accuracy::{run_held, steps_tried};
-use hertzscope::experiment::{self, Integration, for_accuracy};
+use hertzscope::experiment::for_accuracy;
 use hertzscope::integrate::{Method, State};
-use hertzscope::scene::Scene;
 
 const ROUNDS: usize = 9;
 /// CPU time of one measurement (s).
@@ -62,17 +60,6 @@ fn main() {
     table_scenes();
 }
 
-/// What `--accuracy` comes to hold the steps of a shipped scene to (1).
-fn steps_held(name: &str, accuracy: f64) -> f64 {
-    let scene = Scene::load(name).expect("a shipped scene");
-    let held = run_held(&scene, accuracy, 1, &mut |_| ()).expect("a run").summary;
-    let same = |steps: &f64| {
-        let run = experiment::run(&scene, Integration::Accuracy(*steps), 1, &mut |_| ());
-        run.is_ok_and(|run| run.summary.force_evaluations == held.force_evaluations)
-    };
-    steps_tried(accuracy).find(same).expect("one of them")
-}
-
 /// The eight scenes of the paper's tables as `--accuracy 1e-3` follows them for 2 ms, nothing recorded.
 fn table_scenes() {
     println!(
@@ -82,7 +69,7 @@ fn table_scenes() {
         for striker in ["0.61g", "1.22g", "2.75g", "17.81g"] {
             let name = format!("{preload}-{striker}");
             let case = shipped(&name, 2e-3);
-            let steps = steps_held(&name, 1e-3);
+            let steps = ours::steps_held(&name, 1e-3);
             let run =
                 || ours::bare(&case, for_accuracy(steps), InstructionSet::best()).expect("a run");
             let evaluations = run();

@@ -24,7 +24,7 @@ const ROUNDS: usize = 9;
 const SLICE: f64 = 0.05;
 /// Runs of each whole process.
 const PROCESSES: u16 = 200;
-/// Arguments of this program as one of the processes that are compared: nothing, or a scene and its motion.
+/// Arguments of this program as one of the processes that are compared: nothing, or a scene and its motion by steps held to what comes next.
 const EMPTY: &str = "--empty-process";
 const BARE: &str = "--bare-process";
 /// Doubles in the stream: they stay in the first-level cache.
@@ -37,7 +37,9 @@ fn main() {
     }
     if asked(BARE) {
         let case = Case::named("bench").expect("a scene");
-        ours::run(&case, for_accuracy(1e-6), Watching::Recorded).expect("a run");
+        let steps = std::env::args().find_map(|argument| argument.parse().ok());
+        let method = for_accuracy(steps.expect("what steps are held to"));
+        ours::run(&case, method, Watching::Recorded).expect("a run");
         return;
     }
     kernels();
@@ -264,7 +266,7 @@ fn processes() {
     let this = std::env::current_exe().expect("this program's place");
     let [mut empty, mut bare] = [(); 2].map(|()| Command::new(&this));
     empty.arg(EMPTY);
-    bare.arg(BARE);
+    bare.args([BARE, &ours::steps_held("magnet-0.61g", 1e-6).to_string()]);
     let mut run = Command::new(program);
     run.args(["run", "magnet-0.61g", "--accuracy", "1e-6", "--quiet", "--output"]);
     run.arg(output);
@@ -280,7 +282,7 @@ fn processes() {
     let [least, alone, version, run] = spent.map(|mut spent| median(&mut spent));
     println!("An empty Rust process takes {:.2} ms of CPU time.\n", 1e3 * least);
     println!("| whole process | over an empty Rust process |\n|---|---|");
-    let what = "start, magnet-0.61g, 5 ms at 1e-6 with a sample each us, by the library alone";
+    let what = "start, magnet-0.61g, 5 ms as `--accuracy 1e-6` follows it with a sample each us, by the library alone";
     println!("| {what} | {:.2} |", alone / least);
     println!("| `hertzscope --version` | {:.2} |", version / least);
     let what = "`hertzscope run magnet-0.61g --accuracy 1e-6`, written to disk";
