@@ -168,7 +168,7 @@ fn quiet_part() {
 }
 
 /// Chains in an ensemble; eight share the lanes of a group. So many that starting threads costs nothing beside them.
-const ENSEMBLE: u32 = 512;
+const ENSEMBLE: u32 = 2048;
 /// Rounds of one thread against two: the second processor has other work, now and then.
 const THREAD_ROUNDS: usize = 25;
 /// Streams of square roots that are shared out to threads.
