@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::segment::{Bracket, Rise, Segment};
 use super::turn::{fall, may_fall, root};
-use crate::chain::stepper::{LOOKS, Looks, View};
+use crate::chain::stepper::{LOOKS, Looks, Place, View};
 use crate::chain::{ForceProbe, ForceSegment};
 use crate::integrate::Integrator;
 
@@ -44,6 +44,7 @@ pub struct Peak {
 #[derive(Debug, Clone)]
 pub struct PulseRecorder {
     probe: ForceProbe,
+    place: Place,
     /// Force that a pulse exceeds (N).
     quietest: f64,
     /// Maxima that may turn out to be the first above the threshold.
@@ -71,6 +72,7 @@ impl PulseRecorder {
     pub fn new(probe: ForceProbe, impact: f64) -> Self {
         Self {
             quietest: QUIETEST * probe.static_force().max(impact),
+            place: Place::new(&probe),
             probe,
             peaks: Vec::new(),
             rises: Vec::new(),
@@ -139,8 +141,8 @@ impl PulseRecorder {
     /// Takes in one step of the stepper for lossless chains.
     pub fn meet(&mut self, view: &View) {
         if view.wanted {
-            let track = &view.track;
-            self.see(&view.looks, track.length, &|| Segment::Lossless(Box::new(track.clone())));
+            let span = view.track.span;
+            self.see(&view.looks, span.length, &|| Segment::Lossless(span));
         } else {
             (self.last, self.rate_before) = (view.end, view.rate);
         }
@@ -169,14 +171,14 @@ impl PulseRecorder {
                     Some(high)
                 } else if may_fall((self.rate_before, rate), mean, BETWEEN) {
                     let segment = segment();
-                    fall(&|theta| segment.rate(theta), low, high)
+                    fall(&|theta| segment.rate(&self.place, theta), low, high)
                 } else {
                     None
                 };
                 if let Some(high) = falls {
                     let bracket = Bracket { segment: segment(), low, high, near };
                     if near * BETWEEN_LOOKS > reached {
-                        let (at, force) = bracket.top();
+                        let (at, force) = bracket.top(&self.place);
                         if force > reached {
                             (reached, top) = (force, at);
                         }
@@ -225,7 +227,7 @@ impl PulseRecorder {
     pub fn first_peak(&self) -> Option<Peak> {
         let threshold = (PEAK_SHARE * self.largest).max(self.quietest);
         let high = self.peaks.iter().filter(|peak| peak.near * BETWEEN_LOOKS > threshold);
-        let mut tops = high.map(|peak| (peak, peak.top()));
+        let mut tops = high.map(|peak| (peak, peak.top(&self.place)));
         let (peak, (theta, dynamic_n)) = tops.find(|(_, top)| top.1 > threshold)?;
         let time_s = peak.segment.time(theta);
         Some(Peak { total_n: dynamic_n + self.probe.static_force(), dynamic_n, time_s })
@@ -235,7 +237,7 @@ impl PulseRecorder {
     #[must_use]
     pub fn first_reach(&self, level: f64) -> Option<f64> {
         let rise = self.rises.iter().find(|rise| rise.reached >= level)?;
-        let excess = |theta: f64| rise.segment.force(theta) - level;
+        let excess = |theta: f64| rise.segment.force(&self.place, theta) - level;
         let mut before = 0.0;
         // Looks up to the largest force, which may stand between two of them.
         let looks = (0..LOOKS).map(theta).take_while(|look| *look < rise.top);

@@ -2,7 +2,7 @@
 
 use super::turn::root;
 use crate::chain::ForceSegment;
-use crate::chain::stepper::ForceTrack;
+use crate::chain::stepper::{Place, Span};
 
 /// A force over one step. Steps resolve the stiffest contact, or they would not be accepted, so a force turns at most twice
 /// between two of [`LOOKS`](crate::chain::stepper::LOOKS) evenly spaced places.
@@ -11,7 +11,7 @@ pub enum Segment {
     /// Of any method.
     General(Box<ForceSegment>),
     /// Of the stepper for lossless chains.
-    Lossless(Box<ForceTrack>),
+    Lossless(Span),
 }
 
 /// A maximum, between two looks at a step's force or at a known time.
@@ -37,19 +37,19 @@ pub struct Rise {
 }
 
 impl Segment {
-    /// Dynamic force at the fraction `theta` of the step (N).
-    pub fn force(&self, theta: f64) -> f64 {
+    /// Dynamic force that `place` feels at the fraction `theta` of the step (N).
+    pub fn force(&self, place: &Place, theta: f64) -> f64 {
         match self {
             Self::General(segment) => segment.force(theta),
-            Self::Lossless(track) => track.force(theta),
+            Self::Lossless(span) => place.force(span, theta),
         }
     }
 
     /// Its rate of change there (N/s).
-    pub fn rate(&self, theta: f64) -> f64 {
+    pub fn rate(&self, place: &Place, theta: f64) -> f64 {
         match self {
             Self::General(segment) => segment.rate(theta),
-            Self::Lossless(track) => track.rate(theta),
+            Self::Lossless(span) => place.rate(span, theta),
         }
     }
 
@@ -57,20 +57,20 @@ impl Segment {
     pub fn time(&self, theta: f64) -> f64 {
         let (start, length) = match self {
             Self::General(segment) => (segment.start, segment.length),
-            Self::Lossless(track) => (track.start, track.length),
+            Self::Lossless(span) => (span.start, span.length),
         };
         start + theta * length
     }
 }
 
 impl Bracket {
-    /// Fraction of the step and force of the maximum (1, N).
-    pub fn top(&self) -> (f64, f64) {
+    /// Fraction of the step and force of the maximum that `place` feels (1, N).
+    pub fn top(&self, place: &Place) -> (f64, f64) {
         let theta = if self.high > self.low {
-            root(&|theta| self.segment.rate(theta), self.low, self.high)
+            root(&|theta| self.segment.rate(place, theta), self.low, self.high)
         } else {
             self.low
         };
-        (theta, self.segment.force(theta))
+        (theta, self.segment.force(place, theta))
     }
 }

@@ -19,19 +19,33 @@ pub const SAMPLED_AT_ONCE: usize = WIDTH;
 /// Places within a step at which a force is looked at.
 pub const LOOKS: usize = WIDTH / CONTACTS;
 
-/// A place's force over one step.
+/// A place between two contacts, which feels both.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ForceTrack {
+pub struct Place {
     contacts: [Contact; CONTACTS],
     /// Square roots of the static overlaps (m^0.5).
     static_roots: [f64; CONTACTS],
     weights: [f64; CONTACTS],
+}
+
+/// How a place's contacts move over one step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Span {
     /// Start of the step (s).
     pub start: f64,
     /// Length of the step (s).
     pub length: f64,
     /// Overlap changes as polynomials in the fraction of the step (m).
     overlaps: [[f64; COEFFICIENTS]; CONTACTS],
+}
+
+/// A place's force over one step.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ForceTrack {
+    /// The place.
+    pub place: Place,
+    /// The step.
+    pub span: Span,
 }
 
 /// A force at evenly spaced places within a step, its end the last.
@@ -43,25 +57,24 @@ pub struct Looks {
     pub rates: [f64; LOOKS],
 }
 
-impl ForceTrack {
-    /// The place of `probe`, at rest.
+impl Span {
+    /// Takes the overlap change of contact `which` over a step from value and derivatives at its ends (m, m/s, m/s², m/s³).
+    #[inline(always)]
+    pub fn set(&mut self, which: usize, (start, length): (f64, f64), ends: [[f64; 4]; 2]) {
+        (self.start, self.length) = (start, length);
+        self.overlaps[which] = septic(ends, length);
+    }
+}
+
+impl Place {
+    /// The place of `probe`.
     #[must_use]
     pub fn new(probe: &ForceProbe) -> Self {
         Self {
             contacts: *probe.contacts(),
             static_roots: probe.contacts().map(|contact| contact.static_overlap.sqrt()),
             weights: *probe.weights(),
-            start: 0.0,
-            length: 0.0,
-            overlaps: [[0.0; COEFFICIENTS]; CONTACTS],
         }
-    }
-
-    /// Takes the overlap change of contact `which` over a step from value and derivatives at its ends (m, m/s, m/s², m/s³).
-    #[inline(always)]
-    pub fn set(&mut self, which: usize, (start, length): (f64, f64), ends: [[f64; 4]; 2]) {
-        (self.start, self.length) = (start, length);
-        self.overlaps[which] = septic(ends, length);
     }
 
     /// Dynamic force (N) and its rate of change (N/s) for changes of the overlaps (m) and their rates (m/s).
@@ -83,20 +96,43 @@ impl ForceTrack {
         (force, rate)
     }
 
-    /// Dynamic force at the fraction `theta` of the step (N).
+    /// Dynamic force at the fraction `theta` of a step (N).
     #[must_use]
-    pub fn force(&self, theta: f64) -> f64 {
-        let [above, below] = &self.overlaps;
+    pub fn force(&self, span: &Span, theta: f64) -> f64 {
+        let [above, below] = &span.overlaps;
         self.feel([[horner(above, theta), 0.0], [horner(below, theta), 0.0]]).0
     }
 
     /// Its rate of change there (N/s).
     #[must_use]
-    pub fn rate(&self, theta: f64) -> f64 {
-        let [above, below] = &self.overlaps;
-        let above = [horner(above, theta), slope(above, theta) / self.length];
-        let below = [horner(below, theta), slope(below, theta) / self.length];
+    pub fn rate(&self, span: &Span, theta: f64) -> f64 {
+        let [above, below] = &span.overlaps;
+        let above = [horner(above, theta), slope(above, theta) / span.length];
+        let below = [horner(below, theta), slope(below, theta) / span.length];
         self.feel([above, below]).1
+    }
+
+    /// Stiffness and static root of a contact as the lanes need them.
+    #[inline(always)]
+    fn constants(&self, which: usize) -> [f64; 2] {
+        let contact = &self.contacts[which];
+        match contact.law {
+            Law::Hertz => [contact.stiffness, self.static_roots[which]],
+            Law::Linearised => [contact.static_stiffness(), 0.0],
+        }
+    }
+
+    /// Stiffness, static root and weight of contact `which` (unit).
+    pub fn lane_constants(&self, which: usize) -> [f64; 3] {
+        let [stiffness, static_root] = self.constants(which);
+        [stiffness, static_root, self.weights[which]]
+    }
+
+    /// The law of both contacts; an open end has none.
+    #[inline(always)]
+    fn law(&self) -> Law {
+        let [above, below] = &self.contacts;
+        if above.stiffness > 0.0 { above.law } else { below.law }
     }
 }
 
@@ -156,27 +192,10 @@ pub fn lane_forces<L: Lanes>(contact: [L::V; 2], change: L::V, law: Law) -> (L::
 }
 
 impl ForceTrack {
-    /// Stiffness and static root of a contact as the lanes need them.
-    #[inline(always)]
-    fn constants(&self, which: usize) -> [f64; 2] {
-        let contact = &self.contacts[which];
-        match contact.law {
-            Law::Hertz => [contact.stiffness, self.static_roots[which]],
-            Law::Linearised => [contact.static_stiffness(), 0.0],
-        }
-    }
-
-    /// Stiffness, static root and weight of contact `which` (unit).
-    pub fn lane_constants(&self, which: usize) -> [f64; 3] {
-        let [stiffness, static_root] = self.constants(which);
-        [stiffness, static_root, self.weights[which]]
-    }
-
-    /// The law of both contacts; an open end has none.
-    #[inline(always)]
-    fn law(&self) -> Law {
-        let [above, below] = &self.contacts;
-        if above.stiffness > 0.0 { above.law } else { below.law }
+    /// The place of `probe`, at rest.
+    #[must_use]
+    pub fn new(probe: &ForceProbe) -> Self {
+        Self { place: Place::new(probe), span: Span::default() }
     }
 
     /// The force in [`LOOKS`] places: both contacts side by side.
@@ -194,18 +213,19 @@ impl ForceTrack {
         let (mut change, mut rate) = (both([0.0; 2]), both([0.0; 2]));
         for power in (0..COEFFICIENTS).rev() {
             rate = L::mul_add(rate, theta, change);
-            change = L::mul_add(change, theta, both(self.overlaps.map(|c| c[power])));
+            change = L::mul_add(change, theta, both(self.span.overlaps.map(|c| c[power])));
         }
-        let [first, second] = [self.constants(0), self.constants(1)];
+        let Self { place, span } = self;
+        let [first, second] = [place.constants(0), place.constants(1)];
         let constants = [both([first[0], second[0]]), both([first[1], second[1]])];
-        let (force, tangent) = lane_forces::<L>(constants, change, self.law());
-        let weights = both(self.weights);
+        let (force, tangent) = lane_forces::<L>(constants, change, place.law());
+        let weights = both(place.weights);
         let (mut forces, mut rates) = (Row::default(), Row::default());
         L::store(L::mul(weights, force), &mut forces);
         L::store(L::mul(L::mul(weights, tangent), rate), &mut rates);
         Looks {
             forces: std::array::from_fn(|i| forces.0[i] + forces.0[i + LOOKS]),
-            rates: std::array::from_fn(|i| (rates.0[i] + rates.0[i + LOOKS]) / self.length),
+            rates: std::array::from_fn(|i| (rates.0[i] + rates.0[i + LOOKS]) / span.length),
         }
     }
 }
@@ -228,9 +248,10 @@ impl Sample<'_> {
     /// Force changes of contact `which` for changes of its overlap (N).
     #[inline(always)]
     fn force<L: Lanes>(&self, which: usize, change: L::V) -> L::V {
-        let contact = &self.track.contacts[which];
+        let place = &self.track.place;
+        let contact = &place.contacts[which];
         if self.form != Form::Plain {
-            let constants = self.track.constants(which).map(|c| L::splat(c));
+            let constants = place.constants(which).map(|c| L::splat(c));
             return lane_forces::<L>(constants, change, contact.law).0;
         }
         let still = L::splat(contact.static_overlap);
@@ -254,10 +275,10 @@ impl Task for Sample<'_> {
             let mut total = L::splat(0.0);
             for which in 0..CONTACTS {
                 let mut change = L::splat(0.0);
-                for coefficient in self.track.overlaps[which].iter().rev() {
+                for coefficient in self.track.span.overlaps[which].iter().rev() {
                     change = L::mul_add(change, theta, L::splat(*coefficient));
                 }
-                let weight = L::splat(self.track.weights[which]);
+                let weight = L::splat(self.track.place.weights[which]);
                 total = L::mul_add(weight, self.force::<L>(which, change), total);
             }
             let mut row = Row::default();

@@ -86,7 +86,8 @@ impl View {
     pub fn glance(&mut self, (position, velocity): (&[Row], &[Row]), length: f64) {
         let change: [f64; CONTACTS] = self.near.differences(1, position);
         let closing: [f64; CONTACTS] = self.near.differences(1, velocity);
-        (self.end, self.rate) = self.track.feel([[change[0], closing[0]], [change[1], closing[1]]]);
+        (self.end, self.rate) =
+            self.track.place.feel([[change[0], closing[0]], [change[1], closing[1]]]);
         self.length = length;
     }
 }
@@ -177,7 +178,7 @@ impl Task for Look<'_> {
             let to = view.near.moves(to);
             view.seen = (to, count);
             for which in 0..CONTACTS {
-                view.track.set(which, span, [from[which], to[which]]);
+                view.track.span.set(which, span, [from[which], to[which]]);
             }
             view.looks = view.track.looks::<L>();
         }
