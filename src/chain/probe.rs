@@ -16,7 +16,7 @@ pub struct ForceProbe {
     weights: [f64; 2],
     /// Index of the body between the two contacts.
     body: usize,
-    /// The next contacts above and below, which share in the accelerations that the rates of losses need.
+    /// The next contacts above and below, which share in the accelerations that the rates of losses need, and in the rates of all accelerations.
     outer: [Contact; 2],
     /// Inverse mass (1/kg) and unbalanced acceleration (m/s²) of the body above, this one and the one below.
     inertia: [(f64, f64); 3],

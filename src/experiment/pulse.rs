@@ -141,7 +141,7 @@ impl PulseRecorder {
     /// Takes in one step of the stepper for lossless chains.
     pub fn meet(&mut self, view: &View) {
         if view.wanted {
-            let span = view.track.span;
+            let span = view.span;
             self.see(&view.looks, span.length, &|| Segment::Lossless(span));
         } else {
             (self.last, self.rate_before) = (view.end, view.rate);

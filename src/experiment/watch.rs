@@ -43,7 +43,7 @@ pub fn follow(
         let samples = &mut watch.samples;
         if let Some(count @ 1..) = due.checked_sub(samples.len()) {
             let first = (grid.time(samples.len()) - start) / length;
-            stepper.sample(&view.track, (first, grid.interval / length), count, samples);
+            stepper.sample(view, (first, grid.interval / length), count, samples);
         }
         if pulses {
             watch.pulse.meet(view);
@@ -53,7 +53,13 @@ pub fn follow(
 
 impl Watch {
     /// Takes in the last step of `integrator`, of so many bodies: samples that fall into it, and its pulses if `pulses`.
-    pub fn take(&mut self, integrator: &dyn Integrator, bodies: usize, grid: Grid, pulses: bool) {
+    pub(super) fn take(
+        &mut self,
+        integrator: &dyn Integrator,
+        bodies: usize,
+        grid: Grid,
+        pulses: bool,
+    ) {
         let segment = if pulses {
             self.pulse.take(integrator, bodies)
         } else {

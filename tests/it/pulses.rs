@@ -1,8 +1,9 @@
 //! Forces are looked at within those steps only in which they may peak or reach a new level: nobody can tell.
 
-use hertzscope::chain::ForceProbe;
+use hertzscope::chain::stepper::{ChainStepper, InstructionSet, LOOKS, View};
+use hertzscope::chain::{Chain, ForceProbe};
 use hertzscope::experiment::bench::{Bench, Grid, Watch};
-use hertzscope::integrate::Method;
+use hertzscope::integrate::{Integrator, Method};
 use hertzscope::scene::Scene;
 
 use super::chains::{diatomic, kicked};
@@ -70,23 +71,25 @@ fn a_force_reads_the_same_wherever_its_steps_were_looked_into() {
     assert!(compared > 900, "{compared}");
 }
 
-/// Samples taken within steps are the forces of a chain that was stopped at their times, by the contacts' own formula, whatever the method, the
-/// layout of the chain and the form of its forces; before anything arrives they are nothing to the last bit.
+/// Samples taken within steps are the forces of a chain that was stopped at their times, by the contacts' own formula, in every form of the forces;
+/// before anything arrives they are nothing to the last bit.
 #[test]
 fn samples_are_the_forces_at_their_times() {
     const GRID: Grid = Grid { start: -3e-6, interval: 0.7e-6 };
+    // As exact as the motion is by these methods, relative to the largest force.
+    const BOUND: f64 = 1e-8;
     let by_pair = |tolerance| Method::DormandElMikkawyPrince86 { tolerance };
-    let by_step = |step| Method::BlanesMoan { step };
-    // Forms: plain at 1e-10, exact at 1e-13. 16 contacts in fixed steps are striped.
     for (cells, force, linear) in
         [(8, 2.38, false), (300, 2.38, false), (8, 0.0, false), (8, 2.38, true)]
     {
         let chain = diatomic(cells, force, linear);
         let probes = [5, 2 * cells].map(|particle| ForceProbe::inside(&chain, particle, 0.2));
         let probes = probes.map(|probe| probe.expect("a particle"));
-        for method in [by_pair(1e-10), by_pair(1e-13), by_step(0.2e-6)] {
+        for method in [by_pair(1e-10), by_pair(1e-13), Method::BlanesMoan { step: 0.2e-6 }] {
             let words = format!("{cells} cells, {force} N, {method}");
             let mut bench = kicked(&chain, (0, 0.4), method, &probes, GRID);
+            let exact = force > 0.0 && !linear && method == by_pair(1e-13);
+            assert_eq!(bench.has_exact_forces(), exact, "{words}");
             bench.run_until(300e-6, false, &mut |_| ()).expect("a run");
             let [near, far] = bench.watches() else { panic!("two watches") };
             assert_eq!(near.samples.len(), GRID.samples_until(300e-6), "{words}");
@@ -101,14 +104,90 @@ fn samples_are_the_forces_at_their_times() {
                     let change = chain.overlap_change(&at, contact);
                     weight * chain.contacts()[contact].force_change(change)
                 };
-                let body = chain.body_of(5);
-                let force = felt(body, 0.3) + felt(body + 1, 0.7);
-                let off = (near.samples[index] - force).abs() / largest;
-                assert!(off < 1e-8, "{words}: {off:e} at {time:e} s");
+                for (watch, particle) in [(near, 5), (far, 2 * cells)] {
+                    let body = chain.body_of(particle);
+                    let force = felt(body, 0.3) + felt(body + 1, 0.7);
+                    let off = (watch.samples[index] - force).abs() / largest;
+                    assert!(off < BOUND, "{words}: {off:e} in {particle} at {time:e} s");
+                }
             }
-            // What happens in the first two microseconds has not come through 600 particles in steps of so few stages.
-            let silent = far.samples.iter().take(6).all(|force| *force == 0.0);
-            assert!(silent || cells == 8, "{words}: {:?}", &far.samples[..6]);
+            // In 3 us news come through less than 600 particles, a contact a stage.
+            let silent = &far.samples[GRID.samples_until(0.0)..GRID.samples_until(3e-6)];
+            assert!(silent.len() >= 3, "{words}");
+            assert!(cells == 8 || silent.iter().all(|force| *force == 0.0), "{words}: {silent:?}");
         }
     }
+}
+
+/// What a place sees of a step through the bodies around it is what the whole chain's interpolants say, at every place of chains of every shape,
+/// whether or not it has looked into the step before.
+#[test]
+fn a_place_sees_what_the_whole_chain_does() {
+    // Displacements of a tenth of a millimetre round to 1e-20 m, in overlaps of a micrometre, by polynomials with coefficients up to 84.
+    const BOUND: f64 = 1e-11;
+    const PLACES: (f64, f64) = (0.13, 0.29);
+    const END: f64 = 1e-3;
+    let mut chains: Vec<(Chain, Vec<f64>)> = ["magnet-0.61g", "gravity-17.81g", "monatomic-vacuum"]
+        .map(|name| Scene::load(name).expect("a shipped scene"))
+        .map(|scene| (scene.chain, scene.initial_velocities))
+        .into();
+    for (cells, force, linear) in [(1, 2.38, false), (4, 0.0, false), (8, 2.38, true)] {
+        let chain = diatomic(cells, force, linear);
+        let mut velocities = vec![0.0; chain.bodies().len()];
+        velocities[0] = 0.4;
+        chains.push((chain, velocities));
+    }
+    let by_pair = |tolerance| Method::DormandElMikkawyPrince86 { tolerance };
+    let mut compared = 0;
+    for (chain, velocities) in &chains {
+        let bodies = chain.bodies().len();
+        let inside = (1..=bodies).filter_map(|particle| ForceProbe::inside(chain, particle, 0.2));
+        let contacts = (1..=bodies).filter_map(|contact| ForceProbe::contact(chain, contact));
+        let probes: Vec<ForceProbe> = inside.chain(contacts).collect();
+        let scale = chain.impact_force(velocities)
+            + probes.iter().map(ForceProbe::static_force).fold(0.1, f64::max);
+        for (method, set) in [by_pair(1e-6), by_pair(1e-13), Method::BlanesMoan { step: 0.5e-6 }]
+            .into_iter()
+            .flat_map(|method| {
+                InstructionSet::available().into_iter().map(move |set| (method, set))
+            })
+        {
+            let scheme = method.scheme().expect("a method of the stepper's");
+            let mut stepper = ChainStepper::new(chain, velocities, scheme, set);
+            let mut views: Vec<View> = probes.iter().map(|probe| stepper.view(probe)).collect();
+            for step in 0..150 {
+                stepper.step(END).expect("a step");
+                if stepper.time() >= END {
+                    break;
+                }
+                if step % 5 == 0 {
+                    continue;
+                }
+                for view in &mut views {
+                    view.wanted = true;
+                }
+                stepper.look(&mut views);
+                stepper.prepare_interpolation();
+                for (view, probe) in views.iter().zip(&probes) {
+                    let whole = probe.over_step(&stepper, bodies);
+                    let mut seen = Vec::new();
+                    stepper.sample(view, PLACES, 3, &mut seen);
+                    let mut theta = PLACES.0;
+                    for force in seen {
+                        let off = (force - whole.force(theta)).abs() / scale;
+                        let place = probe.body();
+                        assert!(
+                            off < BOUND,
+                            "{bodies} bodies, {method}, {set:?}: {off:e} at {place}"
+                        );
+                        theta += PLACES.1;
+                        compared += 1;
+                    }
+                    let end = view.looks.forces[LOOKS - 1];
+                    assert!((end - whole.force(1.0)).abs() < BOUND * scale, "{method}, {set:?}");
+                }
+            }
+        }
+    }
+    println!("{compared} forces compared");
 }

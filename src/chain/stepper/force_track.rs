@@ -39,15 +39,6 @@ pub struct Span {
     overlaps: [[f64; COEFFICIENTS]; CONTACTS],
 }
 
-/// A place's force over one step.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ForceTrack {
-    /// The place.
-    pub place: Place,
-    /// The step.
-    pub span: Span,
-}
-
 /// A force at evenly spaced places within a step, its end the last.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Looks {
@@ -191,16 +182,10 @@ pub fn lane_forces<L: Lanes>(contact: [L::V; 2], change: L::V, law: Law) -> (L::
     (force, L::mul(L::mul(L::splat(1.5), stiffness), root))
 }
 
-impl ForceTrack {
-    /// The place of `probe`, at rest.
-    #[must_use]
-    pub fn new(probe: &ForceProbe) -> Self {
-        Self { place: Place::new(probe), span: Span::default() }
-    }
-
+impl Place {
     /// The force in [`LOOKS`] places: both contacts side by side.
     #[inline(always)]
-    pub fn looks<L: Lanes>(&self) -> Looks {
+    pub fn looks<L: Lanes>(&self, span: &Span) -> Looks {
         let both = |pair: [f64; CONTACTS]| {
             let mut row = Row::default();
             for (i, value) in row.0.iter_mut().enumerate() {
@@ -213,13 +198,12 @@ impl ForceTrack {
         let (mut change, mut rate) = (both([0.0; 2]), both([0.0; 2]));
         for power in (0..COEFFICIENTS).rev() {
             rate = L::mul_add(rate, theta, change);
-            change = L::mul_add(change, theta, both(self.span.overlaps.map(|c| c[power])));
+            change = L::mul_add(change, theta, both(span.overlaps.map(|c| c[power])));
         }
-        let Self { place, span } = self;
-        let [first, second] = [place.constants(0), place.constants(1)];
+        let [first, second] = [self.constants(0), self.constants(1)];
         let constants = [both([first[0], second[0]]), both([first[1], second[1]])];
-        let (force, tangent) = lane_forces::<L>(constants, change, place.law());
-        let weights = both(place.weights);
+        let (force, tangent) = lane_forces::<L>(constants, change, self.law());
+        let weights = both(self.weights);
         let (mut forces, mut rates) = (Row::default(), Row::default());
         L::store(L::mul(weights, force), &mut forces);
         L::store(L::mul(L::mul(weights, tangent), rate), &mut rates);
@@ -232,9 +216,10 @@ impl ForceTrack {
 
 /// The force at evenly spaced times.
 pub struct Sample<'a> {
-    /// The force.
-    pub track: &'a ForceTrack,
-    /// How the chain computes forces: what is sampled rounds as they do.
+    /// Where it is felt, and over which step.
+    pub place: &'a Place,
+    pub span: &'a Span,
+    /// The form that the chain computes forces in: what is sampled is rounded no less.
     pub form: Form,
     /// Fraction of the step at the first sample (1).
     pub first: f64,
@@ -248,10 +233,9 @@ impl Sample<'_> {
     /// Force changes of contact `which` for changes of its overlap (N).
     #[inline(always)]
     fn force<L: Lanes>(&self, which: usize, change: L::V) -> L::V {
-        let place = &self.track.place;
-        let contact = &place.contacts[which];
+        let contact = &self.place.contacts[which];
         if self.form != Form::Plain {
-            let constants = place.constants(which).map(|c| L::splat(c));
+            let constants = self.place.constants(which).map(|c| L::splat(c));
             return lane_forces::<L>(constants, change, contact.law).0;
         }
         let still = L::splat(contact.static_overlap);
@@ -275,10 +259,10 @@ impl Task for Sample<'_> {
             let mut total = L::splat(0.0);
             for which in 0..CONTACTS {
                 let mut change = L::splat(0.0);
-                for coefficient in self.track.span.overlaps[which].iter().rev() {
+                for coefficient in self.span.overlaps[which].iter().rev() {
                     change = L::mul_add(change, theta, L::splat(*coefficient));
                 }
-                let weight = L::splat(self.track.place.weights[which]);
+                let weight = L::splat(self.place.weights[which]);
                 total = L::mul_add(weight, self.force::<L>(which, change), total);
             }
             let mut row = Row::default();

@@ -37,7 +37,7 @@ mod visible;
 mod workspace;
 
 pub use dispatch::InstructionSet;
-pub use force_track::{ForceTrack, LOOKS, Looks, Place, SAMPLED_AT_ONCE, Span};
+pub use force_track::{LOOKS, Looks, Place, SAMPLED_AT_ONCE, Span};
 pub use group::{ChainGroup, Glances, Kind, Member};
 pub use single::{ChainStepper, Refinement};
 pub use view::View;

@@ -9,7 +9,7 @@
     reason = "closures would be compiled without the instruction set"
 )]
 
-use super::force_track::{CONTACTS, ForceTrack, Looks};
+use super::force_track::{CONTACTS, Looks, Place, Span};
 use super::lanes::{Lanes, Row, Task};
 use crate::chain::{Contact, ForceProbe, Law};
 
@@ -23,11 +23,13 @@ const NOWHERE: (usize, usize) = (usize::MAX, 0);
 pub struct View {
     /// Index of the body between the two contacts.
     pub body: usize,
-    /// The force over the last step, where it was wanted.
-    pub track: ForceTrack,
-    /// The force in a few places of the last step, where it was wanted.
+    /// The two contacts.
+    pub place: Place,
+    /// The step looked into last, as they moved in it.
+    pub span: Span,
+    /// The force in a few places of that step.
     pub looks: Looks,
-    /// Length of the last step (s).
+    /// Length of the step glanced at last (s).
     pub length: f64,
     /// Dynamic force at its end (N).
     pub end: f64,
@@ -61,9 +63,12 @@ struct Near {
 pub type Rows<'a> = [&'a [Row]; 3];
 
 impl View {
-    /// The place of `probe`, at rest, in a chain of `bodies` bodies, each of which stands at a row and lane of its own.
-    #[must_use]
-    pub fn new(probe: &ForceProbe, bodies: usize, place: impl Fn(usize) -> (usize, usize)) -> Self {
+    /// The place of `probe`, at rest, in a chain with `bodies` entries that stand at a row and lane of their own.
+    pub(super) fn new(
+        probe: &ForceProbe,
+        bodies: usize,
+        place: impl Fn(usize) -> (usize, usize),
+    ) -> Self {
         let place = |index: usize| {
             // Counted from two bodies above the place's own.
             let body = (probe.body() + index).checked_sub(BODIES / 2);
@@ -71,7 +76,8 @@ impl View {
         };
         Self {
             body: probe.body(),
-            track: ForceTrack::new(probe),
+            place: Place::new(probe),
+            span: Span::default(),
             looks: Looks::default(),
             length: 0.0,
             end: 0.0,
@@ -83,11 +89,10 @@ impl View {
     }
 
     /// Brings it up to the end of a step of `length` (s), where bodies stand and move as in `to` (m, m/s).
-    pub fn glance(&mut self, (position, velocity): (&[Row], &[Row]), length: f64) {
+    pub(super) fn glance(&mut self, (position, velocity): (&[Row], &[Row]), length: f64) {
         let change: [f64; CONTACTS] = self.near.differences(1, position);
         let closing: [f64; CONTACTS] = self.near.differences(1, velocity);
-        (self.end, self.rate) =
-            self.track.place.feel([[change[0], closing[0]], [change[1], closing[1]]]);
+        (self.end, self.rate) = self.place.feel([[change[0], closing[0]], [change[1], closing[1]]]);
         self.length = length;
     }
 }
@@ -131,7 +136,8 @@ impl Near {
         }
     }
 
-    /// How the place's two contacts stand where bodies do as in `rows`.
+    /// How the place's two contacts stand where bodies do as in `rows`. Tangents are [`Contact::tangent_stiffness`], in line: calls would leave
+    /// the instruction set.
     #[inline(always)]
     fn moves(&self, [position, velocity, acceleration]: Rows) -> [Move; CONTACTS] {
         let change: [f64; BODIES - 1] = self.differences(0, position);
@@ -178,9 +184,9 @@ impl Task for Look<'_> {
             let to = view.near.moves(to);
             view.seen = (to, count);
             for which in 0..CONTACTS {
-                view.track.span.set(which, span, [from[which], to[which]]);
+                view.span.set(which, span, [from[which], to[which]]);
             }
-            view.looks = view.track.looks::<L>();
+            view.looks = view.place.looks::<L>(&view.span);
         }
     }
 }

@@ -43,7 +43,7 @@ impl Glances {
             glances.lanes |= 1 << lane;
             glances.bodies[lane] = view.body;
             for (which, contact) in glances.contacts.iter_mut().enumerate() {
-                for (row, value) in contact.iter_mut().zip(view.track.place.lane_constants(which)) {
+                for (row, value) in contact.iter_mut().zip(view.place.lane_constants(which)) {
                     row.0[lane] = value;
                 }
             }

@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use super::{ChainStepper, Course};
 use crate::chain::ForceProbe;
 use crate::chain::stepper::dispatch::dispatch;
-use crate::chain::stepper::force_track::{ForceTrack, SAMPLED_AT_ONCE, Sample};
+use crate::chain::stepper::force_track::{SAMPLED_AT_ONCE, Sample};
 use crate::chain::stepper::frame::{Ends, Frame};
 use crate::chain::stepper::lanes::Row;
 use crate::chain::stepper::layout::{Along, Striped};
@@ -53,10 +53,10 @@ impl ChainStepper {
         (self.course.flat(position, self.bodies), self.course.flat(force, self.bodies + 1))
     }
 
-    /// Adds `count` forces of `track` to `samples` (N), from the fraction `first` of the step on, every `interval` of it (1).
+    /// Adds `count` forces of the step that `view` has looked into to `samples` (N), from the fraction `first` of the step on, every `interval` of it (1).
     pub fn sample(
         &self,
-        track: &ForceTrack,
+        view: &View,
         (first, interval): (f64, f64),
         count: usize,
         samples: &mut Vec<f64>,
@@ -65,8 +65,8 @@ impl ChainStepper {
         // Whole rows are written; what is too much of the last is taken off again.
         samples.resize(before + count.next_multiple_of(SAMPLED_AT_ONCE), 0.0);
         let (out, _) = samples[before..].as_chunks_mut();
-        let Course { set, plan, .. } = &self.course;
-        dispatch(*set, Sample { track, form: plan.form, first, interval, out });
+        let (Course { set, plan, .. }, View { place, span, .. }) = (&self.course, view);
+        dispatch(*set, Sample { place, span, form: plan.form, first, interval, out });
         samples.truncate(before + count);
     }
 
