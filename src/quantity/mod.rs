@@ -78,7 +78,7 @@ pub fn parse_any(text: &str) -> Result<(f64, Dimension), QuantityError> {
     let trimmed = text.trim();
     let split = number_length(trimmed);
     let (number, unit) = trimmed.split_at(split);
-    let digits: String = number.chars().filter(|c| *c != '_').collect();
+    let digits = if number.contains('_') { &number.replace('_', "") } else { number };
     let value: f64 =
         digits.parse().map_err(|_| QuantityError::NoNumber { text: trimmed.to_owned() })?;
     let unit = unit::parse(unit.trim())?;
@@ -93,11 +93,12 @@ pub fn parse_any(text: &str) -> Result<(f64, Dimension), QuantityError> {
 /// Length of the longest prefix that reads as a decimal number; `nan` and `inf` count, so that they
 /// can be refused by name instead of as a missing number.
 fn number_length(text: &str) -> usize {
-    for word in ["nan", "inf", "+inf", "-inf", "+nan", "-nan", "infinity", "-infinity"] {
-        let head = text.get(..word.len()).unwrap_or_default();
-        let tail = text.get(word.len()..).unwrap_or_default();
+    let sign = usize::from(text.starts_with(['+', '-']));
+    let unsigned = &text[sign..];
+    for word in ["nan", "inf", "infinity"] {
+        let Some((head, tail)) = unsigned.split_at_checked(word.len()) else { break };
         if head.eq_ignore_ascii_case(word) && !tail.starts_with(|c: char| c.is_alphanumeric()) {
-            return word.len();
+            return sign + word.len();
         }
     }
     let bytes = text.as_bytes();
@@ -107,8 +108,7 @@ fn number_length(text: &str) -> usize {
         }
         at
     };
-    let mut end = usize::from(matches!(bytes.first(), Some(b'+' | b'-')));
-    end = digits(end);
+    let mut end = digits(sign);
     if bytes.get(end) == Some(&b'.') {
         end = digits(end + 1);
     }

@@ -163,10 +163,20 @@ struct Scale {
 impl Unit {
     pub(super) fn to_si(self, number: f64) -> f64 {
         let power = self.scale.power_of_ten;
-        let scaled =
-            if power >= 0.0 { number * 10f64.powf(power) } else { number / 10f64.powf(-power) };
+        let scaled = if power >= 0.0 { number * ten_to(power) } else { number / ten_to(-power) };
         scaled * self.scale.factor + self.offset
     }
+}
+
+/// Ten to the power of `exponent`, which is not negative; exact as long as doubles hold it (1).
+fn ten_to(exponent: f64) -> f64 {
+    const EXACT: [f64; 23] = [
+        1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
+        1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
+    ];
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a whole number")]
+    let exact = if exponent.fract() == 0.0 { EXACT.get(exponent as usize) } else { None };
+    exact.copied().unwrap_or_else(|| 10f64.powf(exponent))
 }
 
 /// A unit symbol without prefix: symbol, power of ten, factor, dimension, may carry a prefix.
@@ -240,7 +250,7 @@ pub(super) fn parse(text: &str) -> Result<Unit, QuantityError> {
         let exponent = f64::from(halves) / 2.0;
         unit.dimension = unit.dimension.plus(dimension, halves).ok_or_else(|| unknown(text))?;
         unit.scale.power_of_ten += power * exponent;
-        unit.scale.factor *= scale.powf(exponent);
+        unit.scale.factor *= if (scale - 1.0).abs() > 0.0 { scale.powf(exponent) } else { 1.0 };
         let tail = tail.trim_start();
         let Some(joint) = tail.chars().next() else {
             return Ok(unit);

@@ -160,7 +160,7 @@ impl Adjustable {
                 if *name != ANY && !own(&self.loaded.root) {
                     let place = self.loaded.root.place.clone();
                     if let Ok(file) = library::instrument("materials", name, &place, "") {
-                        insert(&mut self.loaded.root, &["materials", name], file.value);
+                        insert(&mut self.loaded.root, &["materials", name], file.value.clone());
                     }
                 }
             }

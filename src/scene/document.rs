@@ -130,22 +130,15 @@ impl Node {
         }
     }
 
-    /// This tree on top of `base`: tables merge, everything else replaces.
-    #[must_use]
-    pub fn over(self, base: Self) -> Self {
-        let Self { place, value } = self;
-        match (value, base.value) {
-            (Value::Table(upper), Value::Table(mut merged)) => {
-                for (key, entry) in upper {
-                    let node = match merged.remove(&key) {
-                        Some(below) => entry.node.over(below.node),
-                        None => entry.node,
-                    };
-                    merged.insert(key, Entry { key_place: entry.key_place, node });
+    /// Puts this tree on top of `base`: tables merge, everything else replaces.
+    pub fn put_over(&mut self, base: &Self) {
+        if let (Value::Table(upper), Value::Table(lower)) = (&mut self.value, &base.value) {
+            for (key, below) in lower {
+                match upper.get_mut(key) {
+                    Some(entry) => entry.node.put_over(&below.node),
+                    None => _ = upper.insert(key.clone(), below.clone()),
                 }
-                Self { place, value: Value::Table(merged) }
             }
-            (value, _) => Self { place, value },
         }
     }
 

@@ -4,6 +4,7 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::io::Read as _;
 use std::path::Path;
+use std::rc::Rc;
 
 use super::document::Node;
 use super::problem::{Problem, SceneError};
@@ -15,11 +16,11 @@ const LARGEST_TEXT: u64 = 16 * 1024 * 1024;
 thread_local! {
     /// Trees of the instruments that ship, by folder and name: a sweep reads the same few thousands of times, and parsing them costs
     /// more than anything else about a scene.
-    static SHIPPED: RefCell<BTreeMap<String, Node>> = const { RefCell::new(BTreeMap::new()) };
+    static SHIPPED: RefCell<BTreeMap<String, Rc<Node>>> = const { RefCell::new(BTreeMap::new()) };
 }
 
 /// The tree of the instrument `kind/name` that ships with the program; none if there is no such one, or if `name` is a path.
-pub(super) fn shipped(kind: &str, name: &str) -> Option<Node> {
+pub(super) fn shipped(kind: &str, name: &str) -> Option<Rc<Node>> {
     if name.contains(['/', '\\']) {
         return None;
     }
@@ -27,8 +28,9 @@ pub(super) fn shipped(kind: &str, name: &str) -> Option<Node> {
     if let Some(node) = SHIPPED.with_borrow(|known| known.get(&file).cloned()) {
         return Some(node);
     }
-    let node = Node::parse(&format!("instruments/{file}"), data::instrument(kind, name)?).ok()?;
-    SHIPPED.with_borrow_mut(|known| known.insert(file, node.clone()));
+    let text = data::instrument(kind, name)?;
+    let node = Rc::new(Node::parse(&format!("instruments/{file}"), text).ok()?);
+    SHIPPED.with_borrow_mut(|known| known.insert(file, Rc::clone(&node)));
     Some(node)
 }
 

@@ -5,6 +5,7 @@
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 use sha2::{Digest, Sha256};
 
@@ -83,7 +84,12 @@ fn assembled(name: &str, text: String, file: &str, origin: &Origin) -> Result<Lo
 ///
 /// # Errors
 /// Problems at `place` when there is no such file, or in the file when it is no TOML.
-pub fn instrument(kind: &str, name: &str, place: &Place, key: &str) -> Result<Node, Vec<Problem>> {
+pub fn instrument(
+    kind: &str,
+    name: &str,
+    place: &Place,
+    key: &str,
+) -> Result<Rc<Node>, Vec<Problem>> {
     if let Some(node) = shipped(kind, name) {
         return Ok(node);
     }
@@ -93,7 +99,7 @@ pub fn instrument(kind: &str, name: &str, place: &Place, key: &str) -> Result<No
         vec![place.problem(key, found, format!("one of {names}, or the path of a .toml file"))]
     };
     match find(kind, name, &origin) {
-        Ok(Some((text, file, _))) => Node::parse(&file, &text),
+        Ok(Some((text, file, _))) => Node::parse(&file, &text).map(Rc::new),
         Ok(None) => Err(missing(format!("\"{name}\", which does not exist"))),
         Err(SceneError::Problems(problems)) => Err(problems),
         Err(error) => Err(missing(error.to_string())),
@@ -149,7 +155,8 @@ impl Library {
         self.insert_models(&mut root);
         let mut below = below;
         forget_models(&root, &mut below);
-        Ok(root.over(below))
+        root.put_over(&below);
+        Ok(root)
     }
 
     /// Adds the files of materials and ceramics to the hash. They are looked up again where their numbers are read.
@@ -201,12 +208,12 @@ impl Library {
         match instrument(kind, name, &place, &format!("{path}.model")) {
             Ok(below) => {
                 self.texts.update(below.place.text().as_bytes());
-                entry.node = entry.node.clone().over(below);
+                entry.node.put_over(&below);
             }
             Err(found) => {
                 self.problems.extend(found);
                 if let Some(below) = stand_in(kind) {
-                    entry.node = entry.node.clone().over(below);
+                    entry.node.put_over(&below);
                 }
             }
         }

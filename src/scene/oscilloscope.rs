@@ -106,18 +106,18 @@ pub fn series(
     dimension: Dimension,
     required: bool,
 ) -> Option<Vec<f64>> {
-    let expected = format!("{dimension} above zero");
+    let expected = || format!("{dimension} above zero");
     if required && !table.has(key) {
-        table.problem(key, "no such key", format!("a list, each {expected}"));
+        table.problem(key, "no such key", format!("a list, each {}", expected()));
     }
     if table.is_empty_list(key) {
-        table.problem(key, "an empty list", format!("a list, each {expected}"));
+        table.problem(key, "an empty list", format!("a list, each {}", expected()));
     }
     let mut values = Vec::new();
     for (text, place) in table.texts(key) {
         match parse(text, dimension) {
             Ok(value) if value > 0.0 => values.push(value),
-            _ => table.problem_at(place, key, format!("\"{text}\""), expected.clone()),
+            _ => table.problem_at(place, key, format!("\"{text}\""), expected()),
         }
     }
     values.sort_by(f64::total_cmp);

@@ -4,7 +4,7 @@
 //! reports the keys that nobody asked for.
 
 use std::cell::RefCell;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 pub use super::bound::Bound;
 use super::document::{Entry, Node, Place, Value};
@@ -17,7 +17,8 @@ pub struct Table<'a> {
     place: &'a Place,
     path: String,
     problems: &'a Problems,
-    asked: RefCell<BTreeSet<&'static str>>,
+    /// Keys that were asked for, some of them more than once.
+    asked: RefCell<Vec<&'static str>>,
 }
 
 impl<'a> Table<'a> {
@@ -39,7 +40,7 @@ impl<'a> Table<'a> {
     /// The path of `key` from the top.
     #[must_use]
     pub fn path_of(&self, key: &str) -> String {
-        if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) }
+        if self.path.is_empty() { key.to_owned() } else { [&self.path, key].join(".") }
     }
 
     /// Where `key` stands, or where the table begins.
@@ -67,15 +68,15 @@ impl<'a> Table<'a> {
 
     /// The value of `key` as it stands.
     pub fn node(&self, key: &'static str) -> Option<&'a Node> {
-        self.asked.borrow_mut().insert(key);
+        self.asked.borrow_mut().push(key);
         self.entries.get(key).map(|entry| &entry.node)
     }
 
-    /// Notes that `key` is missing if it is, and says so.
-    fn missing(&self, key: &str, expected: &str) -> bool {
-        let missing = !self.has(key);
+    /// Asks for `key`, which must be there, and says so if it is missing.
+    fn missing(&self, key: &'static str, expected: impl FnOnce() -> String) -> bool {
+        let missing = self.node(key).is_none();
         if missing {
-            self.problem(key, "no such key", expected);
+            self.problem(key, "no such key", expected());
         }
         missing
     }
@@ -124,9 +125,7 @@ impl<'a> Table<'a> {
 
     /// A quantity that must be there, as a number of SI units (unit).
     pub fn required(&self, key: &'static str, dimension: Dimension, bound: Bound) -> Option<f64> {
-        let expected = format!("{dimension}{}", bound.words());
-        if self.missing(key, &expected) {
-            self.asked.borrow_mut().insert(key);
+        if self.missing(key, || format!("{dimension}{}", bound.words())) {
             return None;
         }
         self.quantity(key, dimension, bound)
@@ -157,8 +156,7 @@ impl<'a> Table<'a> {
 
     /// A whole number that must be there.
     pub fn required_count(&self, key: &'static str, least: u64, most: u64) -> Option<u64> {
-        if self.missing(key, &format!("a whole number from {least} to {most}")) {
-            self.asked.borrow_mut().insert(key);
+        if self.missing(key, || format!("a whole number from {least} to {most}")) {
             return None;
         }
         self.count(key, least, most)
@@ -176,8 +174,7 @@ impl<'a> Table<'a> {
 
     /// Text that must be there.
     pub fn required_text(&self, key: &'static str, what: &str) -> Option<&'a str> {
-        if self.missing(key, what) {
-            self.asked.borrow_mut().insert(key);
+        if self.missing(key, || what.to_owned()) {
             return None;
         }
         self.text(key)
@@ -279,14 +276,15 @@ impl<'a> Table<'a> {
 
     /// Reports every key that was not asked for.
     pub fn finish(self) {
-        let asked = self.asked.borrow();
+        let mut asked = self.asked.take();
+        asked.sort_unstable();
+        asked.dedup();
         for (key, entry) in self.entries {
-            if !asked.contains(key.as_str()) {
-                let known: Vec<&str> = asked.iter().copied().collect();
-                let expected = if known.is_empty() {
+            if asked.binary_search(&key.as_str()).is_err() {
+                let expected = if asked.is_empty() {
                     "nothing here".to_owned()
                 } else {
-                    format!("one of {}", known.join(", "))
+                    format!("one of {}", asked.join(", "))
                 };
                 let path = self.path_of(key);
                 let found = format!("the unknown key `{key}`");

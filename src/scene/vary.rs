@@ -61,8 +61,7 @@ fn change(root: &mut Node, keys: &[&str], node: Node) -> Result<(), Vec<Problem>
         let file = library::instrument(kind, &name, &place, &keys.join("."))?;
         if let Some(table) = at_mut(root, &keys[..keys.len() - 1]) {
             forget_model(table, kind);
-            let scene = std::mem::replace(table, file.clone());
-            *table = scene.over(file);
+            table.put_over(&file);
         }
     }
     if put(root, keys, node) {
