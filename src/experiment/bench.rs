@@ -1,6 +1,6 @@
 //! The chain in motion with everything that watches it: pulses, scope samples, truth.
 
-use crate::chain::stepper::{ChainStepper, InstructionSet, Refinement, SAMPLED_AT_ONCE, View};
+use crate::chain::stepper::{ChainStepper, InstructionSet, ROOM_BEHIND, Refinement, Trail};
 use crate::chain::{Chain, Dissipated, Energy, ForceProbe};
 use crate::integrate::{IntegrateError, Integrator, Method, State, Work};
 
@@ -31,10 +31,10 @@ impl Grid {
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "`as` takes negative numbers to zero, and runs have far fewer than 2^53 samples"
+        reason = "`as` cuts off, takes negative numbers to zero, and runs have far fewer than 2^53 samples"
     )]
     pub fn samples_until(&self, time: f64) -> usize {
-        let mut count = ((time - self.start) / self.interval).floor() as usize;
+        let mut count = ((time - self.start) / self.interval) as usize;
         // The division may be off by its rounding; the samples' own times decide.
         while self.time(count) <= time {
             count += 1;
@@ -48,8 +48,8 @@ const ROOM_FOR_SAMPLES: usize = 1 << 20;
 
 /// The method at work on the chain.
 enum Engine<'a> {
-    /// Where contacts and constant loads are all there is, methods made for that run on the chain's own stepper; with a view for each watch.
-    Stepper(Box<ChainStepper>, Vec<View>),
+    /// Where contacts and constant loads are all there is, methods made for that run on the chain's own stepper; with a trail of all watches.
+    Stepper(Box<(ChainStepper, Trail)>),
     /// Everything else.
     General(Box<dyn Integrator + 'a>),
 }
@@ -69,8 +69,8 @@ impl<'a> Engine<'a> {
             Some(scheme) if chain.is_plain() => {
                 let set = InstructionSet::best();
                 let stepper = ChainStepper::new(chain, velocities, scheme, set);
-                let views = probes.iter().map(|probe| stepper.view(probe)).collect();
-                Self::Stepper(Box::new(stepper), views)
+                let trail = stepper.trail(probes);
+                Self::Stepper(Box::new((stepper, trail)))
             }
             _ => {
                 let state = chain.initial_state(velocities);
@@ -81,7 +81,7 @@ impl<'a> Engine<'a> {
 
     fn integrator(&self) -> &(dyn Integrator + 'a) {
         match self {
-            Self::Stepper(stepper, _) => stepper.as_ref(),
+            Self::Stepper(course) => &course.0,
             Self::General(integrator) => integrator.as_ref(),
         }
     }
@@ -153,17 +153,31 @@ impl<'a> Bench<'a> {
         let (bodies, most) = (chain.bodies().len(), *most_evaluations);
         for watch in &mut *watches {
             let due = grid.samples_until(end).saturating_sub(watch.samples.len());
-            watch.samples.reserve(due.min(ROOM_FOR_SAMPLES) + SAMPLED_AT_ONCE);
+            watch.samples.reserve(due.min(ROOM_FOR_SAMPLES) + ROOM_BEHIND);
         }
         match engine {
-            Engine::Stepper(stepper, views) => {
-                while stepper.time() < end {
+            Engine::Stepper(course) => {
+                let (stepper, trail) = course.as_mut();
+                let mut goes_on = Ok(stepper.time() < end);
+                let mut step = || {
                     stepper.step(end)?;
                     stepper.work().within(most, stepper.time())?;
-                    follow(stepper, views, (watches, *grid), pulses);
+                    stepper.note(trail);
+                    if trail.steps() == Trail::STEPS {
+                        follow(stepper, trail, (watches, *grid), pulses);
+                    }
                     film.follow_stepper(chain, stepper);
                     progress(stepper.time());
+                    Ok(stepper.time() < end)
+                };
+                while let Ok(true) = goes_on {
+                    goes_on = step();
                 }
+                // Steps are followed eight by eight; those left over, also where the chain is given up.
+                if trail.steps() > 0 {
+                    follow(stepper, trail, (watches, *grid), pulses);
+                }
+                goes_on?;
             }
             Engine::General(integrator) => {
                 while integrator.time() < end {
@@ -184,11 +198,12 @@ impl<'a> Bench<'a> {
     /// The bench, not yet run, without one of the stepper's refinements; what runs on no stepper has none.
     #[must_use]
     pub fn without(mut self, refinement: Refinement) -> Self {
-        if let Engine::Stepper(stepper, _) = self.engine {
-            let stepper = stepper.without(refinement, self.chain);
-            let view = |watch: &Watch| stepper.view(watch.pulse.probe());
-            let views = self.watches.iter().map(view).collect();
-            self.engine = Engine::Stepper(Box::new(stepper), views);
+        if let Engine::Stepper(course) = self.engine {
+            let stepper = course.0.without(refinement, self.chain);
+            let probe = |watch: &Watch| watch.pulse.probe().clone();
+            let probes: Vec<ForceProbe> = self.watches.iter().map(probe).collect();
+            let trail = stepper.trail(&probes);
+            self.engine = Engine::Stepper(Box::new((stepper, trail)));
         }
         self
     }
@@ -235,7 +250,7 @@ impl<'a> Bench<'a> {
     #[must_use]
     pub fn has_exact_forces(&self) -> bool {
         match &self.engine {
-            Engine::Stepper(stepper, _) => stepper.is_exact(),
+            Engine::Stepper(course) => course.0.is_exact(),
             Engine::General(_) => true,
         }
     }
@@ -244,7 +259,7 @@ impl<'a> Bench<'a> {
     #[must_use]
     pub fn contact_changes(&self) -> Option<u64> {
         match &self.engine {
-            Engine::Stepper(stepper, _) => stepper.events(),
+            Engine::Stepper(course) => course.0.events(),
             Engine::General(_) => None,
         }
     }

@@ -10,7 +10,7 @@ use super::effects::auto::settle;
 use super::parallel::{in_parallel, processors};
 use super::pulse::{PulseRecorder, WITHIN_STEPS};
 use super::{Integration, losses};
-use crate::chain::stepper::{ChainGroup, Glances, InstructionSet, Kind, Member, View};
+use crate::chain::stepper::{ChainGroup, Glances, InstructionSet, Kind, Member};
 use crate::chain::{Chain, ForceProbe};
 use crate::integrate::{IntegrateError, Method, Scheme, Work};
 use crate::scene::{PlacedSensor, Scene, Site};
@@ -216,18 +216,14 @@ fn lanes(bits: u8) -> impl Iterator<Item = usize> {
 
 /// Moves a group to its end and reads its forces.
 fn follow(mut group: ChainGroup, cases: &[&Case]) -> Vec<Result<Readout, IntegrateError>> {
-    let views = |(lane, case): (usize, &&Case)| {
-        case.probes.iter().map(|probe| group.view(lane, probe)).collect()
-    };
-    let mut views: Vec<Vec<View>> = cases.iter().enumerate().map(views).collect();
     let recorders = |case: &&Case| {
         let impact = case.chain.impact_force(&case.velocities);
         case.probes.iter().map(|probe| PulseRecorder::new(probe.clone(), impact)).collect()
     };
     let mut pulses: Vec<Vec<PulseRecorder>> = cases.iter().map(recorders).collect();
-    let places = views.iter().map(Vec::len).max().unwrap_or(0);
-    let mut glances: Vec<Glances> =
-        (0..places).map(|place| Glances::new(views.iter().map(|views| views.get(place)))).collect();
+    let places = pulses.iter().map(Vec::len).max().unwrap_or(0);
+    let probes = |place| cases.iter().map(move |case| case.probes.get(place));
+    let mut glances: Vec<Glances> = (0..places).map(|place| group.glances(probes(place))).collect();
     for (lane, pulses) in pulses.iter().enumerate() {
         for (pulse, glances) in pulses.iter().zip(&mut glances) {
             glances.ask(lane, pulse.asks());
@@ -235,23 +231,17 @@ fn follow(mut group: ChainGroup, cases: &[&Case]) -> Vec<Result<Readout, Integra
     }
     while !group.is_done() {
         let taken = group.step();
-        let mut any = false;
         for (place, glances) in glances.iter_mut().enumerate() {
-            for lane in lanes(group.glance(glances, taken, WITHIN_STEPS)) {
-                views[lane][place].wanted = true;
-                any = true;
+            let wanted = group.glance(glances, taken, WITHIN_STEPS);
+            if wanted == 0 {
+                continue;
             }
-        }
-        if !any {
-            continue;
-        }
-        group.look(&mut views);
-        for (lane, (views, pulses)) in views.iter_mut().zip(&mut pulses).enumerate() {
-            let all = views.iter_mut().zip(pulses).zip(&mut glances);
-            for ((view, pulse), glances) in all.filter(|((view, _), _)| view.wanted) {
-                glances.correct(lane, pulse.go_on(glances.before(lane), view));
+            group.look(glances);
+            for lane in lanes(wanted) {
+                let pulse = &mut pulses[lane][place];
+                let end = pulse.go_on(glances.before(lane), glances.seen(), lane);
+                glances.correct(lane, end);
                 glances.ask(lane, pulse.asks());
-                view.wanted = false;
             }
         }
     }

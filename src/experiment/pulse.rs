@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::segment::{Bracket, Rise, Segment};
 use super::turn::{fall, may_fall, root};
-use crate::chain::stepper::{LOOKS, Looks, Place, View};
+use crate::chain::stepper::{LOOKED_AT, Looks, Place, Seen};
 use crate::chain::{ForceProbe, ForceSegment};
 use crate::integrate::Integrator;
 
@@ -59,13 +59,6 @@ pub struct PulseRecorder {
     last: f64,
 }
 
-/// The fraction of a step at which look `index` stands (1).
-fn theta(index: usize) -> f64 {
-    #[allow(clippy::cast_precision_loss, reason = "a handful")]
-    let theta = (index + 1) as f64 / LOOKS as f64;
-    theta
-}
-
 impl PulseRecorder {
     /// Starts with nothing felt; `impact` is the force that the impact raises (N).
     #[must_use]
@@ -93,8 +86,8 @@ impl PulseRecorder {
     pub fn take(&mut self, integrator: &dyn Integrator, bodies: usize) -> ForceSegment {
         let segment = self.probe.over_step(integrator, bodies);
         let looks = Looks {
-            forces: std::array::from_fn(|i| segment.force(theta(i))),
-            rates: std::array::from_fn(|i| segment.rate(theta(i))),
+            forces: LOOKED_AT.map(|theta| segment.force(theta)),
+            rates: LOOKED_AT.map(|theta| segment.rate(theta)),
         };
         if self.probe.is_lossy() {
             self.jump(&segment);
@@ -103,10 +96,21 @@ impl PulseRecorder {
         segment
     }
 
-    /// Whether the force within a step that `view` has only seen the end of may hold a first peak or reach a new level: most do neither.
-    #[must_use]
-    pub fn wants(&self, view: &View) -> bool {
-        let (force, rate) = (view.end, view.rate);
+    /// Takes in the first `count` steps of the stepper for lossless chains.
+    pub fn follow(&mut self, steps: &Seen, count: usize) {
+        for step in 0..count {
+            let (end, length) = steps.end(step);
+            if self.wants(end, length) {
+                self.meet(steps, step);
+            } else {
+                [self.last, self.rate_before] = end;
+            }
+        }
+    }
+
+    /// Whether the force within a step of `length` (s), at whose end it is `force` (N) and changes at `rate` (N/s), may hold a first peak or
+    /// reach a new level: most do neither.
+    fn wants(&self, [force, rate]: [f64; 2], length: f64) -> bool {
         let [least, largest] = self.asks();
         if force.max(self.last) <= least {
             return false;
@@ -114,7 +118,7 @@ impl PulseRecorder {
         if force > largest {
             return true;
         }
-        let mean = (force - self.last) / view.length;
+        let mean = (force - self.last) / length;
         match (self.rate_before > 0.0, rate > 0.0) {
             (true, false) => true,
             (true, true) => may_fall((self.rate_before, rate), mean, WITHIN_STEPS),
@@ -131,21 +135,16 @@ impl PulseRecorder {
         [(self.first_exceeds() / WITHIN_STEP).max(FOOT * self.quietest), self.largest]
     }
 
-    /// Takes in a step that is looked into, at whose start others have seen this force and rate of change; what they are at its end (N, N/s).
-    pub fn go_on(&mut self, [force, rate]: [f64; 2], view: &View) -> [f64; 2] {
+    /// Takes in step `step`, at whose start others have felt this force and rate of change; what they are at its end (N, N/s).
+    pub fn go_on(&mut self, [force, rate]: [f64; 2], steps: &Seen, step: usize) -> [f64; 2] {
         (self.last, self.rate_before) = (force, rate);
-        self.meet(view);
+        self.meet(steps, step);
         [self.last, self.rate_before]
     }
 
-    /// Takes in one step of the stepper for lossless chains.
-    pub fn meet(&mut self, view: &View) {
-        if view.wanted {
-            let span = view.span;
-            self.see(&view.looks, span.length, &|| Segment::Lossless(span));
-        } else {
-            (self.last, self.rate_before) = (view.end, view.rate);
-        }
+    fn meet(&mut self, steps: &Seen, step: usize) {
+        let (_, length) = steps.end(step);
+        self.see(&steps.looks(step), length, &|| Segment::Lossless(steps.span(step)));
     }
 
     /// What a first peak that is yet to come exceeds: a share of the largest force, and all maxima before it, or one of them were first (N).
@@ -161,9 +160,8 @@ impl PulseRecorder {
     fn see(&mut self, looks: &Looks, length: f64, segment: &dyn Fn() -> Segment) {
         let (mut reached, mut top) = (self.largest, 1.0);
         let mut low = 0.0;
-        for index in 0..LOOKS {
+        for (index, high) in LOOKED_AT.into_iter().enumerate() {
             let (rate, force) = (looks.rates[index], looks.forces[index]);
-            let high = theta(index);
             let near = force.max(self.last);
             if self.rate_before > 0.0 && near * BETWEEN_LOOKS > self.first_exceeds() {
                 let mean = (force - self.last) / ((high - low) * length);
@@ -240,7 +238,7 @@ impl PulseRecorder {
         let excess = |theta: f64| rise.segment.force(&self.place, theta) - level;
         let mut before = 0.0;
         // Looks up to the largest force, which may stand between two of them.
-        let looks = (0..LOOKS).map(theta).take_while(|look| *look < rise.top);
+        let looks = LOOKED_AT.into_iter().take_while(|look| *look < rise.top);
         for theta in looks.chain([rise.top]) {
             if excess(theta) >= 0.0 {
                 return Some(rise.segment.time(root(&excess, before, theta)));

@@ -2,7 +2,7 @@
 
 use super::bench::Grid;
 use super::pulse::PulseRecorder;
-use crate::chain::stepper::{ChainStepper, View};
+use crate::chain::stepper::{ChainStepper, Due, Trail};
 use crate::integrate::Integrator;
 
 /// One watched force.
@@ -14,41 +14,43 @@ pub struct Watch {
     pub samples: Vec<f64>,
 }
 
-/// Takes the stepper's last step into the watches: samples that fall into it, and its pulses if `pulses`.
+/// Takes the steps of `trail`, at least one, into the watches: samples that fall into them, and their pulses if `pulses`.
 pub fn follow(
     stepper: &ChainStepper,
-    views: &mut [View],
+    trail: &mut Trail,
     (watches, grid): (&mut [Watch], Grid),
     pulses: bool,
 ) {
-    let (start, length) = stepper.last_step();
-    let end = stepper.time();
-    let is_due = |watch: &Watch| grid.time(watch.samples.len()) <= end;
-    let due = if watches.first().is_some_and(is_due) { grid.samples_until(end) } else { 0 };
-    if due > 0 {
-        // Whoever looks into the step sees its end, too.
-        for view in views.iter_mut() {
-            view.wanted = true;
-        }
-    } else if pulses {
-        stepper.glance(views);
-        for (view, watch) in views.iter_mut().zip(&*watches) {
-            view.wanted = watch.pulse.wants(view);
-        }
-    } else {
-        return;
-    }
-    stepper.look(views);
-    for (view, watch) in views.iter().zip(watches) {
-        let samples = &mut watch.samples;
-        if let Some(count @ 1..) = due.checked_sub(samples.len()) {
-            let first = (grid.time(samples.len()) - start) / length;
-            stepper.sample(view, (first, grid.interval / length), count, samples);
+    stepper.read(trail);
+    let taken = watches.first().map_or(0, |watch| watch.samples.len());
+    let due = due(trail, grid, taken);
+    for (place, watch) in watches.iter_mut().enumerate() {
+        if let Some(due) = &due {
+            stepper.sample(trail, place, due, &mut watch.samples);
         }
         if pulses {
-            watch.pulse.meet(view);
+            watch.pulse.follow(trail.seen(place), trail.steps());
         }
     }
+    trail.clear();
+}
+
+/// The times of `grid` that fall into the steps of `trail`, where `taken` of them are over; none if there is none.
+fn due(trail: &Trail, grid: Grid, mut taken: usize) -> Option<Due> {
+    let [.., end] = trail.times(trail.steps() - 1);
+    if grid.time(taken) > end {
+        return None;
+    }
+    let mut due = Due::default();
+    for step in 0..trail.steps() {
+        let [start, length, end] = trail.times(step);
+        let until = grid.samples_until(end).max(taken);
+        due.counts[step] = until - taken;
+        due.first[step] = (grid.time(taken) - start) / length;
+        due.interval[step] = grid.interval / length;
+        taken = until;
+    }
+    Some(due)
 }
 
 impl Watch {

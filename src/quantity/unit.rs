@@ -168,12 +168,10 @@ impl Unit {
     }
 }
 
-/// Ten to the power of `exponent`, which is not negative; exact as long as doubles hold it (1).
+/// Ten to the power of `exponent`, which is not negative (1).
 fn ten_to(exponent: f64) -> f64 {
-    const EXACT: [f64; 23] = [
-        1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
-        1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
-    ];
+    const EXACT: [f64; 16] =
+        [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a whole number")]
     let exact = if exponent.fract() == 0.0 { EXACT.get(exponent as usize) } else { None };
     exact.copied().unwrap_or_else(|| 10f64.powf(exponent))

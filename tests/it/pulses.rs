@@ -1,7 +1,7 @@
 //! Forces are looked at within those steps only in which they may peak or reach a new level: nobody can tell.
 
-use hertzscope::chain::stepper::{ChainStepper, InstructionSet, LOOKS, View};
-use hertzscope::chain::{Chain, ForceProbe};
+use hertzscope::chain::stepper::{ChainStepper, Due, InstructionSet, LOOKED_AT, Trail};
+use hertzscope::chain::{Chain, ForceProbe, ForceSegment};
 use hertzscope::experiment::bench::{Bench, Grid, Watch};
 use hertzscope::integrate::{Integrator, Method};
 use hertzscope::scene::Scene;
@@ -120,7 +120,7 @@ fn samples_are_the_forces_at_their_times() {
 }
 
 /// What a place sees of a step through the bodies around it is what the whole chain's interpolants say, at every place of chains of every shape,
-/// whether or not it has looked into the step before.
+/// however many steps are looked into at a time.
 #[test]
 fn a_place_sees_what_the_whole_chain_does() {
     // Displacements of a tenth of a millimetre round to 1e-20 m, in overlaps of a micrometre, by polynomials with coefficients up to 84.
@@ -154,38 +154,54 @@ fn a_place_sees_what_the_whole_chain_does() {
         {
             let scheme = method.scheme().expect("a method of the stepper's");
             let mut stepper = ChainStepper::new(chain, velocities, scheme, set);
-            let mut views: Vec<View> = probes.iter().map(|probe| stepper.view(probe)).collect();
-            for step in 0..150 {
-                stepper.step(END).expect("a step");
-                if stepper.time() >= END {
+            let mut trail = stepper.trail(&probes);
+            // As many steps at a time as are left of eight, one less the next time.
+            for most in (1..=Trail::STEPS).rev().cycle().take(30) {
+                let mut whole: Vec<Vec<ForceSegment>> = Vec::new();
+                while trail.steps() < most && stepper.time() < END {
+                    stepper.step(END).expect("a step");
+                    stepper.note(&mut trail);
+                    stepper.prepare_interpolation();
+                    whole.push(probes.iter().map(|p| p.over_step(&stepper, bodies)).collect());
+                }
+                if whole.is_empty() {
                     break;
                 }
-                if step % 5 == 0 {
-                    continue;
-                }
-                for view in &mut views {
-                    view.wanted = true;
-                }
-                stepper.look(&mut views);
-                stepper.prepare_interpolation();
-                for (view, probe) in views.iter().zip(&probes) {
-                    let whole = probe.over_step(&stepper, bodies);
-                    let mut seen = Vec::new();
-                    stepper.sample(view, PLACES, 3, &mut seen);
-                    let mut theta = PLACES.0;
-                    for force in seen {
-                        let off = (force - whole.force(theta)).abs() / scale;
+                stepper.read(&mut trail);
+                for (index, probe) in probes.iter().enumerate() {
+                    let due = Due {
+                        counts: std::array::from_fn(|step| if step < whole.len() { 3 } else { 0 }),
+                        first: [PLACES.0; Trail::STEPS],
+                        interval: [PLACES.1; Trail::STEPS],
+                    };
+                    let mut sampled = Vec::new();
+                    stepper.sample(&trail, index, &due, &mut sampled);
+                    assert_eq!(sampled.len(), 3 * whole.len());
+                    for (step, whole) in whole.iter().map(|places| &places[index]).enumerate() {
                         let place = probe.body();
-                        assert!(
-                            off < BOUND,
-                            "{bodies} bodies, {method}, {set:?}: {off:e} at {place}"
-                        );
-                        theta += PLACES.1;
-                        compared += 1;
+                        let mut check = |force: f64, exact: f64| {
+                            let off = (force - exact).abs() / scale;
+                            let words = format!("{bodies} bodies, {method}, {set:?}");
+                            assert!(off < BOUND, "{words}: {off:e} at {place}");
+                            compared += 1;
+                        };
+                        for (sample, force) in (0_u8..).zip(&sampled[3 * step..][..3]) {
+                            check(*force, whole.force(PLACES.0 + f64::from(sample) * PLACES.1));
+                        }
+                        let seen = trail.seen(index);
+                        let (looks, length) = (seen.looks(step), whole.length);
+                        for (look, theta) in LOOKED_AT.into_iter().enumerate() {
+                            check(looks.forces[look], whole.force(theta));
+                            // A rate times the step is as exact as a force.
+                            check(length * looks.rates[look], length * whole.rate(theta));
+                        }
+                        let ([force, rate], seen_length) = seen.end(step);
+                        check(force, whole.force(1.0));
+                        check(length * rate, length * whole.rate(1.0));
+                        assert_eq!(seen_length.to_bits(), length.to_bits());
                     }
-                    let end = view.looks.forces[LOOKS - 1];
-                    assert!((end - whole.force(1.0)).abs() < BOUND * scale, "{method}, {set:?}");
                 }
+                trail.clear();
             }
         }
     }

@@ -4,6 +4,7 @@
 //! step to the power 8 with the constant `1/(8! 2^8)`. Source: C. Hermite, J. reine angew. Math. 84, 70 (1878).
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
+use super::around::Seen;
 use super::forces::begin_plain;
 use super::lanes::{Lanes, Row, Task, WIDTH};
 use super::plan::Form;
@@ -14,10 +15,12 @@ use crate::chain::{Contact, ForceProbe, Law};
 pub const COEFFICIENTS: usize = 8;
 /// Contacts that a place feels.
 pub const CONTACTS: usize = 2;
-/// Samples are taken so many at a time.
-pub const SAMPLED_AT_ONCE: usize = WIDTH;
+/// Room behind samples: they are written in rows.
+pub const ROOM_BEHIND: usize = WIDTH;
 /// Places within a step at which a force is looked at.
-pub const LOOKS: usize = WIDTH / CONTACTS;
+pub const LOOKS: usize = 4;
+/// The fractions of a step where they are, its end the last (1).
+pub const LOOKED_AT: [f64; LOOKS] = [0.25, 0.5, 0.75, 1.0];
 
 /// A place between two contacts, which feels both.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,25 +39,16 @@ pub struct Span {
     /// Length of the step (s).
     pub length: f64,
     /// Overlap changes as polynomials in the fraction of the step (m).
-    overlaps: [[f64; COEFFICIENTS]; CONTACTS],
+    pub(super) overlaps: [[f64; COEFFICIENTS]; CONTACTS],
 }
 
-/// A force at evenly spaced places within a step, its end the last.
+/// A force at [`LOOKED_AT`] within a step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Looks {
     /// Dynamic force (N).
     pub forces: [f64; LOOKS],
     /// Its rate of change (N/s).
     pub rates: [f64; LOOKS],
-}
-
-impl Span {
-    /// Takes the overlap change of contact `which` over a step from value and derivatives at its ends (m, m/s, m/s², m/s³).
-    #[inline(always)]
-    pub fn set(&mut self, which: usize, (start, length): (f64, f64), ends: [[f64; 4]; 2]) {
-        (self.start, self.length) = (start, length);
-        self.overlaps[which] = septic(ends, length);
-    }
 }
 
 impl Place {
@@ -118,36 +112,55 @@ impl Place {
         let [stiffness, static_root] = self.constants(which);
         [stiffness, static_root, self.weights[which]]
     }
-
-    /// The law of both contacts; an open end has none.
-    #[inline(always)]
-    fn law(&self) -> Law {
-        let [above, below] = &self.contacts;
-        if above.stiffness > 0.0 { above.law } else { below.law }
-    }
 }
 
-/// Coefficients of the septic through value and three derivatives at both ends of a step of `h` (s), in the fraction of the step (m).
+/// Coefficients of the septics through value and three derivatives at both ends of steps of `h` (s), in the fraction of the step (m).
 #[inline(always)]
 #[allow(clippy::many_single_char_names, reason = "the letters of the derivatives")]
-pub fn septic([from, to]: [[f64; 4]; 2], h: f64) -> [f64; COEFFICIENTS] {
-    let (square, cube) = (h * h, h * h * h);
-    let [x, v, a, j] = [from[0], h * from[1], 0.5 * square * from[2], cube * from[3] / 6.0];
+pub fn septic<L: Lanes>([from, to]: [[L::V; 4]; 2], h: L::V) -> [L::V; COEFFICIENTS] {
+    let square = L::mul(h, h);
+    let cube = L::mul(h, square);
+    let (x, v) = (from[0], L::mul(h, from[1]));
+    let a = L::mul(L::mul(L::splat(0.5), square), from[2]);
+    let j = L::mul(L::mul(L::splat(1.0 / 6.0), cube), from[3]);
     // What the cubic Taylor polynomial of the start leaves over at the end, derivative by derivative.
-    let p = to[0] - x - v - a - j;
-    let q = h * to[1] - v - 2.0 * a - 3.0 * j;
-    let r = square * to[2] - 2.0 * a - 6.0 * j;
-    let s = cube * to[3] - 6.0 * j;
+    let start = [x, v, a, j];
+    let p = L::sub(L::sub(L::sub(L::sub(to[0], x), v), a), j);
+    let q = L::sub(L::mul(h, to[1]), sum::<L>(start, [0.0, 1.0, 2.0, 3.0]));
+    let r = L::sub(L::mul(square, to[2]), sum::<L>(start, [0.0, 0.0, 2.0, 6.0]));
+    let s = L::sub(L::mul(cube, to[3]), L::mul(L::splat(6.0), j));
+    let left = [p, q, r, s];
     [
         x,
         v,
         a,
         j,
-        35.0 * p - 15.0 * q + 2.5 * r - s / 6.0,
-        -84.0 * p + 39.0 * q - 7.0 * r + 0.5 * s,
-        70.0 * p - 34.0 * q + 6.5 * r - 0.5 * s,
-        -20.0 * p + 10.0 * q - 2.0 * r + s / 6.0,
+        sum::<L>(left, [35.0, -15.0, 2.5, -1.0 / 6.0]),
+        sum::<L>(left, [-84.0, 39.0, -7.0, 0.5]),
+        sum::<L>(left, [70.0, -34.0, 6.5, -0.5]),
+        sum::<L>(left, [-20.0, 10.0, -2.0, 1.0 / 6.0]),
     ]
+}
+
+/// The weighted sum of four values.
+#[inline(always)]
+fn sum<L: Lanes>(values: [L::V; 4], weights: [f64; 4]) -> L::V {
+    let mut sum = L::mul(L::splat(weights[0]), values[0]);
+    for i in 1..4 {
+        sum = L::mul_add(L::splat(weights[i]), values[i], sum);
+    }
+    sum
+}
+
+/// The polynomials `c` at `t` (m), and their slopes there (m).
+#[inline(always)]
+pub fn horner_and_slope<L: Lanes>(c: &[L::V; COEFFICIENTS], t: L::V) -> (L::V, L::V) {
+    let (mut value, mut slope) = (c[COEFFICIENTS - 1], L::splat(0.0));
+    for power in (0..COEFFICIENTS - 1).rev() {
+        slope = L::mul_add(slope, t, value);
+        value = L::mul_add(value, t, c[power]);
+    }
+    (value, slope)
 }
 
 /// The polynomial `c` at `t` (m).
@@ -165,11 +178,11 @@ fn slope(c: &[f64; COEFFICIENTS], t: f64) -> f64 {
     sum
 }
 
-/// `hertz::force_change` and the tangent stiffness in eight places; linear where `law` says so.
+/// `hertz::force_change` and the tangent stiffness in eight places; linear where `form` says so.
 #[inline(always)]
-pub fn lane_forces<L: Lanes>(contact: [L::V; 2], change: L::V, law: Law) -> (L::V, L::V) {
+pub fn lane_forces<L: Lanes>(contact: [L::V; 2], change: L::V, form: Form) -> (L::V, L::V) {
     let [stiffness, static_root] = contact;
-    if law == Law::Linearised {
+    if form == Form::Linear {
         return (L::mul(stiffness, change), stiffness);
     }
     let static_overlap = L::mul(static_root, static_root);
@@ -182,51 +195,27 @@ pub fn lane_forces<L: Lanes>(contact: [L::V; 2], change: L::V, law: Law) -> (L::
     (force, L::mul(L::mul(L::splat(1.5), stiffness), root))
 }
 
-impl Place {
-    /// The force in [`LOOKS`] places: both contacts side by side.
-    #[inline(always)]
-    pub fn looks<L: Lanes>(&self, span: &Span) -> Looks {
-        let both = |pair: [f64; CONTACTS]| {
-            let mut row = Row::default();
-            for (i, value) in row.0.iter_mut().enumerate() {
-                *value = pair[i / LOOKS];
-            }
-            L::load(&row)
-        };
-        let theta = Row([0.25, 0.5, 0.75, 1.0, 0.25, 0.5, 0.75, 1.0]);
-        let theta = L::load(&theta);
-        let (mut change, mut rate) = (both([0.0; 2]), both([0.0; 2]));
-        for power in (0..COEFFICIENTS).rev() {
-            rate = L::mul_add(rate, theta, change);
-            change = L::mul_add(change, theta, both(span.overlaps.map(|c| c[power])));
-        }
-        let [first, second] = [self.constants(0), self.constants(1)];
-        let constants = [both([first[0], second[0]]), both([first[1], second[1]])];
-        let (force, tangent) = lane_forces::<L>(constants, change, self.law());
-        let weights = both(self.weights);
-        let (mut forces, mut rates) = (Row::default(), Row::default());
-        L::store(L::mul(weights, force), &mut forces);
-        L::store(L::mul(L::mul(weights, tangent), rate), &mut rates);
-        Looks {
-            forces: std::array::from_fn(|i| forces.0[i] + forces.0[i + LOOKS]),
-            rates: std::array::from_fn(|i| (rates.0[i] + rates.0[i + LOOKS]) / span.length),
-        }
-    }
+/// Evenly spaced times that fall into eight steps on end.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Due {
+    /// How many fall into each step.
+    pub counts: [usize; WIDTH],
+    /// Fraction of the step at the first of them (1).
+    pub first: [f64; WIDTH],
+    /// From one to the next, in fractions of the step (1).
+    pub interval: [f64; WIDTH],
 }
 
 /// The force at evenly spaced times.
 pub struct Sample<'a> {
-    /// Where it is felt, and over which step.
+    /// Where it is felt, and how in each step.
     pub place: &'a Place,
-    pub span: &'a Span,
+    pub seen: &'a Seen,
     /// The form that the chain computes forces in: what is sampled is rounded no less.
     pub form: Form,
-    /// Fraction of the step at the first sample (1).
-    pub first: f64,
-    /// From one sample to the next, in fractions of the step (1).
-    pub interval: f64,
-    /// Dynamic forces, one a sample (N).
-    pub out: &'a mut [[f64; SAMPLED_AT_ONCE]],
+    pub due: &'a Due,
+    /// Dynamic forces, one a sample, with room for a row behind them (N).
+    pub out: &'a mut [f64],
 }
 
 impl Sample<'_> {
@@ -236,7 +225,7 @@ impl Sample<'_> {
         let contact = &self.place.contacts[which];
         if self.form != Form::Plain {
             let constants = self.place.constants(which).map(|c| L::splat(c));
-            return lane_forces::<L>(constants, change, contact.law).0;
+            return lane_forces::<L>(constants, change, self.form).0;
         }
         let still = L::splat(contact.static_overlap);
         let power = begin_plain::<L>(which, L::add(still, change)).power(which);
@@ -251,24 +240,34 @@ impl Task for Sample<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(mut self) {
-        let (first, interval) = (L::splat(self.first), L::splat(self.interval));
         let count = L::load(&Row([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]));
-        let mut start = 0.0;
-        for out in std::mem::take(&mut self.out) {
-            let theta = L::mul_add(L::add(L::splat(start), count), interval, first);
-            let mut total = L::splat(0.0);
-            for which in 0..CONTACTS {
-                let mut change = L::splat(0.0);
-                for coefficient in self.span.overlaps[which].iter().rev() {
-                    change = L::mul_add(change, theta, L::splat(*coefficient));
+        let mut out = std::mem::take(&mut self.out);
+        for lane in 0..WIDTH {
+            let (first, interval) = (self.due.first[lane], self.due.interval[lane]);
+            let mut left = self.due.counts[lane];
+            let mut start = 0.0;
+            while left > 0 {
+                let index = L::add(L::splat(start), count);
+                let theta = L::mul_add(index, L::splat(interval), L::splat(first));
+                let mut total = L::splat(0.0);
+                for which in 0..CONTACTS {
+                    let mut change = L::splat(0.0);
+                    for power in (0..COEFFICIENTS).rev() {
+                        let coefficient = self.seen.coefficient(lane, which, power);
+                        change = L::mul_add(change, theta, L::splat(coefficient));
+                    }
+                    let weight = L::splat(self.place.weights[which]);
+                    total = L::mul_add(weight, self.force::<L>(which, change), total);
                 }
-                let weight = L::splat(self.place.weights[which]);
-                total = L::mul_add(weight, self.force::<L>(which, change), total);
+                let mut row = Row::default();
+                L::store(total, &mut row);
+                // Whole rows are written; what is too much is written over by the next.
+                out[..WIDTH].copy_from_slice(&row.0);
+                let taken = left.min(WIDTH);
+                out = &mut out[taken..];
+                left -= taken;
+                start += 8.0;
             }
-            let mut row = Row::default();
-            L::store(total, &mut row);
-            *out = row.0;
-            start += 8.0;
         }
     }
 }

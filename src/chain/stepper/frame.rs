@@ -3,9 +3,9 @@
 
 use std::marker::PhantomData;
 
-use super::force_track::{COEFFICIENTS, horner, septic};
+use super::force_track::{horner_and_slope, septic};
 use super::forces::{self, Cut, EXACT, LINEAR};
-use super::lanes::{Lanes, Row, Task};
+use super::lanes::{Lanes, Row, Task, WIDTH};
 use super::layout::Layout;
 use super::plan::{Form, Plan};
 
@@ -35,13 +35,13 @@ impl<Y: Layout> Task for Frame<'_, Y> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Self { plan, ends, theta, position, force, .. } = self;
-        let weights = basis(theta, ends.span.1).map(|weight| L::splat(weight));
+        let weights = basis::<L>(theta, ends.span.1);
         let cut = Cut::new(plan, plan.rows());
         let position = &mut position[..plan.rows()];
         for (r, position) in position.iter_mut().enumerate() {
             let mut here = L::splat(0.0);
-            for (weight, rows) in weights.iter().zip(ends.from.iter().chain(&ends.to)) {
-                here = L::mul_add(*weight, L::load(&rows[r]), here);
+            for (weight, rows) in weights.0.iter().zip(ends.from.iter().chain(&ends.to)) {
+                here = L::mul_add(L::splat(*weight), L::load(&rows[r]), here);
             }
             L::store(here, position);
         }
@@ -60,11 +60,19 @@ impl<Y: Layout> Task for Frame<'_, Y> {
     }
 }
 
-/// What value and derivatives at both ends weigh at `theta` in a step of `length` (s) (unit).
-fn basis(theta: f64, length: f64) -> [f64; COEFFICIENTS] {
-    std::array::from_fn(|which| {
-        let mut ends = [[0.0; 4]; 2];
-        ends[which / 4][which % 4] = 1.0;
-        horner(&septic(ends, length), theta)
-    })
+/// What value and derivatives at both ends weigh at `theta` in a step of `length` (s), side by side (unit).
+#[inline(always)]
+fn basis<L: Lanes>(theta: f64, length: f64) -> Row {
+    let mut ends = [[Row::default(); 4]; 2];
+    for (which, row) in ends.as_flattened_mut().iter_mut().enumerate() {
+        row.0[which] = 1.0;
+    }
+    let mut alone = [[L::splat(0.0); 4]; 2];
+    for which in 0..WIDTH {
+        alone[which / 4][which % 4] = L::load(&ends[which / 4][which % 4]);
+    }
+    let septics = septic::<L>(alone, L::splat(length));
+    let mut weights = Row::default();
+    L::store(horner_and_slope::<L>(&septics, L::splat(theta)).0, &mut weights);
+    weights
 }

@@ -81,13 +81,6 @@ pub trait Lanes: Copy {
         Self::store(a, &mut row);
         row.0.iter().fold(f64::MIN, |most, value| if *value > most { *value } else { most })
     }
-    /// Sum of the eight (unit).
-    #[inline(always)]
-    fn total(a: Self::V) -> f64 {
-        let mut row = Row::default();
-        Self::store(a, &mut row);
-        row.0.iter().sum()
-    }
     /// Bit `i` tells whether value `i` is a finite number.
     #[inline(always)]
     fn finite(a: Self::V) -> u8 {

@@ -124,11 +124,6 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
-    fn total(a: Self::V) -> f64 {
-        unsafe { _mm512_reduce_add_pd(a) }
-    }
-
-    #[inline(always)]
     fn positive(a: Self::V) -> u8 {
         unsafe { _mm512_cmp_pd_mask::<_CMP_GT_OQ>(a, _mm512_setzero_pd()) }
     }

@@ -4,6 +4,7 @@
 //! For chains whose forces depend on positions alone. Everything is allocated before the first step. What the machine can do is
 //! asked once, at the start.
 
+mod around;
 mod dispatch;
 mod evaluate;
 mod few;
@@ -32,12 +33,11 @@ mod steps;
 mod sweep;
 mod tasks;
 mod tried;
-mod view;
 mod visible;
 mod workspace;
 
+pub use around::Seen;
 pub use dispatch::InstructionSet;
-pub use force_track::{LOOKS, Looks, Place, SAMPLED_AT_ONCE, Span};
+pub use force_track::{Due, LOOKED_AT, LOOKS, Looks, Place, ROOM_BEHIND, Span};
 pub use group::{ChainGroup, Glances, Kind, Member};
-pub use single::{ChainStepper, Refinement};
-pub use view::View;
+pub use single::{ChainStepper, Refinement, Trail};

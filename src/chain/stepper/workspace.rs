@@ -1,7 +1,7 @@
 //! What a step reads and writes.
 
+use super::around::Rows;
 use super::lanes::Row;
-use super::view::Rows;
 use crate::integrate::Scheme;
 
 /// Most stages of a pair between the ends of a step.

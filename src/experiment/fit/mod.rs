@@ -34,8 +34,8 @@ pub use report::{ChannelResult, FitReport, Nuisance, Parameter};
 
 /// Half the width of a 95 % interval of the normal distribution, in standard deviations (1).
 pub const COVERAGE_95: f64 = 1.959_963_984_540_054;
-/// A step that lowers chi squared by less than this share of it moves no parameter by a hundredth of its uncertainty (1).
-const LIMITS: Limits = Limits { reduction: 1e-9, steps: 60 };
+/// A step that lowers chi squared by less than this share of it moves no parameter by a thousandth of its uncertainty (1).
+const LIMITS: Limits = Limits { reduction: 1e-11, steps: 60 };
 /// Samples in a scene's duration: fewer show no pulse, more are another experiment (1).
 const SAMPLES: RangeInclusive<f64> = 16.0..=200_000.0;
 /// Longest records, in durations of the scene (1).

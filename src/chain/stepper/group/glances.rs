@@ -1,55 +1,91 @@
 //! What a place in each lane's chain feels at the end of a step, and whether anybody has to look into the step itself: all lanes at once.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
-use crate::chain::Law;
-use crate::chain::stepper::force_track::{CONTACTS, lane_forces};
+use crate::chain::ForceProbe;
+use crate::chain::stepper::around::{Around, BODIES, Bodies, Rows, Seen};
+use crate::chain::stepper::force_track::lane_forces;
 use crate::chain::stepper::lanes::{Lanes, Row, Task, WIDTH};
-use crate::chain::stepper::view::View;
+use crate::chain::stepper::plan::Form;
+
+/// Which of the bodies around a place is its own.
+const MIDDLE: usize = BODIES / 2;
 
 /// A watched place in each lane, or none.
 #[derive(Debug, Clone)]
 pub struct Glances {
     /// Lanes that have one, a bit each.
     lanes: u8,
-    /// Index of the body between the two contacts, and whether it is the same in all lanes.
-    bodies: [usize; WIDTH],
+    pub(super) around: Around,
+    /// Whether it is around the same body in all lanes.
     alike: bool,
-    /// Stiffness (unit), square root of the static overlap (m^0.5) and weight of the contacts above and below (1).
-    contacts: [[Row; 3]; CONTACTS],
     /// Dynamic forces (N) and their rates of change (N/s) at the start of the last step and at its end.
     felt: [[Row; 2]; 2],
     /// What is asked of each lane: forces that do not exceed this are nobody's business, nor is a rise up to that (N).
     asked: [Row; 2],
+    /// The steps looked into last.
+    pub(super) seen: Box<Seen>,
 }
 
 impl Glances {
-    /// At the views of each lane, at rest; nothing is asked yet.
-    #[must_use]
-    pub fn new<'a>(views: impl Iterator<Item = Option<&'a View>>) -> Self {
+    /// At the places of each lane's probe in chains that compute forces in `form`, at rest; nothing is asked yet.
+    pub(super) fn new<'a>(
+        form: Form,
+        probes: impl Iterator<Item = Option<&'a ForceProbe>>,
+    ) -> Self {
         let mut glances = Self {
             lanes: 0,
-            bodies: [0; WIDTH],
+            around: Around::nothing(form),
             alike: false,
-            contacts: Default::default(),
             felt: Default::default(),
             asked: Default::default(),
+            seen: Box::new(Seen::nothing()),
         };
-        for (lane, view) in views.enumerate().take(WIDTH) {
-            let Some(view) = view else { continue };
+        for (lane, probe) in probes.enumerate().take(WIDTH) {
+            let Some(probe) = probe else { continue };
             if glances.lanes == 0 {
                 // Lanes that have none are taken along.
-                glances.bodies = [view.body; WIDTH];
+                (0..WIDTH).for_each(|lane| glances.around.put(lane, probe));
             }
             glances.lanes |= 1 << lane;
-            glances.bodies[lane] = view.body;
-            for (which, contact) in glances.contacts.iter_mut().enumerate() {
-                for (row, value) in contact.iter_mut().zip(view.place.lane_constants(which)) {
-                    row.0[lane] = value;
-                }
+            glances.around.put(lane, probe);
+        }
+        let above = |lane| glances.around.body(lane, MIDDLE);
+        glances.alike = (1..WIDTH).all(|lane| above(lane) == above(0));
+        glances
+    }
+
+    /// How the bodies around the places stand and move.
+    pub(super) fn bodies(&self, state: Rows<'_>) -> Bodies {
+        let mut bodies = Bodies::default();
+        for (rows, bodies) in state.into_iter().zip(&mut bodies) {
+            for (index, row) in bodies.iter_mut().enumerate() {
+                *row = self.body(rows, index);
             }
         }
-        glances.alike = glances.bodies.iter().all(|body| *body == glances.bodies[0]);
-        glances
+        bodies
+    }
+
+    /// Body `index` around the place in each lane; nothing where there is none.
+    #[inline(always)]
+    fn body(&self, rows: &[Row], index: usize) -> Row {
+        let of = |lane| self.around.body(lane, index).and_then(|body| rows.get(body));
+        if self.alike {
+            return of(0).copied().unwrap_or_default();
+        }
+        Row(std::array::from_fn(|lane| of(lane).map_or(0.0, |row| row.0[lane])))
+    }
+
+    /// How much more the bodies above contacts `which` of the places have than those below.
+    #[inline(always)]
+    fn difference<L: Lanes>(&self, rows: &[Row], which: usize) -> L::V {
+        let [above, below] = [MIDDLE - 1, MIDDLE].map(|first| self.body(rows, first + which));
+        L::sub(L::load(&above), L::load(&below))
+    }
+
+    /// The steps that were looked into last.
+    #[must_use]
+    pub fn seen(&self) -> &Seen {
+        &self.seen
     }
 
     /// Asks lane `lane` for forces above `least` that turn or rise above `largest` (N).
@@ -81,27 +117,8 @@ pub struct Glance<'a> {
     pub length: Row,
     /// Lanes that have taken one, a bit each.
     pub taken: u8,
-    /// The law of all contacts.
-    pub law: Law,
     /// How doubtful a turn within the step may be: see `experiment::turn::may_fall` (1).
     pub doubtful: f64,
-}
-
-/// How much more the bodies above contacts `which` of the places have than those below.
-#[inline(always)]
-fn differences<L: Lanes>(rows: &[Row], glances: &Glances, which: usize) -> L::V {
-    let (mut above, mut below) = (Row::default(), Row::default());
-    if glances.alike {
-        let body = glances.bodies[0] + which;
-        let upper = body.checked_sub(1).map_or(above, |body| rows[body]);
-        return L::sub(L::load(&upper), L::load(&rows[body]));
-    }
-    for (lane, body) in glances.bodies.iter().enumerate() {
-        let body = body + which;
-        above.0[lane] = body.checked_sub(1).map_or(0.0, |body| rows[body].0[lane]);
-        below.0[lane] = rows[body].0[lane];
-    }
-    L::sub(L::load(&above), L::load(&below))
 }
 
 impl Task for Glance<'_> {
@@ -110,15 +127,15 @@ impl Task for Glance<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> u8 {
-        let Self { glances, to, length, taken, law, doubtful } = self;
+        let Self { glances, to, length, taken, doubtful } = self;
         let taken = taken & glances.lanes;
         let (none, mut force, mut rate) = (L::splat(0.0), L::splat(0.0), L::splat(0.0));
-        for (which, contact) in glances.contacts.iter().enumerate() {
-            let [stiffness, static_root, weight] = [&contact[0], &contact[1], &contact[2]];
-            let change = differences::<L>(to[0], glances, which);
-            let closing = differences::<L>(to[1], glances, which);
+        for (which, contact) in glances.around.contacts.iter().enumerate() {
+            let [stiffness, static_root, weight] = contact;
+            let change = glances.difference::<L>(to[0], which);
+            let closing = glances.difference::<L>(to[1], which);
             let constants = [L::load(stiffness), L::load(static_root)];
-            let (felt, tangent) = lane_forces::<L>(constants, change, law);
+            let (felt, tangent) = lane_forces::<L>(constants, change, glances.around.form);
             let weight = L::load(weight);
             force = L::mul_add(weight, felt, force);
             rate = L::mul_add(L::mul(weight, tangent), closing, rate);

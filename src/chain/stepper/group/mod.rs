@@ -9,15 +9,15 @@ mod split;
 
 use std::marker::PhantomData;
 
+use super::around::SideBySide;
 use super::dispatch::{InstructionSet, dispatch};
 use super::lanes::{Row, WIDTH};
 use super::layout::Across;
 use super::plan::{Form, Plan, shared_stiffness};
 use super::steps::{find_gradients, finest_asked};
 use super::tasks::{Evaluate, Settle};
-use super::view::{Look, View};
 use super::workspace::Workspace;
-use crate::chain::{Chain, ForceProbe, Law};
+use crate::chain::{Chain, ForceProbe};
 use crate::integrate::{IntegrateError, Scheme, Work};
 use glances::Glance;
 pub use glances::Glances;
@@ -37,14 +37,6 @@ impl Drive {
         match self {
             Self::Paired(_, lanes) => lanes.get(lane).map_or((0.0, 0.0), |lane| lane.last_step),
             Self::Split(split) => split.last_step,
-        }
-    }
-
-    /// Steps that lane `lane` has taken.
-    fn steps(&self, lane: usize) -> u64 {
-        match self {
-            Self::Paired(_, lanes) => lanes.get(lane).map_or(0, |lane| lane.counts.steps),
-            Self::Split(split) => split.counts.steps,
         }
     }
 }
@@ -172,6 +164,12 @@ impl ChainGroup {
         }
     }
 
+    /// Glances at the places of each lane's probe, at rest.
+    #[must_use]
+    pub fn glances<'a>(&self, probes: impl Iterator<Item = Option<&'a ForceProbe>>) -> Glances {
+        Glances::new(self.plan.form, probes)
+    }
+
     /// Brings `glances` up to the ends of the steps that lanes have just `taken`; in which of them somebody has to look into the step, as
     /// turns within it are `doubtful` down to this share of the rates at its ends (1).
     pub fn glance(&self, glances: &mut Glances, taken: [bool; WIDTH], doubtful: f64) -> u8 {
@@ -180,27 +178,21 @@ impl ChainGroup {
         for (lane, length) in length.0.iter_mut().enumerate() {
             *length = self.drive.last_step(lane).1;
         }
-        let law = if self.plan.form == Form::Linear { Law::Linearised } else { Law::Hertz };
         let (to, taken) = ([position, velocity], bits(taken));
-        dispatch(self.set, Glance { glances, to, length, taken, law, doubtful })
+        dispatch(self.set, Glance { glances, to, length, taken, doubtful })
     }
 
-    /// A view of the place of `probe` in lane `lane`, at rest.
-    #[must_use]
-    pub fn view(&self, lane: usize, probe: &ForceProbe) -> View {
-        View::new(probe, self.plan.all_rows(), |body| (body, lane))
-    }
-
-    /// Looks into the step that lanes have just taken for those of their views that want it.
-    pub fn look(&self, views: &mut [Vec<View>]) {
+    /// Looks into the steps that lanes have just taken.
+    pub fn look(&self, glances: &mut Glances) {
         let Self { set, work, drive, .. } = self;
-        let ends = [work.next.moving(), work.now.moving()];
-        for (lane, views) in views.iter_mut().enumerate() {
-            if views.iter().any(|view| view.wanted) {
-                let (span, count) = (drive.last_step(lane), drive.steps(lane));
-                dispatch(*set, Look { ends, span, count, views });
-            }
+        let ends = [work.next.moving(), work.now.moving()].map(|state| glances.bodies(state));
+        let (mut starts, mut lengths) = (Row::default(), Row::default());
+        for lane in 0..WIDTH {
+            (starts.0[lane], lengths.0[lane]) = drive.last_step(lane);
         }
+        let Glances { around, seen, .. } = glances;
+        let times = (starts, &lengths);
+        dispatch(*set, SideBySide { around, ends: &ends, times, seen });
     }
 
     /// What lane `index` has cost, or why it failed.

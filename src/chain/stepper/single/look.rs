@@ -1,41 +1,16 @@
-//! What is seen of a chain's last step.
+//! The whole chain within its last step.
 
 use std::marker::PhantomData;
 
 use super::{ChainStepper, Course};
-use crate::chain::ForceProbe;
 use crate::chain::stepper::dispatch::dispatch;
-use crate::chain::stepper::force_track::{SAMPLED_AT_ONCE, Sample};
 use crate::chain::stepper::frame::{Ends, Frame};
 use crate::chain::stepper::lanes::Row;
 use crate::chain::stepper::layout::{Along, Striped};
 use crate::chain::stepper::tasks::Jerks;
-use crate::chain::stepper::view::{Look, View};
 use crate::chain::stepper::workspace::Workspace;
 
 impl ChainStepper {
-    /// A view of the place of `probe`, at rest.
-    #[must_use]
-    pub fn view(&self, probe: &ForceProbe) -> View {
-        View::new(probe, self.bodies, |body| self.course.place(body))
-    }
-
-    /// Brings `views` up to the end of the last step.
-    pub fn glance(&self, views: &mut [View]) {
-        for view in views {
-            view.glance(self.course.work.now.seen(), self.last_step.1);
-        }
-    }
-
-    /// Looks into the last step for those of `views` that want it.
-    pub fn look(&self, views: &mut [View]) {
-        let Course { set, work, counts, .. } = &self.course;
-        if views.iter().any(|view| view.wanted) {
-            let ends = [work.next.moving(), work.now.moving()];
-            dispatch(*set, Look { ends, span: self.last_step, count: counts.steps, views });
-        }
-    }
-
     /// Displacements (m) and changes of the contact forces (N) at the fraction `theta` of the last step (1).
     pub fn frame(&mut self, theta: f64) -> (impl Iterator<Item = f64>, impl Iterator<Item = f64>) {
         self.find_jerks();
@@ -51,23 +26,6 @@ impl ChainStepper {
         self.frame = frame;
         let [position, force] = &self.frame;
         (self.course.flat(position, self.bodies), self.course.flat(force, self.bodies + 1))
-    }
-
-    /// Adds `count` forces of the step that `view` has looked into to `samples` (N), from the fraction `first` of the step on, every `interval` of it (1).
-    pub fn sample(
-        &self,
-        view: &View,
-        (first, interval): (f64, f64),
-        count: usize,
-        samples: &mut Vec<f64>,
-    ) {
-        let before = samples.len();
-        // Whole rows are written; what is too much of the last is taken off again.
-        samples.resize(before + count.next_multiple_of(SAMPLED_AT_ONCE), 0.0);
-        let (out, _) = samples[before..].as_chunks_mut();
-        let (Course { set, plan, .. }, View { place, span, .. }) = (&self.course, view);
-        dispatch(*set, Sample { place, span, form: plan.form, first, interval, out });
-        samples.truncate(before + count);
     }
 
     /// Finds the rates of the accelerations at both ends of the last step.

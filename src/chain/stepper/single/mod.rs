@@ -16,6 +16,7 @@ macro_rules! laid {
 mod look;
 mod paired;
 mod split;
+mod trail;
 
 use std::marker::PhantomData;
 
@@ -32,6 +33,7 @@ use crate::integrate::hermite::{End, septic};
 use crate::integrate::{IntegrateError, Integrator, Interpolant, Scheme, State, Work};
 use paired::Paired;
 use split::Split;
+pub use trail::Trail;
 
 /// Rows at rest behind the last that moves: within a step news travel a contact a stage, of which there are fewer than in these.
 const MARGIN: usize = 2;

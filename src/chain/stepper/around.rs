@@ -1,0 +1,269 @@
+//! What places in chains feel within steps, eight at a time: one place in eight steps on end, or places of eight chains in a step of each.
+//!
+//! Two contacts press on a place, and what they do in a step follows from both ends of it: overlap, closing speed, relative acceleration and
+//! its rate, for which the contacts beyond them count as well. With `k = 3/2 A sqrt(overlap)` the force of contact `j` changes at
+//! `k_j (v_(j-1) - v_j)`, and the acceleration of body `j` between contacts `j` and `j+1` at the difference of two such rates over its mass.
+#![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
+#![allow(
+    clippy::needless_range_loop,
+    reason = "closures would be compiled without the instruction set"
+)]
+
+use super::force_track::{COEFFICIENTS, CONTACTS, LOOKED_AT, LOOKS, Looks, Place, Span};
+use super::force_track::{horner_and_slope, lane_forces, septic};
+use super::lanes::{Lanes, Row, Task, WIDTH};
+use super::plan::Form;
+use crate::chain::{Contact, ForceProbe};
+
+/// Bodies that count: the two contacts press three, and two more contacts press those.
+pub const BODIES: usize = 5;
+
+/// Positions (m), velocities (m/s) and accelerations (m/s²) of all bodies in rows.
+pub type Rows<'a> = [&'a [Row]; 3];
+
+/// Positions (m), velocities (m/s) and accelerations (m/s²) of the bodies around eight places.
+pub type Bodies = [[Row; BODIES]; 3];
+
+/// Overlap changes of two contacts in eight places and their first three derivatives (m, m/s, m/s², m/s³).
+pub type Moves = [[Row; 4]; CONTACTS];
+
+/// The same in registers.
+type Held<L> = [[<L as Lanes>::V; 4]; CONTACTS];
+
+/// The contacts and bodies around a place in each lane.
+#[derive(Debug, Clone)]
+pub struct Around {
+    /// Index of the body in the middle.
+    bodies: [usize; WIDTH],
+    /// Static overlaps of the contacts between the bodies (m).
+    static_overlap: [Row; BODIES - 1],
+    /// `3/2 A` of those contacts, or their tangent stiffness where they are linearised (unit).
+    stiffness: [Row; BODIES - 1],
+    /// Inverse masses of the three bodies in the middle (1/kg).
+    inverse_mass: [Row; CONTACTS + 1],
+    /// Stiffness (unit), square root of the static overlap (m^0.5) and weight of the contacts above and below the place (1).
+    pub contacts: [[Row; 3]; CONTACTS],
+    /// The form that the chains compute forces in: what is seen of them is rounded no less.
+    pub form: Form,
+}
+
+/// Steps as they were felt, one in each lane.
+#[derive(Debug, Clone)]
+pub struct Seen {
+    starts: Row,
+    lengths: Row,
+    overlaps: [[Row; COEFFICIENTS]; CONTACTS],
+    forces: [Row; LOOKS],
+    rates: [Row; LOOKS],
+}
+
+impl Around {
+    /// Places where nothing is.
+    pub fn nothing(form: Form) -> Self {
+        Self {
+            bodies: [0; WIDTH],
+            static_overlap: Default::default(),
+            stiffness: Default::default(),
+            inverse_mass: Default::default(),
+            contacts: Default::default(),
+            form,
+        }
+    }
+
+    /// Puts the place of `probe` into lane `lane`.
+    pub fn put(&mut self, lane: usize, probe: &ForceProbe) {
+        let contacts = probe.neighbourhood();
+        let stiffness = |contact: Contact| match self.form {
+            Form::Linear => contact.static_stiffness(),
+            Form::Plain | Form::Exact => 1.5 * contact.stiffness,
+        };
+        set(&mut self.stiffness, lane, contacts.map(stiffness));
+        set(&mut self.static_overlap, lane, contacts.map(|contact| contact.static_overlap));
+        set(&mut self.inverse_mass, lane, probe.inverse_masses());
+        let place = Place::new(probe);
+        for (which, rows) in self.contacts.iter_mut().enumerate() {
+            set(rows, lane, place.lane_constants(which));
+        }
+        self.bodies[lane] = probe.body();
+    }
+
+    /// Index of body `index` around the place in lane `lane`, counted from two above its own; none above the chain.
+    pub fn body(&self, lane: usize, index: usize) -> Option<usize> {
+        (self.bodies[lane] + index).checked_sub(BODIES / 2)
+    }
+
+    /// How the two contacts stand where the bodies stand and move as told.
+    #[inline(always)]
+    fn moves<L: Lanes>(&self, bodies: &Bodies) -> Held<L> {
+        let [position, velocity, acceleration] = bodies;
+        let none = L::splat(0.0);
+        let (mut change, mut closing) = ([none; BODIES - 1], [none; BODIES - 1]);
+        let mut rate = [none; BODIES - 1];
+        for j in 0..BODIES - 1 {
+            change[j] = L::sub(L::load(&position[j]), L::load(&position[j + 1]));
+            closing[j] = L::sub(L::load(&velocity[j]), L::load(&velocity[j + 1]));
+            rate[j] = L::mul(L::load(&self.stiffness[j]), closing[j]);
+            if self.form != Form::Linear {
+                let overlap = L::add(L::load(&self.static_overlap[j]), change[j]);
+                rate[j] = L::mul(rate[j], L::sqrt(L::max(overlap, none)));
+            }
+        }
+        let mut jerk = [none; CONTACTS + 1];
+        for i in 0..=CONTACTS {
+            jerk[i] = L::mul(L::load(&self.inverse_mass[i]), L::sub(rate[i], rate[i + 1]));
+        }
+        let mut moves = [[none; 4]; CONTACTS];
+        for w in 0..CONTACTS {
+            let bend = L::sub(L::load(&acceleration[w + 1]), L::load(&acceleration[w + 2]));
+            moves[w] = [change[w + 1], closing[w + 1], bend, L::sub(jerk[w], jerk[w + 1])];
+        }
+        moves
+    }
+
+    /// What is felt in steps of `length` (s) between the ends `from` and `to`.
+    #[inline(always)]
+    fn look<L: Lanes>(&self, [from, to]: [Held<L>; 2], length: &Row, seen: &mut Seen) {
+        let h = L::load(length);
+        let (mut forces, mut rates) = ([L::splat(0.0); LOOKS], [L::splat(0.0); LOOKS]);
+        for which in 0..CONTACTS {
+            let overlap = septic::<L>([from[which], to[which]], h);
+            for power in 0..COEFFICIENTS {
+                L::store(overlap[power], &mut seen.overlaps[which][power]);
+            }
+            let [stiffness, static_root, weight] = &self.contacts[which];
+            let constants = [L::load(stiffness), L::load(static_root)];
+            let weight = L::load(weight);
+            let still = L::load(&self.static_overlap[which + 1]);
+            let (nothing, _) = plain_forces::<L>(constants[0], still);
+            for look in 0..LOOKS {
+                // The last is the end of the step.
+                let (change, slope) = if look + 1 == LOOKS {
+                    (to[which][0], L::mul(h, to[which][1]))
+                } else {
+                    horner_and_slope::<L>(&overlap, L::splat(LOOKED_AT[look]))
+                };
+                let (force, tangent) = if self.form == Form::Plain {
+                    let (whole, tangent) = plain_forces::<L>(constants[0], L::add(still, change));
+                    (L::sub(whole, nothing), tangent)
+                } else {
+                    lane_forces::<L>(constants, change, self.form)
+                };
+                forces[look] = L::mul_add(weight, force, forces[look]);
+                rates[look] = L::mul_add(L::mul(weight, tangent), slope, rates[look]);
+            }
+        }
+        seen.lengths = *length;
+        for look in 0..LOOKS {
+            L::store(forces[look], &mut seen.forces[look]);
+            L::store(L::div(rates[look], h), &mut seen.rates[look]);
+        }
+    }
+}
+
+/// Force (N) and tangent stiffness (N/m) of contacts by their overlaps (m).
+#[inline(always)]
+fn plain_forces<L: Lanes>(stiffness: L::V, overlap: L::V) -> (L::V, L::V) {
+    let closed = L::max(overlap, L::splat(0.0));
+    let slope = L::mul(stiffness, L::sqrt(closed));
+    (L::mul(closed, slope), L::mul(L::splat(1.5), slope))
+}
+
+/// Writes `values` into lane `lane`.
+fn set<const N: usize>(rows: &mut [Row; N], lane: usize, values: [f64; N]) {
+    for (row, value) in rows.iter_mut().zip(values) {
+        row.0[lane] = value;
+    }
+}
+
+impl Seen {
+    /// Nothing yet.
+    pub fn nothing() -> Self {
+        Self {
+            starts: Row::default(),
+            lengths: Row::default(),
+            overlaps: Default::default(),
+            forces: Default::default(),
+            rates: Default::default(),
+        }
+    }
+
+    /// The two contacts in the step of lane `lane`.
+    #[must_use]
+    pub fn span(&self, lane: usize) -> Span {
+        let overlaps = self.overlaps.each_ref().map(|rows| rows.each_ref().map(|row| row.0[lane]));
+        Span { start: self.starts.0[lane], length: self.lengths.0[lane], overlaps }
+    }
+
+    /// The force in a few places of that step.
+    #[must_use]
+    pub fn looks(&self, lane: usize) -> Looks {
+        let at = |rows: &[Row; LOOKS]| rows.each_ref().map(|row| row.0[lane]);
+        Looks { forces: at(&self.forces), rates: at(&self.rates) }
+    }
+
+    /// Force (N) and its rate of change at the end of that step (N/s), and the step's length (s).
+    #[must_use]
+    #[inline]
+    pub fn end(&self, lane: usize) -> ([f64; 2], f64) {
+        let felt = [&self.forces, &self.rates].map(|rows| rows[LOOKS - 1].0[lane]);
+        (felt, self.lengths.0[lane])
+    }
+
+    /// Coefficient `power` of contact `which` in that step (m).
+    #[inline(always)]
+    pub fn coefficient(&self, lane: usize, which: usize, power: usize) -> f64 {
+        self.overlaps[which][power].0[lane]
+    }
+}
+
+/// Looks into steps on end.
+pub struct OnEnd<'a> {
+    pub around: &'a Around,
+    /// How the contacts stood before: the last lane's are where the first step begins. Afterwards how they stand at the end of each step.
+    pub moves: &'a mut Moves,
+    pub bodies: &'a Bodies,
+    /// Starts and lengths of the steps (s).
+    pub times: (Row, &'a Row),
+    pub seen: &'a mut Seen,
+}
+
+impl Task for OnEnd<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { around, moves, bodies, times: (starts, lengths), seen } = self;
+        let to = around.moves::<L>(bodies);
+        let mut from = to;
+        for which in 0..CONTACTS {
+            for order in 0..4 {
+                let row = &mut moves[which][order];
+                from[which][order] = L::shift_up(L::load(row), to[which][order]);
+                L::store(to[which][order], row);
+            }
+        }
+        seen.starts = starts;
+        around.look::<L>([from, to], lengths, seen);
+    }
+}
+
+/// Looks into a step in each lane.
+pub struct SideBySide<'a> {
+    pub around: &'a Around,
+    /// Both ends of the steps.
+    pub ends: &'a [Bodies; 2],
+    /// Starts and lengths of the steps (s).
+    pub times: (Row, &'a Row),
+    pub seen: &'a mut Seen,
+}
+
+impl Task for SideBySide<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { around, ends: [from, to], times: (starts, lengths), seen } = self;
+        seen.starts = starts;
+        around.look::<L>([around.moves::<L>(from), around.moves::<L>(to)], lengths, seen);
+    }
+}
