@@ -161,8 +161,8 @@ impl<'a> Bench<'a> {
                 let mut goes_on = Ok(stepper.time() < end);
                 let mut step = || {
                     stepper.step(end)?;
-                    stepper.work().within(most, stepper.time())?;
                     stepper.note(trail);
+                    stepper.work().within(most, stepper.time())?;
                     if trail.steps() == Trail::STEPS {
                         follow(stepper, trail, (watches, *grid), pulses);
                     }

@@ -5,7 +5,7 @@ use crate::chain::ForceSegment;
 use crate::chain::stepper::{Place, Span};
 
 /// A force over one step. Steps resolve the stiffest contact, or they would not be accepted, so a force turns at most twice
-/// between two of [`LOOKS`](crate::chain::stepper::LOOKS) evenly spaced places.
+/// between two of the places in [`LOOKED_AT`](crate::chain::stepper::LOOKED_AT).
 #[derive(Debug, Clone)]
 pub enum Segment {
     /// Of any method.

@@ -119,6 +119,34 @@ fn each_is_as_alone(ensemble: Ensemble, cases: &[Case], together: &[Vec<[f64; 3]
     }
 }
 
+/// Lanes may watch different places, ends of the chain among them, more or fewer of them, or none.
+#[test]
+fn lanes_watch_places_of_their_own() {
+    let mut cases = strikers("magnet-0.61g", 11);
+    for (number, case) in cases.iter_mut().enumerate() {
+        let (chain, last) = (&case.chain, case.chain.bodies().len() - 1);
+        let inside = |particle| ForceProbe::inside(chain, particle, 0.2);
+        let wall = chain.wall_contact().and_then(|contact| ForceProbe::contact(chain, contact));
+        let probes = match number % 4 {
+            0 => vec![inside(1)],
+            1 => vec![inside(last), inside(14)],
+            2 => vec![wall, inside(3), inside(1)],
+            _ => Vec::new(),
+        };
+        case.probes = probes.into_iter().map(|probe| probe.expect("a place")).collect();
+        case.duration = 2e-3;
+    }
+    let fixed = Integration::Method(Method::BlanesMoan { step: 2e-6 });
+    for ensemble in [Ensemble::new(1e-4), Ensemble::by(fixed)] {
+        let together = run(ensemble, &cases);
+        assert_eq!(
+            together.iter().map(Vec::len).collect::<Vec<_>>(),
+            [1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3]
+        );
+        each_is_as_alone(ensemble, &cases, &together);
+    }
+}
+
 /// Chains whose contacts are all alike have loops of their own in fixed steps, whatever others are among them.
 #[test]
 fn chains_of_contacts_alike_are_the_same_among_others() {

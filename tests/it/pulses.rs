@@ -2,7 +2,8 @@
 
 use hertzscope::chain::stepper::{ChainStepper, Due, InstructionSet, LOOKED_AT, Trail};
 use hertzscope::chain::{Chain, ForceProbe, ForceSegment};
-use hertzscope::experiment::bench::{Bench, Grid, Watch};
+use hertzscope::experiment::bench::Grid;
+use hertzscope::experiment::pulse::PulseRecorder;
 use hertzscope::integrate::{Integrator, Method};
 use hertzscope::scene::Scene;
 
@@ -14,25 +15,48 @@ const NEVER: Grid = Grid { start: 1e9, interval: 1.0 };
 /// Shares of the first peak at which arrivals are compared (1).
 const LEVELS: [f64; 4] = [0.03, 0.1, 0.5, 0.95];
 
-/// First peaks (N, s) and first times of levels (s) at `probes`, to the last bit; none for steps that are too long.
-fn readings(
+/// First peak (N, s) and first times of levels (s), to the last bit.
+fn readings(pulse: &PulseRecorder) -> Vec<u64> {
+    let peak = pulse.first_peak().map(|peak| [peak.dynamic_n, peak.time_s]);
+    let highest = peak.map_or(0.0, |[force, _]| force);
+    let times = LEVELS.map(|level| pulse.first_reach(level * highest).unwrap_or(-1.0));
+    let all = peak.unwrap_or_default().into_iter().chain(times);
+    all.map(f64::to_bits).collect()
+}
+
+/// Recorders at `probes` that look into the steps they want to, and others that look into every one; none for steps that are too long.
+fn choosy_and_thorough(
     scene: &Scene,
     method: Method,
     probes: &[ForceProbe],
-    grid: Grid,
-) -> Option<Vec<Vec<u64>>> {
+) -> Option<[Vec<PulseRecorder>; 2]> {
     let (chain, velocities) = (&scene.chain, &scene.initial_velocities);
-    let mut bench = Bench::new(chain, velocities, method, probes, (grid, NEVER));
-    bench.run_until(scene.duration, true, &mut |_| ()).ok()?;
-    let bits = |watch: &Watch| {
-        let pulse = &watch.pulse;
-        let peak = pulse.first_peak().map(|peak| [peak.dynamic_n, peak.time_s]);
-        let highest = peak.map_or(0.0, |[force, _]| force);
-        let times = LEVELS.map(|level| pulse.first_reach(level * highest).unwrap_or(-1.0));
-        let all = peak.unwrap_or_default().into_iter().chain(times);
-        all.map(f64::to_bits).collect()
-    };
-    Some(bench.watches().iter().map(bits).collect())
+    let impact = chain.impact_force(velocities);
+    let recorders = || probes.iter().map(|probe| PulseRecorder::new(probe.clone(), impact));
+    let (mut choosy, mut thorough): (Vec<_>, Vec<_>) =
+        (recorders().collect(), recorders().collect());
+    let mut felt = vec![[0.0; 2]; probes.len()];
+    let scheme = method.scheme().expect("a method of the stepper's");
+    let mut stepper = ChainStepper::new(chain, velocities, scheme, InstructionSet::best());
+    let mut trail = stepper.trail(probes);
+    while stepper.time() < scene.duration {
+        stepper.step(scene.duration).ok()?;
+        stepper.note(&mut trail);
+        let steps = trail.steps();
+        if steps < Trail::STEPS && stepper.time() < scene.duration {
+            continue;
+        }
+        stepper.read(&mut trail);
+        for (place, (choosy, thorough)) in choosy.iter_mut().zip(&mut thorough).enumerate() {
+            let seen = trail.seen(place);
+            choosy.follow(seen, steps);
+            for step in 0..steps {
+                felt[place] = thorough.go_on(felt[place], seen, step);
+            }
+        }
+        trail.clear();
+    }
+    Some([choosy, thorough])
 }
 
 /// In every particle, by steps from the edge of stability down.
@@ -55,14 +79,12 @@ fn a_force_reads_the_same_wherever_its_steps_were_looked_into() {
             [0.9, 0.2].map(|share| make(share * limit))
         });
         for method in pairs.into_iter().chain(steps) {
-            // Nearly every step holds a sample, and is looked into for its sake.
-            let every = Grid { start: 0.0, interval: 0.5e-6 };
-            let everywhere = readings(&scene, method, &probes, every);
-            let where_needed = readings(&scene, method, &probes, NEVER);
-            assert_eq!(everywhere.is_some(), where_needed.is_some(), "{name}, {method}");
-            let pairs = everywhere.iter().flatten().zip(where_needed.iter().flatten());
-            for (index, (a, b)) in pairs.enumerate() {
-                assert_eq!(a, b, "{name}, particle {}, {method}", index + 1);
+            let Some([choosy, thorough]) = choosy_and_thorough(&scene, method, &probes) else {
+                continue;
+            };
+            for (index, (a, b)) in choosy.iter().zip(&thorough).enumerate() {
+                let words = format!("{name}, particle {}, {method}", index + 1);
+                assert_eq!(readings(a), readings(b), "{words}");
                 compared += 1;
             }
         }
@@ -123,10 +145,6 @@ fn samples_are_the_forces_at_their_times() {
 /// however many steps are looked into at a time.
 #[test]
 fn a_place_sees_what_the_whole_chain_does() {
-    // Displacements of a tenth of a millimetre round to 1e-20 m, in overlaps of a micrometre, by polynomials with coefficients up to 84.
-    const BOUND: f64 = 1e-11;
-    const PLACES: (f64, f64) = (0.13, 0.29);
-    const END: f64 = 1e-3;
     let mut chains: Vec<(Chain, Vec<f64>)> = ["magnet-0.61g", "gravity-17.81g", "monatomic-vacuum"]
         .map(|name| Scene::load(name).expect("a shipped scene"))
         .map(|scene| (scene.chain, scene.initial_velocities))
@@ -153,57 +171,99 @@ fn a_place_sees_what_the_whole_chain_does() {
             })
         {
             let scheme = method.scheme().expect("a method of the stepper's");
-            let mut stepper = ChainStepper::new(chain, velocities, scheme, set);
-            let mut trail = stepper.trail(&probes);
-            // As many steps at a time as are left of eight, one less the next time.
-            for most in (1..=Trail::STEPS).rev().cycle().take(30) {
-                let mut whole: Vec<Vec<ForceSegment>> = Vec::new();
-                while trail.steps() < most && stepper.time() < END {
-                    stepper.step(END).expect("a step");
-                    stepper.note(&mut trail);
-                    stepper.prepare_interpolation();
-                    whole.push(probes.iter().map(|p| p.over_step(&stepper, bodies)).collect());
-                }
-                if whole.is_empty() {
-                    break;
-                }
-                stepper.read(&mut trail);
-                for (index, probe) in probes.iter().enumerate() {
-                    let due = Due {
-                        counts: std::array::from_fn(|step| if step < whole.len() { 3 } else { 0 }),
-                        first: [PLACES.0; Trail::STEPS],
-                        interval: [PLACES.1; Trail::STEPS],
-                    };
-                    let mut sampled = Vec::new();
-                    stepper.sample(&trail, index, &due, &mut sampled);
-                    assert_eq!(sampled.len(), 3 * whole.len());
-                    for (step, whole) in whole.iter().map(|places| &places[index]).enumerate() {
-                        let place = probe.body();
-                        let mut check = |force: f64, exact: f64| {
-                            let off = (force - exact).abs() / scale;
-                            let words = format!("{bodies} bodies, {method}, {set:?}");
-                            assert!(off < BOUND, "{words}: {off:e} at {place}");
-                            compared += 1;
-                        };
-                        for (sample, force) in (0_u8..).zip(&sampled[3 * step..][..3]) {
-                            check(*force, whole.force(PLACES.0 + f64::from(sample) * PLACES.1));
-                        }
-                        let seen = trail.seen(index);
-                        let (looks, length) = (seen.looks(step), whole.length);
-                        for (look, theta) in LOOKED_AT.into_iter().enumerate() {
-                            check(looks.forces[look], whole.force(theta));
-                            // A rate times the step is as exact as a force.
-                            check(length * looks.rates[look], length * whole.rate(theta));
-                        }
-                        let ([force, rate], seen_length) = seen.end(step);
-                        check(force, whole.force(1.0));
-                        check(length * rate, length * whole.rate(1.0));
-                        assert_eq!(seen_length.to_bits(), length.to_bits());
-                    }
-                }
-                trail.clear();
-            }
+            let stepper = ChainStepper::new(chain, velocities, scheme, set);
+            let words = format!("{bodies} bodies, {method}, {set:?}");
+            compared += compare_places(stepper, &probes, (bodies, scale), &words);
         }
     }
-    println!("{compared} forces compared");
+    println!("{compared} forces and rates compared");
+    assert!(compared > 1_000_000, "{compared}");
+}
+
+/// Takes steps of `stepper` and compares what is felt at `probes`, relative to a force (N); how many forces and rates.
+fn compare_places(
+    mut stepper: ChainStepper,
+    probes: &[ForceProbe],
+    (bodies, scale): (usize, f64),
+    words: &str,
+) -> usize {
+    // Displacements of a tenth of a millimetre round to 1e-20 m, in overlaps of a micrometre, by polynomials with coefficients up to 84.
+    const BOUND: f64 = 1e-11;
+    const PLACES: (f64, f64) = (0.13, 0.29);
+    const END: f64 = 1e-3;
+    let mut trail = stepper.trail(probes);
+    let (mut taken, mut compared) = (0, 0);
+    // As many steps at a time as are left of eight, one less the next time.
+    for most in (1..=Trail::STEPS).rev().cycle().take(30) {
+        let mut whole: Vec<Option<Vec<ForceSegment>>> = Vec::new();
+        while trail.steps() < most && stepper.time() < END {
+            stepper.step(END).expect("a step");
+            stepper.note(&mut trail);
+            taken += 1;
+            if taken % 5 == 0 {
+                // The whole chain is not asked for every step either.
+                whole.push(None);
+                continue;
+            }
+            stepper.prepare_interpolation();
+            let place = |probe: &ForceProbe| probe.over_step(&stepper, bodies);
+            whole.push(Some(probes.iter().map(place).collect()));
+            check_frame(&mut stepper, bodies);
+        }
+        if whole.is_empty() {
+            break;
+        }
+        stepper.read(&mut trail);
+        for (index, probe) in probes.iter().enumerate() {
+            let due = Due {
+                counts: std::array::from_fn(|step| if step < whole.len() { 3 } else { 0 }),
+                first: [PLACES.0; Trail::STEPS],
+                interval: [PLACES.1; Trail::STEPS],
+            };
+            let mut sampled = Vec::new();
+            stepper.sample(&trail, index, &due, &mut sampled);
+            assert_eq!(sampled.len(), 3 * whole.len());
+            for (step, whole) in whole.iter().enumerate() {
+                let Some(whole) = whole.as_ref().map(|places| &places[index]) else {
+                    continue;
+                };
+                let place = probe.body();
+                let mut check = |force: f64, exact: f64| {
+                    let off = (force - exact).abs() / scale;
+                    assert!(off < BOUND, "{words}: {off:e} at {place}");
+                    compared += 1;
+                };
+                for (sample, force) in (0_u8..).zip(&sampled[3 * step..][..3]) {
+                    check(*force, whole.force(PLACES.0 + f64::from(sample) * PLACES.1));
+                }
+                let seen = trail.seen(index);
+                let (looks, length) = (seen.looks(step), whole.length);
+                for (look, theta) in LOOKED_AT.into_iter().enumerate() {
+                    check(looks.forces[look], whole.force(theta));
+                    // A rate times the step is as exact as a force.
+                    check(length * looks.rates[look], length * whole.rate(theta));
+                }
+                let ([force, rate], seen_length) = seen.end(step);
+                check(force, whole.force(1.0));
+                check(length * rate, length * whole.rate(1.0));
+                assert_eq!(seen_length.to_bits(), length.to_bits());
+            }
+        }
+        trail.clear();
+    }
+    compared
+}
+
+/// The whole chain at a time within the last step stands where its bodies' interpolants say.
+fn check_frame(stepper: &mut ChainStepper, bodies: usize) {
+    const THETA: f64 = 0.37;
+    // Of the largest displacement: coefficients of up to 84, rounded to 1e-16, add up (1).
+    const BOUND: f64 = 1e-13;
+    let alone: Vec<f64> =
+        (0..bodies).map(|body| stepper.interpolant(body).position(THETA)).collect();
+    let largest = alone.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let (positions, _) = stepper.frame(THETA);
+    for (body, (frame, alone)) in positions.zip(alone).enumerate() {
+        assert!((frame - alone).abs() <= BOUND * largest, "{body}: {frame:e} and {alone:e}");
+    }
 }

@@ -43,7 +43,7 @@ pub struct Around {
     inverse_mass: [Row; CONTACTS + 1],
     /// Stiffness (unit), square root of the static overlap (m^0.5) and weight of the contacts above and below the place (1).
     pub contacts: [[Row; 3]; CONTACTS],
-    /// The form that the chains compute forces in: what is seen of them is rounded no less.
+    /// The form that the chains compute forces in, and what is seen of them.
     pub form: Form,
 }
 

@@ -32,7 +32,7 @@ pub struct Place {
 }
 
 /// How a place's contacts move over one step.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Span {
     /// Start of the step (s).
     pub start: f64,
@@ -43,7 +43,7 @@ pub struct Span {
 }
 
 /// A force at [`LOOKED_AT`] within a step.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Looks {
     /// Dynamic force (N).
     pub forces: [f64; LOOKS],
@@ -63,9 +63,8 @@ impl Place {
     }
 
     /// Dynamic force (N) and its rate of change (N/s) for changes of the overlaps (m) and their rates (m/s).
-    #[must_use]
     #[inline]
-    pub fn feel(&self, overlaps: [[f64; 2]; CONTACTS]) -> (f64, f64) {
+    fn feel(&self, overlaps: [[f64; 2]; CONTACTS]) -> (f64, f64) {
         let (mut force, mut rate) = (0.0, 0.0);
         for (which, [change, closing]) in overlaps.into_iter().enumerate() {
             let contact = &self.contacts[which];

@@ -38,6 +38,6 @@ mod workspace;
 
 pub use around::Seen;
 pub use dispatch::InstructionSet;
-pub use force_track::{Due, LOOKED_AT, LOOKS, Looks, Place, ROOM_BEHIND, Span};
+pub use force_track::{Due, LOOKED_AT, Looks, Place, ROOM_BEHIND, Span};
 pub use group::{ChainGroup, Glances, Kind, Member};
 pub use single::{ChainStepper, Refinement, Trail};

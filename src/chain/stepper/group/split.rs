@@ -20,7 +20,7 @@ pub struct Split {
     time: f64,
     end: f64,
     pub last_step: (f64, f64),
-    pub counts: Work,
+    counts: Work,
     /// Why each lane stopped, if it did.
     failed: Vec<Option<IntegrateError>>,
 }
