@@ -3,7 +3,7 @@
 
 use serde::Serialize;
 
-use super::segment::{Bracket, Rise, Segment};
+use super::segment::{Bracket, Felt, Rise, Segment};
 use super::turn::{fall, may_fall, root};
 use crate::chain::stepper::{LOOKED_AT, Looks, Place, Seen};
 use crate::chain::{ForceProbe, ForceSegment};
@@ -44,7 +44,7 @@ pub struct Peak {
 #[derive(Debug, Clone)]
 pub struct PulseRecorder {
     probe: ForceProbe,
-    place: Place,
+    felt: Felt,
     /// Force that a pulse exceeds (N).
     quietest: f64,
     /// Maxima that may turn out to be the first above the threshold.
@@ -65,7 +65,7 @@ impl PulseRecorder {
     pub fn new(probe: ForceProbe, impact: f64) -> Self {
         Self {
             quietest: QUIETEST * probe.static_force().max(impact),
-            place: Place::new(&probe),
+            felt: Felt::nothing(Place::new(&probe)),
             probe,
             peaks: Vec::new(),
             rises: Vec::new(),
@@ -89,11 +89,21 @@ impl PulseRecorder {
             forces: LOOKED_AT.map(|theta| segment.force(theta)),
             rates: LOOKED_AT.map(|theta| segment.rate(theta)),
         };
+        let kept = self.kept();
+        let step = self.felt.keep(segment.clone());
         if self.probe.is_lossy() {
-            self.jump(&segment);
+            self.jump(step);
         }
-        self.see(&looks, segment.length, &|| Segment::General(Box::new(segment.clone())));
+        self.see(&looks, segment.length, &|| step);
+        if self.kept() == kept {
+            self.felt.let_go();
+        }
         segment
+    }
+
+    /// How much of steps is kept.
+    fn kept(&self) -> usize {
+        self.peaks.len() + self.rises.len()
     }
 
     /// Takes in the first `count` steps of the stepper for lossless chains.
@@ -166,17 +176,19 @@ impl PulseRecorder {
             if self.rate_before > 0.0 && near * BETWEEN_LOOKS > self.first_exceeds() {
                 let mean = (force - self.last) / ((high - low) * length);
                 let falls = if rate <= 0.0 {
-                    Some(high)
+                    Some((high, rate))
                 } else if may_fall((self.rate_before, rate), mean, BETWEEN) {
                     let segment = segment();
-                    fall(&|theta| segment.rate(&self.place, theta), low, high)
+                    let rate = |theta| self.felt.rate(&segment, theta);
+                    fall(&rate, low, high).map(|theta| (theta, rate(theta)))
                 } else {
                     None
                 };
-                if let Some(high) = falls {
-                    let bracket = Bracket { segment: segment(), low, high, near };
+                if let Some((high, rate)) = falls {
+                    let (between, rates) = ([low, high], [self.rate_before, rate]);
+                    let bracket = Bracket { segment: segment(), between, rates, near };
                     if near * BETWEEN_LOOKS > reached {
-                        let (at, force) = bracket.top(&self.place);
+                        let (at, force) = self.felt.top(&bracket);
                         if force > reached {
                             (reached, top) = (force, at);
                         }
@@ -199,14 +211,13 @@ impl PulseRecorder {
     }
 
     /// A force that jumps up as a contact closes and then falls has its peak at the jump.
-    fn jump(&mut self, segment: &ForceSegment) {
-        let (force, rate) = (segment.force(0.0), segment.rate(0.0));
-        let whole = || Segment::General(Box::new(segment.clone()));
+    fn jump(&mut self, segment: Segment) {
+        let [force, rate] = [self.felt.force(&segment, 0.0), self.felt.rate(&segment, 0.0)];
         if force - self.last > SMALLEST_JUMP * self.largest && rate <= 0.0 {
-            self.keep(Bracket { segment: whole(), low: 0.0, high: 0.0, near: force });
+            self.keep(Bracket { segment, between: [0.0; 2], rates: [rate; 2], near: force });
             if force > self.largest {
                 self.largest = force;
-                self.rises.push(Rise { segment: whole(), reached: force, top: 0.0 });
+                self.rises.push(Rise { segment, reached: force, top: 0.0 });
             }
         }
         self.rate_before = rate;
@@ -225,26 +236,31 @@ impl PulseRecorder {
     pub fn first_peak(&self) -> Option<Peak> {
         let threshold = (PEAK_SHARE * self.largest).max(self.quietest);
         let high = self.peaks.iter().filter(|peak| peak.near * BETWEEN_LOOKS > threshold);
-        let mut tops = high.map(|peak| (peak, peak.top(&self.place)));
+        let mut tops = high.map(|peak| (peak, self.felt.top(peak)));
         let (peak, (theta, dynamic_n)) = tops.find(|(_, top)| top.1 > threshold)?;
-        let time_s = peak.segment.time(theta);
+        let time_s = self.felt.time(&peak.segment, theta);
         Some(Peak { total_n: dynamic_n + self.probe.static_force(), dynamic_n, time_s })
     }
 
     /// The time when the dynamic force first reached `level` (N), which is positive (s).
     #[must_use]
     pub fn first_reach(&self, level: f64) -> Option<f64> {
-        let rise = self.rises.iter().find(|rise| rise.reached >= level)?;
-        let excess = |theta: f64| rise.segment.force(&self.place, theta) - level;
-        let mut before = 0.0;
-        // Looks up to the largest force, which may stand between two of them.
-        let looks = LOOKED_AT.into_iter().take_while(|look| *look < rise.top);
-        for theta in looks.chain([rise.top]) {
-            if excess(theta) >= 0.0 {
-                return Some(rise.segment.time(root(&excess, before, theta)));
-            }
-            before = theta;
+        let Rise { segment, top, .. } = self.rises.iter().find(|rise| rise.reached >= level)?;
+        let excess = |theta: f64| self.felt.force(segment, theta) - level;
+        let (mut before, mut lacks) = (0.0, excess(0.0));
+        if lacks >= 0.0 {
+            return Some(self.felt.time(segment, 0.0));
         }
-        Some(rise.segment.time(rise.top))
+        // Looks up to the largest force, which may stand between two of them.
+        let looks = LOOKED_AT.into_iter().take_while(|look| look < top);
+        for theta in looks.chain([*top]) {
+            let exceeds = excess(theta);
+            if exceeds >= 0.0 {
+                let reached = root(&excess, [before, theta], [lacks, exceeds]);
+                return Some(self.felt.time(segment, reached));
+            }
+            (before, lacks) = (theta, exceeds);
+        }
+        Some(self.felt.time(segment, *top))
     }
 }

@@ -6,28 +6,35 @@ use crate::chain::stepper::{Place, Span};
 
 /// A force over one step. Steps resolve the stiffest contact, or they would not be accepted, so a force turns at most twice
 /// between two of the places in [`LOOKED_AT`](crate::chain::stepper::LOOKED_AT).
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 pub enum Segment {
-    /// Of any method.
-    General(Box<ForceSegment>),
+    /// Of any method: which of [`Felt::general`].
+    General(usize),
     /// Of the stepper for lossless chains.
     Lossless(Span),
 }
 
-/// A maximum, between two looks at a step's force or at a known time.
+/// A place, and what it felt in steps that no span describes.
 #[derive(Debug, Clone)]
+pub struct Felt {
+    place: Place,
+    general: Vec<ForceSegment>,
+}
+
+/// A maximum, between two looks at a step's force or at a known time.
+#[derive(Debug, Clone, Copy)]
 pub struct Bracket {
     pub segment: Segment,
-    /// Where it begins, in fractions of the step (1).
-    pub low: f64,
-    /// Where it ends (1).
-    pub high: f64,
+    /// Where it begins and ends, in fractions of the step (1).
+    pub between: [f64; 2],
+    /// Rates of change there: it rises, and falls or turns (N/s).
+    pub rates: [f64; 2],
     /// The larger of the forces at both ends (N).
     pub near: f64,
 }
 
 /// A step in which a force exceeded all before.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 pub struct Rise {
     pub segment: Segment,
     /// The largest force (N).
@@ -36,41 +43,56 @@ pub struct Rise {
     pub top: f64,
 }
 
-impl Segment {
-    /// Dynamic force that `place` feels at the fraction `theta` of the step (N).
-    pub fn force(&self, place: &Place, theta: f64) -> f64 {
-        match self {
-            Self::General(segment) => segment.force(theta),
-            Self::Lossless(span) => place.force(span, theta),
+impl Felt {
+    /// Nothing yet.
+    pub fn nothing(place: Place) -> Self {
+        Self { place, general: Vec::new() }
+    }
+
+    /// Has a step of any method among its own.
+    pub fn keep(&mut self, segment: ForceSegment) -> Segment {
+        self.general.push(segment);
+        Segment::General(self.general.len() - 1)
+    }
+
+    /// Lets the step that came last go.
+    pub fn let_go(&mut self) {
+        self.general.pop();
+    }
+
+    /// Dynamic force at the fraction `theta` of `segment` (N).
+    pub fn force(&self, segment: &Segment, theta: f64) -> f64 {
+        match segment {
+            Segment::General(index) => self.general[*index].force(theta),
+            Segment::Lossless(span) => self.place.force(span, theta),
         }
     }
 
     /// Its rate of change there (N/s).
-    pub fn rate(&self, place: &Place, theta: f64) -> f64 {
-        match self {
-            Self::General(segment) => segment.rate(theta),
-            Self::Lossless(span) => place.rate(span, theta),
+    pub fn rate(&self, segment: &Segment, theta: f64) -> f64 {
+        match segment {
+            Segment::General(index) => self.general[*index].rate(theta),
+            Segment::Lossless(span) => self.place.rate(span, theta),
         }
     }
 
     /// When that is (s).
-    pub fn time(&self, theta: f64) -> f64 {
-        let (start, length) = match self {
-            Self::General(segment) => (segment.start, segment.length),
-            Self::Lossless(span) => (span.start, span.length),
+    pub fn time(&self, segment: &Segment, theta: f64) -> f64 {
+        let (start, length) = match segment {
+            Segment::General(index) => (self.general[*index].start, self.general[*index].length),
+            Segment::Lossless(span) => (span.start, span.length),
         };
         start + theta * length
     }
-}
 
-impl Bracket {
-    /// Fraction of the step and force of the maximum that `place` feels (1, N).
-    pub fn top(&self, place: &Place) -> (f64, f64) {
-        let theta = if self.high > self.low {
-            root(&|theta| self.segment.rate(place, theta), self.low, self.high)
+    /// Fraction of the step and force of a maximum (1, N).
+    pub fn top(&self, maximum: &Bracket) -> (f64, f64) {
+        let Bracket { segment, between, rates, .. } = maximum;
+        let theta = if between[1] > between[0] {
+            root(&|theta| self.rate(segment, theta), *between, *rates)
         } else {
-            self.low
+            between[0]
         };
-        (theta, self.segment.force(place, theta))
+        (theta, self.force(segment, theta))
     }
 }

@@ -29,16 +29,26 @@ pub fn fall(rate: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> Option<f6
     None
 }
 
-/// Root of `f` between `low` and `high`, to the last bits: false position, the end that stays counting half each time, and bisection
-/// where that does not close in. No shape of `f` can defeat it. M. Dowell, P. Jarratt, BIT 11, 168, 1971, "Illinois" (unit).
-pub fn root(f: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
-    let (mut at_low, mut at_high) = (f(low), f(high));
+/// Root of `f` between `low` and `high`, where it is `at_low` and `at_high`, of different signs, to the last bits: false position, the end that
+/// stays counting less each time, and bisection where that does not close in. No shape of `f` can defeat it. N. Anderson, A. Bjorck,
+/// BIT 13, 253, 1973 (unit).
+pub fn root(
+    f: &dyn Fn(f64) -> f64,
+    [mut low, mut high]: [f64; 2],
+    [mut at_low, mut at_high]: [f64; 2],
+) -> f64 {
+    if at_high == 0.0 {
+        return high;
+    }
     let mut side = 0_i8;
     for count in 0..120_u8 {
-        if at_low == 0.0 || high - low <= f64::EPSILON * high {
+        let smallest = f64::EPSILON * high;
+        if at_low == 0.0 || high - low <= smallest {
             return low;
         }
         let falsi = (low * at_high - high * at_low) / (at_high - at_low);
+        // Never nearer to an end than it can be told from it, so that the other end follows once one has arrived.
+        let falsi = falsi.max(low + smallest).min(high - smallest);
         let inside = falsi > low && falsi < high && count < 60;
         let middle = if inside { falsi } else { 0.5 * (low + high) };
         let value = f(middle);
@@ -47,21 +57,26 @@ pub fn root(f: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
             return middle;
         }
         if (value > 0.0) == (at_low > 0.0) {
-            (low, at_low) = (middle, value);
-            at_high *= if side == -1 { 0.5 } else { 1.0 };
-            side = -1;
+            at_high *= if side == -1 { less(value / at_low) } else { 1.0 };
+            (low, at_low, side) = (middle, value, -1);
         } else {
-            (high, at_high) = (middle, value);
-            at_low *= if side == 1 { 0.5 } else { 1.0 };
-            side = 1;
+            at_low *= if side == 1 { less(value / at_high) } else { 1.0 };
+            (high, at_high, side) = (middle, value, 1);
         }
     }
     0.5 * (low + high)
 }
 
+/// How much less an end counts when the other has moved again, to this share of its value: as if a parabola went through all three, but not
+/// so little that the next place would be at this very end (1).
+fn less(share: f64) -> f64 {
+    (1.0 - share).max(0.25)
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{fall, may_fall};
+    use super::{fall, may_fall, root};
+    use std::cell::Cell;
 
     /// A force that rises at both ends, `f = t - 4.5 t^2 + 5.8 t^3`: its rate is below zero from 0.162 to 0.356, and at neither end.
     #[test]
@@ -78,5 +93,30 @@ mod tests {
         assert!(!may_fall((1.0, 1.0), 1.0, 0.3));
         assert!(!may_fall((1.0, 1.0), 0.9, 0.3));
         assert_eq!(fall(&|t| 0.1 + (t - 0.5).powi(2), 0.0, 1.0), None);
+    }
+
+    /// Roots that are known, of shapes from straight to a jump; and what smooth ones cost.
+    #[test]
+    fn roots_are_found_to_the_last_bits() {
+        type Shape = (&'static str, fn(f64) -> f64, f64, u32);
+        let shapes: [Shape; 7] = [
+            ("line", |t| 0.3 - t, 0.3, 3),
+            ("cosine", |t| (4.0 * t).cos(), 0.125 * std::f64::consts::PI, 8),
+            ("falling exponential", |t| (-40.0 * t).exp() - (-12.0_f64).exp(), 0.3, 30),
+            ("triple", |t| (0.4 - t).powi(3), 0.4, 122),
+            ("jump", |t| if t < 0.7 { 1e-3 } else { -1e9 }, 0.7, 122),
+            ("at the start", |t| -t, 0.0, 2),
+            ("at the end", |t| 1.0 - t, 1.0, 2),
+        ];
+        for (name, shape, expected, most) in shapes {
+            let count = Cell::new(0);
+            let counted = |t: f64| {
+                count.set(count.get() + 1);
+                shape(t)
+            };
+            let found = root(&counted, [0.0, 1.0], [shape(0.0), shape(1.0)]);
+            assert!((found - expected).abs() <= 4e-16, "{name}: {found:e} for {expected:e}");
+            assert!(count.get() <= most, "{name}: {} evaluations", count.get());
+        }
     }
 }

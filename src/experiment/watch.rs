@@ -22,8 +22,7 @@ pub fn follow(
     pulses: bool,
 ) {
     stepper.read(trail);
-    let taken = watches.first().map_or(0, |watch| watch.samples.len());
-    let due = due(trail, grid, taken);
+    let due = watches.first().and_then(|watch| due(trail, grid, watch.samples.len()));
     for (place, watch) in watches.iter_mut().enumerate() {
         if let Some(due) = &due {
             stepper.sample(trail, place, due, &mut watch.samples);

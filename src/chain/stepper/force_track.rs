@@ -96,20 +96,14 @@ impl Place {
         self.feel([above, below]).1
     }
 
-    /// Stiffness and static root of a contact as the lanes need them.
+    /// Stiffness, static root and weight of contact `which` as the lanes need them (unit).
     #[inline(always)]
-    fn constants(&self, which: usize) -> [f64; 2] {
-        let contact = &self.contacts[which];
-        match contact.law {
-            Law::Hertz => [contact.stiffness, self.static_roots[which]],
-            Law::Linearised => [contact.static_stiffness(), 0.0],
-        }
-    }
-
-    /// Stiffness, static root and weight of contact `which` (unit).
     pub fn lane_constants(&self, which: usize) -> [f64; 3] {
-        let [stiffness, static_root] = self.constants(which);
-        [stiffness, static_root, self.weights[which]]
+        let (contact, weight) = (&self.contacts[which], self.weights[which]);
+        match contact.law {
+            Law::Hertz => [contact.stiffness, self.static_roots[which], weight],
+            Law::Linearised => [contact.static_stiffness(), 0.0, weight],
+        }
     }
 }
 
@@ -217,28 +211,34 @@ pub struct Sample<'a> {
     pub out: &'a mut [f64],
 }
 
-impl Sample<'_> {
-    /// Force changes of contact `which` for changes of its overlap (N).
-    #[inline(always)]
-    fn force<L: Lanes>(&self, which: usize, change: L::V) -> L::V {
-        let contact = &self.place.contacts[which];
-        if self.form != Form::Plain {
-            let constants = self.place.constants(which).map(|c| L::splat(c));
-            return lane_forces::<L>(constants, change, self.form).0;
-        }
-        let still = L::splat(contact.static_overlap);
-        let power = begin_plain::<L>(which, L::add(still, change)).power(which);
-        // The static part by the same loops: exactly nothing is felt where nothing has moved.
-        let felt = L::sub(power, begin_plain::<L>(which, still).power(which));
-        L::mul(L::splat(contact.stiffness), felt)
-    }
+/// What forces at a contact are computed from, in all lanes.
+struct Constants<L: Lanes> {
+    /// In plain form `A` times the contact's weight, else as in [`Place::lane_constants`] (unit).
+    stiffness: L::V,
+    /// In plain form the static overlap (m), else its square root (m^0.5).
+    still: L::V,
+    /// In plain form `overlap^1.5` at rest (m^1.5), else the weight (1).
+    rest: L::V,
 }
 
-impl Task for Sample<'_> {
-    type Output = ();
-
+impl Sample<'_> {
     #[inline(always)]
-    fn run<L: Lanes>(mut self) {
+    fn constants<L: Lanes>(&self, which: usize) -> Constants<L> {
+        let [stiffness, static_root, weight] = self.place.lane_constants(which);
+        if self.form != Form::Plain {
+            let [still, rest] = [L::splat(static_root), L::splat(weight)];
+            return Constants { stiffness: L::splat(stiffness), still, rest };
+        }
+        let still = L::splat(self.place.contacts[which].static_overlap);
+        // The static part by the same loops: exactly nothing is felt where nothing has moved.
+        let rest = begin_plain::<L>(which, still).power(which);
+        Constants { stiffness: L::splat(stiffness * weight), still, rest }
+    }
+
+    /// The samples in all steps, in plain form or not.
+    #[inline(always)]
+    fn rows<L: Lanes, const IS_PLAIN: bool>(mut self) {
+        let contacts = [self.constants::<L>(0), self.constants::<L>(1)];
         let count = L::load(&Row([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]));
         let mut out = std::mem::take(&mut self.out);
         for lane in 0..WIDTH {
@@ -249,14 +249,22 @@ impl Task for Sample<'_> {
                 let index = L::add(L::splat(start), count);
                 let theta = L::mul_add(index, L::splat(interval), L::splat(first));
                 let mut total = L::splat(0.0);
-                for which in 0..CONTACTS {
-                    let mut change = L::splat(0.0);
-                    for power in (0..COEFFICIENTS).rev() {
+                for (which, contact) in contacts.iter().enumerate() {
+                    let highest = self.seen.coefficient(lane, which, COEFFICIENTS - 1);
+                    let mut change = L::splat(highest);
+                    for power in (0..COEFFICIENTS - 1).rev() {
                         let coefficient = self.seen.coefficient(lane, which, power);
                         change = L::mul_add(change, theta, L::splat(coefficient));
                     }
-                    let weight = L::splat(self.place.weights[which]);
-                    total = L::mul_add(weight, self.force::<L>(which, change), total);
+                    let Constants { stiffness, still, rest } = *contact;
+                    total = if IS_PLAIN {
+                        let overlap = L::add(still, change);
+                        let power = begin_plain::<L>(which, overlap).power(which);
+                        L::mul_add(stiffness, L::sub(power, rest), total)
+                    } else {
+                        let (force, _) = lane_forces::<L>([stiffness, still], change, self.form);
+                        L::mul_add(rest, force, total)
+                    };
                 }
                 let mut row = Row::default();
                 L::store(total, &mut row);
@@ -267,6 +275,19 @@ impl Task for Sample<'_> {
                 left -= taken;
                 start += 8.0;
             }
+        }
+    }
+}
+
+impl Task for Sample<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        if self.form == Form::Plain {
+            self.rows::<L, true>();
+        } else {
+            self.rows::<L, false>();
         }
     }
 }

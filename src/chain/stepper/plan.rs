@@ -134,7 +134,7 @@ pub fn shared_stiffness(chain: &Chain, scheme: Scheme, form: Form) -> Option<f64
     let all = || chain.contacts().iter().map(|contact| contact.stiffness).filter(|a| *a > 0.0);
     let first = all().next()?;
     let fits = form == Form::Plain && matches!(scheme, Scheme::Splitting(..));
-    (fits && all().all(|stiffness| (stiffness / first - 1.0).abs() <= SAME)).then_some(first)
+    (fits && all().all(|stiffness| (stiffness - first).abs() <= SAME * first)).then_some(first)
 }
 
 /// Rows that one chain takes.
