@@ -8,7 +8,7 @@ use std::borrow::Borrow;
 use super::bench::{Bench, Grid};
 use super::effects::auto::settle;
 use super::parallel::{in_parallel, processors};
-use super::pulse::{PulseRecorder, WITHIN_STEPS};
+use super::pulse::PulseRecorder;
 use super::{Integration, losses};
 use crate::chain::stepper::{ChainGroup, Glances, InstructionSet, Kind, Member};
 use crate::chain::{Chain, ForceProbe};
@@ -232,7 +232,7 @@ fn follow(mut group: ChainGroup, cases: &[&Case]) -> Vec<Result<Readout, Integra
     while !group.is_done() {
         let taken = group.step();
         for (place, glances) in glances.iter_mut().enumerate() {
-            let wanted = group.glance(glances, taken, WITHIN_STEPS);
+            let wanted = group.glance(glances, taken);
             if wanted == 0 {
                 continue;
             }

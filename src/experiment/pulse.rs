@@ -4,20 +4,16 @@
 use serde::Serialize;
 
 use super::segment::{Bracket, Felt, Rise, Segment};
-use super::turn::{fall, may_fall, root};
+use super::turn::{fall, highest, may_fall, root};
 use crate::chain::stepper::{LOOKED_AT, Looks, Place, Seen};
 use crate::chain::{ForceProbe, ForceSegment};
 use crate::integrate::Integrator;
 
-/// A maximum between two looks is at most this much above the larger of them: looks are a fifteenth of the fastest oscillation apart,
-/// or the step would not have been accepted (1).
+/// A maximum between two looks is at most this much above the larger of them, where what turns rises from zero: looks are a fifteenth of the
+/// fastest oscillation apart, or the step would not have been accepted (1).
 const BETWEEN_LOOKS: f64 = 1.25;
 /// Where a force rises at two looks and their cubic's least rate in between is below this share of both rates, it may fall there (1).
 const BETWEEN: f64 = 0.3;
-/// The same for the ends of a whole step: four times as far apart, they know less of what is between them (1).
-pub const WITHIN_STEPS: f64 = 0.6;
-/// A maximum within a step is at most this much above the larger of its ends, at `cos(4 pi/15)^1.5` of it at least (1).
-const WITHIN_STEP: f64 = 2.0;
 /// A peak counts when it exceeds this share of the record's largest dynamic force (1).
 const PEAK_SHARE: f64 = 0.25;
 /// What does not exceed this share of the static force, or of the impact's, is rounding, and no pulse (1).
@@ -106,43 +102,23 @@ impl PulseRecorder {
         self.peaks.len() + self.rises.len()
     }
 
-    /// Takes in the first `count` steps of the stepper for lossless chains.
-    pub fn follow(&mut self, steps: &Seen, count: usize) {
-        for step in 0..count {
-            let (end, length) = steps.end(step);
-            if self.wants(end, length) {
-                self.meet(steps, step);
-            } else {
-                [self.last, self.rate_before] = end;
+    /// Takes in the first `count` steps of the stepper for lossless chains, of which those whose bits are set in `wanted` may hold what
+    /// [`Self::asks`] for.
+    pub fn follow(&mut self, steps: &Seen, wanted: u8, count: usize) {
+        for step in (0..count).filter(|step| wanted & (1 << step) != 0) {
+            if step > 0 {
+                ([self.last, self.rate_before], _) = steps.end(step - 1);
             }
+            self.meet(steps, step);
         }
+        ([self.last, self.rate_before], _) = steps.end(count - 1);
     }
 
-    /// Whether the force within a step of `length` (s), at whose end it is `force` (N) and changes at `rate` (N/s), may hold a first peak or
-    /// reach a new level: most do neither.
-    fn wants(&self, [force, rate]: [f64; 2], length: f64) -> bool {
-        let [least, largest] = self.asks();
-        if force.max(self.last) <= least {
-            return false;
-        }
-        if force > largest {
-            return true;
-        }
-        let mean = (force - self.last) / length;
-        match (self.rate_before > 0.0, rate > 0.0) {
-            (true, false) => true,
-            (true, true) => may_fall((self.rate_before, rate), mean, WITHIN_STEPS),
-            (false, false) => may_fall((-self.rate_before, -rate), -mean, WITHIN_STEPS),
-            // One that turns to rise has no peak: for that it had to turn three times.
-            (false, true) => false,
-        }
-    }
-
-    /// Where neither end of a step exceeds the first force, nothing in it counts; where its end exceeds the second, a new level may be reached (N).
+    /// A maximum up to the first counts for nothing, nor does any other force up to the second (N).
     #[must_use]
     pub fn asks(&self) -> [f64; 2] {
         // Levels that anybody asks for are shares of a peak that is no rounding.
-        [(self.first_exceeds() / WITHIN_STEP).max(FOOT * self.quietest), self.largest]
+        [self.first_exceeds().max(FOOT * self.quietest), self.largest]
     }
 
     /// Takes in step `step`, at whose start others have felt this force and rate of change; what they are at its end (N, N/s).
@@ -162,8 +138,9 @@ impl PulseRecorder {
         self.highest.max(PEAK_SHARE * self.largest)
     }
 
-    fn keep(&mut self, peak: Bracket) {
-        self.highest = self.highest.max(peak.near);
+    /// Keeps a maximum of at least `least` (N).
+    fn keep(&mut self, least: f64, peak: Bracket) {
+        self.highest = self.highest.max(least);
         self.peaks.push(peak);
     }
 
@@ -172,29 +149,14 @@ impl PulseRecorder {
         let mut low = 0.0;
         for (index, high) in LOOKED_AT.into_iter().enumerate() {
             let (rate, force) = (looks.rates[index], looks.forces[index]);
-            let near = force.max(self.last);
-            if self.rate_before > 0.0 && near * BETWEEN_LOOKS > self.first_exceeds() {
-                let mean = (force - self.last) / ((high - low) * length);
-                let falls = if rate <= 0.0 {
-                    Some((high, rate))
-                } else if may_fall((self.rate_before, rate), mean, BETWEEN) {
-                    let segment = segment();
-                    let rate = |theta| self.felt.rate(&segment, theta);
-                    fall(&rate, low, high).map(|theta| (theta, rate(theta)))
-                } else {
-                    None
-                };
-                if let Some((high, rate)) = falls {
-                    let (between, rates) = ([low, high], [self.rate_before, rate]);
-                    let bracket = Bracket { segment: segment(), between, rates, near };
-                    if near * BETWEEN_LOOKS > reached {
-                        let (at, force) = self.felt.top(&bracket);
-                        if force > reached {
-                            (reached, top) = (force, at);
-                        }
+            if let Some(maximum) = self.between((low, high), (force, rate), length, segment) {
+                if maximum.most > reached {
+                    let (at, force) = self.felt.top(&maximum);
+                    if force > reached {
+                        (reached, top) = (force, at);
                     }
-                    self.keep(bracket);
                 }
+                self.keep(force.max(self.last), maximum);
             }
             low = high;
             self.rate_before = rate;
@@ -210,11 +172,43 @@ impl PulseRecorder {
         }
     }
 
+    /// A maximum that may become the first peak, between the look that came last and one with this force (N) and rate of change (N/s), `low` and
+    /// `high` in a step of `length` (s).
+    fn between(
+        &self,
+        (low, high): (f64, f64),
+        (force, rate): (f64, f64),
+        length: f64,
+        segment: &dyn Fn() -> Segment,
+    ) -> Option<Bracket> {
+        if self.rate_before <= 0.0 {
+            return None;
+        }
+        let span = (high - low) * length;
+        let rises = [self.rate_before, rate].map(|rate| rate * span);
+        let most = highest([self.last, force], rises).max(BETWEEN_LOOKS * force.max(self.last));
+        if most <= self.first_exceeds() {
+            return None;
+        }
+        let mean = (force - self.last) / span;
+        let (high, rate) = if rate <= 0.0 {
+            (high, rate)
+        } else if may_fall((self.rate_before, rate), mean, BETWEEN) {
+            let segment = segment();
+            let rate = |theta| self.felt.rate(&segment, theta);
+            fall(&rate, low, high).map(|theta| (theta, rate(theta)))?
+        } else {
+            return None;
+        };
+        let (between, rates) = ([low, high], [self.rate_before, rate]);
+        Some(Bracket { segment: segment(), between, rates, most })
+    }
+
     /// A force that jumps up as a contact closes and then falls has its peak at the jump.
     fn jump(&mut self, segment: Segment) {
         let [force, rate] = [self.felt.force(&segment, 0.0), self.felt.rate(&segment, 0.0)];
         if force - self.last > SMALLEST_JUMP * self.largest && rate <= 0.0 {
-            self.keep(Bracket { segment, between: [0.0; 2], rates: [rate; 2], near: force });
+            self.keep(force, Bracket { segment, between: [0.0; 2], rates: [rate; 2], most: force });
             if force > self.largest {
                 self.largest = force;
                 self.rises.push(Rise { segment, reached: force, top: 0.0 });
@@ -235,7 +229,7 @@ impl PulseRecorder {
     #[must_use]
     pub fn first_peak(&self) -> Option<Peak> {
         let threshold = (PEAK_SHARE * self.largest).max(self.quietest);
-        let high = self.peaks.iter().filter(|peak| peak.near * BETWEEN_LOOKS > threshold);
+        let high = self.peaks.iter().filter(|peak| peak.most > threshold);
         let mut tops = high.map(|peak| (peak, self.felt.top(peak)));
         let (peak, (theta, dynamic_n)) = tops.find(|(_, top)| top.1 > threshold)?;
         let time_s = self.felt.time(&peak.segment, theta);

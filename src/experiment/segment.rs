@@ -29,8 +29,8 @@ pub struct Bracket {
     pub between: [f64; 2],
     /// Rates of change there: it rises, and falls or turns (N/s).
     pub rates: [f64; 2],
-    /// The larger of the forces at both ends (N).
-    pub near: f64,
+    /// What it reaches at most (N).
+    pub most: f64,
 }
 
 /// A step in which a force exceeded all before.

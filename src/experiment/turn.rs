@@ -10,6 +10,18 @@ pub fn may_fall((first, second): (f64, f64), mean: f64, doubtful: f64) -> bool {
     bend > 0.0 && turn > 0.0 && turn < bend && least < doubtful * first.min(second)
 }
 
+/// What a force stays below between two looks, from its values and what its rates of change would come to from one look to the other, where it
+/// rises at the first: it is concave around a maximum, and below its tangents (N).
+pub fn highest(forces: [f64; 2], rises: [f64; 2]) -> f64 {
+    let [first, last] = forces;
+    let [rise, slope] = rises;
+    if slope > 0.0 {
+        return last.max(first + rise);
+    }
+    let meet = ((last - first - slope) / (rise - slope)).clamp(0.0, 1.0);
+    (first + rise * meet).max(last - slope * (1.0 - meet))
+}
+
 /// A place between `low` and `high` where `rate` is below zero, if there is one: its least value, found by golden sections (J. Kiefer,
 /// Proc. Am. Math. Soc. 4, 502, 1953) (1).
 pub fn fall(rate: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> Option<f64> {

@@ -21,6 +21,11 @@ pub fn follow(
     (watches, grid): (&mut [Watch], Grid),
     pulses: bool,
 ) {
+    if pulses {
+        for (place, watch) in watches.iter().enumerate() {
+            trail.ask(place, watch.pulse.asks());
+        }
+    }
     stepper.read(trail);
     let due = watches.first().and_then(|watch| due(trail, grid, watch.samples.len()));
     for (place, watch) in watches.iter_mut().enumerate() {
@@ -28,7 +33,7 @@ pub fn follow(
             stepper.sample(trail, place, due, &mut watch.samples);
         }
         if pulses {
-            watch.pulse.follow(trail.seen(place), trail.steps());
+            watch.pulse.follow(trail.seen(place), trail.wanted(place), trail.steps());
         }
     }
     trail.clear();

@@ -46,10 +46,13 @@ fn choosy_and_thorough(
         if steps < Trail::STEPS && stepper.time() < scene.duration {
             continue;
         }
+        for (place, choosy) in choosy.iter().enumerate() {
+            trail.ask(place, choosy.asks());
+        }
         stepper.read(&mut trail);
         for (place, (choosy, thorough)) in choosy.iter_mut().zip(&mut thorough).enumerate() {
             let seen = trail.seen(place);
-            choosy.follow(seen, steps);
+            choosy.follow(seen, trail.wanted(place), steps);
             for step in 0..steps {
                 felt[place] = thorough.go_on(felt[place], seen, step);
             }

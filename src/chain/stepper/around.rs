@@ -13,6 +13,7 @@ use super::force_track::{COEFFICIENTS, CONTACTS, LOOKED_AT, LOOKS, Looks, Place,
 use super::force_track::{horner_and_slope, lane_forces, septic};
 use super::lanes::{Lanes, Row, Task, WIDTH};
 use super::plan::Form;
+use super::wanted::Asked;
 use crate::chain::{Contact, ForceProbe};
 
 /// Bodies that count: the two contacts press three, and two more contacts press those.
@@ -225,14 +226,18 @@ pub struct OnEnd<'a> {
     /// Starts and lengths of the steps (s).
     pub times: (Row, &'a Row),
     pub seen: &'a mut Seen,
+    /// Force (N) and its rate of change (N/s) before, as in `moves`, and afterwards at the end of each step.
+    pub felt: &'a mut [Row; 2],
+    pub asked: &'a Asked,
 }
 
 impl Task for OnEnd<'_> {
-    type Output = ();
+    /// Steps that hold what is asked for, or may, a bit each.
+    type Output = u8;
 
     #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { around, moves, bodies, times: (starts, lengths), seen } = self;
+    fn run<L: Lanes>(self) -> u8 {
+        let Self { around, moves, bodies, times: (starts, lengths), seen, felt, asked } = self;
         let to = around.moves::<L>(bodies);
         let mut from = to;
         for which in 0..CONTACTS {
@@ -244,6 +249,13 @@ impl Task for OnEnd<'_> {
         }
         seen.starts = starts;
         around.look::<L>([from, to], lengths, seen);
+        let end = [L::load(&seen.forces[LOOKS - 1]), L::load(&seen.rates[LOOKS - 1])];
+        let mut before = end;
+        for which in 0..felt.len() {
+            before[which] = L::shift_up(L::load(&felt[which]), end[which]);
+            L::store(end[which], &mut felt[which]);
+        }
+        asked.wanted::<L>(before, end, L::load(lengths))
     }
 }
 

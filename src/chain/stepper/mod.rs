@@ -34,6 +34,7 @@ mod sweep;
 mod tasks;
 mod tried;
 mod visible;
+mod wanted;
 mod workspace;
 
 pub use around::Seen;

@@ -6,6 +6,7 @@ use crate::chain::stepper::around::{Around, BODIES, Bodies, Rows, Seen};
 use crate::chain::stepper::force_track::lane_forces;
 use crate::chain::stepper::lanes::{Lanes, Row, Task, WIDTH};
 use crate::chain::stepper::plan::Form;
+use crate::chain::stepper::wanted::Asked;
 
 /// Which of the bodies around a place is its own.
 const MIDDLE: usize = BODIES / 2;
@@ -20,8 +21,8 @@ pub struct Glances {
     alike: bool,
     /// Dynamic forces (N) and their rates of change (N/s) at the start of the last step and at its end.
     felt: [[Row; 2]; 2],
-    /// What is asked of each lane: forces that do not exceed this are nobody's business, nor is a rise up to that (N).
-    asked: [Row; 2],
+    /// What is asked of each lane.
+    asked: Asked,
     /// The steps looked into last.
     pub(super) seen: Box<Seen>,
 }
@@ -37,7 +38,7 @@ impl Glances {
             around: Around::nothing(form),
             alike: false,
             felt: Default::default(),
-            asked: Default::default(),
+            asked: Asked::nothing(),
             seen: Box::new(Seen::nothing()),
         };
         for (lane, probe) in probes.enumerate().take(WIDTH) {
@@ -88,10 +89,9 @@ impl Glances {
         &self.seen
     }
 
-    /// Asks lane `lane` for forces above `least` that turn or rise above `largest` (N).
-    pub fn ask(&mut self, lane: usize, [least, largest]: [f64; 2]) {
-        self.asked[0].0[lane] = least;
-        self.asked[1].0[lane] = largest;
+    /// Asks lane `lane` for maxima above the first and any forces above the second (N).
+    pub fn ask(&mut self, lane: usize, asked: [f64; 2]) {
+        self.asked.of(lane, asked);
     }
 
     /// Force and its rate of change at the start of lane `lane`'s last step (N, N/s).
@@ -117,8 +117,6 @@ pub struct Glance<'a> {
     pub length: Row,
     /// Lanes that have taken one, a bit each.
     pub taken: u8,
-    /// How doubtful a turn within the step may be: see `experiment::turn::may_fall` (1).
-    pub doubtful: f64,
 }
 
 impl Task for Glance<'_> {
@@ -127,9 +125,9 @@ impl Task for Glance<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> u8 {
-        let Self { glances, to, length, taken, doubtful } = self;
+        let Self { glances, to, length, taken } = self;
         let taken = taken & glances.lanes;
-        let (none, mut force, mut rate) = (L::splat(0.0), L::splat(0.0), L::splat(0.0));
+        let (mut force, mut rate) = (L::splat(0.0), L::splat(0.0));
         for (which, contact) in glances.around.contacts.iter().enumerate() {
             let [stiffness, static_root, weight] = contact;
             let change = glances.difference::<L>(to[0], which);
@@ -146,26 +144,7 @@ impl Task for Glance<'_> {
             L::store(L::select(taken, before, L::load(from)), from);
             L::store(L::select(taken, felt, before), end);
         }
-        let [last, rate_before] = [L::load(&from[0]), L::load(&from[1])];
-
-        let [floor, record] = [L::load(&glances.asked[0]), L::load(&glances.asked[1])];
-        let counts = L::positive(L::sub(L::max(force, last), floor));
-        let exceeds = L::positive(L::sub(force, record));
-        let (rose, rises) = (L::positive(rate_before), L::positive(rate));
-        let mean = L::div(L::sub(force, last), L::load(&length));
-        // Falling twice is rising twice, upside down.
-        let mean = L::select(rises, mean, L::sub(none, mean));
-        let (first, second) = (L::abs(rate_before), L::abs(rate));
-        let three = L::splat(3.0);
-        let both = L::add(first, second);
-        let bend = L::mul(three, L::sub(both, L::add(mean, mean)));
-        let turn = L::sub(L::add(first, both), L::mul(three, mean));
-        let lowest = L::sub(first, L::div(L::mul(turn, turn), bend));
-        let doubt = L::mul(L::splat(doubtful), L::min(first, second));
-        let turns = L::positive(bend)
-            & L::positive(turn)
-            & L::positive(L::sub(bend, turn))
-            & L::positive(L::sub(doubt, lowest));
-        taken & counts & (exceeds | rose & !rises | !(rose ^ rises) & turns)
+        let before = [L::load(&from[0]), L::load(&from[1])];
+        taken & glances.asked.wanted::<L>(before, [force, rate], L::load(&length))
     }
 }

@@ -170,16 +170,15 @@ impl ChainGroup {
         Glances::new(self.plan.form, probes)
     }
 
-    /// Brings `glances` up to the ends of the steps that lanes have just `taken`; in which of them somebody has to look into the step, as
-    /// turns within it are `doubtful` down to this share of the rates at its ends (1).
-    pub fn glance(&self, glances: &mut Glances, taken: [bool; WIDTH], doubtful: f64) -> u8 {
+    /// Brings `glances` up to the ends of the steps that lanes have just `taken`; in which of them somebody has to look into the step, a bit each.
+    pub fn glance(&self, glances: &mut Glances, taken: [bool; WIDTH]) -> u8 {
         let (position, velocity) = self.work.now.seen();
         let mut length = Row::default();
         for (lane, length) in length.0.iter_mut().enumerate() {
             *length = self.drive.last_step(lane).1;
         }
         let (to, taken) = ([position, velocity], bits(taken));
-        dispatch(self.set, Glance { glances, to, length, taken, doubtful })
+        dispatch(self.set, Glance { glances, to, length, taken })
     }
 
     /// Looks into the steps that lanes have just taken.

@@ -6,6 +6,7 @@ use crate::chain::stepper::around::{Around, BODIES, Bodies, Moves, OnEnd, Seen};
 use crate::chain::stepper::dispatch::dispatch;
 use crate::chain::stepper::force_track::{Due, Place, ROOM_BEHIND, Sample};
 use crate::chain::stepper::lanes::{Row, WIDTH};
+use crate::chain::stepper::wanted::Asked;
 use crate::integrate::Integrator;
 
 /// The last steps of a chain at its watched places, up to eight of them.
@@ -33,6 +34,11 @@ struct Watched {
     /// How its contacts stood before the first step, in the last lane.
     before: Moves,
     seen: Box<Seen>,
+    /// Force (N) and its rate of change (N/s) before the first step, in the last lane.
+    felt: [Row; 2],
+    /// What is asked of the steps, and which of those read last may hold it, a bit each.
+    asked: Asked,
+    wanted: u8,
 }
 
 impl Trail {
@@ -55,6 +61,19 @@ impl Trail {
     #[must_use]
     pub fn seen(&self, place: usize) -> &Seen {
         &self.places[place].seen
+    }
+
+    /// Asks the steps to be read at place `place` for maxima above the first and any forces above the second (N).
+    pub fn ask(&mut self, place: usize, asked: [f64; 2]) {
+        for lane in 0..WIDTH {
+            self.places[place].asked.of(lane, asked);
+        }
+    }
+
+    /// Which of the steps read last may hold what was asked for at place `place`, a bit each.
+    #[must_use]
+    pub fn wanted(&self, place: usize) -> u8 {
+        self.places[place].wanted
     }
 
     /// Goes on with the next steps.
@@ -82,6 +101,9 @@ impl ChainStepper {
                 noted: Box::default(),
                 before: Moves::default(),
                 seen: Box::new(Seen::nothing()),
+                felt: Default::default(),
+                asked: Asked::nothing(),
+                wanted: 0,
             }
         };
         let places = probes.iter().map(watched).collect();
@@ -119,17 +141,20 @@ impl ChainStepper {
         self.look(trail);
         let last = trail.count - 1;
         for watched in &mut trail.places {
-            for row in watched.before.as_flattened_mut() {
+            for row in watched.before.as_flattened_mut().iter_mut().chain(&mut watched.felt) {
                 row.0[WIDTH - 1] = row.0[last];
             }
+            watched.wanted &= u8::MAX >> (WIDTH - 1 - last);
         }
     }
 
     fn look(&self, trail: &mut Trail) {
         let Trail { starts, lengths, places, .. } = trail;
-        for Watched { around, before: moves, noted: bodies, seen, .. } in places {
+        for watched in places {
+            let Watched { around, before: moves, noted: bodies, seen, felt, asked, .. } = watched;
             let times = (*starts, &*lengths);
-            dispatch(self.course.set, OnEnd { around, moves, bodies, times, seen });
+            let on_end = OnEnd { around, moves, bodies, times, seen, felt, asked };
+            watched.wanted = dispatch(self.course.set, on_end);
         }
     }
 
