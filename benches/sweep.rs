@@ -28,7 +28,6 @@ const COUNTS: [u64; 5] = [64, 256, 1024, 4096, 16384];
 
 fn main() {
     parts();
-    let usual = grid(38, 2.0, 1e-3, SCENES);
     println!(
         "\nOne run of it is the scene `magnet-0.61g`: 38 particles, 2 ms, to 1e-3, four places watched. Changing one of these:\n"
     );
@@ -39,7 +38,7 @@ fn main() {
     series("1 / accuracy", &ACCURACIES.map(|a| (1.0 / a, grid(38, 2.0, a, SCENES / 4))));
     let counts = COUNTS.map(|n| (n as f64, grid(38, 2.0, 1e-3, n)));
     let each = series("scenes", &counts);
-    extrapolate(each, &usual);
+    extrapolate(each);
 }
 
 /// A sweep of `scenes` strikers' speeds; the sensors of short chains sit closer together.
@@ -152,16 +151,17 @@ fn slope(points: &[(f64, f64)]) -> (f64, f64) {
 }
 
 /// What a million scenes take, from a run of the largest sweep measured (s).
-fn extrapolate(each: f64, usual: &str) {
+fn extrapolate(each: f64) {
     let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let last = COUNTS[COUNTS.len() - 1];
+    let largest = grid(38, 2.0, 1e-3, last);
     let mut gains = Vec::new();
     for _ in 0..ROUNDS {
-        gains.push(cost(usual, 1).wall / cost(usual, threads).wall);
+        gains.push(cost(&largest, 1).wall / cost(&largest, threads).wall);
     }
     let gain = median(&mut gains);
     let folder = tempfile::tempdir().expect("a folder");
-    let last = COUNTS[COUNTS.len() - 1];
-    let bytes = sweep(folder.path(), &grid(38, 2.0, 1e-3, last), 1).log as f64 / last as f64;
+    let bytes = sweep(folder.path(), &largest, 1).log as f64 / last as f64;
     let mut joins = Vec::new();
     for _ in 0..ROUNDS {
         let started = cpu_time();

@@ -94,6 +94,17 @@ impl ForceProbe {
         self.contacts.iter().zip(self.weights).map(|(c, w)| w * c.static_force).sum()
     }
 
+    /// How fast the force changes when the chain is let go: nothing has moved yet, and bodies have these velocities (m/s) (N/s).
+    #[must_use]
+    pub fn starting_rate(&self, velocities: &[f64]) -> f64 {
+        let velocity = |body: Option<usize>| body.and_then(|b| velocities.get(b)).copied();
+        let here = self.body;
+        let [above, here, below] =
+            [here.checked_sub(1), Some(here), Some(here + 1)].map(|b| velocity(b).unwrap_or(0.0));
+        let terms = self.contacts.iter().zip(self.weights).zip([above - here, here - below]);
+        terms.map(|((c, weight), closing)| weight * c.tangent_stiffness(0.0) * closing).sum()
+    }
+
     /// Whether a contact it feels has a loss: its force may then jump.
     #[must_use]
     pub fn is_lossy(&self) -> bool {

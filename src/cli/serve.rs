@@ -1,5 +1,6 @@
 //! `hertzscope serve`: the scope on the network.
 
+use std::fmt::Write as _;
 use std::future::pending;
 use std::net::{SocketAddr, TcpListener};
 use std::path::{Path, PathBuf};
@@ -90,19 +91,29 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             address.ip()
         );
     }
-    super::print(&format!("listening on {address}"))?;
+    let mut told = format!("listening on {address}");
     if let Some(hislip) = &hislip {
-        super::print(&format!("HiSLIP on {}", hislip.local_addr()?))?;
+        let _ = write!(told, "\nHiSLIP on {}", hislip.local_addr()?);
     }
     if arguments.impact_on_enter {
-        super::print("Enter strikes the chain")?;
+        told.push_str("\nEnter strikes the chain");
     }
     let options = Options {
         header: arguments.header == Switch::On,
         impact_every: arguments.impact_every,
         strikes: arguments.impact_on_enter.then(lines),
     };
-    server::serve(Sockets { raw, hislip }, &scene, options, recording, stopped())?;
+    let mut announced = Ok(());
+    let shutdown = async {
+        let stopped = stopped();
+        // Not before signals are listened to: whoever reads it may end the program at once, and the recording is finished.
+        announced = super::print(&told);
+        if announced.is_ok() {
+            stopped.await;
+        }
+    };
+    server::serve(Sockets { raw, hislip }, &scene, options, recording, shutdown)?;
+    announced?;
     if let Some(file) = &arguments.record {
         super::print(&format!("recording   {}", file.display()))?;
     }
@@ -135,32 +146,32 @@ fn lines() -> mpsc::Receiver<()> {
     receiver
 }
 
-/// Waits for Ctrl-C, or for what ends a service.
-async fn stopped() {
-    let interrupted = async {
-        if tokio::signal::ctrl_c().await.is_err() {
-            // Without a handler the system ends the program by itself.
-            pending::<()>().await;
-        }
-    };
-    tokio::select! {
-        () = interrupted => {}
-        () = terminated() => {}
-    }
-}
-
+/// What waits for Ctrl-C, or for what ends a service; both are listened to from now on. Where they cannot be, the system ends the program by
+/// itself.
 #[cfg(unix)]
-async fn terminated() {
-    use tokio::signal::unix::{SignalKind, signal};
-    match signal(SignalKind::terminate()) {
-        Ok(mut terminate) => {
-            terminate.recv().await;
+fn stopped() -> impl Future<Output = ()> {
+    use std::io;
+
+    use tokio::signal::unix::{Signal, SignalKind, signal};
+    async fn received(signal: io::Result<Signal>) {
+        match signal {
+            Ok(mut signal) => drop(signal.recv().await),
+            Err(_) => pending().await,
         }
-        Err(_) => pending().await,
+    }
+    let signals = [SignalKind::interrupt(), SignalKind::terminate()].map(signal);
+    async {
+        let [interrupted, terminated] = signals.map(received);
+        tokio::select! {
+            () = interrupted => {}
+            () = terminated => {}
+        }
     }
 }
 
 #[cfg(not(unix))]
-async fn terminated() {
-    pending().await
+async fn stopped() {
+    if tokio::signal::ctrl_c().await.is_err() {
+        pending().await
+    }
 }

@@ -151,7 +151,8 @@ impl ErrorEstimate {
 /// Holds a run, of which `summary` tells, against one to a hundredth of `accuracy` (1). By the triangle inequality the error is at
 /// most their difference and what the second run is off itself: [`OWN`] times its own accuracy are added.
 ///
-/// None where the second run feels other pulses than the first.
+/// None where the second run feels other pulses than the first, or none that are louder than what it may be off itself: where steps are held to
+/// the stiffest contact both runs may take the same ones, and err the same way.
 ///
 /// # Errors
 /// [`RunError`] where the second run cannot go on.
@@ -167,7 +168,9 @@ pub fn estimate(
     let second: Vec<Reading> = inside.map(|(_, reading)| reading).chain(wall).cloned().collect();
     let first: Vec<Reading> = summary.sensors.iter().chain(&summary.wall).cloned().collect();
     let felt = |readings: &[Reading]| readings.iter().filter(|r| r.first_peak.is_some()).count();
-    if felt(&first) != felt(&second) {
+    let faintest = OWN * tighter * scene.chain.impact_force(&scene.initial_velocities);
+    let mut peaks = second.iter().filter_map(|reading| reading.first_peak);
+    if felt(&first) != felt(&second) || peaks.any(|peak| peak.dynamic_n < faintest) {
         return Ok(None);
     }
     let off = |error| compare_readings(&first, &second, error).map(|off| off + OWN * tighter);
@@ -185,7 +188,7 @@ pub fn estimate(
 pub fn doubt(estimate: Option<&ErrorEstimate>, accuracy: f64) -> Option<String> {
     let Some(estimate) = estimate else {
         return Some(
-            "a run at a hundredth of the accuracy feels other pulses than this one: how far off these readings are is not known"
+            "a run at a hundredth of the accuracy feels other pulses than this one, or some too faint to tell: how far off these readings are is not known"
                 .to_owned(),
         );
     };

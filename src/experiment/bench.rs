@@ -116,7 +116,7 @@ impl<'a> Bench<'a> {
         let before = grid.samples_until(0.0);
         let impact = chain.impact_force(initial_velocities);
         let watch = |probe: &ForceProbe| Watch {
-            pulse: PulseRecorder::new(probe.clone(), impact),
+            pulse: PulseRecorder::new(probe.clone(), impact, initial_velocities),
             samples: vec![0.0; before],
         };
         let film = Film::new(chain, film_grid, &state);

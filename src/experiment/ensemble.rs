@@ -218,7 +218,8 @@ fn lanes(bits: u8) -> impl Iterator<Item = usize> {
 fn follow(mut group: ChainGroup, cases: &[&Case]) -> Vec<Result<Readout, IntegrateError>> {
     let recorders = |case: &&Case| {
         let impact = case.chain.impact_force(&case.velocities);
-        case.probes.iter().map(|probe| PulseRecorder::new(probe.clone(), impact)).collect()
+        let recorder = |p: &ForceProbe| PulseRecorder::new(p.clone(), impact, &case.velocities);
+        case.probes.iter().map(recorder).collect()
     };
     let mut pulses: Vec<Vec<PulseRecorder>> = cases.iter().map(recorders).collect();
     let places = pulses.iter().map(Vec::len).max().unwrap_or(0);
@@ -226,6 +227,7 @@ fn follow(mut group: ChainGroup, cases: &[&Case]) -> Vec<Result<Readout, Integra
     let mut glances: Vec<Glances> = (0..places).map(|place| group.glances(probes(place))).collect();
     for (lane, pulses) in pulses.iter().enumerate() {
         for (pulse, glances) in pulses.iter().zip(&mut glances) {
+            glances.correct(lane, pulse.felt());
             glances.ask(lane, pulse.asks());
         }
     }

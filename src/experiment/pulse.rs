@@ -9,8 +9,8 @@ use crate::chain::stepper::{LOOKED_AT, Looks, Place, Seen};
 use crate::chain::{ForceProbe, ForceSegment};
 use crate::integrate::Integrator;
 
-/// A maximum between two looks is at most this much above the larger of them, where what turns rises from zero: looks are a fifteenth of the
-/// fastest oscillation apart, or the step would not have been accepted (1).
+/// A force that rises from zero has no maximum between two looks that exceeds the larger of them by more than this factor: looks are a
+/// fifteenth of the fastest oscillation apart, or the step would not have been accepted (1).
 const BETWEEN_LOOKS: f64 = 1.25;
 /// Where a force rises at two looks and their cubic's least rate in between is below this share of both rates, it may fall there (1).
 const BETWEEN: f64 = 0.3;
@@ -56,18 +56,18 @@ pub struct PulseRecorder {
 }
 
 impl PulseRecorder {
-    /// Starts with nothing felt; `impact` is the force that the impact raises (N).
+    /// Starts with nothing felt in a chain that is let go with these velocities (m/s); `impact` is the force that the impact raises (N).
     #[must_use]
-    pub fn new(probe: ForceProbe, impact: f64) -> Self {
+    pub fn new(probe: ForceProbe, impact: f64, velocities: &[f64]) -> Self {
         Self {
             quietest: QUIETEST * probe.static_force().max(impact),
+            rate_before: probe.starting_rate(velocities),
             felt: Felt::nothing(Place::new(&probe)),
             probe,
             peaks: Vec::new(),
             rises: Vec::new(),
             largest: 0.0,
             highest: 0.0,
-            rate_before: 0.0,
             last: 0.0,
         }
     }
@@ -97,13 +97,13 @@ impl PulseRecorder {
         segment
     }
 
-    /// How much of steps is kept.
+    /// How many maxima and rises are kept.
     fn kept(&self) -> usize {
         self.peaks.len() + self.rises.len()
     }
 
-    /// Takes in the first `count` steps of the stepper for lossless chains, of which those whose bits are set in `wanted` may hold what
-    /// [`Self::asks`] for.
+    /// Takes in the first `count` steps of the stepper for lossless chains, at least one, of which those whose bits are set in `wanted` may
+    /// hold what [`Self::asks`] for, or asked for before the first of them: it only ever asks for less.
     pub fn follow(&mut self, steps: &Seen, wanted: u8, count: usize) {
         for step in (0..count).filter(|step| wanted & (1 << step) != 0) {
             if step > 0 {
@@ -121,11 +121,17 @@ impl PulseRecorder {
         [self.first_exceeds().max(FOOT * self.quietest), self.largest]
     }
 
+    /// Force and its rate of change at the end of the last step (N, N/s).
+    #[must_use]
+    pub fn felt(&self) -> [f64; 2] {
+        [self.last, self.rate_before]
+    }
+
     /// Takes in step `step`, at whose start others have felt this force and rate of change; what they are at its end (N, N/s).
     pub fn go_on(&mut self, [force, rate]: [f64; 2], steps: &Seen, step: usize) -> [f64; 2] {
         (self.last, self.rate_before) = (force, rate);
         self.meet(steps, step);
-        [self.last, self.rate_before]
+        self.felt()
     }
 
     fn meet(&mut self, steps: &Seen, step: usize) {
@@ -181,26 +187,30 @@ impl PulseRecorder {
         length: f64,
         segment: &dyn Fn() -> Segment,
     ) -> Option<Bracket> {
-        if self.rate_before <= 0.0 {
+        let (before, after) = (self.rate_before, rate);
+        if before <= 0.0 && after > 0.0 {
             return None;
         }
         let span = (high - low) * length;
-        let rises = [self.rate_before, rate].map(|rate| rate * span);
+        let rises = [before, after].map(|rate| rate * span);
         let most = highest([self.last, force], rises).max(BETWEEN_LOOKS * force.max(self.last));
-        if most <= self.first_exceeds() {
+        let counts = most > self.first_exceeds();
+        if !counts {
             return None;
         }
         let mean = (force - self.last) / span;
-        let (high, rate) = if rate <= 0.0 {
-            (high, rate)
-        } else if may_fall((self.rate_before, rate), mean, BETWEEN) {
+        let (mut between, mut rates) = ([low, high], [before, after]);
+        if before <= 0.0 || after > 0.0 {
+            // Up and down again, or down and up again before it falls: one end of the maximum is in between.
+            let (sign, inner) = if after > 0.0 { (1.0, 1) } else { (-1.0, 0) };
+            if !may_fall((sign * before, sign * after), sign * mean, BETWEEN) {
+                return None;
+            }
             let segment = segment();
             let rate = |theta| self.felt.rate(&segment, theta);
-            fall(&rate, low, high).map(|theta| (theta, rate(theta)))?
-        } else {
-            return None;
-        };
-        let (between, rates) = ([low, high], [self.rate_before, rate]);
+            let theta = fall(&|theta| sign * rate(theta), low, high)?;
+            (between[inner], rates[inner]) = (theta, rate(theta));
+        }
         Some(Bracket { segment: segment(), between, rates, most })
     }
 

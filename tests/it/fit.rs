@@ -126,10 +126,10 @@ fn hidden_numbers_are_recovered_within_their_uncertainty() {
     }
 }
 
-/// Over whole records a reverberating chain has valleys beside the true one; starts 5 % off fall into none of them. Each fit's six intervals
-/// go together: they count as one.
+/// Over whole records a reverberating chain has valleys beside the true one, in which a few of 200 fits from 5 % off end: with the seeds of these
+/// trials none does. Each fit's six intervals go together: they count as one.
 #[test]
-fn whole_records_hold_no_false_valleys() {
+fn whole_records_hardly_ever_lead_astray() {
     let mut scene = Adjustable::load("magnet-0.61g").expect("a scene");
     let paths = ["striker.speed", "materials.ptfe.youngs_modulus", "sensor.*.sensitivity"];
     let knobs = knobs(&mut scene, &paths);

@@ -32,10 +32,11 @@ fn choosy_and_thorough(
 ) -> Option<[Vec<PulseRecorder>; 2]> {
     let (chain, velocities) = (&scene.chain, &scene.initial_velocities);
     let impact = chain.impact_force(velocities);
-    let recorders = || probes.iter().map(|probe| PulseRecorder::new(probe.clone(), impact));
+    let recorder = |probe: &ForceProbe| PulseRecorder::new(probe.clone(), impact, velocities);
+    let recorders = || probes.iter().map(recorder);
     let (mut choosy, mut thorough): (Vec<_>, Vec<_>) =
         (recorders().collect(), recorders().collect());
-    let mut felt = vec![[0.0; 2]; probes.len()];
+    let mut felt: Vec<[f64; 2]> = thorough.iter().map(PulseRecorder::felt).collect();
     let scheme = method.scheme().expect("a method of the stepper's");
     let mut stepper = ChainStepper::new(chain, velocities, scheme, InstructionSet::best());
     let mut trail = stepper.trail(probes);

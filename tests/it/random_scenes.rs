@@ -5,13 +5,14 @@ use std::fmt::Write as _;
 
 use hertzscope::experiment::accuracy::{TIGHTER, doubt, run_held};
 use hertzscope::experiment::bench::start;
+use hertzscope::experiment::ensemble::{self, Case, Ensemble};
 use hertzscope::experiment::outcome::{Reading, Summary};
-use hertzscope::experiment::pulse::Peak;
+use hertzscope::experiment::pulse::{Peak, PulseRecorder};
 use hertzscope::experiment::{self, Integration, for_accuracy};
 use hertzscope::integrate::{Method, State};
 use hertzscope::scene::{Problem, Scene, SceneError};
 
-/// Scenes of each kind.
+/// Scenes of each kind, unless `HERTZSCOPE_RANDOM_SCENES` says how many.
 const SCENES: u64 = 10_000;
 /// Parts in which they are run.
 const PARTS: u64 = 2;
@@ -19,12 +20,19 @@ const PARTS: u64 = 2;
 const SAMPLE: u64 = 50;
 
 /// Scenes that were once off, held whatever the sample: of two close maxima the first was overlooked; a peak within a step, with forces of the
-/// other sign at both its ends.
-const REMEMBERED: [u64; 2] = [3077, 6383];
+/// other sign at both its ends; a peak in the first of all steps; the same where the force starts with a rate of change that is nothing but
+/// rounding; errors of both runs, which took the same steps, taken for a pulse.
+const REMEMBERED: [u64; 5] = [3077, 6383, 56064, 126_383, 72739];
 
-fn sample() -> u64 {
-    std::env::var("HERTZSCOPE_RANDOM_SAMPLE").map_or(SAMPLE, |text| text.parse().expect("a number"))
+/// The number that an environment variable holds, or the usual one.
+fn asked(variable: &str, usual: u64) -> u64 {
+    std::env::var(variable).map_or(usual, |text| text.parse().expect("a number"))
 }
+
+fn scenes() -> u64 {
+    asked("HERTZSCOPE_RANDOM_SCENES", SCENES)
+}
+
 /// Names one scene, which is then held whatever the sample.
 const SEED: &str = "HERTZSCOPE_RANDOM_SEED";
 
@@ -32,12 +40,15 @@ const SEED: &str = "HERTZSCOPE_RANDOM_SEED";
 fn seeds(part: u64) -> impl Iterator<Item = u64> {
     let only = std::env::var(SEED).ok();
     let only: Option<u64> = only.map(|text| text.parse().expect("a number"));
-    (0..SCENES).filter(move |seed| seed % PARTS == part && only.is_none_or(|only| only == *seed))
+    let further = REMEMBERED.into_iter().filter(|seed| *seed >= scenes());
+    let all = (0..scenes()).chain(further);
+    all.filter(move |seed| seed % PARTS == part && only.is_none_or(|only| only == *seed))
 }
 
 /// Thirty turns of the fastest contact take 30 steps each at the tightest accuracy, nine force evaluations a step, and half of them
-/// may be rejected: four times that is a hang.
-const MOST_EVALUATIONS: u64 = 2 * 30 * 30 * 9 * 4;
+/// may be rejected: 16 times that is a hang. A light body squeezed between heavy ones turns faster than the impact alone would make it, which
+/// once took six times that.
+const MOST_EVALUATIONS: u64 = 2 * 30 * 30 * 9 * 16;
 /// Forces this far below the static one are what tolerances leave of a wave that has not arrived (1).
 const QUIET: f64 = 1e-10;
 /// At most one of so many held runs may say that it could not be held.
@@ -240,45 +251,61 @@ fn is_finite(state: &State) -> bool {
     state.position.iter().chain(&state.velocity).all(|value| value.is_finite())
 }
 
+/// What the places of a run read, the wall last.
+fn places(summary: &Summary) -> Vec<Reading> {
+    summary.sensors.iter().chain(&summary.wall).cloned().collect()
+}
+
+/// The largest relative difference of first peaks, their times, half-rises and tenths of two runs; infinite where a pulse that is not `quiet`
+/// is in one of them only (1).
+fn difference(found: &[Reading], exact: &[Reading], quiet: &dyn Fn(Peak) -> bool) -> f64 {
+    let off = |a: f64, b: f64| (a / b - 1.0).abs();
+    let of_place = |(found, exact): (&Reading, &Reading)| match (found.first_peak, exact.first_peak)
+    {
+        (None, None) => 0.0,
+        (None, Some(peak)) | (Some(peak), None) if quiet(peak) => 0.0,
+        (Some(peak), Some(truth)) => off(peak.dynamic_n, truth.dynamic_n)
+            .max(off(peak.time_s, truth.time_s))
+            .max(off(found.half_rise_s.expect("a rise"), exact.half_rise_s.expect("a rise")))
+            .max(off(found.ten_percent_s.expect("a foot"), exact.ten_percent_s.expect("a foot"))),
+        _ => f64::INFINITY,
+    };
+    found.iter().zip(exact).map(of_place).fold(0.0, f64::max)
+}
+
 /// A run held to the scene's accuracy, against another family of methods: the largest relative error of first peaks, their times,
-/// half-rises and tenths, in terms of the accuracy (1), and whether the run itself says that it may be off by more.
+/// half-rises and tenths, in terms of the accuracy (1), and whether the run itself says that it may be off by more. Where they seem to be off
+/// by more, the reference is taken again to a tenth of its tolerance, and what that changes is not held against the run.
 fn held(scene: &mut Scene, end: f64) -> (f64, bool) {
     let accuracy = scene.accuracy.expect("the scene's own");
     scene.duration = end;
     // A record about as long as the motion: longer ones would take their time, shorter ones room.
     let bases = &scene.scope.model.time_bases;
     scene.scope.time_base = bases.iter().copied().find(|b| 10.0 * b > end).expect("a time base");
-    let found = run_held(scene, accuracy, 1, &mut |_| ()).expect("a run").summary;
-    let reference = Integration::Method(Method::DormandPrince853 { tolerance: 1e-13 });
-    let exact = experiment::run(scene, reference, 1, &mut |_| ()).expect("a run").summary;
-    let places = |s: &Summary| s.sensors.iter().chain(&s.wall).cloned().collect::<Vec<Reading>>();
-    let off = |a: f64, b: f64| (a / b - 1.0).abs();
-    let loudest = places(&exact).iter().map(|reading| reading.largest_n).fold(0.0, f64::max);
+    let run = run_held(scene, accuracy, 1, &mut |_| ()).expect("a run").summary;
+    let reference = |tolerance| {
+        let integration = Integration::Method(Method::DormandPrince853 { tolerance });
+        places(&experiment::run(scene, integration, 1, &mut |_| ()).expect("a run").summary)
+    };
+    let (found, exact) = (places(&run), reference(1e-13));
+    let loudest = exact.iter().map(|reading| reading.largest_n).fold(0.0, f64::max);
     // The error control measures by the loudest: what is below it by the accuracy of the tighter run, which a run is held against,
     // neither of them can tell from a wave that has not arrived.
     let quiet =
         |peak: Peak| peak.dynamic_n < (QUIET * peak.total_n).max(TIGHTER * accuracy * loudest);
-    let mut worst = 0.0_f64;
-    for (found, exact) in places(&found).iter().zip(&places(&exact)) {
-        let error = match (found.first_peak, exact.first_peak) {
-            (None, None) => 0.0,
-            (None, Some(peak)) | (Some(peak), None) if quiet(peak) => 0.0,
-            (Some(peak), Some(truth)) => off(peak.dynamic_n, truth.dynamic_n)
-                .max(off(peak.time_s, truth.time_s))
-                .max(off(found.half_rise_s.expect("a rise"), exact.half_rise_s.expect("a rise")))
-                .max(off(
-                    found.ten_percent_s.expect("a foot"),
-                    exact.ten_percent_s.expect("a foot"),
-                )),
-            _ => f64::INFINITY,
-        };
-        if error > accuracy {
-            println!("{}: found {found:?}, expected {exact:?}", found.name);
-        }
-        worst = worst.max(error);
+    let mut worst = difference(&found, &exact, &quiet);
+    if worst > accuracy {
+        let finer = reference(1e-14);
+        worst = difference(&found, &finer, &quiet);
+        let unknown = difference(&exact, &finer, &quiet);
+        println!("found {found:?}, expected {finer:?} within {unknown:e}");
+        println!(
+            "DBG accuracy {accuracy:e} estimate {:?} notes {:?}",
+            run.error_estimate, run.notes
+        );
+        worst = if unknown < worst { worst - unknown } else { 0.0 };
     }
-    let doubtful = doubt(found.error_estimate.as_ref(), accuracy).is_some();
-    (worst / accuracy, doubtful)
+    (worst / accuracy, doubt(run.error_estimate.as_ref(), accuracy).is_some())
 }
 
 /// What is found over many scenes: quantiles of a figure.
@@ -305,27 +332,40 @@ fn energies(scene: &Scene, state: &State) -> (f64, f64) {
 
 /// One part of all valid scenes: each part is a test, so that they run side by side.
 fn valid_scenes(part: u64) {
-    let sample = sample();
+    let sample = asked("HERTZSCOPE_RANDOM_SAMPLE", SAMPLE);
     let (mut drifts, mut errors, mut doubts) = (Vec::new(), Vec::new(), 0);
+    let mut violations = Vec::new();
     for seed in seeds(part) {
         let mut random = Random(seed);
         let text = scene(&mut random);
         let mut scene = load(&text).unwrap_or_else(|error| panic!("{seed}: {error}\n{text}"));
         let end = duration(&mut random, &scene);
+        let named = std::env::var_os(SEED).is_some();
+        if named {
+            println!("{}", text.replace("2 ms", &format!("{end:e} s")));
+        }
         let (state, steps, done) =
             run(&scene, end, MOST_EVALUATIONS).unwrap_or_else(|error| panic!("{seed}: {error}"));
-        assert!(done, "{seed}: no end after {steps} steps");
         assert!(is_finite(&state), "{seed}");
+        if !done {
+            println!("{seed}: no end after {steps} steps");
+            violations.push(seed);
+            continue;
+        }
         // A step may be off by the accuracy in speed, by twice that in energy, and steps add up at worst.
         let (before, after) = energies(&scene, &state);
         let drift = (after / before - 1.0).abs() / scene.accuracy.unwrap_or(1e-6) / steps as f64;
-        assert!(drift <= 2.0, "{seed}: {drift}");
+        if drift > 2.0 {
+            println!("{seed}: an energy drift of {drift} accuracies a step");
+            violations.push(seed);
+        }
         drifts.push(drift);
-        let named = std::env::var_os(SEED).is_some();
         if named || (seed / PARTS).is_multiple_of(sample) || REMEMBERED.contains(&seed) {
             let (error, doubtful) = held(&mut scene, end);
             println!("{seed}: {error:.1e}{}", if doubtful { ", and says so" } else { "" });
-            assert!(error <= 1.0 || doubtful, "{seed}: {error}");
+            if error > 1.0 && !doubtful {
+                violations.push(seed);
+            }
             doubts += usize::from(doubtful);
             errors.push(error);
         }
@@ -335,6 +375,7 @@ fn valid_scenes(part: u64) {
     }
     println!("{}", quantiles("energy drift over accuracy a step", &mut drifts));
     println!("{}", quantiles("error of readings over accuracy", &mut errors));
+    assert!(violations.is_empty(), "{violations:?}");
     assert!(doubts <= errors.len() / DOUBTFUL, "{doubts} of {}", errors.len());
 }
 
@@ -346,6 +387,33 @@ fn valid_scenes_first_part() {
 #[test]
 fn valid_scenes_second_part() {
     valid_scenes(1);
+}
+
+/// Side by side in an ensemble, the scenes that were once off feel what they feel alone.
+#[test]
+fn remembered_scenes_read_the_same_in_lanes() {
+    let accuracy = 1e-10;
+    let mut felt = 0;
+    for seed in REMEMBERED {
+        let mut random = Random(seed);
+        let mut scene = load(&scene(&mut random)).expect("a scene");
+        scene.duration = duration(&mut random, &scene);
+        let case = Case::of(&scene, accuracy, &ensemble::places(&scene));
+        let alone = case.run_alone(Integration::Accuracy(accuracy)).expect("a run");
+        for found in Ensemble::new(accuracy).threads(1).run(&[&case; 3], &|_| ()) {
+            for (found, alone) in found.expect("a run").pulses.iter().zip(&alone.pulses) {
+                let [found, alone] = [found, alone].map(PulseRecorder::first_peak);
+                assert_eq!(found.is_some(), alone.is_some(), "{seed}: {found:?}, {alone:?}");
+                let Some((found, alone)) = found.zip(alone) else { continue };
+                let off = |a: f64, b: f64| (a / b - 1.0).abs();
+                let worst =
+                    off(found.dynamic_n, alone.dynamic_n).max(off(found.time_s, alone.time_s));
+                assert!(worst < 1e-7, "{seed}: {found:?}, {alone:?}");
+                felt += 1;
+            }
+        }
+    }
+    assert!(felt > 20, "{felt}");
 }
 
 /// Values that no quantity, or hardly any, should have.
@@ -385,7 +453,7 @@ fn spoilt(random: &mut Random) -> String {
 #[test]
 fn spoilt_scenes_are_told_or_run() {
     let (mut refused, mut ran, mut stopped) = (0, 0, 0);
-    for seed in 0..SCENES {
+    for seed in 0..scenes() {
         let mut random = Random(SCENES + seed);
         let text = spoilt(&mut random);
         let scene = match load(&text) {

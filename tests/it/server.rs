@@ -14,7 +14,7 @@ use std::time::Duration;
 
 use hertzscope::experiment::inputs::{Window, inputs};
 use hertzscope::experiment::{Integration, run};
-use hertzscope::recording::mcap::RecordingWriter;
+use hertzscope::recording::mcap::{RecordingWriter, read};
 use hertzscope::scene::Scene;
 use hertzscope::server::{MOST_CONNECTIONS, Options, ServeError, Sockets, serve};
 use tokio::sync::oneshot;
@@ -306,6 +306,27 @@ fn enter_strikes_the_chain() {
     assert_eq!(client.ask("BENC:IMP?"), "2\n");
     server.kill().expect("an end");
     server.wait().expect("an end");
+}
+
+/// Who has read where it listens may end it at once: its recording is whole.
+#[test]
+#[cfg(unix)]
+fn it_may_be_ended_as_soon_as_it_listens() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("served.mcap");
+    for _ in 0..5 {
+        let mut server = Command::new(env!("CARGO_BIN_EXE_hertzscope"))
+            .args(["serve", "gravity-0.61g", "--listen", "127.0.0.1:0", "--record"])
+            .arg(&file)
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("a server");
+        let mut told = BufReader::new(server.stdout.take().expect("a pipe"));
+        told.read_line(&mut String::new()).expect("a line");
+        let asked = Command::new("kill").arg(server.id().to_string()).status().expect("kill");
+        assert!(asked.success() && server.wait().expect("an end").success());
+        read(&file).expect("a recording");
+    }
 }
 
 #[test]

@@ -103,7 +103,7 @@ fn reference(case: &Case) -> Vec<(usize, f64, f64)> {
     let mut integrator = method.start(Box::new(system), state);
     let probes: Vec<ForceProbe> = case.probes();
     let impact = case.chain.impact_force(&case.velocities);
-    let follow = |probe| PulseRecorder::new(probe, impact);
+    let follow = |probe| PulseRecorder::new(probe, impact, &case.velocities);
     let mut pulses: Vec<PulseRecorder> = probes.into_iter().map(follow).collect();
     while integrator.time() < case.duration {
         integrator.step(case.duration).expect("the reference runs");

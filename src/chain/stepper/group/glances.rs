@@ -16,6 +16,9 @@ const MIDDLE: usize = BODIES / 2;
 pub struct Glances {
     /// Lanes that have one, a bit each.
     lanes: u8,
+    /// Lanes that have not taken a step yet: their first is looked into whatever is asked, for a place may start with a rate of change that is
+    /// nothing but rounding.
+    first: u8,
     pub(super) around: Around,
     /// Whether it is around the same body in all lanes.
     alike: bool,
@@ -35,6 +38,7 @@ impl Glances {
     ) -> Self {
         let mut glances = Self {
             lanes: 0,
+            first: u8::MAX,
             around: Around::nothing(form),
             alike: false,
             felt: Default::default(),
@@ -91,7 +95,7 @@ impl Glances {
 
     /// Asks lane `lane` for maxima above the first and any forces above the second (N).
     pub fn ask(&mut self, lane: usize, asked: [f64; 2]) {
-        self.asked.of(lane, asked);
+        self.asked.ask(lane, asked);
     }
 
     /// Force and its rate of change at the start of lane `lane`'s last step (N, N/s).
@@ -145,6 +149,9 @@ impl Task for Glance<'_> {
             L::store(L::select(taken, felt, before), end);
         }
         let before = [L::load(&from[0]), L::load(&from[1])];
-        taken & glances.asked.wanted::<L>(before, [force, rate], L::load(&length))
+        let wanted = glances.asked.wanted::<L>(before, [force, rate], L::load(&length));
+        let first = glances.first;
+        glances.first &= !taken;
+        taken & (wanted | first)
     }
 }

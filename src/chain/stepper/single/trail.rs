@@ -13,6 +13,9 @@ use crate::integrate::Integrator;
 #[derive(Debug, Clone)]
 pub struct Trail {
     count: usize,
+    /// The first step, if it has not been read yet, as a bit: it is looked into whatever is asked, for a place may start with a rate of change
+    /// that is nothing but rounding.
+    first: u8,
     starts: Row,
     lengths: Row,
     ends: Row,
@@ -66,11 +69,12 @@ impl Trail {
     /// Asks the steps to be read at place `place` for maxima above the first and any forces above the second (N).
     pub fn ask(&mut self, place: usize, asked: [f64; 2]) {
         for lane in 0..WIDTH {
-            self.places[place].asked.of(lane, asked);
+            self.places[place].asked.ask(lane, asked);
         }
     }
 
-    /// Which of the steps read last may hold what was asked for at place `place`, a bit each.
+    /// Which of the steps read last may hold what was asked for at place `place`, a bit each: where nothing was asked none but
+    /// the first of all.
     #[must_use]
     pub fn wanted(&self, place: usize) -> u8 {
         self.places[place].wanted
@@ -108,7 +112,7 @@ impl ChainStepper {
         };
         let places = probes.iter().map(watched).collect();
         let one = Row([1.0; WIDTH]);
-        let mut trail = Trail { count: 0, starts: one, lengths: one, ends: one, places };
+        let mut trail = Trail { count: 0, first: 1, starts: one, lengths: one, ends: one, places };
         // A step that ends here: its end is where the first one starts.
         self.note_in(&mut trail, WIDTH - 1);
         self.look(&mut trail);
@@ -144,8 +148,9 @@ impl ChainStepper {
             for row in watched.before.as_flattened_mut().iter_mut().chain(&mut watched.felt) {
                 row.0[WIDTH - 1] = row.0[last];
             }
-            watched.wanted &= u8::MAX >> (WIDTH - 1 - last);
+            watched.wanted = (watched.wanted | trail.first) & (u8::MAX >> (WIDTH - 1 - last));
         }
+        trail.first = 0;
     }
 
     fn look(&self, trail: &mut Trail) {
