@@ -139,7 +139,7 @@ pub fn truth(scene: &Scene, bench: &Bench<'_>, grid: Grid) -> Vec<Trace> {
     };
     let mut truth = Vec::new();
     for (placed, watch) in scene.sensors.iter().zip(bench.watches()) {
-        let static_force = watch.pulse.probe().static_force();
+        let static_force = watch.pulse.static_force();
         let place = match placed.site {
             Site::Particle(particle) => format!("inside particle {particle}"),
             Site::Wall => "at the wall".to_owned(),

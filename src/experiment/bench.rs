@@ -116,7 +116,8 @@ impl<'a> Bench<'a> {
         let before = grid.samples_until(0.0);
         let impact = chain.impact_force(initial_velocities);
         let watch = |probe: &ForceProbe| Watch {
-            pulse: PulseRecorder::new(probe.clone(), impact, initial_velocities),
+            probe: probe.clone(),
+            pulse: PulseRecorder::new(probe, impact, initial_velocities),
             samples: vec![0.0; before],
         };
         let film = Film::new(chain, film_grid, &state);
@@ -200,7 +201,7 @@ impl<'a> Bench<'a> {
     pub fn without(mut self, refinement: Refinement) -> Self {
         if let Engine::Stepper(course) = self.engine {
             let stepper = course.0.without(refinement, self.chain);
-            let probe = |watch: &Watch| watch.pulse.probe().clone();
+            let probe = |watch: &Watch| watch.probe.clone();
             let probes: Vec<ForceProbe> = self.watches.iter().map(probe).collect();
             let trail = stepper.trail(&probes);
             self.engine = Engine::Stepper(Box::new((stepper, trail)));

@@ -218,7 +218,7 @@ fn lanes(bits: u8) -> impl Iterator<Item = usize> {
 fn follow(mut group: ChainGroup, cases: &[&Case]) -> Vec<Result<Readout, IntegrateError>> {
     let recorders = |case: &&Case| {
         let impact = case.chain.impact_force(&case.velocities);
-        let recorder = |p: &ForceProbe| PulseRecorder::new(p.clone(), impact, &case.velocities);
+        let recorder = |p: &ForceProbe| PulseRecorder::new(p, impact, &case.velocities);
         case.probes.iter().map(recorder).collect()
     };
     let mut pulses: Vec<Vec<PulseRecorder>> = cases.iter().map(recorders).collect();

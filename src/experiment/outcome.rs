@@ -162,7 +162,7 @@ impl Reading {
             name: name.to_owned(),
             particle,
             offset,
-            static_n: pulse.probe().static_force(),
+            static_n: pulse.static_force(),
             largest_n: pulse.largest(),
             first_peak,
             half_rise_s: reach(HALF_RISE),

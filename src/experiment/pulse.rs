@@ -7,7 +7,6 @@ use super::segment::{Bracket, Felt, Rise, Segment};
 use super::turn::{fall, highest, may_fall, root};
 use crate::chain::stepper::{LOOKED_AT, Looks, Place, Seen};
 use crate::chain::{ForceProbe, ForceSegment};
-use crate::integrate::Integrator;
 
 /// A force that rises from zero has no maximum between two looks that exceeds the larger of them by more than this factor: looks are a
 /// fifteenth of the fastest oscillation apart, or the step would not have been accepted (1).
@@ -39,8 +38,11 @@ pub struct Peak {
 /// Follows one probe through a run.
 #[derive(Debug, Clone)]
 pub struct PulseRecorder {
-    probe: ForceProbe,
     felt: Felt,
+    /// Whether a loss lets the force jump.
+    is_lossy: bool,
+    /// At static equilibrium (N).
+    static_force: f64,
     /// Force that a pulse exceeds (N).
     quietest: f64,
     /// Maxima that may turn out to be the first above the threshold.
@@ -58,12 +60,14 @@ pub struct PulseRecorder {
 impl PulseRecorder {
     /// Starts with nothing felt in a chain that is let go with these velocities (m/s); `impact` is the force that the impact raises (N).
     #[must_use]
-    pub fn new(probe: ForceProbe, impact: f64, velocities: &[f64]) -> Self {
+    pub fn new(probe: &ForceProbe, impact: f64, velocities: &[f64]) -> Self {
+        let static_force = probe.static_force();
         Self {
-            quietest: QUIETEST * probe.static_force().max(impact),
+            felt: Felt::nothing(Place::new(probe)),
+            is_lossy: probe.is_lossy(),
+            static_force,
+            quietest: QUIETEST * static_force.max(impact),
             rate_before: probe.starting_rate(velocities),
-            felt: Felt::nothing(Place::new(&probe)),
-            probe,
             peaks: Vec::new(),
             rises: Vec::new(),
             largest: 0.0,
@@ -72,29 +76,27 @@ impl PulseRecorder {
         }
     }
 
-    /// The probe that is followed.
+    /// Force at static equilibrium (N).
     #[must_use]
-    pub fn probe(&self) -> &ForceProbe {
-        &self.probe
+    pub fn static_force(&self) -> f64 {
+        self.static_force
     }
 
-    /// Takes in the integrator's last step and returns the force over it.
-    pub fn take(&mut self, integrator: &dyn Integrator, bodies: usize) -> ForceSegment {
-        let segment = self.probe.over_step(integrator, bodies);
+    /// Takes in the force over the integrator's last step.
+    pub fn take(&mut self, segment: &ForceSegment) {
         let looks = Looks {
             forces: LOOKED_AT.map(|theta| segment.force(theta)),
             rates: LOOKED_AT.map(|theta| segment.rate(theta)),
         };
         let kept = self.kept();
         let step = self.felt.keep(segment.clone());
-        if self.probe.is_lossy() {
+        if self.is_lossy {
             self.jump(step);
         }
         self.see(&looks, segment.length, &|| step);
         if self.kept() == kept {
             self.felt.let_go();
         }
-        segment
     }
 
     /// How many maxima and rises are kept.
@@ -243,7 +245,7 @@ impl PulseRecorder {
         let mut tops = high.map(|peak| (peak, self.felt.top(peak)));
         let (peak, (theta, dynamic_n)) = tops.find(|(_, top)| top.1 > threshold)?;
         let time_s = self.felt.time(&peak.segment, theta);
-        Some(Peak { total_n: dynamic_n + self.probe.static_force(), dynamic_n, time_s })
+        Some(Peak { total_n: dynamic_n + self.static_force, dynamic_n, time_s })
     }
 
     /// The time when the dynamic force first reached `level` (N), which is positive (s).

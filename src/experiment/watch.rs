@@ -2,12 +2,15 @@
 
 use super::bench::Grid;
 use super::pulse::PulseRecorder;
+use crate::chain::ForceProbe;
 use crate::chain::stepper::{ChainStepper, Due, Trail};
 use crate::integrate::Integrator;
 
 /// One watched force.
 #[derive(Debug, Clone)]
 pub struct Watch {
+    /// Where.
+    pub probe: ForceProbe,
     /// Its peaks and arrivals, up to the end of the scene's duration.
     pub pulse: PulseRecorder,
     /// Its dynamic force at the times of the sample grid (N).
@@ -66,11 +69,10 @@ impl Watch {
         grid: Grid,
         pulses: bool,
     ) {
-        let segment = if pulses {
-            self.pulse.take(integrator, bodies)
-        } else {
-            self.pulse.probe().over_step(integrator, bodies)
-        };
+        let segment = self.probe.over_step(integrator, bodies);
+        if pulses {
+            self.pulse.take(&segment);
+        }
         let end = integrator.time();
         let mut time = grid.time(self.samples.len());
         while time <= end {

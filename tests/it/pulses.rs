@@ -32,7 +32,7 @@ fn choosy_and_thorough(
 ) -> Option<[Vec<PulseRecorder>; 2]> {
     let (chain, velocities) = (&scene.chain, &scene.initial_velocities);
     let impact = chain.impact_force(velocities);
-    let recorder = |probe: &ForceProbe| PulseRecorder::new(probe.clone(), impact, velocities);
+    let recorder = |probe: &ForceProbe| PulseRecorder::new(probe, impact, velocities);
     let recorders = || probes.iter().map(recorder);
     let (mut choosy, mut thorough): (Vec<_>, Vec<_>) =
         (recorders().collect(), recorders().collect());

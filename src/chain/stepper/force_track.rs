@@ -9,7 +9,7 @@ use super::forces::begin_plain;
 use super::lanes::{Lanes, Row, Task, WIDTH};
 use super::plan::Form;
 use crate::chain::hertz::force_and_tangent;
-use crate::chain::{Contact, ForceProbe, Law};
+use crate::chain::{ForceProbe, Law};
 
 /// Coefficients of a septic.
 pub const COEFFICIENTS: usize = 8;
@@ -25,10 +25,21 @@ pub const LOOKED_AT: [f64; LOOKS] = [0.25, 0.5, 0.75, 1.0];
 /// A place between two contacts, which feels both.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Place {
-    contacts: [Contact; CONTACTS],
-    /// Square roots of the static overlaps (m^0.5).
-    static_roots: [f64; CONTACTS],
-    weights: [f64; CONTACTS],
+    contacts: [FeltContact; CONTACTS],
+}
+
+/// A contact, as a place beside it feels it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct FeltContact {
+    law: Law,
+    /// `A` by Hertz (N/m^1.5), linearised the tangent stiffness (N/m).
+    stiffness: f64,
+    /// At rest (m).
+    static_overlap: f64,
+    /// Its square root (m^0.5).
+    static_root: f64,
+    /// What of its force is felt (1).
+    weight: f64,
 }
 
 /// How a place's contacts move over one step.
@@ -55,27 +66,30 @@ impl Place {
     /// The place of `probe`.
     #[must_use]
     pub fn new(probe: &ForceProbe) -> Self {
-        Self {
-            contacts: *probe.contacts(),
-            static_roots: probe.contacts().map(|contact| contact.static_overlap.sqrt()),
-            weights: *probe.weights(),
-        }
+        let felt = |which: usize| {
+            let (contact, weight) = (&probe.contacts()[which], probe.weights()[which]);
+            let static_overlap = contact.static_overlap;
+            let (stiffness, static_root) = match contact.law {
+                Law::Hertz => (contact.stiffness, static_overlap.sqrt()),
+                Law::Linearised => (contact.static_stiffness(), 0.0),
+            };
+            FeltContact { law: contact.law, stiffness, static_overlap, static_root, weight }
+        };
+        Self { contacts: std::array::from_fn(felt) }
     }
 
     /// Dynamic force (N) and its rate of change (N/s) for changes of the overlaps (m) and their rates (m/s).
     #[inline]
     fn feel(&self, overlaps: [[f64; 2]; CONTACTS]) -> (f64, f64) {
         let (mut force, mut rate) = (0.0, 0.0);
-        for (which, [change, closing]) in overlaps.into_iter().enumerate() {
-            let contact = &self.contacts[which];
-            let (felt, tangent) = match contact.law {
-                Law::Hertz => {
-                    force_and_tangent(contact.stiffness, self.static_roots[which], change)
-                }
-                Law::Linearised => (contact.force_change(change), contact.static_stiffness()),
+        for (contact, [change, closing]) in self.contacts.iter().zip(overlaps) {
+            let FeltContact { law, stiffness, static_root, weight, .. } = *contact;
+            let (felt, tangent) = match law {
+                Law::Hertz => force_and_tangent(stiffness, static_root, change),
+                Law::Linearised => (stiffness * change, stiffness),
             };
-            force += self.weights[which] * felt;
-            rate += self.weights[which] * tangent * closing;
+            force += weight * felt;
+            rate += weight * tangent * closing;
         }
         (force, rate)
     }
@@ -99,11 +113,8 @@ impl Place {
     /// Stiffness, static root and weight of contact `which` as the lanes need them (unit).
     #[inline(always)]
     pub fn lane_constants(&self, which: usize) -> [f64; 3] {
-        let (contact, weight) = (&self.contacts[which], self.weights[which]);
-        match contact.law {
-            Law::Hertz => [contact.stiffness, self.static_roots[which], weight],
-            Law::Linearised => [contact.static_stiffness(), 0.0, weight],
-        }
+        let FeltContact { stiffness, static_root, weight, .. } = self.contacts[which];
+        [stiffness, static_root, weight]
     }
 }
 

@@ -104,12 +104,12 @@ fn reference(case: &Case) -> Vec<(usize, f64, f64)> {
     let probes: Vec<ForceProbe> = case.probes();
     let impact = case.chain.impact_force(&case.velocities);
     let follow = |probe| PulseRecorder::new(probe, impact, &case.velocities);
-    let mut pulses: Vec<PulseRecorder> = probes.into_iter().map(follow).collect();
+    let mut pulses: Vec<PulseRecorder> = probes.iter().map(follow).collect();
     while integrator.time() < case.duration {
         integrator.step(case.duration).expect("the reference runs");
         integrator.prepare_interpolation();
-        for pulse in &mut pulses {
-            pulse.take(integrator.as_ref(), bodies);
+        for (pulse, probe) in pulses.iter_mut().zip(&probes) {
+            pulse.take(&probe.over_step(integrator.as_ref(), bodies));
         }
     }
     let first = |(particle, pulse): (&usize, &PulseRecorder)| {
