@@ -97,17 +97,14 @@ impl Place {
     /// Dynamic force at the fraction `theta` of a step (N).
     #[must_use]
     pub fn force(&self, span: &Span, theta: f64) -> f64 {
-        let [above, below] = &span.overlaps;
-        self.feel([[horner(above, theta), 0.0], [horner(below, theta), 0.0]]).0
+        self.feel(span.overlaps.each_ref().map(|c| [horner(c, theta), 0.0])).0
     }
 
     /// Its rate of change there (N/s).
     #[must_use]
     pub fn rate(&self, span: &Span, theta: f64) -> f64 {
-        let [above, below] = &span.overlaps;
-        let above = [horner(above, theta), slope(above, theta) / span.length];
-        let below = [horner(below, theta), slope(below, theta) / span.length];
-        self.feel([above, below]).1
+        let moves = |c| [horner(c, theta), slope(c, theta) / span.length];
+        self.feel(span.overlaps.each_ref().map(moves)).1
     }
 
     /// Stiffness, static root and weight of contact `which` as the lanes need them (unit).
@@ -175,11 +172,7 @@ pub fn horner(c: &[f64; COEFFICIENTS], t: f64) -> f64 {
 
 #[inline(always)]
 fn slope(c: &[f64; COEFFICIENTS], t: f64) -> f64 {
-    let mut sum = 0.0;
-    for (power, c) in (1_u8..8).zip(&c[1..]).rev() {
-        sum = sum * t + f64::from(power) * c;
-    }
-    sum
+    (1_u8..8).zip(&c[1..]).rev().fold(0.0, |sum, (power, c)| sum * t + f64::from(power) * c)
 }
 
 /// `hertz::force_change` and the tangent stiffness in eight places; linear where `form` says so.
