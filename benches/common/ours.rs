@@ -99,5 +99,5 @@ pub fn steps_held(name: &str, accuracy: f64) -> f64 {
         let run = experiment::run(&scene, Integration::Accuracy(*steps), 1, &mut |_| ());
         run.is_ok_and(|run| run.summary.force_evaluations == held.force_evaluations)
     };
-    steps_tried(accuracy).find(same).expect("one of them")
+    steps_tried(&scene, accuracy).find(same).expect("one of them")
 }

@@ -276,7 +276,6 @@ impl Plan {
         let overlap = if touches { contact.static_overlap } else { NOTHING };
         self.stiffness[row].0[lane] = stiffness;
         self.static_overlap[row].0[lane] = overlap;
-        rest.static_root.0[lane] = overlap.max(0.0).sqrt();
         rest.floor.0[lane] = if touches { -overlap } else { f64::NAN };
         if let (Some(body), Some(force)) = (chain.bodies().get(j), chain.residual.get(j)) {
             self.inverse_mass[row].0[lane] = 1.0 / body.mass;

@@ -25,6 +25,10 @@ impl<Y: Layout> Task for Settle<'_, Y> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Self(plan, _) = self;
+        for (rest, overlap) in plan.rest.iter_mut().zip(&plan.static_overlap) {
+            let root = L::sqrt(L::max(L::load(overlap), L::splat(0.0)));
+            L::store(root, &mut rest.static_root);
+        }
         if plan.form != Form::Plain {
             return;
         }

@@ -10,7 +10,7 @@ pub const BETWEEN: usize = 7;
 /// A row at each of them, side by side in memory.
 pub type Between = [Row; BETWEEN];
 
-/// One end of a step, in rows: all in one piece of memory, for asking for six takes a short chain's set-up longer.
+/// One end of a step, in rows: all in one piece of memory, for asking for four or six takes a short chain's set-up longer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motion {
     rows: Vec<Row>,
@@ -29,20 +29,22 @@ pub struct Parts<'a> {
     pub velocity: &'a mut [Row],
     /// Accelerations (m/s²).
     pub acceleration: &'a mut [Row],
-    /// What rounding took from the displacements (m).
-    pub lost_position: &'a mut [Row],
-    /// What rounding took from the velocities (m/s).
-    pub lost_velocity: &'a mut [Row],
     /// Forces of the contacts (N): steps of short chains go on from them, all others leave them as they were first.
     pub force: &'a mut [Row],
+    /// What rounding took from the displacements (m), under a pair.
+    pub lost_position: &'a mut [Row],
+    /// What rounding took from the velocities (m/s), under a pair.
+    pub lost_velocity: &'a mut [Row],
     /// Which contacts are closed, a bit each.
     pub closed: &'a mut [u8],
     /// Gradients of the accelerations along themselves (m/s⁴).
     pub gradient: &'a mut [Row],
 }
 
-/// How many parts of a motion are rows.
+/// How many parts of a motion are rows, under a pair.
 const PARTS: usize = 6;
+/// The same in fixed steps, which keep nothing of what rounding takes.
+const FEWER_PARTS: usize = 4;
 
 /// Largest magnitudes: of each lane where lanes are chains, of the whole chain in every lane otherwise.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -109,24 +111,24 @@ impl Motion {
         self.part(2)
     }
 
-    /// What rounding took from the displacements (m).
-    #[inline]
-    #[must_use]
-    pub fn lost_position(&self) -> &[Row] {
-        self.part(3)
-    }
-
-    /// What rounding took from the velocities (m/s).
-    #[inline]
-    #[must_use]
-    pub fn lost_velocity(&self) -> &[Row] {
-        self.part(4)
-    }
-
     /// Forces of the contacts (N).
     #[inline]
     #[must_use]
     pub fn force(&self) -> &[Row] {
+        self.part(3)
+    }
+
+    /// What rounding took from the displacements (m), under a pair.
+    #[inline]
+    #[must_use]
+    pub fn lost_position(&self) -> &[Row] {
+        self.part(4)
+    }
+
+    /// What rounding took from the velocities (m/s), under a pair.
+    #[inline]
+    #[must_use]
+    pub fn lost_velocity(&self) -> &[Row] {
         self.part(5)
     }
 
@@ -139,9 +141,9 @@ impl Motion {
             position: next(),
             velocity: next(),
             acceleration: next(),
+            force: next(),
             lost_position: next(),
             lost_velocity: next(),
-            force: next(),
             closed: &mut self.closed,
             gradient: &mut self.gradient,
         }
@@ -159,9 +161,9 @@ impl Motion {
         [self.position(), self.velocity(), self.acceleration()]
     }
 
-    fn at_rest(count: usize, gradients: usize) -> Self {
+    fn at_rest(count: usize, parts: usize, gradients: usize) -> Self {
         Self {
-            rows: vec![Row::default(); PARTS * count],
+            rows: vec![Row::default(); parts * count],
             count,
             closed: vec![0; count],
             gradient: vec![Row::default(); gradients],
@@ -189,21 +191,21 @@ impl Workspace {
     /// Everything at rest, in `rows` rows, with what `scheme` needs.
     #[must_use]
     pub fn new(rows: usize, scheme: Scheme) -> Self {
-        let (between, gradients) = match scheme {
-            Scheme::Pair(..) => (rows, 0),
-            Scheme::Splitting(method, _) if method.gradients.is_empty() => (0, 0),
-            Scheme::Splitting(..) => (0, rows),
+        let (judged, parts, gradients) = match scheme {
+            Scheme::Pair(..) => (rows, PARTS, 0),
+            Scheme::Splitting(method, _) if method.gradients.is_empty() => (0, FEWER_PARTS, 0),
+            Scheme::Splitting(..) => (0, FEWER_PARTS, rows),
         };
-        let motion = || Box::new(Motion::at_rest(rows, gradients));
+        let motion = || Box::new(Motion::at_rest(rows, parts, gradients));
         Self {
             now: motion(),
             next: motion(),
-            between: vec![[Row::default(); BETWEEN]; between],
-            error_position: vec![Row::default(); rows],
-            error_velocity: vec![Row::default(); rows],
-            overlap: vec![Row::default(); rows],
-            changed: vec![0; rows],
-            doubtful: vec![0; rows],
+            between: vec![[Row::default(); BETWEEN]; judged],
+            error_position: vec![Row::default(); judged],
+            error_velocity: vec![Row::default(); judged],
+            overlap: vec![Row::default(); judged],
+            changed: vec![0; judged],
+            doubtful: vec![0; judged],
             largest: Largest::default(),
             finite: 0,
         }

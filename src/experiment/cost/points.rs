@@ -135,7 +135,7 @@ pub fn point(scene: &Scene, treated: Treated, (exact, runs): (&Run, u16)) -> Poi
 /// none, the last that was tried before one took too much.
 pub fn choice(scene: &Scene, accuracy: f64, (exact, runs): (&Run, u16)) -> Option<Chosen> {
     let mut last = None;
-    for steps in steps_tried(accuracy) {
+    for steps in steps_tried(scene, accuracy) {
         let treated = (method(scene, Integration::Accuracy(steps)).ok()?, None);
         let once = point(scene, treated, (exact, 1));
         if once.given_up && last.is_some() {

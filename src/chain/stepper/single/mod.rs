@@ -13,6 +13,7 @@ macro_rules! laid {
     };
 }
 
+mod course;
 mod look;
 mod paired;
 mod split;
@@ -22,7 +23,7 @@ use std::marker::PhantomData;
 
 use super::dispatch::{InstructionSet, dispatch};
 use super::frame::Ends;
-use super::lanes::{Row, WIDTH};
+use super::lanes::Row;
 use super::layout::{Along, Layout, Striped};
 use super::plan::{Form, Plan, are_few, rows_of};
 use super::steps::{find_gradients, finest_asked};
@@ -31,12 +32,10 @@ use super::workspace::Workspace;
 use crate::chain::Chain;
 use crate::integrate::hermite::{End, septic};
 use crate::integrate::{IntegrateError, Integrator, Interpolant, Scheme, State, Work};
+use course::{Course, MARGIN, UNDER_WAY};
 use paired::Paired;
 use split::Split;
 pub use trail::Trail;
-
-/// Rows at rest behind the last that moves: within a step news travel a contact a stage, of which there are fewer than in these.
-const MARGIN: usize = 2;
 
 /// What the stepper does on its own account; to be left out for comparison only.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,20 +44,10 @@ pub enum Refinement {
     KinkCorrection,
     /// Steps that would end too far beyond the closing of a stiff contact are made shorter before they are tried.
     Foresight,
-    /// Contacts ahead of the wave, where nothing has moved yet, are left alone.
+    /// Contacts ahead of the wave, where nothing has moved yet that could be seen, are left alone.
     QuietPart,
     /// The form that forces are computed in: leaving it out takes the other one.
     ForceForm,
-}
-
-/// What moves, and all that a step reads and writes.
-struct Course {
-    set: InstructionSet,
-    striped: bool,
-    plan: Plan,
-    work: Workspace,
-    time: f64,
-    counts: Work,
 }
 
 /// How its steps are taken.
@@ -138,10 +127,12 @@ impl ChainStepper {
             plan.live = (last + 1 + MARGIN).min(plan.all_rows());
         }
         let counts = Work { force_evaluations: 1, ..Work::default() };
-        let mut course = Course { set, striped: Y::STRIPED, plan, work, time: state.time, counts };
+        let speed = velocities.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        let quiet = UNDER_WAY * speed;
+        let mut course =
+            Course { set, striped: Y::STRIPED, plan, quiet, work, time: state.time, counts };
         let drive = match scheme {
             Scheme::Pair(pair, tolerance) => {
-                let speed = velocities.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
                 let scales = (chain.impact_overlap(velocities).max(overlap.0[0]), speed);
                 let (pair, watched) = ((pair, tolerance), !course.plan.watched.is_empty());
                 Drive::Paired(Box::new(Paired::new(pair, scales, chain.lightest(), watched)))
@@ -200,40 +191,6 @@ impl ChainStepper {
             Drive::Paired(paired) => Some(paired.events),
             Drive::Split(_) => None,
         }
-    }
-}
-
-impl Course {
-    /// Goes on with the rows that the motion has come near to.
-    fn follow_front(&mut self) {
-        let (live, all) = (self.plan.live, self.plan.all_rows());
-        let ahead = live.saturating_sub(MARGIN)..live;
-        if live < all && self.work.now.velocity()[ahead].iter().any(|row| *row != Row::default()) {
-            self.plan.live = (live + MARGIN).min(all);
-        }
-    }
-
-    /// First body whose state is not finite at the end of the step last tried.
-    fn first_lost(&self) -> usize {
-        let (positions, velocities) = self.work.next.seen();
-        let lost = |index: &usize| {
-            let (row, lane) = self.place(*index);
-            !(positions[row].0[lane].is_finite() && velocities[row].0[lane].is_finite())
-        };
-        (0..WIDTH * self.plan.all_rows()).find(lost).unwrap_or(0)
-    }
-
-    /// Row and lane of entry `index`.
-    fn place(&self, index: usize) -> (usize, usize) {
-        laid!(self.striped, Y => Y::place(self.plan.all_rows(), index, 0))
-    }
-
-    /// The first `count` values of `rows`.
-    fn flat(&self, rows: &[Row], count: usize) -> impl Iterator<Item = f64> {
-        (0..count).map(|index| {
-            let (row, lane) = self.place(index);
-            rows[row].0[lane]
-        })
     }
 }
 
