@@ -1,5 +1,5 @@
 //! What accuracy costs in time: the coarsest setting that meets a tolerance, as all finer ones do, and how long it takes; beside a
-//! velocity Verlet in plain loops, and how much faster than the bench itself that is. `cargo bench --bench accuracy`; other people's solvers are in
+//! velocity Verlet in plain loops, and how much faster than the bench itself that is; and what `--accuracy` chooses, beside the best. `cargo bench --bench accuracy`; other people's solvers are in
 //! `benches/peers`.
 #![allow(clippy::expect_used, reason = "a bench that cannot run has nothing to say")]
 
@@ -10,8 +10,10 @@ use common::ours::{self, Watching};
 use common::scenes::{Case, shipped};
 use hertzscope::chain::ChainSystem;
 use hertzscope::chain::stepper::InstructionSet;
+use hertzscope::experiment::cost::{Chosen, Point, TIMED_RUNS, study};
 use hertzscope::experiment::for_accuracy;
 use hertzscope::integrate::{Method, State};
+use hertzscope::scene::Scene;
 
 const ROUNDS: usize = 9;
 /// CPU time of one measurement (s).
@@ -58,6 +60,7 @@ fn main() {
     }
     println!("\nThe last three columns: time over that of the integration alone.\n");
     table_scenes();
+    choices();
 }
 
 /// The eight scenes of the paper's tables as `--accuracy 1e-3` follows them for 2 ms, nothing recorded.
@@ -82,6 +85,45 @@ fn table_scenes() {
             );
         }
     }
+}
+
+/// What `--accuracy` chooses from 1e-3 to 1e-9, beside the best point of `hertzscope cost`: the quickest of the coarsest ones of each method that are
+/// as accurate as asked, as all finer ones are. Of each the shortest of ten runs.
+fn choices() {
+    println!(
+        "\n| `hertzscope cost`, 1e-3 to 1e-9 | error of what `--accuracy` chooses over the one asked for, at most | its time over the best point's, median | at most |\n|---|---|---|---|"
+    );
+    for name in Scene::names() {
+        let scene = Scene::load(name).expect("a shipped scene");
+        let study = study(&scene, TIMED_RUNS, &mut |_| ()).expect("a study");
+        let asked = |chosen: &&Chosen| (0.9e-9..1.1e-3).contains(&chosen.accuracy);
+        let (mut errors, mut times) = (Vec::new(), Vec::new());
+        for chosen in study.chosen.iter().filter(asked) {
+            errors.push(chosen.error.unwrap_or(f64::INFINITY) / chosen.accuracy);
+            let of_method = study.points.chunk_by(|a, b| a.method == b.method);
+            let coarsest = of_method.filter_map(|points| coarsest_point(points, chosen.accuracy));
+            let best = coarsest.map(|point| point.wall_s_min).fold(f64::INFINITY, f64::min);
+            times.push(chosen.wall_s_min / best);
+        }
+        let most = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
+        println!(
+            "| {name} | {:.2} | {:.2} | {:.2} |",
+            most(&errors),
+            median(&mut times),
+            most(&times)
+        );
+    }
+}
+
+/// The point with the fewest evaluations that is as accurate as `accuracy`, as all with more are.
+fn coarsest_point(points: &[Point], accuracy: f64) -> Option<&Point> {
+    let holds = |point: &&Point| {
+        let errors = [point.error_peak, point.error_arrival];
+        !point.failed && errors.iter().all(|error| error.is_some_and(|error| error <= accuracy))
+    };
+    let mut points: Vec<&Point> = points.iter().collect();
+    points.sort_by_key(|point| std::cmp::Reverse(point.force_evaluations));
+    points.into_iter().take_while(holds).last()
 }
 
 type Ladder = Vec<(Method, f64)>;
