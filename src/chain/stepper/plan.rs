@@ -81,7 +81,7 @@ const AS_STIFF: f64 = 0.5;
 pub struct Rest {
     /// The least that a contact's overlap changes by, for it opens there (m); not a number where there is nothing to touch.
     pub floor: Row,
-    /// Square root of the static overlap (m^0.5).
+    /// Square root of the static overlap, once it is settled (m^0.5).
     pub static_root: Row,
     /// Force of each contact at rest as these loops compute it; none where they compute changes (N).
     pub static_force: Row,

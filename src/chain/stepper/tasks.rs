@@ -16,7 +16,7 @@ use super::workspace::{Motion, Parts, Workspace};
 use crate::integrate::Pair;
 use crate::integrate::splitting::Splitting;
 
-/// Counts the static forces, as the loops compute them, among what leaves bodies at rest.
+/// Finds the roots of static overlaps, and counts the static forces, as the loops compute them, among what leaves bodies at rest.
 pub struct Settle<'a, Y>(pub &'a mut Plan, pub PhantomData<Y>);
 
 impl<Y: Layout> Task for Settle<'_, Y> {
