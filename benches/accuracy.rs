@@ -10,7 +10,7 @@ use common::ours::{self, Watching};
 use common::scenes::{Case, shipped};
 use hertzscope::chain::ChainSystem;
 use hertzscope::chain::stepper::InstructionSet;
-use hertzscope::experiment::cost::{Chosen, Point, TIMED_RUNS, study};
+use hertzscope::experiment::cost::{Chosen, TIMED_RUNS, study};
 use hertzscope::experiment::for_accuracy;
 use hertzscope::integrate::{Method, State};
 use hertzscope::scene::Scene;
@@ -100,9 +100,8 @@ fn choices() {
         let (mut errors, mut times) = (Vec::new(), Vec::new());
         for chosen in study.chosen.iter().filter(asked) {
             errors.push(chosen.error.unwrap_or(f64::INFINITY) / chosen.accuracy);
-            let of_method = study.points.chunk_by(|a, b| a.method == b.method);
-            let coarsest = of_method.filter_map(|points| coarsest_point(points, chosen.accuracy));
-            let best = coarsest.map(|point| point.wall_s_min).fold(f64::INFINITY, f64::min);
+            let points = study.accurate(chosen.accuracy);
+            let best = points.map(|point| point.wall_s_min).fold(f64::INFINITY, f64::min);
             times.push(chosen.wall_s_min / best);
         }
         let most = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
@@ -113,17 +112,6 @@ fn choices() {
             most(&times)
         );
     }
-}
-
-/// The point with the fewest evaluations that is as accurate as `accuracy`, as all with more are.
-fn coarsest_point(points: &[Point], accuracy: f64) -> Option<&Point> {
-    let holds = |point: &&Point| {
-        let errors = [point.error_peak, point.error_arrival];
-        !point.failed && errors.iter().all(|error| error.is_some_and(|error| error <= accuracy))
-    };
-    let mut points: Vec<&Point> = points.iter().collect();
-    points.sort_by_key(|point| std::cmp::Reverse(point.force_evaluations));
-    points.into_iter().take_while(holds).last()
 }
 
 type Ladder = Vec<(Method, f64)>;

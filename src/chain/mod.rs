@@ -192,6 +192,12 @@ impl Chain {
         !self.is_dissipative() && self.pull().is_none()
     }
 
+    /// Whether its contacts are linearised: all of them are, or none.
+    #[must_use]
+    pub fn is_linear(&self) -> bool {
+        self.contacts.iter().any(|contact| contact.law == Law::Linearised)
+    }
+
     /// Smallest mass of its bodies (kg).
     #[must_use]
     pub fn lightest(&self) -> f64 {

@@ -24,8 +24,7 @@ impl ChainSystem {
     pub fn new(chain: &Chain, initial_velocity: &[f64]) -> Self {
         let contacts = chain.contacts();
         let bodies = chain.bodies();
-        let linearised = contacts.iter().any(|c| c.law == Law::Linearised);
-        let law = if linearised { Law::Linearised } else { Law::Hertz };
+        let law = if chain.is_linear() { Law::Linearised } else { Law::Hertz };
         let stiffness = |contact: &Contact| match law {
             Law::Hertz => contact.stiffness,
             Law::Linearised => contact.static_stiffness(),

@@ -3,12 +3,13 @@
 mod bench;
 mod hislip;
 mod load;
+mod process;
 mod recording;
 mod transcripts;
 
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
-use std::process::{Command, Stdio};
+use std::process::Command;
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -17,6 +18,7 @@ use hertzscope::experiment::{Integration, run};
 use hertzscope::recording::mcap::{RecordingWriter, read};
 use hertzscope::scene::Scene;
 use hertzscope::server::{MOST_CONNECTIONS, Options, ServeError, Sockets, serve};
+use process::Process;
 use tokio::sync::oneshot;
 
 /// What a test waits for at most.
@@ -283,20 +285,13 @@ fn what_an_impact_costs_is_limited() {
 /// Two lines on standard input are two impacts; its end is not the server's.
 #[test]
 fn enter_strikes_the_chain() {
-    let mut server = Command::new(env!("CARGO_BIN_EXE_hertzscope"))
-        .args(["serve", "gravity-0.61g", "--listen", "127.0.0.1:0", "--impact-on-enter"])
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .spawn()
-        .expect("a server");
-    let mut told = BufReader::new(server.stdout.take().expect("a pipe")).lines();
-    let mut line = || told.next().expect("a line").expect("text");
-    let address = line().strip_prefix("listening on ").map(str::parse::<SocketAddr>);
-    let mut client = connect(address.expect("an address").expect("an address"));
-    assert_eq!(line(), "Enter strikes the chain");
+    let mut server = Process::start(&["gravity-0.61g", "--impact-on-enter"]);
+    let mut client = connect(server.address);
+    let line = server.told.next().expect("a line").expect("text");
+    assert_eq!(line, "Enter strikes the chain");
     // Answered only when the scope is ready: standard input is another way.
     assert_eq!(client.ask("ACQ:STOPA SEQ;STATE ON;STATE?"), "1\n");
-    let mut keys = server.stdin.take().expect("a pipe");
+    let mut keys = server.child.stdin.take().expect("a pipe");
     keys.write_all(b"\n").expect("a line");
     assert_eq!(client.ask("*OPC?"), "1\n");
     assert_eq!(client.ask("ACQ:STATE ON;:BENC:IMP?"), "1\n");
@@ -304,8 +299,6 @@ fn enter_strikes_the_chain() {
     drop(keys);
     assert_eq!(client.ask("*OPC?"), "1\n");
     assert_eq!(client.ask("BENC:IMP?"), "2\n");
-    server.kill().expect("an end");
-    server.wait().expect("an end");
 }
 
 /// Who has read where it listens may end it at once: its recording is whole.
@@ -315,32 +308,17 @@ fn it_may_be_ended_as_soon_as_it_listens() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("served.mcap");
     for _ in 0..5 {
-        let mut server = Command::new(env!("CARGO_BIN_EXE_hertzscope"))
-            .args(["serve", "gravity-0.61g", "--listen", "127.0.0.1:0", "--record"])
-            .arg(&file)
-            .stdout(Stdio::piped())
-            .spawn()
-            .expect("a server");
-        let mut told = BufReader::new(server.stdout.take().expect("a pipe"));
-        told.read_line(&mut String::new()).expect("a line");
-        let asked = Command::new("kill").arg(server.id().to_string()).status().expect("kill");
-        assert!(asked.success() && server.wait().expect("an end").success());
+        let arguments = ["gravity-0.61g".as_ref(), "--record".as_ref(), file.as_os_str()];
+        let mut server = Process::start(&arguments);
+        let id = server.child.id().to_string();
+        let asked = Command::new("kill").arg(id).status().expect("kill");
+        assert!(asked.success() && server.child.wait().expect("an end").success());
         read(&file).expect("a recording");
     }
 }
 
 #[test]
 fn the_command_says_where_it_listens() {
-    let mut server = Command::new(env!("CARGO_BIN_EXE_hertzscope"))
-        .args(["serve", "gravity-0.61g", "--listen", "127.0.0.1:0", "--header", "on"])
-        .stdout(Stdio::piped())
-        .spawn()
-        .expect("a server");
-    let mut line = String::new();
-    BufReader::new(server.stdout.take().expect("a pipe")).read_line(&mut line).expect("a line");
-    let address = line.trim_end().strip_prefix("listening on ").map(str::parse::<SocketAddr>);
-    let reply = address.and_then(Result::ok).map(|at| connect(at).ask("CH1:PROBE?"));
-    server.kill().expect("an end");
-    server.wait().expect("an end");
-    assert_eq!(reply.as_deref(), Some(":CH1:PROBE 1\n"), "{line}");
+    let server = Process::start(&["gravity-0.61g", "--header", "on"]);
+    assert_eq!(connect(server.address).ask("CH1:PROBE?"), ":CH1:PROBE 1\n");
 }

@@ -4,7 +4,7 @@
 
 use super::lanes::{Row, WIDTH};
 use super::layout::Layout;
-use crate::chain::{Body, Chain, Contact, Law};
+use crate::chain::{Body, Chain, Contact};
 use crate::integrate::Scheme;
 
 /// Most rows of a short chain: what moves of it fits into the registers.
@@ -109,8 +109,7 @@ impl Form {
     /// rounding of the static force could be seen in the wave.
     #[must_use]
     pub fn needed(chain: &Chain, velocity: &[f64], accuracy: f64) -> Self {
-        let contacts = chain.contacts();
-        if contacts.iter().any(|c| c.law == Law::Linearised) {
+        if chain.is_linear() {
             return Self::Linear;
         }
         let overlap = chain.impact_overlap(velocity);
@@ -120,7 +119,7 @@ impl Form {
             let is_more = |wave| ROUNDING * c.static_force > ROUNDING_SHARE * accuracy * wave;
             is_more(c.stiffness * least) && is_more(c.force_change(overlap))
         };
-        if contacts.iter().filter(|c| c.stiffness > 0.0).any(|c| visible(&c)) {
+        if chain.contacts().iter().filter(|c| c.stiffness > 0.0).any(|c| visible(&c)) {
             Self::Exact
         } else {
             Self::Plain

@@ -38,6 +38,21 @@ pub struct Study {
     pub sample: f64,
 }
 
+impl Study {
+    /// The coarsest setting of each method that is as accurate as `accuracy` (1) in peaks and arrivals, as all its finer ones are.
+    pub fn accurate(&self, accuracy: f64) -> impl Iterator<Item = &Point> {
+        let holds = move |point: &&Point| {
+            let errors = [point.error_peak, point.error_arrival];
+            !point.failed && errors.iter().all(|error| error.is_some_and(|e| e <= accuracy))
+        };
+        self.points.chunk_by(|a, b| a.method == b.method).filter_map(move |points| {
+            let mut points: Vec<&Point> = points.iter().collect();
+            points.sort_by_key(|point| std::cmp::Reverse(point.force_evaluations));
+            points.into_iter().take_while(holds).last()
+        })
+    }
+}
+
 /// The reference solution.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Reference {

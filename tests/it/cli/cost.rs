@@ -1,5 +1,7 @@
 //! `hertzscope cost`.
 
+use hertzscope::experiment::cost::study;
+use hertzscope::scene::Scene;
 use serde_json::Value;
 
 use super::{files, printed, refused, says, temporary};
@@ -55,36 +57,23 @@ fn the_study_is_for_people_for_scripts_and_for_the_recording() {
 }
 
 /// What `--accuracy` chooses is as accurate as asked, and takes at most twice the force evaluations of the best of all methods: of the coarsest
-/// setting of each from which on it is accurate enough.
+/// setting of each from which on it is accurate enough. Coarser ones than 1e-3 tell too little, and rounding is not far below finer ones than 1e-9.
 #[test]
 fn the_choice_is_within_twice_the_best() {
-    let folder = temporary();
-    for scene in ["magnet-0.61g", "gravity-1.22g", "monatomic-vacuum"] {
-        let base = format!("base = \"{scene}\"\n");
-        std::fs::write(folder.path().join("s.toml"), base).expect("a file");
-        let text = printed(folder.path(), &["cost", "s.toml", "--quiet", "--json", "--runs", "1"]);
-        let study: Value = serde_json::from_str(&text).expect("a study");
-        let count = |row: &Value| row["force_evaluations"].as_u64().expect("a count");
-        for chosen in list(&study, "chosen") {
-            let accuracy = chosen["accuracy"].as_f64().expect("a number");
-            let holds = |point: &Value| {
-                let errors = [&point["error_peak"], &point["error_arrival"]];
-                errors.iter().all(|error| error.as_f64().is_some_and(|e| e <= accuracy))
-            };
-            let mut best = u64::MAX;
-            for rows in list(&study, "points").chunk_by(|a, b| a["method"] == b["method"]) {
-                let mut rows: Vec<&Value> = rows.iter().collect();
-                rows.sort_by_key(|row| std::cmp::Reverse(count(row)));
-                let coarsest = rows.iter().take_while(|row| holds(row)).last();
-                best = coarsest.map_or(best, |row| best.min(count(row)));
-            }
-            let share = count(chosen) as f64 / best as f64;
-            println!("{scene} at {accuracy:e}: {} of {best}, {share:.2}", count(chosen));
-            // Coarser ones tell too little, and rounding is not far below finer ones.
-            if (0.9e-9..1.1e-3).contains(&accuracy) {
-                assert!(chosen["error"].as_f64().expect("a number") <= accuracy, "{chosen}");
-                assert!(share <= 2.0, "{scene} at {accuracy:e}: {share}");
-            }
+    for name in ["linear-300-cells", "magnet-0.61g", "gravity-1.22g", "monatomic-vacuum"] {
+        let scene = Scene::load(name).expect("a shipped scene");
+        let study = study(&scene, 1, &mut |_| ()).expect("a study");
+        let asked = study.chosen.iter().filter(|c| (0.9e-9..1.1e-3).contains(&c.accuracy));
+        let mut told = 0;
+        for chosen in asked {
+            let (accuracy, count) = (chosen.accuracy, chosen.force_evaluations);
+            let best = study.accurate(accuracy).map(|point| point.force_evaluations).min();
+            let share = count as f64 / best.expect("an accurate point") as f64;
+            println!("{name} at {accuracy:e}: {count} of {best:?}, {share:.2}");
+            assert!(chosen.error.expect("a number") <= accuracy, "{name}: {chosen:?}");
+            assert!(share <= 2.0, "{name} at {accuracy:e}: {share}");
+            told += 1;
         }
+        assert_eq!(told, 7, "{name}");
     }
 }

@@ -1,48 +1,21 @@
 //! Many clients, and clients that come and go, at a server of its own process.
 
-use std::io::{BufRead as _, BufReader, Read as _};
-use std::net::{Shutdown, SocketAddr, TcpStream};
-use std::process::{Child, Command, Stdio};
+use std::io::Read as _;
+use std::net::{Shutdown, TcpStream};
 use std::time::{Duration, Instant};
 
+use super::process::Process;
 use super::{IDENTITY, connect};
 
 const CLIENTS: usize = 50;
 const CURVES: usize = 200;
 const CYCLES: usize = 1000;
 
-struct Process {
-    child: Child,
-    address: SocketAddr,
-}
-
-impl Process {
-    fn start() -> Self {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_hertzscope"))
-            .args(["serve", "--listen", "127.0.0.1:0"])
-            .stdout(Stdio::piped())
-            .spawn()
-            .expect("a server");
-        let mut line = String::new();
-        let stdout = child.stdout.as_mut().expect("a pipe");
-        BufReader::new(stdout).read_line(&mut line).expect("a line");
-        let address = line.trim_end().strip_prefix("listening on ").expect("an address");
-        Self { child, address: address.parse().expect("an address") }
-    }
-}
-
-impl Drop for Process {
-    fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
-}
-
 /// 50 clients read 200 curves each, all the same bytes. The times are printed, not held against anything: they are the
 /// machine's.
 #[test]
 fn fifty_clients_read_the_right_bytes() {
-    let server = Process::start();
+    let server = Process::start(&["magnet-0.61g"]);
     let mut first = connect(server.address);
     first.send(b"TRIG:MAI:MOD AUTO;:ACQ:STOPA SEQ;STATE ON;*OPC?\n");
     assert_eq!(first.line(), "1\n");
@@ -87,7 +60,7 @@ fn fifty_clients_read_the_right_bytes() {
 #[cfg(target_os = "linux")]
 #[test]
 fn clients_that_come_and_go_leave_nothing() {
-    let server = Process::start();
+    let server = Process::start(&["magnet-0.61g"]);
     let process = format!("/proc/{}", server.child.id());
     let number = |field: &str| -> usize {
         let status = std::fs::read_to_string(format!("{process}/status")).expect("a process");

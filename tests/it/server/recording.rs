@@ -1,9 +1,7 @@
 //! `serve --record`: what was said and what was triggered, however the server ends.
 
-use std::io::{BufRead as _, BufReader};
-use std::net::SocketAddr;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 use hertzscope::experiment::{Integration, facts, recorded, run};
 use hertzscope::recording::mcap::{RecordingWriter, read};
@@ -11,6 +9,7 @@ use hertzscope::recording::{Direction, TraceSet, tek_csv};
 use hertzscope::scene::Scene;
 use hertzscope::server::Options;
 
+use super::process::Process;
 use super::{Client, IDENTITY, Server, connect, scene};
 
 fn recorded(file: &Path) -> Server {
@@ -226,23 +225,14 @@ fn spectrum_and_reference_are_saved_beside_the_channels() {
 fn a_killed_server_leaves_what_was_recorded() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("session.mcap");
-    let mut server = Command::new(env!("CARGO_BIN_EXE_hertzscope"))
-        .args(["serve", "gravity-0.61g", "--listen", "127.0.0.1:0", "--record"])
-        .arg(&file)
-        .stdout(Stdio::piped())
-        .spawn()
-        .expect("a server");
-    let mut line = String::new();
-    BufReader::new(server.stdout.take().expect("a pipe")).read_line(&mut line).expect("a line");
-    let address = line.trim_end().strip_prefix("listening on ").map(str::parse::<SocketAddr>);
-    let address = address.and_then(Result::ok);
-    let levels = address.map(|address| [strike(connect(address)), strike(connect(address))]);
-    server.kill().expect("an end");
-    server.wait().expect("an end");
+    let arguments = ["gravity-0.61g".as_ref(), "--record".as_ref(), file.as_os_str()];
+    let server = Process::start(&arguments);
+    let levels = [strike(connect(server.address)), strike(connect(server.address))];
+    drop(server);
     let set = read(&file).expect("an unfinished recording");
     assert_eq!(set.problems, ["the file has no end: it was not finished, or cut"]);
     let kept: Vec<_> = set.shots.iter().map(|s| s.captures[0].waveform.codes.clone()).collect();
-    assert_eq!(Some(kept), levels.map(Vec::from), "{line}");
+    assert_eq!(kept, levels);
     assert!(said(&set, Direction::Command).contains(&"*OPC?".to_owned()));
     let read = |command: &str| {
         let mut hertzscope = Command::new(env!("CARGO_BIN_EXE_hertzscope"));
