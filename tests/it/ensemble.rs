@@ -8,7 +8,7 @@ use hertzscope::experiment::ensemble::{Case, Readout};
 use hertzscope::integrate::Method;
 use hertzscope::scene::Scene;
 
-use super::chains::{pressed, ptfe_sphere, steel_cylinder};
+use super::chains::{diatomic, pressed, ptfe_sphere, steel_cylinder};
 
 /// What a person reads: peak (N), its time and the half-rise (s) at every probe.
 fn reading(readout: &Readout) -> Vec<[f64; 3]> {
@@ -105,6 +105,34 @@ fn fixed_steps_are_the_same_in_lanes() {
             |case: &Case| reading(&case.run_alone(Integration::Method(method)).expect("a run"));
         let exact: Vec<Vec<[f64; 3]>> = cases.iter().map(alone).collect();
         let pairs = together.iter().flatten().flatten().zip(exact.iter().flatten().flatten());
+        let worst = pairs.map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
+        println!("{}: {worst:.1e}", method.name());
+        assert!(worst < 1e-9, "{}: {worst:e}", method.name());
+    }
+}
+
+/// The same of chains so long that steps go through them stretch by stretch, struck at both ends and in the middle.
+#[test]
+fn long_chains_are_the_same_in_lanes() {
+    let chain = diatomic(471, 2.38, false);
+    let probes: Vec<ForceProbe> =
+        [2, 470, 939].iter().filter_map(|p| ForceProbe::inside(&chain, *p, 0.0)).collect();
+    let case = |number: u32| {
+        let mut velocities = vec![0.0; chain.bodies().len()];
+        for body in [0, 468, 937] {
+            velocities[body] = 0.2 + 0.01 * f64::from(number);
+        }
+        Case { chain: chain.clone(), velocities, probes: probes.clone(), duration: 0.1e-3 }
+    };
+    let cases: Vec<Case> = (0..9).map(case).collect();
+    for method in [Method::VelocityVerlet { step: 0.5e-6 }, Method::ForceGradient { step: 0.7e-6 }]
+    {
+        let together = run(Ensemble::by(Integration::Method(method)), &cases);
+        let alone =
+            |case: &Case| reading(&case.run_alone(Integration::Method(method)).expect("a run"));
+        let singly: Vec<Vec<[f64; 3]>> = cases.iter().map(alone).collect();
+        assert_eq!(singly.iter().map(Vec::len).sum::<usize>(), 27);
+        let pairs = together.iter().flatten().flatten().zip(singly.iter().flatten().flatten());
         let worst = pairs.map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
         println!("{}: {worst:.1e}", method.name());
         assert!(worst < 1e-9, "{}: {worst:e}", method.name());

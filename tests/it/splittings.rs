@@ -126,3 +126,42 @@ fn a_look_changes_nothing() {
         }
     }
 }
+
+/// Chains so long that a step goes through them stretch by stretch: all bodies in motion, so that every border between stretches is tried, and
+/// the same to the last bit one step after the other.
+#[test]
+fn long_chains_are_those_of_the_plain_loops() {
+    for cells in [450, 471, 800] {
+        let chain = diatomic(cells, 2.38, false);
+        let mut bits = 1_u32;
+        let mut random = || {
+            bits = bits.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(bits) / f64::from(u32::MAX) - 0.5
+        };
+        let velocities: Vec<f64> = chain.bodies().iter().map(|_| SPEED * random()).collect();
+        for method in METHODS {
+            let method = method(0.73e-6);
+            let scheme = method.scheme().expect("a splitting");
+            let system = chain.system(&velocities);
+            let mut plain = method.start(system, chain.initial_state(&velocities));
+            plain.advance(0.1 * TIME).expect("a stable step");
+            for set in InstructionSet::available() {
+                let start = || ChainStepper::new(&chain, &velocities, scheme, set);
+                let [mut at_once, mut singly] = [start(), start()];
+                let mut exact = start().without(Refinement::ForceForm, &chain);
+                at_once.advance(0.1 * TIME).expect("a stable step");
+                exact.advance(0.1 * TIME).expect("a stable step");
+                while singly.time() < 0.1 * TIME {
+                    singly.step(0.1 * TIME).expect("a stable step");
+                }
+                assert_eq!(at_once.state(), singly.state());
+                for stepper in [&at_once, &exact] {
+                    let off = distance(&stepper.state(), &plain.state());
+                    let what = format!("{} {cells} {}", method.name(), set.name());
+                    println!("{what}: {off:.1e}");
+                    assert!(off < 1e-12, "{what}: {off:e}");
+                }
+            }
+        }
+    }
+}

@@ -133,7 +133,7 @@ impl<'a, L: Lanes, const R: usize> Step<'a, L, R> {
         }
         let at = self.overlaps::<P, S, N>();
         for (r, at) in at.iter().enumerate() {
-            let [force, _] = finish::<L, PLAIN>(self.plan, r, begin_plain::<L>(r, *at));
+            let [force, _] = finish::<L, PLAIN>(self.plan.contacts(r), r, begin_plain::<L>(r, *at));
             self.between[S - 1][r] = L::sub(force, self.force[r]);
         }
     }
@@ -141,7 +141,7 @@ impl<'a, L: Lanes, const R: usize> Step<'a, L, R> {
     /// The new positions; how overlaps have changed there, and what they are (m).
     #[inline(always)]
     fn arrive<P: Known<N>, const N: usize>(&self, next: &mut Parts) -> [Rows<L, R>; 2] {
-        let push = nets::<L, Along, R>(&self.sum::<Position<P, N>>(N - 1));
+        let push = nets::<L, Along, R>(&self.sum::<Position<P, N>>(N - 1), L::splat(0.0));
         let (mut at, mut rest) = (push, push);
         let half = L::mul(L::splat(0.5), L::mul(self.h, self.h));
         let now = self.now;
@@ -163,7 +163,7 @@ impl<'a, L: Lanes, const R: usize> Step<'a, L, R> {
     /// The new velocities (m/s), from what the stages weigh in them.
     #[inline(always)]
     fn speed_up(&self, sum: &Rows<L, R>, next: &mut Parts) -> Rows<L, R> {
-        let push = nets::<L, Along, R>(sum);
+        let push = nets::<L, Along, R>(sum, L::splat(0.0));
         let (mut speed, mut rest) = (push, push);
         let (now, inverse_mass) = (self.now, &self.plan.inverse_mass[..R]);
         let acceleration = &now.acceleration()[..R];
@@ -225,14 +225,15 @@ fn whole<L: Lanes, P: Known<N>, const R: usize, const N: usize>(
     let mut speed = step.sum::<Velocity<P, N>>(N - 1);
     let mut force = step.force;
     for r in 0..R {
-        [force[r], _] = finish::<L, PLAIN>(plan, r, begun[r]);
+        [force[r], _] = finish::<L, PLAIN>(plan.contacts(r), r, begun[r]);
         let newest = L::sub(force[r], step.force[r]);
         off[r] = plus::<L, PositionError<P, N>>(N - 1, newest, off[r]);
         off_speed[r] = plus::<L, VelocityError<P, N>>(N - 1, newest, off_speed[r]);
         speed[r] = plus::<L, Velocity<P, N>>(N - 1, newest, speed[r]);
     }
     store::<L, R>(&force, next.force);
-    let (mut off, mut off_speed) = (nets::<L, Along, R>(&off), nets::<L, Along, R>(&off_speed));
+    let mut off = nets::<L, Along, R>(&off, none);
+    let mut off_speed = nets::<L, Along, R>(&off_speed, none);
     for r in 0..R {
         off[r] = L::mul(step.mobility.below[r], off[r]);
         off_speed[r] = L::mul(L::load(&plan.inverse_mass[r]), off_speed[r]);
@@ -248,16 +249,16 @@ fn whole<L: Lanes, P: Known<N>, const R: usize, const N: usize>(
     // As `passes::speed_up` has it.
     let beyond = |r: usize| L::mul(overlap[r], L::sub(travel[r], overlap[r]));
     let (was_closed, closed) = (&now.closed[..R], &mut next.closed[..R]);
-    let (mut seen, mut total) = (Largest::<L>::new(plan), none);
+    let (mut seen, mut total) = (Largest::<L>::none(), none);
     let (mut any_changed, mut most_doubtful) = (0, none);
+    let held = nets::<L, Along, R>(&force, L::load(&plan.beyond));
     for r in 0..R {
-        let below = if r + 1 < R { force[r + 1] } else { L::load(&plan.beyond) };
-        let acceleration = accelerations::<L, Along>(plan, r, [force[r], below]);
+        let acceleration = accelerations::<L>(plan.bodies(r), held[r]);
         L::store(acceleration, &mut next.acceleration[r]);
         total = L::add(total, speed[r]);
         closed[r] = L::positive(overlap[r]);
         any_changed |= closed[r] ^ was_closed[r];
-        seen.see(r, moved[r]);
+        seen.see(&plan.rest[r], moved[r]);
         most_doubtful = L::max(beyond(r), most_doubtful);
     }
     L::store(Along::largest::<L>(largest_of::<L, R>(speed)), &mut work.largest.speed);

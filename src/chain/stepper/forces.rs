@@ -4,6 +4,7 @@
 use super::lanes::{Lanes, Row};
 use super::layout::Layout;
 use super::plan::{Form, Plan, Rest};
+use super::strip::{At, Strip};
 
 /// Forms as constants of the generic loops.
 pub const PLAIN: u8 = 0;
@@ -56,13 +57,89 @@ impl<'a> Cut<'a> {
     }
 }
 
+/// A row of contacts.
+#[derive(Clone, Copy)]
+pub struct Contacts<'a> {
+    pub stiffness: &'a Row,
+    pub static_overlap: &'a Row,
+    pub rest: &'a Rest,
+}
+
+/// A row of bodies.
+#[derive(Clone, Copy)]
+pub struct Bodies<'a> {
+    pub inverse_mass: &'a Row,
+    pub balanced: &'a Row,
+}
+
+impl<'a> Cut<'a> {
+    /// The contacts of row `r`.
+    #[inline(always)]
+    pub fn contacts(&self, r: usize) -> Contacts<'a> {
+        Contacts {
+            stiffness: &self.stiffness[r],
+            static_overlap: &self.static_overlap[r],
+            rest: &self.rest[r],
+        }
+    }
+
+    /// The bodies of row `r`.
+    #[inline(always)]
+    pub fn bodies(&self, r: usize) -> Bodies<'a> {
+        Bodies { inverse_mass: &self.inverse_mass[r], balanced: &self.balanced[r] }
+    }
+}
+
+/// The plan's rows, four at a time.
+#[derive(Clone, Copy)]
+pub struct Strips<'a> {
+    stiffness: Strip<'a, Row>,
+    static_overlap: Strip<'a, Row>,
+    inverse_mass: Strip<'a, Row>,
+    balanced: Strip<'a, Row>,
+    rest: Strip<'a, Rest>,
+    /// Forces in the row behind the last (N).
+    pub beyond: Row,
+}
+
+impl<'a> Strips<'a> {
+    /// The first `rows` rows of `plan`.
+    #[inline(always)]
+    pub fn new(plan: Cut<'a>, rows: usize) -> Self {
+        Self {
+            stiffness: Strip::new(plan.stiffness, rows),
+            static_overlap: Strip::new(plan.static_overlap, rows),
+            inverse_mass: Strip::new(plan.inverse_mass, rows),
+            balanced: Strip::new(plan.balanced, rows),
+            rest: Strip::new(plan.rest, rows),
+            beyond: plan.beyond,
+        }
+    }
+
+    /// The contacts of row `at`.
+    #[inline(always)]
+    pub fn contacts(&self, at: At) -> Contacts<'a> {
+        Contacts {
+            stiffness: self.stiffness.at(at),
+            static_overlap: self.static_overlap.at(at),
+            rest: self.rest.at(at),
+        }
+    }
+
+    /// The bodies of row `at`.
+    #[inline(always)]
+    pub fn bodies(&self, at: At) -> Bodies<'a> {
+        Bodies { inverse_mass: self.inverse_mass.at(at), balanced: self.balanced.at(at) }
+    }
+}
+
 /// Forces of a row that are begun: what comes out of the square-root unit takes its time.
 #[derive(Clone, Copy)]
 pub struct Begun<L: Lanes> {
     /// Overlaps of closed contacts, or their changes (m).
-    closed: L::V,
+    pub closed: L::V,
     /// Roots of overlaps, or what they start from (m^0.5).
-    root: L::V,
+    pub root: L::V,
 }
 
 impl<L: Lanes> Begun<L> {
@@ -80,10 +157,14 @@ impl<L: Lanes> Begun<L> {
     }
 }
 
-/// Begins the forces in row `r` for overlaps that have changed by `change`; the overlaps themselves.
+/// Begins the forces of `contacts` in row `r` for overlaps that have changed by `change`; the overlaps themselves.
 #[inline(always)]
-pub fn begin<L: Lanes, const FORM: u8>(plan: Cut, r: usize, change: L::V) -> (Begun<L>, L::V) {
-    let static_overlap = L::load(&plan.static_overlap[r]);
+pub fn begin<L: Lanes, const FORM: u8>(
+    contacts: Contacts,
+    r: usize,
+    change: L::V,
+) -> (Begun<L>, L::V) {
+    let static_overlap = L::load(contacts.static_overlap);
     let overlap = L::add(change, static_overlap);
     let begun = match FORM {
         PLAIN | ALIKE => begin_plain::<L>(r, overlap),
@@ -109,17 +190,21 @@ pub fn begin_plain<L: Lanes>(r: usize, overlap: L::V) -> Begun<L> {
     }
 }
 
-/// Forces in row `r`, or their changes in all forms but the plain one (N), and two thirds of the tangent stiffnesses (N/m); over the stiffness
-/// where contacts are alike.
+/// Forces of `contacts` in row `r`, or their changes in all forms but the plain one (N), and two thirds of the tangent stiffnesses (N/m); over
+/// the stiffness where contacts are alike.
 #[inline(always)]
-pub fn finish<L: Lanes, const FORM: u8>(plan: Cut, r: usize, begun: Begun<L>) -> [L::V; 2] {
+pub fn finish<L: Lanes, const FORM: u8>(
+    contacts: Contacts,
+    r: usize,
+    begun: Begun<L>,
+) -> [L::V; 2] {
     let Begun { closed, root } = begun;
     if FORM == ALIKE {
         let one = L::splat(1.0);
         let root = if r % 2 == 1 { L::weigh_root(closed, root, one) } else { root };
         return [begun.power(r), root];
     }
-    let stiffness = L::load(&plan.stiffness[r]);
+    let stiffness = L::load(contacts.stiffness);
     match FORM {
         PLAIN if r % 2 == 1 => {
             let force = L::weigh_root(closed, root, L::mul(stiffness, closed));
@@ -128,7 +213,7 @@ pub fn finish<L: Lanes, const FORM: u8>(plan: Cut, r: usize, begun: Begun<L>) ->
         PLAIN => [L::mul(L::mul(stiffness, closed), root), L::mul(stiffness, root)],
         EXACT => {
             // `hertz::force_change`
-            let static_root = L::load(&plan.rest[r].static_root);
+            let static_root = L::load(&contacts.rest.static_root);
             let sum = L::add(root, static_root);
             let divisor = L::max(sum, L::splat(f64::MIN_POSITIVE));
             let rest = L::sub(sum, L::div(L::mul(root, static_root), divisor));
@@ -141,33 +226,21 @@ pub fn finish<L: Lanes, const FORM: u8>(plan: Cut, r: usize, begun: Begun<L>) ->
 /// Forces in row `r`, as [`finish`] has them, for overlaps that have changed by `change`, and the overlaps themselves.
 #[inline(always)]
 pub fn forces<L: Lanes, const FORM: u8>(plan: Cut, r: usize, change: L::V) -> (L::V, L::V) {
-    let (begun, overlap) = begin::<L, FORM>(plan, r, change);
-    let [force, _] = finish::<L, FORM>(plan, r, begun);
+    let (begun, overlap) = begin::<L, FORM>(plan.contacts(r), r, change);
+    let [force, _] = finish::<L, FORM>(plan.contacts(r), r, begun);
     (force, overlap)
 }
 
-/// Net forces of the contacts on a row, between the forces above and those of the next row.
+/// Net forces on `bodies` that nothing balances: exactly none where the contacts' are the static ones.
 #[inline(always)]
-pub fn net<L: Lanes, Y: Layout>(force: [L::V; 2]) -> L::V {
-    L::sub(force[0], Y::below::<L>(force[0], force[1]))
+pub fn unbalanced<L: Lanes>(bodies: Bodies, net: L::V) -> L::V {
+    L::sub(net, L::load(bodies.balanced))
 }
 
-/// What net forces of the contacts do to the accelerations of row `r`.
+/// Accelerations of `bodies` under net forces of their contacts.
 #[inline(always)]
-pub fn pushed<L: Lanes, Y: Layout>(plan: Cut, r: usize, force: [L::V; 2]) -> L::V {
-    L::mul(net::<L, Y>(force), L::load(&plan.inverse_mass[r]))
-}
-
-/// Forces on row `r` that nothing balances: exactly none where the contacts' are the static ones.
-#[inline(always)]
-pub fn unbalanced<L: Lanes, Y: Layout>(plan: Cut, r: usize, force: [L::V; 2]) -> L::V {
-    L::sub(net::<L, Y>(force), L::load(&plan.balanced[r]))
-}
-
-/// Accelerations of row `r`.
-#[inline(always)]
-pub fn accelerations<L: Lanes, Y: Layout>(plan: Cut, r: usize, force: [L::V; 2]) -> L::V {
-    L::mul(unbalanced::<L, Y>(plan, r, force), L::load(&plan.inverse_mass[r]))
+pub fn accelerations<L: Lanes>(bodies: Bodies, net: L::V) -> L::V {
+    L::mul(unbalanced::<L>(bodies, net), L::load(bodies.inverse_mass))
 }
 
 /// Rates of the accelerations at positions `x` where bodies move at `v`, in the rows that live.
@@ -178,33 +251,25 @@ pub fn jerks<L: Lanes, Y: Layout>(plan: &Plan, (x, v): (&[Row], &[Row]), out: &m
     let plan = Cut::new(plan, rows);
     let (x, v, out) = (&x[..rows], &v[..rows], &mut out[..rows]);
     let none = L::splat(0.0);
-    let mut last = match (x.last(), v.last()) {
-        (Some(x), Some(v)) => [Y::before_first::<L>(L::load(x)), Y::before_first::<L>(L::load(v))],
-        _ => [none; 2],
-    };
-    let (mut rate, mut top) = (none, none);
     for r in 0..rows {
-        let here = [L::load(&x[r]), L::load(&v[r])];
-        let change = L::sub(Y::above::<L>(last[0], here[0]), here[0]);
-        let closing = L::sub(Y::above::<L>(last[1], here[1]), here[1]);
+        let change = L::sub(Y::above_in::<L>(x, r), L::load(&x[r]));
+        let closing = L::sub(Y::above_in::<L>(v, r), L::load(&v[r]));
         let stiffness = L::load(&plan.stiffness[r]);
         let tangent = if linear {
             stiffness
         } else {
             let overlap = L::add(change, L::load(&plan.static_overlap[r]));
-            let root = L::sqrt(L::max(overlap, L::splat(0.0)));
+            let root = L::sqrt(L::max(overlap, none));
             L::mul(L::mul(L::splat(1.5), stiffness), root)
         };
-        let next = L::mul(tangent, closing);
-        if r == 0 {
-            top = next;
-        } else {
-            L::store(pushed::<L, Y>(plan, r - 1, [rate, next]), &mut out[r - 1]);
-        }
-        (last, rate) = (here, next);
+        L::store(L::mul(tangent, closing), &mut out[r]);
     }
-    if let Some(end) = rows.checked_sub(1) {
-        let next = Y::after_last::<L>(top, none);
-        L::store(pushed::<L, Y>(plan, end, [rate, next]), &mut out[end]);
+    // From behind, for each row's rates are overwritten once those above them are known.
+    let mut after = none;
+    for r in (0..rows).rev() {
+        let rate = L::load(&out[r]);
+        let net = L::sub(rate, Y::below_in::<L>(out, r, after));
+        L::store(L::mul(net, L::load(&plan.inverse_mass[r])), &mut out[r]);
+        after = rate;
     }
 }

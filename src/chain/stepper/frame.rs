@@ -45,17 +45,13 @@ impl<Y: Layout> Task for Frame<'_, Y> {
             }
             L::store(here, position);
         }
-        let last = position.last().map_or(L::splat(0.0), |row| L::load(row));
-        let mut last = Y::before_first::<L>(last);
-        for (r, position) in position.iter().enumerate() {
-            let here = L::load(position);
-            let change = L::sub(Y::above::<L>(last, here), here);
+        for (r, here) in position.iter().enumerate() {
+            let change = L::sub(Y::above_in::<L>(position, r), L::load(here));
             let (row, _) = match plan.form {
                 Form::Linear => forces::forces::<L, LINEAR>(cut, r, change),
                 Form::Plain | Form::Exact => forces::forces::<L, EXACT>(cut, r, change),
             };
             L::store(row, &mut force[r]);
-            last = here;
         }
     }
 }

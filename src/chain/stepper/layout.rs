@@ -1,27 +1,25 @@
 //! Where the entries of chains stand in rows of eight.
 //!
-//! Along: one chain, eight neighbouring contacts in a row. Striped: one chain in a few rows, a part of it in each lane, so that neighbours stand
-//! in neighbouring rows and the last row stands above the first, a lane further. Across: eight chains of equal length, contact `j` of each in
-//! row `j`.
+//! Along: one chain, eight neighbouring contacts in a row. Tiled: one chain in tiles of four rows, of which each lane holds four contacts on end,
+//! so that three of four rows have their neighbours in the rows before and after, which costs nothing; rows left over lie along. Striped: the same
+//! with one tile for all of a chain of few rows. Across: eight chains of equal length, contact `j` of each in row `j`.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
 use super::lanes::{Lanes, Row, WIDTH};
 
-/// How rows lie in the chain.
+/// How rows lie in the chain: in tiles of which each lane holds some contacts on end.
 pub trait Layout: Copy {
-    /// Whether the last row stands above the first.
-    const STRIPED: bool;
+    /// Rows of a tile, but for those left over, which are tiles of their own; none if all are one tile.
+    const TILE: usize;
     /// Whether a whole chain along them may be in a few rows, for which there are other loops.
     const IN_FEW_ROWS: bool;
     /// A number of each chain's own.
     type Own: Copy;
-    /// What stands before the first row, given the last.
-    fn before_first<L: Lanes>(last: L::V) -> L::V;
-    /// What stands after the last row, given the first and what is behind the chain.
-    fn after_last<L: Lanes>(first: L::V, beyond: L::V) -> L::V;
-    /// What stands above `here`, given the row before.
+    /// How rows lie that are tiles of their own.
+    type Alone: Layout;
+    /// What stands above the first row of a tile, given the last row of the tile before and of its own.
     fn above<L: Lanes>(before: L::V, here: L::V) -> L::V;
-    /// What stands below `here`, given the row after.
+    /// What stands below the last row of a tile, given the first row of its own and of the tile after.
     fn below<L: Lanes>(here: L::V, after: L::V) -> L::V;
     /// Largest value of a chain, in all its lanes.
     fn largest<L: Lanes>(values: L::V) -> L::V;
@@ -31,46 +29,65 @@ pub trait Layout: Copy {
     fn all(bits: u8) -> u8;
     /// Where entry `index` of the chain in `lane` is, in one of `rows` rows.
     fn place(rows: usize, index: usize, lane: usize) -> (usize, usize);
+
+    /// First and last row of the tile that holds row `r` of `rows`.
+    #[inline(always)]
+    fn tile(rows: usize, r: usize) -> (usize, usize) {
+        if Self::TILE == 0 {
+            return (0, rows - 1);
+        }
+        let first = r / Self::TILE * Self::TILE;
+        let last = first + Self::TILE - 1;
+        if last < rows { (first, last) } else { (r, r) }
+    }
+
+    /// What stands above row `r` of `rows`.
+    #[inline(always)]
+    fn above_in<L: Lanes>(rows: &[Row], r: usize) -> L::V {
+        let (first, last) = Self::tile(rows.len(), r);
+        let before = if r > 0 { L::load(&rows[r - 1]) } else { L::splat(0.0) };
+        if r > first { before } else { Self::above::<L>(before, L::load(&rows[last])) }
+    }
+
+    /// What stands below row `r` of `rows`, given what is in the row after it.
+    #[inline(always)]
+    fn below_in<L: Lanes>(rows: &[Row], r: usize, after: L::V) -> L::V {
+        let (first, last) = Self::tile(rows.len(), r);
+        if r < last { after } else { Self::below::<L>(L::load(&rows[first]), after) }
+    }
 }
 
-/// One chain, along the rows or striped.
+/// One chain, in tiles of so many rows.
 #[derive(Debug, Clone, Copy)]
-pub struct OneChain<const STRIPED: bool>;
+pub struct OneChain<const TILE: usize>;
 
 /// One chain along the rows.
-pub type Along = OneChain<false>;
+pub type Along = OneChain<1>;
+
+/// One chain in tiles.
+pub type Tiled = OneChain<4>;
 
 /// One chain in stripes.
-pub type Striped = OneChain<true>;
+pub type Striped = OneChain<0>;
 
 /// Eight chains across the rows.
 #[derive(Debug, Clone, Copy)]
 pub struct Across;
 
-impl<const STRIPED: bool> Layout for OneChain<STRIPED> {
-    const STRIPED: bool = STRIPED;
-    const IN_FEW_ROWS: bool = !STRIPED;
+impl<const TILE: usize> Layout for OneChain<TILE> {
+    const TILE: usize = TILE;
+    const IN_FEW_ROWS: bool = TILE == 1;
     type Own = f64;
-
-    #[inline(always)]
-    fn before_first<L: Lanes>(last: L::V) -> L::V {
-        let none = L::splat(0.0);
-        if STRIPED { L::shift_up(none, last) } else { none }
-    }
-
-    #[inline(always)]
-    fn after_last<L: Lanes>(first: L::V, beyond: L::V) -> L::V {
-        if STRIPED { L::shift_down(first, beyond) } else { beyond }
-    }
+    type Alone = Along;
 
     #[inline(always)]
     fn above<L: Lanes>(before: L::V, here: L::V) -> L::V {
-        if STRIPED { before } else { L::shift_up(before, here) }
+        L::shift_up(before, here)
     }
 
     #[inline(always)]
     fn below<L: Lanes>(here: L::V, after: L::V) -> L::V {
-        if STRIPED { after } else { L::shift_down(here, after) }
+        L::shift_down(here, after)
     }
 
     #[inline(always)]
@@ -90,24 +107,23 @@ impl<const STRIPED: bool> Layout for OneChain<STRIPED> {
 
     #[inline(always)]
     fn place(rows: usize, index: usize, _lane: usize) -> (usize, usize) {
-        if STRIPED { (index % rows, index / rows) } else { (index / WIDTH, index % WIDTH) }
+        if TILE == 0 {
+            return (index % rows, index / rows);
+        }
+        let (tile, within) = (index / (TILE * WIDTH), index % (TILE * WIDTH));
+        if (tile + 1) * TILE <= rows {
+            (tile * TILE + within % TILE, within / TILE)
+        } else {
+            (index / WIDTH, index % WIDTH)
+        }
     }
 }
 
 impl Layout for Across {
-    const STRIPED: bool = false;
+    const TILE: usize = 1;
     const IN_FEW_ROWS: bool = false;
     type Own = Row;
-
-    #[inline(always)]
-    fn before_first<L: Lanes>(_last: L::V) -> L::V {
-        L::splat(0.0)
-    }
-
-    #[inline(always)]
-    fn after_last<L: Lanes>(_first: L::V, beyond: L::V) -> L::V {
-        beyond
-    }
+    type Alone = Self;
 
     #[inline(always)]
     fn above<L: Lanes>(before: L::V, _here: L::V) -> L::V {

@@ -1,198 +1,248 @@
-//! A splitting's steps in parts, one sweep along the rows each: a drift, the forces, where the method asks for it how they change where
-//! they point, and a kick.
+//! A splitting's steps in parts: a drift, the forces, where the method asks for it how they change where they point, and a kick. Each part is a
+//! sweep along the rows, where there are gradients two of them.
+//!
+//! A long chain's rows do not fit into the cache next to the processor: a stretch of them goes through all parts of a step before the next, each
+//! sweep a few rows behind the one before.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
-use super::forces::{Cut, pushed};
+use std::marker::PhantomData;
+
+use super::forces::Cut;
+use super::kicks::{Bend, Both, Kicks, Push, Start};
 use super::lanes::{Lanes, Row};
 use super::layout::Layout;
 use super::plan::Plan;
-use super::splits::{Kick, Weights};
-use super::sweep::{Visit, sweep};
-use super::workspace::Workspace;
+use super::splits::Weights;
+use super::strip::{FOUR, Strip, StripMut};
+use super::sweep::{Forces, Pause, stretch};
+use super::workspace::{Parts, Workspace};
+use crate::integrate::splitting::Splitting;
 
-/// Positions, velocities, accelerations, and their gradients where a method asks for them.
+/// Positions, velocities, accelerations, and their gradients where a method asks for them: before they are weighed, two thirds of tangent
+/// stiffnesses.
 type Rows<'a> = [&'a mut [Row]; 4];
 
-/// A part of a step that goes on where the one before ended.
-const ON: u8 = 0;
-/// The first part of a step, from its start elsewhere.
-const FROM: u8 = 1;
-/// The first part of a step, from its start in the same place.
-const HERE: u8 = 2;
+/// Rows that a sweep stays behind the one before, for what a row leaves is done once the next is pressed.
+const BEHIND: usize = FOUR;
+/// Most rows that go through a part all at once: with what moves them 40 kB.
+const AT_ONCE: usize = 112;
+/// Rows of a stretch where there are more.
+const STRETCH: usize = 96;
 
-/// Steps of a chain that does not fit into the registers, as [`super::splits::steps`] takes them. All but the last are taken in place:
-/// less memory is read and written.
+/// Steps of a splitting.
+#[derive(Clone, Copy)]
+pub struct Steps<'a> {
+    pub method: &'a Splitting,
+    /// Length of a step (s).
+    pub length: f64,
+    /// How many.
+    pub count: u64,
+}
+
+/// Pauses that steps of `method` need in so many rows.
+pub fn pauses(method: &Splitting, rows: usize) -> usize {
+    if rows > AT_ONCE { 2 * method.drifts.len() } else { 0 }
+}
+
+/// Takes steps of a chain that does not fit into the registers, as [`super::splits::steps`] does. All but the last are taken in place: less
+/// memory is read and written.
 #[inline(always)]
 pub fn long<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
     plan: &Plan,
     work: &mut Workspace,
-    (weights, count): (&Weights<L>, u64),
+    steps: Steps,
 ) {
     let rows = plan.rows();
-    let plan = Cut::of::<FORM>(plan, rows);
     let shown = if GRADIENT { rows } else { 0 };
+    let plan = Cut::of::<FORM>(plan, rows);
     let (now, next) = (work.now.parts(), work.next.parts());
-    let mut from: Rows = [
-        &mut now.position[..rows],
-        &mut now.velocity[..rows],
-        &mut now.acceleration[..rows],
-        &mut now.gradient[..shown],
-    ];
-    for _ in 1..count {
-        step::<L, Y, FORM, GRADIENT, HERE>(plan, weights, ([&[]; 4], &mut from));
+    let (mut before, mut after) = (cut(now, (rows, shown)), cut(next, (rows, shown)));
+    for left in (0..steps.count).rev() {
+        let is_last = left == 0;
+        let mut step = Step::<Y, FORM, GRADIENT> {
+            plan,
+            method: steps.method,
+            length: steps.length,
+            from: None,
+            moving: &mut after,
+            pauses: &mut work.pauses,
+            is_begun: left + 1 < steps.count,
+            goes_on: left > 1,
+            layout: PhantomData,
+        };
+        if is_last {
+            step.from = Some([&*before[0], &*before[1], &*before[2], &*before[3]]);
+        } else {
+            step.moving = &mut before;
+        }
+        step.take::<L>();
     }
-    let mut to: Rows = [
-        &mut next.position[..rows],
-        &mut next.velocity[..rows],
-        &mut next.acceleration[..rows],
-        &mut next.gradient[..shown],
-    ];
-    let from = [&*from[0], &*from[1], &*from[2], &*from[3]];
-    step::<L, Y, FORM, GRADIENT, FROM>(plan, weights, (from, &mut to));
 }
 
+/// What moves in the first `rows` rows, and its gradients in `shown` of them.
 #[inline(always)]
-fn step<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool, const START: u8>(
-    plan: Cut,
-    weights: &Weights<L>,
-    (from, to): ([&[Row]; 4], &mut Rows),
-) {
-    let parts = weights.parts();
-    if parts == 1 {
-        part::<L, Y, FORM, GRADIENT, START, true>(plan, weights, 0, (from, to));
-        return;
-    }
-    part::<L, Y, FORM, GRADIENT, START, false>(plan, weights, 0, (from, to));
-    for index in 1..parts - 1 {
-        part::<L, Y, FORM, GRADIENT, ON, false>(plan, weights, index, (from, to));
-    }
-    part::<L, Y, FORM, GRADIENT, ON, true>(plan, weights, parts - 1, (from, to));
+fn cut(of: Parts, (rows, shown): (usize, usize)) -> Rows {
+    let Parts { position, velocity, acceleration, gradient, .. } = of;
+    [
+        &mut position[..rows],
+        &mut velocity[..rows],
+        &mut acceleration[..rows],
+        &mut gradient[..shown],
+    ]
 }
 
-/// Part `index` of a step, the last of it or not.
-#[inline(always)]
-fn part<
-    L: Lanes,
-    Y: Layout,
-    const FORM: u8,
-    const GRADIENT: bool,
-    const START: u8,
-    const LAST: bool,
->(
-    plan: Cut,
-    weights: &Weights<L>,
-    index: usize,
-    (from, to): ([&[Row]; 4], &mut Rows),
-) {
-    let rows = to[0].len();
-    let kicks = [weights.kick::<GRADIENT>(index), weights.kick::<GRADIENT>(index + 1)];
-    let drift = weights.drift(index);
-    let mut part = Part::<L, GRADIENT, START, LAST>::new(plan, kicks, drift, (from, to));
-    sweep::<L, Y, FORM>(plan, rows, &mut part);
-    part.end::<Y>();
-}
-
-/// Drift, forces, gradients and the second of `kicks`; before it the first of them, where a step begins. In the last part of a step,
-/// accelerations are kept for the next.
-struct Part<'a, L: Lanes, const GRADIENT: bool, const START: u8, const LAST: bool> {
+/// A step, in place or from elsewhere.
+struct Step<'a, 'r, Y, const FORM: u8, const GRADIENT: bool> {
     plan: Cut<'a>,
-    kicks: [Kick<L>; 2],
-    drift: L::V,
-    from: [&'a [Row]; 4],
-    to: Rows<'a>,
-    /// Accelerations of the row left last (m/s²), and two thirds of what their differences do to the forces (N/s²).
-    bent: [L::V; 2],
+    method: &'a Splitting,
+    /// (s)
+    length: f64,
+    from: Option<[&'a [Row]; 4]>,
+    moving: &'a mut Rows<'r>,
+    pauses: &'a mut [Pause],
+    /// Whether the step before has given the first kick.
+    is_begun: bool,
+    /// Whether this one gives the next one's: it reads and writes less than both for themselves.
+    goes_on: bool,
+    layout: PhantomData<Y>,
 }
 
-impl<'a, L: Lanes, const GRADIENT: bool, const START: u8, const LAST: bool>
-    Part<'a, L, GRADIENT, START, LAST>
-{
+impl<'a, Y: Layout, const FORM: u8, const GRADIENT: bool> Step<'a, '_, Y, FORM, GRADIENT> {
     #[inline(always)]
-    fn new(
-        plan: Cut<'a>,
-        kicks: [Kick<L>; 2],
-        drift: L::V,
-        (from, to): ([&'a [Row]; 4], &'a mut Rows),
-    ) -> Self {
-        let rows = to[0].len();
-        let shown = if GRADIENT { rows } else { 0 };
-        let from = if START == FROM {
-            [&from[0][..rows], &from[1][..rows], &from[2][..rows], &from[3][..shown]]
-        } else {
-            from
-        };
-        let [x, v, a, g] = to;
-        let to: Rows = [&mut x[..rows], &mut v[..rows], &mut a[..rows], &mut g[..shown]];
-        Self { plan, kicks, drift, from, to, bent: [L::splat(0.0); 2] }
-    }
-
-    /// Velocities in row `r` of what is `at` the start, after the first kick.
-    #[inline(always)]
-    fn opened(&self, at: [&[Row]; 4], r: usize) -> L::V {
-        let gradient = if GRADIENT { L::load(&at[3][r]) } else { L::splat(0.0) };
-        self.kicks[0].on::<GRADIENT>(L::load(&at[1][r]), [L::load(&at[2][r]), gradient])
-    }
-
-    /// Kicks row `r`, whose contacts' bends end above `next`.
-    #[inline(always)]
-    fn bend<Y: Layout>(&mut self, r: usize, next: L::V) {
-        let [acceleration, bend] = self.bent;
-        let gradient = pushed::<L, Y>(self.plan, r, [bend, next]);
-        if LAST {
-            L::store(gradient, &mut self.to[3][r]);
-        }
-        let velocity = &mut self.to[1][r];
-        let kicked = self.kicks[1].on::<true>(L::load(velocity), [acceleration, gradient]);
-        L::store(kicked, velocity);
-    }
-
-    /// Kicks the last row.
-    #[inline(always)]
-    fn end<Y: Layout>(&mut self) {
-        let rows = self.to[0].len();
-        if GRADIENT && rows > 0 {
-            self.bend::<Y>(rows - 1, L::splat(0.0));
-        }
-    }
-}
-
-impl<L: Lanes, Y: Layout, const GRADIENT: bool, const START: u8, const LAST: bool> Visit<L, Y>
-    for Part<'_, L, GRADIENT, START, LAST>
-{
-    #[inline(always)]
-    fn enter(&mut self, r: usize) -> L::V {
-        let (x, speed) = match START {
-            FROM => (&self.from[0][r], self.opened(self.from, r)),
-            HERE => {
-                let [position, velocity, of, gradient] = &self.to;
-                (&position[r], self.opened([position, velocity, of, gradient], r))
+    fn take<L: Lanes>(&mut self) {
+        let (rows, parts) = (self.moving[0].len(), self.method.drifts.len());
+        let sweeps = if GRADIENT && Y::TILE != 1 { 2 * parts } else { parts };
+        let behind = sweeps * BEHIND;
+        let length = if rows <= AT_ONCE { rows + behind } else { STRETCH };
+        let mut end = 0;
+        while end < rows + behind {
+            let start = end;
+            end += length;
+            for sweep in 0..sweeps {
+                let reached = |at: usize| at.saturating_sub(sweep * BEHIND).min(rows);
+                let span = [reached(start), reached(end)];
+                if span[0] < span[1] {
+                    self.sweep::<L>(sweep, span);
+                }
             }
-            _ => (&self.to[0][r], L::load(&self.to[1][r])),
-        };
-        let here = L::mul_add(self.drift, speed, L::load(x));
-        L::store(here, &mut self.to[0][r]);
-        if START != ON {
-            L::store(speed, &mut self.to[1][r]);
         }
-        here
+    }
+
+    /// Takes sweep number `index` over the rows `span`.
+    #[inline(always)]
+    fn sweep<L: Lanes>(&mut self, index: usize, span: [usize; 2]) {
+        if index == 0 && self.from.is_none() && !self.is_begun {
+            self.open::<L>(span);
+        }
+        let mut pause = self.pauses.get(index).copied().unwrap_or_default();
+        let apart = GRADIENT && Y::TILE != 1;
+        let part = if apart { index / 2 } else { index };
+        let starts = part == 0 && self.from.is_some();
+        let is_last = part + 1 == self.method.drifts.len();
+        match (apart && index % 2 == 1, starts, is_last) {
+            (true, _, false) => self.bend::<L, false>(part, span, &mut pause),
+            (true, _, true) => self.bend::<L, true>(part, span, &mut pause),
+            (false, false, false) => self.push::<L, false, false>(part, span, &mut pause),
+            (false, false, true) => self.push::<L, false, true>(part, span, &mut pause),
+            (false, true, false) => self.push::<L, true, false>(part, span, &mut pause),
+            (false, true, true) => self.push::<L, true, true>(part, span, &mut pause),
+        }
+        if let Some(paused) = self.pauses.get_mut(index) {
+            *paused = pause;
+        }
     }
 
     #[inline(always)]
-    fn leave(&mut self, r: usize, acceleration: L::V, [_, tangent]: [L::V; 2]) {
-        if LAST {
-            L::store(acceleration, &mut self.to[2][r]);
+    fn weights<L: Lanes>(&self) -> Weights<'a, L> {
+        Weights::new(self.method, L::splat(self.length))
+    }
+
+    /// The first kick over the rows `span`.
+    #[inline(always)]
+    fn open<L: Lanes>(&mut self, [from, to]: [usize; 2]) {
+        let kick = self.weights::<L>().kick::<GRADIENT>(0);
+        let [_, velocity, acceleration, gradient] = &mut *self.moving;
+        let (velocity, acceleration) = (&mut velocity[from..to], &acceleration[from..to]);
+        let gradient = if GRADIENT { &gradient[from..to] } else { acceleration };
+        for ((velocity, acceleration), gradient) in
+            velocity.iter_mut().zip(acceleration).zip(gradient)
+        {
+            let of = [L::load(acceleration), L::load(gradient)];
+            L::store(kick.on::<GRADIENT>(L::load(velocity), of), velocity);
         }
-        if GRADIENT {
-            let above = Y::above::<L>(self.bent[0], acceleration);
-            let bend = L::mul(tangent, L::sub(above, acceleration));
-            if r > 0 {
-                self.bend::<Y>(r - 1, bend);
+    }
+
+    /// The kick behind drift `part`.
+    #[inline(always)]
+    fn end<L: Lanes>(&self, part: usize) -> Kicks<L> {
+        let (weights, is_last) = (self.weights::<L>(), part + 1 == self.method.drifts.len());
+        let next = (is_last && self.goes_on).then(|| weights.kick::<GRADIENT>(0));
+        Kicks { kick: weights.kick::<GRADIENT>(part + 1), next, keeps: is_last && !self.goes_on }
+    }
+
+    /// Part `part` over the rows `span`, in tiles up to the kick where there are gradients.
+    #[inline(always)]
+    fn push<L: Lanes, const FIRST: bool, const LAST: bool>(
+        &mut self,
+        part: usize,
+        span: [usize; 2],
+        pause: &mut Pause,
+    ) {
+        let (rows, end) = (self.moving[0].len(), span[1]);
+        let shown = if GRADIENT { end } else { 0 };
+        let weights = self.weights::<L>();
+        let (kicks, drift) = (self.end::<L>(part), weights.drift(part));
+        let start = self.from.filter(|_| FIRST).map(|[x, v, a, g]| Start {
+            kick: weights.kick::<GRADIENT>(0),
+            of: [Strip::new(x, end), Strip::new(v, end), Strip::new(a, end), Strip::new(g, shown)],
+        });
+        let [x, v, a, g] = &mut *self.moving;
+        let mut push = Push::<L, GRADIENT, FIRST, LAST> {
+            start,
+            drift,
+            kicks,
+            position: StripMut::new(x, end),
+            velocity: StripMut::new(v, end),
+            acceleration: StripMut::new(a, end),
+            tangent: StripMut::new(g, shown),
+        };
+        if GRADIENT && Y::TILE == 1 {
+            let mut both = Both::<L, Y, GRADIENT, FIRST, LAST> {
+                push,
+                inverse_mass: Strip::new(self.plan.inverse_mass, end),
+                bent: if span[0] > 0 { pause.left::<L>() } else { [L::splat(0.0); 2] },
+                layout: PhantomData,
+            };
+            let mut forces = Forces::<_, FORM>::new(self.plan, end, &mut both);
+            stretch::<L, Y, _>(&mut forces, span, rows, pause);
+            if end == rows {
+                both.bend(((rows - 1) / FOUR, (rows - 1) % FOUR), L::splat(0.0));
             }
-            self.bent = [acceleration, bend];
+            pause.keep::<L>(both.bent);
         } else {
-            let velocity = &mut self.to[1][r];
-            let of = [acceleration, L::splat(0.0)];
-            L::store(self.kicks[1].on::<false>(L::load(velocity), of), velocity);
+            let mut forces = Forces::<_, FORM>::new(self.plan, end, &mut push);
+            stretch::<L, Y, _>(&mut forces, span, rows, pause);
         }
+    }
+
+    /// The rest of it: gradients and the kick.
+    #[inline(always)]
+    fn bend<L: Lanes, const LAST: bool>(
+        &mut self,
+        part: usize,
+        span: [usize; 2],
+        pause: &mut Pause,
+    ) {
+        let (rows, end) = (self.moving[0].len(), span[1]);
+        let kicks = self.end::<L>(part);
+        let [_, v, a, g] = &mut *self.moving;
+        let mut bend = Bend::<L, LAST> {
+            inverse_mass: Strip::new(self.plan.inverse_mass, end),
+            kicks,
+            velocity: StripMut::new(v, end),
+            acceleration: Strip::new(a, end),
+            gradient: StripMut::new(g, end),
+        };
+        stretch::<L, Y, _>(&mut bend, span, rows, pause);
     }
 }

@@ -8,7 +8,8 @@ use super::forces::{Cut, PLAIN};
 use super::known::{Known, Position, PositionError, Stage, Sum, Velocity, VelocityError};
 use super::lanes::{Lanes, Row};
 use super::layout::Layout;
-use super::plan::Plan;
+use super::plan::{Plan, Rest};
+use super::strip::{At, Strip, StripMut};
 use super::sweep::{Visit, sweep};
 use super::workspace::{Between, Workspace};
 
@@ -17,23 +18,26 @@ struct Pass<'a, L: Lanes, P, const N: usize, const S: usize> {
     sum: Sum<L, Stage<P, N, S>>,
     reach: L::V,
     /// Positions, velocities and accelerations where the step starts.
-    from: [&'a [Row]; 3],
-    between: &'a mut [Between],
+    from: [Strip<'a, Row>; 3],
+    between: StripMut<'a, Between>,
 }
 
-impl<L: Lanes, Y: Layout, P: Known<N>, const N: usize, const S: usize> Visit<L, Y>
-    for Pass<'_, L, P, N, S>
-{
+impl<L: Lanes, P: Known<N>, const N: usize, const S: usize> Visit<L> for Pass<'_, L, P, N, S> {
     #[inline(always)]
-    fn enter(&mut self, r: usize) -> L::V {
-        let [x, v, a] = self.from;
-        let here = L::mul_add(self.reach, L::load(&v[r]), L::load(&x[r]));
-        self.sum.plus((&a[r], &self.between[r]), S, here)
+    fn enter(&mut self, at: At) -> L::V {
+        self.foresee(at)
     }
 
     #[inline(always)]
-    fn leave(&mut self, r: usize, acceleration: L::V, _pressed: [L::V; 2]) {
-        L::store(acceleration, &mut self.between[r][S - 1]);
+    fn foresee(&self, at: At) -> L::V {
+        let [x, v, a] = self.from;
+        let here = L::mul_add(self.reach, L::load(v.at(at)), L::load(x.at(at)));
+        self.sum.plus((a.at(at), self.between.at(at)), S, here)
+    }
+
+    #[inline(always)]
+    fn leave(&mut self, at: At, acceleration: L::V, _tangent: L::V) {
+        L::store(acceleration, &mut self.between.at_mut(at)[S - 1]);
     }
 }
 
@@ -52,8 +56,8 @@ fn stage<L: Lanes, Y: Layout, P: Known<N>, const FORM: u8, const N: usize, const
     let mut pass = Pass::<L, P, N, S> {
         sum: Sum::new(L::mul(h, h)),
         reach: L::mul(h, L::splat(P::PAIR.nodes[S])),
-        from: [&now.position()[..rows], &now.velocity()[..rows], &now.acceleration()[..rows]],
-        between: &mut between[..rows],
+        from: [now.position(), now.velocity(), now.acceleration()].map(|of| Strip::new(of, rows)),
+        between: StripMut::new(between, rows),
     };
     sweep::<L, Y, FORM>(Cut::new(plan, rows), rows, &mut pass);
 }
@@ -63,37 +67,51 @@ struct Arrive<'a, L: Lanes, P, const N: usize> {
     sum: Sum<L, Position<P, N>>,
     h: L::V,
     /// Positions, velocities, what rounding took from the positions, and accelerations, where the step starts.
-    from: [&'a [Row]; 4],
-    between: &'a [Between],
-    position: [&'a mut [Row]; 2],
-    overlap: &'a mut [Row],
-    out: &'a mut [Row],
-    closed: &'a mut [u8],
-    largest: Largest<'a, L>,
+    from: [Strip<'a, Row>; 4],
+    between: Strip<'a, Between>,
+    position: [StripMut<'a, Row>; 2],
+    rest: Strip<'a, Rest>,
+    overlap: StripMut<'a, Row>,
+    out: StripMut<'a, Row>,
+    closed: StripMut<'a, u8>,
+    largest: Largest<L>,
 }
 
-impl<L: Lanes, Y: Layout, P: Known<N>, const N: usize> Visit<L, Y> for Arrive<'_, L, P, N> {
+impl<L: Lanes, P: Known<N>, const N: usize> Arrive<'_, L, P, N> {
+    /// The positions of row `at`, and what rounding takes from them (m).
     #[inline(always)]
-    fn enter(&mut self, r: usize) -> L::V {
+    fn arrived(&self, at: At) -> (L::V, L::V) {
         let [x, v, lost, a] = self.from;
-        let drift = L::mul(self.h, L::load(&v[r]));
-        let rise = self.sum.plus((&a[r], &self.between[r]), N - 1, drift);
-        let (position, rest) = add_compensated::<L>(L::load(&x[r]), L::load(&lost[r]), rise);
-        L::store(position, &mut self.position[0][r]);
-        L::store(rest, &mut self.position[1][r]);
+        let drift = L::mul(self.h, L::load(v.at(at)));
+        let rise = self.sum.plus((a.at(at), self.between.at(at)), N - 1, drift);
+        add_compensated::<L>(L::load(x.at(at)), L::load(lost.at(at)), rise)
+    }
+}
+
+impl<L: Lanes, P: Known<N>, const N: usize> Visit<L> for Arrive<'_, L, P, N> {
+    #[inline(always)]
+    fn enter(&mut self, at: At) -> L::V {
+        let (position, rest) = self.arrived(at);
+        L::store(position, self.position[0].at_mut(at));
+        L::store(rest, self.position[1].at_mut(at));
         position
     }
 
     #[inline(always)]
-    fn see(&mut self, r: usize, overlap: L::V, change: L::V) {
-        self.closed[r] = L::positive(overlap);
-        L::store(overlap, &mut self.overlap[r]);
-        self.largest.see(r, change);
+    fn foresee(&self, at: At) -> L::V {
+        self.arrived(at).0
     }
 
     #[inline(always)]
-    fn leave(&mut self, r: usize, acceleration: L::V, _pressed: [L::V; 2]) {
-        L::store(acceleration, &mut self.out[r]);
+    fn see(&mut self, at: At, overlap: L::V, change: L::V) {
+        *self.closed.at_mut(at) = L::positive(overlap);
+        L::store(overlap, self.overlap.at_mut(at));
+        self.largest.see(self.rest.at(at), change);
+    }
+
+    #[inline(always)]
+    fn leave(&mut self, at: At, acceleration: L::V, _tangent: L::V) {
+        L::store(acceleration, self.out.at_mut(at));
     }
 }
 
@@ -111,18 +129,15 @@ fn arrive<L: Lanes, Y: Layout, P: Known<N>, const FORM: u8, const N: usize>(
     let mut arrive = Arrive::<L, P, N> {
         sum: Sum::new(L::mul(h, h)),
         h,
-        from: [
-            &now.position()[..rows],
-            &now.velocity()[..rows],
-            &now.lost_position()[..rows],
-            &now.acceleration()[..rows],
-        ],
-        between: &between[..rows],
-        position: [&mut next.position[..rows], &mut next.lost_position[..rows]],
-        overlap: &mut overlap[..rows],
-        out: &mut next.acceleration[..rows],
-        closed: &mut next.closed[..rows],
-        largest: Largest::new(cut),
+        from: [now.position(), now.velocity(), now.lost_position(), now.acceleration()]
+            .map(|of| Strip::new(of, rows)),
+        between: Strip::new(between, rows),
+        position: [next.position, next.lost_position].map(|of| StripMut::new(of, rows)),
+        rest: Strip::new(cut.rest, rows),
+        overlap: StripMut::new(overlap, rows),
+        out: StripMut::new(next.acceleration, rows),
+        closed: StripMut::new(next.closed, rows),
+        largest: Largest::none(),
     };
     sweep::<L, Y, FORM>(cut, rows, &mut arrive);
     L::store(Y::largest::<L>(arrive.largest.change), &mut work.largest.overlap);

@@ -160,7 +160,7 @@ impl Plan {
         if matches!(scheme, Scheme::Pair(..)) {
             plan.watch(chain, |j| Y::place(rows, j, 0));
         }
-        let shared = shared_stiffness(chain, scheme, form).filter(|_| !Y::STRIPED);
+        let shared = shared_stiffness(chain, scheme, form).filter(|_| Y::TILE != 0);
         if let Some(stiffness) = shared {
             plan.share(Row([stiffness; WIDTH]));
         }

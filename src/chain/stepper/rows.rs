@@ -36,11 +36,12 @@ pub fn scaled<L: Lanes, const R: usize>(by: L::V, mut values: Rows<L, R>) -> Row
 
 /// Those above.
 #[inline(always)]
-fn above<L: Lanes, Y: Layout, const R: usize>(of: &Rows<L, R>) -> Rows<L, R> {
+pub fn above<L: Lanes, Y: Layout, const R: usize>(of: &Rows<L, R>) -> Rows<L, R> {
     let mut out = *of;
     for r in 0..R {
-        let before = if r > 0 { of[r - 1] } else { Y::before_first::<L>(of[R - 1]) };
-        out[r] = Y::above::<L>(before, of[r]);
+        let (first, last) = Y::tile(R, r);
+        let before = if r > 0 { of[r - 1] } else { L::splat(0.0) };
+        out[r] = if r > first { before } else { Y::above::<L>(before, of[last]) };
     }
     out
 }
@@ -50,8 +51,9 @@ fn above<L: Lanes, Y: Layout, const R: usize>(of: &Rows<L, R>) -> Rows<L, R> {
 fn below<L: Lanes, Y: Layout, const R: usize>(of: &Rows<L, R>, beyond: L::V) -> Rows<L, R> {
     let mut out = *of;
     for r in 0..R {
-        let after = if r + 1 < R { of[r + 1] } else { Y::after_last::<L>(of[0], beyond) };
-        out[r] = Y::below::<L>(of[r], after);
+        let (first, last) = Y::tile(R, r);
+        let after = if r + 1 < R { of[r + 1] } else { beyond };
+        out[r] = if r < last { after } else { Y::below::<L>(of[first], after) };
     }
     out
 }
@@ -66,10 +68,10 @@ pub fn differences<L: Lanes, Y: Layout, const R: usize>(of: &Rows<L, R>) -> Rows
     out
 }
 
-/// Net of the contacts above and below each body, with nothing below the last.
+/// Net of the contacts above and below each body, with what is `beyond` the chain below the last.
 #[inline(always)]
-pub fn nets<L: Lanes, Y: Layout, const R: usize>(of: &Rows<L, R>) -> Rows<L, R> {
-    let mut out = below::<L, Y, R>(of, L::splat(0.0));
+pub fn nets<L: Lanes, Y: Layout, const R: usize>(of: &Rows<L, R>, beyond: L::V) -> Rows<L, R> {
+    let mut out = below::<L, Y, R>(of, beyond);
     for r in 0..R {
         out[r] = L::sub(of[r], out[r]);
     }

@@ -4,9 +4,9 @@
 use super::forces::{Cut, PLAIN, begin_plain, finish, unbalanced};
 use super::lanes::Lanes;
 use super::layout::Layout;
-use super::parts::long;
+use super::parts::{Steps, long};
 use super::plan::{FEW, Plan};
-use super::rows::{differences, load, nets, store};
+use super::rows::{above, differences, load, nets, store};
 use super::workspace::Workspace;
 use crate::integrate::splitting::Splitting;
 
@@ -74,18 +74,17 @@ impl<L: Lanes> Kick<L> {
     }
 }
 
-/// Takes `count` steps of `h` (s) from `work.now`; the last of them is left in `work`, its start in `now`, its end in `next`. Whether all
+/// Takes `steps` from `work.now`; the last of them is left in `work`, its start in `now`, its end in `next`. Whether all
 /// velocities are finite there, a bit for each lane.
 #[inline(always)]
 pub fn steps<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
     plan: &Plan,
-    method: &Splitting,
     work: &mut Workspace,
-    (h, count): (L::V, u64),
+    steps: Steps,
 ) -> u8 {
-    let weights = Weights::<L>::new(method, h);
-    let run = (&weights, count);
-    if Y::STRIPED {
+    let weights = Weights::<L>::new(steps.method, L::splat(steps.length));
+    let run = (&weights, steps.count);
+    if Y::TILE == 0 {
         match plan.rows() {
             1 => short::<L, Y, GRADIENT, 1>(plan, work, run),
             2 => short::<L, Y, GRADIENT, 2>(plan, work, run),
@@ -94,7 +93,7 @@ pub fn steps<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
             _ => short::<L, Y, GRADIENT, FEW>(plan, work, run),
         }
     } else {
-        long::<L, Y, FORM, GRADIENT>(plan, work, run);
+        long::<L, Y, FORM, GRADIENT>(plan, work, steps);
     }
     let mut sum = L::splat(0.0);
     for row in &work.next.velocity()[..plan.rows()] {
@@ -132,19 +131,18 @@ fn short<L: Lanes, Y: Layout, const GRADIENT: bool, const R: usize>(
         }
         for part in 1..=weights.parts() {
             let (mut force, mut tangent) = ([none; R], [none; R]);
+            let above = above::<L, Y, R>(&x);
             for r in 0..R {
-                let before = if r > 0 { x[r - 1] } else { Y::before_first::<L>(x[R - 1]) };
                 // In this order one of the two need not wait for the neighbour.
                 let short = L::sub(x[r], L::load(&plan.static_overlap[r]));
-                let overlap = L::sub(Y::above::<L>(before, x[r]), short);
-                [force[r], tangent[r]] = finish::<L, PLAIN>(plan, r, begin_plain::<L>(r, overlap));
+                let overlap = L::sub(above[r], short);
+                [force[r], tangent[r]] =
+                    finish::<L, PLAIN>(plan.contacts(r), r, begin_plain::<L>(r, overlap));
             }
             let (kick, last) = (weights.kick::<GRADIENT>(part), part == weights.parts());
-            let mut push = [none; R];
-            for r in 0..R {
-                let beyond = || Y::after_last::<L>(force[0], L::load(&plan.beyond));
-                let next = if r + 1 < R { force[r + 1] } else { beyond() };
-                push[r] = unbalanced::<L, Y>(plan, r, [force[r], next]);
+            let mut push = nets::<L, Y, R>(&force, L::load(&plan.beyond));
+            for (r, push) in push.iter_mut().enumerate() {
+                *push = unbalanced::<L>(plan.bodies(r), *push);
             }
             let mut weight = kick.force;
             if GRADIENT {
@@ -156,7 +154,7 @@ fn short<L: Lanes, Y: Layout, const GRADIENT: bool, const R: usize>(
                 for r in 0..R {
                     tangent[r] = L::mul(tangent[r], bend[r]);
                 }
-                push = nets::<L, Y, R>(&tangent);
+                push = nets::<L, Y, R>(&tangent, none);
                 weight = kick.gradient;
             }
             if last {

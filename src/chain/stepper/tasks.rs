@@ -9,12 +9,12 @@ use super::kinks::{self, Guard};
 use super::known::{Known, Pair64, Pair86};
 use super::lanes::{Lanes, Row, Task};
 use super::layout::Layout;
+use super::parts::Steps;
 use super::passes::{self, Sides};
 use super::plan::{Form, Plan};
 use super::splits;
 use super::workspace::{Motion, Parts, Workspace};
 use crate::integrate::Pair;
-use crate::integrate::splitting::Splitting;
 
 /// Finds the roots of static overlaps, and counts the static forces, as the loops compute them, among what leaves bodies at rest.
 pub struct Settle<'a, Y>(pub &'a mut Plan, pub PhantomData<Y>);
@@ -43,14 +43,17 @@ impl<Y: Layout> Task for Settle<'_, Y> {
 fn settle<L: Lanes, Y: Layout, const FORM: u8>(plan: &mut Plan) {
     let (rows, rest) = (plan.rows(), L::splat(0.0));
     let mut next = rest;
-    if Y::STRIPED {
-        let (first, _) = forces::forces::<L, FORM>(Cut::of::<FORM>(plan, rows), 0, rest);
-        next = Y::after_last::<L>(first, rest);
-    }
-    // From behind, so that each force is found once.
+    // From behind, so that only the first row of a tile is found twice.
     for r in (0..rows).rev() {
-        let (here, _) = forces::forces::<L, FORM>(Cut::of::<FORM>(plan, rows), r, rest);
-        let held = forces::net::<L, Y>([here, next]);
+        let cut = Cut::of::<FORM>(plan, rows);
+        let (here, _) = forces::forces::<L, FORM>(cut, r, rest);
+        let mut below = next;
+        let (first, last) = Y::tile(rows, r);
+        if r == last {
+            let (first, _) = forces::forces::<L, FORM>(cut, first, rest);
+            below = Y::below::<L>(first, next);
+        }
+        let held = L::sub(here, below);
         let (balanced, static_force) = match &mut plan.alike {
             Some(alike) if FORM == ALIKE => (&mut alike.balanced[r], &mut alike.static_force[r]),
             _ => (&mut plan.balanced[r], &mut plan.rest[r].static_force),
@@ -183,12 +186,8 @@ impl<Y: Layout> Correct<'_, Y> {
 /// Takes steps of a splitting.
 pub struct Split<'a, Y> {
     pub plan: &'a Plan,
-    pub method: &'a Splitting,
     pub work: &'a mut Workspace,
-    /// Length of a step (s).
-    pub step: f64,
-    /// How many.
-    pub count: u64,
+    pub steps: Steps<'a>,
     pub layout: PhantomData<Y>,
 }
 
@@ -198,21 +197,20 @@ impl<Y: Layout> Task for Split<'_, Y> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> u8 {
-        let Self { plan, method, work, step, count, .. } = self;
-        let h = (L::splat(step), count);
-        match (plan.form, method.gradients.is_empty()) {
-            (_, true) if !Y::STRIPED && plan.alike.is_some() => {
-                splits::steps::<L, Y, ALIKE, false>(plan, method, work, h)
+        let Self { plan, work, steps, .. } = self;
+        match (plan.form, steps.method.gradients.is_empty()) {
+            (_, true) if Y::TILE != 0 && plan.alike.is_some() => {
+                splits::steps::<L, Y, ALIKE, false>(plan, work, steps)
             }
-            (_, false) if !Y::STRIPED && plan.alike.is_some() => {
-                splits::steps::<L, Y, ALIKE, true>(plan, method, work, h)
+            (_, false) if Y::TILE != 0 && plan.alike.is_some() => {
+                splits::steps::<L, Y, ALIKE, true>(plan, work, steps)
             }
-            (Form::Plain, true) => splits::steps::<L, Y, PLAIN, false>(plan, method, work, h),
-            (Form::Plain, false) => splits::steps::<L, Y, PLAIN, true>(plan, method, work, h),
-            (Form::Exact, true) => splits::steps::<L, Y, EXACT, false>(plan, method, work, h),
-            (Form::Exact, false) => splits::steps::<L, Y, EXACT, true>(plan, method, work, h),
-            (Form::Linear, true) => splits::steps::<L, Y, LINEAR, false>(plan, method, work, h),
-            (Form::Linear, false) => splits::steps::<L, Y, LINEAR, true>(plan, method, work, h),
+            (Form::Plain, true) => splits::steps::<L, Y, PLAIN, false>(plan, work, steps),
+            (Form::Plain, false) => splits::steps::<L, Y, PLAIN, true>(plan, work, steps),
+            (Form::Exact, true) => splits::steps::<L, Y, EXACT, false>(plan, work, steps),
+            (Form::Exact, false) => splits::steps::<L, Y, EXACT, true>(plan, work, steps),
+            (Form::Linear, true) => splits::steps::<L, Y, LINEAR, false>(plan, work, steps),
+            (Form::Linear, false) => splits::steps::<L, Y, LINEAR, true>(plan, work, steps),
         }
     }
 }

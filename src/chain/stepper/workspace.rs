@@ -2,6 +2,8 @@
 
 use super::around::Rows;
 use super::lanes::Row;
+use super::parts;
+use super::sweep::Pause;
 use crate::integrate::Scheme;
 
 /// Most stages of a pair between the ends of a step.
@@ -74,6 +76,8 @@ pub struct Workspace {
     pub error_velocity: Vec<Row>,
     /// Overlaps where the step ends (m).
     pub overlap: Vec<Row>,
+    /// Where sweeps pause, in fixed steps.
+    pub pauses: Vec<Pause>,
     /// Contacts that changed sides in the step last tried, a bit each; those left whose kinks are put right.
     pub changed: Vec<u8>,
     /// Contacts that did not, but may have been on the other side in between, a bit each.
@@ -196,6 +200,10 @@ impl Workspace {
             Scheme::Splitting(method, _) if method.gradients.is_empty() => (0, FEWER_PARTS, 0),
             Scheme::Splitting(..) => (0, FEWER_PARTS, rows),
         };
+        let pauses = match scheme {
+            Scheme::Splitting(method, _) => parts::pauses(method, rows),
+            Scheme::Pair(..) => 0,
+        };
         let motion = || Box::new(Motion::at_rest(rows, parts, gradients));
         Self {
             now: motion(),
@@ -204,6 +212,7 @@ impl Workspace {
             error_position: vec![Row::default(); judged],
             error_velocity: vec![Row::default(); judged],
             overlap: vec![Row::default(); judged],
+            pauses: vec![Pause::default(); pauses],
             changed: vec![0; judged],
             doubtful: vec![0; judged],
             largest: Largest::default(),

@@ -6,6 +6,7 @@ use super::lane::first_lost;
 use crate::chain::stepper::dispatch::{InstructionSet, dispatch};
 use crate::chain::stepper::lanes::WIDTH;
 use crate::chain::stepper::layout::Across;
+use crate::chain::stepper::parts::Steps;
 use crate::chain::stepper::plan::Plan;
 use crate::chain::stepper::steps::AT_ONCE;
 use crate::chain::stepper::tasks;
@@ -74,8 +75,8 @@ impl Split {
         (h, count): (f64, u64),
         next: f64,
     ) -> [bool; WIDTH] {
-        let (step, method, layout) = (h, self.method, PhantomData);
-        let task = tasks::Split::<Across> { plan, method, work, step, count, layout };
+        let steps = Steps { method: self.method, length: h, count };
+        let task = tasks::Split::<Across> { plan, work, steps, layout: PhantomData };
         let finite = dispatch(set, task);
         work.turn();
         let mut taken = [false; WIDTH];
@@ -88,7 +89,7 @@ impl Split {
         }
         (self.time, self.last_step) = (next, (next - h, h));
         self.counts.steps += count;
-        self.counts.force_evaluations += count * method.drifts.len() as u64;
+        self.counts.force_evaluations += count * self.method.drifts.len() as u64;
         taken
     }
 

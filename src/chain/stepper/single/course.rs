@@ -2,21 +2,32 @@
 
 use crate::chain::stepper::dispatch::InstructionSet;
 use crate::chain::stepper::lanes::{Row, WIDTH};
-use crate::chain::stepper::layout::{Along, Layout, Striped};
+use crate::chain::stepper::layout::{Along, Layout, Striped, Tiled};
 use crate::chain::stepper::plan::Plan;
 use crate::chain::stepper::workspace::Workspace;
 use crate::integrate::Work;
 
-/// Rows at rest behind the last that moves: within a step news travel a contact a stage, of which there are fewer than in these.
-pub const MARGIN: usize = 2;
+/// Rows at rest behind the last that moves, whole tiles: within a step news travel a contact a stage, of which there are fewer than in these.
+pub fn margin<Y: Layout>() -> usize {
+    Y::TILE.max(2)
+}
+
 /// Speed from which a row is under way, as a share of the largest at the start: linear forces, and those without cancellation, send something
 /// ahead however far, far below 1e-13 of the impact, under which nothing is a pulse (1).
 pub const UNDER_WAY: f64 = 1e-30;
 
+/// How a chain lies in rows.
+#[derive(Debug, Clone, Copy)]
+pub enum Laid {
+    Along,
+    Tiled,
+    Striped,
+}
+
 /// What moves, and all that a step reads and writes.
 pub struct Course {
     pub set: InstructionSet,
-    pub striped: bool,
+    pub laid: Laid,
     pub plan: Plan,
     /// Rows with nothing that is faster are ahead of the wave (m/s).
     pub quiet: f64,
@@ -30,10 +41,11 @@ impl Course {
     /// Goes on with the rows that the motion has come near to.
     pub fn follow_front(&mut self) {
         let (live, all) = (self.plan.live, self.plan.all_rows());
-        let ahead = live.saturating_sub(MARGIN)..live;
+        let margin = laid!(self.laid, Y => margin::<Y>());
+        let ahead = live.saturating_sub(margin)..live;
         let moves = |row: &Row| row.0.iter().any(|v| v.abs() > self.quiet);
         if live < all && self.work.now.velocity()[ahead].iter().any(moves) {
-            self.plan.live = (live + MARGIN).min(all);
+            self.plan.live = (live + margin).min(all);
         }
     }
 
@@ -49,7 +61,7 @@ impl Course {
 
     /// Row and lane of entry `index`.
     pub fn place(&self, index: usize) -> (usize, usize) {
-        laid!(self.striped, Y => Y::place(self.plan.all_rows(), index, 0))
+        laid!(self.laid, Y => Y::place(self.plan.all_rows(), index, 0))
     }
 
     /// The first `count` values of `rows`.

@@ -2,11 +2,11 @@
 
 use std::marker::PhantomData;
 
-use super::{ChainStepper, Course};
+use super::{ChainStepper, Course, Laid};
 use crate::chain::stepper::dispatch::dispatch;
 use crate::chain::stepper::frame::{Ends, Frame};
 use crate::chain::stepper::lanes::Row;
-use crate::chain::stepper::layout::{Along, Striped};
+use crate::chain::stepper::layout::{Along, Striped, Tiled};
 use crate::chain::stepper::tasks::Jerks;
 use crate::chain::stepper::workspace::Workspace;
 
@@ -19,8 +19,8 @@ impl ChainStepper {
             rows.resize(self.course.plan.all_rows(), Row::default());
         }
         let [position, force] = &mut frame;
-        let (Course { set, striped, plan, .. }, ends) = (&self.course, self.ends());
-        laid!(*striped, Y => {
+        let (Course { set, laid, plan, .. }, ends) = (&self.course, self.ends());
+        laid!(*laid, Y => {
             dispatch(*set, Frame::<Y> { plan, ends, theta, position, force, layout: PhantomData });
         });
         self.frame = frame;
@@ -31,7 +31,7 @@ impl ChainStepper {
     /// Finds the rates of the accelerations at both ends of the last step.
     pub(super) fn find_jerks(&mut self) {
         let Self { course, jerks: [before, after], jerks_of, .. } = self;
-        let Course { set, striped, plan, work, counts, .. } = course;
+        let Course { set, laid, plan, work, counts, .. } = course;
         if *jerks_of == counts.steps {
             return;
         }
@@ -39,7 +39,7 @@ impl ChainStepper {
             out.resize(plan.all_rows(), Row::default());
         }
         let find = |at, out| {
-            laid!(*striped, Y => dispatch(*set, Jerks::<Y> { plan, at, out, layout: PhantomData }));
+            laid!(*laid, Y => dispatch(*set, Jerks::<Y> { plan, at, out, layout: PhantomData }));
         };
         if jerks_of.wrapping_add(1) == counts.steps {
             std::mem::swap(before, after);

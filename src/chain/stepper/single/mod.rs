@@ -1,14 +1,21 @@
-//! One chain, stepped with error control or in fixed steps: along the rows, or where it is short and steps are fixed, striped.
+//! One chain, stepped with error control along the rows, or in fixed steps in tiles, or striped where it is short.
 
-/// `$body` for the layout of a chain that is `$striped` or not.
+/// `$body` for the layout of a chain that is `$laid` so.
 macro_rules! laid {
-    ($striped:expr, $layout:ident => $body:expr) => {
-        if $striped {
-            type $layout = Striped;
-            $body
-        } else {
-            type $layout = Along;
-            $body
+    ($laid:expr, $layout:ident => $body:expr) => {
+        match $laid {
+            Laid::Along => {
+                type $layout = Along;
+                $body
+            }
+            Laid::Tiled => {
+                type $layout = Tiled;
+                $body
+            }
+            Laid::Striped => {
+                type $layout = Striped;
+                $body
+            }
         }
     };
 }
@@ -24,7 +31,7 @@ use std::marker::PhantomData;
 use super::dispatch::{InstructionSet, dispatch};
 use super::frame::Ends;
 use super::lanes::Row;
-use super::layout::{Along, Layout, Striped};
+use super::layout::{Along, Layout, Striped, Tiled};
 use super::plan::{Form, Plan, are_few, rows_of};
 use super::steps::{find_gradients, finest_asked};
 use super::tasks::{Evaluate, Settle};
@@ -32,7 +39,7 @@ use super::workspace::Workspace;
 use crate::chain::Chain;
 use crate::integrate::hermite::{End, septic};
 use crate::integrate::{IntegrateError, Integrator, Interpolant, Scheme, State, Work};
-use course::{Course, MARGIN, UNDER_WAY};
+use course::{Course, Laid, UNDER_WAY, margin};
 use paired::Paired;
 use split::Split;
 pub use trail::Trail;
@@ -93,14 +100,18 @@ impl ChainStepper {
         scheme: Scheme,
         (set, form): (InstructionSet, Form),
     ) -> Self {
-        // Pairs go from overlap to overlap, which gains nothing by stripes.
-        let striped = matches!(scheme, Scheme::Splitting(..)) && are_few(rows_of(chain), form);
-        laid!(striped, Y => Self::laid::<Y>(chain, state, scheme, (set, form)))
+        let laid = match scheme {
+            // Pairs go from overlap to overlap, which gains nothing by stripes.
+            Scheme::Pair(..) => Laid::Along,
+            Scheme::Splitting(..) if are_few(rows_of(chain), form) => Laid::Striped,
+            Scheme::Splitting(..) => Laid::Tiled,
+        };
+        laid!(laid, Y => Self::laid::<Y>(laid, (chain, state), scheme, (set, form)))
     }
 
     fn laid<Y: Layout>(
-        chain: &Chain,
-        state: &State,
+        laid: Laid,
+        (chain, state): (&Chain, &State),
         scheme: Scheme,
         (set, form): (InstructionSet, Form),
     ) -> Self {
@@ -123,14 +134,14 @@ impl ChainStepper {
             all.iter().any(|row| **row != Row::default())
         };
         let last = (0..plan.all_rows()).rev().find(|row| moves(*row)).unwrap_or(0);
-        if !Y::STRIPED {
-            plan.live = (last + 1 + MARGIN).min(plan.all_rows());
+        if Y::TILE != 0 {
+            let live = (last + 1 + margin::<Y>()).next_multiple_of(Y::TILE.max(1));
+            plan.live = live.min(plan.all_rows());
         }
         let counts = Work { force_evaluations: 1, ..Work::default() };
         let speed = velocities.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
         let quiet = UNDER_WAY * speed;
-        let mut course =
-            Course { set, striped: Y::STRIPED, plan, quiet, work, time: state.time, counts };
+        let mut course = Course { set, laid, plan, quiet, work, time: state.time, counts };
         let drive = match scheme {
             Scheme::Pair(pair, tolerance) => {
                 let scales = (chain.impact_overlap(velocities).max(overlap.0[0]), speed);

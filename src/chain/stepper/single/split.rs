@@ -2,9 +2,10 @@
 
 use std::marker::PhantomData;
 
-use super::Course;
+use super::{Course, Laid};
 use crate::chain::stepper::dispatch::dispatch;
-use crate::chain::stepper::layout::{Along, Striped};
+use crate::chain::stepper::layout::{Striped, Tiled};
+use crate::chain::stepper::parts::Steps;
 use crate::chain::stepper::steps::AT_ONCE;
 use crate::chain::stepper::tasks;
 use crate::integrate::IntegrateError;
@@ -50,13 +51,18 @@ impl Split {
 
     /// Takes `count` steps of `h` (s).
     fn take(&self, course: &mut Course, (h, count): (f64, u64)) -> Result<(), IntegrateError> {
-        let Course { set, striped, plan, work, counts, .. } = course;
-        let (set, step, method) = (*set, h, self.method);
-        let finite = laid!(*striped, Y => {
-            dispatch(set, tasks::Split::<Y> { plan, method, work, step, count, layout: PhantomData })
-        });
+        let Course { set, laid, plan, work, counts, .. } = course;
+        let steps = Steps { method: self.method, length: h, count };
+        let finite = match laid {
+            Laid::Striped => {
+                dispatch(*set, tasks::Split::<Striped> { plan, work, steps, layout: PhantomData })
+            }
+            Laid::Tiled | Laid::Along => {
+                dispatch(*set, tasks::Split::<Tiled> { plan, work, steps, layout: PhantomData })
+            }
+        };
         counts.steps += count;
-        counts.force_evaluations += count * method.drifts.len() as u64;
+        counts.force_evaluations += count * self.method.drifts.len() as u64;
         if finite == 0 {
             let (body, time) = (course.first_lost(), course.time);
             return Err(IntegrateError::NotFinite { body, time });
