@@ -25,6 +25,9 @@ const REFERENCE: f64 = 1e-15;
 /// Evaluations of a method with fixed steps beyond which nobody waits.
 const MOST_EVALUATIONS: f64 = 1e6;
 
+/// From rung to rung of a ladder of fixed steps, in powers of two: as fine in time as the pairs' half decades are (1).
+const RUNG: f64 = 0.25;
+
 type Make = fn(f64) -> Method;
 
 /// The methods with fixed steps, by their step (s).
@@ -129,7 +132,7 @@ fn fixed_ladder(case: &Case, make: Make, error: &dyn Fn(Method) -> f64) -> Ladde
         if found < 1e-10 {
             break;
         }
-        step *= 0.5_f64.sqrt();
+        step *= 0.5_f64.powf(RUNG);
     }
     ladder
 }

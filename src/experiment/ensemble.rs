@@ -247,6 +247,7 @@ fn follow(mut group: ChainGroup, cases: &[&Case]) -> Vec<Result<Readout, Integra
             }
         }
     }
+    pulses.iter_mut().flatten().for_each(PulseRecorder::shrink);
     let outcomes = pulses.into_iter().enumerate();
     outcomes.map(|(i, pulses)| Ok(Readout { pulses, work: group.outcome(i)? })).collect()
 }

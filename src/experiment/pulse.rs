@@ -15,6 +15,8 @@ const BETWEEN_LOOKS: f64 = 1.25;
 const BETWEEN: f64 = 0.3;
 /// A peak counts when it exceeds this share of the record's largest dynamic force (1).
 const PEAK_SHARE: f64 = 0.25;
+/// Lowest level that is remembered for certain, as a share of the first peak (1).
+pub const LOWEST_LEVEL: f64 = 1e-3;
 /// What does not exceed this share of the static force, or of the impact's, is rounding, and no pulse (1).
 const QUIETEST: f64 = 1e-13;
 /// What two steps' interpolants may differ by where they meet is no jump, as a share of the largest force (1).
@@ -49,6 +51,8 @@ pub struct PulseRecorder {
     peaks: Vec<Bracket>,
     /// Steps during which the force exceeded all before: where any level was first reached.
     rises: Vec<Rise>,
+    /// Levels up to here are no longer remembered (N).
+    forgotten: f64,
     largest: f64,
     /// What the highest of the maxima reaches at least (N).
     highest: f64,
@@ -70,6 +74,7 @@ impl PulseRecorder {
             rate_before: probe.starting_rate(velocities),
             peaks: Vec::new(),
             rises: Vec::new(),
+            forgotten: 0.0,
             largest: 0.0,
             highest: 0.0,
             last: 0.0,
@@ -88,20 +93,15 @@ impl PulseRecorder {
             forces: LOOKED_AT.map(|theta| segment.force(theta)),
             rates: LOOKED_AT.map(|theta| segment.rate(theta)),
         };
-        let kept = self.kept();
         let step = self.felt.keep(segment.clone());
         if self.is_lossy {
             self.jump(step);
         }
         self.see(&looks, segment.length, &|| step);
-        if self.kept() == kept {
+        let last = [self.peaks.last().map(|p| p.segment), self.rises.last().map(|r| r.segment)];
+        if !last.contains(&Some(step)) {
             self.felt.let_go();
         }
-    }
-
-    /// How many maxima and rises are kept.
-    fn kept(&self) -> usize {
-        self.peaks.len() + self.rises.len()
     }
 
     /// Takes in the first `count` steps of the stepper for lossless chains, at least one, of which those whose bits are set in `wanted` may
@@ -149,7 +149,35 @@ impl PulseRecorder {
     /// Keeps a maximum of at least `least` (N).
     fn keep(&mut self, least: f64, peak: Bracket) {
         self.highest = self.highest.max(least);
+        self.forget(self.peaks.len() == self.peaks.capacity());
         self.peaks.push(peak);
+    }
+
+    /// Keeps a step in which the force is largest.
+    fn keep_rise(&mut self, rise: Rise) {
+        self.largest = rise.reached;
+        self.forget(self.rises.len() == self.rises.capacity());
+        self.rises.push(rise);
+    }
+
+    /// Where there `is_no_room` forgets what nobody asks for: maxima below the threshold of the first peak, which only rises, and rises to
+    /// levels far below it.
+    fn forget(&mut self, is_no_room: bool) {
+        if !is_no_room {
+            return;
+        }
+        let threshold = PEAK_SHARE * self.largest;
+        self.peaks.retain(|peak| peak.most > threshold);
+        let low = self.rises.partition_point(|rise| rise.reached < LOWEST_LEVEL * threshold);
+        self.forgotten = self.rises[..low].last().map_or(self.forgotten, |rise| rise.reached);
+        self.rises.drain(..low);
+    }
+
+    /// Takes up no more memory than its readings need: of many that are kept, most would be empty.
+    pub fn shrink(&mut self) {
+        self.forget(true);
+        self.peaks.shrink_to_fit();
+        self.rises.shrink_to_fit();
     }
 
     fn see(&mut self, looks: &Looks, length: f64, segment: &dyn Fn() -> Segment) {
@@ -175,8 +203,7 @@ impl PulseRecorder {
             (reached, top) = (self.last, 1.0);
         }
         if reached > self.largest {
-            self.largest = reached;
-            self.rises.push(Rise { segment: segment(), reached, top });
+            self.keep_rise(Rise { segment: segment(), reached, top });
         }
     }
 
@@ -222,8 +249,7 @@ impl PulseRecorder {
         if force - self.last > SMALLEST_JUMP * self.largest && rate <= 0.0 {
             self.keep(force, Bracket { segment, between: [0.0; 2], rates: [rate; 2], most: force });
             if force > self.largest {
-                self.largest = force;
-                self.rises.push(Rise { segment, reached: force, top: 0.0 });
+                self.keep_rise(Rise { segment, reached: force, top: 0.0 });
             }
         }
         self.rate_before = rate;
@@ -248,10 +274,12 @@ impl PulseRecorder {
         Some(Peak { total_n: dynamic_n + self.static_force, dynamic_n, time_s })
     }
 
-    /// The time when the dynamic force first reached `level` (N), which is positive (s).
+    /// The time when the dynamic force first reached `level` (N), which is positive; none where it did not, or where the level is lower than
+    /// [`LOWEST_LEVEL`] of a first peak and no longer remembered (s).
     #[must_use]
     pub fn first_reach(&self, level: f64) -> Option<f64> {
-        let Rise { segment, top, .. } = self.rises.iter().find(|rise| rise.reached >= level)?;
+        let is_it = |rise: &&Rise| rise.reached >= level && level > self.forgotten;
+        let Rise { segment, top, .. } = self.rises.iter().find(is_it)?;
         let excess = |theta: f64| self.felt.force(segment, theta) - level;
         let (mut before, mut lacks) = (0.0, excess(0.0));
         if lacks >= 0.0 {

@@ -6,7 +6,7 @@ use crate::chain::stepper::{Place, Span};
 
 /// A force over one step. Steps resolve the stiffest contact, or they would not be accepted, so a force turns at most twice
 /// between two of the places in [`LOOKED_AT`](crate::chain::stepper::LOOKED_AT).
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Segment {
     /// Of any method: which of [`Felt::general`].
     General(usize),

@@ -177,50 +177,53 @@ fn ten_to(exponent: f64) -> f64 {
     exact.copied().unwrap_or_else(|| 10f64.powf(exponent))
 }
 
-/// A unit symbol without prefix: symbol, power of ten, factor, dimension, may carry a prefix.
-type Symbol = (&'static str, f64, f64, Dimension, bool);
+/// A unit symbol without prefix: power of ten, factor, dimension, may carry a prefix.
+type Symbol = (f64, f64, Dimension, bool);
 
-const SYMBOLS: [Symbol; 24] = [
-    ("g", -3.0, 1.0, Dimension::MASS, true),
-    ("m", 0.0, 1.0, Dimension::LENGTH, true),
-    ("s", 0.0, 1.0, Dimension::TIME, true),
-    ("min", 0.0, 60.0, Dimension::TIME, false),
-    ("h", 0.0, 3600.0, Dimension::TIME, false),
-    ("A", 0.0, 1.0, whole([0, 0, 0, 1, 0, 0]), true),
-    ("K", 0.0, 1.0, Dimension::TEMPERATURE, true),
-    ("Hz", 0.0, 1.0, Dimension::FREQUENCY, true),
-    ("N", 0.0, 1.0, Dimension::FORCE, true),
-    ("Pa", 0.0, 1.0, Dimension::PRESSURE, true),
-    ("bar", 5.0, 1.0, Dimension::PRESSURE, true),
-    ("J", 0.0, 1.0, Dimension::ENERGY, true),
-    ("C", 0.0, 1.0, Dimension::CHARGE, true),
-    ("V", 0.0, 1.0, Dimension::VOLTAGE, true),
-    ("Ohm", 0.0, 1.0, Dimension::RESISTANCE, true),
-    ("ohm", 0.0, 1.0, Dimension::RESISTANCE, true),
-    ("Ω", 0.0, 1.0, Dimension::RESISTANCE, true),
-    ("F", 0.0, 1.0, Dimension::CAPACITANCE, true),
-    ("T", 0.0, 1.0, Dimension::MAGNETIC_FLUX_DENSITY, true),
-    ("div", 0.0, 1.0, Dimension::DIVISION, false),
-    ("in", -2.0, 2.54, Dimension::LENGTH, false),
-    ("%", -2.0, 1.0, Dimension::NONE, false),
-    ("ppm", -6.0, 1.0, Dimension::NONE, false),
-    ("t", 3.0, 1.0, Dimension::MASS, false),
-];
+fn symbol_of(name: &str) -> Option<Symbol> {
+    Some(match name {
+        "g" => (-3.0, 1.0, Dimension::MASS, true),
+        "m" => (0.0, 1.0, Dimension::LENGTH, true),
+        "s" => (0.0, 1.0, Dimension::TIME, true),
+        "min" => (0.0, 60.0, Dimension::TIME, false),
+        "h" => (0.0, 3600.0, Dimension::TIME, false),
+        "A" => (0.0, 1.0, whole([0, 0, 0, 1, 0, 0]), true),
+        "K" => (0.0, 1.0, Dimension::TEMPERATURE, true),
+        "Hz" => (0.0, 1.0, Dimension::FREQUENCY, true),
+        "N" => (0.0, 1.0, Dimension::FORCE, true),
+        "Pa" => (0.0, 1.0, Dimension::PRESSURE, true),
+        "bar" => (5.0, 1.0, Dimension::PRESSURE, true),
+        "J" => (0.0, 1.0, Dimension::ENERGY, true),
+        "C" => (0.0, 1.0, Dimension::CHARGE, true),
+        "V" => (0.0, 1.0, Dimension::VOLTAGE, true),
+        "Ohm" | "ohm" | "Ω" => (0.0, 1.0, Dimension::RESISTANCE, true),
+        "F" => (0.0, 1.0, Dimension::CAPACITANCE, true),
+        "T" => (0.0, 1.0, Dimension::MAGNETIC_FLUX_DENSITY, true),
+        "div" => (0.0, 1.0, Dimension::DIVISION, false),
+        "in" => (-2.0, 2.54, Dimension::LENGTH, false),
+        "%" => (-2.0, 1.0, Dimension::NONE, false),
+        "ppm" => (-6.0, 1.0, Dimension::NONE, false),
+        "t" => (3.0, 1.0, Dimension::MASS, false),
+        _ => return None,
+    })
+}
 
-const PREFIXES: [(&str, f64); 12] = [
-    ("f", -15.0),
-    ("p", -12.0),
-    ("n", -9.0),
-    ("u", -6.0),
-    ("µ", -6.0),
-    ("μ", -6.0),
-    ("m", -3.0),
-    ("c", -2.0),
-    ("k", 3.0),
-    ("M", 6.0),
-    ("G", 9.0),
-    ("T", 12.0),
-];
+/// What a prefix stands for, as a power of ten (1).
+fn power_of(prefix: char) -> Option<f64> {
+    Some(match prefix {
+        'f' => -15.0,
+        'p' => -12.0,
+        'n' => -9.0,
+        'u' | 'µ' | 'μ' => -6.0,
+        'm' => -3.0,
+        'c' => -2.0,
+        'k' => 3.0,
+        'M' => 6.0,
+        'G' => 9.0,
+        'T' => 12.0,
+        _ => return None,
+    })
+}
 
 /// Reads a product of unit symbols; an empty text is the plain number's unit.
 pub(super) fn parse(text: &str) -> Result<Unit, QuantityError> {
@@ -286,14 +289,11 @@ fn look_up(symbol: &str) -> Option<(f64, f64, Dimension)> {
     if symbol == "1" {
         return Some((0.0, 1.0, Dimension::NONE));
     }
-    let found = SYMBOLS.iter().find(|(name, ..)| *name == symbol);
-    if let Some((_, power, factor, dimension, _)) = found {
-        return Some((*power, *factor, *dimension));
+    if let Some((power, factor, dimension, _)) = symbol_of(symbol) {
+        return Some((power, factor, dimension));
     }
-    PREFIXES.iter().find_map(|(prefix, power_of_prefix)| {
-        let name = symbol.strip_prefix(prefix)?;
-        let (_, power, factor, dimension, _) =
-            SYMBOLS.iter().find(|(candidate, .., prefixed)| *prefixed && *candidate == name)?;
-        Some((power + power_of_prefix, *factor, *dimension))
-    })
+    let mut rest = symbol.chars();
+    let power_of_prefix = power_of(rest.next()?)?;
+    let (power, factor, dimension, takes_prefix) = symbol_of(rest.as_str())?;
+    takes_prefix.then_some((power + power_of_prefix, factor, dimension))
 }

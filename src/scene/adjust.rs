@@ -120,11 +120,11 @@ impl Adjustable {
 
     /// The scene of another tree.
     pub(super) fn standing_on(&self, root: Node) -> Result<Scene, SceneError> {
-        let Loaded { name, text, hash, problems, .. } = &self.loaded;
+        let Loaded { name, text, texts, problems, .. } = &self.loaded;
         Scene::checked(Loaded {
             name: name.clone(),
             text: text.clone(),
-            hash: hash.clone(),
+            texts: texts.clone(),
             root,
             problems: problems.clone(),
         })

@@ -5,6 +5,7 @@
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -21,7 +22,7 @@ pub struct Place {
 #[derive(Debug)]
 struct Source {
     file: String,
-    text: String,
+    text: Arc<str>,
 }
 
 impl Place {
@@ -42,7 +43,7 @@ impl Place {
 
     /// The whole text it was typed in.
     #[must_use]
-    pub fn text(&self) -> &str {
+    pub fn text(&self) -> &Arc<str> {
         &self.source.text
     }
 
@@ -101,7 +102,7 @@ impl Node {
     /// # Errors
     /// Every syntax error, with its place.
     pub fn parse(file: &str, text: &str) -> Result<Self, Vec<Problem>> {
-        let source = Rc::new(Source { file: file.to_owned(), text: text.to_owned() });
+        let source = Rc::new(Source { file: file.to_owned(), text: text.into() });
         let (table, errors) = DeTable::parse_recoverable(text);
         if !errors.is_empty() {
             let place = |error: &toml::de::Error| Place {

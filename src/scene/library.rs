@@ -3,16 +3,14 @@
 //! A name is looked up among the embedded files; a text with a path separator or ending in `.toml` is a file, relative to
 //! the one that names it.
 
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
-
-use sha2::{Digest, Sha256};
 
 use super::document::{Entry, Node, Place, Value};
 use super::files::{read_text, shipped};
 use super::forget::forget_models;
 use super::problem::{Problem, SceneError};
+use super::texts::Texts;
 use crate::data;
 
 /// A scene may stand on a scene that stands on a scene; deeper is a mistake or a circle.
@@ -40,8 +38,8 @@ pub struct Loaded {
     pub name: String,
     /// The scene's own text.
     pub text: String,
-    /// SHA-256 over every text that went into the tree, in hexadecimal.
-    pub hash: String,
+    /// Every text that went into the tree.
+    pub texts: Texts,
     /// The merged tree.
     pub root: Node,
     /// Instrument files that are not there or no TOML; one that ships stands in for each, so that the rest can be checked.
@@ -70,14 +68,11 @@ pub fn load_text(name: &str, file: &str, text: &str) -> Result<Loaded, SceneErro
 }
 
 fn assembled(name: &str, text: String, file: &str, origin: &Origin) -> Result<Loaded, SceneError> {
-    let mut library = Library { texts: Sha256::new(), problems: Vec::new() };
+    let mut library = Library { texts: Texts::default(), problems: Vec::new() };
     let root = library.assemble(&text, file, origin, 0)?;
-    library.hash_constants(&root);
-    let mut hash = String::new();
-    for byte in library.texts.finalize() {
-        let _ = write!(hash, "{byte:02x}");
-    }
-    Ok(Loaded { name: name.to_owned(), text, hash, root, problems: library.problems })
+    library.add_constants(&root);
+    let Library { texts, problems } = library;
+    Ok(Loaded { name: name.to_owned(), text, texts, root, problems })
 }
 
 /// The tree of the instrument file `kind/name`, which `place` names.
@@ -116,7 +111,7 @@ pub fn open(kind: &str, name: &str) -> Result<Option<Node>, SceneError> {
 }
 
 struct Library {
-    texts: Sha256,
+    texts: Texts,
     problems: Vec<Problem>,
 }
 
@@ -128,8 +123,8 @@ impl Library {
         origin: &Origin,
         depth: usize,
     ) -> Result<Node, SceneError> {
-        self.texts.update(text.as_bytes());
         let mut root = Node::parse(file, text).map_err(SceneError::Problems)?;
+        self.texts.add(root.place.text());
         let Some((base, place)) = root.text("base").map(|(b, p)| (b.to_owned(), p.clone())) else {
             self.insert_models(&mut root);
             return Ok(root);
@@ -159,8 +154,8 @@ impl Library {
         Ok(root)
     }
 
-    /// Adds the files of materials and ceramics to the hash. They are looked up again where their numbers are read.
-    fn hash_constants(&mut self, node: &Node) {
+    /// Adds the texts of materials and ceramics. They are looked up again where their numbers are read.
+    fn add_constants(&mut self, node: &Node) {
         let items: Vec<&Node> = match &node.value {
             Value::Table(table) => table.values().map(|entry| &entry.node).collect(),
             Value::List(items) => items.iter().collect(),
@@ -170,11 +165,11 @@ impl Library {
             let Some((name, place)) = node.text(key) else { continue };
             // What cannot be read is told by whoever needs its numbers.
             if let Ok(file) = instrument(kind, name, place, key) {
-                self.texts.update(file.place.text().as_bytes());
+                self.texts.add(file.place.text());
             }
         }
         for item in items {
-            self.hash_constants(item);
+            self.add_constants(item);
         }
     }
 
@@ -207,7 +202,7 @@ impl Library {
         let place = place.clone();
         match instrument(kind, name, &place, &format!("{path}.model")) {
             Ok(below) => {
-                self.texts.update(below.place.text().as_bytes());
+                self.texts.add(below.place.text());
                 entry.node.put_over(&below);
             }
             Err(found) => {

@@ -24,12 +24,14 @@ pub mod problem;
 pub mod reader;
 mod sensors;
 mod shot;
+mod texts;
 mod tree;
 pub mod vary;
 
 pub use bench::load as input_load;
 pub use problem::{Problem, SceneError};
 pub use sensors::{PlacedSensor, Site};
+pub use texts::{Texts, hexadecimal};
 
 use crate::chain::{Chain, ChainSpec, End};
 use crate::quantity::Dimension;
@@ -57,8 +59,8 @@ pub struct Scene {
     pub title: String,
     /// The file as typed.
     pub text: String,
-    /// SHA-256 over all files that went into it, in hexadecimal.
-    pub hash: String,
+    /// All texts that went into it.
+    pub texts: Texts,
     /// The description of the chain.
     pub spec: ChainSpec,
     /// The chain in static equilibrium.
@@ -139,7 +141,7 @@ pub fn oscilloscope(name: &str) -> Result<Model, SceneError> {
 }
 
 fn read(loaded: library::Loaded, problems: &Problems) -> Option<Scene> {
-    let library::Loaded { name, text, hash, root, .. } = loaded;
+    let library::Loaded { name, text, texts, root, .. } = loaded;
     let root = Table::of(&root, "", problems)?;
     let _ = root.text("base");
     let title = root.text("title").unwrap_or(&name).to_owned();
@@ -158,7 +160,7 @@ fn read(loaded: library::Loaded, problems: &Problems) -> Option<Scene> {
         name,
         title,
         text,
-        hash,
+        texts,
         spec,
         chain,
         initial_velocities: moving.initial_velocities,

@@ -277,19 +277,22 @@ impl<'a> Table<'a> {
     /// Reports every key that was not asked for.
     pub fn finish(self) {
         let mut asked = self.asked.take();
+        let unknown = |(key, _): &(&'a String, &'a Entry)| !asked.contains(&key.as_str());
+        let unknown: Vec<_> = self.entries.iter().filter(unknown).collect();
+        if unknown.is_empty() {
+            return;
+        }
         asked.sort_unstable();
         asked.dedup();
-        for (key, entry) in self.entries {
-            if asked.binary_search(&key.as_str()).is_err() {
-                let expected = if asked.is_empty() {
-                    "nothing here".to_owned()
-                } else {
-                    format!("one of {}", asked.join(", "))
-                };
-                let path = self.path_of(key);
-                let found = format!("the unknown key `{key}`");
-                self.problems.push(entry.key_place.problem(&path, found, expected));
-            }
+        let expected = if asked.is_empty() {
+            "nothing here".to_owned()
+        } else {
+            format!("one of {}", asked.join(", "))
+        };
+        for (key, entry) in unknown {
+            let path = self.path_of(key);
+            let found = format!("the unknown key `{key}`");
+            self.problems.push(entry.key_place.problem(&path, found, expected.clone()));
         }
     }
 }

@@ -1,6 +1,5 @@
 //! A sweep that is ready to run: the scenes of its runs, and the columns of its results.
 
-use std::fmt::Write as _;
 use std::path::Path;
 
 use sha2::{Digest, Sha256};
@@ -14,7 +13,7 @@ use crate::experiment::outcome::{Reading, Speed, speeds};
 use crate::scene::adjust::Adjustable;
 use crate::scene::grid::{Design, Run, number, typed};
 use crate::scene::vary::Setting;
-use crate::scene::{Problem, Scene, SceneError};
+use crate::scene::{Problem, Scene, SceneError, hexadecimal};
 
 /// Runs that are tried before a sweep begins: where none makes a scene, the sweep is mistaken.
 const TRIED: u64 = 16;
@@ -260,14 +259,10 @@ fn columns(design: &Design, units: &[Option<String>], watched: &[Watched]) -> Ve
 fn hash(design: &Design, scene: &Scene, accuracy: Option<f64>) -> String {
     let mut hash = Sha256::new();
     hash.update(env!("CARGO_PKG_VERSION"));
-    hash.update(&scene.hash);
+    hash.update(scene.texts.hash());
     hash.update(format!("{accuracy:?}\n"));
     hash.update(&design.text);
-    hash.finalize().iter().fold(String::new(), |mut text, byte| {
-        // Writing to a text does not fail.
-        let _ = write!(text, "{byte:02x}");
-        text
-    })
+    hexadecimal(&hash.finalize())
 }
 
 /// What is wrong with a scene, on one line. Files stand there without their folders, which may differ from process to process.

@@ -3,7 +3,7 @@
 use hertzscope::chain::stepper::{ChainStepper, Due, InstructionSet, LOOKED_AT, Trail};
 use hertzscope::chain::{Chain, ForceProbe, ForceSegment};
 use hertzscope::experiment::bench::Grid;
-use hertzscope::experiment::pulse::PulseRecorder;
+use hertzscope::experiment::pulse::{LOWEST_LEVEL, PulseRecorder};
 use hertzscope::integrate::{Integrator, Method};
 use hertzscope::scene::Scene;
 
@@ -13,7 +13,7 @@ use super::splittings::METHODS;
 /// Times nobody reaches.
 const NEVER: Grid = Grid { start: 1e9, interval: 1.0 };
 /// Shares of the first peak at which arrivals are compared (1).
-const LEVELS: [f64; 4] = [0.03, 0.1, 0.5, 0.95];
+const LEVELS: [f64; 5] = [LOWEST_LEVEL, 0.03, 0.1, 0.5, 0.95];
 
 /// First peak (N, s) and first times of levels (s), to the last bit.
 fn readings(pulse: &PulseRecorder) -> Vec<u64> {
@@ -63,6 +63,16 @@ fn choosy_and_thorough(
     Some([choosy, thorough])
 }
 
+/// The same recorder, once it is known that nothing follows. What is forgotten is not made up.
+fn shrunk(pulse: &PulseRecorder) -> PulseRecorder {
+    let mut shrunk = pulse.clone();
+    shrunk.shrink();
+    let far_below = 1e-5 * LOWEST_LEVEL * pulse.largest();
+    let at_all = shrunk.first_reach(far_below);
+    assert!(at_all.is_none() || at_all == pulse.first_reach(far_below), "{at_all:?}");
+    shrunk
+}
+
 /// In every particle, by steps from the edge of stability down.
 #[test]
 fn a_force_reads_the_same_wherever_its_steps_were_looked_into() {
@@ -89,6 +99,7 @@ fn a_force_reads_the_same_wherever_its_steps_were_looked_into() {
             for (index, (a, b)) in choosy.iter().zip(&thorough).enumerate() {
                 let words = format!("{name}, particle {}, {method}", index + 1);
                 assert_eq!(readings(a), readings(b), "{words}");
+                assert_eq!(readings(&shrunk(a)), readings(a), "{words}, shrunk");
                 compared += 1;
             }
         }

@@ -2,10 +2,11 @@
 
 use sha2::{Digest, Sha256};
 
+use super::METHOD;
 use super::words::{BudgetReport, CalibrationReport, Evidence, ImpactReport, MonteCarloReport};
-use super::{METHOD, hexadecimal};
 use crate::analysis::calibration::budget::BudgetLine;
 use crate::analysis::calibration::{COVERAGE_95, Calibration, ImpactResult};
+use crate::scene::hexadecimal;
 use crate::scene::plan::{Particulars, Plan};
 
 /// Puts what was found into the report's words.

@@ -10,7 +10,6 @@ pub mod words;
 pub use fill::{report, sensor_file};
 pub use words::CalibrationReport;
 
-use std::fmt::Write as _;
 use std::path::Path;
 
 use sha2::{Digest, Sha256};
@@ -21,6 +20,7 @@ use crate::analysis::calibration::{self, Calibration, CalibrationError, Draws, S
 use crate::analysis::gate::Gate;
 use crate::recording::format::open;
 use crate::recording::{Capture, TraceSet};
+use crate::scene::hexadecimal;
 use crate::scene::plan::{Means, Plan, PlanError, PlannedImpact, Uncertain};
 use crate::scene::problem::Problem;
 use words::Evidence;
@@ -162,12 +162,4 @@ fn hash(file: &Path, set: &TraceSet) -> std::io::Result<String> {
         hash.update(std::fs::read(file)?);
     }
     Ok(hexadecimal(&hash.finalize()))
-}
-
-fn hexadecimal(bytes: &[u8]) -> String {
-    let mut text = String::new();
-    for byte in bytes {
-        let _ = write!(text, "{byte:02x}");
-    }
-    text
 }

@@ -160,7 +160,7 @@ fn read(file: &Path, node: &Node, problems: &Problems) -> Option<Design> {
     root.finish();
     let mut design = Design {
         file: file.display().to_string(),
-        text: node.place.text().to_owned(),
+        text: node.place.text().to_string(),
         scene: beside(file, scene?),
         accuracy,
         seed,

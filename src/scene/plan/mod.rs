@@ -213,7 +213,7 @@ fn read(file: &Path, node: &Node, problems: &Problems) -> Option<Plan> {
     (impacts.len() == count).then_some(())?;
     Some(Plan {
         file: file.to_owned(),
-        text: node.place.text().to_owned(),
+        text: node.place.text().to_string(),
         particulars,
         gain_u,
         load,

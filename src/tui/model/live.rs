@@ -191,7 +191,7 @@ impl Model {
             live.acquisition = Acquisition::Stopped;
         }
         live.summary = Some(struck.summary);
-        let other = self.scene.as_ref().is_none_or(|scene| scene.hash != struck.scene.hash);
+        let other = self.scene.as_ref().is_none_or(|scene| scene.texts != struck.scene.texts);
         self.scene = Some(struck.scene);
         if other {
             self.outdated();
