@@ -10,7 +10,7 @@ use super::effects::auto::settle;
 use super::parallel::{in_parallel, processors};
 use super::pulse::PulseRecorder;
 use super::{Integration, losses};
-use crate::chain::stepper::{ChainGroup, Glances, InstructionSet, Kind, Member};
+use crate::chain::stepper::{ChainGroup, InstructionSet, Kind, Member};
 use crate::chain::{Chain, ForceProbe};
 use crate::integrate::{IntegrateError, Method, Scheme, Work};
 use crate::scene::{PlacedSensor, Scene, Site};
@@ -209,11 +209,6 @@ impl Case {
     }
 }
 
-/// The lanes whose bits are set.
-fn lanes(bits: u8) -> impl Iterator<Item = usize> {
-    (0..ChainGroup::LANES).filter(move |lane| bits & (1 << lane) != 0)
-}
-
 /// Moves a group to its end and reads its forces.
 fn follow(mut group: ChainGroup, cases: &[&Case]) -> Vec<Result<Readout, IntegrateError>> {
     let recorders = |case: &&Case| {
@@ -222,29 +217,21 @@ fn follow(mut group: ChainGroup, cases: &[&Case]) -> Vec<Result<Readout, Integra
         case.probes.iter().map(recorder).collect()
     };
     let mut pulses: Vec<Vec<PulseRecorder>> = cases.iter().map(recorders).collect();
-    let places = pulses.iter().map(Vec::len).max().unwrap_or(0);
-    let probes = |place| cases.iter().map(move |case| case.probes.get(place));
-    let mut glances: Vec<Glances> = (0..places).map(|place| group.glances(probes(place))).collect();
+    let probes: Vec<&[ForceProbe]> = cases.iter().map(|case| &*case.probes).collect();
+    let mut trail = group.trail(&probes);
     for (lane, pulses) in pulses.iter().enumerate() {
-        for (pulse, glances) in pulses.iter().zip(&mut glances) {
-            glances.correct(lane, pulse.felt());
-            glances.ask(lane, pulse.asks());
+        for (place, pulse) in pulses.iter().enumerate() {
+            trail.begin((place, lane), pulse.felt(), pulse.asks());
         }
     }
     while !group.is_done() {
         let taken = group.step();
-        for (place, glances) in glances.iter_mut().enumerate() {
-            let wanted = group.glance(glances, taken);
-            if wanted == 0 {
-                continue;
-            }
-            group.look(glances);
-            for lane in lanes(wanted) {
+        group.note(&mut trail, taken);
+        if trail.is_full() || group.is_done() {
+            group.read(&mut trail, &mut |(place, lane), before, seen| {
                 let pulse = &mut pulses[lane][place];
-                let end = pulse.go_on(glances.before(lane), glances.seen(), lane);
-                glances.correct(lane, end);
-                glances.ask(lane, pulse.asks());
-            }
+                [pulse.go_on(before, seen, lane), pulse.asks()]
+            });
         }
     }
     pulses.iter_mut().flatten().for_each(PulseRecorder::shrink);

@@ -181,22 +181,21 @@ impl PulseRecorder {
     }
 
     fn see(&mut self, looks: &Looks, length: f64, segment: &dyn Fn() -> Segment) {
-        let (mut reached, mut top) = (self.largest, 1.0);
-        let mut low = 0.0;
+        let (mut reached, mut top, mut low) = (self.largest, 1.0, 0.0);
         for (index, high) in LOOKED_AT.into_iter().enumerate() {
             let (rate, force) = (looks.rates[index], looks.forces[index]);
             if let Some(maximum) = self.between((low, high), (force, rate), length, segment) {
                 if maximum.most > reached {
-                    let (at, force) = self.felt.top(&maximum);
+                    let looked = self.rate_before > 0.0 && rate <= 0.0;
+                    let ends = looked.then_some([self.last, force]);
+                    let (at, force) = self.felt.height(&maximum, ends);
                     if force > reached {
                         (reached, top) = (force, at);
                     }
                 }
                 self.keep(force.max(self.last), maximum);
             }
-            low = high;
-            self.rate_before = rate;
-            self.last = force;
+            (low, self.rate_before, self.last) = (high, rate, force);
         }
         // Between its peaks a force is largest at an end of the step.
         if self.last > reached {

@@ -1,6 +1,6 @@
 //! A force over one step, and what of it is kept: maxima between two looks, and steps in which it exceeded all before.
 
-use super::turn::root;
+use super::turn::{crest, root};
 use crate::chain::ForceSegment;
 use crate::chain::stepper::{Place, Span};
 
@@ -78,11 +78,19 @@ impl Felt {
 
     /// When that is (s).
     pub fn time(&self, segment: &Segment, theta: f64) -> f64 {
-        let (start, length) = match segment {
-            Segment::General(index) => (self.general[*index].start, self.general[*index].length),
-            Segment::Lossless(span) => (span.start, span.length),
+        let start = match segment {
+            Segment::General(index) => self.general[*index].start,
+            Segment::Lossless(span) => span.start,
         };
-        start + theta * length
+        start + theta * self.length(segment)
+    }
+
+    /// Length of the step (s).
+    fn length(&self, segment: &Segment) -> f64 {
+        match segment {
+            Segment::General(index) => self.general[*index].length,
+            Segment::Lossless(span) => span.length,
+        }
     }
 
     /// Fraction of the step and force of a maximum (1, N).
@@ -94,5 +102,15 @@ impl Felt {
             between[0]
         };
         (theta, self.force(segment, theta))
+    }
+
+    /// The same sooner, the force to its last bits but not the place, where the maximum begins and ends at looks with the forces `ends` (N).
+    pub fn height(&self, maximum: &Bracket, ends: Option<[f64; 2]>) -> (f64, f64) {
+        let Bracket { segment, between, rates, .. } = maximum;
+        let width = (between[1] - between[0]) * self.length(segment);
+        let rate = |theta| self.rate(segment, theta);
+        let found =
+            ends.and_then(|ends| crest(&rate, *between, *rates, (ends[1] - ends[0]) / width));
+        found.map_or_else(|| self.top(maximum), |theta| (theta, self.force(segment, theta)))
     }
 }

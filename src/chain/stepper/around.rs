@@ -263,7 +263,7 @@ impl Task for OnEnd<'_> {
 pub struct SideBySide<'a> {
     pub around: &'a Around,
     /// Both ends of the steps.
-    pub ends: &'a [Bodies; 2],
+    pub ends: [&'a Bodies; 2],
     /// Starts and lengths of the steps (s).
     pub times: (Row, &'a Row),
     pub seen: &'a mut Seen,

@@ -78,7 +78,7 @@ impl Place {
         Self { contacts: std::array::from_fn(felt) }
     }
 
-    /// Dynamic force (N) and its rate of change (N/s) for changes of the overlaps (m) and their rates (m/s).
+    /// Dynamic force (N) and its rate of change for changes of the overlaps (m) and their rates: over a time or over a step (N/s, N).
     #[inline]
     fn feel(&self, overlaps: [[f64; 2]; CONTACTS]) -> (f64, f64) {
         let (mut force, mut rate) = (0.0, 0.0);
@@ -97,14 +97,16 @@ impl Place {
     /// Dynamic force at the fraction `theta` of a step (N).
     #[must_use]
     pub fn force(&self, span: &Span, theta: f64) -> f64 {
-        self.feel(span.overlaps.each_ref().map(|c| [horner(c, theta), 0.0])).0
+        let [above, below] = &span.overlaps;
+        self.feel([[horner(above, theta), 0.0], [horner(below, theta), 0.0]]).0
     }
 
     /// Its rate of change there (N/s).
     #[must_use]
     pub fn rate(&self, span: &Span, theta: f64) -> f64 {
-        let moves = |c| [horner(c, theta), slope(c, theta) / span.length];
-        self.feel(span.overlaps.each_ref().map(moves)).1
+        let [above, below] = &span.overlaps;
+        let moves = |overlap| [horner(overlap, theta), slope(overlap, theta)];
+        self.feel([moves(above), moves(below)]).1 / span.length
     }
 
     /// Stiffness, static root and weight of contact `which` as the lanes need them (unit).

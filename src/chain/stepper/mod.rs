@@ -42,5 +42,5 @@ mod workspace;
 pub use around::Seen;
 pub use dispatch::InstructionSet;
 pub use force_track::{Due, LOOKED_AT, Looks, Place, ROOM_BEHIND, Span};
-pub use group::{ChainGroup, Glances, Kind, Member};
+pub use group::{ChainGroup, GroupTrail, Kind, Look, Member};
 pub use single::{ChainStepper, Refinement, Trail};

@@ -2,14 +2,13 @@
 //!
 //! Lanes never see each other: a chain's results are the same to the last bit whatever its neighbours are.
 
-mod glances;
 mod lane;
 mod paired;
 mod split;
+mod trail;
 
 use std::marker::PhantomData;
 
-use super::around::SideBySide;
 use super::dispatch::{InstructionSet, dispatch};
 use super::lanes::{Row, WIDTH};
 use super::layout::Across;
@@ -17,13 +16,12 @@ use super::plan::{Form, Plan, shared_stiffness};
 use super::steps::{find_gradients, finest_asked};
 use super::tasks::{Evaluate, Settle};
 use super::workspace::Workspace;
-use crate::chain::{Chain, ForceProbe};
+use crate::chain::Chain;
 use crate::integrate::{IntegrateError, Scheme, Work};
-use glances::Glance;
-pub use glances::Glances;
 use lane::Lane;
 use paired::Paired;
 use split::Split;
+pub use trail::{GroupTrail, Look};
 
 /// How steps are taken.
 enum Drive {
@@ -32,12 +30,21 @@ enum Drive {
 }
 
 impl Drive {
-    /// Start and length of the step that lane `lane` took last (s).
-    fn last_step(&self, lane: usize) -> (f64, f64) {
+    /// Starts and lengths of the steps that lanes took last (s).
+    fn last_steps(&self) -> (Row, Row) {
+        let (mut starts, mut lengths) = (Row::default(), Row::default());
         match self {
-            Self::Paired(_, lanes) => lanes.get(lane).map_or((0.0, 0.0), |lane| lane.last_step),
-            Self::Split(split) => split.last_step,
+            Self::Paired(_, lanes) => {
+                for (lane, own) in lanes.iter().enumerate() {
+                    (starts.0[lane], lengths.0[lane]) = own.last_step;
+                }
+            }
+            Self::Split(split) => {
+                let (start, length) = split.last_step;
+                (starts, lengths) = (Row([start; WIDTH]), Row([length; WIDTH]));
+            }
         }
+        (starts, lengths)
     }
 }
 
@@ -162,36 +169,6 @@ impl ChainGroup {
         while !self.is_done() {
             self.step();
         }
-    }
-
-    /// Glances at the places of each lane's probe, at rest.
-    #[must_use]
-    pub fn glances<'a>(&self, probes: impl Iterator<Item = Option<&'a ForceProbe>>) -> Glances {
-        Glances::new(self.plan.form, probes)
-    }
-
-    /// Brings `glances` up to the ends of the steps that lanes have just `taken`; in which of them somebody has to look into the step, a bit each.
-    pub fn glance(&self, glances: &mut Glances, taken: [bool; WIDTH]) -> u8 {
-        let (position, velocity) = self.work.now.seen();
-        let mut length = Row::default();
-        for (lane, length) in length.0.iter_mut().enumerate() {
-            *length = self.drive.last_step(lane).1;
-        }
-        let (to, taken) = ([position, velocity], bits(taken));
-        dispatch(self.set, Glance { glances, to, length, taken })
-    }
-
-    /// Looks into the steps that lanes have just taken.
-    pub fn look(&self, glances: &mut Glances) {
-        let Self { set, work, drive, .. } = self;
-        let ends = [work.next.moving(), work.now.moving()].map(|state| glances.bodies(state));
-        let (mut starts, mut lengths) = (Row::default(), Row::default());
-        for lane in 0..WIDTH {
-            (starts.0[lane], lengths.0[lane]) = drive.last_step(lane);
-        }
-        let Glances { around, seen, .. } = glances;
-        let times = (starts, &lengths);
-        dispatch(*set, SideBySide { around, ends: &ends, times, seen });
     }
 
     /// What lane `index` has cost, or why it failed.
