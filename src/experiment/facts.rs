@@ -37,7 +37,7 @@ pub fn facts(scene: &Scene, integration: Integration) -> Result<Facts, RunError>
             ("version", env!("CARGO_PKG_VERSION").to_owned()),
             ("scene", scene.name.clone()),
             ("title", scene.title.clone()),
-            ("scene_sha256", scene.texts.hash()),
+            ("scene_sha256", scene.texts.hash().to_owned()),
             ("seed", scene.seed.to_string()),
             ("method", method.to_string()),
             ("accuracy", accuracy),
@@ -112,7 +112,7 @@ fn sensor_facts(scene: &Scene, placed: &PlacedSensor) -> Vec<(&'static str, Stri
 pub fn shot_facts(scene: &Scene, number: u32, impact: u32) -> Facts {
     let mut known = vec![
         ("scene", scene.name.clone()),
-        ("scene_sha256", scene.texts.hash()),
+        ("scene_sha256", scene.texts.hash().to_owned()),
         ("seed", scene.seed.to_string()),
         ("impact", impact.to_string()),
     ];

@@ -258,7 +258,7 @@ impl Finished<'_> {
         Summary {
             scene: scene.name.clone(),
             title: scene.title.clone(),
-            scene_hash: scene.texts.hash(),
+            scene_hash: scene.texts.hash().to_owned(),
             seed: scene.seed,
             method: method.name().to_owned(),
             method_source: method.source().to_owned(),

@@ -149,23 +149,23 @@ impl PulseRecorder {
     /// Keeps a maximum of at least `least` (N).
     fn keep(&mut self, least: f64, peak: Bracket) {
         self.highest = self.highest.max(least);
-        self.forget(self.peaks.len() == self.peaks.capacity());
+        if self.peaks.len() == self.peaks.capacity() {
+            self.forget();
+        }
         self.peaks.push(peak);
     }
 
     /// Keeps a step in which the force is largest.
     fn keep_rise(&mut self, rise: Rise) {
         self.largest = rise.reached;
-        self.forget(self.rises.len() == self.rises.capacity());
+        if self.rises.len() == self.rises.capacity() {
+            self.forget();
+        }
         self.rises.push(rise);
     }
 
-    /// Where there `is_no_room` forgets what nobody asks for: maxima below the threshold of the first peak, which only rises, and rises to
-    /// levels far below it.
-    fn forget(&mut self, is_no_room: bool) {
-        if !is_no_room {
-            return;
-        }
+    /// Makes room by what nobody asks for: maxima below the threshold of the first peak, which only rises, and rises to levels far below it.
+    fn forget(&mut self) {
         let threshold = PEAK_SHARE * self.largest;
         self.peaks.retain(|peak| peak.most > threshold);
         let low = self.rises.partition_point(|rise| rise.reached < LOWEST_LEVEL * threshold);
@@ -175,7 +175,7 @@ impl PulseRecorder {
 
     /// Takes up no more memory than its readings need: of many that are kept, most would be empty.
     pub fn shrink(&mut self) {
-        self.forget(true);
+        self.forget();
         self.peaks.shrink_to_fit();
         self.rises.shrink_to_fit();
     }

@@ -1,28 +1,39 @@
 //! The texts that a scene is made of.
 
 use std::fmt::Write as _;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use sha2::{Digest, Sha256};
 
 /// The scene's own text, those of the scenes and instruments it stands on, and the constants it names.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Texts(Vec<Arc<str>>);
+#[derive(Debug, Clone, Default)]
+pub struct Texts {
+    all: Vec<Arc<str>>,
+    /// What they hash to, once somebody has asked.
+    hash: OnceLock<String>,
+}
+
+impl PartialEq for Texts {
+    fn eq(&self, other: &Self) -> bool {
+        self.all == other.all
+    }
+}
 
 impl Texts {
     /// Adds one.
     pub(super) fn add(&mut self, text: &Arc<str>) {
-        self.0.push(Arc::clone(text));
+        self.all.push(Arc::clone(text));
+        self.hash = OnceLock::new();
     }
 
-    /// SHA-256 over all of them, in hexadecimal. Computed when asked for: a run that keeps no record needs none.
+    /// SHA-256 over all of them, in hexadecimal. Computed when first asked for: a run that keeps no record needs none.
     #[must_use]
-    pub fn hash(&self) -> String {
-        let mut hash = Sha256::new();
-        for text in &self.0 {
-            hash.update(text.as_bytes());
-        }
-        hexadecimal(&hash.finalize())
+    pub fn hash(&self) -> &str {
+        self.hash.get_or_init(|| {
+            let mut hash = Sha256::new();
+            self.all.iter().for_each(|text| hash.update(text.as_bytes()));
+            hexadecimal(&hash.finalize())
+        })
     }
 }
 

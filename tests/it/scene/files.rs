@@ -248,7 +248,7 @@ fn the_hash_covers_materials_and_ceramics() {
     );
     let hash = |brass: &str, clay: &str| {
         let folder = folder_with(&[("brass.toml", brass), ("clay.toml", clay)]);
-        load_in(folder.path(), &text).expect("sound").texts.hash()
+        load_in(folder.path(), &text).expect("sound").texts.hash().to_owned()
     };
     assert_eq!(hash(brass, clay), hash(brass, clay));
     assert_ne!(hash(brass, clay), hash(&brass.replace("100", "101"), clay));
