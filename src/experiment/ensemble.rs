@@ -107,7 +107,12 @@ impl Ensemble {
         match first.and_then(|case| case.method(self.integration).scheme()) {
             Some(scheme) => {
                 let all: Vec<Member<'_>> = members.iter().map(|case| case.member()).collect();
-                follow(ChainGroup::new(&all, scheme, self.set), &members)
+                let found = follow(ChainGroup::new(&all, scheme, self.set), &members);
+                // Steps are taken several at once: alone it is found which body was lost first, and when.
+                let alone = |case: &Case| case.run_alone(self.integration).err();
+                let exact = |(case, failed)| alone(case).unwrap_or(failed);
+                let found = members.iter().zip(found);
+                found.map(|(case, found)| found.map_err(|failed| exact((case, failed)))).collect()
             }
             None => members.iter().map(|case| case.run_alone(self.integration)).collect(),
         }
@@ -225,8 +230,7 @@ fn follow(mut group: ChainGroup, cases: &[&Case]) -> Vec<Result<Readout, Integra
         }
     }
     while !group.is_done() {
-        let taken = group.step();
-        group.note(&mut trail, taken);
+        group.follow(&mut trail);
         if trail.is_full() || group.is_done() {
             group.read(&mut trail, &mut |(place, lane), before, seen| {
                 let pulse = &mut pulses[lane][place];

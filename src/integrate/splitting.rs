@@ -86,10 +86,21 @@ impl Clock {
         self.after(0)
     }
 
+    /// Where the step ended that was `count` before the last, all of them whole (s).
+    #[must_use]
+    pub fn before(&self, count: u64) -> f64 {
+        self.end(self.count - count)
+    }
+
     /// Where `count` more whole steps end (s).
-    #[allow(clippy::cast_precision_loss, reason = "runs take far fewer than 2^53 steps")]
     fn after(&self, count: u64) -> f64 {
-        self.origin + (self.count + count) as f64 * self.step
+        self.end(self.count + count)
+    }
+
+    /// Where step `number` ends (s).
+    #[allow(clippy::cast_precision_loss, reason = "runs take far fewer than 2^53 steps")]
+    fn end(&self, number: u64) -> f64 {
+        self.origin + number as f64 * self.step
     }
 
     /// Whether a step that ends at `time` (s) leaves some of the interval; what is nothing but the rounding of the times is taken along,

@@ -6,24 +6,53 @@ use std::marker::PhantomData;
 use super::forces::Begun;
 use super::lanes::{Lanes, Row};
 use super::layout::Layout;
+use super::notes::Notes;
 use super::splits::Kick;
 use super::strip::{At, FOUR, Strip, StripMut};
 use super::sweep::{Sweep, Visit};
 
-/// The kick that ends a part, and in the last the one that begins the next step, if it goes on at once.
-pub struct Kicks<L: Lanes> {
+/// The kick that ends a part, and what comes after it.
+pub struct Kicks<'n, L: Lanes> {
     pub kick: Kick<L>,
-    pub next: Option<Kick<L>>,
-    /// Whether a step ends here, and what it has come to is kept.
-    pub keeps: bool,
+    pub after: After<'n, L>,
 }
 
-impl<L: Lanes> Kicks<L> {
-    /// Gives them to `velocity`, by accelerations and two thirds of their gradients.
+/// What comes after the kick that ends a part.
+pub enum After<'n, L: Lanes> {
+    /// The next part of the step.
+    Part,
+    /// The step is over, and what it has come to is kept.
+    End,
+    /// The next step begins at once, with this kick; before it what somebody wants to know is noted.
+    Step(Kick<L>, &'n mut Notes),
+}
+
+impl<L: Lanes> Kicks<'_, L> {
+    /// Whether what the step has come to is kept.
     #[inline(always)]
-    fn on<const GRADIENT: bool, const LAST: bool>(&self, velocity: &mut Row, of: [L::V; 2]) {
+    fn keeps(&self) -> bool {
+        matches!(self.after, After::End)
+    }
+
+    /// Gives them to the `velocity` of row `at`, which stands at `position` if anybody may want to know, by accelerations and two thirds of their
+    /// gradients.
+    #[inline(always)]
+    fn on<const GRADIENT: bool, const LAST: bool>(
+        &mut self,
+        at: At,
+        position: Option<&Row>,
+        velocity: &mut Row,
+        of: [L::V; 2],
+    ) {
         let mut speed = self.kick.on::<GRADIENT>(L::load(velocity), of);
-        if LAST && let Some(next) = self.next {
+        if LAST && let After::Step(next, notes) = &mut self.after {
+            if let Some([x, v, a]) = notes.room(at)
+                && let Some(position) = position
+            {
+                *x = *position;
+                L::store(speed, v);
+                L::store(of[0], a);
+            }
             speed = next.on::<GRADIENT>(speed, of);
         }
         L::store(speed, velocity);
@@ -39,10 +68,10 @@ pub struct Start<'a, L: Lanes> {
 
 /// Drift, forces, and where there are no gradients kicks. Accelerations are kept for gradients, and by the last part for the next step. In the
 /// `FIRST` part of a step there may be a start, in the `LAST` one an end.
-pub struct Push<'a, L: Lanes, const GRADIENT: bool, const FIRST: bool, const LAST: bool> {
+pub struct Push<'a, 'n, L: Lanes, const GRADIENT: bool, const FIRST: bool, const LAST: bool> {
     pub start: Option<Start<'a, L>>,
     pub drift: L::V,
-    pub kicks: Kicks<L>,
+    pub kicks: Kicks<'n, L>,
     pub position: StripMut<'a, Row>,
     pub velocity: StripMut<'a, Row>,
     pub acceleration: StripMut<'a, Row>,
@@ -51,7 +80,7 @@ pub struct Push<'a, L: Lanes, const GRADIENT: bool, const FIRST: bool, const LAS
 }
 
 impl<L: Lanes, const GRADIENT: bool, const FIRST: bool, const LAST: bool>
-    Push<'_, L, GRADIENT, FIRST, LAST>
+    Push<'_, '_, L, GRADIENT, FIRST, LAST>
 {
     /// Positions and velocities of row `at` after the drift.
     #[inline(always)]
@@ -69,7 +98,7 @@ impl<L: Lanes, const GRADIENT: bool, const FIRST: bool, const LAST: bool>
 }
 
 impl<L: Lanes, const GRADIENT: bool, const FIRST: bool, const LAST: bool> Visit<L>
-    for Push<'_, L, GRADIENT, FIRST, LAST>
+    for Push<'_, '_, L, GRADIENT, FIRST, LAST>
 {
     #[inline(always)]
     fn enter(&mut self, at: At) -> L::V {
@@ -95,26 +124,27 @@ impl<L: Lanes, const GRADIENT: bool, const FIRST: bool, const LAST: bool> Visit<
 
     #[inline(always)]
     fn leave(&mut self, at: At, acceleration: L::V, _tangent: L::V) {
-        if GRADIENT || LAST && self.kicks.keeps {
+        if GRADIENT || LAST && self.kicks.keeps() {
             L::store(acceleration, self.acceleration.at_mut(at));
         }
         if !GRADIENT {
-            self.kicks.on::<false, LAST>(self.velocity.at_mut(at), [acceleration; 2]);
+            let (position, velocity) = (self.position.at(at), self.velocity.at_mut(at));
+            self.kicks.on::<false, LAST>(at, Some(position), velocity, [acceleration; 2]);
         }
     }
 }
 
 /// Two thirds of what the differences of accelerations do to the forces (N/s²), and kicks. The last part keeps gradients for the next step.
-pub struct Bend<'a, L: Lanes, const LAST: bool> {
+pub struct Bend<'a, 'n, L: Lanes, const LAST: bool> {
     pub inverse_mass: Strip<'a, Row>,
-    pub kicks: Kicks<L>,
+    pub kicks: Kicks<'n, L>,
     pub velocity: StripMut<'a, Row>,
     pub acceleration: Strip<'a, Row>,
     /// At first two thirds of tangent stiffnesses (N/m).
     pub gradient: StripMut<'a, Row>,
 }
 
-impl<L: Lanes, const LAST: bool> Sweep<L> for Bend<'_, L, LAST> {
+impl<L: Lanes, const LAST: bool> Sweep<L> for Bend<'_, '_, L, LAST> {
     const TAKES_TIME: bool = false;
 
     #[inline(always)]
@@ -145,17 +175,17 @@ impl<L: Lanes, const LAST: bool> Sweep<L> for Bend<'_, L, LAST> {
     #[inline(always)]
     fn leave(&mut self, at: At, net: L::V, _kept: L::V) {
         let gradient = L::mul(net, L::load(self.inverse_mass.at(at)));
-        if LAST && self.kicks.keeps {
+        if LAST && self.kicks.keeps() {
             L::store(gradient, self.gradient.at_mut(at));
         }
         let of = [L::load(self.acceleration.at(at)), gradient];
-        self.kicks.on::<true, LAST>(self.velocity.at_mut(at), of);
+        self.kicks.on::<true, LAST>(at, None, self.velocity.at_mut(at), of);
     }
 }
 
 /// Both in one sweep, where each row is a tile: a row is kicked once the row below has its acceleration.
-pub struct Both<'a, L: Lanes, Y, const GRADIENT: bool, const FIRST: bool, const LAST: bool> {
-    pub push: Push<'a, L, GRADIENT, FIRST, LAST>,
+pub struct Both<'a, 'n, L: Lanes, Y, const GRADIENT: bool, const FIRST: bool, const LAST: bool> {
+    pub push: Push<'a, 'n, L, GRADIENT, FIRST, LAST>,
     pub inverse_mass: Strip<'a, Row>,
     /// Accelerations of the row left last (m/s²), and two thirds of what their differences do to the forces (N/s²).
     pub bent: [L::V; 2],
@@ -163,7 +193,7 @@ pub struct Both<'a, L: Lanes, Y, const GRADIENT: bool, const FIRST: bool, const 
 }
 
 impl<L: Lanes, Y: Layout, const GRADIENT: bool, const FIRST: bool, const LAST: bool>
-    Both<'_, L, Y, GRADIENT, FIRST, LAST>
+    Both<'_, '_, L, Y, GRADIENT, FIRST, LAST>
 {
     /// Kicks row `at`, whose contacts' bends end above `next`.
     #[inline(always)]
@@ -171,15 +201,17 @@ impl<L: Lanes, Y: Layout, const GRADIENT: bool, const FIRST: bool, const LAST: b
         let [acceleration, bend] = self.bent;
         let held = L::sub(bend, Y::below::<L>(bend, next));
         let gradient = L::mul(held, L::load(self.inverse_mass.at(at)));
-        if LAST && self.push.kicks.keeps {
+        if LAST && self.push.kicks.keeps() {
             L::store(gradient, self.push.tangent.at_mut(at));
         }
-        self.push.kicks.on::<true, LAST>(self.push.velocity.at_mut(at), [acceleration, gradient]);
+        let Push { position, velocity, kicks, .. } = &mut self.push;
+        let of = [acceleration, gradient];
+        kicks.on::<true, LAST>(at, Some(position.at(at)), velocity.at_mut(at), of);
     }
 }
 
 impl<L: Lanes, Y: Layout, const GRADIENT: bool, const FIRST: bool, const LAST: bool> Visit<L>
-    for Both<'_, L, Y, GRADIENT, FIRST, LAST>
+    for Both<'_, '_, L, Y, GRADIENT, FIRST, LAST>
 {
     #[inline(always)]
     fn enter(&mut self, at: At) -> L::V {
@@ -193,7 +225,7 @@ impl<L: Lanes, Y: Layout, const GRADIENT: bool, const FIRST: bool, const LAST: b
 
     #[inline(always)]
     fn leave(&mut self, at: At, acceleration: L::V, tangent: L::V) {
-        if LAST && self.push.kicks.keeps {
+        if LAST && self.push.kicks.keeps() {
             L::store(acceleration, self.push.acceleration.at_mut(at));
         }
         let above = Y::above::<L>(self.bent[0], acceleration);

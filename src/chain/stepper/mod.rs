@@ -23,6 +23,7 @@ mod lanes_sse2;
 #[cfg(target_arch = "x86_64")]
 mod lanes_x86;
 mod layout;
+mod notes;
 mod parts;
 mod passes;
 mod plan;

@@ -8,9 +8,10 @@
 use std::marker::PhantomData;
 
 use super::forces::Cut;
-use super::kicks::{Bend, Both, Kicks, Push, Start};
+use super::kicks::{After, Bend, Both, Kicks, Push, Start};
 use super::lanes::{Lanes, Row};
 use super::layout::Layout;
+use super::notes::Notes;
 use super::plan::Plan;
 use super::splits::Weights;
 use super::strip::{FOUR, Strip, StripMut};
@@ -30,13 +31,14 @@ const AT_ONCE: usize = 112;
 const STRETCH: usize = 96;
 
 /// Steps of a splitting.
-#[derive(Clone, Copy)]
 pub struct Steps<'a> {
     pub method: &'a Splitting,
     /// Length of a step (s).
     pub length: f64,
     /// How many.
     pub count: u64,
+    /// What is noted of all but the last two.
+    pub notes: &'a mut Notes,
 }
 
 /// Pauses that steps of `method` need in so many rows.
@@ -50,7 +52,7 @@ pub fn pauses(method: &Splitting, rows: usize) -> usize {
 pub fn long<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
     plan: &Plan,
     work: &mut Workspace,
-    steps: Steps,
+    steps: &mut Steps,
 ) {
     let rows = plan.rows();
     let shown = if GRADIENT { rows } else { 0 };
@@ -66,6 +68,7 @@ pub fn long<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
             from: None,
             moving: &mut after,
             pauses: &mut work.pauses,
+            notes: &mut *steps.notes,
             is_begun: left + 1 < steps.count,
             goes_on: left > 1,
             layout: PhantomData,
@@ -100,6 +103,7 @@ struct Step<'a, 'r, Y, const FORM: u8, const GRADIENT: bool> {
     from: Option<[&'a [Row]; 4]>,
     moving: &'a mut Rows<'r>,
     pauses: &'a mut [Pause],
+    notes: &'a mut Notes,
     /// Whether the step before has given the first kick.
     is_begun: bool,
     /// Whether this one gives the next one's: it reads and writes less than both for themselves.
@@ -172,12 +176,19 @@ impl<'a, Y: Layout, const FORM: u8, const GRADIENT: bool> Step<'a, '_, Y, FORM, 
         }
     }
 
-    /// The kick behind drift `part`.
+    /// The kick behind drift `part`, of these weights.
     #[inline(always)]
-    fn end<L: Lanes>(&self, part: usize) -> Kicks<L> {
-        let (weights, is_last) = (self.weights::<L>(), part + 1 == self.method.drifts.len());
-        let next = (is_last && self.goes_on).then(|| weights.kick::<GRADIENT>(0));
-        Kicks { kick: weights.kick::<GRADIENT>(part + 1), next, keeps: is_last && !self.goes_on }
+    fn end<'n, L: Lanes>(
+        (weights, part): (Weights<'a, L>, usize),
+        goes_on: bool,
+        notes: &'n mut Notes,
+    ) -> Kicks<'n, L> {
+        let after = match (part + 1 == weights.parts(), goes_on) {
+            (false, _) => After::Part,
+            (true, false) => After::End,
+            (true, true) => After::Step(weights.kick::<GRADIENT>(0), notes),
+        };
+        Kicks { kick: weights.kick::<GRADIENT>(part + 1), after }
     }
 
     /// Part `part` over the rows `span`, in tiles up to the kick where there are gradients.
@@ -191,7 +202,8 @@ impl<'a, Y: Layout, const FORM: u8, const GRADIENT: bool> Step<'a, '_, Y, FORM, 
         let (rows, end) = (self.moving[0].len(), span[1]);
         let shown = if GRADIENT { end } else { 0 };
         let weights = self.weights::<L>();
-        let (kicks, drift) = (self.end::<L>(part), weights.drift(part));
+        let kicks = Self::end((weights, part), self.goes_on, self.notes);
+        let drift = weights.drift(part);
         let start = self.from.filter(|_| FIRST).map(|[x, v, a, g]| Start {
             kick: weights.kick::<GRADIENT>(0),
             of: [Strip::new(x, end), Strip::new(v, end), Strip::new(a, end), Strip::new(g, shown)],
@@ -234,7 +246,7 @@ impl<'a, Y: Layout, const FORM: u8, const GRADIENT: bool> Step<'a, '_, Y, FORM, 
         pause: &mut Pause,
     ) {
         let (rows, end) = (self.moving[0].len(), span[1]);
-        let kicks = self.end::<L>(part);
+        let kicks = Self::end((self.weights::<L>(), part), self.goes_on, self.notes);
         let [_, v, a, g] = &mut *self.moving;
         let mut bend = Bend::<L, LAST> {
             inverse_mass: Strip::new(self.plan.inverse_mass, end),

@@ -80,7 +80,7 @@ impl<L: Lanes> Kick<L> {
 pub fn steps<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
     plan: &Plan,
     work: &mut Workspace,
-    steps: Steps,
+    mut steps: Steps,
 ) -> u8 {
     let weights = Weights::<L>::new(steps.method, L::splat(steps.length));
     let run = (&weights, steps.count);
@@ -93,7 +93,7 @@ pub fn steps<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
             _ => short::<L, Y, GRADIENT, FEW>(plan, work, run),
         }
     } else {
-        long::<L, Y, FORM, GRADIENT>(plan, work, steps);
+        long::<L, Y, FORM, GRADIENT>(plan, work, &mut steps);
     }
     let mut sum = L::splat(0.0);
     for row in &work.next.velocity()[..plan.rows()] {

@@ -12,8 +12,9 @@ use std::marker::PhantomData;
 use super::dispatch::{InstructionSet, dispatch};
 use super::lanes::{Row, WIDTH};
 use super::layout::Across;
+use super::notes::Notes;
 use super::plan::{Form, Plan, shared_stiffness};
-use super::steps::{find_gradients, finest_asked};
+use super::steps::{AT_ONCE, find_gradients, finest_asked};
 use super::tasks::{Evaluate, Settle};
 use super::workspace::Workspace;
 use crate::chain::Chain;
@@ -30,8 +31,8 @@ enum Drive {
 }
 
 impl Drive {
-    /// Starts and lengths of the steps that lanes took last (s).
-    fn last_steps(&self) -> (Row, Row) {
+    /// Starts and lengths of the steps that lanes took `before` the last, and at once with those (s).
+    fn last_steps(&self, before: u64) -> (Row, Row) {
         let (mut starts, mut lengths) = (Row::default(), Row::default());
         match self {
             Self::Paired(_, lanes) => {
@@ -40,7 +41,7 @@ impl Drive {
                 }
             }
             Self::Split(split) => {
-                let (start, length) = split.last_step;
+                let (start, length) = split.last_step(before);
                 (starts, lengths) = (Row([start; WIDTH]), Row([length; WIDTH]));
             }
         }
@@ -146,8 +147,9 @@ impl ChainGroup {
         }
     }
 
-    /// Tries a step in every lane that is still moving; tells which lanes have taken theirs.
-    pub fn step(&mut self) -> [bool; WIDTH] {
+    /// Tries a step in every lane that is still moving, or up to `most` that are of one length, of which `notes` are kept; tells how many, and which
+    /// lanes have taken theirs.
+    fn step(&mut self, most: u64, notes: &mut Notes) -> (u64, [bool; WIDTH]) {
         let Self { set, plan, work, drive, .. } = self;
         match drive {
             Drive::Paired(paired, lanes) => {
@@ -155,19 +157,17 @@ impl ChainGroup {
                 for (lane, h) in lanes.iter_mut().zip(&mut step.0) {
                     *h = lane.choose();
                 }
-                paired.step(*set, plan, (work, lanes), step)
+                (1, paired.step(*set, plan, (work, lanes), step))
             }
-            Drive::Split(split) => split.step(*set, plan, work),
+            Drive::Split(split) => split.step((*set, plan, work), most, notes),
         }
     }
 
     /// Steps up to the ends of all lanes, unseen: for those who want nothing but where they lead.
     pub fn advance(&mut self) {
-        if let Self { drive: Drive::Split(split), set, plan, work, .. } = self {
-            split.advance(*set, plan, work);
-        }
+        let mut nothing = Notes::default();
         while !self.is_done() {
-            self.step();
+            self.step(AT_ONCE, &mut nothing);
         }
     }
 

@@ -6,9 +6,9 @@ use super::lane::first_lost;
 use crate::chain::stepper::dispatch::{InstructionSet, dispatch};
 use crate::chain::stepper::lanes::WIDTH;
 use crate::chain::stepper::layout::Across;
+use crate::chain::stepper::notes::Notes;
 use crate::chain::stepper::parts::Steps;
 use crate::chain::stepper::plan::Plan;
-use crate::chain::stepper::steps::AT_ONCE;
 use crate::chain::stepper::tasks;
 use crate::chain::stepper::workspace::Workspace;
 use crate::integrate::splitting::{Clock, Splitting};
@@ -20,7 +20,8 @@ pub struct Split {
     clock: Clock,
     time: f64,
     end: f64,
-    pub last_step: (f64, f64),
+    /// Length of the step taken last (s).
+    length: f64,
     counts: Work,
     /// Why each lane stopped, if it did.
     failed: Vec<Option<IntegrateError>>,
@@ -34,7 +35,7 @@ impl Split {
             clock: Clock::new(method, step, 0.0),
             time: 0.0,
             end,
-            last_step: (0.0, 0.0),
+            length: 0.0,
             counts: Work { force_evaluations: 1, ..Work::default() },
             failed: vec![None; lanes],
         }
@@ -44,38 +45,36 @@ impl Split {
         self.time >= self.end || self.failed.iter().all(Option::is_some)
     }
 
-    /// Takes a step; tells in which lanes.
+    /// Takes up to `most` steps at once, of which `notes` are kept; tells how many, and in which lanes.
     pub fn step(
         &mut self,
-        set: InstructionSet,
-        plan: &Plan,
-        work: &mut Workspace,
-    ) -> [bool; WIDTH] {
-        let (length, next) = self.clock.next(self.time, self.end);
-        self.take((set, plan, work), (length, 1), next)
+        (set, plan, work): (InstructionSet, &Plan, &mut Workspace),
+        most: u64,
+        notes: &mut Notes,
+    ) -> (u64, [bool; WIDTH]) {
+        let count = self.clock.room(most, self.end).max(1);
+        let (length, next) = if count > 1 {
+            (self.clock.step(), self.clock.go(count))
+        } else {
+            self.clock.next(self.time, self.end)
+        };
+        (count, self.take((set, plan, work), (length, count, notes), next))
     }
 
-    /// Takes all steps that are left.
-    pub fn advance(&mut self, set: InstructionSet, plan: &Plan, work: &mut Workspace) {
-        while !self.is_done() {
-            let count = self.clock.room(AT_ONCE, self.end);
-            if count > 1 {
-                let (length, next) = (self.clock.step(), self.clock.go(count));
-                self.take((set, plan, work), (length, count), next);
-            } else {
-                self.step(set, plan, work);
-            }
-        }
+    /// Start and length of the step that was `before` the last, and taken at once with it (s).
+    pub fn last_step(&self, before: u64) -> (f64, f64) {
+        let end = if before > 0 { self.clock.before(before) } else { self.time };
+        (end - self.length, self.length)
     }
 
     /// Takes `count` steps of `h` (s), the last of which ends at `next` (s).
     fn take(
         &mut self,
         (set, plan, work): (InstructionSet, &Plan, &mut Workspace),
-        (h, count): (f64, u64),
+        (h, count, notes): (f64, u64, &mut Notes),
         next: f64,
     ) -> [bool; WIDTH] {
-        let steps = Steps { method: self.method, length: h, count };
+        let steps = Steps { method: self.method, length: h, count, notes };
         let task = tasks::Split::<Across> { plan, work, steps, layout: PhantomData };
         let finite = dispatch(set, task);
         work.turn();
@@ -87,7 +86,7 @@ impl Split {
             }
             taken[lane] = failed.is_none();
         }
-        (self.time, self.last_step) = (next, (next - h, h));
+        (self.time, self.length) = (next, h);
         self.counts.steps += count;
         self.counts.force_evaluations += count * self.method.drifts.len() as u64;
         taken

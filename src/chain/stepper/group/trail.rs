@@ -8,6 +8,7 @@ use crate::chain::stepper::around::{Around, BODIES, Bodies, Rows, Seen, SideBySi
 use crate::chain::stepper::dispatch::dispatch;
 use crate::chain::stepper::force_track::lane_forces;
 use crate::chain::stepper::lanes::{Lanes, Row, Task, WIDTH};
+use crate::chain::stepper::notes::Notes;
 use crate::chain::stepper::plan::Form;
 use crate::chain::stepper::wanted::Asked;
 
@@ -23,6 +24,8 @@ pub struct GroupTrail {
     /// Starts and lengths of the steps (s).
     times: [(Row, Row); GroupTrail::STEPS],
     places: Vec<Watched>,
+    /// Of steps that are taken at once.
+    notes: Notes,
 }
 
 /// A watched place in each lane, or none.
@@ -74,35 +77,49 @@ impl ChainGroup {
     /// A trail that begins here, of the places of each lane's probes.
     #[must_use]
     pub fn trail(&self, probes: &[&[ForceProbe]]) -> GroupTrail {
-        let places = probes.iter().map(|probes| probes.len()).max().unwrap_or(0);
+        let count = probes.iter().map(|probes| probes.len()).max().unwrap_or(0);
+        let rows = self.work.now.moving();
         let place = |place| {
             let mut watched =
                 Watched::new(self.plan.form, probes.iter().map(move |probes| probes.get(place)));
-            watched.note(self.work.now.moving(), 0);
+            watched.note(0, |body| of(rows, body));
             watched
         };
+        let places: Vec<Watched> = (0..count).map(place).collect();
+        let asked = places.iter().flat_map(Watched::bodies).filter(|body| *body < rows[0].len());
         GroupTrail {
             count: 0,
             taken: Default::default(),
             times: Default::default(),
-            places: (0..places).map(place).collect(),
+            notes: Notes::new(GroupTrail::STEPS - 2, asked),
+            places,
         }
     }
 
-    /// Notes the steps that lanes have just `taken`, for which there must be room.
-    pub fn note(&self, trail: &mut GroupTrail, taken: [bool; WIDTH]) {
-        let step = trail.count;
-        trail.taken[step] = bits(taken);
-        trail.times[step] = self.drive.last_steps();
-        trail.count = step + 1;
-        for watched in &mut trail.places {
-            watched.note(self.work.now.moving(), trail.count);
+    /// Tries a step in every lane that is still moving, or takes as many of one length as the trail has room for, which must be one, and notes them.
+    pub fn follow(&mut self, trail: &mut GroupTrail) {
+        let room = GroupTrail::STEPS - trail.count;
+        trail.notes.clear();
+        let (count, taken) = self.step(room as u64, &mut trail.notes);
+        let (started, rows) = (self.work.next.moving(), self.work.now.moving());
+        for (step, before) in (0..count).rev().enumerate() {
+            trail.taken[trail.count] = bits(taken);
+            trail.times[trail.count] = self.drive.last_steps(before);
+            trail.count += 1;
+            let GroupTrail { places, notes, .. } = trail;
+            for watched in places {
+                match before {
+                    0 => watched.note(trail.count, |body| of(rows, body)),
+                    1 => watched.note(trail.count, |body| of(started, body)),
+                    _ => watched.note(trail.count, |body| notes.at(step, body)),
+                }
+            }
         }
     }
 
     /// Reads the steps that are noted, and has `look` look into those that hold what is asked for, or may.
     pub fn read(&self, trail: &mut GroupTrail, look: &mut Look<'_>) {
-        let GroupTrail { count, taken, times, places } = trail;
+        let GroupTrail { count, taken, times, places, .. } = trail;
         for (place, watched) in places.iter_mut().enumerate() {
             dispatch(self.set, Feel { watched, count: *count });
             for step in 0..*count {
@@ -156,16 +173,29 @@ impl Watched {
         watched
     }
 
-    /// Notes how the bodies around the places stand and move, nothing where there is none.
-    fn note(&mut self, state: Rows<'_>, index: usize) {
+    /// The bodies around the places.
+    fn bodies(&self) -> impl Iterator<Item = usize> {
+        let lanes = if self.alike { 1 } else { WIDTH };
+        let around = (0..lanes).flat_map(|lane| (0..BODIES).map(move |index| (lane, index)));
+        around.filter_map(|(lane, index)| self.around.body(lane, index))
+    }
+
+    /// Notes how the bodies around the places stand and move, `of` each body, nothing where there is none.
+    fn note<'a>(&mut self, step: usize, of: impl Fn(usize) -> Option<[&'a Row; 3]>) {
         let Self { around, alike, noted, .. } = self;
-        for (rows, bodies) in state.into_iter().zip(&mut noted[index]) {
-            for (index, noted) in bodies.iter_mut().enumerate() {
-                let of = |lane| around.body(lane, index).and_then(|body| rows.get(body));
-                if *alike {
-                    *noted = of(0).copied().unwrap_or_default();
-                } else {
-                    noted.0 = std::array::from_fn(|lane| of(lane).map_or(0.0, |row| row.0[lane]));
+        for index in 0..BODIES {
+            let of = |lane| around.body(lane, index).and_then(&of);
+            if *alike {
+                let rows = of(0);
+                for (part, noted) in noted[step].iter_mut().enumerate() {
+                    noted[index] = rows.map_or(Row::default(), |rows| *rows[part]);
+                }
+                continue;
+            }
+            for lane in 0..WIDTH {
+                let rows = of(lane);
+                for (part, noted) in noted[step].iter_mut().enumerate() {
+                    noted[index].0[lane] = rows.map_or(0.0, |rows| rows[part].0[lane]);
                 }
             }
         }
@@ -207,6 +237,12 @@ impl Task for Feel<'_> {
             L::store(rate, &mut end[1]);
         }
     }
+}
+
+/// How `body` stands and moves by these rows.
+fn of(rows: Rows<'_>, body: usize) -> Option<[&Row; 3]> {
+    let [position, velocity, acceleration] = rows;
+    Some([position.get(body)?, velocity.get(body)?, acceleration.get(body)?])
 }
 
 /// How much more the body above contact `which` of the places has than the one below.

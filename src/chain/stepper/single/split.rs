@@ -5,6 +5,7 @@ use std::marker::PhantomData;
 use super::{Course, Laid};
 use crate::chain::stepper::dispatch::dispatch;
 use crate::chain::stepper::layout::{Striped, Tiled};
+use crate::chain::stepper::notes::Notes;
 use crate::chain::stepper::parts::Steps;
 use crate::chain::stepper::steps::AT_ONCE;
 use crate::chain::stepper::tasks;
@@ -52,7 +53,8 @@ impl Split {
     /// Takes `count` steps of `h` (s).
     fn take(&self, course: &mut Course, (h, count): (f64, u64)) -> Result<(), IntegrateError> {
         let Course { set, laid, plan, work, counts, .. } = course;
-        let steps = Steps { method: self.method, length: h, count };
+        let notes = &mut Notes::default();
+        let steps = Steps { method: self.method, length: h, count, notes };
         let finite = match laid {
             Laid::Striped => {
                 dispatch(*set, tasks::Split::<Striped> { plan, work, steps, layout: PhantomData })

@@ -1,0 +1,61 @@
+//! What is noted of steps that are taken at once: how a few rows stand and move at the end of each but the last two: those
+//! ends stay where they are.
+
+use super::lanes::Row;
+use super::strip::{At, FOUR};
+
+/// Positions (m), velocities (m/s) and accelerations (m/s²) of a row.
+pub type Note = [Row; 3];
+
+/// Notes of steps, in their order, of some of the rows in theirs.
+#[derive(Debug, Clone, Default)]
+pub struct Notes {
+    /// Which note each row is of a step's, counted from 1; 0 for one that nobody asks for. Rows behind the last are not asked for either.
+    which: Vec<u32>,
+    /// Notes of a step.
+    rows: usize,
+    kept: Vec<Note>,
+    /// How many are taken.
+    count: usize,
+}
+
+impl Notes {
+    /// Of `steps` steps, of rows that `asked` has a place for.
+    pub fn new(steps: usize, asked: impl Iterator<Item = usize>) -> Self {
+        let mut which = Vec::new();
+        for row in asked {
+            which.resize(which.len().max(row + 1), 0);
+            which[row] = 1;
+        }
+        let mut rows = 0;
+        for which in which.iter_mut().filter(|which| **which > 0) {
+            rows += 1;
+            *which = rows;
+        }
+        let rows = rows as usize;
+        Self { which, rows, kept: vec![Note::default(); rows * steps], count: 0 }
+    }
+
+    /// Begins anew.
+    pub fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    /// Where row `at` is noted next, if anybody asks for it.
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
+    pub fn room(&mut self, (four, row): At) -> Option<&mut Note> {
+        let is_asked = self.which.get(FOUR * four + row).is_some_and(|which| *which > 0);
+        if !is_asked {
+            return None;
+        }
+        self.count += 1;
+        self.kept.get_mut(self.count - 1)
+    }
+
+    /// Row `row` at the end of step `step`.
+    pub fn at(&self, step: usize, row: usize) -> Option<[&Row; 3]> {
+        let which = (*self.which.get(row)? as usize).checked_sub(1)?;
+        self.kept.get(step * self.rows + which).map(Note::each_ref)
+    }
+}
