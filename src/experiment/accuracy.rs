@@ -2,11 +2,15 @@
 
 use serde::Serialize;
 
-use super::comparison::{arrival_error, compare_readings, level_of, peak_error, readings};
-use super::outcome::{Reading, Summary};
-use super::{Integration, Outcome, RunError, method, run};
+use super::bench::Grid;
+use super::comparison::{
+    Run, arrival_error, compare_readings, deviation, level_of, peak_error, readings, sampled,
+};
+use super::outcome::Reading;
+use super::{Integration, Outcome, RunError, method, run, sample_grid};
 use crate::quantity::engineering;
 use crate::scene::{DEFAULT_ACCURACY, LOOSEST_ACCURACY, Scene, Site, TIGHTEST_ACCURACY};
+use crate::trace::Trace;
 
 /// Accuracy of the run that finds out how large peaks are and when they come (1).
 const COARSE: f64 = 1e-3;
@@ -17,6 +21,9 @@ const SHARE: f64 = 0.1;
 pub const TIGHTER: f64 = 0.01;
 /// What the second run may be off itself, in terms of its own accuracy: in 10,000 random scenes it was once off by 1.3 (1).
 pub const OWN: f64 = 3.0;
+/// Differences between traces count so many times: what amplifies the first run's errors amplifies the second's, too, which has come to a
+/// fourteenth of the first's in the shipped scenes, and near rounding to more (1).
+const TRACES: f64 = 2.0;
 /// Steps are first held to so many times the accuracy asked for: most runs are accurate enough then, and each is held against a
 /// tighter one anyway (1).
 const LOOSER: f64 = 10.0;
@@ -102,16 +109,16 @@ pub fn run_held(
     loop {
         let steps = tried.next().unwrap_or(accuracy);
         let mut outcome = run(scene, Integration::Accuracy(steps), shot, progress)?;
-        let summary = &mut outcome.summary;
         let against = match second.take() {
             Some(second) if steps >= accuracy => second,
-            _ => Second::run(own, steps.min(accuracy))?,
+            _ => Second::run(own, steps.min(accuracy), shot)?,
         };
-        let estimate = second.insert(against).holds(summary);
+        let estimate = second.insert(against).holds(&outcome, accuracy);
         let held = estimate.as_ref().is_some_and(|estimate| estimate.worst() <= accuracy);
         if !held && tried.peek().is_some() {
             continue;
         }
+        let summary = &mut outcome.summary;
         if steps < accuracy {
             summary.notes.push(format!(
                 "steps are held to {steps:.0e}: at {accuracy:.0e} it was not certain that readings are as accurate as asked"
@@ -120,6 +127,7 @@ pub fn run_held(
         summary.accuracy = Some(accuracy);
         summary.notes.extend(doubt(estimate.as_ref(), accuracy));
         summary.error_estimate = estimate;
+        summary.note_energy("a tighter accuracy keeps it better");
         if summary.contact_changes != Some(0) {
             summary.find_horizon(own, steps);
         }
@@ -138,27 +146,33 @@ pub fn steps_tried(scene: &Scene, accuracy: f64) -> impl Iterator<Item = f64> + 
     })
 }
 
-/// How far off a run's first peaks and arrivals may be.
+/// How far off a run's first peaks, arrivals and traces may be.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ErrorEstimate {
     /// Relative error of first-peak dynamic forces, the largest of all places (1).
     pub peak: f64,
     /// Relative error of first-peak times, half-rises and tenths, the largest of all places (1).
     pub arrival: f64,
+    /// Largest deviation of the force at any sensor, at the scope's sample times up to the end of the scene's duration, relative to the largest dynamic one
+    /// there; none without sensors (1).
+    pub trace: Option<f64>,
+    /// Up to when no trace deviates by more than the accuracy that was asked for; none where none ever does, or none was asked for (s).
+    pub trace_holds_s: Option<f64>,
     /// How it was found.
     pub how: String,
 }
 
 impl ErrorEstimate {
-    /// The larger of both (1).
+    /// The larger of those of peaks and arrivals, which an accuracy is asked for (1).
     #[must_use]
     pub fn worst(&self) -> f64 {
         self.peak.max(self.arrival)
     }
 }
 
-/// Holds a run, of which `summary` tells, against one to a hundredth of `accuracy` (1). By the triangle inequality the error is at
-/// most their difference and what the second run is off itself: [`OWN`] times its own accuracy are added.
+/// Holds shot `shot` of `scene` against a run to a hundredth of `accuracy` (1). By the triangle inequality the error is at
+/// most their difference and what the second run is off itself: [`OWN`] times its own accuracy are added. Late in rattling chains traces of the second are
+/// off by more than that, too: [`TRACES`] times their difference.
 ///
 /// None where the second run feels other pulses than the first, or none that are louder than what it may be off itself: where steps are held to
 /// the stiffest contact both runs may take the same ones, and err the same way.
@@ -168,9 +182,9 @@ impl ErrorEstimate {
 pub fn estimate(
     scene: &Scene,
     accuracy: f64,
-    summary: &Summary,
+    outcome: &Outcome,
 ) -> Result<Option<ErrorEstimate>, RunError> {
-    Ok(Second::run(scene, accuracy)?.holds(summary))
+    Ok(Second::run(scene, accuracy, outcome.shot.number)?.holds(outcome, accuracy))
 }
 
 /// What runs are held against.
@@ -181,22 +195,30 @@ struct Second {
     readings: Vec<Reading>,
     /// What it may be off itself (N).
     faintest: f64,
+    /// Static forces (N) and dynamic ones at the times of `grid` (N), of all sensors.
+    traces: Vec<(f64, Vec<f64>)>,
+    grid: Grid,
 }
 
 impl Second {
-    fn run(scene: &Scene, accuracy: f64) -> Result<Self, RunError> {
+    fn run(scene: &Scene, accuracy: f64, shot: u32) -> Result<Self, RunError> {
         let tighter = (TIGHTER * accuracy).max(TIGHTEST_STEPS);
-        let found = readings(scene, method(scene, Integration::Accuracy(tighter))?)?;
+        let (method, grid) =
+            (method(scene, Integration::Accuracy(tighter))?, sample_grid(scene, shot));
+        let Run { readings: found, traces, .. } = sampled(scene, (method, None), u64::MAX, grid)?;
         let inside = scene.sensors.iter().zip(&found).filter(|(s, _)| s.site != Site::Wall);
         let wall = scene.chain.wall_contact().and_then(|_| found.last());
         let readings = inside.map(|(_, reading)| reading).chain(wall).cloned().collect();
         let faintest = OWN * tighter * scene.chain.impact_force(&scene.initial_velocities);
-        Ok(Self { tighter, readings, faintest })
+        let traces = found.iter().map(|reading| reading.static_n).zip(traces);
+        let traces = traces.take(scene.sensors.len()).collect();
+        Ok(Self { tighter, readings, faintest, traces, grid })
     }
 
-    /// How far off the run is that `summary` tells of, as [`estimate`] has it.
-    fn holds(&self, summary: &Summary) -> Option<ErrorEstimate> {
+    /// How far off the run is, as [`estimate`] has it, whose traces are to deviate by no more than `limit` (1).
+    fn holds(&self, outcome: &Outcome, limit: f64) -> Option<ErrorEstimate> {
         let Self { tighter, readings: second, faintest, .. } = self;
+        let summary = &outcome.summary;
         let first: Vec<Reading> = summary.sensors.iter().chain(&summary.wall).cloned().collect();
         let felt =
             |readings: &[Reading]| readings.iter().filter(|r| r.first_peak.is_some()).count();
@@ -206,10 +228,26 @@ impl Second {
         }
         let off = |error| compare_readings(&first, second, error).map(|off| off + OWN * tighter);
         let (peak, arrival) = (off(peak_error)?, off(arrival_error)?);
+        let (trace, trace_holds_s) = self.trace(outcome, limit).unzip();
         let how = format!(
-            "largest difference from a second run at accuracy {tighter:.1e}, plus {OWN} times that"
+            "largest difference from a second run at accuracy {tighter:.1e}, of traces {TRACES} times, plus {OWN} times that accuracy"
         );
-        Some(ErrorEstimate { peak, arrival, how })
+        Some(ErrorEstimate { peak, arrival, trace, trace_holds_s: trace_holds_s.flatten(), how })
+    }
+
+    /// How far off traces are (1), and up to when by no more than `limit` (1, s).
+    fn trace(&self, outcome: &Outcome, limit: f64) -> Option<(f64, Option<f64>)> {
+        let Self { tighter, traces, grid, .. } = self;
+        let recorded = outcome.shot.truth.iter().filter(|trace| trace.name.starts_with("sensor/"));
+        let dynamic = |(trace, (at_rest, _)): (&Trace, &(f64, Vec<f64>))| -> Vec<f64> {
+            trace.values.iter().map(|force| force - at_rest).collect()
+        };
+        let found: Vec<Vec<f64>> = recorded.zip(traces).map(dynamic).collect();
+        let exact: Vec<Vec<f64>> = traces.iter().map(|(_, forces)| forces.clone()).collect();
+        let own = OWN * tighter;
+        let (off, first) = deviation(&found, &exact, (limit - own) / TRACES);
+        let holds = |sample: usize| grid.time(sample.saturating_sub(1)).max(0.0);
+        (!found.is_empty()).then(|| (TRACES * off + own, first.map(holds)))
     }
 }
 

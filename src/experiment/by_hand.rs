@@ -1,7 +1,6 @@
 //! Runs with a step by hand: nothing holds them to an accuracy, so what they are off is found out and told.
 
 use super::accuracy::{ErrorEstimate, TIGHTER, estimate};
-use super::outcome::Summary;
 use super::{Integration, Outcome, RunError, run};
 use crate::integrate::Method;
 use crate::quantity::engineering;
@@ -17,8 +16,6 @@ const NEXT: f64 = 1e-4;
 const TELLING: f64 = 10.0;
 /// Steps that are tried for advice: half of the one that does not do, or a quarter of the longest stable one, and halves from there on.
 const TRIES: i32 = 6;
-/// What sums of energies may be off, relative to all that is stored (1).
-const ROUNDING: f64 = 1e-12;
 /// Contact forces that finding advice may take: seconds (1).
 const MOST_FORCES: f64 = 1e9;
 
@@ -34,8 +31,12 @@ pub fn run_by_hand(
     progress: &mut dyn FnMut(f64),
 ) -> Result<Outcome, RunError> {
     let mut outcome = run(scene, Integration::Method(method), shot, progress)?;
-    let (own, summary) = (&*scene.of_shot(shot), &mut outcome.summary);
-    let found = match told(own, summary) {
+    let own = &*scene.of_shot(shot);
+    // Nobody has asked for the accuracy that second runs go by.
+    let told = told(own, &outcome)
+        .map(|found| found.map(|found| ErrorEstimate { trace_holds_s: None, ..found }));
+    let summary = &mut outcome.summary;
+    let found = match told {
         Ok(found) => found,
         Err(error) => {
             // This run came to its end: what it has found is not thrown away.
@@ -59,22 +60,16 @@ pub fn run_by_hand(
             summary.find_horizon(own, accuracy);
         }
     }
-    let (gain, energy) = (summary.energy.drift, &summary.energy);
-    let made = energy.r#final + energy.dissipated - energy.initial;
-    if gain > TOLERABLE && made > ROUNDING * energy.initial.abs() {
-        summary.notes.push(format!(
-            "the method has made energy, {gain:.1e} of that in motion: the step is too long"
-        ));
-    }
+    summary.note_energy("the step is too long");
     summary.error_estimate = found;
     Ok(outcome)
 }
 
 /// How far off the run is of which `summary` tells, by ever tighter second runs until one can tell.
-fn told(scene: &Scene, summary: &Summary) -> Result<Option<ErrorEstimate>, RunError> {
+fn told(scene: &Scene, outcome: &Outcome) -> Result<Option<ErrorEstimate>, RunError> {
     let mut accuracy = FIRST;
     loop {
-        let found = estimate(scene, accuracy, summary)?;
+        let found = estimate(scene, accuracy, outcome)?;
         let tells = |found: &ErrorEstimate| found.worst() > TELLING * TIGHTER * accuracy;
         if accuracy <= TIGHTEST_ACCURACY || found.as_ref().is_some_and(tells) {
             return Ok(found);
@@ -99,7 +94,7 @@ pub fn advice(scene: &Scene, method: Method) -> Option<String> {
         }
         let integration = Integration::Method(with_step(method, step));
         let found = run(scene, integration, 1, &mut |_| ()).ok()?;
-        let worst = estimate(scene, FIRST, &found.summary).ok()??.worst();
+        let worst = estimate(scene, FIRST, &found).ok()??.worst();
         let words = || {
             let step = engineering(step, "s", 2);
             let worst = -rounded_down(-worst, 2);

@@ -44,7 +44,19 @@ pub fn run_without(
     (method, refinement): Treated,
     most: u64,
 ) -> Result<Run, IntegrateError> {
-    let grid = sample_grid(scene, 1);
+    sampled(scene, (method, refinement), most, sample_grid(scene, 1))
+}
+
+/// The same with samples at the times of `grid`.
+///
+/// # Errors
+/// The integrator's.
+pub fn sampled(
+    scene: &Scene,
+    (method, refinement): Treated,
+    most: u64,
+    grid: Grid,
+) -> Result<Run, IntegrateError> {
     let never = Grid { start: f64::MAX, interval: 1.0 };
     let probes = probes(scene);
     let started = Instant::now();
@@ -127,16 +139,25 @@ pub fn arrival_error(found: &Reading, exact: &Reading) -> Option<f64> {
 
 /// Largest deviation of any trace, relative to its largest force (1).
 pub fn trace_error(found: &Run, exact: &Run) -> f64 {
-    let mut largest = 0.0_f64;
-    for (found, exact) in found.traces.iter().zip(&exact.traces) {
+    deviation(&found.traces, &exact.traces, f64::INFINITY).0
+}
+
+/// Largest deviation of any trace from its `exact` one, relative to the largest force in that (1), and the first sample in which one deviates by more
+/// than `limit` (1). A trace that is no number deviates infinitely, for it compares with nothing.
+pub fn deviation(found: &[Vec<f64>], exact: &[Vec<f64>], limit: f64) -> (f64, Option<usize>) {
+    let (mut largest, mut first) = (0.0_f64, None::<usize>);
+    for (found, exact) in found.iter().zip(exact) {
         let scale = exact.iter().fold(0.0, |most: f64, f| most.max(f.abs()));
-        let off = found.iter().zip(exact).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
-        if scale > 0.0 {
-            // A trace that is no number compares with nothing: count it as lost.
-            largest = if off.is_finite() { largest.max(off / scale) } else { f64::INFINITY };
+        for (index, (a, b)) in found.iter().zip(exact).enumerate().filter(|_| scale > 0.0) {
+            let off = (a - b).abs() / scale;
+            let off = if off.is_finite() { off } else { f64::INFINITY };
+            largest = largest.max(off);
+            if off > limit {
+                first = Some(first.map_or(index, |first| first.min(index)));
+            }
         }
     }
-    largest
+    (largest, first)
 }
 
 /// The smallest digitiser level relative to the first peak at its channel's sensor (1).

@@ -21,8 +21,7 @@ const LUCK: f64 = 4.0;
 const TIGHTEST: f64 = 1e-14;
 
 /// The last of the times at which states were compared before the error of a motion at `accuracy`, from rest under `velocities` (m/s) over
-/// `duration` (s), may have exceeded `sqrt(accuracy)` of the largest overlap or speed so far (1); none if it never did (s). Chains with losses
-/// forget: they are not asked.
+/// `duration` (s), may have exceeded `sqrt(accuracy)` of the largest overlap or speed so far (1); none if it never did (s).
 ///
 /// # Errors
 /// [`IntegrateError`] where the integrator cannot go on.
@@ -31,9 +30,6 @@ pub fn horizon(
     velocities: &[f64],
     (duration, accuracy): (f64, f64),
 ) -> Result<Option<f64>, IntegrateError> {
-    if chain.is_dissipative() {
-        return Ok(None);
-    }
     let mut motions = [accuracy, (accuracy * TIGHTER).max(TIGHTEST)].map(|accuracy| {
         let method = method_for(chain, velocities, accuracy);
         start(chain, method, chain.initial_state(velocities))

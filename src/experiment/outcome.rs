@@ -72,7 +72,24 @@ pub struct Summary {
     pub notes: Vec<String>,
 }
 
+/// A run that has made or lost more of the energy in motion is not taken for what the bench would show without a word (1).
+const TOLERABLE: f64 = 0.01;
+/// What sums of energies may be off, relative to all that is stored (1).
+const ROUNDING: f64 = 1e-12;
+
 impl Summary {
+    /// Notes where the method has made energy, or lost it, and what may be done about it.
+    pub(super) fn note_energy(&mut self, advice: &str) {
+        let EnergyLedger { initial, r#final, dissipated, drift, .. } = &self.energy;
+        let made = r#final + dissipated - initial;
+        if drift.abs() > TOLERABLE && made.abs() > ROUNDING * initial.abs() {
+            let (what, share) = (if made > 0.0 { "made" } else { "lost" }, drift.abs());
+            self.notes.push(format!(
+                "the method has {what} energy, {share:.1e} of that in motion: {advice}"
+            ));
+        }
+    }
+
     /// Notes from when on the motion of `scene` at `accuracy` is no longer known to half of its digits (1).
     pub(super) fn find_horizon(&mut self, scene: &Scene, accuracy: f64) {
         let setting = (scene.duration, accuracy);
@@ -82,7 +99,7 @@ impl Summary {
         let (words, left) = (engineering(time, "s", 2), accuracy.sqrt());
         self.horizon_s = Some(time);
         self.notes.push(format!(
-            "from {words} on errors may exceed {left:.0e} of the largest overlap or speed, and the motion is known only in its statistics: a tighter accuracy, or a shorter step, reaches further"
+            "from {words} on errors may exceed {left:.0e} of the largest overlap or speed somewhere in the chain, and the motion is known only in its statistics there: a much tighter accuracy, or a shorter step, mostly reaches further"
         ));
     }
 }

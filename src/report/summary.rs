@@ -145,13 +145,18 @@ fn accuracy_words(accuracy: f64, reason: Option<&str>) -> String {
 /// How far off what is printed above may be.
 fn errors(summary: &Summary) -> Vec<String> {
     let Some(estimate) = &summary.error_estimate else { return Vec::new() };
-    let ErrorEstimate { peak, arrival, how } = estimate;
-    vec![
-        format!(
-            "  error       first peaks within {peak:.1e}, arrivals within {arrival:.1e} of their values"
-        ),
-        format!("              ({how})"),
-    ]
+    let ErrorEstimate { peak, arrival, trace, trace_holds_s, how } = estimate;
+    let mut lines = vec![format!(
+        "  error       first peaks within {peak:.1e}, arrivals within {arrival:.1e} of their values"
+    )];
+    if let Some(trace) = trace {
+        let early = summary.accuracy.zip(*trace_holds_s).map_or(String::new(), |(asked, until)| {
+            format!(", within {asked:.1e} up to {}", engineering(until, "s", 3))
+        });
+        lines.push(format!("              traces within {trace:.1e} of their largest{early}"));
+    }
+    lines.push(format!("              ({how})"));
+    lines
 }
 
 /// Where the energy is at the end: what moves, what is stored, what each load holds, and what each loss has taken.

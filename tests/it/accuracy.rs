@@ -1,14 +1,41 @@
 //! The accuracy that is asked for: held, estimated, and chosen from the scope where nobody names one.
 
-use hertzscope::experiment::accuracy::{ErrorEstimate, doubt, estimate, of_scene};
+use hertzscope::experiment::accuracy::{ErrorEstimate, doubt, estimate, of_scene, run_held};
 use hertzscope::experiment::bench::{Bench, Grid};
 use hertzscope::experiment::outcome::{Reading, Summary};
-use hertzscope::experiment::{Integration, run};
+use hertzscope::experiment::{Integration, Outcome, run};
 use hertzscope::integrate::{IntegrateError, Method};
 use hertzscope::scene::{DEFAULT_ACCURACY, Scene};
+use hertzscope::trace::Trace;
+
+fn outcome(scene: &Scene, integration: Integration) -> Outcome {
+    run(scene, integration, 1, &mut |_| ()).expect("a run")
+}
 
 fn simulate(scene: &Scene, integration: Integration) -> Summary {
-    run(scene, integration, 1, &mut |_| ()).expect("a run").summary
+    outcome(scene, integration).summary
+}
+
+/// Largest deviation of any sensor's force up to the end of the scene's duration, relative to its largest dynamic one.
+fn trace_error(scene: &Scene, found: &Outcome, exact: &Outcome) -> f64 {
+    let of = |outcome: &Outcome| -> Vec<Vec<f64>> {
+        let sensors = outcome.shot.truth.iter().filter(|trace| trace.name.starts_with("sensor/"));
+        let within = |trace: &Trace| {
+            (0_u32..)
+                .zip(&trace.values)
+                .take_while(|(i, _)| trace.start + f64::from(*i) * trace.interval <= scene.duration)
+                .count()
+        };
+        sensors.map(|trace| trace.values[..within(trace)].to_vec()).collect()
+    };
+    let mut largest = 0.0_f64;
+    for (found, exact) in of(found).iter().zip(&of(exact)) {
+        // The first sample lies before the impact.
+        let scale = exact.iter().fold(0.0, |most: f64, f| most.max((f - exact[0]).abs()));
+        let off = found.iter().zip(exact).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+        largest = largest.max(off / scale);
+    }
+    largest
 }
 
 /// Largest relative errors of first peaks, and of first-peak times, half-rises and tenths.
@@ -37,19 +64,23 @@ fn errors(found: &Summary, exact: &Summary) -> (f64, f64) {
 
 /// Runs `scene` at 1e-3, 1e-6 and 1e-9, against a run by another family of methods.
 fn is_held(name: &str, scene: &Scene, reference: Method) {
-    let exact = simulate(scene, Integration::Method(reference));
+    let exact = outcome(scene, Integration::Method(reference));
     for accuracy in [1e-3, 1e-6, 1e-9] {
-        let found = simulate(scene, Integration::Accuracy(accuracy));
+        let found = outcome(scene, Integration::Accuracy(accuracy));
         let said = estimate(scene, accuracy, &found).expect("a run").expect("an estimate");
         let ErrorEstimate { peak, arrival, .. } = said;
-        let (true_peak, true_arrival) = errors(&found, &exact);
+        let (true_peak, true_arrival) = errors(&found.summary, &exact.summary);
+        let (trace, true_trace) =
+            (said.trace.expect("a sensor"), trace_error(scene, &found, &exact));
         println!(
-            "{name} at {accuracy:e}: peak {true_peak:.1e} of {peak:.1e}, arrival {true_arrival:.1e} of {arrival:.1e}"
+            "{name} at {accuracy:e}: peak {true_peak:.1e} of {peak:.1e}, arrival {true_arrival:.1e} of {arrival:.1e}, trace {true_trace:.1e} of {trace:.1e} to {:?}",
+            said.trace_holds_s
         );
         assert!(
             true_peak <= accuracy && true_arrival <= accuracy,
             "{name} at {accuracy:e}: {true_peak:e}, {true_arrival:e}"
         );
+        assert!(true_trace <= trace, "{name} at {accuracy:e}: {true_trace:e} above {trace:e}");
         assert!(
             true_peak <= peak && true_arrival <= arrival,
             "{name} at {accuracy:e}: {true_peak:e} above {peak:e} or {true_arrival:e} above {arrival:e}"
@@ -85,14 +116,27 @@ fn an_error_beyond_the_accuracy_is_told() {
     // So small a loss changes nothing: the lossless scene is the reference.
     let plain = Scene::load("gravity-2.75g").expect("a shipped scene");
     let exact = simulate(&plain, Integration::Accuracy(1e-11));
-    let found = simulate(&scene, Integration::Accuracy(1e-9));
+    let found = outcome(&scene, Integration::Accuracy(1e-9));
     let said = estimate(&scene, 1e-9, &found).expect("a run").expect("an estimate");
-    let (peak, arrival) = errors(&found, &exact);
+    let (peak, arrival) = errors(&found.summary, &exact);
     assert!(peak <= said.peak && arrival <= said.arrival, "{peak:e}, {arrival:e}: {said:?}");
     let told = doubt(Some(&said), 1e-9);
     assert_eq!(told.is_some(), said.peak.max(said.arrival) > 1e-9, "{told:?}");
     assert!(doubt(Some(&said), 2.0 * said.peak.max(said.arrival)).is_none());
     assert!(doubt(None, 1e-9).is_some_and(|told| told.contains("other pulses")));
+}
+
+/// What nothing holds to an accuracy, as the energy at the end, is told where it is off by more than 1 %.
+#[test]
+fn energy_that_is_made_or_lost_is_told() {
+    for (accuracy, word) in [(0.1, "has made energy"), (1e-6, "")] {
+        let scene = Scene::load("linear-300-cells").expect("a shipped scene");
+        let found = run_held(&scene, accuracy, 1, &mut |_| ()).expect("a run").summary;
+        let told = found.notes.iter().find(|note| note.contains("of that in motion"));
+        assert_eq!(told.is_some(), found.energy.drift.abs() > 0.01, "{:e}", found.energy.drift);
+        assert!(told.map_or("", String::as_str).contains(word), "{told:?}");
+        assert_eq!(told.is_some(), !word.is_empty());
+    }
 }
 
 fn scene(more: &str) -> Scene {
