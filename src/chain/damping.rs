@@ -1,6 +1,6 @@
 //! How fast losses make velocities die: what limits the steps of explicit methods.
 
-use super::{Chain, hertz};
+use super::{Chain, StabilityLimit, hertz};
 
 /// Halvings of the interval in which the fastest decay is looked for: to a part in a million.
 const HALVINGS: usize = 40;
@@ -42,6 +42,19 @@ impl Chain {
             }
         }
         high
+    }
+
+    /// The longest step that a method could survive whose longest stable step times decay is `reach` (1), by [`Self::fastest_decay`], and the contact
+    /// that lets its two bodies alone decay fastest; none without losses.
+    #[must_use]
+    pub fn decay_limit(&self, velocity: &[f64], reach: f64) -> Option<StabilityLimit> {
+        let speed = velocity.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        let alone = |j: usize| self.damping(j, speed) * self.reach(j, speed).1;
+        let decays =
+            (0..self.contacts.len()).map(|j| (j, alone(j))).filter(|(_, decay)| *decay > 0.0);
+        let (j, _) = decays.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let (upper, lower) = self.beside(j);
+        Some(StabilityLimit { step: reach / self.fastest_decay(velocity), upper, lower })
     }
 
     /// The largest decay of any contact, its two bodies taken alone, in units of its own angular frequency: twice its damping ratio;

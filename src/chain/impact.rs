@@ -1,6 +1,6 @@
 //! What an impact will do, estimated before the first step: the scale of overlaps, and the longest stable step.
 
-use super::{Body, Chain, Contact, hertz};
+use super::{Chain, Contact, hertz};
 
 /// A step beyond which a method cannot be stable.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,6 +39,15 @@ impl Chain {
         })
     }
 
+    /// Names of what stands above and below contact `j`.
+    pub(super) fn beside(&self, j: usize) -> (String, String) {
+        let name = |index: Option<usize>| {
+            let body = index.and_then(|index| self.bodies.get(index));
+            body.map_or("the wall".to_owned(), |body| body.name.clone())
+        };
+        (name(j.checked_sub(1)), name(Some(j)))
+    }
+
     /// The longest step that a method could survive whose longest stable step times angular frequency is `reach` (1).
     ///
     /// The frequency is the highest of the whole chain, linearised: each contact at its static overlap or, next to a moving body,
@@ -64,9 +73,8 @@ impl Chain {
             }
             let square = stiffness * inverse;
             if square > 0.0 && fastest.as_ref().is_none_or(|(most, _)| square > *most) {
-                let name =
-                    |body: Option<&Body>| body.map_or("the wall".to_owned(), |b| b.name.clone());
-                let limit = StabilityLimit { step: 0.0, upper: name(upper), lower: name(lower) };
+                let (upper, lower) = self.beside(j);
+                let limit = StabilityLimit { step: 0.0, upper, lower };
                 fastest = Some((square, limit));
             }
         }

@@ -61,7 +61,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
 fn recording(text: &str) -> Result<PathBuf, String> {
     let file = PathBuf::from(text);
     if file.extension().is_some_and(|ending| ending == "mcap") {
-        Ok(file)
+        picture::in_a_folder(file)
     } else {
         Err(format!("found {text}, expected the name of a recording, e.g. cost.mcap"))
     }

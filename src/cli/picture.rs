@@ -11,10 +11,22 @@ pub const ENDINGS: &str = "FILE.svg|FILE.png";
 pub fn file(text: &str) -> Result<PathBuf, String> {
     let file = PathBuf::from(text);
     match ending(&file) {
-        "svg" => Ok(file),
-        "png" if cfg!(feature = "png") => Ok(file),
+        "svg" => in_a_folder(file),
+        "png" if cfg!(feature = "png") => in_a_folder(file),
         "png" => Err(format!("found {text}, expected .svg: built without the feature png")),
         _ => Err(format!("found {text}, expected a name that ends in .svg or .png")),
+    }
+}
+
+/// `file`, whose folder must be there: what cannot be written is told before the work and not after it.
+pub fn in_a_folder(file: PathBuf) -> Result<PathBuf, String> {
+    match file.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.is_dir()) {
+        Some(folder) => Err(format!(
+            "found {}, expected a file in a folder that exists: {} does not",
+            file.display(),
+            folder.display()
+        )),
+        None => Ok(file),
     }
 }
 

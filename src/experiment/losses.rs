@@ -85,7 +85,11 @@ pub fn refuse(scene: &Scene, method: Method) -> Result<(), RunError> {
     let (Some((step, _)), Some(reach)) = (method.fixed_step(), method.decay_reach()) else {
         return Ok(());
     };
-    let decay = scene.chain.fastest_decay(&scene.initial_velocities);
-    let limit = reach / decay;
-    if step > limit { Err(RunError::UnstableLoss { step, limit, decay }) } else { Ok(()) }
+    match scene.chain.decay_limit(&scene.initial_velocities, reach) {
+        Some(limit) if step > limit.step => {
+            let decay = reach / limit.step;
+            Err(RunError::UnstableLoss { step, limit, decay })
+        }
+        _ => Ok(()),
+    }
 }

@@ -106,13 +106,13 @@ pub enum RunError {
     },
     /// A step chosen by hand is beyond what losses let be stable.
     #[error(
-        "found a step of {}, expected at most {}: the losses let velocities decay at up to {decay:.3e} 1/s, which makes longer ones unstable", seconds(*step), cut(*limit)
+        "found a step of {}, expected at most {}: losses, most of all between {} and {}, let velocities decay at up to {decay:.3e} 1/s, which makes longer ones unstable", seconds(*step), cut(limit.step), limit.upper, limit.lower
     )]
     UnstableLoss {
         /// The step (s).
         step: f64,
-        /// The longest step (s).
-        limit: f64,
+        /// The longest step (s), and the contact that limits it most.
+        limit: StabilityLimit,
         /// The fastest decay (1/s).
         decay: f64,
     },

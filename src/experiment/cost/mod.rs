@@ -69,12 +69,15 @@ pub struct Reference {
 pub struct Point {
     /// Method name.
     pub method: &'static str,
+    /// Publication that defines the method.
+    #[serde(skip)]
+    pub source: &'static str,
     /// Order on smooth problems.
     #[serde(skip)]
     pub order: u8,
     /// Step (s) of a fixed-step method, tolerance (1) of an adaptive one (unit).
     pub setting: f64,
-    /// Whether the run stopped, lost its first peaks, or was more than 100 % off.
+    /// Whether the run stopped, lost its first peaks, or was more than 100 % off in them or in arrivals, or its step cannot be stable: `run` refuses it.
     pub failed: bool,
     /// Whether it was given up, for it took too many evaluations, or a looser tolerance did.
     pub given_up: bool,
@@ -99,6 +102,8 @@ pub struct Point {
 pub struct Order {
     /// Method name.
     pub method: &'static str,
+    /// Publication that defines the method.
+    pub source: &'static str,
     /// Order on smooth problems.
     pub nominal: u8,
     /// Exponent of peak error against force evaluations, by least squares; none with fewer than three points, or where the work hardly differs (1).
@@ -120,6 +125,10 @@ pub struct Chosen {
     pub error_peak: Option<f64>,
     /// Of first-peak times, half-rises and tenths alone (1).
     pub error_arrival: Option<f64>,
+    /// Of traces, which no accuracy is asked for (1).
+    pub error_trace: Option<f64>,
+    /// Energy drift relative to the energy in motion, which no accuracy is asked for either (1).
+    pub error_energy: Option<f64>,
     /// Evaluations of all contact forces.
     pub force_evaluations: u64,
     /// Median wall time (s).
@@ -187,6 +196,7 @@ fn orders(points: &[Point], reference: f64) -> Vec<Order> {
         let usable: Vec<(f64, f64)> = usable.collect();
         orders.push(Order {
             method: first.method,
+            source: first.source,
             nominal: first.order,
             observed: slope(&usable).map(|slope| -slope),
         });

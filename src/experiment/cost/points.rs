@@ -88,6 +88,7 @@ impl Point {
         let (method, _) = treated;
         Self {
             method: name(treated),
+            source: method.source(),
             order: method.order(),
             setting: setting(method),
             failed: true,
@@ -126,8 +127,9 @@ pub fn point(scene: &Scene, treated: Treated, (exact, runs): (&Run, u16)) -> Poi
     point.error_arrival = compare(&found, exact, arrival_error);
     point.error_trace = Some(trace_error(&found, exact));
     point.error_energy = Some(found.drift.abs());
-    let worst = [point.error_peak, point.error_arrival, point.error_trace];
-    point.failed = !worst.iter().all(|error| error.is_some_and(|e| e < FAILED));
+    let worst = [point.error_peak, point.error_arrival];
+    let refused = method(scene, Integration::Method(treated.0)).is_err();
+    point.failed = refused || !worst.iter().all(|error| error.is_some_and(|e| e < FAILED));
     point
 }
 
@@ -156,6 +158,8 @@ pub fn choice(scene: &Scene, accuracy: f64, (exact, runs): (&Run, u16)) -> Optio
         error: found.error_peak.zip(found.error_arrival).map(|(peak, time)| peak.max(time)),
         error_peak: found.error_peak,
         error_arrival: found.error_arrival,
+        error_trace: found.error_trace,
+        error_energy: found.error_energy,
         force_evaluations: found.force_evaluations,
         wall_s_median: found.wall_s_median,
         wall_s_min: found.wall_s_min,

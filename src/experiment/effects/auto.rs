@@ -49,7 +49,9 @@ pub fn settle(scene: &Scene, integration: Integration) -> Cow<'_, Scene> {
 
 /// What was decided, in words.
 fn words(name: &str, change: f64, limit: f64) -> String {
-    if change < limit {
+    if change.is_infinite() {
+        format!("{name} is on: how much it changes cannot be told beforehand")
+    } else if change < limit {
         format!(
             "{name} is off: it would change readings by less than {change:.1e}, a tenth of the accuracy is {limit:.1e}"
         )

@@ -152,9 +152,13 @@ pub fn bandwidth(subject: &Subject<'_>) -> Entry {
         change = of_signals(subject, &on, &off);
     }
     let reason = if is_on {
-        format!("on: the delay is above {NEGLIGIBLE_DELAY} of a sample interval")
+        format!(
+            "on: the delay is above {NEGLIGIBLE_DELAY} of a sample interval, by which the scope is judged, whatever the accuracy of forces"
+        )
     } else {
-        format!("off: a delay below {NEGLIGIBLE_DELAY} of a sample interval cannot be seen")
+        format!(
+            "off: a delay below {NEGLIGIBLE_DELAY} of a sample interval cannot be seen on the scope; it is no part of the forces, and of their accuracy"
+        )
     };
     let cost = if is_on { cost } else { Cost::default() };
     let found =

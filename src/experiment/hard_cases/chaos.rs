@@ -64,7 +64,7 @@ fn chaos(tally: &mut Tally) -> Result<(), String> {
 /// What can be said of the end: energy, and the share of it that is in motion.
 fn beyond(tally: &mut Tally, motion: &Motion<'_>) -> Result<(), String> {
     let end = motion.after(TIME, ACCURACY)?;
-    tally.check("energy", motion.drift(&end.state), drift_bound(&end, ACCURACY));
+    tally.check("energy", motion.drift(&end.state), drift_bound(end.work, ACCURACY));
     let share = |state: &State| {
         motion.chain.energy(state).kinetic / motion.chain.energy_above_static(state)
     };

@@ -12,7 +12,7 @@ pub const CASES: &[HardCase] = &[
     HardCase {
         name: "dashpots from 0 to 1000 N s/m",
         why: "forces jump where contacts close, and strong dashpots decay a thousand times faster than the chain moves",
-        bound: "peaks and times as Dormand-Prince 5(4) at 1e-12 finds them: the accuracy of 1e-6 for the loudest contact, as much more as a pulse is weaker elsewhere; energy and what the dashpots have taken: twice the accuracy for each of the steps, and at no instant more than there was",
+        bound: "peaks and times as Dormand-Prince 5(4) at 1e-12 finds them: the accuracy of 1e-6 for the loudest contact, as much more as a pulse is weaker elsewhere; energy and what the dashpots have taken: twice the accuracy times the root of the number of steps, and at no instant more than there was",
         compute: dashpots,
     },
     HardCase {

@@ -1,15 +1,15 @@
 //! The work-precision study as text and picture: errors of first peaks and of arrivals against force evaluations, on logarithmic axes.
 
 mod picture;
+mod terminal;
 
 pub use picture::work_precision_svg;
 
 use super::table;
 use crate::experiment::cost::{Chosen, Point, Study};
 use crate::quantity::engineering;
+use terminal::plot;
 
-/// Columns and rows of a plot in the terminal.
-const CELLS: (usize, usize) = (72, 18);
 /// Letters and colours of the methods in order of appearance.
 const MARKS: [(char, &str); 12] = [
     ('v', "#4477aa"),
@@ -25,8 +25,6 @@ const MARKS: [(char, &str); 12] = [
     ('d', "#332288"),
     ('s', "#888888"),
 ];
-/// What `--accuracy` chooses, in the terminal.
-const CHOSEN: char = '●';
 /// Errors below this are rounding (1).
 const LEAST: f64 = 1e-16;
 
@@ -44,7 +42,7 @@ struct Kind {
     limit_name: &'static str,
 }
 
-const KINDS: [Kind; 2] = [
+const KINDS: [Kind; 4] = [
     Kind {
         of: "first peaks",
         error: |point| point.error_peak,
@@ -59,7 +57,23 @@ const KINDS: [Kind; 2] = [
         limit: |study| Some(study.sample),
         limit_name: "one sample interval of the scope",
     },
+    Kind {
+        of: "traces",
+        error: |point| point.error_trace,
+        chosen: |chosen| chosen.error_trace,
+        limit: |study| study.level,
+        limit_name: "one level of the scope's digitiser",
+    },
+    Kind {
+        of: "the energy in motion",
+        error: |point| point.error_energy,
+        chosen: |chosen| chosen.error_energy,
+        limit: |_| None,
+        limit_name: "",
+    },
 ];
+/// How many of these the terminal shows: the others are in the table of what `--accuracy` chooses.
+const IN_TERMINAL: usize = 2;
 
 impl Kind {
     /// Points that can be shown: evaluations and errors.
@@ -138,7 +152,7 @@ fn marks(study: &Study) -> Vec<Mark> {
 #[must_use]
 pub fn work_precision(study: &Study) -> String {
     let mut lines = Vec::new();
-    for kind in &KINDS {
+    for kind in &KINDS[..IN_TERMINAL] {
         lines.extend(plot(study, kind));
         lines.push(String::new());
     }
@@ -161,6 +175,8 @@ pub fn work_precision(study: &Study) -> String {
     }
     lines.extend(table::lines(&rows, &[0]));
     lines.push(String::new());
+    lines.extend(sources(study));
+    lines.push(String::new());
     lines.extend(choices(study));
     lines.push(format!("reference: {}", reference(study)));
     lines.join("\n")
@@ -171,14 +187,38 @@ fn reference(study: &Study) -> String {
     format!("{}, {:.1e} from {}", found.method, found.error, found.second)
 }
 
+/// Where each method is from.
+fn sources(study: &Study) -> Vec<String> {
+    let mut all: Vec<(&str, &str)> = Vec::new();
+    for order in &study.orders {
+        // Pairs whose kinks are left as they are follow those whose are not.
+        let name = order.method.split(',').next().unwrap_or(order.method);
+        if all.last().is_none_or(|(last, _)| *last != name) {
+            all.push((name, order.source));
+        }
+    }
+    all.into_iter().map(|(name, source)| format!("  {name}: {source}")).collect()
+}
+
 fn choices(study: &Study) -> Vec<String> {
-    let heading = ["--accuracy", "method chosen", "error reached", "evaluations", "wall time"];
+    let heading = [
+        "--accuracy",
+        "method chosen",
+        "peaks, arrivals",
+        "traces",
+        "energy",
+        "evaluations",
+        "wall time",
+    ];
+    let words = |error: Option<f64>| error.map_or("-".to_owned(), |e| format!("{e:.1e}"));
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
     for chosen in &study.chosen {
         rows.push(vec![
             format!("{:e}", chosen.accuracy),
             chosen.method.to_owned(),
-            chosen.error.map_or("-".to_owned(), |e| format!("{e:.1e}")),
+            words(chosen.error),
+            words(chosen.error_trace),
+            words(chosen.error_energy),
             chosen.force_evaluations.to_string(),
             engineering(chosen.wall_s_median, "s", 2),
         ]);
@@ -192,62 +232,5 @@ fn choices(study: &Study) -> Vec<String> {
         "wall times are those of one run with all forces sampled as the scope would, without recording and without the runs that estimate its error"
             .to_owned(),
     );
-    lines
-}
-
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "places on a screen of a few dozen cells"
-)]
-fn plot(study: &Study, kind: &Kind) -> Vec<String> {
-    let axes = Axes::of(study, kind);
-    let (columns, rows) = CELLS;
-    let mut cells = vec![vec![' '; columns]; rows];
-    let row_of = |y: f64| (y * (rows - 1) as f64).round() as usize;
-    let column_of = |x: f64| (x * (columns - 1) as f64).round() as usize;
-    let limit = (kind.limit)(study);
-    if let Some(row) = limit.and_then(|limit| cells.get_mut(row_of(axes.place(1, limit).1))) {
-        row.fill('·');
-    }
-    let mut set = |evaluations: u64, error: f64, mark: char| {
-        let (x, y) = axes.place(evaluations, error);
-        if let Some(cell) = cells.get_mut(row_of(y)).and_then(|row| row.get_mut(column_of(x))) {
-            *cell = mark;
-        }
-    };
-    for (method, mark, _) in marks(study) {
-        kind.shown(study, method).for_each(|(evaluations, error)| set(evaluations, error, mark));
-    }
-    kind.choices(study).for_each(|(_, evaluations, error)| set(evaluations, error, CHOSEN));
-    let mut lines = vec![format!(
-        "{}: largest relative error of {} against evaluations of all contact forces",
-        study.scene, kind.of
-    )];
-    let span = axes.error.1 - axes.error.0;
-    let mut labelled = f64::NAN;
-    for (index, row) in cells.iter().enumerate() {
-        let exponent = (axes.error.1 - span * index as f64 / (rows - 1) as f64).round();
-        let label =
-            if (exponent - labelled).abs() < 0.5 { String::new() } else { format!("1e{exponent}") };
-        labelled = exponent;
-        let text: String = row.iter().collect();
-        lines.push(format!("{label:>6} |{}", text.trim_end()));
-    }
-    lines.push(format!("{:>6} +{}", "", "-".repeat(columns)));
-    let mut below = String::new();
-    for decade in axes.ticks() {
-        let x = (decade - axes.work.0) / (axes.work.1 - axes.work.0);
-        let label = format!("1e{decade}");
-        let start = column_of(x).saturating_sub(label.len() / 2);
-        below.push_str(&" ".repeat(start.saturating_sub(below.len())));
-        below.push_str(&label);
-    }
-    lines.push(format!("{:>8}{below}", ""));
-    lines.push(format!("        {CHOSEN} what --accuracy chooses, from 1e-1 down a decade each"));
-    if limit.is_some_and(|limit| limit < 1.0) {
-        lines.push(format!("        · · · {}", kind.limit_name));
-    }
     lines
 }

@@ -11,6 +11,8 @@ const PANEL: (f64, f64) = (480.0, 430.0);
 const LEFT: f64 = 72.0;
 /// From the top to the plots (pixels).
 const TOP: f64 = 74.0;
+/// From one row of plots to the next (pixels).
+const ROW: f64 = PANEL.1 + 88.0;
 /// From the plots to the marks' meanings, and from one of these to the next (pixels).
 const LEGEND: (f64, f64) = (72.0, 20.0);
 /// Columns of meanings.
@@ -24,21 +26,23 @@ const WIDTH: f64 = 2.0 * (LEFT + PANEL.0) + 24.0;
 pub fn work_precision_svg(study: &Study) -> String {
     let marks = marks(study);
     let lines = (marks.len() + 1).div_ceil(COLUMNS) + 1;
-    let height = TOP + PANEL.1 + LEGEND.0 + LEGEND.1 * lines as f64 + 10.0;
+    let below = TOP + ROW + PANEL.1;
+    let height = below + LEGEND.0 + LEGEND.1 * lines as f64 + 10.0;
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height}\" font-family=\"sans-serif\" font-size=\"13\">\n\
          <rect width=\"{WIDTH}\" height=\"{height}\" fill=\"white\"/>\n\
          <text x=\"{LEFT}\" y=\"28\" font-size=\"16\">{}: what accuracy costs</text>\n",
         escape(&study.scene)
     );
-    for (kind, index) in KINDS.iter().zip([0.0, 1.0]) {
-        let left = LEFT + index * (LEFT + PANEL.0);
-        panel(&mut svg, study, (kind, &marks), left);
+    for (kind, (row, column)) in KINDS.iter().zip([(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)])
+    {
+        let corner = (LEFT + column * (LEFT + PANEL.0), TOP + row * ROW);
+        panel(&mut svg, study, (kind, &marks), corner);
     }
     let place = |index: usize| {
         let (row, column) = (index / COLUMNS, index % COLUMNS);
         let x = LEFT + column as f64 * (LEFT + PANEL.0);
-        (x, TOP + PANEL.1 + LEGEND.0 + LEGEND.1 * row as f64)
+        (x, below + LEGEND.0 + LEGEND.1 * row as f64)
     };
     for (index, (method, _, colour)) in marks.iter().enumerate() {
         let (x, y) = place(index);
@@ -71,9 +75,14 @@ pub fn work_precision_svg(study: &Study) -> String {
 }
 
 /// One kind of error against work.
-fn panel(svg: &mut String, study: &Study, (kind, marks): (&Kind, &[Mark]), left: f64) {
+fn panel(
+    svg: &mut String,
+    study: &Study,
+    (kind, marks): (&Kind, &[Mark]),
+    (left, top): (f64, f64),
+) {
     let axes = Axes::of(study, kind);
-    let at = |x: f64, y: f64| (left + x * PANEL.0, TOP + y * PANEL.1);
+    let at = |x: f64, y: f64| (left + x * PANEL.0, top + y * PANEL.1);
     let place = |evaluations: u64, error: f64| {
         let (x, y) = axes.place(evaluations, error);
         at(x, y)
@@ -81,10 +90,11 @@ fn panel(svg: &mut String, study: &Study, (kind, marks): (&Kind, &[Mark]), left:
     let _ = writeln!(
         svg,
         "<text x=\"{left}\" y=\"{}\">largest relative error of {}</text>",
-        TOP - 14.0,
+        top - 14.0,
         kind.of
     );
     grid(svg, &axes, &at);
+    slopes(svg, &axes, &at);
     if let Some(limit) = (kind.limit)(study).filter(|limit| *limit < 1.0) {
         let (x0, y) = place(1, limit);
         let x1 = left + PANEL.0;
@@ -124,6 +134,22 @@ fn panel(svg: &mut String, study: &Study, (kind, marks): (&Kind, &[Mark]), left:
             x - 4.0,
             y + 18.0,
             words.collect::<Vec<_>>().join(", ")
+        );
+    }
+}
+
+/// Slopes of a few orders, from the upper left corner down.
+fn slopes(svg: &mut String, axes: &Axes, at: &dyn Fn(f64, f64) -> (f64, f64)) {
+    let (decades, digits) = (axes.work.1 - axes.work.0, axes.error.1 - axes.error.0);
+    let (x0, y0) = at(0.0, 0.0);
+    for order in [2.0, 4.0, 6.0, 8.0] {
+        let reach = (digits / order).min(decades);
+        let (x1, y1) = at(reach / decades, order * reach / digits);
+        let _ = writeln!(
+            svg,
+            "<path d=\"M{x0:.1} {y0:.1}L{x1:.1} {y1:.1}\" stroke=\"#bbb\" stroke-dasharray=\"2 4\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\" fill=\"#999\" font-size=\"10\">order {order}</text>",
+            x1 - 4.0,
+            y1 - 4.0
         );
     }
 }

@@ -46,14 +46,29 @@ fn the_study_is_for_people_for_scripts_and_for_the_recording() {
     let verlet = &list(&study, "orders")[0];
     let order = verlet["observed"].as_f64().expect("a number");
     assert!(verlet["method"] == "velocity-verlet" && (order - 2.0).abs() < 0.2, "{verlet}");
+    // Steps that `run` refuses are none to choose from, however well they did.
+    let points = || list(&study, "points").iter();
+    let longest = points().find(|point| point["method"] == "blanes-moan").expect("a point");
+    assert_eq!(longest["failed"], true, "{longest}");
+    for order in list(&study, "orders") {
+        let source = order["source"].as_str().expect("a publication").to_owned();
+        says(&page, &[&source]);
+    }
     assert_eq!(files(folder.path()), ["cost.mcap", "cost.svg"]);
     let svg = std::fs::read_to_string(folder.path().join("cost.svg")).expect("a picture");
     for point in list(&study, "points") {
         says(&svg, &[point["method"].as_str().expect("a name")]);
     }
+    says(&svg, &["first peaks", "arrivals", "traces", "energy in motion", "order 8"]);
     says(&svg, &["<svg", "one level of the scope", "one sample interval", "1e-3", "--accuracy"]);
     says(&printed(folder.path(), &["info", "cost.mcap"]), &["cost.json", "application/json"]);
     says(&refused(folder.path(), &["cost", "--record", "cost.csv"]), &["cost.csv", "cost.mcap"]);
+    for asked in [["--plot", "no/cost.svg"], ["--record", "no/cost.mcap"]] {
+        says(
+            &refused(folder.path(), &["cost", asked[0], asked[1]]),
+            &[asked[1], "a folder that exists"],
+        );
+    }
 }
 
 /// What `--accuracy` chooses is as accurate as asked, and takes at most twice the force evaluations of the best of all methods: of the coarsest

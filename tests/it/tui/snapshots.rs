@@ -160,6 +160,7 @@ fn the_comparison() {
 
 fn point(method: &'static str, setting: f64, error: f64, count: u64) -> Point {
     Point {
+        source: "a paper",
         method,
         order: 2,
         setting,
@@ -228,6 +229,8 @@ fn accuracy() {
             error: Some(1e-7),
             error_peak: Some(1e-7),
             error_arrival: Some(1e-8),
+            error_trace: Some(1e-6),
+            error_energy: Some(1e-8),
             force_evaluations: 2500,
             wall_s_median: 1.0,
             wall_s_min: 1.0,
