@@ -40,7 +40,7 @@ impl Chain {
     }
 
     /// Names of what stands above and below contact `j`.
-    pub(super) fn beside(&self, j: usize) -> (String, String) {
+    pub(crate) fn beside(&self, j: usize) -> (String, String) {
         let name = |index: Option<usize>| {
             let body = index.and_then(|index| self.bodies.get(index));
             body.map_or("the wall".to_owned(), |body| body.name.clone())

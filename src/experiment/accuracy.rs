@@ -230,7 +230,7 @@ impl Second {
         let (peak, arrival) = (off(peak_error)?, off(arrival_error)?);
         let (trace, trace_holds_s) = self.trace(outcome, limit).unzip();
         let how = format!(
-            "largest difference from a second run at accuracy {tighter:.1e}, of traces {TRACES} times, plus {OWN} times that accuracy"
+            "largest difference from a second run at accuracy {tighter:.1e}, of traces {TRACES} times it, plus {OWN} times that accuracy"
         );
         Some(ErrorEstimate { peak, arrival, trace, trace_holds_s: trace_holds_s.flatten(), how })
     }

@@ -283,6 +283,7 @@ impl Finished<'_> {
             notes: notes::notes(scene, &sensors, shot, found)
                 .into_iter()
                 .chain(yielded)
+                .chain(yielding::deep(&scene.chain, bench.film()))
                 .chain(notes::beyond_table(&scene.chain, bench.film()))
                 .chain(scene.decided.clone())
                 .collect(),

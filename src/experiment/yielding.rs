@@ -4,6 +4,34 @@ use super::film::Film;
 use crate::chain::Chain;
 use crate::quantity::engineering;
 
+/// Hertz's law is for overlaps far below the bodies' sizes: beyond this share of a particle's length nobody would trust it (1).
+const DEEP: f64 = 0.1;
+
+/// A note on overlaps that are no longer small beside the particles, as far as the film's frames show.
+pub fn deep(chain: &Chain, film: &Film) -> Option<String> {
+    if chain.is_linear() {
+        return None;
+    }
+    let share = |j: usize| {
+        let (contact, forces) = (chain.contacts().get(j)?, film.contact_forces.get(j)?);
+        let most = forces.iter().copied().fold(0.0, f64::max);
+        let beside = [j.checked_sub(1), Some(j)].into_iter().flatten();
+        // A flat-faced body of which only the mass is told has none.
+        let lengths = beside.filter_map(|i| chain.bodies().get(i)).map(|body| body.length);
+        let lengths = lengths.filter(|length| *length > 0.0);
+        let overlap = (most / contact.stiffness).powf(2.0 / 3.0);
+        Some((j, overlap / lengths.fold(f64::INFINITY, f64::min)))
+    };
+    let real = (0..chain.contacts().len()).filter(|j| chain.contacts()[*j].stiffness > 0.0);
+    let (j, most) = real.filter_map(share).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let (upper, lower) = chain.beside(j);
+    (most > DEEP).then(|| {
+        format!(
+            "the overlap between {upper} and {lower} reaches {most:.1} of the smaller one's length: Hertz's law is for small ones, and these numbers are none of a real chain"
+        )
+    })
+}
+
 /// A note on contacts that bore more than makes their softer body yield, as far as the film's frames show.
 pub fn note(chain: &Chain, film: &Film) -> Option<String> {
     let mut worst: Option<(f64, f64, usize)> = None;
@@ -19,13 +47,9 @@ pub fn note(chain: &Chain, film: &Film) -> Option<String> {
         }
     }
     let (force, limit, j) = worst?;
-    let name = |i: Option<usize>| {
-        i.and_then(|i| chain.bodies().get(i)).map_or("the wall", |body| body.name.as_str())
-    };
+    let (upper, lower) = chain.beside(j);
     Some(format!(
-        "{count} contacts bear more than makes their softer body yield, the one between {} and {} at least {} where {} would do (Hertz's peak pressure above 1.6 yield strengths, Johnson 1985, slow loading): real amplitudes are lower",
-        name(j.checked_sub(1)),
-        name(Some(j)),
+        "{count} contacts bear more than makes their softer body yield, the one between {upper} and {lower} at least {} where {} would do (Hertz's peak pressure above 1.6 yield strengths, Johnson 1985, slow loading): real amplitudes are lower",
         engineering(force, "N", 3),
         engineering(limit, "N", 2)
     ))

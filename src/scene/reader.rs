@@ -40,7 +40,7 @@ impl<'a> Table<'a> {
     /// The path of `key` from the top.
     #[must_use]
     pub fn path_of(&self, key: &str) -> String {
-        if self.path.is_empty() { key.to_owned() } else { [&self.path, key].join(".") }
+        [&*self.path, key].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(".")
     }
 
     /// Where `key` stands, or where the table begins.

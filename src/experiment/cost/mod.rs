@@ -62,6 +62,8 @@ pub struct Reference {
     pub second: String,
     /// Their distance: largest relative difference of peaks and arrivals (1).
     pub error: f64,
+    /// The same of traces, relative to the largest force in each (1).
+    pub error_trace: f64,
 }
 
 /// One method at one setting.

@@ -195,7 +195,10 @@ pub fn reference(scene: &Scene) -> Result<(Run, Reference), String> {
     });
     if let (Some((exact, method)), Some((other, second))) = (found.next(), found.next()) {
         return match worst(&other, &exact) {
-            Some(error) => Ok((exact, Reference { method, second, error })),
+            Some(error) => {
+                let error_trace = trace_error(&other, &exact);
+                Ok((exact, Reference { method, second, error, error_trace }))
+            }
             None => Err(format!("{method} and {second} feel different pulses")),
         };
     }

@@ -6,7 +6,7 @@ mod terminal;
 pub use picture::work_precision_svg;
 
 use super::table;
-use crate::experiment::cost::{Chosen, Point, Study};
+use crate::experiment::cost::{Chosen, Point, Reference, Study};
 use crate::quantity::engineering;
 use terminal::plot;
 
@@ -183,8 +183,8 @@ pub fn work_precision(study: &Study) -> String {
 }
 
 fn reference(study: &Study) -> String {
-    let found = &study.reference;
-    format!("{}, {:.1e} from {}", found.method, found.error, found.second)
+    let Reference { method, second, error, error_trace } = &study.reference;
+    format!("{method}, {error:.1e} from {second}, in traces {error_trace:.1e}")
 }
 
 /// Where each method is from.

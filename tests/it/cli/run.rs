@@ -341,3 +341,26 @@ fn by_hand_no_error_is_told_that_is_none() {
     let peak = summary["error_estimate"]["peak"].as_f64().expect("a number");
     assert!(peak <= 1e-6, "{peak:e}");
 }
+
+/// A chain pressed flat is no chain any more, and stiff losses are refused by the contact that makes them so.
+#[test]
+fn what_no_bench_could_be_is_told() {
+    let folder = temporary();
+    let write = |name: &str, text: &str| {
+        std::fs::write(folder.path().join(name), format!("base = \"magnet-0.61g\"\n{text}"))
+            .expect("a file");
+    };
+    write("flat.toml", "[effects.magnet_preload]\nforce = \"1e5 N\"\nparticle = 1\n");
+    let page = printed(folder.path(), &["run", "flat.toml"]);
+    says(&page, &["of the smaller one's length: Hertz's law is for small ones"]);
+    assert!(!printed(folder.path(), &["run", "magnet-0.61g"]).contains("smaller one's length"));
+    let stiff = "[effects.dashpot]\ngamma = \"1000 N s/m\"\nend_of_contact = \"zero_force\"\n";
+    write("stiff.toml", stiff);
+    let asked = ["run", "stiff.toml", "--method", "runge-kutta-4", "--step", "1us"];
+    says(
+        &refused(folder.path(), &asked),
+        &["losses, most of all between ferromagnetic_sphere and", "expected at most"],
+    );
+    write("law.toml", "[effects.magnet_law]\nmodel = \"x\"\n");
+    says(&refused(folder.path(), &["run", "law.toml"]), &["effects.magnet_law: found"]);
+}

@@ -212,6 +212,7 @@ fn accuracy() {
             method: "made up".to_owned(),
             second: "another".to_owned(),
             error: 1e-12,
+            error_trace: 1e-10,
         },
         points: vec![
             point("velocity-verlet", 1e-6, 1e-2, 2000),
