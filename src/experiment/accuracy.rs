@@ -172,7 +172,7 @@ impl ErrorEstimate {
 
 /// Holds shot `shot` of `scene` against a run to a hundredth of `accuracy` (1). By the triangle inequality the error is at
 /// most their difference and what the second run is off itself: [`OWN`] times its own accuracy are added. Late in rattling chains traces of the second are
-/// off by more than that, too: [`TRACES`] times their difference.
+/// off by more than that, too: theirs is twice the difference.
 ///
 /// None where the second run feels other pulses than the first, or none that are louder than what it may be off itself: where steps are held to
 /// the stiffest contact both runs may take the same ones, and err the same way.
