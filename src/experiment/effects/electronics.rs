@@ -12,6 +12,8 @@ use crate::sensor::{Measured, Tolerance};
 
 /// A time constant that no record could tell from infinity (s).
 const FOREVER: f64 = 1e6;
+/// Why the bandwidth goes by that.
+const JUDGED: &str = "a tenth of the accuracy that a record calls for; forces have no part in it";
 /// What makers of piezo ceramics state for both constants (1).
 const MAKERS_TOLERANCE: f64 = 0.2;
 
@@ -152,13 +154,9 @@ pub fn bandwidth(subject: &Subject<'_>) -> Entry {
         change = of_signals(subject, &on, &off);
     }
     let reason = if is_on {
-        format!(
-            "on: the delay is above {NEGLIGIBLE_DELAY} of a sample interval, by which the scope is judged, whatever the accuracy of forces"
-        )
+        format!("on: the delay is above {NEGLIGIBLE_DELAY} of a sample interval, {JUDGED}")
     } else {
-        format!(
-            "off: a delay below {NEGLIGIBLE_DELAY} of a sample interval cannot be seen on the scope; it is no part of the forces, and of their accuracy"
-        )
+        format!("off: the delay is below {NEGLIGIBLE_DELAY} of a sample interval, {JUDGED}")
     };
     let cost = if is_on { cost } else { Cost::default() };
     let found =
