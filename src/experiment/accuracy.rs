@@ -1,11 +1,15 @@
 //! Which accuracy a run is held to where nobody names one, and how far off what the user reads may be.
 
+use std::cell::Cell;
+use std::time::Instant;
+
 use serde::Serialize;
 
 use super::bench::Grid;
 use super::comparison::{
     Run, arrival_error, compare_readings, deviation, level_of, peak_error, readings, sampled,
 };
+use super::energy::MOST;
 use super::outcome::Reading;
 use super::{Integration, Outcome, RunError, method, run, sample_grid};
 use crate::quantity::engineering;
@@ -93,7 +97,8 @@ pub fn of_scene(scene: &Scene) -> Result<ChosenAccuracy, RunError> {
 
 /// Runs `scene` so that first peaks and arrivals are as accurate as asked (1), estimate included: the steps of a run are held to an
 /// accuracy, which says nothing of what the chain makes of their errors. So each run is held against a tighter one
-/// ([`estimate`]), and taken again with tighter steps where they differ by too much ([`steps_tried`]). `progress` hears the share of a run's work, 0 to 1.
+/// ([`estimate`]), and taken again with tighter steps where they differ by too much ([`steps_tried`]), or where it has made or lost more than [`MOST`] of
+/// the energy in motion. `progress` hears the share of the work, 0 to 1: the first run is taken for half of it, the next for half of the rest, and so on.
 ///
 /// # Errors
 /// [`RunError`] where the chain cannot be followed.
@@ -103,15 +108,25 @@ pub fn run_held(
     shot: u32,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Outcome, RunError> {
-    let own = &*scene.of_shot(shot);
+    let (own, started) = (&*scene.of_shot(shot), Instant::now());
     let mut tried = steps_tried(own, accuracy).peekable();
     let mut second: Option<Second> = None;
+    let left = Cell::new(1.0);
+    let next = || left.set(0.5 * left.get());
+    let mut progress = |share: f64| progress(1.0 - left.get() * (2.0 - share));
     loop {
         let steps = tried.next().unwrap_or(accuracy);
-        let mut outcome = run(scene, Integration::Accuracy(steps), shot, progress)?;
+        next();
+        let mut outcome = run(scene, Integration::Accuracy(steps), shot, &mut progress)?;
+        if tried.peek().is_some() && !outcome.summary.energy.is_kept(MOST) {
+            continue;
+        }
         let against = match second.take() {
             Some(second) if steps >= accuracy => second,
-            _ => Second::run(own, steps.min(accuracy), shot)?,
+            _ => {
+                next();
+                Second::run(own, steps.min(accuracy), shot, &mut progress)?
+            }
         };
         let estimate = second.insert(against).holds(&outcome, accuracy);
         let held = estimate.as_ref().is_some_and(|estimate| estimate.worst() <= accuracy);
@@ -130,7 +145,9 @@ pub fn run_held(
         summary.note_energy("a tighter accuracy keeps it better");
         if summary.contact_changes != Some(0) {
             summary.find_horizon(own, steps);
+            summary.note_undecided();
         }
+        summary.wall_held_s = Some(started.elapsed().as_secs_f64());
         return Ok(outcome);
     }
 }
@@ -184,7 +201,8 @@ pub fn estimate(
     accuracy: f64,
     outcome: &Outcome,
 ) -> Result<Option<ErrorEstimate>, RunError> {
-    Ok(Second::run(scene, accuracy, outcome.shot.number)?.holds(outcome, accuracy))
+    let second = Second::run(scene, accuracy, outcome.shot.number, &mut |_| ())?;
+    Ok(second.holds(outcome, accuracy))
 }
 
 /// What runs are held against.
@@ -201,11 +219,18 @@ struct Second {
 }
 
 impl Second {
-    fn run(scene: &Scene, accuracy: f64, shot: u32) -> Result<Self, RunError> {
+    fn run(
+        scene: &Scene,
+        accuracy: f64,
+        shot: u32,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<Self, RunError> {
         let tighter = (TIGHTER * accuracy).max(TIGHTEST_STEPS);
         let (method, grid) =
             (method(scene, Integration::Accuracy(tighter))?, sample_grid(scene, shot));
-        let Run { readings: found, traces, .. } = sampled(scene, (method, None), u64::MAX, grid)?;
+        let mut share = |time: f64| progress(time / scene.duration);
+        let found = sampled(scene, (method, None), (u64::MAX, grid), &mut share)?;
+        let Run { readings: found, traces, .. } = found;
         let inside = scene.sensors.iter().zip(&found).filter(|(s, _)| s.site != Site::Wall);
         let wall = scene.chain.wall_contact().and_then(|_| found.last());
         let readings = inside.map(|(_, reading)| reading).chain(wall).cloned().collect();

@@ -3,7 +3,8 @@
 use std::time::Instant;
 
 use super::bench::{Bench, Grid};
-use super::outcome::{Reading, drift};
+use super::energy::EnergyLedger;
+use super::outcome::Reading;
 use super::{probes, sample_grid};
 use crate::chain::stepper::Refinement;
 use crate::integrate::{IntegrateError, Method, Work};
@@ -16,8 +17,8 @@ pub struct Run {
     pub readings: Vec<Reading>,
     /// Forces at the scope's sample times, one a watched place (N).
     pub traces: Vec<Vec<f64>>,
-    /// Energy drift, as [`drift`] has it (1).
-    pub drift: f64,
+    /// Where the energy went.
+    pub energy: EnergyLedger,
     /// What it cost.
     pub work: Work,
     /// Wall time (s).
@@ -44,18 +45,18 @@ pub fn run_without(
     (method, refinement): Treated,
     most: u64,
 ) -> Result<Run, IntegrateError> {
-    sampled(scene, (method, refinement), most, sample_grid(scene, 1))
+    sampled(scene, (method, refinement), (most, sample_grid(scene, 1)), &mut |_| ())
 }
 
-/// The same with samples at the times of `grid`.
+/// The same with samples at the times of `grid`; `progress` hears the time that is reached (s).
 ///
 /// # Errors
 /// The integrator's.
 pub fn sampled(
     scene: &Scene,
     (method, refinement): Treated,
-    most: u64,
-    grid: Grid,
+    (most, grid): (u64, Grid),
+    progress: &mut dyn FnMut(f64),
 ) -> Result<Run, IntegrateError> {
     let never = Grid { start: f64::MAX, interval: 1.0 };
     let probes = probes(scene);
@@ -66,13 +67,13 @@ pub fn sampled(
     if let Some(refinement) = refinement {
         bench = bench.without(refinement);
     }
-    bench.run_until(scene.duration, true, &mut |_| ())?;
+    bench.run_until(scene.duration, true, progress)?;
     let wall_s = started.elapsed().as_secs_f64();
     let (before, after) = bench.energies();
     Ok(Run {
         readings: bench.watches().iter().map(|w| Reading::of("", None, 0.0, &w.pulse)).collect(),
         traces: bench.watches().iter().map(|w| w.samples.clone()).collect(),
-        drift: drift(&before, &after, &bench.dissipated()),
+        energy: EnergyLedger::new(before, after, bench.dissipated()),
         work: bench.work(),
         wall_s,
     })

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::outcome::{EnergyLedger, effects};
+use super::energy::EnergyLedger;
+use super::outcome::effects;
 use super::{Integration, Outcome, RunError, method};
 use crate::recording::Attachment;
 use crate::recording::mcap::ShotNotes;

@@ -15,6 +15,7 @@ mod comparison;
 pub mod cost;
 pub mod doctor;
 pub mod effects;
+pub mod energy;
 pub mod ensemble;
 pub mod facts;
 mod film;
@@ -51,7 +52,8 @@ use crate::scope::acquire::Found;
 use crate::scope::front_end::noise_stream;
 use acquisition::{record, trigger};
 use bench::{Bench, Grid};
-use outcome::{EnergyLedger, Reading, Summary, TriggerReport};
+use energy::EnergyLedger;
+use outcome::{Reading, Summary, TriggerReport};
 
 /// Frames of the film over a scene's duration.
 const FRAMES: f64 = 200.0;
@@ -272,6 +274,7 @@ impl Finished<'_> {
             rejected_steps: work.rejected,
             contact_changes: bench.contact_changes(),
             wall_s,
+            wall_held_s: None,
             simulated_s: bench.time(),
             duration_s: scene.duration,
             effect_settings: effects.iter().map(|(name, set)| format!("{name}: {set}")).collect(),

@@ -5,10 +5,11 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use super::accuracy::ErrorEstimate;
+use super::energy::{EnergyLedger, TOLERABLE};
 use super::horizon::horizon;
 use super::paper::PaperSpeed;
-use super::pulse::{FOOT, HALF_RISE, Peak, PulseRecorder};
-use crate::chain::{Chain, Dissipated, Energy};
+use super::pulse::{FOOT, HALF_RISE, PEAK_SHARE, Peak, PulseRecorder};
+use crate::chain::Chain;
 use crate::quantity::engineering;
 use crate::scene::{PlacedSensor, Scene, Site};
 use crate::scope::{ChannelSetup, Deviation};
@@ -48,6 +49,8 @@ pub struct Summary {
     pub contact_changes: Option<u64>,
     /// Wall-clock time of the simulation, recording excluded (s).
     pub wall_s: f64,
+    /// The same with all runs that it was held against, and those that were not accurate enough; none where there were none (s).
+    pub wall_held_s: Option<f64>,
     /// Time simulated on the bench (s).
     pub simulated_s: f64,
     /// End of the time in which peaks and arrivals were looked for (s).
@@ -72,20 +75,35 @@ pub struct Summary {
     pub notes: Vec<String>,
 }
 
-/// A run that has made or lost more of the energy in motion is not taken for what the bench would show without a word (1).
-const TOLERABLE: f64 = 0.01;
-/// What sums of energies may be off, relative to all that is stored (1).
-const ROUNDING: f64 = 1e-12;
+/// A first peak that exceeds its threshold by this factor stays one, whatever late forces come to: chaos shuffles energy about, it makes none (1).
+const CLEARLY_FIRST: f64 = 1.5;
 
 impl Summary {
     /// Notes where the method has made energy, or lost it, and what may be done about it.
     pub(super) fn note_energy(&mut self, advice: &str) {
-        let EnergyLedger { initial, r#final, dissipated, drift, .. } = &self.energy;
-        let made = r#final + dissipated - initial;
-        if drift.abs() > TOLERABLE && made.abs() > ROUNDING * initial.abs() {
-            let (what, share) = (if made > 0.0 { "made" } else { "lost" }, drift.abs());
+        let drift = self.energy.drift;
+        if !self.energy.is_kept(TOLERABLE) {
+            let (what, share) = (if drift > 0.0 { "made" } else { "lost" }, drift.abs());
             self.notes.push(format!(
                 "the method has {what} energy, {share:.1e} of that in motion: {advice}"
+            ));
+        }
+    }
+
+    /// Notes first peaks that hang on forces felt when the motion is no longer known.
+    pub(super) fn note_undecided(&mut self) {
+        let Some(horizon) = self.horizon_s else { return };
+        let hangs = |reading: &&Reading| {
+            let least = CLEARLY_FIRST * PEAK_SHARE * reading.largest_n;
+            let is_late = reading.largest_s.is_some_and(|time| time > horizon);
+            is_late && reading.first_peak.is_some_and(|peak| peak.dynamic_n < least)
+        };
+        let places = self.sensors.iter().chain(&self.wall).filter(hangs).map(|r| r.name.clone());
+        let places: Vec<String> = places.collect();
+        if !places.is_empty() {
+            let places = places.join(", ");
+            self.notes.push(format!(
+                "which maximum is the first peak is not decided at {places}: it is little more than a quarter of the largest force, which comes when the motion is known only in its statistics; a shorter duration decides it"
             ));
         }
     }
@@ -104,49 +122,6 @@ impl Summary {
     }
 }
 
-/// The energy ledger of a run.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct EnergyLedger {
-    /// At the striker's first contact (J).
-    pub initial: f64,
-    /// At the end (J).
-    pub r#final: f64,
-    /// Booked as lost by the effects that were on (J).
-    pub dissipated: f64,
-    /// What [`drift`] says: the integrator's error (1).
-    pub drift: f64,
-    /// The initial energy by kind.
-    pub initial_by_kind: Energy,
-    /// The final energy by kind, without what is left in contacts held at zero force.
-    pub final_by_kind: Energy,
-    /// What was lost, by loss, and what is left in contacts.
-    pub dissipated_by_kind: Dissipated,
-}
-
-impl EnergyLedger {
-    /// The ledger of a run from its `initial` to its `last` energy.
-    #[must_use]
-    pub fn new(initial: Energy, last: Energy, taken: Dissipated) -> Self {
-        let (before, after, dissipated) = (initial.total(), last.total(), taken.total());
-        Self {
-            initial: before,
-            r#final: after,
-            dissipated,
-            drift: drift(&initial, &last, &taken),
-            initial_by_kind: initial,
-            final_by_kind: last,
-            dissipated_by_kind: taken,
-        }
-    }
-}
-
-/// `(after + taken - before)` over the kinetic energy before or after, whichever is more: what a method has made of energy, as a share of
-/// that in motion. Static overlaps, which may hold a thousand times as much, do not hide it; what they round to is in it (1).
-#[must_use]
-pub fn drift(before: &Energy, after: &Energy, taken: &Dissipated) -> f64 {
-    (after.total() + taken.total() - before.total()) / before.kinetic.max(after.kinetic)
-}
-
 /// What one watched place felt.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Reading {
@@ -160,6 +135,8 @@ pub struct Reading {
     pub static_n: f64,
     /// Largest dynamic force felt (N).
     pub largest_n: f64,
+    /// When it was felt; none if nothing was (s).
+    pub largest_s: Option<f64>,
     /// First local maximum of the dynamic force above a quarter of its largest value; none if nothing arrived.
     pub first_peak: Option<Peak>,
     /// When the dynamic force first reached half of its first peak (s).
@@ -181,6 +158,7 @@ impl Reading {
             offset,
             static_n: pulse.static_force(),
             largest_n: pulse.largest(),
+            largest_s: pulse.first_reach(pulse.largest()),
             first_peak,
             half_rise_s: reach(HALF_RISE),
             ten_percent_s: reach(FOOT),

@@ -14,7 +14,7 @@ const BETWEEN_LOOKS: f64 = 1.25;
 /// Where a force rises at two looks and their cubic's least rate in between is below this share of both rates, it may fall there (1).
 const BETWEEN: f64 = 0.3;
 /// A peak counts when it exceeds this share of the record's largest dynamic force (1).
-const PEAK_SHARE: f64 = 0.25;
+pub const PEAK_SHARE: f64 = 0.25;
 /// Lowest level that is remembered for certain, as a share of the first peak (1).
 pub const LOWEST_LEVEL: f64 = 1e-3;
 /// What does not exceed this share of the static force, or of the impact's, is rounding, and no pulse (1).

@@ -2,7 +2,8 @@
 
 use super::table;
 use crate::experiment::accuracy::ErrorEstimate;
-use crate::experiment::outcome::{EnergyLedger, Reading, Speed, Summary};
+use crate::experiment::energy::{EnergyLedger, TOLERABLE};
+use crate::experiment::outcome::{Reading, Speed, Summary};
 use crate::quantity::engineering;
 
 /// The page that `run` prints.
@@ -110,17 +111,22 @@ fn costs(summary: &Summary) -> Vec<String> {
             summary.rejected_steps
         )
     };
+    let held = summary.wall_held_s.map_or(String::new(), |wall| {
+        format!(", {} with the runs it is held against", engineering(wall, "s", 3))
+    });
+    let is_rounding = energy.is_rounding() && energy.drift.abs() > TOLERABLE;
+    let rounding = if is_rounding { ", rounding of what is stored" } else { "" };
     let mut lines = vec![
         format!("  method      {}, {setting}", summary.method),
         format!("  steps       {steps}"),
         format!("  evaluations {} of all contact forces", summary.force_evaluations),
         format!(
-            "  time        {} simulated in {} of wall time",
+            "  time        {} simulated in {} of wall time{held}",
             engineering(summary.simulated_s, "s", 4),
             engineering(summary.wall_s, "s", 3)
         ),
         format!(
-            "  energy      {} at first, {} dissipated, drift {:.1e} of that in motion",
+            "  energy      {} at first, {} dissipated, drift {:.1e} of that in motion{rounding}",
             engineering(energy.initial, "J", 4),
             engineering(energy.dissipated, "J", 3),
             energy.drift

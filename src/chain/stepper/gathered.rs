@@ -13,8 +13,16 @@ use super::workspace::Between;
 /// Contacts not yet asked about, fewer than eight, and how many eights have been.
 pub struct Gathered<L: Lanes> {
     ends: Ends<L>,
-    count: usize,
+    /// Where they stand, a bit each: in the first places, unless they are those of a row.
+    wanted: u8,
     eights: usize,
+}
+
+/// The first `count` places.
+#[inline(always)]
+#[allow(clippy::cast_possible_truncation, reason = "eight lanes")]
+fn up_to(count: usize) -> u8 {
+    ((1_u32 << count) - 1) as u8
 }
 
 /// `bits` without the first `count` that are set.
@@ -30,7 +38,13 @@ impl<L: Lanes> Gathered<L> {
     /// None so far.
     #[inline(always)]
     pub fn new() -> Self {
-        Self { ends: [[L::splat(0.0); 3]; 2], count: 0, eights: 0 }
+        Self { ends: [[L::splat(0.0); 3]; 2], wanted: 0, eights: 0 }
+    }
+
+    /// Contacts of `bits` of a row, where they stand there: there are no others.
+    #[inline(always)]
+    pub fn set(&mut self, (bits, ends): (u8, Ends<L>)) {
+        (self.ends, self.wanted) = (ends, bits);
     }
 
     /// Adds a row's contacts of `bits`; what is missing of the eights that are full goes into `found`.
@@ -40,14 +54,15 @@ impl<L: Lanes> Gathered<L> {
         (bits, ends): (u8, Ends<L>),
         found: &mut [Between],
     ) {
-        let (before, after) = (self.count, self.count + bits.count_ones() as usize);
+        let before = self.wanted.count_ones() as usize;
+        let after = before + bits.count_ones() as usize;
         for end in 0..2 {
             for value in 0..3 {
                 let all = &mut self.ends[end][value];
                 *all = L::gather(bits, ends[end][value], (*all, before));
             }
         }
-        self.count = after.min(WIDTH);
+        self.wanted = up_to(after.min(WIDTH));
         if after < WIDTH {
             return;
         }
@@ -58,19 +73,17 @@ impl<L: Lanes> Gathered<L> {
                 self.ends[end][value] = L::gather(rest, ends[end][value], (L::splat(0.0), 0));
             }
         }
-        self.count = after - WIDTH;
+        self.wanted = up_to(after - WIDTH);
     }
 
     /// Finds what is missing of the contacts that are left.
     #[inline(always)]
     pub fn finish<P: Known<N>, const N: usize>(&mut self, found: &mut [Between]) {
-        if self.count == 0 {
+        if self.wanted == 0 {
             return;
         }
-        #[allow(clippy::cast_possible_truncation, reason = "eight lanes")]
-        let wanted = ((1_u32 << self.count) - 1) as u8;
         let Missing { impulse, moment, errors, uncertainty } =
-            missing::<L, P, N>(self.ends, wanted);
+            missing::<L, P, N>(self.ends, self.wanted);
         let found = &mut found[self.eights];
         L::store(impulse, &mut found[0]);
         L::store(moment, &mut found[1]);
@@ -78,8 +91,24 @@ impl<L: Lanes> Gathered<L> {
         L::store(errors[1], &mut found[3]);
         L::store(uncertainty, &mut found[4]);
         self.eights += 1;
-        self.count = 0;
+        self.wanted = 0;
     }
+}
+
+/// What `found` says of the contacts of a row that were there alone.
+#[inline(always)]
+pub fn alone<L: Lanes>(found: &Between) -> Missing<L> {
+    let mut values = [L::splat(0.0); 5];
+    for which in 0..5 {
+        values[which] = L::load(&found[which]);
+    }
+    missing_in::<L>(values)
+}
+
+#[inline(always)]
+fn missing_in<L: Lanes>(values: [L::V; 5]) -> Missing<L> {
+    let [impulse, moment, velocity, position, uncertainty] = values;
+    Missing { impulse, moment, errors: [velocity, position], uncertainty }
 }
 
 /// What `found` says of a row's contacts of `bits`, before which `count` were added; nothing is missing at the row's others.
@@ -98,8 +127,7 @@ pub fn spread<L: Lanes>(found: &[Between], count: usize, bits: u8) -> Missing<L>
             values[which] = L::scatter(rest, (found, 0), values[which]);
         }
     }
-    let [impulse, moment, velocity, position, uncertainty] = values;
-    Missing { impulse, moment, errors: [velocity, position], uncertainty }
+    missing_in::<L>(values)
 }
 
 #[cfg(test)]
@@ -130,7 +158,11 @@ mod tests {
         let mut count = 0;
         for (bits, ends) in rows {
             let together = spread::<Baseline>(&found, count, bits);
-            let alone = missing::<Baseline, Pair64, 6>(ends, bits);
+            let mut one = Gathered::<Baseline>::new();
+            one.set((bits, ends));
+            let mut found = [Between::default()];
+            one.finish::<Pair64, 6>(&mut found);
+            let alone = alone::<Baseline>(&found[0]);
             assert!(alone.impulse.iter().any(|missing| missing.abs() > 1e-6));
             let values = |m: Missing<Baseline>| {
                 [m.impulse, m.moment, m.errors[0], m.errors[1], m.uncertainty]

@@ -17,7 +17,7 @@
 #![allow(clippy::needless_range_loop, reason = "the compiler makes less of iterators side by side")]
 
 use super::forces::Cut;
-use super::gathered::{Gathered, spread};
+use super::gathered::{Gathered, alone, spread};
 use super::known::Known;
 use super::lanes::{Lanes, Row};
 use super::layout::Layout;
@@ -157,19 +157,29 @@ pub fn correct<L: Lanes, Y: Layout, P: Known<N>, const N: usize>(
         work;
     let tried = Tried::<L>::new((plan, rows), [now, next], h);
     let changed = &mut changed[..rows];
-    let (mut gathered, mut any) = (Gathered::<L>::new(), false);
+    let (mut count, mut last) = (0, 0);
     for r in 0..rows {
-        if changed[r] == 0 {
-            continue;
-        }
-        changed[r] &= visible.among::<Y>(&tried, r);
         if changed[r] != 0 {
-            gathered.add::<P, N>((changed[r], tried.ends::<Y>(r)), between);
-            any = true;
+            changed[r] &= visible.among::<Y>(&tried, r);
+        }
+        if changed[r] != 0 {
+            (count, last) = (count + 1, r);
         }
     }
-    if !any {
+    if count == 0 {
         return false;
+    }
+    // Mostly what changes sides stands in one row.
+    let one_row = count == 1;
+    let mut gathered = Gathered::<L>::new();
+    if one_row {
+        gathered.set((changed[last], tried.ends::<Y>(last)));
+    } else {
+        for r in 0..rows {
+            if changed[r] != 0 {
+                gathered.add::<P, N>((changed[r], tried.ends::<Y>(r)), between);
+            }
+        }
     }
     gathered.finish::<P, N>(between);
     let Parts { position, velocity, .. } = next.parts();
@@ -185,7 +195,9 @@ pub fn correct<L: Lanes, Y: Layout, P: Known<N>, const N: usize>(
         let bits = if r < rows { changed[r] } else { 0 };
         let mut below = None;
         if bits != 0 {
-            below = Some(correction.kink::<Y>(spread::<L>(between, count, bits), r, guard));
+            let missing =
+                if one_row { alone(&between[0]) } else { spread::<L>(between, count, bits) };
+            below = Some(correction.kink::<Y>(missing, r, guard));
             count += bits.count_ones() as usize;
         }
         if above.is_some() || below.is_some() {

@@ -8,6 +8,7 @@ mod around;
 mod dispatch;
 mod evaluate;
 mod few;
+mod flow;
 mod force_track;
 mod forces;
 mod foresight;

@@ -4,6 +4,7 @@
 
 use super::evaluate::Largest;
 use super::few;
+use super::flow;
 use super::forces::{Cut, PLAIN};
 use super::known::{Known, Position, PositionError, Stage, Sum, Velocity, VelocityError};
 use super::lanes::{Lanes, Row};
@@ -244,9 +245,11 @@ pub fn attempt<L: Lanes, Y: Layout, P: Known<N>, const FORM: u8, const N: usize>
     work: &mut Workspace,
     (h, worth): (L::V, [L::V; 2]),
 ) -> Sides {
-    let few = L::WAITS && FORM == PLAIN && plan.in_few_rows::<Y>();
-    if few && let Some(sides) = few::attempt::<L, P, N>(plan, work, (h, worth)) {
-        return sides;
+    if FORM == PLAIN && plan.in_few_rows::<Y>() {
+        let attempt = if L::WAITS { few::attempt::<L, P, N> } else { flow::attempt::<L, P, N> };
+        if let Some(sides) = attempt(plan, work, (h, worth)) {
+            return sides;
+        }
     }
     stage::<L, Y, P, FORM, N, 1>(plan, work, h);
     stage::<L, Y, P, FORM, N, 2>(plan, work, h);

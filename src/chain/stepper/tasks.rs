@@ -197,20 +197,27 @@ impl<Y: Layout> Task for Split<'_, Y> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> u8 {
+        if self.steps.method.gradients.is_empty() {
+            self.by::<L, false>()
+        } else {
+            self.by::<L, true>()
+        }
+    }
+}
+
+impl<Y: Layout> Split<'_, Y> {
+    #[inline(always)]
+    fn by<L: Lanes, const GRADIENT: bool>(self) -> u8 {
         let Self { plan, work, steps, .. } = self;
-        match (plan.form, steps.method.gradients.is_empty()) {
-            (_, true) if Y::TILE != 0 && plan.alike.is_some() => {
-                splits::steps::<L, Y, ALIKE, false>(plan, work, steps)
-            }
-            (_, false) if Y::TILE != 0 && plan.alike.is_some() => {
-                splits::steps::<L, Y, ALIKE, true>(plan, work, steps)
-            }
-            (Form::Plain, true) => splits::steps::<L, Y, PLAIN, false>(plan, work, steps),
-            (Form::Plain, false) => splits::steps::<L, Y, PLAIN, true>(plan, work, steps),
-            (Form::Exact, true) => splits::steps::<L, Y, EXACT, false>(plan, work, steps),
-            (Form::Exact, false) => splits::steps::<L, Y, EXACT, true>(plan, work, steps),
-            (Form::Linear, true) => splits::steps::<L, Y, LINEAR, false>(plan, work, steps),
-            (Form::Linear, false) => splits::steps::<L, Y, LINEAR, true>(plan, work, steps),
+        // What is one tile is in plain form: no need to compile others.
+        if Y::TILE == 0 {
+            return splits::steps::<L, Y, PLAIN, GRADIENT>(plan, work, steps);
+        }
+        match plan.form {
+            _ if plan.alike.is_some() => splits::steps::<L, Y, ALIKE, GRADIENT>(plan, work, steps),
+            Form::Plain => splits::steps::<L, Y, PLAIN, GRADIENT>(plan, work, steps),
+            Form::Exact => splits::steps::<L, Y, EXACT, GRADIENT>(plan, work, steps),
+            Form::Linear => splits::steps::<L, Y, LINEAR, GRADIENT>(plan, work, steps),
         }
     }
 }

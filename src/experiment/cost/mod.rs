@@ -91,6 +91,9 @@ pub struct Point {
     pub error_trace: Option<f64>,
     /// Energy drift relative to the energy in motion (1).
     pub error_energy: Option<f64>,
+    /// Whether `run` would take it for what that drift is.
+    #[serde(skip)]
+    pub keeps_energy: bool,
     /// Evaluations of all contact forces.
     pub force_evaluations: u64,
     /// Median wall time (s).

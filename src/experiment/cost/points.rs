@@ -6,6 +6,7 @@ use crate::experiment::accuracy::{OWN, TIGHTER, steps_tried};
 use crate::experiment::comparison::{
     Run, Treated, arrival_error, compare, peak_error, run_without, trace_error, worst,
 };
+use crate::experiment::energy::MOST;
 use crate::experiment::{Integration, method};
 use crate::integrate::{IntegrateError, Method, Scheme};
 use crate::scene::Scene;
@@ -59,9 +60,13 @@ pub fn settings(scene: &Scene) -> Vec<Treated> {
     let mut settings = Vec::new();
     for make in fixed.into_iter().filter(|make| suits(make(1.0))) {
         let (_, reach) = make(1.0).fixed_step().unwrap_or((1.0, 2.0));
-        let limit = scene.chain.stability_limit(&scene.initial_velocities, reach);
+        let velocities = &scene.initial_velocities;
+        let elastic = scene.chain.stability_limit(velocities, reach);
+        let decay = make(1.0).decay_reach();
+        let lossy = decay.and_then(|reach| scene.chain.decay_limit(velocities, reach));
+        let limit = [elastic, lossy].into_iter().flatten().map(|limit| limit.step).reduce(f64::min);
         // From twice the limit, so that the edge is seen, in factors of two.
-        let mut step = limit.map_or(1e-6, |limit| 2.0 * limit.step);
+        let mut step = limit.map_or(1e-6, |limit| 2.0 * limit);
         let stages = f64::from(make(step).stages());
         while scene.duration / step * stages <= MOST_EVALUATIONS {
             settings.push((make(step), None));
@@ -97,6 +102,7 @@ impl Point {
             error_arrival: None,
             error_trace: None,
             error_energy: None,
+            keeps_energy: false,
             force_evaluations: 0,
             wall_s_median: 0.0,
             wall_s_min: 0.0,
@@ -126,7 +132,8 @@ pub fn point(scene: &Scene, treated: Treated, (exact, runs): (&Run, u16)) -> Poi
     point.error_peak = compare(&found, exact, peak_error);
     point.error_arrival = compare(&found, exact, arrival_error);
     point.error_trace = Some(trace_error(&found, exact));
-    point.error_energy = Some(found.drift.abs());
+    point.error_energy = Some(found.energy.drift.abs());
+    point.keeps_energy = found.energy.is_kept(MOST);
     let worst = [point.error_peak, point.error_arrival];
     let refused = method(scene, Integration::Method(treated.0)).is_err();
     point.failed = refused || !worst.iter().all(|error| error.is_some_and(|e| e < FAILED));
@@ -146,7 +153,8 @@ pub fn choice(scene: &Scene, accuracy: f64, (exact, runs): (&Run, u16)) -> Optio
         last = Some(treated);
         let worst = once.error_peak.zip(once.error_arrival).map(|(peak, time)| peak.max(time));
         let own = OWN * TIGHTER * steps.min(accuracy);
-        if once.given_up || worst.is_some_and(|worst| worst + own <= accuracy) {
+        let holds = once.keeps_energy && worst.is_some_and(|worst| worst + own <= accuracy);
+        if once.given_up || holds {
             break;
         }
     }

@@ -69,7 +69,7 @@ fn the_summary_as_json_has_its_keys() {
     for key in ["force_evaluations", "steps"] {
         assert!(json[key].as_u64().is_some_and(|n| n > 0), "{key}: {json}");
     }
-    for key in ["wall_s", "simulated_s"] {
+    for key in ["wall_s", "wall_held_s", "simulated_s"] {
         assert!(is_number(&json[key]), "{key}: {json}");
     }
     // The record goes on to 9 divisions of 250 us behind the trigger, past the scene's 2 ms.
