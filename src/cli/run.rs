@@ -9,7 +9,7 @@ use clap::{Args, ValueEnum};
 
 use super::progress::Progress;
 use crate::experiment::accuracy::{ChosenAccuracy, of_scene, run_held};
-use crate::experiment::by_hand::{advice, run_by_hand};
+use crate::experiment::by_hand::{advice, edge, run_by_hand};
 use crate::experiment::effects::auto::settle;
 use crate::experiment::{Integration, RunError, facts};
 use crate::integrate::Method;
@@ -160,10 +160,12 @@ fn advised(error: RunError, scene: &Scene, integration: Integration) -> anyhow::
     let is_too_long =
         !matches!(error, RunError::NotForLosses { .. } | RunError::TooManySteps { .. });
     match integration {
-        Integration::Method(method) if is_too_long => match advice(scene, method) {
-            Some(advice) => anyhow!("{error}; {advice}"),
-            None => error.into(),
-        },
+        Integration::Method(method) if is_too_long => {
+            let stopped = matches!(error, RunError::Integrate(_));
+            let edge = if stopped { edge(scene, method) } else { None };
+            let known = [Some(error.to_string()), edge, advice(scene, method)];
+            anyhow!("{}", known.into_iter().flatten().collect::<Vec<_>>().join("; "))
+        }
         _ => error.into(),
     }
 }

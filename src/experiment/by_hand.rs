@@ -104,6 +104,19 @@ pub fn advice(scene: &Scene, method: Method) -> Option<String> {
     })
 }
 
+/// Up to where steps of `method` could be stable, in words, for one that was not.
+#[must_use]
+pub fn edge(scene: &Scene, method: Method) -> Option<String> {
+    let (_, reach) = method.fixed_step()?;
+    let limit = scene.chain.stability_limit(&scene.initial_velocities, reach)?;
+    Some(format!(
+        "the contact between {} and {} limits steps to {} as far as an impact presses it that is followed accurately, and to less where steps make energy",
+        limit.upper,
+        limit.lower,
+        engineering(limit.step, "s", 3)
+    ))
+}
+
 /// `method` with another step (s), if it takes one by hand.
 fn with_step(method: Method, step: f64) -> Method {
     match method {

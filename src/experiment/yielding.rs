@@ -48,8 +48,9 @@ pub fn note(chain: &Chain, film: &Film) -> Option<String> {
     }
     let (force, limit, j) = worst?;
     let (upper, lower) = chain.beside(j);
+    let bear = if count == 1 { "contact bears" } else { "contacts bear" };
     Some(format!(
-        "{count} contacts bear more than makes their softer body yield, the one between {upper} and {lower} at least {} where {} would do (Hertz's peak pressure above 1.6 yield strengths, Johnson 1985, slow loading): real amplitudes are lower",
+        "{count} {bear} more than makes their softer body yield, the one between {upper} and {lower} at least {} where {} would do (Hertz's peak pressure above 1.6 yield strengths, Johnson 1985, slow loading): real amplitudes are lower",
         engineering(force, "N", 3),
         engineering(limit, "N", 2)
     ))

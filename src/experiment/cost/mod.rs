@@ -94,12 +94,21 @@ pub struct Point {
     /// Whether `run` would take it for what that drift is.
     #[serde(skip)]
     pub keeps_energy: bool,
-    /// Evaluations of all contact forces.
+    /// Evaluations of all contact forces. Of a run that stopped, how many its fixed steps would have taken, or none; of one that was
+    /// given up, after how many.
     pub force_evaluations: u64,
-    /// Median wall time (s).
+    /// Median wall time; null in JSON where no run came to its end (s).
+    #[serde(serialize_with = "measured")]
     pub wall_s_median: f64,
-    /// Shortest wall time (s).
+    /// Shortest wall time; null in JSON where no run came to its end (s).
+    #[serde(serialize_with = "measured")]
     pub wall_s_min: f64,
+}
+
+/// A time, unless it is none.
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
+fn measured<S: serde::Serializer>(seconds: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    Some(*seconds).filter(|seconds| *seconds > 0.0).serialize(serializer)
 }
 
 /// Observed order of convergence.
@@ -161,7 +170,10 @@ pub fn study(scene: &Scene, runs: u16, progress: &mut dyn FnMut(f64)) -> Result<
         // A method that has taken too much will take no less with a tighter tolerance.
         let before = points.last().filter(|last| last.method == name(*treated) && last.given_up);
         points.push(match before {
-            Some(_) => Point { given_up: true, ..Point::failed(*treated) },
+            Some(before) => {
+                let failed = Point::failed(scene, *treated, before.force_evaluations);
+                Point { given_up: true, ..failed }
+            }
             None => point(scene, *treated, (&exact, runs)),
         });
     }

@@ -88,9 +88,17 @@ fn setting(method: Method) -> f64 {
 }
 
 impl Point {
-    /// Nothing found.
-    pub(super) fn failed(treated: Treated) -> Self {
+    /// Nothing found: in as many evaluations of all contact forces as fixed steps take, in `evaluations` otherwise.
+    pub(super) fn failed(scene: &Scene, treated: Treated, evaluations: u64) -> Self {
         let (method, _) = treated;
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a count of steps"
+        )]
+        let all = |(step, _): (f64, f64)| {
+            (scene.duration / step).ceil() as u64 * u64::from(method.stages())
+        };
         Self {
             method: name(treated),
             source: method.source(),
@@ -103,7 +111,7 @@ impl Point {
             error_trace: None,
             error_energy: None,
             keeps_energy: false,
-            force_evaluations: 0,
+            force_evaluations: method.fixed_step().map_or(evaluations, all),
             wall_s_median: 0.0,
             wall_s_min: 0.0,
         }
@@ -112,14 +120,16 @@ impl Point {
 
 /// A method at one setting, held against `exact`; so many `runs` are timed.
 pub fn point(scene: &Scene, treated: Treated, (exact, runs): (&Run, u16)) -> Point {
-    let mut point = Point::failed(treated);
     let own = treated.0.scheme().is_some() && scene.chain.is_plain();
     let most = if own { MOST_OWN } else { MOST_CONTROLLED };
+    let mut point = Point::failed(scene, treated, 0);
     let run = || run_without(scene, treated, most);
     let found = match run() {
         Ok(found) => found,
         Err(error) => {
-            point.given_up = matches!(error, IntegrateError::TooMuchWork { .. });
+            if matches!(error, IntegrateError::TooMuchWork { .. }) {
+                (point.given_up, point.force_evaluations) = (true, most);
+            }
             return point;
         }
     };

@@ -99,7 +99,9 @@ impl Axes {
     fn of(study: &Study, kind: &Kind) -> Self {
         let shown = || study.points.iter().filter(|p| !p.failed);
         let choices = || kind.choices(study);
-        let work = shown().map(|p| p.force_evaluations).chain(choices().map(|(_, n, _)| n));
+        // Failed points are shown beyond the errors.
+        let taken = study.points.iter().map(|p| p.force_evaluations).filter(|n| *n > 0);
+        let work = taken.chain(choices().map(|(_, n, _)| n));
         let errors = shown().filter_map(kind.error).chain(choices().map(|(_, _, error)| error));
         let (work, errors) = (work.map(decades), errors.map(digits));
         let limits = [Some(study.reference.error), (kind.limit)(study)];

@@ -37,6 +37,10 @@ fn the_study_is_for_people_for_scripts_and_for_the_recording() {
     for point in list(&study, "points") {
         let keys = point.as_object().expect("an object");
         assert!(POINT.iter().all(|key| keys.contains_key(*key)), "{keys:?}");
+        // Failed ones, too, stand where they would cost something; a time that nobody has measured is none.
+        assert!(point["force_evaluations"].as_u64().is_some_and(|count| count > 0), "{point}");
+        let wall = &point["wall_s_min"];
+        assert!(wall.is_null() || wall.as_f64().is_some_and(|wall| wall > 0.0), "{point}");
     }
     for chosen in list(&study, "chosen") {
         assert!(chosen["wall_s_median"].as_f64().is_some_and(|wall| wall > 0.0), "{chosen}");

@@ -236,6 +236,17 @@ fn a_run_that_fails_leaves_nothing_and_takes_nothing() {
     assert_eq!(std::fs::read(folder.path().join("old.mcap")).expect("the file"), b"precious");
 }
 
+/// The limit is that of an accurate impact: at first steps of this length the striker goes further than any contact is ever pressed.
+#[test]
+fn steps_that_blow_up_are_refused_with_the_contact_its_limit_and_a_step_that_would_do() {
+    let folder = temporary();
+    let run = ["run", "monatomic-vacuum", "--method", "velocity-verlet", "--step", "30us"];
+    let error = refused(folder.path(), &run);
+    says(&error, &["stopped being a number", "contact between", "limits steps to 34.5"]);
+    says(&error, &["; a step of", "reads first peaks"]);
+    assert_eq!(files(folder.path()), [""; 0]);
+}
+
 #[test]
 fn outputs_that_cannot_be_written_are_refused_before_the_work() {
     let folder = temporary();
