@@ -124,17 +124,34 @@ impl<Y: Layout> Task for Attempt<'_, Y> {
 impl<Y: Layout> Attempt<'_, Y> {
     #[inline(always)]
     fn by<L: Lanes, P: Known<N>, const N: usize>(self) -> Sides {
-        let Self { plan, work, step, worth, .. } = self;
-        let h = (Y::spread::<L>(step), worth.map(|worth| Y::spread::<L>(worth)));
-        match plan.form {
-            Form::Plain => passes::attempt::<L, Y, P, PLAIN, N>(plan, work, h),
-            Form::Exact => passes::attempt::<L, Y, P, EXACT, N>(plan, work, h),
+        match self.plan.form {
+            Form::Plain => self.in_form::<L, P, PLAIN, N>(),
+            Form::Exact => L::apart(Other::<Y, P, EXACT, N>(self, PhantomData)),
             Form::Linear => {
-                passes::attempt::<L, Y, P, LINEAR, N>(plan, work, h);
+                L::apart(Other::<Y, P, LINEAR, N>(self, PhantomData));
                 // These contacts never open.
                 Sides::default()
             }
         }
+    }
+
+    #[inline(always)]
+    fn in_form<L: Lanes, P: Known<N>, const FORM: u8, const N: usize>(self) -> Sides {
+        let Self { plan, work, step, worth, .. } = self;
+        let h = (Y::spread::<L>(step), worth.map(|worth| Y::spread::<L>(worth)));
+        passes::attempt::<L, Y, P, FORM, N>(plan, work, h)
+    }
+}
+
+/// Tries a step in another form than the plain one: functions that hold all of them take the compiler long.
+struct Other<'a, Y: Layout, P, const FORM: u8, const N: usize>(Attempt<'a, Y>, PhantomData<P>);
+
+impl<Y: Layout, P: Known<N>, const FORM: u8, const N: usize> Task for Other<'_, Y, P, FORM, N> {
+    type Output = Sides;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Sides {
+        self.0.in_form::<L, P, FORM, N>()
     }
 }
 
@@ -208,17 +225,29 @@ impl<Y: Layout> Task for Split<'_, Y> {
 impl<Y: Layout> Split<'_, Y> {
     #[inline(always)]
     fn by<L: Lanes, const GRADIENT: bool>(self) -> u8 {
-        let Self { plan, work, steps, .. } = self;
         // What is one tile is in plain form: no need to compile others.
         if Y::TILE == 0 {
-            return splits::steps::<L, Y, PLAIN, GRADIENT>(plan, work, steps);
+            return L::apart(SplitIn::<Y, PLAIN, GRADIENT>(self));
         }
-        match plan.form {
-            _ if plan.alike.is_some() => splits::steps::<L, Y, ALIKE, GRADIENT>(plan, work, steps),
-            Form::Plain => splits::steps::<L, Y, PLAIN, GRADIENT>(plan, work, steps),
-            Form::Exact => splits::steps::<L, Y, EXACT, GRADIENT>(plan, work, steps),
-            Form::Linear => splits::steps::<L, Y, LINEAR, GRADIENT>(plan, work, steps),
+        match self.plan.form {
+            _ if self.plan.alike.is_some() => L::apart(SplitIn::<Y, ALIKE, GRADIENT>(self)),
+            Form::Plain => L::apart(SplitIn::<Y, PLAIN, GRADIENT>(self)),
+            Form::Exact => L::apart(SplitIn::<Y, EXACT, GRADIENT>(self)),
+            Form::Linear => L::apart(SplitIn::<Y, LINEAR, GRADIENT>(self)),
         }
+    }
+}
+
+/// Takes them in one form, in a function of its own.
+struct SplitIn<'a, Y, const FORM: u8, const GRADIENT: bool>(Split<'a, Y>);
+
+impl<Y: Layout, const FORM: u8, const GRADIENT: bool> Task for SplitIn<'_, Y, FORM, GRADIENT> {
+    type Output = u8;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> u8 {
+        let Split { plan, work, steps, .. } = self.0;
+        splits::steps::<L, Y, FORM, GRADIENT>(plan, work, steps)
     }
 }
 
