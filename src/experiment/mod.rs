@@ -172,8 +172,7 @@ pub fn run(
     let wall_s = started.elapsed().as_secs_f64();
     let shot = record(scene, &bench, grid, found, shot);
     let finished = Finished { scene, integration, method, bench: &bench, found, wall_s };
-    let summary = finished.summarise(&shot);
-    Ok(Outcome { summary, shot })
+    Ok(Outcome { summary: finished.summarise(&shot), shot })
 }
 
 fn method(scene: &Scene, integration: Integration) -> Result<Method, RunError> {
