@@ -111,6 +111,7 @@ pub fn run_held(
     let (own, started) = (&*scene.of_shot(shot), Instant::now());
     let mut tried = steps_tried(own, accuracy).peekable();
     let mut second: Option<Second> = None;
+    let mut makes_energy = false;
     let left = Cell::new(1.0);
     let next = || left.set(0.5 * left.get());
     let mut progress = |share: f64| progress(1.0 - left.get() * (2.0 - share));
@@ -119,6 +120,7 @@ pub fn run_held(
         next();
         let mut outcome = run(scene, Integration::Accuracy(steps), shot, &mut progress)?;
         if tried.peek().is_some() && !outcome.summary.energy.is_kept(MOST) {
+            makes_energy = true;
             continue;
         }
         let against = match second.take() {
@@ -135,9 +137,12 @@ pub fn run_held(
         }
         let summary = &mut outcome.summary;
         if steps < accuracy {
-            summary.notes.push(format!(
-                "steps are held to {steps:.0e}: at {accuracy:.0e} it was not certain that readings are as accurate as asked"
-            ));
+            let why = if makes_energy {
+                "longer ones have made or lost more than a tenth of the energy in motion"
+            } else {
+                "longer ones left it uncertain whether readings are as accurate as asked"
+            };
+            summary.notes.push(format!("steps are held to {steps:.0e}: {why}"));
         }
         summary.accuracy = Some(accuracy);
         summary.notes.extend(doubt(estimate.as_ref(), accuracy));

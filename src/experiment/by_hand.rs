@@ -110,7 +110,7 @@ pub fn edge(scene: &Scene, method: Method) -> Option<String> {
     let (_, reach) = method.fixed_step()?;
     let limit = scene.chain.stability_limit(&scene.initial_velocities, reach)?;
     Some(format!(
-        "the contact between {} and {} limits steps to {} as far as an impact presses it that is followed accurately, and to less where steps make energy",
+        "the contact between {} and {} limits steps to {} where it is pressed as the impact presses it, and to less beyond",
         limit.upper,
         limit.lower,
         engineering(limit.step, "s", 3)
