@@ -1,5 +1,7 @@
 //! Why bodies cannot be put together to a chain.
 
+use crate::quantity::engineering;
+
 /// Why bodies cannot be put together to a chain.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ChainError {
@@ -21,7 +23,8 @@ pub enum ChainError {
     StrikerBehindWall,
     /// A contact would have to pull.
     #[error(
-        "found no static state: the contact above {body} would have to bear {force:e} N, expected a force that presses"
+        "found no static state: the contact above {body} would have to bear {}, expected a force that presses",
+        engineering(*force, "N", 4)
     )]
     Pulling {
         /// The body below the contact.
@@ -47,7 +50,8 @@ pub enum ChainError {
     },
     /// Loads do not balance and no wall takes the rest.
     #[error(
-        "found no static state: {rest:e} N remain at the bottom, expected a wall there or balanced forces"
+        "found no static state: {} remain at the bottom, expected a wall there or balanced forces",
+        engineering(*rest, "N", 4)
     )]
     Unbalanced {
         /// What is left (N).
@@ -55,7 +59,8 @@ pub enum ChainError {
     },
     /// The particle stands where the magnet's table ends.
     #[error(
-        "found the particle at rest {distance:e} m from the magnet's face, expected a distance within the magnet's table"
+        "found the particle at rest {} from the magnet's face, expected a distance within the magnet's table",
+        engineering(*distance, "m", 4)
     )]
     MagnetBeyondTable {
         /// Distance (m).
@@ -68,7 +73,8 @@ pub enum ChainError {
     MagnetWithoutWall,
     /// Wherever the particle sinks to, the magnet pulls harder than the chain, or not at all.
     #[error(
-        "found no static state: a magnet {distance:e} m from the unloaded particle pulls it in or does not attract it, expected another distance"
+        "found no static state: a magnet {} from the unloaded particle pulls it in or does not attract it, expected another distance",
+        engineering(*distance, "m", 4)
     )]
     MagnetSnaps {
         /// Distance before anything presses (m).
@@ -76,7 +82,9 @@ pub enum ChainError {
     },
     /// A static state from which the smallest push leads away.
     #[error(
-        "found a static state that does not last: the magnet's force grows by {growth:e} N/m as the particle sinks, expected less than the chain's {stiffness:e} N/m"
+        "found a static state that does not last: the magnet's force grows by {} as the particle sinks, expected less than the chain's {}",
+        engineering(*growth, "N/m", 4),
+        engineering(*stiffness, "N/m", 4)
     )]
     MagnetUnstable {
         /// Growth of the magnet's force (N/m).
@@ -85,7 +93,10 @@ pub enum ChainError {
         stiffness: f64,
     },
     /// The magnet pulls nowhere as hard as is wanted.
-    #[error("found {force:e} N, expected a force that the magnet reaches somewhere")]
+    #[error(
+        "found {}, expected a force that the magnet reaches somewhere",
+        engineering(*force, "N", 4)
+    )]
     MagnetTooWeak {
         /// Force (N).
         force: f64,

@@ -2,9 +2,8 @@
 
 use clap::Args;
 
+use super::accuracy::Asked;
 use super::progress::Progress;
-use super::run::accuracy;
-use crate::experiment::accuracy::of_scene;
 use crate::experiment::effects::ledger;
 use crate::report;
 use crate::scene::Scene;
@@ -15,9 +14,9 @@ pub struct Arguments {
     /// A scene that ships with the program, or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
     scene: String,
-    /// Accuracy of the runs that are compared [default: the scene's, or what its scope calls for]
-    #[arg(long, value_name = "X", value_parser = accuracy)]
-    accuracy: Option<f64>,
+    /// Accuracy of the runs that are compared, e.g. 1e-6, or auto for what the scene's scope calls for [default: the scene's, else auto]
+    #[arg(long, value_name = "X", value_parser = Asked::parse)]
+    accuracy: Option<Asked>,
     /// Print the ledger as JSON
     #[arg(long)]
     json: bool,
@@ -28,10 +27,7 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let scene = Scene::load(&arguments.scene)?;
-    let accuracy = match arguments.accuracy {
-        Some(accuracy) => accuracy,
-        None => of_scene(&scene)?.value,
-    };
+    let accuracy = Asked::of(arguments.accuracy, &scene)?.value;
     let mut progress = Progress::new(&scene.name, arguments.quiet);
     let found = ledger(&scene, accuracy, &mut |share| progress.at(share));
     progress.done();

@@ -2,8 +2,10 @@
 //!
 //! Exit code 0: done; 1: done, and the answer is no; 2: could not.
 
+mod accuracy;
 mod arrivals;
 mod bands;
+mod by_hand;
 mod calibrate;
 mod compare;
 mod completions;

@@ -5,18 +5,18 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, anyhow, bail};
-use clap::{Args, ValueEnum};
+use clap::Args;
 
+use super::accuracy::Asked;
+use super::by_hand::{ByHand, step, tolerance};
 use super::progress::Progress;
-use crate::experiment::accuracy::{ChosenAccuracy, of_scene, run_held};
+use crate::experiment::accuracy::run_held;
 use crate::experiment::by_hand::{advice, edge, run_by_hand};
 use crate::experiment::effects::auto::settle;
 use crate::experiment::{Integration, RunError, facts};
-use crate::integrate::Method;
-use crate::quantity::{Dimension, parse};
 use crate::recording::mcap::RecordingWriter;
 use crate::report;
-use crate::scene::{LOOSEST_ACCURACY, Scene, TIGHTEST_ACCURACY};
+use crate::scene::Scene;
 
 /// Simulate a scene: write the recording its oscilloscope makes, print what happened
 #[derive(Debug, Args)]
@@ -27,15 +27,18 @@ pub struct Arguments {
     /// Recording to write, overwriting what is there; without it SCENE.mcap, numbered if that exists
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Relative error allowed in first-peak forces and times, e.g. 1e-6 [default: the scene's, or what its scope calls for]
-    #[arg(long, value_name = "X", value_parser = accuracy, conflicts_with_all = ["method", "step"])]
-    accuracy: Option<f64>,
-    /// Integration method to use with a step of your own
-    #[arg(long, value_enum, requires = "step")]
+    /// Relative error allowed in first-peak forces and times, e.g. 1e-6, or auto for what the scene's scope calls for [default: the scene's, else auto]
+    #[arg(long, value_name = "X", value_parser = Asked::parse, conflicts_with_all = ["method", "step", "tolerance"])]
+    accuracy: Option<Asked>,
+    /// Integration method to use with a step or a tolerance of your own
+    #[arg(long, value_enum)]
     method: Option<ByHand>,
     /// Its step, e.g. 50ns
-    #[arg(long, value_name = "T", value_parser = step, requires = "method")]
+    #[arg(long, value_name = "T", value_parser = step, requires = "method", conflicts_with = "tolerance")]
     step: Option<f64>,
+    /// The error that it tolerates in a step, relative to the largest overlap change and speed, e.g. 1e-8
+    #[arg(long, value_name = "X", value_parser = tolerance, requires = "method")]
+    tolerance: Option<f64>,
     /// Seed of noise and sample clock [default: the scene's]
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
@@ -47,64 +50,16 @@ pub struct Arguments {
     quiet: bool,
 }
 
-/// Methods that take a fixed step.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum ByHand {
-    /// Order 2, symplectic
-    VelocityVerlet,
-    /// Order 4, symplectic
-    Pefrl,
-    /// Order 6, symplectic
-    BlanesMoan,
-    /// Order 4, symplectic; kicks by gradients of the forces, too
-    ForceGradient,
-    /// Order 4, for scenes with losses
-    #[value(name = "runge-kutta-4")]
-    RungeKutta4,
-}
-
-impl ByHand {
-    fn with(self, step: f64) -> Method {
-        match self {
-            Self::VelocityVerlet => Method::VelocityVerlet { step },
-            Self::Pefrl => Method::Pefrl { step },
-            Self::BlanesMoan => Method::BlanesMoan { step },
-            Self::ForceGradient => Method::ForceGradient { step },
-            Self::RungeKutta4 => Method::RungeKutta4 { step },
-        }
-    }
-}
-
-pub fn accuracy(text: &str) -> Result<f64, String> {
-    let value = parse(text, Dimension::NONE).map_err(|error| error.to_string())?;
-    if (TIGHTEST_ACCURACY..=LOOSEST_ACCURACY).contains(&value) {
-        Ok(value)
-    } else {
-        Err(format!("found {value:e}, expected {TIGHTEST_ACCURACY:e} to {LOOSEST_ACCURACY}"))
-    }
-}
-
-fn step(text: &str) -> Result<f64, String> {
-    let expected = "expected a time above zero, e.g. 50ns";
-    match parse(text, Dimension::TIME) {
-        Ok(value) if value > 0.0 => Ok(value),
-        Ok(_) => Err(format!("found {text}, {expected}")),
-        Err(error) => Err(format!("found {error}, {expected}")),
-    }
-}
-
 /// How to integrate, and why at this accuracy.
 fn integration(
     arguments: &Arguments,
     scene: &Scene,
-) -> Result<(Integration, Option<String>), RunError> {
-    if let (Some(method), Some(step)) = (arguments.method, arguments.step) {
-        return Ok((Integration::Method(method.with(step)), None));
+) -> anyhow::Result<(Integration, Option<String>)> {
+    if let Some(method) = arguments.method {
+        let method = method.method(arguments.step, arguments.tolerance);
+        return Ok((Integration::Method(method.map_err(|error| anyhow!(error))?), None));
     }
-    let chosen = match arguments.accuracy {
-        Some(value) => ChosenAccuracy { value, reason: "asked for".to_owned() },
-        None => of_scene(scene)?,
-    };
+    let chosen = Asked::of(arguments.accuracy, scene)?;
     Ok((Integration::Accuracy(chosen.value), Some(chosen.reason)))
 }
 
@@ -155,10 +110,14 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// What is wrong with a step by hand, and one that would do.
+/// What is wrong with a step or a tolerance by hand, and one that would do.
 fn advised(error: RunError, scene: &Scene, integration: Integration) -> anyhow::Error {
-    let is_too_long =
-        !matches!(error, RunError::NotForLosses { .. } | RunError::TooManySteps { .. });
+    let is_too_long = !matches!(
+        error,
+        RunError::NotForLosses { .. }
+            | RunError::OnlyForLosses { .. }
+            | RunError::TooManySteps { .. }
+    );
     match integration {
         Integration::Method(method) if is_too_long => {
             let stopped = matches!(error, RunError::Integrate(_));

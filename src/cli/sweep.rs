@@ -10,9 +10,9 @@ use std::time::Instant;
 use anyhow::Context as _;
 use clap::Args;
 
+use super::accuracy::accuracy;
 use super::gather::gathered;
 use super::progress::Progress;
-use super::run::accuracy;
 use crate::chain::stepper::InstructionSet;
 use crate::experiment::parallel::processors;
 use crate::report;

@@ -1,4 +1,4 @@
-//! Runs with a step by hand: nothing holds them to an accuracy, so what they are off is found out and told.
+//! Runs with a step or a tolerance by hand: nothing holds them to an accuracy, so what they are off is found out and told.
 
 use super::accuracy::{ErrorEstimate, TIGHTER, estimate};
 use super::{Integration, Outcome, RunError, run};
@@ -14,12 +14,14 @@ const FIRST: f64 = 0.01;
 const NEXT: f64 = 1e-4;
 /// An estimate that exceeds what it adds for the second run by this factor is of the first (1).
 const TELLING: f64 = 10.0;
-/// Steps that are tried for advice: half of the one that does not do, or a quarter of the longest stable one, and halves from there on.
+/// Settings that are tried for advice. Steps: half of the one that does not do, or a quarter of the longest stable one, and halves from there on.
 const TRIES: i32 = 6;
+/// Tolerances: each so many times the one before (1).
+const TIGHTER_BY: f64 = 0.1;
 /// Contact forces that finding advice may take: seconds (1).
 const MOST_FORCES: f64 = 1e9;
 
-/// Runs `scene` by `method`, with a step by hand, error estimate included; notes tell where readings are far off, where the method has made
+/// Runs `scene` by `method`, with its setting by hand, error estimate included; notes tell where readings are far off, where the method has made
 /// energy, and how far ahead the motion is known.
 ///
 /// # Errors
@@ -51,7 +53,7 @@ pub fn run_by_hand(
             None => "an accurate run feels other pulses than this one".to_owned(),
         };
         let advice = advice(own, method).map_or(String::new(), |advice| format!("; {advice}"));
-        summary.notes.push(format!("the step is too long: {far}{advice}"));
+        summary.notes.push(format!("{}: {far}{advice}", too_much(method)));
     } else {
         // That of a motion as accurate as this one.
         let accuracy = worst.max(TIGHTEST_ACCURACY);
@@ -60,7 +62,7 @@ pub fn run_by_hand(
             summary.find_horizon(own, accuracy);
         }
     }
-    summary.note_energy("the step is too long");
+    summary.note_energy(too_much(method));
     summary.error_estimate = found;
     Ok(outcome)
 }
@@ -78,10 +80,28 @@ fn told(scene: &Scene, outcome: &Outcome) -> Result<Option<ErrorEstimate>, RunEr
     }
 }
 
-/// A step with which `method` would read `scene` well, in words; none where none was found in reasonable time.
+/// What is wrong with a setting, in words.
+fn too_much(method: Method) -> &'static str {
+    if method.fixed_step().is_some() {
+        "the step is too long"
+    } else {
+        "the tolerance is too loose"
+    }
+}
+
+/// A step or a tolerance with which `method` would read `scene` well, in words; none where none was found in reasonable time.
 #[must_use]
 pub fn advice(scene: &Scene, method: Method) -> Option<String> {
-    let (step, reach) = method.fixed_step()?;
+    let Some((step, reach)) = method.fixed_step() else {
+        let tighter = (1..=TRIES).map(|tries| TIGHTER_BY.powi(tries));
+        let tolerances = tighter.filter_map(|share| Some(share * method.tolerance()?));
+        return tolerances.filter(|tolerance| *tolerance >= TIGHTEST_ACCURACY).find_map(
+            |setting| {
+                let words = reads_within(scene, with_setting(method, setting))?;
+                Some(format!("a tolerance of {setting:.0e} {words}"))
+            },
+        );
+    };
     let limit = scene.chain.stability_limit(&scene.initial_velocities, reach)?;
     let longest = 0.5 * step.min(0.5 * limit.step);
     (0..TRIES).find_map(|halvings| {
@@ -92,16 +112,20 @@ pub fn advice(scene: &Scene, method: Method) -> Option<String> {
         if steps * contacts > MOST_FORCES {
             return None;
         }
-        let integration = Integration::Method(with_step(method, step));
-        let found = run(scene, integration, 1, &mut |_| ()).ok()?;
-        let worst = estimate(scene, FIRST, &found).ok()??.worst();
-        let words = || {
-            let step = engineering(step, "s", 2);
-            let worst = -rounded_down(-worst, 2);
-            format!("a step of {step} reads first peaks and arrivals within {worst:.1e}")
-        };
-        (worst <= TOLERABLE).then(words)
+        let words = reads_within(scene, with_setting(method, step))?;
+        Some(format!("a step of {} {words}", engineering(step, "s", 2)))
     })
+}
+
+/// How well `method` reads `scene`, in words, if it does.
+fn reads_within(scene: &Scene, method: Method) -> Option<String> {
+    let found = run(scene, Integration::Method(method), 1, &mut |_| ()).ok()?;
+    let worst = estimate(scene, FIRST, &found).ok()??.worst();
+    let words = || {
+        let worst = -rounded_down(-worst, 2);
+        format!("reads first peaks and arrivals within {worst:.1e}")
+    };
+    (worst <= TOLERABLE).then(words)
 }
 
 /// Up to where steps of `method` could be stable, in words, for one that was not.
@@ -117,15 +141,20 @@ pub fn edge(scene: &Scene, method: Method) -> Option<String> {
     ))
 }
 
-/// `method` with another step (s), if it takes one by hand.
-fn with_step(method: Method, step: f64) -> Method {
+/// `method` with another step (s), or another tolerance (1).
+fn with_setting(method: Method, setting: f64) -> Method {
+    let (step, tolerance) = (setting, setting);
     match method {
         Method::VelocityVerlet { .. } => Method::VelocityVerlet { step },
         Method::Pefrl { .. } => Method::Pefrl { step },
         Method::BlanesMoan { .. } => Method::BlanesMoan { step },
         Method::ForceGradient { .. } => Method::ForceGradient { step },
         Method::RungeKutta4 { .. } => Method::RungeKutta4 { step },
-        adaptive => adaptive,
+        Method::DormandElMikkawyPrince64 { .. } => Method::DormandElMikkawyPrince64 { tolerance },
+        Method::DormandElMikkawyPrince86 { .. } => Method::DormandElMikkawyPrince86 { tolerance },
+        Method::DormandPrince54 { .. } => Method::DormandPrince54 { tolerance },
+        Method::DormandPrince853 { .. } => Method::DormandPrince853 { tolerance },
+        Method::Rodas { .. } => Method::Rodas { tolerance },
     }
 }
 

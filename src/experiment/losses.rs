@@ -5,8 +5,9 @@ use crate::chain::{Chain, Effect};
 use crate::integrate::Method;
 use crate::scene::Scene;
 
-/// Methods for losses that take a step by hand.
-const BY_HAND: &str = "runge-kutta-4, or --accuracy instead of a step";
+/// Methods for losses.
+const FOR_LOSSES: &str =
+    "runge-kutta-4, dormand-prince-54, dormand-prince-853 or rodas, or --accuracy instead";
 /// Losses are stiff where a contact's decay, in units of its own angular frequency, times `tolerance^(1/8)` exceeds this. The power of
 /// the tolerance is what the explicit pair's steps go with: velocities then decay by half and more within one, stability and
 /// not accuracy limits it, and its interpolant is no longer what its steps are. Measured on the bench (1).
@@ -63,13 +64,14 @@ fn is_stiff(chain: &Chain, velocities: &[f64], tolerance: f64) -> bool {
     chain.largest_damping(velocities) * tolerance.powf(0.125) > STIFF
 }
 
-/// Refuses a method with a step by hand that losses rule out.
+/// Refuses a method by hand that losses rule out, or that is for losses only.
 ///
 /// # Errors
-/// [`RunError`] where the method is not made for losses, and where its step is too long for them.
+/// [`RunError`] where the method is not made for losses, or for nothing else, and where its step is too long for them.
 pub fn refuse(scene: &Scene, method: Method) -> Result<(), RunError> {
     if !scene.chain.is_dissipative() {
-        return Ok(());
+        let refused = RunError::OnlyForLosses { method: method.name() };
+        return if method.suits(false) { Ok(()) } else { Err(refused) };
     }
     if !method.allows_losses() {
         let effects = &scene.spec.effects;
@@ -80,7 +82,7 @@ pub fn refuse(scene: &Scene, method: Method) -> Result<(), RunError> {
         ];
         let losses: Vec<&str> = named.into_iter().flatten().collect();
         let (method, losses) = (method.name(), losses.join(", "));
-        return Err(RunError::NotForLosses { method, losses, expected: BY_HAND });
+        return Err(RunError::NotForLosses { method, losses, expected: FOR_LOSSES });
     }
     let (Some((step, _)), Some(reach)) = (method.fixed_step(), method.decay_reach()) else {
         return Ok(());

@@ -17,6 +17,7 @@ pub mod doctor;
 pub mod effects;
 pub mod energy;
 pub mod ensemble;
+mod error;
 pub mod facts;
 mod film;
 pub mod fit;
@@ -37,15 +38,15 @@ mod watch;
 pub mod wired;
 mod yielding;
 
+pub use error::RunError;
 pub use losses::for_accuracy;
 
 use std::time::Instant;
 
 use rand_distr::{Distribution, StandardUniform};
 
-use crate::chain::{ForceProbe, StabilityLimit};
-use crate::integrate::{IntegrateError, Method};
-use crate::quantity::engineering;
+use crate::chain::ForceProbe;
+use crate::integrate::Method;
 use crate::recording::Shot;
 use crate::scene::{PlacedSensor, Scene, Site};
 use crate::scope::acquire::Found;
@@ -53,14 +54,13 @@ use crate::scope::front_end::noise_stream;
 use acquisition::{record, trigger};
 use bench::{Bench, Grid};
 use energy::EnergyLedger;
+use error::MOST_STEPS;
 use outcome::{Reading, Summary, TriggerReport};
 
 /// Frames of the film over a scene's duration.
 const FRAMES: f64 = 200.0;
 /// Samples kept before the earliest that a record can need.
 const SPARE_SAMPLES: f64 = 20.0;
-/// Most steps of a method with a step by hand: hours of work for a chain of the bench's size (1).
-const MOST_STEPS: f64 = 1e9;
 /// Stream of the sample clock's phase; channels use 1 to 4.
 const CLOCK_STREAM: u8 = 0;
 
@@ -71,66 +71,6 @@ pub enum Integration {
     Accuracy(f64),
     /// By this method with this setting.
     Method(Method),
-}
-
-/// Why a run has no result.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum RunError {
-    /// A step chosen by hand is beyond what can be stable.
-    #[error("found a step of {}, expected at most {}: the contact between {} and {} makes longer ones unstable", seconds(*step), cut(limit.step), limit.upper, limit.lower)]
-    Unstable {
-        /// The step (s).
-        step: f64,
-        /// What limits it.
-        limit: StabilityLimit,
-    },
-    /// A step chosen by hand would take longer than anyone waits.
-    #[error(
-        "found a step of {}, which takes {steps:.1e} steps, expected at most {MOST_STEPS:.0e} steps", seconds(*step)
-    )]
-    TooManySteps {
-        /// The step (s).
-        step: f64,
-        /// Steps in the scene's duration (1).
-        steps: f64,
-    },
-    /// The method chosen by hand takes forces to follow from positions alone.
-    #[error(
-        "found the method {method} for a scene with losses ({losses}), expected one that lets forces depend on velocity: {expected}"
-    )]
-    NotForLosses {
-        /// The method.
-        method: &'static str,
-        /// The losses that are on.
-        losses: String,
-        /// Methods that would do.
-        expected: &'static str,
-    },
-    /// A step chosen by hand is beyond what losses let be stable.
-    #[error(
-        "found a step of {}, expected at most {}: losses, most of all between {} and {}, let velocities decay at up to {decay:.3e} 1/s, which makes longer ones unstable", seconds(*step), cut(limit.step), limit.upper, limit.lower
-    )]
-    UnstableLoss {
-        /// The step (s).
-        step: f64,
-        /// The longest step (s), and the contact that limits it most.
-        limit: StabilityLimit,
-        /// The fastest decay (1/s).
-        decay: f64,
-    },
-    /// The integrator could not go on.
-    #[error(transparent)]
-    Integrate(#[from] IntegrateError),
-}
-
-/// A step (s) in words, exact enough to be told from the longest one.
-fn seconds(step: f64) -> String {
-    engineering(step, "s", 7)
-}
-
-/// A longest step (s) in words that name no longer one.
-fn cut(step: f64) -> String {
-    engineering(by_hand::rounded_down(step, 4), "s", 4)
 }
 
 /// Everything a run leaves.
@@ -252,9 +192,9 @@ impl Finished<'_> {
         let effects = outcome::effects(scene);
         let (initial, last) = bench.energies();
         let (work, yielded) = (bench.work(), yielding::note(&scene.chain, bench.film()));
-        let (accuracy, step_s) = match integration {
-            Integration::Accuracy(accuracy) => (Some(accuracy), None),
-            Integration::Method(method) => (None, method.fixed_step().map(|(step, _)| step)),
+        let accuracy = match integration {
+            Integration::Accuracy(accuracy) => Some(accuracy),
+            Integration::Method(_) => None,
         };
         Summary {
             scene: scene.name.clone(),
@@ -267,7 +207,8 @@ impl Finished<'_> {
             accuracy_reason: None,
             error_estimate: None,
             horizon_s: None,
-            step_s,
+            step_s: method.fixed_step().map(|(step, _)| step),
+            tolerance: method.tolerance(),
             force_evaluations: work.force_evaluations,
             steps: work.steps,
             rejected_steps: work.rejected,

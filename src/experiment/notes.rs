@@ -22,13 +22,19 @@ pub fn notes(scene: &Scene, sensors: &[Reading], shot: &Shot, found: Option<Foun
             notes.push(format!("the trigger level {} is within the trigger's hysteresis of {} around zero: a pulse from rest may not trigger", engineering(level, "V", 3), engineering(deaf, "V", 3)));
         }
     }
+    let interval = scene.scope.model.sample_interval(scene.scope.time_base);
+    let apart = engineering(interval, "s", 3);
+    let passed = format!(
+        "no sample crossed the trigger's level (they are {apart} apart: what is shorter may pass)"
+    );
     match found {
-        None => notes.push(
-            "the scope was not triggered: its level was never crossed, so there are no captures"
-                .to_owned(),
-        ),
+        None => {
+            notes.push(format!("the scope was not triggered: {passed}, so there are no captures"));
+        }
         Some(found) if !found.crossed => {
-            notes.push("the trigger level was never crossed; automatic mode recorded from the striker's first contact".to_owned());
+            notes.push(format!(
+                "{passed}; automatic mode recorded from the striker's first contact"
+            ));
         }
         Some(_) => {}
     }

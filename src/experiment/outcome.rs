@@ -8,7 +8,7 @@ use super::accuracy::ErrorEstimate;
 use super::energy::{EnergyLedger, TOLERABLE};
 use super::horizon::horizon;
 use super::paper::PaperSpeed;
-use super::pulse::{FOOT, HALF_RISE, PEAK_SHARE, Peak, PulseRecorder};
+use super::pulse::{FOOT, HALF_RISE, PEAK_SHARE, PassedOver, Peak, PulseRecorder};
 use crate::chain::Chain;
 use crate::quantity::engineering;
 use crate::scene::{PlacedSensor, Scene, Site};
@@ -29,7 +29,7 @@ pub struct Summary {
     pub method: String,
     /// Publication that defines the method.
     pub method_source: String,
-    /// Accuracy that was asked for; none for a method with a step by hand (1).
+    /// Accuracy that was asked for; none for a method by hand (1).
     pub accuracy: Option<f64>,
     /// Why this accuracy, where a run has been told.
     pub accuracy_reason: Option<String>,
@@ -39,6 +39,8 @@ pub struct Summary {
     pub horizon_s: Option<f64>,
     /// Fixed step, where there is one (s).
     pub step_s: Option<f64>,
+    /// Tolerated error of a step, relative to the largest overlap change and speed so far; none where steps are fixed (1).
+    pub tolerance: Option<f64>,
     /// Evaluations of all contact forces of the chain.
     pub force_evaluations: u64,
     /// Accepted steps.
@@ -75,7 +77,8 @@ pub struct Summary {
     pub notes: Vec<String>,
 }
 
-/// A first peak that exceeds its threshold by this factor stays one, whatever late forces come to: chaos shuffles energy about, it makes none (1).
+/// A first peak that exceeds its threshold by this factor stays one, and what is less than it by this factor becomes none, whatever late forces
+/// come to: chaos shuffles energy about, it makes none (1).
 const CLEARLY_FIRST: f64 = 1.5;
 
 impl Summary {
@@ -94,16 +97,19 @@ impl Summary {
     pub(super) fn note_undecided(&mut self) {
         let Some(horizon) = self.horizon_s else { return };
         let hangs = |reading: &&Reading| {
-            let least = CLEARLY_FIRST * PEAK_SHARE * reading.largest_n;
+            let threshold = PEAK_SHARE * reading.largest_n;
             let is_late = reading.largest_s.is_some_and(|time| time > horizon);
-            is_late && reading.first_peak.is_some_and(|peak| peak.dynamic_n < least)
+            let just = reading.first_peak.is_some_and(|p| p.dynamic_n < CLEARLY_FIRST * threshold);
+            let was =
+                |p: PassedOver| p.until_s > horizon && CLEARLY_FIRST * p.dynamic_n > threshold;
+            is_late && just || reading.passed_over.is_some_and(was)
         };
         let places = self.sensors.iter().chain(&self.wall).filter(hangs).map(|r| r.name.clone());
         let places: Vec<String> = places.collect();
         if !places.is_empty() {
             let places = places.join(", ");
             self.notes.push(format!(
-                "which maximum is the first peak is not decided at {places}: it is little more than a quarter of the largest force, which comes when the motion is known only in its statistics; a shorter duration decides it"
+                "which maximum is the first peak is not decided at {places}: it, or an earlier one, is about a quarter of the largest force, which comes when the motion is known only in its statistics; a shorter duration decides it"
             ));
         }
     }
@@ -139,6 +145,8 @@ pub struct Reading {
     pub largest_s: Option<f64>,
     /// First local maximum of the dynamic force above a quarter of its largest value; none if nothing arrived.
     pub first_peak: Option<Peak>,
+    /// The highest maximum before it that was the first peak until forces became larger; none if none was.
+    pub passed_over: Option<PassedOver>,
     /// When the dynamic force first reached half of its first peak (s).
     pub half_rise_s: Option<f64>,
     /// When it first reached a tenth (s).
@@ -160,6 +168,7 @@ impl Reading {
             largest_n: pulse.largest(),
             largest_s: pulse.first_reach(pulse.largest()),
             first_peak,
+            passed_over: pulse.passed_over(),
             half_rise_s: reach(HALF_RISE),
             ten_percent_s: reach(FOOT),
         }

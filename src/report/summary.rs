@@ -87,10 +87,11 @@ fn speeds(speeds: &[Speed]) -> Vec<String> {
 
 fn costs(summary: &Summary) -> Vec<String> {
     let energy = &summary.energy;
-    let setting = match (summary.accuracy, summary.step_s) {
-        (Some(accuracy), _) => accuracy_words(accuracy, summary.accuracy_reason.as_deref()),
-        (None, Some(step)) => format!("step {} by hand", engineering(step, "s", 4)),
-        (None, None) => String::new(),
+    let setting = match (summary.accuracy, summary.step_s, summary.tolerance) {
+        (Some(accuracy), ..) => accuracy_words(accuracy, summary.accuracy_reason.as_deref()),
+        (None, Some(step), _) => format!("step {} by hand", engineering(step, "s", 4)),
+        (None, None, Some(tolerance)) => format!("step tolerance {} by hand", short(tolerance)),
+        (None, None, None) => String::new(),
     };
     let trigger = match (summary.trigger.time_s, summary.trigger.crossed) {
         (Some(time), true) => {
@@ -142,10 +143,14 @@ fn costs(summary: &Summary) -> Vec<String> {
     lines
 }
 
-/// An accuracy (1), rounded to what can be remembered, and why this one.
+/// A small number, rounded to what can be remembered.
+fn short(value: f64) -> String {
+    format!("{value:.1e}").replace(".0e", "e")
+}
+
+/// An accuracy (1), and why this one.
 fn accuracy_words(accuracy: f64, reason: Option<&str>) -> String {
-    let short = format!("{accuracy:.1e}").replace(".0e", "e");
-    format!("accuracy {short}, {}", reason.unwrap_or("asked for"))
+    format!("accuracy {}, {}", short(accuracy), reason.unwrap_or("asked for"))
 }
 
 /// How far off what is printed above may be.
@@ -157,7 +162,11 @@ fn errors(summary: &Summary) -> Vec<String> {
     )];
     if let Some(trace) = trace {
         let early = summary.accuracy.zip(*trace_holds_s).map_or(String::new(), |(asked, until)| {
-            format!(", within {asked:.1e} up to {}", engineering(until, "s", 3))
+            if until > 0.0 {
+                format!(", within {asked:.1e} up to {}", engineering(until, "s", 3))
+            } else {
+                format!(", beyond {asked:.1e} from the start")
+            }
         });
         lines.push(format!("              traces within {trace:.1e} of their largest{early}"));
     }

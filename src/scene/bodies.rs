@@ -58,7 +58,7 @@ impl<'a> Materials<'a> {
 
 fn material(table: &Table<'_>) -> Option<Material> {
     let _ = table.text("source");
-    let modulus = table.required("youngs_modulus", Dimension::PRESSURE, Bound::Positive);
+    let modulus = table.required("youngs_modulus", Dimension::PRESSURE, Bound::MODULUS);
     let ratio = table.required("poissons_ratio", Dimension::NONE, Bound::Between(-1.0, 0.5));
     let yield_strength = table.quantity("yield_strength", Dimension::PRESSURE, Bound::Positive);
     let elasticity = Elasticity { youngs_modulus: modulus?, poissons_ratio: ratio? };
@@ -70,10 +70,10 @@ fn material(table: &Table<'_>) -> Option<Material> {
 fn body(table: &Table<'_>, name: &str, materials: &Materials<'_>, shaped: bool) -> Option<Body> {
     let _ = table.text("source");
     let material = materials.named(table, "material");
-    let mass = table.required("mass", Dimension::MASS, Bound::Positive);
+    let mass = table.required("mass", Dimension::MASS, Bound::MASS);
     let read = if shaped { Table::required } else { Table::quantity };
-    let diameter = read(table, "diameter", Dimension::LENGTH, Bound::Positive);
-    let height = table.quantity("height", Dimension::LENGTH, Bound::Positive);
+    let diameter = read(table, "diameter", Dimension::LENGTH, Bound::LENGTH);
+    let height = table.quantity("height", Dimension::LENGTH, Bound::LENGTH);
     // Without its shape, a body would look flat or round where it is neither.
     let unread = |key, value: Option<f64>| value.is_none() && table.has(key);
     if unread("diameter", diameter) || unread("height", height) || (shaped && diameter.is_none()) {
@@ -102,7 +102,7 @@ pub fn striker(root: &Table<'_>, materials: &Materials<'_>) -> Option<Striker> {
     let table = root.table("striker")?;
     let _ = table.text("model");
     let body = body(&table, "striker", materials, false);
-    let speed = table.required("speed", Dimension::SPEED, Bound::Positive);
+    let speed = table.required("speed", Dimension::SPEED, Bound::SPEED);
     table.finish();
     Some(Striker { body: body?, speed: speed? })
 }
@@ -239,7 +239,7 @@ pub fn initial_velocities(
             let found = format!("a second velocity of particle {number}");
             table.problem("particle", found, "one velocity for each particle");
         }
-        let velocity = table.required("velocity", Dimension::SPEED, Bound::Any);
+        let velocity = table.required("velocity", Dimension::SPEED, Bound::VELOCITY);
         let place = particle.and_then(|p| usize::try_from(p).ok()).map(|p| p - 1 + first);
         match (velocity, place.and_then(|p| velocities.get_mut(p))) {
             (Some(velocity), Some(slot)) => *slot = velocity,

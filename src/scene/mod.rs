@@ -107,8 +107,14 @@ impl Scene {
     fn checked(mut loaded: library::Loaded) -> Result<Self, SceneError> {
         let problems = Problems::default();
         problems.extend(std::mem::take(&mut loaded.problems));
+        let above = loaded.root.text("base").map(|_| loaded.root.place.file().to_owned());
         let scene = read(loaded, &problems);
-        let problems = problems.into_sorted();
+        let mut problems = problems.into_sorted();
+        if let Some(file) = above {
+            for problem in &mut problems {
+                problem.stands_below(&file);
+            }
+        }
         match scene {
             Some(scene) if problems.is_empty() => Ok(scene),
             _ => Err(SceneError::Problems(problems)),

@@ -30,6 +30,18 @@ impl fmt::Display for Problem {
     }
 }
 
+impl Problem {
+    /// Says where a problem in the base of the scene `file` may come from: what stands there fits the base itself.
+    pub(super) fn stands_below(&mut self, file: &str) {
+        if self.file != file {
+            let expected = &self.expected;
+            self.expected = format!(
+                "{expected} ({file} stands on this file: what it changes may not fit here)"
+            );
+        }
+    }
+}
+
 /// Why there is no scene.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {

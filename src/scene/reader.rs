@@ -119,7 +119,7 @@ impl<'a> Table<'a> {
         if bound.holds(value) {
             return Some(value);
         }
-        self.problem(key, node.describe(), expected());
+        self.problem(key, node.describe(), format!("{dimension}{}", bound.broken_by(value)));
         None
     }
 

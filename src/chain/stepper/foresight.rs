@@ -16,12 +16,9 @@
 //!
 //! Only the stiffest contacts for their bodies are watched, where they are few ([`Plan::watched`]), as a striker's is: they ask for shorter
 //! steps than others while they are closed, and are open most of the time. Where all are alike, looking ahead costs more than it saves.
-#![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
-use super::lanes::{Lanes, Row, Task};
-use super::layout::Layout;
+use super::lanes::Row;
 use super::plan::{Plan, Watched};
-use super::tried::difference;
 use super::workspace::Motion;
 
 /// `1e-3` above (1).
@@ -67,80 +64,33 @@ impl Watch {
     }
 }
 
-/// What is foreseen of the steps of chains about to be tried.
-pub struct Foresee<'a, Y: Layout> {
-    /// The chains.
-    pub plan: &'a Plan,
-    /// Where the step starts.
-    pub now: &'a Motion,
-    /// Its length (s).
-    pub step: Y::Own,
-    /// How many tolerated errors an error of 1 m/s is (s/m).
-    pub worth: Y::Own,
-}
-
-/// What is foreseen of a step, lane by lane.
-#[derive(Debug, Clone, Copy)]
-pub struct Foreseen {
-    /// The largest error, in multiples of the tolerated one (1).
-    error: Row,
-    /// For how long the contact that makes it has been closed at the step's end, in steps (1).
-    closed: Row,
-}
-
-impl<Y: Layout> Task for Foresee<'_, Y> {
-    /// Nothing where all steps are worth a try.
-    type Output = Option<Foreseen>;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> Self::Output {
-        let Self { plan, now, step, worth } = self;
-        let (none, h) = (L::splat(0.0), Y::spread::<L>(step));
-        let square = L::mul(h, h);
-        let scale = L::mul(L::mul(L::splat(SCALE), Y::spread::<L>(worth)), L::mul(square, h));
-        let (mut worst, mut closed) = (none, none);
-        for Watched { row: r, bits, stiffness } in &plan.watched {
-            let overlap = difference::<L, Y>(now.position(), *r);
-            let from = L::add(overlap, L::load(&plan.static_overlap[*r]));
-            let bend = difference::<L, Y>(now.acceleration(), *r);
-            let bend = L::mul(L::mul(L::splat(0.5), square), bend);
-            let travel = L::mul_add(h, difference::<L, Y>(now.velocity(), *r), bend);
-            let to = L::add(from, travel);
-            let (less, more, way) = (L::min(from, to), L::max(from, to), L::abs(travel));
-            let fresh = L::sub(way, L::mul(L::splat(FADES), less));
-            let felt = bits & L::positive(L::min(more, fresh));
-            if felt == 0 {
-                continue;
-            }
-            let pulled = L::mul(L::load(stiffness), more);
-            let share = L::min(L::div(fresh, way), L::splat(1.0));
-            let error = L::mul(L::mul(pulled, pulled), L::mul(share, scale));
-            let error = L::select(felt, error, none);
-            let since = L::select(L::positive(travel), L::div(more, way), L::splat(EVER));
-            closed = L::select(L::positive(L::sub(error, worst)), since, closed);
-            worst = L::max(error, worst);
-        }
-        if L::positive(L::sub(worst, L::splat(HOPELESS))) == 0 {
+impl Watched {
+    /// The share that should be tried instead of a step of `h` (s) from `now` on, of whose errors 1 m/s is `worth` so many tolerated ones; none where
+    /// all of it is worth a try (1).
+    #[inline]
+    pub fn shorter(&self, plan: &Plan, now: &Motion, (h, worth): (f64, f64)) -> Option<f64> {
+        let (row, lane) = self.at;
+        let difference = |rows: &[Row]| {
+            self.above.map_or(0.0, |(row, lane)| rows[row].0[lane]) - rows[row].0[lane]
+        };
+        let from = difference(now.position()) + plan.static_overlap[row].0[lane];
+        let bend = 0.5 * h * difference(now.acceleration());
+        let travel = h * (difference(now.velocity()) + bend);
+        let to = from + travel;
+        let (less, more, way) = (from.min(to), from.max(to), travel.abs());
+        let fresh = way - FADES * less;
+        if more <= 0.0 || fresh <= 0.0 {
             return None;
         }
-        let mut foreseen = Foreseen { error: Row::default(), closed: Row::default() };
-        L::store(worst, &mut foreseen.error);
-        L::store(closed, &mut foreseen.closed);
-        Some(foreseen)
-    }
-}
-
-impl Foreseen {
-    /// The share of its step that lane `lane` should try instead; none where all of it will do (1).
-    pub fn shorter(&self, lane: usize) -> Option<f64> {
-        let (error, closed) = (self.error.0[lane], self.closed.0[lane]);
+        let pulled = self.stiffness * more;
+        let most = SCALE * worth * h * h * h * pulled * pulled;
+        // Mostly it is little at its most.
+        if most <= HOPELESS {
+            return None;
+        }
+        let error = most * (fresh / way).min(1.0);
+        let closed = if travel > 0.0 { more / way } else { EVER };
         (error > HOPELESS).then(|| shorter(error, closed))
-    }
-
-    /// The share that a chain along the rows should try (1).
-    pub fn shortest(&self) -> Option<f64> {
-        let shares = (0..self.error.0.len()).filter_map(|lane| self.shorter(lane));
-        shares.reduce(f64::min)
     }
 }
 

@@ -60,15 +60,15 @@ pub struct Alike {
 /// Stiffnesses are the same that differ by rounding (1).
 const SAME: f64 = 4e-16;
 
-/// A row in which there are contacts to be watched.
-#[derive(Debug, Clone, PartialEq)]
+/// A contact to be watched.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Watched {
-    /// Which row.
-    pub row: usize,
-    /// Which of its contacts, a bit each.
-    pub bits: u8,
-    /// Their stiffness over the reduced mass of their bodies (m^-0.5 s^-2).
-    pub stiffness: Row,
+    /// Row and lane of it and of the body below.
+    pub at: (usize, usize),
+    /// Those of the body above; none at the top.
+    pub above: Option<(usize, usize)>,
+    /// Its stiffness over the reduced mass of its bodies (m^-0.5 s^-2).
+    pub stiffness: f64,
 }
 
 /// More contacts of a chain that are all as stiff for their bodies are not watched: where there is one stiff striker there may be two.
@@ -180,8 +180,6 @@ impl Plan {
                 plan.watch(chain, |j| (j, lane));
             }
         }
-        // In the same order whatever the neighbours are.
-        plan.watched.sort_by_key(|watched| watched.row);
         let shared = |chain: &&Chain| shared_stiffness(chain, scheme, form);
         if let Some(shared) = chains.iter().map(shared).collect::<Option<Vec<f64>>>() {
             let lane = |lane| shared.get(lane).copied().unwrap_or(1.0);
@@ -251,16 +249,11 @@ impl Plan {
         if self.form == Form::Linear || all.clone().filter(stiff).nth(MOST_WATCHED).is_some() {
             return;
         }
-        for j in all.filter(stiff) {
-            let (row, lane) = place(j);
-            let known = self.watched.iter().position(|watched| watched.row == row);
-            let index = known.unwrap_or_else(|| {
-                self.watched.push(Watched { row, bits: 0, stiffness: Row::default() });
-                self.watched.len() - 1
-            });
-            self.watched[index].bits |= 1 << lane;
-            self.watched[index].stiffness.0[lane] = stiffness(j);
-        }
+        let watched = |j: usize| {
+            let above = j.checked_sub(1).map(&place);
+            Watched { at: place(j), above, stiffness: stiffness(j) }
+        };
+        self.watched.extend(all.filter(stiff).map(watched));
     }
 
     fn set(&mut self, chain: &Chain, j: usize, place: (usize, usize)) {

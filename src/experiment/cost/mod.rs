@@ -122,6 +122,8 @@ pub struct Order {
     pub nominal: u8,
     /// Exponent of peak error against force evaluations, by least squares; none with fewer than three points, or where the work hardly differs (1).
     pub observed: Option<f64>,
+    /// Its standard error, by how far points stand from the straight line: errors that change their sign, and few points, leave little (1).
+    pub observed_u: Option<f64>,
 }
 
 /// What an accuracy leads to.
@@ -211,19 +213,16 @@ fn orders(points: &[Point], reference: f64) -> Vec<Order> {
         });
         let Some(first) = rows.first() else { continue };
         let usable: Vec<(f64, f64)> = usable.collect();
-        orders.push(Order {
-            method: first.method,
-            source: first.source,
-            nominal: first.order,
-            observed: slope(&usable).map(|slope| -slope),
-        });
+        let (observed, observed_u) = slope(&usable).map(|(slope, u)| (-slope, u)).unzip();
+        let Point { method, source, order: nominal, .. } = *first;
+        orders.push(Order { method, source, nominal, observed, observed_u });
     }
     orders
 }
 
-/// Slope of a straight line by least squares; none with fewer than three points, or where stability and not accuracy chooses the steps, so that
+/// Slope of a straight line by least squares, and its standard error; none with fewer than three points, or where stability and not accuracy chooses the steps, so that
 /// the work hardly differs.
-fn slope(points: &[(f64, f64)]) -> Option<f64> {
+fn slope(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let range = |(low, high): (f64, f64), p: &(f64, f64)| (low.min(p.0), high.max(p.0));
     let (least, most) = points.iter().fold((f64::MAX, f64::MIN), range);
     if points.len() < 3 || most - least < APART.ln() {
@@ -235,5 +234,7 @@ fn slope(points: &[(f64, f64)]) -> Option<f64> {
     let (x, y) = (mean(|p| p.0), mean(|p| p.1));
     let covariance: f64 = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
     let variance: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
-    Some(covariance / variance)
+    let slope = covariance / variance;
+    let off: f64 = points.iter().map(|p| (p.1 - y - slope * (p.0 - x)).powi(2)).sum();
+    Some((slope, (off / (count - 2.0) / variance).sqrt()))
 }

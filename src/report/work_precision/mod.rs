@@ -6,7 +6,7 @@ mod terminal;
 pub use picture::work_precision_svg;
 
 use super::table;
-use crate::experiment::cost::{Chosen, Point, Reference, Study};
+use crate::experiment::cost::{Chosen, Order, Point, Reference, Study};
 use crate::quantity::engineering;
 use terminal::plot;
 
@@ -170,7 +170,7 @@ pub fn work_precision(study: &Study) -> String {
             method.to_owned(),
             mark.to_string(),
             order.map_or(String::new(), |o| o.nominal.to_string()),
-            order.and_then(|o| o.observed).map_or("-".to_owned(), |o| format!("{o:.1}")),
+            order.and_then(observed).unwrap_or_else(|| "-".to_owned()),
             failed.to_string(),
             given_up.to_string(),
         ]);
@@ -182,6 +182,12 @@ pub fn work_precision(study: &Study) -> String {
     lines.extend(choices(study));
     lines.push(format!("reference: {}", reference(study)));
     lines.join("\n")
+}
+
+/// An order as it was observed, with its standard error.
+fn observed(order: &Order) -> Option<String> {
+    let (observed, u) = order.observed.zip(order.observed_u)?;
+    Some(format!("{observed:.1} ± {u:.1}"))
 }
 
 fn reference(study: &Study) -> String {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Axes, KINDS, Kind, Mark, digits, marks, reference};
+use super::{Axes, KINDS, Kind, Mark, digits, marks, observed, reference};
 use crate::experiment::cost::{Point, Study};
 use crate::report::escape;
 
@@ -46,8 +46,8 @@ pub fn work_precision_svg(study: &Study) -> String {
     };
     for (index, (method, _, colour)) in marks.iter().enumerate() {
         let (x, y) = place(index);
-        let observed = study.orders.iter().find(|o| o.method == *method).and_then(|o| o.observed);
-        let order = observed.map_or(String::new(), |o| format!(", order {o:.1} here"));
+        let order = study.orders.iter().find(|order| order.method == *method).and_then(observed);
+        let order = order.map_or(String::new(), |order| format!(", order {order} here"));
         let _ = writeln!(
             svg,
             "{}<text x=\"{}\" y=\"{}\">{method}{order}</text>",
@@ -122,17 +122,17 @@ fn panel(
         }
     }
     let choices: Vec<_> = kind.choices(study).collect();
-    // Several accuracies may lead to one run.
+    // Several accuracies may lead to one run. To the lower left of it there is nothing: what is chosen is next to the best.
     for same in choices.chunk_by(|a, b| (a.1, a.2) == (b.1, b.2)) {
         let Some((_, evaluations, error)) = same.first() else { continue };
         let (x, y) = place(*evaluations, *error);
         let words = same.iter().map(|(accuracy, ..)| format!("1e{}", digits(*accuracy).round()));
         let _ = writeln!(
             svg,
-            "{}<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"10\">{}</text>",
+            "{}<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\" font-size=\"10\">{}</text>",
             ring((x, y)),
-            x - 4.0,
-            y + 18.0,
+            x - 9.0,
+            y + 8.0,
             words.collect::<Vec<_>>().join(", ")
         );
     }

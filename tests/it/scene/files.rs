@@ -104,6 +104,21 @@ fn shipped_files_are_named_as_such() {
     assert_eq!(sensor.column, 12);
 }
 
+/// What stands in a base fits the base: what it no longer fits stands above.
+#[test]
+fn a_problem_in_a_base_names_the_scene_that_stands_on_it() {
+    let text = "base = \"magnet-0.61g\"\nduration = \"1e9 s\"\n";
+    let Err(SceneError::Problems(told)) = load(text) else { panic!("sound") };
+    let [problem] = &told[..] else { panic!("{told:#?}") };
+    assert!(problem.file.ends_with("magnet-0.61g.toml") && problem.key == "scope.time_base");
+    assert!(problem.found.contains("1.00 Gs"), "{problem}");
+    let names = problem.expected.contains("stands on this file: what it changes may not fit here");
+    assert!(names, "{problem}");
+    let text = "base = \"magnet-0.61g\"\n[striker]\nspeed = \"0 m/s\"\n";
+    let Err(SceneError::Problems(told)) = load(text) else { panic!("sound") };
+    assert!(!told[0].expected.contains("stands on"), "{}", told[0]);
+}
+
 #[test]
 fn bases_that_are_not_there_or_go_in_circles() {
     let missing = problems("base = \"magnet-0.62g\"\n");

@@ -277,6 +277,26 @@ fn numbers_that_are_none() {
 }
 
 #[test]
+fn what_no_bench_has() {
+    all_told(&[
+        [
+            "speed = \"0.44 m/s\"",
+            "speed = ¦\"1e200 m/s\"",
+            "striker.speed",
+            "\"1e200 m/s\"",
+            "a speed (m/s) from 1e-12 to 100000",
+        ],
+        [
+            "youngs_modulus = \"1.46 GPa\"",
+            "youngs_modulus = ¦\"1.46e9 GPa\"",
+            "materials.plastic.youngs_modulus",
+            "\"1.46e9 GPa\"",
+            "a pressure (Pa) from 1 to 1e14",
+        ],
+    ]);
+}
+
+#[test]
 fn physics_that_is_impossible() {
     all_told(&[
         ["mass = \"0.61 g\"", "mass = ¦\"0 g\"", "striker.mass", "\"0 g\"", "above zero"],

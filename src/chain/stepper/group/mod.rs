@@ -123,7 +123,7 @@ impl ChainGroup {
         let drive = match scheme {
             Scheme::Pair(pair, tolerance) => {
                 let lane = |(lane, member): (usize, &Member<'_>)| {
-                    let watched = plan.watched.iter().any(|row| row.bits & (1_u8 << lane) != 0);
+                    let watched = plan.watched.iter().any(|watched| watched.at.1 == lane);
                     Lane::new(member, pair, watched)
                 };
                 let lanes = members.iter().enumerate().map(lane).collect();

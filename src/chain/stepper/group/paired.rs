@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 
 use super::lane::Lane;
 use crate::chain::stepper::dispatch::{InstructionSet, dispatch};
-use crate::chain::stepper::foresight::{Foresee, MOST_SHORTENED};
+use crate::chain::stepper::foresight::MOST_SHORTENED;
 use crate::chain::stepper::kinks;
 use crate::chain::stepper::lanes::{Lanes, Row, Task, WIDTH};
 use crate::chain::stepper::layout::Across;
@@ -45,7 +45,7 @@ impl Paired {
                 worth.0[index] = own;
             }
         }
-        Self::shorten((set, plan), (work, lanes), &mut step, worth[1]);
+        Self::shorten(plan, (work, lanes), &mut step, worth[1]);
         self.attempt((set, plan), (work, lanes), step, worth);
         let mut taken = [false; WIDTH];
         for (index, lane) in lanes.iter_mut().enumerate() {
@@ -57,23 +57,23 @@ impl Paired {
     }
 
     /// Makes shorter what is not worth a try as it is.
-    fn shorten(
-        (set, plan): (InstructionSet, &Plan),
-        (work, lanes): (&Workspace, &mut [Lane]),
-        step: &mut Row,
-        worth: Row,
-    ) {
-        if plan.watched.is_empty() || !lanes.iter().any(Lane::is_watched) {
-            return;
-        }
+    fn shorten(plan: &Plan, (work, lanes): (&Workspace, &mut [Lane]), step: &mut Row, worth: Row) {
         for _ in 0..MOST_SHORTENED {
-            let foresee = Foresee::<Across> { plan, now: &work.now, step: *step, worth };
-            let Some(foreseen) = dispatch(set, foresee) else { break };
-            for (index, lane) in lanes.iter_mut().enumerate() {
+            let mut any = false;
+            for watched in &plan.watched {
+                let (_, index) = watched.at;
                 // Lanes never see each other: what one is looked at for is nothing to those that are not.
-                if let Some(share) = foreseen.shorter(index).filter(|_| lane.is_watched()) {
+                let Some(lane) = lanes.get_mut(index).filter(|lane| lane.is_watched()) else {
+                    continue;
+                };
+                let own = (step.0[index], worth.0[index]);
+                if let Some(share) = watched.shorter(plan, &work.now, own) {
                     step.0[index] = lane.shorten(share);
+                    any = true;
                 }
+            }
+            if !any {
+                break;
             }
         }
     }

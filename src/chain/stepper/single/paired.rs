@@ -3,7 +3,7 @@
 
 use super::Course;
 use crate::chain::stepper::dispatch::dispatch;
-use crate::chain::stepper::foresight::{Foresee, MOST_SHORTENED, Watch};
+use crate::chain::stepper::foresight::{MOST_SHORTENED, Watch};
 use crate::chain::stepper::kinks;
 use crate::chain::stepper::lanes::{Lanes, Task};
 use crate::chain::stepper::layout::Along;
@@ -51,13 +51,13 @@ impl Paired {
 
     /// As much of `trial` as is worth a try.
     #[inline(always)]
-    fn foresee<L: Lanes>(&mut self, course: &Course, mut trial: Trial) -> Trial {
+    fn foresee(&mut self, course: &Course, mut trial: Trial) -> Trial {
         let Course { plan, work, time, .. } = course;
         let [_, worth] = worth(self.tolerance, self.scales);
         for _ in 0..MOST_SHORTENED {
-            let foresee = Foresee::<Along> { plan, now: &work.now, step: trial.length, worth };
-            let Some(foreseen) = L::apart(foresee) else { break };
-            let Some(share) = foreseen.shortest() else { break };
+            let step = (trial.length, worth);
+            let shares = plan.watched.iter().filter_map(|w| w.shorter(plan, &work.now, step));
+            let Some(share) = shares.reduce(f64::min) else { break };
             trial = trial.shortened(*time, share);
             self.watch.renew();
         }
@@ -117,7 +117,7 @@ impl Task for Step<'_> {
         loop {
             let mut trial = paired.control.trial(course.time, end)?;
             if paired.watch.is_on() && paired.corrects && !course.plan.watched.is_empty() {
-                trial = paired.foresee::<L>(course, trial);
+                trial = paired.foresee(course, trial);
             }
             let error = paired.attempt::<L>(course, trial.length);
             if !paired.control.accepts(trial, error, || course.first_lost()) {

@@ -1,10 +1,12 @@
 //! What a force probe has felt: samples, local maxima, and the first time a level was reached, all from the
 //! interpolant and none from the integrator's grid.
 
+mod read;
+
 use serde::Serialize;
 
 use super::segment::{Bracket, Felt, Rise, Segment};
-use super::turn::{fall, highest, may_fall, root};
+use super::turn::{fall, highest, may_fall};
 use crate::chain::stepper::{LOOKED_AT, Looks, Place, Seen};
 use crate::chain::{ForceProbe, ForceSegment};
 
@@ -37,6 +39,15 @@ pub struct Peak {
     pub time_s: f64,
 }
 
+/// A maximum that was the first peak for a while.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PassedOver {
+    /// Its dynamic force (N).
+    pub dynamic_n: f64,
+    /// When a larger force raised the threshold above that; time since the striker's first contact (s).
+    pub until_s: f64,
+}
+
 /// Follows one probe through a run.
 #[derive(Debug, Clone)]
 pub struct PulseRecorder {
@@ -56,6 +67,8 @@ pub struct PulseRecorder {
     largest: f64,
     /// What the highest of the maxima reaches at least (N).
     highest: f64,
+    /// What the highest of those reached that are forgotten (N).
+    passed_over: f64,
     rate_before: f64,
     /// Force at the end of the last step (N).
     last: f64,
@@ -77,6 +90,7 @@ impl PulseRecorder {
             forgotten: 0.0,
             largest: 0.0,
             highest: 0.0,
+            passed_over: 0.0,
             last: 0.0,
         }
     }
@@ -167,6 +181,10 @@ impl PulseRecorder {
     /// Makes room by what nobody asks for: maxima below the threshold of the first peak, which only rises, and rises to levels far below it.
     fn forget(&mut self) {
         let threshold = PEAK_SHARE * self.largest;
+        // Each is higher than those before.
+        let passed = self.peaks.iter().take_while(|peak| peak.most <= threshold).last();
+        let height = passed.map_or(0.0, |peak| self.felt.top(peak).1);
+        self.passed_over = self.passed_over.max(height);
         self.peaks.retain(|peak| peak.most > threshold);
         let low = self.rises.partition_point(|rise| rise.reached < LOWEST_LEVEL * threshold);
         self.forgotten = self.rises[..low].last().map_or(self.forgotten, |rise| rise.reached);
@@ -253,47 +271,5 @@ impl PulseRecorder {
         }
         self.rate_before = rate;
         self.last = force;
-    }
-
-    /// Largest dynamic force so far (N).
-    #[must_use]
-    pub fn largest(&self) -> f64 {
-        self.largest
-    }
-
-    /// The first local maximum of the dynamic force above a quarter of its largest value so far, and above the rounding of the static
-    /// force and of the impact's.
-    #[must_use]
-    pub fn first_peak(&self) -> Option<Peak> {
-        let threshold = (PEAK_SHARE * self.largest).max(self.quietest);
-        let high = self.peaks.iter().filter(|peak| peak.most > threshold);
-        let mut tops = high.map(|peak| (peak, self.felt.top(peak)));
-        let (peak, (theta, dynamic_n)) = tops.find(|(_, top)| top.1 > threshold)?;
-        let time_s = self.felt.time(&peak.segment, theta);
-        Some(Peak { total_n: dynamic_n + self.static_force, dynamic_n, time_s })
-    }
-
-    /// The time when the dynamic force first reached `level` (N), which is positive; none where it did not, or where the level is lower than
-    /// [`LOWEST_LEVEL`] of a first peak and no longer remembered (s).
-    #[must_use]
-    pub fn first_reach(&self, level: f64) -> Option<f64> {
-        let is_it = |rise: &&Rise| rise.reached >= level && level > self.forgotten;
-        let Rise { segment, top, .. } = self.rises.iter().find(is_it)?;
-        let excess = |theta: f64| self.felt.force(segment, theta) - level;
-        let (mut before, mut lacks) = (0.0, excess(0.0));
-        if lacks >= 0.0 {
-            return Some(self.felt.time(segment, 0.0));
-        }
-        // Looks up to the largest force, which may stand between two of them.
-        let looks = LOOKED_AT.into_iter().take_while(|look| look < top);
-        for theta in looks.chain([*top]) {
-            let exceeds = excess(theta);
-            if exceeds >= 0.0 {
-                let reached = root(&excess, [before, theta], [lacks, exceeds]);
-                return Some(self.felt.time(segment, reached));
-            }
-            (before, lacks) = (theta, exceeds);
-        }
-        Some(self.felt.time(segment, *top))
     }
 }

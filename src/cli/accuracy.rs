@@ -1,0 +1,54 @@
+//! `--accuracy`, as commands take it.
+
+use crate::experiment::RunError;
+use crate::experiment::accuracy::{ChosenAccuracy, of_scene, of_scope};
+use crate::quantity::{Dimension, parse};
+use crate::scene::{LOOSEST_ACCURACY, Scene, TIGHTEST_ACCURACY};
+
+/// What stands for the accuracy that the scope calls for, in scenes too.
+const AUTO: &str = "auto";
+
+/// What is asked for.
+#[derive(Debug, Clone, Copy)]
+pub enum Asked {
+    /// What the scene's scope calls for, whatever the scene says.
+    Auto,
+    /// This relative error (1).
+    Value(f64),
+}
+
+impl Asked {
+    /// Reads an accuracy, or `auto`.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        if text == AUTO {
+            return Ok(Self::Auto);
+        }
+        accuracy(text).map(Self::Value).map_err(|error| format!("{error}, or {AUTO}"))
+    }
+
+    /// What `asked` comes to for `scene`: without it the scene's own.
+    pub fn of(asked: Option<Self>, scene: &Scene) -> Result<ChosenAccuracy, RunError> {
+        match asked {
+            Some(Self::Value(value)) => {
+                Ok(ChosenAccuracy { value, reason: "asked for".to_owned() })
+            }
+            Some(Self::Auto) => of_scope(scene),
+            None => of_scene(scene),
+        }
+    }
+}
+
+/// Reads an accuracy (1).
+pub fn accuracy(text: &str) -> Result<f64, String> {
+    share(text, [TIGHTEST_ACCURACY, LOOSEST_ACCURACY])
+}
+
+/// Reads a small number within limits (1).
+pub fn share(text: &str, [least, most]: [f64; 2]) -> Result<f64, String> {
+    let found = match parse(text, Dimension::NONE) {
+        Ok(value) if (least..=most).contains(&value) => return Ok(value),
+        Ok(_) => text.to_owned(),
+        Err(error) => error.to_string(),
+    };
+    Err(format!("found {found}, expected {least:e} to {most}"))
+}

@@ -1,0 +1,90 @@
+//! `--method`, with a step or a tolerance of the user's own.
+
+use clap::ValueEnum;
+
+use super::accuracy::share;
+use crate::integrate::Method;
+use crate::quantity::{Dimension, parse};
+
+/// Tolerances that a step's error may be held to: below, rounding would be mistaken for it (1).
+const TOLERANCES: [f64; 2] = [1e-15, 0.1];
+
+/// Methods.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum ByHand {
+    /// Order 2, symplectic; takes a step
+    VelocityVerlet,
+    /// Order 4, symplectic; takes a step
+    Pefrl,
+    /// Order 6, symplectic; takes a step
+    BlanesMoan,
+    /// Order 4, symplectic, kicks by gradients of the forces, too; takes a step
+    ForceGradient,
+    /// Order 4, for scenes with losses, too; takes a step
+    #[value(name = "runge-kutta-4")]
+    RungeKutta4,
+    /// Orders 6(4); takes a tolerance
+    #[value(name = "dormand-el-mikkawy-prince-64")]
+    DormandElMikkawyPrince64,
+    /// Orders 8(6); takes a tolerance
+    #[value(name = "dormand-el-mikkawy-prince-86")]
+    DormandElMikkawyPrince86,
+    /// Orders 5(4), for scenes with losses, too; takes a tolerance
+    #[value(name = "dormand-prince-54")]
+    DormandPrince54,
+    /// Orders 8(5,3), for scenes with losses, too; takes a tolerance
+    #[value(name = "dormand-prince-853")]
+    DormandPrince853,
+    /// Orders 4(3), implicit, for scenes with losses only; takes a tolerance
+    Rodas,
+}
+
+impl ByHand {
+    /// The method with its setting.
+    fn with(self, setting: f64) -> Method {
+        let (step, tolerance) = (setting, setting);
+        match self {
+            Self::VelocityVerlet => Method::VelocityVerlet { step },
+            Self::Pefrl => Method::Pefrl { step },
+            Self::BlanesMoan => Method::BlanesMoan { step },
+            Self::ForceGradient => Method::ForceGradient { step },
+            Self::RungeKutta4 => Method::RungeKutta4 { step },
+            Self::DormandElMikkawyPrince64 => Method::DormandElMikkawyPrince64 { tolerance },
+            Self::DormandElMikkawyPrince86 => Method::DormandElMikkawyPrince86 { tolerance },
+            Self::DormandPrince54 => Method::DormandPrince54 { tolerance },
+            Self::DormandPrince853 => Method::DormandPrince853 { tolerance },
+            Self::Rodas => Method::Rodas { tolerance },
+        }
+    }
+
+    /// The method with the one of a step (s) and a tolerance (1) that it takes.
+    pub fn method(self, step: Option<f64>, tolerance: Option<f64>) -> Result<Method, String> {
+        let name = self.with(1.0).name();
+        let is_fixed = self.with(1.0).fixed_step().is_some();
+        match (step, tolerance) {
+            (Some(step), None) if is_fixed => Ok(self.with(step)),
+            (None, Some(tolerance)) if !is_fixed => Ok(self.with(tolerance)),
+            _ if is_fixed => Err(format!(
+                "found --method {name} without --step, expected one, e.g. --step 50ns: its steps are all of one length"
+            )),
+            _ => Err(format!(
+                "found --method {name} without --tolerance, expected one, e.g. --tolerance 1e-8: it chooses its steps by the error it tolerates in each"
+            )),
+        }
+    }
+}
+
+/// Reads a step (s).
+pub fn step(text: &str) -> Result<f64, String> {
+    let expected = "expected a time above zero, e.g. 50ns";
+    match parse(text, Dimension::TIME) {
+        Ok(value) if value > 0.0 => Ok(value),
+        Ok(_) => Err(format!("found {text}, {expected}")),
+        Err(error) => Err(format!("found {error}, {expected}")),
+    }
+}
+
+/// Reads the tolerated error of a step (1).
+pub fn tolerance(text: &str) -> Result<f64, String> {
+    share(text, TOLERANCES)
+}
