@@ -21,7 +21,8 @@ pub fn effects(ledger: &Ledger) -> String {
             .to_owned(),
         "what timing tells; change: with it over without it, in first peaks, half-rises and speeds, the"
             .to_owned(),
-        "largest of all places; what is off: if it were on".to_owned(),
+        "largest of all places, below the accuracy maybe an error of the runs; what is off: if it were on"
+            .to_owned(),
         String::new(),
     ];
     lines.extend(table::lines(&rows, &[0, 1]));

@@ -1,7 +1,11 @@
-//! What is left of an instrument when a scene names another one over its base scene's.
+//! What is left of an instrument, or of an end of the chain, when a scene names another one over its base scene's.
 
 use super::document::{Node, Value};
 use super::library::instrument;
+use super::tree::{at, at_mut};
+
+/// The ends of a chain.
+const ENDS: [&str; 2] = ["top", "bottom"];
 
 /// Takes away what the model of a sensor or magnet said below where another model is named above: half of each would be neither.
 pub fn forget_models(above: &Node, below: &mut Node) {
@@ -22,6 +26,16 @@ pub fn forget_models(above: &Node, below: &mut Node) {
                 forget_model(&mut entry.node, kind);
             }
         }
+    }
+}
+
+/// Takes away the ends of the chain below that are others above: half of each would be neither.
+pub fn forget_ends(above: &Node, below: &mut Node) {
+    let (Some(above), Some(below)) = (at(above, &["chain"]), at_mut(below, &["chain"])) else {
+        return;
+    };
+    if let Value::Table(ends) = &mut below.value {
+        ends.retain(|key, _| !ENDS.contains(&key.as_str()) || at(above, &[key]).is_none());
     }
 }
 

@@ -8,7 +8,7 @@ use std::rc::Rc;
 
 use super::document::{Entry, Node, Place, Value};
 use super::files::{read_text, shipped};
-use super::forget::forget_models;
+use super::forget::{forget_ends, forget_models};
 use super::problem::{Problem, SceneError};
 use super::texts::Texts;
 use crate::data;
@@ -150,6 +150,7 @@ impl Library {
         self.insert_models(&mut root);
         let mut below = below;
         forget_models(&root, &mut below);
+        forget_ends(&root, &mut below);
         root.put_over(&below);
         Ok(root)
     }

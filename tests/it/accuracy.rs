@@ -166,41 +166,6 @@ fn first_peaks_that_hang_on_late_forces_are_told() {
     assert!(!found.notes.iter().any(|note| note.contains("not decided")), "{:#?}", found.notes);
 }
 
-/// A bead of 0.13 mg rattles on while heavy ones press it harder and harder: maxima that it makes on the way are first until 1 % of the largest force is
-/// lacking, which comes when nobody knows its motion any longer. The peak after them is no doubt one.
-#[test]
-fn earlier_maxima_that_may_be_first_after_all_are_told() {
-    let text = "
-        duration = \"100 ms\"
-        materials.hard = { youngs_modulus = \"35.16 GPa\", poissons_ratio = 0.4182 }
-        materials.heavy = { youngs_modulus = \"37.23 GPa\", poissons_ratio = 0.1698 }
-        materials.soft = { youngs_modulus = \"20.63 MPa\", poissons_ratio = 0.1799 }
-        particles.a = { material = \"hard\", diameter = \"358.5 um\", mass = \"131.8 ug\" }
-        particles.b = { material = \"heavy\", diameter = \"5.46 mm\", mass = \"8.723 g\" }
-        particles.c = { material = \"soft\", diameter = \"283.5 um\", mass = \"1.869 mg\" }
-        chain = { top = \"free\", bottom = { wall = \"stainless_steel\" }, segments = [{ particles = [\"a\", \"c\", \"a\", \"a\", \"b\", \"a\", \"c\", \"a\", \"c\", \"a\"] }] }
-        striker = { material = \"stainless_steel\", mass = \"39.13 g\", diameter = \"22.27 mm\", speed = \"251.7 um/s\" }
-        effects.gravity = { acceleration = \"0.0598 m/s^2\" }
-        effects.dashpot = { gamma = \"0.2542 mN*s/m\", end_of_contact = \"zero_overlap\" }
-        sensors.a = { model = \"pzt-5a-710pf\", particle = 1 }
-        [scope]
-        model = \"tds2014\"
-        time_base = \"10 ms/div\"
-        trigger = { source = \"CH1\", level = \"200 mV\", slope = \"rise\", mode = \"normal\" }
-        ch1 = { input = \"a\", scale = \"1 V/div\" }
-    ";
-    let scene = Scene::from_text("pressed", "pressed.toml", text).expect("a scene");
-    let found = run_held(&scene, 1e-3, 1, &mut |_| ()).expect("a run").summary;
-    let (reading, quarter) = (&found.sensors[0], 0.25 * found.sensors[0].largest_n);
-    let peak = reading.first_peak.expect("a peak");
-    assert!(peak.dynamic_n > 2.0 * quarter, "{reading:?}");
-    let passed = reading.passed_over.expect("a maximum");
-    assert!(passed.dynamic_n <= quarter && passed.dynamic_n > 0.67 * quarter, "{passed:?}");
-    assert!(passed.until_s > peak.time_s.min(found.horizon_s.expect("a horizon")), "{passed:?}");
-    let told = found.notes.iter().any(|note| note.contains("first peak is not decided at a:"));
-    assert!(told, "{:#?}", found.notes);
-}
-
 /// What is held to a tenth only, the energy in motion, is told where it is off by more than 1 %.
 #[test]
 fn energy_that_is_made_or_lost_is_told() {

@@ -120,6 +120,17 @@ fn a_problem_in_a_base_names_the_scene_that_stands_on_it() {
 }
 
 #[test]
+fn an_end_of_the_chain_replaces_its_bases() {
+    let text = "base = \"nonlinear-300-cells\"\n[chain]\nbottom = { wall = \"alumina\" }\n";
+    let scene = load(text).expect("sound");
+    assert!(scene.chain.wall_contact().is_some());
+    let text = "base = \"magnet-0.61g\"\n[chain]\nbottom = { force = \"2.493 N\" }\n";
+    let Err(SceneError::Problems(told)) = load(text) else { panic!("sound") };
+    // The weight and the magnet are not quite balanced; that is all that is wrong with it.
+    assert!(told[0].found.contains("remain at the bottom"), "{told:#?}");
+}
+
+#[test]
 fn bases_that_are_not_there_or_go_in_circles() {
     let missing = problems("base = \"magnet-0.62g\"\n");
     assert_eq!(missing.len(), 1);
