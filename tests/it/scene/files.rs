@@ -119,15 +119,21 @@ fn a_problem_in_a_base_names_the_scene_that_stands_on_it() {
     assert!(!told[0].expected.contains("stands on"), "{}", told[0]);
 }
 
+/// A force instead of a wall, and the other way round: what is left to tell is that the one does not carry the chain, and that the other has no contact.
 #[test]
 fn an_end_of_the_chain_replaces_its_bases() {
-    let text = "base = \"nonlinear-300-cells\"\n[chain]\nbottom = { wall = \"alumina\" }\n";
-    let scene = load(text).expect("sound");
-    assert!(scene.chain.wall_contact().is_some());
-    let text = "base = \"magnet-0.61g\"\n[chain]\nbottom = { force = \"2.493 N\" }\n";
-    let Err(SceneError::Problems(told)) = load(text) else { panic!("sound") };
-    // The weight and the magnet are not quite balanced; that is all that is wrong with it.
-    assert!(told[0].found.contains("remain at the bottom"), "{told:#?}");
+    for (base, bottom, told) in [
+        ("magnet-0.61g", "{ force = \"2.493 N\" }", "remain at the bottom"),
+        ("nonlinear-300-cells", "{ wall = \"alumina\" }", "and the bottom wall"),
+        ("nonlinear-300-cells", "\"free\"", "remain at the bottom"),
+    ] {
+        let text = format!("base = \"{base}\"\n[chain]\nbottom = {bottom}\n");
+        let Err(SceneError::Problems(problems)) = load(&text) else { panic!("sound: {text}") };
+        let is_told = problems.iter().any(|problem| problem.found.contains(told));
+        assert!(is_told, "{problems:#?}");
+        let as_an_end = problems.iter().any(|problem| problem.expected.contains("<material>"));
+        assert!(!as_an_end, "{problems:#?}");
+    }
 }
 
 #[test]
