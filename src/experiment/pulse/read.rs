@@ -38,7 +38,7 @@ impl PulseRecorder {
     }
 
     /// The time when the dynamic force first reached `level` (N), which is positive; none where it did not, or where the level is lower than
-    /// [`LOWEST_LEVEL`] of a first peak and no longer remembered (s).
+    /// [`LOWEST_LEVEL`](super::LOWEST_LEVEL) of a first peak and no longer remembered (s).
     #[must_use]
     pub fn first_reach(&self, level: f64) -> Option<f64> {
         let is_it = |rise: &&Rise| rise.reached >= level && level > self.forgotten;
