@@ -94,7 +94,9 @@ fn too_much(method: Method) -> &'static str {
 pub fn advice(scene: &Scene, method: Method) -> Option<String> {
     let Some((step, reach)) = method.fixed_step() else {
         let tighter = (1..=TRIES).map(|tries| TIGHTER_BY.powi(tries));
-        let tolerances = tighter.filter_map(|share| Some(share * method.tolerance()?));
+        // What is named is what was tried.
+        let tolerances =
+            tighter.filter_map(|share| Some(rounded_down(share * method.tolerance()?, 1)));
         return tolerances.filter(|tolerance| *tolerance >= TIGHTEST_ACCURACY).find_map(
             |setting| {
                 let words = reads_within(scene, with_setting(method, setting))?;
