@@ -14,6 +14,8 @@ const FIRST: f64 = 0.01;
 const NEXT: f64 = 1e-4;
 /// An estimate that exceeds what it adds for the second run by this factor is of the first (1).
 const TELLING: f64 = 10.0;
+/// Two estimates of the same run agree where the later one is at least this share of the one before (1).
+const AGREE: f64 = 0.5;
 /// Settings that are tried for advice. Steps: half of the one that does not do, or a quarter of the longest stable one, and halves from there on.
 const TRIES: i32 = 6;
 /// Tolerances: each so many times the one before (1).
@@ -67,15 +69,18 @@ pub fn run_by_hand(
     Ok(outcome)
 }
 
-/// How far off the run is of which `summary` tells, by ever tighter second runs until one can tell.
+/// How far off the run is of which `summary` tells, by ever tighter second runs until two in turn say the same: one that is itself off by
+/// more than it should be would be taken for the first run's fault.
 fn told(scene: &Scene, outcome: &Outcome) -> Result<Option<ErrorEstimate>, RunError> {
-    let mut accuracy = FIRST;
+    let (mut accuracy, mut before) = (FIRST, f64::INFINITY);
     loop {
         let found = estimate(scene, accuracy, outcome)?;
-        let tells = |found: &ErrorEstimate| found.worst() > TELLING * TIGHTER * accuracy;
-        if accuracy <= TIGHTEST_ACCURACY || found.as_ref().is_some_and(tells) {
+        let worst = found.as_ref().map_or(f64::INFINITY, ErrorEstimate::worst);
+        let tells = worst > TELLING * TIGHTER * accuracy && worst > AGREE * before;
+        if accuracy <= TIGHTEST_ACCURACY || tells {
             return Ok(found);
         }
+        before = worst;
         accuracy = (NEXT * accuracy).max(TIGHTEST_ACCURACY);
     }
 }

@@ -2,6 +2,7 @@
 
 use hertzscope::experiment::accuracy::{ErrorEstimate, doubt, estimate, of_scene, run_held};
 use hertzscope::experiment::bench::{Bench, Grid};
+use hertzscope::experiment::by_hand::run_by_hand;
 use hertzscope::experiment::outcome::{Reading, Summary};
 use hertzscope::experiment::{Integration, Outcome, run};
 use hertzscope::integrate::{IntegrateError, Method};
@@ -127,6 +128,23 @@ fn an_error_beyond_the_accuracy_is_told() {
 }
 
 /// Steps that do for first peaks made 0.8 times the energy in motion within 300 ms, so that late motion was not even right in its statistics.
+#[test]
+fn by_hand_the_error_that_is_told_is_the_run_s_own() {
+    let exact = Method::DormandPrince853 { tolerance: 1e-14 };
+    for (name, method) in [
+        ("magnet-0.61g", Method::VelocityVerlet { step: 1.8e-6 }),
+        ("magnet-17.81g", Method::DormandElMikkawyPrince64 { tolerance: 1e-2 }),
+        ("gravity-2.75g", Method::DormandElMikkawyPrince86 { tolerance: 1e-2 }),
+    ] {
+        let scene = Scene::load(name).expect("a shipped scene");
+        let found = run_by_hand(&scene, method, 1, &mut |_| ()).expect("a run").summary;
+        let (peak, arrival) = errors(&found, &simulate(&scene, Integration::Method(exact)));
+        let told = found.error_estimate.expect("an estimate");
+        println!("{name} by {method}: told {told:?}, is {peak:e}, {arrival:e}");
+        assert!((told.worst() / peak.max(arrival) - 1.0).abs() < 0.01, "{name}: {told:?}");
+    }
+}
+
 #[test]
 fn motion_that_goes_on_for_long_keeps_its_energy() {
     let mut scene = Scene::load("magnet-0.61g").expect("a shipped scene");
