@@ -14,14 +14,14 @@ pub fn effects(ledger: &Ledger) -> String {
     let heading =
         ["effect", "state", "ns/step", "share", "speed", "peak", "arrival", "LSB", "samples"];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
-    rows.extend(ledger.entries.iter().map(row));
+    rows.extend(ledger.entries.iter().map(|entry| row(entry, ledger.accuracy)));
     let mut lines = vec![
         format!("{}: the effects, at accuracy {:.1e}", ledger.scene, ledger.accuracy),
         "cost: wall time of a step with it less that without it, openings and tries included, 0 within"
             .to_owned(),
         "what timing tells; change: with it over without it, in first peaks, half-rises and speeds, the"
             .to_owned(),
-        "largest of all places, below the accuracy maybe an error of the runs; what is off: if it were on"
+        "largest of all places, < where the accuracy is all that is known; what is off: if it were on"
             .to_owned(),
         String::new(),
     ];
@@ -33,10 +33,13 @@ pub fn effects(ledger: &Ledger) -> String {
     lines.join("\n")
 }
 
-fn row(entry: &Entry) -> Vec<String> {
-    let share = |value: Option<f64>| value.map_or("-".to_owned(), percent);
+fn row(entry: &Entry, accuracy: f64) -> Vec<String> {
     let count = |value: Option<f64>| value.map_or("-".to_owned(), |v| signed(v, 2));
     let change = entry.change;
+    // What the electronics change is taken from one and the same motion, whose errors are in both.
+    let moves = change.is_some_and(|change| change.speed.is_some());
+    let known = if moves { accuracy } else { 0.0 };
+    let share = |value: Option<f64>| value.map_or("-".to_owned(), |v| percent(v, known));
     // What is within twice its uncertainty is no cost.
     let seen = |(cost, u): (f64, f64)| if cost.abs() > 2.0 * u { cost } else { 0.0 };
     let cost = entry.cost_ns_per_step.zip(entry.cost_u_ns_per_step).map(seen);
@@ -67,10 +70,12 @@ fn signed(value: f64, decimals: usize) -> String {
     if text.contains(|c| ('1'..='9').contains(&c)) { text } else { "0".to_owned() }
 }
 
-/// A relative change in percent; powers of ten where it is small.
-fn percent(value: f64) -> String {
+/// A relative change in percent, powers of ten where it is small; of one that is smaller than what is `known` (1) no more than that.
+fn percent(value: f64, known: f64) -> String {
     if value == 0.0 {
         "0".to_owned()
+    } else if value.abs() < known {
+        format!("<{:.0e} %", 100.0 * known)
     } else if value.abs() < 1e-4 {
         format!("{:+.0e} %", 100.0 * value)
     } else {
