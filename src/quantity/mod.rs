@@ -224,6 +224,7 @@ mod tests {
             ("1_000", Dimension::NONE, 1000.0),
             ("-4 div", Dimension::DIVISION, -4.0),
             ("1 MOhm", Dimension::RESISTANCE, 1e6),
+            ("10 kΩ", Dimension::RESISTANCE, 1e4),
             ("20 pF", Dimension::CAPACITANCE, 20e-12),
             ("1 min", Dimension::TIME, 60.0),
         ] {

@@ -171,7 +171,7 @@ impl Adjustable {
                     let meant = *name == ANY || *name == placed.name;
                     if meant && at(&self.loaded.root, &path).is_none() {
                         let text = format!("{:e} V/N", sensitivity(&scene, index));
-                        insert(&mut self.loaded.root, &path, Value::Text(text));
+                        insert(&mut self.loaded.root, &path, Value::Text(text.into()));
                     }
                 }
             }
@@ -212,13 +212,13 @@ impl Adjustable {
             return;
         };
         let Some(said) = tables.get_mut(table).filter(|_| material.len() == 2) else { return };
-        for (key, entry) in all {
+        for (key, entry) in &**all {
             let value = match &entry.node.value {
                 Value::Text(text) => format!("{text:?}"),
-                Value::Number { typed, .. } => typed.clone(),
+                Value::Number { typed, .. } => typed.to_string(),
                 _ => continue,
             };
-            said.entry(key.clone()).or_insert(value);
+            said.entry(key.to_string()).or_insert(value);
         }
     }
 }
@@ -226,7 +226,7 @@ impl Adjustable {
 impl Knob {
     /// A value as the file would have it.
     fn typed(&self, value: f64) -> Value {
-        Value::Text(format!("{:e} {}", value / self.scale, self.unit))
+        Value::Text(format!("{:e} {}", value / self.scale, self.unit).into())
     }
 }
 

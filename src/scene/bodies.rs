@@ -180,7 +180,7 @@ pub fn end(chain: &Table<'_>, key: &'static str, materials: &Materials<'_>) -> O
         chain.problem(key, "no such key", EXPECTED);
         return None;
     };
-    if matches!(&node.value, super::document::Value::Text(text) if text == "free") {
+    if matches!(&node.value, super::document::Value::Text(text) if &**text == "free") {
         return Some((End::Free, 0.0));
     }
     if !matches!(&node.value, super::document::Value::Table(_)) {

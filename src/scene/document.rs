@@ -1,7 +1,8 @@
 //! TOML text as a tree in which every value knows its file, line and column.
 //!
 //! A scene may stand on another (`base = "magnet-0.61g"`): tables are merged key by key, everything else is
-//! replaced, and each value keeps the place where it was typed.
+//! replaced, and each value keeps the place where it was typed. Copies share what they have in common: the scenes of a sweep differ in
+//! a few values, and copying all others took as long as following their chains.
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -54,15 +55,18 @@ impl Place {
     }
 }
 
+/// Keys and what they say, in the order of their names.
+pub type Entries = BTreeMap<Rc<str>, Entry>;
+
 /// A value of the tree.
 #[derive(Debug, Clone)]
 pub enum Value {
     /// Text.
-    Text(String),
+    Text(Rc<str>),
     /// A number, as typed and as read; infinite or not a number where TOML allows it.
     Number {
         /// As typed.
-        typed: String,
+        typed: Rc<str>,
         /// As read (1).
         value: f64,
         /// Whether it is typed without point and exponent.
@@ -71,11 +75,11 @@ pub enum Value {
     /// `true` or `false`.
     Flag(bool),
     /// A date or time, which no key takes.
-    Date(String),
+    Date(Rc<str>),
     /// A list.
-    List(Vec<Node>),
+    List(Rc<Vec<Node>>),
     /// A table.
-    Table(BTreeMap<String, Entry>),
+    Table(Rc<Entries>),
 }
 
 /// A key's place and its value.
@@ -115,7 +119,7 @@ impl Node {
                 .collect());
         }
         let place = Place { source: Rc::clone(&source), offset: 0 };
-        Ok(Self { place, value: Value::Table(table_of(&source, table.get_ref())) })
+        Ok(Self { place, value: table_of(&source, table.get_ref()) })
     }
 
     /// What stands here, in words for a message.
@@ -134,10 +138,11 @@ impl Node {
     /// Puts this tree on top of `base`: tables merge, everything else replaces.
     pub fn put_over(&mut self, base: &Self) {
         if let (Value::Table(upper), Value::Table(lower)) = (&mut self.value, &base.value) {
-            for (key, below) in lower {
+            let upper = Rc::make_mut(upper);
+            for (key, below) in &**lower {
                 match upper.get_mut(key) {
                     Some(entry) => entry.node.put_over(&below.node),
-                    None => _ = upper.insert(key.clone(), below.clone()),
+                    None => _ = upper.insert(Rc::clone(key), below.clone()),
                 }
             }
         }
@@ -155,37 +160,46 @@ impl Node {
         };
         Some((text, &node.place))
     }
+
+    /// The keys of a table, to be changed; none of what is no table.
+    pub fn entries_mut(&mut self) -> Option<&mut Entries> {
+        match &mut self.value {
+            Value::Table(entries) => Some(Rc::make_mut(entries)),
+            _ => None,
+        }
+    }
 }
 
-fn table_of(source: &Rc<Source>, table: &DeTable<'_>) -> BTreeMap<String, Entry> {
+fn table_of(source: &Rc<Source>, table: &DeTable<'_>) -> Value {
     let entry = |key: &Spanned<std::borrow::Cow<'_, str>>, value: &Spanned<DeValue<'_>>| Entry {
         key_place: Place { source: Rc::clone(source), offset: key.span().start },
         node: node_of(source, value),
     };
-    table.iter().map(|(key, value)| (key.get_ref().to_string(), entry(key, value))).collect()
+    let entries = table.iter().map(|(key, value)| (Rc::from(&**key.get_ref()), entry(key, value)));
+    Value::Table(Rc::new(entries.collect()))
 }
 
 fn node_of(source: &Rc<Source>, value: &Spanned<DeValue<'_>>) -> Node {
     let value_of = match value.get_ref() {
-        DeValue::String(text) => Value::Text(text.to_string()),
+        DeValue::String(text) => Value::Text(Rc::from(&**text)),
         DeValue::Integer(number) => Value::Number {
-            typed: number.to_string(),
+            typed: number.to_string().into(),
             #[allow(clippy::cast_precision_loss, reason = "as a quantity; counts are checked")]
             value: i64::from_str_radix(number.as_str(), number.radix())
                 .map_or(f64::NAN, |whole| whole as f64),
             whole: true,
         },
         DeValue::Float(number) => Value::Number {
-            typed: number.to_string(),
+            typed: number.to_string().into(),
             value: number.as_str().parse().unwrap_or(f64::NAN),
             whole: false,
         },
         DeValue::Boolean(flag) => Value::Flag(*flag),
-        DeValue::Datetime(date) => Value::Date(date.to_string()),
+        DeValue::Datetime(date) => Value::Date(date.to_string().into()),
         DeValue::Array(items) => {
-            Value::List(items.iter().map(|item| node_of(source, item)).collect())
+            Value::List(Rc::new(items.iter().map(|item| node_of(source, item)).collect()))
         }
-        DeValue::Table(table) => Value::Table(table_of(source, table)),
+        DeValue::Table(table) => table_of(source, table),
     };
     Node { place: Place { source: Rc::clone(source), offset: value.span().start }, value: value_of }
 }

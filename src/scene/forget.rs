@@ -17,11 +17,10 @@ pub fn forget_models(above: &Node, below: &mut Node) {
         [("sensors", "sensors", None), ("effects", "magnets", Some("magnet_preload"))]
     {
         let Some(above) = child(above, folder) else { continue };
-        let Value::Table(below) = &mut below.value else { continue };
-        let Some(Value::Table(below)) = below.get_mut(folder).map(|e| &mut e.node.value) else {
-            continue;
-        };
-        for (name, entry) in below.iter_mut().filter(|(name, _)| only.is_none_or(|o| o == *name)) {
+        let Some(below) = below.entries_mut().and_then(|b| b.get_mut(folder)) else { continue };
+        let Some(below) = below.node.entries_mut() else { continue };
+        for (name, entry) in below.iter_mut().filter(|(name, _)| only.is_none_or(|o| o == &***name))
+        {
             if child(&above, name).and_then(|node| node.text("model").map(|_| ())).is_some() {
                 forget_model(&mut entry.node, kind);
             }
@@ -34,8 +33,8 @@ pub fn forget_ends(above: &Node, below: &mut Node) {
     let (Some(above), Some(below)) = (at(above, &["chain"]), at_mut(below, &["chain"])) else {
         return;
     };
-    if let Value::Table(ends) = &mut below.value {
-        ends.retain(|key, _| !ENDS.contains(&key.as_str()) || at(above, &[key]).is_none());
+    if let Some(ends) = below.entries_mut() {
+        ends.retain(|key, _| !ENDS.contains(&&**key) || at(above, &[key]).is_none());
     }
 }
 
@@ -43,7 +42,7 @@ pub fn forget_ends(above: &Node, below: &mut Node) {
 fn forget_model(table: &mut Node, kind: &str) {
     let Some((model, place)) = table.text("model") else { return };
     let Ok(file) = instrument(kind, model, place, "") else { return };
-    if let Value::Table(keys) = &mut table.value {
+    if let Some(keys) = table.entries_mut() {
         keys.retain(|_, entry| entry.node.place.file() != file.place.file());
     }
 }

@@ -176,20 +176,20 @@ impl Library {
 
     /// Puts each table that names an instrument file on top of that file.
     fn insert_models(&mut self, root: &mut Node) {
-        let Value::Table(top) = &mut root.value else { return };
+        let Some(top) = root.entries_mut() else { return };
         for (key, kind) in MODELS {
             if let Some(entry) = top.get_mut(key) {
                 self.insert_model(entry, kind, key);
             }
         }
-        if let Some(Value::Table(effects)) = top.get_mut("effects").map(|e| &mut e.node.value) {
+        if let Some(effects) = top.get_mut("effects").and_then(|e| e.node.entries_mut()) {
             for (key, kind) in MODELS {
                 if let Some(entry) = effects.get_mut(key) {
                     self.insert_model(entry, kind, &format!("effects.{key}"));
                 }
             }
         }
-        if let Some(Value::Table(sensors)) = top.get_mut("sensors").map(|e| &mut e.node.value) {
+        if let Some(sensors) = top.get_mut("sensors").and_then(|e| e.node.entries_mut()) {
             for (name, entry) in sensors.iter_mut() {
                 self.insert_model(entry, "sensors", &format!("sensors.{name}"));
             }

@@ -184,7 +184,7 @@ fn read(loaded: library::Loaded, problems: &Problems) -> Option<Scene> {
 
 /// The accuracy; none for `"auto"`, which switches off a base scene's.
 fn accuracy(root: &Table<'_>) -> Option<f64> {
-    if matches!(root.node("accuracy").map(|node| &node.value), Some(Value::Text(text)) if text == "auto")
+    if matches!(root.node("accuracy").map(|node| &node.value), Some(Value::Text(text)) if &**text == "auto")
     {
         return None;
     }

@@ -4,16 +4,16 @@
 //! reports the keys that nobody asked for.
 
 use std::cell::RefCell;
-use std::collections::BTreeMap;
+use std::rc::Rc;
 
 pub use super::bound::Bound;
-use super::document::{Entry, Node, Place, Value};
+use super::document::{Entries, Entry, Node, Place, Value};
 pub use super::problem::Problems;
 use crate::quantity::{self, Dimension, QuantityError};
 
 /// A table being read.
 pub struct Table<'a> {
-    entries: &'a BTreeMap<String, Entry>,
+    entries: &'a Entries,
     place: &'a Place,
     path: String,
     problems: &'a Problems,
@@ -33,7 +33,7 @@ impl<'a> Table<'a> {
             place: &node.place,
             path: path.to_owned(),
             problems,
-            asked: RefCell::default(),
+            asked: RefCell::new(Vec::with_capacity(2 * entries.len())),
         })
     }
 
@@ -220,9 +220,9 @@ impl<'a> Table<'a> {
         let Some(table) = self.table(key) else {
             return Vec::new();
         };
-        let of = |(name, entry): (&'a String, &'a Entry)| {
+        let of = |(name, entry): (&'a Rc<str>, &'a Entry)| {
             let inner = Table::of(&entry.node, &table.path_of(name), self.problems)?;
-            Some((name.as_str(), inner))
+            Some((&**name, inner))
         };
         table.entries.iter().filter_map(of).collect()
     }
@@ -262,9 +262,9 @@ impl<'a> Table<'a> {
             return Vec::new();
         };
         let mut texts = Vec::with_capacity(items.len());
-        for item in items {
+        for item in &**items {
             if let Value::Text(text) = &item.value {
-                texts.push((text.as_str(), &item.place));
+                texts.push((&**text, &item.place));
             } else {
                 let problem =
                     item.place.problem(&self.path_of(key), item.describe(), "a name".to_owned());
@@ -277,7 +277,7 @@ impl<'a> Table<'a> {
     /// Reports every key that was not asked for.
     pub fn finish(self) {
         let mut asked = self.asked.take();
-        let unknown = |(key, _): &(&'a String, &'a Entry)| !asked.contains(&key.as_str());
+        let unknown = |(key, _): &(&'a Rc<str>, &'a Entry)| !asked.contains(&&***key);
         let unknown: Vec<_> = self.entries.iter().filter(unknown).collect();
         if unknown.is_empty() {
             return;

@@ -1,8 +1,8 @@
 //! Paths through a scene's tree: finding, inserting, and what `*` stands for. A number is a place in a list, counted from 1.
 
-use std::collections::BTreeMap;
+use std::rc::Rc;
 
-use super::document::{Entry, Node, Value};
+use super::document::{Entries, Entry, Node, Value};
 
 /// Stands for every name in a path.
 pub(super) const ANY: &str = "*";
@@ -24,8 +24,8 @@ fn place_in_list(key: &str) -> Option<usize> {
 pub(super) fn at_mut<'a>(node: &'a mut Node, keys: &[&str]) -> Option<&'a mut Node> {
     let Some((first, rest)) = keys.split_first() else { return Some(node) };
     match &mut node.value {
-        Value::Table(table) => at_mut(&mut table.get_mut(*first)?.node, rest),
-        Value::List(items) => at_mut(items.get_mut(place_in_list(first)?)?, rest),
+        Value::Table(table) => at_mut(&mut Rc::make_mut(table).get_mut(*first)?.node, rest),
+        Value::List(items) => at_mut(Rc::make_mut(items).get_mut(place_in_list(first)?)?, rest),
         _ => None,
     }
 }
@@ -45,14 +45,17 @@ pub(super) fn put(node: &mut Node, keys: &[&str], new: Node) -> bool {
     };
     match &mut node.value {
         Value::Table(table) => {
+            let table = Rc::make_mut(table);
             if !table.contains_key(*first) {
                 let place = new.place.clone();
-                let node = Node { place: place.clone(), value: Value::Table(BTreeMap::new()) };
-                table.insert((*first).to_owned(), Entry { key_place: place, node });
+                let value = Value::Table(Rc::new(Entries::new()));
+                let node = Node { place: place.clone(), value };
+                table.insert(Rc::from(*first), Entry { key_place: place, node });
             }
             table.get_mut(*first).is_some_and(|entry| put(&mut entry.node, rest, new))
         }
         Value::List(items) => {
+            let items = Rc::make_mut(items);
             let item = place_in_list(first).and_then(|index| items.get_mut(index));
             item.is_some_and(|item| put(item, rest, new))
         }
@@ -79,10 +82,10 @@ pub(super) fn expand<'a>(
     match &node.value {
         Value::Table(table) => {
             let entries = table.iter().filter(|(key, _)| meant(key));
-            entries.for_each(|(key, entry)| deeper(key.clone(), &entry.node));
+            entries.for_each(|(key, entry)| deeper(key.to_string(), &entry.node));
         }
         Value::List(items) => {
-            let items = (1..).map(|place: usize| place.to_string()).zip(items);
+            let items = (1..).map(|place: usize| place.to_string()).zip(&**items);
             items.filter(|(key, _)| meant(key)).for_each(|(key, node)| deeper(key, node));
         }
         _ => {}
@@ -107,7 +110,7 @@ pub(super) fn known(root: &Node, keys: &[&str]) -> Vec<String> {
         };
         node = match (next, &node.value) {
             (Some(next), _) => next,
-            (None, Value::Table(table)) => return table.keys().cloned().collect(),
+            (None, Value::Table(table)) => return table.keys().map(ToString::to_string).collect(),
             (None, Value::List(items)) => {
                 return (1..=items.len()).map(|i| i.to_string()).collect();
             }

@@ -87,7 +87,7 @@ fn folder(keys: &[&str]) -> Option<&'static str> {
 fn forget_model(table: &mut Node, kind: &str) {
     let Some((name, place)) = table.text("model") else { return };
     let Ok(file) = library::instrument(kind, name, place, "model") else { return };
-    if let Value::Table(keys) = &mut table.value {
+    if let Some(keys) = table.entries_mut() {
         keys.retain(|_, entry| entry.node.place.file() != file.place.file());
     }
 }

@@ -225,13 +225,13 @@ fn leaves<'a>(node: Option<&'a Node>, key: &str, problems: &Problems) -> Vec<(St
         return Vec::new();
     };
     let mut found = Vec::new();
-    for (key, entry) in table {
+    for (key, entry) in &**table {
         match &entry.node.value {
             Value::Table(inner) if !range::is_range(inner) => {
                 let deeper = leaves(Some(&entry.node), key, problems);
                 found.extend(deeper.into_iter().map(|(rest, n)| (format!("{key}.{rest}"), n)));
             }
-            _ => found.push((key.clone(), &entry.node)),
+            _ => found.push((key.to_string(), &entry.node)),
         }
     }
     found

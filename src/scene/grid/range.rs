@@ -1,10 +1,8 @@
 //! Values and ranges of a sweep: `["0.3 m/s", "0.6 m/s"]`, `{ from = "1 N", to = "10 N", count = 5, spacing = "logarithmic" }`,
 //! `{ mean = "1.46 GPa", deviation = "5 %" }`.
 
-use std::collections::BTreeMap;
-
 use crate::quantity::{Dimension, parse_any};
-use crate::scene::document::{Entry, Node, Place, Value};
+use crate::scene::document::{Entries, Node, Place, Value};
 use crate::scene::reader::{Problems, Table};
 
 /// Most values of a range.
@@ -34,7 +32,7 @@ pub(super) struct Range {
 }
 
 /// Whether a table of a sweep is a range and no table of the scene.
-pub(super) fn is_range(table: &BTreeMap<String, Entry>) -> bool {
+pub(super) fn is_range(table: &Entries) -> bool {
     table.contains_key("from") || table.contains_key("mean")
 }
 
@@ -56,10 +54,10 @@ pub fn typed(node: &Node) -> String {
         _ => typed(node),
     };
     match &node.value {
-        Value::Text(text) => text.clone(),
-        Value::Number { typed, .. } => typed.clone(),
+        Value::Text(text) => text.to_string(),
+        Value::Number { typed, .. } => typed.to_string(),
         Value::Flag(flag) => flag.to_string(),
-        Value::Date(date) => date.clone(),
+        Value::Date(date) => date.to_string(),
         Value::List(items) => {
             format!("[{}]", items.iter().map(inner).collect::<Vec<_>>().join(", "))
         }
@@ -78,7 +76,7 @@ pub(super) fn values(path: &str, node: &Node, problems: &Problems) -> Option<Vec
             problems.push(node.place.problem(path, "an empty list".to_owned(), expected));
             None
         }
-        Value::List(items) => Some(items.clone()),
+        Value::List(items) => Some(items.to_vec()),
         Value::Table(_) => {
             let table = Table::of(node, path, problems)?;
             let range = read(&table, node, false);
@@ -179,9 +177,9 @@ impl Range {
     fn node(&self, value: f64) -> Node {
         let value = if self.dimension == Dimension::NONE {
             let whole = self.whole && value.fract() == 0.0;
-            Value::Number { typed: value.to_string(), value, whole }
+            Value::Number { typed: value.to_string().into(), value, whole }
         } else {
-            Value::Text(format!("{value:e} {}", self.dimension.unit()))
+            Value::Text(format!("{value:e} {}", self.dimension.unit()).into())
         };
         Node { place: self.place.clone(), value }
     }
