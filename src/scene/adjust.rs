@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
+use super::bench::Panel;
 use super::document::{Node, Value};
 use super::library::{self, Loaded};
 use super::problem::SceneError;
@@ -21,6 +22,8 @@ use crate::sensor::Load;
 pub struct Adjustable {
     pub(super) loaded: Loaded,
     base: String,
+    /// The scene's front panel, which scenes with other values mostly have, too.
+    panel: Option<Panel>,
 }
 
 /// A number of a scene that can be turned.
@@ -84,9 +87,10 @@ impl Adjustable {
         // A file is named by its whole path, so that what stands on it can lie anywhere.
         let whole = std::fs::canonicalize(name).ok().filter(|_| Path::new(name).is_file());
         let base = whole.map_or_else(|| name.to_owned(), |path| path.display().to_string());
-        let adjustable = Self { loaded: library::load(name)?, base };
-        adjustable.scene()?;
-        Ok(adjustable)
+        let adjustable = Self { loaded: library::load(name)?, base, panel: None };
+        let duration = adjustable.scene()?.duration;
+        let panel = Panel::of(&adjustable.loaded.root, duration);
+        Ok(Self { panel, ..adjustable })
     }
 
     /// The scene's short name.
@@ -121,13 +125,14 @@ impl Adjustable {
     /// The scene of another tree.
     pub(super) fn standing_on(&self, root: Node) -> Result<Scene, SceneError> {
         let Loaded { name, text, texts, problems, .. } = &self.loaded;
-        Scene::checked(Loaded {
+        let loaded = Loaded {
             name: name.clone(),
             text: text.clone(),
             texts: texts.clone(),
             root,
             problems: problems.clone(),
-        })
+        };
+        Scene::checked(loaded, self.panel.as_ref())
     }
 
     /// The knobs that `path` names; `*` stands for every name.

@@ -1,7 +1,11 @@
 //! The oscilloscope's front panel: `[scope]` with its channels and its trigger.
 
+use std::rc::Rc;
+
+use super::document::{Entries, Node};
 use super::oscilloscope;
-use super::reader::{Bound, Table};
+use super::reader::{Bound, Problems, Table};
+use super::sensors::sensor_names;
 use crate::quantity::{Dimension, engineering};
 use crate::scope::{
     ChannelSetup, Coupling, Deviation, Model, Setup, Slope, Trigger, TriggerMode, TriggerSource,
@@ -12,8 +16,73 @@ use crate::sensor::Load;
 /// The keys of a scope's channels.
 const CHANNELS: [&str; 4] = ["ch1", "ch2", "ch3", "ch4"];
 
+/// A front panel that was read before. Of the scenes of a sweep few have one of their own, and reading it takes longer than anything else
+/// about them.
+#[derive(Debug)]
+pub struct Panel {
+    /// The table that it was read from.
+    entries: Rc<Entries>,
+    sensors: Vec<String>,
+    duration: Option<f64>,
+    setup: Setup,
+}
+
+impl Panel {
+    /// That of the scene `root`, whose duration this is (s), if nothing is wrong with it.
+    pub fn of(root: &Node, duration: f64) -> Option<Self> {
+        let problems = Problems::default();
+        let root = Table::of(root, "", &problems)?;
+        let table = root.table("scope")?;
+        let sensors = sensor_names(&root);
+        let setup = scope(&table, &sensors, Some(duration))?;
+        let sensors = sensors.into_iter().map(str::to_owned).collect();
+        let entries = Rc::clone(table.entries);
+        let found = Self { entries, sensors, duration: Some(duration), setup };
+        problems.into_sorted().is_empty().then_some(found)
+    }
+
+    /// Whether reading it again, from `table`, would find the same.
+    fn is_of(&self, table: &Table<'_>, sensors: &[&str], duration: Option<f64>) -> bool {
+        Rc::ptr_eq(&self.entries, table.entries)
+            && self.sensors == sensors
+            && self.duration == duration
+    }
+}
+
+/// The front panel of a scene, with the front end's noise (div), and its errors drawn from a seed, if any; it is `panel` where that was read
+/// from the same.
+pub fn drawn(
+    root: &Table<'_>,
+    (noise, errors_of): (f64, Option<u64>),
+    duration: Option<f64>,
+    panel: Option<&Panel>,
+) -> Option<Setup> {
+    if !root.has("scope") {
+        let expected = "[scope] with model, time_base, trigger and channels";
+        root.problem("scope", "no such table", expected);
+    }
+    let table = root.table("scope")?;
+    let sensors = sensor_names(root);
+    let known = panel.filter(|panel| panel.is_of(&table, &sensors, duration));
+    let setup = if let Some(panel) = known {
+        panel.setup.clone()
+    } else {
+        let _ = table.text("source");
+        let setup = scope(&table, &sensors, duration);
+        table.finish();
+        setup?
+    };
+    let mut setup = Setup { noise, ..setup };
+    for (number, channel) in (1..).zip(&mut setup.channels) {
+        if let (Some(seed), Some(channel)) = (errors_of, channel) {
+            channel.deviation = Deviation::drawn(seed, number);
+        }
+    }
+    Some(setup)
+}
+
 /// Reads `[scope]`, without noise. Where the model cannot be read, everything but its limits is checked still.
-pub fn scope(table: &Table<'_>, sensors: &[&str], duration: Option<f64>) -> Option<Setup> {
+fn scope(table: &Table<'_>, sensors: &[&str], duration: Option<f64>) -> Option<Setup> {
     let model = oscilloscope::model(table);
     let time_base = table.required("time_base", Dimension::TIME_PER_DIVISION, Bound::Positive);
     let position = table.quantity("position", Dimension::TIME, Bound::Any);

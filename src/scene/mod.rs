@@ -35,8 +35,9 @@ pub use texts::{Texts, hexadecimal};
 
 use crate::chain::{Chain, ChainSpec, End};
 use crate::quantity::Dimension;
-use crate::scope::{Deviation, Model, Setup};
+use crate::scope::{Model, Setup};
 use crate::sensor::Tolerance;
+use bench::Panel;
 use bodies::Materials;
 use document::Value;
 use reader::{Bound, Problems, Table};
@@ -93,7 +94,7 @@ impl Scene {
     /// # Errors
     /// [`SceneError`]: no such scene, not readable, or every problem found in it.
     pub fn load(name: &str) -> Result<Self, SceneError> {
-        Self::checked(library::load(name)?)
+        Self::checked(library::load(name)?, None)
     }
 
     /// Reads a scene that came as text, such as the one that travels with a recording, as `file`.
@@ -101,14 +102,15 @@ impl Scene {
     /// # Errors
     /// As [`Scene::load`]; also where it stands on a file of another machine.
     pub fn from_text(name: &str, file: &str, text: &str) -> Result<Self, SceneError> {
-        Self::checked(library::load_text(name, file, text)?)
+        Self::checked(library::load_text(name, file, text)?, None)
     }
 
-    fn checked(mut loaded: library::Loaded) -> Result<Self, SceneError> {
+    /// Checks what was loaded; the front panel is `panel` where nothing has changed that it depends on.
+    fn checked(mut loaded: library::Loaded, panel: Option<&Panel>) -> Result<Self, SceneError> {
         let problems = Problems::default();
         problems.extend(std::mem::take(&mut loaded.problems));
         let above = loaded.root.text("base").map(|_| loaded.root.place.file().to_owned());
-        let scene = read(loaded, &problems);
+        let scene = read(loaded, &problems, panel);
         let mut problems = problems.into_sorted();
         if let Some(file) = above {
             for problem in &mut problems {
@@ -146,7 +148,7 @@ pub fn oscilloscope(name: &str) -> Result<Model, SceneError> {
     }
 }
 
-fn read(loaded: library::Loaded, problems: &Problems) -> Option<Scene> {
+fn read(loaded: library::Loaded, problems: &Problems, panel: Option<&Panel>) -> Option<Scene> {
     let library::Loaded { name, text, texts, root, .. } = loaded;
     let root = Table::of(&root, "", problems)?;
     let _ = root.text("base");
@@ -159,7 +161,7 @@ fn read(loaded: library::Loaded, problems: &Problems) -> Option<Scene> {
     let hosts = sensors::Hosts { kinds: &kinds, wall: moving.wall };
     let sensors = sensors::sensors(&root, &hosts, problems);
     let errors_of = moving.scope_errors.then_some(seed);
-    let scope = scope(&root, (moving.noise, errors_of), duration);
+    let scope = bench::drawn(&root, (moving.noise, errors_of), duration, panel);
     root.finish();
     let (spec, chain) = moving.built?;
     Some(Scene {
@@ -273,27 +275,4 @@ fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
         initial_velocities,
         built,
     }
-}
-
-/// The front panel, with the front end's noise (div), and its errors drawn from a seed, if any.
-fn scope(
-    root: &Table<'_>,
-    (noise, errors_of): (f64, Option<u64>),
-    duration: Option<f64>,
-) -> Option<Setup> {
-    if !root.has("scope") {
-        let expected = "[scope] with model, time_base, trigger and channels";
-        root.problem("scope", "no such table", expected);
-    }
-    let table = root.table("scope")?;
-    let _ = table.text("source");
-    let setup = bench::scope(&table, &sensors::sensor_names(root), duration);
-    table.finish();
-    let mut setup = Setup { noise, ..setup? };
-    for (number, channel) in (1..).zip(&mut setup.channels) {
-        if let (Some(seed), Some(channel)) = (errors_of, channel) {
-            channel.deviation = Deviation::drawn(seed, number);
-        }
-    }
-    Some(setup)
 }

@@ -13,7 +13,7 @@ use crate::quantity::{self, Dimension, QuantityError};
 
 /// A table being read.
 pub struct Table<'a> {
-    entries: &'a Entries,
+    pub(super) entries: &'a Rc<Entries>,
     place: &'a Place,
     path: String,
     problems: &'a Problems,
