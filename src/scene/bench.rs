@@ -22,8 +22,10 @@ const CHANNELS: [&str; 4] = ["ch1", "ch2", "ch3", "ch4"];
 pub struct Panel {
     /// The table that it was read from.
     entries: Rc<Entries>,
+    /// Names of the sensors that it may be wired to.
     sensors: Vec<String>,
-    duration: Option<f64>,
+    /// Of the scene that it shows (s).
+    duration: f64,
     setup: Setup,
 }
 
@@ -37,7 +39,7 @@ impl Panel {
         let setup = scope(&table, &sensors, Some(duration))?;
         let sensors = sensors.into_iter().map(str::to_owned).collect();
         let entries = Rc::clone(table.entries);
-        let found = Self { entries, sensors, duration: Some(duration), setup };
+        let found = Self { entries, sensors, duration, setup };
         problems.into_sorted().is_empty().then_some(found)
     }
 
@@ -45,7 +47,7 @@ impl Panel {
     fn is_of(&self, table: &Table<'_>, sensors: &[&str], duration: Option<f64>) -> bool {
         Rc::ptr_eq(&self.entries, table.entries)
             && self.sensors == sensors
-            && self.duration == duration
+            && Some(self.duration) == duration
     }
 }
 
