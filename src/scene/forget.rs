@@ -38,8 +38,8 @@ pub fn forget_ends(above: &Node, below: &mut Node) {
     }
 }
 
-/// Takes away what the model said that this table names.
-fn forget_model(table: &mut Node, kind: &str) {
+/// Takes away what the model said that this table names, so that another's can take its place; what the scene says itself stays.
+pub fn forget_model(table: &mut Node, kind: &str) {
     let Some((model, place)) = table.text("model") else { return };
     let Ok(file) = instrument(kind, model, place, "") else { return };
     if let Some(keys) = table.entries_mut() {

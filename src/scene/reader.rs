@@ -33,7 +33,7 @@ impl<'a> Table<'a> {
             place: &node.place,
             path: path.to_owned(),
             problems,
-            asked: RefCell::new(Vec::with_capacity(2 * entries.len())),
+            asked: RefCell::default(),
         })
     }
 

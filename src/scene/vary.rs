@@ -3,6 +3,7 @@
 use super::Scene;
 use super::adjust::{AdjustError, Adjustable};
 use super::document::{Node, Value};
+use super::forget::forget_model;
 use super::library;
 use super::problem::{Problem, SceneError};
 use super::tree::{ANY, at_mut, expand, known, put};
@@ -80,14 +81,5 @@ fn folder(keys: &[&str]) -> Option<&'static str> {
         ["effects", "magnet_preload", "model"] => Some("magnets"),
         ["sensors", _, "model"] => Some("sensors"),
         _ => None,
-    }
-}
-
-/// Takes out of a table what its model's file says, so that another model's can take its place; what the scene says itself stays.
-fn forget_model(table: &mut Node, kind: &str) {
-    let Some((name, place)) = table.text("model") else { return };
-    let Ok(file) = library::instrument(kind, name, place, "model") else { return };
-    if let Some(keys) = table.entries_mut() {
-        keys.retain(|_, entry| entry.node.place.file() != file.place.file());
     }
 }
