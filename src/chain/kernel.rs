@@ -27,10 +27,11 @@ impl InstructionSet {
     pub fn best() -> Self {
         #[cfg(target_arch = "x86_64")]
         {
-            if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl") {
+            let found = super::processor::found();
+            if found.avx512 {
                 return Self::Avx512;
             }
-            if is_x86_feature_detected!("avx2") {
+            if found.avx2 {
                 return Self::Avx2;
             }
         }

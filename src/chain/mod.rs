@@ -21,6 +21,8 @@ mod ledger;
 pub mod loss;
 mod magnet;
 mod probe;
+#[cfg(target_arch = "x86_64")]
+mod processor;
 mod pulled;
 mod statics;
 pub mod stepper;

@@ -7,6 +7,8 @@ use super::lanes::{Lanes, Task};
 use super::lanes_sse2::Sse2 as Baseline;
 #[cfg(target_arch = "x86_64")]
 use super::lanes_x86::{Avx2, Avx512};
+#[cfg(target_arch = "x86_64")]
+use crate::chain::processor;
 
 /// Instructions that the loops may use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,14 +30,11 @@ impl InstructionSet {
         let mut sets = Vec::new();
         #[cfg(target_arch = "x86_64")]
         {
-            let wide = is_x86_feature_detected!("avx512f")
-                && is_x86_feature_detected!("avx512vl")
-                && is_x86_feature_detected!("avx512dq");
-            let fma = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
-            if wide && fma {
+            let found = processor::found();
+            if found.avx512 {
                 sets.push(Self(Set::Avx512));
             }
-            if fma {
+            if found.avx2 {
                 sets.push(Self(Set::Avx2));
             }
         }

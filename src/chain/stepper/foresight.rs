@@ -17,6 +17,8 @@
 //! Only the stiffest contacts for their bodies are watched, where they are few ([`Plan::watched`]), as a striker's is: they ask for shorter
 //! steps than others while they are closed, and are open most of the time. Where all are alike, looking ahead costs more than it saves.
 
+use std::hint::select_unpredictable;
+
 use super::lanes::Row;
 use super::plan::{Plan, Watched};
 use super::workspace::Motion;
@@ -103,11 +105,10 @@ fn shorter(error: f64, closed: f64) -> f64 {
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
         let beyond = middle - start;
-        if middle * middle * middle * beyond * beyond < aim {
-            low = middle;
-        } else {
-            high = middle;
-        }
+        // Either is as likely as the other: the processor had better not guess.
+        let less = middle * middle * middle * beyond * beyond < aim;
+        low = select_unpredictable(less, middle, low);
+        high = select_unpredictable(less, high, middle);
     }
     high
 }
