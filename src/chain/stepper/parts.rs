@@ -33,8 +33,9 @@ const STRETCH: usize = 96;
 /// Steps of a splitting.
 pub struct Steps<'a> {
     pub method: &'a Splitting,
-    /// Length of a step (s).
-    pub length: f64,
+    /// Length of a step (s). Elsewhere in memory: beside the count, the compiler fetches both at once, which waits until what was written as two has
+    /// left for the cache.
+    pub length: &'a f64,
     /// How many.
     pub count: u64,
     /// What is noted of all but the last two.
@@ -64,7 +65,7 @@ pub fn long<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
         let mut step = Step::<Y, FORM, GRADIENT> {
             plan,
             method: steps.method,
-            length: steps.length,
+            length: *steps.length,
             from: None,
             moving: &mut after,
             pauses: &mut work.pauses,

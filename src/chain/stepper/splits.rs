@@ -82,7 +82,7 @@ pub fn steps<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
     work: &mut Workspace,
     mut steps: Steps,
 ) -> u8 {
-    let weights = Weights::<L>::new(steps.method, L::splat(steps.length));
+    let weights = Weights::<L>::new(steps.method, L::splat(*steps.length));
     let run = (&weights, steps.count);
     if Y::TILE == 0 {
         match plan.rows() {

@@ -74,7 +74,7 @@ impl Split {
         (h, count, notes): (f64, u64, &mut Notes),
         next: f64,
     ) -> [bool; WIDTH] {
-        let steps = Steps { method: self.method, length: h, count, notes };
+        let steps = Steps { method: self.method, length: &h, count, notes };
         let task = tasks::Split::<Across> { plan, work, steps, layout: PhantomData };
         let finite = dispatch(set, task);
         work.turn();

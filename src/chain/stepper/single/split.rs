@@ -54,7 +54,7 @@ impl Split {
     fn take(&self, course: &mut Course, (h, count): (f64, u64)) -> Result<(), IntegrateError> {
         let Course { set, laid, plan, work, counts, .. } = course;
         let notes = &mut Notes::default();
-        let steps = Steps { method: self.method, length: h, count, notes };
+        let steps = Steps { method: self.method, length: &h, count, notes };
         let finite = match laid {
             Laid::Striped => {
                 dispatch(*set, tasks::Split::<Striped> { plan, work, steps, layout: PhantomData })
