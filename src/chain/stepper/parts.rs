@@ -33,8 +33,8 @@ const STRETCH: usize = 96;
 /// Steps of a splitting.
 pub struct Steps<'a> {
     pub method: &'a Splitting,
-    /// Length of a step (s). Elsewhere in memory: beside the count, the compiler fetches both at once, which waits until what was written as two has
-    /// left for the cache.
+    // Elsewhere in memory: beside the count, the compiler fetches both at once, which waits until what was written as two has left for the cache.
+    /// Length of a step (s).
     pub length: &'a f64,
     /// How many.
     pub count: u64,
