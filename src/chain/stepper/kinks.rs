@@ -21,6 +21,7 @@ use super::gathered::{Gathered, alone, spread};
 use super::known::Known;
 use super::lanes::{Lanes, Row};
 use super::layout::Layout;
+use super::lone::{self, Place};
 use super::plan::Plan;
 use super::quintics::{Missing, Quintics};
 use super::tried::Tried;
@@ -28,9 +29,11 @@ use super::visible::Visible;
 use super::workspace::{Parts, Workspace};
 
 /// Share of a correction that is counted as error: residuals measured on the shipped scenes stayed below (1).
-const CORRECTION_SHARE: f64 = 0.01;
+pub const CORRECTION_SHARE: f64 = 0.01;
 /// Share of the quintic's own uncertainty that is counted as error (1).
-const MODEL_SHARE: f64 = 0.1;
+pub const MODEL_SHARE: f64 = 0.1;
+/// How long it has to move bodies, as a share of the step (1).
+pub const LATE: f64 = 0.3;
 /// An impulse that could move the lightest body by no more than this share of the tolerated error is none (1).
 const NEGLIGIBLE: f64 = 0.01;
 
@@ -111,7 +114,7 @@ impl<L: Lanes> Correction<'_, L> {
         let model = L::mul(L::mul(L::splat(MODEL_SHARE), whole), uncertainty);
         let shift = L::abs(found.shift);
         let velocity = L::max(L::mul(share, L::abs(found.kick)), model);
-        let late = L::mul(L::mul(L::splat(0.3), self.h), model);
+        let late = L::mul(L::mul(L::splat(LATE), self.h), model);
         let position = L::max(L::mul(share, shift), late);
         guard.velocity = L::max(guard.velocity, L::mul(lighter, velocity));
         guard.position = L::max(guard.position, L::mul(lighter, position));
@@ -168,6 +171,19 @@ pub fn correct<L: Lanes, Y: Layout, P: Known<N>, const N: usize>(
     }
     if count == 0 {
         return false;
+    }
+    // Mostly it is one contact.
+    if Y::IN_FEW_ROWS && count == 1 && changed[last].is_power_of_two() {
+        let place = Place::new(last, changed[last].trailing_zeros() as usize);
+        let changes = lone::changes::<L, P, N>((plan, place), [now, next], L::first(h), guard);
+        let Parts { position, velocity, .. } = next.parts();
+        for (rows, change) in
+            [position, velocity, error_position, error_velocity].into_iter().zip(changes)
+        {
+            place.add::<L>(rows, change);
+        }
+        *finite &= Y::all(L::finite(L::splat(changes[1][0])));
+        return true;
     }
     // Mostly what changes sides stands in one row.
     let one_row = count == 1;

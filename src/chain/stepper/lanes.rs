@@ -81,6 +81,21 @@ pub trait Lanes: Copy {
         Self::store(a, &mut row);
         row.0.iter().fold(f64::MIN, |most, value| if *value > most { *value } else { most })
     }
+    /// The first of the eight (unit).
+    fn first(a: Self::V) -> f64;
+    /// Sum of the eight, in pairs (unit).
+    #[inline(always)]
+    fn sum(a: Self::V) -> f64 {
+        let mut row = Row::default();
+        Self::store(a, &mut row);
+        let [a, b, c, d, e, f, g, h] = row.0;
+        ((a + e) + (c + g)) + ((b + f) + (d + h))
+    }
+    /// `a b + c` of single numbers, rounded once where the machine can (unit).
+    #[inline(always)]
+    fn fused(a: f64, b: f64, c: f64) -> f64 {
+        a * b + c
+    }
     /// Bit `i` tells whether value `i` is a finite number.
     #[inline(always)]
     fn finite(a: Self::V) -> u8 {
@@ -212,6 +227,11 @@ impl Lanes for Baseline {
     #[inline(always)]
     fn shift_down(h: Self::V, a: Self::V) -> Self::V {
         [h[1], h[2], h[3], h[4], h[5], h[6], h[7], a[0]]
+    }
+
+    #[inline(always)]
+    fn first(a: Self::V) -> f64 {
+        a[0]
     }
 
     #[inline(always)]

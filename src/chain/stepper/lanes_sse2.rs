@@ -6,7 +6,7 @@
 
 use std::arch::x86_64::{
     __m128d, _mm_add_pd, _mm_and_pd, _mm_and_si128, _mm_andnot_pd, _mm_castsi128_pd,
-    _mm_cmpeq_epi32, _mm_cmpgt_pd, _mm_div_pd, _mm_load_pd, _mm_max_pd, _mm_min_pd,
+    _mm_cmpeq_epi32, _mm_cmpgt_pd, _mm_cvtsd_f64, _mm_div_pd, _mm_load_pd, _mm_max_pd, _mm_min_pd,
     _mm_movemask_pd, _mm_mul_pd, _mm_or_pd, _mm_set1_epi32, _mm_set1_pd, _mm_setr_epi32,
     _mm_setzero_pd, _mm_shuffle_pd, _mm_sqrt_pd, _mm_store_pd, _mm_sub_pd,
 };
@@ -113,6 +113,11 @@ impl Lanes for Sse2 {
     #[inline(always)]
     fn sqrt(a: Self::V) -> Self::V {
         quarters!(_mm_sqrt_pd(a))
+    }
+
+    #[inline(always)]
+    fn first(a: Self::V) -> f64 {
+        unsafe { _mm_cvtsd_f64(a[0]) }
     }
 
     #[inline(always)]

@@ -124,6 +124,21 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
+    fn first(a: Self::V) -> f64 {
+        unsafe { _mm512_cvtsd_f64(a) }
+    }
+
+    #[inline(always)]
+    fn sum(a: Self::V) -> f64 {
+        unsafe { _mm512_reduce_add_pd(a) }
+    }
+
+    #[inline(always)]
+    fn fused(a: f64, b: f64, c: f64) -> f64 {
+        a.mul_add(b, c)
+    }
+
+    #[inline(always)]
     fn positive(a: Self::V) -> u8 {
         unsafe { _mm512_cmp_pd_mask::<_CMP_GT_OQ>(a, _mm512_setzero_pd()) }
     }
@@ -249,6 +264,16 @@ impl Lanes for Avx2 {
     #[inline(always)]
     fn sqrt(a: Self::V) -> Self::V {
         halves!(_mm256_sqrt_pd(a))
+    }
+
+    #[inline(always)]
+    fn first(a: Self::V) -> f64 {
+        unsafe { _mm256_cvtsd_f64(a[0]) }
+    }
+
+    #[inline(always)]
+    fn fused(a: f64, b: f64, c: f64) -> f64 {
+        a.mul_add(b, c)
     }
 
     #[inline(always)]

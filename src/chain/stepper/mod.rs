@@ -24,6 +24,7 @@ mod lanes_sse2;
 #[cfg(target_arch = "x86_64")]
 mod lanes_x86;
 mod layout;
+mod lone;
 mod notes;
 mod parts;
 mod passes;

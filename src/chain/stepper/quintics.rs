@@ -6,7 +6,7 @@ use super::known::{Known, Position, PositionError, Velocity, VelocityError, Weig
 use super::lanes::Lanes;
 
 /// Nodes of the Gauss-Jacobi quadrature for the weight `s^1.5` on 0 to 1, and their weights (1).
-const ROOT_NODES: [(f64, f64); 5] = [
+pub const ROOT_NODES: [(f64, f64); 5] = [
     (0.124_061_505_637_331_54, 0.007_609_028_036_605_25),
     (0.336_472_509_340_995_9, 0.047_184_038_143_998_46),
     (0.587_491_435_263_399_5, 0.112_429_350_380_216_15),
@@ -15,9 +15,9 @@ const ROOT_NODES: [(f64, f64); 5] = [
 ];
 /// What may be left of an overlap at its root, as a share of those at both ends: the impulse from there on is off by less than that share of
 /// itself (1).
-const ROOT_RESIDUE: f64 = 1e-7;
+pub const ROOT_RESIDUE: f64 = 1e-7;
 /// Most steps of the search for a root that the first one has not found.
-const SEARCH_STEPS: usize = 30;
+pub const SEARCH_STEPS: usize = 30;
 /// Where an overlap is looked at that may have gone to the other side and back, fractions of the step (1).
 const LOOKS: [f64; 8] = [0.12, 0.23, 0.34, 0.45, 0.55, 0.66, 0.77, 0.88];
 
@@ -44,7 +44,7 @@ fn times<L: Lanes>(factor: f64, value: L::V) -> L::V {
 
 /// `max(overlap, 0)^1.5`; every other `number` leaves the square-root unit alone.
 #[inline(always)]
-fn power<L: Lanes>(number: usize, overlap: L::V) -> L::V {
+pub fn power<L: Lanes>(number: usize, overlap: L::V) -> L::V {
     begin_plain::<L>(number, overlap).power(number)
 }
 

@@ -49,6 +49,11 @@ impl Course {
         }
     }
 
+    /// Whether no row is ahead of the wave any more.
+    pub fn is_all_under_way(&self) -> bool {
+        self.plan.live == self.plan.all_rows()
+    }
+
     /// First body whose state is not finite at the end of the step last tried.
     pub fn first_lost(&self) -> usize {
         let (positions, velocities) = self.work.next.seen();

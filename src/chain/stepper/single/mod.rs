@@ -219,23 +219,24 @@ impl Integrator for ChainStepper {
 
     fn step(&mut self, end: f64) -> Result<(), IntegrateError> {
         let start = self.course.time;
-        let length = match &mut self.drive {
-            Drive::Paired(paired) => paired.step(&mut self.course, end)?,
-            Drive::Split(split) => split.step(&mut self.course, end)?,
+        self.last_step = match &mut self.drive {
+            Drive::Paired(paired) => paired.step(&mut self.course, (end, false))?,
+            Drive::Split(split) => (start, split.step(&mut self.course, end)?),
         };
-        self.last_step = (start, length);
         self.course.follow_front();
         Ok(())
     }
 
     fn advance(&mut self, end: f64) -> Result<(), IntegrateError> {
         while self.course.time < end {
-            let Self { drive: Drive::Split(split), course, last_step, .. } = self else {
-                self.step(end)?;
-                continue;
+            let Self { drive, course, last_step, .. } = self;
+            let at_once = match drive {
+                Drive::Paired(_) if !course.is_all_under_way() => None,
+                Drive::Paired(paired) => Some(paired.step(course, (end, true))?),
+                Drive::Split(split) => split.several(course, end)?,
             };
-            match split.several(course, end)? {
-                Some(length) => *last_step = (course.time - length, length),
+            match at_once {
+                Some(last) => *last_step = last,
                 None => self.step(end)?,
             }
         }

@@ -44,9 +44,13 @@ impl Paired {
         Self { pair, control, tolerance, scales, lightest, events, corrects, watch }
     }
 
-    /// Takes a step, not beyond `end` (s); returns its length (s).
-    pub fn step(&mut self, course: &mut Course, end: f64) -> Result<f64, IntegrateError> {
-        dispatch(course.set, Step { paired: self, course, end })
+    /// Takes a step, not beyond `end` (s), or `all` up to it; returns start and length of the last (s).
+    pub fn step(
+        &mut self,
+        course: &mut Course,
+        (end, all): (f64, bool),
+    ) -> Result<(f64, f64), IntegrateError> {
+        dispatch(course.set, Steps { paired: self, course, end, all })
     }
 
     /// As much of `trial` as is worth a try.
@@ -101,19 +105,21 @@ impl Paired {
     }
 }
 
-/// A step with all that decides on it: nothing leaves the registers that the next step waits for.
-struct Step<'a> {
+/// Steps with all that decides on them: nothing leaves the registers that the next step waits for.
+struct Steps<'a> {
     paired: &'a mut Paired,
     course: &'a mut Course,
     end: f64,
+    /// Whether they go on up to there; otherwise it is one.
+    all: bool,
 }
 
-impl Task for Step<'_> {
-    type Output = Result<f64, IntegrateError>;
+impl Task for Steps<'_> {
+    type Output = Result<(f64, f64), IntegrateError>;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Self::Output {
-        let Self { paired, course, end } = self;
+        let Self { paired, course, end, all } = self;
         loop {
             let mut trial = paired.control.trial(course.time, end)?;
             if paired.watch.is_on() && paired.corrects && !course.plan.watched.is_empty() {
@@ -126,13 +132,15 @@ impl Task for Step<'_> {
                 continue;
             }
             course.work.turn();
-            course.time = trial.next;
+            let start = std::mem::replace(&mut course.time, trial.next);
             course.counts.steps += 1;
             paired.watch.pass();
             let largest = &course.work.largest;
             paired.scales.0 = paired.scales.0.max(largest.overlap.0[0]);
             paired.scales.1 = paired.scales.1.max(largest.speed.0[0]);
-            return Ok(trial.length);
+            if !all || course.time >= end {
+                return Ok((start, trial.length));
+            }
         }
     }
 }

@@ -32,13 +32,13 @@ impl Split {
         Ok(h)
     }
 
-    /// Takes up to [`AT_ONCE`] whole steps, none of which reaches `end` (s), if all rows are under way; the length of the last (s).
+    /// Takes up to [`AT_ONCE`] whole steps, none of which reaches `end` (s), if all rows are under way; start and length of the last (s).
     pub fn several(
         &mut self,
         course: &mut Course,
         end: f64,
-    ) -> Result<Option<f64>, IntegrateError> {
-        if course.plan.live < course.plan.all_rows() {
+    ) -> Result<Option<(f64, f64)>, IntegrateError> {
+        if !course.is_all_under_way() {
             return Ok(None);
         }
         let count = self.clock.room(AT_ONCE, end);
@@ -47,7 +47,8 @@ impl Split {
         }
         self.take(course, (self.clock.step(), count))?;
         course.time = self.clock.go(count);
-        Ok(Some(self.clock.step()))
+        let length = self.clock.step();
+        Ok(Some((course.time - length, length)))
     }
 
     /// Takes `count` steps of `h` (s).
