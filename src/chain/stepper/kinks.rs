@@ -21,7 +21,7 @@ use super::gathered::{Gathered, alone, spread};
 use super::known::Known;
 use super::lanes::{Lanes, Row};
 use super::layout::Layout;
-use super::lone::{self, Place};
+use super::lone::{Lone, Place};
 use super::plan::Plan;
 use super::quintics::{Missing, Quintics};
 use super::tried::Tried;
@@ -29,11 +29,11 @@ use super::visible::Visible;
 use super::workspace::{Parts, Workspace};
 
 /// Share of a correction that is counted as error: residuals measured on the shipped scenes stayed below (1).
-pub const CORRECTION_SHARE: f64 = 0.01;
+const CORRECTION_SHARE: f64 = 0.01;
 /// Share of the quintic's own uncertainty that is counted as error (1).
-pub const MODEL_SHARE: f64 = 0.1;
+const MODEL_SHARE: f64 = 0.1;
 /// How long it has to move bodies, as a share of the step (1).
-pub const LATE: f64 = 0.3;
+const LATE: f64 = 0.3;
 /// An impulse that could move the lightest body by no more than this share of the tolerated error is none (1).
 const NEGLIGIBLE: f64 = 0.01;
 
@@ -54,6 +54,17 @@ impl<L: Lanes> Guard<L> {
     pub fn none() -> Self {
         let none = L::splat(0.0);
         Self { position: none, velocity: none, moved: none }
+    }
+
+    /// What the correction of one contact adds, whose bodies are so mobile (1/kg), in a step of `h` (s): as [`Correction::kink`] has it.
+    #[inline(always)]
+    fn alone(&mut self, lone: &Lone, mobility: [f64; 2], h: f64) {
+        let lighter = mobility[0].max(-mobility[1]);
+        let [shift, kick] = [lone.pushes[0].abs(), lone.pushes[1].abs()];
+        let model = MODEL_SHARE * lone.uncertainty;
+        self.velocity = L::splat(lighter * (CORRECTION_SHARE * kick).max(model));
+        self.position = L::splat(lighter * (CORRECTION_SHARE * shift).max(LATE * h * model));
+        self.moved = L::splat(lighter * shift);
     }
 }
 
@@ -175,14 +186,16 @@ pub fn correct<L: Lanes, Y: Layout, P: Known<N>, const N: usize>(
     // Mostly it is one contact.
     if Y::IN_FEW_ROWS && count == 1 && changed[last].is_power_of_two() {
         let place = Place::new(last, changed[last].trailing_zeros() as usize);
-        let changes = lone::changes::<L, P, N>((plan, place), [now, next], L::first(h), guard);
+        let step = L::first(h);
+        let lone = Lone::new::<L, P, N>((plan, place), [now, next], step);
+        let mobility = place.mobility(plan);
+        guard.alone(&lone, mobility, step);
         let Parts { position, velocity, .. } = next.parts();
-        for (rows, change) in
-            [position, velocity, error_position, error_velocity].into_iter().zip(changes)
-        {
-            place.add::<L>(rows, change);
+        let rows = [position, velocity, error_position, error_velocity];
+        for (rows, push) in rows.into_iter().zip(lone.pushes) {
+            place.add::<L>(rows, mobility.map(|of| of * push));
         }
-        *finite &= Y::all(L::finite(L::splat(changes[1][0])));
+        *finite &= Y::all(L::finite(L::splat(lone.pushes[1])));
         return true;
     }
     // Mostly what changes sides stands in one row.

@@ -88,8 +88,10 @@ pub trait Lanes: Copy {
     fn sum(a: Self::V) -> f64 {
         let mut row = Row::default();
         Self::store(a, &mut row);
-        let [a, b, c, d, e, f, g, h] = row.0;
-        ((a + e) + (c + g)) + ((b + f) + (d + h))
+        let half = |first: usize| {
+            (row.0[first] + row.0[first + 4]) + (row.0[first + 2] + row.0[first + 6])
+        };
+        half(0) + half(1)
     }
     /// `a b + c` of single numbers, rounded once where the machine can (unit).
     #[inline(always)]

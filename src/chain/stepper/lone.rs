@@ -3,7 +3,6 @@
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
 use super::forces::Cut;
-use super::kinks::{CORRECTION_SHARE, Guard, LATE, MODEL_SHARE};
 use super::known::{Known, Position, PositionError, Velocity, VelocityError, Weights};
 use super::lanes::{Lanes, Row, WIDTH};
 use super::quintics::{ROOT_NODES, ROOT_RESIDUE, SEARCH_STEPS, power};
@@ -37,6 +36,12 @@ impl Place {
     #[inline(always)]
     fn above(self, rows: &[Row]) -> f64 {
         self.above.map_or(0.0, |(row, lane)| rows[row].0[lane % WIDTH])
+    }
+
+    /// What a push of the contact moves below and above it: inverse masses, with a minus above (1/kg).
+    #[inline(always)]
+    pub fn mobility(self, plan: Cut) -> [f64; 2] {
+        [self.here(plan.inverse_mass), -self.above(plan.inverse_mass)]
     }
 
     /// How much more the body above has than the one below.
@@ -108,32 +113,28 @@ impl Quintic {
     /// In pairs of terms: none waits for more than three others.
     #[inline(always)]
     fn at<L: Lanes>(&self, t: f64) -> f64 {
-        let [a, b, c, d, e, f] = self.coefficients;
-        let square = t * t;
-        let (low, middle, high) = (L::fused(b, t, a), L::fused(d, t, c), L::fused(f, t, e));
-        L::fused(L::fused(high, square, middle), square, low)
+        let (c, square) = (&self.coefficients, t * t);
+        let pair = |n: usize| L::fused(c[n + 1], t, c[n]);
+        L::fused(L::fused(pair(4), square, pair(2)), square, pair(0))
     }
 
     /// The same at eight times.
     #[inline(always)]
     fn at_all<L: Lanes>(&self, t: L::V) -> L::V {
-        let [a, b, c, d, e, f] = self.coefficients.map(L::splat);
-        let square = L::mul(t, t);
-        let (low, middle, high) = (L::mul_add(b, t, a), L::mul_add(d, t, c), L::mul_add(f, t, e));
+        let (c, square) = (self.coefficients.map(L::splat), L::mul(t, t));
+        let (low, middle) = (L::mul_add(c[1], t, c[0]), L::mul_add(c[3], t, c[2]));
+        let high = L::mul_add(c[5], t, c[4]);
         L::mul_add(L::mul_add(high, square, middle), square, low)
     }
 
-    /// As [`super::quintics::Quintics`] does.
+    /// A step of Halley's method from `t`, as [`super::quintics::Quintics`] has it.
     #[inline(always)]
     fn nearer<L: Lanes>(&self, t: f64) -> f64 {
-        let [_, b, c, d, e, f] = self.coefficients;
-        let square = t * t;
-        let slope = L::fused(
-            L::fused(5.0 * f, t, 4.0 * e),
-            square * t,
-            L::fused(L::fused(3.0 * d, t, 2.0 * c), t, b),
-        );
-        let half_bend = L::fused(L::fused(10.0 * f, t, 6.0 * e), square, L::fused(3.0 * d, t, c));
+        let (c, square) = (&self.coefficients, t * t);
+        let low = L::fused(L::fused(3.0 * c[3], t, 2.0 * c[2]), t, c[1]);
+        let slope = L::fused(L::fused(5.0 * c[5], t, 4.0 * c[4]), square * t, low);
+        let low = L::fused(3.0 * c[3], t, c[2]);
+        let half_bend = L::fused(L::fused(10.0 * c[5], t, 6.0 * c[4]), square, low);
         let value = self.at::<L>(t);
         t - value * slope / (slope * slope - value * half_bend)
     }
@@ -146,8 +147,9 @@ impl Quintic {
         let (early, late) = (rise / early - 1.0, 1.0 - rise / late);
         let bend = L::fused(early, left, late * done);
         let guess = L::fused(done * left, bend, done);
-        // `min` and `max` keep the ends where there is no number.
-        let mut root = self.nearer::<L>(guess).min(1.0).max(0.0);
+        // Where that is not a number, the search begins at the start.
+        let nearer = self.nearer::<L>(guess);
+        let mut root = if nearer > 0.0 { nearer.min(1.0) } else { 0.0 };
         let allowed = ROOT_RESIDUE * (start.abs() + end.abs());
         let (mut low, mut high) = (0.0, 1.0);
         for _ in 0..SEARCH_STEPS {
@@ -171,7 +173,7 @@ impl Quintic {
 const fn lane_of<P: Known<N>, const N: usize>(stage: usize) -> usize {
     let (mut lane, mut i) = (0, 1);
     while i <= stage {
-        if P::PAIR.nodes[i] != P::PAIR.nodes[i - 1] {
+        if P::PAIR.nodes[i].to_bits() != P::PAIR.nodes[i - 1].to_bits() {
             lane += 1;
         }
         i += 1;
@@ -260,29 +262,29 @@ fn doubt([[p0, w0, g0], [p1, w1, g1]]: Ends) -> f64 {
     (early + late).abs() / 64.0
 }
 
-/// By how much positions (m), velocities (m/s), and the errors estimated of both are to change below the contact at `place` and above it, after a step
-/// of `h` (s) from one of `motions` to the other.
-#[inline(always)]
-pub fn changes<L: Lanes, P: Known<N>, const N: usize>(
-    (plan, place): (Cut, Place),
-    motions: [&Motion; 2],
-    h: f64,
-    guard: &mut Guard<L>,
-) -> [[f64; 2]; 4] {
-    let [impulse, moment, velocity, position, uncertainty] =
-        missing::<L, P, N>(ends(plan, place, motions, h));
-    let whole = h * place.here(plan.stiffness);
-    let square = h * whole;
-    let (kick, shift) = (whole * impulse, square * moment);
-    let mobility = [place.here(plan.inverse_mass), -place.above(plan.inverse_mass)];
-    let lighter = mobility[0].max(-mobility[1]);
-    let model = MODEL_SHARE * whole * uncertainty;
-    let least = (CORRECTION_SHARE * kick.abs()).max(model);
-    guard.velocity = L::splat(lighter * least);
-    let least = (CORRECTION_SHARE * shift.abs()).max(LATE * h * model);
-    guard.position = L::splat(lighter * least);
-    guard.moved = L::splat(lighter * shift.abs());
-    [shift, kick, -square * position, -whole * velocity].map(|push| mobility.map(|of| of * push))
+/// What the quadrature has missed at one contact.
+pub struct Lone {
+    /// Moment of the impulse (N s²), the impulse (N s), and with a minus what they have put into the error estimates of positions and velocities.
+    pub pushes: [f64; 4],
+    /// How uncertain the impulse is (N s).
+    pub uncertainty: f64,
+}
+
+impl Lone {
+    /// Of the contact at `place`, in a step of `h` (s) from one of `motions` to the other.
+    #[inline(always)]
+    pub fn new<L: Lanes, P: Known<N>, const N: usize>(
+        (plan, place): (Cut, Place),
+        motions: [&Motion; 2],
+        h: f64,
+    ) -> Self {
+        let [impulse, moment, velocity, position, uncertainty] =
+            missing::<L, P, N>(ends(plan, place, motions, h));
+        let whole = h * place.here(plan.stiffness);
+        let square = h * whole;
+        let pushes = [square * moment, whole * impulse, -square * position, -whole * velocity];
+        Self { pushes, uncertainty: whole * uncertainty }
+    }
 }
 
 #[cfg(test)]

@@ -224,13 +224,11 @@ impl Plan {
 
     /// Has the chain of each lane in units of the stiffness that its contacts share, too (N/m^1.5); what is balanced is yet to be settled.
     pub fn share(&mut self, stiffness: Row) {
-        let scaled = |rows: &[Row], by: fn(f64, f64) -> f64| -> Vec<Row> {
-            let row = |row: &Row| Row(std::array::from_fn(|l| by(row.0[l], stiffness.0[l])));
-            rows.iter().map(row).collect()
-        };
+        let times = |of: &Row| Row(std::array::from_fn(|lane| of.0[lane] * stiffness.0[lane]));
+        let over = |of: &Row| Row(std::array::from_fn(|lane| of.0[lane] / stiffness.0[lane]));
         self.alike = Some(Alike {
-            mobility: scaled(&self.inverse_mass, |inverse, stiffness| inverse * stiffness),
-            balanced: scaled(&self.balanced, |force, stiffness| force / stiffness),
+            mobility: self.inverse_mass.iter().map(times).collect(),
+            balanced: self.balanced.iter().map(over).collect(),
             static_force: vec![Row::default(); self.stiffness.len()],
         });
     }

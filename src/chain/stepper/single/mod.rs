@@ -120,10 +120,13 @@ impl ChainStepper {
         dispatch(set, Settle::<Y>(&mut plan, PhantomData));
         let mut work = Workspace::new(plan.all_rows(), scheme);
         let now = work.now.parts();
-        for (i, (position, velocity)) in state.position.iter().zip(velocities).enumerate() {
-            let (row, lane) = Y::place(plan.all_rows(), i, 0);
-            now.position[row].0[lane] = *position;
-            now.velocity[row].0[lane] = *velocity;
+        let rows = plan.all_rows();
+        // Most bodies are at rest, and nearly all others where they were.
+        for (values, out) in [(&state.position, now.position), (velocities, now.velocity)] {
+            for (i, value) in values.iter().enumerate().filter(|(_, value)| **value != 0.0) {
+                let (row, lane) = Y::place(rows, i, 0);
+                out[row].0[lane] = *value;
+            }
         }
         let overlap = dispatch(set, Evaluate::<Y>::at(&plan, &mut work.now));
         work.next.closed.clone_from(&work.now.closed);
