@@ -4,9 +4,11 @@
 use super::lanes::Baseline;
 use super::lanes::{Lanes, Task};
 #[cfg(target_arch = "x86_64")]
-use super::lanes_sse2::Sse2 as Baseline;
+use super::lanes_avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
-use super::lanes_x86::{Avx2, Avx512};
+use super::lanes_avx512::Avx512;
+#[cfg(target_arch = "x86_64")]
+use super::lanes_sse2::Sse2 as Baseline;
 #[cfg(target_arch = "x86_64")]
 use crate::chain::processor;
 

@@ -264,7 +264,7 @@ fn doubt([[p0, w0, g0], [p1, w1, g1]]: Ends) -> f64 {
 
 /// What the quadrature has missed at one contact.
 pub struct Lone {
-    /// Moment of the impulse (N s²), the impulse (N s), and with a minus what they have put into the error estimates of positions and velocities.
+    /// Moment of the impulse (N s²), the impulse (N s), and with a minus what they have put into the error estimates of positions and velocities (unit).
     pub pushes: [f64; 4],
     /// How uncertain the impulse is (N s).
     pub uncertainty: f64,

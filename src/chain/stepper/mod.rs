@@ -20,9 +20,11 @@ mod kinks;
 mod known;
 mod lanes;
 #[cfg(target_arch = "x86_64")]
-mod lanes_sse2;
+mod lanes_avx2;
 #[cfg(target_arch = "x86_64")]
-mod lanes_x86;
+mod lanes_avx512;
+#[cfg(target_arch = "x86_64")]
+mod lanes_sse2;
 mod layout;
 mod lone;
 mod notes;
