@@ -38,7 +38,8 @@ fn main() {
     if asked(BARE) {
         let case = Case::named("bench").expect("a scene");
         let steps = std::env::args().find_map(|argument| argument.parse().ok());
-        let method = for_accuracy(steps.expect("what steps are held to"));
+        let steps = steps.expect("what steps are held to");
+        let method = for_accuracy(steps);
         ours::run(&case, method, Watching::Recorded).expect("a run");
         return;
     }
@@ -266,7 +267,7 @@ fn processes() {
     let this = std::env::current_exe().expect("this program's place");
     let [mut empty, mut bare] = [(); 2].map(|()| Command::new(&this));
     empty.arg(EMPTY);
-    bare.args([BARE, &ours::steps_held("magnet-0.61g", 1e-6).to_string()]);
+    bare.args([BARE, &ours::held("magnet-0.61g", 1e-6).steps.to_string()]);
     let mut run = Command::new(program);
     run.args(["run", "magnet-0.61g", "--accuracy", "1e-6", "--quiet", "--output"]);
     run.arg(output);

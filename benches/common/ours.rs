@@ -1,9 +1,9 @@
 //! hertzscope on a scene: the stepper alone, with peaks followed, and with the forces recorded as the scope would.
 
 use hertzscope::chain::stepper::{ChainGroup, ChainStepper, InstructionSet, Member, Refinement};
-use hertzscope::experiment::accuracy::{run_held, steps_tried};
+use hertzscope::experiment::accuracy::run_held;
 use hertzscope::experiment::bench::{Bench, Grid};
-use hertzscope::experiment::{self, Integration};
+use hertzscope::experiment::{self, Integration, Tried, methods_tried};
 use hertzscope::integrate::{IntegrateError, Integrator, Method};
 use hertzscope::scene::Scene;
 
@@ -91,13 +91,14 @@ pub fn method(name: &str, setting: f64, case: &Case) -> Option<Method> {
     })
 }
 
-/// What `--accuracy` comes to hold the steps of a shipped scene to (1).
-pub fn steps_held(name: &str, accuracy: f64) -> f64 {
+/// What `--accuracy` comes to with a shipped scene.
+pub fn held(name: &str, accuracy: f64) -> Tried {
     let scene = Scene::load(name).expect("a shipped scene");
     let held = run_held(&scene, accuracy, 1, &mut |_| ()).expect("a run").summary;
-    let same = |steps: &f64| {
-        let run = experiment::run(&scene, Integration::Accuracy(*steps), 1, &mut |_| ());
+    let same = |tried: &Tried| {
+        let by = Integration::Tried { method: tried.method, accuracy };
+        let run = experiment::run(&scene, by, 1, &mut |_| ());
         run.is_ok_and(|run| run.summary.force_evaluations == held.force_evaluations)
     };
-    steps_tried(&scene, accuracy).find(same).expect("one of them")
+    methods_tried(&scene, accuracy).find(same).expect("one of them")
 }

@@ -20,6 +20,7 @@ mod kernel;
 mod ledger;
 pub mod loss;
 mod magnet;
+mod pacing;
 mod probe;
 #[cfg(target_arch = "x86_64")]
 mod processor;

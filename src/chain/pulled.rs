@@ -3,7 +3,7 @@
 //! A chain without [`super::MagnetLaw`] is never wrapped, and pays nothing for it.
 
 use super::magnet::Pull;
-use crate::integrate::{Linearised, Scales, State, Switching, System, Tridiagonal};
+use crate::integrate::{Linearised, Pacing, Scales, State, Switching, System, Tridiagonal};
 
 /// A system with a pull on one of its bodies.
 pub struct PulledSystem {
@@ -45,6 +45,10 @@ impl System for PulledSystem {
 
     fn scales(&self, position: &[f64], velocity: &[f64]) -> Scales {
         self.inner.scales(position, velocity)
+    }
+
+    fn pacing(&self, state: &State) -> Pacing {
+        self.inner.pacing(state)
     }
 
     fn switching(&mut self) -> Option<&mut dyn Switching> {

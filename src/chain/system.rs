@@ -2,7 +2,7 @@
 
 use super::kernel::{InstructionSet, Plan, accelerate};
 use super::{Chain, Contact, Law, hertz};
-use crate::integrate::{Scales, State, System};
+use crate::integrate::{Pacing, Scales, State, System};
 
 /// A chain ready to be integrated. Bodies feel only changes against the static state, so constant loads have vanished
 /// from the plan but for what statics leaves over, the striker's weight.
@@ -16,6 +16,7 @@ pub struct ChainSystem {
     force_change: Vec<f64>,
     /// Smallest meaningful overlap scale (m).
     overlap_floor: f64,
+    pacing: Pacing,
 }
 
 impl ChainSystem {
@@ -45,6 +46,7 @@ impl ChainSystem {
             velocity: vec![0.0; bodies.len() + 2],
             force_change: vec![0.0; contacts.len()],
             overlap_floor: chain.impact_overlap(initial_velocity),
+            pacing: chain.pacing(initial_velocity),
         }
     }
 }
@@ -96,5 +98,9 @@ impl System for ChainSystem {
         }
         let speed = velocity.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
         Scales { position: overlap, velocity: speed }
+    }
+
+    fn pacing(&self, _state: &State) -> Pacing {
+        self.pacing
     }
 }

@@ -20,6 +20,8 @@ pub enum ByHand {
     BlanesMoan,
     /// Order 4, symplectic, kicks by gradients of the forces, too; takes a step
     ForceGradient,
+    /// The same in steps that are short while the stiffest contact is closed; takes a tolerance
+    PacedForceGradient,
     /// Order 4, for scenes with losses, too; takes a step
     #[value(name = "runge-kutta-4")]
     RungeKutta4,
@@ -48,6 +50,7 @@ impl ByHand {
             Self::Pefrl => Method::Pefrl { step },
             Self::BlanesMoan => Method::BlanesMoan { step },
             Self::ForceGradient => Method::ForceGradient { step },
+            Self::PacedForceGradient => Method::PacedForceGradient { tolerance },
             Self::RungeKutta4 => Method::RungeKutta4 { step },
             Self::DormandElMikkawyPrince64 => Method::DormandElMikkawyPrince64 { tolerance },
             Self::DormandElMikkawyPrince86 => Method::DormandElMikkawyPrince86 { tolerance },

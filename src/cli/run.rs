@@ -81,7 +81,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut report = |share| progress.at(share);
     let outcome = match integration {
         Integration::Accuracy(accuracy) => run_held(&scene, accuracy, 1, &mut report),
-        Integration::Method(method) => run_by_hand(&scene, method, 1, &mut report),
+        Integration::Method(method) | Integration::Tried { method, .. } => {
+            run_by_hand(&scene, method, 1, &mut report)
+        }
     };
     progress.done();
     let outcome = match outcome {

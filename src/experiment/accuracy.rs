@@ -10,8 +10,11 @@ use super::comparison::{
     Run, arrival_error, compare_readings, deviation, level_of, peak_error, readings, sampled,
 };
 use super::energy::MOST;
+use super::losses::controlled_for;
 use super::outcome::Reading;
+use super::tried::{Tried, methods_tried, paces, tighter};
 use super::{Integration, Outcome, RunError, method, run, sample_grid};
+use crate::integrate::IntegrateError;
 use crate::quantity::engineering;
 use crate::scene::{DEFAULT_ACCURACY, LOOSEST_ACCURACY, Scene, Site, TIGHTEST_ACCURACY};
 use crate::trace::Trace;
@@ -20,27 +23,11 @@ use crate::trace::Trace;
 const COARSE: f64 = 1e-3;
 /// Share of a digitiser level and of a sample interval that may be wrong where nobody names an accuracy (1).
 const SHARE: f64 = 0.1;
-/// Accuracy of the run that a run is held against, in terms of the one asked for, or of its own steps where they are held to less: so
-/// much tighter that they do not err the same way (1).
-pub const TIGHTER: f64 = 0.01;
 /// What the second run may be off itself, in terms of its own accuracy: in 10,000 random scenes it was once off by 1.3 (1).
 pub const OWN: f64 = 3.0;
 /// Differences between traces count so many times: what amplifies the first run's errors amplifies the second's, too, which has come to a
 /// fourteenth of the first's in the shipped scenes, and near rounding to more (1).
 const TRACES: f64 = 2.0;
-/// Steps are first held to so many times the accuracy asked for: most runs are accurate enough then, and each is held against a
-/// tighter one anyway (1).
-const LOOSER: f64 = 10.0;
-/// The same where contacts are linear: errors do not steepen there, and the shipped chain is off by less than 0.4 of the accuracy
-/// (`cargo bench --bench accuracy`) (1).
-const LOOSER_LINEAR: f64 = 30.0;
-/// Steps are held to no more than this (1).
-const LOOSEST_STEPS: f64 = 0.01;
-/// A run that is not accurate enough is taken again to this share of its accuracy, to the square of it after the next, and so on: most need
-/// but little more, and what needs much more comes there soon. By the shipped scenes from 1e-3 to 1e-6 (1).
-const NEXT: f64 = 0.56;
-/// Steps are held to no less than this: rounding would be mistaken for their error (1).
-const TIGHTEST_STEPS: f64 = 1e-14;
 
 /// An accuracy and where it is from.
 #[derive(Debug, Clone, PartialEq)]
@@ -97,7 +84,7 @@ pub fn of_scene(scene: &Scene) -> Result<ChosenAccuracy, RunError> {
 
 /// Runs `scene` so that first peaks and arrivals are as accurate as asked (1), estimate included: the steps of a run are held to an
 /// accuracy, which says nothing of what the chain makes of their errors. So each run is held against a tighter one
-/// ([`estimate`]), and taken again with tighter steps where they differ by too much ([`steps_tried`]), or where it has made or lost more than [`MOST`] of
+/// ([`estimate`]), and taken again with tighter steps where they differ by too much ([`methods_tried`]), or where it has made or lost more than [`MOST`] of
 /// the energy in motion. `progress` hears the share of the work, 0 to 1: the first run is taken for half of it, the next for half of the rest, and so on.
 ///
 /// # Errors
@@ -109,16 +96,22 @@ pub fn run_held(
     progress: &mut dyn FnMut(f64),
 ) -> Result<Outcome, RunError> {
     let (own, started) = (&*scene.of_shot(shot), Instant::now());
-    let mut tried = steps_tried(own, accuracy).peekable();
+    let mut tried = methods_tried(own, accuracy).peekable();
     let mut second: Option<Second> = None;
     let mut makes_energy = false;
     let left = Cell::new(1.0);
     let next = || left.set(0.5 * left.get());
     let mut progress = |share: f64| progress(1.0 - left.get() * (2.0 - share));
     loop {
-        let steps = tried.next().unwrap_or(accuracy);
+        let Some(Tried { method, steps }) = tried.next() else {
+            unreachable!("the last that is tried is taken as it is")
+        };
         next();
-        let mut outcome = run(scene, Integration::Accuracy(steps), shot, &mut progress)?;
+        let by = Integration::Tried { method, accuracy };
+        let mut outcome = match run(scene, by, shot, &mut progress) {
+            Err(RunError::Integrate(IntegrateError::NotFinite { .. })) if paces(method) => continue,
+            found => found?,
+        };
         if tried.peek().is_some() && !outcome.summary.energy.is_kept(MOST) {
             makes_energy = true;
             continue;
@@ -144,7 +137,6 @@ pub fn run_held(
             };
             summary.notes.push(format!("steps are held to {steps:.0e}: {why}"));
         }
-        summary.accuracy = Some(accuracy);
         summary.notes.extend(doubt(estimate.as_ref(), accuracy));
         summary.error_estimate = estimate;
         summary.note_energy("a tighter accuracy keeps it better");
@@ -155,17 +147,6 @@ pub fn run_held(
         summary.wall_held_s = Some(started.elapsed().as_secs_f64());
         return Ok(outcome);
     }
-}
-
-/// What steps are held to, one after the other, until readings of `scene` are as accurate as `accuracy` (1).
-pub fn steps_tried(scene: &Scene, accuracy: f64) -> impl Iterator<Item = f64> + use<> {
-    let looser = if scene.chain.is_linear() { LOOSER_LINEAR } else { LOOSER };
-    let first = (looser * accuracy).min(LOOSEST_STEPS).max(accuracy);
-    let mut share = 1.0;
-    std::iter::successors(Some(first), move |steps| {
-        share *= NEXT;
-        Some(share * steps).filter(|next| *next >= TIGHTEST_STEPS)
-    })
 }
 
 /// How far off a run's first peaks, arrivals and traces may be.
@@ -192,7 +173,7 @@ impl ErrorEstimate {
     }
 }
 
-/// Holds shot `shot` of `scene` against a run to a hundredth of `accuracy` (1). By the triangle inequality the error is at
+/// Holds shot `shot` of `scene` against a run that is to be [`tighter`] than `accuracy` (1). By the triangle inequality the error is at
 /// most their difference and what the second run is off itself: [`OWN`] times its own accuracy are added. Late in rattling chains traces of the second are
 /// off by more than that, too: theirs is twice the difference.
 ///
@@ -230,9 +211,9 @@ impl Second {
         shot: u32,
         progress: &mut dyn FnMut(f64),
     ) -> Result<Self, RunError> {
-        let tighter = (TIGHTER * accuracy).max(TIGHTEST_STEPS);
-        let (method, grid) =
-            (method(scene, Integration::Accuracy(tighter))?, sample_grid(scene, shot));
+        let tighter = tighter(accuracy);
+        let method = controlled_for(&scene.chain, &scene.initial_velocities, tighter);
+        let grid = sample_grid(scene, shot);
         let mut share = |time: f64| progress(time / scene.duration);
         let found = sampled(scene, (method, None), (u64::MAX, grid), &mut share)?;
         let Run { readings: found, traces, .. } = found;
@@ -286,7 +267,7 @@ impl Second {
 pub fn doubt(estimate: Option<&ErrorEstimate>, accuracy: f64) -> Option<String> {
     let Some(estimate) = estimate else {
         return Some(
-            "a run at a hundredth of the accuracy feels other pulses than this one, or some too faint to tell: how far off these readings are is not known"
+            "a tighter run feels other pulses than this one, or some too faint to tell: how far off these readings are is not known"
                 .to_owned(),
         );
     };

@@ -1,14 +1,14 @@
 //! Runs with a step or a tolerance by hand: nothing holds them to an accuracy, so what they are off is found out and told.
 
-use super::accuracy::{ErrorEstimate, TIGHTER, estimate};
-use super::{Integration, Outcome, RunError, run};
+use super::accuracy::{ErrorEstimate, estimate};
+use super::{Integration, Outcome, RunError, run, tighter};
 use crate::integrate::Method;
 use crate::quantity::engineering;
 use crate::scene::{Scene, TIGHTEST_ACCURACY};
 
 /// Readings that are off by more are not taken for what the bench would show without a word (1).
 const TOLERABLE: f64 = 0.01;
-/// The first run that one by hand is held against is to a hundredth of this (1).
+/// The first run that one by hand is held against is tighter than this (1).
 const FIRST: f64 = 0.01;
 /// The next is so much tighter, where the first could not tell (1).
 const NEXT: f64 = 1e-4;
@@ -76,7 +76,7 @@ fn told(scene: &Scene, outcome: &Outcome) -> Result<Option<ErrorEstimate>, RunEr
     loop {
         let found = estimate(scene, accuracy, outcome)?;
         let worst = found.as_ref().map_or(f64::INFINITY, ErrorEstimate::worst);
-        let tells = worst > TELLING * TIGHTER * accuracy && worst > AGREE * before;
+        let tells = worst > TELLING * tighter(accuracy) && worst > AGREE * before;
         if accuracy <= TIGHTEST_ACCURACY || tells {
             return Ok(found);
         }
@@ -156,6 +156,7 @@ fn with_setting(method: Method, setting: f64) -> Method {
         Method::Pefrl { .. } => Method::Pefrl { step },
         Method::BlanesMoan { .. } => Method::BlanesMoan { step },
         Method::ForceGradient { .. } => Method::ForceGradient { step },
+        Method::PacedForceGradient { .. } => Method::PacedForceGradient { tolerance },
         Method::RungeKutta4 { .. } => Method::RungeKutta4 { step },
         Method::DormandElMikkawyPrince64 { .. } => Method::DormandElMikkawyPrince64 { tolerance },
         Method::DormandElMikkawyPrince86 { .. } => Method::DormandElMikkawyPrince86 { tolerance },

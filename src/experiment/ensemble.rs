@@ -195,7 +195,7 @@ impl Case {
             Integration::Accuracy(accuracy) => {
                 losses::method_for(&self.chain, &self.velocities, accuracy)
             }
-            Integration::Method(method) => method,
+            Integration::Method(method) | Integration::Tried { method, .. } => method,
         }
     }
 

@@ -32,6 +32,7 @@ pub mod parallel;
 pub mod pulse;
 pub mod recorded;
 mod segment;
+mod tried;
 pub mod tunability;
 mod turn;
 mod watch;
@@ -40,6 +41,7 @@ mod yielding;
 
 pub use error::RunError;
 pub use losses::for_accuracy;
+pub use tried::{Tried, methods_tried, tighter};
 
 use std::time::Instant;
 
@@ -71,6 +73,13 @@ pub enum Integration {
     Accuracy(f64),
     /// By this method with this setting.
     Method(Method),
+    /// By a method that is tried, and held to an accuracy afterwards.
+    Tried {
+        /// The method.
+        method: Method,
+        /// Relative error of first-peak forces and times (1).
+        accuracy: f64,
+    },
 }
 
 /// Everything a run leaves.
@@ -118,6 +127,7 @@ pub fn run(
 fn method(scene: &Scene, integration: Integration) -> Result<Method, RunError> {
     let method = match integration {
         Integration::Accuracy(accuracy) => return Ok(losses::method(scene, accuracy)),
+        Integration::Tried { method, .. } => return Ok(method),
         Integration::Method(method) => method,
     };
     losses::refuse(scene, method)?;
@@ -193,7 +203,7 @@ impl Finished<'_> {
         let (initial, last) = bench.energies();
         let (work, yielded) = (bench.work(), yielding::note(&scene.chain, bench.film()));
         let accuracy = match integration {
-            Integration::Accuracy(accuracy) => Some(accuracy),
+            Integration::Accuracy(accuracy) | Integration::Tried { accuracy, .. } => Some(accuracy),
             Integration::Method(_) => None,
         };
         Summary {

@@ -3,15 +3,15 @@
 use std::fmt;
 
 use super::blanes_moan::BLANES_MOAN;
-use super::dormand_el_mikkawy_prince_64::DORMAND_EL_MIKKAWY_PRINCE_64;
-use super::dormand_el_mikkawy_prince_86::DORMAND_EL_MIKKAWY_PRINCE_86;
 use super::dormand_prince_54::DORMAND_PRINCE_54;
 use super::force_gradient::FORCE_GRADIENT;
-use super::nystrom::{NystromIntegrator, NystromPair};
+use super::nystrom::NystromIntegrator;
+use super::pace;
 use super::pefrl::PEFRL;
 use super::rodas::{self, Rodas};
 use super::runge_kutta::{RungeKutta, RungeKuttaIntegrator};
 use super::runge_kutta_4::RUNGE_KUTTA_4;
+use super::scheme::{Pair, Scheme};
 use super::splitting::{Splitting, SplittingIntegrator};
 use super::switching::{Restart, Switched};
 use super::velocity_verlet::VELOCITY_VERLET;
@@ -39,6 +39,11 @@ pub enum Method {
     ForceGradient {
         /// The step (s).
         step: f64,
+    },
+    /// The same in steps of two lengths, short while the stiffest contact is closed ([`super::pace`]): order 4.
+    PacedForceGradient {
+        /// Error of what is read that steps are made for, relative to the system's scales (1).
+        tolerance: f64,
     },
     /// Dormand, El-Mikkawy and Prince's Runge-Kutta-Nystrom pair of orders 6(4).
     DormandElMikkawyPrince64 {
@@ -72,44 +77,10 @@ pub enum Method {
     },
 }
 
-/// The Runge-Kutta-Nystrom pairs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Pair {
-    /// Orders 6(4).
-    DormandElMikkawyPrince64,
-    /// Orders 8(6).
-    DormandElMikkawyPrince86,
-}
-
-impl Pair {
-    /// Its coefficients.
-    #[must_use]
-    pub fn coefficients(self) -> &'static NystromPair {
-        match self {
-            Self::DormandElMikkawyPrince64 => &DORMAND_EL_MIKKAWY_PRINCE_64,
-            Self::DormandElMikkawyPrince86 => &DORMAND_EL_MIKKAWY_PRINCE_86,
-        }
-    }
-
-    /// Force evaluations of a step: the last one opens the next step.
-    #[must_use]
-    pub fn evaluations(self) -> usize {
-        self.coefficients().nodes.len() - 1
-    }
-}
-
-/// A method and its setting, of those for forces that depend on positions alone.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Scheme {
-    /// A Runge-Kutta-Nystrom pair, and the tolerated error of a step relative to the system's scales (1).
-    Pair(Pair, f64),
-    /// A splitting, and its step (s).
-    Splitting(&'static Splitting, f64),
-}
-
 /// What a method's arm leads to.
 enum Kind {
     Splitting(&'static Splitting, f64),
+    Paced(&'static Splitting, f64),
     Nystrom(Pair, f64),
     DormandPrince853(f64),
     RungeKutta(&'static RungeKutta, f64),
@@ -123,6 +94,7 @@ impl Method {
             Self::Pefrl { step } => Kind::Splitting(&PEFRL, step),
             Self::BlanesMoan { step } => Kind::Splitting(&BLANES_MOAN, step),
             Self::ForceGradient { step } => Kind::Splitting(&FORCE_GRADIENT, step),
+            Self::PacedForceGradient { tolerance } => Kind::Paced(&FORCE_GRADIENT, tolerance),
             Self::DormandElMikkawyPrince64 { tolerance } => {
                 Kind::Nystrom(Pair::DormandElMikkawyPrince64, tolerance)
             }
@@ -141,6 +113,7 @@ impl Method {
     pub fn name(&self) -> &'static str {
         match self.kind() {
             Kind::Splitting(method, _) => method.name,
+            Kind::Paced(..) => pace::NAME,
             Kind::Nystrom(pair, _) => pair.coefficients().name,
             Kind::DormandPrince853(_) => DormandPrince853::NAME,
             Kind::RungeKutta(method, _) => method.name,
@@ -152,7 +125,7 @@ impl Method {
     #[must_use]
     pub fn source(&self) -> &'static str {
         match self.kind() {
-            Kind::Splitting(method, _) => method.source,
+            Kind::Splitting(method, _) | Kind::Paced(method, _) => method.source,
             Kind::Nystrom(pair, _) => pair.coefficients().source,
             Kind::DormandPrince853(_) => DormandPrince853::SOURCE,
             Kind::RungeKutta(method, _) => method.source,
@@ -164,7 +137,7 @@ impl Method {
     #[must_use]
     pub fn order(&self) -> u8 {
         match self.kind() {
-            Kind::Splitting(method, _) => method.order,
+            Kind::Splitting(method, _) | Kind::Paced(method, _) => method.order,
             Kind::Nystrom(pair, _) => pair.coefficients().order,
             Kind::DormandPrince853(_) => 8,
             Kind::RungeKutta(method, _) => method.order,
@@ -188,7 +161,7 @@ impl Method {
     /// Whether forces may depend on velocities.
     #[must_use]
     pub fn allows_losses(&self) -> bool {
-        !matches!(self.kind(), Kind::Splitting(..) | Kind::Nystrom(..))
+        !matches!(self.kind(), Kind::Splitting(..) | Kind::Paced(..) | Kind::Nystrom(..))
     }
 
     /// Whether the method is one for systems with or without losses: some need to be without, and one needs the tangent that
@@ -205,16 +178,17 @@ impl Method {
         match self.kind() {
             Kind::RungeKutta(method, _) => Some(method.decay_reach),
             Kind::DormandPrince853(_) => Some(DormandPrince853::DECAY_REACH),
-            Kind::Splitting(..) | Kind::Nystrom(..) | Kind::Rodas(_) => None,
+            Kind::Splitting(..) | Kind::Paced(..) | Kind::Nystrom(..) | Kind::Rodas(_) => None,
         }
     }
 
-    /// The tolerated error of a step; none for fixed steps (1).
+    /// The tolerated error of a step, or of what is read; none for fixed steps (1).
     #[must_use]
     pub fn tolerance(&self) -> Option<f64> {
         match self.kind() {
             Kind::Splitting(..) | Kind::RungeKutta(RungeKutta { error: None, .. }, _) => None,
-            Kind::Nystrom(_, tolerance)
+            Kind::Paced(_, tolerance)
+            | Kind::Nystrom(_, tolerance)
             | Kind::DormandPrince853(tolerance)
             | Kind::RungeKutta(_, tolerance)
             | Kind::Rodas(tolerance) => Some(tolerance),
@@ -227,6 +201,7 @@ impl Method {
         match self.kind() {
             Kind::Nystrom(pair, tolerance) => Some(Scheme::Pair(pair, tolerance)),
             Kind::Splitting(method, step) => Some(Scheme::Splitting(method, step)),
+            Kind::Paced(method, tolerance) => Some(Scheme::Paced(method, tolerance)),
             _ => None,
         }
     }
@@ -235,7 +210,7 @@ impl Method {
     #[must_use]
     pub fn stages(&self) -> u8 {
         let count = match self.kind() {
-            Kind::Splitting(method, _) => method.drifts.len(),
+            Kind::Splitting(method, _) | Kind::Paced(method, _) => method.drifts.len(),
             Kind::Nystrom(pair, _) => pair.evaluations(),
             Kind::DormandPrince853(_) => 12,
             Kind::RungeKutta(method, _) => method.stages.len() - 1,
@@ -254,6 +229,9 @@ impl Method {
         match self.kind() {
             Kind::Splitting(method, step) => {
                 Box::new(SplittingIntegrator::new(method, system, state, step))
+            }
+            Kind::Paced(method, tolerance) => {
+                Box::new(SplittingIntegrator::paced(method, system, state, tolerance))
             }
             Kind::Nystrom(pair, tolerance) => {
                 Box::new(NystromIntegrator::new(pair.coefficients(), system, state, tolerance))
@@ -285,6 +263,7 @@ impl fmt::Display for Method {
             Kind::RungeKutta(RungeKutta { error: None, name, .. }, step) => {
                 write!(f, "{name} (step {step:e} s)")
             }
+            Kind::Paced(_, tolerance) => write!(f, "{} (tolerance {tolerance:.1e})", self.name()),
             Kind::Nystrom(_, tolerance)
             | Kind::DormandPrince853(tolerance)
             | Kind::RungeKutta(_, tolerance)

@@ -16,10 +16,12 @@ pub mod interpolant;
 mod linearised;
 mod method;
 pub mod nystrom;
+pub mod pace;
 pub mod pefrl;
 pub mod rodas;
 pub mod runge_kutta;
 pub mod runge_kutta_4;
+mod scheme;
 pub mod splitting;
 pub mod switching;
 pub mod velocity_verlet;
@@ -27,8 +29,10 @@ pub mod velocity_verlet;
 pub use dormand_prince_853::DormandPrince853;
 pub use interpolant::Interpolant;
 pub use linearised::{Linearised, Tridiagonal};
-pub use method::{Method, Pair, Scheme};
+pub use method::Method;
+pub use pace::Pacing;
 pub use rodas::Rodas;
+pub use scheme::{Pair, Scheme};
 pub use switching::{Motion, Sides, Switching};
 
 /// A mechanical system of `len` coordinates.
@@ -53,6 +57,13 @@ pub trait System {
     /// The distance (m) and speed (m/s) to which a relative error in this state refers: what the user reads is
     /// a contact's overlap, not the drift of the whole chain.
     fn scales(&self, position: &[f64], velocity: &[f64]) -> Scales;
+
+    /// What decides on the length of steps that are paced from `state` on: of a system that knows no better, that speeds change distances in a
+    /// radian.
+    fn pacing(&self, state: &State) -> Pacing {
+        let Scales { position, velocity } = self.scales(&state.position, &state.velocity);
+        Pacing { frequency: velocity / position, stiff: None }
+    }
 
     /// Its switches, if its law has any.
     fn switching(&mut self) -> Option<&mut dyn Switching> {

@@ -6,6 +6,7 @@
 //! has no second derivative and all of them fall to about order 2.5.
 
 use super::hermite::{Between, find_jerks};
+use super::pace::{Beat, Course, NOTHING, StiffContact};
 use super::{IntegrateError, Integrator, Interpolant, State, System, Work, first_not_finite};
 
 /// A rest of an interval shorter than this share of a step belongs to the step (1).
@@ -123,8 +124,14 @@ pub struct SplittingIntegrator<'a> {
     /// Gradients of the accelerations along themselves (m/s⁴), for methods that have a use for them, and the state they are asked for
     /// with: accelerations in the velocities' place.
     gradient: Option<(Vec<f64>, State)>,
-    clock: Clock,
+    timing: Timing,
     work: Work,
+}
+
+/// When steps end.
+enum Timing {
+    Fixed(Clock),
+    Paced(Beat, Option<StiffContact>),
 }
 
 impl<'a> SplittingIntegrator<'a> {
@@ -132,9 +139,36 @@ impl<'a> SplittingIntegrator<'a> {
     #[must_use]
     pub fn new(
         method: &'static Splitting,
-        mut system: Box<dyn System + 'a>,
+        system: Box<dyn System + 'a>,
         state: State,
         step: f64,
+    ) -> Self {
+        let timing = Timing::Fixed(Clock::new(method, step, state.time));
+        Self::timed(method, system, state, timing)
+    }
+
+    /// Starts `method` at `state` with the steps that `tolerance` (1) asks for.
+    #[must_use]
+    pub fn paced(
+        method: &'static Splitting,
+        system: Box<dyn System + 'a>,
+        state: State,
+        tolerance: f64,
+    ) -> Self {
+        let pacing = system.pacing(&state);
+        // The first step is chosen once accelerations are known.
+        let timing = Timing::Paced(Beat::new(&pacing, tolerance, NOTHING), pacing.stiff);
+        let mut start = Self::timed(method, system, state, timing);
+        let course = start.course(pacing.stiff.as_ref());
+        start.timing = Timing::Paced(Beat::new(&pacing, tolerance, course), pacing.stiff);
+        start
+    }
+
+    fn timed(
+        method: &'static Splitting,
+        mut system: Box<dyn System + 'a>,
+        state: State,
+        timing: Timing,
     ) -> Self {
         let n = system.len();
         let mut acceleration = vec![0.0; n];
@@ -146,7 +180,7 @@ impl<'a> SplittingIntegrator<'a> {
             method,
             previous: state.clone(),
             previous_acceleration: acceleration.clone(),
-            clock: Clock::new(method, step, state.time),
+            timing,
             work: Work { force_evaluations: 1, ..Work::default() },
             system,
             state,
@@ -156,6 +190,12 @@ impl<'a> SplittingIntegrator<'a> {
         };
         start.find_gradient();
         start
+    }
+
+    /// How the stiff contact moves.
+    fn course(&self, stiff: Option<&StiffContact>) -> Course {
+        let State { position, velocity, .. } = &self.state;
+        stiff.map_or(NOTHING, |stiff| stiff.course([position, velocity, &self.acceleration]))
     }
 
     fn find_gradient(&mut self) {
@@ -188,7 +228,10 @@ impl Integrator for SplittingIntegrator<'_> {
     fn step(&mut self, end: f64) -> Result<(), IntegrateError> {
         self.previous.clone_from(&self.state);
         self.previous_acceleration.copy_from_slice(&self.acceleration);
-        let (h, next) = self.clock.next(self.state.time, end);
+        let (h, next) = match &mut self.timing {
+            Timing::Fixed(clock) => clock.next(self.state.time, end),
+            Timing::Paced(beat, _) => beat.next(self.state.time, end),
+        };
         self.kick(0, h);
         for (index, drift) in self.method.drifts.iter().enumerate() {
             let State { position, velocity, .. } = &mut self.state;
@@ -201,6 +244,12 @@ impl Integrator for SplittingIntegrator<'_> {
         let State { position, velocity, .. } = &self.state;
         if let Some(body) = first_not_finite(position, velocity) {
             return Err(IntegrateError::NotFinite { body, time: self.previous.time });
+        }
+        if let Timing::Paced(_, stiff) = self.timing {
+            let course = self.course(stiff.as_ref());
+            if let Timing::Paced(beat, _) = &mut self.timing {
+                beat.pass(course);
+            }
         }
         self.state.time = next;
         self.work.steps += 1;

@@ -150,7 +150,8 @@ fn by_hand_the_error_that_is_told_is_the_run_s_own() {
 fn motion_that_goes_on_for_long_keeps_its_energy() {
     let mut scene = Scene::load("magnet-0.61g").expect("a shipped scene");
     scene.duration = 0.3;
-    let by_steps_alone = simulate(&scene, Integration::Accuracy(1e-2));
+    let method = Method::DormandElMikkawyPrince64 { tolerance: 1e-2 };
+    let by_steps_alone = simulate(&scene, Integration::Method(method));
     assert!(by_steps_alone.energy.drift > 0.5, "{:e}", by_steps_alone.energy.drift);
     let found = run_held(&scene, 1e-2, 1, &mut |_| ()).expect("a run").summary;
     assert!(found.energy.drift.abs() <= 0.1, "{:e}", found.energy.drift);
@@ -188,9 +189,10 @@ fn first_peaks_that_hang_on_late_forces_are_told() {
 /// What is held to a tenth only, the energy in motion, is told where it is off by more than 1 %.
 #[test]
 fn energy_that_is_made_or_lost_is_told() {
-    for (accuracy, word) in [(1e-2, "has made energy"), (1e-6, "")] {
+    for (tolerance, word) in [(1e-2, "has made energy"), (1e-6, "")] {
         let scene = Scene::load("linear-300-cells").expect("a shipped scene");
-        let found = run_held(&scene, accuracy, 1, &mut |_| ()).expect("a run").summary;
+        let method = Method::DormandElMikkawyPrince64 { tolerance };
+        let found = run_by_hand(&scene, method, 1, &mut |_| ()).expect("a run").summary;
         let told = found.notes.iter().find(|note| note.contains("of that in motion"));
         assert_eq!(told.is_some(), found.energy.drift.abs() > 0.01, "{:e}", found.energy.drift);
         assert!(told.map_or("", String::as_str).contains(word), "{told:?}");

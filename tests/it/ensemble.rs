@@ -96,7 +96,11 @@ fn fixed_steps_are_the_same_in_lanes() {
             case.duration *= 1.0 - 0.01 * f64::from(index);
         }
     }
-    for method in [Method::Pefrl { step: 0.5e-6 }, Method::ForceGradient { step: 0.7e-6 }] {
+    for method in [
+        Method::Pefrl { step: 0.5e-6 },
+        Method::ForceGradient { step: 0.7e-6 },
+        Method::PacedForceGradient { tolerance: 1e-3 },
+    ] {
         let ensemble = Ensemble::by(Integration::Method(method));
         let together = run(ensemble.threads(1), &cases);
         assert_eq!(together[..17], run(ensemble, &cases[..17])[..]);
@@ -125,8 +129,11 @@ fn long_chains_are_the_same_in_lanes() {
         Case { chain: chain.clone(), velocities, probes: probes.clone(), duration: 0.1e-3 }
     };
     let cases: Vec<Case> = (0..9).map(case).collect();
-    for method in [Method::VelocityVerlet { step: 0.5e-6 }, Method::ForceGradient { step: 0.7e-6 }]
-    {
+    for method in [
+        Method::VelocityVerlet { step: 0.5e-6 },
+        Method::ForceGradient { step: 0.7e-6 },
+        Method::PacedForceGradient { tolerance: 1e-3 },
+    ] {
         let together = run(Ensemble::by(Integration::Method(method)), &cases);
         let alone =
             |case: &Case| reading(&case.run_alone(Integration::Method(method)).expect("a run"));
@@ -165,7 +172,7 @@ fn lanes_watch_places_of_their_own() {
         case.duration = 2e-3;
     }
     let fixed = Integration::Method(Method::BlanesMoan { step: 2e-6 });
-    for ensemble in [Ensemble::new(1e-4), Ensemble::by(fixed)] {
+    for ensemble in [Ensemble::new(1e-3), Ensemble::new(1e-4), Ensemble::by(fixed)] {
         let together = run(ensemble, &cases);
         assert_eq!(
             together.iter().map(Vec::len).collect::<Vec<_>>(),

@@ -37,6 +37,7 @@ mod kinks;
 mod losses;
 mod magnet;
 mod order;
+mod paced;
 mod pairs;
 mod paper;
 mod physics;

@@ -8,7 +8,7 @@ use super::chains::{NEVER, diatomic, kicked, pressed, ptfe_sphere, steel_cylinde
 /// Time over which errors grow (s).
 const TIME: f64 = 0.48e-3;
 
-/// A tolerance beyond any error: the pairs then take the steps they are given.
+/// A tolerance beyond any error: methods that choose their steps then take those they are given.
 const ANY: f64 = 1e9;
 
 /// The preloaded chain, with a dashpot of 2 N s/m in each contact where `lossy`.
@@ -51,11 +51,12 @@ fn order(method: impl Fn(f64) -> Method, step: f64, lossy: bool) -> f64 {
 #[test]
 fn methods_have_their_order() {
     type Make = fn(f64) -> Method;
-    let methods: [(Make, f64); 9] = [
+    let methods: [(Make, f64); 10] = [
         (|step| Method::VelocityVerlet { step }, 0.25e-6),
         (|step| Method::Pefrl { step }, 2e-6),
         (|step| Method::BlanesMoan { step }, 6e-6),
         (|step| Method::ForceGradient { step }, 4e-6),
+        (|_| Method::PacedForceGradient { tolerance: ANY }, 4e-6),
         (|_| Method::DormandElMikkawyPrince64 { tolerance: ANY }, 3e-6),
         (|_| Method::DormandElMikkawyPrince86 { tolerance: ANY }, 6e-6),
         (|_| Method::DormandPrince853 { tolerance: ANY }, 6e-6),

@@ -3,12 +3,12 @@
 
 use std::fmt::Write as _;
 
-use hertzscope::experiment::accuracy::{TIGHTER, doubt, run_held};
+use hertzscope::experiment::accuracy::{doubt, run_held};
 use hertzscope::experiment::bench::start;
 use hertzscope::experiment::ensemble::{self, Case, Ensemble};
 use hertzscope::experiment::outcome::{Reading, Summary};
 use hertzscope::experiment::pulse::{Peak, PulseRecorder};
-use hertzscope::experiment::{self, Integration, for_accuracy};
+use hertzscope::experiment::{self, Integration, for_accuracy, tighter};
 use hertzscope::integrate::{Method, State};
 use hertzscope::scene::{Problem, Scene, SceneError};
 
@@ -292,7 +292,7 @@ fn held(scene: &mut Scene, end: f64) -> (f64, bool) {
     // The error control measures by the loudest: what is below it by the accuracy of the tighter run, which a run is held against,
     // neither of them can tell from a wave that has not arrived.
     let quiet =
-        |peak: Peak| peak.dynamic_n < (QUIET * peak.total_n).max(TIGHTER * accuracy * loudest);
+        |peak: Peak| peak.dynamic_n < (QUIET * peak.total_n).max(tighter(accuracy) * loudest);
     let mut worst = difference(&found, &exact, &quiet);
     if worst > accuracy {
         let finer = reference(1e-14);

@@ -33,9 +33,8 @@ const STRETCH: usize = 96;
 /// Steps of a splitting.
 pub struct Steps<'a> {
     pub method: &'a Splitting,
-    // Elsewhere in memory: beside the count, the compiler fetches both at once, which waits until what was written as two has left for the cache.
-    /// Length of a step (s).
-    pub length: &'a f64,
+    /// Length of a step, lane by lane (s).
+    pub length: &'a Row,
     /// How many.
     pub count: u64,
     /// What is noted of all but the last two.
@@ -65,7 +64,7 @@ pub fn long<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
         let mut step = Step::<Y, FORM, GRADIENT> {
             plan,
             method: steps.method,
-            length: *steps.length,
+            length: steps.length,
             from: None,
             moving: &mut after,
             pauses: &mut work.pauses,
@@ -100,7 +99,7 @@ struct Step<'a, 'r, Y, const FORM: u8, const GRADIENT: bool> {
     plan: Cut<'a>,
     method: &'a Splitting,
     /// (s)
-    length: f64,
+    length: &'a Row,
     from: Option<[&'a [Row]; 4]>,
     moving: &'a mut Rows<'r>,
     pauses: &'a mut [Pause],
@@ -159,7 +158,7 @@ impl<'a, Y: Layout, const FORM: u8, const GRADIENT: bool> Step<'a, '_, Y, FORM, 
 
     #[inline(always)]
     fn weights<L: Lanes>(&self) -> Weights<'a, L> {
-        Weights::new(self.method, L::splat(self.length))
+        Weights::new(self.method, L::load(self.length))
     }
 
     /// The first kick over the rows `span`.

@@ -132,7 +132,7 @@ impl Form {
 pub fn shared_stiffness(chain: &Chain, scheme: Scheme, form: Form) -> Option<f64> {
     let all = || chain.contacts().iter().map(|contact| contact.stiffness).filter(|a| *a > 0.0);
     let first = all().next()?;
-    let fits = form == Form::Plain && matches!(scheme, Scheme::Splitting(..));
+    let fits = form == Form::Plain && !matches!(scheme, Scheme::Pair(..));
     (fits && all().all(|stiffness| (stiffness - first).abs() <= SAME * first)).then_some(first)
 }
 

@@ -6,8 +6,9 @@ use super::lanes::Lanes;
 use super::layout::Layout;
 use super::parts::{Steps, long};
 use super::plan::{FEW, Plan};
-use super::rows::{above, differences, load, nets, store};
-use super::workspace::Workspace;
+use super::rows::{Rows, above, differences, load, nets, store};
+use super::timing::{Fixed, Timing};
+use super::workspace::{Parts, Workspace};
 use crate::integrate::splitting::Splitting;
 
 /// Tangents are carried as two thirds of themselves (1).
@@ -82,19 +83,35 @@ pub fn steps<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
     work: &mut Workspace,
     mut steps: Steps,
 ) -> u8 {
-    let weights = Weights::<L>::new(steps.method, L::splat(*steps.length));
-    let run = (&weights, steps.count);
     if Y::TILE == 0 {
-        match plan.rows() {
-            1 => short::<L, Y, GRADIENT, 1>(plan, work, run),
-            2 => short::<L, Y, GRADIENT, 2>(plan, work, run),
-            3 => short::<L, Y, GRADIENT, 3>(plan, work, run),
-            4 => short::<L, Y, GRADIENT, 4>(plan, work, run),
-            _ => short::<L, Y, GRADIENT, FEW>(plan, work, run),
-        }
+        let weights = Weights::new(steps.method, L::load(steps.length));
+        timed::<L, Y, GRADIENT>(plan, work, &mut Fixed { weights, left: steps.count })
     } else {
         long::<L, Y, FORM, GRADIENT>(plan, work, &mut steps);
+        are_finite::<L, Y>(plan, work)
     }
+}
+
+/// Takes the steps of `timing` in the registers, as [`steps`] does.
+#[inline(always)]
+pub fn timed<'m, L: Lanes, Y: Layout, const GRADIENT: bool>(
+    plan: &Plan,
+    work: &mut Workspace,
+    timing: &mut impl Timing<'m, L>,
+) -> u8 {
+    match plan.rows() {
+        1 => short::<L, Y, GRADIENT, 1>(plan, work, timing),
+        2 => short::<L, Y, GRADIENT, 2>(plan, work, timing),
+        3 => short::<L, Y, GRADIENT, 3>(plan, work, timing),
+        4 => short::<L, Y, GRADIENT, 4>(plan, work, timing),
+        _ => short::<L, Y, GRADIENT, FEW>(plan, work, timing),
+    }
+    are_finite::<L, Y>(plan, work)
+}
+
+/// Whether all velocities are finite where the last step ends, a bit for each lane.
+#[inline(always)]
+fn are_finite<L: Lanes, Y: Layout>(plan: &Plan, work: &Workspace) -> u8 {
     let mut sum = L::splat(0.0);
     for row in &work.next.velocity()[..plan.rows()] {
         sum = L::add(sum, L::load(row));
@@ -102,13 +119,41 @@ pub fn steps<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
     Y::all(L::finite(sum))
 }
 
+/// What contacts are pressed with where bodies stand at `x` (m): forces (N) and two thirds of tangent stiffnesses (N/m); somebody may `see` the
+/// overlaps of each row (m).
+#[inline(always)]
+fn pressed<L: Lanes, Y: Layout, const R: usize>(
+    plan: Cut,
+    x: &Rows<L, R>,
+    mut see: impl FnMut(usize, L::V),
+) -> [Rows<L, R>; 2] {
+    let (above, mut force, mut tangent) = (above::<L, Y, R>(x), *x, *x);
+    for r in 0..R {
+        // In this order one of the two need not wait for the neighbour.
+        let short = L::sub(x[r], L::load(&plan.static_overlap[r]));
+        let overlap = L::sub(above[r], short);
+        see(r, overlap);
+        [force[r], tangent[r]] =
+            finish::<L, PLAIN>(plan.contacts(r), r, begin_plain::<L>(r, overlap));
+    }
+    [force, tangent]
+}
+
+/// Keeps positions (m), velocities (m/s) and accelerations (m/s²).
+#[inline(always)]
+fn keep<L: Lanes, const R: usize>([x, v, a]: [&Rows<L, R>; 3], parts: &mut Parts) {
+    store::<L, R>(x, parts.position);
+    store::<L, R>(v, parts.velocity);
+    store::<L, R>(a, parts.acceleration);
+}
+
 /// Steps of a chain of `R` rows, in plain form.
 #[inline(always)]
 #[allow(clippy::many_single_char_names, reason = "the names of mechanics")]
-fn short<L: Lanes, Y: Layout, const GRADIENT: bool, const R: usize>(
+fn short<'m, L: Lanes, Y: Layout, const GRADIENT: bool, const R: usize>(
     plan: &Plan,
     work: &mut Workspace,
-    (weights, count): (&Weights<L>, u64),
+    timing: &mut impl Timing<'m, L>,
 ) {
     let plan = Cut::new(plan, R);
     let none = L::splat(0.0);
@@ -117,12 +162,11 @@ fn short<L: Lanes, Y: Layout, const GRADIENT: bool, const R: usize>(
     if GRADIENT {
         g = load::<L, R>(&work.now.gradient);
     }
-    for step in 1..=count {
-        if step == count && count > 1 {
-            let now = work.now.parts();
-            store::<L, R>(&x, now.position);
-            store::<L, R>(&v, now.velocity);
-            store::<L, R>(&a, now.acceleration);
+    let mut is_first = true;
+    loop {
+        let (weights, is_last) = (timing.weights(), timing.is_last());
+        if is_last && !is_first {
+            keep::<L, R>([&x, &v, &a], &mut work.now.parts());
         }
         let (kick, drift) = (weights.kick::<GRADIENT>(0), weights.drift(0));
         for r in 0..R {
@@ -130,16 +174,14 @@ fn short<L: Lanes, Y: Layout, const GRADIENT: bool, const R: usize>(
             x[r] = L::mul_add(drift, v[r], x[r]);
         }
         for part in 1..=weights.parts() {
-            let (mut force, mut tangent) = ([none; R], [none; R]);
-            let above = above::<L, Y, R>(&x);
-            for r in 0..R {
-                // In this order one of the two need not wait for the neighbour.
-                let short = L::sub(x[r], L::load(&plan.static_overlap[r]));
-                let overlap = L::sub(above[r], short);
-                [force[r], tangent[r]] =
-                    finish::<L, PLAIN>(plan.contacts(r), r, begin_plain::<L>(r, overlap));
-            }
-            let (kick, last) = (weights.kick::<GRADIENT>(part), part == weights.parts());
+            let last = part == weights.parts();
+            let see = |r, overlap| {
+                if last {
+                    timing.see(r, overlap);
+                }
+            };
+            let [force, mut tangent] = pressed::<L, Y, R>(plan, &x, see);
+            let kick = weights.kick::<GRADIENT>(part);
             let mut push = nets::<L, Y, R>(&force, L::load(&plan.beyond));
             for (r, push) in push.iter_mut().enumerate() {
                 *push = unbalanced::<L>(plan.bodies(r), *push);
@@ -179,11 +221,17 @@ fn short<L: Lanes, Y: Layout, const GRADIENT: bool, const R: usize>(
                 }
             }
         }
+        for r in 0..R {
+            timing.note(r, [x[r], v[r], a[r]]);
+        }
+        timing.finish();
+        if is_last {
+            break;
+        }
+        timing.go_on();
+        is_first = false;
     }
-    let next = work.next.parts();
-    store::<L, R>(&x, next.position);
-    store::<L, R>(&v, next.velocity);
-    store::<L, R>(&a, next.acceleration);
+    keep::<L, R>([&x, &v, &a], &mut work.next.parts());
     if GRADIENT {
         store::<L, R>(&g, &mut work.next.gradient);
     }

@@ -29,7 +29,7 @@ pub const AT_ONCE: u64 = 64;
 /// The accuracy that forces are computed for (1).
 pub fn finest_asked(scheme: Scheme) -> f64 {
     match scheme {
-        Scheme::Pair(_, tolerance) => tolerance,
+        Scheme::Pair(_, tolerance) | Scheme::Paced(_, tolerance) => tolerance,
         Scheme::Splitting(..) => FINEST,
     }
 }

@@ -9,10 +9,8 @@ use super::kinks::{self, Guard};
 use super::known::{Known, Pair64, Pair86};
 use super::lanes::{Lanes, Row, Task};
 use super::layout::Layout;
-use super::parts::Steps;
 use super::passes::{self, Sides};
 use super::plan::{Form, Plan};
-use super::splits;
 use super::workspace::{Motion, Parts, Workspace};
 use crate::integrate::Pair;
 
@@ -197,57 +195,6 @@ impl<Y: Layout> Correct<'_, Y> {
         L::store(Y::largest::<L>(error), &mut work.largest.error);
         L::store(Y::largest::<L>(guard.moved), &mut work.largest.moved);
         true
-    }
-}
-
-/// Takes steps of a splitting.
-pub struct Split<'a, Y> {
-    pub plan: &'a Plan,
-    pub work: &'a mut Workspace,
-    pub steps: Steps<'a>,
-    pub layout: PhantomData<Y>,
-}
-
-impl<Y: Layout> Task for Split<'_, Y> {
-    /// Whether all velocities are finite, a bit for each lane.
-    type Output = u8;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> u8 {
-        if self.steps.method.gradients.is_empty() {
-            self.by::<L, false>()
-        } else {
-            self.by::<L, true>()
-        }
-    }
-}
-
-impl<Y: Layout> Split<'_, Y> {
-    #[inline(always)]
-    fn by<L: Lanes, const GRADIENT: bool>(self) -> u8 {
-        // What is one tile is in plain form: no need to compile others.
-        if Y::TILE == 0 {
-            return L::apart(SplitIn::<Y, PLAIN, GRADIENT>(self));
-        }
-        match self.plan.form {
-            _ if self.plan.alike.is_some() => L::apart(SplitIn::<Y, ALIKE, GRADIENT>(self)),
-            Form::Plain => L::apart(SplitIn::<Y, PLAIN, GRADIENT>(self)),
-            Form::Exact => L::apart(SplitIn::<Y, EXACT, GRADIENT>(self)),
-            Form::Linear => L::apart(SplitIn::<Y, LINEAR, GRADIENT>(self)),
-        }
-    }
-}
-
-/// Takes them in one form, in a function of its own.
-struct SplitIn<'a, Y, const FORM: u8, const GRADIENT: bool>(Split<'a, Y>);
-
-impl<Y: Layout, const FORM: u8, const GRADIENT: bool> Task for SplitIn<'_, Y, FORM, GRADIENT> {
-    type Output = u8;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> u8 {
-        let Split { plan, work, steps, .. } = self.0;
-        splits::steps::<L, Y, FORM, GRADIENT>(plan, work, steps)
     }
 }
 

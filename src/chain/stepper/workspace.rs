@@ -197,11 +197,13 @@ impl Workspace {
     pub fn new(rows: usize, scheme: Scheme) -> Self {
         let (judged, parts, gradients) = match scheme {
             Scheme::Pair(..) => (rows, PARTS, 0),
-            Scheme::Splitting(method, _) if method.gradients.is_empty() => (0, FEWER_PARTS, 0),
-            Scheme::Splitting(..) => (0, FEWER_PARTS, rows),
+            Scheme::Splitting(method, _) | Scheme::Paced(method, _) => {
+                let gradients = if method.gradients.is_empty() { 0 } else { rows };
+                (0, FEWER_PARTS, gradients)
+            }
         };
         let pauses = match scheme {
-            Scheme::Splitting(method, _) => parts::pauses(method, rows),
+            Scheme::Splitting(method, _) | Scheme::Paced(method, _) => parts::pauses(method, rows),
             Scheme::Pair(..) => 0,
         };
         let motion = || Box::new(Motion::at_rest(rows, parts, gradients));

@@ -2,12 +2,12 @@
 
 use super::{Chosen, Point, Reference};
 use crate::chain::stepper::Refinement;
-use crate::experiment::accuracy::{OWN, TIGHTER, steps_tried};
+use crate::experiment::accuracy::OWN;
 use crate::experiment::comparison::{
     Run, Treated, arrival_error, compare, peak_error, run_without, trace_error, worst,
 };
 use crate::experiment::energy::MOST;
-use crate::experiment::{Integration, method};
+use crate::experiment::{Integration, Tried, method, methods_tried, tighter};
 use crate::integrate::{IntegrateError, Method, Scheme};
 use crate::scene::Scene;
 
@@ -49,7 +49,8 @@ pub fn settings(scene: &Scene) -> Vec<Treated> {
         |step| Method::ForceGradient { step },
         |step| Method::RungeKutta4 { step },
     ];
-    let adaptive: [Make; 5] = [
+    let adaptive: [Make; 6] = [
+        |tolerance| Method::PacedForceGradient { tolerance },
         |tolerance| Method::DormandElMikkawyPrince64 { tolerance },
         |tolerance| Method::DormandElMikkawyPrince86 { tolerance },
         |tolerance| Method::DormandPrince54 { tolerance },
@@ -154,15 +155,15 @@ pub fn point(scene: &Scene, treated: Treated, (exact, runs): (&Run, u16)) -> Poi
 /// none, the last that was tried before one took too much.
 pub fn choice(scene: &Scene, accuracy: f64, (exact, runs): (&Run, u16)) -> Option<Chosen> {
     let mut last = None;
-    for steps in steps_tried(scene, accuracy) {
-        let treated = (method(scene, Integration::Accuracy(steps)).ok()?, None);
+    for Tried { method, steps } in methods_tried(scene, accuracy) {
+        let treated = (method, None);
         let once = point(scene, treated, (exact, 1));
         if once.given_up && last.is_some() {
             break;
         }
         last = Some(treated);
         let worst = once.error_peak.zip(once.error_arrival).map(|(peak, time)| peak.max(time));
-        let own = OWN * TIGHTER * steps.min(accuracy);
+        let own = OWN * tighter(steps.min(accuracy));
         let holds = once.keeps_energy && worst.is_some_and(|worst| worst + own <= accuracy);
         if once.given_up || holds {
             break;

@@ -34,7 +34,8 @@ pub fn settle(scene: &Scene, integration: Integration) -> Cow<'_, Scene> {
     }
     let mut settled = scene.clone();
     for name in std::mem::take(&mut settled.auto) {
-        let Integration::Accuracy(accuracy) = integration else {
+        let (Integration::Accuracy(accuracy) | Integration::Tried { accuracy, .. }) = integration
+        else {
             settled
                 .decided
                 .push(format!("{name} is on: a step by hand has no accuracy to leave it to"));

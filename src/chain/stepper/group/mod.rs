@@ -3,6 +3,7 @@
 //! Lanes never see each other: a chain's results are the same to the last bit whatever its neighbours are.
 
 mod lane;
+mod paced;
 mod paired;
 mod split;
 mod trail;
@@ -20,6 +21,7 @@ use super::workspace::Workspace;
 use crate::chain::Chain;
 use crate::integrate::{IntegrateError, Scheme, Work};
 use lane::Lane;
+use paced::InSteps;
 use paired::Paired;
 use split::Split;
 pub use trail::{GroupTrail, Look};
@@ -28,6 +30,7 @@ pub use trail::{GroupTrail, Look};
 enum Drive {
     Paired(Box<Paired>, Vec<Lane>),
     Split(Split),
+    Paced(InSteps),
 }
 
 impl Drive {
@@ -38,6 +41,11 @@ impl Drive {
             Self::Paired(_, lanes) => {
                 for (lane, own) in lanes.iter().enumerate() {
                     (starts.0[lane], lengths.0[lane]) = own.last_step;
+                }
+            }
+            Self::Paced(paced) => {
+                for (lane, own) in paced.last_steps().enumerate() {
+                    (starts.0[lane], lengths.0[lane]) = own;
                 }
             }
             Self::Split(split) => {
@@ -134,6 +142,10 @@ impl ChainGroup {
                 let end = members.first().map_or(0.0, |first| first.duration);
                 Drive::Split(Split::new(method, (step, end), members.len()))
             }
+            Scheme::Paced(method, tolerance) => {
+                find_gradients::<Across>(set, &plan, &mut work);
+                Drive::Paced(InSteps::new(method, tolerance, members, &work.now))
+            }
         };
         Self { set, drive, work, plan }
     }
@@ -144,6 +156,7 @@ impl ChainGroup {
         match &self.drive {
             Drive::Paired(_, lanes) => lanes.iter().all(|lane| !lane.is_moving()),
             Drive::Split(split) => split.is_done(),
+            Drive::Paced(paced) => paced.is_done(),
         }
     }
 
@@ -160,6 +173,7 @@ impl ChainGroup {
                 (1, paired.step(*set, plan, (work, lanes), step))
             }
             Drive::Split(split) => split.step((*set, plan, work), most, notes),
+            Drive::Paced(paced) => (1, paced.step((*set, plan, work))),
         }
     }
 
@@ -183,6 +197,7 @@ impl ChainGroup {
                 None => Ok(Work::default()),
             },
             Drive::Split(split) => split.outcome(index),
+            Drive::Paced(paced) => paced.outcome(index),
         }
     }
 }

@@ -4,12 +4,12 @@ use std::marker::PhantomData;
 
 use super::lane::first_lost;
 use crate::chain::stepper::dispatch::{InstructionSet, dispatch};
-use crate::chain::stepper::lanes::WIDTH;
+use crate::chain::stepper::lanes::{Row, WIDTH};
 use crate::chain::stepper::layout::Across;
 use crate::chain::stepper::notes::Notes;
 use crate::chain::stepper::parts::Steps;
 use crate::chain::stepper::plan::Plan;
-use crate::chain::stepper::tasks;
+use crate::chain::stepper::split_tasks;
 use crate::chain::stepper::workspace::Workspace;
 use crate::integrate::splitting::{Clock, Splitting};
 use crate::integrate::{IntegrateError, Work};
@@ -74,8 +74,8 @@ impl Split {
         (h, count, notes): (f64, u64, &mut Notes),
         next: f64,
     ) -> [bool; WIDTH] {
-        let steps = Steps { method: self.method, length: &h, count, notes };
-        let task = tasks::Split::<Across> { plan, work, steps, layout: PhantomData };
+        let steps = Steps { method: self.method, length: &Row([h; WIDTH]), count, notes };
+        let task = split_tasks::Split::<Across> { plan, work, steps, layout: PhantomData };
         let finite = dispatch(set, task);
         work.turn();
         let mut taken = [false; WIDTH];

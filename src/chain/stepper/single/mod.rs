@@ -22,6 +22,7 @@ macro_rules! laid {
 
 mod course;
 mod look;
+mod paced;
 mod paired;
 mod split;
 mod trail;
@@ -33,13 +34,14 @@ use super::frame::Ends;
 use super::lanes::Row;
 use super::layout::{Along, Layout, Striped, Tiled};
 use super::plan::{Form, Plan, are_few, rows_of};
-use super::steps::{find_gradients, finest_asked};
+use super::steps::{AT_ONCE, find_gradients, finest_asked};
 use super::tasks::{Evaluate, Settle};
 use super::workspace::Workspace;
 use crate::chain::Chain;
 use crate::integrate::hermite::{End, septic};
 use crate::integrate::{IntegrateError, Integrator, Interpolant, Scheme, State, Work};
 use course::{Course, Laid, UNDER_WAY, margin};
+use paced::InSteps;
 use paired::Paired;
 use split::Split;
 pub use trail::Trail;
@@ -61,6 +63,7 @@ pub enum Refinement {
 enum Drive {
     Paired(Box<Paired>),
     Split(Split),
+    Paced(Box<InSteps>),
 }
 
 /// A lossless chain under a method for forces that depend on positions alone.
@@ -103,8 +106,8 @@ impl ChainStepper {
         let laid = match scheme {
             // Pairs go from overlap to overlap, which gains nothing by stripes.
             Scheme::Pair(..) => Laid::Along,
-            Scheme::Splitting(..) if are_few(rows_of(chain), form) => Laid::Striped,
-            Scheme::Splitting(..) => Laid::Tiled,
+            _ if are_few(rows_of(chain), form) => Laid::Striped,
+            _ => Laid::Tiled,
         };
         laid!(laid, Y => Self::laid::<Y>(laid, (chain, state), scheme, (set, form)))
     }
@@ -155,6 +158,10 @@ impl ChainStepper {
                 find_gradients::<Y>(set, &course.plan, &mut course.work);
                 Drive::Split(Split::new(method, step, state.time))
             }
+            Scheme::Paced(method, tolerance) => {
+                find_gradients::<Y>(set, &course.plan, &mut course.work);
+                Drive::Paced(Box::new(InSteps::new(method, tolerance, (chain, state), &course)))
+            }
         };
         Self {
             course,
@@ -204,6 +211,7 @@ impl ChainStepper {
         match &self.drive {
             Drive::Paired(paired) => Some(paired.events),
             Drive::Split(_) => None,
+            Drive::Paced(paced) => Some(paced.events),
         }
     }
 }
@@ -225,6 +233,7 @@ impl Integrator for ChainStepper {
         self.last_step = match &mut self.drive {
             Drive::Paired(paired) => paired.step(&mut self.course, (end, false))?,
             Drive::Split(split) => (start, split.step(&mut self.course, end)?),
+            Drive::Paced(paced) => paced.take(&mut self.course, (end, 1))?,
         };
         self.course.follow_front();
         Ok(())
@@ -234,8 +243,9 @@ impl Integrator for ChainStepper {
         while self.course.time < end {
             let Self { drive, course, last_step, .. } = self;
             let at_once = match drive {
-                Drive::Paired(_) if !course.is_all_under_way() => None,
+                Drive::Paired(_) | Drive::Paced(_) if !course.is_all_under_way() => None,
                 Drive::Paired(paired) => Some(paired.step(course, (end, true))?),
+                Drive::Paced(paced) => Some(paced.take(course, (end, AT_ONCE))?),
                 Drive::Split(split) => split.several(course, end)?,
             };
             match at_once {

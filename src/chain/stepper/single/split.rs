@@ -4,11 +4,12 @@ use std::marker::PhantomData;
 
 use super::{Course, Laid};
 use crate::chain::stepper::dispatch::dispatch;
+use crate::chain::stepper::lanes::{Row, WIDTH};
 use crate::chain::stepper::layout::{Striped, Tiled};
 use crate::chain::stepper::notes::Notes;
 use crate::chain::stepper::parts::Steps;
+use crate::chain::stepper::split_tasks;
 use crate::chain::stepper::steps::AT_ONCE;
-use crate::chain::stepper::tasks;
 use crate::integrate::IntegrateError;
 use crate::integrate::splitting::{Clock, Splitting};
 
@@ -55,14 +56,16 @@ impl Split {
     fn take(&self, course: &mut Course, (h, count): (f64, u64)) -> Result<(), IntegrateError> {
         let Course { set, laid, plan, work, counts, .. } = course;
         let notes = &mut Notes::default();
-        let steps = Steps { method: self.method, length: &h, count, notes };
+        let steps = Steps { method: self.method, length: &Row([h; WIDTH]), count, notes };
         let finite = match laid {
-            Laid::Striped => {
-                dispatch(*set, tasks::Split::<Striped> { plan, work, steps, layout: PhantomData })
-            }
-            Laid::Tiled | Laid::Along => {
-                dispatch(*set, tasks::Split::<Tiled> { plan, work, steps, layout: PhantomData })
-            }
+            Laid::Striped => dispatch(
+                *set,
+                split_tasks::Split::<Striped> { plan, work, steps, layout: PhantomData },
+            ),
+            Laid::Tiled | Laid::Along => dispatch(
+                *set,
+                split_tasks::Split::<Tiled> { plan, work, steps, layout: PhantomData },
+            ),
         };
         counts.steps += count;
         counts.force_evaluations += count * self.method.drifts.len() as u64;

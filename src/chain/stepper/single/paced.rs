@@ -1,0 +1,88 @@
+//! Paced steps of a splitting.
+
+use std::marker::PhantomData;
+
+use super::{Course, Laid};
+use crate::chain::Chain;
+use crate::chain::stepper::dispatch::dispatch;
+use crate::chain::stepper::lanes::{Row, WIDTH};
+use crate::chain::stepper::layout::Tiled;
+use crate::chain::stepper::notes::Notes;
+use crate::chain::stepper::pacer::Pacer;
+use crate::chain::stepper::parts::Steps;
+use crate::chain::stepper::split_tasks::{self, Close, InPace};
+use crate::chain::stepper::timing::{Going, Paced};
+use crate::integrate::splitting::Splitting;
+use crate::integrate::{IntegrateError, State};
+
+/// A splitting at work, in paced steps.
+pub struct InSteps {
+    method: &'static Splitting,
+    pacer: Pacer,
+    /// Which contacts are closed, a bit each of a row.
+    closed: Vec<u8>,
+    /// Room for how the bodies beside the stiff contact move.
+    noted: [[Row; 3]; 2],
+    /// Steps in which contacts changed sides.
+    pub events: u64,
+}
+
+impl InSteps {
+    /// The steps that `tolerance` (1) asks of `chain` from `state` on, as `course` has it.
+    pub fn new(
+        method: &'static Splitting,
+        tolerance: f64,
+        (chain, state): (&Chain, &State),
+        course: &Course,
+    ) -> Self {
+        let pacing = chain.pacing(&state.velocity);
+        let pacer = Pacer::new(&pacing, tolerance, &course.work.now, |body| course.place(body));
+        Self {
+            method,
+            pacer,
+            closed: course.work.now.closed.clone(),
+            noted: Default::default(),
+            events: 0,
+        }
+    }
+
+    /// Takes up to so `many` steps, not beyond `end` (s); returns start and length of the last (s).
+    pub fn take(
+        &mut self,
+        course: &mut Course,
+        (end, many): (f64, u64),
+    ) -> Result<(f64, f64), IntegrateError> {
+        let going = &mut Going::new(&self.pacer.beat, [course.time, end], many);
+        let Course { set, laid, plan, work, .. } = course;
+        let Self { method, pacer, closed, noted, events } = self;
+        let finite = match laid {
+            Laid::Striped => {
+                let paced = Paced { method, pacer, closed, noted, going };
+                dispatch(*set, InPace { plan, work, paced })
+            }
+            Laid::Tiled | Laid::Along => {
+                let notes = &mut Notes::default();
+                let length = &Row([going.step[0]; WIDTH]);
+                let steps = Steps { method, length, count: 1, notes };
+                let task = split_tasks::Split::<Tiled> { plan, work, steps, layout: PhantomData };
+                let finite = dispatch(*set, task);
+                pacer.pass(&work.next);
+                let position = work.next.position();
+                let close = Close::<Tiled> { plan, position, closed, layout: PhantomData };
+                (going.taken, going.events) = (1, u64::from(dispatch(*set, close)));
+                finite
+            }
+        };
+        *events += going.events;
+        let [h, start, next] = going.step;
+        course.counts.steps += going.taken;
+        course.counts.force_evaluations += going.taken * self.method.drifts.len() as u64;
+        if finite == 0 {
+            let (body, time) = (course.first_lost(), course.time);
+            return Err(IntegrateError::NotFinite { body, time });
+        }
+        course.work.turn();
+        course.time = next;
+        Ok((start, h))
+    }
+}

@@ -1,0 +1,149 @@
+//! When the steps of a splitting end that follow each other in the registers.
+#![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
+
+use super::lanes::{Lanes, Row};
+use super::pacer::{Pacer, Stiff};
+use super::splits::Weights;
+use crate::integrate::pace::{Beat, NOTHING};
+use crate::integrate::splitting::Splitting;
+
+/// Steps, one after the other.
+pub trait Timing<'m, L: Lanes> {
+    /// What the present one weighs.
+    fn weights(&self) -> Weights<'m, L>;
+    /// Whether it is the last.
+    fn is_last(&self) -> bool;
+    /// Sees the overlaps of row `r` at its end (m).
+    fn see(&mut self, r: usize, overlap: L::V);
+    /// Sees how its bodies stand (m) and move (m/s, m/s²) there.
+    fn note(&mut self, r: usize, moving: [L::V; 3]);
+    /// It is done.
+    fn finish(&mut self);
+    /// Goes on with the next.
+    fn go_on(&mut self);
+}
+
+/// Steps of one length.
+pub struct Fixed<'a, L: Lanes> {
+    pub weights: Weights<'a, L>,
+    /// How many there are still to be.
+    pub left: u64,
+}
+
+impl<'m, L: Lanes> Timing<'m, L> for Fixed<'m, L> {
+    #[inline(always)]
+    fn weights(&self) -> Weights<'m, L> {
+        self.weights
+    }
+
+    #[inline(always)]
+    fn is_last(&self) -> bool {
+        self.left == 1
+    }
+
+    #[inline(always)]
+    fn see(&mut self, _r: usize, _overlap: L::V) {}
+
+    #[inline(always)]
+    fn note(&mut self, _r: usize, _moving: [L::V; 3]) {}
+
+    #[inline(always)]
+    fn finish(&mut self) {}
+
+    #[inline(always)]
+    fn go_on(&mut self) {
+        self.left -= 1;
+    }
+}
+
+/// Paced steps of one chain.
+pub struct Paced<'a> {
+    pub method: &'a Splitting,
+    pub pacer: &'a mut Pacer,
+    /// Which contacts are closed, a bit each of a row.
+    pub closed: &'a mut [u8],
+    /// How bodies stand (m) and move (m/s, m/s²) in the rows of those above and below the stiff contact.
+    pub noted: &'a mut [[Row; 3]; 2],
+    pub going: &'a mut Going,
+}
+
+/// How far paced steps are.
+#[derive(Debug, Clone, Copy)]
+pub struct Going {
+    /// Length of the present step, and where it starts and ends (s).
+    pub step: [f64; 3],
+    /// Up to where they go (s).
+    pub end: f64,
+    /// How many may be taken at once.
+    many: u64,
+    /// Steps taken.
+    pub taken: u64,
+    /// Those in which contacts have changed sides.
+    pub events: u64,
+    changed: u8,
+}
+
+impl Going {
+    /// Up to so `many` from `start` to `end` (s).
+    pub fn new(beat: &Beat, [start, end]: [f64; 2], many: u64) -> Self {
+        let (h, next) = beat.next(start, end);
+        Self { step: [h, start, next], end, many, taken: 0, events: 0, changed: 0 }
+    }
+}
+
+#[inline(always)]
+fn store<L: Lanes>(moving: [L::V; 3], rows: &mut [Row; 3]) {
+    for (value, row) in moving.into_iter().zip(rows) {
+        L::store(value, row);
+    }
+}
+
+impl<'m, L: Lanes> Timing<'m, L> for Paced<'m> {
+    #[inline(always)]
+    fn weights(&self) -> Weights<'m, L> {
+        Weights::new(self.method, L::splat(self.going.step[0]))
+    }
+
+    #[inline(always)]
+    fn is_last(&self) -> bool {
+        self.going.step[2] >= self.going.end || self.going.taken + 1 >= self.going.many
+    }
+
+    #[inline(always)]
+    fn see(&mut self, r: usize, overlap: L::V) {
+        let closed = L::positive(overlap);
+        self.going.changed |= closed ^ self.closed[r];
+        self.closed[r] = closed;
+    }
+
+    #[inline(always)]
+    fn note(&mut self, r: usize, moving: [L::V; 3]) {
+        let Some(stiff) = self.pacer.stiff else { return };
+        let [above, below] = &mut *self.noted;
+        if stiff.at.0 == r {
+            store::<L>(moving, below);
+        }
+        if stiff.above.is_some_and(|(row, _)| row == r) {
+            store::<L>(moving, above);
+        }
+    }
+
+    #[inline(always)]
+    fn finish(&mut self) {
+        let going = &mut *self.going;
+        going.taken += 1;
+        going.events += u64::from(going.changed != 0);
+        going.changed = 0;
+        let [above, below] = &*self.noted;
+        let course = |stiff: Stiff| stiff.course([above.each_ref(), below.each_ref()]);
+        self.pacer.beat.pass(self.pacer.stiff.map_or(NOTHING, course));
+    }
+
+    #[inline(always)]
+    fn go_on(&mut self) {
+        let going = &mut *self.going;
+        let start = going.step[2];
+        let (h, next) = self.pacer.beat.next(start, going.end);
+        going.step = [h, start, next];
+    }
+}

@@ -1,0 +1,214 @@
+//! Steps of two lengths: long ones by the highest frequency of a system, short ones as long as a contact is closed that is stiffer than
+//! all others, or about to close.
+//!
+//! With `w` the highest angular frequency of all but that contact and `w1` its own, steps last `L/w`, and with the contact closed
+//! `S/w1`, shorter by `(tolerance/T)^(1/4)`, which a method of order 4 wants. If it closes within a long step they last until then, if it opens
+//! within a short one or has closed within it as long as that: steps end close to the places where its force has no second derivative.
+//! What decides is the state where a step begins.
+
+use super::splitting::REMAINDER;
+
+/// Name of the splitting with force gradients in such steps, as written in options and recordings.
+pub const NAME: &str = "paced-force-gradient";
+
+/// `T`: over the paper's eight scenes first peaks and arrivals are off by less than that (1).
+const LOOSEST: f64 = 1e-3;
+/// `L` (rad).
+const LONG: f64 = 2.1;
+/// `S` (rad).
+const SHORT: f64 = 1.2;
+/// The least step where the stiff contact closes or opens, as a share of those while it is closed (1).
+const LEAST: f64 = 0.6;
+/// The first step as a share of a long one: other contacts may begin at zero overlap, too (1).
+const FIRST: f64 = 0.3;
+/// Steps for tolerances beyond `T` are longer by no more than this: they stay well below what is stable (1).
+const MOST: f64 = 1.2;
+
+/// What of a system decides on the length of steps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pacing {
+    /// Highest angular frequency, the stiff contact's left out, or a bound of it (1/s).
+    pub frequency: f64,
+    /// A contact with a higher frequency of its own.
+    pub stiff: Option<StiffContact>,
+}
+
+/// A contact that wants shorter steps than all others.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StiffContact {
+    /// Coordinates above and below; none at an end.
+    pub bodies: [Option<usize>; 2],
+    /// Its overlap where both are zero (m).
+    pub static_overlap: f64,
+    /// Angular frequency of its two bodies on it (1/s).
+    pub frequency: f64,
+}
+
+impl Pacing {
+    /// Whether a contact of this angular frequency wants shorter steps than a system of the highest `frequency` (1/s).
+    #[must_use]
+    pub fn is_stiff(contact: f64, frequency: f64) -> bool {
+        LONG * contact > SHORT * frequency
+    }
+}
+
+impl StiffContact {
+    /// How it moves in a system with these positions (m), velocities (m/s) and accelerations (m/s²).
+    #[must_use]
+    pub fn course(&self, [position, velocity, acceleration]: [&[f64]; 3]) -> Course {
+        let across = |values: &[f64]| {
+            let [above, below] = self.bodies.map(|body| body.and_then(|body| values.get(body)));
+            above.copied().unwrap_or(0.0) - below.copied().unwrap_or(0.0)
+        };
+        let overlap = self.static_overlap + across(position);
+        Course { overlap, closing: across(velocity), bend: across(acceleration) }
+    }
+}
+
+/// How a contact moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Course {
+    /// By how much it is closed (m).
+    pub overlap: f64,
+    /// At what speed it closes (m/s).
+    pub closing: f64,
+    /// At what rate that changes (m/s²).
+    pub bend: f64,
+}
+
+/// The contact of a system without a stiff one: a gap that nothing closes.
+pub const NOTHING: Course = Course { overlap: -1.0, closing: 0.0, bend: 0.0 };
+
+/// Steps, one after the other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Beat {
+    /// Length of a long step (s).
+    long: f64,
+    /// Longest while the stiff contact is closed (s).
+    short: f64,
+    /// The next (s).
+    length: f64,
+}
+
+impl Beat {
+    /// The steps that `tolerance` (1) asks of a system, the first on a given `course` of its stiff contact, or [`NOTHING`].
+    #[must_use]
+    pub fn new(pacing: &Pacing, tolerance: f64, course: Course) -> Self {
+        let share = (tolerance / LOOSEST).sqrt().sqrt().min(MOST);
+        let long = share * LONG / pacing.frequency;
+        let short = pacing.stiff.map_or(long, |stiff| share * SHORT / stiff.frequency);
+        let mut beat = Self { long, short, length: 0.0 };
+        beat.length = beat.after(course).min(FIRST * long);
+        beat
+    }
+
+    /// Length of the next step from `time` on, and where it ends, not beyond `end` (s).
+    #[inline]
+    #[must_use]
+    pub fn next(&self, time: f64, end: f64) -> (f64, f64) {
+        let next = time + self.length;
+        if next + REMAINDER * self.length < end { (self.length, next) } else { (end - time, end) }
+    }
+
+    /// A step has brought the stiff contact on this `course`, [`NOTHING`] if there is none.
+    #[inline]
+    pub fn pass(&mut self, course: Course) {
+        self.length = self.after(course);
+    }
+
+    /// The step from there on (s). It branches rather than selects: a step need not wait for what decides on its length.
+    #[inline]
+    fn after(&self, course: Course) -> f64 {
+        let Course { overlap, closing, .. } = course;
+        if overlap > 0.0 {
+            let speed = closing.abs();
+            let is_near = overlap < self.short * speed;
+            if is_near { (overlap / speed).max(LEAST * self.short) } else { self.short }
+        } else {
+            self.towards(course)
+        }
+    }
+
+    /// A long step with the contact open, or up to where it closes.
+    #[inline]
+    fn towards(&self, Course { overlap, closing, bend }: Course) -> f64 {
+        let (gap, long) = (-overlap, self.long);
+        if closing.max(0.0) * long + 0.5 * bend.max(0.0) * long * long <= gap {
+            return long;
+        }
+        // Where `closing t + bend/2 t^2` is the gap.
+        let square = closing * closing + 2.0 * bend * gap;
+        let sum = closing + square.sqrt();
+        let closes = 2.0 * gap / sum;
+        if sum > 0.0 && closes < long { closes.max(LEAST * self.short) } else { long }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bounce() -> Pacing {
+        let stiff = StiffContact { bodies: [Some(0), None], static_overlap: 0.0, frequency: 24.0 };
+        Pacing { frequency: 1.0, stiff: Some(stiff) }
+    }
+
+    const LENGTHS: [f64; 2] = [LONG, SHORT / 24.0];
+
+    /// A body under gravity, thrown into a contact without a force: where steps end.
+    #[test]
+    fn steps_end_where_the_contact_closes() {
+        let [long, short] = LENGTHS;
+        let (gap, speed, bend, mut time) = (10.0, 1.0, 0.1, 0.0);
+        let course = |time: f64| Course {
+            overlap: speed * time + 0.5 * bend * time * time - gap,
+            closing: speed + bend * time,
+            bend,
+        };
+        let mut beat = Beat::new(&bounce(), LOOSEST, course(0.0));
+        let mut steps = Vec::new();
+        while time < 10.0 {
+            let (h, next) = beat.next(time, 10.0);
+            beat.pass(course(next));
+            steps.push((time, h));
+            time = next;
+        }
+        assert!((steps[0].1 - FIRST * long).abs() < 1e-12);
+        assert!((steps[1].1 - long).abs() < 1e-12);
+        let closes = steps.iter().position(|(time, _)| course(*time).overlap.abs() < 1e-9);
+        let closes = closes.expect("a step that ends where the contact closes");
+        assert!((steps[closes].1 - LEAST * short).abs() < 1e-12);
+        // As long each as all since then, until they are as long as may be.
+        assert!((steps[closes + 1].1 - LEAST * short).abs() < 1e-3 * short);
+        assert!((steps[closes + 2].1 - short).abs() < 1e-12);
+        assert!(steps[closes + 2..steps.len() - 1].iter().all(|s| (s.1 - short).abs() < 1e-12));
+        assert_eq!(time.to_bits(), 10.0_f64.to_bits());
+    }
+
+    /// Contacts that open, turn before they close, and are not there.
+    #[test]
+    fn steps_are_long_with_the_contact_open() {
+        let [long, short] = LENGTHS;
+        let mut beat = Beat::new(&bounce(), LOOSEST, Course { overlap: 1.0, ..NOTHING });
+        for (overlap, closing, bend, length) in [
+            (1.0, -3.0, 0.0, short),
+            (0.8 * short, -1.0, 0.0, 0.8 * short),
+            (0.1 * short, -1.0, 0.0, LEAST * short),
+            (0.0, -1.0, 0.0, long),
+            (-1e-3, -1.0, 0.1, long),
+            (-1.0, 1.0, -0.6, long),
+            (-1.0, 1.0, -0.5, 2.0),
+            (-1.0, 0.0, 2.0, 1.0),
+            (-1.0, -1.0, 4.0, 1.0),
+        ] {
+            beat.pass(Course { overlap, closing, bend });
+            assert!((beat.length - length).abs() < 1e-12, "{overlap} {closing}: {}", beat.length);
+        }
+        let none = Pacing { stiff: None, ..bounce() };
+        // A hundredth of the tolerance, a good third of the step.
+        let mut beat = Beat::new(&none, 0.01 * LOOSEST, NOTHING);
+        assert!((beat.length - FIRST * LONG / 10f64.sqrt()).abs() < 1e-12);
+        beat.pass(NOTHING);
+        assert!((beat.length - LONG / 10f64.sqrt()).abs() < 1e-12);
+    }
+}
