@@ -23,8 +23,8 @@ impl Spring {
 }
 
 impl Chain {
-    /// How fast the chain is when its bodies have these velocities (m/s): each contact at its static overlap, or at that of a collision at the
-    /// largest speed.
+    /// How fast the chain is when its bodies have these velocities (m/s): each contact at its static overlap and that of a collision at the
+    /// largest speed besides.
     ///
     /// What overlaps do to each other's accelerations, `K_j (1/m_above + 1/m_below)` and `K_(j-1)/m_above`, `K_(j+1)/m_below`, has no eigenvalue above the
     /// largest sum of a row's magnitudes: the square of the frequency that is told. For a long chain of two kinds of bodies that is the highest.
@@ -60,8 +60,7 @@ impl Chain {
             if kind != last.0 && stiffness > 0.0 {
                 last = (kind, hertz::collision_overlap(stiffness, 1.0 / mobility, speed));
             }
-            let overlap = contact.static_overlap.max(last.1);
-            let stiffness = contact.tangent_stiffness(overlap - contact.static_overlap);
+            let stiffness = contact.tangent_stiffness(last.1);
             Spring { stiffness, above, below }
         };
         self.contacts.iter().enumerate().map(spring).collect()

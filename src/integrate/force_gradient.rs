@@ -24,3 +24,28 @@ pub static FORCE_GRADIENT: Splitting = Splitting {
     first_step: &[0.25, 0.5, 1.0],
     stability: 3.09,
 };
+
+/// First drift of the one with gradients in the inner kicks alone: of its kind the one that is least off in first peaks of the paper's eight scenes, in
+/// long steps. It saves a third of the gradients; fast oscillations are followed less well.
+const INNER_DRIFT: f64 = 0.2885;
+/// Its kicks, by the first condition: with drifts that lead to 0, `a`, `1 - a` and 1, kicks weigh squares to 1/3.
+const INNER_KICK: f64 = {
+    let squares = INNER_DRIFT * INNER_DRIFT + (1.0 - INNER_DRIFT) * (1.0 - INNER_DRIFT);
+    (1.0 / 3.0 - 0.5 * squares) / (1.0 - squares)
+};
+/// Its gradients, by the second: with all pairs of kicks, each weighed by the drift between, they come to 1/6.
+const INNER_GRADIENT: f64 = {
+    let (outer, inner) = (INNER_KICK, 0.5 - INNER_KICK);
+    let pairs = outer * outer + 2.0 * outer * inner + inner * inner * (1.0 - 2.0 * INNER_DRIFT);
+    0.5 * (1.0 / 6.0 - pairs)
+};
+
+/// The same with gradients in the inner kicks alone.
+pub static INNER_FORCE_GRADIENT: Splitting = Splitting {
+    name: "force-gradient, inner kicks alone",
+    kicks: &[INNER_KICK, 0.5 - INNER_KICK, 0.5 - INNER_KICK, INNER_KICK],
+    drifts: &[INNER_DRIFT, 1.0 - 2.0 * INNER_DRIFT, INNER_DRIFT],
+    gradients: &[0.0, INNER_GRADIENT, INNER_GRADIENT, 0.0],
+    stability: 3.12,
+    ..FORCE_GRADIENT
+};

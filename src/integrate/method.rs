@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::blanes_moan::BLANES_MOAN;
 use super::dormand_prince_54::DORMAND_PRINCE_54;
-use super::force_gradient::FORCE_GRADIENT;
+use super::force_gradient::{FORCE_GRADIENT, INNER_FORCE_GRADIENT};
 use super::nystrom::NystromIntegrator;
 use super::pace;
 use super::pefrl::PEFRL;
@@ -94,7 +94,7 @@ impl Method {
             Self::Pefrl { step } => Kind::Splitting(&PEFRL, step),
             Self::BlanesMoan { step } => Kind::Splitting(&BLANES_MOAN, step),
             Self::ForceGradient { step } => Kind::Splitting(&FORCE_GRADIENT, step),
-            Self::PacedForceGradient { tolerance } => Kind::Paced(&FORCE_GRADIENT, tolerance),
+            Self::PacedForceGradient { tolerance } => Kind::Paced(&INNER_FORCE_GRADIENT, tolerance),
             Self::DormandElMikkawyPrince64 { tolerance } => {
                 Kind::Nystrom(Pair::DormandElMikkawyPrince64, tolerance)
             }

@@ -2,7 +2,7 @@
 //! all others, or about to close.
 //!
 //! With `w` the highest angular frequency of all but that contact and `w1` its own, steps last `L/w`, and with the contact closed
-//! `S/w1`, shorter by `(tolerance/T)^(1/4)`, which a method of order 4 wants. If it closes within a long step they last until then, if it opens
+//! `S/w1`, shorter by `(tolerance/T)^(1/4)` below `T`, which a method of order 4 wants. If it closes within a long step they last until then, if it opens
 //! within a short one or has closed within it as long as that: steps end close to the places where its force has no second derivative.
 //! What decides is the state where a step begins.
 
@@ -14,15 +14,16 @@ pub const NAME: &str = "paced-force-gradient";
 /// `T`: over the paper's eight scenes first peaks and arrivals are off by less than that (1).
 const LOOSEST: f64 = 1e-3;
 /// `L` (rad).
-const LONG: f64 = 2.1;
+const LONG: f64 = 2.7;
 /// `S` (rad).
 const SHORT: f64 = 1.2;
 /// The least step where the stiff contact closes or opens, as a share of those while it is closed (1).
 const LEAST: f64 = 0.6;
 /// The first step as a share of a long one: other contacts may begin at zero overlap, too (1).
 const FIRST: f64 = 0.3;
-/// Steps for tolerances beyond `T` are longer by no more than this: they stay well below what is stable (1).
-const MOST: f64 = 1.2;
+/// A step to where the stiff contact closes is taken in two where it is longer than this share of a long one: until then its bodies are pushed as
+/// nobody foresees, and one that ends beyond that place is off by far more (1).
+const SURE: f64 = 0.8;
 
 /// What of a system decides on the length of steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,7 +95,7 @@ impl Beat {
     /// The steps that `tolerance` (1) asks of a system, the first on a given `course` of its stiff contact, or [`NOTHING`].
     #[must_use]
     pub fn new(pacing: &Pacing, tolerance: f64, course: Course) -> Self {
-        let share = (tolerance / LOOSEST).sqrt().sqrt().min(MOST);
+        let share = (tolerance / LOOSEST).sqrt().sqrt().min(1.0);
         let long = share * LONG / pacing.frequency;
         let short = pacing.stiff.map_or(long, |stiff| share * SHORT / stiff.frequency);
         let mut beat = Self { long, short, length: 0.0 };
@@ -140,7 +141,12 @@ impl Beat {
         let square = closing * closing + 2.0 * bend * gap;
         let sum = closing + square.sqrt();
         let closes = 2.0 * gap / sum;
-        if sum > 0.0 && closes < long { closes.max(LEAST * self.short) } else { long }
+        if sum > 0.0 && closes < long {
+            let length = if closes > SURE * long { 0.5 * closes } else { closes };
+            length.max(LEAST * self.short)
+        } else {
+            long
+        }
     }
 }
 
@@ -198,6 +204,7 @@ mod tests {
             (-1e-3, -1.0, 0.1, long),
             (-1.0, 1.0, -0.6, long),
             (-1.0, 1.0, -0.5, 2.0),
+            (-1.0, 0.4, 0.0, 1.25),
             (-1.0, 0.0, 2.0, 1.0),
             (-1.0, -1.0, 4.0, 1.0),
         ] {

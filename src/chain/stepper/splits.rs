@@ -100,11 +100,11 @@ pub fn timed<'m, L: Lanes, Y: Layout, const GRADIENT: bool>(
     timing: &mut impl Timing<'m, L>,
 ) -> u8 {
     match plan.rows() {
-        1 => short::<L, Y, GRADIENT, 1>(plan, work, timing),
-        2 => short::<L, Y, GRADIENT, 2>(plan, work, timing),
-        3 => short::<L, Y, GRADIENT, 3>(plan, work, timing),
-        4 => short::<L, Y, GRADIENT, 4>(plan, work, timing),
-        _ => short::<L, Y, GRADIENT, FEW>(plan, work, timing),
+        1 => short::<L, Y, _, GRADIENT, 1>(plan, work, timing),
+        2 => short::<L, Y, _, GRADIENT, 2>(plan, work, timing),
+        3 => short::<L, Y, _, GRADIENT, 3>(plan, work, timing),
+        4 => short::<L, Y, _, GRADIENT, 4>(plan, work, timing),
+        _ => short::<L, Y, _, GRADIENT, FEW>(plan, work, timing),
     }
     are_finite::<L, Y>(plan, work)
 }
@@ -139,6 +139,19 @@ fn pressed<L: Lanes, Y: Layout, const R: usize>(
     [force, tangent]
 }
 
+/// Position and velocity after a kick, by what weighs so much, and a drift.
+#[inline(always)]
+fn drifted<L: Lanes>([x, v]: [L::V; 2], [weight, push]: [L::V; 2], drift: L::V) -> [L::V; 2] {
+    let kicked = L::mul_add(weight, push, v);
+    if L::WAITS {
+        // The drift does not wait for the velocities: all but what the newest forces add to it is there before them.
+        let drifted = L::mul_add(drift, v, x);
+        [L::mul_add(L::mul(drift, weight), push, drifted), kicked]
+    } else {
+        [L::mul_add(drift, kicked, x), kicked]
+    }
+}
+
 /// Keeps positions (m), velocities (m/s) and accelerations (m/s²).
 #[inline(always)]
 fn keep<L: Lanes, const R: usize>([x, v, a]: [&Rows<L, R>; 3], parts: &mut Parts) {
@@ -150,16 +163,16 @@ fn keep<L: Lanes, const R: usize>([x, v, a]: [&Rows<L, R>; 3], parts: &mut Parts
 /// Steps of a chain of `R` rows, in plain form.
 #[inline(always)]
 #[allow(clippy::many_single_char_names, reason = "the names of mechanics")]
-fn short<'m, L: Lanes, Y: Layout, const GRADIENT: bool, const R: usize>(
+fn short<'m, L: Lanes, Y: Layout, T: Timing<'m, L>, const GRADIENT: bool, const R: usize>(
     plan: &Plan,
     work: &mut Workspace,
-    timing: &mut impl Timing<'m, L>,
+    timing: &mut T,
 ) {
     let plan = Cut::new(plan, R);
     let none = L::splat(0.0);
     let (mut x, mut v) = (load::<L, R>(work.now.position()), load::<L, R>(work.now.velocity()));
     let (mut a, mut g) = (load::<L, R>(work.now.acceleration()), [none; R]);
-    if GRADIENT {
+    if GRADIENT && T::AT_ENDS {
         g = load::<L, R>(&work.now.gradient);
     }
     let mut is_first = true;
@@ -192,6 +205,9 @@ fn short<'m, L: Lanes, Y: Layout, const GRADIENT: bool, const R: usize>(
                     a[r] = L::mul(push[r], L::load(&plan.inverse_mass[r]));
                     v[r] = L::mul_add(kick.force, a[r], v[r]);
                 }
+                if last && !T::AT_ENDS {
+                    break;
+                }
                 let bend = differences::<L, Y, R>(&a);
                 for r in 0..R {
                     tangent[r] = L::mul(tangent[r], bend[r]);
@@ -210,15 +226,7 @@ fn short<'m, L: Lanes, Y: Layout, const GRADIENT: bool, const R: usize>(
             let drift = weights.drift(part);
             for r in 0..R {
                 let weight = L::mul(weight, L::load(&plan.inverse_mass[r]));
-                if L::WAITS {
-                    // The drift does not wait for the velocities: all but what the newest forces add to it is there before them.
-                    let drifted = L::mul_add(drift, v[r], x[r]);
-                    x[r] = L::mul_add(L::mul(drift, weight), push[r], drifted);
-                    v[r] = L::mul_add(weight, push[r], v[r]);
-                } else {
-                    v[r] = L::mul_add(weight, push[r], v[r]);
-                    x[r] = L::mul_add(drift, v[r], x[r]);
-                }
+                [x[r], v[r]] = drifted::<L>([x[r], v[r]], [weight, push[r]], drift);
             }
         }
         for r in 0..R {
@@ -232,7 +240,7 @@ fn short<'m, L: Lanes, Y: Layout, const GRADIENT: bool, const R: usize>(
         is_first = false;
     }
     keep::<L, R>([&x, &v, &a], &mut work.next.parts());
-    if GRADIENT {
+    if GRADIENT && T::AT_ENDS {
         store::<L, R>(&g, &mut work.next.gradient);
     }
 }

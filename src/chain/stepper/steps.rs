@@ -9,6 +9,7 @@ use super::splits::TANGENT;
 use super::tasks::Jerks;
 use super::workspace::{Parts, Workspace};
 use crate::integrate::control::StepControl;
+use crate::integrate::splitting::Splitting;
 use crate::integrate::{Pair, Scheme};
 
 /// The first step, as a fraction of overlap over speed (1).
@@ -34,10 +35,14 @@ pub fn finest_asked(scheme: Scheme) -> f64 {
     }
 }
 
-/// Finds the gradients of the accelerations where `work` is, if it has room for them.
-pub fn find_gradients<Y: Layout>(set: InstructionSet, plan: &Plan, work: &mut Workspace) {
+/// Finds the gradients of the accelerations where `work` is, if the first kick of `method` goes by them.
+pub fn find_gradients<Y: Layout>(
+    set: InstructionSet,
+    method: &Splitting,
+    (plan, work): (&Plan, &mut Workspace),
+) {
     let Parts { position, acceleration, gradient, .. } = work.now.parts();
-    if !gradient.is_empty() {
+    if method.gradients.first().is_some_and(|weight| *weight != 0.0) {
         let (at, layout) = ((&*position, &*acceleration), PhantomData);
         dispatch(set, Jerks::<Y> { plan, at, out: gradient, layout });
         // Kicks are weighed for two thirds of them.

@@ -9,6 +9,8 @@ use crate::integrate::splitting::Splitting;
 
 /// Steps, one after the other.
 pub trait Timing<'m, L: Lanes> {
+    /// Whether kicks at steps' ends go by gradients, too.
+    const AT_ENDS: bool;
     /// What the present one weighs.
     fn weights(&self) -> Weights<'m, L>;
     /// Whether it is the last.
@@ -31,6 +33,8 @@ pub struct Fixed<'a, L: Lanes> {
 }
 
 impl<'m, L: Lanes> Timing<'m, L> for Fixed<'m, L> {
+    const AT_ENDS: bool = true;
+
     #[inline(always)]
     fn weights(&self) -> Weights<'m, L> {
         self.weights
@@ -58,6 +62,7 @@ impl<'m, L: Lanes> Timing<'m, L> for Fixed<'m, L> {
 
 /// Paced steps of one chain.
 pub struct Paced<'a> {
+    /// One without gradients at the ends.
     pub method: &'a Splitting,
     pub pacer: &'a mut Pacer,
     /// Which contacts are closed, a bit each of a row.
@@ -99,6 +104,8 @@ fn store<L: Lanes>(moving: [L::V; 3], rows: &mut [Row; 3]) {
 }
 
 impl<'m, L: Lanes> Timing<'m, L> for Paced<'m> {
+    const AT_ENDS: bool = false;
+
     #[inline(always)]
     fn weights(&self) -> Weights<'m, L> {
         Weights::new(self.method, L::splat(self.going.step[0]))

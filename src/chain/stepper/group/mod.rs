@@ -138,12 +138,12 @@ impl ChainGroup {
                 Drive::Paired(Box::new(Paired::new(pair, tolerance, plan.rows())), lanes)
             }
             Scheme::Splitting(method, step) => {
-                find_gradients::<Across>(set, &plan, &mut work);
+                find_gradients::<Across>(set, method, (&plan, &mut work));
                 let end = members.first().map_or(0.0, |first| first.duration);
                 Drive::Split(Split::new(method, (step, end), members.len()))
             }
             Scheme::Paced(method, tolerance) => {
-                find_gradients::<Across>(set, &plan, &mut work);
+                find_gradients::<Across>(set, method, (&plan, &mut work));
                 Drive::Paced(InSteps::new(method, tolerance, members, &work.now))
             }
         };

@@ -155,11 +155,11 @@ impl ChainStepper {
                 Drive::Paired(Box::new(Paired::new(pair, scales, chain.lightest(), watched)))
             }
             Scheme::Splitting(method, step) => {
-                find_gradients::<Y>(set, &course.plan, &mut course.work);
+                find_gradients::<Y>(set, method, (&course.plan, &mut course.work));
                 Drive::Split(Split::new(method, step, state.time))
             }
             Scheme::Paced(method, tolerance) => {
-                find_gradients::<Y>(set, &course.plan, &mut course.work);
+                find_gradients::<Y>(set, method, (&course.plan, &mut course.work));
                 Drive::Paced(Box::new(InSteps::new(method, tolerance, (chain, state), &course)))
             }
         };
