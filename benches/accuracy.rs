@@ -47,12 +47,12 @@ fn main() {
         let case = Case::named(name).expect("a scene");
         let exact = peaks(&case, Method::DormandPrince853 { tolerance: REFERENCE });
         let error = |method: Method| error(&peaks(&case, method), &exact);
-        let pair = |name: &'static str| -> Ladder {
+        let controlled = |name: &'static str| -> Ladder {
             let settings = (2..=26).map(|k| 10f64.powf(-0.5 * f64::from(k)));
             let methods = settings.filter_map(|setting| ours::method(name, setting, &case));
             methods.map(|method| (method, error(method))).collect()
         };
-        let mut ladders = vec![pair("rkn64"), pair("rkn86")];
+        let mut ladders = ["rkn64", "rkn86", "paced-force-gradient"].map(controlled).to_vec();
         for make in FIXED {
             ladders.push(fixed_ladder(&case, make, &error));
         }

@@ -80,6 +80,7 @@ fn to_end(mut stepper: ChainStepper, case: &Case) -> Result<u64, IntegrateError>
 pub fn method(name: &str, setting: f64, case: &Case) -> Option<Method> {
     let (tolerance, step) = (setting, setting * case.unit());
     Some(match name {
+        "paced-force-gradient" => Method::PacedForceGradient { tolerance },
         "rkn64" => Method::DormandElMikkawyPrince64 { tolerance },
         "rkn86" => Method::DormandElMikkawyPrince86 { tolerance },
         "dop853" => Method::DormandPrince853 { tolerance },

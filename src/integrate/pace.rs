@@ -45,14 +45,6 @@ pub struct StiffContact {
     pub frequency: f64,
 }
 
-impl Pacing {
-    /// Whether a contact of this angular frequency wants shorter steps than a system of the highest `frequency` (1/s).
-    #[must_use]
-    pub fn is_stiff(contact: f64, frequency: f64) -> bool {
-        LONG * contact > SHORT * frequency
-    }
-}
-
 impl StiffContact {
     /// How it moves in a system with these positions (m), velocities (m/s) and accelerations (m/s²).
     #[must_use]
