@@ -38,8 +38,7 @@ fn main() {
     if asked(BARE) {
         let case = Case::named("bench").expect("a scene");
         let steps = std::env::args().find_map(|argument| argument.parse().ok());
-        let steps = steps.expect("what steps are held to");
-        let method = for_accuracy(steps);
+        let method = for_accuracy(steps.expect("what steps are held to"));
         ours::run(&case, method, Watching::Recorded).expect("a run");
         return;
     }

@@ -13,7 +13,7 @@ use super::progress::Progress;
 use crate::experiment::accuracy::run_held;
 use crate::experiment::by_hand::{advice, edge, run_by_hand};
 use crate::experiment::effects::auto::settle;
-use crate::experiment::{Integration, RunError, facts};
+use crate::experiment::{Integration, RunError, Tried, facts, methods_tried};
 use crate::recording::mcap::RecordingWriter;
 use crate::report;
 use crate::scene::Scene;
@@ -63,13 +63,20 @@ fn integration(
     Ok((Integration::Accuracy(chosen.value), Some(chosen.reason)))
 }
 
+/// What a recording names before the work is done; what has been done instead, if it was not enough, stands beside each shot.
+fn first_tried(scene: &Scene, integration: Integration) -> Integration {
+    let Integration::Accuracy(accuracy) = integration else { return integration };
+    let first = methods_tried(scene, accuracy).next();
+    first.map_or(integration, |Tried { method, .. }| Integration::Tried { method, accuracy })
+}
+
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut scene = Scene::load(&arguments.scene)?;
     scene.seed = arguments.seed.unwrap_or(scene.seed);
     let (integration, reason) = integration(arguments, &scene)?;
     // Before the recording tells what it is of.
     let scene = settle(&scene, integration);
-    let facts = facts::facts(&scene, integration);
+    let facts = facts::facts(&scene, first_tried(&scene, integration));
     let known = facts.map_err(|error| advised(error, &scene, integration))?;
     // Before the work, so that a folder that cannot be written to costs no simulation.
     let output = Output::open(arguments.output.as_deref(), &scene.name)?;

@@ -117,7 +117,7 @@ pub fn run_held(
             continue;
         }
         let against = match second.take() {
-            Some(second) if steps >= accuracy => second,
+            Some(second) if second.tighter <= tighter(steps) => second,
             _ => {
                 next();
                 Second::run(own, steps.min(accuracy), shot, &mut progress)?

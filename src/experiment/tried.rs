@@ -2,6 +2,7 @@
 
 use super::losses::{controlled_for, paced_for};
 use crate::integrate::Method;
+use crate::integrate::pace::LOOSEST;
 use crate::scene::Scene;
 
 /// Steps that are not paced are first held to so many times the accuracy asked for: most runs are accurate enough then, and each is held against a
@@ -45,12 +46,13 @@ pub fn methods_tried(scene: &Scene, accuracy: f64) -> impl Iterator<Item = Tried
         Some(share * steps).filter(|next| *next >= TIGHTEST_STEPS)
     });
     let paced = [1.0, NEXT].map(|share| {
-        let method = paced_for(chain, velocities, share * accuracy)?;
+        let method = paced_for(chain, velocities, share * accuracy.min(LOOSEST))?;
         Some(Tried { method, steps: share * first })
     });
     let controlled = |steps| Tried { method: controlled_for(chain, velocities, steps), steps };
-    let skipped = paced.iter().flatten().count();
-    paced.into_iter().flatten().chain(steps.map(controlled).skip(skipped.min(1)))
+    // Steps as loose as the first are tried once.
+    let skipped = usize::from(paced[0].is_some());
+    paced.into_iter().flatten().chain(steps.map(controlled).skip(skipped))
 }
 
 /// Whether nothing but what comes of them tells that steps of `method` were too long.

@@ -11,8 +11,8 @@ use super::splitting::REMAINDER;
 /// Name of the splitting with force gradients in such steps, as written in options and recordings.
 pub const NAME: &str = "paced-force-gradient";
 
-/// `T`: over the paper's eight scenes first peaks and arrivals are off by less than that (1).
-const LOOSEST: f64 = 1e-3;
+/// `T`: over the paper's eight scenes first peaks and arrivals are off by less than that. Tolerances beyond it make the same steps (1).
+pub const LOOSEST: f64 = 1e-3;
 /// `L` (rad).
 const LONG: f64 = 2.7;
 /// `S` (rad).

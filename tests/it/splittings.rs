@@ -20,21 +20,39 @@ pub const METHODS: [fn(f64) -> Method; 4] = [
     |step| Method::ForceGradient { step },
 ];
 
-fn kick(chain: &Chain) -> Vec<f64> {
+/// The first body at `speed` (m/s), all others at rest.
+pub fn kick(chain: &Chain, speed: f64) -> Vec<f64> {
     let mut velocities = vec![0.0; chain.bodies().len()];
-    velocities[0] = SPEED;
+    velocities[0] = speed;
     velocities
 }
 
 fn stepper(chain: &Chain, method: Method, set: InstructionSet) -> ChainStepper {
     let scheme = method.scheme().expect("a splitting");
-    ChainStepper::new(chain, &kick(chain), scheme, set)
+    ChainStepper::new(chain, &kick(chain, SPEED), scheme, set)
 }
 
-/// Largest difference of velocities, relative to the first body's (1).
-fn distance(a: &State, b: &State) -> f64 {
+/// Largest difference of velocities, relative to `speed` (m/s) (1).
+pub fn distance(a: &State, b: &State, speed: f64) -> f64 {
     let pairs = a.velocity.iter().zip(&b.velocity);
-    pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / SPEED
+    pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / speed
+}
+
+/// Two of the same that go to `end` (s), one a step at a time with somebody who looks, the other at once, come to the same to the last bit.
+pub fn is_the_same_unseen([seen, unseen]: [&mut ChainStepper; 2], bodies: usize, end: f64) {
+    while seen.time() < end {
+        seen.step(end).expect("a stable step");
+        seen.prepare_interpolation();
+    }
+    unseen.advance(end).expect("a stable step");
+    unseen.prepare_interpolation();
+    assert_eq!(seen.state(), unseen.state());
+    assert_eq!(seen.work(), unseen.work());
+    assert_eq!(seen.events(), unseen.events());
+    for body in 0..bodies {
+        let (a, b) = (seen.interpolant(body), unseen.interpolant(body));
+        assert_eq!(a.position(0.3).to_bits(), b.position(0.3).to_bits());
+    }
 }
 
 /// Preloaded and without preload, in chains that fit into registers and in those that do not: 4 to 130 bodies. Contacts without preload
@@ -46,14 +64,14 @@ fn they_are_those_of_the_plain_loops() {
             let chain = diatomic(cells, force, false);
             for method in METHODS {
                 let method = method(0.73e-6);
-                let system = chain.system(&kick(&chain));
-                let mut plain = method.start(system, chain.initial_state(&kick(&chain)));
+                let system = chain.system(&kick(&chain, SPEED));
+                let mut plain = method.start(system, chain.initial_state(&kick(&chain, SPEED)));
                 plain.advance(TIME).expect("a stable step");
                 for set in InstructionSet::available() {
                     let mut stepper = stepper(&chain, method, set);
                     stepper.advance(TIME).expect("a stable step");
                     assert_eq!(stepper.work(), plain.work(), "{}", method.name());
-                    let off = distance(&stepper.state(), &plain.state());
+                    let off = distance(&stepper.state(), &plain.state(), SPEED);
                     let what = format!("{} {force} N {cells} {}", method.name(), set.name());
                     println!("{what}: {off:.1e}");
                     assert!(off < 1e-11, "{what}: {off:e}");
@@ -81,8 +99,8 @@ fn a_start_in_motion_is_that_of_the_plain_loops() {
         let chain = diatomic(cells, 2.38, false);
         for method in METHODS {
             let method = method(4e-6);
-            let system = || chain.system(&kick(&chain));
-            let mut first = method.start(system(), chain.initial_state(&kick(&chain)));
+            let system = || chain.system(&kick(&chain, SPEED));
+            let mut first = method.start(system(), chain.initial_state(&kick(&chain, SPEED)));
             first.advance(0.5 * TIME).expect("a stable step");
             let mut plain = method.start(system(), first.state());
             plain.advance(TIME).expect("a stable step");
@@ -90,7 +108,7 @@ fn a_start_in_motion_is_that_of_the_plain_loops() {
                 let scheme = method.scheme().expect("a splitting");
                 let mut stepper = ChainStepper::from_state(&chain, &first.state(), scheme, set);
                 stepper.advance(TIME).expect("a stable step");
-                let off = distance(&stepper.state(), &plain.state());
+                let off = distance(&stepper.state(), &plain.state(), SPEED);
                 let what = format!("{} {cells} {}", method.name(), set.name());
                 println!("{what}: {off:.1e}");
                 assert!(off < 1e-11, "{what}: {off:e}");
@@ -109,18 +127,7 @@ fn a_look_changes_nothing() {
             for set in InstructionSet::available() {
                 let [mut seen, mut unseen] = std::array::from_fn(|_| stepper(&chain, method, set));
                 for end in [0.4 * TIME, TIME] {
-                    while seen.time() < end {
-                        seen.step(end).expect("a stable step");
-                        seen.prepare_interpolation();
-                    }
-                    unseen.advance(end).expect("a stable step");
-                    unseen.prepare_interpolation();
-                    assert_eq!(seen.state(), unseen.state());
-                    assert_eq!(seen.work(), unseen.work());
-                    for body in 0..chain.bodies().len() {
-                        let (a, b) = (seen.interpolant(body), unseen.interpolant(body));
-                        assert_eq!(a.position(0.3).to_bits(), b.position(0.3).to_bits());
-                    }
+                    is_the_same_unseen([&mut seen, &mut unseen], chain.bodies().len(), end);
                 }
             }
         }
@@ -156,7 +163,7 @@ fn long_chains_are_those_of_the_plain_loops() {
                 }
                 assert_eq!(at_once.state(), singly.state());
                 for stepper in [&at_once, &exact] {
-                    let off = distance(&stepper.state(), &plain.state());
+                    let off = distance(&stepper.state(), &plain.state(), SPEED);
                     let what = format!("{} {cells} {}", method.name(), set.name());
                     println!("{what}: {off:.1e}");
                     assert!(off < 1e-12, "{what}: {off:e}");

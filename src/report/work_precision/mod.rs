@@ -10,20 +10,21 @@ use crate::experiment::cost::{Chosen, Order, Point, Reference, Study};
 use crate::quantity::engineering;
 use terminal::plot;
 
-/// Letters and colours of the methods in order of appearance.
-const MARKS: [(char, &str); 12] = [
-    ('v', "#4477aa"),
-    ('p', "#66ccee"),
-    ('b', "#228833"),
-    ('f', "#999933"),
-    ('r', "#aa3377"),
-    ('6', "#cc6600"),
-    ('x', "#996633"),
-    ('8', "#ee6677"),
-    ('y', "#444444"),
-    ('5', "#882255"),
-    ('d', "#332288"),
-    ('s', "#888888"),
+/// Letters and colours of the methods: the same in every study.
+const MARKS: [Mark; 13] = [
+    ("velocity-verlet", 'v', "#4477aa"),
+    ("pefrl", 'p', "#66ccee"),
+    ("blanes-moan", 'b', "#228833"),
+    ("force-gradient", 'f', "#999933"),
+    ("paced-force-gradient", 'g', "#00aa99"),
+    ("runge-kutta-4", 'r', "#aa3377"),
+    ("dormand-el-mikkawy-prince-64", '6', "#cc6600"),
+    ("dormand-el-mikkawy-prince-64, kinks as they are", 'x', "#996633"),
+    ("dormand-el-mikkawy-prince-86", '8', "#ee6677"),
+    ("dormand-el-mikkawy-prince-86, kinks as they are", 'y', "#444444"),
+    ("dormand-prince-54", '5', "#882255"),
+    ("dormand-prince-853", 'd', "#332288"),
+    ("rodas", 's', "#888888"),
 ];
 /// Errors below this are rounding (1).
 const LEAST: f64 = 1e-16;
@@ -147,7 +148,8 @@ fn marks(study: &Study) -> Vec<Mark> {
             methods.push(point.method);
         }
     }
-    methods.into_iter().zip(MARKS).map(|(method, (mark, colour))| (method, mark, colour)).collect()
+    let mark = |method: &&str| MARKS.iter().find(|(name, _, _)| name == method).copied();
+    methods.into_iter().map(|name| mark(&name).unwrap_or((name, '?', "#000000"))).collect()
 }
 
 /// The page that `cost` prints.

@@ -30,6 +30,17 @@ fn the_study_is_for_people_for_scripts_and_for_the_recording() {
     let page = printed(folder.path(), &asked);
     says(&page, &["dormand-prince-853", "velocity-verlet", "kinks as they are", "●"]);
     says(&page, &["one level of the scope", "one sample interval of the scope"]);
+    // Every method has a mark of its own.
+    let rows = page.lines().skip_while(|line| !line.contains("nominal order")).skip(1);
+    let marks: Vec<&str> = rows
+        .take_while(|row| !row.trim().is_empty())
+        .filter_map(|row| row.split("  ").map(str::trim).filter(|cell| !cell.is_empty()).nth(1))
+        .collect();
+    let mut own = marks.clone();
+    own.sort_unstable();
+    own.dedup();
+    assert!(own.len() == marks.len() && marks.contains(&"g"), "{marks:?}");
+    assert!(!marks.contains(&"?"), "{marks:?}");
     let written = [&asked[..], &["--json", "--plot", "cost.svg", "--record", "cost.mcap"]].concat();
     let study: Value = serde_json::from_str(&printed(folder.path(), &written)).expect("a study");
     let reference = study["reference"]["error"].as_f64().expect("a number");

@@ -1,11 +1,12 @@
 //! One chain of a group under a pair: how far it is, and how it goes on.
 
 use super::Member;
+use super::progress::Progress;
 use crate::chain::stepper::foresight::Watch;
 use crate::chain::stepper::steps::control;
 use crate::chain::stepper::workspace::{Motion, Workspace};
+use crate::integrate::Pair;
 use crate::integrate::control::{StepControl, Trial};
-use crate::integrate::{IntegrateError, Pair, Work};
 
 /// One chain of a group.
 #[derive(Debug, Clone)]
@@ -17,14 +18,9 @@ pub struct Lane {
     pub scales: (f64, f64),
     /// Smallest mass (kg).
     pub lightest: f64,
-    time: f64,
-    end: f64,
-    pub last_step: (f64, f64),
+    pub progress: Progress,
     /// Whether what contacts will do is foreseen.
     watch: Watch,
-    pub counts: Work,
-    /// Why it stopped, if it did.
-    pub failed: Option<IntegrateError>,
 }
 
 impl Lane {
@@ -36,17 +32,9 @@ impl Lane {
             trial: None,
             scales,
             lightest: member.chain.lightest(),
-            time: 0.0,
-            end: member.duration,
-            last_step: (0.0, 0.0),
+            progress: Progress::new(member),
             watch: Watch::new(),
-            counts: Work { force_evaluations: 1, ..Work::default() },
-            failed: None,
         }
-    }
-
-    pub fn is_moving(&self) -> bool {
-        self.time < self.end && self.failed.is_none()
     }
 
     /// Whether what its contacts will do is foreseen.
@@ -62,10 +50,11 @@ impl Lane {
     /// The next step; 0 for a lane that stands (s).
     pub fn choose(&mut self) -> f64 {
         self.trial = None;
-        if self.is_moving() {
-            match self.control.trial(self.time, self.end) {
+        let progress = &mut self.progress;
+        if progress.is_moving() {
+            match self.control.trial(progress.time, progress.end) {
                 Ok(trial) => self.trial = Some(trial),
-                Err(error) => self.failed = Some(error),
+                Err(error) => progress.failed = Some(error),
             }
         }
         self.trial.map_or(0.0, |trial| trial.length)
@@ -74,7 +63,7 @@ impl Lane {
     /// Tries only the first `share` of its step (1); the length of that (s).
     pub fn shorten(&mut self, share: f64) -> f64 {
         let Some(trial) = &mut self.trial else { return 0.0 };
-        *trial = trial.shortened(self.time, share);
+        *trial = trial.shortened(self.progress.time, share);
         self.watch.renew();
         trial.length
     }
@@ -85,13 +74,11 @@ impl Lane {
         let largest = &work.largest;
         let error = work.error(index);
         if !control.accepts(*trial, error, || first_lost(&work.next, index)) {
-            self.counts.rejected += 1;
+            self.progress.counts.rejected += 1;
             self.watch.renew();
             return false;
         }
-        self.last_step = (self.time, trial.length);
-        self.time = trial.next;
-        self.counts.steps += 1;
+        self.progress.pass(trial.length, trial.next);
         self.watch.pass();
         self.scales.0 = self.scales.0.max(largest.overlap.0[index]);
         self.scales.1 = self.scales.1.max(largest.speed.0[index]);

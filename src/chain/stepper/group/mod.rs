@@ -5,6 +5,7 @@
 mod lane;
 mod paced;
 mod paired;
+mod progress;
 mod split;
 mod trail;
 
@@ -23,6 +24,7 @@ use crate::integrate::{IntegrateError, Scheme, Work};
 use lane::Lane;
 use paced::InSteps;
 use paired::Paired;
+use progress::Progress;
 use split::Split;
 pub use trail::{GroupTrail, Look};
 
@@ -37,23 +39,25 @@ impl Drive {
     /// Starts and lengths of the steps that lanes took `before` the last, and at once with those (s).
     fn last_steps(&self, before: u64) -> (Row, Row) {
         let (mut starts, mut lengths) = (Row::default(), Row::default());
-        match self {
-            Self::Paired(_, lanes) => {
-                for (lane, own) in lanes.iter().enumerate() {
-                    (starts.0[lane], lengths.0[lane]) = own.last_step;
-                }
-            }
-            Self::Paced(paced) => {
-                for (lane, own) in paced.last_steps().enumerate() {
-                    (starts.0[lane], lengths.0[lane]) = own;
-                }
-            }
-            Self::Split(split) => {
-                let (start, length) = split.last_step(before);
-                (starts, lengths) = (Row([start; WIDTH]), Row([length; WIDTH]));
+        if let Self::Split(split) = self {
+            let (start, length) = split.last_step(before);
+            return (Row([start; WIDTH]), Row([length; WIDTH]));
+        }
+        for lane in 0..WIDTH {
+            if let Some(progress) = self.progress(lane) {
+                (starts.0[lane], lengths.0[lane]) = progress.last_step;
             }
         }
         (starts, lengths)
+    }
+
+    /// How far lane `index` is, where each has steps of its own.
+    fn progress(&self, index: usize) -> Option<&Progress> {
+        match self {
+            Self::Paired(_, lanes) => lanes.get(index).map(|lane| &lane.progress),
+            Self::Paced(paced) => paced.progress(index),
+            Self::Split(_) => None,
+        }
     }
 }
 
@@ -153,11 +157,11 @@ impl ChainGroup {
     /// Whether every lane has come to its end, or failed.
     #[must_use]
     pub fn is_done(&self) -> bool {
-        match &self.drive {
-            Drive::Paired(_, lanes) => lanes.iter().all(|lane| !lane.is_moving()),
-            Drive::Split(split) => split.is_done(),
-            Drive::Paced(paced) => paced.is_done(),
+        if let Drive::Split(split) = &self.drive {
+            return split.is_done();
         }
+        let mut all = (0..WIDTH).filter_map(|lane| self.drive.progress(lane));
+        all.all(|progress| !progress.is_moving())
     }
 
     /// Tries a step in every lane that is still moving, or up to `most` that are of one length, of which `notes` are kept; tells how many, and which
@@ -190,14 +194,9 @@ impl ChainGroup {
     /// # Errors
     /// [`IntegrateError`] where the error control could not go on.
     pub fn outcome(&self, index: usize) -> Result<Work, IntegrateError> {
-        match &self.drive {
-            Drive::Paired(_, lanes) => match lanes.get(index) {
-                Some(Lane { failed: Some(error), .. }) => Err(error.clone()),
-                Some(lane) => Ok(lane.counts),
-                None => Ok(Work::default()),
-            },
-            Drive::Split(split) => split.outcome(index),
-            Drive::Paced(paced) => paced.outcome(index),
+        if let Drive::Split(split) = &self.drive {
+            return split.outcome(index);
         }
+        self.drive.progress(index).map_or(Ok(Work::default()), Progress::outcome)
     }
 }

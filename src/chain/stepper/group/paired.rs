@@ -89,7 +89,7 @@ impl Paired {
         let sides = dispatch(set, Attempt::<Across> { plan, pair, work, step, worth });
         let stages = self.pair.evaluations() as u64;
         for lane in lanes.iter_mut().filter(|lane| lane.tries()) {
-            lane.counts.force_evaluations += stages;
+            lane.progress.counts.force_evaluations += stages;
         }
         if !sides.any() {
             return;
@@ -130,7 +130,7 @@ impl Paired {
         let mut lanes_moved = 0;
         for (index, lane) in lanes.iter_mut().enumerate() {
             if lane.tries() && moved.0[index] > UNMOVED * *tolerance * lane.scales.0 {
-                lane.counts.force_evaluations += 1;
+                lane.progress.counts.force_evaluations += 1;
                 lanes_moved |= 1 << index;
             }
         }
