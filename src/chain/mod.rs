@@ -46,6 +46,8 @@ pub use probe::{ForceProbe, ForceSegment};
 pub use pulled::PulledSystem;
 pub use system::ChainSystem;
 
+use std::sync::Arc;
+
 use statics::{contact, loads};
 
 /// A rigid body with two elastic faces.
@@ -96,10 +98,11 @@ pub struct ChainSpec {
 /// A chain in static equilibrium, the striker at rest where it first touches.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chain {
-    bodies: Vec<Body>,
-    contacts: Vec<Contact>,
+    // Clones have these in common.
+    bodies: Arc<[Body]>,
+    contacts: Arc<[Contact]>,
     /// Force on each body that the static contacts do not balance: the striker's weight (N).
-    residual: Vec<f64>,
+    residual: Arc<[f64]>,
     striker: bool,
     /// Acceleration of free fall (m/s²).
     gravity: f64,
@@ -153,9 +156,9 @@ impl Chain {
         }
         let end = |end: &End| if let End::Force(force) = end { *force } else { 0.0 };
         Ok(Self {
-            bodies,
-            contacts,
-            residual,
+            bodies: bodies.into(),
+            contacts: contacts.into(),
+            residual: residual.into(),
             striker,
             gravity: spec.effects.gravity.map_or(0.0, |gravity| gravity.acceleration),
             ends: [end(&spec.top), end(&spec.bottom)],

@@ -3,6 +3,8 @@
 /// A secant that moves a maximum by less than this share of the way between two looks leaves it so much nearer that the force is the highest to the
 /// last bits, for that goes by the square (1).
 const NEAR: f64 = 1e-4;
+/// Secants that are tried: each has about as many more digits right as the one before, or none will.
+const SECANTS: usize = 4;
 
 /// Whether a force that rises at two looks, on average at `mean`, may fall in between (N/s): its cubic's rate is
 /// `first + 2 (3 mean - 2 first - second) t + 3 (first + second - 2 mean) t^2`, and where its least value is below the share `doubtful` (1)
@@ -41,7 +43,7 @@ pub fn fall(rate: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> Option<f6
 }
 
 /// Where a force is highest that rises at `low` and falls at `high`, by its rates of change there, `first` and `second`, and its `mean` one (N/s): the
-/// turn of its cubic, and two secants from there. The force there is the highest to the last bits; none where that is not certain (1).
+/// turn of its cubic, and a few secants from there. The force there is the highest to the last bits; none where that is not certain (1).
 pub fn crest(
     rate: &dyn Fn(f64) -> f64,
     [low, high]: [f64; 2],
@@ -52,20 +54,31 @@ pub fn crest(
     let turn = 2.0 * (3.0 * mean - 2.0 * first - second);
     let steepness = (turn * turn - 4.0 * bend * first).sqrt();
     let place = |share: f64| low + share * (high - low);
-    let guess = 2.0 * first / (steepness - turn);
-    let at_guess = rate(place(guess));
-    let next = guess + at_guess / steepness;
-    let at_next = rate(place(next));
-    let rest = if at_next == 0.0 { 0.0 } else { at_next * (next - guess) / (at_next - at_guess) };
-    let crest = next - rest;
-    let is_near = rest.abs() <= NEAR && (0.0..=1.0).contains(&crest);
-    is_near.then(|| place(crest))
+    let mut before = 2.0 * first / (steepness - turn);
+    let mut at_before = rate(place(before));
+    let mut fall = -steepness;
+    let mut next = before - at_before / fall;
+    for _ in 0..SECANTS {
+        if !(0.0..=1.0).contains(&next) {
+            return None;
+        }
+        let at_next = rate(place(next));
+        // At the first try it may be there.
+        if next != before {
+            fall = (at_next - at_before) / (next - before);
+        }
+        let crest = next - at_next / fall;
+        if fall < 0.0 && (crest - next).abs() <= NEAR && (0.0..=1.0).contains(&crest) {
+            return Some(place(crest));
+        }
+        (before, at_before, next) = (next, at_next, crest);
+    }
+    None
 }
 
 /// Root of `f` between `low` and `high`, to the last bits, where it has the signs of `at_low` and `at_high`, which differ, and is about as
-/// large: false position, the end that
-/// stays counting less each time, and bisection where that does not close in. No shape of `f` can defeat it. N. Anderson, Å. Björck,
-/// BIT 13, 253, 1973 (unit).
+/// large: false position, the end that stays counting less each time, and bisection where that does not close in. No shape of `f` can defeat
+/// it. N. Anderson, Å. Björck, BIT 13, 253, 1973 (unit).
 pub fn root(
     f: &dyn Fn(f64) -> f64,
     [mut low, mut high]: [f64; 2],
@@ -124,7 +137,7 @@ mod tests {
     }
 
     /// A maximum wherever it is between two looks, to the last bits of the force: by two rates where looks are a fifteenth of an oscillation apart,
-    /// or somebody else is left to look.
+    /// by two or three more where they are a quarter.
     #[test]
     fn the_force_at_a_crest_is_the_highest() {
         let (mut worst, mut found) = (0.0_f64, 0);
@@ -140,13 +153,14 @@ mod tests {
                 };
                 let mean = force(1.0) - force(0.0);
                 let place = crest(&counted, [0.0, 1.0], [rate(0.0), rate(1.0)], mean);
-                assert!(place.is_some() || width > 0.4, "{width} {share}");
-                assert_eq!(count.get(), 2);
-                found += u32::from(place.is_some());
+                assert!(place.is_some(), "{width} {share}");
+                let most = if width > 0.4 { 5 } else { 2 };
+                assert!(count.get() <= most, "{width} {share}: {} rates", count.get());
+                found += u32::from(count.get() == 2);
                 worst = place.map_or(worst, |place| worst.max(1.1 - force(place)));
             }
         }
-        println!("{found} of 36, {worst:e} below the highest");
+        println!("{found} of 36 by two rates, {worst:e} below the highest");
         assert!(worst <= 4.0 * f64::EPSILON);
     }
 

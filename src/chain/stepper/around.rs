@@ -121,6 +121,20 @@ impl Around {
         moves
     }
 
+    /// Dynamic forces (N) of contact `which` beside the places and its tangent stiffnesses (N/m), for changes of its overlaps (m).
+    #[inline(always)]
+    pub fn press<L: Lanes>(&self, which: usize, change: L::V) -> (L::V, L::V) {
+        let [stiffness, static_root, _] = &self.contacts[which];
+        let constants = [L::load(stiffness), L::load(static_root)];
+        if self.form != Form::Plain {
+            return lane_forces::<L>(constants, change, self.form);
+        }
+        let still = L::load(&self.static_overlap[which + 1]);
+        let (nothing, _) = plain_forces::<L>(constants[0], still);
+        let (whole, tangent) = plain_forces::<L>(constants[0], L::add(still, change));
+        (L::sub(whole, nothing), tangent)
+    }
+
     /// What is felt in steps of `length` (s) between the ends `from` and `to`.
     #[inline(always)]
     fn look<L: Lanes>(&self, [from, to]: [Held<L>; 2], length: &Row, seen: &mut Seen) {
@@ -131,11 +145,7 @@ impl Around {
             for power in 0..COEFFICIENTS {
                 L::store(overlap[power], &mut seen.overlaps[which][power]);
             }
-            let [stiffness, static_root, weight] = &self.contacts[which];
-            let constants = [L::load(stiffness), L::load(static_root)];
-            let weight = L::load(weight);
-            let still = L::load(&self.static_overlap[which + 1]);
-            let (nothing, _) = plain_forces::<L>(constants[0], still);
+            let weight = L::load(&self.contacts[which][2]);
             for look in 0..LOOKS {
                 // The last is the end of the step.
                 let (change, slope) = if look + 1 == LOOKS {
@@ -143,12 +153,7 @@ impl Around {
                 } else {
                     horner_and_slope::<L>(&overlap, L::splat(LOOKED_AT[look]))
                 };
-                let (force, tangent) = if self.form == Form::Plain {
-                    let (whole, tangent) = plain_forces::<L>(constants[0], L::add(still, change));
-                    (L::sub(whole, nothing), tangent)
-                } else {
-                    lane_forces::<L>(constants, change, self.form)
-                };
+                let (force, tangent) = self.press::<L>(which, change);
                 forces[look] = L::mul_add(weight, force, forces[look]);
                 rates[look] = L::mul_add(L::mul(weight, tangent), slope, rates[look]);
             }

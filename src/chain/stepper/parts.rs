@@ -115,7 +115,8 @@ impl<'a, Y: Layout, const FORM: u8, const GRADIENT: bool> Step<'a, '_, Y, FORM, 
     #[inline(always)]
     fn take<L: Lanes>(&mut self) {
         let (rows, parts) = (self.moving[0].len(), self.method.drifts.len());
-        let sweeps = if GRADIENT && Y::TILE != 1 { 2 * parts } else { parts };
+        let bends = (0..parts).filter(|part| self.bends(*part)).count();
+        let sweeps = if GRADIENT && Y::TILE != 1 { parts + bends } else { parts };
         let behind = sweeps * BEHIND;
         let length = if rows <= AT_ONCE { rows + behind } else { STRETCH };
         let mut end = 0;
@@ -132,6 +133,12 @@ impl<'a, Y: Layout, const FORM: u8, const GRADIENT: bool> Step<'a, '_, Y, FORM, 
         }
     }
 
+    /// Whether the kick behind drift `part` goes by gradients: all may but the last, and none does in a step whose first does not.
+    #[inline(always)]
+    fn bends(&self, part: usize) -> bool {
+        GRADIENT && (part + 1 < self.method.drifts.len() || self.method.gradients[0] != 0.0)
+    }
+
     /// Takes sweep number `index` over the rows `span`.
     #[inline(always)]
     fn sweep<L: Lanes>(&mut self, index: usize, span: [usize; 2]) {
@@ -146,10 +153,13 @@ impl<'a, Y: Layout, const FORM: u8, const GRADIENT: bool> Step<'a, '_, Y, FORM, 
         match (apart && index % 2 == 1, starts, is_last) {
             (true, _, false) => self.bend::<L, false>(part, span, &mut pause),
             (true, _, true) => self.bend::<L, true>(part, span, &mut pause),
-            (false, false, false) => self.push::<L, false, false>(part, span, &mut pause),
-            (false, false, true) => self.push::<L, false, true>(part, span, &mut pause),
-            (false, true, false) => self.push::<L, true, false>(part, span, &mut pause),
-            (false, true, true) => self.push::<L, true, true>(part, span, &mut pause),
+            (false, false, false) => self.push::<L, GRADIENT, false, false>(part, span, &mut pause),
+            (false, true, false) => self.push::<L, GRADIENT, true, false>(part, span, &mut pause),
+            (false, true, true) => self.push::<L, GRADIENT, true, true>(part, span, &mut pause),
+            (false, false, true) if self.bends(part) => {
+                self.push::<L, GRADIENT, false, true>(part, span, &mut pause);
+            }
+            (false, false, true) => self.push::<L, false, false, true>(part, span, &mut pause),
         }
         if let Some(paused) = self.pauses.get_mut(index) {
             *paused = pause;
@@ -191,9 +201,9 @@ impl<'a, Y: Layout, const FORM: u8, const GRADIENT: bool> Step<'a, '_, Y, FORM, 
         Kicks { kick: weights.kick::<GRADIENT>(part + 1), after }
     }
 
-    /// Part `part` over the rows `span`, in tiles up to the kick where there are gradients.
+    /// Part `part` over the rows `span`, in tiles up to the kick where that goes by gradients.
     #[inline(always)]
-    fn push<L: Lanes, const FIRST: bool, const LAST: bool>(
+    fn push<L: Lanes, const BENDS: bool, const FIRST: bool, const LAST: bool>(
         &mut self,
         part: usize,
         span: [usize; 2],
@@ -209,7 +219,7 @@ impl<'a, Y: Layout, const FORM: u8, const GRADIENT: bool> Step<'a, '_, Y, FORM, 
             of: [Strip::new(x, end), Strip::new(v, end), Strip::new(a, end), Strip::new(g, shown)],
         });
         let [x, v, a, g] = &mut *self.moving;
-        let mut push = Push::<L, GRADIENT, FIRST, LAST> {
+        let mut push = Push::<L, BENDS, FIRST, LAST> {
             start,
             drift,
             kicks,
@@ -218,8 +228,8 @@ impl<'a, Y: Layout, const FORM: u8, const GRADIENT: bool> Step<'a, '_, Y, FORM, 
             acceleration: StripMut::new(a, end),
             tangent: StripMut::new(g, shown),
         };
-        if GRADIENT && Y::TILE == 1 {
-            let mut both = Both::<L, Y, GRADIENT, FIRST, LAST> {
+        if BENDS && Y::TILE == 1 {
+            let mut both = Both::<L, Y, BENDS, FIRST, LAST> {
                 push,
                 inverse_mass: Strip::new(self.plan.inverse_mass, end),
                 bent: if span[0] > 0 { pause.left::<L>() } else { [L::splat(0.0); 2] },

@@ -67,8 +67,8 @@ pub struct PulseRecorder {
     largest: f64,
     /// What the highest of the maxima reaches at least (N).
     highest: f64,
-    /// What the highest of those reached that are forgotten (N).
-    passed_over: f64,
+    /// The highest of those that are forgotten.
+    passed_over: Option<Bracket>,
     rate_before: f64,
     /// Force at the end of the last step (N).
     last: f64,
@@ -90,7 +90,7 @@ impl PulseRecorder {
             forgotten: 0.0,
             largest: 0.0,
             highest: 0.0,
-            passed_over: 0.0,
+            passed_over: None,
             last: 0.0,
         }
     }
@@ -183,8 +183,7 @@ impl PulseRecorder {
         let threshold = PEAK_SHARE * self.largest;
         // Each is higher than those before.
         let passed = self.peaks.iter().take_while(|peak| peak.most <= threshold).last();
-        let height = passed.map_or(0.0, |peak| self.felt.top(peak).1);
-        self.passed_over = self.passed_over.max(height);
+        self.passed_over = passed.copied().or(self.passed_over);
         self.peaks.retain(|peak| peak.most > threshold);
         let low = self.rises.partition_point(|rise| rise.reached < LOWEST_LEVEL * threshold);
         self.forgotten = self.rises[..low].last().map_or(self.forgotten, |rise| rise.reached);

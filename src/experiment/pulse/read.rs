@@ -28,9 +28,8 @@ impl PulseRecorder {
     #[must_use]
     pub fn passed_over(&self) -> Option<PassedOver> {
         let threshold = (PEAK_SHARE * self.largest).max(self.quietest);
-        let tops = self.peaks.iter().map(|peak| self.felt.top(peak).1);
-        let passed = tops.take_while(|top| *top <= threshold);
-        let dynamic_n = passed.fold(self.passed_over, f64::max);
+        let tops = self.passed_over.iter().chain(&self.peaks).map(|peak| self.felt.top(peak).1);
+        let dynamic_n = tops.take_while(|top| *top <= threshold).fold(0.0, f64::max);
         if dynamic_n <= self.quietest {
             return None;
         }

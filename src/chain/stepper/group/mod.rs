@@ -8,6 +8,7 @@ mod paired;
 mod progress;
 mod split;
 mod trail;
+mod watched;
 
 use std::marker::PhantomData;
 

@@ -1,19 +1,13 @@
 //! What places in each lane's chain have felt in the last steps, and into which of those somebody has to look: a few steps are noted, their ends
 //! felt side by side, and few of them looked into.
-#![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
+use super::watched::{Feel, Glance, Watched};
 use super::{ChainGroup, bits};
 use crate::chain::ForceProbe;
-use crate::chain::stepper::around::{Around, BODIES, Bodies, Rows, Seen, SideBySide};
+use crate::chain::stepper::around::{Rows, Seen, SideBySide};
 use crate::chain::stepper::dispatch::dispatch;
-use crate::chain::stepper::force_track::lane_forces;
-use crate::chain::stepper::lanes::{Lanes, Row, Task, WIDTH};
+use crate::chain::stepper::lanes::{Row, WIDTH};
 use crate::chain::stepper::notes::Notes;
-use crate::chain::stepper::plan::Form;
-use crate::chain::stepper::wanted::Asked;
-
-/// Which of the bodies around a place is its own.
-const MIDDLE: usize = BODIES / 2;
 
 /// The last steps of a group's chains at their watched places.
 #[derive(Debug, Clone)]
@@ -26,28 +20,6 @@ pub struct GroupTrail {
     places: Vec<Watched>,
     /// Of steps that are taken at once.
     notes: Notes,
-}
-
-/// A watched place in each lane, or none.
-#[derive(Debug, Clone)]
-struct Watched {
-    /// Lanes that have one, a bit each.
-    lanes: u8,
-    /// Lanes that have not taken a step yet: their first is looked into whatever is asked, for a place may start with a rate of change that is
-    /// nothing but rounding.
-    first: u8,
-    around: Around,
-    /// Whether it is around the same body in all lanes.
-    alike: bool,
-    /// How the bodies around it stood and moved before the first step and at the end of each.
-    noted: Box<[Bodies; GroupTrail::STEPS + 1]>,
-    /// Dynamic forces (N) and their rates of change (N/s) at the end of each step.
-    ends: [[Row; 2]; GroupTrail::STEPS],
-    /// The same at the end of the last step that was glanced at, as somebody felt it who has looked closer.
-    felt: [Row; 2],
-    /// What is asked of each lane.
-    asked: Asked,
-    seen: Box<Seen>,
 }
 
 /// What somebody has felt in a step of place `.0` in lane `.1`, which began with the force and its rate of change `.2` (N, N/s): what they are at its
@@ -82,7 +54,7 @@ impl ChainGroup {
         let place = |place| {
             let mut watched =
                 Watched::new(self.plan.form, probes.iter().map(move |probes| probes.get(place)));
-            watched.note(0, |body| of(rows, body));
+            watched.note(self.set, 0, |body| of(rows, body));
             watched
         };
         let places: Vec<Watched> = (0..count).map(place).collect();
@@ -109,9 +81,9 @@ impl ChainGroup {
             let GroupTrail { places, notes, .. } = trail;
             for watched in places {
                 match before {
-                    0 => watched.note(trail.count, |body| of(rows, body)),
-                    1 => watched.note(trail.count, |body| of(started, body)),
-                    _ => watched.note(trail.count, |body| notes.at(step, body)),
+                    0 => watched.note(self.set, trail.count, |body| of(rows, body)),
+                    1 => watched.note(self.set, trail.count, |body| of(started, body)),
+                    _ => watched.note(self.set, trail.count, |body| notes.at(step, body)),
                 }
             }
         }
@@ -145,146 +117,8 @@ impl ChainGroup {
     }
 }
 
-impl Watched {
-    /// The places of each lane's probe in chains that compute forces in `form`, at rest; nothing is asked yet.
-    fn new<'a>(form: Form, probes: impl Iterator<Item = Option<&'a ForceProbe>>) -> Self {
-        let mut watched = Self {
-            lanes: 0,
-            first: u8::MAX,
-            around: Around::nothing(form),
-            alike: false,
-            noted: Box::default(),
-            ends: Default::default(),
-            felt: Default::default(),
-            asked: Asked::nothing(),
-            seen: Box::new(Seen::nothing()),
-        };
-        for (lane, probe) in probes.enumerate().take(WIDTH) {
-            let Some(probe) = probe else { continue };
-            if watched.lanes == 0 {
-                // Lanes that have none are taken along.
-                (0..WIDTH).for_each(|lane| watched.around.put(lane, probe));
-            }
-            watched.lanes |= 1 << lane;
-            watched.around.put(lane, probe);
-        }
-        let above = |lane| watched.around.body(lane, MIDDLE);
-        watched.alike = (1..WIDTH).all(|lane| above(lane) == above(0));
-        watched
-    }
-
-    /// The bodies around the places.
-    fn bodies(&self) -> impl Iterator<Item = usize> {
-        let lanes = if self.alike { 1 } else { WIDTH };
-        let around = (0..lanes).flat_map(|lane| (0..BODIES).map(move |index| (lane, index)));
-        around.filter_map(|(lane, index)| self.around.body(lane, index))
-    }
-
-    /// Notes how the bodies around the places stand and move, `of` each body, nothing where there is none.
-    fn note<'a>(&mut self, step: usize, of: impl Fn(usize) -> Option<[&'a Row; 3]>) {
-        let Self { around, alike, noted, .. } = self;
-        for index in 0..BODIES {
-            let of = |lane| around.body(lane, index).and_then(&of);
-            if *alike {
-                let rows = of(0);
-                for (part, noted) in noted[step].iter_mut().enumerate() {
-                    noted[index] = rows.map_or(Row::default(), |rows| *rows[part]);
-                }
-                continue;
-            }
-            for lane in 0..WIDTH {
-                let rows = of(lane);
-                for (part, noted) in noted[step].iter_mut().enumerate() {
-                    noted[index].0[lane] = rows.map_or(0.0, |rows| rows[part].0[lane]);
-                }
-            }
-        }
-    }
-
-    /// Takes force (N) and rate of change (N/s) at the end of lane `lane`'s last step from somebody who has looked closer.
-    fn correct(&mut self, lane: usize, felt: [f64; 2]) {
-        for (row, value) in self.felt.iter_mut().zip(felt) {
-            row.0[lane] = value;
-        }
-    }
-}
-
-/// Feels the ends of all steps that are noted.
-struct Feel<'a> {
-    watched: &'a mut Watched,
-    count: usize,
-}
-
-impl Task for Feel<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Watched { around, noted, ends, .. } = self.watched;
-        for (end, [position, velocity, _]) in ends.iter_mut().zip(&noted[1..=self.count]) {
-            let (mut force, mut rate) = (L::splat(0.0), L::splat(0.0));
-            for (which, contact) in around.contacts.iter().enumerate() {
-                let [stiffness, static_root, weight] = contact;
-                let change = across::<L>(position, which);
-                let closing = across::<L>(velocity, which);
-                let constants = [L::load(stiffness), L::load(static_root)];
-                let (felt, tangent) = lane_forces::<L>(constants, change, around.form);
-                let weight = L::load(weight);
-                force = L::mul_add(weight, felt, force);
-                rate = L::mul_add(L::mul(weight, tangent), closing, rate);
-            }
-            L::store(force, &mut end[0]);
-            L::store(rate, &mut end[1]);
-        }
-    }
-}
-
 /// How `body` stands and moves by these rows.
 fn of(rows: Rows<'_>, body: usize) -> Option<[&Row; 3]> {
     let [position, velocity, acceleration] = rows;
     Some([position.get(body)?, velocity.get(body)?, acceleration.get(body)?])
-}
-
-/// How much more the body above contact `which` of the places has than the one below.
-#[inline(always)]
-fn across<L: Lanes>(rows: &[Row; BODIES], which: usize) -> L::V {
-    let above = MIDDLE - 1 + which;
-    L::sub(L::load(&rows[above]), L::load(&rows[above + 1]))
-}
-
-/// Takes a glance at a step's ends.
-struct Glance<'a> {
-    watched: &'a mut Watched,
-    step: usize,
-    lengths: &'a Row,
-    taken: u8,
-}
-
-/// What a glance tells.
-struct Wanted {
-    /// Lanes whose step holds what is asked for, or may, a bit each.
-    lanes: u8,
-    /// Force and its rate of change where the step starts (N, N/s).
-    before: [Row; 2],
-}
-
-impl Task for Glance<'_> {
-    type Output = Wanted;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> Wanted {
-        let Watched { lanes, first, ends, felt, asked, .. } = self.watched;
-        let taken = self.taken & *lanes;
-        let before = [L::load(&felt[0]), L::load(&felt[1])];
-        let end = [L::load(&ends[self.step][0]), L::load(&ends[self.step][1])];
-        let wanted = asked.wanted::<L>(before, end, L::load(self.lengths));
-        let mut started = [Row::default(); 2];
-        for which in 0..felt.len() {
-            L::store(before[which], &mut started[which]);
-            L::store(L::select(taken, end[which], before[which]), &mut felt[which]);
-        }
-        let lanes = taken & (wanted | *first);
-        *first &= !taken;
-        Wanted { lanes, before: started }
-    }
 }

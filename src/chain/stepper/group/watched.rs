@@ -1,0 +1,194 @@
+//! What a watched place in each lane has felt at the ends of steps.
+#![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
+
+use super::trail::GroupTrail;
+use crate::chain::ForceProbe;
+use crate::chain::stepper::around::{Around, BODIES, Bodies, Seen};
+use crate::chain::stepper::dispatch::{InstructionSet, dispatch};
+use crate::chain::stepper::lanes::{Lanes, Row, Task, WIDTH};
+use crate::chain::stepper::plan::Form;
+use crate::chain::stepper::wanted::Asked;
+
+/// Which of the bodies around a place is its own.
+const MIDDLE: usize = BODIES / 2;
+
+/// A watched place in each lane, or none.
+#[derive(Debug, Clone)]
+pub struct Watched {
+    /// Lanes that have one, a bit each.
+    lanes: u8,
+    /// Lanes that have not taken a step yet: their first is looked into whatever is asked, for a place may start with a rate of change that is
+    /// nothing but rounding.
+    first: u8,
+    pub around: Around,
+    /// Whether it is around the same body in all lanes.
+    alike: bool,
+    /// How the bodies around it stood and moved before the first step and at the end of each.
+    pub noted: Box<[Bodies; GroupTrail::STEPS + 1]>,
+    /// Dynamic forces (N) and their rates of change (N/s) at the end of each step.
+    ends: [[Row; 2]; GroupTrail::STEPS],
+    /// The same at the end of the last step that was glanced at, as somebody felt it who has looked closer.
+    felt: [Row; 2],
+    /// What is asked of each lane.
+    pub asked: Asked,
+    pub seen: Box<Seen>,
+}
+
+impl Watched {
+    /// The places of each lane's probe in chains that compute forces in `form`, at rest; nothing is asked yet.
+    pub fn new<'a>(form: Form, probes: impl Iterator<Item = Option<&'a ForceProbe>>) -> Self {
+        let mut watched = Self {
+            lanes: 0,
+            first: u8::MAX,
+            around: Around::nothing(form),
+            alike: false,
+            noted: Box::default(),
+            ends: Default::default(),
+            felt: Default::default(),
+            asked: Asked::nothing(),
+            seen: Box::new(Seen::nothing()),
+        };
+        for (lane, probe) in probes.enumerate().take(WIDTH) {
+            let Some(probe) = probe else { continue };
+            if watched.lanes == 0 {
+                // Lanes that have none are taken along.
+                (0..WIDTH).for_each(|lane| watched.around.put(lane, probe));
+            }
+            watched.lanes |= 1 << lane;
+            watched.around.put(lane, probe);
+        }
+        let above = |lane| watched.around.body(lane, MIDDLE);
+        watched.alike = (1..WIDTH).all(|lane| above(lane) == above(0));
+        watched
+    }
+
+    /// The bodies around the places.
+    pub fn bodies(&self) -> impl Iterator<Item = usize> {
+        let lanes = if self.alike { 1 } else { WIDTH };
+        let around = (0..lanes).flat_map(|lane| (0..BODIES).map(move |index| (lane, index)));
+        around.filter_map(|(lane, index)| self.around.body(lane, index))
+    }
+
+    /// Notes how the bodies around the places stand and move, `of` each body, nothing where there is none.
+    pub fn note<'a>(
+        &mut self,
+        set: InstructionSet,
+        step: usize,
+        of: impl Fn(usize) -> Option<[&'a Row; 3]>,
+    ) {
+        let Self { around, alike, noted, .. } = self;
+        let of = |lane, index| around.body(lane, index).and_then(&of);
+        let noted = &mut noted[step];
+        if *alike {
+            dispatch(set, Keep { rows: std::array::from_fn(|index| of(0, index)), noted });
+            return;
+        }
+        for (index, lane) in (0..BODIES).flat_map(|index| (0..WIDTH).map(move |lane| (index, lane)))
+        {
+            let rows = of(lane, index);
+            for (part, noted) in noted.iter_mut().enumerate() {
+                noted[index].0[lane] = rows.map_or(0.0, |rows| rows[part].0[lane]);
+            }
+        }
+    }
+
+    /// Takes force (N) and rate of change (N/s) at the end of lane `lane`'s last step from somebody who has looked closer.
+    pub fn correct(&mut self, lane: usize, felt: [f64; 2]) {
+        for (row, value) in self.felt.iter_mut().zip(felt) {
+            row.0[lane] = value;
+        }
+    }
+}
+
+/// Keeps rows, of nothing where there are none.
+struct Keep<'a> {
+    rows: [Option<[&'a Row; 3]>; BODIES],
+    noted: &'a mut Bodies,
+}
+
+impl Task for Keep<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        for (index, rows) in self.rows.into_iter().enumerate() {
+            for (part, noted) in self.noted.iter_mut().enumerate() {
+                let row = match rows {
+                    Some(rows) => L::load(rows[part]),
+                    None => L::splat(0.0),
+                };
+                L::store(row, &mut noted[index]);
+            }
+        }
+    }
+}
+
+/// Feels the ends of all steps that are noted.
+pub struct Feel<'a> {
+    pub watched: &'a mut Watched,
+    pub count: usize,
+}
+
+impl Task for Feel<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Watched { around, noted, ends, .. } = self.watched;
+        for (end, [position, velocity, _]) in ends.iter_mut().zip(&noted[1..=self.count]) {
+            let (mut force, mut rate) = (L::splat(0.0), L::splat(0.0));
+            for (which, contact) in around.contacts.iter().enumerate() {
+                let (felt, tangent) = around.press::<L>(which, across::<L>(position, which));
+                let (closing, weight) = (across::<L>(velocity, which), L::load(&contact[2]));
+                force = L::mul_add(weight, felt, force);
+                rate = L::mul_add(L::mul(weight, tangent), closing, rate);
+            }
+            L::store(force, &mut end[0]);
+            L::store(rate, &mut end[1]);
+        }
+    }
+}
+
+/// How much more the body above contact `which` of the places has than the one below.
+#[inline(always)]
+fn across<L: Lanes>(rows: &[Row; BODIES], which: usize) -> L::V {
+    let above = MIDDLE - 1 + which;
+    L::sub(L::load(&rows[above]), L::load(&rows[above + 1]))
+}
+
+/// Takes a glance at a step's ends.
+pub struct Glance<'a> {
+    pub watched: &'a mut Watched,
+    pub step: usize,
+    pub lengths: &'a Row,
+    pub taken: u8,
+}
+
+/// What a glance tells.
+pub struct Wanted {
+    /// Lanes whose step holds what is asked for, or may, a bit each.
+    pub lanes: u8,
+    /// Force and its rate of change where the step starts (N, N/s).
+    pub before: [Row; 2],
+}
+
+impl Task for Glance<'_> {
+    type Output = Wanted;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Wanted {
+        let Watched { lanes, first, ends, felt, asked, .. } = self.watched;
+        let taken = self.taken & *lanes;
+        let before = [L::load(&felt[0]), L::load(&felt[1])];
+        let end = [L::load(&ends[self.step][0]), L::load(&ends[self.step][1])];
+        let wanted = asked.wanted::<L>(before, end, L::load(self.lengths));
+        let mut started = [Row::default(); 2];
+        for which in 0..felt.len() {
+            L::store(before[which], &mut started[which]);
+            L::store(L::select(taken, end[which], before[which]), &mut felt[which]);
+        }
+        let lanes = taken & (wanted | *first);
+        *first &= !taken;
+        Wanted { lanes, before: started }
+    }
+}
