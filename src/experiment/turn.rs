@@ -63,9 +63,10 @@ pub fn crest(
             return None;
         }
         let at_next = rate(place(next));
-        // At the first try it may be there.
-        if next != before {
-            fall = (at_next - at_before) / (next - before);
+        let step = next - before;
+        // The first guess may have been the crest.
+        if step.abs() > 0.0 {
+            fall = (at_next - at_before) / step;
         }
         let crest = next - at_next / fall;
         if fall < 0.0 && (crest - next).abs() <= NEAR && (0.0..=1.0).contains(&crest) {
