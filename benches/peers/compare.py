@@ -32,7 +32,10 @@ OURS = "hertzscope"
 PEERS = {
     OURS: (
         "rust",
-        ["rkn64+bare", "rkn86+bare", "*velocity-verlet+bare", "*pefrl+bare", "*blanes-moan+bare", "*force-gradient+bare"],
+        [
+            "rkn64+bare", "rkn86+bare", "paced-force-gradient+bare",
+            "*velocity-verlet+bare", "*pefrl+bare", "*blanes-moan+bare", "*force-gradient+bare",
+        ],
         False,
     ),
     "SciPy DOP853": ("scipy", ["dop853"], False),
@@ -271,7 +274,8 @@ def main():
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--core", type=int, help="the processor that everything is pinned to")
     options = parser.parse_args()
-    progress = lambda text: print(f"\r\033[K{text}", end="", file=sys.stderr, flush=True)
+    watched = sys.stderr.isatty()
+    progress = lambda text: watched and print(f"\r\033[K{text}", end="", file=sys.stderr, flush=True)
     commands = {"rust": [options.rust], "odeint": [options.odeint]}
     commands.update({name: [sys.executable, str(HERE / f"{name}_peer.py")] for name in ("scipy", "numba", "lammps")})
     servers = {name: Server(command, options.core) for name, command in commands.items() if name not in options.without}
