@@ -181,9 +181,12 @@ impl PulseRecorder {
     /// Makes room by what nobody asks for: maxima below the threshold of the first peak, which only rises, and rises to levels far below it.
     fn forget(&mut self) {
         let threshold = PEAK_SHARE * self.largest;
-        // Each is higher than those before.
-        let passed = self.peaks.iter().take_while(|peak| peak.most <= threshold).last();
-        self.passed_over = passed.copied().or(self.passed_over);
+        let passed = self.peaks.iter().take_while(|peak| peak.most <= threshold).copied();
+        let height = |peak: &Bracket| self.felt.top(peak).1;
+        // Mostly there is one, and nobody needs to know how high.
+        let higher =
+            |one: Bracket, other: Bracket| if height(&one) > height(&other) { one } else { other };
+        self.passed_over = self.passed_over.into_iter().chain(passed).reduce(higher);
         self.peaks.retain(|peak| peak.most > threshold);
         let low = self.rises.partition_point(|rise| rise.reached < LOWEST_LEVEL * threshold);
         self.forgotten = self.rises[..low].last().map_or(self.forgotten, |rise| rise.reached);
