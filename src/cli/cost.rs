@@ -10,7 +10,7 @@ use super::progress::Progress;
 use crate::experiment::accuracy::{of_scene, run_held};
 use crate::experiment::cost::{Study, TIMED_RUNS, study};
 use crate::experiment::effects::auto::settle;
-use crate::experiment::{Integration, facts};
+use crate::experiment::{Integration, facts, first_tried};
 use crate::recording::Attachment;
 use crate::recording::mcap::RecordingWriter;
 use crate::report;
@@ -79,8 +79,8 @@ fn record(file: &Path, scene: &Scene, study: &Study) -> anyhow::Result<()> {
         data: serde_json::to_vec_pretty(study)?,
     };
     let attachments = [facts::scene_attachment(&scene), study];
-    let mut writer =
-        RecordingWriter::create(file, &facts::facts(&scene, integration)?, &attachments)?;
+    let known = facts::facts(&scene, first_tried(&scene, integration))?;
+    let mut writer = RecordingWriter::create(file, &known, &attachments)?;
     writer.add(&outcome.shot, &facts::shot_notes(&scene, &outcome))?;
     Ok(writer.finish()?)
 }

@@ -13,7 +13,7 @@ use super::progress::Progress;
 use crate::experiment::accuracy::run_held;
 use crate::experiment::by_hand::{advice, edge, run_by_hand};
 use crate::experiment::effects::auto::settle;
-use crate::experiment::{Integration, RunError, Tried, facts, methods_tried};
+use crate::experiment::{Integration, RunError, facts, first_tried};
 use crate::recording::mcap::RecordingWriter;
 use crate::report;
 use crate::scene::Scene;
@@ -61,13 +61,6 @@ fn integration(
     }
     let chosen = Asked::of(arguments.accuracy, scene)?;
     Ok((Integration::Accuracy(chosen.value), Some(chosen.reason)))
-}
-
-/// What a recording names before the work is done; what has been done instead, if it was not enough, stands beside each shot.
-fn first_tried(scene: &Scene, integration: Integration) -> Integration {
-    let Integration::Accuracy(accuracy) = integration else { return integration };
-    let first = methods_tried(scene, accuracy).next();
-    first.map_or(integration, |Tried { method, .. }| Integration::Tried { method, accuracy })
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {

@@ -41,7 +41,7 @@ mod yielding;
 
 pub use error::RunError;
 pub use losses::for_accuracy;
-pub use tried::{Tried, methods_tried, tighter};
+pub use tried::{Tried, first_tried, methods_tried, tighter};
 
 use std::time::Instant;
 

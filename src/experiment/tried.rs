@@ -1,5 +1,6 @@
 //! What is tried to reach an accuracy, one after the other, and what runs are held against.
 
+use super::Integration;
 use super::losses::{controlled_for, paced_for};
 use crate::integrate::Method;
 use crate::integrate::pace::LOOSEST;
@@ -53,6 +54,14 @@ pub fn methods_tried(scene: &Scene, accuracy: f64) -> impl Iterator<Item = Tried
     // Steps as loose as the first are tried once.
     let skipped = usize::from(paced[0].is_some());
     paced.into_iter().flatten().chain(steps.map(controlled).skip(skipped))
+}
+
+/// What is tried first of what may come of `integration`, where runs are held to an accuracy. A recording names it before the work is done; what has been
+/// done instead, if it was not enough, stands beside each shot.
+pub fn first_tried(scene: &Scene, integration: Integration) -> Integration {
+    let Integration::Accuracy(accuracy) = integration else { return integration };
+    let first = methods_tried(scene, accuracy).next();
+    first.map_or(integration, |Tried { method, .. }| Integration::Tried { method, accuracy })
 }
 
 /// Whether nothing but what comes of them tells that steps of `method` were too long.
