@@ -1,6 +1,6 @@
 //! Which accuracy a run is held to where nobody names one, and how far off what the user reads may be.
 
-use std::cell::Cell;
+use std::cell::{Cell, LazyCell};
 use std::time::Instant;
 
 use serde::Serialize;
@@ -10,6 +10,7 @@ use super::comparison::{
     Run, arrival_error, compare_readings, deviation, level_of, peak_error, readings, sampled,
 };
 use super::energy::MOST;
+use super::horizon::horizon;
 use super::losses::controlled_for;
 use super::outcome::Reading;
 use super::tried::{Tried, methods_tried, paces, tighter};
@@ -17,7 +18,6 @@ use super::{Integration, Outcome, RunError, method, run, sample_grid};
 use crate::integrate::IntegrateError;
 use crate::quantity::engineering;
 use crate::scene::{DEFAULT_ACCURACY, LOOSEST_ACCURACY, Scene, Site, TIGHTEST_ACCURACY};
-use crate::trace::Trace;
 
 /// Accuracy of the run that finds out how large peaks are and when they come (1).
 const COARSE: f64 = 1e-3;
@@ -27,7 +27,7 @@ const SHARE: f64 = 0.1;
 pub const OWN: f64 = 3.0;
 /// Differences between traces count so many times: what amplifies the first run's errors amplifies the second's, too, which has come to a
 /// fourteenth of the first's in the shipped scenes, and near rounding to more (1).
-const TRACES: f64 = 2.0;
+pub const TRACES: f64 = 2.0;
 
 /// An accuracy and where it is from.
 #[derive(Debug, Clone, PartialEq)]
@@ -85,7 +85,7 @@ pub fn of_scene(scene: &Scene) -> Result<ChosenAccuracy, RunError> {
 /// Runs `scene` so that first peaks and arrivals are as accurate as asked (1), estimate included: the steps of a run are held to an
 /// accuracy, which says nothing of what the chain makes of their errors. So each run is held against a tighter one
 /// ([`estimate`]), and taken again with tighter steps where they differ by too much ([`methods_tried`]), or where it has made or lost more than [`MOST`] of
-/// the energy in motion. `progress` hears the share of the work, 0 to 1: the first run is taken for half of it, the next for half of the rest, and so on.
+/// the energy in motion. Traces are held to half of the digits, an error of `sqrt(accuracy)`, unless it is told from when on they are not. `progress` hears the share of the work, 0 to 1: the first run is taken for half of it, the next for half of the rest, and so on.
 ///
 /// # Errors
 /// [`RunError`] where the chain cannot be followed.
@@ -124,29 +124,42 @@ pub fn run_held(
             }
         };
         let estimate = second.insert(against).holds(&outcome, accuracy);
-        let held = estimate.as_ref().is_some_and(|estimate| estimate.worst() <= accuracy);
+        let late = LazyCell::new(|| known_until(own, steps, outcome.summary.contact_changes));
+        let held = estimate.as_ref().is_some_and(|estimate| {
+            let traces = estimate.trace.is_none_or(|trace| trace <= accuracy.sqrt());
+            estimate.worst() <= accuracy && (traces || late.is_some())
+        });
         if !held && tried.peek().is_some() {
             continue;
         }
+        let late = *late;
         let summary = &mut outcome.summary;
         if steps < accuracy {
             let why = if makes_energy {
                 "longer ones have made or lost more than a tenth of the energy in motion"
             } else {
-                "longer ones left it uncertain whether readings are as accurate as asked"
+                "longer ones left it uncertain whether readings are as accurate as asked, and traces to half of the digits"
             };
             summary.notes.push(format!("steps are held to {steps:.0e}: {why}"));
         }
         summary.notes.extend(doubt(estimate.as_ref(), accuracy));
-        summary.error_estimate = estimate;
+        summary.error_estimate = estimate.filter(|_| summary.has_felt());
         summary.note_energy("a tighter accuracy keeps it better");
-        if summary.contact_changes != Some(0) {
-            summary.find_horizon(own, steps);
+        if let Some(time) = late {
+            summary.note_horizon(time, steps);
             summary.note_undecided();
         }
         summary.wall_held_s = Some(started.elapsed().as_secs_f64());
         return Ok(outcome);
     }
+}
+
+/// From when on the motion of `scene` at `accuracy` (1) is not known to half of its digits, where contacts have changed sides: others amplify no errors (s).
+pub(super) fn known_until(scene: &Scene, accuracy: f64, changes: Option<u64>) -> Option<f64> {
+    let setting = (scene.duration, accuracy);
+    let amplifies = changes != Some(0);
+    // A motion that cannot be computed has been refused already.
+    amplifies.then(|| horizon(&scene.chain, &scene.initial_velocities, setting).ok())??
 }
 
 /// How far off a run's first peaks, arrivals and traces may be.
@@ -157,7 +170,7 @@ pub struct ErrorEstimate {
     /// Relative error of first-peak times, half-rises and tenths, the largest of all places (1).
     pub arrival: f64,
     /// Largest deviation of the force at any sensor, at the scope's sample times up to the end of the scene's duration, relative to the largest dynamic one
-    /// there; none without sensors (1).
+    /// there; none where no sensor felt a pulse (1).
     pub trace: Option<f64>,
     /// Up to when no trace deviates by more than the accuracy that was asked for; none where none ever does, or none was asked for (s).
     pub trace_holds_s: Option<f64>,
@@ -199,8 +212,8 @@ struct Second {
     readings: Vec<Reading>,
     /// What it may be off itself (N).
     faintest: f64,
-    /// Static forces (N) and dynamic ones at the times of `grid` (N), of all sensors.
-    traces: Vec<(f64, Vec<f64>)>,
+    /// Static forces (N) and dynamic ones at the times of `grid` (N), of all sensors; none where no pulse was felt.
+    traces: Vec<Option<(f64, Vec<f64>)>>,
     grid: Grid,
 }
 
@@ -221,8 +234,10 @@ impl Second {
         let wall = scene.chain.wall_contact().and_then(|_| found.last());
         let readings = inside.map(|(_, reading)| reading).chain(wall).cloned().collect();
         let faintest = OWN * tighter * scene.chain.impact_force(&scene.initial_velocities);
-        let traces = found.iter().map(|reading| reading.static_n).zip(traces);
-        let traces = traces.take(scene.sensors.len()).collect();
+        let felt = |(reading, trace): (&Reading, Vec<f64>)| {
+            reading.first_peak.map(|_| (reading.static_n, trace))
+        };
+        let traces = found.iter().zip(traces).map(felt).take(scene.sensors.len()).collect();
         Ok(Self { tighter, readings, faintest, traces, grid })
     }
 
@@ -250,11 +265,12 @@ impl Second {
     fn trace(&self, outcome: &Outcome, limit: f64) -> Option<(f64, Option<f64>)> {
         let Self { tighter, traces, grid, .. } = self;
         let recorded = outcome.shot.truth.iter().filter(|trace| trace.name.starts_with("sensor/"));
-        let dynamic = |(trace, (at_rest, _)): (&Trace, &(f64, Vec<f64>))| -> Vec<f64> {
-            trace.values.iter().map(|force| force - at_rest).collect()
-        };
-        let found: Vec<Vec<f64>> = recorded.zip(traces).map(dynamic).collect();
-        let exact: Vec<Vec<f64>> = traces.iter().map(|(_, forces)| forces.clone()).collect();
+        let pairs = recorded.zip(traces).filter_map(|(trace, second)| {
+            let (at_rest, exact) = second.as_ref()?;
+            let dynamic: Vec<f64> = trace.values.iter().map(|force| force - at_rest).collect();
+            Some((dynamic, exact.clone()))
+        });
+        let (found, exact): (Vec<_>, Vec<_>) = pairs.unzip();
         let own = OWN * tighter;
         let (off, first) = deviation(&found, &exact, (limit - own) / TRACES);
         let holds = |sample: usize| grid.time(sample.saturating_sub(1)).max(0.0);

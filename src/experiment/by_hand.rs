@@ -1,6 +1,6 @@
 //! Runs with a step or a tolerance by hand: nothing holds them to an accuracy, so what they are off is found out and told.
 
-use super::accuracy::{ErrorEstimate, estimate};
+use super::accuracy::{ErrorEstimate, estimate, known_until};
 use super::{Integration, Outcome, RunError, run, tighter};
 use crate::integrate::Method;
 use crate::quantity::engineering;
@@ -60,12 +60,13 @@ pub fn run_by_hand(
         // That of a motion as accurate as this one.
         let accuracy = worst.max(TIGHTEST_ACCURACY);
         let accurate = run(own, Integration::Accuracy(accuracy), 1, &mut |_| ());
-        if accurate.is_ok_and(|accurate| accurate.summary.contact_changes != Some(0)) {
-            summary.find_horizon(own, accuracy);
+        let changes = accurate.ok().map(|accurate| accurate.summary.contact_changes);
+        if let Some(time) = changes.and_then(|changes| known_until(own, accuracy, changes)) {
+            summary.note_horizon(time, accuracy);
         }
     }
     summary.note_energy(too_much(method));
-    summary.error_estimate = found;
+    summary.error_estimate = found.filter(|_| summary.has_felt());
     Ok(outcome)
 }
 

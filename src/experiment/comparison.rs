@@ -21,6 +21,8 @@ pub struct Run {
     pub energy: EnergyLedger,
     /// What it cost.
     pub work: Work,
+    /// Steps tried in which contacts opened or closed; none where the method does not ask.
+    pub contact_changes: Option<u64>,
     /// Wall time (s).
     pub wall_s: f64,
 }
@@ -75,6 +77,7 @@ pub fn sampled(
         traces: bench.watches().iter().map(|w| w.samples.clone()).collect(),
         energy: EnergyLedger::new(before, after, bench.dissipated()),
         work: bench.work(),
+        contact_changes: bench.contact_changes(),
         wall_s,
     })
 }
@@ -138,9 +141,15 @@ pub fn arrival_error(found: &Reading, exact: &Reading) -> Option<f64> {
     Some(peak.max(rise).max(foot))
 }
 
-/// Largest deviation of any trace, relative to its largest force (1).
-pub fn trace_error(found: &Run, exact: &Run) -> f64 {
-    deviation(&found.traces, &exact.traces, f64::INFINITY).0
+/// Largest deviation of the force at any of the first `places` that felt a pulse, relative to its largest; none where nobody did (1).
+pub fn trace_error(found: &Run, exact: &Run, places: usize) -> Option<f64> {
+    let felt = exact.readings.iter().take(places).map(|reading| reading.first_peak.is_some());
+    let of = |run: &Run| -> Vec<Vec<f64>> {
+        let traces = run.traces.iter().zip(felt.clone()).filter(|(_, felt)| *felt);
+        traces.map(|(trace, _)| trace.clone()).collect()
+    };
+    let exact = of(exact);
+    (!exact.is_empty()).then(|| deviation(&of(found), &exact, f64::INFINITY).0)
 }
 
 /// Largest deviation of any trace from its `exact` one, relative to the largest force in that (1), and the first sample in which one deviates by more

@@ -2,8 +2,7 @@
 //!
 //! Contacts that open and close amplify every error, those of the method included. How much is not known beforehand, but it can
 //! be seen: the same motion a hundred times more accurately, and the difference is the first one's error. The horizon is where
-//! half of the digits that were asked for are gone, an error of `sqrt(accuracy)`: from there on the state holds in its statistics
-//! only. First peaks lie before it, or `--accuracy` has not kept its word.
+//! half of the digits that were asked for may be gone, an error of `sqrt(accuracy)`. First peaks lie before it, or `--accuracy` has not kept its word.
 //! Source: two tolerances as an error estimate: Hairer, Norsett, Wanner, Solving ODEs I (1993), II.4.
 
 use super::bench::start;

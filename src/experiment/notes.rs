@@ -45,7 +45,7 @@ pub fn notes(scene: &Scene, sensors: &[Reading], shot: &Shot, found: Option<Foun
         }
     }
     for sensor in sensors.iter().filter(|s| s.first_peak.is_none()) {
-        let felt = if sensor.largest_n > 0.0 {
+        let felt = if sensor.largest_s.is_some() {
             let force = engineering(sensor.largest_n, "N", 3);
             format!("the force was still rising, at {force}, when the scene's duration ended")
         } else {

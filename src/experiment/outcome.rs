@@ -6,7 +6,6 @@ use serde::Serialize;
 
 use super::accuracy::ErrorEstimate;
 use super::energy::{EnergyLedger, TOLERABLE};
-use super::horizon::horizon;
 use super::paper::PaperSpeed;
 use super::pulse::{FOOT, HALF_RISE, PEAK_SHARE, PassedOver, Peak, PulseRecorder};
 use crate::chain::Chain;
@@ -35,7 +34,7 @@ pub struct Summary {
     pub accuracy_reason: Option<String>,
     /// How far off first peaks and arrivals may be, where that was looked for.
     pub error_estimate: Option<ErrorEstimate>,
-    /// From when on errors exceed the square root of the accuracy, where they do: the motion is known only in its statistics (s).
+    /// From when on errors may exceed the square root of the accuracy somewhere in the chain, where they do (s).
     pub horizon_s: Option<f64>,
     /// Fixed step, where there is one (s).
     pub step_s: Option<f64>,
@@ -82,6 +81,11 @@ pub struct Summary {
 const CLEARLY: f64 = 0.5;
 
 impl Summary {
+    /// Whether a pulse was felt anywhere: of nothing no number says how far off it is.
+    pub(super) fn has_felt(&self) -> bool {
+        self.sensors.iter().chain(&self.wall).any(|reading| reading.first_peak.is_some())
+    }
+
     /// Notes where the method has made energy, or lost it, and what may be done about it.
     pub(super) fn note_energy(&mut self, advice: &str) {
         let drift = self.energy.drift;
@@ -115,16 +119,12 @@ impl Summary {
         }
     }
 
-    /// Notes from when on the motion of `scene` at `accuracy` is no longer known to half of its digits (1).
-    pub(super) fn find_horizon(&mut self, scene: &Scene, accuracy: f64) {
-        let setting = (scene.duration, accuracy);
-        let found = horizon(&scene.chain, &scene.initial_velocities, setting);
-        // A motion that cannot be computed has been refused already.
-        let Ok(Some(time)) = found else { return };
+    /// Notes that from `time` (s) on the motion at `accuracy` (1) is no longer known to half of its digits.
+    pub(super) fn note_horizon(&mut self, time: f64, accuracy: f64) {
         let (words, left) = (engineering(time, "s", 2), accuracy.sqrt());
         self.horizon_s = Some(time);
         self.notes.push(format!(
-            "from {words} on errors may exceed {left:.0e} of the largest overlap or speed somewhere in the chain, and the motion is known only in its statistics there: a much tighter accuracy, or a shorter step, mostly reaches further"
+            "from {words} on errors may exceed {left:.0e} of the largest overlap or speed somewhere in the chain, half of the digits that were asked for: a tighter accuracy, or a shorter step, mostly reaches further"
         ));
     }
 }
@@ -167,7 +167,7 @@ impl Reading {
             offset,
             static_n: pulse.static_force(),
             largest_n: pulse.largest(),
-            largest_s: pulse.first_reach(pulse.largest()),
+            largest_s: pulse.first_reach(pulse.largest()).filter(|_| !pulse.is_quiet()),
             first_peak,
             passed_over: pulse.passed_over(),
             half_rise_s: reach(HALF_RISE),

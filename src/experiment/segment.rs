@@ -31,6 +31,8 @@ pub struct Bracket {
     pub rates: [f64; 2],
     /// What it reaches at most (N).
     pub most: f64,
+    /// Whether no force before was as large: others are not the first peak, for the force that exceeded them came down from a maximum.
+    pub exceeds_all: bool,
 }
 
 /// A step in which a force exceeded all before.

@@ -9,6 +9,8 @@ const SAFETY: f64 = 0.8;
 const SMALLEST_CHANGE: f64 = 0.2;
 /// A step grows at most by this factor where nobody asks for less (1).
 const LARGEST_CHANGE: f64 = 5.0;
+/// The shortest step, in units of the clock's rounding: of shorter ones, shrunk by [`SAFETY`], the clock would show the same again (1).
+const SHORTEST: f64 = 4.0;
 
 /// The controller: knows the next step and what the last attempts ran into.
 #[derive(Debug, Clone)]
@@ -74,7 +76,7 @@ impl StepControl {
         // The step that is taken is the one that the clock shows, rounding included.
         let length = next - start;
         // The rest of an interval may be as short as it likes.
-        if length > 0.0 && (cut_short || length > f64::EPSILON * end.abs()) {
+        if length > 0.0 && (cut_short || length > SHORTEST * f64::EPSILON * end.abs()) {
             return Ok(Trial { length, next, cut_short });
         }
         Err(match self.lost {
@@ -170,6 +172,24 @@ pub fn add_compensated(value: &mut f64, lost: &mut f64, increment: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A step that fails however short it is, anywhere in the clock's numbers: shrinking ends where the clock would swallow it.
+    #[test]
+    fn failing_steps_come_to_an_end() {
+        for start in [0.0, 1e-9, 0.5, 1.0 - f64::EPSILON, 1.0, 0.017_833_755_280_965_09, 1.99] {
+            for (error, length) in [(1.0 + f64::EPSILON, 1e-3), (1.1062, 1e-7), (f64::NAN, 1.0)] {
+                for end in [start + 1e-18, start + 3.0 * f64::EPSILON, start + 0.0022, 2.0] {
+                    let mut control = StepControl::new(length, 4);
+                    let tries = (0..1_000).take_while(|_| {
+                        control
+                            .trial(start, end)
+                            .is_ok_and(|trial| !control.accepts(trial, error, || 0))
+                    });
+                    assert!(tries.count() < 1_000, "from {start} to {end}, {error}");
+                }
+            }
+        }
+    }
 
     /// Over all that an error may be; none at all asks for the longest step there is.
     #[test]

@@ -13,7 +13,8 @@ use super::runge_kutta::{RungeKutta, RungeKuttaIntegrator};
 use super::runge_kutta_4::RUNGE_KUTTA_4;
 use super::scheme::{Pair, Scheme};
 use super::splitting::{Splitting, SplittingIntegrator};
-use super::switching::{Restart, Switched};
+use super::switches::Restart;
+use super::switching::Switched;
 use super::velocity_verlet::VELOCITY_VERLET;
 use super::{DormandPrince853, Integrator, State, System};
 

@@ -23,6 +23,7 @@ pub mod runge_kutta;
 pub mod runge_kutta_4;
 mod scheme;
 pub mod splitting;
+pub mod switches;
 pub mod switching;
 pub mod velocity_verlet;
 
@@ -33,7 +34,7 @@ pub use method::Method;
 pub use pace::Pacing;
 pub use rodas::Rodas;
 pub use scheme::{Pair, Scheme};
-pub use switching::{Motion, Sides, Switching};
+pub use switches::{Motion, Sides, Switching};
 
 /// A mechanical system of `len` coordinates.
 pub trait System {

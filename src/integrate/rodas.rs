@@ -11,7 +11,7 @@
 use super::control::{StepControl, add_compensated, largest};
 use super::hermite::Between;
 use super::linearised::Tridiagonal;
-use super::switching::Restart;
+use super::switches::Restart;
 use super::{
     IntegrateError, Integrator, Interpolant, Scales, State, System, Work, first_not_finite,
 };

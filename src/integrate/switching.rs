@@ -6,7 +6,8 @@
 //! rattling chain would stop at tens of thousands of them. Source: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary
 //! Differential Equations I (1993), II.6, "Event location".
 
-use super::{IntegrateError, Integrator, Interpolant, State, System, Work};
+use super::switches::{Motion, Restart, Sides};
+use super::{IntegrateError, Integrator, Interpolant, State, Work};
 
 /// Parts of a step at whose ends margins are looked at.
 const LOOKS: u8 = 2;
@@ -14,79 +15,18 @@ const LOOKS: u8 = 2;
 const HALVINGS: usize = 60;
 /// A step is not cut to less than this share (1).
 const SHORTEST: f64 = 1e-9;
+/// A margin that is further from zero than this share of how far it goes within a step, by the step's cubic, is not looked at more closely (1).
+const CLEAR: f64 = 0.5;
 /// Jumps below this share of what the error control tolerates are not searched for (1).
 const NEGLIGIBLE: f64 = 0.1;
-
-/// What a switch depends on: the motion of two bodies against each other.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sides {
-    /// Index of the body above; none at a wall.
-    pub above: Option<usize>,
-    /// Index of the body below; none at a wall.
-    pub below: Option<usize>,
-    /// What users of the system call its place.
-    pub place: usize,
-}
-
-/// How two bodies stand and move against each other.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Motion {
-    /// Position of the one above less that of the one below (m).
-    pub difference: f64,
-    /// Its rate (m/s).
-    pub rate: f64,
-}
-
-/// A system with switches.
-pub trait Switching {
-    /// How many there are.
-    fn switches(&self) -> usize;
-
-    /// Whether `switch` is on.
-    fn is_on(&self, switch: usize) -> bool;
-
-    /// Changes `switch` in `state`, whose accounts book what that moves; another switch may follow.
-    fn flip(&mut self, switch: usize, state: &mut State);
-
-    /// What decides about `switch`.
-    fn sides(&self, switch: usize) -> Sides;
-
-    /// What is zero where `switch` should change, and not negative where it should be on (unit).
-    fn margin(&self, switch: usize, motion: Motion) -> f64;
-
-    /// Whether `switch` stands wrong and will not be right by itself.
-    fn is_wrong(&self, switch: usize, motion: Motion) -> bool;
-
-    /// By how much the acceleration of a body is wrong with `switch` wrong: when its margin's root is passed at the rate `closing` (m/s),
-    /// or with the motion found `beyond` it (m/s²).
-    fn error(&self, switch: usize, closing: f64, beyond: Motion) -> f64;
-}
-
-/// A method that can start anew from another state.
-pub trait Restart: Integrator {
-    /// The system.
-    fn system(&mut self) -> &mut dyn System;
-
-    /// Starts anew at `state`, with the step that the last one suggested.
-    fn restart(&mut self, state: &State);
-
-    /// Error of velocities that the control tolerates in a step; 0 without a control (m/s).
-    fn tolerated(&self) -> f64;
-}
-
-impl Sides {
-    fn motion(&self, position: impl Fn(usize) -> f64, velocity: impl Fn(usize) -> f64) -> Motion {
-        let difference =
-            |at: &dyn Fn(usize) -> f64| self.above.map_or(0.0, at) - self.below.map_or(0.0, at);
-        Motion { difference: difference(&position), rate: difference(&velocity) }
-    }
-}
 
 /// A method at work on a system with switches.
 pub struct Switched<I> {
     inner: I,
     state: State,
     sides: Vec<Sides>,
+    /// The switch at each place, if there is one.
+    at: Vec<Option<usize>>,
     /// Whether each switch was on over the last step.
     on: Vec<bool>,
     /// Whether each is on now.
@@ -103,13 +43,19 @@ impl<I: Restart> Switched<I> {
         let sides = inner.system().switching().map_or_else(Vec::new, |system| {
             (0..system.switches()).map(|switch| system.sides(switch)).collect()
         });
-        let state = inner.state().clone();
+        let state = inner.state();
         let on = vec![true; sides.len()];
+        let places = sides.iter().map(|sides| sides.place + 1).max().unwrap_or(0);
+        let mut at = vec![None; places];
+        for (switch, sides) in sides.iter().enumerate() {
+            at[sides.place] = Some(switch);
+        }
         Self {
             start: state.time,
             inner,
             state,
             sides,
+            at,
             now: on.clone(),
             on,
             share: 1.0,
@@ -123,7 +69,7 @@ impl<I: Restart> Switched<I> {
         let mut any = false;
         let Some(system) = self.inner.system().switching() else { return false };
         for (switch, sides) in self.sides.iter().enumerate() {
-            let motion = sides.motion(|i| state.position[i], |i| state.velocity[i]);
+            let motion = sides.of((&state.position, &state.velocity));
             if system.is_wrong(switch, motion) {
                 system.flip(switch, state);
                 any = true;
@@ -136,13 +82,19 @@ impl<I: Restart> Switched<I> {
         any
     }
 
-    /// The first place in the method's last step where a switch should have changed: share of the step, and the switch.
-    fn event(&mut self) -> Option<(f64, usize)> {
+    /// The first place in the method's last step, which ended in `after`, where a switch should have changed: share of the step, and the switch.
+    fn event(&mut self, after: &State) -> Option<(f64, usize)> {
         let (_, length) = self.inner.last_step();
         let tolerated = NEGLIGIBLE * self.inner.tolerated();
         let mut first: Option<(f64, usize)> = None;
         for switch in 0..self.sides.len() {
             let (sides, on) = (self.sides[switch], self.on[switch]);
+            let ends =
+                [&self.state, after].map(|state| sides.of((&state.position, &state.velocity)));
+            let system = self.inner.system().switching()?;
+            if stays_clear(ends, length, |motion| system.margin(switch, motion), on) {
+                continue;
+            }
             let body = |index: Option<usize>| {
                 index.map_or(Interpolant::REST, |index| self.inner.interpolant(index))
             };
@@ -172,6 +124,21 @@ impl<I: Restart> Switched<I> {
     }
 }
 
+/// Whether a switch that is `on` or not stays so over a step of `length` (s) between two `ends`, with so much to spare that its interpolants, which
+/// cost more than all else, need not be asked: most contacts of a long chain are far from opening, or from closing.
+fn stays_clear(ends: [Motion; 2], length: f64, margin: impl Fn(Motion) -> f64, on: bool) -> bool {
+    let [from, to] = ends;
+    let rise = to.difference - from.difference;
+    let middle = Motion {
+        difference: from.difference + 0.5 * rise + 0.125 * length * (from.rate - to.rate),
+        rate: 1.5 * rise / length - 0.25 * (from.rate + to.rate),
+    };
+    let margins = [from, middle, to].map(margin);
+    let [least, most] = [f64::min, f64::max].map(|pick| margins.into_iter().fold(margins[0], pick));
+    let nearest = if on { least } else { -most };
+    nearest >= 0.0 && nearest >= CLEAR * (most - least) && (on || nearest > 0.0)
+}
+
 /// Where `wrong` begins between `low` and `high`.
 fn root(wrong: &dyn Fn(f64) -> bool, mut low: f64, mut high: f64) -> f64 {
     for _ in 0..HALVINGS {
@@ -198,6 +165,7 @@ impl<I: Restart> Integrator for Switched<I> {
         if self.settle() || self.share < 1.0 {
             self.inner.restart(&self.state);
         }
+        let mut after = self.state.clone();
         // Each switch may change once without time passing; more would be no motion.
         for _ in 0..=self.sides.len() {
             self.start = self.state.time;
@@ -205,7 +173,8 @@ impl<I: Restart> Integrator for Switched<I> {
             self.prepared = true;
             self.inner.step(end)?;
             self.inner.prepare_interpolation();
-            let Some((theta, switch)) = self.event() else { break };
+            after = self.inner.state();
+            let Some((theta, switch)) = self.event(&after) else { break };
             let (start, length) = self.inner.last_step();
             if theta >= SHORTEST {
                 self.share = theta;
@@ -226,8 +195,9 @@ impl<I: Restart> Integrator for Switched<I> {
             }
             self.on.clone_from(&self.now);
             self.inner.restart(&self.state);
+            after.clone_from(&self.state);
         }
-        self.state = self.inner.state();
+        self.state = after;
         Ok(())
     }
 
@@ -261,12 +231,10 @@ impl<I: Restart> Integrator for Switched<I> {
     }
 
     fn was_on(&self, place: usize) -> bool {
-        let switch = self.sides.iter().position(|sides| sides.place == place);
-        switch.is_none_or(|switch| self.on[switch])
+        self.at.get(place).copied().flatten().is_none_or(|switch| self.on[switch])
     }
 
     fn is_on(&self, place: usize) -> bool {
-        let switch = self.sides.iter().position(|sides| sides.place == place);
-        switch.is_none_or(|switch| self.now[switch])
+        self.at.get(place).copied().flatten().is_none_or(|switch| self.now[switch])
     }
 }

@@ -102,6 +102,47 @@ fn every_shipped_scene_is_as_accurate_as_asked_and_no_worse_than_it_says() {
     }
 }
 
+/// Peaks and arrivals come early. What comes late is known to half of the digits, or a run tells from when on it is not.
+#[test]
+fn late_traces_are_known_to_half_of_the_digits() {
+    let mut known = 0;
+    for name in Scene::names() {
+        let scene = Scene::load(name).expect("a shipped scene");
+        let exact = Method::DormandPrince853 { tolerance: 1e-14 };
+        let exact = outcome(&scene, Integration::Method(exact));
+        for accuracy in [1e-3, 1e-4, 1e-6] {
+            let found = run_held(&scene, accuracy, 1, &mut |_| ()).expect("a run");
+            let off = trace_error(&scene, &found, &exact);
+            let Summary { horizon_s, method, .. } = &found.summary;
+            println!("{name} at {accuracy:e} by {method}: {off:.1e}, {horizon_s:?}");
+            assert!(
+                off <= accuracy.sqrt() || horizon_s.is_some(),
+                "{name} at {accuracy:e}: {off:e}"
+            );
+            known += u32::from(horizon_s.is_none());
+        }
+    }
+    assert!(known > 15, "{known}");
+}
+
+/// A sensor that the wave has not reached when the scene ends has no trace that could be off, and a scene in which none has no error at all.
+#[test]
+fn of_nothing_no_error_is_told() {
+    let scene = |duration: &str| {
+        let text = format!("base = \"magnet-0.61g\"\nduration = \"{duration}\"\n");
+        Scene::from_text("short", "short.toml", &text).expect("a scene")
+    };
+    let found = run_held(&scene("60 us"), 1e-4, 1, &mut |_| ()).expect("a run").summary;
+    let trace = found.error_estimate.as_ref().expect("an estimate").trace;
+    assert!(trace.is_some_and(|trace| trace < 1e-2), "{trace:?}");
+    let told = |what: &str| found.notes.iter().filter(|note| note.contains(what)).count();
+    assert!(told("no pulse arrived") == 3 && told("still rising") == 0, "{:?}", found.notes);
+    let silent = run_held(&scene("20 us"), 1e-4, 1, &mut |_| ()).expect("a run").summary;
+    assert!(silent.sensors.iter().all(|reading| reading.first_peak.is_none()));
+    assert!(silent.error_estimate.is_none(), "{silent:?}");
+    assert!(!silent.notes.iter().any(|note| note.contains("not known")), "{:?}", silent.notes);
+}
+
 #[test]
 fn so_are_scenes_with_losses() {
     let text = "base = \"gravity-0.61g\"\n[effects.dashpot]\ngamma = \"0.8 N*s/m\"\nend_of_contact = \"zero_force\"\n";

@@ -1,7 +1,7 @@
 //! The effects ledger: what it says against runs made apart from it, and effects that are off against effects that are not there.
 
 use hertzscope::experiment::effects::auto::{foretold, settle};
-use hertzscope::experiment::effects::{Entry, Ledger, State, ledger};
+use hertzscope::experiment::effects::{Change, Entry, Ledger, State, ledger};
 use hertzscope::experiment::outcome::{Reading, Summary};
 use hertzscope::experiment::{Integration, Outcome, run};
 use hertzscope::integrate::Method;
@@ -66,6 +66,21 @@ fn what_an_effect_changes_is_what_two_runs_say() {
     // 100 MHz against a sample every microsecond.
     let delay = 1.0 / (std::f64::consts::TAU * 100e6 * 1e-6);
     assert!((entry(&found, "bandwidth").value.unwrap() / delay - 1.0).abs() < 1e-9);
+}
+
+/// In a sonic vacuum forces go as the speed to the power 6/5 and times to the power -1/5, whatever the speed is: Nesterenko, J. Appl. Mech. Tech. Phys. 24,
+/// 733 (1983).
+#[test]
+fn a_spread_of_speeds_changes_what_one_standard_deviation_does() {
+    let spread = 0.05_f64;
+    let table = format!("[effects.striker_speed_spread]\nrelative = \"{} %\"\n", 1e2 * spread);
+    let found = ledger(&scene("monatomic-vacuum", &table), 1e-7, &mut |_| ()).expect("a ledger");
+    let entry = entry(&found, "striker_speed_spread");
+    let Change { peak, arrival, .. } = entry.change.expect("a trial");
+    assert!((peak.expect("a peak") - ((1.0 + spread).powf(1.2) - 1.0)).abs() < 1e-6, "{peak:?}");
+    let expected = (1.0 + spread).powf(-0.2) - 1.0;
+    assert!((arrival.expect("a rise") - expected).abs() < 1e-6, "{arrival:?}");
+    assert!((entry.value.expect("a spread") - spread).abs() < 1e-12 && entry.state == State::On);
 }
 
 /// Host masses, plates off centre and a loss, all with values: a line each that is on and has been measured.

@@ -2,7 +2,7 @@
 
 use super::{Chosen, Point, Reference};
 use crate::chain::stepper::Refinement;
-use crate::experiment::accuracy::OWN;
+use crate::experiment::accuracy::{OWN, TRACES, known_until};
 use crate::experiment::comparison::{
     Run, Treated, arrival_error, compare, peak_error, run_without, trace_error, worst,
 };
@@ -112,6 +112,7 @@ impl Point {
             error_trace: None,
             error_energy: None,
             keeps_energy: false,
+            contact_changes: None,
             force_evaluations: method.fixed_step().map_or(evaluations, all),
             wall_s_median: 0.0,
             wall_s_min: 0.0,
@@ -142,7 +143,8 @@ pub fn point(scene: &Scene, treated: Treated, (exact, runs): (&Run, u16)) -> Poi
     point.force_evaluations = found.work.force_evaluations;
     point.error_peak = compare(&found, exact, peak_error);
     point.error_arrival = compare(&found, exact, arrival_error);
-    point.error_trace = Some(trace_error(&found, exact));
+    point.error_trace = trace_error(&found, exact, scene.sensors.len());
+    point.contact_changes = found.contact_changes;
     point.error_energy = Some(found.energy.drift.abs());
     point.keeps_energy = found.energy.is_kept(MOST);
     let worst = [point.error_peak, point.error_arrival];
@@ -164,7 +166,10 @@ pub fn choice(scene: &Scene, accuracy: f64, (exact, runs): (&Run, u16)) -> Optio
         last = Some(treated);
         let worst = once.error_peak.zip(once.error_arrival).map(|(peak, time)| peak.max(time));
         let own = OWN * tighter(steps.min(accuracy));
-        let holds = once.keeps_energy && worst.is_some_and(|worst| worst + own <= accuracy);
+        let traces = once.error_trace.is_none_or(|off| TRACES * off + own <= accuracy.sqrt());
+        let holds = once.keeps_energy
+            && worst.is_some_and(|worst| worst + own <= accuracy)
+            && (traces || known_until(scene, steps, once.contact_changes).is_some());
         if once.given_up || holds {
             break;
         }
@@ -215,7 +220,7 @@ pub fn reference(scene: &Scene) -> Result<(Run, Reference), String> {
     if let (Some((exact, method)), Some((other, second))) = (found.next(), found.next()) {
         return match worst(&other, &exact) {
             Some(error) => {
-                let error_trace = trace_error(&other, &exact);
+                let error_trace = trace_error(&other, &exact, usize::MAX).unwrap_or(0.0);
                 Ok((exact, Reference { method, second, error, error_trace }))
             }
             None => Err(format!("{method} and {second} feel different pulses")),

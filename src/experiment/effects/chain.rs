@@ -125,6 +125,26 @@ fn ring(force: f64) -> Option<PlacedMagnet> {
     Some(PlacedMagnet { magnet, temperature, at })
 }
 
+/// Shots at speeds of their own: one standard deviation above the mean against the mean.
+pub fn striker_speed_spread(subject: &Subject<'_>) -> Entry {
+    let criterion = "standard deviation of the striker's speed / its mean";
+    let Some(spread) = subject.scene.striker_speed_spread else {
+        let reason = "no table in the scene; it needs relative, the spread".to_owned();
+        return Finding { state: State::Off, value: None, reason, trial: None }
+            .entry("striker_speed_spread", criterion);
+    };
+    let mut faster = subject.scene.clone();
+    if let Some(speed) = faster.initial_velocities.first_mut() {
+        *speed *= 1.0 + spread;
+    }
+    let (trial, failed) = against(subject, Ok(faster), false);
+    let reason = format!(
+        "on by the scene: each shot's speed is drawn from the seed; changes are those of one standard deviation{failed}"
+    );
+    Finding { state: State::On, value: Some(spread), reason, trial }
+        .entry("striker_speed_spread", criterion)
+}
+
 /// A loss: its decay against the fastest contact's own frequency.
 fn loss(subject: &Subject<'_>, name: &'static str, setting: Option<f64>, needs: &str) -> Entry {
     let criterion = "decay / angular frequency, of the most damped contact";

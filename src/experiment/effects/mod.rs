@@ -143,7 +143,8 @@ pub fn ledger(
     progress: &mut dyn FnMut(f64),
 ) -> Result<Ledger, RunError> {
     type Make = fn(&Subject<'_>) -> Entry;
-    const ENTRIES: [Make; 20] = [
+    const ENTRIES: [Make; 21] = [
+        chain::striker_speed_spread,
         chain::gravity,
         chain::magnet_preload,
         chain::magnet_law,
@@ -168,8 +169,9 @@ pub fn ledger(
     let settled = auto::settle(scene, Integration::Accuracy(accuracy));
     let subject = Subject::new(&settled, accuracy)?;
     let mut entries = Vec::with_capacity(ENTRIES.len());
-    for (done, make) in (0_u32..).zip(ENTRIES) {
-        progress(f64::from(done) / 20.0);
+    for (done, make) in ENTRIES.into_iter().enumerate() {
+        #[allow(clippy::cast_precision_loss, reason = "a few dozen")]
+        progress(done as f64 / ENTRIES.len() as f64);
         entries.push(make(&subject));
     }
     for entry in &mut entries {

@@ -67,7 +67,7 @@ pub struct PulseRecorder {
     largest: f64,
     /// What the highest of the maxima reaches at least (N).
     highest: f64,
-    /// The highest of those that are forgotten.
+    /// The highest of those that were the first and are forgotten: a force that has exceeded a maximum before it has been at another.
     passed_over: Option<Bracket>,
     rate_before: f64,
     /// Force at the end of the last step (N).
@@ -181,12 +181,9 @@ impl PulseRecorder {
     /// Makes room by what nobody asks for: maxima below the threshold of the first peak, which only rises, and rises to levels far below it.
     fn forget(&mut self) {
         let threshold = PEAK_SHARE * self.largest;
-        let passed = self.peaks.iter().take_while(|peak| peak.most <= threshold).copied();
-        let height = |peak: &Bracket| self.felt.top(peak).1;
-        // Mostly there is one, and nobody needs to know how high.
-        let higher =
-            |one: Bracket, other: Bracket| if height(&one) > height(&other) { one } else { other };
-        self.passed_over = self.passed_over.into_iter().chain(passed).reduce(higher);
+        // What exceeds all before is higher than what did so earlier.
+        let was_first = |peak: &&Bracket| peak.most <= threshold && peak.exceeds_all;
+        self.passed_over = self.peaks.iter().rfind(was_first).copied().or(self.passed_over);
         self.peaks.retain(|peak| peak.most > threshold);
         let low = self.rises.partition_point(|rise| rise.reached < LOWEST_LEVEL * threshold);
         self.forgotten = self.rises[..low].last().map_or(self.forgotten, |rise| rise.reached);
@@ -204,16 +201,19 @@ impl PulseRecorder {
         let (mut reached, mut top, mut low) = (self.largest, 1.0, 0.0);
         for (index, high) in LOOKED_AT.into_iter().enumerate() {
             let (rate, force) = (looks.rates[index], looks.forces[index]);
-            if let Some(maximum) = self.between((low, high), (force, rate), length, segment) {
+            if let Some(mut maximum) = self.between((low, high), (force, rate), length, segment) {
+                let mut least = force.max(self.last);
                 if maximum.most > reached {
                     let looked = self.rate_before > 0.0 && rate <= 0.0;
                     let ends = looked.then_some([self.last, force]);
-                    let (at, force) = self.felt.height(&maximum, ends);
-                    if force > reached {
-                        (reached, top) = (force, at);
+                    let (at, height) = self.felt.height(&maximum, ends);
+                    (least, maximum.most) = (height, height);
+                    maximum.exceeds_all = height > reached;
+                    if maximum.exceeds_all {
+                        (reached, top) = (height, at);
                     }
                 }
-                self.keep(force.max(self.last), maximum);
+                self.keep(least, maximum);
             }
             (low, self.rate_before, self.last) = (high, rate, force);
         }
@@ -259,15 +259,17 @@ impl PulseRecorder {
             let theta = fall(&|theta| sign * rate(theta), low, high)?;
             (between[inner], rates[inner]) = (theta, rate(theta));
         }
-        Some(Bracket { segment: segment(), between, rates, most })
+        Some(Bracket { segment: segment(), between, rates, most, exceeds_all: false })
     }
 
     /// A force that jumps up as a contact closes and then falls has its peak at the jump.
     fn jump(&mut self, segment: Segment) {
         let [force, rate] = [self.felt.force(&segment, 0.0), self.felt.rate(&segment, 0.0)];
         if force - self.last > SMALLEST_JUMP * self.largest && rate <= 0.0 {
-            self.keep(force, Bracket { segment, between: [0.0; 2], rates: [rate; 2], most: force });
-            if force > self.largest {
+            let exceeds_all = force > self.largest;
+            let (between, rates) = ([0.0; 2], [rate; 2]);
+            self.keep(force, Bracket { segment, between, rates, most: force, exceeds_all });
+            if exceeds_all {
                 self.keep_rise(Rise { segment, reached: force, top: 0.0 });
             }
         }

@@ -12,6 +12,12 @@ impl PulseRecorder {
         self.largest
     }
 
+    /// Whether that is rounding, and no pulse.
+    #[must_use]
+    pub fn is_quiet(&self) -> bool {
+        self.largest <= self.quietest
+    }
+
     /// The first local maximum of the dynamic force above a quarter of its largest value so far, and above the rounding of the static
     /// force and of the impact's.
     #[must_use]

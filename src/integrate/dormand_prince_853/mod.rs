@@ -10,7 +10,7 @@ mod tableau;
 
 use super::control::{StepControl, add_compensated, largest};
 use super::interpolant::{COEFFICIENTS, Interpolant};
-use super::switching::Restart;
+use super::switches::Restart;
 use super::{IntegrateError, Integrator, Scales, State, System, Work};
 use tableau::{DENSE, DENSE_STAGES, ERROR_3, ERROR_5, Row, STAGE_WEIGHTS, STAGES};
 
@@ -172,29 +172,27 @@ impl Integrator for DormandPrince853<'_> {
     }
 
     fn interpolant(&self, body: usize) -> Interpolant {
+        let h = self.last_length;
         let at = |values: &[f64]| values.get(body).copied().unwrap_or(0.0);
-        let coefficients = |from: f64, to: f64, part: &dyn Fn(&Rates) -> f64| {
-            let h = self.last_length;
-            let rate = |stage: usize| self.rates.get(stage).map_or(0.0, part);
+        let coefficients = |[from, to]: [f64; 2], rises: [f64; DENSE_STAGES]| {
             let rise = to - from;
-            let (first, last) = (h * rate(0), h * rate(STAGES - 1));
+            let (first, last) = (rises[0], rises[STAGES - 1]);
             let mut nested = [rise, first - rise, 2.0 * rise - last - first, 0.0, 0.0, 0.0, 0.0];
             for (value, row) in nested[3..].iter_mut().zip(DENSE) {
-                *value = h * row.iter().map(|(stage, weight)| weight * rate(*stage)).sum::<f64>();
+                *value = row.iter().map(|(stage, weight)| weight * rises[*stage]).sum();
             }
             to_powers(from, nested)
         };
+        let rises = |part: fn(&Rates) -> &Vec<f64>| {
+            std::array::from_fn(|stage| {
+                h * self.rates.get(stage).map_or(0.0, |rates| at(part(rates)))
+            })
+        };
+        let ends =
+            |part: fn(&State) -> &Vec<f64>| [at(part(&self.previous)), at(part(&self.state))];
         Interpolant {
-            position: coefficients(
-                at(&self.previous.position),
-                at(&self.state.position),
-                &|r: &Rates| at(&r.position),
-            ),
-            velocity: coefficients(
-                at(&self.previous.velocity),
-                at(&self.state.velocity),
-                &|r: &Rates| at(&r.velocity),
-            ),
+            position: coefficients(ends(|state| &state.position), rises(|rates| &rates.position)),
+            velocity: coefficients(ends(|state| &state.velocity), rises(|rates| &rates.velocity)),
         }
     }
 

@@ -171,6 +171,7 @@ fn point(method: &'static str, setting: f64, error: f64, count: u64) -> Point {
         error_trace: Some(error),
         error_energy: Some(error),
         keeps_energy: true,
+        contact_changes: None,
         force_evaluations: count,
         wall_s_median: 1.0,
         wall_s_min: 1.0,
