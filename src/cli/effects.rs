@@ -15,7 +15,7 @@ pub struct Arguments {
     #[arg(default_value = "magnet-0.61g")]
     scene: String,
     /// Accuracy of the runs that are compared, e.g. 1e-6, or auto for what the scene's scope calls for [default: the scene's, else auto]
-    #[arg(long, value_name = "X", value_parser = Asked::parse)]
+    #[arg(long, value_name = "X", value_parser = Asked::parse, allow_hyphen_values = true)]
     accuracy: Option<Asked>,
     /// Print the ledger as JSON
     #[arg(long)]

@@ -28,16 +28,16 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Relative error allowed in first-peak forces and times, e.g. 1e-6, or auto for what the scene's scope calls for [default: the scene's, else auto]
-    #[arg(long, value_name = "X", value_parser = Asked::parse, conflicts_with_all = ["method", "step", "tolerance"])]
+    #[arg(long, value_name = "X", value_parser = Asked::parse, allow_hyphen_values = true, conflicts_with_all = ["method", "step", "tolerance"])]
     accuracy: Option<Asked>,
     /// Integration method to use with a step or a tolerance of your own
     #[arg(long, value_enum)]
     method: Option<ByHand>,
     /// Its step, e.g. 50ns
-    #[arg(long, value_name = "T", value_parser = step, requires = "method", conflicts_with = "tolerance")]
+    #[arg(long, value_name = "T", value_parser = step, allow_hyphen_values = true, requires = "method", conflicts_with = "tolerance")]
     step: Option<f64>,
     /// The error that it tolerates in a step, relative to the largest overlap change and speed, e.g. 1e-8
-    #[arg(long, value_name = "X", value_parser = tolerance, requires = "method")]
+    #[arg(long, value_name = "X", value_parser = tolerance, allow_hyphen_values = true, requires = "method")]
     tolerance: Option<f64>,
     /// Seed of noise and sample clock [default: the scene's]
     #[arg(long, value_name = "N")]

@@ -184,7 +184,7 @@ fn ledger(energy: &EnergyLedger) -> Vec<String> {
     let loads = [("gravity", end.gravity), ("magnet", end.magnet), ("end forces", end.end_forces)];
     let loads = loads.into_iter().filter(|(_, joules)| *joules != 0.0);
     held.extend(loads.map(|(name, joules)| entry(name, joules)));
-    let mut lines = vec![format!("              at the end {}", held.join(", "))];
+    let mut lines = vec![format!("              at the end of the record {}", held.join(", "))];
     let mut taken: Vec<String> =
         booked.losses.iter().map(|loss| entry(loss.loss, loss.energy)).collect();
     if booked.left_in_contacts > 0.0 {

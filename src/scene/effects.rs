@@ -23,8 +23,14 @@ pub enum Switch {
 /// Effects whose change can be foretold.
 const FORETOLD: [&str; 5] = ["gravity", "magnet_law", "dashpot", "kuwabara_kono", "power_law_loss"];
 /// The others.
-const PLAIN: [&str; 5] =
-    ["linearised_contacts", "magnet_preload", "scope_errors", "scope_noise", "sensor_tolerance"];
+const PLAIN: [&str; 6] = [
+    "linearised_contacts",
+    "magnet_preload",
+    "scope_errors",
+    "scope_noise",
+    "sensor_tolerance",
+    "striker_speed_spread",
+];
 
 /// The `state` of every effect that has one.
 pub fn switches(effects: &Table<'_>) -> Vec<(&'static str, Switch)> {

@@ -279,6 +279,7 @@ fn an_effect_that_is_off_is_as_if_it_were_not_there() {
         (format!("[effects.dashpot]\nstate = \"off\"\n{dashpot}"), 1e-6),
         (format!("[effects.dashpot]\nstate = \"auto\"\n{}", dashpot.replace("0.8", "1e-12")), 1e-6),
         ("[effects.kuwabara_kono]\nstate = \"off\"\neta = \"1 us\"\nend_of_contact = \"zero_force\"\n[effects.scope_errors]\nstate = \"off\"\n[effects.sensor_tolerance]\nstate = \"off\"\nspread = \"20 %\"\n[effects.linearised_contacts]\nstate = \"off\"\n".to_owned(), 1e-6),
+        ("[effects.striker_speed_spread]\nstate = \"off\"\nrelative = \"5 %\"\n".to_owned(), 1e-6),
     ] {
         let found = simulate(&scene("magnet-0.61g", &more), accuracy);
         assert_eq!(found.shot, plain.shot, "{more}");
@@ -299,6 +300,23 @@ fn a_state_is_one_of_its_words_and_mistakes_behind_it_are_told() {
         let text = format!("base = \"magnet-0.61g\"\n{more}");
         Scene::from_text("s", "s.toml", &text).expect_err("a mistake").to_string()
     };
+    // Everything that a scene may switch, by its table.
+    for name in [
+        "dashpot",
+        "gravity",
+        "kuwabara_kono",
+        "linearised_contacts",
+        "magnet_law",
+        "magnet_preload",
+        "power_law_loss",
+        "scope_errors",
+        "scope_noise",
+        "sensor_tolerance",
+        "striker_speed_spread",
+    ] {
+        let told = wrong(&format!("[effects.{name}]\nstate = \"maybe\"\n"));
+        assert!(told.contains("\"maybe\"") && told.contains("\"off\""), "{name}: {told}");
+    }
     assert!(wrong("[effects.gravity]\nstate = \"maybe\"\n").contains("auto"));
     let magnet = wrong("[effects.magnet_preload]\nstate = \"auto\"\n");
     assert!(magnet.contains("expected one of \"on\", \"off\""), "{magnet}");

@@ -89,7 +89,8 @@ pub struct Arrived {
 }
 
 impl Motion<'_> {
-    fn start(&self) -> State {
+    /// At rest but for the velocities it starts with.
+    pub fn start(&self) -> State {
         let position = vec![0.0; self.velocities.len()];
         State { time: 0.0, position, velocity: self.velocities.clone() }
     }

@@ -7,6 +7,7 @@
 mod benches;
 mod chaos;
 mod collisions;
+mod edges;
 mod endurance;
 mod losses;
 mod openings;
@@ -92,6 +93,7 @@ pub fn catalogue() -> Vec<HardCase> {
         openings::CASES,
         losses::CASES,
         endurance::CASES,
+        edges::CASES,
         chaos::CASES,
     ]
     .concat()

@@ -210,6 +210,24 @@ fn sources(study: &Study) -> Vec<String> {
     all.into_iter().map(|(name, source)| format!("  {name}: {source}")).collect()
 }
 
+/// Accuracies that were not reached, and those of which the reference cannot tell.
+fn doubts(study: &Study) -> Vec<String> {
+    let own = study.reference.error;
+    let named = |is: fn(f64, f64, f64) -> bool| {
+        let chosen = study.chosen.iter();
+        let those = chosen.filter(|c| is(c.error.unwrap_or(f64::INFINITY), c.accuracy, own));
+        let names: Vec<String> = those.map(|chosen| format!("{:e}", chosen.accuracy)).collect();
+        Some(names.join(", ")).filter(|names| !names.is_empty())
+    };
+    let missed = named(|error, accuracy, own| error > accuracy + own);
+    let unclear = named(|error, accuracy, own| error > accuracy && error <= accuracy + own);
+    let missed = missed.map(|names| format!("  not reached: {names}; a run says so"));
+    let unclear = unclear.map(|names| {
+        format!("  not to be judged: {names}; the reference itself may be {own:.1e} off")
+    });
+    missed.into_iter().chain(unclear).collect()
+}
+
 fn choices(study: &Study) -> Vec<String> {
     let heading = [
         "--accuracy",
@@ -238,6 +256,7 @@ fn choices(study: &Study) -> Vec<String> {
         .level
         .map_or(String::new(), |l| format!("one scope level is {l:.1e} of a first peak, "));
     lines.push(format!("  {level}one sample interval {:.1e} of an arrival", study.sample));
+    lines.extend(doubts(study));
     lines.push(
         "wall times are those of one run with all forces sampled as the scope would, without recording and without the runs that estimate its error"
             .to_owned(),

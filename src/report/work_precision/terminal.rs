@@ -4,7 +4,7 @@ use super::{Axes, Kind, marks};
 use crate::experiment::cost::{Point, Study};
 
 /// Columns and rows of a plot.
-const CELLS: (usize, usize) = (72, 18);
+const CELLS: (usize, usize) = (70, 18);
 /// What `--accuracy` chooses.
 const CHOSEN: char = '●';
 
