@@ -13,7 +13,7 @@ use super::energy::MOST;
 use super::horizon::horizon;
 use super::losses::controlled_for;
 use super::outcome::Reading;
-use super::tried::{Tried, methods_tried, paces, tighter};
+use super::tried::{Tried, Tries, paces, tighter};
 use super::{Integration, Outcome, RunError, method, run, sample_grid};
 use crate::integrate::IntegrateError;
 use crate::quantity::engineering;
@@ -84,7 +84,7 @@ pub fn of_scene(scene: &Scene) -> Result<ChosenAccuracy, RunError> {
 
 /// Runs `scene` so that first peaks and arrivals are as accurate as asked (1), estimate included: the steps of a run are held to an
 /// accuracy, which says nothing of what the chain makes of their errors. So each run is held against a tighter one
-/// ([`estimate`]), and taken again with tighter steps where they differ by too much ([`methods_tried`]), or where it has made or lost more than [`MOST`] of
+/// ([`estimate`]), and taken again with tighter steps where they differ by too much ([`Tries`]), or where it has made or lost more than [`MOST`] of
 /// the energy in motion. Traces are held to half of the digits, an error of `sqrt(accuracy)`, unless it is told from when on they are not. `progress` hears the share of the work, 0 to 1: the first run is taken for half of it, the next for half of the rest, and so on.
 ///
 /// # Errors
@@ -96,14 +96,14 @@ pub fn run_held(
     progress: &mut dyn FnMut(f64),
 ) -> Result<Outcome, RunError> {
     let (own, started) = (&*scene.of_shot(shot), Instant::now());
-    let mut tried = methods_tried(own, accuracy).peekable();
+    let mut tries = Tries::of(own, accuracy);
     let mut second: Option<Second> = None;
     let mut makes_energy = false;
     let left = Cell::new(1.0);
     let next = || left.set(0.5 * left.get());
     let mut progress = |share: f64| progress(1.0 - left.get() * (2.0 - share));
     loop {
-        let Some(Tried { method, steps }) = tried.next() else {
+        let Some(tried @ Tried { method, steps }) = tries.next() else {
             unreachable!("the last that is tried is taken as it is")
         };
         next();
@@ -112,7 +112,7 @@ pub fn run_held(
             Err(RunError::Integrate(IntegrateError::NotFinite { .. })) if paces(method) => continue,
             found => found?,
         };
-        if tried.peek().is_some() && !outcome.summary.energy.is_kept(MOST) {
+        if !tries.is_over() && !outcome.summary.energy.is_kept(MOST) {
             makes_energy = true;
             continue;
         }
@@ -126,10 +126,14 @@ pub fn run_held(
         let estimate = second.insert(against).holds(&outcome, accuracy);
         let late = LazyCell::new(|| known_until(own, steps, outcome.summary.contact_changes));
         let held = estimate.as_ref().is_some_and(|estimate| {
-            let traces = estimate.trace.is_none_or(|trace| trace <= accuracy.sqrt());
-            estimate.worst() <= accuracy && (traces || late.is_some())
+            let traces = estimate.trace.filter(|trace| *trace > accuracy.sqrt());
+            let lacking = traces.filter(|_| late.is_none());
+            if let Some(trace) = lacking {
+                tries.tighten(tried, accuracy.sqrt() / trace);
+            }
+            estimate.worst() <= accuracy && lacking.is_none()
         });
-        if !held && tried.peek().is_some() {
+        if !held && !tries.is_over() {
             continue;
         }
         let late = *late;

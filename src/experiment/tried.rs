@@ -1,5 +1,7 @@
 //! What is tried to reach an accuracy, one after the other, and what runs are held against.
 
+use std::iter::Peekable;
+
 use super::Integration;
 use super::losses::{controlled_for, paced_for};
 use crate::integrate::Method;
@@ -19,6 +21,12 @@ const LOOSEST_STEPS: f64 = 0.01;
 const NEXT: f64 = 0.56;
 /// Steps are held to no less than this: rounding would be mistaken for their error (1).
 const TIGHTEST_STEPS: f64 = 1e-14;
+/// Share of the error that is allowed that tighter steps are made for, so that they need not be tightened again (1).
+const ENOUGH: f64 = 0.7;
+/// Errors of less than this share are left to a pair: paced steps are of order 4 (1).
+const PACED_SHARE: f64 = 0.1;
+/// How often steps are made for a share of an error.
+const ASKED: u8 = 4;
 /// Accuracy of the run that a run is held against, in terms of the one asked for, or of its own steps where they are held to less: so
 /// much tighter that they do not err the same way (1).
 const TIGHTER: f64 = 0.01;
@@ -62,6 +70,66 @@ pub fn first_tried(scene: &Scene, integration: Integration) -> Integration {
     let Integration::Accuracy(accuracy) = integration else { return integration };
     let first = methods_tried(scene, accuracy).next();
     first.map_or(integration, |Tried { method, .. }| Integration::Tried { method, accuracy })
+}
+
+/// What is tried, and sooner what will do where it is known how much is lacking.
+pub struct Tries<'a> {
+    scene: &'a Scene,
+    ladder: Peekable<Box<dyn Iterator<Item = Tried> + 'a>>,
+    asked: Option<Tried>,
+    /// How often more may be asked for.
+    left: u8,
+    /// Steps of a pair that were asked for: the ladder goes on below them (1).
+    tightest: f64,
+}
+
+impl<'a> Tries<'a> {
+    /// Those of [`methods_tried`].
+    pub fn of(scene: &'a Scene, accuracy: f64) -> Self {
+        let ladder: Box<dyn Iterator<Item = Tried> + 'a> = Box::new(methods_tried(scene, accuracy));
+        Self { scene, ladder: ladder.peekable(), asked: None, left: ASKED, tightest: f64::INFINITY }
+    }
+
+    /// Whether there is nothing tighter.
+    pub fn is_over(&mut self) -> bool {
+        self.asked.is_none() && self.ladder.peek().is_none()
+    }
+
+    /// After `tried`, of which errors are to come to this `share` (1): they go about as the tolerance does.
+    pub fn tighten(&mut self, tried: Tried, share: f64) {
+        let share = ENOUGH * share;
+        let steps = share * tried.steps;
+        let method = match tried.method {
+            Method::PacedForceGradient { tolerance } if share >= PACED_SHARE => {
+                Method::PacedForceGradient { tolerance: share * tolerance }
+            }
+            // How far off a pair is is not known yet.
+            Method::PacedForceGradient { .. } => return,
+            _ => controlled_for(&self.scene.chain, &self.scene.initial_velocities, steps),
+        };
+        // Pairs of another order make less of the same tolerance: what the ladder has next may do, and tells more.
+        while self.ladder.next_if(|next| next.steps >= self.tightest.min(tried.steps)).is_some() {}
+        let looser = self.ladder.peek().is_some_and(|next| next.steps > steps);
+        if self.left > 0 && steps >= TIGHTEST_STEPS && (paces(method) || !looser) {
+            self.left -= 1;
+            self.asked = Some(Tried { method, steps });
+        }
+    }
+}
+
+impl Iterator for Tries<'_> {
+    type Item = Tried;
+
+    fn next(&mut self) -> Option<Tried> {
+        if let Some(asked) = self.asked.take() {
+            if !paces(asked.method) {
+                self.tightest = asked.steps;
+            }
+            return Some(asked);
+        }
+        let below = self.tightest;
+        self.ladder.find(|tried| tried.steps < below)
+    }
 }
 
 /// Whether nothing but what comes of them tells that steps of `method` were too long.

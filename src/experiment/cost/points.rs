@@ -7,7 +7,8 @@ use crate::experiment::comparison::{
     Run, Treated, arrival_error, compare, peak_error, run_without, trace_error, worst,
 };
 use crate::experiment::energy::MOST;
-use crate::experiment::{Integration, Tried, method, methods_tried, tighter};
+use crate::experiment::tried::Tries;
+use crate::experiment::{Integration, Tried, method, tighter};
 use crate::integrate::{IntegrateError, Method, Scheme};
 use crate::scene::Scene;
 
@@ -157,7 +158,8 @@ pub fn point(scene: &Scene, treated: Treated, (exact, runs): (&Run, u16)) -> Poi
 /// none, the last that was tried before one took too much.
 pub fn choice(scene: &Scene, accuracy: f64, (exact, runs): (&Run, u16)) -> Option<Chosen> {
     let mut last = None;
-    for Tried { method, steps } in methods_tried(scene, accuracy) {
+    let mut tries = Tries::of(scene, accuracy);
+    while let Some(tried @ Tried { method, steps }) = tries.next() {
         let treated = (method, None);
         let once = point(scene, treated, (exact, 1));
         if once.given_up && last.is_some() {
@@ -166,11 +168,15 @@ pub fn choice(scene: &Scene, accuracy: f64, (exact, runs): (&Run, u16)) -> Optio
         last = Some(treated);
         let worst = once.error_peak.zip(once.error_arrival).map(|(peak, time)| peak.max(time));
         let own = OWN * tighter(steps.min(accuracy));
-        let traces = once.error_trace.is_none_or(|off| TRACES * off + own <= accuracy.sqrt());
-        let holds = once.keeps_energy
-            && worst.is_some_and(|worst| worst + own <= accuracy)
-            && (traces || known_until(scene, steps, once.contact_changes).is_some());
-        if once.given_up || holds {
+        let traces = once.error_trace.map(|off| TRACES * off + own);
+        let lacking = traces
+            .filter(|off| *off > accuracy.sqrt())
+            .filter(|_| known_until(scene, steps, once.contact_changes).is_none());
+        if let Some(trace) = lacking {
+            tries.tighten(tried, accuracy.sqrt() / trace);
+        }
+        let holds = once.keeps_energy && worst.is_some_and(|worst| worst + own <= accuracy);
+        if once.given_up || holds && lacking.is_none() {
             break;
         }
     }
