@@ -84,7 +84,7 @@ pub fn of_scene(scene: &Scene) -> Result<ChosenAccuracy, RunError> {
 
 /// Runs `scene` so that first peaks and arrivals are as accurate as asked (1), estimate included: the steps of a run are held to an
 /// accuracy, which says nothing of what the chain makes of their errors. So each run is held against a tighter one
-/// ([`estimate`]), and taken again with tighter steps where they differ by too much ([`Tries`]), or where it has made or lost more than [`MOST`] of
+/// ([`estimate`]), and taken again with tighter steps where they differ by too much ([`methods_tried`](super::methods_tried)), or where it has made or lost more than [`MOST`] of
 /// the energy in motion. Traces are held to half of the digits, an error of `sqrt(accuracy)`, unless it is told from when on they are not. `progress` hears the share of the work, 0 to 1: the first run is taken for half of it, the next for half of the rest, and so on.
 ///
 /// # Errors
@@ -103,7 +103,7 @@ pub fn run_held(
     let next = || left.set(0.5 * left.get());
     let mut progress = |share: f64| progress(1.0 - left.get() * (2.0 - share));
     loop {
-        let Some(tried @ Tried { method, steps }) = tries.next() else {
+        let Some(attempt @ Tried { method, steps }) = tries.next() else {
             unreachable!("the last that is tried is taken as it is")
         };
         next();
@@ -129,7 +129,7 @@ pub fn run_held(
             let traces = estimate.trace.filter(|trace| *trace > accuracy.sqrt());
             let lacking = traces.filter(|_| late.is_none());
             if let Some(trace) = lacking {
-                tries.tighten(tried, accuracy.sqrt() / trace);
+                tries.tighten(attempt, accuracy.sqrt() / trace);
             }
             estimate.worst() <= accuracy && lacking.is_none()
         });
@@ -158,10 +158,10 @@ pub fn run_held(
     }
 }
 
-/// From when on the motion of `scene` at `accuracy` (1) is not known to half of its digits, where contacts have changed sides: others amplify no errors (s).
+/// From when on the motion of `scene` at `accuracy` (1) is not known to half of its digits, where contacts may have changed sides: others amplify no errors (s).
 pub(super) fn known_until(scene: &Scene, accuracy: f64, changes: Option<u64>) -> Option<f64> {
     let setting = (scene.duration, accuracy);
-    let amplifies = changes != Some(0);
+    let amplifies = changes != Some(0) && !scene.chain.is_linear();
     // A motion that cannot be computed has been refused already.
     amplifies.then(|| horizon(&scene.chain, &scene.initial_velocities, setting).ok())??
 }

@@ -159,7 +159,7 @@ pub fn point(scene: &Scene, treated: Treated, (exact, runs): (&Run, u16)) -> Poi
 pub fn choice(scene: &Scene, accuracy: f64, (exact, runs): (&Run, u16)) -> Option<Chosen> {
     let mut last = None;
     let mut tries = Tries::of(scene, accuracy);
-    while let Some(tried @ Tried { method, steps }) = tries.next() {
+    while let Some(attempt @ Tried { method, steps }) = tries.next() {
         let treated = (method, None);
         let once = point(scene, treated, (exact, 1));
         if once.given_up && last.is_some() {
@@ -173,7 +173,7 @@ pub fn choice(scene: &Scene, accuracy: f64, (exact, runs): (&Run, u16)) -> Optio
             .filter(|off| *off > accuracy.sqrt())
             .filter(|_| known_until(scene, steps, once.contact_changes).is_none());
         if let Some(trace) = lacking {
-            tries.tighten(tried, accuracy.sqrt() / trace);
+            tries.tighten(attempt, accuracy.sqrt() / trace);
         }
         let holds = once.keeps_energy && worst.is_some_and(|worst| worst + own <= accuracy);
         if once.given_up || holds && lacking.is_none() {
