@@ -115,7 +115,13 @@ impl<'a> Tries<'a> {
 
     /// Whether there is nothing tighter.
     pub fn is_over(&mut self) -> bool {
+        self.skip_down_to(self.tightest);
         self.asked.is_none() && self.ladder.peek().is_none()
+    }
+
+    /// Leaves out steps of the ladder that are no tighter than these (1).
+    fn skip_down_to(&mut self, steps: f64) {
+        while self.ladder.next_if(|next| next.steps >= steps).is_some() {}
     }
 
     /// After `tried`, of which errors are to come to this `share` (1): they go about as the tolerance does.
@@ -132,7 +138,7 @@ impl<'a> Tries<'a> {
             _ => controlled_for(&self.scene.chain, &self.scene.initial_velocities, steps),
         };
         // Pairs of another order make less of the same tolerance: what the ladder has next may do, and tells more.
-        while self.ladder.next_if(|next| next.steps >= self.tightest.min(tried.steps)).is_some() {}
+        self.skip_down_to(self.tightest.min(tried.steps));
         let looser = self.ladder.peek().is_some_and(|next| next.steps > steps);
         if self.left > 0 && steps >= TIGHTEST_STEPS && (paces(method) || !looser) {
             self.left -= 1;
@@ -151,8 +157,8 @@ impl Iterator for Tries<'_> {
             }
             return Some(asked);
         }
-        let below = self.tightest;
-        self.ladder.find(|tried| tried.steps < below)
+        self.skip_down_to(self.tightest);
+        self.ladder.next()
     }
 }
 
@@ -165,4 +171,37 @@ pub(super) fn paces(method: Method) -> bool {
 #[must_use]
 pub fn tighter(accuracy: f64) -> f64 {
     (TIGHTER * accuracy).clamp(TIGHTEST_STEPS, LOOSEST_SECOND)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Tries, methods_tried};
+    use crate::scene::Scene;
+
+    /// Whatever is asked for in between, steps get tighter, come to an end, and there is one after each that is not the last.
+    #[test]
+    fn tries_get_tighter_and_come_to_an_end() {
+        for name in ["magnet-0.61g", "linear-300-cells", "gravity-2.75g"] {
+            let scene = Scene::load(name).unwrap();
+            for accuracy in [1e-3, 1e-6, 1e-11] {
+                for share in [1e-9, 0.01, 0.3, 0.99] {
+                    let mut tries = Tries::of(&scene, accuracy);
+                    let mut count = 0;
+                    let mut pairs = f64::INFINITY;
+                    while !tries.is_over() {
+                        let found = tries.next().unwrap();
+                        if !super::paces(found.method) {
+                            assert!(found.steps < pairs, "{name}: {found:?} after {pairs:e}");
+                            pairs = found.steps;
+                        }
+                        tries.tighten(found, share);
+                        count += 1;
+                    }
+                    assert!(tries.next().is_none());
+                    let most = methods_tried(&scene, accuracy).count() + 4;
+                    assert!((1..=most).contains(&count), "{name}: {count}");
+                }
+            }
+        }
+    }
 }
