@@ -126,12 +126,8 @@ pub fn run_held(
         let estimate = second.insert(against).holds(&outcome, accuracy);
         let late = LazyCell::new(|| known_until(own, steps, outcome.summary.contact_changes));
         let held = estimate.as_ref().is_some_and(|estimate| {
-            let traces = estimate.trace.filter(|trace| *trace > accuracy.sqrt());
-            let lacking = traces.filter(|_| late.is_none());
-            if let Some(trace) = lacking {
-                tries.tighten(attempt, accuracy.sqrt() / trace);
-            }
-            estimate.worst() <= accuracy && lacking.is_none()
+            let traces = tries.holds_traces(attempt, estimate.trace, || late.is_some());
+            estimate.worst() <= accuracy && traces
         });
         if !held && !tries.is_over() {
             continue;

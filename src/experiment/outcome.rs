@@ -124,7 +124,7 @@ impl Summary {
         let (words, left) = (engineering(time, "s", 2), accuracy.sqrt());
         self.horizon_s = Some(time);
         self.notes.push(format!(
-            "from {words} on errors may exceed {left:.0e} of the largest overlap or speed somewhere in the chain, half of the digits that were asked for: a tighter accuracy, or a shorter step, mostly reaches further"
+            "from {words} on errors may exceed {left:.0e} of the largest overlap or speed somewhere in the chain, half of the digits that its steps are held to: a tighter accuracy, or a shorter step, mostly reaches further"
         ));
     }
 }

@@ -98,6 +98,7 @@ pub fn first_tried(scene: &Scene, integration: Integration) -> Integration {
 /// What is tried, and sooner what will do where it is known how much is lacking.
 pub struct Tries<'a> {
     scene: &'a Scene,
+    accuracy: f64,
     ladder: Peekable<Box<dyn Iterator<Item = Tried> + 'a>>,
     asked: Option<Tried>,
     /// How often more may be asked for.
@@ -110,7 +111,8 @@ impl<'a> Tries<'a> {
     /// Those of [`methods_tried`].
     pub fn of(scene: &'a Scene, accuracy: f64) -> Self {
         let ladder: Box<dyn Iterator<Item = Tried> + 'a> = Box::new(methods_tried(scene, accuracy));
-        Self { scene, ladder: ladder.peekable(), asked: None, left: ASKED, tightest: f64::INFINITY }
+        let (ladder, tightest) = (ladder.peekable(), f64::INFINITY);
+        Self { scene, accuracy, ladder, asked: None, left: ASKED, tightest }
     }
 
     /// Whether there is nothing tighter.
@@ -124,8 +126,26 @@ impl<'a> Tries<'a> {
         while self.ladder.next_if(|next| next.steps >= steps).is_some() {}
     }
 
+    /// Whether traces that may be off by `trace` (1) after `tried` are known to half of the digits, or it `is_told` from when on they are not; what comes
+    /// next is made for what they lack.
+    pub fn holds_traces(
+        &mut self,
+        tried: Tried,
+        trace: Option<f64>,
+        is_told: impl FnOnce() -> bool,
+    ) -> bool {
+        let allowed = self.accuracy.sqrt();
+        match trace {
+            Some(trace) if trace > allowed && !is_told() => {
+                self.tighten(tried, allowed / trace);
+                false
+            }
+            _ => true,
+        }
+    }
+
     /// After `tried`, of which errors are to come to this `share` (1): they go about as the tolerance does.
-    pub fn tighten(&mut self, tried: Tried, share: f64) {
+    fn tighten(&mut self, tried: Tried, share: f64) {
         let share = ENOUGH * share;
         let steps = share * tried.steps;
         let method = match tried.method {

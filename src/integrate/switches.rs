@@ -59,22 +59,12 @@ pub trait Restart: Integrator {
     fn tolerated(&self) -> f64;
 }
 
-/// Positions and velocities of all bodies at one time (m, m/s).
-type Bodies<'a> = (&'a [f64], &'a [f64]);
-
 impl Sides {
-    /// How its bodies stand and move at one time.
-    pub(super) fn of(&self, (position, velocity): Bodies<'_>) -> Motion {
-        self.motion(|i| position[i], |i| velocity[i])
-    }
-
-    pub(super) fn motion(
-        &self,
-        position: impl Fn(usize) -> f64,
-        velocity: impl Fn(usize) -> f64,
-    ) -> Motion {
-        let difference =
-            |at: &dyn Fn(usize) -> f64| self.above.map_or(0.0, at) - self.below.map_or(0.0, at);
-        Motion { difference: difference(&position), rate: difference(&velocity) }
+    /// How its bodies stand and move in `state`.
+    pub(super) fn of(&self, state: &State) -> Motion {
+        let difference = |of: &[f64]| {
+            self.above.map_or(0.0, |body| of[body]) - self.below.map_or(0.0, |body| of[body])
+        };
+        Motion { difference: difference(&state.position), rate: difference(&state.velocity) }
     }
 }

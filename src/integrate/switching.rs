@@ -69,7 +69,7 @@ impl<I: Restart> Switched<I> {
         let mut any = false;
         let Some(system) = self.inner.system().switching() else { return false };
         for (switch, sides) in self.sides.iter().enumerate() {
-            let motion = sides.of((&state.position, &state.velocity));
+            let motion = sides.of(state);
             if system.is_wrong(switch, motion) {
                 system.flip(switch, state);
                 any = true;
@@ -89,8 +89,7 @@ impl<I: Restart> Switched<I> {
         let mut first: Option<(f64, usize)> = None;
         for switch in 0..self.sides.len() {
             let (sides, on) = (self.sides[switch], self.on[switch]);
-            let ends =
-                [&self.state, after].map(|state| sides.of((&state.position, &state.velocity)));
+            let ends = [&self.state, after].map(|state| sides.of(state));
             let system = self.inner.system().switching()?;
             if stays_clear(ends, length, |motion| system.margin(switch, motion), on) {
                 continue;

@@ -169,14 +169,10 @@ pub fn choice(scene: &Scene, accuracy: f64, (exact, runs): (&Run, u16)) -> Optio
         let worst = once.error_peak.zip(once.error_arrival).map(|(peak, time)| peak.max(time));
         let own = OWN * tighter(steps.min(accuracy));
         let traces = once.error_trace.map(|off| TRACES * off + own);
-        let lacking = traces
-            .filter(|off| *off > accuracy.sqrt())
-            .filter(|_| known_until(scene, steps, once.contact_changes).is_none());
-        if let Some(trace) = lacking {
-            tries.tighten(attempt, accuracy.sqrt() / trace);
-        }
+        let is_told = || known_until(scene, steps, once.contact_changes).is_some();
+        let traces = tries.holds_traces(attempt, traces, is_told);
         let holds = once.keeps_energy && worst.is_some_and(|worst| worst + own <= accuracy);
-        if once.given_up || holds && lacking.is_none() {
+        if once.given_up || holds && traces {
             break;
         }
     }
