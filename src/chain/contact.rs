@@ -58,17 +58,40 @@ impl Contact {
     /// The contact when its overlap has grown by `change` (m) over the static one and grows by `closing` (m/s).
     #[must_use]
     pub fn touch(&self, change: f64, closing: f64, closed: bool) -> Touch {
-        let elastic = self.static_force + self.force_change(change);
+        self.touched(self.force_change(change), change, closing, closed)
+    }
+
+    fn touched(&self, force_change: f64, change: f64, closing: f64, closed: bool) -> Touch {
+        let elastic = self.static_force + force_change;
         Touch { overlap: self.static_overlap + change, closing, elastic, closed }
     }
 
     /// Change of the force, losses included (N).
     #[must_use]
     pub fn lossy_force_change(&self, change: f64, closing: f64, closed: bool) -> f64 {
-        let taken = |loss: ContactLoss| {
-            loss.taken(self.stiffness, self.touch(change, closing, closed)).force
+        let elastic = self.force_change(change);
+        let Some(loss) = self.loss else { return elastic };
+        elastic + loss.force(self.stiffness, self.touched(elastic, change, closing, closed))
+    }
+
+    /// The same (N), and its slopes against the overlap (N/m) and the closing speed (N s/m).
+    #[must_use]
+    pub fn lossy_change_and_slopes(
+        &self,
+        change: f64,
+        closing: f64,
+        closed: bool,
+    ) -> (f64, [f64; 2]) {
+        let (elastic, slope) = match self.law {
+            Law::Hertz => {
+                hertz::force_and_tangent(self.stiffness, self.static_overlap.sqrt(), change)
+            }
+            Law::Linearised => (self.force_change(change), self.static_stiffness()),
         };
-        self.force_change(change) + self.loss.map_or(0.0, taken)
+        let Some(loss) = self.loss else { return (elastic, [slope, 0.0]) };
+        let touch = self.touched(elastic, change, closing, closed);
+        let (force, tangent) = loss.force_and_tangent(self.stiffness, slope, touch);
+        (elastic + force, [tangent.stiffness, tangent.damping])
     }
 
     /// Stiffness against further changes (N/m).

@@ -3,41 +3,8 @@
 //! The same source runs everywhere; what differs is how many contacts the compiler puts into one instruction: eight with
 //! AVX-512, four with AVX2, two with the x86-64 baseline. Results may differ by rounding only where the compiler may fuse
 //! a multiplication with an addition, and Rust does not: they are the same to the last bit.
-#![allow(
-    unsafe_code,
-    reason = "calling a function compiled for an instruction set is unsafe until the set is known to be there"
-)]
-
 use super::Law;
-
-/// What the force loop may use.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum InstructionSet {
-    /// What every machine of this architecture has.
-    Baseline,
-    /// AVX2.
-    Avx2,
-    /// AVX-512 F and VL.
-    Avx512,
-}
-
-impl InstructionSet {
-    /// The widest that this machine has.
-    #[must_use]
-    pub fn best() -> Self {
-        #[cfg(target_arch = "x86_64")]
-        {
-            let found = super::processor::found();
-            if found.avx512 {
-                return Self::Avx512;
-            }
-            if found.avx2 {
-                return Self::Avx2;
-            }
-        }
-        Self::Baseline
-    }
-}
+use super::stepper::{InstructionSet, Lanes, Task, dispatch};
 
 /// Contacts and masses as the loop reads them.
 #[derive(Debug, Clone)]
@@ -65,27 +32,24 @@ pub fn accelerate(
     force: &mut [f64],
     acceleration: &mut [f64],
 ) {
-    match set {
-        // SAFETY: `InstructionSet::best` is the only way to these values, and it has asked the machine.
-        #[cfg(target_arch = "x86_64")]
-        InstructionSet::Avx512 => unsafe { avx512(plan, displacement, force, acceleration) },
-        // SAFETY: as above.
-        #[cfg(target_arch = "x86_64")]
-        InstructionSet::Avx2 => unsafe { avx2(plan, displacement, force, acceleration) },
-        _ => body(plan, displacement, force, acceleration),
+    dispatch(set, Accelerate { plan, displacement, force, acceleration });
+}
+
+struct Accelerate<'a> {
+    plan: &'a Plan,
+    displacement: &'a [f64],
+    force: &'a mut [f64],
+    acceleration: &'a mut [f64],
+}
+
+impl Task for Accelerate<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loop")]
+    fn run<L: Lanes>(self) {
+        body(self.plan, self.displacement, self.force, self.acceleration);
     }
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512vl")]
-fn avx512(plan: &Plan, displacement: &[f64], force: &mut [f64], acceleration: &mut [f64]) {
-    body(plan, displacement, force, acceleration);
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn avx2(plan: &Plan, displacement: &[f64], force: &mut [f64], acceleration: &mut [f64]) {
-    body(plan, displacement, force, acceleration);
 }
 
 /// `hertz::force_change` over all contacts, written without calls and branches, then Newton's law for all bodies.
@@ -150,12 +114,7 @@ mod tests {
             };
             let wave = |i: u32| 3e-6 * f64::from((i * 7) % 11) - 1e-5;
             let displacement: Vec<f64> = (0..=contacts).map(wave).collect();
-            let mut sets = vec![InstructionSet::Baseline];
-            if InstructionSet::best() == InstructionSet::Avx512 {
-                sets.push(InstructionSet::Avx2);
-            }
-            sets.push(InstructionSet::best());
-            for set in sets {
+            for set in InstructionSet::available() {
                 let mut force = vec![0.0; contacts as usize];
                 let mut acceleration = vec![0.0; bodies];
                 accelerate(set, &plan, &displacement, &mut force, &mut acceleration);

@@ -63,15 +63,6 @@ pub struct Touch {
     pub closed: bool,
 }
 
-/// A lossy contact's force beyond the elastic one, and where the energy goes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Taken {
-    /// Force (N).
-    pub force: f64,
-    /// Power that each kind of loss takes (J/s).
-    pub power: LossTerms,
-}
-
 /// Tangents of what a lossy contact takes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Tangent {
@@ -105,35 +96,36 @@ impl ContactLoss {
         self.jumps() || self.relaxation > 0.0
     }
 
-    fn terms(&self, stiffness: f64, touch: Touch) -> LossTerms {
-        let Touch { overlap, closing, closed, .. } = touch;
-        let viscous = self.relaxation * hertz::tangent_stiffness(stiffness, overlap) * closing;
-        if !closed {
-            return [0.0, viscous, 0.0];
+    /// What of it is at work in a contact that is `closed` or `held` at zero force, or not: what makes forces jump is in closed ones alone.
+    pub(super) fn at_work(&self, closed: bool, held: bool) -> Self {
+        let [jumping, smooth] = [closed && !held, !held].map(|works| if works { 1.0 } else { 0.0 });
+        Self {
+            dashpot: jumping * self.dashpot,
+            relaxation: smooth * self.relaxation,
+            power_force: jumping * self.power_force,
+            ..*self
         }
-        let power = if self.power_force > 0.0 {
-            self.power_force * closing.abs().powf(self.power_exponent).copysign(closing)
+    }
+
+    pub(super) fn terms(&self, stiffness: f64, touch: Touch) -> LossTerms {
+        let Touch { overlap, closing, closed, .. } = touch;
+        let viscous = if self.relaxation > 0.0 {
+            self.relaxation * hertz::tangent_stiffness(stiffness, overlap) * closing
         } else {
             0.0
         };
+        if !closed {
+            return [0.0, viscous, 0.0];
+        }
+        let power = power_law(self.power_force, self.power_exponent, closing);
         [self.dashpot * closing, viscous, power]
     }
 
-    /// What a contact of stiffness `A` (N/m^1.5) takes.
+    /// The force that a contact of stiffness `A` (N/m^1.5) has beyond its elastic one (N).
     #[must_use]
-    pub fn taken(&self, stiffness: f64, touch: Touch) -> Taken {
-        self.taken_as(stiffness, touch, self.is_held(stiffness, touch))
-    }
-
-    /// The same where it is known whether the contact is `held` at zero force.
-    #[must_use]
-    pub fn taken_as(&self, stiffness: f64, touch: Touch, held: bool) -> Taken {
-        if held {
-            return Taken { force: -touch.elastic, power: [0.0; KINDS] };
-        }
-        let terms = self.terms(stiffness, touch);
-        let power = terms.map(|term| term * touch.closing);
-        Taken { force: terms.iter().sum(), power }
+    pub fn force(&self, stiffness: f64, touch: Touch) -> f64 {
+        let force = self.terms(stiffness, touch).iter().sum();
+        if self.holds(force, touch) { -touch.elastic } else { force }
     }
 
     /// The force that the contact would have if nothing held it, and the sum of its parts' magnitudes (N).
@@ -148,12 +140,6 @@ impl ContactLoss {
         self.end == EndOfContact::ZeroForce && touch.elastic + force < 0.0
     }
 
-    /// Whether the contact is held at zero force.
-    #[must_use]
-    pub fn is_held(&self, stiffness: f64, touch: Touch) -> bool {
-        self.holds(self.terms(stiffness, touch).iter().sum(), touch)
-    }
-
     /// Slope of the loss against the closing speed, nothing held (N s/m).
     #[must_use]
     pub fn damping(&self, stiffness: f64, overlap: f64, closing: f64) -> f64 {
@@ -166,22 +152,36 @@ impl ContactLoss {
         self.dashpot + self.relaxation * hertz::tangent_stiffness(stiffness, overlap) + power
     }
 
-    /// Tangents; the elastic one (N/m) is `elastic_tangent`.
+    /// The force that a contact of stiffness `A` (N/m^1.5) has beyond its elastic one (N), and the tangents of both together, whose elastic
+    /// one (N/m) is `elastic_tangent`.
     #[must_use]
-    pub fn tangent(&self, stiffness: f64, elastic_tangent: f64, touch: Touch) -> Tangent {
-        self.tangent_as((stiffness, elastic_tangent), touch, self.is_held(stiffness, touch))
+    pub fn force_and_tangent(
+        &self,
+        stiffness: f64,
+        elastic_tangent: f64,
+        touch: Touch,
+    ) -> (f64, Tangent) {
+        let terms = self.terms(stiffness, touch);
+        let force = terms.iter().sum();
+        let held = self.holds(force, touch);
+        let tangent = self.tangent_of(terms, (stiffness, elastic_tangent), touch, held);
+        (if held { -touch.elastic } else { force }, tangent)
     }
 
-    /// The same, of the stiffness `A` (N/m^1.5) and the elastic tangent (N/m), where it is known whether the contact is `held`.
+    /// The tangents, of both stiffnesses, where it is known whether the contact is `held`.
     #[must_use]
-    pub fn tangent_as(
+    pub fn tangent_as(&self, stiffnesses: (f64, f64), touch: Touch, held: bool) -> Tangent {
+        self.tangent_of(self.terms(stiffnesses.0, touch), stiffnesses, touch, held)
+    }
+
+    fn tangent_of(
         &self,
+        terms: LossTerms,
         (stiffness, elastic_tangent): (f64, f64),
         touch: Touch,
         held: bool,
     ) -> Tangent {
         let Touch { overlap, closing, closed, .. } = touch;
-        let terms = self.terms(stiffness, touch);
         let mut tangent = Tangent::default();
         if held {
             return tangent;
@@ -201,4 +201,9 @@ impl ContactLoss {
         tangent.power_by_closing[2] = (self.power_exponent + 1.0) * terms[2];
         tangent
     }
+}
+
+/// Force of a power law of `at_one` (N) at 1 m/s and an exponent (1) where bodies close at `closing` (m/s) (N).
+pub(super) fn power_law(at_one: f64, exponent: f64, closing: f64) -> f64 {
+    if at_one > 0.0 { at_one * closing.abs().powf(exponent).copysign(closing) } else { 0.0 }
 }

@@ -19,6 +19,7 @@ mod impact;
 mod kernel;
 mod ledger;
 pub mod loss;
+mod loss_plan;
 mod magnet;
 mod pacing;
 mod probe;
@@ -30,7 +31,7 @@ pub mod stepper;
 mod system;
 
 pub use contact::{Contact, Law};
-pub use dissipative::DissipativeSystem;
+pub use dissipative::{ACCOUNTS, DissipativeSystem};
 pub use effects::{
     ContactOverride, Dashpot, Effect, EffectsSpec, Gravity, KuwabaraKono, LinearisedContacts,
     LossSpec, MagnetForce, MagnetLaw, MagnetPreload, PlacedAt, PlacedMagnet, PowerLawLoss,

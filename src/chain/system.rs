@@ -1,6 +1,7 @@
 //! The chain as a system to integrate: a plan of plain arrays, made once before the first step.
 
-use super::kernel::{InstructionSet, Plan, accelerate};
+use super::kernel::{Plan, accelerate};
+use super::stepper::InstructionSet;
 use super::{Chain, Contact, Law, hertz};
 use crate::integrate::{Pacing, Scales, State, System};
 
@@ -48,6 +49,16 @@ impl ChainSystem {
             overlap_floor: chain.impact_overlap(initial_velocity),
             pacing: chain.pacing(initial_velocity),
         }
+    }
+
+    /// Contacts and masses.
+    pub(super) fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// Change of each contact's force against the static one at the accelerations asked for last (N).
+    pub(super) fn force_changes(&self) -> &[f64] {
+        &self.force_change
     }
 }
 

@@ -8,10 +8,16 @@ use crate::scene::Scene;
 /// Methods for losses.
 const FOR_LOSSES: &str =
     "runge-kutta-4, dormand-prince-54, dormand-prince-853 or rodas, or --accuracy instead";
-/// Losses are stiff where a contact's decay, in units of its own angular frequency, times `tolerance^(1/8)` exceeds this. The power of
-/// the tolerance is what the explicit pair's steps go with: velocities then decay by half and more within one, stability and
-/// not accuracy limits it, and its interpolant is no longer what its steps are. Measured on the bench (1).
-const STIFF: f64 = 0.047;
+/// Losses are stiff where a contact's decay, in units of its own angular frequency, exceeds this: it is overdamped. Stability and not accuracy limits the
+/// explicit pair there, its interpolant is no longer what its steps are, and first peaks and arrivals were off by hundreds of times the error tolerated in a
+/// step (dashpots of 20 and 50 N s/m on the bench with the magnet, of 10 without); with less damping by no more than 15 times (1).
+const OVERDAMPED: f64 = 2.0;
+/// Where steps are held to this or less, the implicit method pays for overdamped contacts only: on the bench it took from 0.9 to 1.2 times the pair's time at 1e-4,
+/// for which steps are held to this, and up to six times as long at 1e-9 (`hertzscope cost`, dashpots of 1 to 10 N s/m) (1).
+const LOOSE: f64 = 1e-3;
+/// Where steps are looser, or contacts end up with a loss and no overlap, it pays from where a contact's decay times `tolerance^(1/8)` exceeds this: the power
+/// is what the pair's steps go with. On the bench that is from dashpots of 0.6 N s/m on at 1e-3, where both take the same time (1).
+const DAMPED: f64 = 0.047;
 /// With losses a step is held to the accuracy asked for divided by this: errors of first peaks and arrivals stayed below 14 times the
 /// error tolerated in a step (1).
 const STEP_MARGIN: f64 = 32.0;
@@ -66,7 +72,14 @@ pub fn controlled_for(chain: &Chain, velocities: &[f64], accuracy: f64) -> Metho
     }
     let rough = chain.contacts().iter().filter_map(|c| c.loss).any(|loss| loss.is_rough());
     let tolerance = accuracy / if rough { ROUGH_MARGIN } else { STEP_MARGIN };
-    if is_stiff(chain, velocities, tolerance) {
+    let (hit, at_rest) = (chain.largest_damping(velocities), chain.damping_at_rest(velocities));
+    let damped = hit * tolerance.powf(0.125) > DAMPED;
+    let stiff = if at_rest.is_finite() {
+        hit.max(at_rest) > OVERDAMPED || (accuracy > LOOSE && damped)
+    } else {
+        damped
+    };
+    if stiff {
         Method::Rodas { tolerance: accuracy / STIFF_MARGIN }
     } else {
         Method::DormandPrince853 { tolerance }
@@ -89,12 +102,6 @@ fn keeps_pace(chain: &Chain, velocities: &[f64]) -> bool {
     let least = LOADED * chain.impact_overlap(velocities);
     let unloaded = |c: &&Contact| c.stiffness > 0.0 && c.static_overlap < least;
     chain.contacts().iter().filter(unloaded).nth(MOST_UNLOADED).is_none()
-}
-
-/// Whether velocities decay within a step of the explicit pair. On the bench that is from dashpots of 0.8 N s/m at 1e-3 and
-/// 4 N s/m at 1e-9; by cost alone the implicit method pays from 2.5, 25 and 80 N s/m at 1e-3, 1e-7 and 1e-9.
-fn is_stiff(chain: &Chain, velocities: &[f64], tolerance: f64) -> bool {
-    chain.largest_damping(velocities) * tolerance.powf(0.125) > STIFF
 }
 
 /// Refuses a method by hand that losses rule out, or that is for losses only.

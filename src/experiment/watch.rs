@@ -70,14 +70,14 @@ impl Watch {
         pulses: bool,
     ) {
         let segment = self.probe.over_step(integrator, bodies);
-        if pulses {
-            self.pulse.take(&segment);
-        }
         let end = integrator.time();
         let mut time = grid.time(self.samples.len());
         while time <= end {
             self.samples.push(segment.force((time - segment.start) / segment.length));
             time = grid.time(self.samples.len());
+        }
+        if pulses {
+            self.pulse.take(segment);
         }
     }
 }

@@ -28,7 +28,7 @@ pub mod switching;
 pub mod velocity_verlet;
 
 pub use dormand_prince_853::DormandPrince853;
-pub use interpolant::Interpolant;
+pub use interpolant::{COEFFICIENTS, Interpolant};
 pub use linearised::{Linearised, Tridiagonal};
 pub use method::Method;
 pub use pace::Pacing;
@@ -191,6 +191,11 @@ pub trait Integrator {
 
     /// What it has cost so far.
     fn work(&self) -> Work;
+
+    /// Whether a switch has changed just before the last step: forces may have jumped.
+    fn starts_anew(&self) -> bool {
+        false
+    }
 
     /// Whether the system's switch at `place` was on over the last step; places without a switch always are.
     fn was_on(&self, place: usize) -> bool {

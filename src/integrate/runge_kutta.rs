@@ -244,6 +244,10 @@ impl Restart for RungeKuttaIntegrator<'_> {
         self.system.as_mut()
     }
 
+    fn reached(&self) -> &State {
+        &self.state
+    }
+
     fn restart(&mut self, state: &State) {
         self.state.clone_from(state);
         self.lost.iter_mut().for_each(|lost| lost.fill(0.0));

@@ -52,6 +52,9 @@ pub trait Restart: Integrator {
     /// The system.
     fn system(&mut self) -> &mut dyn System;
 
+    /// Where it is.
+    fn reached(&self) -> &State;
+
     /// Starts anew at `state`, with the step that the last one suggested.
     fn restart(&mut self, state: &State);
 

@@ -25,6 +25,10 @@ pub struct Switched<I> {
     inner: I,
     state: State,
     sides: Vec<Sides>,
+    /// How those of each stand and move at both ends of the step.
+    ends: Vec<[Motion; 2]>,
+    /// Switches that may have to change within the step.
+    unclear: Vec<usize>,
     /// The switch at each place, if there is one.
     at: Vec<Option<usize>>,
     /// Whether each switch was on over the last step.
@@ -32,6 +36,8 @@ pub struct Switched<I> {
     /// Whether each is on now.
     now: Vec<bool>,
     start: f64,
+    /// Whether a switch has changed just before the last step.
+    anew: bool,
     /// Share of the method's last step that counts.
     share: f64,
     prepared: bool,
@@ -54,10 +60,13 @@ impl<I: Restart> Switched<I> {
             start: state.time,
             inner,
             state,
+            ends: Vec::with_capacity(sides.len()),
+            unclear: Vec::with_capacity(sides.len()),
             sides,
             at,
             now: on.clone(),
             on,
+            anew: true,
             share: 1.0,
             prepared: false,
         }
@@ -82,18 +91,29 @@ impl<I: Restart> Switched<I> {
         any
     }
 
-    /// The first place in the method's last step, which ended in `after`, where a switch should have changed: share of the step, and the switch.
-    fn event(&mut self, after: &State) -> Option<(f64, usize)> {
+    /// Finds the switches that may have to change within the method's last step.
+    fn look(&mut self) {
+        let (_, length) = self.inner.last_step();
+        let after = self.inner.reached();
+        self.ends.clear();
+        self.ends.extend(self.sides.iter().map(|s| [s.of(&self.state), s.of(after)]));
+        self.unclear.clear();
+        let Some(system) = self.inner.system().switching() else { return };
+        for (switch, (ends, on)) in self.ends.iter().zip(&self.on).enumerate() {
+            if !stays_clear(*ends, length, |motion| system.margin(switch, motion), *on) {
+                self.unclear.push(switch);
+            }
+        }
+    }
+
+    /// The first place in the method's last step where a switch should have changed: share of the step, and the switch.
+    fn event(&mut self) -> Option<(f64, usize)> {
+        self.look();
         let (_, length) = self.inner.last_step();
         let tolerated = NEGLIGIBLE * self.inner.tolerated();
         let mut first: Option<(f64, usize)> = None;
-        for switch in 0..self.sides.len() {
+        for &switch in &self.unclear {
             let (sides, on) = (self.sides[switch], self.on[switch]);
-            let ends = [&self.state, after].map(|state| sides.of(state));
-            let system = self.inner.system().switching()?;
-            if stays_clear(ends, length, |motion| system.margin(switch, motion), on) {
-                continue;
-            }
             let body = |index: Option<usize>| {
                 index.map_or(Interpolant::REST, |index| self.inner.interpolant(index))
             };
@@ -161,10 +181,10 @@ impl<I: Restart> Integrator for Switched<I> {
     }
 
     fn step(&mut self, end: f64) -> Result<(), IntegrateError> {
-        if self.settle() || self.share < 1.0 {
+        self.anew = self.settle() || self.share < 1.0;
+        if self.anew {
             self.inner.restart(&self.state);
         }
-        let mut after = self.state.clone();
         // Each switch may change once without time passing; more would be no motion.
         for _ in 0..=self.sides.len() {
             self.start = self.state.time;
@@ -172,8 +192,10 @@ impl<I: Restart> Integrator for Switched<I> {
             self.prepared = true;
             self.inner.step(end)?;
             self.inner.prepare_interpolation();
-            after = self.inner.state();
-            let Some((theta, switch)) = self.event(&after) else { break };
+            let Some((theta, switch)) = self.event() else {
+                self.state.clone_from(self.inner.reached());
+                return Ok(());
+            };
             let (start, length) = self.inner.last_step();
             if theta >= SHORTEST {
                 self.share = theta;
@@ -193,10 +215,9 @@ impl<I: Restart> Integrator for Switched<I> {
                 return Ok(());
             }
             self.on.clone_from(&self.now);
+            self.anew = true;
             self.inner.restart(&self.state);
-            after.clone_from(&self.state);
         }
-        self.state = after;
         Ok(())
     }
 
@@ -227,6 +248,10 @@ impl<I: Restart> Integrator for Switched<I> {
 
     fn work(&self) -> Work {
         self.inner.work()
+    }
+
+    fn starts_anew(&self) -> bool {
+        self.anew
     }
 
     fn was_on(&self, place: usize) -> bool {

@@ -5,6 +5,7 @@ mod bench;
 mod collision;
 mod ledger;
 mod order;
+mod probes;
 
 use hertzscope::experiment::outcome::Summary;
 use hertzscope::experiment::{Integration, run};

@@ -1,6 +1,6 @@
 //! Eight doubles at a time, whatever the machine: one register with AVX-512, two with AVX2, four with the x86-64 baseline.
 //!
-//! Everything here is inlined into functions compiled for an instruction set; [`super::dispatch`] asks the machine before it
+//! Everything here is inlined into functions compiled for an instruction set; [`mod@super::dispatch`] asks the machine before it
 //! calls them.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 

@@ -49,6 +49,8 @@ mod workspace;
 
 pub use around::Seen;
 pub use dispatch::InstructionSet;
+pub(super) use dispatch::dispatch;
 pub use force_track::{Due, LOOKED_AT, Looks, Place, ROOM_BEHIND, Span};
 pub use group::{ChainGroup, GroupTrail, Kind, Look, Member};
+pub(super) use lanes::{Lanes, Task};
 pub use single::{ChainStepper, Refinement, Trail};

@@ -54,6 +54,8 @@ pub struct PulseRecorder {
     felt: Felt,
     /// Whether a loss lets the force jump.
     is_lossy: bool,
+    /// Whether it has taken in a step of any method.
+    has_begun: bool,
     /// At static equilibrium (N).
     static_force: f64,
     /// Force that a pulse exceeds (N).
@@ -82,6 +84,7 @@ impl PulseRecorder {
         Self {
             felt: Felt::nothing(Place::new(probe)),
             is_lossy: probe.is_lossy(),
+            has_begun: false,
             static_force,
             quietest: QUIETEST * static_force.max(impact),
             rate_before: probe.starting_rate(velocities),
@@ -102,16 +105,19 @@ impl PulseRecorder {
     }
 
     /// Takes in the force over the integrator's last step.
-    pub fn take(&mut self, segment: &ForceSegment) {
-        let looks = Looks {
-            forces: LOOKED_AT.map(|theta| segment.force(theta)),
-            rates: LOOKED_AT.map(|theta| segment.rate(theta)),
-        };
-        let step = self.felt.keep(segment.clone());
-        if self.is_lossy {
-            self.jump(step);
+    pub fn take(&mut self, segment: ForceSegment) {
+        let looked = LOOKED_AT.map(|theta| segment.look(theta));
+        let looks =
+            Looks { forces: looked.map(|[force, _]| force), rates: looked.map(|[_, rate]| rate) };
+        // Elsewhere a step starts where the last one ended.
+        let anew = self.is_lossy && (segment.anew || !self.has_begun);
+        self.has_begun = true;
+        let (length, start) = (segment.length, anew.then(|| segment.look(0.0)));
+        let step = self.felt.keep(segment);
+        if let Some(start) = start {
+            self.jump(step, start);
         }
-        self.see(&looks, segment.length, &|| step);
+        self.see(&looks, length, &|| step);
         let last = [self.peaks.last().map(|p| p.segment), self.rises.last().map(|r| r.segment)];
         if !last.contains(&Some(step)) {
             self.felt.let_go();
@@ -262,9 +268,8 @@ impl PulseRecorder {
         Some(Bracket { segment: segment(), between, rates, most, exceeds_all: false })
     }
 
-    /// A force that jumps up as a contact closes and then falls has its peak at the jump.
-    fn jump(&mut self, segment: Segment) {
-        let [force, rate] = [self.felt.force(&segment, 0.0), self.felt.rate(&segment, 0.0)];
+    /// A force that jumps up as a contact closes and then falls has its peak at the jump: force and its rate of change after it (N, N/s).
+    fn jump(&mut self, segment: Segment, [force, rate]: [f64; 2]) {
         if force - self.last > SMALLEST_JUMP * self.largest && rate <= 0.0 {
             let exceeds_all = force > self.largest;
             let (between, rates) = ([0.0; 2], [rate; 2]);

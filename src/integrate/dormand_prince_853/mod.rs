@@ -210,6 +210,10 @@ impl Restart for DormandPrince853<'_> {
         self.system.as_mut()
     }
 
+    fn reached(&self) -> &State {
+        &self.state
+    }
+
     fn restart(&mut self, state: &State) {
         self.state.clone_from(state);
         self.lost.position.fill(0.0);

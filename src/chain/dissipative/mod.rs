@@ -6,9 +6,12 @@
 //! whether the contact is closed is a switch of the system, and not the sign of a vanishing overlap: the striker's contact
 //! counts as closed at the start. Where contacts end at zero force, whether one is held there is another switch: a kink.
 
-use super::loss::{ContactLoss, EndOfContact, KINDS, Taken, Tangent, Touch};
+mod tangents;
+
+use super::loss::{ContactLoss, EndOfContact, KINDS, Tangent, Touch};
+use super::loss_plan::LossPlan;
 use super::{Chain, ChainSystem, Contact};
-use crate::integrate::{Linearised, Motion, Scales, Sides, State, Switching, System, Tridiagonal};
+use crate::integrate::{Linearised, Motion, Scales, Sides, State, Switching, System};
 
 /// Accounts behind the bodies: one a kind of loss, and what contacts held at zero force keep.
 pub const ACCOUNTS: usize = KINDS + 1;
@@ -45,6 +48,10 @@ pub struct DissipativeSystem {
     bodies: usize,
     contacts: Vec<Contact>,
     lossy: Vec<Lossy>,
+    /// What all of them take where they stand now.
+    plan: LossPlan,
+    /// Those held at zero force, by their places in the list.
+    held: Vec<usize>,
     /// Contacts whose forces jump, their place their index; and those that never pull, their places behind those of all contacts.
     switches: Vec<Change>,
     /// Speed that stands for one joule in the accounts, so that the error control weighs them as it does speeds (m/s/J).
@@ -73,8 +80,16 @@ impl DissipativeSystem {
         let closes = (0..lossy.len()).filter(|i| lossy[*i].loss.jumps()).map(Change::Closes);
         let pulls = (0..lossy.len()).filter(|i| lossy[*i].loss.end == EndOfContact::ZeroForce);
         let switches = closes.chain(pulls.map(Change::Pulls)).collect();
+        let elastic = ChainSystem::new(chain, initial_velocity);
+        let plan = elastic.plan();
+        let mut plan = LossPlan::new(plan.static_overlap.clone(), plan.inverse_mass.clone());
+        for lossy in &lossy {
+            lossy.enter(&mut plan);
+        }
         Self {
-            elastic: ChainSystem::new(chain, initial_velocity),
+            elastic,
+            plan,
+            held: Vec::with_capacity(lossy.len()),
             bodies: bodies.len(),
             contacts: chain.contacts().to_vec(),
             lossy,
@@ -104,24 +119,15 @@ impl System for DissipativeSystem {
         let n = self.bodies;
         let (of_bodies, accounts) = acceleration.split_at_mut(n);
         self.elastic.accelerations(&position[..n], &velocity[..n], of_bodies);
+        let Self { plan, held, lossy, elastic, .. } = self;
+        let instead = held.iter().map(|i| {
+            let Lossy { index, contact, .. } = &lossy[*i];
+            (*index, -(contact.static_force + elastic.force_changes()[*index]))
+        });
+        let power = plan.add((&position[..n], &velocity[..n]), instead, of_bodies);
         accounts.fill(0.0);
-        for lossy in &self.lossy {
-            let (change, closing) = motion(position, velocity, n, lossy.index);
-            let Taken { force, power } = lossy.loss.taken_as(
-                lossy.contact.stiffness,
-                lossy.touch(change, closing),
-                lossy.held,
-            );
-            let [above, below] = lossy.inverse_mass;
-            if let Some(a) = lossy.index.checked_sub(1).and_then(|i| of_bodies.get_mut(i)) {
-                *a -= force * above;
-            }
-            if let Some(a) = of_bodies.get_mut(lossy.index) {
-                *a += force * below;
-            }
-            for (account, power) in accounts.iter_mut().zip(power) {
-                *account += power * self.unit;
-            }
+        for (account, power) in accounts.iter_mut().zip(power) {
+            *account = power * self.unit;
         }
     }
 
@@ -147,6 +153,12 @@ impl DissipativeSystem {
 }
 
 impl Lossy {
+    /// Tells `plan` what it takes now.
+    fn enter(&self, plan: &mut LossPlan) {
+        let at_work = self.loss.at_work(self.closed, self.held);
+        plan.set(self.index, self.contact.stiffness, &at_work);
+    }
+
     fn touch(&self, change: f64, closing: f64) -> Touch {
         self.contact.touch(change, closing, self.closed)
     }
@@ -182,6 +194,11 @@ impl Switching for DissipativeSystem {
             }
             Change::Pulls(_) => lossy.held = !lossy.held,
         }
+        lossy.enter(&mut self.plan);
+        if before != lossy.held {
+            self.held.retain(|held| *held != i);
+            self.held.extend(lossy.held.then_some(i));
+        }
         let (change, _) = motion(&state.position, &state.velocity, self.bodies, lossy.index);
         let kept = self.unit * lossy.contact.energy(change);
         if let (true, Some(account)) = (before != lossy.held, state.velocity.last_mut()) {
@@ -209,14 +226,20 @@ impl Switching for DissipativeSystem {
     }
 
     fn is_wrong(&self, switch: usize, motion: Motion) -> bool {
-        let margin = self.margin(switch, motion);
         match self.of(switch) {
-            (Change::Closes(_), Lossy { closed: true, .. }) => margin < 0.0 && motion.rate < 0.0,
-            (Change::Closes(_), _) => margin >= 0.0 && motion.rate > 0.0,
+            (Change::Closes(_), lossy) => {
+                let overlap = lossy.contact.static_overlap + motion.difference;
+                if lossy.closed {
+                    overlap < 0.0 && motion.rate < 0.0
+                } else {
+                    overlap >= 0.0 && motion.rate > 0.0
+                }
+            }
             (Change::Pulls(_), lossy) => {
-                let seen = GRAIN * lossy.unheld(motion).1;
+                let (force, parts) = lossy.unheld(motion);
+                let seen = GRAIN * parts;
                 let gap = lossy.contact.static_overlap + motion.difference <= 0.0;
-                if lossy.held { margin > seen || (gap && margin == 0.0) } else { margin < -seen }
+                if lossy.held { force > seen || (gap && force == 0.0) } else { force < -seen }
             }
         }
     }
@@ -226,70 +249,10 @@ impl Switching for DissipativeSystem {
         let force = match change {
             Change::Closes(_) => {
                 let touch = Touch { overlap: 0.0, closing, elastic: 0.0, closed: true };
-                lossy.loss.taken(lossy.contact.stiffness, touch).force.abs()
+                lossy.loss.force(lossy.contact.stiffness, touch).abs()
             }
             Change::Pulls(_) => self.margin(switch, beyond).abs(),
         };
         force * lossy.inverse_mass[0].max(lossy.inverse_mass[1])
-    }
-}
-
-impl Linearised for DissipativeSystem {
-    fn bodies(&self) -> usize {
-        self.bodies
-    }
-
-    fn linearise(&mut self, state: &State) {
-        let n = self.bodies;
-        for (j, (tangent, contact)) in self.tangents.iter_mut().zip(&self.contacts).enumerate() {
-            let (change, _) = motion(&state.position, &state.velocity, n, j);
-            let stiffness = contact.tangent_stiffness(change);
-            *tangent = Tangent { stiffness, ..Tangent::default() };
-        }
-        for lossy in &self.lossy {
-            let (change, closing) = motion(&state.position, &state.velocity, n, lossy.index);
-            let tangent = &mut self.tangents[lossy.index];
-            let touch = lossy.touch(change, closing);
-            let stiffnesses = (lossy.contact.stiffness, tangent.stiffness);
-            *tangent = lossy.loss.tangent_as(stiffnesses, touch, lossy.held);
-        }
-    }
-
-    fn assemble(&mut self, shift: f64, matrix: &mut Tridiagonal) {
-        let coupling = |j: usize| shift * self.tangents[j].damping + self.tangents[j].stiffness;
-        for (i, mass) in self.masses.iter().enumerate() {
-            matrix.diagonal[i] = shift * shift * mass + coupling(i) + coupling(i + 1);
-        }
-        for i in 1..self.bodies {
-            matrix.off_diagonal[i - 1] = -coupling(i);
-        }
-    }
-
-    fn masses(&self) -> &[f64] {
-        &self.masses
-    }
-
-    fn forces_of(&mut self, position: &[f64], out: &mut [f64]) {
-        let zeros = &self.masses;
-        let force =
-            |j: usize| self.tangents[j].stiffness * motion(position, zeros, self.bodies, j).0;
-        let mut above = force(0);
-        for (i, out) in out.iter_mut().enumerate().take(self.bodies) {
-            let below = force(i + 1);
-            *out = above - below;
-            above = below;
-        }
-    }
-
-    fn account_rates(&mut self, position: &[f64], velocity: &[f64], out: &mut [f64]) {
-        out.fill(0.0);
-        for lossy in &self.lossy {
-            let (change, closing) = motion(position, velocity, self.bodies, lossy.index);
-            let tangent = &self.tangents[lossy.index];
-            let slopes = tangent.power_by_overlap.iter().zip(&tangent.power_by_closing);
-            for (out, (by_overlap, by_closing)) in out.iter_mut().zip(slopes) {
-                *out += self.unit * (by_overlap * change + by_closing * closing);
-            }
-        }
     }
 }
