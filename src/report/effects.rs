@@ -1,31 +1,29 @@
 //! The effects ledger as a page of text.
 
 use super::table;
+use super::words::{COLUMNS, hanging, wrapped};
 use crate::experiment::effects::{Entry, Ledger, State};
 
-/// Columns of the page (1).
-const WIDTH: usize = 100;
+/// What the table means.
+const MEANING: &str = "Cost: wall time of a step with it less that without it, openings and tries included, 0 within what timing tells. \
+    Change: with it over without it, in first peaks, half-rises and speeds, the largest of all places, < where the accuracy is all that is known. \
+    What is off: if it were on. * by auto.";
 /// Where reasons begin (1).
-const INDENT: usize = 22;
+const INDENT: usize = 23;
 
 /// The page that `effects` prints.
 #[must_use]
 pub fn effects(ledger: &Ledger) -> String {
     let heading =
         ["effect", "state", "ns/step", "share", "speed", "peak", "arrival", "LSB", "samples"];
-    let mut rows = vec![heading.map(str::to_owned).to_vec()];
+    let units = ["", "", "", "%", "%", "%", "%", "", ""];
+    let mut rows = [heading, units].map(|row| row.map(str::to_owned).to_vec()).to_vec();
     rows.extend(ledger.entries.iter().map(|entry| row(entry, ledger.accuracy)));
-    let mut lines = vec![
-        format!("{}: the effects, at accuracy {:.1e}", ledger.scene, ledger.accuracy),
-        "cost: wall time of a step with it less that without it, openings and tries included, 0 within"
-            .to_owned(),
-        "what timing tells; change: with it over without it, in first peaks, half-rises and speeds, the"
-            .to_owned(),
-        "largest of all places, < where the accuracy is all that is known; what is off: if it were on"
-            .to_owned(),
-        String::new(),
-    ];
-    lines.extend(table::lines(&rows, &[0, 1]));
+    let mut lines =
+        vec![format!("{}: the effects, at accuracy {:.1e}", ledger.scene, ledger.accuracy)];
+    lines.extend(wrapped(MEANING, COLUMNS));
+    lines.push(String::new());
+    lines.extend(table::lines_apart(&rows, &[0, 1], " "));
     lines.push(String::new());
     for entry in &ledger.entries {
         lines.extend(reason(entry));
@@ -48,14 +46,14 @@ fn row(entry: &Entry, accuracy: f64) -> Vec<String> {
         match entry.state {
             State::On => "on",
             State::Off => "off",
-            State::Auto if entry.active => "auto, on",
-            State::Auto => "auto, off",
+            State::Auto if entry.active => "on*",
+            State::Auto => "off*",
         }
         .to_owned(),
         cost.map_or("-".to_owned(), |v| signed(v, 0)),
-        entry.cost_share.map_or("-".to_owned(), |v| {
-            format!("{} %", signed(if cost == Some(0.0) { 0.0 } else { 100.0 * v }, 0))
-        }),
+        entry
+            .cost_share
+            .map_or("-".to_owned(), |v| signed(if cost == Some(0.0) { 0.0 } else { 100.0 * v }, 0)),
         share(change.and_then(|c| c.speed)),
         share(change.and_then(|c| c.peak)),
         share(change.and_then(|c| c.arrival)),
@@ -75,11 +73,11 @@ fn percent(value: f64, known: f64) -> String {
     if value == 0.0 {
         "0".to_owned()
     } else if value.abs() < known {
-        format!("<{:.0e} %", 100.0 * known)
+        format!("<{:.0e}", 100.0 * known)
     } else if value.abs() < 1e-4 {
-        format!("{:+.0e} %", 100.0 * value)
+        format!("{:+.0e}", 100.0 * value)
     } else {
-        format!("{} %", signed(100.0 * value, 2))
+        signed(100.0 * value, 2)
     }
 }
 
@@ -89,19 +87,6 @@ fn reason(entry: &Entry) -> Vec<String> {
         size if size == 0.0 || (1e-2..1e3).contains(&size) => format!("{value:.3}"),
         _ => format!("{value:.1e}"),
     });
-    let text = format!("{} = {value}; {}", entry.criterion, entry.reason);
-    let mut lines = vec![format!("  {:<width$}", entry.effect, width = INDENT - 2)];
-    for word in text.split(' ') {
-        let last = lines.len() - 1;
-        let line = &mut lines[last];
-        if line.chars().count() + 1 + word.chars().count() > WIDTH {
-            lines.push(format!("{:INDENT$}{word}", ""));
-        } else if line.trim_end().len() < INDENT && last == 0 && line.ends_with(' ') {
-            line.push_str(word);
-        } else {
-            line.push(' ');
-            line.push_str(word);
-        }
-    }
-    lines
+    let first = format!("  {:<width$}", entry.effect, width = INDENT - 2);
+    hanging(&first, &format!("{} = {value}; {}", entry.criterion, entry.reason))
 }

@@ -1,9 +1,7 @@
 //! The catalogue of hard cases as a page of text.
 
+use super::words::hanging;
 use crate::experiment::hard_cases::Finding;
-
-/// Longest line (characters).
-const WIDTH: usize = 100;
 
 /// The page that `hard-cases` prints.
 #[must_use]
@@ -14,10 +12,7 @@ pub fn hard_cases(findings: &[Finding]) -> String {
         for (label, text) in
             [("why", finding.why), ("bound", finding.bound), ("figure", finding.figure.as_str())]
         {
-            for (number, part) in wrapped(text, WIDTH - 17).iter().enumerate() {
-                let label = if number == 0 { label } else { "" };
-                lines.push(format!("         {label:<7} {part}"));
-            }
+            lines.extend(hanging(&format!("         {label:<7} "), text));
         }
     }
     let count = |word: &str| findings.iter().filter(|f| f.verdict.word() == word).count();
@@ -29,21 +24,4 @@ pub fn hard_cases(findings: &[Finding]) -> String {
         count("wrong")
     ));
     lines.join("\n")
-}
-
-/// Lines of whole words, `width` characters at most where words allow.
-fn wrapped(text: &str, width: usize) -> Vec<String> {
-    let mut lines = vec![String::new()];
-    for word in text.split_whitespace() {
-        let Some(line) = lines.last_mut() else { break };
-        if line.is_empty() {
-            word.clone_into(line);
-        } else if line.chars().count() + 1 + word.chars().count() <= width {
-            line.push(' ');
-            line.push_str(word);
-        } else {
-            lines.push(word.to_owned());
-        }
-    }
-    lines
 }

@@ -27,6 +27,7 @@ mod summary;
 mod sweep;
 mod table;
 mod tunability;
+mod words;
 mod work_precision;
 
 pub use arrivals::arrivals;

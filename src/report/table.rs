@@ -2,6 +2,11 @@
 
 /// Lines of a table whose first row is its heading. Columns named in `left` are flush left.
 pub fn lines(rows: &[Vec<String>], left: &[usize]) -> Vec<String> {
+    lines_apart(rows, left, "  ")
+}
+
+/// The same of many columns, with `gap` between them.
+pub fn lines_apart(rows: &[Vec<String>], left: &[usize], gap: &str) -> Vec<String> {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |column: usize| {
         rows.iter().filter_map(|row| row.get(column)).map(|c| c.chars().count()).max().unwrap_or(0)
@@ -16,7 +21,7 @@ pub fn lines(rows: &[Vec<String>], left: &[usize]) -> Vec<String> {
                 format!("{cell:>width$}")
             }
         });
-        format!("  {}", padded.collect::<Vec<_>>().join("  ").trim_end())
+        format!("  {}", padded.collect::<Vec<_>>().join(gap).trim_end())
     };
     rows.iter().map(line).collect()
 }

@@ -6,6 +6,7 @@ mod terminal;
 pub use picture::work_precision_svg;
 
 use super::table;
+use super::words::{COLUMNS, hanging, wrapped};
 use crate::experiment::cost::{Chosen, Order, Point, Reference, Study};
 use crate::quantity::engineering;
 use terminal::plot;
@@ -160,7 +161,7 @@ pub fn work_precision(study: &Study) -> String {
         lines.extend(plot(study, kind));
         lines.push(String::new());
     }
-    let heading = ["method", "mark", "nominal order", "observed here", "failed points", "given up"];
+    let heading = ["method", "mark", "nominal", "observed order", "failed", "given up"];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
     for (method, mark, _) in marks(study) {
         let order = study.orders.iter().find(|o| o.method == method);
@@ -168,8 +169,10 @@ pub fn work_precision(study: &Study) -> String {
             study.points.iter().filter(|p| p.method == method).filter(is).count()
         };
         let (failed, given_up) = (of(|p| p.failed), of(|p| p.given_up));
+        // Pairs whose kinks are left as they are follow those whose are not.
+        let name = method.split_once(", ").map(|(_, how)| format!("the same, {how}"));
         rows.push(vec![
-            method.to_owned(),
+            name.unwrap_or_else(|| method.to_owned()),
             mark.to_string(),
             order.map_or(String::new(), |o| o.nominal.to_string()),
             order.and_then(observed).unwrap_or_else(|| "-".to_owned()),
@@ -182,7 +185,7 @@ pub fn work_precision(study: &Study) -> String {
     lines.extend(sources(study));
     lines.push(String::new());
     lines.extend(choices(study));
-    lines.push(format!("reference: {}", reference(study)));
+    lines.extend(hanging("reference: ", &reference(study)));
     lines.join("\n")
 }
 
@@ -201,49 +204,46 @@ fn reference(study: &Study) -> String {
 fn sources(study: &Study) -> Vec<String> {
     let mut all: Vec<(&str, &str)> = Vec::new();
     for order in &study.orders {
-        // Pairs whose kinks are left as they are follow those whose are not.
         let name = order.method.split(',').next().unwrap_or(order.method);
         if all.last().is_none_or(|(last, _)| *last != name) {
             all.push((name, order.source));
         }
     }
-    all.into_iter().map(|(name, source)| format!("  {name}: {source}")).collect()
+    let lines = |(name, source)| [vec![format!("  {name}")], hanging("    ", source)].concat();
+    all.into_iter().flat_map(lines).collect()
 }
 
-/// Accuracies that were not reached, and those of which the reference cannot tell.
+/// Accuracies that were not reached, those of which the reference cannot tell, and those whose traces are not known to half of the digits.
 fn doubts(study: &Study) -> Vec<String> {
     let own = study.reference.error;
-    let named = |is: fn(f64, f64, f64) -> bool| {
-        let chosen = study.chosen.iter();
-        let those = chosen.filter(|c| is(c.error.unwrap_or(f64::INFINITY), c.accuracy, own));
+    let named = |is: &dyn Fn(&Chosen) -> bool| {
+        let those = study.chosen.iter().filter(|chosen| is(chosen));
         let names: Vec<String> = those.map(|chosen| format!("{:e}", chosen.accuracy)).collect();
         Some(names.join(", ")).filter(|names| !names.is_empty())
     };
-    let missed = named(|error, accuracy, own| error > accuracy + own);
-    let unclear = named(|error, accuracy, own| error > accuracy && error <= accuracy + own);
-    let missed = missed.map(|names| format!("  not reached: {names}; a run says so"));
+    let error = |chosen: &Chosen| chosen.error.unwrap_or(f64::INFINITY);
+    let missed = named(&|c| error(c) > c.accuracy + own);
+    let unclear = named(&|c| error(c) > c.accuracy && error(c) <= c.accuracy + own);
+    let late = named(&|c| c.error_trace.is_some_and(|error| error > c.accuracy.sqrt()));
+    let missed = missed.map(|names| hanging("  not reached: ", &format!("{names}; a run says so")));
     let unclear = unclear.map(|names| {
-        format!("  not to be judged: {names}; the reference itself may be {own:.1e} off")
+        let own = format!("{names}; the reference itself may be {own:.1e} off");
+        hanging("  not to be judged: ", &own)
     });
-    missed.into_iter().chain(unclear).collect()
+    let late = late.map(|names| {
+        let when = format!("{names}; a run says from when on, or takes shorter steps");
+        hanging("  traces off by more than half of the digits: ", &when)
+    });
+    missed.into_iter().chain(unclear).chain(late).flatten().collect()
 }
 
 fn choices(study: &Study) -> Vec<String> {
-    let heading = [
-        "--accuracy",
-        "method chosen",
-        "peaks, arrivals",
-        "traces",
-        "energy",
-        "evaluations",
-        "wall time",
-    ];
+    let heading = ["--accuracy", "peaks, arrivals", "traces", "energy", "evaluations", "wall time"];
     let words = |error: Option<f64>| error.map_or("-".to_owned(), |e| format!("{e:.1e}"));
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
     for chosen in &study.chosen {
         rows.push(vec![
             format!("{:e}", chosen.accuracy),
-            chosen.method.to_owned(),
             words(chosen.error),
             words(chosen.error_trace),
             words(chosen.error_energy),
@@ -251,15 +251,26 @@ fn choices(study: &Study) -> Vec<String> {
             engineering(chosen.wall_s_median, "s", 2),
         ]);
     }
-    let mut lines = table::lines(&rows, &[1]);
+    // The method stands above what it was chosen for.
+    let mut lines = Vec::new();
+    let mut above = None;
+    for (number, line) in table::lines(&rows, &[]).into_iter().enumerate() {
+        let method = number.checked_sub(1).and_then(|i| study.chosen.get(i)).map(|c| c.method);
+        if method != above {
+            lines.extend(method.map(|method| format!("  {method}")));
+            above = method;
+        }
+        lines.push(line);
+    }
     let level = study
         .level
         .map_or(String::new(), |l| format!("one scope level is {l:.1e} of a first peak, "));
-    lines.push(format!("  {level}one sample interval {:.1e} of an arrival", study.sample));
+    let sample = format!("{level}one sample interval {:.1e} of an arrival", study.sample);
+    lines.extend(hanging("  ", &sample));
     lines.extend(doubts(study));
-    lines.push(
-        "wall times are those of one run with all forces sampled as the scope would, without recording and without the runs that estimate its error"
-            .to_owned(),
-    );
+    lines.extend(wrapped(
+        "wall times are those of one run with all forces sampled as the scope would, without recording and without the runs that estimate its error",
+        COLUMNS,
+    ));
     lines
 }

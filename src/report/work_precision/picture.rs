@@ -17,6 +17,8 @@ const ROW: f64 = PANEL.1 + 88.0;
 const LEGEND: (f64, f64) = (72.0, 20.0);
 /// Columns of meanings.
 const COLUMNS: usize = 2;
+/// Room that the name of a choice takes (pixels).
+const NAME: (f64, f64) = (34.0, 11.0);
 /// Width of the picture (pixels).
 const WIDTH: f64 = 2.0 * (LEFT + PANEL.0) + 24.0;
 
@@ -95,9 +97,18 @@ fn panel(
     );
     grid(svg, &axes, &at);
     slopes(svg, &axes, &at);
-    if let Some(limit) = (kind.limit)(study).filter(|limit| *limit < 1.0) {
+    let x1 = left + PANEL.0;
+    let limit = (kind.limit)(study);
+    if let Some(limit) = limit.filter(|limit| *limit >= 1.0) {
+        let _ = writeln!(
+            svg,
+            "<text x=\"{x1:.1}\" y=\"{:.1}\" text-anchor=\"end\" fill=\"#555\" font-size=\"11\">{} is {limit:.1}, above all of this</text>",
+            top - 14.0,
+            kind.limit_name
+        );
+    }
+    if let Some(limit) = limit.filter(|limit| *limit < 1.0) {
         let (x0, y) = place(1, limit);
-        let x1 = left + PANEL.0;
         let _ = writeln!(
             svg,
             "<path d=\"M{x0:.1} {y:.1}H{x1:.1}\" stroke=\"#555\" stroke-dasharray=\"6 4\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\" fill=\"#555\" font-size=\"11\">{}</text>",
@@ -122,17 +133,27 @@ fn panel(
         }
     }
     let choices: Vec<_> = kind.choices(study).collect();
+    let mut named: Vec<(f64, f64)> = Vec::new();
     // Several accuracies may lead to one run. To the lower left of it there is nothing: what is chosen is next to the best.
     for same in choices.chunk_by(|a, b| (a.1, a.2) == (b.1, b.2)) {
         let Some((_, evaluations, error)) = same.first() else { continue };
         let (x, y) = place(*evaluations, *error);
         let words = same.iter().map(|(accuracy, ..)| format!("1e{}", digits(*accuracy).round()));
+        // Where points are crowded names stand below each other.
+        let mut name = (x - 9.0, y + 8.0);
+        let covers = |(x, y): &(f64, f64), name: (f64, f64)| {
+            (x - name.0).abs() < NAME.0 && (y - name.1).abs() < NAME.1 - 1.0
+        };
+        while let Some((_, y)) = named.iter().find(|other| covers(other, name)) {
+            name.1 = y + NAME.1;
+        }
+        named.push(name);
         let _ = writeln!(
             svg,
             "{}<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\" font-size=\"10\">{}</text>",
             ring((x, y)),
-            x - 9.0,
-            y + 8.0,
+            name.0,
+            name.1,
             words.collect::<Vec<_>>().join(", ")
         );
     }

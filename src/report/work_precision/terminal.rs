@@ -37,7 +37,8 @@ pub fn plot(study: &Study, kind: &Kind) -> Vec<String> {
     let row_of = |y: f64| (y * (rows - 1) as f64).round() as usize;
     let column_of = |x: f64| (x * (columns - 1) as f64).round() as usize;
     let limit = (kind.limit)(study);
-    if let Some(row) = limit.and_then(|limit| cells.get_mut(row_of(axes.place(1, limit).1))) {
+    let inside = limit.filter(|limit| *limit < 1.0);
+    if let Some(row) = inside.and_then(|limit| cells.get_mut(row_of(axes.place(1, limit).1))) {
         row.fill('·');
     }
     let mut set = |evaluations: u64, error: f64, mark: char| {
@@ -50,10 +51,10 @@ pub fn plot(study: &Study, kind: &Kind) -> Vec<String> {
         kind.shown(study, method).for_each(|(evaluations, error)| set(evaluations, error, mark));
     }
     kind.choices(study).for_each(|(_, evaluations, error)| set(evaluations, error, CHOSEN));
-    let mut lines = vec![format!(
-        "{}: largest relative error of {} against evaluations of all contact forces",
-        study.scene, kind.of
-    )];
+    let mut lines = vec![
+        format!("{}: largest relative error of {}", study.scene, kind.of),
+        "against evaluations of all contact forces".to_owned(),
+    ];
     let failed = failed(study, &axes, column_of);
     if !failed.is_empty() {
         lines.push(format!("failed |{failed}"));
@@ -79,8 +80,10 @@ pub fn plot(study: &Study, kind: &Kind) -> Vec<String> {
     }
     lines.push(format!("{:>8}{below}", ""));
     lines.push(format!("        {CHOSEN} what --accuracy chooses, from 1e-1 down a decade each"));
-    if limit.is_some_and(|limit| limit < 1.0) {
+    if inside.is_some() {
         lines.push(format!("        · · · {}", kind.limit_name));
+    } else if let Some(limit) = limit {
+        lines.push(format!("        {} is {limit:.1}, above all of this", kind.limit_name));
     }
     lines
 }

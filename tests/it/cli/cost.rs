@@ -30,8 +30,9 @@ fn the_study_is_for_people_for_scripts_and_for_the_recording() {
     let page = printed(folder.path(), &asked);
     says(&page, &["dormand-prince-853", "velocity-verlet", "kinks as they are", "●"]);
     says(&page, &["one level of the scope", "one sample interval of the scope"]);
+    assert!(page.lines().all(|line| line.chars().count() <= 80), "{page}");
     // Every method has a mark of its own.
-    let rows = page.lines().skip_while(|line| !line.contains("nominal order")).skip(1);
+    let rows = page.lines().skip_while(|line| !line.contains("observed order")).skip(1);
     let marks: Vec<&str> = rows
         .take_while(|row| !row.trim().is_empty())
         .filter_map(|row| row.split("  ").map(str::trim).filter(|cell| !cell.is_empty()).nth(1))
@@ -65,9 +66,11 @@ fn the_study_is_for_people_for_scripts_and_for_the_recording() {
     let points = || list(&study, "points").iter();
     let longest = points().find(|point| point["method"] == "blanes-moan").expect("a point");
     assert_eq!(longest["failed"], true, "{longest}");
+    // Long lines are wrapped.
+    let unwrapped = page.split_whitespace().collect::<Vec<_>>().join(" ");
     for order in list(&study, "orders") {
         let source = order["source"].as_str().expect("a publication").to_owned();
-        says(&page, &[&source]);
+        says(&unwrapped, &[&source]);
     }
     assert_eq!(files(folder.path()), ["cost.mcap", "cost.svg"]);
     let svg = std::fs::read_to_string(folder.path().join("cost.svg")).expect("a picture");

@@ -20,6 +20,7 @@ const KEYS: [&str; 9] = [
 fn the_ledger_is_for_people_and_for_scripts() {
     let folder = temporary();
     let page = printed(folder.path(), &["effects", "--accuracy", "1e-3", "--quiet"]);
+    assert!(page.lines().all(|line| line.chars().count() <= 80), "{page}");
     says(&page, &["gravity", "magnet_preload", "quantisation", "not built", "weight of the chain"]);
     for line in page.lines() {
         assert!(line.chars().count() <= 100, "{line}");
