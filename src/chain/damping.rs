@@ -57,34 +57,17 @@ impl Chain {
         Some(StabilityLimit { step: reach / self.fastest_decay(velocity), upper, lower })
     }
 
-    /// The largest decay of any contact, its two bodies taken alone, in units of its own angular frequency: twice its damping ratio. Taken at the
-    /// overlaps that bodies with these velocities (m/s) will reach; 0 without losses (1).
+    /// The largest decay of any contact, its two bodies taken alone, in units of its own angular frequency: twice its damping ratio;
+    /// 0 without losses (1).
     #[must_use]
     pub fn largest_damping(&self, velocity: &[f64]) -> f64 {
         let speed = velocity.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-        let at = |j: usize| self.damping_at(j, self.reach(j, speed).0, speed);
-        (0..self.contacts.len()).map(at).fold(0.0, f64::max)
-    }
-
-    /// The same at static overlaps, which contacts come back to behind a wave; infinite where more contacts than a striker's have a loss that needs no
-    /// overlap, and no static one (1).
-    #[must_use]
-    pub fn damping_at_rest(&self, velocity: &[f64]) -> f64 {
-        let speed = velocity.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-        let at = |j: usize| self.damping_at(j, self.contacts[j].static_overlap, speed);
-        // Above a striker there is nothing, and below it nothing static.
-        let first = if self.striker { 2 } else { 0 };
-        (first..self.contacts.len()).map(at).fold(0.0, f64::max)
-    }
-
-    /// Decay of contact `j` at `overlap` (m) and this closing speed (m/s), in units of its angular frequency there (1).
-    fn damping_at(&self, j: usize, overlap: f64, speed: f64) -> f64 {
-        let contact = &self.contacts[j];
-        let Some(loss) = contact.loss else { return 0.0 };
-        let slope = loss.damping(contact.stiffness, overlap, speed);
-        let inverse = self.reach(j, speed).1;
-        let stiffness = hertz::tangent_stiffness(contact.stiffness, overlap);
-        if slope > 0.0 { slope * (inverse / stiffness).sqrt() } else { 0.0 }
+        let ratio = |j: usize| {
+            let (slope, (overlap, inverse)) = (self.damping(j, speed), self.reach(j, speed));
+            let stiffness = hertz::tangent_stiffness(self.contacts[j].stiffness, overlap);
+            if slope > 0.0 { slope * (inverse / stiffness).sqrt() } else { 0.0 }
+        };
+        (0..self.contacts.len()).map(ratio).fold(0.0, f64::max)
     }
 
     /// The larger of contact `j`'s static overlap and that of a collision at `speed` (m/s), and its inverse reduced mass.

@@ -3,6 +3,7 @@
 //! The same source runs everywhere; what differs is how many contacts the compiler puts into one instruction: eight with
 //! AVX-512, four with AVX2, two with the x86-64 baseline. Results may differ by rounding only where the compiler may fuse
 //! a multiplication with an addition, and Rust does not: they are the same to the last bit.
+
 use super::Law;
 use super::stepper::{InstructionSet, Lanes, Task, dispatch};
 

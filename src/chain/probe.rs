@@ -146,7 +146,8 @@ impl ForceProbe {
         let (start, length) = integrator.last_step();
         let closed = [here.wrapping_sub(1), here, here + 1, here + 2]
             .map(|contact| integrator.was_on(contact));
-        let pulled = self.around.pull.as_ref().map(|(place, _)| Box::new(along[place + 1]));
+        let pull = self.around.pull.as_ref().filter(|_| self.is_lossy());
+        let pulled = pull.map(|(place, _)| Box::new(along[place + 1]));
         let anew = integrator.starts_anew();
         let (motion, around) = (Motion::between(&along), Arc::clone(&self.around));
         ForceSegment { around, start, length, motion, pulled, closed, anew }

@@ -23,6 +23,7 @@ pub mod runge_kutta;
 pub mod runge_kutta_4;
 mod scheme;
 pub mod splitting;
+pub mod stages;
 pub mod switches;
 pub mod switching;
 pub mod velocity_verlet;

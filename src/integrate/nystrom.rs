@@ -7,10 +7,8 @@
 
 use super::control::{StepControl, add_compensated, largest};
 use super::hermite::{Between, find_jerks};
+use super::stages::{Row, add_up};
 use super::{IntegrateError, Integrator, Interpolant, Scales, State, System, Work};
-
-/// Terms of a weighted sum: stage and weight (1).
-pub type Row = &'static [(usize, f64)];
 
 /// Coefficients of a pair whose last stage opens the next step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -100,7 +98,7 @@ impl<'a> NystromIntegrator<'a> {
         let Some(acceleration) = rest.first_mut() else { return };
         let weights = self.pair.stages.get(stage).copied().unwrap_or_default();
         let node = self.pair.nodes.get(stage).copied().unwrap_or(0.0);
-        combine(weights, before, &mut self.scratch);
+        add_up(weights, |stage| &before[stage], &mut self.scratch);
         let start = self.previous.position.iter().zip(&self.previous.velocity);
         for (value, (x, v)) in self.scratch.iter_mut().zip(start) {
             *value = x + h * (node * v + h * *value);
@@ -112,9 +110,9 @@ impl<'a> NystromIntegrator<'a> {
 
     /// Error of the step just tried as a multiple of the tolerance (1).
     fn error(&mut self, h: f64) -> f64 {
-        combine(self.pair.position_error, &self.stages, &mut self.scratch);
+        add_up(self.pair.position_error, |stage| &self.stages[stage], &mut self.scratch);
         let position = h * h * largest(&self.scratch) / self.scales.position;
-        combine(self.pair.velocity_error, &self.stages, &mut self.scratch);
+        add_up(self.pair.velocity_error, |stage| &self.stages[stage], &mut self.scratch);
         let velocity = h * largest(&self.scratch) / self.scales.velocity;
         // `max` would hide what is not a number; so would a scale that is infinite.
         if position.is_finite() && velocity.is_finite() && self.scales.are_finite() {
@@ -125,7 +123,7 @@ impl<'a> NystromIntegrator<'a> {
     }
 
     fn accept(&mut self, h: f64, next: f64) {
-        combine(self.pair.position, &self.stages, &mut self.scratch);
+        add_up(self.pair.position, |stage| &self.stages[stage], &mut self.scratch);
         let [lost_x, lost_v] = &mut self.lost;
         for ((x, lost), (v, sum)) in self
             .state
@@ -136,7 +134,7 @@ impl<'a> NystromIntegrator<'a> {
         {
             add_compensated(x, lost, h * (v + h * sum));
         }
-        combine(self.pair.velocity, &self.stages, &mut self.scratch);
+        add_up(self.pair.velocity, |stage| &self.stages[stage], &mut self.scratch);
         for ((v, lost), sum) in self.state.velocity.iter_mut().zip(lost_v).zip(&self.scratch) {
             add_compensated(v, lost, h * sum);
         }
@@ -194,18 +192,6 @@ impl Integrator for NystromIntegrator<'_> {
 
     fn work(&self) -> Work {
         self.work
-    }
-}
-
-/// `out = sum of weight * stages[stage]`.
-fn combine(weights: Row, stages: &[Vec<f64>], out: &mut [f64]) {
-    out.fill(0.0);
-    for (stage, weight) in weights {
-        if let Some(rates) = stages.get(*stage) {
-            for (sum, rate) in out.iter_mut().zip(rates) {
-                *sum += weight * rate;
-            }
-        }
     }
 }
 

@@ -6,13 +6,11 @@
 use super::control::{StepControl, add_compensated, largest};
 use super::hermite::Between;
 use super::splitting::REMAINDER;
+use super::stages::{Row, add_up};
 use super::switches::Restart;
 use super::{
     IntegrateError, Integrator, Interpolant, Scales, State, System, Work, first_not_finite,
 };
-
-/// Terms of a weighted sum: stage and weight (1).
-pub type Row = &'static [(usize, f64)];
 
 /// Coefficients of a method whose last stage opens the next step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -267,12 +265,5 @@ impl Restart for RungeKuttaIntegrator<'_> {
 
 /// `out = sum of weight * stages[stage][part]`.
 fn combine(weights: Row, stages: &[Rates], part: usize, out: &mut [f64]) {
-    out.fill(0.0);
-    for (stage, weight) in weights {
-        if let Some(rates) = stages.get(*stage) {
-            for (sum, rate) in out.iter_mut().zip(&rates[part]) {
-                *sum += weight * rate;
-            }
-        }
-    }
+    add_up(weights, |stage| &stages[stage][part], out);
 }

@@ -32,7 +32,7 @@ pub fn effects(ledger: &Ledger) -> String {
 }
 
 fn row(entry: &Entry, accuracy: f64) -> Vec<String> {
-    let count = |value: Option<f64>| value.map_or("-".to_owned(), |v| signed(v, 2));
+    let count = |value: Option<f64>| value.map_or("-".to_owned(), |v| signed(v, decimals(v)));
     let change = entry.change;
     // What the electronics change is taken from one and the same motion, whose errors are in both.
     let moves = change.is_some_and(|change| change.speed.is_some());
@@ -62,6 +62,15 @@ fn row(entry: &Entry, accuracy: f64) -> Vec<String> {
     ]
 }
 
+/// Decimals that a number of this size is shown with, so that columns stay narrow.
+fn decimals(value: f64) -> usize {
+    match value.abs() {
+        size if size < 100.0 => 2,
+        size if size < 1000.0 => 1,
+        _ => 0,
+    }
+}
+
 /// A number with its sign; what rounds to nothing is 0.
 fn signed(value: f64, decimals: usize) -> String {
     let text = format!("{value:+.decimals$}");
@@ -77,7 +86,7 @@ fn percent(value: f64, known: f64) -> String {
     } else if value.abs() < 1e-4 {
         format!("{:+.0e}", 100.0 * value)
     } else {
-        signed(100.0 * value, 2)
+        signed(100.0 * value, decimals(100.0 * value))
     }
 }
 

@@ -7,7 +7,8 @@ use super::lanes::{Lanes, Row};
 use super::workspace::{BETWEEN, Between};
 use crate::integrate::dormand_el_mikkawy_prince_64::DORMAND_EL_MIKKAWY_PRINCE_64;
 use crate::integrate::dormand_el_mikkawy_prince_86::DORMAND_EL_MIKKAWY_PRINCE_86;
-use crate::integrate::nystrom::{NystromPair, Row as Terms};
+use crate::integrate::nystrom::NystromPair;
+use crate::integrate::stages::Row as Terms;
 
 /// Most stages of a pair.
 const MOST: usize = BETWEEN + 2;

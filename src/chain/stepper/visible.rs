@@ -46,7 +46,8 @@ mod tests {
     use super::*;
     use crate::integrate::dormand_el_mikkawy_prince_64::DORMAND_EL_MIKKAWY_PRINCE_64;
     use crate::integrate::dormand_el_mikkawy_prince_86::DORMAND_EL_MIKKAWY_PRINCE_86;
-    use crate::integrate::nystrom::{NystromPair, Row as Terms};
+    use crate::integrate::nystrom::NystromPair;
+    use crate::integrate::stages::Row as Terms;
 
     /// Largest difference between the integral of `max(t - root, 0)^1.5`, or its mirror image, and what the weights `terms` make of it.
     fn missed(pair: &NystromPair, terms: Terms, exact: impl Fn(f64, bool) -> f64) -> f64 {

@@ -10,15 +10,15 @@ mod tableau;
 
 use super::control::{StepControl, add_compensated, largest};
 use super::interpolant::{COEFFICIENTS, Interpolant};
+use super::stages::{Row, add_up};
 use super::switches::Restart;
 use super::{IntegrateError, Integrator, Scales, State, System, Work};
-use tableau::{DENSE, DENSE_STAGES, ERROR_3, ERROR_5, Row, STAGE_WEIGHTS, STAGES};
+use tableau::{DENSE, DENSE_STAGES, ERROR_3, ERROR_5, STAGE_WEIGHTS, STAGES};
 
 /// Order of the error estimate; it goes as the step to the power one higher.
 const ERROR_ORDER: u8 = 7;
 /// The first step, as a fraction of position scale over speed scale: the striker's contact has just begun (1).
 const FIRST_STEP: f64 = 1e-3;
-
 /// The pair at work on a system.
 pub struct DormandPrince853<'a> {
     system: Box<dyn System + 'a>,
@@ -240,14 +240,7 @@ fn first_lost(rates: &[Rates]) -> usize {
 
 /// `out = sum of weight * rates[stage]`.
 fn combine(weights: Row, rates: &[Rates], part: impl Fn(&Rates) -> &[f64], out: &mut [f64]) {
-    out.fill(0.0);
-    for (stage, weight) in weights {
-        if let Some(rates) = rates.get(*stage) {
-            for (sum, rate) in out.iter_mut().zip(part(rates)) {
-                *sum += weight * rate;
-            }
-        }
-    }
+    add_up(weights, |stage| part(&rates[stage]), out);
 }
 
 /// `values = from + h * values`.

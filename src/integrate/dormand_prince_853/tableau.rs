@@ -7,8 +7,7 @@
 
 #![allow(clippy::unreadable_literal, reason = "digits as published")]
 
-/// Terms of one weighted sum over stages: stage and weight (1).
-pub(super) type Row = &'static [(usize, f64)];
+use crate::integrate::stages::Row;
 
 /// Stages of a step; the last is the first of the next.
 pub(super) const STAGES: usize = 13;

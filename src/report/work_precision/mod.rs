@@ -56,7 +56,8 @@ const KINDS: [Kind; 4] = [
         of: "arrivals",
         error: |point| point.error_arrival,
         chosen: |chosen| chosen.error_arrival,
-        limit: |study| Some(study.sample),
+        // A peak at the start is no time to measure by.
+        limit: |study| Some(study.sample).filter(|sample| sample.is_finite()),
         limit_name: "one sample interval of the scope",
     },
     Kind {
@@ -107,7 +108,7 @@ impl Axes {
         let errors = shown().filter_map(kind.error).chain(choices().map(|(_, _, error)| error));
         let (work, errors) = (work.map(decades), errors.map(digits));
         let limits = [Some(study.reference.error), (kind.limit)(study)];
-        let limits = limits.into_iter().flatten().map(|limit| digits(limit.min(1.0)));
+        let limits = limits.into_iter().flatten().filter(|limit| *limit < 1.0).map(digits);
         let range = |values: &mut dyn Iterator<Item = f64>| {
             values.fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(v), high.max(v)))
         };
@@ -262,11 +263,13 @@ fn choices(study: &Study) -> Vec<String> {
         }
         lines.push(line);
     }
-    let level = study
-        .level
-        .map_or(String::new(), |l| format!("one scope level is {l:.1e} of a first peak, "));
-    let sample = format!("{level}one sample interval {:.1e} of an arrival", study.sample);
-    lines.extend(hanging("  ", &sample));
+    let level = study.level.map(|level| format!("one scope level is {level:.1e} of a first peak"));
+    let sample = (KINDS[1].limit)(study);
+    let sample = sample.map(|sample| format!("one sample interval is {sample:.1e} of an arrival"));
+    let limits: Vec<String> = level.into_iter().chain(sample).collect();
+    if !limits.is_empty() {
+        lines.extend(hanging("  ", &limits.join(", ")));
+    }
     lines.extend(doubts(study));
     lines.extend(wrapped(
         "wall times are those of one run with all forces sampled as the scope would, without recording and without the runs that estimate its error",
