@@ -83,13 +83,6 @@ impl ContactLoss {
         self.dashpot > 0.0 || self.power_force > 0.0
     }
 
-    /// Whether its force has no third derivative somewhere within a contact, or not even a slope: Kuwabara and Kono's where the contact
-    /// closes, the power law's where it turns.
-    #[must_use]
-    pub fn is_rough(&self) -> bool {
-        self.relaxation > 0.0 || (self.power_force > 0.0 && self.power_exponent.fract() > 0.0)
-    }
-
     /// Whether anything is lost at all.
     #[must_use]
     pub fn is_some(&self) -> bool {

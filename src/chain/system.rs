@@ -111,7 +111,22 @@ impl System for ChainSystem {
         Scales { position: overlap, velocity: speed }
     }
 
+    fn has_kink_between(&self, from: &State, to: &State) -> bool {
+        let Plan { law, static_overlap, .. } = &self.plan;
+        let mut contacts = static_overlap.iter().enumerate();
+        let is_open = |state: &State, j: usize, overlap: f64| {
+            overlap + difference(&state.position[..self.len()], j) < 0.0
+        };
+        *law == Law::Hertz && contacts.any(|(j, o)| is_open(from, j, *o) != is_open(to, j, *o))
+    }
+
     fn pacing(&self, _state: &State) -> Pacing {
         self.pacing
     }
+}
+
+/// Value of the body above contact `j` less that of the one below; walls rest (unit).
+pub(super) fn difference(of_bodies: &[f64], j: usize) -> f64 {
+    let at = |body: Option<usize>| body.and_then(|body| of_bodies.get(body)).copied();
+    at(j.checked_sub(1)).unwrap_or(0.0) - at(Some(j)).unwrap_or(0.0)
 }

@@ -60,6 +60,12 @@ pub trait System {
     /// a contact's overlap, not the drift of the whole chain.
     fn scales(&self, position: &[f64], velocity: &[f64]) -> Scales;
 
+    /// Whether the law has a kink between two states: a step across it is of low order, and an estimate of its error may vanish by accident.
+    fn has_kink_between(&self, from: &State, to: &State) -> bool {
+        let _ = (from, to);
+        false
+    }
+
     /// What decides on the length of steps that are paced from `state` on: of a system that knows no better, that speeds change distances in a
     /// radian.
     fn pacing(&self, state: &State) -> Pacing {

@@ -6,6 +6,7 @@ mod collision;
 mod ledger;
 mod order;
 mod probes;
+mod tolerances;
 
 use hertzscope::experiment::outcome::Summary;
 use hertzscope::experiment::{Integration, run};

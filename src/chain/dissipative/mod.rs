@@ -10,6 +10,7 @@ mod tangents;
 
 use super::loss::{ContactLoss, EndOfContact, KINDS, Tangent, Touch};
 use super::loss_plan::LossPlan;
+use super::system::difference;
 use super::{Chain, ChainSystem, Contact};
 use crate::integrate::{Linearised, Motion, Scales, Sides, State, Switching, System};
 
@@ -101,15 +102,6 @@ impl DissipativeSystem {
     }
 }
 
-/// Overlap change of contact `j` and its rate.
-fn motion(position: &[f64], velocity: &[f64], bodies: usize, j: usize) -> (f64, f64) {
-    let at = |values: &[f64], index: Option<usize>| {
-        index.filter(|i| *i < bodies).and_then(|i| values.get(i)).copied().unwrap_or(0.0)
-    };
-    let difference = |values: &[f64]| at(values, j.checked_sub(1)) - at(values, Some(j));
-    (difference(position), difference(velocity))
-}
-
 impl System for DissipativeSystem {
     fn len(&self) -> usize {
         self.bodies + ACCOUNTS
@@ -133,6 +125,14 @@ impl System for DissipativeSystem {
 
     fn scales(&self, position: &[f64], velocity: &[f64]) -> Scales {
         self.elastic.scales(&position[..self.bodies], &velocity[..self.bodies])
+    }
+
+    fn has_kink_between(&self, from: &State, to: &State) -> bool {
+        let closing = |state: &State, j| difference(&state.velocity[..self.bodies], j) > 0.0;
+        let turns = |lossy: &Lossy| {
+            lossy.loss.power_force > 0.0 && closing(from, lossy.index) != closing(to, lossy.index)
+        };
+        self.elastic.has_kink_between(from, to) || self.lossy.iter().any(turns)
     }
 
     fn switching(&mut self) -> Option<&mut dyn Switching> {
@@ -199,7 +199,7 @@ impl Switching for DissipativeSystem {
             self.held.retain(|held| *held != i);
             self.held.extend(lossy.held.then_some(i));
         }
-        let (change, _) = motion(&state.position, &state.velocity, self.bodies, lossy.index);
+        let change = difference(&state.position[..self.bodies], lossy.index);
         let kept = self.unit * lossy.contact.energy(change);
         if let (true, Some(account)) = (before != lossy.held, state.velocity.last_mut()) {
             *account += if lossy.held { kept } else { -kept };

@@ -1,7 +1,8 @@
 //! What an implicit method needs to know of a chain with losses.
 
-use super::{DissipativeSystem, motion};
+use super::DissipativeSystem;
 use crate::chain::loss::Tangent;
+use crate::chain::system::difference;
 use crate::integrate::{Linearised, State, Tridiagonal};
 
 impl Linearised for DissipativeSystem {
@@ -10,14 +11,13 @@ impl Linearised for DissipativeSystem {
     }
 
     fn linearise(&mut self, state: &State) {
-        let n = self.bodies;
+        let [position, velocity] = [&state.position, &state.velocity].map(|of| &of[..self.bodies]);
         for (j, (tangent, contact)) in self.tangents.iter_mut().zip(&self.contacts).enumerate() {
-            let (change, _) = motion(&state.position, &state.velocity, n, j);
-            let stiffness = contact.tangent_stiffness(change);
+            let stiffness = contact.tangent_stiffness(difference(position, j));
             *tangent = Tangent { stiffness, ..Tangent::default() };
         }
         for lossy in &self.lossy {
-            let (change, closing) = motion(&state.position, &state.velocity, n, lossy.index);
+            let [change, closing] = [position, velocity].map(|of| difference(of, lossy.index));
             let tangent = &mut self.tangents[lossy.index];
             let touch = lossy.touch(change, closing);
             let stiffnesses = (lossy.contact.stiffness, tangent.stiffness);
@@ -40,9 +40,8 @@ impl Linearised for DissipativeSystem {
     }
 
     fn forces_of(&mut self, position: &[f64], out: &mut [f64]) {
-        let zeros = &self.masses;
-        let force =
-            |j: usize| self.tangents[j].stiffness * motion(position, zeros, self.bodies, j).0;
+        let position = &position[..self.bodies];
+        let force = |j: usize| self.tangents[j].stiffness * difference(position, j);
         let mut above = force(0);
         for (i, out) in out.iter_mut().enumerate().take(self.bodies) {
             let below = force(i + 1);
@@ -53,8 +52,9 @@ impl Linearised for DissipativeSystem {
 
     fn account_rates(&mut self, position: &[f64], velocity: &[f64], out: &mut [f64]) {
         out.fill(0.0);
+        let [position, velocity] = [position, velocity].map(|of| &of[..self.bodies]);
         for lossy in &self.lossy {
-            let (change, closing) = motion(position, velocity, self.bodies, lossy.index);
+            let [change, closing] = [position, velocity].map(|of| difference(of, lossy.index));
             let tangent = &self.tangents[lossy.index];
             let slopes = tangent.power_by_overlap.iter().zip(&tangent.power_by_closing);
             for (out, (by_overlap, by_closing)) in out.iter_mut().zip(slopes) {
