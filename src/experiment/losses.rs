@@ -9,9 +9,16 @@ use crate::scene::Scene;
 const FOR_LOSSES: &str =
     "runge-kutta-4, dormand-prince-54, dormand-prince-853 or rodas, or --accuracy instead";
 /// Losses are stiff where a contact's decay, in units of its own angular frequency, exceeds this. Stability and not accuracy limits the explicit pair there, and
-/// its interpolant is no longer what its steps are: with dashpots of 5.5 to 8 N s/m on the bench, where this is 0.9 to 1.3, errors of first peaks and their times
-/// were up to 130 times the error tolerated in a step, of 10 N s/m up to 7700 times; with less at most 10 times (100 tolerances of four scenes each) (1).
-const STIFF: f64 = 0.85;
+/// its interpolant is no longer what its steps are: with dashpots of 8 N s/m on the bench, where this is 1.3, errors of first peaks and their times were up to 130 times
+/// the error tolerated in a step, of 10 N s/m up to 7700 times (100 tolerances of four scenes each) (1).
+const STIFF: f64 = 1.25;
+/// Nearly stiff from here on: the same 130 times, but no more than 38 where steps are held to less than 3e-8; below, 10 times at most (the same runs, and 100 of
+/// six scenes from 5 to 9 N s/m) (1).
+const NEARLY_STIFF: f64 = 0.85;
+/// Up to this accuracy the pair serves what is nearly stiff: the implicit method took up to seven times as long (`hertzscope cost`) (1).
+const NEARLY_STIFF_UP_TO: f64 = 1e-6;
+/// What [`STEP_MARGIN`] is there (1).
+const NEARLY_STIFF_MARGIN: f64 = 100.0;
 /// Where steps are held to this or less, the implicit method pays for stiff losses only: on the bench it took from 0.9 to 1.2 times the pair's time at 1e-4, for
 /// which steps are held to this, and up to six times as long at 1e-9 (`hertzscope cost`, dashpots of 1 to 10 N s/m) (1).
 const LOOSE: f64 = 1e-3;
@@ -67,10 +74,13 @@ pub fn controlled_for(chain: &Chain, velocities: &[f64], accuracy: f64) -> Metho
     if !chain.is_dissipative() {
         return for_accuracy(if chain.is_plain() { accuracy } else { accuracy / KINK_MARGIN });
     }
-    let tolerance = accuracy / STEP_MARGIN;
     let damping = chain.largest_damping(velocities);
+    let nearly_stiff = damping > NEARLY_STIFF;
+    let tolerance = accuracy / if nearly_stiff { NEARLY_STIFF_MARGIN } else { STEP_MARGIN };
     let damped = damping * tolerance.powf(0.125) > DAMPED;
-    let stiff = damping > STIFF || (damped && (accuracy > LOOSE || !keeps_pace(chain, velocities)));
+    let stiff = damping > STIFF
+        || (nearly_stiff && accuracy > NEARLY_STIFF_UP_TO)
+        || (damped && (accuracy > LOOSE || !keeps_pace(chain, velocities)));
     if stiff {
         Method::Rodas { tolerance: accuracy / STIFF_MARGIN }
     } else {

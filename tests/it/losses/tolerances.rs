@@ -33,7 +33,7 @@ fn each(base: &str) {
         let law = "force_at_1_m_per_s = \"2 N\"\nexponent = 1.81";
         scene_with(base, &format!("[effects.power_law_loss]\n{law}\nend_of_contact = \"{end}\"\n"))
     };
-    let dashpots = [0.1, 0.5, 1.0, 2.0, 4.0, 5.0, 6.0, 8.0, 12.0];
+    let dashpots = [0.1, 0.5, 1.0, 2.0, 4.0, 5.0, 5.5, 6.0, 7.0, 8.0, 12.0];
     let free = |gamma: f64| (format!("{gamma} N s/m"), dashpot(base, gamma, "zero_overlap"));
     let mut scenes: Vec<_> = dashpots.into_iter().map(free).collect();
     for eta in [0.1e-6, 0.5e-6, 2e-6] {
