@@ -1,9 +1,9 @@
 //! Dormand and Prince's explicit Runge-Kutta pair of orders 8(5,3): the accurate end of the range.
 //!
 //! Twelve new force evaluations a step, an error estimate that blends embedded solutions of orders 5 and 3, and an
-//! interpolant of order 7 that costs three more evaluations and only where somebody reads it. The estimate falls
-//! apart, as it should, where a contact opens or closes within a step (the force is only C^1 there): the controller
-//! then shortens the step until the kink is harmless, so no event location is needed.
+//! interpolant of order 7 that costs three more evaluations and only where somebody reads it. Where a contact opens or
+//! closes within a step (the force is only C^1 there) both are of the same low order, and the larger of them is the estimate: the
+//! controller then shortens the step until the kink is harmless, so no event location is needed.
 //! Source: E. Hairer, S. P. Norsett, G. Wanner, "Solving Ordinary Differential Equations I" (Springer, 1993), II.5, II.6.
 
 mod tableau;
