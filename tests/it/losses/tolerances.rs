@@ -9,7 +9,7 @@ use hertzscope::integrate::Method;
 use super::{dashpot, scene_with, viscoelastic};
 
 /// Accuracies asked for, from 1e-2 to 1e-9.
-const ACCURACIES: u32 = 40;
+const ACCURACIES: u32 = 400;
 
 /// First peaks of a scene's first shot in all its places.
 fn peaks(case: &Case, integration: Integration) -> Vec<Peak> {
@@ -41,6 +41,12 @@ fn each(base: &str) {
     }
     scenes.push(("power law".to_owned(), power("zero_overlap")));
     scenes.push(("1 N s/m that never pulls".to_owned(), dashpot(base, 1.0, "zero_force")));
+    if base.starts_with("magnet") {
+        let magnet = "model = \"ring-15-6-6\"\nparticle = 1\nforce = \"2.38 N\"\n";
+        let scene = scene_with(base, &format!("[effects.magnet_preload]\n{magnet}"));
+        assert!(!scene.chain.is_plain() && !scene.chain.is_dissipative());
+        scenes.push(("a magnet that follows".to_owned(), scene));
+    }
     for (name, scene) in scenes {
         let case = Case::of(&scene, 1e-6, &places(&scene));
         let exact = Method::DormandPrince853 { tolerance: 1e-15 };
