@@ -111,10 +111,12 @@ impl System for ChainSystem {
         Scales { position: overlap, velocity: speed }
     }
 
-    fn has_kink_between(&self, [from, _]: [&[f64]; 2], [to, _]: [&[f64]; 2]) -> bool {
+    fn has_kink_between(&self, from: &State, to: &State) -> bool {
         let Plan { law, static_overlap, .. } = &self.plan;
         let mut contacts = static_overlap.iter().enumerate();
-        let is_open = |x: &[f64], j: usize, overlap: f64| overlap + difference(x, j) < 0.0;
+        let is_open = |state: &State, j: usize, overlap: f64| {
+            overlap + difference(&state.position[..self.len()], j) < 0.0
+        };
         *law == Law::Hertz && contacts.any(|(j, o)| is_open(from, j, *o) != is_open(to, j, *o))
     }
 

@@ -60,9 +60,8 @@ pub trait System {
     /// a contact's overlap, not the drift of the whole chain.
     fn scales(&self, position: &[f64], velocity: &[f64]) -> Scales;
 
-    /// Whether the law has a kink between two states, each positions (m) and velocities (m/s): a step across it is of low order, and an estimate of its error may
-    /// vanish by accident.
-    fn has_kink_between(&self, from: [&[f64]; 2], to: [&[f64]; 2]) -> bool {
+    /// Whether the law has a kink between two states: a step across it is of low order, and an estimate of its error may vanish by accident.
+    fn has_kink_between(&self, from: &State, to: &State) -> bool {
         let _ = (from, to);
         false
     }
@@ -215,13 +214,6 @@ pub trait Integrator {
     fn is_on(&self, place: usize) -> bool {
         let _ = place;
         true
-    }
-}
-
-impl State {
-    /// Positions (m) and velocities (m/s).
-    fn parts(&self) -> [&[f64]; 2] {
-        [&self.position, &self.velocity]
     }
 }
 

@@ -2,9 +2,8 @@
 //! evaluations of a first-order method of the same order.
 //!
 //! Stages stand at `x + c h v + h^2 sum a f`; the step ends at `x + h v + h^2 sum b f`, `v + h sum b' f`. The error estimate is the
-//! difference to the embedded solution, in position and in velocity. Where contacts open or close within a step either difference
-//! may vanish by accident: that in position, over the step's length, counts as one in velocity there, too, and the controller
-//! shortens the step. Interpolation is septic Hermite.
+//! difference to the embedded solution, in position and in velocity. Contacts that open or close within a step break the
+//! estimate's smoothness, and the controller shortens the step. Interpolation is septic Hermite.
 
 use super::control::{StepControl, add_compensated, largest};
 use super::hermite::{Between, find_jerks};
@@ -111,15 +110,10 @@ impl<'a> NystromIntegrator<'a> {
 
     /// Error of the step just tried as a multiple of the tolerance (1).
     fn error(&mut self, h: f64) -> f64 {
-        // The last stage stands at the new positions; forces do not depend on velocities.
-        let [from, velocity] = self.previous.parts();
-        let kink = self.system.has_kink_between([from, velocity], [&self.scratch, velocity]);
         add_up(self.pair.position_error, |stage| &self.stages[stage], &mut self.scratch);
-        let of_position = largest(&self.scratch);
-        let position = h * h * of_position / self.scales.position;
+        let position = h * h * largest(&self.scratch) / self.scales.position;
         add_up(self.pair.velocity_error, |stage| &self.stages[stage], &mut self.scratch);
-        let of_velocity = largest(&self.scratch).max(if kink { of_position } else { 0.0 });
-        let velocity = h * of_velocity / self.scales.velocity;
+        let velocity = h * largest(&self.scratch) / self.scales.velocity;
         // `max` would hide what is not a number; so would a scale that is infinite.
         if position.is_finite() && velocity.is_finite() && self.scales.are_finite() {
             position.max(velocity) / self.tolerance

@@ -127,11 +127,10 @@ impl System for DissipativeSystem {
         self.elastic.scales(&position[..self.bodies], &velocity[..self.bodies])
     }
 
-    fn has_kink_between(&self, from: [&[f64]; 2], to: [&[f64]; 2]) -> bool {
-        let [from, to] = [from, to].map(|state| state.map(|of| &of[..self.bodies]));
+    fn has_kink_between(&self, from: &State, to: &State) -> bool {
+        let closing = |state: &State, j| difference(&state.velocity[..self.bodies], j) > 0.0;
         let turns = |lossy: &Lossy| {
-            let closing = |[_, velocity]: [&[f64]; 2]| difference(velocity, lossy.index) > 0.0;
-            lossy.loss.power_force > 0.0 && closing(from) != closing(to)
+            lossy.loss.power_force > 0.0 && closing(from, lossy.index) != closing(to, lossy.index)
         };
         self.elastic.has_kink_between(from, to) || self.lossy.iter().any(turns)
     }

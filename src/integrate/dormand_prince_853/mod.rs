@@ -108,8 +108,7 @@ impl<'a> DormandPrince853<'a> {
     /// Error of the step just tried as a multiple of the tolerance (1); not finite if the state is not.
     fn error(&mut self, h: f64) -> f64 {
         // The last stage stands at the new state.
-        let [from, to] = [&self.previous, &self.scratch].map(State::parts);
-        let kink = self.system.has_kink_between(from, to);
+        let kink = self.system.has_kink_between(&self.previous, &self.scratch);
         let mut of_order = [0.0_f64; 2];
         for (error, weights) in of_order.iter_mut().zip([ERROR_5, ERROR_3]) {
             combine(weights, &self.rates, |r| &r.position, &mut self.scratch.position);

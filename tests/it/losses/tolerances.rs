@@ -9,7 +9,7 @@ use hertzscope::integrate::Method;
 use super::{dashpot, scene_with, viscoelastic};
 
 /// Accuracies asked for, from 1e-2 to 1e-9.
-const ACCURACIES: u32 = 40;
+const ACCURACIES: u32 = 400;
 
 /// First peaks of a scene's first shot in all its places.
 fn peaks(case: &Case, integration: Integration) -> Vec<Peak> {
