@@ -26,7 +26,8 @@ const LOOSE: f64 = 1e-3;
 /// power is what the pair's steps go with. On the bench that is from dashpots of 0.6 N s/m on at 1e-3, where both take the same time (1).
 const DAMPED: f64 = 0.051;
 /// With losses a step is held to the accuracy asked for divided by this: errors of first peaks and their times stayed below 10 times the
-/// error tolerated in a step, in chains whose losses are not stiff (`tests/it/losses/tolerances.rs`) (1).
+/// error tolerated in a step, in chains whose losses are not stiff (150 tolerances up to 6e-5 of 20 scenes; `tests/it/losses/tolerances.rs` holds
+/// runs to it) (1).
 const STEP_MARGIN: f64 = 16.0;
 /// The same for lossless chains that the chain's own stepper does not take, under a magnet that follows its particle: nobody puts steps across opening contacts
 /// right there, and errors were up to 23 times what a step tolerates (600 accuracies of two scenes) (1).
