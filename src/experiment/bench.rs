@@ -96,6 +96,7 @@ pub struct Bench<'a> {
     film: Film,
     initial_energy: Energy,
     initial_velocities: Vec<f64>,
+    method: Method,
     most_evaluations: u64,
 }
 
@@ -129,6 +130,7 @@ impl<'a> Bench<'a> {
             film,
             initial_energy,
             initial_velocities: initial_velocities.to_vec(),
+            method,
             most_evaluations: u64::MAX,
         }
     }
@@ -161,8 +163,7 @@ impl<'a> Bench<'a> {
                 let (stepper, trail) = course.as_mut();
                 let mut goes_on = Ok(stepper.time() < end);
                 let mut step = || {
-                    stepper.step(end)?;
-                    stepper.note(trail);
+                    stepper.follow(trail, [end, film.next()])?;
                     stepper.work().within(most, stepper.time())?;
                     if trail.steps() == Trail::STEPS {
                         follow(stepper, trail, (watches, *grid), pulses);
@@ -178,7 +179,7 @@ impl<'a> Bench<'a> {
                 if trail.steps() > 0 {
                     follow(stepper, trail, (watches, *grid), pulses);
                 }
-                goes_on?;
+                goes_on.map_err(|failed| self.first_lost(end, failed))?;
             }
             Engine::General(integrator) => {
                 while integrator.time() < end {
@@ -194,6 +195,20 @@ impl<'a> Bench<'a> {
             }
         }
         Ok(())
+    }
+
+    /// What `failed` in steps that were taken several at once: one by one it is found which body was lost first, and when.
+    fn first_lost(&self, end: f64, failed: IntegrateError) -> IntegrateError {
+        if !matches!(failed, IntegrateError::NotFinite { .. }) {
+            return failed;
+        }
+        let state = self.chain.initial_state(&self.initial_velocities);
+        let mut alone = start(self.chain, self.method, state);
+        let mut lost = None;
+        while alone.time() < end && lost.is_none() {
+            lost = alone.step(end).err();
+        }
+        lost.unwrap_or(failed)
     }
 
     /// The bench, not yet run, without one of the stepper's refinements; what runs on no stepper has none.

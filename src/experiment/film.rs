@@ -67,6 +67,12 @@ impl Film {
         }
     }
 
+    /// When the next frame is due (s).
+    #[must_use]
+    pub fn next(&self) -> f64 {
+        self.grid.time(self.frames)
+    }
+
     fn take(&mut self, chain: &Chain, motion: (&[f64], &[f64]), closed: &dyn Fn(usize) -> bool) {
         let (position, velocity) = motion;
         for (j, forces) in self.contact_forces.iter_mut().enumerate() {

@@ -3,7 +3,7 @@
 use super::bench::Grid;
 use super::pulse::PulseRecorder;
 use crate::chain::ForceProbe;
-use crate::chain::stepper::{ChainStepper, Due, Trail};
+use crate::chain::stepper::{ChainStepper, Depth, Due, Trail};
 use crate::integrate::Integrator;
 
 /// One watched force.
@@ -29,8 +29,8 @@ pub fn follow(
             trail.ask(place, watch.pulse.asks());
         }
     }
-    stepper.read(trail);
     let due = watches.first().and_then(|watch| due(trail, grid, watch.samples.len()));
+    stepper.read(trail, if due.is_some() { Depth::Sampled } else { Depth::Asked });
     for (place, watch) in watches.iter_mut().enumerate() {
         if let Some(due) = &due {
             stepper.sample(trail, place, due, &mut watch.samples);

@@ -1,8 +1,8 @@
 //! Forces are looked at within those steps only in which they may peak or reach a new level: nobody can tell.
 
-use hertzscope::chain::stepper::{ChainStepper, Due, InstructionSet, LOOKED_AT, Trail};
+use hertzscope::chain::stepper::{ChainStepper, Depth, Due, InstructionSet, LOOKED_AT, Trail};
 use hertzscope::chain::{Chain, ForceProbe, ForceSegment};
-use hertzscope::experiment::bench::Grid;
+use hertzscope::experiment::bench::{Bench, Grid};
 use hertzscope::experiment::pulse::{LOWEST_LEVEL, Peak, PulseRecorder};
 use hertzscope::integrate::{Integrator, Method};
 use hertzscope::scene::Scene;
@@ -87,8 +87,7 @@ fn choosy_and_thorough(
     let mut stepper = ChainStepper::new(chain, velocities, scheme, InstructionSet::best());
     let mut trail = stepper.trail(probes);
     while stepper.time() < scene.duration {
-        stepper.step(scene.duration).ok()?;
-        stepper.note(&mut trail);
+        stepper.follow(&mut trail, [scene.duration; 2]).ok()?;
         let steps = trail.steps();
         if steps < Trail::STEPS && stepper.time() < scene.duration {
             continue;
@@ -96,7 +95,7 @@ fn choosy_and_thorough(
         for (place, choosy) in choosy.iter().enumerate() {
             trail.ask(place, choosy.asks());
         }
-        stepper.read(&mut trail);
+        stepper.read(&mut trail, Depth::All);
         for (place, (choosy, thorough)) in choosy.iter_mut().zip(&mut thorough).enumerate() {
             let seen = trail.seen(place);
             choosy.follow(seen, trail.wanted(place), steps);
@@ -218,6 +217,76 @@ fn samples_are_the_forces_at_their_times() {
     }
 }
 
+/// Steps that are taken at once, and looked into only as far as anybody asks, read the same to the last bit as steps that are taken one by one
+/// because a frame of a film is due in each.
+#[test]
+fn steps_taken_at_once_read_the_same() {
+    const SAMPLES: Grid = Grid { start: 0.0, interval: 1e-6 };
+    const FRAMES: Grid = Grid { start: 0.0, interval: 0.05e-6 };
+    const END: f64 = 0.7e-3;
+    let mut methods: Vec<Method> = METHODS.iter().map(|make| make(2e-6)).collect();
+    methods.push(Method::PacedForceGradient { tolerance: 1e-3 });
+    methods.push(Method::DormandElMikkawyPrince64 { tolerance: 1e-5 });
+    methods.push(Method::DormandElMikkawyPrince86 { tolerance: 1e-6 });
+    let mut peaks = 0;
+    for (cells, force, linear) in
+        [(2, 2.38, false), (15, 2.38, false), (15, 0.0, false), (60, 2.38, true)]
+    {
+        let chain = diatomic(cells, force, linear);
+        let probes: Vec<ForceProbe> = [1, cells, 2 * cells]
+            .iter()
+            .filter_map(|p| ForceProbe::inside(&chain, *p, 0.2))
+            .collect();
+        for method in &methods {
+            for grid in [NEVER, SAMPLES] {
+                let run = |frames: Grid| {
+                    let mut velocities = vec![0.0; chain.bodies().len()];
+                    velocities[0] = 0.4;
+                    let mut bench =
+                        Bench::new(&chain, &velocities, *method, &probes, (grid, frames));
+                    bench.run_until(END, true, &mut |_| ()).expect("a run");
+                    bench
+                };
+                let (once, singly) = (run(NEVER), run(FRAMES));
+                let words = format!("{cells} cells, {force} N, {method}");
+                assert!(singly.film().displacements[0].len() > 10_000, "{words}");
+                assert_eq!(once.state(), singly.state(), "{words}");
+                assert_eq!(once.work(), singly.work(), "{words}");
+                for (once, singly) in once.watches().iter().zip(singly.watches()) {
+                    let same = once.samples.iter().eq(&singly.samples);
+                    assert!(same, "{words}: samples differ");
+                    assert_eq!(readings(&once.pulse), readings(&singly.pulse), "{words}");
+                    peaks += usize::from(once.pulse.first_peak().is_some());
+                }
+            }
+        }
+    }
+    println!("{peaks} peaks");
+    assert!(peaks > 100, "{peaks}");
+}
+
+/// Where a motion is lost in steps that were taken at once it is told which body was lost, and when, as if they had been taken one by one.
+#[test]
+fn what_is_lost_in_steps_taken_at_once_is_found() {
+    const END: f64 = 0.2;
+    let chain = diatomic(8, 2.38, true);
+    let mut velocities = vec![0.0; chain.bodies().len()];
+    velocities[0] = 0.4;
+    for method in METHODS.map(|make| make(100e-6)) {
+        let probes = [ForceProbe::inside(&chain, 5, 0.0).expect("a particle")];
+        let mut bench = Bench::new(&chain, &velocities, method, &probes, (NEVER, NEVER));
+        let told = bench.run_until(END, true, &mut |_| ()).expect_err("far beyond stability");
+        let scheme = method.scheme().expect("a splitting");
+        let mut stepper = ChainStepper::new(&chain, &velocities, scheme, InstructionSet::best());
+        let mut found = Ok(());
+        while found.is_ok() {
+            found = stepper.step(END);
+        }
+        println!("{method}: {told}");
+        assert_eq!(Err(told), found);
+    }
+}
+
 /// What a place sees of a step through the bodies around it is what the whole chain's interpolants say, at every place of chains of every shape,
 /// however many steps are looked into at a time.
 #[test]
@@ -274,8 +343,9 @@ fn compare_places(
     for most in (1..=Trail::STEPS).rev().cycle().take(30) {
         let mut whole: Vec<Option<Vec<ForceSegment>>> = Vec::new();
         while trail.steps() < most && stepper.time() < END {
-            stepper.step(END).expect("a step");
-            stepper.note(&mut trail);
+            // One at a time: a pause from now on.
+            let pause = stepper.time();
+            stepper.follow(&mut trail, [END, pause]).expect("a step");
             taken += 1;
             if taken % 5 == 0 {
                 // The whole chain is not asked for every step either.
@@ -290,7 +360,7 @@ fn compare_places(
         if whole.is_empty() {
             break;
         }
-        stepper.read(&mut trail);
+        stepper.read(&mut trail, Depth::All);
         for (index, probe) in probes.iter().enumerate() {
             let due = Due {
                 counts: std::array::from_fn(|step| if step < whole.len() { 3 } else { 0 }),

@@ -9,10 +9,11 @@
     reason = "closures would be compiled without the instruction set"
 )]
 
-use super::force_track::{COEFFICIENTS, CONTACTS, LOOKED_AT, LOOKS, Looks, Place, Span};
+use super::force_track::{COEFFICIENTS, CONTACTS, LOOKED_AT, LOOKS, Place};
 use super::force_track::{horner_and_slope, lane_forces, septic};
 use super::lanes::{Lanes, Row, Task, WIDTH};
 use super::plan::Form;
+use super::seen::{Depth, Seen};
 use super::wanted::Asked;
 use crate::chain::{Contact, ForceProbe};
 
@@ -46,16 +47,6 @@ pub struct Around {
     pub contacts: [[Row; 3]; CONTACTS],
     /// The form that the chains compute forces in, and what is seen of them.
     pub form: Form,
-}
-
-/// Steps as they were felt, one in each lane.
-#[derive(Debug, Clone)]
-pub struct Seen {
-    starts: Row,
-    lengths: Row,
-    overlaps: [[Row; COEFFICIENTS]; CONTACTS],
-    forces: [Row; LOOKS],
-    rates: [Row; LOOKS],
 }
 
 impl Around {
@@ -135,31 +126,52 @@ impl Around {
         (L::sub(whole, nothing), tangent)
     }
 
-    /// What is felt in steps of `length` (s) between the ends `from` and `to`.
+    /// Force (N) and its rate of change where the contacts stand and move as told (N/s).
     #[inline(always)]
-    fn look<L: Lanes>(&self, [from, to]: [Held<L>; 2], length: &Row, seen: &mut Seen) {
-        let h = L::load(length);
-        let (mut forces, mut rates) = ([L::splat(0.0); LOOKS], [L::splat(0.0); LOOKS]);
+    fn feel<L: Lanes>(&self, moves: &Held<L>) -> [L::V; 2] {
+        let (mut force, mut rate) = (L::splat(0.0), L::splat(0.0));
         for which in 0..CONTACTS {
-            let overlap = septic::<L>([from[which], to[which]], h);
+            let [change, closing, ..] = moves[which];
+            let (felt, tangent) = self.press::<L>(which, change);
+            let weight = L::load(&self.contacts[which][2]);
+            force = L::mul_add(weight, felt, force);
+            rate = L::mul_add(L::mul(weight, tangent), closing, rate);
+        }
+        [force, rate]
+    }
+
+    /// How the contacts move in steps of `length` (s) between the ends `from` and `to`.
+    #[inline(always)]
+    fn join<L: Lanes>(&self, [from, to]: [Held<L>; 2], length: &Row, seen: &mut Seen) {
+        for which in 0..CONTACTS {
+            let overlap = septic::<L>([from[which], to[which]], L::load(length));
             for power in 0..COEFFICIENTS {
                 L::store(overlap[power], &mut seen.overlaps[which][power]);
             }
+        }
+    }
+
+    /// What is felt within steps that are joined.
+    #[inline(always)]
+    fn look<L: Lanes>(&self, length: &Row, seen: &mut Seen) {
+        const WITHIN: usize = LOOKS - 1;
+        let h = L::load(length);
+        let (mut forces, mut rates) = ([L::splat(0.0); WITHIN], [L::splat(0.0); WITHIN]);
+        for which in 0..CONTACTS {
+            let mut overlap = [h; COEFFICIENTS];
+            for power in 0..COEFFICIENTS {
+                overlap[power] = L::load(&seen.overlaps[which][power]);
+            }
             let weight = L::load(&self.contacts[which][2]);
-            for look in 0..LOOKS {
-                // The last is the end of the step.
-                let (change, slope) = if look + 1 == LOOKS {
-                    (to[which][0], L::mul(h, to[which][1]))
-                } else {
-                    horner_and_slope::<L>(&overlap, L::splat(LOOKED_AT[look]))
-                };
+            for look in 0..WITHIN {
+                let at = L::splat(LOOKED_AT[look]);
+                let (change, slope) = horner_and_slope::<L>(&overlap, at);
                 let (force, tangent) = self.press::<L>(which, change);
                 forces[look] = L::mul_add(weight, force, forces[look]);
                 rates[look] = L::mul_add(L::mul(weight, tangent), slope, rates[look]);
             }
         }
-        seen.lengths = *length;
-        for look in 0..LOOKS {
+        for look in 0..WITHIN {
             L::store(forces[look], &mut seen.forces[look]);
             L::store(L::div(rates[look], h), &mut seen.rates[look]);
         }
@@ -181,47 +193,6 @@ fn set<const N: usize>(rows: &mut [Row; N], lane: usize, values: [f64; N]) {
     }
 }
 
-impl Seen {
-    /// Nothing yet.
-    pub fn nothing() -> Self {
-        Self {
-            starts: Row::default(),
-            lengths: Row::default(),
-            overlaps: Default::default(),
-            forces: Default::default(),
-            rates: Default::default(),
-        }
-    }
-
-    /// The two contacts in the step of lane `lane`.
-    #[must_use]
-    pub fn span(&self, lane: usize) -> Span {
-        let overlaps = self.overlaps.each_ref().map(|rows| rows.each_ref().map(|row| row.0[lane]));
-        Span { start: self.starts.0[lane], length: self.lengths.0[lane], overlaps }
-    }
-
-    /// The force in a few places of that step.
-    #[must_use]
-    pub fn looks(&self, lane: usize) -> Looks {
-        let at = |rows: &[Row; LOOKS]| rows.each_ref().map(|row| row.0[lane]);
-        Looks { forces: at(&self.forces), rates: at(&self.rates) }
-    }
-
-    /// Force (N) and its rate of change at the end of that step (N/s), and the step's length (s).
-    #[must_use]
-    #[inline]
-    pub fn end(&self, lane: usize) -> ([f64; 2], f64) {
-        let felt = [&self.forces, &self.rates].map(|rows| rows[LOOKS - 1].0[lane]);
-        (felt, self.lengths.0[lane])
-    }
-
-    /// Coefficient `power` of contact `which` in that step (m).
-    #[inline(always)]
-    pub fn coefficient(&self, lane: usize, which: usize, power: usize) -> f64 {
-        self.overlaps[which][power].0[lane]
-    }
-}
-
 /// Looks into steps on end.
 pub struct OnEnd<'a> {
     pub around: &'a Around,
@@ -234,6 +205,9 @@ pub struct OnEnd<'a> {
     /// Force (N) and its rate of change (N/s) before, as in `moves`, and afterwards at the end of each step.
     pub felt: &'a mut [Row; 2],
     pub asked: &'a Asked,
+    /// Steps that may hold it whatever is asked, a bit each.
+    pub always: u8,
+    pub depth: Depth,
 }
 
 impl Task for OnEnd<'_> {
@@ -242,7 +216,7 @@ impl Task for OnEnd<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> u8 {
-        let Self { around, moves, bodies, times: (starts, lengths), seen, felt, asked } = self;
+        let Self { around, moves, bodies, times: (starts, lengths), seen, felt, asked, .. } = self;
         let to = around.moves::<L>(bodies);
         let mut from = to;
         for which in 0..CONTACTS {
@@ -252,15 +226,21 @@ impl Task for OnEnd<'_> {
                 L::store(to[which][order], row);
             }
         }
-        seen.starts = starts;
-        around.look::<L>([from, to], lengths, seen);
-        let end = [L::load(&seen.forces[LOOKS - 1]), L::load(&seen.rates[LOOKS - 1])];
+        let end = around.feel::<L>(&to);
         let mut before = end;
         for which in 0..felt.len() {
             before[which] = L::shift_up(L::load(&felt[which]), end[which]);
             L::store(end[which], &mut felt[which]);
         }
-        asked.wanted::<L>(before, end, L::load(lengths))
+        seen.begin::<L>((starts, lengths), end);
+        let wanted = asked.wanted::<L>(before, end, L::load(lengths)) | self.always;
+        if wanted != 0 || self.depth != Depth::Asked {
+            around.join::<L>([from, to], lengths, seen);
+        }
+        if wanted != 0 || self.depth == Depth::All {
+            around.look::<L>(lengths, seen);
+        }
+        wanted
     }
 }
 
@@ -279,8 +259,10 @@ impl Task for SideBySide<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { around, ends: [from, to], times: (starts, lengths), seen } = self;
-        seen.starts = starts;
-        around.look::<L>([around.moves::<L>(from), around.moves::<L>(to)], lengths, seen);
+        let Self { around, ends: [from, to], times, seen } = self;
+        let (from, to) = (around.moves::<L>(from), around.moves::<L>(to));
+        seen.begin::<L>(times, around.feel::<L>(&to));
+        around.join::<L>([from, to], times.1, seen);
+        around.look::<L>(times.1, seen);
     }
 }

@@ -4,10 +4,10 @@
 //! step to the power 8 with the constant `1/(8! 2^8)`. Source: C. Hermite, J. reine angew. Math. 84, 70 (1878).
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
-use super::around::Seen;
 use super::forces::begin_plain;
 use super::lanes::{Lanes, Row, Task, WIDTH};
 use super::plan::Form;
+use super::seen::Seen;
 use crate::chain::hertz::force_and_tangent;
 use crate::chain::{ForceProbe, Law};
 

@@ -34,21 +34,18 @@ impl<L: Lanes> Kicks<'_, L> {
         matches!(self.after, After::End)
     }
 
-    /// Gives them to the `velocity` of row `at`, which stands at `position` if anybody may want to know, by accelerations and two thirds of their
-    /// gradients.
+    /// Gives them to the `velocity` of row `at`, which stands at `position`, by accelerations and two thirds of their gradients.
     #[inline(always)]
     fn on<const GRADIENT: bool, const LAST: bool>(
         &mut self,
         at: At,
-        position: Option<&Row>,
+        position: &Row,
         velocity: &mut Row,
         of: [L::V; 2],
     ) {
         let mut speed = self.kick.on::<GRADIENT>(L::load(velocity), of);
         if LAST && let After::Step(next, notes) = &mut self.after {
-            if let Some([x, v, a]) = notes.room(at)
-                && let Some(position) = position
-            {
+            if let Some([x, v, a]) = notes.room(at) {
                 *x = *position;
                 L::store(speed, v);
                 L::store(of[0], a);
@@ -129,7 +126,7 @@ impl<L: Lanes, const GRADIENT: bool, const FIRST: bool, const LAST: bool> Visit<
         }
         if !GRADIENT {
             let (position, velocity) = (self.position.at(at), self.velocity.at_mut(at));
-            self.kicks.on::<false, LAST>(at, Some(position), velocity, [acceleration; 2]);
+            self.kicks.on::<false, LAST>(at, position, velocity, [acceleration; 2]);
         }
     }
 }
@@ -138,6 +135,7 @@ impl<L: Lanes, const GRADIENT: bool, const FIRST: bool, const LAST: bool> Visit<
 pub struct Bend<'a, 'n, L: Lanes, const LAST: bool> {
     pub inverse_mass: Strip<'a, Row>,
     pub kicks: Kicks<'n, L>,
+    pub position: Strip<'a, Row>,
     pub velocity: StripMut<'a, Row>,
     pub acceleration: Strip<'a, Row>,
     /// At first two thirds of tangent stiffnesses (N/m).
@@ -179,7 +177,7 @@ impl<L: Lanes, const LAST: bool> Sweep<L> for Bend<'_, '_, L, LAST> {
             L::store(gradient, self.gradient.at_mut(at));
         }
         let of = [L::load(self.acceleration.at(at)), gradient];
-        self.kicks.on::<true, LAST>(at, None, self.velocity.at_mut(at), of);
+        self.kicks.on::<true, LAST>(at, self.position.at(at), self.velocity.at_mut(at), of);
     }
 }
 
@@ -206,7 +204,7 @@ impl<L: Lanes, Y: Layout, const GRADIENT: bool, const FIRST: bool, const LAST: b
         }
         let Push { position, velocity, kicks, .. } = &mut self.push;
         let of = [acceleration, gradient];
-        kicks.on::<true, LAST>(at, Some(position.at(at)), velocity.at_mut(at), of);
+        kicks.on::<true, LAST>(at, position.at(at), velocity.at_mut(at), of);
     }
 }
 

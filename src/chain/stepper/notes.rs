@@ -12,8 +12,8 @@ pub type Note = [Row; 3];
 pub struct Notes {
     /// Which note each row is of a step's, counted from 1; 0 for one that nobody asks for. Rows behind the last are not asked for either.
     which: Vec<u32>,
-    /// Notes of a step.
-    rows: usize,
+    /// The rows, in their order: those that a step has notes of.
+    asked: Vec<usize>,
     kept: Vec<Note>,
     /// How many are taken.
     count: usize,
@@ -27,13 +27,14 @@ impl Notes {
             which.resize(which.len().max(row + 1), 0);
             which[row] = 1;
         }
-        let mut rows = 0;
-        for which in which.iter_mut().filter(|which| **which > 0) {
-            rows += 1;
-            *which = rows;
+        let (mut asked, mut notes) = (Vec::new(), 0);
+        for (row, which) in which.iter_mut().enumerate().filter(|(_, which)| **which > 0) {
+            notes += 1;
+            *which = notes;
+            asked.push(row);
         }
-        let rows = rows as usize;
-        Self { which, rows, kept: vec![Note::default(); rows * steps], count: 0 }
+        let kept = vec![Note::default(); asked.len() * steps];
+        Self { which, asked, kept, count: 0 }
     }
 
     /// Begins anew.
@@ -53,9 +54,19 @@ impl Notes {
         self.kept.get_mut(self.count - 1)
     }
 
+    /// Notes how `rows` stand and move at the end of the next step.
+    pub fn keep(&mut self, rows: [&[Row]; 3]) {
+        for row in &self.asked {
+            if let Some(note) = self.kept.get_mut(self.count) {
+                *note = rows.map(|rows| rows[*row]);
+            }
+            self.count += 1;
+        }
+    }
+
     /// Row `row` at the end of step `step`.
     pub fn at(&self, step: usize, row: usize) -> Option<[&Row; 3]> {
         let which = (*self.which.get(row)? as usize).checked_sub(1)?;
-        self.kept.get(step * self.rows + which).map(Note::each_ref)
+        self.kept.get(step * self.asked.len() + which).map(Note::each_ref)
     }
 }

@@ -257,10 +257,11 @@ impl<'a, Y: Layout, const FORM: u8, const GRADIENT: bool> Step<'a, '_, Y, FORM, 
     ) {
         let (rows, end) = (self.moving[0].len(), span[1]);
         let kicks = Self::end((self.weights::<L>(), part), self.goes_on, self.notes);
-        let [_, v, a, g] = &mut *self.moving;
+        let [x, v, a, g] = &mut *self.moving;
         let mut bend = Bend::<L, LAST> {
             inverse_mass: Strip::new(self.plan.inverse_mass, end),
             kicks,
+            position: Strip::new(x, end),
             velocity: StripMut::new(v, end),
             acceleration: Strip::new(a, end),
             gradient: StripMut::new(g, end),

@@ -85,7 +85,8 @@ pub fn steps<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
 ) -> u8 {
     if Y::TILE == 0 {
         let weights = Weights::new(steps.method, L::load(steps.length));
-        timed::<L, Y, GRADIENT>(plan, work, &mut Fixed { weights, left: steps.count })
+        let (left, notes) = (steps.count, steps.notes);
+        timed::<L, Y, GRADIENT>(plan, work, &mut Fixed { weights, left, notes })
     } else {
         long::<L, Y, FORM, GRADIENT>(plan, work, &mut steps);
         are_finite::<L, Y>(plan, work)

@@ -1,7 +1,8 @@
 //! When the steps of a splitting end that follow each other in the registers.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
-use super::lanes::{Lanes, Row};
+use super::lanes::{Lanes, Row, WIDTH};
+use super::notes::Notes;
 use super::pacer::{Pacer, Stiff};
 use super::splits::Weights;
 use crate::integrate::pace::{Beat, NOTHING};
@@ -30,6 +31,7 @@ pub struct Fixed<'a, L: Lanes> {
     pub weights: Weights<'a, L>,
     /// How many there are still to be.
     pub left: u64,
+    pub notes: &'a mut Notes,
 }
 
 impl<'m, L: Lanes> Timing<'m, L> for Fixed<'m, L> {
@@ -49,7 +51,11 @@ impl<'m, L: Lanes> Timing<'m, L> for Fixed<'m, L> {
     fn see(&mut self, _r: usize, _overlap: L::V) {}
 
     #[inline(always)]
-    fn note(&mut self, _r: usize, _moving: [L::V; 3]) {}
+    fn note(&mut self, r: usize, moving: [L::V; 3]) {
+        if let Some(rows) = self.notes.room((0, r)) {
+            store::<L>(moving, rows);
+        }
+    }
 
     #[inline(always)]
     fn finish(&mut self) {}
@@ -70,6 +76,7 @@ pub struct Paced<'a> {
     /// How bodies stand (m) and move (m/s, m/s²) in the rows of those above and below the stiff contact.
     pub noted: &'a mut [[Row; 3]; 2],
     pub going: &'a mut Going,
+    pub notes: &'a mut Notes,
 }
 
 /// How far paced steps are.
@@ -79,20 +86,32 @@ pub struct Going {
     pub step: [f64; 3],
     /// Up to where they go (s).
     pub end: f64,
+    /// None begins then or later (s).
+    pause: f64,
     /// How many may be taken at once.
     many: u64,
     /// Steps taken.
     pub taken: u64,
+    /// Length, start and end of each of the last of them, by its number (s).
+    pub times: [[f64; 3]; WIDTH],
     /// Those in which contacts have changed sides.
     pub events: u64,
     changed: u8,
 }
 
 impl Going {
-    /// Up to so `many` from `start` to `end` (s).
-    pub fn new(beat: &Beat, [start, end]: [f64; 2], many: u64) -> Self {
+    /// Up to so `many` from `start` to `end` (s), none begun at `pause` or later but the first.
+    pub fn new(beat: &Beat, start: f64, [end, pause]: [f64; 2], many: u64) -> Self {
         let (h, next) = beat.next(start, end);
-        Self { step: [h, start, next], end, many, taken: 0, events: 0, changed: 0 }
+        let (step, times) = ([h, start, next], [[0.0; 3]; WIDTH]);
+        Self { step, end, pause, many, taken: 0, times, events: 0, changed: 0 }
+    }
+
+    /// The present step is taken.
+    #[inline(always)]
+    pub fn pass(&mut self) {
+        self.times[self.taken as usize % WIDTH] = self.step;
+        self.taken += 1;
     }
 }
 
@@ -113,7 +132,8 @@ impl<'m, L: Lanes> Timing<'m, L> for Paced<'m> {
 
     #[inline(always)]
     fn is_last(&self) -> bool {
-        self.going.step[2] >= self.going.end || self.going.taken + 1 >= self.going.many
+        let Going { step: [.., next], end, pause, many, taken, .. } = *self.going;
+        next >= end.min(pause) || taken + 1 >= many
     }
 
     #[inline(always)]
@@ -125,6 +145,9 @@ impl<'m, L: Lanes> Timing<'m, L> for Paced<'m> {
 
     #[inline(always)]
     fn note(&mut self, r: usize, moving: [L::V; 3]) {
+        if let Some(rows) = self.notes.room((0, r)) {
+            store::<L>(moving, rows);
+        }
         let Some(stiff) = self.pacer.stiff else { return };
         let [above, below] = &mut *self.noted;
         if stiff.at.0 == r {
@@ -138,7 +161,7 @@ impl<'m, L: Lanes> Timing<'m, L> for Paced<'m> {
     #[inline(always)]
     fn finish(&mut self) {
         let going = &mut *self.going;
-        going.taken += 1;
+        going.pass();
         going.events += u64::from(going.changed != 0);
         going.changed = 0;
         let [above, below] = &*self.noted;

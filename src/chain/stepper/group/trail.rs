@@ -4,10 +4,11 @@
 use super::watched::{Feel, Glance, Watched};
 use super::{ChainGroup, bits};
 use crate::chain::ForceProbe;
-use crate::chain::stepper::around::{Rows, Seen, SideBySide};
+use crate::chain::stepper::around::{Rows, SideBySide};
 use crate::chain::stepper::dispatch::dispatch;
 use crate::chain::stepper::lanes::{Row, WIDTH};
 use crate::chain::stepper::notes::Notes;
+use crate::chain::stepper::seen::Seen;
 
 /// The last steps of a group's chains at their watched places.
 #[derive(Debug, Clone)]

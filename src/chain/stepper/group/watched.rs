@@ -3,10 +3,11 @@
 
 use super::trail::GroupTrail;
 use crate::chain::ForceProbe;
-use crate::chain::stepper::around::{Around, BODIES, Bodies, Seen};
+use crate::chain::stepper::around::{Around, BODIES, Bodies};
 use crate::chain::stepper::dispatch::{InstructionSet, dispatch};
 use crate::chain::stepper::lanes::{Lanes, Row, Task, WIDTH};
 use crate::chain::stepper::plan::Form;
+use crate::chain::stepper::seen::Seen;
 use crate::chain::stepper::wanted::Asked;
 
 /// Which of the bodies around a place is its own.

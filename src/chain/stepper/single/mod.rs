@@ -20,7 +20,9 @@ macro_rules! laid {
     };
 }
 
+mod burst;
 mod course;
+mod drive;
 mod look;
 mod paced;
 mod paired;
@@ -33,6 +35,7 @@ use super::dispatch::{InstructionSet, dispatch};
 use super::frame::Ends;
 use super::lanes::Row;
 use super::layout::{Along, Layout, Striped, Tiled};
+use super::notes::Notes;
 use super::plan::{Form, Plan, are_few, rows_of};
 use super::steps::{AT_ONCE, find_gradients, finest_asked};
 use super::tasks::{Evaluate, Settle};
@@ -40,7 +43,9 @@ use super::workspace::Workspace;
 use crate::chain::Chain;
 use crate::integrate::hermite::{End, septic};
 use crate::integrate::{IntegrateError, Integrator, Interpolant, Scheme, State, Work};
+use burst::Burst;
 use course::{Course, Laid, UNDER_WAY, margin};
+use drive::Drive;
 use paced::InSteps;
 use paired::Paired;
 use split::Split;
@@ -57,13 +62,6 @@ pub enum Refinement {
     QuietPart,
     /// The form that forces are computed in: leaving it out takes the other one.
     ForceForm,
-}
-
-/// How its steps are taken.
-enum Drive {
-    Paired(Box<Paired>),
-    Split(Split),
-    Paced(Box<InSteps>),
 }
 
 /// A lossless chain under a method for forces that depend on positions alone.
@@ -199,6 +197,26 @@ impl ChainStepper {
         self
     }
 
+    /// Takes steps at once, or one where that cannot be; tells how many.
+    fn several(&mut self, burst: &mut Burst) -> Result<u64, IntegrateError> {
+        let Self { drive, course, last_step, .. } = self;
+        let taken = if course.is_all_under_way() { drive.several(course, burst)? } else { None };
+        if let Some(taken) = taken {
+            *last_step = taken.last;
+            return Ok(taken.count);
+        }
+        self.step(burst.end)?;
+        Ok(1)
+    }
+
+    /// Start, length and end of the step that was `before` the last, and taken at once with it (s).
+    fn times(&self, before: u64) -> [f64; 3] {
+        match before {
+            0 => [self.last_step.0, self.last_step.1, self.course.time],
+            1.. => self.drive.times(before),
+        }
+    }
+
     /// Whether forces are computed without cancellation.
     #[must_use]
     pub fn is_exact(&self) -> bool {
@@ -208,11 +226,7 @@ impl ChainStepper {
     /// Steps tried in which contacts opened or closed; methods with a fixed step do not ask.
     #[must_use]
     pub fn events(&self) -> Option<u64> {
-        match &self.drive {
-            Drive::Paired(paired) => Some(paired.events),
-            Drive::Split(_) => None,
-            Drive::Paced(paced) => Some(paced.events),
-        }
+        self.drive.events()
     }
 }
 
@@ -229,29 +243,16 @@ impl Integrator for ChainStepper {
     }
 
     fn step(&mut self, end: f64) -> Result<(), IntegrateError> {
-        let start = self.course.time;
-        self.last_step = match &mut self.drive {
-            Drive::Paired(paired) => paired.step(&mut self.course, (end, false))?,
-            Drive::Split(split) => (start, split.step(&mut self.course, end)?),
-            Drive::Paced(paced) => paced.take(&mut self.course, (end, 1))?,
-        };
-        self.course.follow_front();
+        let Self { drive, course, last_step, .. } = self;
+        *last_step = drive.step(course, end)?;
+        course.follow_front();
         Ok(())
     }
 
     fn advance(&mut self, end: f64) -> Result<(), IntegrateError> {
+        let notes = &mut Notes::default();
         while self.course.time < end {
-            let Self { drive, course, last_step, .. } = self;
-            let at_once = match drive {
-                Drive::Paired(_) | Drive::Paced(_) if !course.is_all_under_way() => None,
-                Drive::Paired(paired) => Some(paired.step(course, (end, true))?),
-                Drive::Paced(paced) => Some(paced.take(course, (end, AT_ONCE))?),
-                Drive::Split(split) => split.several(course, end)?,
-            };
-            match at_once {
-                Some(last) => *last_step = last,
-                None => self.step(end)?,
-            }
+            self.several(&mut Burst { end, pause: end, most: AT_ONCE, notes: &mut *notes })?;
         }
         Ok(())
     }

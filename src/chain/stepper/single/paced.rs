@@ -2,6 +2,7 @@
 
 use std::marker::PhantomData;
 
+use super::burst::{Burst, Taken};
 use super::{Course, Laid};
 use crate::chain::Chain;
 use crate::chain::stepper::dispatch::dispatch;
@@ -25,6 +26,8 @@ pub struct InSteps {
     noted: [[Row; 3]; 2],
     /// Steps in which contacts changed sides.
     pub events: u64,
+    /// The steps taken last, at once.
+    last: Option<Going>,
 }
 
 impl InSteps {
@@ -43,21 +46,30 @@ impl InSteps {
             closed: course.work.now.closed.clone(),
             noted: Default::default(),
             events: 0,
+            last: None,
         }
     }
 
-    /// Takes up to so `many` steps, not beyond `end` (s); returns start and length of the last (s).
+    /// Start, length and end of the step that was `before` the last and taken at once with it (s).
+    pub fn times(&self, before: u64) -> [f64; 3] {
+        let of = |going: &Going| going.times[(going.taken - 1 - before) as usize % WIDTH];
+        let [length, start, end] = self.last.as_ref().map_or([0.0; 3], of);
+        [start, length, end]
+    }
+
+    /// Takes steps at once, at least one.
     pub fn take(
         &mut self,
         course: &mut Course,
-        (end, many): (f64, u64),
-    ) -> Result<(f64, f64), IntegrateError> {
-        let going = &mut Going::new(&self.pacer.beat, [course.time, end], many);
+        burst: &mut Burst,
+    ) -> Result<Taken, IntegrateError> {
+        let Burst { end, pause, most, notes } = burst;
+        let going = &mut Going::new(&self.pacer.beat, course.time, [*end, *pause], *most);
         let Course { set, laid, plan, work, .. } = course;
-        let Self { method, pacer, closed, noted, events } = self;
+        let Self { method, pacer, closed, noted, events, last } = self;
         let finite = match laid {
             Laid::Striped => {
-                let paced = Paced { method, pacer, closed, noted, going };
+                let paced = Paced { method, pacer, closed, noted, going, notes };
                 dispatch(*set, InPace { plan, work, paced })
             }
             Laid::Tiled | Laid::Along => {
@@ -69,12 +81,13 @@ impl InSteps {
                 pacer.pass(&work.next);
                 let position = work.next.position();
                 let close = Close::<Tiled> { plan, position, closed, layout: PhantomData };
-                (going.taken, going.events) = (1, u64::from(dispatch(*set, close)));
+                going.pass();
+                going.events = u64::from(dispatch(*set, close));
                 finite
             }
         };
         *events += going.events;
-        let [h, start, next] = going.step;
+        let [length, start, next] = going.step;
         course.counts.steps += going.taken;
         course.counts.force_evaluations += going.taken * self.method.drifts.len() as u64;
         if finite == 0 {
@@ -83,6 +96,7 @@ impl InSteps {
         }
         course.work.turn();
         course.time = next;
-        Ok((start, h))
+        *last = Some(*going);
+        Ok(Taken { count: going.taken, last: (start, length) })
     }
 }

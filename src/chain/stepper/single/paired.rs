@@ -2,10 +2,11 @@
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
 use super::Course;
+use super::burst::{Burst, Taken};
 use crate::chain::stepper::dispatch::dispatch;
 use crate::chain::stepper::foresight::{MOST_SHORTENED, Watch};
 use crate::chain::stepper::kinks;
-use crate::chain::stepper::lanes::{Lanes, Task};
+use crate::chain::stepper::lanes::{Lanes, Task, WIDTH};
 use crate::chain::stepper::layout::Along;
 use crate::chain::stepper::passes::Sides;
 use crate::chain::stepper::steps::{UNMOVED, control, worth};
@@ -29,6 +30,9 @@ pub struct Paired {
     pub corrects: bool,
     /// Whether what contacts will do is foreseen.
     watch: Watch,
+    /// Start, length and end of each of the steps taken last, by their numbers (s).
+    times: [[f64; 3]; WIDTH],
+    steps: usize,
 }
 
 impl Paired {
@@ -40,17 +44,22 @@ impl Paired {
         watched: bool,
     ) -> Self {
         let (control, watch) = (control(scales, pair, watched), Watch::new());
-        let (events, corrects) = (0, true);
-        Self { pair, control, tolerance, scales, lightest, events, corrects, watch }
+        let (events, corrects, times, steps) = (0, true, [[0.0; 3]; WIDTH], 0);
+        Self { pair, control, tolerance, scales, lightest, events, corrects, watch, times, steps }
     }
 
-    /// Takes a step, not beyond `end` (s), or `all` up to it; returns start and length of the last (s).
-    pub fn step(
+    /// Takes steps at once, at least one.
+    pub fn take(
         &mut self,
         course: &mut Course,
-        (end, all): (f64, bool),
-    ) -> Result<(f64, f64), IntegrateError> {
-        dispatch(course.set, Steps { paired: self, course, end, all })
+        burst: &mut Burst,
+    ) -> Result<Taken, IntegrateError> {
+        dispatch(course.set, Steps { paired: self, course, burst })
+    }
+
+    /// Start, length and end of the step that was `before` the last (s).
+    pub fn times(&self, before: u64) -> [f64; 3] {
+        self.times[(self.steps - 1 - before as usize) % WIDTH]
     }
 
     /// As much of `trial` as is worth a try.
@@ -106,20 +115,20 @@ impl Paired {
 }
 
 /// Steps with all that decides on them: nothing leaves the registers that the next step waits for.
-struct Steps<'a> {
+struct Steps<'a, 'b> {
     paired: &'a mut Paired,
     course: &'a mut Course,
-    end: f64,
-    /// Whether they go on up to there; otherwise it is one.
-    all: bool,
+    burst: &'a mut Burst<'b>,
 }
 
-impl Task for Steps<'_> {
-    type Output = Result<(f64, f64), IntegrateError>;
+impl Task for Steps<'_, '_> {
+    type Output = Result<Taken, IntegrateError>;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Self::Output {
-        let Self { paired, course, end, all } = self;
+        let Self { paired, course, burst } = self;
+        let Burst { end, pause, most, .. } = *burst;
+        let mut count = 0;
         loop {
             let mut trial = paired.control.trial(course.time, end)?;
             if paired.watch.is_on() && paired.corrects && !course.plan.watched.is_empty() {
@@ -138,8 +147,12 @@ impl Task for Steps<'_> {
             let largest = &course.work.largest;
             paired.scales.0 = paired.scales.0.max(largest.overlap.0[0]);
             paired.scales.1 = paired.scales.1.max(largest.speed.0[0]);
-            if !all || course.time >= end {
-                return Ok((start, trial.length));
+            burst.notes.keep(course.work.now.moving());
+            paired.times[paired.steps % WIDTH] = [start, trial.length, trial.next];
+            paired.steps += 1;
+            count += 1;
+            if count >= most || course.time >= end.min(pause) {
+                return Ok(Taken { count, last: (start, trial.length) });
             }
         }
     }

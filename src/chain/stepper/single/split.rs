@@ -2,6 +2,7 @@
 
 use std::marker::PhantomData;
 
+use super::burst::{Burst, Taken};
 use super::{Course, Laid};
 use crate::chain::stepper::dispatch::dispatch;
 use crate::chain::stepper::lanes::{Row, WIDTH};
@@ -9,7 +10,6 @@ use crate::chain::stepper::layout::{Striped, Tiled};
 use crate::chain::stepper::notes::Notes;
 use crate::chain::stepper::parts::Steps;
 use crate::chain::stepper::split_tasks;
-use crate::chain::stepper::steps::AT_ONCE;
 use crate::integrate::IntegrateError;
 use crate::integrate::splitting::{Clock, Splitting};
 
@@ -28,34 +28,40 @@ impl Split {
     /// Takes a step, not beyond `end` (s); returns its length (s).
     pub fn step(&mut self, course: &mut Course, end: f64) -> Result<f64, IntegrateError> {
         let (h, next) = self.clock.next(course.time, end);
-        self.take(course, (h, 1))?;
+        self.take(course, (h, 1), &mut Notes::default())?;
         course.time = next;
         Ok(h)
     }
 
-    /// Takes up to [`AT_ONCE`] whole steps, none of which reaches `end` (s), if all rows are under way; start and length of the last (s).
+    /// Takes whole steps at once, none of which reaches the end or the pause, if there are any.
     pub fn several(
         &mut self,
         course: &mut Course,
-        end: f64,
-    ) -> Result<Option<(f64, f64)>, IntegrateError> {
-        if !course.is_all_under_way() {
-            return Ok(None);
-        }
-        let count = self.clock.room(AT_ONCE, end);
+        burst: &mut Burst,
+    ) -> Result<Option<Taken>, IntegrateError> {
+        let count = self.clock.room(burst.most, burst.end.min(burst.pause));
         if count == 0 {
             return Ok(None);
         }
-        self.take(course, (self.clock.step(), count))?;
+        self.take(course, (self.clock.step(), count), burst.notes)?;
         course.time = self.clock.go(count);
-        let length = self.clock.step();
-        Ok(Some((course.time - length, length)))
+        let [start, length, _] = self.times(0);
+        Ok(Some(Taken { count, last: (start, length) }))
     }
 
-    /// Takes `count` steps of `h` (s).
-    fn take(&self, course: &mut Course, (h, count): (f64, u64)) -> Result<(), IntegrateError> {
+    /// Start, length and end of the whole step that was `before` the last, and taken at once with it (s).
+    pub fn times(&self, before: u64) -> [f64; 3] {
+        [self.clock.before(before + 1), self.clock.step(), self.clock.before(before)]
+    }
+
+    /// Takes `count` steps of `h` (s), of which `notes` are kept.
+    fn take(
+        &self,
+        course: &mut Course,
+        (h, count): (f64, u64),
+        notes: &mut Notes,
+    ) -> Result<(), IntegrateError> {
         let Course { set, laid, plan, work, counts, .. } = course;
-        let notes = &mut Notes::default();
         let steps = Steps { method: self.method, length: &Row([h; WIDTH]), count, notes };
         let finite = match laid {
             Laid::Striped => dispatch(

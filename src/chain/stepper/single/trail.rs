@@ -1,13 +1,15 @@
 //! What places of a chain have felt in its last steps: eight steps are noted and then looked into side by side.
 
-use super::{ChainStepper, Course};
+use super::{Burst, ChainStepper, Course};
 use crate::chain::ForceProbe;
-use crate::chain::stepper::around::{Around, BODIES, Bodies, Moves, OnEnd, Seen};
+use crate::chain::stepper::around::{Around, BODIES, Bodies, Moves, OnEnd, Rows};
 use crate::chain::stepper::dispatch::dispatch;
 use crate::chain::stepper::force_track::{Due, Place, ROOM_BEHIND, Sample};
 use crate::chain::stepper::lanes::{Row, WIDTH};
+use crate::chain::stepper::notes::Notes;
+use crate::chain::stepper::seen::{Depth, Seen};
 use crate::chain::stepper::wanted::Asked;
-use crate::integrate::Integrator;
+use crate::integrate::IntegrateError;
 
 /// The last steps of a chain at its watched places, up to eight of them.
 #[derive(Debug, Clone)]
@@ -19,6 +21,8 @@ pub struct Trail {
     starts: Row,
     lengths: Row,
     ends: Row,
+    /// What is noted of steps that are taken at once.
+    notes: Notes,
     places: Vec<Watched>,
 }
 
@@ -42,6 +46,24 @@ struct Watched {
     /// What is asked of the steps, and which of those read last may hold it, a bit each.
     asked: Asked,
     wanted: u8,
+}
+
+/// How row `row` stands and moves by these rows.
+fn of(rows: Rows<'_>, row: usize) -> Option<[&Row; 3]> {
+    let [position, velocity, acceleration] = rows;
+    Some([position.get(row)?, velocity.get(row)?, acceleration.get(row)?])
+}
+
+impl Watched {
+    /// Notes how the bodies around it stand and move at the end of step `step`, `of` their rows; nothing where there is none.
+    fn note<'a>(&mut self, step: usize, of: impl Fn(usize) -> Option<[&'a Row; 3]>) {
+        for (index, (row, lane)) in self.bodies.into_iter().enumerate() {
+            let rows = of(row);
+            for (part, noted) in self.noted.iter_mut().enumerate() {
+                noted[index].0[step % WIDTH] = rows.map_or(0.0, |rows| rows[part].0[lane % WIDTH]);
+            }
+        }
+    }
 }
 
 impl Trail {
@@ -110,55 +132,72 @@ impl ChainStepper {
                 wanted: 0,
             }
         };
-        let places = probes.iter().map(watched).collect();
+        let places: Vec<Watched> = probes.iter().map(watched).collect();
+        let asked = places.iter().flat_map(|watched| watched.bodies).map(|(row, _)| row);
+        let notes =
+            Notes::new(Trail::STEPS, asked.filter(|row| *row < self.course.plan.all_rows()));
         let one = Row([1.0; WIDTH]);
-        let mut trail = Trail { count: 0, first: 1, starts: one, lengths: one, ends: one, places };
+        let (starts, lengths, ends) = (one, one, one);
+        let mut trail = Trail { count: 0, first: 1, starts, lengths, ends, notes, places };
         // A step that ends here: its end is where the first one starts.
-        self.note_in(&mut trail, WIDTH - 1);
-        self.look(&mut trail);
+        let now = self.course.work.now.moving();
+        for watched in &mut trail.places {
+            watched.note(WIDTH - 1, |row| of(now, row));
+        }
+        self.look(&mut trail, Depth::Asked);
         trail
     }
 
-    /// Notes the last step, for which there must be room.
-    pub fn note(&self, trail: &mut Trail) {
-        let step = trail.count;
-        let (start, length) = self.last_step;
-        (trail.starts.0[step], trail.lengths.0[step]) = (start, length);
-        trail.ends.0[step] = self.time();
-        self.note_in(trail, step);
-        trail.count = step + 1;
-    }
-
-    fn note_in(&self, trail: &mut Trail, step: usize) {
-        let state = self.course.work.now.moving();
-        for Watched { bodies, noted, .. } in &mut trail.places {
-            for (rows, noted) in state.iter().zip(noted.iter_mut()) {
-                for ((row, lane), noted) in bodies.iter().zip(noted) {
-                    noted.0[step % WIDTH] = rows.get(*row).map_or(0.0, |row| row.0[lane % WIDTH]);
+    /// Takes and notes as many steps as can be taken at once and as there is room for, which must be one: up to `end`, none that begins at `pause`
+    /// or later but the first (s).
+    ///
+    /// # Errors
+    /// [`IntegrateError`] where the method cannot go on.
+    pub fn follow(
+        &mut self,
+        trail: &mut Trail,
+        [end, pause]: [f64; 2],
+    ) -> Result<(), IntegrateError> {
+        let Trail { count, starts, lengths, ends, notes, places, .. } = trail;
+        notes.clear();
+        let most = (Trail::STEPS - *count) as u64;
+        let taken = self.several(&mut Burst { end, pause, most, notes })?;
+        let work = &self.course.work;
+        let (last, first) = (work.now.moving(), work.next.moving());
+        for (step, before) in (0..taken).rev().enumerate() {
+            let [start, length, end] = self.times(before);
+            (starts.0[*count], lengths.0[*count], ends.0[*count]) = (start, length, end);
+            for watched in &mut *places {
+                match before {
+                    0 => watched.note(*count, |row| of(last, row)),
+                    1 => watched.note(*count, |row| of(first, row)),
+                    _ => watched.note(*count, |row| notes.at(step, row)),
                 }
             }
+            *count += 1;
         }
+        Ok(())
     }
 
-    /// Looks into the steps that are noted, at least one.
-    pub fn read(&self, trail: &mut Trail) {
-        self.look(trail);
+    /// Looks into the steps that are noted, at least one, as far as `depth` says.
+    pub fn read(&self, trail: &mut Trail, depth: Depth) {
+        self.look(trail, depth);
         let last = trail.count - 1;
         for watched in &mut trail.places {
             for row in watched.before.as_flattened_mut().iter_mut().chain(&mut watched.felt) {
                 row.0[WIDTH - 1] = row.0[last];
             }
-            watched.wanted = (watched.wanted | trail.first) & (u8::MAX >> (WIDTH - 1 - last));
+            watched.wanted &= u8::MAX >> (WIDTH - 1 - last);
         }
         trail.first = 0;
     }
 
-    fn look(&self, trail: &mut Trail) {
-        let Trail { starts, lengths, places, .. } = trail;
+    fn look(&self, trail: &mut Trail, depth: Depth) {
+        let Trail { first, starts, lengths, places, .. } = trail;
         for watched in places {
             let Watched { around, before: moves, noted: bodies, seen, felt, asked, .. } = watched;
-            let times = (*starts, &*lengths);
-            let on_end = OnEnd { around, moves, bodies, times, seen, felt, asked };
+            let (times, always) = ((*starts, &*lengths), *first);
+            let on_end = OnEnd { around, moves, bodies, times, seen, felt, asked, always, depth };
             watched.wanted = dispatch(self.course.set, on_end);
         }
     }
