@@ -14,11 +14,12 @@ class Problem:
     def __init__(self, path):
         with open(path, encoding="utf-8") as file:
             numbers = [float(word) for word in file.read().split()]
-        n, self.duration, peaks = int(numbers[0]), numbers[1], int(numbers[2])
+        n, self.duration, peaks, self.samples = int(numbers[0]), numbers[1], int(numbers[2]), int(numbers[3])
         self.n = n
-        rest = iter(numbers[3:])
+        rest = iter(numbers[4:])
         row = lambda count: np.array([next(rest) for _ in range(count)])
         self.times = [*row(peaks), self.duration]
+        self.bodies = [int(body) for body in row(peaks)]
         self.inverse_mass = row(n)
         self.stiffness = row(n + 1)
         self.overlap = row(n + 1)
@@ -27,6 +28,12 @@ class Problem:
 
     def start(self):
         return np.concatenate([np.zeros(self.n), self.velocity])
+
+    def force_in(self, body, states):
+        """The force in a body that has one above and one below: the mean of its contacts' forces, for a state in each column."""
+        beside, contacts = states[body - 1 : body + 2], slice(body, body + 2)
+        closed = np.maximum(self.overlap[contacts, None] - np.diff(beside, axis=0), 0.0)
+        return 0.5 * (self.stiffness[contacts, None] * closed * np.sqrt(closed)).sum(axis=0)
 
     def spans(self):
         return zip([0.0, *self.times[:-1]], self.times)

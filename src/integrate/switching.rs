@@ -38,6 +38,8 @@ pub struct Switched<I> {
     start: f64,
     /// Whether a switch has changed just before the last step.
     anew: bool,
+    /// Whether one has changed at the end of the last step.
+    flipped: bool,
     /// Share of the method's last step that counts.
     share: f64,
     prepared: bool,
@@ -67,6 +69,7 @@ impl<I: Restart> Switched<I> {
             now: on.clone(),
             on,
             anew: true,
+            flipped: false,
             share: 1.0,
             prepared: false,
         }
@@ -124,19 +127,25 @@ impl<I: Restart> Switched<I> {
             };
             let system = self.inner.system().switching()?;
             let wrong = |theta: f64| (system.margin(switch, motion(theta)) >= 0.0) != on;
-            let mut before = 0.0;
+            let (mut before, mut at) = (0.0, None);
+            // What is negligible when it is seen first need not be so by the end of the step.
             for look in 1..=LOOKS {
                 let theta = f64::from(look) / f64::from(LOOKS);
                 if !wrong(theta) {
                     before = theta;
                     continue;
                 }
-                let at = if wrong(before) { theta } else { root(&wrong, before, theta) };
-                let error = system.error(switch, motion(at).rate, motion(theta));
-                if error * length > tolerated && first.is_none_or(|(earliest, _)| at < earliest) {
-                    first = Some((at, switch));
+                let began = at.unwrap_or_else(|| {
+                    if wrong(before) { theta } else { root(&wrong, before, theta) }
+                });
+                at = Some(began);
+                let error = system.error(switch, motion(began).rate, motion(theta));
+                if error * length > tolerated {
+                    if first.is_none_or(|(earliest, _)| began < earliest) {
+                        first = Some((began, switch));
+                    }
+                    break;
                 }
-                break;
             }
         }
         first
@@ -181,7 +190,8 @@ impl<I: Restart> Integrator for Switched<I> {
     }
 
     fn step(&mut self, end: f64) -> Result<(), IntegrateError> {
-        self.anew = self.settle() || self.share < 1.0;
+        self.anew = self.settle() || self.flipped;
+        self.flipped = false;
         if self.anew {
             self.inner.restart(&self.state);
         }
@@ -212,6 +222,7 @@ impl<I: Restart> Integrator for Switched<I> {
                 *now = system.is_on(switch);
             }
             if theta >= SHORTEST {
+                self.flipped = true;
                 return Ok(());
             }
             self.on.clone_from(&self.now);

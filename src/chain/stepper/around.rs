@@ -140,17 +140,6 @@ impl Around {
         [force, rate]
     }
 
-    /// How the contacts move in steps of `length` (s) between the ends `from` and `to`.
-    #[inline(always)]
-    fn join<L: Lanes>(&self, [from, to]: [Held<L>; 2], length: &Row, seen: &mut Seen) {
-        for which in 0..CONTACTS {
-            let overlap = septic::<L>([from[which], to[which]], L::load(length));
-            for power in 0..COEFFICIENTS {
-                L::store(overlap[power], &mut seen.overlaps[which][power]);
-            }
-        }
-    }
-
     /// What is felt within steps that are joined.
     #[inline(always)]
     fn look<L: Lanes>(&self, length: &Row, seen: &mut Seen) {
@@ -174,6 +163,17 @@ impl Around {
         for look in 0..WITHIN {
             L::store(forces[look], &mut seen.forces[look]);
             L::store(L::div(rates[look], h), &mut seen.rates[look]);
+        }
+    }
+}
+
+/// How two contacts move in steps of `length` (s) between the ends `from` and `to`.
+#[inline(always)]
+fn join<L: Lanes>([from, to]: [Held<L>; 2], length: &Row, seen: &mut Seen) {
+    for which in 0..CONTACTS {
+        let overlap = septic::<L>([from[which], to[which]], L::load(length));
+        for power in 0..COEFFICIENTS {
+            L::store(overlap[power], &mut seen.overlaps[which][power]);
         }
     }
 }
@@ -235,7 +235,7 @@ impl Task for OnEnd<'_> {
         seen.begin::<L>((starts, lengths), end);
         let wanted = asked.wanted::<L>(before, end, L::load(lengths)) | self.always;
         if wanted != 0 || self.depth != Depth::Asked {
-            around.join::<L>([from, to], lengths, seen);
+            join::<L>([from, to], lengths, seen);
         }
         if wanted != 0 || self.depth == Depth::All {
             around.look::<L>(lengths, seen);
@@ -262,7 +262,7 @@ impl Task for SideBySide<'_> {
         let Self { around, ends: [from, to], times, seen } = self;
         let (from, to) = (around.moves::<L>(from), around.moves::<L>(to));
         seen.begin::<L>(times, around.feel::<L>(&to));
-        around.join::<L>([from, to], times.1, seen);
+        join::<L>([from, to], times.1, seen);
         around.look::<L>(times.1, seen);
     }
 }

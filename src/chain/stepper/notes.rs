@@ -1,11 +1,33 @@
 //! What is noted of steps that are taken at once: how a few rows stand and move at the end of each but the last two: those
 //! ends stay where they are.
 
-use super::lanes::Row;
+use super::lanes::{Row, WIDTH};
 use super::strip::{At, FOUR};
 
 /// Positions (m), velocities (m/s) and accelerations (m/s²) of a row.
 pub type Note = [Row; 3];
+
+/// Starts, lengths and ends of the steps that were taken last (s).
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Times {
+    kept: [[f64; 3]; WIDTH],
+    /// Where the next is kept.
+    next: usize,
+}
+
+impl Times {
+    /// Keeps those of the next step.
+    #[inline]
+    pub fn keep(&mut self, times: [f64; 3]) {
+        self.kept[self.next] = times;
+        self.next = (self.next + 1) % WIDTH;
+    }
+
+    /// Those of the step that was `before` the last; as many as there are lanes are kept (s).
+    pub fn before(&self, before: usize) -> [f64; 3] {
+        self.kept[(self.next + WIDTH - 1 - before) % WIDTH]
+    }
+}
 
 /// Notes of steps, in their order, of some of the rows in theirs.
 #[derive(Debug, Clone, Default)]

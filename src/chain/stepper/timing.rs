@@ -1,8 +1,8 @@
 //! When the steps of a splitting end that follow each other in the registers.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
-use super::lanes::{Lanes, Row, WIDTH};
-use super::notes::Notes;
+use super::lanes::{Lanes, Row};
+use super::notes::{Notes, Times};
 use super::pacer::{Pacer, Stiff};
 use super::splits::Weights;
 use crate::integrate::pace::{Beat, NOTHING};
@@ -92,8 +92,7 @@ pub struct Going {
     many: u64,
     /// Steps taken.
     pub taken: u64,
-    /// Length, start and end of each of the last of them, by its number (s).
-    pub times: [[f64; 3]; WIDTH],
+    pub times: Times,
     /// Those in which contacts have changed sides.
     pub events: u64,
     changed: u8,
@@ -103,14 +102,15 @@ impl Going {
     /// Up to so `many` from `start` to `end` (s), none begun at `pause` or later but the first.
     pub fn new(beat: &Beat, start: f64, [end, pause]: [f64; 2], many: u64) -> Self {
         let (h, next) = beat.next(start, end);
-        let (step, times) = ([h, start, next], [[0.0; 3]; WIDTH]);
+        let (step, times) = ([h, start, next], Times::default());
         Self { step, end, pause, many, taken: 0, times, events: 0, changed: 0 }
     }
 
     /// The present step is taken.
     #[inline(always)]
     pub fn pass(&mut self) {
-        self.times[self.taken as usize % WIDTH] = self.step;
+        let [length, start, end] = self.step;
+        self.times.keep([start, length, end]);
         self.taken += 1;
     }
 }

@@ -40,7 +40,7 @@ impl Drive {
     }
 
     /// Start, length and end of the step that was `before` the last, and taken at once with it (s).
-    pub fn times(&self, before: u64) -> [f64; 3] {
+    pub fn times(&self, before: usize) -> [f64; 3] {
         match self {
             Self::Paired(paired) => paired.times(before),
             Self::Split(split) => split.times(before),

@@ -210,7 +210,7 @@ impl ChainStepper {
     }
 
     /// Start, length and end of the step that was `before` the last, and taken at once with it (s).
-    fn times(&self, before: u64) -> [f64; 3] {
+    fn times(&self, before: usize) -> [f64; 3] {
         match before {
             0 => [self.last_step.0, self.last_step.1, self.course.time],
             1.. => self.drive.times(before),

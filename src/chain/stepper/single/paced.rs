@@ -8,7 +8,7 @@ use crate::chain::Chain;
 use crate::chain::stepper::dispatch::dispatch;
 use crate::chain::stepper::lanes::{Row, WIDTH};
 use crate::chain::stepper::layout::Tiled;
-use crate::chain::stepper::notes::Notes;
+use crate::chain::stepper::notes::{Notes, Times};
 use crate::chain::stepper::pacer::Pacer;
 use crate::chain::stepper::parts::Steps;
 use crate::chain::stepper::split_tasks::{self, Close, InPace};
@@ -26,8 +26,7 @@ pub struct InSteps {
     noted: [[Row; 3]; 2],
     /// Steps in which contacts changed sides.
     pub events: u64,
-    /// The steps taken last, at once.
-    last: Option<Going>,
+    times: Times,
 }
 
 impl InSteps {
@@ -46,15 +45,13 @@ impl InSteps {
             closed: course.work.now.closed.clone(),
             noted: Default::default(),
             events: 0,
-            last: None,
+            times: Times::default(),
         }
     }
 
     /// Start, length and end of the step that was `before` the last and taken at once with it (s).
-    pub fn times(&self, before: u64) -> [f64; 3] {
-        let of = |going: &Going| going.times[(going.taken - 1 - before) as usize % WIDTH];
-        let [length, start, end] = self.last.as_ref().map_or([0.0; 3], of);
-        [start, length, end]
+    pub fn times(&self, before: usize) -> [f64; 3] {
+        self.times.before(before)
     }
 
     /// Takes steps at once, at least one.
@@ -66,7 +63,7 @@ impl InSteps {
         let Burst { end, pause, most, notes } = burst;
         let going = &mut Going::new(&self.pacer.beat, course.time, [*end, *pause], *most);
         let Course { set, laid, plan, work, .. } = course;
-        let Self { method, pacer, closed, noted, events, last } = self;
+        let Self { method, pacer, closed, noted, events, times } = self;
         let finite = match laid {
             Laid::Striped => {
                 let paced = Paced { method, pacer, closed, noted, going, notes };
@@ -96,7 +93,7 @@ impl InSteps {
         }
         course.work.turn();
         course.time = next;
-        *last = Some(*going);
+        *times = going.times;
         Ok(Taken { count: going.taken, last: (start, length) })
     }
 }

@@ -6,8 +6,9 @@ use super::burst::{Burst, Taken};
 use crate::chain::stepper::dispatch::dispatch;
 use crate::chain::stepper::foresight::{MOST_SHORTENED, Watch};
 use crate::chain::stepper::kinks;
-use crate::chain::stepper::lanes::{Lanes, Task, WIDTH};
+use crate::chain::stepper::lanes::{Lanes, Task};
 use crate::chain::stepper::layout::Along;
+use crate::chain::stepper::notes::Times;
 use crate::chain::stepper::passes::Sides;
 use crate::chain::stepper::steps::{UNMOVED, control, worth};
 use crate::chain::stepper::tasks::{Attempt, Correct, Evaluate};
@@ -30,9 +31,7 @@ pub struct Paired {
     pub corrects: bool,
     /// Whether what contacts will do is foreseen.
     watch: Watch,
-    /// Start, length and end of each of the steps taken last, by their numbers (s).
-    times: [[f64; 3]; WIDTH],
-    steps: usize,
+    times: Times,
 }
 
 impl Paired {
@@ -44,8 +43,8 @@ impl Paired {
         watched: bool,
     ) -> Self {
         let (control, watch) = (control(scales, pair, watched), Watch::new());
-        let (events, corrects, times, steps) = (0, true, [[0.0; 3]; WIDTH], 0);
-        Self { pair, control, tolerance, scales, lightest, events, corrects, watch, times, steps }
+        let (events, corrects, times) = (0, true, Times::default());
+        Self { pair, control, tolerance, scales, lightest, events, corrects, watch, times }
     }
 
     /// Takes steps at once, at least one.
@@ -58,8 +57,8 @@ impl Paired {
     }
 
     /// Start, length and end of the step that was `before` the last (s).
-    pub fn times(&self, before: u64) -> [f64; 3] {
-        self.times[(self.steps - 1 - before as usize) % WIDTH]
+    pub fn times(&self, before: usize) -> [f64; 3] {
+        self.times.before(before)
     }
 
     /// As much of `trial` as is worth a try.
@@ -148,8 +147,7 @@ impl Task for Steps<'_, '_> {
             paired.scales.0 = paired.scales.0.max(largest.overlap.0[0]);
             paired.scales.1 = paired.scales.1.max(largest.speed.0[0]);
             burst.notes.keep(course.work.now.moving());
-            paired.times[paired.steps % WIDTH] = [start, trial.length, trial.next];
-            paired.steps += 1;
+            paired.times.keep([start, trial.length, trial.next]);
             count += 1;
             if count >= most || course.time >= end.min(pause) {
                 return Ok(Taken { count, last: (start, trial.length) });

@@ -50,7 +50,8 @@ impl Split {
     }
 
     /// Start, length and end of the whole step that was `before` the last, and taken at once with it (s).
-    pub fn times(&self, before: u64) -> [f64; 3] {
+    pub fn times(&self, before: usize) -> [f64; 3] {
+        let before = before as u64;
         [self.clock.before(before + 1), self.clock.step(), self.clock.before(before)]
     }
 

@@ -164,6 +164,7 @@ impl ChainStepper {
         let taken = self.several(&mut Burst { end, pause, most, notes })?;
         let work = &self.course.work;
         let (last, first) = (work.now.moving(), work.next.moving());
+        let taken = usize::try_from(taken).unwrap_or(Trail::STEPS);
         for (step, before) in (0..taken).rev().enumerate() {
             let [start, length, end] = self.times(before);
             (starts.0[*count], lengths.0[*count], ends.0[*count]) = (start, length, end);
