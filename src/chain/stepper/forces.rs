@@ -153,7 +153,7 @@ impl<L: Lanes> Begun<L> {
     #[inline(always)]
     pub fn power(self, r: usize) -> L::V {
         let Self { closed, root } = self;
-        if r % 2 == 1 { L::weigh_root(closed, root, closed) } else { L::mul(closed, root) }
+        if is_beside(r) { L::weigh_root(closed, root, closed) } else { L::mul(closed, root) }
     }
 }
 
@@ -177,11 +177,22 @@ pub fn begin<L: Lanes, const FORM: u8>(
     (begun, overlap)
 }
 
+/// Number of a row whose roots come from the square-root unit.
+pub const BY_UNIT: usize = 1;
+/// One that leaves it alone.
+pub const BESIDE: usize = 0;
+
+/// Whether row `r` leaves the square-root unit alone. Every other row does, so that it and the multipliers work side by side: three of the five rows
+/// of a short chain, which wait for it longer than for them.
+#[inline(always)]
+const fn is_beside(r: usize) -> bool {
+    r % 2 == BESIDE
+}
+
 /// Begins the forces in row `r` in plain form.
 #[inline(always)]
 pub fn begin_plain<L: Lanes>(r: usize, overlap: L::V) -> Begun<L> {
-    // Every other row leaves the square-root unit alone: it and the multipliers work side by side.
-    if r % 2 == 1 {
+    if is_beside(r) {
         let closed = L::max(overlap, L::splat(1e-200));
         Begun { closed, root: L::start_root(closed) }
     } else {
@@ -201,12 +212,12 @@ pub fn finish<L: Lanes, const FORM: u8>(
     let Begun { closed, root } = begun;
     if FORM == ALIKE {
         let one = L::splat(1.0);
-        let root = if r % 2 == 1 { L::weigh_root(closed, root, one) } else { root };
+        let root = if is_beside(r) { L::weigh_root(closed, root, one) } else { root };
         return [begun.power(r), root];
     }
     let stiffness = L::load(contacts.stiffness);
     match FORM {
-        PLAIN if r % 2 == 1 => {
+        PLAIN if is_beside(r) => {
             let force = L::weigh_root(closed, root, L::mul(stiffness, closed));
             [force, L::weigh_root(closed, root, stiffness)]
         }

@@ -2,7 +2,7 @@
 //! done in single numbers, which are there sooner. Nearly always it is one.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
-use super::forces::Cut;
+use super::forces::{BY_UNIT, Cut};
 use super::known::{Known, Position, PositionError, Velocity, VelocityError, Weights};
 use super::lanes::{Lanes, Row, WIDTH};
 use super::quintics::{ROOT_NODES, ROOT_RESIDUE, SEARCH_STEPS, power};
@@ -229,7 +229,7 @@ fn missing<L: Lanes, P: Known<N>, const N: usize>(ends: Ends) -> [f64; 5] {
     let (quintic, [start, end]) = (Quintic::new(ends), ends);
     // The quadrature first: it does not wait for the root.
     let one = L::splat(1.0);
-    let found = power::<L>(0, quintic.at_all::<L>(L::load(&Nodes::<P, N>::AT)));
+    let found = power::<L>(BY_UNIT, quintic.at_all::<L>(L::load(&Nodes::<P, N>::AT)));
     let weighed = |row: Row| L::mul(found, L::load(&row));
     let errors = [
         L::sum(weighed(Beside::<VelocityError<P, N>, P, N>::OF)),
@@ -243,7 +243,7 @@ fn missing<L: Lanes, P: Known<N>, const N: usize>(ends: Ends) -> [f64; 5] {
     let [node, inverse, weight] = &ROOTS;
     let t = L::mul_add(L::load(node), L::splat(length), L::splat(root));
     // The root is taken out, what remains is smooth.
-    let whole = power::<L>(0, L::mul(L::load(inverse), quintic.at_all::<L>(t)));
+    let whole = power::<L>(BY_UNIT, L::mul(L::load(inverse), quintic.at_all::<L>(t)));
     let whole = L::mul(whole, L::mul(L::load(weight), L::splat(length.abs())));
     let impulse = L::sum(L::sub(whole, impulse));
     let moment = L::sum(L::sub(L::mul(whole, L::sub(one, t)), moment));

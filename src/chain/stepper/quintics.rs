@@ -1,7 +1,7 @@
 //! Overlaps of eight contacts over a step, side by side, and what their forces do where they change sides.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
-use super::forces::begin_plain;
+use super::forces::{BESIDE, begin_plain};
 use super::known::{Known, Position, PositionError, Velocity, VelocityError, Weights};
 use super::lanes::Lanes;
 
@@ -185,7 +185,7 @@ pub fn missing<L: Lanes, P: Known<N>, const N: usize>(ends: Ends<L>, wanted: u8)
     let [mut impulse, mut moment, mut velocity, mut position] = [none; 4];
     for stage in 0..N {
         // The square-root unit is left to the roots that wait for it.
-        let power = power::<L>(1, quintics.at(L::splat(P::PAIR.nodes[stage])));
+        let power = power::<L>(BESIDE, quintics.at(L::splat(P::PAIR.nodes[stage])));
         let weigh = |weight: f64, sum: L::V| L::mul_add(L::splat(weight), power, sum);
         impulse = weigh(Velocity::<P, N>::OF[stage], impulse);
         moment = weigh(Position::<P, N>::OF[stage], moment);
