@@ -273,3 +273,165 @@ impl<I: Restart> Integrator for Switched<I> {
         self.at.get(place).copied().flatten().is_none_or(|switch| self.now[switch])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Switched;
+    use crate::integrate::switches::{Motion, Restart, Sides, Switching};
+    use crate::integrate::{IntegrateError, Integrator, Interpolant, Scales, State, System, Work};
+
+    /// A body that moves at 1 m/s; its switch should be on up to `at` (m), and beyond it is off by as many m/s² as the body is by m.
+    struct Coasting {
+        at: f64,
+        is_on: bool,
+    }
+
+    impl System for Coasting {
+        fn len(&self) -> usize {
+            1
+        }
+
+        fn accelerations(&mut self, _: &[f64], _: &[f64], acceleration: &mut [f64]) {
+            acceleration.fill(0.0);
+        }
+
+        fn scales(&self, _: &[f64], _: &[f64]) -> Scales {
+            Scales { position: 1.0, velocity: 1.0 }
+        }
+
+        fn switching(&mut self) -> Option<&mut dyn Switching> {
+            Some(self)
+        }
+    }
+
+    impl Switching for Coasting {
+        fn switches(&self) -> usize {
+            1
+        }
+
+        fn is_on(&self, _: usize) -> bool {
+            self.is_on
+        }
+
+        fn flip(&mut self, _: usize, _: &mut State) {
+            self.is_on = !self.is_on;
+        }
+
+        fn sides(&self, _: usize) -> Sides {
+            Sides { above: Some(0), below: None, place: 0 }
+        }
+
+        fn margin(&self, _: usize, motion: Motion) -> f64 {
+            self.at - motion.difference
+        }
+
+        fn is_wrong(&self, _: usize, motion: Motion) -> bool {
+            (motion.difference <= self.at) != self.is_on
+        }
+
+        fn error(&self, _: usize, _: f64, beyond: Motion) -> f64 {
+            beyond.difference - self.at
+        }
+    }
+
+    /// Steps of 1 s, exact.
+    struct Exact {
+        system: Coasting,
+        state: State,
+        start: f64,
+        tolerated: f64,
+        restarts: usize,
+    }
+
+    impl Exact {
+        fn up_to(at: f64, tolerated: f64) -> Switched<Self> {
+            let state = State { time: 0.0, position: vec![0.0], velocity: vec![1.0] };
+            let system = Coasting { at, is_on: true };
+            Switched::new(Self { system, state, start: 0.0, tolerated, restarts: 0 })
+        }
+    }
+
+    impl Integrator for Exact {
+        fn time(&self) -> f64 {
+            self.state.time
+        }
+
+        fn state(&self) -> State {
+            self.state.clone()
+        }
+
+        fn step(&mut self, _: f64) -> Result<(), IntegrateError> {
+            self.start = self.state.time;
+            self.state.time += 1.0;
+            self.state.position[0] += 1.0;
+            Ok(())
+        }
+
+        fn prepare_interpolation(&mut self) {}
+
+        fn interpolant(&self, _: usize) -> Interpolant {
+            let mut motion = Interpolant::REST;
+            (motion.position[0], motion.position[1]) = (self.state.position[0] - 1.0, 1.0);
+            motion.velocity[0] = 1.0;
+            motion
+        }
+
+        fn last_step(&self) -> (f64, f64) {
+            (self.start, 1.0)
+        }
+
+        fn work(&self) -> Work {
+            Work::default()
+        }
+    }
+
+    impl Restart for Exact {
+        fn system(&mut self) -> &mut dyn System {
+            &mut self.system
+        }
+
+        fn reached(&self) -> &State {
+            &self.state
+        }
+
+        fn restart(&mut self, state: &State) {
+            self.state.clone_from(state);
+            self.restarts += 1;
+        }
+
+        fn tolerated(&self) -> f64 {
+            self.tolerated
+        }
+    }
+
+    /// Whatever is negligible where it is first seen, at mid-step, counts for what it has become at the end.
+    #[test]
+    fn a_switch_just_before_mid_step_cuts_the_step() {
+        for (at, tolerated, length) in [
+            (0.499, 0.1, 0.499),
+            (0.3, 0.1, 0.3),
+            (0.8, 0.1, 0.8),
+            (0.499, 6.0, 1.0),
+            (0.995, 0.1, 1.0),
+        ] {
+            let mut body = Exact::up_to(at, tolerated);
+            body.step(9.0).expect("a step");
+            let (_, taken) = body.last_step();
+            assert!((taken - length).abs() < 1e-12, "{at} m, {tolerated} m/s: {taken} s");
+            assert_eq!(body.is_on(0), length >= 1.0);
+        }
+    }
+
+    /// Where a switch changes at the last bit of a step the next one starts anew, as after any other.
+    #[test]
+    fn a_switch_at_the_very_end_begins_anew() {
+        let last = 1.0 - 0.5 * f64::EPSILON;
+        let mut body = Exact::up_to(last, 0.0);
+        body.step(9.0).expect("a step");
+        assert_eq!((body.time(), body.is_on(0)), (1.0, false));
+        let before = body.inner.restarts;
+        body.step(9.0).expect("a step");
+        assert!(body.starts_anew());
+        assert_eq!(body.inner.restarts, before + 1);
+    }
+}
