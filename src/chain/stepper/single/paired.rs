@@ -127,9 +127,13 @@ impl Task for Steps<'_, '_> {
     fn run<L: Lanes>(self) -> Self::Output {
         let Self { paired, course, burst } = self;
         let Burst { end, pause, most, .. } = *burst;
-        let mut count = 0;
+        let mut taken = Taken { count: 0, last: (course.time, 0.0) };
         loop {
-            let mut trial = paired.control.trial(course.time, end)?;
+            let mut trial = match paired.control.trial(course.time, end) {
+                // Steps that are taken count; asked again, the control says the same.
+                Err(_) if taken.count > 0 => return Ok(taken),
+                trial => trial?,
+            };
             if paired.watch.is_on() && paired.corrects && !course.plan.watched.is_empty() {
                 trial = paired.foresee(course, trial);
             }
@@ -148,9 +152,9 @@ impl Task for Steps<'_, '_> {
             paired.scales.1 = paired.scales.1.max(largest.speed.0[0]);
             burst.notes.keep(course.work.now.moving());
             paired.times.keep([start, trial.length, trial.next]);
-            count += 1;
-            if count >= most || course.time >= end.min(pause) {
-                return Ok(Taken { count, last: (start, trial.length) });
+            taken = Taken { count: taken.count + 1, last: (start, trial.length) };
+            if taken.count >= most || course.time >= end.min(pause) {
+                return Ok(taken);
             }
         }
     }
