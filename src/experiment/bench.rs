@@ -179,7 +179,7 @@ impl<'a> Bench<'a> {
                 if trail.steps() > 0 {
                     follow(stepper, trail, (watches, *grid), pulses);
                 }
-                goes_on.map_err(|failed| self.first_lost(end, failed))?;
+                goes_on.map_err(|failed| self.as_one_by_one(end, failed))?;
             }
             Engine::General(integrator) => {
                 while integrator.time() < end {
@@ -198,7 +198,7 @@ impl<'a> Bench<'a> {
     }
 
     /// What `failed` in steps that were taken several at once: one by one it is found which body was lost first, and when.
-    fn first_lost(&self, end: f64, failed: IntegrateError) -> IntegrateError {
+    fn as_one_by_one(&self, end: f64, failed: IntegrateError) -> IntegrateError {
         if !matches!(failed, IntegrateError::NotFinite { .. }) {
             return failed;
         }

@@ -37,13 +37,13 @@ impl Film {
     pub fn follow(&mut self, chain: &Chain, integrator: &dyn Integrator) {
         let (start, length) = integrator.last_step();
         let end = integrator.time();
-        if self.grid.time(self.frames) > end {
+        if self.next() > end {
             return;
         }
         let motion: Vec<Interpolant> =
             (0..chain.bodies().len()).map(|body| integrator.interpolant(body)).collect();
-        while self.grid.time(self.frames) <= end {
-            let theta = (self.grid.time(self.frames) - start) / length;
+        while self.next() <= end {
+            let theta = (self.next() - start) / length;
             let position: Vec<f64> = motion.iter().map(|m| m.position(theta)).collect();
             let velocity: Vec<f64> = motion.iter().map(|m| m.velocity(theta)).collect();
             self.take(chain, (&position, &velocity), &|contact| integrator.was_on(contact));
@@ -53,8 +53,8 @@ impl Film {
     /// The same for the stepper.
     pub fn follow_stepper(&mut self, chain: &Chain, stepper: &mut ChainStepper) {
         let (start, length) = stepper.last_step();
-        while self.grid.time(self.frames) <= stepper.time() {
-            let theta = (self.grid.time(self.frames) - start) / length;
+        while self.next() <= stepper.time() {
+            let theta = (self.next() - start) / length;
             let (positions, changes) = stepper.frame(theta);
             let forces = chain.contacts().iter().zip(changes);
             for (track, (contact, change)) in self.contact_forces.iter_mut().zip(forces) {

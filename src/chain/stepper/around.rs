@@ -23,6 +23,12 @@ pub const BODIES: usize = 5;
 /// Positions (m), velocities (m/s) and accelerations (m/s²) of all bodies in rows.
 pub type Rows<'a> = [&'a [Row]; 3];
 
+/// How row `row` stands and moves, if there is one.
+pub fn row_of(rows: Rows<'_>, row: usize) -> Option<[&Row; 3]> {
+    let [position, velocity, acceleration] = rows;
+    Some([position.get(row)?, velocity.get(row)?, acceleration.get(row)?])
+}
+
 /// Positions (m), velocities (m/s) and accelerations (m/s²) of the bodies around eight places.
 pub type Bodies = [[Row; BODIES]; 3];
 
@@ -126,12 +132,12 @@ impl Around {
         (L::sub(whole, nothing), tangent)
     }
 
-    /// Force (N) and its rate of change where the contacts stand and move as told (N/s).
+    /// Force (N) and its rate of change where the contacts' overlaps have changed and change as told (N/s).
     #[inline(always)]
-    fn feel<L: Lanes>(&self, moves: &Held<L>) -> [L::V; 2] {
+    pub fn feel<L: Lanes>(&self, moves: [[L::V; 2]; CONTACTS]) -> [L::V; 2] {
         let (mut force, mut rate) = (L::splat(0.0), L::splat(0.0));
         for which in 0..CONTACTS {
-            let [change, closing, ..] = moves[which];
+            let [change, closing] = moves[which];
             let (felt, tangent) = self.press::<L>(which, change);
             let weight = L::load(&self.contacts[which][2]);
             force = L::mul_add(weight, felt, force);
@@ -165,6 +171,12 @@ impl Around {
             L::store(L::div(rates[look], h), &mut seen.rates[look]);
         }
     }
+}
+
+/// How overlaps have changed and change.
+#[inline(always)]
+fn first_two<L: Lanes>(moves: &Held<L>) -> [[L::V; 2]; CONTACTS] {
+    [[moves[0][0], moves[0][1]], [moves[1][0], moves[1][1]]]
 }
 
 /// How two contacts move in steps of `length` (s) between the ends `from` and `to`.
@@ -226,7 +238,7 @@ impl Task for OnEnd<'_> {
                 L::store(to[which][order], row);
             }
         }
-        let end = around.feel::<L>(&to);
+        let end = around.feel::<L>(first_two::<L>(&to));
         let mut before = end;
         for which in 0..felt.len() {
             before[which] = L::shift_up(L::load(&felt[which]), end[which]);
@@ -261,7 +273,7 @@ impl Task for SideBySide<'_> {
     fn run<L: Lanes>(self) {
         let Self { around, ends: [from, to], times, seen } = self;
         let (from, to) = (around.moves::<L>(from), around.moves::<L>(to));
-        seen.begin::<L>(times, around.feel::<L>(&to));
+        seen.begin::<L>(times, around.feel::<L>(first_two::<L>(&to)));
         join::<L>([from, to], times.1, seen);
         around.look::<L>(times.1, seen);
     }

@@ -1,5 +1,5 @@
-//! What is noted of steps that are taken at once: how a few rows stand and move at the end of each but the last two: those
-//! ends stay where they are.
+//! What is noted of steps that are taken at once: how a few rows stand and move at the end of each, in long chains of each but the last
+//! two: those ends stay where they are.
 
 use super::lanes::{Row, WIDTH};
 use super::strip::{At, FOUR};

@@ -4,7 +4,7 @@
 use super::watched::{Feel, Glance, Watched};
 use super::{ChainGroup, bits};
 use crate::chain::ForceProbe;
-use crate::chain::stepper::around::{Rows, SideBySide};
+use crate::chain::stepper::around::{SideBySide, row_of};
 use crate::chain::stepper::dispatch::dispatch;
 use crate::chain::stepper::lanes::{Row, WIDTH};
 use crate::chain::stepper::notes::Notes;
@@ -55,7 +55,7 @@ impl ChainGroup {
         let place = |place| {
             let mut watched =
                 Watched::new(self.plan.form, probes.iter().map(move |probes| probes.get(place)));
-            watched.note(self.set, 0, |body| of(rows, body));
+            watched.note(self.set, 0, |body| row_of(rows, body));
             watched
         };
         let places: Vec<Watched> = (0..count).map(place).collect();
@@ -82,8 +82,8 @@ impl ChainGroup {
             let GroupTrail { places, notes, .. } = trail;
             for watched in places {
                 match before {
-                    0 => watched.note(self.set, trail.count, |body| of(rows, body)),
-                    1 => watched.note(self.set, trail.count, |body| of(started, body)),
+                    0 => watched.note(self.set, trail.count, |body| row_of(rows, body)),
+                    1 => watched.note(self.set, trail.count, |body| row_of(started, body)),
                     _ => watched.note(self.set, trail.count, |body| notes.at(step, body)),
                 }
             }
@@ -116,10 +116,4 @@ impl ChainGroup {
         }
         *count = 0;
     }
-}
-
-/// How `body` stands and moves by these rows.
-fn of(rows: Rows<'_>, body: usize) -> Option<[&Row; 3]> {
-    let [position, velocity, acceleration] = rows;
-    Some([position.get(body)?, velocity.get(body)?, acceleration.get(body)?])
 }

@@ -137,13 +137,9 @@ impl Task for Feel<'_> {
     fn run<L: Lanes>(self) {
         let Watched { around, noted, ends, .. } = self.watched;
         for (end, [position, velocity, _]) in ends.iter_mut().zip(&noted[1..=self.count]) {
-            let (mut force, mut rate) = (L::splat(0.0), L::splat(0.0));
-            for (which, contact) in around.contacts.iter().enumerate() {
-                let (felt, tangent) = around.press::<L>(which, across::<L>(position, which));
-                let (closing, weight) = (across::<L>(velocity, which), L::load(&contact[2]));
-                force = L::mul_add(weight, felt, force);
-                rate = L::mul_add(L::mul(weight, tangent), closing, rate);
-            }
+            let above = [across::<L>(position, 0), across::<L>(velocity, 0)];
+            let below = [across::<L>(position, 1), across::<L>(velocity, 1)];
+            let [force, rate] = around.feel::<L>([above, below]);
             L::store(force, &mut end[0]);
             L::store(rate, &mut end[1]);
         }

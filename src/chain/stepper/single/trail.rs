@@ -2,7 +2,7 @@
 
 use super::{Burst, ChainStepper, Course};
 use crate::chain::ForceProbe;
-use crate::chain::stepper::around::{Around, BODIES, Bodies, Moves, OnEnd, Rows};
+use crate::chain::stepper::around::{Around, BODIES, Bodies, Moves, OnEnd, row_of};
 use crate::chain::stepper::dispatch::dispatch;
 use crate::chain::stepper::force_track::{Due, Place, ROOM_BEHIND, Sample};
 use crate::chain::stepper::lanes::{Row, WIDTH};
@@ -46,12 +46,6 @@ struct Watched {
     /// What is asked of the steps, and which of those read last may hold it, a bit each.
     asked: Asked,
     wanted: u8,
-}
-
-/// How row `row` stands and moves by these rows.
-fn of(rows: Rows<'_>, row: usize) -> Option<[&Row; 3]> {
-    let [position, velocity, acceleration] = rows;
-    Some([position.get(row)?, velocity.get(row)?, acceleration.get(row)?])
 }
 
 impl Watched {
@@ -142,7 +136,7 @@ impl ChainStepper {
         // A step that ends here: its end is where the first one starts.
         let now = self.course.work.now.moving();
         for watched in &mut trail.places {
-            watched.note(WIDTH - 1, |row| of(now, row));
+            watched.note(WIDTH - 1, |row| row_of(now, row));
         }
         self.look(&mut trail, Depth::Asked);
         trail
@@ -170,8 +164,8 @@ impl ChainStepper {
             (starts.0[*count], lengths.0[*count], ends.0[*count]) = (start, length, end);
             for watched in &mut *places {
                 match before {
-                    0 => watched.note(*count, |row| of(last, row)),
-                    1 => watched.note(*count, |row| of(first, row)),
+                    0 => watched.note(*count, |row| row_of(last, row)),
+                    1 => watched.note(*count, |row| row_of(first, row)),
                     _ => watched.note(*count, |row| notes.at(step, row)),
                 }
             }
