@@ -33,13 +33,14 @@ impl Chain {
         let mut springs = self.springs(velocity);
         let squares = springs.iter().map(Spring::square).enumerate();
         let stiffest = squares.max_by(|a, b| a.1.total_cmp(&b.1));
-        let all = highest(&springs).sqrt();
-        let Some((j, square)) = stiffest else { return Pacing { frequency: all, stiff: None } };
-        springs[j].stiffness = 0.0;
+        let none = |springs: &[Spring]| Pacing { frequency: highest(springs).sqrt(), stiff: None };
+        let Some((j, square)) = stiffest else { return none(&springs) };
+        let stiffness = std::mem::take(&mut springs[j].stiffness);
         let (frequency, own) = (highest(&springs).sqrt(), square.sqrt());
         // In a chain of contacts that are all alike it is the root of 1/2 of it.
         if own <= frequency {
-            return Pacing { frequency: all, stiff: None };
+            springs[j].stiffness = stiffness;
+            return none(&springs);
         }
         let bodies = [j.checked_sub(1), Some(j).filter(|j| *j < self.bodies.len())];
         let static_overlap = self.contacts[j].static_overlap;
@@ -48,14 +49,11 @@ impl Chain {
 
     fn springs(&self, velocity: &[f64]) -> Vec<Spring> {
         let speed = velocity.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-        let inverse = |body: Option<usize>| {
-            let body = body.and_then(|body| self.bodies.get(body));
-            body.map_or(0.0, |body| 1.0 / body.mass)
-        };
+        let inverse_masses = self.bodies.iter().map(|body| 1.0 / body.mass).chain([0.0]);
         // Of one kind after another: neighbours are mostly alike.
-        let mut last = ([0; 2], 0.0);
-        let spring = |(j, contact): (usize, &super::Contact)| {
-            let (above, below) = (inverse(j.checked_sub(1)), inverse(Some(j)));
+        let (mut above, mut last) = (0.0, ([0; 2], 0.0));
+        let spring = |(contact, below): (&super::Contact, f64)| {
+            let above = std::mem::replace(&mut above, below);
             let (stiffness, mobility) = (contact.stiffness, above + below);
             let kind = [stiffness, mobility].map(f64::to_bits);
             if kind != last.0 && stiffness > 0.0 {
@@ -64,7 +62,7 @@ impl Chain {
             let stiffness = contact.tangent_stiffness(last.1);
             Spring { stiffness, above, below }
         };
-        self.contacts.iter().enumerate().map(spring).collect()
+        self.contacts.iter().zip(inverse_masses).map(spring).collect()
     }
 }
 

@@ -3,7 +3,7 @@
 
 use super::lanes::{Lanes, Row};
 use super::layout::Layout;
-use super::plan::{Form, Plan, Rest};
+use super::plan::{Constants, Form, Plan, Rest};
 use super::strip::{At, Strip};
 
 /// Forms as constants of the generic loops.
@@ -31,11 +31,12 @@ impl<'a> Cut<'a> {
     /// The first `rows` rows.
     #[inline(always)]
     pub fn new(plan: &'a Plan, rows: usize) -> Self {
+        let Constants { stiffness, static_overlap, inverse_mass, balanced } = plan.constants();
         Self {
-            stiffness: &plan.stiffness[..rows],
-            static_overlap: &plan.static_overlap[..rows],
-            inverse_mass: &plan.inverse_mass[..rows],
-            balanced: &plan.balanced[..rows],
+            stiffness: &stiffness[..rows],
+            static_overlap: &static_overlap[..rows],
+            inverse_mass: &inverse_mass[..rows],
+            balanced: &balanced[..rows],
             rest: &plan.rest[..rows],
             beyond: plan.rest.get(rows).map_or(Row::default(), |row| row.static_force),
         }

@@ -75,7 +75,7 @@ impl Watched {
         let difference = |rows: &[Row]| {
             self.above.map_or(0.0, |(row, lane)| rows[row].0[lane]) - rows[row].0[lane]
         };
-        let from = difference(now.position()) + plan.static_overlap[row].0[lane];
+        let from = difference(now.position()) + plan.constants().static_overlap[row].0[lane];
         let bend = 0.5 * h * difference(now.acceleration());
         let travel = h * (difference(now.velocity()) + bend);
         let to = from + travel;

@@ -28,15 +28,8 @@ pub struct Plan {
     pub form: Form,
     /// Rows from the first on that the loops go over; in those behind nothing has moved yet.
     pub live: usize,
-    /// `A` of each contact, or its tangent where contacts are linearised (unit).
-    pub stiffness: Vec<Row>,
-    /// Static overlap of each contact (m).
-    pub static_overlap: Vec<Row>,
-    /// Inverse mass of each body (1/kg).
-    pub inverse_mass: Vec<Row>,
-    /// Net force of its contacts that leaves each body at rest: in plain form that of the static forces as these loops compute them, so that
-    /// rest is rest to the last bit, less what statics does not balance (N).
-    pub balanced: Vec<Row>,
+    /// Those of [`Constants`], one after the other in one piece of memory, as [`super::workspace::Motion`] has its parts.
+    constants: Vec<Row>,
     /// The rest, row by row.
     pub rest: Vec<Rest>,
     /// The same chain in units in which the stiffness of its contacts is 1, for splittings that do not wait for their results, where all of a
@@ -55,6 +48,23 @@ pub struct Alike {
     pub balanced: Vec<Row>,
     /// [`Rest::static_force`] over `A` (m^1.5).
     pub static_force: Vec<Row>,
+}
+
+/// How many numbers there are of each contact or body.
+const CONSTANTS: usize = 4;
+
+/// What a chain's loops go by, in rows.
+#[derive(Debug, Clone, Copy)]
+pub struct Constants<'a> {
+    /// `A` of each contact, or its tangent where contacts are linearised (unit).
+    pub stiffness: &'a [Row],
+    /// Static overlap of each contact (m).
+    pub static_overlap: &'a [Row],
+    /// Inverse mass of each body (1/kg).
+    pub inverse_mass: &'a [Row],
+    /// Net force of its contacts that leaves each body at rest: in plain form that of the static forces as these loops compute them, so that
+    /// rest is rest to the last bit, less what statics does not balance (N).
+    pub balanced: &'a [Row],
 }
 
 /// Stiffnesses are the same that differ by rounding (1).
@@ -154,9 +164,7 @@ impl Plan {
     pub fn one<Y: Layout>(chain: &Chain, scheme: Scheme, form: Form) -> Self {
         let rows = rows_of(chain);
         let mut plan = Self::empty(form, rows);
-        for j in 0..chain.contacts().len() {
-            plan.set(chain, j, Y::place(rows, j, 0));
-        }
+        plan.fill(chain, chain.contacts().len(), |j| Y::place(rows, j, 0));
         if matches!(scheme, Scheme::Pair(..)) {
             plan.watch(chain, |j| Y::place(rows, j, 0));
         }
@@ -173,9 +181,7 @@ impl Plan {
         let rows = chains.first().map_or(0, |chain| chain.contacts().len());
         let mut plan = Self::empty(form, rows);
         for (lane, chain) in chains.iter().enumerate().take(WIDTH) {
-            for j in 0..rows.min(chain.contacts().len()) {
-                plan.set(chain, j, (j, lane));
-            }
+            plan.fill(chain, rows.min(chain.contacts().len()), |j| (j, lane));
             if matches!(scheme, Scheme::Pair(..)) {
                 plan.watch(chain, |j| (j, lane));
             }
@@ -207,15 +213,33 @@ impl Plan {
         self.rest.len()
     }
 
+    /// All of it, part by part.
+    #[inline]
+    #[must_use]
+    pub fn constants(&self) -> Constants<'_> {
+        let (mut rows, count) = (self.constants.as_slice(), self.all_rows());
+        let mut next = || rows.split_off(..count).unwrap_or_default();
+        Constants {
+            stiffness: next(),
+            static_overlap: next(),
+            inverse_mass: next(),
+            balanced: next(),
+        }
+    }
+
+    /// All of it and the rest, to be written.
+    #[inline]
+    pub fn parts(&mut self) -> ([&mut [Row]; CONSTANTS], &mut [Rest]) {
+        let (mut rows, count) = (self.constants.as_mut_slice(), self.rest.len());
+        let mut next = |_| rows.split_off_mut(..count).unwrap_or_default();
+        (std::array::from_fn(&mut next), &mut self.rest)
+    }
+
     fn empty(form: Form, rows: usize) -> Self {
-        let zeros = || vec![Row::default(); rows];
         Self {
             form,
             live: rows,
-            stiffness: zeros(),
-            static_overlap: zeros(),
-            inverse_mass: zeros(),
-            balanced: zeros(),
+            constants: vec![Row::default(); CONSTANTS * rows],
             rest: vec![Rest::NONE; rows],
             alike: None,
             watched: Vec::new(),
@@ -224,12 +248,13 @@ impl Plan {
 
     /// Has the chain of each lane in units of the stiffness that its contacts share, too (N/m^1.5); what is balanced is yet to be settled.
     pub fn share(&mut self, stiffness: Row) {
+        let Constants { inverse_mass, balanced, .. } = self.constants();
         let times = |of: &Row| Row(std::array::from_fn(|lane| of.0[lane] * stiffness.0[lane]));
         let over = |of: &Row| Row(std::array::from_fn(|lane| of.0[lane] / stiffness.0[lane]));
         self.alike = Some(Alike {
-            mobility: self.inverse_mass.iter().map(times).collect(),
-            balanced: self.balanced.iter().map(over).collect(),
-            static_force: vec![Row::default(); self.stiffness.len()],
+            mobility: inverse_mass.iter().map(times).collect(),
+            balanced: balanced.iter().map(over).collect(),
+            static_force: vec![Row::default(); self.all_rows()],
         });
     }
 
@@ -254,22 +279,22 @@ impl Plan {
         self.watched.extend(all.filter(stiff).map(watched));
     }
 
-    fn set(&mut self, chain: &Chain, j: usize, place: (usize, usize)) {
-        let (row, lane) = place;
-        let rest = &mut self.rest[row];
-        let contact = chain.contacts()[j];
-        let touches = contact.stiffness > 0.0;
-        let stiffness = match self.form {
-            Form::Linear => contact.static_stiffness(),
-            Form::Plain | Form::Exact => contact.stiffness,
-        };
-        let overlap = if touches { contact.static_overlap } else { NOTHING };
-        self.stiffness[row].0[lane] = stiffness;
-        self.static_overlap[row].0[lane] = overlap;
-        rest.floor.0[lane] = if touches { -overlap } else { f64::NAN };
-        if let (Some(body), Some(force)) = (chain.bodies().get(j), chain.residual.get(j)) {
-            self.inverse_mass[row].0[lane] = 1.0 / body.mass;
-            self.balanced[row].0[lane] = -force;
+    /// Puts the first `count` contacts of `chain` and the bodies below them where `place` tells.
+    fn fill(&mut self, chain: &Chain, count: usize, place: impl Fn(usize) -> (usize, usize)) {
+        let is_linear = self.form == Form::Linear;
+        let ([stiffness, static_overlap, inverse_mass, balanced], rest) = self.parts();
+        for (j, contact) in chain.contacts().iter().enumerate().take(count) {
+            let (row, lane) = place(j);
+            let touches = contact.stiffness > 0.0;
+            let overlap = if touches { contact.static_overlap } else { NOTHING };
+            stiffness[row].0[lane] =
+                if is_linear { contact.static_stiffness() } else { contact.stiffness };
+            static_overlap[row].0[lane] = overlap;
+            rest[row].floor.0[lane] = if touches { -overlap } else { f64::NAN };
+            if let (Some(body), Some(force)) = (chain.bodies().get(j), chain.residual.get(j)) {
+                inverse_mass[row].0[lane] = 1.0 / body.mass;
+                balanced[row].0[lane] = -force;
+            }
         }
     }
 }

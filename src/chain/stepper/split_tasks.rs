@@ -68,9 +68,10 @@ impl<Y: Layout> Task for Close<'_, Y> {
         let Self { plan, position, closed, .. } = self;
         let (rows, mut changed) = (plan.rows(), 0);
         let (position, closed) = (&position[..rows], &mut closed[..rows]);
+        let static_overlap = &plan.constants().static_overlap[..rows];
         for (r, (here, closed)) in position.iter().zip(closed).enumerate() {
             let change = L::sub(Y::above_in::<L>(position, r), L::load(here));
-            let now = L::positive(L::add(change, L::load(&plan.static_overlap[r])));
+            let now = L::positive(L::add(change, L::load(&static_overlap[r])));
             changed |= now ^ *closed;
             *closed = now;
         }

@@ -120,22 +120,25 @@ fn are_finite<L: Lanes, Y: Layout>(plan: &Plan, work: &Workspace) -> u8 {
     Y::all(L::finite(sum))
 }
 
-/// What contacts are pressed with where bodies stand at `x` (m): forces (N) and two thirds of tangent stiffnesses (N/m); somebody may `see` the
-/// overlaps of each row (m).
+/// Overlaps where bodies stand at `x` (m).
 #[inline(always)]
-fn pressed<L: Lanes, Y: Layout, const R: usize>(
-    plan: Cut,
-    x: &Rows<L, R>,
-    mut see: impl FnMut(usize, L::V),
-) -> [Rows<L, R>; 2] {
-    let (above, mut force, mut tangent) = (above::<L, Y, R>(x), *x, *x);
+fn overlaps<L: Lanes, Y: Layout, const R: usize>(plan: Cut, x: &Rows<L, R>) -> Rows<L, R> {
+    let mut overlap = above::<L, Y, R>(x);
     for r in 0..R {
         // In this order one of the two need not wait for the neighbour.
         let short = L::sub(x[r], L::load(&plan.static_overlap[r]));
-        let overlap = L::sub(above[r], short);
-        see(r, overlap);
+        overlap[r] = L::sub(overlap[r], short);
+    }
+    overlap
+}
+
+/// What contacts are pressed with where bodies stand at `x` (m): forces (N) and two thirds of tangent stiffnesses (N/m).
+#[inline(always)]
+fn pressed<L: Lanes, Y: Layout, const R: usize>(plan: Cut, x: &Rows<L, R>) -> [Rows<L, R>; 2] {
+    let (overlap, mut force, mut tangent) = (overlaps::<L, Y, R>(plan, x), *x, *x);
+    for r in 0..R {
         [force[r], tangent[r]] =
-            finish::<L, PLAIN>(plan.contacts(r), r, begin_plain::<L>(r, overlap));
+            finish::<L, PLAIN>(plan.contacts(r), r, begin_plain::<L>(r, overlap[r]));
     }
     [force, tangent]
 }
@@ -174,7 +177,7 @@ fn short<'m, L: Lanes, Y: Layout, T: Timing<'m, L>, const GRADIENT: bool, const 
     let (mut x, mut v) = (load::<L, R>(work.now.position()), load::<L, R>(work.now.velocity()));
     let (mut a, mut g) = (load::<L, R>(work.now.acceleration()), [none; R]);
     if GRADIENT && T::AT_ENDS {
-        g = load::<L, R>(&work.now.gradient);
+        g = load::<L, R>(work.now.gradient());
     }
     let mut is_first = true;
     loop {
@@ -189,12 +192,7 @@ fn short<'m, L: Lanes, Y: Layout, T: Timing<'m, L>, const GRADIENT: bool, const 
         }
         for part in 1..=weights.parts() {
             let last = part == weights.parts();
-            let see = |r, overlap| {
-                if last {
-                    timing.see(r, overlap);
-                }
-            };
-            let [force, mut tangent] = pressed::<L, Y, R>(plan, &x, see);
+            let [force, mut tangent] = pressed::<L, Y, R>(plan, &x);
             let kick = weights.kick::<GRADIENT>(part);
             let mut push = nets::<L, Y, R>(&force, L::load(&plan.beyond));
             for (r, push) in push.iter_mut().enumerate() {
@@ -230,6 +228,9 @@ fn short<'m, L: Lanes, Y: Layout, T: Timing<'m, L>, const GRADIENT: bool, const 
                 [x[r], v[r]] = drifted::<L>([x[r], v[r]], [weight, push[r]], drift);
             }
         }
+        if T::SEES {
+            timing.see(&overlaps::<L, Y, R>(plan, &x));
+        }
         for r in 0..R {
             timing.note(r, [x[r], v[r], a[r]]);
         }
@@ -242,6 +243,6 @@ fn short<'m, L: Lanes, Y: Layout, T: Timing<'m, L>, const GRADIENT: bool, const 
     }
     keep::<L, R>([&x, &v, &a], &mut work.next.parts());
     if GRADIENT && T::AT_ENDS {
-        store::<L, R>(&g, &mut work.next.gradient);
+        store::<L, R>(&g, work.next.parts().gradient);
     }
 }

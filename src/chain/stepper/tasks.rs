@@ -23,7 +23,8 @@ impl<Y: Layout> Task for Settle<'_, Y> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Self(plan, _) = self;
-        for (rest, overlap) in plan.rest.iter_mut().zip(&plan.static_overlap) {
+        let ([_, static_overlap, ..], rest) = plan.parts();
+        for (rest, overlap) in rest.iter_mut().zip(static_overlap) {
             let root = L::sqrt(L::max(L::load(overlap), L::splat(0.0)));
             L::store(root, &mut rest.static_root);
         }
@@ -54,7 +55,10 @@ fn settle<L: Lanes, Y: Layout, const FORM: u8>(plan: &mut Plan) {
         let held = L::sub(here, below);
         let (balanced, static_force) = match &mut plan.alike {
             Some(alike) if FORM == ALIKE => (&mut alike.balanced[r], &mut alike.static_force[r]),
-            _ => (&mut plan.balanced[r], &mut plan.rest[r].static_force),
+            _ => {
+                let ([.., balanced], rest) = plan.parts();
+                (&mut balanced[r], &mut rest[r].static_force)
+            }
         };
         L::store(L::add(held, L::load(balanced)), balanced);
         L::store(here, static_force);

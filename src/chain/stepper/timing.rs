@@ -4,6 +4,7 @@
 use super::lanes::{Lanes, Row};
 use super::notes::{Notes, Times};
 use super::pacer::{Pacer, Stiff};
+use super::rows::Rows;
 use super::splits::Weights;
 use crate::integrate::pace::{Beat, NOTHING};
 use crate::integrate::splitting::Splitting;
@@ -12,12 +13,14 @@ use crate::integrate::splitting::Splitting;
 pub trait Timing<'m, L: Lanes> {
     /// Whether kicks at steps' ends go by gradients, too.
     const AT_ENDS: bool;
+    /// Whether it sees overlaps.
+    const SEES: bool;
     /// What the present one weighs.
     fn weights(&self) -> Weights<'m, L>;
     /// Whether it is the last.
     fn is_last(&self) -> bool;
-    /// Sees the overlaps of row `r` at its end (m).
-    fn see(&mut self, r: usize, overlap: L::V);
+    /// Sees the overlaps of all rows at its end (m).
+    fn see<const R: usize>(&mut self, overlap: &Rows<L, R>);
     /// Sees how its bodies stand (m) and move (m/s, m/s²) there.
     fn note(&mut self, r: usize, moving: [L::V; 3]);
     /// It is done.
@@ -36,6 +39,7 @@ pub struct Fixed<'a, L: Lanes> {
 
 impl<'m, L: Lanes> Timing<'m, L> for Fixed<'m, L> {
     const AT_ENDS: bool = true;
+    const SEES: bool = false;
 
     #[inline(always)]
     fn weights(&self) -> Weights<'m, L> {
@@ -48,7 +52,7 @@ impl<'m, L: Lanes> Timing<'m, L> for Fixed<'m, L> {
     }
 
     #[inline(always)]
-    fn see(&mut self, _r: usize, _overlap: L::V) {}
+    fn see<const R: usize>(&mut self, _overlap: &Rows<L, R>) {}
 
     #[inline(always)]
     fn note(&mut self, r: usize, moving: [L::V; 3]) {
@@ -95,7 +99,6 @@ pub struct Going {
     pub times: Times,
     /// Those in which contacts have changed sides.
     pub events: u64,
-    changed: u8,
 }
 
 impl Going {
@@ -103,7 +106,7 @@ impl Going {
     pub fn new(beat: &Beat, start: f64, [end, pause]: [f64; 2], many: u64) -> Self {
         let (h, next) = beat.next(start, end);
         let (step, times) = ([h, start, next], Times::default());
-        Self { step, end, pause, many, taken: 0, times, events: 0, changed: 0 }
+        Self { step, end, pause, many, taken: 0, times, events: 0 }
     }
 
     /// The present step is taken.
@@ -124,6 +127,7 @@ fn store<L: Lanes>(moving: [L::V; 3], rows: &mut [Row; 3]) {
 
 impl<'m, L: Lanes> Timing<'m, L> for Paced<'m> {
     const AT_ENDS: bool = false;
+    const SEES: bool = true;
 
     #[inline(always)]
     fn weights(&self) -> Weights<'m, L> {
@@ -137,10 +141,14 @@ impl<'m, L: Lanes> Timing<'m, L> for Paced<'m> {
     }
 
     #[inline(always)]
-    fn see(&mut self, r: usize, overlap: L::V) {
-        let closed = L::positive(overlap);
-        self.going.changed |= closed ^ self.closed[r];
-        self.closed[r] = closed;
+    fn see<const R: usize>(&mut self, overlap: &Rows<L, R>) {
+        let (was_closed, mut changed) = (&mut self.closed[..R], 0);
+        for (was_closed, overlap) in was_closed.iter_mut().zip(overlap) {
+            let closed = L::positive(*overlap);
+            changed |= closed ^ *was_closed;
+            *was_closed = closed;
+        }
+        self.going.events += u64::from(changed != 0);
     }
 
     #[inline(always)]
@@ -162,8 +170,6 @@ impl<'m, L: Lanes> Timing<'m, L> for Paced<'m> {
     fn finish(&mut self) {
         let going = &mut *self.going;
         going.pass();
-        going.events += u64::from(going.changed != 0);
-        going.changed = 0;
         let [above, below] = &*self.noted;
         let course = |stiff: Stiff| stiff.course([above.each_ref(), below.each_ref()]);
         self.pacer.beat.pass(self.pacer.stiff.map_or(NOTHING, course));

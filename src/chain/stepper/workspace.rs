@@ -17,10 +17,9 @@ pub type Between = [Row; BETWEEN];
 pub struct Motion {
     rows: Vec<Row>,
     count: usize,
+    has_gradients: bool,
     /// Which contacts are closed, a bit each.
     pub closed: Vec<u8>,
-    /// Two thirds of the gradients of the accelerations along themselves, for methods that ask for them (m/s⁴).
-    pub gradient: Vec<Row>,
 }
 
 /// The parts of a motion, to be written.
@@ -39,14 +38,14 @@ pub struct Parts<'a> {
     pub lost_velocity: &'a mut [Row],
     /// Which contacts are closed, a bit each.
     pub closed: &'a mut [u8],
-    /// Gradients of the accelerations along themselves (m/s⁴).
+    /// Two thirds of the gradients of the accelerations along themselves, for methods that ask for them (m/s⁴).
     pub gradient: &'a mut [Row],
 }
 
-/// How many parts of a motion are rows, under a pair.
-const PARTS: usize = 6;
-/// The same in fixed steps, which keep nothing of what rounding takes.
-const FEWER_PARTS: usize = 4;
+/// How many parts of a motion are rows, whatever the method.
+const PARTS: usize = 4;
+/// How many more under a pair, which keeps what rounding takes.
+const LOST: usize = 2;
 
 /// Largest magnitudes: of each lane where lanes are chains, of the whole chain in every lane otherwise.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -136,20 +135,27 @@ impl Motion {
         self.part(5)
     }
 
-    /// All of it, to be written.
+    /// Two thirds of the gradients of the accelerations along themselves, for methods that ask for them (m/s⁴).
+    #[inline]
+    #[must_use]
+    pub fn gradient(&self) -> &[Row] {
+        self.part(PARTS)
+    }
+
+    /// All of it, to be written; what the method does not have is empty.
     #[inline]
     pub fn parts(&mut self) -> Parts<'_> {
-        let mut parts = self.rows.chunks_exact_mut(self.count);
-        let mut next = || parts.next().unwrap_or_default();
+        let (mut rows, count) = (self.rows.as_mut_slice(), self.count);
+        let mut next = || rows.split_off_mut(..count).unwrap_or_default();
         Parts {
             position: next(),
             velocity: next(),
             acceleration: next(),
             force: next(),
+            gradient: if self.has_gradients { next() } else { Default::default() },
             lost_position: next(),
             lost_velocity: next(),
             closed: &mut self.closed,
-            gradient: &mut self.gradient,
         }
     }
 
@@ -165,13 +171,10 @@ impl Motion {
         [self.position(), self.velocity(), self.acceleration()]
     }
 
-    fn at_rest(count: usize, parts: usize, gradients: usize) -> Self {
-        Self {
-            rows: vec![Row::default(); parts * count],
-            count,
-            closed: vec![0; count],
-            gradient: vec![Row::default(); gradients],
-        }
+    fn at_rest(count: usize, (lost, has_gradients): (usize, bool)) -> Self {
+        let parts = PARTS + lost + usize::from(has_gradients);
+        let rows = vec![Row::default(); parts * count];
+        Self { rows, count, has_gradients, closed: vec![0; count] }
     }
 }
 
@@ -195,18 +198,13 @@ impl Workspace {
     /// Everything at rest, in `rows` rows, with what `scheme` needs.
     #[must_use]
     pub fn new(rows: usize, scheme: Scheme) -> Self {
-        let (judged, parts, gradients) = match scheme {
-            Scheme::Pair(..) => (rows, PARTS, 0),
+        let (judged, more, pauses) = match scheme {
+            Scheme::Pair(..) => (rows, (LOST, false), 0),
             Scheme::Splitting(method, _) | Scheme::Paced(method, _) => {
-                let gradients = if method.gradients.is_empty() { 0 } else { rows };
-                (0, FEWER_PARTS, gradients)
+                (0, (0, !method.gradients.is_empty()), parts::pauses(method, rows))
             }
         };
-        let pauses = match scheme {
-            Scheme::Splitting(method, _) | Scheme::Paced(method, _) => parts::pauses(method, rows),
-            Scheme::Pair(..) => 0,
-        };
-        let motion = || Box::new(Motion::at_rest(rows, parts, gradients));
+        let motion = || Box::new(Motion::at_rest(rows, more));
         Self {
             now: motion(),
             next: motion(),

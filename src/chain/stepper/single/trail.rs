@@ -23,7 +23,7 @@ pub struct Trail {
     ends: Row,
     /// What is noted of steps that are taken at once.
     notes: Notes,
-    places: Vec<Watched>,
+    places: Vec<Box<Watched>>,
 }
 
 /// Where there is no body: nothing moves there.
@@ -37,10 +37,10 @@ struct Watched {
     /// Row and lane of each of the bodies around it.
     bodies: [(usize, usize); BODIES],
     /// How they stood and moved at the end of each step.
-    noted: Box<Bodies>,
+    noted: Bodies,
     /// How its contacts stood before the first step, in the last lane.
     before: Moves,
-    seen: Box<Seen>,
+    seen: Seen,
     /// Force (N) and its rate of change (N/s) before the first step, in the last lane.
     felt: [Row; 2],
     /// What is asked of the steps, and which of those read last may hold it, a bit each.
@@ -114,19 +114,19 @@ impl ChainStepper {
             let body = |index| around.body(0, index).filter(|body| *body < self.bodies);
             let place = |index| body(index).map_or(NOWHERE, |body| self.course.place(body));
             let bodies = std::array::from_fn(place);
-            Watched {
+            Box::new(Watched {
                 place: Place::new(probe),
                 around,
                 bodies,
-                noted: Box::default(),
+                noted: Bodies::default(),
                 before: Moves::default(),
-                seen: Box::new(Seen::nothing()),
+                seen: Seen::nothing(),
                 felt: Default::default(),
                 asked: Asked::nothing(),
                 wanted: 0,
-            }
+            })
         };
-        let places: Vec<Watched> = probes.iter().map(watched).collect();
+        let places: Vec<Box<Watched>> = probes.iter().map(watched).collect();
         let asked = places.iter().flat_map(|watched| watched.bodies).map(|(row, _)| row);
         let notes =
             Notes::new(Trail::STEPS, asked.filter(|row| *row < self.course.plan.all_rows()));
@@ -190,7 +190,8 @@ impl ChainStepper {
     fn look(&self, trail: &mut Trail, depth: Depth) {
         let Trail { first, starts, lengths, places, .. } = trail;
         for watched in places {
-            let Watched { around, before: moves, noted: bodies, seen, felt, asked, .. } = watched;
+            let Watched { around, before: moves, noted: bodies, seen, felt, asked, .. } =
+                &mut **watched;
             let (times, always) = ((*starts, &*lengths), *first);
             let on_end = OnEnd { around, moves, bodies, times, seen, felt, asked, always, depth };
             watched.wanted = dispatch(self.course.set, on_end);
@@ -202,7 +203,7 @@ impl ChainStepper {
         let before = samples.len();
         let count: usize = due.counts.iter().sum();
         samples.resize(before + count + ROOM_BEHIND, 0.0);
-        let Watched { place, seen, .. } = &trail.places[place];
+        let Watched { place, seen, .. } = &*trail.places[place];
         let (Course { set, plan, .. }, out) = (&self.course, &mut samples[before..]);
         dispatch(*set, Sample { place, seen, form: plan.form, due, out });
         samples.truncate(before + count);
