@@ -79,8 +79,10 @@ impl Notes {
     /// Notes how `rows` stand and move at the end of the next step.
     pub fn keep(&mut self, rows: [&[Row]; 3]) {
         for row in &self.asked {
-            if let Some(note) = self.kept.get_mut(self.count) {
-                *note = rows.map(|rows| rows[*row]);
+            let note = self.kept.get_mut(self.count).into_iter().flatten();
+            // Row by row: all at once would go through memory twice.
+            for (noted, rows) in note.zip(rows) {
+                *noted = rows[*row];
             }
             self.count += 1;
         }
