@@ -64,6 +64,13 @@ pub enum Refinement {
     ForceForm,
 }
 
+/// Where a chain starts: time (s), positions (m) and velocities (m/s); bodies behind the last that is told of are at rest.
+type Start<'a> = (f64, [&'a [f64]; 2]);
+
+fn start_of(state: &State) -> Start<'_> {
+    (state.time, [&state.position, &state.velocity])
+}
+
 /// A lossless chain under a method for forces that depend on positions alone.
 pub struct ChainStepper {
     course: Course,
@@ -83,21 +90,20 @@ impl ChainStepper {
     /// speed so far.
     #[must_use]
     pub fn new(chain: &Chain, velocities: &[f64], scheme: Scheme, set: InstructionSet) -> Self {
-        let position = vec![0.0; velocities.len()];
-        let state = State { time: 0.0, position, velocity: velocities.to_vec() };
-        Self::from_state(chain, &state, scheme, set)
+        let form = Form::needed(chain, velocities, finest_asked(scheme));
+        Self::with_form(chain, (0.0, [&[], velocities]), scheme, (set, form))
     }
 
     /// Starts at `state`, as [`ChainStepper::new`] does at rest.
     #[must_use]
     pub fn from_state(chain: &Chain, state: &State, scheme: Scheme, set: InstructionSet) -> Self {
         let form = Form::needed(chain, &state.velocity, finest_asked(scheme));
-        Self::with_form(chain, state, scheme, (set, form))
+        Self::with_form(chain, start_of(state), scheme, (set, form))
     }
 
     fn with_form(
         chain: &Chain,
-        state: &State,
+        from: Start,
         scheme: Scheme,
         (set, form): (InstructionSet, Form),
     ) -> Self {
@@ -107,23 +113,23 @@ impl ChainStepper {
             _ if are_few(rows_of(chain), form) => Laid::Striped,
             _ => Laid::Tiled,
         };
-        laid!(laid, Y => Self::laid::<Y>(laid, (chain, state), scheme, (set, form)))
+        laid!(laid, Y => Self::laid::<Y>(laid, (chain, from), scheme, (set, form)))
     }
 
     fn laid<Y: Layout>(
         laid: Laid,
-        (chain, state): (&Chain, &State),
+        (chain, (time, moving)): (&Chain, Start),
         scheme: Scheme,
         (set, form): (InstructionSet, Form),
     ) -> Self {
-        let velocities = &state.velocity;
+        let [positions, velocities] = moving;
         let mut plan = Plan::one::<Y>(chain, scheme, form);
         dispatch(set, Settle::<Y>(&mut plan, PhantomData));
         let mut work = Workspace::new(plan.all_rows(), scheme);
         let now = work.now.parts();
         let rows = plan.all_rows();
         // Most bodies are at rest, and nearly all others where they were.
-        for (values, out) in [(&state.position, now.position), (velocities, now.velocity)] {
+        for (values, out) in [(positions, now.position), (velocities, now.velocity)] {
             for (i, value) in values.iter().enumerate().filter(|(_, value)| **value != 0.0) {
                 let (row, lane) = Y::place(rows, i, 0);
                 out[row].0[lane] = *value;
@@ -145,7 +151,7 @@ impl ChainStepper {
         let counts = Work { force_evaluations: 1, ..Work::default() };
         let speed = velocities.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
         let quiet = UNDER_WAY * speed;
-        let mut course = Course { set, laid, plan, quiet, work, time: state.time, counts };
+        let mut course = Course { set, laid, plan, quiet, work, time, counts };
         let drive = match scheme {
             Scheme::Pair(pair, tolerance) => {
                 let scales = (chain.impact_overlap(velocities).max(overlap.0[0]), speed);
@@ -154,11 +160,16 @@ impl ChainStepper {
             }
             Scheme::Splitting(method, step) => {
                 find_gradients::<Y>(set, method, (&course.plan, &mut course.work));
-                Drive::Split(Split::new(method, step, state.time))
+                Drive::Split(Split::new(method, step, time))
             }
             Scheme::Paced(method, tolerance) => {
                 find_gradients::<Y>(set, method, (&course.plan, &mut course.work));
-                Drive::Paced(Box::new(InSteps::new(method, tolerance, (chain, state), &course)))
+                Drive::Paced(Box::new(InSteps::new(
+                    method,
+                    tolerance,
+                    (chain, velocities),
+                    &course,
+                )))
             }
         };
         Self {
@@ -166,7 +177,7 @@ impl ChainStepper {
             drive,
             scheme,
             bodies: chain.bodies().len(),
-            last_step: (state.time, 0.0),
+            last_step: (time, 0.0),
             jerks: [Vec::new(), Vec::new()],
             jerks_of: u64::MAX,
             frame: [Vec::new(), Vec::new()],
@@ -191,7 +202,7 @@ impl ChainStepper {
                     Form::Linear => Form::Linear,
                 };
                 let set = self.course.set;
-                return Self::with_form(chain, &self.state(), self.scheme, (set, form));
+                return Self::with_form(chain, start_of(&self.state()), self.scheme, (set, form));
             }
         }
         self

@@ -13,8 +13,8 @@ use crate::chain::stepper::pacer::Pacer;
 use crate::chain::stepper::parts::Steps;
 use crate::chain::stepper::split_tasks::{self, Close, InPace};
 use crate::chain::stepper::timing::{Going, Paced};
+use crate::integrate::IntegrateError;
 use crate::integrate::splitting::Splitting;
-use crate::integrate::{IntegrateError, State};
 
 /// A splitting at work, in paced steps.
 pub struct InSteps {
@@ -22,28 +22,25 @@ pub struct InSteps {
     pacer: Pacer,
     /// Which contacts are closed, a bit each of a row.
     closed: Vec<u8>,
-    /// Room for how the bodies beside the stiff contact move.
-    noted: [[Row; 3]; 2],
     /// Steps in which contacts changed sides.
     pub events: u64,
     times: Times,
 }
 
 impl InSteps {
-    /// The steps that `tolerance` (1) asks of `chain` from `state` on, as `course` has it.
+    /// The steps that `tolerance` (1) asks of `chain`, let go with these velocities (m/s), from where `course` is.
     pub fn new(
         method: &'static Splitting,
         tolerance: f64,
-        (chain, state): (&Chain, &State),
+        (chain, velocities): (&Chain, &[f64]),
         course: &Course,
     ) -> Self {
-        let pacing = chain.pacing(&state.velocity);
+        let pacing = chain.pacing(velocities);
         let pacer = Pacer::new(&pacing, tolerance, &course.work.now, |body| course.place(body));
         Self {
             method,
             pacer,
             closed: course.work.now.closed.clone(),
-            noted: Default::default(),
             events: 0,
             times: Times::default(),
         }
@@ -63,9 +60,10 @@ impl InSteps {
         let Burst { end, pause, most, notes } = burst;
         let going = &mut Going::new(&self.pacer.beat, course.time, [*end, *pause], *most);
         let Course { set, laid, plan, work, .. } = course;
-        let Self { method, pacer, closed, noted, events, times } = self;
+        let Self { method, pacer, closed, events, times } = self;
         let finite = match laid {
             Laid::Striped => {
+                let noted = &mut Default::default();
                 let paced = Paced { method, pacer, closed, noted, going, notes };
                 dispatch(*set, InPace { plan, work, paced })
             }
