@@ -16,7 +16,10 @@ pub enum Watching {
     Bare,
     /// First peaks and arrivals.
     Peaks,
-    /// Also samples every microsecond, as the scope at 250 us/div takes them.
+    /// Samples every microsecond, as the scope at 250 us/div takes them.
+    #[allow(dead_code, reason = "one of the benches that share this")]
+    Sampled,
+    /// Both.
     Recorded,
 }
 
@@ -36,10 +39,10 @@ pub fn run(
         return Ok(Vec::new());
     }
     let grid =
-        if watching == Watching::Recorded { Grid { start: 0.0, interval: SAMPLE } } else { NEVER };
+        if watching == Watching::Peaks { NEVER } else { Grid { start: 0.0, interval: SAMPLE } };
     let mut bench =
         Bench::new(&case.chain, &case.velocities, method, &case.probes(), (grid, NEVER));
-    bench.run_until(case.duration, true, &mut |_| ())?;
+    bench.run_until(case.duration, watching != Watching::Sampled, &mut |_| ())?;
     let first = |peak: hertzscope::experiment::pulse::Peak| peak.dynamic_n;
     Ok(bench.watches().iter().map(|watch| watch.pulse.first_peak().map(first)).collect())
 }

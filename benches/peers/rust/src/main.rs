@@ -60,8 +60,9 @@ fn hertzscope(
     let watching = match watching {
         "bare" => Watching::Bare,
         "peaks" => Watching::Peaks,
+        "sampled" => Watching::Sampled,
         "recorded" => Watching::Recorded,
-        other => return Err(format!("found {other}, expected bare, peaks or recorded")),
+        other => return Err(format!("found {other}, expected bare, peaks, sampled or recorded")),
     };
     let fail = |error: hertzscope::integrate::IntegrateError| error.to_string();
     let peaks = ours::run(case, method, Watching::Peaks).map_err(fail)?;
