@@ -44,7 +44,7 @@ pub struct Plan {
 pub struct Alike {
     /// `A` over the mass of each body (m^-0.5 s^-2).
     pub mobility: Vec<Row>,
-    /// [`Plan::balanced`] over `A` (m^1.5).
+    /// [`Constants::balanced`] over `A` (m^1.5).
     pub balanced: Vec<Row>,
     /// [`Rest::static_force`] over `A` (m^1.5).
     pub static_force: Vec<Row>,
