@@ -74,8 +74,9 @@ fn table_scenes() {
     for preload in ["magnet", "gravity"] {
         for striker in ["0.61g", "1.22g", "2.75g", "17.81g"] {
             let name = format!("{preload}-{striker}");
-            let case = shipped(&name, 2e-3);
-            let Tried { method, .. } = ours::held(&name, 1e-3);
+            let scene = shipped(&name);
+            let Tried { method, .. } = ours::held(&scene, 1e-3);
+            let case = Case::of("table", scene, 2e-3);
             let run = || ours::bare(&case, method, InstructionSet::best()).expect("a run");
             let evaluations = run();
             let mut times: Vec<f64> = (0..ROUNDS).map(|_| time(SLICE, || _ = run())).collect();
@@ -93,7 +94,7 @@ fn choices() {
         "\n| `hertzscope cost`, 1e-3 to 1e-9 | error of what `--accuracy` chooses over the one asked for, at most | its time over the best point's, median | at most |\n|---|---|---|---|"
     );
     for name in Scene::names() {
-        let scene = Scene::load(name).expect("a shipped scene");
+        let scene = shipped(name);
         let study = study(&scene, TIMED_RUNS, &mut |_| ()).expect("a study");
         let asked = |chosen: &&Chosen| (0.9e-9..1.1e-3).contains(&chosen.accuracy);
         let (mut errors, mut times) = (Vec::new(), Vec::new());

@@ -11,11 +11,12 @@ use std::time::Instant;
 
 use common::clock::{median, time};
 use common::ours::{self, Watching};
-use common::scenes::Case;
+use common::scenes::{self, Case, shipped};
 use hertzscope::chain::stepper::InstructionSet;
 use hertzscope::experiment::ensemble::{self, Ensemble};
 use hertzscope::experiment::{Integration, for_accuracy};
 use hertzscope::integrate::{IntegrateError, Method};
+use hertzscope::scene::Scene;
 use nix::sys::resource::{UsageWho, getrusage};
 use nix::sys::time::TimeValLike;
 
@@ -24,7 +25,8 @@ const ROUNDS: usize = 9;
 const SLICE: f64 = 0.05;
 /// Runs of each whole process.
 const PROCESSES: u16 = 200;
-/// Arguments of this program as one of the processes that are compared: nothing, or a scene and its motion by steps held to what comes next.
+/// Arguments of this program as one of the processes that are compared: nothing, or a scene and its motion, with the scene's name and what
+/// steps are held to behind it.
 const EMPTY: &str = "--empty-process";
 const BARE: &str = "--bare-process";
 /// Doubles in the stream: they stay in the first-level cache.
@@ -36,8 +38,9 @@ fn main() {
         return;
     }
     if asked(BARE) {
-        let case = Case::named("bench").expect("a scene");
-        let steps = std::env::args().find_map(|argument| argument.parse().ok());
+        let (name, steps) = (std::env::args().nth(2), std::env::args().nth(3));
+        let case = name.and_then(|name| Case::named(&name)).expect("a scene");
+        let steps = steps.and_then(|steps| steps.parse().ok());
         let method = for_accuracy(steps.expect("what steps are held to"));
         ours::run(&case, method, Watching::Recorded).expect("a run");
         return;
@@ -260,33 +263,52 @@ fn ensemble(words: &str, case: &Case, integration: Integration) {
 
 /// CPU time of whole processes, user and system: the middle one of many.
 fn processes() {
+    assert!(typed_is_p37(), "p37.toml is not the scene that solvers are compared on");
     let program = env!("CARGO_BIN_EXE_hertzscope");
     let folder = tempfile::tempdir().expect("a folder");
     let output = folder.path().join("run.mcap");
     let this = std::env::current_exe().expect("this program's place");
-    let [mut empty, mut bare] = [(); 2].map(|()| Command::new(&this));
+    let [mut empty, mut p37, mut bench] = [(); 3].map(|()| Command::new(&this));
     empty.arg(EMPTY);
-    bare.args([BARE, &ours::held("magnet-0.61g", 1e-6).steps.to_string()]);
+    let steps = |scene: &Scene| ours::held(scene, 1e-6).steps.to_string();
+    p37.args([BARE, "P37 typed", &steps(&scenes::p37())]);
+    bench.args([BARE, "bench", &steps(&shipped("magnet-0.61g"))]);
     let mut run = Command::new(program);
     run.args(["run", "magnet-0.61g", "--accuracy", "1e-6", "--quiet", "--output"]);
     run.arg(output);
     let mut version = Command::new(program);
     version.arg("--version");
-    let mut commands = [empty, bare, version, run];
-    let mut spent: [Vec<f64>; 4] = std::array::from_fn(|_| Vec::new());
+    let mut commands = [empty, p37, bench, version, run];
+    let mut spent: [Vec<f64>; 5] = std::array::from_fn(|_| Vec::new());
     for _ in 0..PROCESSES {
         for (command, spent) in commands.iter_mut().zip(&mut spent) {
             spent.push(process_time(command));
         }
     }
-    let [least, alone, version, run] = spent.map(|mut spent| median(&mut spent));
+    let [least, p37, bench, version, run] = spent.map(|mut spent| median(&mut spent));
     println!("An empty Rust process takes {:.2} ms of CPU time.\n", 1e3 * least);
     println!("| whole process | over an empty Rust process |\n|---|---|");
-    let what = "start, magnet-0.61g, 5 ms as `--accuracy 1e-6` follows it with a sample each us, by the library alone";
-    println!("| {what} | {:.2} |", alone / least);
+    for (name, alone) in [("P37 as a file", p37), ("magnet-0.61g", bench)] {
+        let what =
+            "5 ms as `--accuracy 1e-6` follows it with a sample each us, by the library alone";
+        println!("| start, {name}, {what} | {:.2} |", alone / least);
+    }
     println!("| `hertzscope --version` | {:.2} |", version / least);
     let what = "`hertzscope run magnet-0.61g --accuracy 1e-6`, written to disk";
     println!("| {what} | {:.2} |\n", run / least);
+}
+
+/// Whether the text of P37 comes to the chain that is put together from numbers, to round-off.
+fn typed_is_p37() -> bool {
+    let [typed, built] = ["P37 typed", "P37"].map(|name| Case::named(name).expect("a scene"));
+    let numbers = |case: &Case| -> Vec<f64> {
+        let bodies = case.chain.bodies().iter().map(|body| body.mass);
+        let contacts = case.chain.contacts().iter().flat_map(|c| [c.stiffness, c.static_force]);
+        bodies.chain(contacts).chain(case.velocities.iter().copied()).collect()
+    };
+    let (typed, built) = (numbers(&typed), numbers(&built));
+    let near = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-12 * b.abs();
+    typed.len() == built.len() && typed.iter().zip(&built).all(near)
 }
 
 /// CPU time of one run of `command` (s).

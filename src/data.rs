@@ -1,6 +1,6 @@
 //! The files of `instruments/` and `recordings/`, embedded in the binary so that a name is enough wherever it runs.
 
-use include_dir::{Dir, include_dir};
+use include_dir::{Dir, File, include_dir};
 
 static INSTRUMENTS: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/instruments");
 static RECORDINGS: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/recordings");
@@ -8,8 +8,12 @@ static RECORDINGS: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/recordings");
 /// Text of the instrument file `kind/name.toml`; an empty `kind` is the top folder.
 #[must_use]
 pub fn instrument(kind: &str, name: &str) -> Option<&'static str> {
-    let path = if kind.is_empty() { format!("{name}.toml") } else { format!("{kind}/{name}.toml") };
-    folder(kind)?.files().find(|file| file.path().as_os_str() == &*path)?.contents_utf8()
+    let is_it = |file: &&'static File<'static>| {
+        let path = file.path().to_str().and_then(|path| path.strip_prefix(kind));
+        let file = path.map(|path| path.trim_start_matches('/'));
+        file.and_then(|file| file.strip_suffix(".toml")) == Some(name)
+    };
+    folder(kind)?.files().find(is_it)?.contents_utf8()
 }
 
 /// By name, letter by letter: paths would be compared part by part, which shows in how long a program takes to start.
@@ -36,5 +40,5 @@ pub fn instrument_names(kind: &str) -> Vec<&'static str> {
 /// Content of a file in `recordings/`.
 #[must_use]
 pub fn recording(name: &str) -> Option<&'static [u8]> {
-    RECORDINGS.get_file(name).map(include_dir::File::contents)
+    RECORDINGS.get_file(name).map(File::contents)
 }

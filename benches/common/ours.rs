@@ -95,14 +95,13 @@ pub fn method(name: &str, setting: f64, case: &Case) -> Option<Method> {
     })
 }
 
-/// What `--accuracy` comes to with a shipped scene.
-pub fn held(name: &str, accuracy: f64) -> Tried {
-    let scene = Scene::load(name).expect("a shipped scene");
-    let held = run_held(&scene, accuracy, 1, &mut |_| ()).expect("a run").summary;
+/// What `--accuracy` comes to with this scene.
+pub fn held(scene: &Scene, accuracy: f64) -> Tried {
+    let held = run_held(scene, accuracy, 1, &mut |_| ()).expect("a run").summary;
     let same = |tried: &Tried| {
         let by = Integration::Tried { method: tried.method, accuracy };
-        let run = experiment::run(&scene, by, 1, &mut |_| ());
+        let run = experiment::run(scene, by, 1, &mut |_| ());
         run.is_ok_and(|run| run.summary.force_evaluations == held.force_evaluations)
     };
-    methods_tried(&scene, accuracy).find(same).expect("one of them")
+    methods_tried(scene, accuracy).find(same).expect("one of them")
 }

@@ -28,8 +28,9 @@ pub struct Case {
 }
 
 impl Case {
-    /// P37, G37, P600, P10000, the first row of P37 as P7, or the shipped scene magnet-0.61g as `bench`. With ` own` behind them, spheres of
-    /// the first four are up to 1 % larger from the top down, so that every contact has a stiffness of its own.
+    /// P37, G37, P600, P10000, the first row of P37 as P7, P37 read from a scene's text as `P37 typed`, or the shipped scene magnet-0.61g as
+    /// `bench`. With ` own` behind them, spheres of the first four are up to 1 % larger from the top down, so that every contact has a
+    /// stiffness of its own.
     pub fn named(name: &str) -> Option<Self> {
         let (kind, growth) = match name.strip_suffix(" own") {
             Some(kind) => (kind, 0.01),
@@ -41,9 +42,16 @@ impl Case {
             "G37" => alternating("G37", (37, growth), (0.0, true), 5e-3, vec![14]),
             "P600" => alternating("P600", (600, growth), (PRELOAD, false), 15e-3, vec![14, 400]),
             "P10000" => alternating("P10000", (10_000, growth), (PRELOAD, false), 1e-3, vec![14]),
-            "bench" => shipped("magnet-0.61g", 5e-3),
+            "P37 typed" => Self::of("P37 typed", p37(), 5e-3),
+            "bench" => Self::of("bench", shipped("magnet-0.61g"), 5e-3),
             _ => return None,
         })
+    }
+
+    /// The chain of `scene` over `duration` (s).
+    pub fn of(name: &'static str, scene: Scene, duration: f64) -> Self {
+        let Scene { chain, initial_velocities: velocities, .. } = scene;
+        Self { name, chain, velocities, duration, particles: vec![14] }
     }
 
     /// Places where forces are compared.
@@ -66,7 +74,7 @@ impl Case {
 
 fn body(mass: f64, sphere: bool, radius: f64) -> Body {
     Body {
-        name: if sphere { "ptfe_sphere" } else { "steel_cylinder" }.to_owned(),
+        name: if sphere { "ptfe_sphere" } else { "steel_cylinder" }.into(),
         mass,
         length: if sphere { 2.0 * radius } else { 3.12e-3 },
         curvature: if sphere { 1.0 / radius } else { 0.0 },
@@ -109,14 +117,12 @@ fn alternating(
     Case { name, chain, velocities, duration, particles }
 }
 
-/// The shipped scene `name` over `duration` (s).
-pub fn shipped(name: &str, duration: f64) -> Case {
-    let scene = Scene::load(name).expect("this scene ships with the program");
-    Case {
-        name: "bench",
-        chain: scene.chain,
-        velocities: scene.initial_velocities,
-        duration,
-        particles: vec![14],
-    }
+/// P37 as a user types it.
+pub fn p37() -> Scene {
+    Scene::from_text("p37", "p37.toml", include_str!("p37.toml")).expect("a scene")
+}
+
+/// The shipped scene `name`.
+pub fn shipped(name: &str) -> Scene {
+    Scene::load(name).expect("this scene ships with the program")
 }

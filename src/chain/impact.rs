@@ -43,7 +43,7 @@ impl Chain {
     pub(crate) fn beside(&self, j: usize) -> (String, String) {
         let name = |index: Option<usize>| {
             let body = index.and_then(|index| self.bodies.get(index));
-            body.map_or("the wall".to_owned(), |body| body.name.clone())
+            body.map_or("the wall", |body| &*body.name).to_owned()
         };
         (name(j.checked_sub(1)), name(Some(j)))
     }

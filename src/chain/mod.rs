@@ -54,8 +54,8 @@ use statics::{contact, loads};
 /// A rigid body with two elastic faces.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
-    /// What the scene calls it.
-    pub name: String,
+    /// What the scene calls it; bodies of a kind have it in common.
+    pub name: Arc<str>,
     /// Mass (kg).
     pub mass: f64,
     /// Extent along the chain (m).

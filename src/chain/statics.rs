@@ -1,6 +1,8 @@
 //! The static state of a chain, contact by contact: what each bears, and its overlap in closed form.
 
-use super::{Body, ChainError, ChainSpec, Contact, End, Law, LinearisedContacts, hertz};
+use super::{
+    Body, ChainError, ChainSpec, Contact, Elasticity, End, Law, LinearisedContacts, hertz,
+};
 
 /// Constant force on each body from effects and end forces, the magnet's excepted, downward positive (N).
 pub fn loads(spec: &ChainSpec, bodies: &[Body]) -> Vec<f64> {
@@ -25,9 +27,11 @@ pub fn contact(
     j: usize,
     bears: f64,
 ) -> Result<Contact, ChainError> {
-    let side = |body: &Body| (body.elasticity, body.curvature, body.name.clone());
-    let wall = |end: &End, name: &str| match end {
-        End::Wall(elasticity) => Some((*elasticity, 0.0, name.to_owned())),
+    fn side(body: &Body) -> (Elasticity, f64, &str) {
+        (body.elasticity, body.curvature, &body.name)
+    }
+    let wall = |end: &End, name: &'static str| match end {
+        End::Wall(elasticity) => Some((*elasticity, 0.0, name)),
         End::Free | End::Force(_) => None,
     };
     let upper = match j.checked_sub(1) {
@@ -40,31 +44,37 @@ pub fn contact(
     };
     let stiffness = hertz::stiffness((upper.0, upper.1), (lower.0, lower.1));
     if !stiffness.is_finite() {
-        return Err(ChainError::FlatOnFlat { upper: upper.2, lower: lower.2 });
+        return Err(ChainError::FlatOnFlat {
+            upper: upper.2.to_owned(),
+            lower: lower.2.to_owned(),
+        });
     }
     if bears < 0.0 {
-        return Err(ChainError::Pulling { body: lower.2, force: bears });
+        return Err(ChainError::Pulling { body: lower.2.to_owned(), force: bears });
     }
     let law = match spec.effects.linearised_contacts {
         Some(LinearisedContacts) if bears == 0.0 => {
-            return Err(ChainError::NothingToLinearise { body: lower.2 });
+            return Err(ChainError::NothingToLinearise { body: lower.2.to_owned() });
         }
         Some(LinearisedContacts) => Law::Linearised,
         None => Law::Hertz,
     };
     let static_overlap = hertz::overlap(stiffness, bears);
-    let short =
-        |name: &'_ str| if name.ends_with(" wall") { "wall".to_owned() } else { name.to_owned() };
     let yields = |body: Option<&Body>| body.and_then(|body| body.yield_strength);
     let strengths = [yields(j.checked_sub(1).and_then(|i| bodies.get(i))), yields(bodies.get(j))];
     let softest = strengths.into_iter().flatten().reduce(f64::min);
     let yield_force = softest
         .map(|strength| hertz::first_yield((upper.0, upper.1), (lower.0, lower.1), strength));
-    let loss = spec.effects.loss_between(&short(&upper.2), &short(&lower.2));
+    let loss = spec.effects.loss_between(short(upper.2), short(lower.2));
     if loss.is_some() && law == Law::Linearised {
-        return Err(ChainError::LossWithoutEnd { body: lower.2 });
+        return Err(ChainError::LossWithoutEnd { body: lower.2.to_owned() });
     }
     Ok(Contact { stiffness, static_force: bears, static_overlap, law, loss, yield_force })
+}
+
+/// A body's name as losses know it: to them a wall is a wall.
+fn short(name: &str) -> &str {
+    if name.ends_with(" wall") { "wall" } else { name }
 }
 
 /// The place of a contact where nothing stands; at the bottom the loads must have cancelled.

@@ -85,8 +85,7 @@ fn body(table: &Table<'_>, name: &str, materials: &Materials<'_>, shaped: bool) 
         (None, None) => (0.0, 0.0),
     };
     let Material { elasticity, yield_strength } = material?;
-    let name = name.to_owned();
-    Some(Body { name, mass: mass?, length, curvature, elasticity, yield_strength })
+    Some(Body { name: name.into(), mass: mass?, length, curvature, elasticity, yield_strength })
 }
 
 /// The striker and its speed (m/s).
@@ -108,11 +107,11 @@ pub fn striker(root: &Table<'_>, materials: &Materials<'_>) -> Option<Striker> {
 }
 
 /// The particles in order, each with its kind.
-pub struct Particles {
+pub struct Particles<'a> {
     /// Bodies from the top; a kind that could not be read is missing.
     pub bodies: Vec<Body>,
     /// Kind of each place, from the top; empty where a segment could not be read.
-    pub kinds: Vec<String>,
+    pub kinds: Vec<&'a str>,
 }
 
 /// Largest number that a particle may have in a chain of `particles`, 0 where that is not known.
@@ -121,11 +120,11 @@ pub fn last_particle(particles: usize) -> u64 {
 }
 
 /// Reads `[particles.<kind>]` and `[chain]` with its segments.
-pub fn particles(
+pub fn particles<'a>(
     root: &Table<'_>,
-    chain: Option<&Table<'_>>,
+    chain: Option<&Table<'a>>,
     materials: &Materials<'_>,
-) -> Particles {
+) -> Particles<'a> {
     let mut kinds = BTreeMap::new();
     for (name, table) in root.tables("particles") {
         kinds.insert(name, body(&table, name, materials, true));
@@ -153,7 +152,7 @@ pub fn particles(
         } else {
             for _ in 0..repeat {
                 for (name, _) in &names {
-                    particles.kinds.push((*name).to_owned());
+                    particles.kinds.push(name);
                     particles.bodies.extend(kinds.get(name).cloned().flatten());
                 }
             }
@@ -288,13 +287,17 @@ pub fn assemble(spec: &ChainSpec, chain: &Table<'_>, effects: Option<&Table<'_>>
 }
 
 /// Names of the bodies that touch, from the top; none where the chain could not be read.
-pub fn pairs(kinds: &[String], striker: bool, [top, bottom]: [bool; 2]) -> Vec<(&str, &str)> {
+pub fn pairs<'a>(
+    kinds: &[&'a str],
+    striker: bool,
+    [top, bottom]: [bool; 2],
+) -> Vec<(&'a str, &'a str)> {
     if kinds.is_empty() {
         return Vec::new();
     }
     let above = if striker { Some("striker") } else { top.then_some("wall") };
     let below = bottom.then_some("wall");
-    let names = above.into_iter().chain(kinds.iter().map(String::as_str)).chain(below);
+    let names = above.into_iter().chain(kinds.iter().copied()).chain(below);
     let names: Vec<&str> = names.collect();
     names.windows(2).map(|pair| (pair[0], pair[1])).collect()
 }

@@ -1,7 +1,6 @@
 //! Texts and trees of the files that scenes stand on.
 
 use std::cell::RefCell;
-use std::collections::BTreeMap;
 use std::io::Read as _;
 use std::path::Path;
 use std::rc::Rc;
@@ -14,9 +13,16 @@ use crate::data;
 const LARGEST_TEXT: u64 = 16 * 1024 * 1024;
 
 thread_local! {
-    /// Trees of the instruments that ship, by folder and name: a sweep reads the same few thousands of times, and parsing them costs
-    /// more than anything else about a scene.
-    static SHIPPED: RefCell<BTreeMap<String, Rc<Node>>> = const { RefCell::new(BTreeMap::new()) };
+    /// The instruments that ship and have been read: a sweep reads the same few thousands of times, and parsing them costs more than
+    /// anything else about a scene.
+    static SHIPPED: RefCell<Vec<Shipped>> = const { RefCell::new(Vec::new()) };
+}
+
+/// An instrument's folder, name and tree.
+struct Shipped {
+    kind: String,
+    name: String,
+    node: Rc<Node>,
 }
 
 /// The tree of the instrument `kind/name` that ships with the program; none if there is no such one, or if `name` is a path.
@@ -24,13 +30,18 @@ pub(super) fn shipped(kind: &str, name: &str) -> Option<Rc<Node>> {
     if name.contains(['/', '\\']) {
         return None;
     }
-    let file = if kind.is_empty() { format!("{name}.toml") } else { format!("{kind}/{name}.toml") };
-    if let Some(node) = SHIPPED.with_borrow(|known| known.get(&file).cloned()) {
+    let is_it = |known: &&Shipped| known.name == name && known.kind == kind;
+    let node_of = |known: &Shipped| Rc::clone(&known.node);
+    if let Some(node) = SHIPPED.with_borrow(|known| known.iter().find(is_it).map(node_of)) {
         return Some(node);
     }
     let text = data::instrument(kind, name)?;
-    let node = Rc::new(Node::parse(&format!("instruments/{file}"), text).ok()?);
-    SHIPPED.with_borrow_mut(|known| known.insert(file, Rc::clone(&node)));
+    let folder = if kind.is_empty() { "" } else { "/" };
+    let file = ["instruments/", kind, folder, name, ".toml"].concat();
+    let node = Rc::new(Node::parse(&file, text).ok()?);
+    let (kind, name) = (kind.to_owned(), name.to_owned());
+    let shipped = Shipped { kind, name, node: Rc::clone(&node) };
+    SHIPPED.with_borrow_mut(|known| known.push(shipped));
     Some(node)
 }
 

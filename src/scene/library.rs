@@ -157,9 +157,9 @@ impl Library {
 
     /// Adds the texts of materials and ceramics. They are looked up again where their numbers are read.
     fn add_constants(&mut self, node: &Node) {
-        let items: Vec<&Node> = match &node.value {
-            Value::Table(table) => table.values().map(|entry| &entry.node).collect(),
-            Value::List(items) => items.iter().collect(),
+        let table = match &node.value {
+            Value::Table(table) => table,
+            Value::List(items) => return items.iter().for_each(|item| self.add_constants(item)),
             _ => return,
         };
         for (key, kind) in CONSTANTS {
@@ -169,8 +169,8 @@ impl Library {
                 self.texts.add(file.place.text());
             }
         }
-        for item in items {
-            self.add_constants(item);
+        for entry in table.values() {
+            self.add_constants(&entry.node);
         }
     }
 

@@ -157,8 +157,7 @@ fn read(loaded: library::Loaded, problems: &Problems, panel: Option<&Panel>) -> 
     let accuracy = accuracy(&root);
     let seed = root.count("seed", 0, LARGEST_SEED).unwrap_or(0);
     let moving = moving(&root, problems);
-    let kinds: Vec<&str> = moving.kinds.iter().map(String::as_str).collect();
-    let hosts = sensors::Hosts { kinds: &kinds, wall: moving.wall };
+    let hosts = sensors::Hosts { kinds: &moving.kinds, wall: moving.wall };
     let sensors = sensors::sensors(&root, &hosts, problems);
     let errors_of = moving.scope_errors.then_some(seed);
     let scope = bench::drawn(&root, (moving.noise, errors_of), duration, panel);
@@ -195,8 +194,8 @@ fn accuracy(root: &Table<'_>) -> Option<f64> {
 }
 
 /// What moves, as far as it could be read.
-struct Moving {
-    kinds: Vec<String>,
+struct Moving<'a> {
+    kinds: Vec<&'a str>,
     wall: bool,
     noise: f64,
     scope_errors: bool,
@@ -207,7 +206,7 @@ struct Moving {
     built: Option<(ChainSpec, Chain)>,
 }
 
-fn moving(root: &Table<'_>, problems: &Problems) -> Moving {
+fn moving<'a>(root: &Table<'a>, problems: &Problems) -> Moving<'a> {
     let materials = Materials::read(root, problems);
     let striker = bodies::striker(root, &materials);
     if !root.has("chain") {

@@ -33,14 +33,19 @@ impl<'a> Table<'a> {
             place: &node.place,
             path: path.to_owned(),
             problems,
-            asked: RefCell::default(),
+            // As many as are there, and some that could be: growing list by list took as long as reading them.
+            asked: RefCell::new(Vec::with_capacity(entries.len() + 8)),
         })
     }
 
     /// The path of `key` from the top.
     #[must_use]
     pub fn path_of(&self, key: &str) -> String {
-        [&*self.path, key].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(".")
+        match (self.path.as_str(), key) {
+            ("", key) => key.to_owned(),
+            (path, "") => path.to_owned(),
+            (path, key) => [path, ".", key].concat(),
+        }
     }
 
     /// Where `key` stands, or where the table begins.

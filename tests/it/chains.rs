@@ -15,7 +15,7 @@ pub const NEVER: Grid = Grid { start: 1e9, interval: 1.0 };
 
 pub fn body(name: &str, mass: f64, radius: Option<f64>, elasticity: Elasticity) -> Body {
     Body {
-        name: name.to_owned(),
+        name: name.into(),
         mass,
         length: radius.map_or(3.12e-3, |r| 2.0 * r),
         curvature: radius.map_or(0.0, |r| 1.0 / r),

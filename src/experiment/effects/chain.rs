@@ -67,7 +67,7 @@ pub fn magnet_preload(subject: &Subject<'_>) -> Entry {
     });
     let (trial, failed) = against(subject, other, true);
     let force = engineering(magnet.force, "N", 3);
-    let name = subject.scene.chain.bodies().get(magnet.body).map_or("", |body| &body.name);
+    let name = subject.scene.chain.bodies().get(magnet.body).map_or("", |body| &*body.name);
     let reason = format!("on by the scene: {force} on the {name}{failed}");
     let value = Some(magnet.force / subject.wave);
     Finding { state: State::On, value, reason, trial }.entry("magnet_preload", criterion)

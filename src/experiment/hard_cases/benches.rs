@@ -26,7 +26,7 @@ const INSTANTS: u32 = 50;
 /// A sphere of the bench's size, of any mass (kg).
 pub fn sphere(mass: f64, elasticity: Elasticity) -> Body {
     let (length, curvature) = (4.76e-3, 1.0 / 2.38e-3);
-    let name = "sphere".to_owned();
+    let name = "sphere".into();
     Body { name, mass, length, curvature, elasticity, yield_strength: None }
 }
 
