@@ -287,11 +287,8 @@ pub fn assemble(spec: &ChainSpec, chain: &Table<'_>, effects: Option<&Table<'_>>
 }
 
 /// Names of the bodies that touch, from the top; none where the chain could not be read.
-pub fn pairs<'a>(
-    kinds: &[&'a str],
-    striker: bool,
-    [top, bottom]: [bool; 2],
-) -> Vec<(&'a str, &'a str)> {
+pub fn pairs<'a>(kinds: &[&'a str], striker: bool, ends: [bool; 2]) -> Vec<(&'a str, &'a str)> {
+    let [top, bottom] = ends;
     if kinds.is_empty() {
         return Vec::new();
     }

@@ -33,7 +33,7 @@ impl<'a> Table<'a> {
             place: &node.place,
             path: path.to_owned(),
             problems,
-            // As many as are there, and some that could be: growing list by list took as long as reading them.
+            // As many as are there, and some that could be.
             asked: RefCell::new(Vec::with_capacity(entries.len() + 8)),
         })
     }
@@ -41,11 +41,8 @@ impl<'a> Table<'a> {
     /// The path of `key` from the top.
     #[must_use]
     pub fn path_of(&self, key: &str) -> String {
-        match (self.path.as_str(), key) {
-            ("", key) => key.to_owned(),
-            (path, "") => path.to_owned(),
-            (path, key) => [path, ".", key].concat(),
-        }
+        let dot = if self.path.is_empty() || key.is_empty() { "" } else { "." };
+        [&self.path, dot, key].concat()
     }
 
     /// Where `key` stands, or where the table begins.

@@ -4,10 +4,8 @@
 //! step to the power 8 with the constant `1/(8! 2^8)`. Source: C. Hermite, J. reine angew. Math. 84, 70 (1878).
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
-use super::forces::begin_plain;
-use super::lanes::{Lanes, Row, Task, WIDTH};
+use super::lanes::Lanes;
 use super::plan::Form;
-use super::seen::Seen;
 use crate::chain::hertz::force_and_tangent;
 use crate::chain::{ForceProbe, Law};
 
@@ -15,8 +13,6 @@ use crate::chain::{ForceProbe, Law};
 pub const COEFFICIENTS: usize = 8;
 /// Contacts that a place feels.
 pub const CONTACTS: usize = 2;
-/// Room behind samples: they are written in rows.
-pub const ROOM_BEHIND: usize = WIDTH;
 /// Places within a step at which a force is looked at.
 pub const LOOKS: usize = 4;
 /// The fractions of a step where they are, its end the last (1).
@@ -115,6 +111,12 @@ impl Place {
         let FeltContact { stiffness, static_root, weight, .. } = self.contacts[which];
         [stiffness, static_root, weight]
     }
+
+    /// Static overlap of contact `which` (m).
+    #[inline(always)]
+    pub fn static_overlap(&self, which: usize) -> f64 {
+        self.contacts[which].static_overlap
+    }
 }
 
 /// Coefficients of the septics through value and three derivatives at both ends of steps of `h` (s), in the fraction of the step (m).
@@ -192,108 +194,4 @@ pub fn lane_forces<L: Lanes>(contact: [L::V; 2], change: L::V, form: Form) -> (L
     let rest = L::sub(sum, L::div(L::mul(root, static_root), divisor));
     let force = L::mul(L::mul(stiffness, change), rest);
     (force, L::mul(L::mul(L::splat(1.5), stiffness), root))
-}
-
-/// Evenly spaced times that fall into eight steps on end.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Due {
-    /// How many fall into each step.
-    pub counts: [usize; WIDTH],
-    /// Fraction of the step at the first of them (1).
-    pub first: [f64; WIDTH],
-    /// From one to the next, in fractions of the step (1).
-    pub interval: [f64; WIDTH],
-}
-
-/// The force at evenly spaced times.
-pub struct Sample<'a> {
-    /// Where it is felt, and how in each step.
-    pub place: &'a Place,
-    pub seen: &'a Seen,
-    /// The form that the chain computes forces in: what is sampled is rounded no less.
-    pub form: Form,
-    pub due: &'a Due,
-    /// Dynamic forces, one a sample, with room for a row behind them (N).
-    pub out: &'a mut [f64],
-}
-
-/// What forces at a contact are computed from, in all lanes.
-struct Constants<L: Lanes> {
-    /// In plain form `A` times the contact's weight, else as in [`Place::lane_constants`] (unit).
-    stiffness: L::V,
-    /// In plain form the static overlap (m), else its square root (m^0.5).
-    still: L::V,
-    /// In plain form `overlap^1.5` at rest (m^1.5), else the weight (1).
-    rest: L::V,
-}
-
-impl Sample<'_> {
-    #[inline(always)]
-    fn constants<L: Lanes>(&self, which: usize) -> Constants<L> {
-        let [stiffness, static_root, weight] = self.place.lane_constants(which);
-        if self.form != Form::Plain {
-            let [still, rest] = [L::splat(static_root), L::splat(weight)];
-            return Constants { stiffness: L::splat(stiffness), still, rest };
-        }
-        let still = L::splat(self.place.contacts[which].static_overlap);
-        // The static part by the same loops: exactly nothing is felt where nothing has moved.
-        let rest = begin_plain::<L>(which, still).power(which);
-        Constants { stiffness: L::splat(stiffness * weight), still, rest }
-    }
-
-    /// The samples in all steps, in plain form or not.
-    #[inline(always)]
-    fn rows<L: Lanes, const IS_PLAIN: bool>(mut self) {
-        let contacts = [self.constants::<L>(0), self.constants::<L>(1)];
-        let count = L::load(&Row([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]));
-        let mut out = std::mem::take(&mut self.out);
-        for lane in 0..WIDTH {
-            let (first, interval) = (self.due.first[lane], self.due.interval[lane]);
-            let mut left = self.due.counts[lane];
-            let mut start = 0.0;
-            while left > 0 {
-                let index = L::add(L::splat(start), count);
-                let theta = L::mul_add(index, L::splat(interval), L::splat(first));
-                let mut total = L::splat(0.0);
-                for (which, contact) in contacts.iter().enumerate() {
-                    let highest = self.seen.coefficient(lane, which, COEFFICIENTS - 1);
-                    let mut change = L::splat(highest);
-                    for power in (0..COEFFICIENTS - 1).rev() {
-                        let coefficient = self.seen.coefficient(lane, which, power);
-                        change = L::mul_add(change, theta, L::splat(coefficient));
-                    }
-                    let Constants { stiffness, still, rest } = *contact;
-                    total = if IS_PLAIN {
-                        let overlap = L::add(still, change);
-                        let power = begin_plain::<L>(which, overlap).power(which);
-                        L::mul_add(stiffness, L::sub(power, rest), total)
-                    } else {
-                        let (force, _) = lane_forces::<L>([stiffness, still], change, self.form);
-                        L::mul_add(rest, force, total)
-                    };
-                }
-                let mut row = Row::default();
-                L::store(total, &mut row);
-                // Whole rows are written; what is too much is written over by the next.
-                out[..WIDTH].copy_from_slice(&row.0);
-                let taken = left.min(WIDTH);
-                out = &mut out[taken..];
-                left -= taken;
-                start += 8.0;
-            }
-        }
-    }
-}
-
-impl Task for Sample<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        if self.form == Form::Plain {
-            self.rows::<L, true>();
-        } else {
-            self.rows::<L, false>();
-        }
-    }
 }

@@ -5,6 +5,7 @@
 //! asked once, at the start.
 
 mod around;
+mod chebyshev;
 mod dispatch;
 mod evaluate;
 mod few;
@@ -34,6 +35,7 @@ mod passes;
 mod plan;
 mod quintics;
 mod rows;
+mod samples;
 mod seen;
 mod single;
 mod split_tasks;
@@ -50,8 +52,9 @@ mod workspace;
 
 pub use dispatch::InstructionSet;
 pub(super) use dispatch::dispatch;
-pub use force_track::{Due, LOOKED_AT, Looks, Place, ROOM_BEHIND, Span};
+pub use force_track::{LOOKED_AT, Looks, Place, Span};
 pub use group::{ChainGroup, GroupTrail, Kind, Look, Member};
 pub(super) use lanes::{Lanes, Task};
+pub use samples::{Due, ROOM_BEHIND};
 pub use seen::{Depth, Seen};
 pub use single::{ChainStepper, Refinement, Trail};

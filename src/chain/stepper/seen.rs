@@ -74,10 +74,4 @@ impl Seen {
         let felt = [&self.forces, &self.rates].map(|rows| rows[LOOKS - 1].0[lane]);
         (felt, self.lengths.0[lane])
     }
-
-    /// Coefficient `power` of contact `which` in that step (m).
-    #[inline(always)]
-    pub fn coefficient(&self, lane: usize, which: usize, power: usize) -> f64 {
-        self.overlaps[which][power].0[lane]
-    }
 }
