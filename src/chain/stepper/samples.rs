@@ -4,8 +4,8 @@
 //! polynomial first, through its values at the eight Chebyshev points of the step. That is done where it adds about as little as what the
 //! septics are off already: where of the largest overlap at least half is left at the smallest, so that no contact is near its opening, and
 //! where the two highest Chebyshev polynomials of the force are no larger than four times what those of the overlaps make, each times the
-//! contact's tangent stiffness. In waves of any amplitude that adds at most nine times the septics' own error, and less than that error
-//! where steps are so long that it matters. Source: L. N. Trefethen, Approximation Theory and Approximation Practice, SIAM (2013),
+//! contact's tangent stiffness. In waves of any amplitude that adds at most ten times the septics' own error, which a test
+//! holds. Source: L. N. Trefethen, Approximation Theory and Approximation Practice, SIAM (2013),
 //! chapters 3, 4 and 8.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 #![allow(
