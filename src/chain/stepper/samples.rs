@@ -60,6 +60,15 @@ struct Constants<L: Lanes> {
     rest: L::V,
 }
 
+impl<L: Lanes> Constants<L> {
+    /// In plain form the force of contact `which` at this overlap, on top of `total` (N).
+    #[inline(always)]
+    fn plain_force(&self, which: usize, overlap: L::V, total: L::V) -> L::V {
+        let power = begin_plain::<L>(which, overlap).power(which);
+        L::mul_add(self.stiffness, L::sub(power, self.rest), total)
+    }
+}
+
 /// The forces in eight steps as polynomials in where in the step they are felt, from -1 at its start to 1 at its end (N).
 struct Polynomials {
     coefficients: [Row; COEFFICIENTS],
@@ -128,9 +137,7 @@ impl Sample<'_> {
             let change = in_lane::<L>(&self.seen.overlaps[which], lane, theta);
             let Constants { stiffness, still, rest } = contacts[which];
             total = if IS_PLAIN {
-                let overlap = L::add(still, change);
-                let power = begin_plain::<L>(which, overlap).power(which);
-                L::mul_add(stiffness, L::sub(power, rest), total)
+                contacts[which].plain_force(which, L::add(still, change), total)
             } else {
                 let (force, _) = lane_forces::<L>([stiffness, still], change, self.form);
                 L::mul_add(rest, force, total)
@@ -157,12 +164,10 @@ impl Sample<'_> {
                     for power in (0..COEFFICIENTS - 1).rev() {
                         change = L::mul_add(change, theta, L::load(&rows[power]));
                     }
-                    let Constants { stiffness, still, rest } = contacts[which];
-                    let overlap = L::add(still, change);
+                    let overlap = L::add(contacts[which].still, change);
                     (least[which], most[which]) =
                         (L::min(least[which], overlap), L::max(most[which], overlap));
-                    let power = begin_plain::<L>(which, overlap).power(which);
-                    forces[k] = L::mul_add(stiffness, L::sub(power, rest), forces[k]);
+                    forces[k] = contacts[which].plain_force(which, overlap, forces[k]);
                 }
             }
         }
