@@ -28,14 +28,20 @@ impl Grid {
 
     /// Number of samples at or before `time` (s).
     #[must_use]
+    pub fn samples_until(&self, time: f64) -> usize {
+        self.samples_at(time, 1.0 / self.interval)
+    }
+
+    /// The same, where the sampling `rate` is known (1/s).
+    #[must_use]
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "`as` cuts off, takes negative numbers to zero, and runs have far fewer than 2^53 samples"
     )]
-    pub fn samples_until(&self, time: f64) -> usize {
-        let mut count = ((time - self.start) / self.interval) as usize;
-        // The division may be off by its rounding; the samples' own times decide.
+    pub(super) fn samples_at(&self, time: f64, rate: f64) -> usize {
+        let mut count = ((time - self.start) * rate) as usize;
+        // The product may be off by its rounding; the samples' own times decide.
         while self.time(count) <= time {
             count += 1;
         }
@@ -47,9 +53,13 @@ impl Grid {
 const ROOM_FOR_SAMPLES: usize = 1 << 20;
 
 /// The method at work on the chain.
+#[allow(
+    clippy::large_enum_variant,
+    reason = "one for each bench; rows of eight in a box of their own take an allocation with alignment, a hundredth of a short run"
+)]
 enum Engine<'a> {
     /// Where contacts and constant loads are all there is, methods made for that run on the chain's own stepper; with a trail of all watches.
-    Stepper(Box<(ChainStepper, Trail)>),
+    Stepper(ChainStepper, Trail),
     /// Everything else.
     General(Box<dyn Integrator + 'a>),
 }
@@ -70,7 +80,7 @@ impl<'a> Engine<'a> {
                 let set = InstructionSet::best();
                 let stepper = ChainStepper::new(chain, velocities, scheme, set);
                 let trail = stepper.trail(probes);
-                Self::Stepper(Box::new((stepper, trail)))
+                Self::Stepper(stepper, trail)
             }
             _ => {
                 let state = chain.initial_state(velocities);
@@ -81,7 +91,7 @@ impl<'a> Engine<'a> {
 
     fn integrator(&self) -> &(dyn Integrator + 'a) {
         match self {
-            Self::Stepper(course) => &course.0,
+            Self::Stepper(stepper, _) => stepper,
             Self::General(integrator) => integrator.as_ref(),
         }
     }
@@ -94,7 +104,6 @@ pub struct Bench<'a> {
     grid: Grid,
     watches: Vec<Watch>,
     film: Film,
-    initial_energy: Energy,
     initial_velocities: Vec<f64>,
     method: Method,
     most_evaluations: u64,
@@ -111,8 +120,6 @@ impl<'a> Bench<'a> {
         grids: (Grid, Grid),
     ) -> Self {
         let (grid, film_grid) = grids;
-        let state = chain.initial_state(initial_velocities);
-        let initial_energy = chain.energy(&state);
         // Before the first contact nothing moves: those samples are known.
         let before = grid.samples_until(0.0);
         let impact = chain.impact_force(initial_velocities);
@@ -121,14 +128,12 @@ impl<'a> Bench<'a> {
             pulse: PulseRecorder::new(probe, impact, initial_velocities),
             samples: vec![0.0; before],
         };
-        let film = Film::new(chain, film_grid, &state);
         Self {
             chain,
             engine: Engine::start(chain, initial_velocities, method, probes),
             grid,
             watches: probes.iter().map(watch).collect(),
-            film,
-            initial_energy,
+            film: Film::new(chain, film_grid, initial_velocities),
             initial_velocities: initial_velocities.to_vec(),
             method,
             most_evaluations: u64::MAX,
@@ -159,8 +164,7 @@ impl<'a> Bench<'a> {
             watch.samples.reserve(due.min(ROOM_FOR_SAMPLES) + ROOM_BEHIND);
         }
         match engine {
-            Engine::Stepper(course) => {
-                let (stepper, trail) = course.as_mut();
+            Engine::Stepper(stepper, trail) => {
                 let mut goes_on = Ok(stepper.time() < end);
                 let mut step = || {
                     stepper.follow(trail, [end, film.next()])?;
@@ -214,12 +218,12 @@ impl<'a> Bench<'a> {
     /// The bench, not yet run, without one of the stepper's refinements; what runs on no stepper has none.
     #[must_use]
     pub fn without(mut self, refinement: Refinement) -> Self {
-        if let Engine::Stepper(course) = self.engine {
-            let stepper = course.0.without(refinement, self.chain);
+        if let Engine::Stepper(stepper, _) = self.engine {
+            let stepper = stepper.without(refinement, self.chain);
             let probe = |watch: &Watch| watch.probe.clone();
             let probes: Vec<ForceProbe> = self.watches.iter().map(probe).collect();
             let trail = stepper.trail(&probes);
-            self.engine = Engine::Stepper(Box::new((stepper, trail)));
+            self.engine = Engine::Stepper(stepper, trail);
         }
         self
     }
@@ -241,7 +245,8 @@ impl<'a> Bench<'a> {
     pub fn energies(&self) -> (Energy, Energy) {
         let (integrator, contacts) = (self.engine.integrator(), self.chain.contacts().len());
         let held = |contact: usize| !integrator.is_on(contacts + contact);
-        (self.initial_energy, self.chain.free_energy(&integrator.state(), &held))
+        let before = self.chain.energy(&self.chain.initial_state(&self.initial_velocities));
+        (before, self.chain.free_energy(&integrator.state(), &held))
     }
 
     /// What the losses have taken so far.
@@ -266,7 +271,7 @@ impl<'a> Bench<'a> {
     #[must_use]
     pub fn has_exact_forces(&self) -> bool {
         match &self.engine {
-            Engine::Stepper(course) => course.0.is_exact(),
+            Engine::Stepper(stepper, _) => stepper.is_exact(),
             Engine::General(_) => true,
         }
     }
@@ -275,7 +280,7 @@ impl<'a> Bench<'a> {
     #[must_use]
     pub fn contact_changes(&self) -> Option<u64> {
         match &self.engine {
-            Engine::Stepper(course) => course.0.events(),
+            Engine::Stepper(stepper, _) => stepper.events(),
             Engine::General(_) => None,
         }
     }

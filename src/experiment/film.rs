@@ -10,27 +10,32 @@ use crate::integrate::{Integrator, Interpolant, State};
 pub struct Film {
     /// When the frames were taken.
     pub grid: Grid,
-    /// Force in each contact at each time, static part included (N).
+    /// Force in each contact at each time, static part included; nothing before the first frame (N).
     pub contact_forces: Vec<Vec<f64>>,
-    /// Displacement of each body at each time (m).
+    /// Displacement of each body at each time; nothing before the first frame (m).
     pub displacements: Vec<Vec<f64>>,
     frames: usize,
 }
 
 impl Film {
-    /// A film whose first frame is `state`, if one is due at the start.
+    /// A film that begins with the chain at rest but for these velocities (m/s), if a frame is due at the start.
     #[must_use]
-    pub fn new(chain: &Chain, grid: Grid, state: &State) -> Self {
-        let mut film = Self {
-            grid,
-            contact_forces: vec![Vec::new(); chain.contacts().len()],
-            displacements: vec![Vec::new(); chain.bodies().len()],
-            frames: 0,
-        };
+    pub fn new(chain: &Chain, grid: Grid, velocities: &[f64]) -> Self {
+        let mut film =
+            Self { grid, contact_forces: Vec::new(), displacements: Vec::new(), frames: 0 };
         if grid.time(0) <= 0.0 {
-            film.take(chain, (&state.position, &state.velocity), &|_| true);
+            let State { position, velocity, .. } = chain.initial_state(velocities);
+            film.take(chain, (&position, &velocity), &|_| true);
         }
         film
+    }
+
+    /// Makes room for the first frame.
+    fn begin(&mut self, chain: &Chain) {
+        if self.frames == 0 {
+            self.contact_forces = vec![Vec::new(); chain.contacts().len()];
+            self.displacements = vec![Vec::new(); chain.bodies().len()];
+        }
     }
 
     /// Takes every frame that falls into the integrator's last step.
@@ -54,6 +59,7 @@ impl Film {
     pub fn follow_stepper(&mut self, chain: &Chain, stepper: &mut ChainStepper) {
         let (start, length) = stepper.last_step();
         while self.next() <= stepper.time() {
+            self.begin(chain);
             let theta = (self.next() - start) / length;
             let (positions, changes) = stepper.frame(theta);
             let forces = chain.contacts().iter().zip(changes);
@@ -75,6 +81,7 @@ impl Film {
 
     fn take(&mut self, chain: &Chain, motion: (&[f64], &[f64]), closed: &dyn Fn(usize) -> bool) {
         let (position, velocity) = motion;
+        self.begin(chain);
         for (j, forces) in self.contact_forces.iter_mut().enumerate() {
             forces.push(chain.contact_force(position, velocity, j, closed(j)));
         }

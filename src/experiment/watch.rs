@@ -49,12 +49,15 @@ fn due(trail: &Trail, grid: Grid, mut taken: usize) -> Option<Due> {
         return None;
     }
     let mut due = Due::default();
+    // Divisions take long: one for all steps, and one for each.
+    let rate = 1.0 / grid.interval;
     for step in 0..trail.steps() {
         let [start, length, end] = trail.times(step);
-        let until = grid.samples_until(end).max(taken);
+        let until = grid.samples_at(end, rate).max(taken);
+        let share = 1.0 / length;
         due.counts[step] = until - taken;
-        due.first[step] = (grid.time(taken) - start) / length;
-        due.interval[step] = grid.interval / length;
+        due.first[step] = (grid.time(taken) - start) * share;
+        due.interval[step] = grid.interval * share;
         taken = until;
     }
     Some(due)

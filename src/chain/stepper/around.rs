@@ -51,6 +51,8 @@ pub struct Around {
     inverse_mass: [Row; CONTACTS + 1],
     /// Stiffness (unit), square root of the static overlap (m^0.5) and weight of the contacts above and below the place (1).
     pub contacts: [[Row; 3]; CONTACTS],
+    /// What those two bear at rest, as the plain form computes it (N).
+    at_rest: [Row; CONTACTS],
     /// The form that the chains compute forces in, and what is seen of them.
     pub form: Form,
 }
@@ -64,6 +66,7 @@ impl Around {
             stiffness: Default::default(),
             inverse_mass: Default::default(),
             contacts: Default::default(),
+            at_rest: Default::default(),
             form,
         }
     }
@@ -80,7 +83,11 @@ impl Around {
         set(&mut self.inverse_mass, lane, probe.inverse_masses());
         let place = Place::new(probe);
         for (which, rows) in self.contacts.iter_mut().enumerate() {
-            set(rows, lane, place.lane_constants(which));
+            let [stiffness, static_root, weight] = place.lane_constants(which);
+            set(rows, lane, [stiffness, static_root, weight]);
+            // Step by step as the lanes do it: exactly nothing is felt where nothing has moved.
+            let overlap = place.static_overlap(which).max(0.0);
+            self.at_rest[which].0[lane] = overlap * (stiffness * overlap.sqrt());
         }
         self.bodies[lane] = probe.body();
     }
@@ -126,10 +133,11 @@ impl Around {
         if self.form != Form::Plain {
             return lane_forces::<L>(constants, change, self.form);
         }
-        let still = L::load(&self.static_overlap[which + 1]);
-        let (nothing, _) = plain_forces::<L>(constants[0], still);
-        let (whole, tangent) = plain_forces::<L>(constants[0], L::add(still, change));
-        (L::sub(whole, nothing), tangent)
+        let overlap = L::add(L::load(&self.static_overlap[which + 1]), change);
+        let closed = L::max(overlap, L::splat(0.0));
+        let slope = L::mul(constants[0], L::sqrt(closed));
+        let whole = L::mul(closed, slope);
+        (L::sub(whole, L::load(&self.at_rest[which])), L::mul(L::splat(1.5), slope))
     }
 
     /// Force (N) and its rate of change where the contacts' overlaps have changed and change as told (N/s).
@@ -190,14 +198,6 @@ fn join<L: Lanes>([from, to]: [Held<L>; 2], length: &Row, seen: &mut Seen) {
     }
 }
 
-/// Force (N) and tangent stiffness (N/m) of contacts by their overlaps (m).
-#[inline(always)]
-fn plain_forces<L: Lanes>(stiffness: L::V, overlap: L::V) -> (L::V, L::V) {
-    let closed = L::max(overlap, L::splat(0.0));
-    let slope = L::mul(stiffness, L::sqrt(closed));
-    (L::mul(closed, slope), L::mul(L::splat(1.5), slope))
-}
-
 /// Writes `values` into lane `lane`.
 fn set<const N: usize>(rows: &mut [Row; N], lane: usize, values: [f64; N]) {
     for (row, value) in rows.iter_mut().zip(values) {
@@ -243,6 +243,7 @@ impl Task for OnEnd<'_> {
         for which in 0..felt.len() {
             before[which] = L::shift_up(L::load(&felt[which]), end[which]);
             L::store(end[which], &mut felt[which]);
+            L::store(before[which], &mut seen.before[which]);
         }
         seen.begin::<L>((starts, lengths), end);
         let wanted = asked.wanted::<L>(before, end, L::load(lengths)) | self.always;

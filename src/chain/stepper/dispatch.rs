@@ -29,25 +29,24 @@ impl InstructionSet {
     /// What this machine has, the widest first.
     #[must_use]
     pub fn available() -> Vec<Self> {
-        let mut sets = Vec::new();
-        #[cfg(target_arch = "x86_64")]
-        {
-            let found = processor::found();
-            if found.avx512 {
-                sets.push(Self(Set::Avx512));
-            }
-            if found.avx2 {
-                sets.push(Self(Set::Avx2));
-            }
-        }
-        sets.push(Self(Set::Baseline));
-        sets
+        Self::found().collect()
     }
 
     /// The widest that this machine has.
     #[must_use]
     pub fn best() -> Self {
-        Self::available().first().copied().unwrap_or(Self(Set::Baseline))
+        Self::found().next().unwrap_or(Self(Set::Baseline))
+    }
+
+    fn found() -> impl Iterator<Item = Self> {
+        #[cfg(target_arch = "x86_64")]
+        let wider = {
+            let found = processor::found();
+            [found.avx512.then_some(Self(Set::Avx512)), found.avx2.then_some(Self(Set::Avx2))]
+        };
+        #[cfg(not(target_arch = "x86_64"))]
+        let wider = [None; 0];
+        wider.into_iter().flatten().chain([Self(Set::Baseline)])
     }
 
     /// Its name.

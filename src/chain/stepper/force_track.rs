@@ -149,7 +149,7 @@ pub fn septic<L: Lanes>([from, to]: [[L::V; 4]; 2], h: L::V) -> [L::V; COEFFICIE
 
 /// The weighted sum of four values.
 #[inline(always)]
-fn sum<L: Lanes>(values: [L::V; 4], weights: [f64; 4]) -> L::V {
+pub fn sum<L: Lanes>(values: [L::V; 4], weights: [f64; 4]) -> L::V {
     let mut sum = L::mul(L::splat(weights[0]), values[0]);
     for i in 1..4 {
         sum = L::mul_add(L::splat(weights[i]), values[i], sum);

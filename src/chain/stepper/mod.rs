@@ -5,11 +5,11 @@
 //! asked once, at the start.
 
 mod around;
-mod chebyshev;
 mod dispatch;
 mod evaluate;
 mod few;
 mod flow;
+mod force_septic;
 mod force_track;
 mod forces;
 mod foresight;

@@ -44,12 +44,13 @@ pub struct Notes {
 impl Notes {
     /// Of `steps` steps, of rows that `asked` has a place for.
     pub fn new(steps: usize, asked: impl Iterator<Item = usize>) -> Self {
-        let mut which = Vec::new();
+        // Bodies around a place, of which most lie in rows of their own.
+        let mut which = Vec::with_capacity(WIDTH);
         for row in asked {
             which.resize(which.len().max(row + 1), 0);
             which[row] = 1;
         }
-        let (mut asked, mut notes) = (Vec::new(), 0);
+        let (mut asked, mut notes) = (Vec::with_capacity(WIDTH), 0);
         for (row, which) in which.iter_mut().enumerate().filter(|(_, which)| **which > 0) {
             notes += 1;
             *which = notes;
@@ -88,9 +89,19 @@ impl Notes {
         }
     }
 
+    /// Which note of a step's row `row` is; none if nobody asks for it.
+    pub fn place_of(&self, row: usize) -> Option<usize> {
+        (*self.which.get(row)? as usize).checked_sub(1)
+    }
+
+    /// All notes of step `step`.
+    pub fn of_step(&self, step: usize) -> &[Note] {
+        let count = self.asked.len();
+        self.kept.get(step * count..).and_then(|rest| rest.get(..count)).unwrap_or_default()
+    }
+
     /// Row `row` at the end of step `step`.
     pub fn at(&self, step: usize, row: usize) -> Option<[&Row; 3]> {
-        let which = (*self.which.get(row)? as usize).checked_sub(1)?;
-        self.kept.get(step * self.asked.len() + which).map(Note::each_ref)
+        self.of_step(step).get(self.place_of(row)?).map(Note::each_ref)
     }
 }

@@ -1,8 +1,8 @@
 //! The force at one place at evenly spaced times, in eight steps on end.
 //!
 //! Each sample takes the powers of two overlaps, which are septics in time. Where a step holds many samples, the force itself is made such a
-//! polynomial first, through its values at the eight Chebyshev points of the step. That is done where it adds about as little as what the
-//! septics are off already: where of the largest overlap at least half is left at the smallest, so that no contact is near its opening, and
+//! polynomial first, through what is felt at both ends and its values at four places between. That is done where it adds about as little as
+//! what the septics are off already: where of the largest overlap at least half is left at the smallest, so that no contact is near its opening, and
 //! where the two highest Chebyshev polynomials of the force are no larger than four times what those of the overlaps make, each times the
 //! contact's tangent stiffness. In waves of any amplitude that adds at most ten times the septics' own error, which a test
 //! holds. Source: L. N. Trefethen, Approximation Theory and Approximation Practice, SIAM (2013),
@@ -13,8 +13,8 @@
     reason = "closures would be compiled without the instruction set"
 )]
 
-use super::chebyshev::{FROM_POINTS, POINTS, cosine};
-use super::force_track::{COEFFICIENTS, CONTACTS, Place, lane_forces};
+use super::force_septic::{BETWEEN, EVEN, ODD, PLACES};
+use super::force_track::{COEFFICIENTS, CONTACTS, LOOKS, Place, lane_forces, sum};
 use super::forces::begin_plain;
 use super::lanes::{Lanes, Row, Task, WIDTH};
 use super::plan::Form;
@@ -46,8 +46,8 @@ pub struct Sample<'a> {
     /// The form that the chain computes forces in: what is sampled is rounded no less.
     pub form: Form,
     pub due: &'a Due,
-    /// Dynamic forces, one a sample, with room for a row behind them (N).
-    pub out: &'a mut [f64],
+    /// Where dynamic forces are added, one a sample (N).
+    pub out: &'a mut Vec<f64>,
 }
 
 /// What forces at a contact are computed from, in all lanes.
@@ -92,35 +92,37 @@ impl Sample<'_> {
 
     /// The samples in all steps, in plain form or not.
     #[inline(always)]
-    fn rows<L: Lanes, const IS_PLAIN: bool>(mut self) {
+    fn rows<L: Lanes, const IS_PLAIN: bool>(self) {
         let contacts = [self.constants::<L>(0), self.constants::<L>(1)];
         let polynomials = if IS_PLAIN { self.polynomials::<L>(&contacts) } else { None };
         let count = L::load(&Row([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]));
-        let mut out = std::mem::take(&mut self.out);
         for lane in 0..WIDTH {
-            let (first, interval) = (self.due.first[lane], self.due.interval[lane]);
+            let of = [self.due.first[lane], self.due.interval[lane]];
             let mut left = self.due.counts[lane];
+            let after = self.out.len() + left;
             let polynomial = match &polynomials {
                 Some(of) if of.steps & (1 << lane) != 0 => Some(&of.coefficients),
                 _ => None,
             };
+            // Polynomials of the force go from -1 at a step's start to 1 at its end.
+            let (scale, offset) = if polynomial.is_some() { (2.0, -1.0) } else { (1.0, 0.0) };
+            let (first, interval) = (scale * of[0] + offset, scale * of[1]);
+            let ahead = L::mul(count, L::splat(interval));
             let mut start = 0.0;
             while left > 0 {
-                let index = L::add(L::splat(start), count);
-                let theta = L::mul_add(index, L::splat(interval), L::splat(first));
+                let at = L::add(ahead, L::splat(start * interval + first));
                 let force = match polynomial {
-                    Some(coefficients) => in_lane::<L>(coefficients, lane, from_middle::<L>(theta)),
-                    None => self.force::<L, IS_PLAIN>(&contacts, lane, theta),
+                    Some(coefficients) => in_lane::<L>(coefficients, lane, at),
+                    None => self.force::<L, IS_PLAIN>(&contacts, lane, at),
                 };
                 let mut row = Row::default();
                 L::store(force, &mut row);
-                // Whole rows are written; what is too much is written over by the next.
-                out[..WIDTH].copy_from_slice(&row.0);
-                let taken = left.min(WIDTH);
-                out = &mut out[taken..];
-                left -= taken;
+                // Whole rows are written.
+                self.out.extend_from_slice(&row.0);
+                left = left.saturating_sub(WIDTH);
                 start += 8.0;
             }
+            self.out.truncate(after);
         }
     }
 
@@ -152,37 +154,49 @@ impl Sample<'_> {
         if self.due.counts.iter().all(|count| *count < MANY) {
             return None;
         }
-        let (mut near, mut far) = ([L::splat(0.0); POINTS], [L::splat(0.0); POINTS]);
-        let (mut least, mut most) =
-            ([L::splat(f64::INFINITY); CONTACTS], [L::splat(0.0); CONTACTS]);
-        for k in 0..POINTS {
-            for (side, forces) in [(1.0, &mut far), (-1.0, &mut near)] {
-                let theta = L::splat(0.5 + 0.5 * side * cosine(2 * k + 1));
-                for which in 0..CONTACTS {
-                    let rows = &self.seen.overlaps[which];
-                    let mut change = L::load(&rows[COEFFICIENTS - 1]);
-                    for power in (0..COEFFICIENTS - 1).rev() {
-                        change = L::mul_add(change, theta, L::load(&rows[power]));
-                    }
-                    let overlap = L::add(contacts[which].still, change);
+        let none = L::splat(0.0);
+        let (mut near, mut far) = ([none; BETWEEN], [none; BETWEEN]);
+        let (mut least, mut most) = ([none; CONTACTS], [none; CONTACTS]);
+        for which in 0..CONTACTS {
+            let of = &contacts[which];
+            let rows = &self.seen.overlaps[which];
+            let start = L::add(of.still, L::load(&rows[0]));
+            let end = L::add(of.still, horner_row::<L>(rows, 1.0));
+            (least[which], most[which]) = (L::min(start, end), L::max(start, end));
+            for k in 0..BETWEEN {
+                for (side, forces) in [(1.0, &mut far), (-1.0, &mut near)] {
+                    let change = horner_row::<L>(rows, 0.5 + 0.5 * side * PLACES[k]);
+                    let overlap = L::add(of.still, change);
                     (least[which], most[which]) =
                         (L::min(least[which], overlap), L::max(most[which], overlap));
-                    forces[k] = contacts[which].plain_force(which, overlap, forces[k]);
+                    forces[k] = of.plain_force(which, overlap, forces[k]);
                 }
             }
         }
+        let [even, odd] = self.known::<L>([near, far]);
         let mut coefficients = <[Row; COEFFICIENTS]>::default();
-        for power in 0..COEFFICIENTS {
-            let mut sum = L::splat(0.0);
-            for k in 0..POINTS {
-                let both =
-                    if power % 2 == 0 { L::add(far[k], near[k]) } else { L::sub(far[k], near[k]) };
-                sum = L::mul_add(L::splat(FROM_POINTS[power][k]), both, sum);
-            }
-            L::store(sum, &mut coefficients[power]);
+        for half in 0..COEFFICIENTS / 2 {
+            L::store(sum::<L>(even, EVEN[half]), &mut coefficients[2 * half]);
+            L::store(sum::<L>(odd, ODD[half]), &mut coefficients[2 * half + 1]);
         }
         let steps = self.smooth::<L>(contacts, &coefficients, [least, most]);
         Some(Polynomials { coefficients, steps })
+    }
+
+    /// What is known of the force's even part and of its odd part, given the forces at the places between, before the middle of the steps and after it.
+    #[inline(always)]
+    fn known<L: Lanes>(&self, [near, far]: [[L::V; BETWEEN]; 2]) -> [[L::V; 4]; 2] {
+        let Seen { before, forces, rates, .. } = self.seen;
+        let half = L::mul(L::splat(0.5), L::load(self.seen.lengths()));
+        let [first, last] = [L::load(&before[0]), L::load(&forces[LOOKS - 1])];
+        let climb = L::mul(half, L::load(&before[1]));
+        let slope = L::mul(half, L::load(&rates[LOOKS - 1]));
+        let sums = [L::add(far[0], near[0]), L::add(far[1], near[1]), L::add(last, first)];
+        let differences = [L::sub(far[0], near[0]), L::sub(far[1], near[1]), L::sub(last, first)];
+        [
+            [sums[0], sums[1], sums[2], L::sub(slope, climb)],
+            [differences[0], differences[1], differences[2], L::add(slope, climb)],
+        ]
     }
 
     /// The steps in which the forces with these coefficients are about as smooth as the overlaps, a bit each; those are from `least` to `most` at
@@ -215,6 +229,16 @@ impl Sample<'_> {
     }
 }
 
+/// The polynomials with these coefficients at `at`.
+#[inline(always)]
+fn horner_row<L: Lanes>(coefficients: &[Row; COEFFICIENTS], at: f64) -> L::V {
+    let mut value = L::load(&coefficients[COEFFICIENTS - 1]);
+    for power in (0..COEFFICIENTS - 1).rev() {
+        value = L::mul_add(value, L::splat(at), L::load(&coefficients[power]));
+    }
+    value
+}
+
 /// The polynomial with these coefficients in lane `lane`, at eight places.
 #[inline(always)]
 fn in_lane<L: Lanes>(coefficients: &[Row; COEFFICIENTS], lane: usize, at: L::V) -> L::V {
@@ -230,12 +254,6 @@ fn in_lane<L: Lanes>(coefficients: &[Row; COEFFICIENTS], lane: usize, at: L::V) 
 fn highest<L: Lanes>(scales: [f64; 2], [sixth, seventh]: [L::V; 2]) -> L::V {
     let sixth = L::mul(L::splat(scales[0] / 32.0), L::abs(sixth));
     L::mul_add(L::splat(scales[1] / 64.0), L::abs(seventh), sixth)
-}
-
-/// Fractions of a step as places in it, from -1 at its start to 1 at its end (1).
-#[inline(always)]
-fn from_middle<L: Lanes>(theta: L::V) -> L::V {
-    L::mul_add(L::splat(2.0), theta, L::splat(-1.0))
 }
 
 impl Task for Sample<'_> {
@@ -288,8 +306,12 @@ mod tests {
     const AHEAD: f64 = 0.4;
 
     /// Steps of a wave that presses contacts by `1 + amplitude sin(phase)` of what they bear at rest, one each eighth of a turn.
-    fn wave(still: f64, amplitude: f64, turn: f64) -> Seen {
+    fn wave(probe: &ForceProbe, amplitude: f64, turn: f64) -> Seen {
+        let still = probe.contacts()[0].static_overlap;
         let mut seen = Seen::nothing();
+        let felt = [0.0, turn].map(|since| felt(probe, amplitude, turn, since));
+        seen.begin::<Baseline>((Row::default(), &Row([1.0; WIDTH])), felt[1]);
+        seen.before = felt[0].map(Row);
         for which in 0..CONTACTS {
             let mut ends = [[[0.0; WIDTH]; 4]; 2];
             for (end, derivatives) in ends.iter_mut().enumerate() {
@@ -313,6 +335,21 @@ mod tests {
         f64::from(lane) * std::f64::consts::FRAC_PI_4 + ahead + since
     }
 
+    /// Force (N) and its rate of change over a step (N) in each of them, where the phase has gone on by `since`.
+    fn felt(probe: &ForceProbe, amplitude: f64, turn: f64, since: f64) -> [[f64; WIDTH]; 2] {
+        let (mut force, mut rate) = ([0.0; WIDTH], [0.0; WIDTH]);
+        for (lane, (force, rate)) in (0_u8..).zip(force.iter_mut().zip(&mut rate)) {
+            for (which, contact) in probe.contacts().iter().enumerate() {
+                let at = phase(lane, which, since);
+                let overlap = (1.0 + amplitude * at.sin()).max(0.0);
+                let weight = probe.weights()[which] * contact.static_force;
+                *force += weight * (overlap.powf(1.5) - 1.0);
+                *rate += weight * 1.5 * overlap.sqrt() * amplitude * turn * at.cos();
+            }
+        }
+        [force, rate]
+    }
+
     /// The forces at so many times in each of eight steps, `at_once` at a time (N).
     fn sampled(set: InstructionSet, place: &Place, seen: &Seen, at_once: usize) -> Vec<Vec<f64>> {
         let mut steps = vec![Vec::new(); WIDTH];
@@ -323,7 +360,7 @@ mod tests {
                 first: [fraction(before); WIDTH],
                 interval: [fraction(1); WIDTH],
             };
-            let mut out = vec![0.0; WIDTH * at_once + ROOM_BEHIND];
+            let mut out = Vec::new();
             dispatch(set, Sample { place, seen, form: Form::Plain, due: &due, out: &mut out });
             for (step, forces) in steps.iter_mut().zip(out.chunks(at_once)) {
                 step.extend_from_slice(forces);
@@ -338,12 +375,11 @@ mod tests {
     fn forces_as_polynomials_are_as_good_as_the_overlaps() {
         let probe = probe();
         let place = Place::new(&probe);
-        let still = probe.contacts()[0].static_overlap;
         for set in InstructionSet::available() {
             let (mut taken, mut steps) = (0, 0);
             for amplitude in [0.05, 0.2, 0.5, 0.7, 0.9, 1.5] {
                 for turn in [0.25, 0.5, 1.0, 1.5, 2.0] {
-                    let seen = wave(still, amplitude, turn);
+                    let seen = wave(&probe, amplitude, turn);
                     let many = sampled(set, &place, &seen, MANY_SAMPLES);
                     let few = sampled(set, &place, &seen, WIDTH);
                     for (lane, (many, few)) in (0_u8..).zip(many.iter().zip(&few)) {
@@ -351,13 +387,10 @@ mod tests {
                         let mut opens = false;
                         for (sample, (a, b)) in (0_u8..).zip(many.iter().zip(few)) {
                             let since = turn * f64::from(sample) / 64.0;
-                            let mut exact = 0.0;
-                            for (which, contact) in probe.contacts().iter().enumerate() {
-                                let overlap = 1.0 + amplitude * phase(lane, which, since).sin();
-                                opens |= overlap <= 0.0;
-                                let force = overlap.max(0.0).powf(1.5) - 1.0;
-                                exact += probe.weights()[which] * contact.static_force * force;
-                            }
+                            let [force, _] = felt(&probe, amplitude, turn, since);
+                            let exact = force[usize::from(lane)];
+                            let overlap = |which| 1.0 + amplitude * phase(lane, which, since).sin();
+                            opens |= (0..CONTACTS).any(|which| overlap(which) <= 0.0);
                             added = added.max((a - b).abs());
                             own = own.max((b - exact).abs());
                             largest = largest.max(exact.abs());

@@ -21,6 +21,8 @@ pub struct Seen {
     /// Starts and lengths (s).
     starts: Row,
     lengths: Row,
+    /// Dynamic force (N) and its rate of change where each begins (N/s), where steps come on end.
+    pub(super) before: [Row; 2],
     /// Overlap changes as polynomials in the fraction of the step, where somebody has joined both ends (m).
     pub(super) overlaps: [[Row; COEFFICIENTS]; CONTACTS],
     /// Dynamic forces at the places where a step is looked at, the last of which is its end (N).
@@ -35,6 +37,7 @@ impl Seen {
         Self {
             starts: Row::default(),
             lengths: Row::default(),
+            before: Default::default(),
             overlaps: Default::default(),
             forces: Default::default(),
             rates: Default::default(),
@@ -51,6 +54,11 @@ impl Seen {
         (self.starts, self.lengths) = (starts, *lengths);
         L::store(force, &mut self.forces[LOOKS - 1]);
         L::store(rate, &mut self.rates[LOOKS - 1]);
+    }
+
+    /// Lengths of the steps (s).
+    pub(super) fn lengths(&self) -> &Row {
+        &self.lengths
     }
 
     /// The two contacts in the step of lane `lane`.

@@ -6,8 +6,8 @@ use crate::chain::stepper::around::{Around, BODIES, Bodies, Moves, OnEnd, row_of
 use crate::chain::stepper::dispatch::dispatch;
 use crate::chain::stepper::force_track::Place;
 use crate::chain::stepper::lanes::{Row, WIDTH};
-use crate::chain::stepper::notes::Notes;
-use crate::chain::stepper::samples::{Due, ROOM_BEHIND, Sample};
+use crate::chain::stepper::notes::{Note, Notes};
+use crate::chain::stepper::samples::{Due, Sample};
 use crate::chain::stepper::seen::{Depth, Seen};
 use crate::chain::stepper::wanted::Asked;
 use crate::integrate::IntegrateError;
@@ -27,16 +27,25 @@ pub struct Trail {
     places: Vec<Box<Watched>>,
 }
 
+/// Where a body lies.
+#[derive(Debug, Clone, Copy)]
+struct Lying {
+    row: usize,
+    lane: usize,
+    /// Which of a step's notes is its row's.
+    note: usize,
+}
+
 /// Where there is no body: nothing moves there.
-const NOWHERE: (usize, usize) = (usize::MAX, 0);
+const NOWHERE: Lying = Lying { row: usize::MAX, lane: 0, note: usize::MAX };
 
 /// A place that is watched.
 #[derive(Debug, Clone)]
 struct Watched {
     place: Place,
     around: Around,
-    /// Row and lane of each of the bodies around it.
-    bodies: [(usize, usize); BODIES],
+    /// The bodies around it.
+    bodies: [Lying; BODIES],
     /// How they stood and moved at the end of each step.
     noted: Bodies,
     /// How its contacts stood before the first step, in the last lane.
@@ -51,11 +60,14 @@ struct Watched {
 
 impl Watched {
     /// Notes how the bodies around it stand and move at the end of step `step`, `of` their rows; nothing where there is none.
-    fn note<'a>(&mut self, step: usize, of: impl Fn(usize) -> Option<[&'a Row; 3]>) {
-        for (index, (row, lane)) in self.bodies.into_iter().enumerate() {
-            let rows = of(row);
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "for each way to find a row")]
+    fn note<'a>(&mut self, step: usize, of: impl Fn(Lying) -> Option<[&'a Row; 3]>) {
+        for (index, body) in self.bodies.into_iter().enumerate() {
+            let rows = of(body);
             for (part, noted) in self.noted.iter_mut().enumerate() {
-                noted[index].0[step % WIDTH] = rows.map_or(0.0, |rows| rows[part].0[lane % WIDTH]);
+                let value = rows.map_or(0.0, |rows| rows[part].0[body.lane % WIDTH]);
+                noted[index].0[step % WIDTH] = value;
             }
         }
     }
@@ -113,8 +125,11 @@ impl ChainStepper {
                 around.put(lane, probe);
             }
             let body = |index| around.body(0, index).filter(|body| *body < self.bodies);
-            let place = |index| body(index).map_or(NOWHERE, |body| self.course.place(body));
-            let bodies = std::array::from_fn(place);
+            let lying = |body| {
+                let (row, lane) = self.course.place(body);
+                Lying { row, lane, ..NOWHERE }
+            };
+            let bodies = std::array::from_fn(|index| body(index).map_or(NOWHERE, lying));
             Box::new(Watched {
                 place: Place::new(probe),
                 around,
@@ -127,17 +142,20 @@ impl ChainStepper {
                 wanted: 0,
             })
         };
-        let places: Vec<Box<Watched>> = probes.iter().map(watched).collect();
-        let asked = places.iter().flat_map(|watched| watched.bodies).map(|(row, _)| row);
+        let mut places: Vec<Box<Watched>> = probes.iter().map(watched).collect();
+        let asked = places.iter().flat_map(|watched| watched.bodies).map(|body| body.row);
         let notes =
             Notes::new(Trail::STEPS, asked.filter(|row| *row < self.course.plan.all_rows()));
+        for body in places.iter_mut().flat_map(|watched| &mut watched.bodies) {
+            body.note = notes.place_of(body.row).unwrap_or(usize::MAX);
+        }
         let one = Row([1.0; WIDTH]);
         let (starts, lengths, ends) = (one, one, one);
         let mut trail = Trail { count: 0, first: 1, starts, lengths, ends, notes, places };
         // A step that ends here: its end is where the first one starts.
         let now = self.course.work.now.moving();
         for watched in &mut trail.places {
-            watched.note(WIDTH - 1, |row| row_of(now, row));
+            watched.note(WIDTH - 1, |body| row_of(now, body.row));
         }
         self.look(&mut trail, Depth::Asked);
         trail
@@ -163,11 +181,12 @@ impl ChainStepper {
         for (step, before) in (0..taken).rev().enumerate() {
             let [start, length, end] = self.times(before);
             (starts.0[*count], lengths.0[*count], ends.0[*count]) = (start, length, end);
+            let of_step = notes.of_step(step);
             for watched in &mut *places {
                 match before {
-                    0 => watched.note(*count, |row| row_of(last, row)),
-                    1 => watched.note(*count, |row| row_of(first, row)),
-                    _ => watched.note(*count, |row| notes.at(step, row)),
+                    0 => watched.note(*count, |body| row_of(last, body.row)),
+                    1 => watched.note(*count, |body| row_of(first, body.row)),
+                    _ => watched.note(*count, |body| of_step.get(body.note).map(Note::each_ref)),
                 }
             }
             *count += 1;
@@ -201,12 +220,8 @@ impl ChainStepper {
 
     /// Adds the forces at place `place` at the times that are `due` in the steps read last to `samples` (N).
     pub fn sample(&self, trail: &Trail, place: usize, due: &Due, samples: &mut Vec<f64>) {
-        let before = samples.len();
-        let count: usize = due.counts.iter().sum();
-        samples.resize(before + count + ROOM_BEHIND, 0.0);
         let Watched { place, seen, .. } = &*trail.places[place];
-        let (Course { set, plan, .. }, out) = (&self.course, &mut samples[before..]);
-        dispatch(*set, Sample { place, seen, form: plan.form, due, out });
-        samples.truncate(before + count);
+        let Course { set, plan, .. } = &self.course;
+        dispatch(*set, Sample { place, seen, form: plan.form, due, out: samples });
     }
 }
