@@ -1,7 +1,7 @@
 """Time to accuracy: hertzscope and its peers on the same scenes, in the same rounds.
 
 Error: relative, of the first peak of the force inside particle 14 (P600: the worse of 14 and 400). For every solver the coarsest
-setting for which it and all finer ones tried meet the tolerance. Times: medians over rounds of the ratios within a round, CPU time.
+setting for which it and all finer ones tried meet the tolerance, to a 16th of an octave of the step or of a decade of the tolerance. Times: medians over rounds of the ratios within a round, CPU time.
 """
 
 import argparse
@@ -24,6 +24,10 @@ LONGEST_ELSEWHERE = 0.3
 #: there and does not recover.
 FIRST_STEP = {"lammps": 0.5}
 FIRST_STEP_ELSEWHERE = 4.0
+#: Rungs of a ladder in an octave of the step, or in a decade of the tolerance.
+RUNGS = 2
+#: How often the gap between the coarsest rung that will do and the next is halved.
+HALVINGS = 3
 #: CPU time of one measurement in a round (s).
 SLICE = 0.02
 #: From sample to sample of what is recorded (s).
@@ -144,16 +148,37 @@ def ladder(server, method, first_step, scene, longest):
     solution takes more than `longest` (s)."""
     rungs = []
     for rung in range(60):
-        setting = first_step * 2 ** (-rung / 2) if first_step else 10 ** (-0.5 - rung / 2)
+        setting = first_step * 2 ** (-rung / RUNGS) if first_step else 10 ** (-(rung + 1) / RUNGS)
         if setting < 1e-14:
             break
-        answer = server.ask(f"run {method} {setting!r} 0 {target(server, scene)}")
-        rungs.append((setting, scene.error(answer), answer.get("cpu_s", 0.0)))
+        answer, found = at(server, method, setting, scene)
+        rungs.append(found)
         failed = ["failed" in answer and rung >= 12]
         met = [error <= TOLERANCES[-1] for _, error, _ in rungs[-3:]]
         if (len(met) == 3 and all(met)) or all(failed) or (rungs[-1][1] < 1 and rungs[-1][2] > longest):
             break
     return rungs
+
+
+def at(server, method, setting, scene):
+    """What a peer answers, and the setting with its error and rough CPU time."""
+    answer = server.ask(f"run {method} {setting!r} 0 {target(server, scene)}")
+    return answer, (setting, scene.error(answer), answer.get("cpu_s", 0.0))
+
+
+def finer(server, method, scene, rungs, chosen, tolerance):
+    """The coarsest setting that meets `tolerance` between the rung `chosen` and the next coarser one, which does not."""
+    place = rungs.index(chosen)
+    if place == 0:
+        return chosen
+    missed = rungs[place - 1][0]
+    for _ in range(HALVINGS):
+        _, between = at(server, method, math.sqrt(missed * chosen[0]), scene)
+        if between[1] <= tolerance:
+            chosen = between
+        else:
+            missed = between[0]
+    return chosen
 
 
 def target(server, scene):
@@ -188,13 +213,14 @@ def choose(servers, scenes, progress):
                 finest = coarsest(rungs[method], TOLERANCES[-1])
                 longest = min(longest, 2.0 * finest[2]) if finest else longest
             for tolerance in TOLERANCES:
-                found = [(coarsest(r, tolerance), m.lstrip("*")) for m, r in rungs.items()]
-                found = [(rung, method) for rung, method in found if rung]
+                found = [(coarsest(r, tolerance), r, m.lstrip("*")) for m, r in rungs.items()]
+                found = [(rung, all_rungs, method) for rung, all_rungs, method in found if rung]
                 # Times along the ladder are of first runs; those that may be the fastest are timed as they will be.
-                likely = 3.0 * min((rung[2] for rung, _ in found), default=0.0)
+                likely = 3.0 * min((rung[2] for rung, _, _ in found), default=0.0)
                 timed = []
-                for (setting, error, rough), method in found:
-                    if rough <= likely:
+                for rung, all_rungs, method in found:
+                    if rung[2] <= likely:
+                        setting, error, _ = finer(servers[name], method, scene, all_rungs, rung, tolerance)
                         answer = servers[name].ask(f"run {method} {setting!r} {SLICE} {target(servers[name], scene)}")
                         timed.append((answer["cpu_s"], method, setting, error))
                 if timed:
@@ -263,7 +289,7 @@ def print_tables(scenes, choice, times):
     print()
     print("Methods and settings, in each scene's own units (a tolerance, or a step in units of overlap over striker's speed):\n")
     for row in PEERS:
-        used = [f"{k[1]} {k[2]:g}: {choice[k][1]} {choice[k][2]:.2g}" for k in choice if k[0] == row]
+        used = [f"{k[1]} {k[2]:g}: {choice[k][1]} {choice[k][2]:.3g}" for k in choice if k[0] == row]
         print(f"- {row}: " + "; ".join(used))
     print()
     print_floors(times, speed)
