@@ -97,7 +97,7 @@ impl Sample<'_> {
         let polynomials = if IS_PLAIN { self.polynomials::<L>(&contacts) } else { None };
         let count = L::load(&Row([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]));
         for lane in 0..WIDTH {
-            let of = [self.due.first[lane], self.due.interval[lane]];
+            let (first, interval) = (self.due.first[lane], self.due.interval[lane]);
             let mut left = self.due.counts[lane];
             let after = self.out.len() + left;
             let polynomial = match &polynomials {
@@ -106,7 +106,7 @@ impl Sample<'_> {
             };
             // Polynomials of the force go from -1 at a step's start to 1 at its end.
             let (scale, offset) = if polynomial.is_some() { (2.0, -1.0) } else { (1.0, 0.0) };
-            let (first, interval) = (scale * of[0] + offset, scale * of[1]);
+            let (first, interval) = (scale * first + offset, scale * interval);
             let ahead = L::mul(count, L::splat(interval));
             let mut start = 0.0;
             while left > 0 {
@@ -200,7 +200,7 @@ impl Sample<'_> {
     }
 
     /// The steps in which the forces with these coefficients are about as smooth as the overlaps, a bit each; those are from `least` to `most` at
-    /// the Chebyshev points.
+    /// both ends and between.
     #[inline(always)]
     fn smooth<L: Lanes>(
         &self,
