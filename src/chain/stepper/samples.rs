@@ -23,7 +23,7 @@ use super::seen::Seen;
 /// Room behind samples: they are written in rows.
 pub const ROOM_BEHIND: usize = WIDTH;
 /// Samples in a step from which on it takes less to make the force a polynomial.
-const MANY: usize = 2 * WIDTH + 1;
+const MANY: usize = WIDTH + 1;
 /// How many times as large as the overlaps alone would make them the two highest Chebyshev polynomials of a force may be (1).
 const ROUGHER: f64 = 4.0;
 
