@@ -202,7 +202,7 @@ fn whole<L: Lanes, P: Known<N>, const R: usize, const N: usize>(
     work: &mut Workspace,
     (h, worth): (L::V, [L::V; 2]),
 ) -> Sides {
-    let (now, mut next) = (&work.now, work.next.parts());
+    let (now, mut next) = (&*work.now, work.next.parts());
     let (plan, none) = (Cut::new(plan, R), L::splat(0.0));
     let mut step = Step::<L, R>::new(plan, now, h);
     step.stage::<P, 1, N>();

@@ -179,7 +179,7 @@ pub fn attempt<L: Lanes, P: Known<N>, const N: usize>(
     if plan.rows() != R {
         return None;
     }
-    let (now, next, none) = (&work.now, work.next.parts(), L::splat(0.0));
+    let (now, next, none) = (&*work.now, work.next.parts(), L::splat(0.0));
     let from = [now.position(), now.velocity(), now.acceleration(), now.lost_position()];
     let mut flow = Flow::<L> {
         plan: Cut::new(plan, R),

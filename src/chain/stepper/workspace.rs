@@ -64,9 +64,9 @@ pub struct Largest {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Workspace {
     /// Where the step starts.
-    pub now: Motion,
+    pub now: Box<Motion>,
     /// Where it ends.
-    pub next: Motion,
+    pub next: Box<Motion>,
     /// Accelerations at the stages between (m/s²), for methods that have any; once they have been summed, what kinks have missed.
     pub between: Vec<Between>,
     /// Estimated error of each position (m).
@@ -204,7 +204,8 @@ impl Workspace {
                 (0, (0, !method.gradients.is_empty()), parts::pauses(method, rows))
             }
         };
-        let motion = || Motion::at_rest(rows, more);
+        // In boxes, so that a step's turn moves pointers only.
+        let motion = || Box::new(Motion::at_rest(rows, more));
         Self {
             now: motion(),
             next: motion(),

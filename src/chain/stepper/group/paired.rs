@@ -145,7 +145,7 @@ fn keep(set: InstructionSet, work: &mut Workspace, lanes: u8) {
     if lanes == 0 {
         return;
     }
-    let (now, next) = (work.now.parts(), &work.next);
+    let (now, next) = (work.now.parts(), &*work.next);
     let rows = [
         (now.position, next.position()),
         (now.velocity, next.velocity()),
