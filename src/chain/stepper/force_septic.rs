@@ -15,9 +15,9 @@ const HALF: usize = COEFFICIENTS / 2;
 
 /// What counts for the coefficient of each even power: the sums of the values at the places to either side, and at both ends, and what the slope
 /// at 1 exceeds that at -1 by (1).
-pub const EVEN: [[f64; HALF]; HALF] = even();
+pub const EVEN: [[f64; HALF]; HALF] = part(false);
 /// What counts for the coefficient of each odd power: the same differences, and the sum of both slopes (1).
-pub const ODD: [[f64; HALF]; HALF] = odd();
+pub const ODD: [[f64; HALF]; HALF] = part(true);
 
 /// Cubics in `u`, coefficient by coefficient, that are 1 in one thing and 0 in all others: in their values at `a`, `b` and 1, and in their slopes at 1.
 const fn cubics() -> [[f64; HALF]; HALF] {
@@ -55,28 +55,20 @@ const fn through(roots: [f64; 3], scale: f64) -> [f64; HALF] {
     found
 }
 
-/// The even part is a cubic in `u = x^2`, whose slope at 1 is half as large in `u`.
-const fn even() -> [[f64; HALF]; HALF] {
+/// The even part is a cubic in `u = x^2`, whose slope at 1 is half as large in `u`; the odd part is `x` times one, whose slope at 1 is half of what
+/// the part's exceeds its value by.
+const fn part(is_odd: bool) -> [[f64; HALF]; HALF] {
     let [at_a, at_b, one, slope] = cubics();
     let mut found = [[0.0; HALF]; HALF];
     let mut power = 0;
     while power < HALF {
         let slope = 0.5 * slope[power];
-        found[power] = [0.5 * at_a[power], 0.5 * at_b[power], 0.5 * one[power], 0.5 * slope];
-        power += 1;
-    }
-    found
-}
-
-/// The odd part is `x` times a cubic in `u`, whose slope at 1 is half of what the part's exceeds its value by.
-const fn odd() -> [[f64; HALF]; HALF] {
-    let [at_a, at_b, one, slope] = cubics();
-    let mut found = [[0.0; HALF]; HALF];
-    let mut power = 0;
-    while power < HALF {
-        let slope = 0.5 * slope[power];
-        let [a, b] = [at_a[power] / PLACES[0], at_b[power] / PLACES[1]];
-        found[power] = [0.5 * a, 0.5 * b, 0.5 * (one[power] - slope), 0.5 * slope];
+        let [a, b, one] = if is_odd {
+            [at_a[power] / PLACES[0], at_b[power] / PLACES[1], one[power] - slope]
+        } else {
+            [at_a[power], at_b[power], one[power]]
+        };
+        found[power] = [0.5 * a, 0.5 * b, 0.5 * one, 0.5 * slope];
         power += 1;
     }
     found
