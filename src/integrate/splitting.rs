@@ -71,12 +71,22 @@ impl Clock {
         (end - time, end)
     }
 
-    /// How many whole steps end before `end` (s), up to `most`, in powers of two below.
+    /// How many whole steps end before `end` (s), up to `most`.
     #[must_use]
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "`as` cuts off and takes what is out of range to the nearest there is"
+    )]
     pub fn room(&self, most: u64, end: f64) -> u64 {
-        let mut count = if self.cuts.is_empty() { most } else { 0 };
+        if !self.cuts.is_empty() {
+            return 0;
+        }
+        // The quotient may be off by its rounding; the steps' own ends decide.
+        let fit = ((end - self.after(0)) / self.step) as u64;
+        let mut count = most.min(fit.saturating_add(1));
         while count > 0 && !self.is_before(self.after(count), end) {
-            count /= 2;
+            count -= 1;
         }
         count
     }
@@ -280,5 +290,31 @@ impl Integrator for SplittingIntegrator<'_> {
 fn add_scaled(values: &mut [f64], rates: &[f64], factor: f64) {
     for (value, rate) in values.iter_mut().zip(rates) {
         *value += factor * rate;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrate::velocity_verlet::VELOCITY_VERLET;
+
+    /// As many as there are one by one, also where the interval is a whole number of steps, or all but one.
+    #[test]
+    fn steps_that_fit_are_those_that_end_before() {
+        let step = 0.1;
+        for origin in [0.0, -3.7, 1e3] {
+            let mut clock = Clock::new(&VELOCITY_VERLET, step, origin);
+            for taken in [0, 3, 1_000] {
+                let start = clock.go(taken);
+                let ends = (0..400_u32).map(|i| f64::from(i) / 8.0).chain([f64::INFINITY, -1.0]);
+                for end in ends.map(|steps| start + steps * step) {
+                    for most in [0, 1, 7, 64] {
+                        let fit = (1..=most).take_while(|i| clock.is_before(clock.after(*i), end));
+                        let (fit, found) = (fit.count() as u64, clock.room(most, end));
+                        assert_eq!(found, fit, "{origin}, {taken}, {end}, {most}");
+                    }
+                }
+            }
+        }
     }
 }

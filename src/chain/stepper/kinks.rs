@@ -18,6 +18,7 @@
 
 use super::forces::Cut;
 use super::gathered::{Gathered, alone, spread};
+use super::guard::{CORRECTION_SHARE, Guard, LATE, MODEL_SHARE};
 use super::known::Known;
 use super::lanes::{Lanes, Row};
 use super::layout::Layout;
@@ -28,45 +29,10 @@ use super::tried::Tried;
 use super::visible::Visible;
 use super::workspace::{Parts, Workspace};
 
-/// Share of a correction that is counted as error: residuals measured on the shipped scenes stayed below (1).
-const CORRECTION_SHARE: f64 = 0.01;
-/// Share of the quintic's own uncertainty that is counted as error (1).
-const MODEL_SHARE: f64 = 0.1;
-/// How long it has to move bodies, as a share of the step (1).
-const LATE: f64 = 0.3;
+/// Up to so many contacts that change sides in a step are looked at each by itself.
+const MOST_ALONE: usize = 4;
 /// An impulse that could move the lightest body by no more than this share of the tolerated error is none (1).
 const NEGLIGIBLE: f64 = 0.01;
-
-/// What corrections add to the error estimate, lane by lane.
-#[derive(Clone, Copy)]
-pub struct Guard<L: Lanes> {
-    /// Of positions (m).
-    pub position: L::V,
-    /// Of velocities (m/s).
-    pub velocity: L::V,
-    /// Largest change of a position (m).
-    pub moved: L::V,
-}
-
-impl<L: Lanes> Guard<L> {
-    /// Nothing.
-    #[inline(always)]
-    pub fn none() -> Self {
-        let none = L::splat(0.0);
-        Self { position: none, velocity: none, moved: none }
-    }
-
-    /// What the correction of one contact adds, whose bodies are so mobile (1/kg), in a step of `h` (s): as [`Correction::kink`] has it.
-    #[inline(always)]
-    fn alone(&mut self, lone: &Lone, mobility: [f64; 2], h: f64) {
-        let lighter = mobility[0].max(-mobility[1]);
-        let [shift, kick] = [lone.pushes[0].abs(), lone.pushes[1].abs()];
-        let model = MODEL_SHARE * lone.uncertainty;
-        self.velocity = L::splat(lighter * (CORRECTION_SHARE * kick).max(model));
-        self.position = L::splat(lighter * (CORRECTION_SHARE * shift).max(LATE * h * model));
-        self.moved = L::splat(lighter * shift);
-    }
-}
 
 /// Impulse (N s) and its moment (N s²) that no body would show, for errors of `tolerance` relative to `scales` (m, m/s) (unit).
 #[inline]
@@ -157,6 +123,38 @@ impl<L: Lanes> Correction<'_, L> {
     }
 }
 
+/// Corrects the `contacts` that change sides, few of them, in a step of `h` (s): each by itself, and none waits for another.
+#[inline(always)]
+fn one_by_one<L: Lanes, Y: Layout, P: Known<N>, const N: usize>(
+    plan: Cut,
+    work: &mut Workspace,
+    (h, contacts): (f64, usize),
+    guard: &mut Guard<L>,
+) {
+    let Workspace { now, next, changed, error_position, error_velocity, finite, .. } = work;
+    let mut found = [None; MOST_ALONE];
+    let (mut left, mut row) = (0, 0);
+    for found in &mut found[..contacts] {
+        while left == 0 {
+            (left, row) = (changed[row], row + 1);
+        }
+        let place = Place::new(row - 1, left.trailing_zeros() as usize);
+        left &= left - 1;
+        *found = Some((place, Lone::new::<L, P, N>((plan, place), [now, next], h)));
+    }
+    let Parts { position, velocity, .. } = next.parts();
+    let (mut rows, mut total) = ([position, velocity, error_position, error_velocity], 0.0);
+    for (place, lone) in found.into_iter().flatten() {
+        let mobility = place.mobility(plan);
+        guard.alone(&lone, mobility, h);
+        for (rows, push) in rows.iter_mut().zip(lone.pushes) {
+            place.add::<L>(rows, mobility.map(|of| of * push));
+        }
+        total += lone.pushes[1];
+    }
+    *finite &= Y::all(L::finite(L::splat(total)));
+}
+
 /// Corrects the step of `h` (s, lane by lane) that `work` holds; whether there is anything that could be seen.
 #[inline(always)]
 pub fn correct<L: Lanes, Y: Layout, P: Known<N>, const N: usize>(
@@ -167,37 +165,30 @@ pub fn correct<L: Lanes, Y: Layout, P: Known<N>, const N: usize>(
 ) -> bool {
     let (rows, visible) = (plan.rows(), Visible::<L>::new(h, slack));
     let plan = Cut::new(plan, rows);
-    let Workspace { now, next, between, changed, error_position, error_velocity, finite, .. } =
-        work;
-    let tried = Tried::<L>::new((plan, rows), [now, next], h);
-    let changed = &mut changed[..rows];
-    let (mut count, mut last) = (0, 0);
+    let tried = Tried::<L>::new((plan, rows), [&work.now, &work.next], h);
+    let changed = &mut work.changed[..rows];
+    let (mut count, mut contacts, mut last) = (0, 0, 0);
     for r in 0..rows {
         if changed[r] != 0 {
             changed[r] &= visible.among::<Y>(&tried, r);
         }
         if changed[r] != 0 {
             (count, last) = (count + 1, r);
+            contacts += changed[r].count_ones() as usize;
         }
     }
     if count == 0 {
         return false;
     }
-    // Mostly it is one contact.
-    if Y::IN_FEW_ROWS && count == 1 && changed[last].is_power_of_two() {
-        let place = Place::new(last, changed[last].trailing_zeros() as usize);
-        let step = L::first(h);
-        let lone = Lone::new::<L, P, N>((plan, place), [now, next], step);
-        let mobility = place.mobility(plan);
-        guard.alone(&lone, mobility, step);
-        let Parts { position, velocity, .. } = next.parts();
-        let rows = [position, velocity, error_position, error_velocity];
-        for (rows, push) in rows.into_iter().zip(lone.pushes) {
-            place.add::<L>(rows, mobility.map(|of| of * push));
-        }
-        *finite &= Y::all(L::finite(L::splat(lone.pushes[1])));
+    // Mostly they are few.
+    if Y::IN_FEW_ROWS && contacts <= MOST_ALONE {
+        one_by_one::<L, Y, P, N>(plan, work, (L::first(h), contacts), guard);
         return true;
     }
+    let Workspace { now, next, between, changed, error_position, error_velocity, finite, .. } =
+        work;
+    let tried = Tried::<L>::new((plan, rows), [now, next], h);
+    let changed = &changed[..rows];
     // Mostly what changes sides stands in one row.
     let one_row = count == 1;
     let mut gathered = Gathered::<L>::new();

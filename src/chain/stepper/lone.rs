@@ -1,5 +1,5 @@
 //! One contact that changes sides in a step of one chain, by itself: the pair's nodes stand side by side instead of contacts, and all else is
-//! done in single numbers, which are there sooner. Nearly always it is one.
+//! done in single numbers, which are there sooner. Mostly it is one, or a few that do not wait for each other.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
 use super::forces::{BY_UNIT, Cut};
@@ -50,6 +50,16 @@ impl Place {
         self.above(rows) - self.here(rows)
     }
 
+    /// Overlap, closing speed and relative acceleration at one end of a step of `h` (s), as [`Ends`] has them.
+    #[inline(always)]
+    fn end(self, plan: Cut, motion: &Motion, h: f64) -> [f64; 3] {
+        [
+            self.here(plan.static_overlap) + self.difference(motion.position()),
+            h * self.difference(motion.velocity()),
+            h * h * self.difference(motion.acceleration()),
+        ]
+    }
+
     /// Adds to `rows` here and above.
     #[inline(always)]
     pub fn add<L: Lanes>(self, rows: &mut [Row], [here, above]: [f64; 2]) {
@@ -75,15 +85,8 @@ type Ends = [[f64; 3]; 2];
 
 /// Of the contact at `place` in a step of `h` (s).
 #[inline(always)]
-fn ends(plan: Cut, place: Place, motions: [&Motion; 2], h: f64) -> Ends {
-    let overlap = place.here(plan.static_overlap);
-    motions.map(|motion| {
-        [
-            overlap + place.difference(motion.position()),
-            h * place.difference(motion.velocity()),
-            h * h * place.difference(motion.acceleration()),
-        ]
-    })
+fn ends(plan: Cut, place: Place, [from, to]: [&Motion; 2], h: f64) -> Ends {
+    [place.end(plan, from, h), place.end(plan, to, h)]
 }
 
 /// A quintic in the fraction of the step.
@@ -263,6 +266,7 @@ fn doubt([[p0, w0, g0], [p1, w1, g1]]: Ends) -> f64 {
 }
 
 /// What the quadrature has missed at one contact.
+#[derive(Clone, Copy)]
 pub struct Lone {
     /// Moment of the impulse (N s²), the impulse (N s), and with a minus what they have put into the error estimates of positions and velocities (unit).
     pub pushes: [f64; 4],

@@ -16,6 +16,7 @@ mod foresight;
 mod frame;
 mod gathered;
 mod group;
+mod guard;
 mod kicks;
 mod kinks;
 mod known;

@@ -5,7 +5,8 @@ use std::marker::PhantomData;
 
 use super::evaluate::{Found, evaluate};
 use super::forces::{self, ALIKE, Cut, EXACT, LINEAR, PLAIN};
-use super::kinks::{self, Guard};
+use super::guard::Guard;
+use super::kinks;
 use super::known::{Known, Pair64, Pair86};
 use super::lanes::{Lanes, Row, Task};
 use super::layout::Layout;
