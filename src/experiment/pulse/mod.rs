@@ -23,6 +23,8 @@ pub const LOWEST_LEVEL: f64 = 1e-3;
 const QUIETEST: f64 = 1e-13;
 /// What two steps' interpolants may differ by where they meet is no jump, as a share of the largest force (1).
 const SMALLEST_JUMP: f64 = 1e-6;
+/// Steps to the first peak that there is room for from the start: mostly there are no more.
+const ROOM_FOR_RISES: usize = 8;
 /// Share of the first peak at which a pulse is said to arrive by its half-rise (1).
 pub const HALF_RISE: f64 = 0.5;
 /// Share of the first peak at which a pulse is said to arrive by its foot (1).
@@ -89,7 +91,7 @@ impl PulseRecorder {
             quietest: QUIETEST * static_force.max(impact),
             rate_before: probe.starting_rate(velocities),
             peaks: Vec::new(),
-            rises: Vec::new(),
+            rises: Vec::with_capacity(ROOM_FOR_RISES),
             forgotten: 0.0,
             largest: 0.0,
             highest: 0.0,
@@ -199,8 +201,9 @@ impl PulseRecorder {
     /// Takes up no more memory than its readings need: of many that are kept, most would be empty.
     pub fn shrink(&mut self) {
         self.forget();
-        self.peaks.shrink_to_fit();
-        self.rises.shrink_to_fit();
+        // Copied, not cut off: what is left is as large as what the next recorder asks for.
+        self.peaks = self.peaks.as_slice().to_vec();
+        self.rises = self.rises.as_slice().to_vec();
     }
 
     fn see(&mut self, looks: &Looks, length: f64, segment: &dyn Fn() -> Segment) {
