@@ -10,11 +10,10 @@
 )]
 
 use super::force_track::{COEFFICIENTS, CONTACTS, LOOKED_AT, LOOKS, Place};
-use super::force_track::{horner_and_slope, lane_forces, septic};
-use super::lanes::{Lanes, Row, Task, WIDTH};
+use super::force_track::{horner_and_slope, lane_forces};
+use super::lanes::{Lanes, Row, WIDTH};
 use super::plan::Form;
-use super::seen::{Depth, Seen};
-use super::wanted::Asked;
+use super::seen::Seen;
 use crate::chain::{Contact, ForceProbe};
 
 /// Bodies that count: the two contacts press three, and two more contacts press those.
@@ -36,7 +35,10 @@ pub type Bodies = [[Row; BODIES]; 3];
 pub type Moves = [[Row; 4]; CONTACTS];
 
 /// The same in registers.
-type Held<L> = [[<L as Lanes>::V; 4]; CONTACTS];
+pub type Held<L> = [[<L as Lanes>::V; 4]; CONTACTS];
+
+/// Overlaps of the two contacts as far as they are closed, and their roots (m, m^0.5): of the plain form, others know their own.
+pub type Pressed<L> = [[<L as Lanes>::V; 2]; CONTACTS];
 
 /// The contacts and bodies around a place in each lane.
 #[derive(Debug, Clone)]
@@ -97,20 +99,21 @@ impl Around {
         (self.bodies[lane] + index).checked_sub(BODIES / 2)
     }
 
-    /// How the two contacts stand where the bodies stand and move as told.
+    /// How the two contacts stand where the bodies stand and move as told, and how they are pressed.
     #[inline(always)]
-    fn moves<L: Lanes>(&self, bodies: &Bodies) -> Held<L> {
+    pub fn moves<L: Lanes>(&self, bodies: &Bodies) -> (Held<L>, Pressed<L>) {
         let [position, velocity, acceleration] = bodies;
         let none = L::splat(0.0);
         let (mut change, mut closing) = ([none; BODIES - 1], [none; BODIES - 1]);
-        let mut rate = [none; BODIES - 1];
+        let (mut rate, mut pressed) = ([none; BODIES - 1], [[none; 2]; BODIES - 1]);
         for j in 0..BODIES - 1 {
             change[j] = L::sub(L::load(&position[j]), L::load(&position[j + 1]));
             closing[j] = L::sub(L::load(&velocity[j]), L::load(&velocity[j + 1]));
             rate[j] = L::mul(L::load(&self.stiffness[j]), closing[j]);
             if self.form != Form::Linear {
-                let overlap = L::add(L::load(&self.static_overlap[j]), change[j]);
-                rate[j] = L::mul(rate[j], L::sqrt(L::max(overlap, none)));
+                let closed = self.closed::<L>(j, change[j]);
+                pressed[j] = [closed, L::sqrt(closed)];
+                rate[j] = L::mul(rate[j], pressed[j][1]);
             }
         }
         let mut jerk = [none; CONTACTS + 1];
@@ -122,20 +125,30 @@ impl Around {
             let bend = L::sub(L::load(&acceleration[w + 1]), L::load(&acceleration[w + 2]));
             moves[w] = [change[w + 1], closing[w + 1], bend, L::sub(jerk[w], jerk[w + 1])];
         }
-        moves
+        (moves, [pressed[1], pressed[2]])
+    }
+
+    /// Overlaps, as far as they are closed, of contact `j` between the bodies where they have changed by `change` (m).
+    #[inline(always)]
+    fn closed<L: Lanes>(&self, j: usize, change: L::V) -> L::V {
+        L::max(L::add(L::load(&self.static_overlap[j]), change), L::splat(0.0))
     }
 
     /// Dynamic forces (N) of contact `which` beside the places and its tangent stiffnesses (N/m), for changes of its overlaps (m).
     #[inline(always)]
     pub fn press<L: Lanes>(&self, which: usize, change: L::V) -> (L::V, L::V) {
-        let [stiffness, static_root, _] = &self.contacts[which];
-        let constants = [L::load(stiffness), L::load(static_root)];
         if self.form != Form::Plain {
-            return lane_forces::<L>(constants, change, self.form);
+            let [stiffness, static_root, _] = &self.contacts[which];
+            return lane_forces::<L>([L::load(stiffness), L::load(static_root)], change, self.form);
         }
-        let overlap = L::add(L::load(&self.static_overlap[which + 1]), change);
-        let closed = L::max(overlap, L::splat(0.0));
-        let slope = L::mul(constants[0], L::sqrt(closed));
+        let closed = self.closed::<L>(which + 1, change);
+        self.press_plain::<L>(which, [closed, L::sqrt(closed)])
+    }
+
+    /// The same in plain form, for overlaps as far as they are closed (m) and their roots (m^0.5).
+    #[inline(always)]
+    fn press_plain<L: Lanes>(&self, which: usize, [closed, root]: [L::V; 2]) -> (L::V, L::V) {
+        let slope = L::mul(L::load(&self.contacts[which][0]), root);
         let whole = L::mul(closed, slope);
         (L::sub(whole, L::load(&self.at_rest[which])), L::mul(L::splat(1.5), slope))
     }
@@ -143,20 +156,44 @@ impl Around {
     /// Force (N) and its rate of change where the contacts' overlaps have changed and change as told (N/s).
     #[inline(always)]
     pub fn feel<L: Lanes>(&self, moves: [[L::V; 2]; CONTACTS]) -> [L::V; 2] {
-        let (mut force, mut rate) = (L::splat(0.0), L::splat(0.0));
+        let mut felt = [L::splat(0.0); 2];
         for which in 0..CONTACTS {
             let [change, closing] = moves[which];
-            let (felt, tangent) = self.press::<L>(which, change);
-            let weight = L::load(&self.contacts[which][2]);
-            force = L::mul_add(weight, felt, force);
-            rate = L::mul_add(L::mul(weight, tangent), closing, rate);
+            felt = self.weigh::<L>(which, self.press::<L>(which, change), closing, felt);
         }
-        [force, rate]
+        felt
+    }
+
+    /// The same where it is known how they are pressed.
+    #[inline(always)]
+    pub fn feel_pressed<L: Lanes>(&self, moves: &Held<L>, pressed: &Pressed<L>) -> [L::V; 2] {
+        if self.form != Form::Plain {
+            return self.feel::<L>([[moves[0][0], moves[0][1]], [moves[1][0], moves[1][1]]]);
+        }
+        let mut felt = [L::splat(0.0); 2];
+        for which in 0..CONTACTS {
+            let press = self.press_plain::<L>(which, pressed[which]);
+            felt = self.weigh::<L>(which, press, moves[which][1], felt);
+        }
+        felt
+    }
+
+    /// Adds what is felt of contact `which` to force (N) and rate of change (N/s), where it has this force (N) and tangent stiffness (N/m).
+    #[inline(always)]
+    fn weigh<L: Lanes>(
+        &self,
+        which: usize,
+        (pressed, tangent): (L::V, L::V),
+        closing: L::V,
+        [force, rate]: [L::V; 2],
+    ) -> [L::V; 2] {
+        let weight = L::load(&self.contacts[which][2]);
+        [L::mul_add(weight, pressed, force), L::mul_add(L::mul(weight, tangent), closing, rate)]
     }
 
     /// What is felt within steps that are joined.
     #[inline(always)]
-    fn look<L: Lanes>(&self, length: &Row, seen: &mut Seen) {
+    pub fn look<L: Lanes>(&self, length: &Row, seen: &mut Seen) {
         const WITHIN: usize = LOOKS - 1;
         let h = L::load(length);
         let (mut forces, mut rates) = ([L::splat(0.0); WITHIN], [L::splat(0.0); WITHIN]);
@@ -181,101 +218,9 @@ impl Around {
     }
 }
 
-/// How overlaps have changed and change.
-#[inline(always)]
-fn first_two<L: Lanes>(moves: &Held<L>) -> [[L::V; 2]; CONTACTS] {
-    [[moves[0][0], moves[0][1]], [moves[1][0], moves[1][1]]]
-}
-
-/// How two contacts move in steps of `length` (s) between the ends `from` and `to`.
-#[inline(always)]
-fn join<L: Lanes>([from, to]: [Held<L>; 2], length: &Row, seen: &mut Seen) {
-    for which in 0..CONTACTS {
-        let overlap = septic::<L>([from[which], to[which]], L::load(length));
-        for power in 0..COEFFICIENTS {
-            L::store(overlap[power], &mut seen.overlaps[which][power]);
-        }
-    }
-}
-
 /// Writes `values` into lane `lane`.
 fn set<const N: usize>(rows: &mut [Row; N], lane: usize, values: [f64; N]) {
     for (row, value) in rows.iter_mut().zip(values) {
         row.0[lane] = value;
-    }
-}
-
-/// Looks into steps on end.
-pub struct OnEnd<'a> {
-    pub around: &'a Around,
-    /// How the contacts stood before: the last lane's are where the first step begins. Afterwards how they stand at the end of each step.
-    pub moves: &'a mut Moves,
-    pub bodies: &'a Bodies,
-    /// Starts and lengths of the steps (s).
-    pub times: (Row, &'a Row),
-    pub seen: &'a mut Seen,
-    /// Force (N) and its rate of change (N/s) before, as in `moves`, and afterwards at the end of each step.
-    pub felt: &'a mut [Row; 2],
-    pub asked: &'a Asked,
-    /// Steps that may hold it whatever is asked, a bit each.
-    pub always: u8,
-    pub depth: Depth,
-}
-
-impl Task for OnEnd<'_> {
-    /// Steps that hold what is asked for, or may, a bit each.
-    type Output = u8;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> u8 {
-        let Self { around, moves, bodies, times: (starts, lengths), seen, felt, asked, .. } = self;
-        let to = around.moves::<L>(bodies);
-        let mut from = to;
-        for which in 0..CONTACTS {
-            for order in 0..4 {
-                let row = &mut moves[which][order];
-                from[which][order] = L::shift_up(L::load(row), to[which][order]);
-                L::store(to[which][order], row);
-            }
-        }
-        let end = around.feel::<L>(first_two::<L>(&to));
-        let mut before = end;
-        for which in 0..felt.len() {
-            before[which] = L::shift_up(L::load(&felt[which]), end[which]);
-            L::store(end[which], &mut felt[which]);
-            L::store(before[which], &mut seen.before[which]);
-        }
-        seen.begin::<L>((starts, lengths), end);
-        let wanted = asked.wanted::<L>(before, end, L::load(lengths)) | self.always;
-        if wanted != 0 || self.depth != Depth::Asked {
-            join::<L>([from, to], lengths, seen);
-        }
-        if wanted != 0 || self.depth == Depth::All {
-            around.look::<L>(lengths, seen);
-        }
-        wanted
-    }
-}
-
-/// Looks into a step in each lane.
-pub struct SideBySide<'a> {
-    pub around: &'a Around,
-    /// Both ends of the steps.
-    pub ends: [&'a Bodies; 2],
-    /// Starts and lengths of the steps (s).
-    pub times: (Row, &'a Row),
-    pub seen: &'a mut Seen,
-}
-
-impl Task for SideBySide<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { around, ends: [from, to], times, seen } = self;
-        let (from, to) = (around.moves::<L>(from), around.moves::<L>(to));
-        seen.begin::<L>(times, around.feel::<L>(first_two::<L>(&to)));
-        join::<L>([from, to], times.1, seen);
-        around.look::<L>(times.1, seen);
     }
 }

@@ -29,6 +29,7 @@ mod lanes_avx512;
 mod lanes_sse2;
 mod layout;
 mod lone;
+mod look_in;
 mod notes;
 mod pacer;
 mod parts;

@@ -80,6 +80,7 @@ pub struct Paced<'a> {
     /// How bodies stand (m) and move (m/s, m/s²) in the rows of those above and below the stiff contact.
     pub noted: &'a mut [[Row; 3]; 2],
     pub going: &'a mut Going,
+    pub times: &'a mut Times,
     pub notes: &'a mut Notes,
 }
 
@@ -96,7 +97,6 @@ pub struct Going {
     many: u64,
     /// Steps taken.
     pub taken: u64,
-    pub times: Times,
     /// Those in which contacts have changed sides.
     pub events: u64,
 }
@@ -105,15 +105,14 @@ impl Going {
     /// Up to so `many` from `start` to `end` (s), none begun at `pause` or later but the first.
     pub fn new(beat: &Beat, start: f64, [end, pause]: [f64; 2], many: u64) -> Self {
         let (h, next) = beat.next(start, end);
-        let (step, times) = ([h, start, next], Times::default());
-        Self { step, end, pause, many, taken: 0, times, events: 0 }
+        Self { step: [h, start, next], end, pause, many, taken: 0, events: 0 }
     }
 
     /// The present step is taken.
     #[inline(always)]
-    pub fn pass(&mut self) {
+    pub fn pass(&mut self, times: &mut Times) {
         let [length, start, end] = self.step;
-        self.times.keep([start, length, end]);
+        times.keep([start, length, end]);
         self.taken += 1;
     }
 }
@@ -168,8 +167,7 @@ impl<'m, L: Lanes> Timing<'m, L> for Paced<'m> {
 
     #[inline(always)]
     fn finish(&mut self) {
-        let going = &mut *self.going;
-        going.pass();
+        self.going.pass(self.times);
         let [above, below] = &*self.noted;
         let course = |stiff: Stiff| stiff.course([above.each_ref(), below.each_ref()]);
         self.pacer.beat.pass(self.pacer.stiff.map_or(NOTHING, course));

@@ -4,9 +4,10 @@
 use super::watched::{Feel, Glance, Watched};
 use super::{ChainGroup, bits};
 use crate::chain::ForceProbe;
-use crate::chain::stepper::around::{SideBySide, row_of};
+use crate::chain::stepper::around::row_of;
 use crate::chain::stepper::dispatch::dispatch;
 use crate::chain::stepper::lanes::{Row, WIDTH};
+use crate::chain::stepper::look_in::SideBySide;
 use crate::chain::stepper::notes::Notes;
 use crate::chain::stepper::seen::Seen;
 

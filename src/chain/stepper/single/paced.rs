@@ -64,7 +64,7 @@ impl InSteps {
         let finite = match laid {
             Laid::Striped => {
                 let noted = &mut Default::default();
-                let paced = Paced { method, pacer, closed, noted, going, notes };
+                let paced = Paced { method, pacer, closed, noted, going, times, notes };
                 dispatch(*set, InPace { plan, work, paced })
             }
             Laid::Tiled | Laid::Along => {
@@ -76,7 +76,7 @@ impl InSteps {
                 pacer.pass(&work.next);
                 let position = work.next.position();
                 let close = Close::<Tiled> { plan, position, closed, layout: PhantomData };
-                going.pass();
+                going.pass(times);
                 going.events = u64::from(dispatch(*set, close));
                 finite
             }
@@ -91,7 +91,6 @@ impl InSteps {
         }
         course.work.turn();
         course.time = next;
-        *times = going.times;
         Ok(Taken { count: going.taken, last: (start, length) })
     }
 }

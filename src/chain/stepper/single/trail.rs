@@ -2,10 +2,11 @@
 
 use super::{Burst, ChainStepper, Course};
 use crate::chain::ForceProbe;
-use crate::chain::stepper::around::{Around, BODIES, Bodies, Moves, OnEnd, row_of};
+use crate::chain::stepper::around::{Around, BODIES, Bodies, Moves, row_of};
 use crate::chain::stepper::dispatch::dispatch;
 use crate::chain::stepper::force_track::Place;
 use crate::chain::stepper::lanes::{Row, WIDTH};
+use crate::chain::stepper::look_in::OnEnd;
 use crate::chain::stepper::notes::{Note, Notes};
 use crate::chain::stepper::samples::{Due, Sample};
 use crate::chain::stepper::seen::{Depth, Seen};
