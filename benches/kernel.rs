@@ -177,24 +177,37 @@ const THREAD_ROUNDS: usize = 25;
 /// Streams of square roots that are shared out to threads.
 const STREAMS: u32 = 20_000;
 
+/// An ensemble, by its words.
+type Named = (String, Vec<ensemble::Case>, Integration);
+
 /// Throughput of ensembles over that of single chains, first peaks followed in both, and of two threads over one.
 fn ensembles() {
-    println!(
-        "| throughput of {ENSEMBLE} chains of their own speeds | over single chains, one thread | two threads over one, wall time | us a chain |\n|---|---|---|---|"
-    );
-    for (name, accuracy) in [("P37", 1e-3), ("P37", 1e-6), ("G37", 1e-3), ("G37", 1e-6)] {
-        let words = format!("{name} at {accuracy:.0e}");
-        ensemble(&words, &Case::named(name).expect("a scene"), Integration::Accuracy(accuracy));
-    }
-    for (name, method, step) in [
+    let case = |name| Case::named(name).expect("a scene");
+    let held =
+        [("P37", 1e-3), ("P37", 1e-6), ("G37", 1e-3), ("G37", 1e-6)].map(|(name, accuracy)| {
+            let words = format!("{name} at {accuracy:.0e}");
+            (words, members(&case(name)), Integration::Accuracy(accuracy))
+        });
+    let fixed = [
         ("P37", "force-gradient", 1.0),
         ("P37", "force-gradient", 0.3),
         ("G37", "velocity-verlet", 0.1),
-    ] {
-        let case = Case::named(name).expect("a scene");
+    ]
+    .map(|(name, method, step)| {
+        let case = case(name);
         let method = ours::method(method, step, &case).expect("a method");
         let words = format!("{name}, {}, steps of {step} units", method.name());
-        ensemble(&words, &case, Integration::Method(method));
+        (words, members(&case), Integration::Method(method))
+    });
+    let all: Vec<Named> = held.into_iter().chain(fixed).collect();
+    // One thread before there is a second: what several leave with the allocator takes one by itself a few per cent more time.
+    let alone: Vec<[f64; 2]> = all.iter().map(over_single).collect();
+    println!(
+        "| throughput of {ENSEMBLE} chains of their own speeds | over single chains, one thread | two threads over one, wall time | us a chain |\n|---|---|---|---|"
+    );
+    for (named, [gain, time]) in all.iter().zip(alone) {
+        let threads = over(|| together(named, 1), || together(named, 2));
+        println!("| {} | {gain:.2} | {threads:.2} | {time:.1} |", named.0);
     }
     println!("| a stream of square roots, shared out | | {:.2} | |\n", second_processor());
 }
@@ -229,36 +242,41 @@ fn over(one: impl Fn(), two: impl Fn()) -> f64 {
     median(&mut ratios)
 }
 
-fn ensemble(words: &str, case: &Case, integration: Integration) {
-    let cases: Vec<ensemble::Case> = (0..ENSEMBLE)
-        .map(|index| {
-            let speed = 1.0 + 0.2 * f64::from(index) / f64::from(ENSEMBLE);
-            ensemble::Case {
-                chain: case.chain.clone(),
-                velocities: case.velocities.iter().map(|v| speed * v).collect(),
-                probes: case.probes(),
-                duration: case.duration,
-            }
-        })
-        .collect();
-    let together = |threads: usize| {
-        let found = Ensemble::by(integration).threads(threads).run(&cases, &|_| ());
-        assert!(found.iter().all(Result::is_ok), "{words}");
+/// Chains like that of `case`, each of its own speed.
+fn members(case: &Case) -> Vec<ensemble::Case> {
+    let member = |index| {
+        let speed = 1.0 + 0.2 * f64::from(index) / f64::from(ENSEMBLE);
+        ensemble::Case {
+            chain: case.chain.clone(),
+            velocities: case.velocities.iter().map(|v| speed * v).collect(),
+            probes: case.probes(),
+            duration: case.duration,
+        }
     };
+    (0..ENSEMBLE).map(member).collect()
+}
+
+/// Runs them on so many threads.
+fn together((words, cases, integration): &Named, threads: usize) {
+    let found = Ensemble::by(*integration).threads(threads).run(cases, &|_| ());
+    assert!(found.iter().all(Result::is_ok), "{words}");
+}
+
+/// Throughput over that of single chains, on one thread, and time of a chain (us).
+fn over_single(named: &Named) -> [f64; 2] {
+    let (_, cases, integration) = named;
     let alone = || {
-        for case in &cases {
-            case.run_alone(integration).expect("a run");
+        for case in cases {
+            case.run_alone(*integration).expect("a run");
         }
     };
     let (mut gains, mut times) = (Vec::new(), Vec::new());
     for _ in 0..ROUNDS {
-        let (single, group) = (time(SLICE, alone), time(SLICE, || together(1)));
+        let (single, group) = (time(SLICE, alone), time(SLICE, || together(named, 1)));
         gains.push(single / group);
         times.push(1e6 * group / f64::from(ENSEMBLE));
     }
-    let (gain, time) = (median(&mut gains), median(&mut times));
-    let threads = over(|| together(1), || together(2));
-    println!("| {words} | {gain:.2} | {threads:.2} | {time:.1} |");
+    [median(&mut gains), median(&mut times)]
 }
 
 /// CPU time of whole processes, user and system: the middle one of many.
