@@ -10,7 +10,7 @@ use super::effects::auto::settle;
 use super::parallel::{in_parallel, processors};
 use super::pulse::PulseRecorder;
 use super::{Integration, losses};
-use crate::chain::stepper::{ChainGroup, InstructionSet, Kind, Member};
+use crate::chain::stepper::{ChainGroup, GroupTrail, InstructionSet, Kind, Member};
 use crate::chain::{Chain, ForceProbe};
 use crate::integrate::{IntegrateError, Method, Scheme, Work};
 use crate::scene::{PlacedSensor, Scene, Site};
@@ -35,6 +35,14 @@ pub struct Readout {
     pub pulses: Vec<PulseRecorder>,
     /// What it cost.
     pub work: Work,
+}
+
+/// Where a thread runs its groups, one after the other, so that each finds its memory where the one before has left it, next to the processor.
+#[derive(Default)]
+struct Room {
+    group: Option<ChainGroup>,
+    trail: GroupTrail,
+    pulses: Vec<Vec<PulseRecorder>>,
 }
 
 /// What the chains of a group have in common.
@@ -84,13 +92,13 @@ impl Ensemble {
     ) -> Vec<Result<Readout, IntegrateError>> {
         let cases: Vec<&Case> = cases.iter().map(Borrow::borrow).collect();
         let blocks: Vec<&[&Case]> = cases.chunks(BLOCK).collect();
-        let sort = |block: &&[&Case]| -> Vec<Option<Sort>> {
+        let sort = |(): &mut (), block: &&[&Case]| -> Vec<Option<Sort>> {
             block.iter().map(|case| case.sort(self.integration)).collect()
         };
         let sorts = in_parallel(self.threads, &blocks, &sort, &|_| ()).concat();
         let groups = groups(&sorts);
-        let run = |group: &Vec<usize>| {
-            let found = self.run_group(&cases, group);
+        let run = |room: &mut Room, group: &Vec<usize>| {
+            let found = self.run_group(room, &cases, group);
             done(group.len());
             found
         };
@@ -101,13 +109,22 @@ impl Ensemble {
         results.into_iter().map(|(_, result)| result).collect()
     }
 
-    fn run_group(&self, cases: &[&Case], group: &[usize]) -> Vec<Result<Readout, IntegrateError>> {
+    fn run_group(
+        &self,
+        room: &mut Room,
+        cases: &[&Case],
+        group: &[usize],
+    ) -> Vec<Result<Readout, IntegrateError>> {
         let members: Vec<&Case> = group.iter().map(|index| cases[*index]).collect();
         let first = members.first().filter(|case| case.chain.is_plain());
         match first.and_then(|case| case.method(self.integration).scheme()) {
             Some(scheme) => {
                 let all: Vec<Member<'_>> = members.iter().map(|case| case.member()).collect();
-                let found = follow(ChainGroup::new(&all, scheme, self.set), &members);
+                let group = match room.group.take() {
+                    Some(group) => group.again(&all, scheme),
+                    None => ChainGroup::new(&all, scheme, self.set),
+                };
+                let found = room.follow(group, &members);
                 // Steps are taken several at once: alone it is found which body was lost first, and when.
                 let alone = |case: &Case| case.run_alone(self.integration).err();
                 let exact = |(case, failed)| alone(case).unwrap_or(failed);
@@ -180,6 +197,18 @@ impl Case {
         Self { probes, velocities: settled.velocities(1), duration: settled.duration, chain }
     }
 
+    /// Has `pulses` be what its probes will have felt, nothing yet.
+    fn listen(&self, pulses: &mut Vec<PulseRecorder>) {
+        let (impact, velocities) = (self.chain.impact_force(&self.velocities), &self.velocities);
+        pulses.truncate(self.probes.len());
+        for (index, probe) in self.probes.iter().enumerate() {
+            match pulses.get_mut(index) {
+                Some(pulse) => pulse.again(probe, impact, velocities),
+                None => pulses.push(PulseRecorder::new(probe, impact, velocities)),
+            }
+        }
+    }
+
     fn member(&self) -> Member<'_> {
         Member { chain: &self.chain, velocities: &self.velocities, duration: self.duration }
     }
@@ -214,31 +243,38 @@ impl Case {
     }
 }
 
-/// Moves a group to its end and reads its forces.
-fn follow(mut group: ChainGroup, cases: &[&Case]) -> Vec<Result<Readout, IntegrateError>> {
-    let recorders = |case: &&Case| {
-        let impact = case.chain.impact_force(&case.velocities);
-        let recorder = |p: &ForceProbe| PulseRecorder::new(p, impact, &case.velocities);
-        case.probes.iter().map(recorder).collect()
-    };
-    let mut pulses: Vec<Vec<PulseRecorder>> = cases.iter().map(recorders).collect();
-    let probes: Vec<&[ForceProbe]> = cases.iter().map(|case| &*case.probes).collect();
-    let mut trail = group.trail(&probes);
-    for (lane, pulses) in pulses.iter().enumerate() {
-        for (place, pulse) in pulses.iter().enumerate() {
-            trail.begin((place, lane), pulse.felt(), pulse.asks());
+impl Room {
+    /// Moves a group to its end and reads its forces.
+    fn follow(
+        &mut self,
+        mut group: ChainGroup,
+        cases: &[&Case],
+    ) -> Vec<Result<Readout, IntegrateError>> {
+        let Self { trail, pulses, .. } = self;
+        pulses.resize_with(cases.len(), Vec::new);
+        pulses.iter_mut().zip(cases).for_each(|(pulses, case)| case.listen(pulses));
+        let probes: Vec<&[ForceProbe]> = cases.iter().map(|case| &*case.probes).collect();
+        group.begin_trail(trail, &probes);
+        for (lane, pulses) in pulses.iter().enumerate() {
+            for (place, pulse) in pulses.iter().enumerate() {
+                trail.begin((place, lane), pulse.felt(), pulse.asks());
+            }
         }
-    }
-    while !group.is_done() {
-        group.follow(&mut trail);
-        if trail.is_full() || group.is_done() {
-            group.read(&mut trail, &mut |(place, lane), before, seen| {
-                let pulse = &mut pulses[lane][place];
-                [pulse.go_on(before, seen, lane), pulse.asks()]
-            });
+        while !group.is_done() {
+            group.follow(trail);
+            if trail.is_full() || group.is_done() {
+                group.read(trail, &mut |(place, lane), before, seen| {
+                    let pulse = &mut pulses[lane][place];
+                    [pulse.go_on(before, seen, lane), pulse.asks()]
+                });
+            }
         }
+        let readout = |(lane, pulses): (usize, &mut Vec<PulseRecorder>)| {
+            let work = group.outcome(lane)?;
+            Ok(Readout { pulses: pulses.iter_mut().map(PulseRecorder::readings).collect(), work })
+        };
+        let found = pulses.iter_mut().enumerate().map(readout).collect();
+        self.group = Some(group);
+        found
     }
-    pulses.iter_mut().flatten().for_each(PulseRecorder::shrink);
-    let outcomes = pulses.into_iter().enumerate();
-    outcomes.map(|(i, pulses)| Ok(Readout { pulses, work: group.outcome(i)? })).collect()
 }

@@ -1,8 +1,8 @@
 //! Independent jobs on several threads.
 
 use std::num::NonZero;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, Once};
 
 /// Threads that this machine runs at once.
 #[must_use]
@@ -17,33 +17,33 @@ const KEPT: usize = 16 << 20;
 /// by page in the next thread, which took a twelfth of an ensemble's time; how much it keeps follows the largest block that was freed so far, of which
 /// no page need be touched. Source: mallopt(3), `M_MMAP_THRESHOLD`, `M_TRIM_THRESHOLD`. To others it is a block like any.
 fn keep_memory() {
-    drop(std::hint::black_box(Vec::<u8>::with_capacity(KEPT)));
+    static FREED: Once = Once::new();
+    FREED.call_once(|| drop(std::hint::black_box(Vec::<u8>::with_capacity(KEPT))));
 }
 
-/// What `work` makes of each of `jobs`, in their order, on up to `threads` threads, this one among them. `done` hears how many are
-/// finished, from any of them.
-pub fn in_parallel<J: Sync, R: Send>(
+/// What `work` makes of each of `jobs`, in their order, on up to `threads` threads, this one among them. Each thread has a room of its own to work
+/// in, where it finds what it has left there. `done` hears how many are finished, from any of them.
+pub fn in_parallel<S: Default, J: Sync, R: Send>(
     threads: usize,
     jobs: &[J],
-    work: &(dyn Fn(&J) -> R + Sync),
+    work: &(dyn Fn(&mut S, &J) -> R + Sync),
     done: &(dyn Fn(usize) + Sync),
 ) -> Vec<R> {
     let next = AtomicUsize::new(0);
     let results = Mutex::new(Vec::with_capacity(jobs.len()));
     let hand = || {
+        let mut room = S::default();
         loop {
             let index = next.fetch_add(1, Ordering::Relaxed);
             let Some(job) = jobs.get(index) else { break };
-            let result = work(job);
+            let result = work(&mut room, job);
             if let Ok(mut results) = results.lock() {
                 results.push((index, result));
                 done(results.len());
             }
         }
     };
-    if threads.min(jobs.len()) > 1 {
-        keep_memory();
-    }
+    keep_memory();
     std::thread::scope(|scope| {
         for _ in 1..threads.min(jobs.len()) {
             scope.spawn(hand);

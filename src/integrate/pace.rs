@@ -69,6 +69,15 @@ pub struct Course {
     pub bend: f64,
 }
 
+impl Course {
+    /// Whether it is open and will not close within `time` (s), as far as can be told.
+    #[inline]
+    fn stays_open(&self, time: f64) -> bool {
+        let Self { overlap, closing, bend } = *self;
+        closing.max(0.0) * time + 0.5 * bend.max(0.0) * time * time <= -overlap
+    }
+}
+
 /// The contact of a system without a stiff one: a gap that nothing closes.
 pub const NOTHING: Course = Course { overlap: -1.0, closing: 0.0, bend: 0.0 };
 
@@ -103,6 +112,22 @@ impl Beat {
         if next + REMAINDER * self.length < end { (self.length, next) } else { (end - time, end) }
     }
 
+    /// How many steps are as long as the next, one at least and up to `most`, from `time` to `end` (s): as far as can be told while the stiff contact is on
+    /// this `course`, [`NOTHING`] if there is none.
+    #[must_use]
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_precision_loss,
+        reason = "`as` cuts off and takes what is out of range to the nearest there is; they are few"
+    )]
+    pub fn alike(&self, course: Course, [time, end]: [f64; 2], most: usize) -> usize {
+        let fit = ((end - time) / self.length) as usize;
+        let count = most.min(fit).max(1);
+        let goes_on = self.length >= self.long && course.stays_open(self.length * count as f64);
+        if goes_on { count } else { 1 }
+    }
+
     /// A step has brought the stiff contact on this `course`, [`NOTHING`] if there is none.
     #[inline]
     pub fn pass(&mut self, course: Course) {
@@ -124,9 +149,10 @@ impl Beat {
 
     /// A long step with the contact open, or up to where it closes.
     #[inline]
-    fn towards(&self, Course { overlap, closing, bend }: Course) -> f64 {
+    fn towards(&self, course: Course) -> f64 {
+        let Course { overlap, closing, bend } = course;
         let (gap, long) = (-overlap, self.long);
-        if closing.max(0.0) * long + 0.5 * bend.max(0.0) * long * long <= gap {
+        if course.stays_open(long) {
             return long;
         }
         // Where `closing t + bend/2 t^2` is the gap.

@@ -5,7 +5,7 @@ use hertzscope::chain::stepper::InstructionSet;
 use hertzscope::chain::{Chain, ForceProbe};
 use hertzscope::experiment::Integration;
 use hertzscope::experiment::ensemble::{Case, Readout};
-use hertzscope::integrate::Method;
+use hertzscope::integrate::{Method, Work};
 use hertzscope::scene::Scene;
 
 use super::chains::{diatomic, pressed, ptfe_sphere, steel_cylinder};
@@ -112,6 +112,22 @@ fn fixed_steps_are_the_same_in_lanes() {
         let worst = pairs.map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
         println!("{}: {worst:.1e}", method.name());
         assert!(worst < 1e-9, "{}: {worst:e}", method.name());
+    }
+}
+
+/// Lanes whose steps change their length at times of their own take those that they would take alone, as many of them, and end in the same places.
+#[test]
+fn paced_lanes_take_steps_of_their_own() {
+    let method = Method::PacedForceGradient { tolerance: 1e-3 };
+    let ensemble = Ensemble::by(Integration::Method(method));
+    for scene in ["gravity-2.75g", "magnet-0.61g", "magnet-17.81g"] {
+        let cases = strikers(scene, 11);
+        let found = ensemble.run(&cases, &|_| ());
+        let works: Vec<Work> = found.into_iter().map(|run| run.expect("a run").work).collect();
+        let alone = |case: &Case| case.run_alone(Integration::Method(method)).expect("a run").work;
+        assert_eq!(works, cases.iter().map(alone).collect::<Vec<Work>>(), "{scene}");
+        assert!(works[1..].iter().any(|work| *work != works[0]), "{scene}");
+        each_is_as_alone(ensemble, &cases, &run(ensemble, &cases));
     }
 }
 

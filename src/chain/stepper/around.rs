@@ -41,7 +41,7 @@ pub type Held<L> = [[<L as Lanes>::V; 4]; CONTACTS];
 pub type Pressed<L> = [[<L as Lanes>::V; 2]; CONTACTS];
 
 /// The contacts and bodies around a place in each lane.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Around {
     /// Index of the body in the middle.
     bodies: [usize; WIDTH],
@@ -62,15 +62,7 @@ pub struct Around {
 impl Around {
     /// Places where nothing is.
     pub fn nothing(form: Form) -> Self {
-        Self {
-            bodies: [0; WIDTH],
-            static_overlap: Default::default(),
-            stiffness: Default::default(),
-            inverse_mass: Default::default(),
-            contacts: Default::default(),
-            at_rest: Default::default(),
-            form,
-        }
+        Self { form, ..Self::default() }
     }
 
     /// Puts the place of `probe` into lane `lane`.

@@ -3,6 +3,7 @@
 
 use super::lanes::{Row, WIDTH};
 use super::strip::{At, FOUR};
+use super::workspace::anew;
 
 /// Positions (m), velocities (m/s) and accelerations (m/s²) of a row.
 pub type Note = [Row; 3];
@@ -45,19 +46,29 @@ impl Notes {
     /// Of `steps` steps, of rows that `asked` has a place for.
     pub fn new(steps: usize, asked: impl Iterator<Item = usize>) -> Self {
         // Bodies around a place, of which most lie in rows of their own.
-        let mut which = Vec::with_capacity(WIDTH);
-        for row in asked {
+        let (which, room) = (Vec::with_capacity(WIDTH), Vec::with_capacity(WIDTH));
+        let mut notes = Self { which, asked: room, ..Self::default() };
+        notes.ask(steps, asked);
+        notes
+    }
+
+    /// As [`Self::new`] has them, in the memory that there is.
+    pub fn ask(&mut self, steps: usize, rows: impl Iterator<Item = usize>) {
+        let Self { which, asked, kept, count } = self;
+        which.clear();
+        for row in rows {
             which.resize(which.len().max(row + 1), 0);
             which[row] = 1;
         }
-        let (mut asked, mut notes) = (Vec::with_capacity(WIDTH), 0);
+        asked.clear();
+        let mut notes = 0;
         for (row, which) in which.iter_mut().enumerate().filter(|(_, which)| **which > 0) {
             notes += 1;
             *which = notes;
             asked.push(row);
         }
-        let kept = vec![Note::default(); asked.len() * steps];
-        Self { which, asked, kept, count: 0 }
+        anew(kept, asked.len() * steps);
+        *count = 0;
     }
 
     /// Begins anew.

@@ -1,5 +1,6 @@
 //! Which paced step comes next, of a chain in rows.
 
+use super::around::row_of;
 use super::lanes::Row;
 use super::workspace::Motion;
 use crate::integrate::Pacing;
@@ -34,11 +35,6 @@ impl Stiff {
         let overlap = self.static_overlap + across(0);
         Course { overlap, closing: across(1), bend: across(2) }
     }
-
-    fn course_in(&self, motion: &Motion) -> Course {
-        let rows = |row: usize| motion.moving().map(|rows| &rows[row]);
-        self.course([rows(self.above.map_or(0, |(row, _)| row)), rows(self.at.0)])
-    }
 }
 
 impl Pacer {
@@ -56,12 +52,31 @@ impl Pacer {
             let static_overlap = stiff.static_overlap;
             Stiff { at, above: above.map(&place), static_overlap }
         });
-        let course = stiff.map_or(NOTHING, |stiff| stiff.course_in(now));
-        Self { beat: Beat::new(pacing, tolerance, course), stiff }
+        let beat = Beat::new(pacing, tolerance, course_of(stiff, |row| row_of(now.moving(), row)));
+        Self { beat, stiff }
+    }
+
+    /// How the stiff contact moves, given how rows stand and move; as if there were none if `of` does not know its rows.
+    pub fn course<'a>(&self, of: impl Fn(usize) -> Option<[&'a Row; 3]>) -> Course {
+        course_of(self.stiff, of)
+    }
+
+    /// How many steps are as long as the next, up to `most`, as [`Beat::alike`] tells from how the chain moves `now`.
+    pub fn alike(&self, now: &Motion, times: [f64; 2], most: usize) -> usize {
+        self.beat.alike(self.course(|row| row_of(now.moving(), row)), times, most)
     }
 
     /// A step has come to `next`.
     pub fn pass(&mut self, next: &Motion) {
-        self.beat.pass(self.stiff.map_or(NOTHING, |stiff| stiff.course_in(next)));
+        self.beat.pass(self.course(|row| row_of(next.moving(), row)));
     }
+}
+
+fn course_of<'a>(stiff: Option<Stiff>, of: impl Fn(usize) -> Option<[&'a Row; 3]>) -> Course {
+    let course = |stiff: Stiff| {
+        let below = of(stiff.at.0)?;
+        let above = stiff.above.map_or(Some(below), |(row, _)| of(row))?;
+        Some(stiff.course([above, below]))
+    };
+    stiff.and_then(course).unwrap_or(NOTHING)
 }

@@ -37,8 +37,10 @@ pub struct Steps<'a> {
     pub length: &'a Row,
     /// How many.
     pub count: u64,
-    /// What is noted of all but the last two.
+    /// What is noted of all but the last two, or of all but the last where the start is kept.
     pub notes: &'a mut Notes,
+    /// Whether what moves stays where it was at the start of the first, so that they can be taken again, and not at the start of the last.
+    pub keeps_start: bool,
 }
 
 /// Pauses that steps of `method` need in so many rows.
@@ -46,8 +48,8 @@ pub fn pauses(method: &Splitting, rows: usize) -> usize {
     if rows > AT_ONCE { 2 * method.drifts.len() } else { 0 }
 }
 
-/// Takes steps of a chain that does not fit into the registers, as [`super::splits::steps`] does. All but the last are taken in place: less
-/// memory is read and written.
+/// Takes steps of a chain that does not fit into the registers, as [`super::splits::steps`] does. All but the last are taken in place, or all but the
+/// first where the start is kept: less memory is read and written.
 #[inline(always)]
 pub fn long<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
     plan: &Plan,
@@ -59,8 +61,9 @@ pub fn long<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
     let plan = Cut::of::<FORM>(plan, rows);
     let (now, next) = (work.now.parts(), work.next.parts());
     let (mut before, mut after) = (cut(now, (rows, shown)), cut(next, (rows, shown)));
+    let keeps_start = steps.keeps_start;
     for left in (0..steps.count).rev() {
-        let is_last = left == 0;
+        let moves_on = if keeps_start { left + 1 == steps.count } else { left == 0 };
         let mut step = Step::<Y, FORM, GRADIENT> {
             plan,
             method: steps.method,
@@ -70,12 +73,12 @@ pub fn long<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
             pauses: &mut work.pauses,
             notes: &mut *steps.notes,
             is_begun: left + 1 < steps.count,
-            goes_on: left > 1,
+            goes_on: left > u64::from(!keeps_start),
             layout: PhantomData,
         };
-        if is_last {
+        if moves_on {
             step.from = Some([&*before[0], &*before[1], &*before[2], &*before[3]]);
-        } else {
+        } else if !keeps_start {
             step.moving = &mut before;
         }
         step.take::<L>();

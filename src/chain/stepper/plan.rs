@@ -4,6 +4,7 @@
 
 use super::lanes::{Row, WIDTH};
 use super::layout::Layout;
+use super::workspace::anew;
 use crate::chain::{Body, Chain, Contact};
 use crate::integrate::Scheme;
 
@@ -11,9 +12,10 @@ use crate::integrate::Scheme;
 pub const FEW: usize = 5;
 
 /// How forces are computed from overlaps.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Form {
     /// `A overlap^1.5`: rounds to 2 ulp of the static force.
+    #[default]
     Plain,
     /// Without cancellation, for waves far below the preload; one division more.
     Exact,
@@ -22,7 +24,7 @@ pub enum Form {
 }
 
 /// Contacts and bodies in rows.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Plan {
     /// How forces are computed.
     pub form: Form,
@@ -40,7 +42,7 @@ pub struct Plan {
 }
 
 /// What becomes of forces over the stiffness `A` that all contacts of a chain share: an operation and a number less for each.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Alike {
     /// `A` over the mass of each body (m^-0.5 s^-2).
     pub mobility: Vec<Row>,
@@ -97,13 +99,12 @@ pub struct Rest {
     pub static_force: Row,
 }
 
-impl Rest {
+impl Default for Rest {
     /// Of contacts that there are none of.
-    const NONE: Self = Self {
-        floor: Row([f64::NAN; WIDTH]),
-        static_root: Row([0.0; WIDTH]),
-        static_force: Row([0.0; WIDTH]),
-    };
+    fn default() -> Self {
+        let (static_root, static_force) = Default::default();
+        Self { floor: Row([f64::NAN; WIDTH]), static_root, static_force }
+    }
 }
 
 /// Where there is nothing to touch, there is a gap that nothing closes (m).
@@ -163,35 +164,34 @@ impl Plan {
     #[must_use]
     pub fn one<Y: Layout>(chain: &Chain, scheme: Scheme, form: Form) -> Self {
         let rows = rows_of(chain);
-        let mut plan = Self::empty(form, rows);
+        let mut plan = Self::default();
+        plan.empty(form, rows);
         plan.fill(chain, chain.contacts().len(), |j| Y::place(rows, j, 0));
         if matches!(scheme, Scheme::Pair(..)) {
             plan.watch(chain, |j| Y::place(rows, j, 0));
         }
         let shared = shared_stiffness(chain, scheme, form).filter(|_| Y::TILE != 0);
         if let Some(stiffness) = shared {
-            plan.share(Row([stiffness; WIDTH]));
+            plan.share(Row([stiffness; WIDTH]), Alike::default());
         }
         plan
     }
 
-    /// Up to eight chains of the same number of bodies across the rows, which share stiffnesses or do not; lanes left over hold nothing.
-    #[must_use]
-    pub fn across(chains: &[&Chain], scheme: Scheme, form: Form) -> Self {
+    /// Has it be up to eight chains of the same number of bodies across the rows, which share stiffnesses or not; lanes left over hold nothing.
+    pub fn across(&mut self, chains: &[&Chain], scheme: Scheme, form: Form) {
         let rows = chains.first().map_or(0, |chain| chain.contacts().len());
-        let mut plan = Self::empty(form, rows);
+        let alike = self.empty(form, rows);
         for (lane, chain) in chains.iter().enumerate().take(WIDTH) {
-            plan.fill(chain, rows.min(chain.contacts().len()), |j| (j, lane));
+            self.fill(chain, rows.min(chain.contacts().len()), |j| (j, lane));
             if matches!(scheme, Scheme::Pair(..)) {
-                plan.watch(chain, |j| (j, lane));
+                self.watch(chain, |j| (j, lane));
             }
         }
         let shared = |chain: &&Chain| shared_stiffness(chain, scheme, form);
         if let Some(shared) = chains.iter().map(shared).collect::<Option<Vec<f64>>>() {
             let lane = |lane| shared.get(lane).copied().unwrap_or(1.0);
-            plan.share(Row(std::array::from_fn(lane)));
+            self.share(Row(std::array::from_fn(lane)), alike);
         }
-        plan
     }
 
     /// Number of rows that the loops go over.
@@ -235,27 +235,27 @@ impl Plan {
         (std::array::from_fn(&mut next), &mut self.rest)
     }
 
-    fn empty(form: Form, rows: usize) -> Self {
-        Self {
-            form,
-            live: rows,
-            constants: vec![Row::default(); CONSTANTS * rows],
-            rest: vec![Rest::NONE; rows],
-            alike: None,
-            watched: Vec::new(),
-        }
+    /// Nothing in `rows` rows; gives back what there was of chains that shared a stiffness.
+    fn empty(&mut self, form: Form, rows: usize) -> Alike {
+        (self.form, self.live) = (form, rows);
+        anew(&mut self.constants, CONSTANTS * rows);
+        anew(&mut self.rest, rows);
+        self.watched.clear();
+        self.alike.take().unwrap_or_default()
     }
 
-    /// Has the chain of each lane in units of the stiffness that its contacts share, too (N/m^1.5); what is balanced is yet to be settled.
-    pub fn share(&mut self, stiffness: Row) {
+    /// Has the chain of each lane in units of the stiffness that its contacts share, too (N/m^1.5), in the memory of `alike`; what is balanced is yet to be
+    /// settled.
+    fn share(&mut self, stiffness: Row, mut alike: Alike) {
         let Constants { inverse_mass, balanced, .. } = self.constants();
         let times = |of: &Row| Row(std::array::from_fn(|lane| of.0[lane] * stiffness.0[lane]));
         let over = |of: &Row| Row(std::array::from_fn(|lane| of.0[lane] / stiffness.0[lane]));
-        self.alike = Some(Alike {
-            mobility: inverse_mass.iter().map(times).collect(),
-            balanced: balanced.iter().map(over).collect(),
-            static_force: vec![Row::default(); self.all_rows()],
-        });
+        alike.mobility.clear();
+        alike.mobility.extend(inverse_mass.iter().map(times));
+        alike.balanced.clear();
+        alike.balanced.extend(balanced.iter().map(over));
+        anew(&mut alike.static_force, self.all_rows());
+        self.alike = Some(alike);
     }
 
     /// Watches those contacts of `chain` that are as stiff for their bodies as the stiffest, if they are few.

@@ -308,7 +308,7 @@ mod tests {
     /// Steps of a wave that presses contacts by `1 + amplitude sin(phase)` of what they bear at rest, one each eighth of a turn.
     fn wave(probe: &ForceProbe, amplitude: f64, turn: f64) -> Seen {
         let still = probe.contacts()[0].static_overlap;
-        let mut seen = Seen::nothing();
+        let mut seen = Seen::default();
         let felt = [0.0, turn].map(|since| felt(probe, amplitude, turn, since));
         seen.begin::<Baseline>((Row::default(), &Row([1.0; WIDTH])), felt[1]);
         seen.before = felt[0].map(Row);

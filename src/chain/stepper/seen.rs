@@ -16,7 +16,7 @@ pub enum Depth {
 }
 
 /// Steps as they were felt, one in each lane.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Seen {
     /// Starts and lengths (s).
     starts: Row,
@@ -32,18 +32,6 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// Nothing yet.
-    pub fn nothing() -> Self {
-        Self {
-            starts: Row::default(),
-            lengths: Row::default(),
-            before: Default::default(),
-            overlaps: Default::default(),
-            forces: Default::default(),
-            rates: Default::default(),
-        }
-    }
-
     /// Steps from `starts` on of `lengths` (s), at whose ends these forces (N) and rates of change (N/s) are felt.
     #[inline(always)]
     pub(super) fn begin<L: Lanes>(

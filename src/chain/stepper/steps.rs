@@ -25,7 +25,7 @@ pub const UNMOVED: f64 = 0.03;
 /// What fixed steps are taken to be after: forces are computed so that rounding stays below (1).
 const FINEST: f64 = 1e-11;
 /// Fixed steps that are taken without a look at what has come of them.
-pub const AT_ONCE: u64 = 64;
+pub const AT_ONCE: u32 = 64;
 
 /// The accuracy that forces are computed for (1).
 pub fn finest_asked(scheme: Scheme) -> f64 {

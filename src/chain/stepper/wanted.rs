@@ -18,12 +18,14 @@ pub struct Asked {
     level: Row,
 }
 
-impl Asked {
+impl Default for Asked {
     /// Nothing, of any lane.
-    pub fn nothing() -> Self {
+    fn default() -> Self {
         Self { maximum: Row([f64::INFINITY; WIDTH]), level: Row([f64::INFINITY; WIDTH]) }
     }
+}
 
+impl Asked {
     /// Asks lane `lane` for maxima above the first and any forces above the second (N).
     pub fn ask(&mut self, lane: usize, [maximum, level]: [f64; 2]) {
         (self.maximum.0[lane], self.level.0[lane]) = (maximum, level);
@@ -89,7 +91,7 @@ mod tests {
 
     impl Cubics {
         fn nothing() -> Self {
-            Self { asked: Asked::nothing(), before: Default::default(), end: Default::default() }
+            Self { asked: Asked::default(), before: Default::default(), end: Default::default() }
         }
 
         fn put(&mut self, lane: usize, [first, climb, last, slope]: [f64; 4]) {

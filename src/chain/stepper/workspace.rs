@@ -13,7 +13,7 @@ pub const BETWEEN: usize = 7;
 pub type Between = [Row; BETWEEN];
 
 /// One end of a step, in rows: all in one piece of memory, for asking for four or six takes a short chain's set-up longer.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Motion {
     rows: Vec<Row>,
     count: usize,
@@ -61,9 +61,9 @@ pub struct Largest {
 }
 
 /// All arrays of a run; made once.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Workspace {
-    /// Where the step starts.
+    /// Where the step starts; in a box, so that a step's turn moves pointers only.
     pub now: Box<Motion>,
     /// Where it ends.
     pub next: Box<Motion>,
@@ -171,10 +171,11 @@ impl Motion {
         [self.position(), self.velocity(), self.acceleration()]
     }
 
-    fn at_rest(count: usize, (lost, has_gradients): (usize, bool)) -> Self {
+    fn rest(&mut self, count: usize, (lost, has_gradients): (usize, bool)) {
         let parts = PARTS + lost + usize::from(has_gradients);
-        let rows = vec![Row::default(); parts * count];
-        Self { rows, count, has_gradients, closed: vec![0; count] }
+        (self.count, self.has_gradients) = (count, has_gradients);
+        anew(&mut self.rows, parts * count);
+        anew(&mut self.closed, count);
     }
 }
 
@@ -198,26 +199,34 @@ impl Workspace {
     /// Everything at rest, in `rows` rows, with what `scheme` needs.
     #[must_use]
     pub fn new(rows: usize, scheme: Scheme) -> Self {
+        let mut work = Self::default();
+        work.rest(rows, scheme);
+        work
+    }
+
+    /// As [`Self::new`] has it, in the memory that there is.
+    pub fn rest(&mut self, rows: usize, scheme: Scheme) {
         let (judged, more, pauses) = match scheme {
             Scheme::Pair(..) => (rows, (LOST, false), 0),
             Scheme::Splitting(method, _) | Scheme::Paced(method, _) => {
                 (0, (0, !method.gradients.is_empty()), parts::pauses(method, rows))
             }
         };
-        // In boxes, so that a step's turn moves pointers only.
-        let motion = || Box::new(Motion::at_rest(rows, more));
-        Self {
-            now: motion(),
-            next: motion(),
-            between: vec![[Row::default(); BETWEEN]; judged],
-            error_position: vec![Row::default(); judged],
-            error_velocity: vec![Row::default(); judged],
-            overlap: vec![Row::default(); judged],
-            pauses: vec![Pause::default(); pauses],
-            changed: vec![0; judged],
-            doubtful: vec![0; judged],
-            largest: Largest::default(),
-            finite: 0,
-        }
+        self.now.rest(rows, more);
+        self.next.rest(rows, more);
+        anew(&mut self.between, judged);
+        anew(&mut self.error_position, judged);
+        anew(&mut self.error_velocity, judged);
+        anew(&mut self.overlap, judged);
+        anew(&mut self.pauses, pauses);
+        anew(&mut self.changed, judged);
+        anew(&mut self.doubtful, judged);
+        (self.largest, self.finite) = (Largest::default(), 0);
     }
+}
+
+/// Has `values` be `count` that are not yet known.
+pub fn anew<T: Clone + Default>(values: &mut Vec<T>, count: usize) {
+    values.clear();
+    values.resize(count, T::default());
 }

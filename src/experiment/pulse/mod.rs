@@ -3,6 +3,8 @@
 
 mod read;
 
+use std::mem::take;
+
 use serde::Serialize;
 
 use super::segment::{Bracket, Felt, Rise, Segment};
@@ -82,6 +84,23 @@ impl PulseRecorder {
     /// Starts with nothing felt in a chain that is let go with these velocities (m/s); `impact` is the force that the impact raises (N).
     #[must_use]
     pub fn new(probe: &ForceProbe, impact: f64, velocities: &[f64]) -> Self {
+        let room = (Vec::new(), Vec::with_capacity(ROOM_FOR_RISES));
+        Self::begin(probe, (impact, velocities), room)
+    }
+
+    /// As [`Self::new`] has it, in the memory that there is.
+    pub fn again(&mut self, probe: &ForceProbe, impact: f64, velocities: &[f64]) {
+        let (mut peaks, mut rises) = (take(&mut self.peaks), take(&mut self.rises));
+        peaks.clear();
+        rises.clear();
+        *self = Self::begin(probe, (impact, velocities), (peaks, rises));
+    }
+
+    fn begin(
+        probe: &ForceProbe,
+        (impact, velocities): (f64, &[f64]),
+        (peaks, rises): (Vec<Bracket>, Vec<Rise>),
+    ) -> Self {
         let static_force = probe.static_force();
         Self {
             felt: Felt::nothing(Place::new(probe)),
@@ -90,8 +109,8 @@ impl PulseRecorder {
             static_force,
             quietest: QUIETEST * static_force.max(impact),
             rate_before: probe.starting_rate(velocities),
-            peaks: Vec::new(),
-            rises: Vec::with_capacity(ROOM_FOR_RISES),
+            peaks,
+            rises,
             forgotten: 0.0,
             largest: 0.0,
             highest: 0.0,
@@ -196,14 +215,6 @@ impl PulseRecorder {
         let low = self.rises.partition_point(|rise| rise.reached < LOWEST_LEVEL * threshold);
         self.forgotten = self.rises[..low].last().map_or(self.forgotten, |rise| rise.reached);
         self.rises.drain(..low);
-    }
-
-    /// Takes up no more memory than its readings need: of many that are kept, most would be empty.
-    pub fn shrink(&mut self) {
-        self.forget();
-        // Copied, not cut off: what is left is as large as what the next recorder asks for.
-        self.peaks = self.peaks.as_slice().to_vec();
-        self.rises = self.rises.as_slice().to_vec();
     }
 
     fn see(&mut self, looks: &Looks, length: f64, segment: &dyn Fn() -> Segment) {

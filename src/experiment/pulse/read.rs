@@ -6,6 +6,13 @@ use crate::experiment::segment::Rise;
 use crate::experiment::turn::root;
 
 impl PulseRecorder {
+    /// A copy that takes up no more memory than its readings need: of many that are kept, most would be empty.
+    #[must_use]
+    pub fn readings(&mut self) -> Self {
+        self.forget();
+        self.clone()
+    }
+
     /// Largest dynamic force so far (N).
     #[must_use]
     pub fn largest(&self) -> f64 {

@@ -118,7 +118,7 @@ pub fn tune(
             jobs.push((*knob, value));
         }
     }
-    let work = |(knob, value): &(Knob, f64)| point(scene, *knob, *value);
+    let work = |(): &mut (), (knob, value): &(Knob, f64)| point(scene, *knob, *value);
     #[allow(clippy::cast_precision_loss, reason = "a few hundred jobs")]
     let done = |finished: usize| progress(finished as f64 / jobs.len() as f64);
     let mut results = in_parallel(processors(), &jobs, &work, &done).into_iter();

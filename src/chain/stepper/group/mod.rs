@@ -33,23 +33,32 @@ pub use trail::{GroupTrail, Look};
 enum Drive {
     Paired(Box<Paired>, Vec<Lane>),
     Split(Split),
-    Paced(InSteps),
+    Paced(Box<InSteps>),
 }
 
 impl Drive {
     /// Starts and lengths of the steps that lanes took `before` the last, and at once with those (s).
-    fn last_steps(&self, before: u64) -> (Row, Row) {
-        let (mut starts, mut lengths) = (Row::default(), Row::default());
-        if let Self::Split(split) = self {
-            let (start, length) = split.last_step(before);
-            return (Row([start; WIDTH]), Row([length; WIDTH]));
-        }
-        for lane in 0..WIDTH {
-            if let Some(progress) = self.progress(lane) {
-                (starts.0[lane], lengths.0[lane]) = progress.last_step;
+    fn last_steps(&self, before: usize) -> (Row, Row) {
+        match self {
+            Self::Paired(_, lanes) => {
+                let (mut starts, mut lengths) = (Row::default(), Row::default());
+                for (index, lane) in lanes.iter().enumerate() {
+                    (starts.0[index], lengths.0[index]) = lane.progress.last_step;
+                }
+                (starts, lengths)
             }
+            Self::Split(split) => {
+                let (start, length) = split.last_step(before);
+                (Row([start; WIDTH]), Row([length; WIDTH]))
+            }
+            Self::Paced(paced) => paced.last_steps(before),
         }
-        (starts, lengths)
+    }
+
+    /// Rows that it goes by.
+    fn asks(&self) -> impl Iterator<Item = usize> {
+        let paced = if let Self::Paced(paced) = self { Some(paced) } else { None };
+        paced.into_iter().flat_map(|paced| paced.asks())
     }
 
     /// How far lane `index` is, where each has steps of its own.
@@ -117,6 +126,20 @@ impl ChainGroup {
     /// Starts `scheme` on up to [`Self::LANES`] members of one kind.
     #[must_use]
     pub fn new(members: &[Member<'_>], scheme: Scheme, set: InstructionSet) -> Self {
+        Self::begin(members, scheme, (set, Plan::default(), Workspace::default()))
+    }
+
+    /// The same with others, and in the same memory.
+    #[must_use]
+    pub fn again(self, members: &[Member<'_>], scheme: Scheme) -> Self {
+        Self::begin(members, scheme, (self.set, self.plan, self.work))
+    }
+
+    fn begin(
+        members: &[Member<'_>],
+        scheme: Scheme,
+        (set, mut plan, mut work): (InstructionSet, Plan, Workspace),
+    ) -> Self {
         let members = &members[..members.len().min(WIDTH)];
         debug_assert!(
             members.windows(2).all(|two| Kind::of(&two[0], scheme) == Kind::of(&two[1], scheme)),
@@ -124,9 +147,9 @@ impl ChainGroup {
         );
         let chains: Vec<&Chain> = members.iter().map(|member| member.chain).collect();
         let form = members.first().map_or(Form::Plain, |first| Kind::of(first, scheme).form);
-        let mut plan = Plan::across(&chains, scheme, form);
+        plan.across(&chains, scheme, form);
         dispatch(set, Settle::<Across>(&mut plan, PhantomData));
-        let mut work = Workspace::new(plan.rows(), scheme);
+        work.rest(plan.rows(), scheme);
         for (lane, member) in members.iter().enumerate() {
             for (row, velocity) in work.now.parts().velocity.iter_mut().zip(member.velocities) {
                 row.0[lane] = *velocity;
@@ -149,7 +172,7 @@ impl ChainGroup {
             }
             Scheme::Paced(method, tolerance) => {
                 find_gradients::<Across>(set, method, (&plan, &mut work));
-                Drive::Paced(InSteps::new(method, tolerance, members, &work.now))
+                Drive::Paced(Box::new(InSteps::new(method, tolerance, members, &work.now)))
             }
         };
         Self { set, drive, work, plan }
@@ -167,7 +190,7 @@ impl ChainGroup {
 
     /// Tries a step in every lane that is still moving, or up to `most` that are of one length, of which `notes` are kept; tells how many, and which
     /// lanes have taken theirs.
-    fn step(&mut self, most: u64, notes: &mut Notes) -> (u64, [bool; WIDTH]) {
+    fn step(&mut self, most: usize, notes: &mut Notes) -> (usize, [bool; WIDTH]) {
         let Self { set, plan, work, drive, .. } = self;
         match drive {
             Drive::Paired(paired, lanes) => {
@@ -178,15 +201,18 @@ impl ChainGroup {
                 (1, paired.step(*set, plan, (work, lanes), step))
             }
             Drive::Split(split) => split.step((*set, plan, work), most, notes),
-            Drive::Paced(paced) => (1, paced.step((*set, plan, work))),
+            Drive::Paced(paced) => paced.step((*set, plan, work), most, notes),
         }
     }
 
     /// Steps up to the ends of all lanes, unseen: for those who want nothing but where they lead.
     pub fn advance(&mut self) {
-        let mut nothing = Notes::default();
+        let mut notes = Notes::default();
+        let most = AT_ONCE as usize;
+        notes.ask(most - 1, self.drive.asks());
         while !self.is_done() {
-            self.step(AT_ONCE, &mut nothing);
+            notes.clear();
+            self.step(most, &mut notes);
         }
     }
 

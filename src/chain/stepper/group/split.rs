@@ -49,21 +49,22 @@ impl Split {
     pub fn step(
         &mut self,
         (set, plan, work): (InstructionSet, &Plan, &mut Workspace),
-        most: u64,
+        most: usize,
         notes: &mut Notes,
-    ) -> (u64, [bool; WIDTH]) {
-        let count = self.clock.room(most, self.end).max(1);
+    ) -> (usize, [bool; WIDTH]) {
+        let count = self.clock.room(most as u64, self.end).max(1);
         let (length, next) = if count > 1 {
             (self.clock.step(), self.clock.go(count))
         } else {
             self.clock.next(self.time, self.end)
         };
-        (count, self.take((set, plan, work), (length, count, notes), next))
+        let taken = self.take((set, plan, work), (length, count, notes), next);
+        (usize::try_from(count).unwrap_or(most), taken)
     }
 
     /// Start and length of the step that was `before` the last, and taken at once with it (s).
-    pub fn last_step(&self, before: u64) -> (f64, f64) {
-        let end = if before > 0 { self.clock.before(before) } else { self.time };
+    pub fn last_step(&self, before: usize) -> (f64, f64) {
+        let end = if before > 0 { self.clock.before(before as u64) } else { self.time };
         (end - self.length, self.length)
     }
 
@@ -74,7 +75,8 @@ impl Split {
         (h, count, notes): (f64, u64, &mut Notes),
         next: f64,
     ) -> [bool; WIDTH] {
-        let steps = Steps { method: self.method, length: &Row([h; WIDTH]), count, notes };
+        let (method, length) = (self.method, &Row([h; WIDTH]));
+        let steps = Steps { method, length, count, notes, keeps_start: true };
         let task = split_tasks::Split::<Across> { plan, work, steps, layout: PhantomData };
         let finite = dispatch(set, task);
         work.turn();

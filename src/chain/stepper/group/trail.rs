@@ -12,7 +12,7 @@ use crate::chain::stepper::notes::Notes;
 use crate::chain::stepper::seen::Seen;
 
 /// The last steps of a group's chains at their watched places.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct GroupTrail {
     count: usize,
     /// Lanes that have taken each step, a bit each.
@@ -48,34 +48,26 @@ impl GroupTrail {
 }
 
 impl ChainGroup {
-    /// A trail that begins here, of the places of each lane's probes.
-    #[must_use]
-    pub fn trail(&self, probes: &[&[ForceProbe]]) -> GroupTrail {
+    /// Has `trail` begin here, whatever it was of, with the places of each lane's probes.
+    pub fn begin_trail(&self, trail: &mut GroupTrail, probes: &[&[ForceProbe]]) {
         let count = probes.iter().map(|probes| probes.len()).max().unwrap_or(0);
         let rows = self.work.now.moving();
-        let place = |place| {
-            let mut watched =
-                Watched::new(self.plan.form, probes.iter().map(move |probes| probes.get(place)));
+        trail.count = 0;
+        trail.places.resize_with(count, Watched::default);
+        for (place, watched) in trail.places.iter_mut().enumerate() {
+            watched.begin(self.plan.form, probes.iter().map(|probes| probes.get(place)));
             watched.note(self.set, 0, |body| row_of(rows, body));
-            watched
-        };
-        let places: Vec<Watched> = (0..count).map(place).collect();
-        let asked = places.iter().flat_map(Watched::bodies).filter(|body| *body < rows[0].len());
-        GroupTrail {
-            count: 0,
-            taken: Default::default(),
-            times: Default::default(),
-            notes: Notes::new(GroupTrail::STEPS - 2, asked),
-            places,
         }
+        let bodies = trail.places.iter().flat_map(Watched::bodies).chain(self.drive.asks());
+        trail.notes.ask(GroupTrail::STEPS - 1, bodies.filter(|body| *body < rows[0].len()));
     }
 
     /// Tries a step in every lane that is still moving, or takes as many of one length as the trail has room for, which must be one, and notes them.
     pub fn follow(&mut self, trail: &mut GroupTrail) {
         let room = GroupTrail::STEPS - trail.count;
         trail.notes.clear();
-        let (count, taken) = self.step(room as u64, &mut trail.notes);
-        let (started, rows) = (self.work.next.moving(), self.work.now.moving());
+        let (count, taken) = self.step(room, &mut trail.notes);
+        let rows = self.work.now.moving();
         for (step, before) in (0..count).rev().enumerate() {
             trail.taken[trail.count] = bits(taken);
             trail.times[trail.count] = self.drive.last_steps(before);
@@ -84,7 +76,6 @@ impl ChainGroup {
             for watched in places {
                 match before {
                     0 => watched.note(self.set, trail.count, |body| row_of(rows, body)),
-                    1 => watched.note(self.set, trail.count, |body| row_of(started, body)),
                     _ => watched.note(self.set, trail.count, |body| notes.at(step, body)),
                 }
             }

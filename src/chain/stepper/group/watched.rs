@@ -14,7 +14,7 @@ use crate::chain::stepper::wanted::Asked;
 const MIDDLE: usize = BODIES / 2;
 
 /// A watched place in each lane, or none.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Watched {
     /// Lanes that have one, a bit each.
     lanes: u8,
@@ -36,31 +36,21 @@ pub struct Watched {
 }
 
 impl Watched {
-    /// The places of each lane's probe in chains that compute forces in `form`, at rest; nothing is asked yet.
-    pub fn new<'a>(form: Form, probes: impl Iterator<Item = Option<&'a ForceProbe>>) -> Self {
-        let mut watched = Self {
-            lanes: 0,
-            first: u8::MAX,
-            around: Around::nothing(form),
-            alike: false,
-            noted: Box::default(),
-            ends: Default::default(),
-            felt: Default::default(),
-            asked: Asked::nothing(),
-            seen: Box::new(Seen::nothing()),
-        };
+    /// Has it be the places of each lane's probe in chains that compute forces in `form`, at rest; nothing is asked yet.
+    pub fn begin<'a>(&mut self, form: Form, probes: impl Iterator<Item = Option<&'a ForceProbe>>) {
+        (self.lanes, self.first) = (0, u8::MAX);
+        (self.around.form, self.asked, self.felt) = (form, Asked::default(), Default::default());
         for (lane, probe) in probes.enumerate().take(WIDTH) {
             let Some(probe) = probe else { continue };
-            if watched.lanes == 0 {
+            if self.lanes == 0 {
                 // Lanes that have none are taken along.
-                (0..WIDTH).for_each(|lane| watched.around.put(lane, probe));
+                (0..WIDTH).for_each(|lane| self.around.put(lane, probe));
             }
-            watched.lanes |= 1 << lane;
-            watched.around.put(lane, probe);
+            self.lanes |= 1 << lane;
+            self.around.put(lane, probe);
         }
-        let above = |lane| watched.around.body(lane, MIDDLE);
-        watched.alike = (1..WIDTH).all(|lane| above(lane) == above(0));
-        watched
+        let above = |lane| self.around.body(lane, MIDDLE);
+        self.alike = (1..WIDTH).all(|lane| above(lane) == above(0));
     }
 
     /// The bodies around the places.

@@ -263,7 +263,8 @@ impl Integrator for ChainStepper {
     fn advance(&mut self, end: f64) -> Result<(), IntegrateError> {
         let notes = &mut Notes::default();
         while self.course.time < end {
-            self.several(&mut Burst { end, pause: end, most: AT_ONCE, notes: &mut *notes })?;
+            let most = u64::from(AT_ONCE);
+            self.several(&mut Burst { end, pause: end, most, notes: &mut *notes })?;
         }
         Ok(())
     }

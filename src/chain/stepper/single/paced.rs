@@ -70,7 +70,7 @@ impl InSteps {
             Laid::Tiled | Laid::Along => {
                 let notes = &mut Notes::default();
                 let length = &Row([going.step[0]; WIDTH]);
-                let steps = Steps { method, length, count: 1, notes };
+                let steps = Steps { method, length, count: 1, notes, keeps_start: false };
                 let task = split_tasks::Split::<Tiled> { plan, work, steps, layout: PhantomData };
                 let finite = dispatch(*set, task);
                 pacer.pass(&work.next);

@@ -63,7 +63,8 @@ impl Split {
         notes: &mut Notes,
     ) -> Result<(), IntegrateError> {
         let Course { set, laid, plan, work, counts, .. } = course;
-        let steps = Steps { method: self.method, length: &Row([h; WIDTH]), count, notes };
+        let (method, length) = (self.method, &Row([h; WIDTH]));
+        let steps = Steps { method, length, count, notes, keeps_start: false };
         let finite = match laid {
             Laid::Striped => dispatch(
                 *set,

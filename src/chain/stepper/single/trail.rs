@@ -137,9 +137,9 @@ impl ChainStepper {
                 bodies,
                 noted: Bodies::default(),
                 before: Moves::default(),
-                seen: Seen::nothing(),
+                seen: Seen::default(),
                 felt: Default::default(),
-                asked: Asked::nothing(),
+                asked: Asked::default(),
                 wanted: 0,
             })
         };
