@@ -183,8 +183,14 @@ pub const BY_UNIT: usize = 1;
 /// One that leaves it alone.
 pub const BESIDE: usize = 0;
 
-/// Whether row `r` leaves the square-root unit alone. Every other row does, so that it and the multipliers work side by side: three of the five rows
-/// of a short chain, which wait for it longer than for them.
+/// Which of the two row `r` of a short chain is like in fixed and paced steps: a second row would wait for the unit, longer than for the multipliers.
+#[inline(always)]
+pub const fn in_few(r: usize) -> usize {
+    if r == BY_UNIT { BY_UNIT } else { BESIDE }
+}
+
+/// Whether row `r` leaves the square-root unit alone. Every other row does, so that it and the multipliers work side by side: under a pair three of the
+/// five rows of a short chain.
 #[inline(always)]
 const fn is_beside(r: usize) -> bool {
     r % 2 == BESIDE

@@ -276,7 +276,8 @@ impl PulseRecorder {
             }
             let segment = segment();
             let rate = |theta| self.felt.rate(&segment, theta);
-            let theta = fall(&|theta| sign * rate(theta), low, high)?;
+            let ends = [sign * before, sign * after];
+            let theta = fall(&|theta| sign * rate(theta), [low, high], ends)?;
             (between[inner], rates[inner]) = (theta, rate(theta));
         }
         Some(Bracket { segment: segment(), between, rates, most, exceeds_all: false })
