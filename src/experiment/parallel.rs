@@ -13,7 +13,7 @@ pub fn processors() -> usize {
 /// Once a block of this size has been freed, glibc keeps up to twice as much of what each thread frees (bytes).
 const KEPT: usize = 16 << 20;
 
-/// Has the allocator keep what threads free for those that come after them. That of glibc gives memory back to the system, and faults it in again page
+/// Has the allocator keep, from now on, what threads free for those that come after them. That of glibc gives memory back to the system, and faults it in again page
 /// by page in the next thread, which took a twelfth of an ensemble's time; how much it keeps follows the largest block that was freed so far, of which
 /// no page need be touched. Source: mallopt(3), `M_MMAP_THRESHOLD`, `M_TRIM_THRESHOLD`. To others it is a block like any.
 fn keep_memory() {

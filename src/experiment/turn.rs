@@ -197,14 +197,20 @@ mod tests {
         assert_eq!(fall(&|t| 0.1 + (t - 0.5).powi(2), [0.0, 1.0], [0.35, 0.35]), None);
     }
 
-    /// Parabolas and corners, their least values above and below zero, anywhere in between: what is missed is not there, and a few rates tell.
+    /// Parabolas and corners, some far steeper to one side, their least values above and below zero, anywhere in between: what is missed is not there. Fewer
+    /// rates tell than the eighty of all sections, twice each.
     #[test]
     fn a_rate_falls_where_its_least_value_is_below_zero() {
         let (mut most, mut falls) = (0, 0);
         for place in (1..100).map(|i| 0.01 * f64::from(i)) {
             for least in [-0.2, -0.01, -1e-4, 1e-4, 0.01, 0.2] {
-                let shapes: [&dyn Fn(f64) -> f64; 2] =
-                    [&|t| least + (t - place).powi(2), &|t| least + (t - place).abs()];
+                let off = |t: f64| t - place;
+                let shapes: [&dyn Fn(f64) -> f64; 4] = [
+                    &|t| least + off(t).powi(2),
+                    &|t| least + off(t).abs(),
+                    &|t| least + off(t).max(-0.1 * off(t)),
+                    &|t| least + (0.1 * off(t)).max(-off(t)),
+                ];
                 for shape in shapes {
                     let count = Cell::new(0);
                     let rate = |t: f64| {
