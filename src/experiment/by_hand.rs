@@ -156,6 +156,7 @@ fn with_setting(method: Method, setting: f64) -> Method {
         Method::VelocityVerlet { .. } => Method::VelocityVerlet { step },
         Method::Pefrl { .. } => Method::Pefrl { step },
         Method::BlanesMoan { .. } => Method::BlanesMoan { step },
+        Method::Chin4A { .. } => Method::Chin4A { step },
         Method::ForceGradient { .. } => Method::ForceGradient { step },
         Method::PacedForceGradient { .. } => Method::PacedForceGradient { tolerance },
         Method::RungeKutta4 { .. } => Method::RungeKutta4 { step },

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::blanes_moan::BLANES_MOAN;
+use super::chin_4a::CHIN_4A;
 use super::dormand_prince_54::DORMAND_PRINCE_54;
 use super::force_gradient::{FORCE_GRADIENT, INNER_FORCE_GRADIENT};
 use super::nystrom::NystromIntegrator;
@@ -33,6 +34,11 @@ pub enum Method {
     },
     /// Blanes and Moan's splitting: order 6, symplectic.
     BlanesMoan {
+        /// The step (s).
+        step: f64,
+    },
+    /// Chin's algorithm 4A, a splitting with one force gradient a step: order 4, symplectic.
+    Chin4A {
         /// The step (s).
         step: f64,
     },
@@ -94,6 +100,7 @@ impl Method {
             Self::VelocityVerlet { step } => Kind::Splitting(&VELOCITY_VERLET, step),
             Self::Pefrl { step } => Kind::Splitting(&PEFRL, step),
             Self::BlanesMoan { step } => Kind::Splitting(&BLANES_MOAN, step),
+            Self::Chin4A { step } => Kind::Splitting(&CHIN_4A, step),
             Self::ForceGradient { step } => Kind::Splitting(&FORCE_GRADIENT, step),
             Self::PacedForceGradient { tolerance } => Kind::Paced(&INNER_FORCE_GRADIENT, tolerance),
             Self::DormandElMikkawyPrince64 { tolerance } => {

@@ -13,10 +13,11 @@ const TIME: f64 = 0.3e-3;
 const SPEED: f64 = 0.1;
 
 /// By their step (s).
-pub const METHODS: [fn(f64) -> Method; 4] = [
+pub const METHODS: [fn(f64) -> Method; 5] = [
     |step| Method::VelocityVerlet { step },
     |step| Method::Pefrl { step },
     |step| Method::BlanesMoan { step },
+    |step| Method::Chin4A { step },
     |step| Method::ForceGradient { step },
 ];
 

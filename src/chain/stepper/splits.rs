@@ -86,7 +86,12 @@ pub fn steps<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
     if Y::TILE == 0 {
         let weights = Weights::new(steps.method, L::load(steps.length));
         let (left, notes) = (steps.count, steps.notes);
-        timed::<L, Y, GRADIENT>(plan, work, &mut Fixed { weights, left, notes })
+        if GRADIENT && steps.method.gradients[0] == 0.0 {
+            let mut timing = Fixed::<L, false> { weights, left, notes };
+            timed::<L, Y, GRADIENT>(plan, work, &mut timing)
+        } else {
+            timed::<L, Y, GRADIENT>(plan, work, &mut Fixed::<L, true> { weights, left, notes })
+        }
     } else {
         long::<L, Y, FORM, GRADIENT>(plan, work, &mut steps);
         are_finite::<L, Y>(plan, work)

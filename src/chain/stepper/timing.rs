@@ -30,15 +30,15 @@ pub trait Timing<'m, L: Lanes> {
 }
 
 /// Steps of one length.
-pub struct Fixed<'a, L: Lanes> {
+pub struct Fixed<'a, L: Lanes, const AT_ENDS: bool> {
     pub weights: Weights<'a, L>,
     /// How many there are still to be.
     pub left: u64,
     pub notes: &'a mut Notes,
 }
 
-impl<'m, L: Lanes> Timing<'m, L> for Fixed<'m, L> {
-    const AT_ENDS: bool = true;
+impl<'m, L: Lanes, const AT_ENDS: bool> Timing<'m, L> for Fixed<'m, L, AT_ENDS> {
+    const AT_ENDS: bool = AT_ENDS;
     const SEES: bool = false;
 
     #[inline(always)]

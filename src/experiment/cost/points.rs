@@ -43,10 +43,11 @@ pub fn name((method, without): Treated) -> &'static str {
 /// Every method over its range: steps from the edge of stability down, tolerances from coarse to tight.
 pub fn settings(scene: &Scene) -> Vec<Treated> {
     type Make = fn(f64) -> Method;
-    let fixed: [Make; 5] = [
+    let fixed: [Make; 6] = [
         |step| Method::VelocityVerlet { step },
         |step| Method::Pefrl { step },
         |step| Method::BlanesMoan { step },
+        |step| Method::Chin4A { step },
         |step| Method::ForceGradient { step },
         |step| Method::RungeKutta4 { step },
     ];

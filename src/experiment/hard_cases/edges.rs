@@ -31,10 +31,11 @@ pub const CASES: &[HardCase] = &[
 ];
 
 /// Symplectic methods, with a step (s).
-const SYMPLECTIC: [fn(f64) -> Method; 4] = [
+const SYMPLECTIC: [fn(f64) -> Method; 5] = [
     |step| Method::VelocityVerlet { step },
     |step| Method::Pefrl { step },
     |step| Method::BlanesMoan { step },
+    |step| Method::Chin4A { step },
     |step| Method::ForceGradient { step },
 ];
 

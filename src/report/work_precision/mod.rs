@@ -12,10 +12,11 @@ use crate::quantity::engineering;
 use terminal::plot;
 
 /// Letters and colours of the methods: the same in every study.
-const MARKS: [Mark; 13] = [
+const MARKS: [Mark; 14] = [
     ("velocity-verlet", 'v', "#4477aa"),
     ("pefrl", 'p', "#66ccee"),
     ("blanes-moan", 'b', "#228833"),
+    ("chin-4a", 'c', "#ccbb44"),
     ("force-gradient", 'f', "#999933"),
     ("paced-force-gradient", 'g', "#00aa99"),
     ("runge-kutta-4", 'r', "#aa3377"),
