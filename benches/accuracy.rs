@@ -35,8 +35,8 @@ const FIXED: [Make; 5] = [
     |step| Method::VelocityVerlet { step },
     |step| Method::Pefrl { step },
     |step| Method::BlanesMoan { step },
-    |step| Method::Chin4A { step },
     |step| Method::ForceGradient { step },
+    |step| Method::InnerForceGradient { step },
 ];
 
 fn main() {

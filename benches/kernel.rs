@@ -189,8 +189,8 @@ fn ensembles() {
             (words, members(&case(name)), Integration::Accuracy(accuracy))
         });
     let fixed = [
-        ("P37", "chin-4a", 0.75),
         ("P37", "force-gradient", 1.0),
+        ("P37", "inner-force-gradient", 0.75),
         ("P37", "force-gradient", 0.3),
         ("G37", "velocity-verlet", 0.1),
     ]

@@ -90,8 +90,8 @@ pub fn method(name: &str, setting: f64, case: &Case) -> Option<Method> {
         "velocity-verlet" => Method::VelocityVerlet { step },
         "pefrl" => Method::Pefrl { step },
         "blanes-moan" => Method::BlanesMoan { step },
-        "chin-4a" => Method::Chin4A { step },
         "force-gradient" => Method::ForceGradient { step },
+        "inner-force-gradient" => Method::InnerForceGradient { step },
         _ => return None,
     })
 }

@@ -40,8 +40,8 @@ PEERS = {
         "rust",
         [
             "rkn64+bare", "rkn86+bare", "paced-force-gradient+bare",
-            "*velocity-verlet+bare", "*pefrl+bare", "*blanes-moan+bare", "*chin-4a+bare",
-            "*force-gradient+bare",
+            "*velocity-verlet+bare", "*pefrl+bare", "*blanes-moan+bare", "*force-gradient+bare",
+            "*inner-force-gradient+bare",
         ],
         False,
     ),

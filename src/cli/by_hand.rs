@@ -18,12 +18,11 @@ pub enum ByHand {
     Pefrl,
     /// Order 6, symplectic; takes a step
     BlanesMoan,
-    /// Order 4, symplectic, one kick a step by the gradient of the forces, too: for coarse errors; takes a step
-    #[value(name = "chin-4a")]
-    Chin4A,
     /// Order 4, symplectic, kicks by gradients of the forces, too; takes a step
     ForceGradient,
-    /// The same in steps that are short while the stiffest contact is closed; takes a tolerance
+    /// The same with fewer gradients, for coarse errors: stable in more than twice as long steps; takes a step
+    InnerForceGradient,
+    /// That one in steps that are short while the stiffest contact is closed; takes a tolerance
     PacedForceGradient,
     /// Order 4, for scenes with losses, too; takes a step
     #[value(name = "runge-kutta-4")]
@@ -52,8 +51,8 @@ impl ByHand {
             Self::VelocityVerlet => Method::VelocityVerlet { step },
             Self::Pefrl => Method::Pefrl { step },
             Self::BlanesMoan => Method::BlanesMoan { step },
-            Self::Chin4A => Method::Chin4A { step },
             Self::ForceGradient => Method::ForceGradient { step },
+            Self::InnerForceGradient => Method::InnerForceGradient { step },
             Self::PacedForceGradient => Method::PacedForceGradient { tolerance },
             Self::RungeKutta4 => Method::RungeKutta4 { step },
             Self::DormandElMikkawyPrince64 => Method::DormandElMikkawyPrince64 { tolerance },

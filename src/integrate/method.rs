@@ -3,7 +3,6 @@
 use std::fmt;
 
 use super::blanes_moan::BLANES_MOAN;
-use super::chin_4a::CHIN_4A;
 use super::dormand_prince_54::DORMAND_PRINCE_54;
 use super::force_gradient::{FORCE_GRADIENT, INNER_FORCE_GRADIENT};
 use super::nystrom::NystromIntegrator;
@@ -37,17 +36,17 @@ pub enum Method {
         /// The step (s).
         step: f64,
     },
-    /// Chin's algorithm 4A, a splitting with one force gradient a step: order 4, symplectic.
-    Chin4A {
-        /// The step (s).
-        step: f64,
-    },
     /// Omelyan, Mryglod and Folk's splitting with force gradients: order 4, symplectic.
     ForceGradient {
         /// The step (s).
         step: f64,
     },
-    /// The same in steps of two lengths, short while the stiffest contact is closed ([`super::pace`]): order 4.
+    /// The same with gradients in the inner kicks alone: order 4, symplectic, stable in steps beyond half an oscillation.
+    InnerForceGradient {
+        /// The step (s).
+        step: f64,
+    },
+    /// That one in steps of two lengths, short while the stiffest contact is closed ([`super::pace`]): order 4.
     PacedForceGradient {
         /// Error of what is read that steps are made for, relative to the system's scales (1).
         tolerance: f64,
@@ -100,8 +99,8 @@ impl Method {
             Self::VelocityVerlet { step } => Kind::Splitting(&VELOCITY_VERLET, step),
             Self::Pefrl { step } => Kind::Splitting(&PEFRL, step),
             Self::BlanesMoan { step } => Kind::Splitting(&BLANES_MOAN, step),
-            Self::Chin4A { step } => Kind::Splitting(&CHIN_4A, step),
             Self::ForceGradient { step } => Kind::Splitting(&FORCE_GRADIENT, step),
+            Self::InnerForceGradient { step } => Kind::Splitting(&INNER_FORCE_GRADIENT, step),
             Self::PacedForceGradient { tolerance } => Kind::Paced(&INNER_FORCE_GRADIENT, tolerance),
             Self::DormandElMikkawyPrince64 { tolerance } => {
                 Kind::Nystrom(Pair::DormandElMikkawyPrince64, tolerance)

@@ -5,7 +5,6 @@
 //! equations are autonomous: no method sees the time but for bookkeeping.
 
 pub mod blanes_moan;
-pub mod chin_4a;
 pub mod control;
 pub mod dormand_el_mikkawy_prince_64;
 pub mod dormand_el_mikkawy_prince_86;

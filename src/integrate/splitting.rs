@@ -296,7 +296,42 @@ fn add_scaled(values: &mut [f64], rates: &[f64], factor: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::integrate::blanes_moan::BLANES_MOAN;
+    use crate::integrate::force_gradient::{FORCE_GRADIENT, INNER_FORCE_GRADIENT};
+    use crate::integrate::pefrl::PEFRL;
     use crate::integrate::velocity_verlet::VELOCITY_VERLET;
+
+    /// Half the trace of a step of `angle` (rad) of a linear oscillator: motions stay bounded where it is between -1 and 1.
+    fn half_trace(method: &Splitting, angle: f64) -> f64 {
+        let square = angle * angle;
+        let through = |[mut x, mut v]: [f64; 2]| {
+            for (index, kick) in method.kicks.iter().enumerate() {
+                let gradient = method.gradients.get(index).unwrap_or(&0.0);
+                v += (gradient * square - kick) * square * x;
+                x += method.drifts.get(index).unwrap_or(&0.0) * v;
+            }
+            [x, v]
+        };
+        0.5 * (through([1.0, 0.0])[0] + through([0.0, 1.0])[1])
+    }
+
+    /// Up to the step that each method says, also where one turns the oscillator round, and not right beyond.
+    #[test]
+    fn steps_are_stable_as_far_as_is_said() {
+        for method in
+            [&VELOCITY_VERLET, &PEFRL, &BLANES_MOAN, &FORCE_GRADIENT, &INNER_FORCE_GRADIENT]
+        {
+            // In shares of a hundred thousandth.
+            let most = |shares: std::ops::Range<u32>| {
+                let angles = shares.map(|share| 1e-5 * f64::from(share) * method.stability);
+                angles.map(|angle| half_trace(method, angle).abs() - 1.0).reduce(f64::max)
+            };
+            let [below, beyond] = [most(1..100_000), most(100_000..103_000)];
+            println!("{}: {below:?} up to {}, {beyond:?}", method.name, method.stability);
+            assert!(below.is_some_and(|most| most < 1e-13), "{}: {below:?}", method.name);
+            assert!(beyond.is_some_and(|most| most > 1e-9), "{}: {beyond:?}", method.name);
+        }
+    }
 
     /// As many as there are one by one, also where the interval is a whole number of steps, or all but one.
     #[test]

@@ -17,8 +17,8 @@ pub const METHODS: [fn(f64) -> Method; 5] = [
     |step| Method::VelocityVerlet { step },
     |step| Method::Pefrl { step },
     |step| Method::BlanesMoan { step },
-    |step| Method::Chin4A { step },
     |step| Method::ForceGradient { step },
+    |step| Method::InnerForceGradient { step },
 ];
 
 /// The first body at `speed` (m/s), all others at rest.

@@ -47,8 +47,8 @@ pub fn settings(scene: &Scene) -> Vec<Treated> {
         |step| Method::VelocityVerlet { step },
         |step| Method::Pefrl { step },
         |step| Method::BlanesMoan { step },
-        |step| Method::Chin4A { step },
         |step| Method::ForceGradient { step },
+        |step| Method::InnerForceGradient { step },
         |step| Method::RungeKutta4 { step },
     ];
     let adaptive: [Make; 6] = [

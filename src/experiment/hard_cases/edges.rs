@@ -35,8 +35,8 @@ const SYMPLECTIC: [fn(f64) -> Method; 5] = [
     |step| Method::VelocityVerlet { step },
     |step| Method::Pefrl { step },
     |step| Method::BlanesMoan { step },
-    |step| Method::Chin4A { step },
     |step| Method::ForceGradient { step },
+    |step| Method::InnerForceGradient { step },
 ];
 
 /// The one that damps what it does not resolve, and is stable as far.

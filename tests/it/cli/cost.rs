@@ -100,13 +100,7 @@ fn the_choice_is_within_twice_the_best() {
         let mut told = 0;
         for chosen in asked {
             let weighed = |method: &str, count: u64| {
-                // Gradients cost half as much as forces; one of two evaluations has one, or each.
-                let gradients = match method {
-                    "chin-4a" => 0.5,
-                    _ if method.contains("force-gradient") => 1.0,
-                    _ => 0.0,
-                };
-                count as f64 * (1.0 + 0.5 * gradients)
+                count as f64 * if method.contains("force-gradient") { 1.5 } else { 1.0 }
             };
             let (accuracy, count) = (chosen.accuracy, chosen.force_evaluations);
             let points = study.accurate(accuracy);

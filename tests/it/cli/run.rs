@@ -252,7 +252,9 @@ fn methods_that_losses_rule_out_are_refused() {
         std::fs::write(folder.path().join("lossy.toml"), text).expect("a file");
     };
     scene("1 N s/m");
-    for method in ["velocity-verlet", "pefrl", "blanes-moan", "chin-4a", "force-gradient"] {
+    for method in
+        ["velocity-verlet", "pefrl", "blanes-moan", "force-gradient", "inner-force-gradient"]
+    {
         let error =
             refused(folder.path(), &["run", "lossy.toml", "--method", method, "--step", "50ns"]);
         says(
