@@ -190,7 +190,7 @@ fn ensembles() {
         });
     let fixed = [
         ("P37", "force-gradient", 1.0),
-        ("P37", "inner-force-gradient", 0.75),
+        ("P37", "inner-force-gradient", 1.2),
         ("P37", "force-gradient", 0.3),
         ("G37", "velocity-verlet", 0.1),
     ]

@@ -255,15 +255,11 @@ impl PulseRecorder {
         length: f64,
         segment: &dyn Fn() -> Segment,
     ) -> Option<Bracket> {
-        let (before, after) = (self.rate_before, rate);
-        if before <= 0.0 && after > 0.0 {
-            return None;
-        }
-        let span = (high - low) * length;
+        let (before, after, span) = (self.rate_before, rate, (high - low) * length);
         let rises = [before, after].map(|rate| rate * span);
         let most = highest([self.last, force], rises).max(BETWEEN_LOOKS * force.max(self.last));
-        let counts = most > self.first_exceeds();
-        if !counts {
+        let counts = most > self.asks()[0];
+        if before <= 0.0 && after > 0.0 || !counts {
             return None;
         }
         let mean = (force - self.last) / span;
@@ -276,8 +272,10 @@ impl PulseRecorder {
             }
             let segment = segment();
             let rate = |theta| self.felt.rate(&segment, theta);
-            let ends = [sign * before, sign * after];
-            let theta = fall(&|theta| sign * rate(theta), [low, high], ends)?;
+            // What changes the force by less than its rounding over all of this is no turn.
+            let turned = |rate: f64| sign * rate + FOOT * self.quietest / span;
+            let ends = [before, after].map(turned);
+            let theta = fall(&|theta| turned(rate(theta)), [low, high], ends)?;
             (between[inner], rates[inner]) = (theta, rate(theta));
         }
         Some(Bracket { segment: segment(), between, rates, most, exceeds_all: false })
