@@ -25,8 +25,8 @@ const REFERENCE: f64 = 1e-15;
 /// Evaluations of a method with fixed steps beyond which nobody waits.
 const MOST_EVALUATIONS: f64 = 1e6;
 
-/// From rung to rung of a ladder of fixed steps, in powers of two: as fine in time as the pairs' quarter decades are (1).
-const RUNG: f64 = 0.125;
+/// From rung to rung of a ladder of fixed steps, in powers of two: as fine in time as the pairs' half decades are (1).
+const RUNG: f64 = 0.25;
 
 type Make = fn(f64) -> Method;
 
@@ -49,7 +49,7 @@ fn main() {
         let exact = peaks(&case, Method::DormandPrince853 { tolerance: REFERENCE });
         let error = |method: Method| error(&peaks(&case, method), &exact);
         let controlled = |name: &'static str| -> Ladder {
-            let settings = (4..=52).map(|k| 10f64.powf(-0.25 * f64::from(k)));
+            let settings = (2..=26).map(|k| 10f64.powf(-0.5 * f64::from(k)));
             let methods = settings.filter_map(|setting| ours::method(name, setting, &case));
             methods.map(|method| (method, error(method))).collect()
         };

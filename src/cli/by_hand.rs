@@ -22,7 +22,7 @@ pub enum ByHand {
     ForceGradient,
     /// The same with fewer gradients, for coarse errors: stable in more than twice as long steps; takes a step
     InnerForceGradient,
-    /// That one in steps that are short while the stiffest contact is closed; takes a tolerance
+    /// One like it in steps that are short while the stiffest contact is closed; takes a tolerance
     PacedForceGradient,
     /// Order 4, for scenes with losses, too; takes a step
     #[value(name = "runge-kutta-4")]

@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::blanes_moan::BLANES_MOAN;
 use super::dormand_prince_54::DORMAND_PRINCE_54;
-use super::force_gradient::{FORCE_GRADIENT, INNER_FORCE_GRADIENT};
+use super::force_gradient::{FORCE_GRADIENT, INNER_FORCE_GRADIENT, PACED_FORCE_GRADIENT};
 use super::nystrom::NystromIntegrator;
 use super::pace;
 use super::pefrl::PEFRL;
@@ -46,7 +46,7 @@ pub enum Method {
         /// The step (s).
         step: f64,
     },
-    /// That one in steps of two lengths, short while the stiffest contact is closed ([`super::pace`]): order 4.
+    /// One like it in steps of two lengths, short while the stiffest contact is closed ([`super::pace`]): order 4.
     PacedForceGradient {
         /// Error of what is read that steps are made for, relative to the system's scales (1).
         tolerance: f64,
@@ -101,7 +101,7 @@ impl Method {
             Self::BlanesMoan { step } => Kind::Splitting(&BLANES_MOAN, step),
             Self::ForceGradient { step } => Kind::Splitting(&FORCE_GRADIENT, step),
             Self::InnerForceGradient { step } => Kind::Splitting(&INNER_FORCE_GRADIENT, step),
-            Self::PacedForceGradient { tolerance } => Kind::Paced(&INNER_FORCE_GRADIENT, tolerance),
+            Self::PacedForceGradient { tolerance } => Kind::Paced(&PACED_FORCE_GRADIENT, tolerance),
             Self::DormandElMikkawyPrince64 { tolerance } => {
                 Kind::Nystrom(Pair::DormandElMikkawyPrince64, tolerance)
             }

@@ -297,7 +297,9 @@ fn add_scaled(values: &mut [f64], rates: &[f64], factor: f64) {
 mod tests {
     use super::*;
     use crate::integrate::blanes_moan::BLANES_MOAN;
-    use crate::integrate::force_gradient::{FORCE_GRADIENT, INNER_FORCE_GRADIENT};
+    use crate::integrate::force_gradient::{
+        FORCE_GRADIENT, INNER_FORCE_GRADIENT, PACED_FORCE_GRADIENT,
+    };
     use crate::integrate::pefrl::PEFRL;
     use crate::integrate::velocity_verlet::VELOCITY_VERLET;
 
@@ -318,9 +320,14 @@ mod tests {
     /// Up to the step that each method says, also where one turns the oscillator round, and not right beyond.
     #[test]
     fn steps_are_stable_as_far_as_is_said() {
-        for method in
-            [&VELOCITY_VERLET, &PEFRL, &BLANES_MOAN, &FORCE_GRADIENT, &INNER_FORCE_GRADIENT]
-        {
+        for method in [
+            &VELOCITY_VERLET,
+            &PEFRL,
+            &BLANES_MOAN,
+            &FORCE_GRADIENT,
+            &INNER_FORCE_GRADIENT,
+            &PACED_FORCE_GRADIENT,
+        ] {
             // In shares of a hundred thousandth.
             let most = |shares: std::ops::Range<u32>| {
                 let angles = shares.map(|share| 1e-5 * f64::from(share) * method.stability);
