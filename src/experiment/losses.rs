@@ -37,7 +37,7 @@ const SIXTH_ORDER_UP_TO: f64 = 6e-4;
 /// Paced steps are made for the accuracy asked for divided by this: first peaks were off by up to 1.13 times what they are made for, in 256 scenes
 /// from 2e-4 to 1e-3 (`tests/it/paced.rs`) (1).
 const PACED_MARGIN: f64 = 2.0;
-/// From this accuracy on they are the cheapest for chains that are loaded: at 1e-3 they are, at 1e-4 pairs are as cheap or cheaper (`hertzscope cost` of the
+/// From this accuracy on they are the cheapest: at 1e-3 they are, at 1e-4 pairs are as cheap or cheaper (`hertzscope cost` of the
 /// shipped scenes) (1).
 const PACED_FROM: f64 = 2e-4;
 /// A contact is loaded whose static overlap is this share of the coming impact's, or more: its frequency, which paced steps go by, goes as the
@@ -58,16 +58,13 @@ pub fn method(scene: &Scene, accuracy: f64) -> Method {
 
 /// The same for a chain with these initial velocities (m/s).
 pub fn method_for(chain: &Chain, velocities: &[f64], accuracy: f64) -> Method {
-    let paced = paced_for(chain, velocities, accuracy / PACED_MARGIN);
+    let paced = paced(chain, accuracy / PACED_MARGIN).filter(|_| keeps_pace(chain, velocities));
     paced.unwrap_or_else(|| controlled_for(chain, velocities, accuracy))
 }
 
-/// Paced steps that are made for `accuracy` (1), where they are the cheapest.
-pub fn paced_for(chain: &Chain, velocities: &[f64], accuracy: f64) -> Option<Method> {
-    let serves = accuracy >= PACED_FROM
-        && !chain.is_dissipative()
-        && chain.is_plain()
-        && keeps_pace(chain, velocities);
+/// Paced steps that are made for `accuracy` (1), where they are the cheapest, if they are as accurate: in a chain that does not keep its pace a second run is to tell.
+pub fn paced(chain: &Chain, accuracy: f64) -> Option<Method> {
+    let serves = accuracy >= PACED_FROM && !chain.is_dissipative() && chain.is_plain();
     serves.then_some(Method::PacedForceGradient { tolerance: accuracy })
 }
 

@@ -3,7 +3,7 @@
 use std::iter::Peekable;
 
 use super::Integration;
-use super::losses::{controlled_for, paced_for};
+use super::losses::{controlled_for, paced};
 use crate::integrate::Method;
 use crate::integrate::pace::LOOSEST;
 use crate::scene::Scene;
@@ -62,7 +62,7 @@ pub fn methods_tried(scene: &Scene, accuracy: f64) -> impl Iterator<Item = Tried
         Some(share * steps).filter(|next| *next >= TIGHTEST_STEPS)
     });
     let paced = [1.0, NEXT].map(|share| {
-        let method = paced_for(chain, velocities, share * accuracy.min(LOOSEST))?;
+        let method = paced(chain, share * accuracy.min(LOOSEST))?;
         Some(Tried { method, steps: share * first })
     });
     let controlled = |steps| Tried { method: controlled_for(chain, velocities, steps), steps };
