@@ -3,7 +3,7 @@
 
 use hertzscope::chain::Chain;
 use hertzscope::chain::stepper::{ChainStepper, InstructionSet, Refinement};
-use hertzscope::integrate::{Integrator, Method, State};
+use hertzscope::integrate::{Integrator, Method, Pair, Scheme, State};
 
 use super::chains::diatomic;
 
@@ -87,6 +87,42 @@ fn they_are_those_of_the_plain_loops() {
                         let off = (a.velocity(0.5) - b.velocity(0.5)).abs() / SPEED;
                         assert!(off < 1e-11, "{what}, body {body}: {off:e}");
                     }
+                }
+            }
+        }
+    }
+}
+
+/// What bodies bear at rest is balanced as the loops compute it: where no news can have come yet, nothing has moved at all, under splittings as
+/// under pairs, in chains that fit into registers and in those that do not. News travel a body an evaluation, and with gradients two.
+#[test]
+fn rest_is_rest_to_the_last_bit() {
+    let pair = |pair| Scheme::Pair(pair, 1e-6);
+    let pairs = [Pair::DormandElMikkawyPrince64, Pair::DormandElMikkawyPrince86].map(pair);
+    let paced = Method::PacedForceGradient { tolerance: 1e-3 }.scheme();
+    let splittings = METHODS.map(|method| method(0.4e-6).scheme());
+    let schemes = splittings.into_iter().chain([paced]).map(|scheme| scheme.expect("a splitting"));
+    for scheme in schemes.chain(pairs) {
+        // Which forces two rows round to different bits is luck.
+        let preloads = (1..=30).map(|tenths| 0.1 * f64::from(tenths));
+        let chains =
+            [15, 19, 20, 65].map(|cells| preloads.clone().map(move |force| (cells, force)));
+        for (cells, force) in chains.into_iter().flatten() {
+            let chain = diatomic(cells, force, false);
+            let count = chain.bodies().len();
+            for set in InstructionSet::available() {
+                let mut stepper = ChainStepper::new(&chain, &kick(&chain, SPEED), scheme, set);
+                stepper = stepper.without(Refinement::QuietPart, &chain);
+                let reached =
+                    |stepper: &ChainStepper| 2 * stepper.work().force_evaluations as usize;
+                while reached(&stepper) < count {
+                    stepper.step(TIME).expect("a stable step");
+                    let first = reached(&stepper);
+                    let State { position, velocity, .. } = stepper.state();
+                    let still =
+                        |values: &[f64]| values.iter().skip(first).all(|value| *value == 0.0);
+                    let what = format!("{scheme:?}, {cells} cells, {force} N, {}", set.name());
+                    assert!(still(&position) && still(&velocity), "{what}: {velocity:?}");
                 }
             }
         }

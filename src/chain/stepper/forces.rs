@@ -4,7 +4,7 @@
 use super::lanes::{Lanes, Row};
 use super::layout::Layout;
 use super::plan::{Constants, Form, Plan, Rest};
-use super::strip::{At, Strip};
+use super::strip::{At, FOUR, Strip};
 
 /// Forms as constants of the generic loops.
 pub const PLAIN: u8 = 0;
@@ -183,14 +183,14 @@ pub const BY_UNIT: usize = 1;
 /// One that leaves it alone.
 pub const BESIDE: usize = 0;
 
-/// Which of the two row `r` of a short chain is like in fixed and paced steps: a second row would wait for the unit, longer than for the multipliers.
+/// Which of the two row `r` is like in steps of a splitting: one row of four goes through the unit. A second one would wait for it, longer than for the
+/// multipliers, which have more to do under a pair.
 #[inline(always)]
-pub const fn in_few(r: usize) -> usize {
-    if r == BY_UNIT { BY_UNIT } else { BESIDE }
+pub const fn in_splits(r: usize) -> usize {
+    if r % FOUR == BY_UNIT { BY_UNIT } else { BESIDE }
 }
 
-/// Whether row `r` leaves the square-root unit alone. Every other row does, so that it and the multipliers work side by side: under a pair three of the
-/// five rows of a short chain.
+/// Whether row `r` leaves the square-root unit alone. Every other row does, so that it and the multipliers work side by side.
 #[inline(always)]
 const fn is_beside(r: usize) -> bool {
     r % 2 == BESIDE
@@ -220,7 +220,7 @@ pub fn finish<L: Lanes, const FORM: u8>(
     if FORM == ALIKE {
         let one = L::splat(1.0);
         let root = if is_beside(r) { L::weigh_root(closed, root, one) } else { root };
-        return [begun.power(r), root];
+        return [L::mul(closed, root), root];
     }
     let stiffness = L::load(contacts.stiffness);
     match FORM {
@@ -241,11 +241,16 @@ pub fn finish<L: Lanes, const FORM: u8>(
     }
 }
 
-/// Forces in row `r`, as [`finish`] has them, for overlaps that have changed by `change`, and the overlaps themselves.
+/// Forces in row `r`, as [`finish`] has them, for overlaps that have changed by `change`, and the overlaps themselves, as a splitting has them or a pair.
 #[inline(always)]
-pub fn forces<L: Lanes, const FORM: u8>(plan: Cut, r: usize, change: L::V) -> (L::V, L::V) {
-    let (begun, overlap) = begin::<L, FORM>(plan.contacts(r), r, change);
-    let [force, _] = finish::<L, FORM>(plan.contacts(r), r, begun);
+pub fn forces<L: Lanes, const FORM: u8>(
+    plan: Cut,
+    (r, is_split): (usize, bool),
+    change: L::V,
+) -> (L::V, L::V) {
+    let number = if is_split { in_splits(r) } else { r };
+    let (begun, overlap) = begin::<L, FORM>(plan.contacts(r), number, change);
+    let [force, _] = finish::<L, FORM>(plan.contacts(r), number, begun);
     (force, overlap)
 }
 

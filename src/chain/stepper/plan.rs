@@ -28,6 +28,8 @@ pub enum Form {
 pub struct Plan {
     /// How forces are computed.
     pub form: Form,
+    /// Whether for steps of a splitting, where other rows leave the square-root unit alone than under a pair.
+    pub is_split: bool,
     /// Rows from the first on that the loops go over; in those behind nothing has moved yet.
     pub live: usize,
     /// Those of [`Constants`], one after the other in one piece of memory, as [`super::workspace::Motion`] has its parts.
@@ -165,11 +167,9 @@ impl Plan {
     pub fn one<Y: Layout>(chain: &Chain, scheme: Scheme, form: Form) -> Self {
         let rows = rows_of(chain);
         let mut plan = Self::default();
-        plan.empty(form, rows);
+        plan.empty(scheme, form, rows);
         plan.fill(chain, chain.contacts().len(), |j| Y::place(rows, j, 0));
-        if matches!(scheme, Scheme::Pair(..)) {
-            plan.watch(chain, |j| Y::place(rows, j, 0));
-        }
+        plan.watch(chain, |j| Y::place(rows, j, 0));
         let shared = shared_stiffness(chain, scheme, form).filter(|_| Y::TILE != 0);
         if let Some(stiffness) = shared {
             plan.share(Row([stiffness; WIDTH]), Alike::default());
@@ -180,12 +180,10 @@ impl Plan {
     /// Has it be up to eight chains of the same number of bodies across the rows, which share stiffnesses or not; lanes left over hold nothing.
     pub fn across(&mut self, chains: &[&Chain], scheme: Scheme, form: Form) {
         let rows = chains.first().map_or(0, |chain| chain.contacts().len());
-        let alike = self.empty(form, rows);
+        let alike = self.empty(scheme, form, rows);
         for (lane, chain) in chains.iter().enumerate().take(WIDTH) {
             self.fill(chain, rows.min(chain.contacts().len()), |j| (j, lane));
-            if matches!(scheme, Scheme::Pair(..)) {
-                self.watch(chain, |j| (j, lane));
-            }
+            self.watch(chain, |j| (j, lane));
         }
         let shared = |chain: &&Chain| shared_stiffness(chain, scheme, form);
         if let Some(shared) = chains.iter().map(shared).collect::<Option<Vec<f64>>>() {
@@ -235,9 +233,10 @@ impl Plan {
         (std::array::from_fn(&mut next), &mut self.rest)
     }
 
-    /// Nothing in `rows` rows; gives back what there was of chains that shared a stiffness.
-    fn empty(&mut self, form: Form, rows: usize) -> Alike {
+    /// Nothing in `rows` rows, for steps of `scheme`; gives back what there was of chains that shared a stiffness.
+    fn empty(&mut self, scheme: Scheme, form: Form, rows: usize) -> Alike {
         (self.form, self.live) = (form, rows);
+        self.is_split = !matches!(scheme, Scheme::Pair(..));
         anew(&mut self.constants, CONSTANTS * rows);
         anew(&mut self.rest, rows);
         self.watched.clear();
@@ -258,8 +257,11 @@ impl Plan {
         self.alike = Some(alike);
     }
 
-    /// Watches those contacts of `chain` that are as stiff for their bodies as the stiffest, if they are few.
+    /// Watches those contacts of `chain` that are as stiff for their bodies as the stiffest, if they are few, under a pair.
     fn watch(&mut self, chain: &Chain, place: impl Fn(usize) -> (usize, usize)) {
+        if self.is_split || self.form == Form::Linear {
+            return;
+        }
         let inverse_mass = |body: Option<&Body>| body.map_or(0.0, |body| 1.0 / body.mass);
         let stiffness = |j: usize| {
             let above = j.checked_sub(1).and_then(|i| chain.bodies().get(i));
@@ -269,7 +271,7 @@ impl Plan {
         let all = 0..chain.contacts().len();
         let most = all.clone().map(stiffness).fold(0.0, f64::max);
         let stiff = |j: &usize| stiffness(*j) > AS_STIFF * most;
-        if self.form == Form::Linear || all.clone().filter(stiff).nth(MOST_WATCHED).is_some() {
+        if all.clone().filter(stiff).nth(MOST_WATCHED).is_some() {
             return;
         }
         let watched = |j: usize| {

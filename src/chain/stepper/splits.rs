@@ -1,7 +1,7 @@
 //! Steps of splittings. A striped chain of few rows stays in the registers from one step to the next; longer ones go through [`super::parts`].
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
-use super::forces::{Cut, PLAIN, begin_plain, finish, in_few, unbalanced};
+use super::forces::{Cut, PLAIN, begin_plain, finish, in_splits, unbalanced};
 use super::lanes::Lanes;
 use super::layout::Layout;
 use super::parts::{Steps, long};
@@ -144,8 +144,8 @@ fn pressed<L: Lanes, Y: Layout, const R: usize>(plan: Cut, x: &Rows<L, R>) -> [R
     for r in 0..R {
         [force[r], tangent[r]] = finish::<L, PLAIN>(
             plan.contacts(r),
-            in_few(r),
-            begin_plain::<L>(in_few(r), overlap[r]),
+            in_splits(r),
+            begin_plain::<L>(in_splits(r), overlap[r]),
         );
     }
     [force, tangent]

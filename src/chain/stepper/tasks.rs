@@ -41,16 +41,16 @@ impl<Y: Layout> Task for Settle<'_, Y> {
 
 #[inline(always)]
 fn settle<L: Lanes, Y: Layout, const FORM: u8>(plan: &mut Plan) {
-    let (rows, rest) = (plan.rows(), L::splat(0.0));
+    let (rows, rest, is_split) = (plan.rows(), L::splat(0.0), plan.is_split);
     let mut next = rest;
     // From behind, so that only the first row of a tile is found twice.
     for r in (0..rows).rev() {
         let cut = Cut::of::<FORM>(plan, rows);
-        let (here, _) = forces::forces::<L, FORM>(cut, r, rest);
+        let (here, _) = forces::forces::<L, FORM>(cut, (r, is_split), rest);
         let mut below = next;
         let (first, last) = Y::tile(rows, r);
         if r == last {
-            let (first, _) = forces::forces::<L, FORM>(cut, first, rest);
+            let (first, _) = forces::forces::<L, FORM>(cut, (first, is_split), rest);
             below = Y::below::<L>(first, next);
         }
         let held = L::sub(here, below);
@@ -90,9 +90,10 @@ impl<Y: Layout> Task for Evaluate<'_, Y> {
     fn run<L: Lanes>(self) -> Row {
         let Self { plan, position, out, .. } = self;
         let most = match plan.form {
-            Form::Plain => evaluate::<L, Y, PLAIN>(plan, position, out),
-            Form::Exact => evaluate::<L, Y, EXACT>(plan, position, out),
-            Form::Linear => evaluate::<L, Y, LINEAR>(plan, position, out),
+            Form::Plain if plan.is_split => evaluate::<L, Y, PLAIN, true>(plan, position, out),
+            Form::Plain => evaluate::<L, Y, PLAIN, false>(plan, position, out),
+            Form::Exact => evaluate::<L, Y, EXACT, false>(plan, position, out),
+            Form::Linear => evaluate::<L, Y, LINEAR, false>(plan, position, out),
         };
         let mut largest = Row::default();
         L::store(Y::largest::<L>(most), &mut largest);
