@@ -259,9 +259,6 @@ impl Plan {
 
     /// Watches those contacts of `chain` that are as stiff for their bodies as the stiffest, if they are few, under a pair.
     fn watch(&mut self, chain: &Chain, place: impl Fn(usize) -> (usize, usize)) {
-        if self.is_split || self.form == Form::Linear {
-            return;
-        }
         let inverse_mass = |body: Option<&Body>| body.map_or(0.0, |body| 1.0 / body.mass);
         let stiffness = |j: usize| {
             let above = j.checked_sub(1).and_then(|i| chain.bodies().get(i));
@@ -271,7 +268,8 @@ impl Plan {
         let all = 0..chain.contacts().len();
         let most = all.clone().map(stiffness).fold(0.0, f64::max);
         let stiff = |j: &usize| stiffness(*j) > AS_STIFF * most;
-        if all.clone().filter(stiff).nth(MOST_WATCHED).is_some() {
+        let are_many = all.clone().filter(stiff).nth(MOST_WATCHED).is_some();
+        if self.is_split || self.form == Form::Linear || are_many {
             return;
         }
         let watched = |j: usize| {
