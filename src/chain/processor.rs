@@ -1,4 +1,4 @@
-//! Which of the instruction sets that loops are compiled for this processor has, and the system lets programs use: asked once.
+//! Which of the instruction sets that loops are compiled for this processor has, and the system lets programs use, and whose it is: asked once.
 //!
 //! `is_x86_feature_detected!` asks for all there is to know, in ten instructions `CPUID`, which a virtual machine answers by leaving the
 //! machine: 3.7 to 8.5 us each where that was measured, 4 % and more of what a whole process takes. Two tell what is asked here.
@@ -19,6 +19,18 @@ pub struct Found {
     pub avx512: bool,
 }
 
+/// What is known of a processor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Processor {
+    pub found: Found,
+    /// Whether its square-root unit is slow beside its multipliers, as Intel's are taken to be and others are not: one of a stream of roots takes a Xeon
+    /// four times as long as a Zen 5 (docs/performance.md).
+    pub slow_roots: bool,
+}
+
+/// Bits of leaf 1, register A, that hold the family, and the family of Intel's processors since 1995.
+const FAMILY: u32 = 0xF << 8;
+const INTEL: u32 = 6 << 8;
 /// Bits of leaf 1, register C.
 const FMA: u32 = 1 << 12;
 const OSXSAVE: u32 = 1 << 27;
@@ -31,14 +43,19 @@ const KEEPS_32: u64 = 0b110;
 const KEEPS_64: u64 = KEEPS_32 | 0b1110_0000;
 
 /// What there is.
-pub fn found() -> Found {
-    static FOUND: OnceLock<Found> = OnceLock::new();
-    *FOUND.get_or_init(ask)
+pub fn this() -> Processor {
+    static THIS: OnceLock<Processor> = OnceLock::new();
+    *THIS.get_or_init(ask)
 }
 
-fn ask() -> Found {
+fn ask() -> Processor {
     // SAFETY: every x86-64 processor has CPUID and its leaf 1.
-    let first = unsafe { __cpuid(1).ecx };
+    let first = unsafe { __cpuid(1) };
+    Processor { found: find(first.ecx), slow_roots: first.eax & FAMILY == INTEL }
+}
+
+/// The instruction sets, given register C of leaf 1.
+fn find(first: u32) -> Found {
     if !has(first, OSXSAVE | AVX | FMA) {
         return Found::default();
     }
@@ -65,6 +82,6 @@ mod tests {
             && is_x86_feature_detected!("avx512f")
             && is_x86_feature_detected!("avx512dq")
             && is_x86_feature_detected!("avx512vl");
-        assert_eq!(found(), Found { avx2, avx512 });
+        assert_eq!(this().found, Found { avx2, avx512 });
     }
 }

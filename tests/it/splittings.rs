@@ -28,6 +28,12 @@ pub fn kick(chain: &Chain, speed: f64) -> Vec<f64> {
     velocities
 }
 
+/// What this machine has, for processors of both kinds.
+fn all_sets() -> impl Iterator<Item = InstructionSet> {
+    let both = |set: InstructionSet| [true, false].map(|slow| set.with_roots(slow));
+    InstructionSet::available().into_iter().flat_map(both)
+}
+
 fn stepper(chain: &Chain, method: Method, set: InstructionSet) -> ChainStepper {
     let scheme = method.scheme().expect("a splitting");
     ChainStepper::new(chain, &kick(chain, SPEED), scheme, set)
@@ -68,7 +74,7 @@ fn they_are_those_of_the_plain_loops() {
                 let system = chain.system(&kick(&chain, SPEED));
                 let mut plain = method.start(system, chain.initial_state(&kick(&chain, SPEED)));
                 plain.advance(TIME).expect("a stable step");
-                for set in InstructionSet::available() {
+                for set in all_sets() {
                     let mut stepper = stepper(&chain, method, set);
                     stepper.advance(TIME).expect("a stable step");
                     assert_eq!(stepper.work(), plain.work(), "{}", method.name());
@@ -110,7 +116,7 @@ fn rest_is_rest_to_the_last_bit() {
         for (cells, force) in chains.into_iter().flatten() {
             let chain = diatomic(cells, force, false);
             let count = chain.bodies().len();
-            for set in InstructionSet::available() {
+            for set in all_sets() {
                 let mut stepper = ChainStepper::new(&chain, &kick(&chain, SPEED), scheme, set);
                 stepper = stepper.without(Refinement::QuietPart, &chain);
                 let reached =

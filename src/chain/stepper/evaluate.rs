@@ -33,7 +33,7 @@ impl<L: Lanes> Largest<L> {
 /// Closed contacts, their forces (N), and accelerations (m/s²): what is found at given positions.
 pub type Found<'a> = (&'a mut [u8], &'a mut [Row], &'a mut [Row]);
 
-struct Look<'a, L: Lanes, const SPLIT: bool> {
+struct Look<'a, L: Lanes> {
     rest: Strip<'a, Rest>,
     position: Strip<'a, Row>,
     closed: StripMut<'a, u8>,
@@ -42,9 +42,7 @@ struct Look<'a, L: Lanes, const SPLIT: bool> {
     largest: Largest<L>,
 }
 
-impl<L: Lanes, const SPLIT: bool> Visit<L> for Look<'_, L, SPLIT> {
-    const IS_SPLIT: bool = SPLIT;
-
+impl<L: Lanes> Visit<L> for Look<'_, L> {
     #[inline(always)]
     fn enter(&mut self, at: At) -> L::V {
         self.foresee(at)
@@ -72,9 +70,9 @@ impl<L: Lanes, const SPLIT: bool> Visit<L> for Look<'_, L, SPLIT> {
     }
 }
 
-/// Looks at `position`, as the loops of a splitting do or those of a pair; returns the largest change of an overlap.
+/// Looks at `position`; returns the largest change of an overlap.
 #[inline(always)]
-pub fn evaluate<L: Lanes, Y: Layout, const FORM: u8, const SPLIT: bool>(
+pub fn evaluate<L: Lanes, Y: Layout, const FORM: u8>(
     plan: &Plan,
     position: &[Row],
     found: Found,
@@ -82,10 +80,10 @@ pub fn evaluate<L: Lanes, Y: Layout, const FORM: u8, const SPLIT: bool>(
     let rows = plan.rows();
     let cut = Cut::new(plan, rows);
     if Y::TILE == 0 {
-        return all_round::<L, Y, FORM, SPLIT>(cut, &position[..rows], found);
+        return all_round::<L, Y, FORM>(cut, &position[..rows], found);
     }
     let (closed, force, acceleration) = found;
-    let mut look = Look::<L, SPLIT> {
+    let mut look = Look::<L> {
         rest: Strip::new(cut.rest, rows),
         position: Strip::new(position, rows),
         closed: StripMut::new(closed, rows),
@@ -99,7 +97,7 @@ pub fn evaluate<L: Lanes, Y: Layout, const FORM: u8, const SPLIT: bool>(
 
 /// The same of rows that are one tile: one after the other, for this is done once.
 #[inline(always)]
-fn all_round<L: Lanes, Y: Layout, const FORM: u8, const SPLIT: bool>(
+fn all_round<L: Lanes, Y: Layout, const FORM: u8>(
     plan: Cut,
     position: &[Row],
     (closed, force, acceleration): Found,
@@ -109,7 +107,7 @@ fn all_round<L: Lanes, Y: Layout, const FORM: u8, const SPLIT: bool>(
     let mut largest = Largest::<L>::none();
     for r in 0..rows {
         let change = L::sub(Y::above_in::<L>(position, r), L::load(&position[r]));
-        let (pressed, overlap) = forces::<L, FORM>(plan, (r, SPLIT), change);
+        let (pressed, overlap) = forces::<L, FORM>(plan, r, change);
         closed[r] = L::positive(overlap);
         largest.see(&plan.rest[r], change);
         L::store(pressed, &mut force[r]);

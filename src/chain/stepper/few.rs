@@ -133,7 +133,8 @@ impl<'a, L: Lanes, const R: usize> Step<'a, L, R> {
         }
         let at = self.overlaps::<P, S, N>();
         for (r, at) in at.iter().enumerate() {
-            let [force, _] = finish::<L, PLAIN>(self.plan.contacts(r), r, begin_plain::<L>(r, *at));
+            let [force, _] =
+                finish::<L, PLAIN>(self.plan.contacts(r), r, begin_plain::<L, PLAIN>(r, *at));
             self.between[S - 1][r] = L::sub(force, self.force[r]);
         }
     }
@@ -217,7 +218,7 @@ fn whole<L: Lanes, P: Known<N>, const R: usize, const N: usize>(
     let [moved, overlap] = step.arrive::<P, N>(&mut next);
     let mut begun = [Begun::none(); R];
     for r in 0..R {
-        begun[r] = begin_plain::<L>(r, overlap[r]);
+        begun[r] = begin_plain::<L, PLAIN>(r, overlap[r]);
     }
     // While roots are on their way.
     let mut off = step.sum::<PositionError<P, N>>(N - 1);

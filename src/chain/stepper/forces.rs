@@ -14,6 +14,12 @@ pub const EXACT: u8 = 1;
 pub const LINEAR: u8 = 2;
 /// As the plain one, in units of the stiffness that all contacts share.
 pub const ALIKE: u8 = 3;
+/// With this bit one row of four goes through the square-root unit, else every other: what is left waits longer for a slow one than for the multipliers.
+const SPARSE: u8 = 4;
+/// As [`PLAIN`], through a slow unit.
+pub const PLAIN_SPARSE: u8 = PLAIN | SPARSE;
+/// As [`ALIKE`], through a slow unit.
+pub const ALIKE_SPARSE: u8 = ALIKE | SPARSE;
 
 /// The plan's rows, all cut to the same length, so that the loops need not check it.
 #[derive(Clone, Copy)]
@@ -47,7 +53,7 @@ impl<'a> Cut<'a> {
     pub fn of<const FORM: u8>(plan: &'a Plan, rows: usize) -> Self {
         let cut = Self::new(plan, rows);
         match &plan.alike {
-            Some(alike) if FORM == ALIKE => Self {
+            Some(alike) if FORM & !SPARSE == ALIKE => Self {
                 inverse_mass: &alike.mobility[..rows],
                 balanced: &alike.balanced[..rows],
                 beyond: alike.static_force.get(rows).copied().unwrap_or_default(),
@@ -154,7 +160,11 @@ impl<L: Lanes> Begun<L> {
     #[inline(always)]
     pub fn power(self, r: usize) -> L::V {
         let Self { closed, root } = self;
-        if is_beside(r) { L::weigh_root(closed, root, closed) } else { L::mul(closed, root) }
+        if is_beside::<PLAIN>(r) {
+            L::weigh_root(closed, root, closed)
+        } else {
+            L::mul(closed, root)
+        }
     }
 }
 
@@ -167,8 +177,8 @@ pub fn begin<L: Lanes, const FORM: u8>(
 ) -> (Begun<L>, L::V) {
     let static_overlap = L::load(contacts.static_overlap);
     let overlap = L::add(change, static_overlap);
-    let begun = match FORM {
-        PLAIN | ALIKE => begin_plain::<L>(r, overlap),
+    let begun = match FORM & !SPARSE {
+        PLAIN | ALIKE => begin_plain::<L, FORM>(r, overlap),
         EXACT => {
             let closed = L::max(change, L::sub(L::splat(0.0), static_overlap));
             Begun { closed, root: L::sqrt(L::add(static_overlap, closed)) }
@@ -183,23 +193,16 @@ pub const BY_UNIT: usize = 1;
 /// One that leaves it alone.
 pub const BESIDE: usize = 0;
 
-/// Which of the two row `r` is like in steps of a splitting: one row of four goes through the unit. A second one would wait for it, longer than for the
-/// multipliers, which have more to do under a pair.
+/// Whether row `r` leaves the square-root unit alone: some do, so that it and the multipliers work side by side.
 #[inline(always)]
-pub const fn in_splits(r: usize) -> usize {
-    if r % FOUR == BY_UNIT { BY_UNIT } else { BESIDE }
-}
-
-/// Whether row `r` leaves the square-root unit alone. Every other row does, so that it and the multipliers work side by side.
-#[inline(always)]
-const fn is_beside(r: usize) -> bool {
-    r % 2 == BESIDE
+const fn is_beside<const FORM: u8>(r: usize) -> bool {
+    if FORM & SPARSE == 0 { r % 2 == BESIDE } else { r % FOUR != BY_UNIT }
 }
 
 /// Begins the forces in row `r` in plain form.
 #[inline(always)]
-pub fn begin_plain<L: Lanes>(r: usize, overlap: L::V) -> Begun<L> {
-    if is_beside(r) {
+pub fn begin_plain<L: Lanes, const FORM: u8>(r: usize, overlap: L::V) -> Begun<L> {
+    if is_beside::<FORM>(r) {
         let closed = L::max(overlap, L::splat(1e-200));
         Begun { closed, root: L::start_root(closed) }
     } else {
@@ -217,14 +220,15 @@ pub fn finish<L: Lanes, const FORM: u8>(
     begun: Begun<L>,
 ) -> [L::V; 2] {
     let Begun { closed, root } = begun;
-    if FORM == ALIKE {
+    let form = FORM & !SPARSE;
+    if form == ALIKE {
         let one = L::splat(1.0);
-        let root = if is_beside(r) { L::weigh_root(closed, root, one) } else { root };
+        let root = if is_beside::<FORM>(r) { L::weigh_root(closed, root, one) } else { root };
         return [L::mul(closed, root), root];
     }
     let stiffness = L::load(contacts.stiffness);
-    match FORM {
-        PLAIN if is_beside(r) => {
+    match form {
+        PLAIN if is_beside::<FORM>(r) => {
             let force = L::weigh_root(closed, root, L::mul(stiffness, closed));
             [force, L::weigh_root(closed, root, stiffness)]
         }
@@ -241,16 +245,11 @@ pub fn finish<L: Lanes, const FORM: u8>(
     }
 }
 
-/// Forces in row `r`, as [`finish`] has them, for overlaps that have changed by `change`, and the overlaps themselves, as a splitting has them or a pair.
+/// Forces in row `r`, as [`finish`] has them, for overlaps that have changed by `change`, and the overlaps themselves.
 #[inline(always)]
-pub fn forces<L: Lanes, const FORM: u8>(
-    plan: Cut,
-    (r, is_split): (usize, bool),
-    change: L::V,
-) -> (L::V, L::V) {
-    let number = if is_split { in_splits(r) } else { r };
-    let (begun, overlap) = begin::<L, FORM>(plan.contacts(r), number, change);
-    let [force, _] = finish::<L, FORM>(plan.contacts(r), number, begun);
+pub fn forces<L: Lanes, const FORM: u8>(plan: Cut, r: usize, change: L::V) -> (L::V, L::V) {
+    let (begun, overlap) = begin::<L, FORM>(plan.contacts(r), r, change);
+    let [force, _] = finish::<L, FORM>(plan.contacts(r), r, begun);
     (force, overlap)
 }
 

@@ -48,10 +48,8 @@ impl<Y: Layout> Task for Frame<'_, Y> {
         for (r, here) in position.iter().enumerate() {
             let change = L::sub(Y::above_in::<L>(position, r), L::load(here));
             let (row, _) = match plan.form {
-                Form::Linear => forces::forces::<L, LINEAR>(cut, (r, plan.is_split), change),
-                Form::Plain | Form::Exact => {
-                    forces::forces::<L, EXACT>(cut, (r, plan.is_split), change)
-                }
+                Form::Linear => forces::forces::<L, LINEAR>(cut, r, change),
+                Form::Plain | Form::Exact => forces::forces::<L, EXACT>(cut, r, change),
             };
             L::store(row, &mut force[r]);
         }

@@ -97,8 +97,6 @@ impl<L: Lanes, const GRADIENT: bool, const FIRST: bool, const LAST: bool>
 impl<L: Lanes, const GRADIENT: bool, const FIRST: bool, const LAST: bool> Visit<L>
     for Push<'_, '_, L, GRADIENT, FIRST, LAST>
 {
-    const IS_SPLIT: bool = true;
-
     #[inline(always)]
     fn enter(&mut self, at: At) -> L::V {
         let [here, speed] = self.drifted(at);
@@ -213,8 +211,6 @@ impl<L: Lanes, Y: Layout, const GRADIENT: bool, const FIRST: bool, const LAST: b
 impl<L: Lanes, Y: Layout, const GRADIENT: bool, const FIRST: bool, const LAST: bool> Visit<L>
     for Both<'_, '_, L, Y, GRADIENT, FIRST, LAST>
 {
-    const IS_SPLIT: bool = true;
-
     #[inline(always)]
     fn enter(&mut self, at: At) -> L::V {
         Visit::<L>::enter(&mut self.push, at)

@@ -29,6 +29,8 @@ pub trait Lanes: Copy {
     const AHEAD: usize = 2;
     /// Whether the eight are so quick that short chains wait for results and not for arithmetic.
     const WAITS: bool = false;
+    /// Whether [`Lanes::weigh_root`] leaves the square-root unit alone.
+    const IS_BESIDE: bool = false;
     /// Runs `task` in a function of its own, compiled for these instructions.
     #[inline(never)]
     fn apart<T: Task>(task: T) -> T::Output {

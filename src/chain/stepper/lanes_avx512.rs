@@ -20,6 +20,7 @@ impl Lanes for Avx512 {
     type V = __m512d;
     const AHEAD: usize = 4;
     const WAITS: bool = true;
+    const IS_BESIDE: bool = true;
 
     fn apart<T: Task>(task: T) -> T::Output {
         #[inline(never)]

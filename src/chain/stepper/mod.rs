@@ -13,6 +13,7 @@ mod force_septic;
 mod force_track;
 mod forces;
 mod foresight;
+mod form;
 mod frame;
 mod gathered;
 mod group;

@@ -2,34 +2,27 @@
 //!
 //! Entry `j` holds contact `j` and the body below it; behind the last body stands a ghost, the bottom wall, that nothing moves.
 
+use super::dispatch::InstructionSet;
+pub use super::form::Form;
 use super::lanes::{Row, WIDTH};
 use super::layout::Layout;
 use super::workspace::anew;
-use crate::chain::{Body, Chain, Contact};
+use crate::chain::{Body, Chain};
 use crate::integrate::Scheme;
 
 /// Most rows of a short chain: what moves of it fits into the registers.
 pub const FEW: usize = 5;
 
-/// How forces are computed from overlaps.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Form {
-    /// `A overlap^1.5`: rounds to 2 ulp of the static force.
-    #[default]
-    Plain,
-    /// Without cancellation, for waves far below the preload; one division more.
-    Exact,
-    /// Linearised contacts.
-    Linear,
-}
+/// With which instructions forces are computed, and how.
+pub type How = (InstructionSet, Form);
 
 /// Contacts and bodies in rows.
 #[derive(Debug, Clone, Default)]
 pub struct Plan {
     /// How forces are computed.
     pub form: Form,
-    /// Whether for steps of a splitting, where other rows leave the square-root unit alone than under a pair.
-    pub is_split: bool,
+    /// Whether few roots go through the square-root unit, for it is slow and steps are a splitting's, which have less to do besides than a pair's.
+    pub sparse: bool,
     /// Rows from the first on that the loops go over; in those behind nothing has moved yet.
     pub live: usize,
     /// Those of [`Constants`], one after the other in one piece of memory, as [`super::workspace::Motion`] has its parts.
@@ -112,34 +105,6 @@ impl Default for Rest {
 /// Where there is nothing to touch, there is a gap that nothing closes (m).
 const NOTHING: f64 = -1e100;
 
-/// Relative rounding of a force in plain form (1).
-const ROUNDING: f64 = 5e-16;
-/// The plain form's rounding stays below this share of the accuracy asked for (1).
-const ROUNDING_SHARE: f64 = 1e-3;
-
-impl Form {
-    /// What `chain` needs when its velocities (m/s) are to be followed to `accuracy` (1): the exact form only where the
-    /// rounding of the static force could be seen in the wave.
-    #[must_use]
-    pub fn needed(chain: &Chain, velocity: &[f64], accuracy: f64) -> Self {
-        if chain.is_linear() {
-            return Self::Linear;
-        }
-        let overlap = chain.impact_overlap(velocity);
-        // The wave presses a contact at least as it would without preload: where that is enough, nothing more need be known.
-        let least = overlap * overlap.sqrt();
-        let visible = |c: &&Contact| {
-            let is_more = |wave| ROUNDING * c.static_force > ROUNDING_SHARE * accuracy * wave;
-            is_more(c.stiffness * least) && is_more(c.force_change(overlap))
-        };
-        if chain.contacts().iter().filter(|c| c.stiffness > 0.0).any(|c| visible(&c)) {
-            Self::Exact
-        } else {
-            Self::Plain
-        }
-    }
-}
-
 /// The stiffness that all contacts of `chain` share, if they do, where steps of `scheme` are fixed and forces are in plain form (N/m^1.5).
 #[must_use]
 pub fn shared_stiffness(chain: &Chain, scheme: Scheme, form: Form) -> Option<f64> {
@@ -164,13 +129,15 @@ pub fn are_few(rows: usize, form: Form) -> bool {
 impl Plan {
     /// One chain, for steps of `scheme`. Short chains wait for their results, not for arithmetic: they gain nothing by a shared stiffness.
     #[must_use]
-    pub fn one<Y: Layout>(chain: &Chain, scheme: Scheme, form: Form) -> Self {
+    pub fn one<Y: Layout>(chain: &Chain, scheme: Scheme, how: How) -> Self {
         let rows = rows_of(chain);
         let mut plan = Self::default();
-        plan.empty(scheme, form, rows);
+        plan.empty(scheme, how, rows);
         plan.fill(chain, chain.contacts().len(), |j| Y::place(rows, j, 0));
-        plan.watch(chain, |j| Y::place(rows, j, 0));
-        let shared = shared_stiffness(chain, scheme, form).filter(|_| Y::TILE != 0);
+        if matches!(scheme, Scheme::Pair(..)) {
+            plan.watch(chain, |j| Y::place(rows, j, 0));
+        }
+        let shared = shared_stiffness(chain, scheme, how.1).filter(|_| Y::TILE != 0);
         if let Some(stiffness) = shared {
             plan.share(Row([stiffness; WIDTH]), Alike::default());
         }
@@ -178,14 +145,16 @@ impl Plan {
     }
 
     /// Has it be up to eight chains of the same number of bodies across the rows, which share stiffnesses or not; lanes left over hold nothing.
-    pub fn across(&mut self, chains: &[&Chain], scheme: Scheme, form: Form) {
+    pub fn across(&mut self, chains: &[&Chain], scheme: Scheme, how: How) {
         let rows = chains.first().map_or(0, |chain| chain.contacts().len());
-        let alike = self.empty(scheme, form, rows);
+        let alike = self.empty(scheme, how, rows);
         for (lane, chain) in chains.iter().enumerate().take(WIDTH) {
             self.fill(chain, rows.min(chain.contacts().len()), |j| (j, lane));
-            self.watch(chain, |j| (j, lane));
+            if matches!(scheme, Scheme::Pair(..)) {
+                self.watch(chain, |j| (j, lane));
+            }
         }
-        let shared = |chain: &&Chain| shared_stiffness(chain, scheme, form);
+        let shared = |chain: &&Chain| shared_stiffness(chain, scheme, how.1);
         if let Some(shared) = chains.iter().map(shared).collect::<Option<Vec<f64>>>() {
             let lane = |lane| shared.get(lane).copied().unwrap_or(1.0);
             self.share(Row(std::array::from_fn(lane)), alike);
@@ -234,9 +203,9 @@ impl Plan {
     }
 
     /// Nothing in `rows` rows, for steps of `scheme`; gives back what there was of chains that shared a stiffness.
-    fn empty(&mut self, scheme: Scheme, form: Form, rows: usize) -> Alike {
+    fn empty(&mut self, scheme: Scheme, (set, form): How, rows: usize) -> Alike {
         (self.form, self.live) = (form, rows);
-        self.is_split = !matches!(scheme, Scheme::Pair(..));
+        self.sparse = !matches!(scheme, Scheme::Pair(..)) && set.has_slow_roots();
         anew(&mut self.constants, CONSTANTS * rows);
         anew(&mut self.rest, rows);
         self.watched.clear();
@@ -257,7 +226,7 @@ impl Plan {
         self.alike = Some(alike);
     }
 
-    /// Watches those contacts of `chain` that are as stiff for their bodies as the stiffest, if they are few, under a pair.
+    /// Watches those contacts of `chain` that are as stiff for their bodies as the stiffest, if they are few.
     fn watch(&mut self, chain: &Chain, place: impl Fn(usize) -> (usize, usize)) {
         let inverse_mass = |body: Option<&Body>| body.map_or(0.0, |body| 1.0 / body.mass);
         let stiffness = |j: usize| {
@@ -268,8 +237,7 @@ impl Plan {
         let all = 0..chain.contacts().len();
         let most = all.clone().map(stiffness).fold(0.0, f64::max);
         let stiff = |j: &usize| stiffness(*j) > AS_STIFF * most;
-        let are_many = all.clone().filter(stiff).nth(MOST_WATCHED).is_some();
-        if self.is_split || self.form == Form::Linear || are_many {
+        if self.form == Form::Linear || all.clone().filter(stiff).nth(MOST_WATCHED).is_some() {
             return;
         }
         let watched = |j: usize| {

@@ -1,7 +1,7 @@
 //! Overlaps of eight contacts over a step, side by side, and what their forces do where they change sides.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
-use super::forces::{BESIDE, begin_plain};
+use super::forces::{BESIDE, PLAIN, begin_plain};
 use super::known::{Known, Position, PositionError, Velocity, VelocityError, Weights};
 use super::lanes::Lanes;
 
@@ -45,7 +45,7 @@ fn times<L: Lanes>(factor: f64, value: L::V) -> L::V {
 /// `max(overlap, 0)^1.5`; every other `number` leaves the square-root unit alone.
 #[inline(always)]
 pub fn power<L: Lanes>(number: usize, overlap: L::V) -> L::V {
-    begin_plain::<L>(number, overlap).power(number)
+    begin_plain::<L, PLAIN>(number, overlap).power(number)
 }
 
 /// Eight quintics in the fraction of the step.

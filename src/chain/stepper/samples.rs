@@ -15,7 +15,7 @@
 
 use super::force_septic::{BETWEEN, EVEN, ODD, PLACES};
 use super::force_track::{COEFFICIENTS, CONTACTS, LOOKS, Place, lane_forces, sum};
-use super::forces::begin_plain;
+use super::forces::{PLAIN, begin_plain};
 use super::lanes::{Lanes, Row, Task, WIDTH};
 use super::plan::Form;
 use super::seen::Seen;
@@ -64,7 +64,7 @@ impl<L: Lanes> Constants<L> {
     /// In plain form the force of contact `which` at this overlap, on top of `total` (N).
     #[inline(always)]
     fn plain_force(&self, which: usize, overlap: L::V, total: L::V) -> L::V {
-        let power = begin_plain::<L>(which, overlap).power(which);
+        let power = begin_plain::<L, PLAIN>(which, overlap).power(which);
         L::mul_add(self.stiffness, L::sub(power, self.rest), total)
     }
 }
@@ -86,7 +86,7 @@ impl Sample<'_> {
         }
         let still = L::splat(self.place.static_overlap(which));
         // The static part by the same loops: exactly nothing is felt where nothing has moved.
-        let rest = begin_plain::<L>(which, still).power(which);
+        let rest = begin_plain::<L, PLAIN>(which, still).power(which);
         Constants { stiffness: L::splat(stiffness * weight), still, rest }
     }
 

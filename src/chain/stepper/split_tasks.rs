@@ -3,7 +3,7 @@
 
 use std::marker::PhantomData;
 
-use super::forces::{ALIKE, EXACT, LINEAR, PLAIN};
+use super::forces::{ALIKE, ALIKE_SPARSE, EXACT, LINEAR, PLAIN, PLAIN_SPARSE};
 use super::lanes::{Lanes, Row, Task};
 use super::layout::{Layout, Striped};
 use super::parts::Steps;
@@ -37,12 +37,14 @@ impl<Y: Layout> Task for Split<'_, Y> {
 impl<Y: Layout> Split<'_, Y> {
     #[inline(always)]
     fn by<L: Lanes, const GRADIENT: bool>(self) -> u8 {
-        // What is one tile is in plain form: no need to compile others.
-        if Y::TILE == 0 {
-            return L::apart(SplitIn::<Y, PLAIN, GRADIENT>(self));
-        }
+        let (sparse, alike) = (L::IS_BESIDE && self.plan.sparse, self.plan.alike.is_some());
         match self.plan.form {
-            _ if self.plan.alike.is_some() => L::apart(SplitIn::<Y, ALIKE, GRADIENT>(self)),
+            // What is one tile is in plain form: no need to compile others.
+            _ if Y::TILE == 0 && sparse => L::apart(SplitIn::<Y, PLAIN_SPARSE, GRADIENT>(self)),
+            _ if Y::TILE == 0 => L::apart(SplitIn::<Y, PLAIN, GRADIENT>(self)),
+            _ if alike && sparse => L::apart(SplitIn::<Y, ALIKE_SPARSE, GRADIENT>(self)),
+            _ if alike => L::apart(SplitIn::<Y, ALIKE, GRADIENT>(self)),
+            Form::Plain if sparse => L::apart(SplitIn::<Y, PLAIN_SPARSE, GRADIENT>(self)),
             Form::Plain => L::apart(SplitIn::<Y, PLAIN, GRADIENT>(self)),
             Form::Exact => L::apart(SplitIn::<Y, EXACT, GRADIENT>(self)),
             Form::Linear => L::apart(SplitIn::<Y, LINEAR, GRADIENT>(self)),
@@ -91,8 +93,25 @@ impl Task for InPace<'_, '_> {
     type Output = u8;
 
     #[inline(always)]
-    fn run<L: Lanes>(mut self) -> u8 {
-        splits::timed::<L, Striped, true>(self.plan, self.work, &mut self.paced)
+    fn run<L: Lanes>(self) -> u8 {
+        if L::IS_BESIDE && self.plan.sparse {
+            L::apart(InPaceIn::<PLAIN_SPARSE>(self))
+        } else {
+            L::apart(InPaceIn::<PLAIN>(self))
+        }
+    }
+}
+
+/// Takes them in one form, in a function of its own.
+struct InPaceIn<'a, 'm, const FORM: u8>(InPace<'a, 'm>);
+
+impl<const FORM: u8> Task for InPaceIn<'_, '_, FORM> {
+    type Output = u8;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> u8 {
+        let InPace { plan, work, mut paced } = self.0;
+        splits::timed::<L, Striped, FORM, true>(plan, work, &mut paced)
     }
 }
 

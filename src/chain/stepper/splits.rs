@@ -1,7 +1,7 @@
 //! Steps of splittings. A striped chain of few rows stays in the registers from one step to the next; longer ones go through [`super::parts`].
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
-use super::forces::{Cut, PLAIN, begin_plain, finish, in_splits, unbalanced};
+use super::forces::{Cut, begin_plain, finish, unbalanced};
 use super::lanes::Lanes;
 use super::layout::Layout;
 use super::parts::{Steps, long};
@@ -88,9 +88,10 @@ pub fn steps<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
         let (left, notes) = (steps.count, steps.notes);
         if GRADIENT && steps.method.gradients[0] == 0.0 {
             let mut timing = Fixed::<L, false> { weights, left, notes };
-            timed::<L, Y, GRADIENT>(plan, work, &mut timing)
+            timed::<L, Y, FORM, GRADIENT>(plan, work, &mut timing)
         } else {
-            timed::<L, Y, GRADIENT>(plan, work, &mut Fixed::<L, true> { weights, left, notes })
+            let mut timing = Fixed::<L, true> { weights, left, notes };
+            timed::<L, Y, FORM, GRADIENT>(plan, work, &mut timing)
         }
     } else {
         long::<L, Y, FORM, GRADIENT>(plan, work, &mut steps);
@@ -100,17 +101,17 @@ pub fn steps<L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
 
 /// Takes the steps of `timing` in the registers, as [`steps`] does.
 #[inline(always)]
-pub fn timed<'m, L: Lanes, Y: Layout, const GRADIENT: bool>(
+pub fn timed<'m, L: Lanes, Y: Layout, const FORM: u8, const GRADIENT: bool>(
     plan: &Plan,
     work: &mut Workspace,
     timing: &mut impl Timing<'m, L>,
 ) -> u8 {
     match plan.rows() {
-        1 => short::<L, Y, _, GRADIENT, 1>(plan, work, timing),
-        2 => short::<L, Y, _, GRADIENT, 2>(plan, work, timing),
-        3 => short::<L, Y, _, GRADIENT, 3>(plan, work, timing),
-        4 => short::<L, Y, _, GRADIENT, 4>(plan, work, timing),
-        _ => short::<L, Y, _, GRADIENT, FEW>(plan, work, timing),
+        1 => short::<L, Y, _, FORM, GRADIENT, 1>(plan, work, timing),
+        2 => short::<L, Y, _, FORM, GRADIENT, 2>(plan, work, timing),
+        3 => short::<L, Y, _, FORM, GRADIENT, 3>(plan, work, timing),
+        4 => short::<L, Y, _, FORM, GRADIENT, 4>(plan, work, timing),
+        _ => short::<L, Y, _, FORM, GRADIENT, FEW>(plan, work, timing),
     }
     are_finite::<L, Y>(plan, work)
 }
@@ -139,14 +140,14 @@ fn overlaps<L: Lanes, Y: Layout, const R: usize>(plan: Cut, x: &Rows<L, R>) -> R
 
 /// What contacts are pressed with where bodies stand at `x` (m): forces (N) and two thirds of tangent stiffnesses (N/m).
 #[inline(always)]
-fn pressed<L: Lanes, Y: Layout, const R: usize>(plan: Cut, x: &Rows<L, R>) -> [Rows<L, R>; 2] {
+fn pressed<L: Lanes, Y: Layout, const FORM: u8, const R: usize>(
+    plan: Cut,
+    x: &Rows<L, R>,
+) -> [Rows<L, R>; 2] {
     let (overlap, mut force, mut tangent) = (overlaps::<L, Y, R>(plan, x), *x, *x);
     for r in 0..R {
-        [force[r], tangent[r]] = finish::<L, PLAIN>(
-            plan.contacts(r),
-            in_splits(r),
-            begin_plain::<L>(in_splits(r), overlap[r]),
-        );
+        let begun = begin_plain::<L, FORM>(r, overlap[r]);
+        [force[r], tangent[r]] = finish::<L, FORM>(plan.contacts(r), r, begun);
     }
     [force, tangent]
 }
@@ -175,7 +176,15 @@ fn keep<L: Lanes, const R: usize>([x, v, a]: [&Rows<L, R>; 3], parts: &mut Parts
 /// Steps of a chain of `R` rows, in plain form.
 #[inline(always)]
 #[allow(clippy::many_single_char_names, reason = "the names of mechanics")]
-fn short<'m, L: Lanes, Y: Layout, T: Timing<'m, L>, const GRADIENT: bool, const R: usize>(
+fn short<
+    'm,
+    L: Lanes,
+    Y: Layout,
+    T: Timing<'m, L>,
+    const FORM: u8,
+    const GRADIENT: bool,
+    const R: usize,
+>(
     plan: &Plan,
     work: &mut Workspace,
     timing: &mut T,
@@ -200,7 +209,7 @@ fn short<'m, L: Lanes, Y: Layout, T: Timing<'m, L>, const GRADIENT: bool, const 
         }
         for part in 1..=weights.parts() {
             let last = part == weights.parts();
-            let [force, mut tangent] = pressed::<L, Y, R>(plan, &x);
+            let [force, mut tangent] = pressed::<L, Y, FORM, R>(plan, &x);
             let kick = weights.kick::<GRADIENT>(part);
             let mut push = nets::<L, Y, R>(&force, L::load(&plan.beyond));
             for (r, push) in push.iter_mut().enumerate() {

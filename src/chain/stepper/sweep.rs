@@ -5,7 +5,7 @@
 //! work. A sweep may pause between two fours of rows, for another to follow it while what it has left is near.
 #![allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
 
-use super::forces::{Begun, Cut, Strips, accelerations, begin, finish, in_splits};
+use super::forces::{Begun, Cut, Strips, accelerations, begin, finish};
 use super::lanes::{Lanes, Row};
 use super::layout::Layout;
 use super::strip::{At, FOUR};
@@ -36,9 +36,6 @@ pub trait Sweep<L: Lanes> {
 
 /// What a sweep over positions asks for and what becomes of its results, row by row.
 pub trait Visit<L: Lanes> {
-    /// Whether on behalf of a splitting, not of a pair.
-    const IS_SPLIT: bool = false;
-
     /// Positions in row `at` (m).
     fn enter(&mut self, at: At) -> L::V;
 
@@ -90,16 +87,14 @@ impl<L: Lanes, V: Visit<L>, const FORM: u8> Sweep<L> for Forces<'_, '_, V, FORM>
 
     #[inline(always)]
     fn begin(&mut self, at: At, difference: L::V) -> Begun<L> {
-        let number = if V::IS_SPLIT { in_splits(at.1) } else { at.1 };
-        let (begun, overlap) = begin::<L, FORM>(self.strips.contacts(at), number, difference);
+        let (begun, overlap) = begin::<L, FORM>(self.strips.contacts(at), at.1, difference);
         self.visit.see(at, overlap, difference);
         begun
     }
 
     #[inline(always)]
     fn finish(&mut self, at: At, begun: Begun<L>) -> [L::V; 2] {
-        let number = if V::IS_SPLIT { in_splits(at.1) } else { at.1 };
-        let pressed = finish::<L, FORM>(self.strips.contacts(at), number, begun);
+        let pressed = finish::<L, FORM>(self.strips.contacts(at), at.1, begun);
         self.visit.press(at, pressed);
         pressed
     }

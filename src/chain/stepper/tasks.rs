@@ -4,7 +4,7 @@
 use std::marker::PhantomData;
 
 use super::evaluate::{Found, evaluate};
-use super::forces::{self, ALIKE, Cut, EXACT, LINEAR, PLAIN};
+use super::forces::{self, ALIKE, ALIKE_SPARSE, Cut, EXACT, LINEAR, PLAIN, PLAIN_SPARSE};
 use super::guard::Guard;
 use super::kinks;
 use super::known::{Known, Pair64, Pair86};
@@ -32,30 +32,39 @@ impl<Y: Layout> Task for Settle<'_, Y> {
         if plan.form != Form::Plain {
             return;
         }
-        settle::<L, Y, PLAIN>(plan);
-        if plan.alike.is_some() {
-            settle::<L, Y, ALIKE>(plan);
+        let (sparse, alike) = (L::IS_BESIDE && plan.sparse, plan.alike.is_some());
+        if sparse {
+            settle::<L, Y, PLAIN_SPARSE>(plan);
+        } else {
+            settle::<L, Y, PLAIN>(plan);
+        }
+        match (alike, sparse) {
+            (true, true) => settle::<L, Y, ALIKE_SPARSE>(plan),
+            (true, false) => settle::<L, Y, ALIKE>(plan),
+            (false, _) => {}
         }
     }
 }
 
 #[inline(always)]
 fn settle<L: Lanes, Y: Layout, const FORM: u8>(plan: &mut Plan) {
-    let (rows, rest, is_split) = (plan.rows(), L::splat(0.0), plan.is_split);
+    let (rows, rest) = (plan.rows(), L::splat(0.0));
     let mut next = rest;
     // From behind, so that only the first row of a tile is found twice.
     for r in (0..rows).rev() {
         let cut = Cut::of::<FORM>(plan, rows);
-        let (here, _) = forces::forces::<L, FORM>(cut, (r, is_split), rest);
+        let (here, _) = forces::forces::<L, FORM>(cut, r, rest);
         let mut below = next;
         let (first, last) = Y::tile(rows, r);
         if r == last {
-            let (first, _) = forces::forces::<L, FORM>(cut, (first, is_split), rest);
+            let (first, _) = forces::forces::<L, FORM>(cut, first, rest);
             below = Y::below::<L>(first, next);
         }
         let held = L::sub(here, below);
         let (balanced, static_force) = match &mut plan.alike {
-            Some(alike) if FORM == ALIKE => (&mut alike.balanced[r], &mut alike.static_force[r]),
+            Some(alike) if matches!(FORM, ALIKE | ALIKE_SPARSE) => {
+                (&mut alike.balanced[r], &mut alike.static_force[r])
+            }
             _ => {
                 let ([.., balanced], rest) = plan.parts();
                 (&mut balanced[r], &mut rest[r].static_force)
@@ -90,10 +99,12 @@ impl<Y: Layout> Task for Evaluate<'_, Y> {
     fn run<L: Lanes>(self) -> Row {
         let Self { plan, position, out, .. } = self;
         let most = match plan.form {
-            Form::Plain if plan.is_split => evaluate::<L, Y, PLAIN, true>(plan, position, out),
-            Form::Plain => evaluate::<L, Y, PLAIN, false>(plan, position, out),
-            Form::Exact => evaluate::<L, Y, EXACT, false>(plan, position, out),
-            Form::Linear => evaluate::<L, Y, LINEAR, false>(plan, position, out),
+            Form::Plain if L::IS_BESIDE && plan.sparse => {
+                evaluate::<L, Y, PLAIN_SPARSE>(plan, position, out)
+            }
+            Form::Plain => evaluate::<L, Y, PLAIN>(plan, position, out),
+            Form::Exact => evaluate::<L, Y, EXACT>(plan, position, out),
+            Form::Linear => evaluate::<L, Y, LINEAR>(plan, position, out),
         };
         let mut largest = Row::default();
         L::store(Y::largest::<L>(most), &mut largest);

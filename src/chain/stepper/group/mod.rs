@@ -147,7 +147,7 @@ impl ChainGroup {
         );
         let chains: Vec<&Chain> = members.iter().map(|member| member.chain).collect();
         let form = members.first().map_or(Form::Plain, |first| Kind::of(first, scheme).form);
-        plan.across(&chains, scheme, form);
+        plan.across(&chains, scheme, (set, form));
         dispatch(set, Settle::<Across>(&mut plan, PhantomData));
         work.rest(plan.rows(), scheme);
         for (lane, member) in members.iter().enumerate() {

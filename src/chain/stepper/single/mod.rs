@@ -123,7 +123,7 @@ impl ChainStepper {
         (set, form): (InstructionSet, Form),
     ) -> Self {
         let [positions, velocities] = moving;
-        let mut plan = Plan::one::<Y>(chain, scheme, form);
+        let mut plan = Plan::one::<Y>(chain, scheme, (set, form));
         dispatch(set, Settle::<Y>(&mut plan, PhantomData));
         let mut work = Workspace::new(plan.all_rows(), scheme);
         let now = work.now.parts();
