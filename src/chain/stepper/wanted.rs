@@ -48,6 +48,10 @@ impl Asked {
         let highest = L::max(top, L::sub(last, L::min(slope, none)));
         let likely = L::mul(L::splat(WITHIN_STEP), L::max(first, last));
         let counts = L::positive(L::sub(L::max(highest, likely), L::load(&self.maximum)));
+        // Once the highest have been seen, mostly.
+        if counts == 0 {
+            return 0;
+        }
         let exceeds = L::positive(L::sub(last, L::load(&self.level)));
 
         // As `experiment::turn::may_fall` has it; falling twice is rising twice, upside down.

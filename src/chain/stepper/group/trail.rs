@@ -1,7 +1,7 @@
 //! What places in each lane's chain have felt in the last steps, and into which of those somebody has to look: a few steps are noted, their ends
 //! felt side by side, and few of them looked into.
 
-use super::watched::{Feel, Glance, Watched};
+use super::watched::{Feel, Glance, Wanted, Watched};
 use super::{ChainGroup, bits};
 use crate::chain::ForceProbe;
 use crate::chain::stepper::around::row_of;
@@ -87,18 +87,16 @@ impl ChainGroup {
         let GroupTrail { count, taken, times, places, .. } = trail;
         for (place, watched) in places.iter_mut().enumerate() {
             dispatch(self.set, Feel { watched, count: *count });
-            for step in 0..*count {
-                let (starts, lengths) = &times[step];
-                let taken = taken[step];
-                let wanted = dispatch(self.set, Glance { watched, step, lengths, taken });
-                if wanted.lanes == 0 {
-                    continue;
-                }
+            let mut from = 0;
+            while let Some(Wanted { step, lanes, before }) =
+                dispatch(self.set, Glance { watched, steps: [from, *count], times, taken })
+            {
+                from = step + 1;
                 let Watched { around, noted, seen, .. } = watched;
-                let ends = [&noted[step], &noted[step + 1]];
+                let (ends, (starts, lengths)) = ([&noted[step], &noted[from]], &times[step]);
                 dispatch(self.set, SideBySide { around, ends, times: (*starts, lengths), seen });
-                for lane in (0..WIDTH).filter(|lane| wanted.lanes & (1 << lane) != 0) {
-                    let before = wanted.before.each_ref().map(|row| row.0[lane]);
+                for lane in (0..WIDTH).filter(|lane| lanes & (1 << lane) != 0) {
+                    let before = before.each_ref().map(|row| row.0[lane]);
                     let [felt, asked] = look((place, lane), before, &watched.seen);
                     watched.correct(lane, felt);
                     watched.asked.ask(lane, asked);

@@ -143,39 +143,54 @@ fn across<L: Lanes>(rows: &[Row; BODIES], which: usize) -> L::V {
     L::sub(L::load(&rows[above]), L::load(&rows[above + 1]))
 }
 
-/// Takes a glance at a step's ends.
+/// Takes glances at the ends of steps, up to one that holds what is asked for.
 pub struct Glance<'a> {
     pub watched: &'a mut Watched,
-    pub step: usize,
-    pub lengths: &'a Row,
-    pub taken: u8,
+    /// The first step, and the one behind the last.
+    pub steps: [usize; 2],
+    /// Starts and lengths of all that are noted (s).
+    pub times: &'a [(Row, Row); GroupTrail::STEPS],
+    /// Lanes that have taken each, a bit each.
+    pub taken: &'a [u8; GroupTrail::STEPS],
 }
 
 /// What a glance tells.
 pub struct Wanted {
-    /// Lanes whose step holds what is asked for, or may, a bit each.
+    /// A step that holds what is asked for, or may.
+    pub step: usize,
+    /// Lanes in which it does, a bit each.
     pub lanes: u8,
-    /// Force and its rate of change where the step starts (N, N/s).
+    /// Force and its rate of change where it starts (N, N/s).
     pub before: [Row; 2],
 }
 
 impl Task for Glance<'_> {
-    type Output = Wanted;
+    type Output = Option<Wanted>;
 
     #[inline(always)]
-    fn run<L: Lanes>(self) -> Wanted {
-        let Watched { lanes, first, ends, felt, asked, .. } = self.watched;
-        let taken = self.taken & *lanes;
-        let before = [L::load(&felt[0]), L::load(&felt[1])];
-        let end = [L::load(&ends[self.step][0]), L::load(&ends[self.step][1])];
-        let wanted = asked.wanted::<L>(before, end, L::load(self.lengths));
-        let mut started = [Row::default(); 2];
-        for which in 0..felt.len() {
-            L::store(before[which], &mut started[which]);
-            L::store(L::select(taken, end[which], before[which]), &mut felt[which]);
+    fn run<L: Lanes>(self) -> Option<Wanted> {
+        let Self { watched, steps: [from, to], times, taken } = self;
+        let Watched { lanes, first, ends, felt, asked, .. } = watched;
+        let mut before = [L::load(&felt[0]), L::load(&felt[1])];
+        let mut found = None;
+        for step in from..to {
+            let taken = taken[step] & *lanes;
+            let end = [L::load(&ends[step][0]), L::load(&ends[step][1])];
+            let wanted = taken & (asked.wanted::<L>(before, end, L::load(&times[step].1)) | *first);
+            *first &= !taken;
+            let started = before;
+            before = [L::select(taken, end[0], before[0]), L::select(taken, end[1], before[1])];
+            if wanted != 0 {
+                found = Some((step, wanted, started));
+                break;
+            }
         }
-        let lanes = taken & (wanted | *first);
-        *first &= !taken;
-        Wanted { lanes, before: started }
+        L::store(before[0], &mut felt[0]);
+        L::store(before[1], &mut felt[1]);
+        let (step, lanes, started) = found?;
+        let mut before = [Row::default(); 2];
+        L::store(started[0], &mut before[0]);
+        L::store(started[1], &mut before[1]);
+        Some(Wanted { step, lanes, before })
     }
 }
