@@ -1,7 +1,6 @@
 //! Many chains at once: the same results as one by one, whatever the company.
 
 use hertzscope::Ensemble;
-use hertzscope::chain::stepper::InstructionSet;
 use hertzscope::chain::{Chain, ForceProbe};
 use hertzscope::experiment::Integration;
 use hertzscope::experiment::ensemble::{Case, Readout};
@@ -9,6 +8,7 @@ use hertzscope::integrate::{Method, Work};
 use hertzscope::scene::Scene;
 
 use super::chains::{diatomic, pressed, ptfe_sphere, steel_cylinder};
+use super::splittings::all_sets;
 
 /// What a person reads: peak (N), its time and the half-rise (s) at every probe.
 fn reading(readout: &Readout) -> Vec<[f64; 3]> {
@@ -240,7 +240,7 @@ fn lanes_and_singles_agree() {
                 reading(&case.run_alone(Integration::Accuracy(1e-10)).expect("a run"))
             };
             let exact: Vec<Vec<[f64; 3]>> = cases.iter().map(alone).collect();
-            for set in InstructionSet::available() {
+            for set in all_sets() {
                 let found = run(Ensemble::new(accuracy).instructions(set), &cases);
                 let pairs = found.iter().flatten().flatten().zip(exact.iter().flatten().flatten());
                 let worst = pairs.map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);

@@ -10,7 +10,7 @@ use hertzscope::integrate::{Integrator, Method};
 use hertzscope::scene::Scene;
 
 use super::chains::{STEEL, body, diatomic, pressed, ptfe_sphere, steel_cylinder};
-use super::splittings::{distance, is_the_same_unseen, kick};
+use super::splittings::{all_sets, distance, is_the_same_unseen, kick};
 
 /// Tolerance that most steps here are made for (1).
 const TOLERANCE: f64 = 1e-3;
@@ -67,7 +67,7 @@ fn they_are_those_of_the_plain_loops() {
         let method = Method::PacedForceGradient { tolerance: TOLERANCE };
         let mut plain = method.start(chain.system(&velocities), chain.initial_state(&velocities));
         plain.advance(TIME).expect("stable steps");
-        for set in InstructionSet::available() {
+        for set in all_sets() {
             let mut stepper = start(&chain, TOLERANCE, set);
             stepper.advance(TIME).expect("stable steps");
             assert_eq!(stepper.work(), plain.work(), "{name}");
@@ -82,7 +82,7 @@ fn they_are_those_of_the_plain_loops() {
 #[test]
 fn a_look_changes_nothing() {
     for Sort { chain, .. } in sorts() {
-        for set in InstructionSet::available() {
+        for set in all_sets() {
             let [mut seen, mut unseen] = std::array::from_fn(|_| start(&chain, TOLERANCE, set));
             for end in [0.4 * TIME, TIME] {
                 is_the_same_unseen([&mut seen, &mut unseen], chain.bodies().len(), end);

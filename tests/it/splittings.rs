@@ -29,7 +29,7 @@ pub fn kick(chain: &Chain, speed: f64) -> Vec<f64> {
 }
 
 /// What this machine has, for processors of both kinds.
-fn all_sets() -> impl Iterator<Item = InstructionSet> {
+pub fn all_sets() -> impl Iterator<Item = InstructionSet> {
     let both = |set: InstructionSet| [true, false].map(|slow| set.with_roots(slow));
     InstructionSet::available().into_iter().flat_map(both)
 }
