@@ -14,7 +14,8 @@ pub const EXACT: u8 = 1;
 pub const LINEAR: u8 = 2;
 /// As the plain one, in units of the stiffness that all contacts share.
 pub const ALIKE: u8 = 3;
-/// With this bit one row of four goes through the square-root unit, else every other: what is left waits longer for a slow one than for the multipliers.
+/// With this bit one row of four goes through the square-root unit, without it every other: a second row would wait for a slow unit longer than for the
+/// multipliers.
 const SPARSE: u8 = 4;
 /// As [`PLAIN`], through a slow unit.
 pub const PLAIN_SPARSE: u8 = PLAIN | SPARSE;

@@ -4,7 +4,7 @@
 
 use super::dispatch::InstructionSet;
 pub use super::form::Form;
-use super::lanes::{Row, WIDTH};
+use super::lanes::{Lanes, Row, WIDTH};
 use super::layout::Layout;
 use super::workspace::anew;
 use crate::chain::{Body, Chain};
@@ -22,7 +22,7 @@ pub struct Plan {
     /// How forces are computed.
     pub form: Form,
     /// Whether few roots go through the square-root unit, for it is slow and steps are a splitting's, which have less to do besides than a pair's.
-    pub sparse: bool,
+    sparse: bool,
     /// Rows from the first on that the loops go over; in those behind nothing has moved yet.
     pub live: usize,
     /// Those of [`Constants`], one after the other in one piece of memory, as [`super::workspace::Motion`] has its parts.
@@ -159,6 +159,13 @@ impl Plan {
             let lane = |lane| shared.get(lane).copied().unwrap_or(1.0);
             self.share(Row(std::array::from_fn(lane)), alike);
         }
+    }
+
+    /// Whether the loops of `L` let few roots through the square-root unit.
+    #[inline]
+    #[must_use]
+    pub fn is_sparse<L: Lanes>(&self) -> bool {
+        L::IS_BESIDE && self.sparse
     }
 
     /// Number of rows that the loops go over.

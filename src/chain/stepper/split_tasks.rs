@@ -37,7 +37,7 @@ impl<Y: Layout> Task for Split<'_, Y> {
 impl<Y: Layout> Split<'_, Y> {
     #[inline(always)]
     fn by<L: Lanes, const GRADIENT: bool>(self) -> u8 {
-        let (sparse, alike) = (L::IS_BESIDE && self.plan.sparse, self.plan.alike.is_some());
+        let (sparse, alike) = (self.plan.is_sparse::<L>(), self.plan.alike.is_some());
         match self.plan.form {
             // What is one tile is in plain form: no need to compile others.
             _ if Y::TILE == 0 && sparse => L::apart(SplitIn::<Y, PLAIN_SPARSE, GRADIENT>(self)),
@@ -94,7 +94,7 @@ impl Task for InPace<'_, '_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> u8 {
-        if L::IS_BESIDE && self.plan.sparse {
+        if self.plan.is_sparse::<L>() {
             L::apart(InPaceIn::<PLAIN_SPARSE>(self))
         } else {
             L::apart(InPaceIn::<PLAIN>(self))

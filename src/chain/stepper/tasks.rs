@@ -32,17 +32,20 @@ impl<Y: Layout> Task for Settle<'_, Y> {
         if plan.form != Form::Plain {
             return;
         }
-        let (sparse, alike) = (L::IS_BESIDE && plan.sparse, plan.alike.is_some());
-        if sparse {
-            settle::<L, Y, PLAIN_SPARSE>(plan);
+        if plan.is_sparse::<L>() {
+            settle_both::<L, Y, PLAIN_SPARSE, ALIKE_SPARSE>(plan);
         } else {
-            settle::<L, Y, PLAIN>(plan);
+            settle_both::<L, Y, PLAIN, ALIKE>(plan);
         }
-        match (alike, sparse) {
-            (true, true) => settle::<L, Y, ALIKE_SPARSE>(plan),
-            (true, false) => settle::<L, Y, ALIKE>(plan),
-            (false, _) => {}
-        }
+    }
+}
+
+/// Settles a plan in one form, and in that of contacts that are alike if they are.
+#[inline(always)]
+fn settle_both<L: Lanes, Y: Layout, const FORM: u8, const SHARED: u8>(plan: &mut Plan) {
+    settle::<L, Y, FORM>(plan);
+    if plan.alike.is_some() {
+        settle::<L, Y, SHARED>(plan);
     }
 }
 
@@ -99,7 +102,7 @@ impl<Y: Layout> Task for Evaluate<'_, Y> {
     fn run<L: Lanes>(self) -> Row {
         let Self { plan, position, out, .. } = self;
         let most = match plan.form {
-            Form::Plain if L::IS_BESIDE && plan.sparse => {
+            Form::Plain if plan.is_sparse::<L>() => {
                 evaluate::<L, Y, PLAIN_SPARSE>(plan, position, out)
             }
             Form::Plain => evaluate::<L, Y, PLAIN>(plan, position, out),
