@@ -1,7 +1,7 @@
 //! Two connections to one instrument: bytes of any kind, in pieces of any size, while time passes and impacts come.
 //!
 //! The first byte of every piece says what happens: to whom the bytes go, whether the link ends the message, a device clear, time,
-//! a signal at the inputs.
+//! the start of an impact, or its signals at the inputs.
 
 #![cfg_attr(not(test), no_main)]
 
@@ -31,6 +31,7 @@ pub fn run(input: &[u8]) {
         Session::new(Preferences::new(true)).with_transcript(),
     ];
     let mut now = 0.0;
+    let mut under_way: Option<Signals> = None;
     for piece in input.split(|byte| *byte == 0) {
         let Some((what, bytes)) = piece.split_first() else { continue };
         let session = &mut sessions[usize::from(what & 1)];
@@ -52,7 +53,7 @@ pub fn run(input: &[u8]) {
                 assert!(wanted.interval > 0.0);
                 let pulse = vec![(0..200).map(|n| f64::from(n - 100) * 0.05).collect()];
                 let interval = wanted.interval;
-                instrument.accept_signals(&Signals {
+                under_way = Some(Signals {
                     interval,
                     automatic: 100,
                     volts: pulse,
@@ -61,6 +62,12 @@ pub fn run(input: &[u8]) {
                 });
             }
             4 => session.interrupt(&mut instrument),
+            // The impact arrives; settings may have changed since it began.
+            5 => {
+                if let Some(signals) = under_way.take() {
+                    instrument.accept_signals(&signals);
+                }
+            }
             _ => {}
         }
         instrument.settle();

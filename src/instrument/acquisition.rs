@@ -177,6 +177,8 @@ impl Acquisition {
     /// Takes signals that arrive now, if the scope waits for a trigger.
     pub fn accept(&mut self, by: &Acquirer<'_>, signals: &Signals) -> Accepted {
         match self.state(by.panel, by.setup) {
+            State::Scan if !Sweep::fits(by, signals) => return Accepted::OtherInterval,
+            State::Ready | State::Auto if !by.fits(signals) => return Accepted::OtherInterval,
             State::Ready | State::Auto => {}
             State::Scan => {
                 let now = self.now;

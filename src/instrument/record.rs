@@ -28,6 +28,8 @@ pub struct Signals {
 const EQUAL_SHARE: f64 = 0.05;
 /// Part of the shortest pulse between samples that still shows nearly all of its height (1).
 const SHARE_OF_PEAK: f64 = 0.25;
+/// Relative difference of sample intervals that rounding may cause (1).
+const INTERVAL_TOLERANCE: f64 = 1e-9;
 /// Most samples that peak detection looks at for one point.
 const DENSEST: f64 = 100.0;
 
@@ -54,21 +56,20 @@ pub fn sample_interval(panel: &Panel, setup: &Setup) -> f64 {
 }
 
 impl Acquirer<'_> {
-    /// The record of every channel that is recorded and the trigger, or none if nothing triggers. Signals arrive at `now` (s), which tells
-    /// where the mains stand.
+    /// The record of every channel that is recorded and the trigger, or none if nothing triggers. Signals must have this set-up's sample
+    /// interval; they arrive at `now` (s), which gives the phase of the mains.
     #[must_use]
     pub fn take(&self, signals: &Signals, now: f64) -> Option<(Vec<Waveform>, Trigger)> {
         let model = &self.setup.model;
         let interval = self.sample_interval();
-        let resampled = |volts: &[f64]| resample(volts, signals.interval, interval);
-        let external = resampled(&signals.external);
-        let samples = signals.volts.iter().map(|v| resampled(v).len()).max().unwrap_or(0);
+        let external = &signals.external;
+        let samples = signals.volts.iter().map(Vec::len).max().unwrap_or(0);
         let samples = samples.max(external.len()).max(1);
         let conditioned: Vec<Option<Vec<f64>>> = (1..)
             .zip(&self.setup.channels)
             .map(|(number, channel)| {
                 let volts = signals.volts.get(usize::from(number) - 1);
-                let mut volts = volts.map(|v| resampled(v)).unwrap_or_default();
+                let mut volts = volts.cloned().unwrap_or_default();
                 let last = volts.last().copied().unwrap_or(0.0);
                 volts.resize(samples, last);
                 let mut noise = noise_stream(self.seed, signals.shot, number);
@@ -76,15 +77,14 @@ impl Acquirer<'_> {
                 Some(condition(self.setup, channel, interval, &volts, &mut noise))
             })
             .collect();
-        let ratio = if interval > 0.0 { signals.interval / interval } else { 1.0 };
-        let automatic = scaled(signals.automatic, ratio);
+        let automatic = signals.automatic;
         let found = if let Some(number) = self.panel.trigger.source.channel() {
             let signal = conditioned.get(usize::from(number) - 1).and_then(Option::as_ref);
             let scale = self.panel.channel(number).vertical.scale;
             self.find(signal.map(Vec::as_slice), scale, automatic)
         } else {
             let start = now - count(automatic) * interval;
-            let (signal, scale) = self.other_source(&external, samples, start);
+            let (signal, scale) = self.other_source(external, samples, start);
             self.find(Some(&signal), scale, automatic)
         }?;
         let record = |number: u8, signal: Option<&Vec<f64>>| {
@@ -102,6 +102,13 @@ impl Acquirer<'_> {
         let records =
             numbers.zip(&conditioned).filter_map(|(n, s)| record(n, s.as_ref())).collect();
         Some((records, Trigger { shot: signals.shot, time: count(found.index) * interval }))
+    }
+
+    /// Whether `signals` have the sample interval of this set-up, to rounding. Signals that were made for another time base do not.
+    #[must_use]
+    pub fn fits(&self, signals: &Signals) -> bool {
+        let interval = self.sample_interval();
+        (signals.interval - interval).abs() <= INTERVAL_TOLERANCE * interval
     }
 
     /// Time between the converter's samples with these settings (s).
@@ -209,23 +216,6 @@ fn count(samples: usize) -> f64 {
 )]
 fn scaled(index: usize, ratio: f64) -> usize {
     (count(index) * ratio).round() as usize
-}
-
-/// A signal on a grid of another interval, straight between its samples.
-fn resample(volts: &[f64], from: f64, to: f64) -> Vec<f64> {
-    let usable = from > 0.0 && to > 0.0 && from.is_finite();
-    if !usable || (from / to - 1.0).abs() < 1e-9 || volts.is_empty() {
-        return volts.to_vec();
-    }
-    let last = volts.len() - 1;
-    let sample = |n: usize| {
-        let place = count(n) * to / from;
-        let before = scaled(1, place.floor()).min(last);
-        let share = (place - count(before)).clamp(0.0, 1.0);
-        let at = |index: usize| volts.get(index).copied().unwrap_or(0.0);
-        at(before) * (1.0 - share) + at((before + 1).min(last)) * share
-    };
-    (0..=scaled(last, from / to)).map(sample).collect()
 }
 
 /// The record in peak-detect mode: lowest and highest sample of each two intervals in turn.

@@ -53,6 +53,13 @@ impl Sweep {
         Self { started: now, written: 0, lanes, batches: 0 }
     }
 
+    /// Whether one point of the sweep is a whole number of samples of `signals`, to a percent of a sample.
+    #[must_use]
+    pub fn fits(by: &Acquirer<'_>, signals: &Signals) -> bool {
+        let ratio = by.setup.model.interval(by.setup.time_base) / signals.interval;
+        ratio.is_finite() && ratio > 0.99 && (ratio - ratio.round()).abs() < 0.01
+    }
+
     /// Puts down what arrives now: the next points are its first sample of each interval, or in peak detection its extremes.
     pub fn accept(&mut self, by: &Acquirer<'_>, signals: &Signals) {
         let Some(step) = step(by, signals.interval) else { return };

@@ -35,6 +35,8 @@ pub struct Struck {
     pub shot: u32,
     /// The bench that was struck.
     pub scene: Arc<Scene>,
+    /// The grid that the signals were made for.
+    pub wanted: Wanted,
     /// The signals at the scope's inputs, and what no scope saw.
     pub signals: Result<(Signals, Truth), RunError>,
 }
@@ -89,8 +91,9 @@ impl Handle {
 }
 
 fn strike(order: &Order) -> Struck {
-    let Order { scene, wanted: Wanted { interval, before, after }, shot } = order;
-    let window = Window { interval: *interval, before: *before, after: *after };
+    let Order { scene, wanted, shot } = order;
+    let Wanted { interval, before, after } = *wanted;
+    let window = Window { interval, before, after };
     let signals = inputs(scene, window, *shot).map(|arrived| {
         let truth = Truth { start: arrived.start, traces: arrived.truth };
         let signals = Signals {
@@ -102,5 +105,5 @@ fn strike(order: &Order) -> Struck {
         };
         (signals, truth)
     });
-    Struck { shot: *shot, scene: Arc::clone(scene), signals }
+    Struck { shot: *shot, scene: Arc::clone(scene), wanted: *wanted, signals }
 }

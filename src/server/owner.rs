@@ -151,11 +151,15 @@ impl Owner {
 
     /// Hands over what a strike brought.
     fn feel(&mut self, struck: Struck) -> Result<(), ServeError> {
-        let Struck { shot, scene, signals } = struck;
+        let Struck { shot, scene, wanted, signals } = struck;
         let instrument = &mut self.desk.instrument;
         match signals {
             Ok((signals, truth)) => {
                 instrument.bench.impacts = instrument.bench.impacts.saturating_add(1);
+                // The time base was turned during the impact: the acquisition has started again without it, as on an instrument.
+                if wanted != instrument.wanted() {
+                    return Ok(());
+                }
                 let accepted = instrument.accept_signals(&signals);
                 if matches!(accepted, Accepted::Triggered { .. }) {
                     let is_served = self.stand.is_served(&scene);

@@ -68,6 +68,21 @@ fn holdoff_keeps_the_scope_deaf() {
     }
 }
 
+/// Signals that were made for another time base are dropped; the next ones on the new grid trigger.
+#[test]
+fn signals_of_another_time_base_are_dropped() {
+    for settings in ["HOR:SCA 5E-9", "HOR:SCA 2.5E-3", "RECA:SETU FACTORY", "*RST"] {
+        let mut bench = ready("HOR:SCA 1");
+        let old = signals(&bench, |t| f64::from(t >= 0.0), |_| 0.0);
+        bench.tell(settings);
+        bench.tell("TRIG:MAI:MOD NORM;LEV 0.5");
+        bench.wait(100.0);
+        assert_eq!(bench.instrument.accept_signals(&old), Accepted::OtherInterval, "{settings}");
+        let new = signals(&bench, |t| f64::from(t >= 0.0), |_| 0.0);
+        assert!(triggers(bench.instrument.accept_signals(&new)), "{settings}");
+    }
+}
+
 /// EXT sees what is at the external input, EXT/5 a fifth of it against a range five times as wide.
 #[test]
 fn the_external_input_triggers() {

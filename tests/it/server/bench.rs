@@ -1,8 +1,11 @@
 //! The bench behind the scope: what clients can turn, and what they cannot break.
 
+use std::time::Duration;
+
 use hertzscope::scene::Scene;
 
-use super::{Server, scene};
+use super::process::Process;
+use super::{IDENTITY, Server, connect, scene};
 
 /// Highest voltage of channel 1 after an impact (V).
 fn highest(server: &Server, settings: &str) -> f64 {
@@ -86,4 +89,30 @@ fn the_strikers_speed_is_drawn_from_the_seed() {
     assert_ne!(speeds(&other), drawn);
     let still = Scene::load("magnet-0.61g").expect("it ships");
     assert!(speeds(&still).iter().all(|v| *v == speed));
+}
+
+/// The time base turns while impacts are simulated for the old one: once the server then asked for 40 GB and ended. It has 4 GB here.
+#[cfg(target_os = "linux")]
+#[test]
+fn time_bases_turn_while_the_chain_moves() {
+    let mut process = Process::start_within(4_000_000, &["magnet-0.61g"]);
+    let mut client = connect(process.address);
+    client.send(b"TRIG:MAI:MODE AUTO\n");
+    for turn in 0..30 {
+        let slow = ["HOR:SCA 1", "HOR:SCA 50", "HOR:SCA 2.5E-3"][turn % 3];
+        let turned =
+            ["HOR:SCA 5E-9", "RECA:SETU FACTORY", "*RST", "HOR:SCA 5E-9;POS 1E-6"][turn % 4];
+        client.send(format!("{slow}\n").as_bytes());
+        std::thread::sleep(Duration::from_millis(60));
+        client.send(format!("BENC:IMP\n{turned}\n").as_bytes());
+        assert_eq!(client.ask("*IDN?"), IDENTITY, "{slow}, {turned}");
+    }
+    // It still measures.
+    client.send(
+        b"*RST;:HOR:SCA 2.5E-4;:CH1:SCA 1;:TRIG:MAI:MOD NORM;LEV 0.5;:ACQ:STOPA SEQ;STATE RUN\n",
+    );
+    std::thread::sleep(Duration::from_millis(60));
+    client.send(b"BENC:IMP\n");
+    assert_eq!(client.ask("*OPC?"), "1\n");
+    assert!(process.child.try_wait().expect("a child").is_none(), "the server lives");
 }

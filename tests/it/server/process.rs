@@ -16,7 +16,20 @@ pub struct Process {
 impl Process {
     /// Starts it with `arguments` besides where it listens.
     pub fn start(arguments: &[impl AsRef<OsStr>]) -> Self {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_hertzscope"))
+        Self::run(Command::new(env!("CARGO_BIN_EXE_hertzscope")), arguments)
+    }
+
+    /// The same with an address space of so many kibibytes.
+    #[cfg(target_os = "linux")]
+    pub fn start_within(limit: u64, arguments: &[impl AsRef<OsStr>]) -> Self {
+        let mut shell = Command::new("sh");
+        let script = format!("ulimit -v {limit}; exec \"$0\" \"$@\"");
+        shell.args(["-c", &script, env!("CARGO_BIN_EXE_hertzscope")]);
+        Self::run(shell, arguments)
+    }
+
+    fn run(mut program: Command, arguments: &[impl AsRef<OsStr>]) -> Self {
+        let mut child = program
             .args(["serve", "--listen", "127.0.0.1:0"])
             .args(arguments)
             .stdin(Stdio::piped())
