@@ -5,7 +5,7 @@
 //! a multiplication with an addition, and Rust does not: they are the same to the last bit.
 
 use super::Law;
-use super::stepper::{InstructionSet, Lanes, Task, dispatch};
+use super::simd::{InstructionSet, Kernel, Simd};
 
 /// Contacts and masses as the loop reads them.
 #[derive(Debug, Clone)]
@@ -33,7 +33,7 @@ pub fn accelerate(
     force: &mut [f64],
     acceleration: &mut [f64],
 ) {
-    dispatch(set, Accelerate { plan, displacement, force, acceleration });
+    set.run(Accelerate { plan, displacement, force, acceleration });
 }
 
 struct Accelerate<'a> {
@@ -43,12 +43,12 @@ struct Accelerate<'a> {
     acceleration: &'a mut [f64],
 }
 
-impl Task for Accelerate<'_> {
+impl Kernel for Accelerate<'_> {
     type Output = ();
 
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loop")]
-    fn run<L: Lanes>(self) {
+    fn run<S: Simd>(self, _simd: S) {
         body(self.plan, self.displacement, self.force, self.acceleration);
     }
 }

@@ -1,7 +1,7 @@
 //! The losses of all contacts as a loop reads them: plain arrays with an entry a contact, and no question asked within.
 
 use super::loss::{ContactLoss, KINDS, LossTerms, power_law};
-use super::stepper::{InstructionSet, Lanes, Task, dispatch};
+use super::simd::{InstructionSet, Kernel, Simd};
 
 /// Sums that are added up side by side.
 const SIDE_BY_SIDE: usize = 8;
@@ -76,7 +76,7 @@ impl LossPlan {
         let n = acceleration.len();
         self.position[1..=n].copy_from_slice(position);
         self.velocity[1..=n].copy_from_slice(velocity);
-        let power = dispatch(self.set, Terms(self));
+        let power = self.set.run(Terms(self));
         for (j, force) in held {
             self.force[j] = force;
         }
@@ -93,12 +93,12 @@ impl LossPlan {
 /// Computes the forces of all kinds, their sums and powers.
 struct Terms<'a>(&'a mut LossPlan);
 
-impl Task for Terms<'_> {
+impl Kernel for Terms<'_> {
     type Output = LossTerms;
 
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "each instruction set needs its own copy of the loops")]
-    fn run<L: Lanes>(self) -> LossTerms {
+    fn run<S: Simd>(self, _simd: S) -> LossTerms {
         let plan = self.0;
         let (x, v) = (&plan.position, &plan.velocity);
         for (closing, (above, below)) in plan.closing.iter_mut().zip(v.iter().zip(&v[1..])) {

@@ -23,11 +23,10 @@ mod loss_plan;
 mod magnet;
 mod pacing;
 mod probe;
-#[cfg(target_arch = "x86_64")]
-mod processor;
+pub mod probe_step;
 mod pulled;
+pub mod simd;
 mod statics;
-pub mod stepper;
 mod system;
 
 pub use contact::{Contact, Law};
@@ -197,6 +196,12 @@ impl Chain {
     #[must_use]
     pub fn is_plain(&self) -> bool {
         !self.is_dissipative() && self.pull().is_none()
+    }
+
+    /// Whether it runs on the vector path: elastic Hertz contacts and constant loads are all there is.
+    #[must_use]
+    pub fn runs_on_vectors(&self) -> bool {
+        self.is_plain() && !self.is_linear()
     }
 
     /// Whether its contacts are linearised: all of them are, or none.

@@ -2,7 +2,7 @@
 
 use super::{Chain, hertz};
 use crate::integrate::Pacing;
-use crate::integrate::pace::StiffContact;
+use crate::integrate::two_step::StiffContact;
 
 /// A contact and its bodies, as the coming impact finds it.
 #[derive(Debug, Clone, Copy)]

@@ -1,7 +1,7 @@
 //! The chain as a system to integrate: a plan of plain arrays, made once before the first step.
 
 use super::kernel::{Plan, accelerate};
-use super::stepper::InstructionSet;
+use super::simd::InstructionSet;
 use super::{Chain, Contact, Law, hertz};
 use crate::integrate::{Pacing, Scales, State, System};
 

@@ -14,22 +14,15 @@ const TOLERANCES: [f64; 2] = [1e-15, 0.1];
 pub enum ByHand {
     /// Order 2, symplectic; takes a step
     VelocityVerlet,
-    /// Order 4, symplectic; takes a step
-    Pefrl,
-    /// Order 6, symplectic; takes a step
-    BlanesMoan,
     /// Order 4, symplectic, kicks by gradients of the forces, too; takes a step
     ForceGradient,
-    /// The same with fewer gradients, for coarse errors: stable in more than twice as long steps; takes a step
-    InnerForceGradient,
     /// One like it in steps that are short while the stiffest contact is closed; takes a tolerance
-    PacedForceGradient,
+    TwoStepForceGradient,
     /// Order 4, for scenes with losses, too; takes a step
     #[value(name = "runge-kutta-4")]
     RungeKutta4,
     /// Orders 6(4); takes a tolerance
     #[value(name = "dormand-el-mikkawy-prince-64")]
-    DormandElMikkawyPrince64,
     /// Orders 8(6); takes a tolerance
     #[value(name = "dormand-el-mikkawy-prince-86")]
     DormandElMikkawyPrince86,
@@ -49,13 +42,9 @@ impl ByHand {
         let (step, tolerance) = (setting, setting);
         match self {
             Self::VelocityVerlet => Method::VelocityVerlet { step },
-            Self::Pefrl => Method::Pefrl { step },
-            Self::BlanesMoan => Method::BlanesMoan { step },
             Self::ForceGradient => Method::ForceGradient { step },
-            Self::InnerForceGradient => Method::InnerForceGradient { step },
-            Self::PacedForceGradient => Method::PacedForceGradient { tolerance },
+            Self::TwoStepForceGradient => Method::TwoStepForceGradient { tolerance },
             Self::RungeKutta4 => Method::RungeKutta4 { step },
-            Self::DormandElMikkawyPrince64 => Method::DormandElMikkawyPrince64 { tolerance },
             Self::DormandElMikkawyPrince86 => Method::DormandElMikkawyPrince86 { tolerance },
             Self::DormandPrince54 => Method::DormandPrince54 { tolerance },
             Self::DormandPrince853 => Method::DormandPrince853 { tolerance },

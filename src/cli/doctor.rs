@@ -4,7 +4,7 @@ use clap::Args;
 use serde_json::json;
 
 use super::AnswerIsNo;
-use crate::chain::stepper::InstructionSet;
+use crate::chain::simd::InstructionSet;
 use crate::experiment::doctor::{Check, examine};
 
 /// Check the installation: what ships, the processor's instructions, a run known from outside; exit code 1 if anything is wrong

@@ -13,7 +13,7 @@ use clap::Args;
 use super::accuracy::accuracy;
 use super::gather::gathered;
 use super::progress::Progress;
-use crate::chain::stepper::InstructionSet;
+use crate::chain::simd::InstructionSet;
 use crate::experiment::parallel::processors;
 use crate::report;
 use crate::sweep::SweepError;

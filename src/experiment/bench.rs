@@ -1,13 +1,13 @@
 //! The chain in motion with everything that watches it: pulses, scope samples, truth.
 
-use crate::chain::stepper::{ChainStepper, InstructionSet, ROOM_BEHIND, Refinement, Trail};
+use crate::chain::probe_step::ProbeTracker;
+use crate::chain::simd::{InstructionSet, Refinement, VectorStepper};
 use crate::chain::{Chain, Dissipated, Energy, ForceProbe};
 use crate::integrate::{IntegrateError, Integrator, Method, State, Work};
 
 use super::film::Film;
 use super::pulse::PulseRecorder;
 pub use super::watch::Watch;
-use super::watch::follow;
 
 /// Evenly spaced times at which something is sampled: `start + i * interval`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,20 +28,14 @@ impl Grid {
 
     /// Number of samples at or before `time` (s).
     #[must_use]
-    pub fn samples_until(&self, time: f64) -> usize {
-        self.samples_at(time, 1.0 / self.interval)
-    }
-
-    /// The same, where the sampling `rate` is known (1/s).
-    #[must_use]
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "`as` cuts off, takes negative numbers to zero, and runs have far fewer than 2^53 samples"
     )]
-    pub(super) fn samples_at(&self, time: f64, rate: f64) -> usize {
-        let mut count = ((time - self.start) * rate) as usize;
-        // The product may be off by its rounding; the samples' own times decide.
+    pub fn samples_until(&self, time: f64) -> usize {
+        let mut count = ((time - self.start) / self.interval) as usize;
+        // The quotient may be off by its rounding; the samples' own times decide.
         while self.time(count) <= time {
             count += 1;
         }
@@ -53,45 +47,47 @@ impl Grid {
 const ROOM_FOR_SAMPLES: usize = 1 << 20;
 
 /// The method at work on the chain.
-#[allow(
-    clippy::large_enum_variant,
-    reason = "one for each bench; rows of eight in a box of their own take an allocation with alignment, a hundredth of a short run"
-)]
 enum Engine<'a> {
-    /// Where contacts and constant loads are all there is, methods made for that run on the chain's own stepper; with a trail of all watches.
-    Stepper(ChainStepper, Trail),
+    /// On the vector path, with a tracker for each watch.
+    Vectors(Box<VectorStepper>, Vec<ProbeTracker>),
     /// Everything else.
     General(Box<dyn Integrator + 'a>),
 }
 
-/// A method at work on a lossless chain, from any state; on the chain's own stepper where that takes its forces.
+/// A method at work on a chain, from any state; on the vector path where chain and method allow it.
 #[must_use]
 pub fn start(chain: &Chain, method: Method, state: State) -> Box<dyn Integrator> {
-    if let (Some(scheme), true) = (method.scheme(), chain.is_plain()) {
-        return Box::new(ChainStepper::from_state(chain, &state, scheme, InstructionSet::best()));
+    match method.scheme() {
+        Some(scheme) if chain.runs_on_vectors() => {
+            Box::new(VectorStepper::new(chain, &state, scheme, InstructionSet::best()))
+        }
+        _ => method.start(chain.system(&state.velocity), state),
     }
-    method.start(chain.system(&state.velocity), state)
 }
 
 impl<'a> Engine<'a> {
-    fn start(chain: &Chain, velocities: &[f64], method: Method, probes: &[ForceProbe]) -> Self {
+    fn start(
+        set: InstructionSet,
+        (chain, velocities): (&Chain, &[f64]),
+        method: Method,
+        probes: &[ForceProbe],
+    ) -> Self {
+        let state = chain.initial_state(velocities);
         match method.scheme() {
-            Some(scheme) if chain.is_plain() => {
-                let set = InstructionSet::best();
-                let stepper = ChainStepper::new(chain, velocities, scheme, set);
-                let trail = stepper.trail(probes);
-                Self::Stepper(stepper, trail)
+            Some(scheme) if chain.runs_on_vectors() => {
+                let stepper = VectorStepper::new(chain, &state, scheme, set);
+                let bodies = chain.bodies().len();
+                let tracker = |probe| ProbeTracker::new(probe, &stepper, bodies);
+                let trackers = probes.iter().map(tracker).collect();
+                Self::Vectors(Box::new(stepper), trackers)
             }
-            _ => {
-                let state = chain.initial_state(velocities);
-                Self::General(method.start(chain.system(velocities), state))
-            }
+            _ => Self::General(method.start(chain.system(velocities), state)),
         }
     }
 
     fn integrator(&self) -> &(dyn Integrator + 'a) {
         match self {
-            Self::Stepper(stepper, _) => stepper,
+            Self::Vectors(stepper, _) => stepper.as_ref(),
             Self::General(integrator) => integrator.as_ref(),
         }
     }
@@ -105,7 +101,6 @@ pub struct Bench<'a> {
     watches: Vec<Watch>,
     film: Film,
     initial_velocities: Vec<f64>,
-    method: Method,
     most_evaluations: u64,
 }
 
@@ -115,6 +110,19 @@ impl<'a> Bench<'a> {
     pub fn new(
         chain: &'a Chain,
         initial_velocities: &[f64],
+        method: Method,
+        probes: &[ForceProbe],
+        grids: (Grid, Grid),
+    ) -> Self {
+        let set = InstructionSet::best();
+        Self::with_instructions(set, (chain, initial_velocities), method, probes, grids)
+    }
+
+    /// The same with the instructions of `set` on the vector path.
+    #[must_use]
+    pub fn with_instructions(
+        set: InstructionSet,
+        (chain, initial_velocities): (&'a Chain, &[f64]),
         method: Method,
         probes: &[ForceProbe],
         grids: (Grid, Grid),
@@ -130,12 +138,11 @@ impl<'a> Bench<'a> {
         };
         Self {
             chain,
-            engine: Engine::start(chain, initial_velocities, method, probes),
+            engine: Engine::start(set, (chain, initial_velocities), method, probes),
             grid,
             watches: probes.iter().map(watch).collect(),
             film: Film::new(chain, film_grid, initial_velocities),
             initial_velocities: initial_velocities.to_vec(),
-            method,
             most_evaluations: u64::MAX,
         }
     }
@@ -161,29 +168,20 @@ impl<'a> Bench<'a> {
         let (bodies, most) = (chain.bodies().len(), *most_evaluations);
         for watch in &mut *watches {
             let due = grid.samples_until(end).saturating_sub(watch.samples.len());
-            watch.samples.reserve(due.min(ROOM_FOR_SAMPLES) + ROOM_BEHIND);
+            watch.samples.reserve(due.min(ROOM_FOR_SAMPLES));
         }
         match engine {
-            Engine::Stepper(stepper, trail) => {
-                let mut goes_on = Ok(stepper.time() < end);
-                let mut step = || {
-                    stepper.follow(trail, [end, film.next()])?;
+            Engine::Vectors(stepper, trackers) => {
+                while stepper.time() < end {
+                    stepper.step(end)?;
                     stepper.work().within(most, stepper.time())?;
-                    if trail.steps() == Trail::STEPS {
-                        follow(stepper, trail, (watches, *grid), pulses);
+                    for (tracker, watch) in trackers.iter_mut().zip(&mut *watches) {
+                        tracker.advance(stepper);
+                        watch.take_step(tracker, stepper.time(), *grid, pulses);
                     }
-                    film.follow_stepper(chain, stepper);
+                    film.take_step(chain, stepper);
                     progress(stepper.time());
-                    Ok(stepper.time() < end)
-                };
-                while let Ok(true) = goes_on {
-                    goes_on = step();
                 }
-                // Steps are followed eight by eight; those left over, also where the chain is given up.
-                if trail.steps() > 0 {
-                    follow(stepper, trail, (watches, *grid), pulses);
-                }
-                goes_on.map_err(|failed| self.as_one_by_one(end, failed))?;
             }
             Engine::General(integrator) => {
                 while integrator.time() < end {
@@ -201,29 +199,11 @@ impl<'a> Bench<'a> {
         Ok(())
     }
 
-    /// What `failed` in steps that were taken several at once: one by one it is found which body was lost first, and when.
-    fn as_one_by_one(&self, end: f64, failed: IntegrateError) -> IntegrateError {
-        if !matches!(failed, IntegrateError::NotFinite { .. }) {
-            return failed;
-        }
-        let state = self.chain.initial_state(&self.initial_velocities);
-        let mut alone = start(self.chain, self.method, state);
-        let mut lost = None;
-        while alone.time() < end && lost.is_none() {
-            lost = alone.step(end).err();
-        }
-        lost.unwrap_or(failed)
-    }
-
-    /// The bench, not yet run, without one of the stepper's refinements; what runs on no stepper has none.
+    /// The bench, not yet run, without one of the vector path's refinements; what does not run there has none.
     #[must_use]
     pub fn without(mut self, refinement: Refinement) -> Self {
-        if let Engine::Stepper(stepper, _) = self.engine {
-            let stepper = stepper.without(refinement, self.chain);
-            let probe = |watch: &Watch| watch.probe.clone();
-            let probes: Vec<ForceProbe> = self.watches.iter().map(probe).collect();
-            let trail = stepper.trail(&probes);
-            self.engine = Engine::Stepper(stepper, trail);
+        if let Engine::Vectors(stepper, trackers) = self.engine {
+            self.engine = Engine::Vectors(Box::new(stepper.without(refinement)), trackers);
         }
         self
     }
@@ -232,6 +212,12 @@ impl<'a> Bench<'a> {
     #[must_use]
     pub fn watches(&self) -> &[Watch] {
         &self.watches
+    }
+
+    /// The watched forces, the bench given up.
+    #[must_use]
+    pub fn into_watches(self) -> Vec<Watch> {
+        self.watches
     }
 
     /// The film so far.
@@ -267,20 +253,11 @@ impl<'a> Bench<'a> {
         self.engine.integrator().state()
     }
 
-    /// Whether forces are computed without cancellation, for waves far below the preload.
-    #[must_use]
-    pub fn has_exact_forces(&self) -> bool {
-        match &self.engine {
-            Engine::Stepper(stepper, _) => stepper.is_exact(),
-            Engine::General(_) => true,
-        }
-    }
-
     /// Steps tried in which contacts opened or closed; none where the method does not ask.
     #[must_use]
     pub fn contact_changes(&self) -> Option<u64> {
         match &self.engine {
-            Engine::Stepper(stepper, _) => stepper.events(),
+            Engine::Vectors(stepper, _) => Some(stepper.contact_changes()),
             Engine::General(_) => None,
         }
     }

@@ -154,13 +154,9 @@ fn with_setting(method: Method, setting: f64) -> Method {
     let (step, tolerance) = (setting, setting);
     match method {
         Method::VelocityVerlet { .. } => Method::VelocityVerlet { step },
-        Method::Pefrl { .. } => Method::Pefrl { step },
-        Method::BlanesMoan { .. } => Method::BlanesMoan { step },
         Method::ForceGradient { .. } => Method::ForceGradient { step },
-        Method::InnerForceGradient { .. } => Method::InnerForceGradient { step },
-        Method::PacedForceGradient { .. } => Method::PacedForceGradient { tolerance },
+        Method::TwoStepForceGradient { .. } => Method::TwoStepForceGradient { tolerance },
         Method::RungeKutta4 { .. } => Method::RungeKutta4 { step },
-        Method::DormandElMikkawyPrince64 { .. } => Method::DormandElMikkawyPrince64 { tolerance },
         Method::DormandElMikkawyPrince86 { .. } => Method::DormandElMikkawyPrince86 { tolerance },
         Method::DormandPrince54 { .. } => Method::DormandPrince54 { tolerance },
         Method::DormandPrince853 { .. } => Method::DormandPrince853 { tolerance },

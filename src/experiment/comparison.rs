@@ -6,7 +6,7 @@ use super::bench::{Bench, Grid};
 use super::energy::EnergyLedger;
 use super::outcome::Reading;
 use super::{probes, sample_grid};
-use crate::chain::stepper::Refinement;
+use crate::chain::simd::Refinement;
 use crate::integrate::{IntegrateError, Method, Work};
 use crate::scene::{Scene, input_load};
 use crate::scope::waveform::LEVELS_PER_DIVISION;

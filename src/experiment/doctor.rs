@@ -8,7 +8,7 @@ use super::ensemble::{Case, Ensemble, Readout, places};
 use super::facts::facts;
 use super::pulse::{Peak, PulseRecorder};
 use super::{Integration, run};
-use crate::chain::stepper::InstructionSet;
+use crate::chain::simd::InstructionSet;
 use crate::data;
 use crate::recording::mcap;
 use crate::recording::{Shot, TraceSet};
@@ -49,13 +49,8 @@ pub fn examine() -> Vec<Check> {
     for set in InstructionSet::available() {
         let ensemble = Ensemble::new(ACCURACY).threads(1).instructions(set);
         let found = ensemble.run(std::slice::from_ref(&case), &|_| ()).into_iter().next();
-        checks.push(held(format!("{} lanes", set.name()), found.and_then(Result::ok)));
+        checks.push(held(format!("a run with {}", set.name()), found.and_then(Result::ok)));
     }
-    let best = InstructionSet::best().name();
-    checks.push(held(
-        format!("single runs, {best}"),
-        case.run_alone(Integration::Accuracy(ACCURACY)).ok(),
-    ));
     checks.push(recorded(&scene));
     checks
 }

@@ -2,7 +2,7 @@
 
 use super::bench::Grid;
 use crate::chain::Chain;
-use crate::chain::stepper::ChainStepper;
+use crate::chain::simd::VectorStepper;
 use crate::integrate::{Integrator, Interpolant, State};
 
 /// Contact forces at coarse, even times: the whole chain as a film.
@@ -55,8 +55,8 @@ impl Film {
         }
     }
 
-    /// The same for the stepper.
-    pub fn follow_stepper(&mut self, chain: &Chain, stepper: &mut ChainStepper) {
+    /// The same for the vector path.
+    pub fn take_step(&mut self, chain: &Chain, stepper: &mut VectorStepper) {
         let (start, length) = stepper.last_step();
         while self.next() <= stepper.time() {
             self.begin(chain);

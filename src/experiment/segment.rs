@@ -2,22 +2,22 @@
 
 use super::turn::{crest, root};
 use crate::chain::ForceSegment;
-use crate::chain::stepper::{Place, Span};
+use crate::chain::probe_step::{ContactPair, StepOverlaps};
 
 /// A force over one step. Steps resolve the stiffest contact, or they would not be accepted, so a force turns at most twice
-/// between two of the places in [`LOOKED_AT`](crate::chain::stepper::LOOKED_AT).
+/// between two of the places in [`SAMPLE_TIMES`](crate::chain::probe_step::SAMPLE_TIMES).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Segment {
     /// Of any method: which of [`Felt::general`].
     General(usize),
-    /// Of the stepper for lossless chains.
-    Lossless(Span),
+    /// Of the vector path.
+    Lossless(StepOverlaps),
 }
 
 /// A place, and what it felt in steps that no span describes.
 #[derive(Debug, Clone)]
 pub struct Felt {
-    place: Place,
+    place: ContactPair,
     general: Vec<ForceSegment>,
 }
 
@@ -47,7 +47,7 @@ pub struct Rise {
 
 impl Felt {
     /// Nothing yet.
-    pub fn nothing(place: Place) -> Self {
+    pub fn nothing(place: ContactPair) -> Self {
         Self { place, general: Vec::new() }
     }
 
@@ -74,7 +74,7 @@ impl Felt {
     pub fn rate(&self, segment: &Segment, theta: f64) -> f64 {
         match segment {
             Segment::General(index) => self.general[*index].rate(theta),
-            Segment::Lossless(span) => self.place.rate(span, theta),
+            Segment::Lossless(span) => self.place.force_and_rate(span, theta)[1],
         }
     }
 

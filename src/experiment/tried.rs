@@ -5,7 +5,7 @@ use std::iter::Peekable;
 use super::Integration;
 use super::losses::{controlled_for, paced};
 use crate::integrate::Method;
-use crate::integrate::pace::LOOSEST;
+use crate::integrate::two_step::LOOSEST_TOLERANCE;
 use crate::scene::Scene;
 
 /// Steps that are not paced are first held to so many times the accuracy asked for: most runs are accurate enough then, and each is held against a
@@ -25,13 +25,6 @@ const TIGHTEST_STEPS: f64 = 1e-14;
 const ENOUGH: f64 = 0.7;
 /// Errors of less than this share are left to a pair: paced steps are of order 4 (1).
 const PACED_SHARE: f64 = 0.1;
-/// Errors of Blanes and Moan's steps at the edge of stability: of first peaks and arrivals, and of late traces in the shipped chain with linear contacts (1).
-const AT_THE_LIMIT: f64 = 5e-5;
-const LATE_AT_THE_LIMIT: f64 = 0.02;
-/// Share of the longest step that is taken, so that errors like those are within the accuracy (1).
-const ALMOST: f64 = 0.95;
-/// Their errors go as the step to the power 6 (1).
-const ROOT: f64 = 1.0 / 6.0;
 /// How often steps are made for a share of an error.
 const ASKED: u8 = 4;
 /// Accuracy of the run that a run is held against, in terms of the one asked for, or of its own steps where they are held to less: so
@@ -62,29 +55,13 @@ pub fn methods_tried(scene: &Scene, accuracy: f64) -> impl Iterator<Item = Tried
         Some(share * steps).filter(|next| *next >= TIGHTEST_STEPS)
     });
     let paced = [1.0, NEXT].map(|share| {
-        let method = paced(chain, share * accuracy.min(LOOSEST))?;
+        let method = paced(chain, share * accuracy.min(LOOSEST_TOLERANCE))?;
         Some(Tried { method, steps: share * first })
     });
     let controlled = |steps| Tried { method: controlled_for(chain, velocities, steps), steps };
     // Steps as loose as the first are tried once.
     let skipped = usize::from(paced[0].is_some());
-    let fixed = fixed_for(scene, accuracy).map(|method| Tried { method, steps: accuracy });
-    let others = paced.into_iter().flatten().chain(steps.map(controlled).skip(skipped));
-    fixed.into_iter().chain(others)
-}
-
-/// Fixed steps for linear contacts, which nothing makes stiffer and which never open: there a force costs less than what pairs do beside it, and errors are those of
-/// one method of order 6 at one frequency. How large they are is a guess, which the second run judges.
-fn fixed_for(scene: &Scene, accuracy: f64) -> Option<Method> {
-    let Scene { chain, initial_velocities, .. } = scene;
-    if !chain.is_linear() || chain.is_dissipative() {
-        return None;
-    }
-    let make = |step| Method::BlanesMoan { step };
-    let (_, reach) = make(1.0).fixed_step()?;
-    let longest = chain.stability_limit(initial_velocities, reach)?.step;
-    let allowed = (accuracy / AT_THE_LIMIT).min(accuracy.sqrt() / LATE_AT_THE_LIMIT);
-    Some(make(ALMOST * longest * allowed.min(1.0).powf(ROOT)))
+    paced.into_iter().flatten().chain(steps.map(controlled).skip(skipped))
 }
 
 /// What is tried first of what may come of `integration`, where runs are held to an accuracy. A recording names it before the work is done; what has been
@@ -149,12 +126,11 @@ impl<'a> Tries<'a> {
         let share = ENOUGH * share;
         let steps = share * tried.steps;
         let method = match tried.method {
-            Method::PacedForceGradient { tolerance } if share >= PACED_SHARE => {
-                Method::PacedForceGradient { tolerance: share * tolerance }
+            Method::TwoStepForceGradient { tolerance } if share >= PACED_SHARE => {
+                Method::TwoStepForceGradient { tolerance: share * tolerance }
             }
-            Method::BlanesMoan { step } => Method::BlanesMoan { step: step * share.powf(ROOT) },
             // How far off a pair is is not known yet.
-            Method::PacedForceGradient { .. } => return,
+            Method::TwoStepForceGradient { .. } => return,
             _ => controlled_for(&self.scene.chain, &self.scene.initial_velocities, steps),
         };
         // Pairs of another order make less of the same tolerance: what the ladder has next may do, and tells more.
@@ -184,7 +160,7 @@ impl Iterator for Tries<'_> {
 
 /// Whether nothing but what comes of them tells that steps of `method` were too long.
 pub(super) fn paces(method: Method) -> bool {
-    matches!(method, Method::PacedForceGradient { .. } | Method::BlanesMoan { .. })
+    matches!(method, Method::TwoStepForceGradient { .. })
 }
 
 /// Accuracy of the run that one to `accuracy` is held against (1).

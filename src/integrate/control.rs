@@ -18,8 +18,8 @@ pub struct StepControl {
     step: f64,
     /// A step grows at most by this factor (1).
     growth: f64,
-    /// Step changes go as this root of the error.
-    root: InverseRoot,
+    /// Step changes go as the error to this power (1).
+    exponent: f64,
     after_rejection: bool,
     /// Body whose values were not numbers at the last attempt.
     lost: Option<usize>,
@@ -36,26 +36,11 @@ pub struct Trial {
     cut_short: bool,
 }
 
-impl Trial {
-    /// The first `share` of it (1), from `start` on (s); all of it where the clock's rounding would swallow that.
-    #[inline]
-    #[must_use]
-    pub fn shortened(self, start: f64, share: f64) -> Self {
-        let next = start + share * self.length;
-        let length = next - start;
-        if length > f64::EPSILON * next.abs() {
-            Self { length, next, cut_short: false }
-        } else {
-            self
-        }
-    }
-}
-
 impl StepControl {
     /// Starts with `step` (s); a step's error goes as its length to the power `error_order + 1`.
     pub fn new(step: f64, error_order: u8) -> Self {
-        let root = InverseRoot::new(error_order + 1);
-        Self { step, growth: LARGEST_CHANGE, root, after_rejection: false, lost: None }
+        let exponent = -1.0 / f64::from(error_order + 1);
+        Self { step, growth: LARGEST_CHANGE, exponent, after_rejection: false, lost: None }
     }
 
     /// Lets steps grow by no more than `growth` (1).
@@ -91,7 +76,7 @@ impl StepControl {
     pub fn accepts(&mut self, trial: Trial, error: f64, lost: impl FnOnce() -> usize) -> bool {
         self.lost = (!error.is_finite()).then(lost);
         let change = if error.is_finite() {
-            (SAFETY * self.root.of(error)).clamp(SMALLEST_CHANGE, self.growth)
+            (SAFETY * error.powf(self.exponent)).clamp(SMALLEST_CHANGE, self.growth)
         } else {
             SMALLEST_CHANGE
         };
@@ -103,52 +88,6 @@ impl StepControl {
         self.after_rejection = !accepted;
         accepted
     }
-}
-
-/// `base^(-1/root)` within a percent, for `base >= 0`: the choice of a step needs no more, but the next step waits for it. The bits of a
-/// number are its logarithm, but for the mantissa's straight line between powers of two, on which a parabola is put, off by at most 0.008;
-/// and so back. All in integers: to turn them into numbers and back would take longer than the rest.
-#[derive(Debug, Clone, Copy)]
-struct InverseRoot {
-    /// `1/root` (2^-64).
-    slope: u64,
-    /// Bits of the power of 1, and those of 1 over the root.
-    of_one: u64,
-}
-
-/// Bits of a number behind its exponent.
-const MANTISSA: u32 = 52;
-/// The parabola (2^-52).
-const BEND: u64 = 1_549_238_271_815_450; // 0.344
-
-impl InverseRoot {
-    /// For `root >= 2`.
-    fn new(root: u8) -> Self {
-        let one = 1.0_f64.to_bits();
-        Self { slope: u64::MAX / u64::from(root), of_one: one + one / u64::from(root) }
-    }
-
-    #[inline]
-    fn of(self, base: f64) -> f64 {
-        let bits = base.to_bits();
-        let bits = self.of_one - upper_half(bits + bent(bits), self.slope);
-        f64::from_bits(bits - bent(bits))
-    }
-}
-
-/// How far the parabola is above the straight line of the mantissa in `bits`.
-#[inline]
-fn bent(bits: u64) -> u64 {
-    let part = bits << (u64::BITS - MANTISSA);
-    upper_half(upper_half(part, part.wrapping_neg()), BEND)
-}
-
-/// `a b / 2^64`
-#[inline]
-fn upper_half(a: u64, b: u64) -> u64 {
-    #[allow(clippy::cast_possible_truncation, reason = "what is left are 64 bits")]
-    let half = ((u128::from(a) * u128::from(b)) >> u64::BITS) as u64;
-    half
 }
 
 /// Largest magnitude; infinite if any value is not a number, which `f64::max` would hide (unit).
@@ -188,22 +127,6 @@ mod tests {
                     assert!(tries.count() < 1_000, "from {start} to {end}, {error}");
                 }
             }
-        }
-    }
-
-    /// Over all that an error may be; none at all asks for the longest step there is.
-    #[test]
-    fn roots_are_right_within_a_percent() {
-        for root in [2, 4, 5, 7, 8, 12] {
-            let inverse = InverseRoot::new(root);
-            for exponent in -3000..3000 {
-                let base = 2.0_f64.powf(f64::from(exponent) / 3.0);
-                let exact = base.powf(-1.0 / f64::from(root));
-                let off = inverse.of(base) / exact - 1.0;
-                assert!(off.abs() < 0.01, "{base:e} to -1/{root}: {off}");
-            }
-            assert!(inverse.of(0.0) > LARGEST_CHANGE / SAFETY);
-            assert!(inverse.of(f64::MAX) < SMALLEST_CHANGE);
         }
     }
 }

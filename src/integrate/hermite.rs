@@ -94,6 +94,26 @@ pub fn septic(from: End, to: End, jerks: (f64, f64), length: f64) -> Interpolant
     Interpolant { position, velocity: derivative(&position, h) }
 }
 
+/// Weights of position, velocity, acceleration and jerk at the start and at the end in the septic of a step of `length` (s), at the fraction
+/// `theta` of the step (1, s, s², s³).
+#[must_use]
+pub fn septic_weights(theta: f64, length: f64) -> [[f64; 4]; 2] {
+    let (t, h) = (theta, length);
+    let fourth = t * t * t * t;
+    // What the end's values are weighed by, less what the Taylor polynomial of the start makes of them.
+    let p = fourth * (35.0 + t * (-84.0 + t * (70.0 - 20.0 * t)));
+    let q = fourth * (-15.0 + t * (39.0 + t * (-34.0 + 10.0 * t)));
+    let r = fourth * (2.5 + t * (-7.0 + t * (6.5 - 2.0 * t)));
+    let s = fourth * (-1.0 / 6.0 + t * (0.5 + t * (-0.5 + t / 6.0)));
+    let from = [
+        1.0 - p,
+        h * (t - p - q),
+        h * h * (0.5 * t * t - 0.5 * p - q - r),
+        h * h * h * (t * t * t / 6.0 - p / 6.0 - 0.5 * q - r - s),
+    ];
+    [from, [p, h * q, h * h * r, h * h * h * s]]
+}
+
 /// What the quadratic Taylor polynomial of the start leaves over at the end: position, velocity, acceleration, each times
 /// its power of the step (m).
 fn rises(from: End, to: End, h: f64) -> (f64, f64, f64) {
@@ -151,6 +171,15 @@ mod tests {
                 let (exact, _) = end(polynomial, start + theta * length);
                 assert!((found.position(theta) - exact.position).abs() < 1e-14);
                 assert!((found.velocity(theta) - exact.velocity).abs() < 1e-13);
+                if use_jerks {
+                    let [early, late] = septic_weights(theta, length);
+                    let values =
+                        |end: End, jerk| [end.position, end.velocity, end.acceleration, jerk];
+                    let terms = early.into_iter().zip(values(from, j0));
+                    let terms = terms.chain(late.into_iter().zip(values(to, j1)));
+                    let sum: f64 = terms.map(|(weight, value)| weight * value).sum();
+                    assert!((sum - exact.position).abs() < 1e-14);
+                }
             }
         }
     }

@@ -2,19 +2,18 @@
 
 use std::fmt;
 
-use super::blanes_moan::BLANES_MOAN;
+use super::dormand_el_mikkawy_prince_86::DORMAND_EL_MIKKAWY_PRINCE_86;
 use super::dormand_prince_54::DORMAND_PRINCE_54;
-use super::force_gradient::{FORCE_GRADIENT, INNER_FORCE_GRADIENT, PACED_FORCE_GRADIENT};
+use super::force_gradient::FORCE_GRADIENT;
 use super::nystrom::NystromIntegrator;
-use super::pace;
-use super::pefrl::PEFRL;
 use super::rodas::{self, Rodas};
 use super::runge_kutta::{RungeKutta, RungeKuttaIntegrator};
 use super::runge_kutta_4::RUNGE_KUTTA_4;
-use super::scheme::{Pair, Scheme};
+use super::scheme::Scheme;
 use super::splitting::{Splitting, SplittingIntegrator};
 use super::switches::Restart;
 use super::switching::Switched;
+use super::two_step;
 use super::velocity_verlet::VELOCITY_VERLET;
 use super::{DormandPrince853, Integrator, State, System};
 
@@ -26,34 +25,14 @@ pub enum Method {
         /// The step (s).
         step: f64,
     },
-    /// Omelyan, Mryglod and Folk's optimised splitting: order 4, symplectic.
-    Pefrl {
-        /// The step (s).
-        step: f64,
-    },
-    /// Blanes and Moan's splitting: order 6, symplectic.
-    BlanesMoan {
-        /// The step (s).
-        step: f64,
-    },
     /// Omelyan, Mryglod and Folk's splitting with force gradients: order 4, symplectic.
     ForceGradient {
         /// The step (s).
         step: f64,
     },
-    /// The same with gradients in the inner kicks alone: order 4, symplectic, stable in steps beyond half an oscillation.
-    InnerForceGradient {
-        /// The step (s).
-        step: f64,
-    },
-    /// One like it in steps of two lengths, short while the stiffest contact is closed ([`super::pace`]): order 4.
-    PacedForceGradient {
+    /// The same in steps of two lengths, short while the stiffest contact is closed ([`super::two_step`]): order 4.
+    TwoStepForceGradient {
         /// Error of what is read that steps are made for, relative to the system's scales (1).
-        tolerance: f64,
-    },
-    /// Dormand, El-Mikkawy and Prince's Runge-Kutta-Nystrom pair of orders 6(4).
-    DormandElMikkawyPrince64 {
-        /// Tolerated error of a step, relative to the system's scales (1).
         tolerance: f64,
     },
     /// Dormand, El-Mikkawy and Prince's Runge-Kutta-Nystrom pair of orders 8(6).
@@ -86,8 +65,8 @@ pub enum Method {
 /// What a method's arm leads to.
 enum Kind {
     Splitting(&'static Splitting, f64),
-    Paced(&'static Splitting, f64),
-    Nystrom(Pair, f64),
+    TwoStep(&'static Splitting, f64),
+    Nystrom(f64),
     DormandPrince853(f64),
     RungeKutta(&'static RungeKutta, f64),
     Rodas(f64),
@@ -97,17 +76,9 @@ impl Method {
     fn kind(self) -> Kind {
         match self {
             Self::VelocityVerlet { step } => Kind::Splitting(&VELOCITY_VERLET, step),
-            Self::Pefrl { step } => Kind::Splitting(&PEFRL, step),
-            Self::BlanesMoan { step } => Kind::Splitting(&BLANES_MOAN, step),
             Self::ForceGradient { step } => Kind::Splitting(&FORCE_GRADIENT, step),
-            Self::InnerForceGradient { step } => Kind::Splitting(&INNER_FORCE_GRADIENT, step),
-            Self::PacedForceGradient { tolerance } => Kind::Paced(&PACED_FORCE_GRADIENT, tolerance),
-            Self::DormandElMikkawyPrince64 { tolerance } => {
-                Kind::Nystrom(Pair::DormandElMikkawyPrince64, tolerance)
-            }
-            Self::DormandElMikkawyPrince86 { tolerance } => {
-                Kind::Nystrom(Pair::DormandElMikkawyPrince86, tolerance)
-            }
+            Self::TwoStepForceGradient { tolerance } => Kind::TwoStep(&FORCE_GRADIENT, tolerance),
+            Self::DormandElMikkawyPrince86 { tolerance } => Kind::Nystrom(tolerance),
             Self::DormandPrince54 { tolerance } => Kind::RungeKutta(&DORMAND_PRINCE_54, tolerance),
             Self::DormandPrince853 { tolerance } => Kind::DormandPrince853(tolerance),
             Self::RungeKutta4 { step } => Kind::RungeKutta(&RUNGE_KUTTA_4, step),
@@ -120,8 +91,8 @@ impl Method {
     pub fn name(&self) -> &'static str {
         match self.kind() {
             Kind::Splitting(method, _) => method.name,
-            Kind::Paced(..) => pace::NAME,
-            Kind::Nystrom(pair, _) => pair.coefficients().name,
+            Kind::TwoStep(..) => two_step::NAME,
+            Kind::Nystrom(_) => DORMAND_EL_MIKKAWY_PRINCE_86.name,
             Kind::DormandPrince853(_) => DormandPrince853::NAME,
             Kind::RungeKutta(method, _) => method.name,
             Kind::Rodas(_) => Rodas::NAME,
@@ -132,8 +103,8 @@ impl Method {
     #[must_use]
     pub fn source(&self) -> &'static str {
         match self.kind() {
-            Kind::Splitting(method, _) | Kind::Paced(method, _) => method.source,
-            Kind::Nystrom(pair, _) => pair.coefficients().source,
+            Kind::Splitting(method, _) | Kind::TwoStep(method, _) => method.source,
+            Kind::Nystrom(_) => DORMAND_EL_MIKKAWY_PRINCE_86.source,
             Kind::DormandPrince853(_) => DormandPrince853::SOURCE,
             Kind::RungeKutta(method, _) => method.source,
             Kind::Rodas(_) => Rodas::SOURCE,
@@ -144,8 +115,8 @@ impl Method {
     #[must_use]
     pub fn order(&self) -> u8 {
         match self.kind() {
-            Kind::Splitting(method, _) | Kind::Paced(method, _) => method.order,
-            Kind::Nystrom(pair, _) => pair.coefficients().order,
+            Kind::Splitting(method, _) | Kind::TwoStep(method, _) => method.order,
+            Kind::Nystrom(_) => DORMAND_EL_MIKKAWY_PRINCE_86.order,
             Kind::DormandPrince853(_) => 8,
             Kind::RungeKutta(method, _) => method.order,
             Kind::Rodas(_) => Rodas::ORDER,
@@ -168,7 +139,7 @@ impl Method {
     /// Whether forces may depend on velocities.
     #[must_use]
     pub fn allows_losses(&self) -> bool {
-        !matches!(self.kind(), Kind::Splitting(..) | Kind::Paced(..) | Kind::Nystrom(..))
+        !matches!(self.kind(), Kind::Splitting(..) | Kind::TwoStep(..) | Kind::Nystrom(_))
     }
 
     /// Whether the method is one for systems with or without losses: some need to be without, and one needs the tangent that
@@ -185,7 +156,7 @@ impl Method {
         match self.kind() {
             Kind::RungeKutta(method, _) => Some(method.decay_reach),
             Kind::DormandPrince853(_) => Some(DormandPrince853::DECAY_REACH),
-            Kind::Splitting(..) | Kind::Paced(..) | Kind::Nystrom(..) | Kind::Rodas(_) => None,
+            Kind::Splitting(..) | Kind::TwoStep(..) | Kind::Nystrom(_) | Kind::Rodas(_) => None,
         }
     }
 
@@ -194,8 +165,8 @@ impl Method {
     pub fn tolerance(&self) -> Option<f64> {
         match self.kind() {
             Kind::Splitting(..) | Kind::RungeKutta(RungeKutta { error: None, .. }, _) => None,
-            Kind::Paced(_, tolerance)
-            | Kind::Nystrom(_, tolerance)
+            Kind::TwoStep(_, tolerance)
+            | Kind::Nystrom(tolerance)
             | Kind::DormandPrince853(tolerance)
             | Kind::RungeKutta(_, tolerance)
             | Kind::Rodas(tolerance) => Some(tolerance),
@@ -206,9 +177,9 @@ impl Method {
     #[must_use]
     pub fn scheme(&self) -> Option<Scheme> {
         match self.kind() {
-            Kind::Nystrom(pair, tolerance) => Some(Scheme::Pair(pair, tolerance)),
+            Kind::Nystrom(tolerance) => Some(Scheme::Nystrom(tolerance)),
             Kind::Splitting(method, step) => Some(Scheme::Splitting(method, step)),
-            Kind::Paced(method, tolerance) => Some(Scheme::Paced(method, tolerance)),
+            Kind::TwoStep(method, tolerance) => Some(Scheme::TwoStep(method, tolerance)),
             _ => None,
         }
     }
@@ -217,8 +188,8 @@ impl Method {
     #[must_use]
     pub fn stages(&self) -> u8 {
         let count = match self.kind() {
-            Kind::Splitting(method, _) | Kind::Paced(method, _) => method.drifts.len(),
-            Kind::Nystrom(pair, _) => pair.evaluations(),
+            Kind::Splitting(method, _) | Kind::TwoStep(method, _) => method.drifts.len(),
+            Kind::Nystrom(_) => DORMAND_EL_MIKKAWY_PRINCE_86.nodes.len() - 1,
             Kind::DormandPrince853(_) => 12,
             Kind::RungeKutta(method, _) => method.stages.len() - 1,
             Kind::Rodas(_) => rodas::STAGES,
@@ -237,11 +208,12 @@ impl Method {
             Kind::Splitting(method, step) => {
                 Box::new(SplittingIntegrator::new(method, system, state, step))
             }
-            Kind::Paced(method, tolerance) => {
-                Box::new(SplittingIntegrator::paced(method, system, state, tolerance))
+            Kind::TwoStep(method, tolerance) => {
+                Box::new(SplittingIntegrator::two_step(method, system, state, tolerance))
             }
-            Kind::Nystrom(pair, tolerance) => {
-                Box::new(NystromIntegrator::new(pair.coefficients(), system, state, tolerance))
+            Kind::Nystrom(tolerance) => {
+                let pair = &DORMAND_EL_MIKKAWY_PRINCE_86;
+                Box::new(NystromIntegrator::new(pair, system, state, tolerance))
             }
             Kind::DormandPrince853(tolerance) => {
                 watched(DormandPrince853::new(system, state, tolerance))
@@ -270,8 +242,8 @@ impl fmt::Display for Method {
             Kind::RungeKutta(RungeKutta { error: None, name, .. }, step) => {
                 write!(f, "{name} (step {step:e} s)")
             }
-            Kind::Paced(_, tolerance) => write!(f, "{} (tolerance {tolerance:.1e})", self.name()),
-            Kind::Nystrom(_, tolerance)
+            Kind::TwoStep(_, tolerance) => write!(f, "{} (tolerance {tolerance:.1e})", self.name()),
+            Kind::Nystrom(tolerance)
             | Kind::DormandPrince853(tolerance)
             | Kind::RungeKutta(_, tolerance)
             | Kind::Rodas(tolerance) => {

@@ -4,9 +4,7 @@
 //! [`Interpolant`], so that nothing downstream depends on where the integrator put its steps. The
 //! equations are autonomous: no method sees the time but for bookkeeping.
 
-pub mod blanes_moan;
 pub mod control;
-pub mod dormand_el_mikkawy_prince_64;
 pub mod dormand_el_mikkawy_prince_86;
 pub mod dormand_prince_54;
 pub mod dormand_prince_853;
@@ -16,8 +14,7 @@ pub mod interpolant;
 mod linearised;
 mod method;
 pub mod nystrom;
-pub mod pace;
-pub mod pefrl;
+
 pub mod rodas;
 pub mod runge_kutta;
 pub mod runge_kutta_4;
@@ -26,16 +23,17 @@ pub mod splitting;
 pub mod stages;
 pub mod switches;
 pub mod switching;
+pub mod two_step;
 pub mod velocity_verlet;
 
 pub use dormand_prince_853::DormandPrince853;
 pub use interpolant::{COEFFICIENTS, Interpolant};
 pub use linearised::{Linearised, Tridiagonal};
 pub use method::Method;
-pub use pace::Pacing;
 pub use rodas::Rodas;
-pub use scheme::{Pair, Scheme};
+pub use scheme::Scheme;
 pub use switches::{Motion, Sides, Switching};
+pub use two_step::Pacing;
 
 /// A mechanical system of `len` coordinates.
 pub trait System {
@@ -66,7 +64,7 @@ pub trait System {
         false
     }
 
-    /// What decides on the length of steps that are paced from `state` on: of a system that knows no better, that speeds change distances in a
+    /// What decides on the length of steps that are two_step from `state` on: of a system that knows no better, that speeds change distances in a
     /// radian.
     fn pacing(&self, state: &State) -> Pacing {
         let Scales { position, velocity } = self.scales(&state.position, &state.velocity);

@@ -6,7 +6,7 @@
 //! has no second derivative and all of them fall to about order 2.5.
 
 use super::hermite::{Between, find_jerks};
-use super::pace::{Beat, Course, NOTHING, StiffContact};
+use super::two_step::{ContactMotion, NO_CONTACT, StiffContact, TwoStep};
 use super::{IntegrateError, Integrator, Interpolant, State, System, Work, first_not_finite};
 
 /// A rest of an interval shorter than this share of a step belongs to the step (1).
@@ -141,7 +141,7 @@ pub struct SplittingIntegrator<'a> {
 /// When steps end.
 enum Timing {
     Fixed(Clock),
-    Paced(Beat, Option<StiffContact>),
+    TwoStep(TwoStep, Option<StiffContact>),
 }
 
 impl<'a> SplittingIntegrator<'a> {
@@ -159,7 +159,7 @@ impl<'a> SplittingIntegrator<'a> {
 
     /// Starts `method` at `state` with the steps that `tolerance` (1) asks for.
     #[must_use]
-    pub fn paced(
+    pub fn two_step(
         method: &'static Splitting,
         system: Box<dyn System + 'a>,
         state: State,
@@ -167,10 +167,11 @@ impl<'a> SplittingIntegrator<'a> {
     ) -> Self {
         let pacing = system.pacing(&state);
         // The first step is chosen once accelerations are known.
-        let timing = Timing::Paced(Beat::new(&pacing, tolerance, NOTHING), pacing.stiff);
+        let timing = Timing::TwoStep(TwoStep::new(&pacing, tolerance, NO_CONTACT), pacing.stiff);
         let mut start = Self::timed(method, system, state, timing);
-        let course = start.course(pacing.stiff.as_ref());
-        start.timing = Timing::Paced(Beat::new(&pacing, tolerance, course), pacing.stiff);
+        let contact_motion = start.contact_motion(pacing.stiff.as_ref());
+        start.timing =
+            Timing::TwoStep(TwoStep::new(&pacing, tolerance, contact_motion), pacing.stiff);
         start
     }
 
@@ -203,9 +204,9 @@ impl<'a> SplittingIntegrator<'a> {
     }
 
     /// How the stiff contact moves.
-    fn course(&self, stiff: Option<&StiffContact>) -> Course {
+    fn contact_motion(&self, stiff: Option<&StiffContact>) -> ContactMotion {
         let State { position, velocity, .. } = &self.state;
-        stiff.map_or(NOTHING, |stiff| stiff.course([position, velocity, &self.acceleration]))
+        stiff.map_or(NO_CONTACT, |stiff| stiff.motion([position, velocity, &self.acceleration]))
     }
 
     fn find_gradient(&mut self) {
@@ -240,7 +241,7 @@ impl Integrator for SplittingIntegrator<'_> {
         self.previous_acceleration.copy_from_slice(&self.acceleration);
         let (h, next) = match &mut self.timing {
             Timing::Fixed(clock) => clock.next(self.state.time, end),
-            Timing::Paced(beat, _) => beat.next(self.state.time, end),
+            Timing::TwoStep(steps, _) => steps.next(self.state.time, end),
         };
         self.kick(0, h);
         for (index, drift) in self.method.drifts.iter().enumerate() {
@@ -255,10 +256,10 @@ impl Integrator for SplittingIntegrator<'_> {
         if let Some(body) = first_not_finite(position, velocity) {
             return Err(IntegrateError::NotFinite { body, time: self.previous.time });
         }
-        if let Timing::Paced(_, stiff) = self.timing {
-            let course = self.course(stiff.as_ref());
-            if let Timing::Paced(beat, _) = &mut self.timing {
-                beat.pass(course);
+        if let Timing::TwoStep(_, stiff) = self.timing {
+            let contact_motion = self.contact_motion(stiff.as_ref());
+            if let Timing::TwoStep(steps, _) = &mut self.timing {
+                steps.advance(contact_motion);
             }
         }
         self.state.time = next;
@@ -296,11 +297,7 @@ fn add_scaled(values: &mut [f64], rates: &[f64], factor: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::integrate::blanes_moan::BLANES_MOAN;
-    use crate::integrate::force_gradient::{
-        FORCE_GRADIENT, INNER_FORCE_GRADIENT, PACED_FORCE_GRADIENT,
-    };
-    use crate::integrate::pefrl::PEFRL;
+    use crate::integrate::force_gradient::FORCE_GRADIENT;
     use crate::integrate::velocity_verlet::VELOCITY_VERLET;
 
     /// Half the trace of a step of `angle` (rad) of a linear oscillator: motions stay bounded where it is between -1 and 1.
@@ -320,14 +317,7 @@ mod tests {
     /// Up to the step that each method says, also where one turns the oscillator round, and not right beyond.
     #[test]
     fn steps_are_stable_as_far_as_is_said() {
-        for method in [
-            &VELOCITY_VERLET,
-            &PEFRL,
-            &BLANES_MOAN,
-            &FORCE_GRADIENT,
-            &INNER_FORCE_GRADIENT,
-            &PACED_FORCE_GRADIENT,
-        ] {
+        for method in [&VELOCITY_VERLET, &FORCE_GRADIENT] {
             // In shares of a hundred thousandth.
             let most = |shares: std::ops::Range<u32>| {
                 let angles = shares.map(|share| 1e-5 * f64::from(share) * method.stability);

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use super::SweepError;
 use super::log::Log;
 use super::plan::{Plan, Prepared};
-use crate::chain::stepper::InstructionSet;
+use crate::chain::simd::InstructionSet;
 use crate::experiment::ensemble::{Case, Ensemble, Readout};
 use crate::integrate::IntegrateError;
 use crate::scene::grid::Run;

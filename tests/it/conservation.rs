@@ -20,7 +20,7 @@ fn momentum_is_conserved() {
         Method::DormandPrince853 { tolerance: 1e-8 },
         Method::DormandElMikkawyPrince86 { tolerance: 1e-8 },
         Method::VelocityVerlet { step: 1e-6 },
-        Method::BlanesMoan { step: 5e-6 },
+        Method::ForceGradient { step: 5e-6 },
     ] {
         let mut bench = kicked(&chain, (0, 0.44), method, &[], NEVER);
         let before = chain.momentum(&bench.state());

@@ -33,30 +33,26 @@ mod golden;
 mod hard_cases;
 mod hislip;
 mod isf;
-mod kinks;
 mod losses;
 mod magnet;
 mod order;
-mod paced;
-mod pairs;
 mod paper;
 mod physics;
 mod pulses;
 mod random_scenes;
 mod recordings;
-mod refinements;
 mod scene;
 mod scope;
 mod scpi;
 #[cfg(feature = "server")]
 mod server;
 mod set_file;
-mod splittings;
 mod sweep;
 mod tek_csv;
 #[cfg(feature = "tui")]
 mod tui;
 mod tunability;
+mod vector_path;
 
 /// So many cases of random input, the same ones each time.
 fn seeded(cases: u32) -> proptest::test_runner::Config {

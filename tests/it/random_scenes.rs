@@ -5,9 +5,9 @@ use std::fmt::Write as _;
 
 use hertzscope::experiment::accuracy::{doubt, run_held};
 use hertzscope::experiment::bench::start;
-use hertzscope::experiment::ensemble::{self, Case, Ensemble};
+
 use hertzscope::experiment::outcome::{Reading, Summary};
-use hertzscope::experiment::pulse::{Peak, PulseRecorder};
+use hertzscope::experiment::pulse::Peak;
 use hertzscope::experiment::{self, Integration, for_accuracy, tighter};
 use hertzscope::integrate::{Method, State};
 use hertzscope::scene::{Problem, Scene, SceneError};
@@ -386,33 +386,6 @@ fn valid_scenes_first_part() {
 #[test]
 fn valid_scenes_second_part() {
     valid_scenes(1);
-}
-
-/// Side by side in an ensemble, the scenes that were once off feel what they feel alone.
-#[test]
-fn remembered_scenes_read_the_same_in_lanes() {
-    let accuracy = 1e-10;
-    let mut felt = 0;
-    for seed in REMEMBERED {
-        let mut random = Random(seed);
-        let mut scene = load(&scene(&mut random)).expect("a scene");
-        scene.duration = duration(&mut random, &scene);
-        let case = Case::of(&scene, accuracy, &ensemble::places(&scene));
-        let alone = case.run_alone(Integration::Accuracy(accuracy)).expect("a run");
-        for found in Ensemble::new(accuracy).threads(1).run(&[&case; 3], &|_| ()) {
-            for (found, alone) in found.expect("a run").pulses.iter().zip(&alone.pulses) {
-                let [found, alone] = [found, alone].map(PulseRecorder::first_peak);
-                assert_eq!(found.is_some(), alone.is_some(), "{seed}: {found:?}, {alone:?}");
-                let Some((found, alone)) = found.zip(alone) else { continue };
-                let off = |a: f64, b: f64| (a / b - 1.0).abs();
-                let worst =
-                    off(found.dynamic_n, alone.dynamic_n).max(off(found.time_s, alone.time_s));
-                assert!(worst < 1e-7, "{seed}: {found:?}, {alone:?}");
-                felt += 1;
-            }
-        }
-    }
-    assert!(felt > 20, "{felt}");
 }
 
 /// Values that no quantity, or hardly any, should have.

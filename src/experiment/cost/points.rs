@@ -1,7 +1,7 @@
 //! The points of the study: every method over its settings, and what `--accuracy` comes to.
 
 use super::{Chosen, Point, Reference};
-use crate::chain::stepper::Refinement;
+use crate::chain::simd::Refinement;
 use crate::experiment::accuracy::{OWN, TRACES, known_until};
 use crate::experiment::comparison::{
     Run, Treated, arrival_error, compare, peak_error, run_without, trace_error, worst,
@@ -23,19 +23,15 @@ const MOST_REFERENCE: u64 = 2_000_000;
 const REFERENCE_TOLERANCE: f64 = 1e-15;
 /// The same where losses are so stiff that only the implicit method comes to an end (1).
 const STIFF_TOLERANCE: f64 = 1e-12;
-/// Names of the pairs without what is done about contacts that open and close.
-const UNTREATED: [&str; 2] = [
-    "dormand-el-mikkawy-prince-64, kinks as they are",
-    "dormand-el-mikkawy-prince-86, kinks as they are",
-];
+/// Name of the pair without the correction at contact opening and closing.
+const UNCORRECTED: &str = "dormand-el-mikkawy-prince-86, openings not corrected";
 /// An error above this is no result (1).
 const FAILED: f64 = 1.0;
 
 /// What stands behind the name of a method whose kinks are left as they are; those that are treated in no way have no such second row.
 pub fn name((method, without): Treated) -> &'static str {
     match (without, method) {
-        (Some(_), Method::DormandElMikkawyPrince64 { .. }) => UNTREATED[0],
-        (Some(_), Method::DormandElMikkawyPrince86 { .. }) => UNTREATED[1],
+        (Some(_), Method::DormandElMikkawyPrince86 { .. }) => UNCORRECTED,
         _ => method.name(),
     }
 }
@@ -43,17 +39,13 @@ pub fn name((method, without): Treated) -> &'static str {
 /// Every method over its range: steps from the edge of stability down, tolerances from coarse to tight.
 pub fn settings(scene: &Scene) -> Vec<Treated> {
     type Make = fn(f64) -> Method;
-    let fixed: [Make; 6] = [
+    let fixed: [Make; 3] = [
         |step| Method::VelocityVerlet { step },
-        |step| Method::Pefrl { step },
-        |step| Method::BlanesMoan { step },
         |step| Method::ForceGradient { step },
-        |step| Method::InnerForceGradient { step },
         |step| Method::RungeKutta4 { step },
     ];
-    let adaptive: [Make; 6] = [
-        |tolerance| Method::PacedForceGradient { tolerance },
-        |tolerance| Method::DormandElMikkawyPrince64 { tolerance },
+    let adaptive: [Make; 5] = [
+        |tolerance| Method::TwoStepForceGradient { tolerance },
         |tolerance| Method::DormandElMikkawyPrince86 { tolerance },
         |tolerance| Method::DormandPrince54 { tolerance },
         |tolerance| Method::DormandPrince853 { tolerance },
@@ -79,8 +71,8 @@ pub fn settings(scene: &Scene) -> Vec<Treated> {
     for make in adaptive.into_iter().filter(|make| suits(make(1.0))) {
         let range = || (1..=13).map(|decade| make(10f64.powi(-decade)));
         settings.extend(range().map(|method| (method, None)));
-        if let Some(Scheme::Pair(..)) = make(1.0).scheme() {
-            settings.extend(range().map(|method| (method, Some(Refinement::KinkCorrection))));
+        if let Some(Scheme::Nystrom(_)) = make(1.0).scheme() {
+            settings.extend(range().map(|method| (method, Some(Refinement::OpeningCorrection))));
         }
     }
     settings
@@ -124,7 +116,7 @@ impl Point {
 
 /// A method at one setting, held against `exact`; so many `runs` are timed.
 pub fn point(scene: &Scene, treated: Treated, (exact, runs): (&Run, u16)) -> Point {
-    let own = treated.0.scheme().is_some() && scene.chain.is_plain();
+    let own = treated.0.scheme().is_some() && scene.chain.runs_on_vectors();
     let most = if own { MOST_OWN } else { MOST_CONTROLLED };
     let mut point = Point::failed(scene, treated, 0);
     let run = || run_without(scene, treated, most);

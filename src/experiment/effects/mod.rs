@@ -143,7 +143,7 @@ pub fn ledger(
     progress: &mut dyn FnMut(f64),
 ) -> Result<Ledger, RunError> {
     type Make = fn(&Subject<'_>) -> Entry;
-    const ENTRIES: [Make; 21] = [
+    const ENTRIES: [Make; 20] = [
         chain::striker_speed_spread,
         chain::gravity,
         chain::magnet_preload,
@@ -155,7 +155,6 @@ pub fn ledger(
         chain::plasticity,
         chain::host_mass,
         numerics::kink_correction,
-        numerics::force_form,
         numerics::quiet_part,
         electronics::sensor_offset,
         electronics::sensor_droop,

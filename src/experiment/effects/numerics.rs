@@ -1,10 +1,7 @@
 //! Lines of what the integrator does on its own account.
 
 use super::{Entry, Finding, State, Subject, trial};
-use crate::chain::stepper::Refinement;
-
-/// Relative rounding of a contact force that is computed in the plain way (1).
-const ROUNDING: f64 = 5e-16;
+use crate::chain::simd::Refinement;
 
 /// Contacts that open or close within a step.
 pub fn kink_correction(subject: &Subject<'_>) -> Entry {
@@ -18,45 +15,23 @@ pub fn kink_correction(subject: &Subject<'_>) -> Entry {
     }
     let reason = if chain.is_dissipative() {
         "off with losses: their forces jump, and steps end where a contact changes sides"
-    } else if !chain.is_plain() {
+    } else if !chain.runs_on_vectors() {
         "off where the magnet's force follows its particle: steps get shorter at contacts that open or close"
     } else {
         "steps in which a contact opens or closes are put right; the others do nothing of the kind"
     };
-    let state = if chain.is_plain() { State::Auto } else { State::Off };
+    let state = if chain.runs_on_vectors() { State::Auto } else { State::Off };
     let value = Some(f64::from(open) / f64::from(all.max(1)));
-    let trial = measured(subject, Refinement::KinkCorrection, state == State::Auto);
+    let trial = measured(subject, Refinement::OpeningCorrection, state == State::Auto);
     let active = subject.bench.contact_changes().is_some_and(|changes| changes > 0);
     let found = Finding { state, value, reason: reason.to_owned(), trial };
     Entry { active, ..found.entry("kink_correction", "contacts that open / all contacts") }
 }
 
-/// Forces without cancellation, for waves far below the preload.
-pub fn force_form(subject: &Subject<'_>) -> Entry {
-    let scene = subject.scene;
-    let overlap = scene.chain.impact_overlap(&scene.initial_velocities);
-    let contacts = scene.chain.contacts().iter().filter(|c| c.stiffness > 0.0);
-    let ratio =
-        contacts.map(|c| ROUNDING * c.static_force / c.force_change(overlap)).fold(0.0, f64::max);
-    let (state, reason) = if scene.chain.is_plain() {
-        (
-            State::Auto,
-            "the exact form only where the criterion exceeds a thousandth of the accuracy: below, rounding cannot be seen; cost and change are those of the form taken over the other",
-        )
-    } else {
-        (State::On, "always on with losses, and where the magnet's force follows its particle")
-    };
-    let trial = measured(subject, Refinement::ForceForm, state == State::Auto);
-    let active = subject.bench.has_exact_forces();
-    let found = Finding { state, value: Some(ratio), reason: reason.to_owned(), trial };
-    let criterion = "rounding of the static force / force of the wave";
-    Entry { active, ..found.entry("exact_force_form", criterion) }
-}
-
 /// Beads ahead of the wave.
 pub fn quiet_part(subject: &Subject<'_>) -> Entry {
     let scene = subject.scene;
-    let on = scene.chain.is_plain();
+    let on = scene.chain.runs_on_vectors();
     let reason = if on {
         "rows of eight contacts in which nothing has moved yet by 1e-30 of the impact are left alone"
     } else {
@@ -67,7 +42,7 @@ pub fn quiet_part(subject: &Subject<'_>) -> Entry {
     let count = scene.initial_velocities.len().max(1);
     #[allow(clippy::cast_precision_loss, reason = "counts of beads")]
     let value = Some((count - last) as f64 / count as f64);
-    let trial = measured(subject, Refinement::QuietPart, on);
+    let trial = measured(subject, Refinement::ActiveWindow, on);
     let state = if on { State::Auto } else { State::Off };
     let found = Finding { state, value, reason: reason.to_owned(), trial };
     Entry {

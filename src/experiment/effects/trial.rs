@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 
 use super::Subject;
-use crate::chain::stepper::Refinement;
+use crate::chain::simd::Refinement;
 use crate::experiment::acquisition::signals;
 use crate::experiment::comparison::{Run, run, run_without};
 use crate::experiment::outcome::{Reading, speeds};

@@ -31,13 +31,8 @@ pub const CASES: &[HardCase] = &[
 ];
 
 /// Symplectic methods, with a step (s).
-const SYMPLECTIC: [fn(f64) -> Method; 5] = [
-    |step| Method::VelocityVerlet { step },
-    |step| Method::Pefrl { step },
-    |step| Method::BlanesMoan { step },
-    |step| Method::ForceGradient { step },
-    |step| Method::InnerForceGradient { step },
-];
+const SYMPLECTIC: [fn(f64) -> Method; 2] =
+    [|step| Method::VelocityVerlet { step }, |step| Method::ForceGradient { step }];
 
 /// The one that damps what it does not resolve, and is stable as far.
 const RUNGE_KUTTA: fn(f64) -> Method = |step| Method::RungeKutta4 { step };

@@ -3,13 +3,11 @@
 
 mod read;
 
-use std::mem::take;
-
 use serde::Serialize;
 
 use super::segment::{Bracket, Felt, Rise, Segment};
 use super::turn::{fall, highest, may_fall};
-use crate::chain::stepper::{LOOKED_AT, Looks, Place, Seen};
+use crate::chain::probe_step::{ContactPair, ForceSamples, ProbeTracker, SAMPLE_TIMES};
 use crate::chain::{ForceProbe, ForceSegment};
 
 /// A force that rises from zero has no maximum between two looks that exceeds the larger of them by more than this factor: looks are a
@@ -88,14 +86,6 @@ impl PulseRecorder {
         Self::begin(probe, (impact, velocities), room)
     }
 
-    /// As [`Self::new`] has it, in the memory that there is.
-    pub fn again(&mut self, probe: &ForceProbe, impact: f64, velocities: &[f64]) {
-        let (mut peaks, mut rises) = (take(&mut self.peaks), take(&mut self.rises));
-        peaks.clear();
-        rises.clear();
-        *self = Self::begin(probe, (impact, velocities), (peaks, rises));
-    }
-
     fn begin(
         probe: &ForceProbe,
         (impact, velocities): (f64, &[f64]),
@@ -103,7 +93,7 @@ impl PulseRecorder {
     ) -> Self {
         let static_force = probe.static_force();
         Self {
-            felt: Felt::nothing(Place::new(probe)),
+            felt: Felt::nothing(ContactPair::new(probe)),
             is_lossy: probe.is_lossy(),
             has_begun: false,
             static_force,
@@ -127,9 +117,11 @@ impl PulseRecorder {
 
     /// Takes in the force over the integrator's last step.
     pub fn take(&mut self, segment: ForceSegment) {
-        let looked = LOOKED_AT.map(|theta| segment.look(theta));
-        let looks =
-            Looks { forces: looked.map(|[force, _]| force), rates: looked.map(|[_, rate]| rate) };
+        let looked = SAMPLE_TIMES.map(|theta| segment.look(theta));
+        let looks = ForceSamples {
+            forces: looked.map(|[force, _]| force),
+            rates: looked.map(|[_, rate]| rate),
+        };
         // Elsewhere a step starts where the last one ended.
         let anew = self.is_lossy && (segment.anew || !self.has_begun);
         self.has_begun = true;
@@ -145,16 +137,14 @@ impl PulseRecorder {
         }
     }
 
-    /// Takes in the first `count` steps of the stepper for lossless chains, at least one, of which those whose bits are set in `wanted` may
-    /// hold what [`Self::asks`] for, or asked for before the first of them: it only ever asks for less.
-    pub fn follow(&mut self, steps: &Seen, wanted: u8, count: usize) {
-        for step in (0..count).filter(|step| wanted & (1 << step) != 0) {
-            if step > 0 {
-                ([self.last, self.rate_before], _) = steps.end(step - 1);
-            }
-            self.meet(steps, step);
+    /// Takes in the last step of a chain on the vector path.
+    pub fn take_step(&mut self, tracker: &ProbeTracker) {
+        if tracker.may_exceed(self.asks()) {
+            let step = tracker.overlaps();
+            let samples = tracker.pair().samples(&step);
+            self.see(&samples, step.length, &|| Segment::Lossless(step));
         }
-        ([self.last, self.rate_before], _) = steps.end(count - 1);
+        [self.last, self.rate_before] = tracker.end();
     }
 
     /// A maximum up to the first counts for nothing, nor does any other force up to the second (N).
@@ -162,24 +152,6 @@ impl PulseRecorder {
     pub fn asks(&self) -> [f64; 2] {
         // Levels that anybody asks for are shares of a peak that is no rounding.
         [self.first_exceeds().max(FOOT * self.quietest), self.largest]
-    }
-
-    /// Force and its rate of change at the end of the last step (N, N/s).
-    #[must_use]
-    pub fn felt(&self) -> [f64; 2] {
-        [self.last, self.rate_before]
-    }
-
-    /// Takes in step `step`, at whose start others have felt this force and rate of change; what they are at its end (N, N/s).
-    pub fn go_on(&mut self, [force, rate]: [f64; 2], steps: &Seen, step: usize) -> [f64; 2] {
-        (self.last, self.rate_before) = (force, rate);
-        self.meet(steps, step);
-        self.felt()
-    }
-
-    fn meet(&mut self, steps: &Seen, step: usize) {
-        let (_, length) = steps.end(step);
-        self.see(&steps.looks(step), length, &|| Segment::Lossless(steps.span(step)));
     }
 
     /// What a first peak that is yet to come exceeds: a share of the largest force, and all maxima before it, or one of them were first (N).
@@ -217,9 +189,9 @@ impl PulseRecorder {
         self.rises.drain(..low);
     }
 
-    fn see(&mut self, looks: &Looks, length: f64, segment: &dyn Fn() -> Segment) {
+    fn see(&mut self, looks: &ForceSamples, length: f64, segment: &dyn Fn() -> Segment) {
         let (mut reached, mut top, mut low) = (self.largest, 1.0, 0.0);
-        for (index, high) in LOOKED_AT.into_iter().enumerate() {
+        for (index, high) in SAMPLE_TIMES.into_iter().enumerate() {
             let (rate, force) = (looks.rates[index], looks.forces[index]);
             if let Some(mut maximum) = self.between((low, high), (force, rate), length, segment) {
                 let mut least = force.max(self.last);

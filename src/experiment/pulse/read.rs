@@ -1,7 +1,7 @@
 //! What a recorder is asked for once it has felt everything.
 
 use super::{PEAK_SHARE, PassedOver, Peak, PulseRecorder};
-use crate::chain::stepper::LOOKED_AT;
+use crate::chain::probe_step::SAMPLE_TIMES;
 use crate::experiment::segment::Rise;
 use crate::experiment::turn::root;
 
@@ -61,7 +61,7 @@ impl PulseRecorder {
             return Some(self.felt.time(segment, 0.0));
         }
         // Looks up to the largest force, which may stand between two of them.
-        let looks = LOOKED_AT.into_iter().take_while(|look| look < top);
+        let looks = SAMPLE_TIMES.into_iter().take_while(|look| look < top);
         for theta in looks.chain([*top]) {
             let exceeds = excess(theta);
             if exceeds >= 0.0 {

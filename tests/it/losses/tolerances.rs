@@ -1,6 +1,7 @@
 //! Errors over many accuracies asked for, with losses and under a magnet that follows its particle, of runs that nobody checks, as in a sweep: none
 //! may miss, however its steps happen to fall on the openings of contacts.
 
+use hertzscope::chain::simd::InstructionSet;
 use hertzscope::experiment::Integration;
 use hertzscope::experiment::ensemble::{Case, places};
 use hertzscope::experiment::pulse::{Peak, PulseRecorder};
@@ -13,7 +14,7 @@ const ACCURACIES: u32 = 40;
 
 /// First peaks of a scene's first shot in all its places.
 fn peaks(case: &Case, integration: Integration) -> Vec<Peak> {
-    let readout = case.run_alone(integration).expect("a run");
+    let readout = case.run(integration, InstructionSet::best()).expect("a run");
     let peak = |pulse: &PulseRecorder| pulse.first_peak().expect("a peak");
     readout.pulses.iter().map(peak).collect()
 }

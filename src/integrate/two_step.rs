@@ -9,10 +9,10 @@
 use super::splitting::REMAINDER;
 
 /// Name of the splitting with force gradients in such steps, as written in options and recordings.
-pub const NAME: &str = "paced-force-gradient";
+pub const NAME: &str = "two-step-force-gradient";
 
 /// `T`: over the paper's eight scenes first peaks and arrivals are off by less than that. Tolerances beyond it make the same steps (1).
-pub const LOOSEST: f64 = 1e-3;
+pub const LOOSEST_TOLERANCE: f64 = 1e-3;
 /// `L` (rad).
 const LONG: f64 = 2.7;
 /// `S` (rad).
@@ -48,19 +48,19 @@ pub struct StiffContact {
 impl StiffContact {
     /// How it moves in a system with these positions (m), velocities (m/s) and accelerations (m/s²).
     #[must_use]
-    pub fn course(&self, [position, velocity, acceleration]: [&[f64]; 3]) -> Course {
+    pub fn motion(&self, [position, velocity, acceleration]: [&[f64]; 3]) -> ContactMotion {
         let across = |values: &[f64]| {
             let [above, below] = self.bodies.map(|body| body.and_then(|body| values.get(body)));
             above.copied().unwrap_or(0.0) - below.copied().unwrap_or(0.0)
         };
         let overlap = self.static_overlap + across(position);
-        Course { overlap, closing: across(velocity), bend: across(acceleration) }
+        ContactMotion { overlap, closing: across(velocity), bend: across(acceleration) }
     }
 }
 
 /// How a contact moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Course {
+pub struct ContactMotion {
     /// By how much it is closed (m).
     pub overlap: f64,
     /// At what speed it closes (m/s).
@@ -69,7 +69,7 @@ pub struct Course {
     pub bend: f64,
 }
 
-impl Course {
+impl ContactMotion {
     /// Whether it is open and will not close within `time` (s), as far as can be told.
     #[inline]
     fn stays_open(&self, time: f64) -> bool {
@@ -79,11 +79,11 @@ impl Course {
 }
 
 /// The contact of a system without a stiff one: a gap that nothing closes.
-pub const NOTHING: Course = Course { overlap: -1.0, closing: 0.0, bend: 0.0 };
+pub const NO_CONTACT: ContactMotion = ContactMotion { overlap: -1.0, closing: 0.0, bend: 0.0 };
 
 /// Steps, one after the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Beat {
+pub struct TwoStep {
     /// Length of a long step (s).
     long: f64,
     /// Longest while the stiff contact is closed (s).
@@ -92,16 +92,16 @@ pub struct Beat {
     length: f64,
 }
 
-impl Beat {
-    /// The steps that `tolerance` (1) asks of a system, the first on a given `course` of its stiff contact, or [`NOTHING`].
+impl TwoStep {
+    /// The steps that `tolerance` (1) asks of a system, the first on a given `motion` of its stiff contact, or [`NO_CONTACT`].
     #[must_use]
-    pub fn new(pacing: &Pacing, tolerance: f64, course: Course) -> Self {
-        let share = (tolerance / LOOSEST).sqrt().sqrt().min(1.0);
+    pub fn new(pacing: &Pacing, tolerance: f64, motion: ContactMotion) -> Self {
+        let share = (tolerance / LOOSEST_TOLERANCE).sqrt().sqrt().min(1.0);
         let long = share * LONG / pacing.frequency;
         let short = pacing.stiff.map_or(long, |stiff| share * SHORT / stiff.frequency);
-        let mut beat = Self { long, short, length: 0.0 };
-        beat.length = beat.after(course).min(FIRST * long);
-        beat
+        let mut steps = Self { long, short, length: 0.0 };
+        steps.length = steps.after(motion).min(FIRST * long);
+        steps
     }
 
     /// Length of the next step from `time` on, and where it ends, not beyond `end` (s).
@@ -112,47 +112,31 @@ impl Beat {
         if next + REMAINDER * self.length < end { (self.length, next) } else { (end - time, end) }
     }
 
-    /// How many steps are as long as the next, one at least and up to `most`, from `time` to `end` (s): as far as can be told while the stiff contact is on
-    /// this `course`, [`NOTHING`] if there is none.
-    #[must_use]
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "`as` cuts off and takes what is out of range to the nearest there is; they are few"
-    )]
-    pub fn alike(&self, course: Course, [time, end]: [f64; 2], most: usize) -> usize {
-        let fit = ((end - time) / self.length) as usize;
-        let count = most.min(fit).max(1);
-        let goes_on = self.length >= self.long && course.stays_open(self.length * count as f64);
-        if goes_on { count } else { 1 }
-    }
-
-    /// A step has brought the stiff contact on this `course`, [`NOTHING`] if there is none.
+    /// A step has brought the stiff contact on this `motion`, [`NO_CONTACT`] if there is none.
     #[inline]
-    pub fn pass(&mut self, course: Course) {
-        self.length = self.after(course);
+    pub fn advance(&mut self, motion: ContactMotion) {
+        self.length = self.after(motion);
     }
 
     /// The step from there on (s). It branches rather than selects: a step need not wait for what decides on its length.
     #[inline]
-    fn after(&self, course: Course) -> f64 {
-        let Course { overlap, closing, .. } = course;
+    fn after(&self, motion: ContactMotion) -> f64 {
+        let ContactMotion { overlap, closing, .. } = motion;
         if overlap > 0.0 {
             let speed = closing.abs();
             let is_near = overlap < self.short * speed;
             if is_near { (overlap / speed).max(LEAST * self.short) } else { self.short }
         } else {
-            self.towards(course)
+            self.towards(motion)
         }
     }
 
     /// A long step with the contact open, or up to where it closes.
     #[inline]
-    fn towards(&self, course: Course) -> f64 {
-        let Course { overlap, closing, bend } = course;
+    fn towards(&self, motion: ContactMotion) -> f64 {
+        let ContactMotion { overlap, closing, bend } = motion;
         let (gap, long) = (-overlap, self.long);
-        if course.stays_open(long) {
+        if motion.stays_open(long) {
             return long;
         }
         // Where `closing t + bend/2 t^2` is the gap.
@@ -184,28 +168,28 @@ mod tests {
     fn steps_end_where_the_contact_closes() {
         let [long, short] = LENGTHS;
         let (gap, speed, bend, mut time) = (10.0, 1.0, 0.1, 0.0);
-        let course = |time: f64| Course {
+        let motion = |time: f64| ContactMotion {
             overlap: speed * time + 0.5 * bend * time * time - gap,
             closing: speed + bend * time,
             bend,
         };
-        let mut beat = Beat::new(&bounce(), LOOSEST, course(0.0));
-        let mut steps = Vec::new();
+        let mut steps = TwoStep::new(&bounce(), LOOSEST_TOLERANCE, motion(0.0));
+        let mut taken = Vec::new();
         while time < 10.0 {
-            let (h, next) = beat.next(time, 10.0);
-            beat.pass(course(next));
-            steps.push((time, h));
+            let (h, next) = steps.next(time, 10.0);
+            steps.advance(motion(next));
+            taken.push((time, h));
             time = next;
         }
-        assert!((steps[0].1 - FIRST * long).abs() < 1e-12);
-        assert!((steps[1].1 - long).abs() < 1e-12);
-        let closes = steps.iter().position(|(time, _)| course(*time).overlap.abs() < 1e-9);
+        assert!((taken[0].1 - FIRST * long).abs() < 1e-12);
+        assert!((taken[1].1 - long).abs() < 1e-12);
+        let closes = taken.iter().position(|(time, _)| motion(*time).overlap.abs() < 1e-9);
         let closes = closes.expect("a step that ends where the contact closes");
-        assert!((steps[closes].1 - LEAST * short).abs() < 1e-12);
+        assert!((taken[closes].1 - LEAST * short).abs() < 1e-12);
         // As long each as all since then, until they are as long as may be.
-        assert!((steps[closes + 1].1 - LEAST * short).abs() < 1e-3 * short);
-        assert!((steps[closes + 2].1 - short).abs() < 1e-12);
-        assert!(steps[closes + 2..steps.len() - 1].iter().all(|s| (s.1 - short).abs() < 1e-12));
+        assert!((taken[closes + 1].1 - LEAST * short).abs() < 1e-3 * short);
+        assert!((taken[closes + 2].1 - short).abs() < 1e-12);
+        assert!(taken[closes + 2..taken.len() - 1].iter().all(|s| (s.1 - short).abs() < 1e-12));
         assert_eq!(time.to_bits(), 10.0_f64.to_bits());
     }
 
@@ -213,7 +197,11 @@ mod tests {
     #[test]
     fn steps_are_long_with_the_contact_open() {
         let [long, short] = LENGTHS;
-        let mut beat = Beat::new(&bounce(), LOOSEST, Course { overlap: 1.0, ..NOTHING });
+        let mut steps = TwoStep::new(
+            &bounce(),
+            LOOSEST_TOLERANCE,
+            ContactMotion { overlap: 1.0, ..NO_CONTACT },
+        );
         for (overlap, closing, bend, length) in [
             (1.0, -3.0, 0.0, short),
             (0.8 * short, -1.0, 0.0, 0.8 * short),
@@ -226,14 +214,14 @@ mod tests {
             (-1.0, 0.0, 2.0, 1.0),
             (-1.0, -1.0, 4.0, 1.0),
         ] {
-            beat.pass(Course { overlap, closing, bend });
-            assert!((beat.length - length).abs() < 1e-12, "{overlap} {closing}: {}", beat.length);
+            steps.advance(ContactMotion { overlap, closing, bend });
+            assert!((steps.length - length).abs() < 1e-12, "{overlap} {closing}: {}", steps.length);
         }
         let none = Pacing { stiff: None, ..bounce() };
         // A hundredth of the tolerance, a good third of the step.
-        let mut beat = Beat::new(&none, 0.01 * LOOSEST, NOTHING);
-        assert!((beat.length - FIRST * LONG / 10f64.sqrt()).abs() < 1e-12);
-        beat.pass(NOTHING);
-        assert!((beat.length - LONG / 10f64.sqrt()).abs() < 1e-12);
+        let mut steps = TwoStep::new(&none, 0.01 * LOOSEST_TOLERANCE, NO_CONTACT);
+        assert!((steps.length - FIRST * LONG / 10f64.sqrt()).abs() < 1e-12);
+        steps.advance(NO_CONTACT);
+        assert!((steps.length - LONG / 10f64.sqrt()).abs() < 1e-12);
     }
 }

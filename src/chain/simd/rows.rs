@@ -1,0 +1,234 @@
+//! The chain in rows of eight: what the kernels read and write, and the sweep over it that all of them share.
+//!
+//! Entry `j` is contact `j` and the body below it, in row `j / 8`, lane `j % 8`. Entries behind the last contact are padding: no
+//! stiffness, no inverse mass. The force is that of [`crate::chain::hertz::force_change`]: the change against the static one without
+//! cancellation, exactly zero where nothing has moved, so that a chain at rest stays at rest to the last bit.
+#![allow(
+    clippy::inline_always,
+    reason = "the code has to be inlined into functions compiled for the instruction set"
+)]
+
+use super::vector::{Row, Simd, Vector, WIDTH};
+use crate::chain::Chain;
+
+/// Below this an overlap counts as zero in the square root (m).
+const SMALLEST_OVERLAP: f64 = 1e-200;
+
+/// Constants of contacts and bodies.
+#[derive(Debug, Clone)]
+pub struct ChainRows {
+    /// `A` of each contact (N/m^1.5).
+    pub stiffness: Vec<Row>,
+    /// Static overlap of each contact (m).
+    pub static_overlap: Vec<Row>,
+    /// Its square root (m^0.5).
+    pub static_root: Vec<Row>,
+    /// 1 for contacts, 0 where there is nothing to touch (1).
+    pub exists: Vec<Row>,
+    /// Inverse mass of each body (1/kg).
+    pub inverse_mass: Vec<Row>,
+    /// Acceleration of each body that statics does not balance: the striker's free fall (m/s²).
+    pub residual: Vec<Row>,
+}
+
+/// Row and lane of entry `index`.
+#[inline]
+pub fn place(index: usize) -> (usize, usize) {
+    (index / WIDTH, index % WIDTH)
+}
+
+/// The value of entry `index`.
+#[inline]
+pub fn entry(rows: &[Row], index: usize) -> f64 {
+    let (row, lane) = place(index);
+    rows.get(row).map_or(0.0, |row| row.0[lane])
+}
+
+/// Value of the body above contact `j` less that of the one below; walls rest (unit).
+#[inline]
+pub fn difference(rows: &[Row], contact: usize) -> f64 {
+    contact.checked_sub(1).map_or(0.0, |above| entry(rows, above)) - entry(rows, contact)
+}
+
+impl ChainRows {
+    /// The rows of `chain`, whose contacts follow Hertz's law without losses.
+    #[must_use]
+    pub fn new(chain: &Chain) -> Self {
+        let rows = chain.contacts().len().div_ceil(WIDTH);
+        let empty = || vec![Row::default(); rows];
+        let mut out = Self {
+            stiffness: empty(),
+            static_overlap: empty(),
+            static_root: empty(),
+            exists: empty(),
+            inverse_mass: empty(),
+            residual: empty(),
+        };
+        for (j, contact) in chain.contacts().iter().enumerate() {
+            let (row, lane) = place(j);
+            out.stiffness[row].0[lane] = contact.stiffness;
+            out.static_overlap[row].0[lane] = contact.static_overlap;
+            out.static_root[row].0[lane] = contact.static_overlap.sqrt();
+            out.exists[row].0[lane] = if contact.stiffness > 0.0 { 1.0 } else { 0.0 };
+        }
+        for (i, (body, residual)) in chain.bodies().iter().zip(chain.residual.iter()).enumerate() {
+            let (row, lane) = place(i);
+            out.inverse_mass[row].0[lane] = 1.0 / body.mass;
+            out.residual[row].0[lane] = residual / body.mass;
+        }
+        out
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.stiffness.len()
+    }
+}
+
+/// A row of contacts at given positions.
+pub struct Touch<V> {
+    /// By how much overlaps have changed, no more than down to zero overlap (m).
+    pub change: V,
+    /// Change of the forces against the static ones (N).
+    pub force: V,
+    /// Two thirds of the tangent stiffnesses: `A sqrt(overlap)` (N/m).
+    pub tangent: V,
+    /// Bits of the contacts that are closed.
+    pub closed: u8,
+}
+
+/// The contacts of row `r` when their overlaps have changed by `change` (m).
+#[inline(always)]
+fn touch<S: Simd>(simd: S, chain: &ChainRows, r: usize, change: S::V) -> Touch<S::V> {
+    let static_overlap = simd.load(&chain.static_overlap[r]);
+    let stiffness = simd.load(&chain.stiffness[r]);
+    let static_root = simd.load(&chain.static_root[r]);
+    let overlap = static_overlap + change;
+    let closed = (overlap * stiffness).positive();
+    // In this order of `max` what is not a number stays.
+    let change = (simd.splat(0.0) - static_overlap).max(change);
+    let root = simd.splat(SMALLEST_OVERLAP).max(overlap).root();
+    let sum = root + static_root;
+    let tangent = stiffness * root;
+    let force = stiffness * change * (sum - root * static_root / sum);
+    Touch { change, force, tangent, closed }
+}
+
+/// Computes all contacts and bodies of the first `live` rows, from top to bottom: asks for the positions of each row, gives its contacts to
+/// `contacts`, and a row's accelerations (m/s²) to `bodies` once the contacts below it are known.
+#[inline(always)]
+pub fn sweep<S: Simd>(
+    simd: S,
+    chain: &ChainRows,
+    live: usize,
+    mut positions: impl FnMut(usize) -> S::V,
+    mut contacts: impl FnMut(usize, Touch<S::V>),
+    mut bodies: impl FnMut(usize, S::V),
+) {
+    let none = simd.splat(0.0);
+    let mut accelerations = |r: usize, force: S::V, below: S::V| {
+        let net = force - force.shift_down(below);
+        bodies(r, net.mul_add(simd.load(&chain.inverse_mass[r]), simd.load(&chain.residual[r])));
+    };
+    let (mut above, mut force) = (none, none);
+    for r in 0..live {
+        let here = positions(r);
+        let found = touch(simd, chain, r, here.shift_up(above) - here);
+        let below = found.force;
+        contacts(r, found);
+        if r > 0 {
+            accelerations(r - 1, force, below);
+        }
+        (above, force) = (here, below);
+    }
+    if live > 0 {
+        accelerations(live - 1, force, none);
+    }
+}
+
+/// The second sweep of what changes at a given rate: rates of the contact forces, `3/2 tangent (above - below)`, and what they make of the
+/// bodies' accelerations. With velocities for `values` these are jerks (m/s³), with accelerations the gradient of the accelerations along
+/// themselves (m/s⁴).
+#[inline(always)]
+pub fn rates<S: Simd>(
+    simd: S,
+    chain: &ChainRows,
+    live: usize,
+    (tangents, values): (&[Row], &[Row]),
+    mut bodies: impl FnMut(usize, S::V),
+) {
+    let (none, factor) = (simd.splat(0.0), simd.splat(1.5));
+    let mut body = |r: usize, rate: S::V, below: S::V| {
+        let net = rate - rate.shift_down(below);
+        bodies(r, net * simd.load(&chain.inverse_mass[r]) * factor);
+    };
+    let (mut above, mut rate) = (none, none);
+    for r in 0..live {
+        let here = simd.load(&values[r]);
+        let below = simd.load(&tangents[r]) * (here.shift_up(above) - here);
+        if r > 0 {
+            body(r - 1, rate, below);
+        }
+        (above, rate) = (here, below);
+    }
+    if live > 0 {
+        body(live - 1, rate, none);
+    }
+}
+
+/// Positions, velocities and accelerations at one end of a step.
+#[derive(Debug, Clone)]
+pub struct Motion {
+    /// (m)
+    pub position: Vec<Row>,
+    /// (m/s)
+    pub velocity: Vec<Row>,
+    /// (m/s²)
+    pub acceleration: Vec<Row>,
+    /// Two thirds of the tangent stiffnesses of the contacts (N/m).
+    pub tangent: Vec<Row>,
+    /// What rounding took from positions (m) and velocities (m/s), to be given back by the next sum.
+    pub lost: [Vec<Row>; 2],
+    /// Bits of the contacts that are closed, row by row.
+    pub closed: Vec<u8>,
+}
+
+impl Motion {
+    /// A chain of so many rows at rest.
+    pub fn at_rest(rows: usize) -> Self {
+        let empty = || vec![Row::default(); rows];
+        Self {
+            position: empty(),
+            velocity: empty(),
+            acceleration: empty(),
+            tangent: empty(),
+            lost: [empty(), empty()],
+            closed: vec![0; rows],
+        }
+    }
+
+    /// Position (m), velocity (m/s) and acceleration (m/s²) of `body`.
+    #[inline]
+    pub fn of(&self, body: usize) -> [f64; 3] {
+        [&self.position, &self.velocity, &self.acceleration].map(|rows| entry(rows, body))
+    }
+
+    /// Rate of the acceleration of `body` (m/s³).
+    pub fn jerk(&self, chain: &ChainRows, body: usize) -> f64 {
+        let rate = |contact: usize| {
+            1.5 * entry(&self.tangent, contact) * difference(&self.velocity, contact)
+        };
+        (rate(body) - rate(body + 1)) * entry(&chain.inverse_mass, body)
+    }
+
+    /// First body whose position or velocity is not finite.
+    pub fn first_not_finite(&self) -> Option<usize> {
+        let bodies = 0..WIDTH * self.position.len();
+        let mut bodies = bodies.filter(|body| {
+            let [x, v, _] = self.of(*body);
+            !(x.is_finite() && v.is_finite())
+        });
+        bodies.next()
+    }
+}

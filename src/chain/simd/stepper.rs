@@ -1,0 +1,332 @@
+//! A chain of elastic contacts at work under a method for forces that depend on positions alone.
+
+use super::frame::Frame;
+use super::opening::correct;
+use super::rkn86::{Attempt, EVALUATIONS, Evaluate, Trial};
+use super::rows::{ChainRows, Motion, place};
+use super::splitting::Step;
+use super::vector::{InstructionSet, Row, WIDTH};
+use crate::chain::Chain;
+use crate::integrate::control::StepControl;
+use crate::integrate::hermite::{End, septic};
+use crate::integrate::splitting::{Clock, Splitting};
+use crate::integrate::two_step::{ContactMotion, NO_CONTACT, StiffContact, TwoStep};
+use crate::integrate::{IntegrateError, Integrator, Interpolant, Scheme, State, Work};
+
+/// Rows at rest that are kept in the sweep behind the last one that moves: within a step motion spreads by a contact a stage, of which there
+/// are fewer than in these.
+const MARGIN: usize = 2;
+/// Speed from which a row counts as moving, as a share of the largest at the start: forces without cancellation send something ahead however
+/// far, far below 1e-13 of the impact, under which nothing is a pulse (1).
+const MOVING_SHARE: f64 = 1e-30;
+/// The first step, as a fraction of overlap over speed (1).
+const FIRST_STEP: f64 = 1e-3;
+/// The first step of a chain at rest, as a fraction of its fastest oscillation in radians (1).
+const FIRST_STEP_AT_REST: f64 = 0.01;
+/// A step grows at most by this factor: the error estimate does not see how sharply a force sets in that begins at zero overlap. With 5 instead
+/// of 3, first peaks of a chain under gravity were five to ten times as far off at 1e-6 to 1e-9 (1).
+const MAX_GROWTH: f64 = 3.0;
+/// A correction that moves positions by less than this share of the tolerance leaves the accelerations as they are (1).
+const UNMOVED_SHARE: f64 = 0.03;
+
+/// What the stepper does beside its method; to be left out for comparison only.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Refinement {
+    /// The correction at contact opening and closing.
+    OpeningCorrection,
+    /// Rows ahead of the wave, where nothing has moved yet, are left out of the sweep.
+    ActiveWindow,
+}
+
+/// How steps are chosen.
+enum Drive {
+    Nystrom(Box<Nystrom>),
+    Fixed(Clock),
+    TwoStep(TwoStep, Option<StiffContact>),
+}
+
+/// The error-controlled pair.
+struct Nystrom {
+    control: StepControl,
+    tolerance: f64,
+    /// Largest overlap change (m) and speed (m/s) so far: errors are relative to them.
+    scales: [f64; 2],
+    trial: Trial,
+    corrects: bool,
+}
+
+/// An integrator of a chain of elastic contacts.
+pub struct VectorStepper {
+    set: InstructionSet,
+    chain: ChainRows,
+    bodies: usize,
+    lightest: f64,
+    drive: Drive,
+    method: &'static Splitting,
+    now: Motion,
+    previous: Motion,
+    gradient: Vec<Row>,
+    /// Rows in the sweep.
+    live: usize,
+    /// Rows in which nothing is faster are ahead of the wave (m/s).
+    quiet: f64,
+    time: f64,
+    last_step: (f64, f64),
+    work: Work,
+    /// Steps in which contacts opened or closed.
+    changes: u64,
+    /// Room for frames: jerks, and displacements with forces; empty until one is asked for.
+    frame: [[Vec<Row>; 2]; 2],
+}
+
+impl VectorStepper {
+    /// Starts `scheme` on `chain` at `state`. Errors that the pair tolerates are relative to the largest overlap change and speed so far.
+    #[must_use]
+    pub fn new(chain: &Chain, state: &State, scheme: Scheme, set: InstructionSet) -> Self {
+        let rows = ChainRows::new(chain);
+        let mut now = Motion::at_rest(rows.len());
+        let bodies = chain.bodies().len();
+        for (values, out) in
+            [(&state.position, &mut now.position), (&state.velocity, &mut now.velocity)]
+        {
+            for (body, value) in values.iter().take(bodies).enumerate() {
+                let (row, lane) = place(body);
+                out[row].0[lane] = *value;
+            }
+        }
+        let live = rows.len();
+        let overlap = set.run(Evaluate { chain: &rows, live, motion: &mut now });
+        let is_moving = |row: usize| {
+            let all = [&now.position[row], &now.velocity[row], &now.acceleration[row]];
+            all.into_iter().any(|row| *row != Row::default())
+        };
+        let last = (0..live).rev().find(|row| is_moving(*row)).unwrap_or(0);
+        let speed = state.velocity.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        let pacing = chain.pacing(&state.velocity);
+        let (drive, method) = match scheme {
+            Scheme::Nystrom(tolerance) => {
+                let scales = [chain.impact_overlap(&state.velocity).max(overlap), speed];
+                let first = FIRST_STEP * scales[0] / scales[1];
+                let is_usable = first.is_finite() && first > 0.0;
+                let first = if is_usable { first } else { FIRST_STEP_AT_REST / pacing.frequency };
+                let control = StepControl::new(first, 6).growing(MAX_GROWTH);
+                let trial = Trial::new(live);
+                let nystrom = Nystrom { control, tolerance, scales, trial, corrects: true };
+                (
+                    Drive::Nystrom(Box::new(nystrom)),
+                    &crate::integrate::force_gradient::FORCE_GRADIENT,
+                )
+            }
+            Scheme::Splitting(method, step) => {
+                (Drive::Fixed(Clock::new(method, step, state.time)), method)
+            }
+            Scheme::TwoStep(method, tolerance) => {
+                let motion = contact_motion(pacing.stiff.as_ref(), &now);
+                let steps = TwoStep::new(&pacing, tolerance, motion);
+                (Drive::TwoStep(steps, pacing.stiff), method)
+            }
+        };
+        Self {
+            set,
+            bodies,
+            lightest: chain.lightest(),
+            drive,
+            method,
+            previous: now.clone(),
+            now,
+            gradient: vec![Row::default(); live],
+            live: (last + 1 + MARGIN).min(live),
+            chain: rows,
+            quiet: MOVING_SHARE * speed,
+            time: state.time,
+            last_step: (state.time, 0.0),
+            work: Work { force_evaluations: 1, ..Work::default() },
+            changes: 0,
+            frame: Default::default(),
+        }
+    }
+
+    /// The stepper without one of its refinements.
+    #[must_use]
+    pub fn without(mut self, refinement: Refinement) -> Self {
+        match (refinement, &mut self.drive) {
+            (Refinement::OpeningCorrection, Drive::Nystrom(nystrom)) => nystrom.corrects = false,
+            (Refinement::OpeningCorrection, _) => {}
+            (Refinement::ActiveWindow, _) => self.live = self.chain.len(),
+        }
+        self
+    }
+
+    /// Steps in which contacts opened or closed.
+    #[must_use]
+    pub fn contact_changes(&self) -> u64 {
+        self.changes
+    }
+
+    /// Position (m), velocity (m/s) and acceleration (m/s²) of `body` at the end of the last step; those of a body that is not there are zero.
+    #[inline]
+    #[must_use]
+    pub fn body(&self, body: Option<usize>) -> [f64; 3] {
+        body.map_or([0.0; 3], |body| self.now.of(body))
+    }
+
+    /// Displacement of each body (m) and force change of each contact (N) at the fraction `theta` of the last step.
+    pub fn frame(&mut self, theta: f64) -> (impl Iterator<Item = f64>, impl Iterator<Item = f64>) {
+        let rows = self.chain.len();
+        let [jerks, out] = &mut self.frame;
+        for rows_of in jerks.iter_mut().chain(out.iter_mut()) {
+            rows_of.resize(rows, Row::default());
+        }
+        let Self { chain, live, previous, now, last_step, .. } = self;
+        let h = last_step.1;
+        self.set.run(Frame { chain, live: *live, ends: [previous, now], theta, h, jerks, out });
+        let flat = |rows: &'_ [Row], count: usize| {
+            rows.iter().flat_map(|row| row.0).take(count).collect::<Vec<f64>>().into_iter()
+        };
+        (flat(&out[0], self.bodies), flat(&out[1], self.bodies + 1))
+    }
+
+    /// Takes one trial step of the pair; whether it is accepted.
+    fn attempt(&mut self, end: f64) -> Result<bool, IntegrateError> {
+        let Drive::Nystrom(nystrom) = &mut self.drive else { return Ok(true) };
+        let Nystrom { control, tolerance, scales, trial, corrects } = &mut **nystrom;
+        let step = control.trial(self.time, end)?;
+        let (h, live, chain) = (step.length, self.live, &self.chain);
+        let (now, next) = (&self.now, &mut self.previous);
+        let attempt = Attempt { chain, live, now, next: &mut *next, trial: &mut *trial, h };
+        let mut judged = self.set.run(attempt);
+        self.work.force_evaluations += EVALUATIONS;
+        let tolerated = scales.map(|scale| *tolerance * scale);
+        let mut error = relative_error(judged.errors, tolerated);
+        let mut is_changed = false;
+        if judged.is_changed && *corrects && error.is_finite() {
+            let live_trial = &mut *trial;
+            let guard =
+                correct(chain, (now, &mut *next), live_trial, h, (tolerated, self.lightest));
+            if guard.is_changed {
+                let [x, v] = trial.errors.each_ref().map(|rows| largest(&rows[..live]));
+                error = relative_error([x.max(guard.position), v.max(guard.velocity)], tolerated);
+                if error <= 1.0 && guard.moved > UNMOVED_SHARE * tolerated[0] {
+                    judged.overlap = self.set.run(Evaluate { chain, live, motion: next });
+                    self.work.force_evaluations += 1;
+                }
+                is_changed = true;
+            }
+        }
+        let lost = || next.first_not_finite().unwrap_or(0);
+        if !control.accepts(step, error, lost) {
+            self.work.rejected += 1;
+            return Ok(false);
+        }
+        *scales = [scales[0].max(judged.overlap), scales[1].max(judged.speed)];
+        self.changes += u64::from(is_changed);
+        self.finish(step.next, h);
+        Ok(true)
+    }
+
+    /// Makes the end of a step of `h` (s) the present.
+    fn finish(&mut self, time: f64, h: f64) {
+        std::mem::swap(&mut self.now, &mut self.previous);
+        self.last_step = (self.time, h);
+        self.time = time;
+        self.work.steps += 1;
+        let rows = self.chain.len();
+        if self.live < rows {
+            let front = self.live.saturating_sub(MARGIN)..self.live;
+            let is_moving = |row: &Row| row.0.iter().any(|v| v.abs() > self.quiet);
+            if self.now.velocity[front].iter().any(is_moving) {
+                self.live = (self.live + MARGIN).min(rows);
+            }
+        }
+    }
+
+    /// Takes a step of the splitting.
+    fn split(&mut self, end: f64) -> Result<(), IntegrateError> {
+        let (h, next_time) = match &mut self.drive {
+            Drive::Fixed(clock) => clock.next(self.time, end),
+            Drive::TwoStep(steps, _) => steps.next(self.time, end),
+            Drive::Nystrom(_) => return Ok(()),
+        };
+        let Self { set, chain, live, method, now, previous, gradient, .. } = self;
+        let (live, next) = (*live, &mut *previous);
+        if !set.run(Step { chain, live, method, now, next, gradient, h }) {
+            let body = self.previous.first_not_finite().unwrap_or(0);
+            return Err(IntegrateError::NotFinite { body, time: self.time });
+        }
+        self.work.force_evaluations += self.method.drifts.len() as u64;
+        self.changes += u64::from(self.now.closed[..live] != self.previous.closed[..live]);
+        self.finish(next_time, h);
+        if let Drive::TwoStep(steps, stiff) = &mut self.drive {
+            steps.advance(contact_motion(stiff.as_ref(), &self.now));
+        }
+        Ok(())
+    }
+}
+
+/// How the stiff contact moves; as if there were none where there is none.
+fn contact_motion(stiff: Option<&StiffContact>, motion: &Motion) -> ContactMotion {
+    let Some(stiff) = stiff else { return NO_CONTACT };
+    let of = |body: Option<usize>| body.map_or([0.0; 3], |body| motion.of(body));
+    let [above, below] = stiff.bodies.map(of);
+    let overlap = stiff.static_overlap + above[0] - below[0];
+    ContactMotion { overlap, closing: above[1] - below[1], bend: above[2] - below[2] }
+}
+
+/// Largest of the errors relative to the tolerated ones (1).
+fn relative_error(errors: [f64; 2], tolerated: [f64; 2]) -> f64 {
+    let ratio = |(error, tolerated): (f64, f64)| if error == 0.0 { 0.0 } else { error / tolerated };
+    let [x, v] = [(errors[0], tolerated[0]), (errors[1], tolerated[1])].map(ratio);
+    // A sum, for `max` would hide what is not a number.
+    if (x + v).is_finite() { x.max(v) } else { f64::INFINITY }
+}
+
+/// Largest magnitude (unit).
+fn largest(rows: &[Row]) -> f64 {
+    let mut lanes = [0.0_f64; WIDTH];
+    for row in rows {
+        for (most, value) in lanes.iter_mut().zip(row.0) {
+            let value = value.abs();
+            *most = if value <= *most { *most } else { value };
+        }
+    }
+    lanes.into_iter().fold(0.0, f64::max)
+}
+
+impl Integrator for VectorStepper {
+    fn time(&self) -> f64 {
+        self.time
+    }
+
+    fn state(&self) -> State {
+        let flat = |rows: &[Row]| rows.iter().flat_map(|row| row.0).take(self.bodies).collect();
+        let Motion { position, velocity, .. } = &self.now;
+        State { time: self.time, position: flat(position), velocity: flat(velocity) }
+    }
+
+    fn step(&mut self, end: f64) -> Result<(), IntegrateError> {
+        if let Drive::Nystrom(_) = self.drive {
+            while !self.attempt(end)? {}
+            return Ok(());
+        }
+        self.split(end)
+    }
+
+    fn prepare_interpolation(&mut self) {}
+
+    fn interpolant(&self, body: usize) -> Interpolant {
+        let end = |motion: &Motion| {
+            let [position, velocity, acceleration] = motion.of(body);
+            (End { position, velocity, acceleration }, motion.jerk(&self.chain, body))
+        };
+        let ((from, early), (to, late)) = (end(&self.previous), end(&self.now));
+        septic(from, to, (early, late), self.last_step.1)
+    }
+
+    fn last_step(&self) -> (f64, f64) {
+        self.last_step
+    }
+
+    fn work(&self) -> Work {
+        self.work
+    }
+}
