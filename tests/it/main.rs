@@ -27,6 +27,7 @@ mod conservation;
 mod documents;
 mod effects;
 mod ensemble;
+mod fifty_scenes;
 mod fit;
 mod fuzz_corpora;
 mod golden;
