@@ -18,6 +18,7 @@
 mod accuracy;
 mod analysis;
 mod architecture;
+mod at_rest;
 mod calibration;
 mod chains;
 mod cli;
