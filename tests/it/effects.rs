@@ -1,11 +1,11 @@
 //! The effects ledger: what it says against runs made apart from it, and effects that are off against effects that are not there.
 
-use hertzscope::experiment::effects::auto::{foretold, settle};
-use hertzscope::experiment::effects::{Change, Entry, Ledger, State, ledger};
+use hertzscope::experiment::auto_effects::{foretold, settle};
 use hertzscope::experiment::outcome::{Reading, Summary};
 use hertzscope::experiment::{Integration, Outcome, run};
 use hertzscope::integrate::Method;
 use hertzscope::scene::Scene;
+use hertzscope::studies::effects::{Change, Entry, Ledger, State, ledger};
 
 /// Two runs by one method at a tolerance of 1e-14 agree to this where nothing differs (1).
 const SAME: f64 = 1e-9;

@@ -1,6 +1,6 @@
 //! A force sensor's sensitivity from impacts of known momentum.
 //!
-//! Behind the scope, before `experiment`, which reads plans and recordings. A striker of mass `m` that comes with `v_i` and leaves with
+//! Behind the scope, before `measurement`, which reads plans and recordings. A striker of mass `m` that comes with `v_i` and leaves with
 //! `v_r` hands over `M = m (v_i + v_r) + m g (t2 - t1)`, its weight during the contact included; the sensor's voltage `V`, with its
 //! droop undone, integrates to `S M`: `S = integral (V + (1/tau) integral V) dt / M`. [`impact`] reads one record, [`model`] is that
 //! equation with all its inputs, [`budget`] propagates their uncertainties as the GUM says, [`monte_carlo`] as its first supplement.

@@ -7,8 +7,8 @@ pub use picture::work_precision_svg;
 
 use super::table;
 use super::words::{COLUMNS, hanging, wrapped};
-use crate::experiment::cost::{Chosen, Order, Point, Reference, Study};
 use crate::quantity::engineering;
+use crate::studies::cost::{Chosen, Order, Point, Reference, Study};
 use terminal::plot;
 
 /// Letters and colours of the methods: the same in every study.

@@ -24,7 +24,7 @@ mod update;
 
 use std::collections::BTreeMap;
 
-use crate::experiment::recorded;
+use crate::measurement::metadata;
 use crate::recording::{Capture, TraceSet};
 use crate::scene::Scene;
 use crate::scope::{Source, Waveform};
@@ -170,7 +170,7 @@ impl Model {
 
     /// The scene that travels with the recording.
     fn read_scene(&mut self) {
-        self.scene = recorded::scene(&self.set).and_then(Result::ok);
+        self.scene = metadata::scene(&self.set).and_then(Result::ok);
     }
 
     /// The traces of another shot.

@@ -2,9 +2,9 @@
 
 use super::Model;
 use super::state::{Job, Overlay, Page, Request};
-use crate::experiment::compare::Compared;
-use crate::experiment::cost::Study;
-use crate::experiment::effects::Ledger;
+use crate::measurement::compare::Compared;
+use crate::studies::cost::Study;
+use crate::studies::effects::Ledger;
 use crate::tui::axis::Turn;
 
 /// The questions and how far their answers are.

@@ -4,7 +4,7 @@ use std::sync::mpsc::{Receiver, Sender};
 
 use super::{News, guarded, provoked};
 use crate::experiment::accuracy::of_scene;
-use crate::experiment::effects::auto::settle;
+use crate::experiment::auto_effects::settle;
 use crate::experiment::{Integration, facts, run};
 use crate::recording::TraceSet;
 use crate::scene::Scene;

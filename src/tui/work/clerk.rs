@@ -5,12 +5,13 @@ use std::sync::mpsc::{Receiver, Sender};
 
 use super::{News, guarded};
 use crate::experiment::accuracy::of_scene;
-use crate::experiment::compare::tolerance::Tolerance;
-use crate::experiment::compare::{Align, Compared, Side, compare};
-use crate::experiment::{Integration, cost, effects, facts, run};
+use crate::experiment::{Integration, facts, run};
+use crate::measurement::compare::tolerance::Tolerance;
+use crate::measurement::compare::{Align, Compared, Side, compare};
 use crate::recording::format::{Format, open};
 use crate::recording::{Origin, Shot, TraceSet};
 use crate::scene::Scene;
+use crate::studies::{cost, effects};
 use crate::tui::model::questions::Answer;
 use crate::tui::model::{Job, Model};
 

@@ -4,7 +4,7 @@ use hertzscope::analysis::calibration::{
     Calibration, CalibrationError, Draws, Exclusion, calibrate,
 };
 use hertzscope::analysis::gate::Gate;
-use hertzscope::experiment::calibration::design::{Blind, Lab};
+use hertzscope::studies::momentum_test::design::{Blind, Lab};
 
 use super::{BENCH, bench_with};
 

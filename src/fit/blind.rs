@@ -7,8 +7,8 @@ use serde::Serialize;
 
 use super::{COVERAGE_95, FitError, FitReport, Options, fit};
 use crate::experiment::accuracy::of_scene;
-use crate::experiment::compare::Side;
 use crate::experiment::{Integration, RunError, facts, run};
+use crate::measurement::compare::Side;
 use crate::recording::TraceSet;
 use crate::scene::adjust::{Adjustable, Knob};
 

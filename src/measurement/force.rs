@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use super::recorded::{self, RecordedSensor};
+use super::metadata::{self, RecordedSensor};
 use crate::analysis::droop::{error_gain, undo_droop};
 use crate::analysis::pulse::{Conditions, Pulse, PulseError};
 use crate::recording::{Capture, Shot, TraceSet};
@@ -98,7 +98,7 @@ pub fn wire(set: &mut TraceSet, channel: &str, sensor: &Sensor) -> Result<(), Sc
 /// Forces of all channels of `shot`, or why there are none.
 #[must_use]
 pub fn forces(set: &TraceSet, shot: &Shot) -> Vec<Result<Forces, ForcesError>> {
-    let sensors = recorded::sensors_of(set, shot.number);
+    let sensors = metadata::sensors_of(set, shot.number);
     shot.captures.iter().map(|capture| of_channel(capture, &sensors)).collect()
 }
 

@@ -1,10 +1,6 @@
 //! Calibrates a sensor from a plan and its recordings.
 
-pub mod coverage;
-pub mod design;
 mod fill;
-pub mod momentum_test;
-pub mod test;
 pub mod words;
 
 pub use fill::{report, sensor_file};

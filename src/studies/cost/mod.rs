@@ -8,7 +8,7 @@ mod points;
 
 use serde::Serialize;
 
-use super::comparison::level;
+use crate::experiment::comparison::level;
 use crate::scene::Scene;
 use points::{choice, name, point, reference, settings};
 

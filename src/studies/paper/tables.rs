@@ -4,12 +4,13 @@
 //! scan for the lowest valley, then golden sections (J. Kiefer, Proc. Amer. Math. Soc. 4, 502 (1953)). It is one number for one
 //! experiment and no material constant; a striker, spheres and the wall share it.
 
+use super::PaperError;
 use super::claims::{Claim, Expected, Typed};
 use super::record::{accuracy, nothing};
 use super::verdict::Answer;
-use super::{PaperError, PaperSpeed, speeds};
 use crate::chain::{Chain, Dashpot, EndOfContact, ForceProbe, LossSpec};
 use crate::experiment::ensemble::{Case, Ensemble};
+use crate::experiment::paper_speeds::{PaperSpeed, speeds};
 use crate::experiment::pulse::{HALF_RISE, PulseRecorder};
 use crate::scene::Scene;
 

@@ -5,7 +5,7 @@ use super::record::nothing;
 use super::verdict::Answer;
 use super::{Arrangement, Figure, Found, PaperError};
 use crate::analysis::dispersion::DiatomicChain;
-use crate::experiment::recorded::cell_and_force;
+use crate::measurement::metadata::cell_and_force;
 use crate::scene::{Scene, Site};
 
 /// A scene whose contacts all bear the magnet's force as printed, without any weight.

@@ -12,7 +12,7 @@ pub mod tolerance;
 use serde::Serialize;
 
 use super::arrivals::Uncertain;
-use super::recorded;
+use super::metadata;
 use crate::analysis::arrival::Estimator;
 use crate::analysis::comparison::{FEWEST, Pair, least_squares_shift};
 use crate::quantity::engineering;
@@ -279,5 +279,5 @@ fn shift(channels: &[Channel], align: Align, notes: &mut Vec<String>) -> (Align,
 
 /// The scene behind a side: its own, or the one that travels with its recording.
 fn scene_of(side: Side<'_>) -> Option<Scene> {
-    side.scene.cloned().or_else(|| recorded::scene_of(side.set, side.shot.number)?.ok())
+    side.scene.cloned().or_else(|| metadata::scene_of(side.set, side.shot.number)?.ok())
 }

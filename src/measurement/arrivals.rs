@@ -3,7 +3,7 @@
 
 use serde::Serialize;
 
-use super::recorded::{self, RecordedSensor};
+use super::metadata::{self, RecordedSensor};
 use crate::analysis::arrival::Estimator;
 use crate::analysis::correlation::delay;
 use crate::analysis::pulse::{Conditions, Measure, Pulse};
@@ -111,9 +111,9 @@ pub struct Survey {
 /// Reads arrivals and speeds off `shot` of `set`.
 #[must_use]
 pub fn survey(set: &TraceSet, shot: &Shot) -> Survey {
-    let sensors = recorded::sensors_of(set, shot.number);
+    let sensors = metadata::sensors_of(set, shot.number);
     let mut notes = Vec::new();
-    let scene = match recorded::scene_of(set, shot.number) {
+    let scene = match metadata::scene_of(set, shot.number) {
         Some(Ok(scene)) => Some(scene),
         Some(Err(error)) => {
             notes.push(format!("no distances: the recording's scene cannot be read: {error}"));
@@ -157,7 +157,7 @@ pub fn survey(set: &TraceSet, shot: &Shot) -> Survey {
         let (here, there) = (height(a)?, height(b)?);
         let value = there.value / here.value;
         let u = value * (there.u / there.value).hypot(here.u / here.value);
-        let distance = scene.as_ref().and_then(|scene| recorded::distance(scene, a.site, b.site));
+        let distance = scene.as_ref().and_then(|scene| metadata::distance(scene, a.site, b.site));
         Some(Decay {
             from: a.channel.clone(),
             to: b.channel.clone(),
@@ -219,7 +219,7 @@ fn channel(capture: &Capture, sensor: Option<&RecordedSensor>) -> (ChannelArriva
 
 /// Speeds from one place to the next by every estimator that tells both arrivals, and by cross-correlation.
 fn between(scene: &Scene, from: &Placed, to: &Placed) -> Vec<SpeedBetween> {
-    let Some(distance_m) = recorded::distance(scene, from.site, to.site) else {
+    let Some(distance_m) = metadata::distance(scene, from.site, to.site) else {
         return Vec::new();
     };
     let distance = Measure { value: distance_m, standard_uncertainty: 0.0 };

@@ -11,10 +11,9 @@
 
 use std::borrow::Cow;
 
-use super::{Entry, State};
+use super::Integration;
+use super::pulse::FOOT;
 use crate::chain::{Chain, ChainSpec, EffectsSpec};
-use crate::experiment::Integration;
-use crate::experiment::pulse::FOOT;
 use crate::scene::Scene;
 
 /// Places on either side of rest at which the magnet's slope is looked at.
@@ -71,17 +70,9 @@ fn words(name: &str, change: f64, limit: f64) -> String {
     }
 }
 
-/// Writes into an effect's line that it was left to the accuracy, if it was.
-pub(super) fn tell(scene: &Scene, accuracy: f64, entry: &mut Entry) {
-    if scene.auto.contains(&entry.effect) {
-        entry.state = State::Auto;
-        let decided = words(entry.effect, foretold(scene, entry.effect), UNSEEN * accuracy);
-        // Why nothing could be measured is to be known still.
-        entry.reason = match entry.change {
-            Some(_) => decided,
-            None => format!("{decided}; {}", entry.reason),
-        };
-    }
+/// States whether the effect called `name` is on at `accuracy` (1), and the change that decides it.
+pub(crate) fn decision(scene: &Scene, name: &str, accuracy: f64) -> String {
+    words(name, foretold(scene, name), UNSEEN * accuracy)
 }
 
 /// The most that the effect called `name` can change of first peaks, arrivals and speeds; infinite where that is not known (1).

@@ -3,13 +3,13 @@
 
 use serde::Serialize;
 
-use super::accuracy::of_scene;
-use super::ensemble::{Case, Ensemble, Readout, places};
-use super::facts::facts;
-use super::pulse::{Peak, PulseRecorder};
-use super::{Integration, run};
 use crate::chain::stepper::InstructionSet;
 use crate::data;
+use crate::experiment::accuracy::of_scene;
+use crate::experiment::ensemble::{Case, Ensemble, Readout, places};
+use crate::experiment::facts::facts;
+use crate::experiment::pulse::{Peak, PulseRecorder};
+use crate::experiment::{Integration, run};
 use crate::recording::mcap;
 use crate::recording::{Shot, TraceSet};
 use crate::scene::Scene;

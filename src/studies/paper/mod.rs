@@ -7,7 +7,6 @@
 pub mod claims;
 mod dispersion;
 mod record;
-mod speeds;
 mod spheres;
 mod strikers;
 pub mod tables;
@@ -16,14 +15,13 @@ mod viscosity;
 
 pub use claims::{Claim, Slip};
 pub use record::Place;
-pub use speeds::{PaperSpeed, speed_of, speeds};
 pub use verdict::{Finding, Printed, Verdict};
 pub use viscosity::Viscous;
 
-use super::{Integration, Outcome, RunError, run};
 use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::spectrum::{Spectrum, SpectrumError};
 use crate::chain::ChainError;
+use crate::experiment::{Integration, Outcome, RunError, run};
 use crate::integrate::IntegrateError;
 use crate::scene::problem::Problem;
 use crate::scene::{Scene, SceneError};

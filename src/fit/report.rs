@@ -7,8 +7,8 @@ use serde::Serialize;
 use super::records::{Record, Records};
 use super::{COVERAGE_95, Options, Profile};
 use crate::analysis::least_squares::{Minimum, squares};
-use crate::experiment::arrivals::Uncertain;
-use crate::experiment::compare::Side;
+use crate::measurement::arrivals::Uncertain;
+use crate::measurement::compare::Side;
 use crate::scene::adjust::{Adjustable, Knob};
 
 /// A larger residual variance than this is no chance (1).

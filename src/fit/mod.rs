@@ -20,10 +20,10 @@ mod search;
 use std::ops::RangeInclusive;
 use std::time::Instant;
 
-use super::compare::Side;
-use super::compare::mapping::{Assignment, MappingError};
 use crate::analysis::gate::Gate;
 use crate::analysis::least_squares::{LeastSquaresError, Limits, Minimum};
+use crate::measurement::compare::Side;
+use crate::measurement::compare::mapping::{Assignment, MappingError};
 use crate::quantity::engineering;
 use crate::scene::SceneError;
 use crate::scene::adjust::{Adjustable, Knob};

@@ -5,7 +5,7 @@ use rand_pcg::Pcg64;
 use serde::Serialize;
 
 use super::design::{Candidate, Designer};
-use super::momentum_test::TestError;
+use super::simulation::TestError;
 use crate::analysis::calibration::{COVERAGE_95, Calibration};
 use crate::sensor::Circuit;
 

@@ -7,11 +7,11 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use serde::Serialize;
 
-use super::momentum_test::{Striker, TestError, Truth, bench, capture, room, setting, strike};
-use super::record;
-use super::test::{self, Test};
+use super::files::{self, Test};
+use super::simulation::{Striker, TestError, Truth, bench, capture, room, setting, strike};
 use crate::analysis::calibration::model::{Common, Motion, Quantity, Speed};
 use crate::analysis::calibration::{Calibration, CalibrationError, Draws, Strike, calibrate};
+use crate::measurement::calibration::record;
 use crate::recording::Capture;
 use crate::scene::Scene;
 use crate::scope::Setup;
@@ -291,6 +291,6 @@ impl Designer {
         };
         let blind = self.blind(&striker, &truths, circuit, (&setup, 0));
         let sensor = self.bench.sensors.first().map_or("sensor", |placed| &placed.sensor.model);
-        Ok(test::write(&blind, sensor, self.lab.gain_u, &setup))
+        Ok(files::write(&blind, sensor, self.lab.gain_u, &setup))
     }
 }

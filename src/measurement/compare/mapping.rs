@@ -2,7 +2,7 @@
 //! channel's number, which is a guess and is called one.
 
 use super::Side;
-use crate::experiment::recorded::{self, RecordedSensor};
+use crate::measurement::metadata::{self, RecordedSensor};
 use crate::recording::Capture;
 use crate::scene::Scene;
 
@@ -93,7 +93,7 @@ impl Ends {
     /// # Errors
     /// [`MappingError::Empty`] where there are none.
     pub fn of(side: Side<'_>, notes: &mut Vec<String>) -> Result<Self, MappingError> {
-        let sensors = recorded::sensors_of(side.set, side.shot.number);
+        let sensors = metadata::sensors_of(side.set, side.shot.number);
         let mut names = Vec::new();
         for (place, capture) in side.shot.captures.iter().enumerate() {
             let name = capture.waveform.source.to_string();

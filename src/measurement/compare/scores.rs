@@ -7,7 +7,7 @@ use crate::analysis::comparison::Pair;
 use crate::analysis::least_squares::squares;
 use crate::analysis::pulse::{Conditions, Measure, Pulse};
 use crate::analysis::speed::speed;
-use crate::experiment::recorded::{self, RecordedSensor};
+use crate::measurement::metadata::{self, RecordedSensor};
 use crate::recording::Capture;
 use crate::scene::{Scene, Site};
 use crate::trace::Trace;
@@ -59,7 +59,7 @@ impl Channel {
         let (measured_trace, simulated_trace) =
             (here.trace().unwrap_or_else(empty), there.trace().unwrap_or_else(empty));
         let (name, against) = (here.waveform.source.to_string(), there.waveform.source.to_string());
-        let known = |side: Side<'_>| recorded::sensors_of(side.set, side.shot.number);
+        let known = |side: Side<'_>| metadata::sensors_of(side.set, side.shot.number);
         let (own, other) = (known(measured), known(simulated));
         let (own, other) = (sensor_at(&own, &name), sensor_at(&other, &against));
         let or_other = |of: fn(&RecordedSensor) -> Option<f64>| {
@@ -187,7 +187,7 @@ pub fn speeds(
     });
     let mut found = Vec::new();
     for (from, to) in placed.iter().zip(placed.iter().skip(1)) {
-        let distance = |scene: &Scene| recorded::distance(scene, from.1, to.1);
+        let distance = |scene: &Scene| metadata::distance(scene, from.1, to.1);
         let Some(distances) = distance(&of_measured).zip(distance(&of_simulated)) else { continue };
         found.extend(ESTIMATORS.into_iter().filter_map(|e| between(from.0, to.0, distances, e)));
     }

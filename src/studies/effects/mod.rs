@@ -9,7 +9,6 @@
 //! loops of the steps (`chain/stepper/passes.rs`) take the same number to the last one; the whole program 0.16 % more, to read the
 //! longer file.
 
-pub mod auto;
 mod chain;
 mod electronics;
 mod numerics;
@@ -17,9 +16,9 @@ mod trial;
 
 use serde::Serialize;
 
-use super::bench::{Bench, Grid};
-use super::{FRAMES, Integration, RunError, method, probes, sample_grid};
 use crate::chain::Chain;
+use crate::experiment::bench::{Bench, Grid};
+use crate::experiment::{FRAMES, Integration, RunError, auto_effects, method, probes, sample_grid};
 use crate::scene::Scene;
 pub use trial::Change;
 use trial::Cost;
@@ -166,7 +165,7 @@ pub fn ledger(
         electronics::scope_noise,
         electronics::quantisation,
     ];
-    let settled = auto::settle(scene, Integration::Accuracy(accuracy));
+    let settled = auto_effects::settle(scene, Integration::Accuracy(accuracy));
     let subject = Subject::new(&settled, accuracy)?;
     let mut entries = Vec::with_capacity(ENTRIES.len());
     for (done, make) in ENTRIES.into_iter().enumerate() {
@@ -175,7 +174,20 @@ pub fn ledger(
         entries.push(make(&subject));
     }
     for entry in &mut entries {
-        auto::tell(scene, accuracy, entry);
+        state_decision(scene, accuracy, entry);
     }
     Ok(Ledger { scene: scene.name.clone(), accuracy, entries })
+}
+
+/// Writes the decision on an effect with `state = "auto"` into its line of the ledger.
+fn state_decision(scene: &Scene, accuracy: f64, entry: &mut Entry) {
+    if scene.auto.contains(&entry.effect) {
+        entry.state = State::Auto;
+        let decided = auto_effects::decision(scene, entry.effect, accuracy);
+        // A reason why nothing could be measured stays.
+        entry.reason = match entry.change {
+            Some(_) => decided,
+            None => format!("{decided}; {}", entry.reason),
+        };
+    }
 }
