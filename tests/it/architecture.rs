@@ -8,7 +8,9 @@
 //! Limits: the sources are read, not compiled. A module that is reached through a macro of another crate,
 //! or a file pulled in by `include!`, is not seen.
 
+mod circles;
 mod dependencies;
+mod paths;
 mod readme;
 mod sizes;
 mod source;
@@ -20,6 +22,173 @@ use source::{SourceFile, Violation};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use table::Table;
+
+/// Circles of files that are still to be resolved; the list may only become shorter.
+const KNOWN_CIRCLES: &[&[&str]] = &[
+    &["src/analysis/baseline.rs", "src/analysis/pulse.rs"],
+    &[
+        "src/analysis/calibration/assemble.rs",
+        "src/analysis/calibration/budget.rs",
+        "src/analysis/calibration/impact.rs",
+        "src/analysis/calibration/mod.rs",
+        "src/analysis/calibration/model.rs",
+        "src/analysis/calibration/monte_carlo.rs",
+        "src/analysis/calibration/prepared.rs",
+        "src/analysis/calibration/tail.rs",
+    ],
+    &[
+        "src/cli/arrivals.rs",
+        "src/cli/bands.rs",
+        "src/cli/calibrate.rs",
+        "src/cli/compare.rs",
+        "src/cli/completions.rs",
+        "src/cli/convert.rs",
+        "src/cli/cost.rs",
+        "src/cli/dispersion.rs",
+        "src/cli/doctor.rs",
+        "src/cli/effects.rs",
+        "src/cli/fit.rs",
+        "src/cli/force.rs",
+        "src/cli/gather.rs",
+        "src/cli/hard_cases.rs",
+        "src/cli/info.rs",
+        "src/cli/magnet.rs",
+        "src/cli/man.rs",
+        "src/cli/mod.rs",
+        "src/cli/paper.rs",
+        "src/cli/run.rs",
+        "src/cli/scenes.rs",
+        "src/cli/serve.rs",
+        "src/cli/spectrogram.rs",
+        "src/cli/spectrum.rs",
+        "src/cli/sweep.rs",
+        "src/cli/tunability.rs",
+    ],
+    &[
+        "src/experiment/accuracy.rs",
+        "src/experiment/auto_effects.rs",
+        "src/experiment/by_hand.rs",
+        "src/experiment/comparison.rs",
+        "src/experiment/error.rs",
+        "src/experiment/horizon.rs",
+        "src/experiment/losses.rs",
+        "src/experiment/mod.rs",
+        "src/experiment/notes.rs",
+        "src/experiment/outcome.rs",
+        "src/experiment/tried.rs",
+    ],
+    &["src/experiment/bench.rs", "src/experiment/film.rs", "src/experiment/watch.rs"],
+    &[
+        "src/fit/mod.rs",
+        "src/fit/model.rs",
+        "src/fit/profile.rs",
+        "src/fit/records.rs",
+        "src/fit/report.rs",
+        "src/fit/search.rs",
+    ],
+    &["src/instrument/limits.rs", "src/instrument/panel/mod.rs"],
+    &["src/measurement/calibration/fill.rs", "src/measurement/calibration/mod.rs"],
+    &[
+        "src/measurement/compare/mapping.rs",
+        "src/measurement/compare/mod.rs",
+        "src/measurement/compare/scores.rs",
+        "src/measurement/compare/tolerance.rs",
+    ],
+    &["src/quantity/mod.rs", "src/quantity/unit.rs"],
+    &["src/recording/mcap/encode.rs", "src/recording/mcap/write.rs", "src/recording/mod.rs"],
+    &[
+        "src/recording/tek_csv/cells.rs",
+        "src/recording/tek_csv/dialect.rs",
+        "src/recording/tek_csv/error.rs",
+        "src/recording/tek_csv/header.rs",
+    ],
+    &["src/report/work_precision/mod.rs", "src/report/work_precision/terminal.rs"],
+    &["src/scene/effects.rs", "src/scene/losses.rs", "src/scene/magnet_preload.rs"],
+    &["src/scene/forget.rs", "src/scene/library.rs"],
+    &["src/scene/grid/mod.rs", "src/scene/grid/runs.rs"],
+    &["src/scene/model.rs", "src/scene/oscilloscope.rs"],
+    &["src/scene/plan/impact.rs", "src/scene/plan/mod.rs"],
+    &["src/scpi/row.rs", "src/scpi/setting.rs"],
+    &["src/screen/draw.rs", "src/screen/mod.rs", "src/screen/surroundings.rs"],
+    &[
+        "src/server/bench.rs",
+        "src/server/desk.rs",
+        "src/server/mod.rs",
+        "src/server/owner.rs",
+        "src/server/recorder.rs",
+    ],
+    &["src/studies/cost/mod.rs", "src/studies/cost/points.rs"],
+    &[
+        "src/studies/effects/chain.rs",
+        "src/studies/effects/electronics.rs",
+        "src/studies/effects/mod.rs",
+        "src/studies/effects/numerics.rs",
+        "src/studies/effects/trial.rs",
+    ],
+    &[
+        "src/studies/hard_cases/chaos.rs",
+        "src/studies/hard_cases/collisions.rs",
+        "src/studies/hard_cases/edges.rs",
+        "src/studies/hard_cases/endurance.rs",
+        "src/studies/hard_cases/losses.rs",
+        "src/studies/hard_cases/mod.rs",
+        "src/studies/hard_cases/openings.rs",
+        "src/studies/hard_cases/pulses.rs",
+    ],
+    &["src/studies/momentum_test/design.rs", "src/studies/momentum_test/files.rs"],
+    &[
+        "src/studies/paper/dispersion.rs",
+        "src/studies/paper/mod.rs",
+        "src/studies/paper/record.rs",
+        "src/studies/paper/spheres.rs",
+        "src/studies/paper/strikers.rs",
+        "src/studies/paper/tables.rs",
+        "src/studies/paper/viscosity.rs",
+    ],
+    &[
+        "src/tui/keys.rs",
+        "src/tui/keys/bindings.rs",
+        "src/tui/keys/mouse.rs",
+        "src/tui/model/update.rs",
+        "src/tui/view/accuracy.rs",
+        "src/tui/view/axes.rs",
+        "src/tui/view/bench.rs",
+        "src/tui/view/compare.rs",
+        "src/tui/view/cursors.rs",
+        "src/tui/view/graticule.rs",
+        "src/tui/view/help.rs",
+        "src/tui/view/log.rs",
+        "src/tui/view/mod.rs",
+        "src/tui/view/overview.rs",
+        "src/tui/view/readout.rs",
+        "src/tui/view/sheet.rs",
+        "src/tui/view/side.rs",
+        "src/tui/view/spectrum.rs",
+        "src/tui/view/status.rs",
+        "src/tui/view/target.rs",
+        "src/tui/view/xy.rs",
+    ],
+    &[
+        "src/tui/model/derived.rs",
+        "src/tui/model/knobs.rs",
+        "src/tui/model/live.rs",
+        "src/tui/model/mod.rs",
+        "src/tui/model/questions.rs",
+        "src/tui/model/replay.rs",
+        "src/tui/model/served.rs",
+        "src/tui/model/traces.rs",
+    ],
+    &[
+        "src/tui/work/bench.rs",
+        "src/tui/work/clerk.rs",
+        "src/tui/work/mod.rs",
+        "src/tui/work/player.rs",
+        "src/tui/work/served.rs",
+    ],
+    // These two are being rewritten.
+    &["src/chain/"],
+    &["src/integrate/"],
+];
 
 /// The repository's root folder.
 fn root() -> PathBuf {
@@ -65,6 +234,11 @@ fn the_table_has_no_cycle_and_names_only_its_own_modules() {
         Ok(table) => refuse(table.check()),
         Err(violation) => refuse(vec![violation]),
     }
+}
+
+#[test]
+fn files_of_a_module_do_not_use_each_other_in_circles() {
+    refuse(circles::check(&sources(), KNOWN_CIRCLES));
 }
 
 #[test]
