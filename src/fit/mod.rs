@@ -10,140 +10,29 @@
 //! sample to sample tell.
 
 pub mod blind;
+mod error;
 mod forward;
 mod model;
+mod options;
 mod profile;
 mod records;
 mod report;
 mod search;
 
-use std::ops::RangeInclusive;
-use std::time::Instant;
-
-use crate::analysis::gate::Gate;
-use crate::analysis::least_squares::{LeastSquaresError, Limits, Minimum};
-use crate::measurement::compare::Side;
-use crate::measurement::compare::mapping::{Assignment, MappingError};
-use crate::quantity::engineering;
-use crate::scene::SceneError;
-use crate::scene::adjust::{Adjustable, Knob};
-use model::Model;
+pub use error::FitError;
+pub use options::{COVERAGE_95, Options};
 pub use profile::Profile;
 pub use records::Records;
 pub use report::{ChannelResult, FitReport, Nuisance, Parameter};
 
-/// Half the width of a 95 % interval of the normal distribution, in standard deviations (1).
-pub const COVERAGE_95: f64 = 1.959_963_984_540_054;
-/// A step that lowers chi squared by less than this share of it moves no parameter by a thousandth of its uncertainty (1).
-const LIMITS: Limits = Limits { reduction: 1e-11, steps: 60 };
-/// Samples in a scene's duration: fewer show no pulse, more are another experiment (1).
-const SAMPLES: RangeInclusive<f64> = 16.0..=200_000.0;
-/// Longest records, in durations of the scene (1).
-const MOST_DURATIONS: f64 = 3.0;
-/// Steps that a fit takes, as far as its progress bar knows (1).
-const EXPECTED_STEPS: f64 = 10.0;
+use std::time::Instant;
 
-/// How a fit goes about it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Options {
-    /// Whether each channel has a gain of its own.
-    pub gains: bool,
-    /// Whether each channel has an offset of its own.
-    pub offsets: bool,
-    /// Number of starting points, the scene's numbers first.
-    pub starts: u32,
-    /// How far the other starting points lie at most, relative (1).
-    pub spread: f64,
-    /// Seed of the starting points.
-    pub seed: u64,
-    /// Accuracy of the integration (1).
-    pub accuracy: f64,
-    /// The part of the records that counts.
-    pub gate: Gate,
-    /// Whether every number of the scene is profiled, not only the badly determined.
-    pub profile: bool,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self {
-            gains: false,
-            offsets: false,
-            starts: 3,
-            spread: 0.1,
-            seed: 1,
-            accuracy: 1e-7,
-            gate: Gate::ALL,
-            profile: false,
-        }
-    }
-}
-
-/// Why there is no fit.
-#[derive(Debug, thiserror::Error)]
-pub enum FitError {
-    /// No channel belongs to the scene.
-    #[error(transparent)]
-    Mapping(#[from] MappingError),
-    /// Channels that were not taken together.
-    #[error(
-        "{channel}: found other sample times than in the first channel, expected records of one trigger"
-    )]
-    Times {
-        /// The channel.
-        channel: String,
-    },
-    /// Nothing to fit.
-    #[error("{channel}: found no sample to fit, expected some")]
-    NoSamples {
-        /// The channel.
-        channel: String,
-    },
-    /// Records of another time scale than the scene's.
-    #[error("found samples {} apart for a scene of {}, expected 16 to 200000 of them in its duration", engineering(*interval, "s", 3), engineering(*duration, "s", 3))]
-    TimeScale {
-        /// From one sample to the next (s).
-        interval: f64,
-        /// The scene's duration (s).
-        duration: f64,
-    },
-    /// Records that go on long after the scene has ended.
-    #[error("found records of {}, expected at most {MOST_DURATIONS} durations of the scene, {}: --to leaves the rest out", engineering(*length, "s", 3), engineering(*duration, "s", 3))]
-    TooLong {
-        /// Length of the records (s).
-        length: f64,
-        /// The scene's duration (s).
-        duration: f64,
-    },
-    /// A number to free that starts at zero.
-    #[error("found {path} to start at zero, expected another start: --free \"{path}=VALUE\"")]
-    Zero {
-        /// The number's path.
-        path: String,
-    },
-    /// A number that is freed twice.
-    #[error("found {path} twice among the numbers to free, expected it once")]
-    Twice {
-        /// The number's path.
-        path: String,
-    },
-    /// The scene is wrong.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    /// No minimum from any start.
-    #[error(transparent)]
-    LeastSquares(#[from] LeastSquaresError),
-    /// Traces do not tell a parameter.
-    #[error(
-        "found that these traces do not determine {parameter}{with}, expected them to: free less"
-    )]
-    Undetermined {
-        /// The parameter.
-        parameter: String,
-        /// What it cannot be told from.
-        with: String,
-    },
-}
+use crate::analysis::least_squares::{LeastSquaresError, Minimum};
+use crate::measurement::compare::Side;
+use crate::measurement::compare::mapping::Assignment;
+use crate::scene::adjust::{Adjustable, Knob};
+use model::Model;
+use options::{EXPECTED_STEPS, LIMITS, MOST_DURATIONS, SAMPLES};
 
 /// A fit with its traces.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,10 +6,15 @@
 
 mod bench;
 mod desk;
+mod error;
 mod link;
+mod options;
 mod owner;
 mod recorder;
 mod stand;
+
+pub use error::ServeError;
+pub use options::Options;
 
 use std::future::Future;
 use std::io;
@@ -20,8 +25,7 @@ use std::time::Duration;
 use tokio::sync::mpsc;
 use tokio::task::JoinSet;
 
-use crate::experiment::RunError;
-use crate::recording::mcap::{RecordingWriter, WriteError};
+use crate::recording::mcap::RecordingWriter;
 use crate::scene::Scene;
 use link::{Link, Protocol};
 use owner::Owner;
@@ -43,46 +47,6 @@ pub struct Sockets {
     pub raw: TcpListener,
     /// For HiSLIP, if it is spoken.
     pub hislip: Option<TcpListener>,
-}
-
-/// How the server behaves.
-#[derive(Debug, Default)]
-pub struct Options {
-    /// Whether headers stand before answers on a fresh connection (`HEADer`).
-    pub header: bool,
-    /// From one strike to the next; none leaves the chain at rest until a client strikes it.
-    pub impact_every: Option<Duration>,
-    /// Strikes that somebody beside the bench asks for, one a message.
-    pub strikes: Option<mpsc::Receiver<()>>,
-}
-
-/// Why a server ended by itself.
-#[derive(Debug, thiserror::Error)]
-pub enum ServeError {
-    /// No runtime, no thread, or a listener that is none.
-    #[error("the server could not start: {reason}")]
-    Start {
-        /// What the system says.
-        reason: io::Error,
-    },
-    /// The chain could not be followed.
-    #[error("impact {shot}: {reason}")]
-    Impact {
-        /// Number of the shot.
-        shot: u32,
-        /// What went wrong.
-        reason: RunError,
-    },
-    /// The bench's thread ended.
-    #[error("the simulation has ended unexpectedly")]
-    BenchLost,
-    /// The recording could not be written.
-    #[error("the recording could not be written")]
-    Record {
-        /// What went wrong.
-        #[source]
-        reason: WriteError,
-    },
 }
 
 /// Answers everybody who connects, until `shutdown` is there, and writes all of it to `recording`, which is finished then. The

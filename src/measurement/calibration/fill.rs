@@ -2,7 +2,6 @@
 
 use sha2::{Digest, Sha256};
 
-use super::METHOD;
 use super::words::{BudgetReport, CalibrationReport, Evidence, ImpactReport, MonteCarloReport};
 use crate::analysis::calibration::budget::BudgetLine;
 use crate::analysis::calibration::{COVERAGE_95, Calibration, ImpactResult};
@@ -130,3 +129,6 @@ pub fn sensor_file(report: &CalibrationReport) -> String {
         report.input_capacitance_f,
     )
 }
+
+/// How it is done, for the certificate.
+pub const METHOD: &str = "linear momentum: integral of the droop-corrected voltage over the contact, divided by m (v_i + v_r) + m g (t2 - t1)";

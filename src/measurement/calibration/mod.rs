@@ -3,7 +3,7 @@
 mod fill;
 pub mod words;
 
-pub use fill::{report, sensor_file};
+pub use fill::{METHOD, report, sensor_file};
 pub use words::CalibrationReport;
 
 use std::path::Path;
@@ -20,9 +20,6 @@ use crate::scene::hexadecimal;
 use crate::scene::plan::{Means, Plan, PlanError, PlannedImpact, Uncertain};
 use crate::scene::problem::Problem;
 use words::Evidence;
-
-/// How it is done, for the certificate.
-pub const METHOD: &str = "linear momentum: integral of the droop-corrected voltage over the contact, divided by m (v_i + v_r) + m g (t2 - t1)";
 
 /// Why there is no calibration.
 #[derive(Debug, thiserror::Error)]

@@ -11,55 +11,18 @@
 
 mod chain;
 mod electronics;
+mod entry;
 mod numerics;
+mod subject;
 mod trial;
 
-use serde::Serialize;
-
-use crate::chain::Chain;
-use crate::experiment::bench::{Bench, Grid};
-use crate::experiment::{FRAMES, Integration, RunError, auto_effects, method, probes, sample_grid};
-use crate::scene::Scene;
+pub use entry::{Entry, State};
 pub use trial::Change;
-use trial::Cost;
 
-/// Whether an effect is part of a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum State {
-    /// It is.
-    On,
-    /// It is not.
-    Off,
-    /// The program decides; the reason says how.
-    Auto,
-}
-
-/// One line of the ledger.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Entry {
-    /// Name; that of its table in a scene, where it has one.
-    pub effect: &'static str,
-    /// On, off, or decided by the program.
-    pub state: State,
-    /// Whether it is part of this run, whoever decided that.
-    pub active: bool,
-    /// The dimensionless number that tells whether it matters.
-    pub criterion: &'static str,
-    /// Its value; none where it needs a setting that nobody has made (1).
-    pub value: Option<f64>,
-    /// Why it is on or off.
-    pub reason: String,
-    /// Wall time it adds to a step, the median of runs in turn; for effects of sensors and scope, what they add to the whole over the
-    /// steps (ns).
-    pub cost_ns_per_step: Option<f64>,
-    /// Its standard uncertainty, from the scatter of the runs; a cost below twice this is none that was seen (ns).
-    pub cost_u_ns_per_step: Option<f64>,
-    /// That time as a share of the run with it (1).
-    pub cost_share: Option<f64>,
-    /// What it changes, or would change; none where that was not to be measured.
-    pub change: Option<Change>,
-}
+use crate::experiment::{Integration, RunError, auto_effects};
+use crate::scene::Scene;
+use entry::Finding;
+use subject::Subject;
 
 /// The ledger.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,66 +33,6 @@ pub struct Ledger {
     pub accuracy: f64,
     /// One line an effect.
     pub entries: Vec<Entry>,
-}
-
-/// What all entries look at: the scene as it is run, and that run.
-struct Subject<'a> {
-    /// The scene with `auto` decided.
-    scene: &'a Scene,
-    accuracy: f64,
-    bench: Bench<'a>,
-    grid: Grid,
-    /// The smallest first peak; infinite where nothing was felt (N).
-    wave: f64,
-}
-
-impl<'a> Subject<'a> {
-    fn new(scene: &'a Scene, accuracy: f64) -> Result<Self, RunError> {
-        let grid = sample_grid(scene, 1);
-        let frames = Grid { start: 0.0, interval: scene.duration / FRAMES };
-        let method = method(scene, Integration::Accuracy(accuracy))?;
-        let (chain, velocities) = (&scene.chain, &scene.initial_velocities);
-        let mut bench = Bench::new(chain, velocities, method, &probes(scene), (grid, frames));
-        bench.run_until(scene.duration, true, &mut |_| ())?;
-        let peaks = bench.watches().iter().filter_map(|watch| watch.pulse.first_peak());
-        let wave = peaks.map(|peak| peak.dynamic_n).fold(f64::INFINITY, f64::min);
-        Ok(Self { scene, accuracy, bench, grid, wave })
-    }
-
-    /// The scene after `edit` of its spec, the chain put together again.
-    fn rebuilt(&self, edit: impl FnOnce(&mut Scene)) -> Result<Scene, String> {
-        let mut scene = self.scene.clone();
-        edit(&mut scene);
-        scene.chain = Chain::new(&scene.spec).map_err(|error| error.to_string())?;
-        Ok(scene)
-    }
-}
-
-/// What was found out about one effect, before it is written down.
-struct Finding {
-    state: State,
-    value: Option<f64>,
-    reason: String,
-    trial: Option<(Cost, Change)>,
-}
-
-impl Finding {
-    /// The ledger's line.
-    fn entry(self, effect: &'static str, criterion: &'static str) -> Entry {
-        let cost = self.trial.as_ref().and_then(|(cost, _)| cost.measured);
-        Entry {
-            effect,
-            state: self.state,
-            active: self.state == State::On,
-            criterion,
-            value: self.value.filter(|value| value.is_finite()),
-            reason: self.reason,
-            cost_ns_per_step: cost.map(|bill| bill.per_step),
-            cost_u_ns_per_step: cost.map(|bill| bill.u),
-            cost_share: cost.map(|bill| bill.share),
-            change: self.trial.map(|(_, change)| change),
-        }
-    }
 }
 
 /// Makes the ledger of `scene`, with all runs held to `accuracy` (1); `progress` hears the share of the work done.

@@ -3,16 +3,16 @@
 //! Each candidate is a whole calibration of six impacts, two each from a height, half and a quarter of it, recorded by the virtual
 //! scope and calibrated blind: it is handed records and stated values, which are off the true ones as their uncertainties say.
 
+use super::blind::Blind;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use serde::Serialize;
 
 use super::files::{self, Test};
 use super::simulation::{Striker, TestError, Truth, bench, capture, room, setting, strike};
+use crate::analysis::calibration::Strike;
 use crate::analysis::calibration::model::{Common, Motion, Quantity, Speed};
-use crate::analysis::calibration::{Calibration, CalibrationError, Draws, Strike, calibrate};
 use crate::measurement::calibration::record;
-use crate::recording::Capture;
 use crate::scene::Scene;
 use crate::scope::Setup;
 use crate::sensor::Circuit;
@@ -79,29 +79,6 @@ pub struct Candidate {
     pub u_relative_k2: Option<f64>,
     /// Why it failed.
     pub failed: Option<String>,
-}
-
-/// One blind calibration.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Blind {
-    /// What the calibration is told.
-    pub strikes: Vec<Strike>,
-    /// And what its inputs share.
-    pub common: Common,
-    /// The captures that records were taken from.
-    pub captures: Vec<Capture>,
-    /// What it is not told.
-    pub circuit: Circuit,
-}
-
-impl Blind {
-    /// Calibrates with what it is told, without the Monte-Carlo part.
-    ///
-    /// # Errors
-    /// As [`calibrate`].
-    pub fn calibrate(&self) -> Result<Calibration, CalibrationError> {
-        calibrate(&self.strikes, &self.common, Draws { seed: 0, count: 0 })
-    }
 }
 
 /// The bench with a sensor, and what the lab can do.

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::design::Blind;
+use super::blind::Blind;
 use crate::analysis::calibration::model::{Quantity, Speed};
 use crate::recording::{Origin, Shot, TraceSet};
 use crate::scene::input_load;

@@ -6,6 +6,8 @@
 
 pub mod claims;
 mod dispersion;
+mod error;
+mod figure;
 mod record;
 mod spheres;
 mod strikers;
@@ -14,116 +16,17 @@ pub mod verdict;
 mod viscosity;
 
 pub use claims::{Claim, Slip};
-pub use record::Place;
+pub use error::PaperError;
+pub use figure::{Arrangement, Figure, FigureRun, Place, Signal, Viscous};
 pub use verdict::{Finding, Printed, Verdict};
-pub use viscosity::Viscous;
 
-use crate::analysis::dispersion::DiatomicChain;
-use crate::analysis::spectrum::{Spectrum, SpectrumError};
-use crate::chain::ChainError;
-use crate::experiment::{Integration, Outcome, RunError, run};
-use crate::integrate::IntegrateError;
-use crate::scene::problem::Problem;
-use crate::scene::{Scene, SceneError};
-use crate::trace::Trace;
+use figure::Found;
+use record::record_run;
 use tables::SpeedStudy;
-use verdict::{Answer, judge};
+use verdict::judge;
 
 /// Figures that can be computed; 1 and 2 are drawings of the bench.
 pub const FIGURES: std::ops::RangeInclusive<u8> = 3..=13;
-
-/// Why the paper could not be computed: all of them this program's own mistakes.
-#[derive(Debug, thiserror::Error)]
-pub enum PaperError {
-    /// The statements in `recordings/`.
-    #[error("recordings/herbold-2009: {}", .0.first().map_or_else(String::new, ToString::to_string))]
-    Claims(Vec<Problem>),
-    /// A shipped scene.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    /// A chain with another dashpot.
-    #[error(transparent)]
-    Chain(#[from] ChainError),
-    /// A simulation.
-    #[error(transparent)]
-    Integrate(#[from] IntegrateError),
-    /// A simulation with its recording.
-    #[error(transparent)]
-    Run(#[from] RunError),
-    /// A spectrum.
-    #[error(transparent)]
-    Spectrum(#[from] SpectrumError),
-    /// Something to be read off that is not there.
-    #[error("found no {what} in {scene}, expected one")]
-    Nothing {
-        /// The scene's name.
-        scene: String,
-        /// What was looked for.
-        what: String,
-    },
-    /// A statement without an answer, or an answer without a statement.
-    #[error("found {found} answers to the paper's statement {item}, expected one")]
-    Unanswered {
-        /// The statement.
-        item: String,
-        /// How many.
-        found: usize,
-    },
-}
-
-/// A force somewhere, over time and over frequency.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Signal {
-    /// Where.
-    pub place: Place,
-    /// The dynamic force (N).
-    pub trace: Trace,
-    /// Its spectrum in the paper's convention, over the whole record.
-    pub spectrum: Spectrum,
-}
-
-/// How the paper arranges a figure.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Arrangement {
-    /// Frequency over wave number.
-    Dispersion,
-    /// A row for each force, its spectrum beside it.
-    Rows,
-    /// Forces far from the end above each other, and the spectra of two parts of one of them.
-    Far,
-    /// The sensors' forces above each other, their spectra beside them.
-    Sensors,
-}
-
-/// What a figure shows.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Figure {
-    /// Its number in the paper.
-    pub number: u8,
-    /// What it is about.
-    pub title: String,
-    /// How it is arranged.
-    pub arrangement: Arrangement,
-    /// The linear chain around its sensors: band edges.
-    pub chain: DiatomicChain,
-    /// The forces.
-    pub signals: Vec<Signal>,
-    /// Spectra of parts of the record, each with its name.
-    pub parts: Vec<(String, Spectrum)>,
-    /// What was run, with everything that belongs into a recording; none for the dispersion relation.
-    pub run: Option<FigureRun>,
-}
-
-/// The run behind a figure.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FigureRun {
-    /// The scene.
-    pub scene: Scene,
-    /// How it was integrated.
-    pub integration: Integration,
-    /// Records and truth, the forces as the figure has them among it.
-    pub outcome: Outcome,
-}
 
 /// The paper, computed.
 #[derive(Debug, Clone, PartialEq)]
@@ -138,14 +41,6 @@ pub struct Study {
     pub tables: Option<SpeedStudy>,
     /// What viscosity does to the incoming shock of Fig. 10.
     pub viscosity: Vec<Viscous>,
-}
-
-/// What is found on the way.
-#[derive(Default)]
-struct Found {
-    answers: Vec<Answer>,
-    figures: Vec<Figure>,
-    viscosity: Vec<Viscous>,
 }
 
 /// Computes the paper, or one `figure` of it; `progress` hears the share of the work done, 0 to 1.
@@ -196,17 +91,4 @@ pub fn study(figure: Option<u8>, progress: &mut dyn FnMut(f64)) -> Result<Study,
     let Found { figures, viscosity, .. } = found;
     let tables = tables.filter(|_| figure.is_none());
     Ok(Study { findings, slips, figures, tables, viscosity })
-}
-
-/// Runs `scene` as `run` does, and puts the forces of `signals` into its truth, as long as the figure shows them.
-fn record_run(scene: &Scene, signals: &[Signal]) -> Result<FigureRun, PaperError> {
-    let integration = Integration::Accuracy(record::accuracy(scene));
-    let mut outcome = run(scene, integration, 1, &mut |_| ())?;
-    let truth = &mut outcome.shot.truth;
-    truth.retain(|trace| !trace.name.starts_with("sensor/"));
-    for signal in signals.iter().rev() {
-        let name = format!("sensor/{}: dynamic force {}", signal.place.key(), signal.trace.name);
-        truth.insert(0, Trace { name, ..signal.trace.clone() });
-    }
-    Ok(FigureRun { scene: scene.clone(), integration, outcome })
 }

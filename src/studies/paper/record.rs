@@ -1,12 +1,13 @@
 //! A scene in motion, and what is read off its forces.
 
-use super::{PaperError, Signal};
+use super::{FigureRun, PaperError, Place, Signal};
 use crate::analysis::gate::Gate;
 use crate::analysis::spectrum::{Analyser, Settings, Spectrum};
-use crate::chain::{Chain, ForceProbe};
+use crate::chain::ForceProbe;
 use crate::experiment::bench::{Bench, Grid};
 use crate::experiment::losses;
 use crate::experiment::pulse::{HALF_RISE, Peak, PulseRecorder};
+use crate::experiment::{Integration, run};
 use crate::scene::{DEFAULT_ACCURACY, Scene};
 use crate::trace::Trace;
 
@@ -18,51 +19,6 @@ pub(super) const FOOT: f64 = 0.005;
 pub(super) const HIGHEST: f64 = 20e3;
 /// A maximum counts for a peak above this share of the largest force (1).
 const PEAK_SHARE: f64 = 0.25;
-
-/// Where a force is felt.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
-    /// Inside a particle: the mean of its two contacts.
-    Inside(usize),
-    /// In the contact below a particle.
-    Below(usize),
-    /// At the wall.
-    Wall,
-}
-
-impl Place {
-    /// A short name for files, `p2`.
-    #[must_use]
-    pub fn key(self) -> String {
-        match self {
-            Self::Inside(particle) => format!("p{particle}"),
-            Self::Below(particle) => format!("contact{particle}{}", particle + 1),
-            Self::Wall => "wall".to_owned(),
-        }
-    }
-
-    fn probe(self, chain: &Chain) -> Option<ForceProbe> {
-        match self {
-            Self::Inside(particle) => ForceProbe::inside(chain, particle, 0.0),
-            Self::Below(particle) => ForceProbe::inside(chain, particle, 0.5),
-            Self::Wall => chain.wall_contact().and_then(|j| ForceProbe::contact(chain, j)),
-        }
-    }
-
-    fn words(self, chain: &Chain) -> String {
-        match self {
-            Self::Inside(particle) => {
-                let body = chain.bodies().get(chain.body_of(particle));
-                let kind = body.map_or_else(String::new, |body| {
-                    body.name.replace('_', " ").replace("ptfe", "PTFE")
-                });
-                format!("inside particle {particle}, {kind}")
-            }
-            Self::Below(particle) => format!("between particles {particle} and {}", particle + 1),
-            Self::Wall => "at the wall".to_owned(),
-        }
-    }
-}
 
 /// Accuracy of a scene's run (1).
 pub(super) fn accuracy(scene: &Scene) -> f64 {
@@ -211,4 +167,17 @@ pub(super) fn mean_frequency(spectrum: &Spectrum) -> f64 {
         }
     }
     weighted / all
+}
+
+/// Runs `scene` as `run` does, and puts the forces of `signals` into its truth, as long as the figure shows them.
+pub(super) fn record_run(scene: &Scene, signals: &[Signal]) -> Result<FigureRun, PaperError> {
+    let integration = Integration::Accuracy(accuracy(scene));
+    let mut outcome = run(scene, integration, 1, &mut |_| ())?;
+    let truth = &mut outcome.shot.truth;
+    truth.retain(|trace| !trace.name.starts_with("sensor/"));
+    for signal in signals.iter().rev() {
+        let name = format!("sensor/{}: dynamic force {}", signal.place.key(), signal.trace.name);
+        truth.insert(0, Trace { name, ..signal.trace.clone() });
+    }
+    Ok(FigureRun { scene: scene.clone(), integration, outcome })
 }

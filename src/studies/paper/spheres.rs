@@ -1,7 +1,8 @@
 //! Figs 4 to 7: the top sphere of a long pressed chain is given a speed, once small, once large.
 
+use super::Place;
 use super::dispersion::cell;
-use super::record::{FOOT, Place, Record, nothing, share_between};
+use super::record::{FOOT, Record, nothing, share_between};
 use super::verdict::Answer;
 use super::{Arrangement, Figure, Found, PaperError, record_run};
 use crate::analysis::dispersion::DiatomicChain;

@@ -1,7 +1,8 @@
 //! Figs 8 to 13: the bench of 38 particles under the magnet and under gravity alone, hit by three of the strikers.
 
+use super::Place;
 use super::dispersion::cell;
-use super::record::{FOOT, Place, Record, mean_frequency, nothing};
+use super::record::{FOOT, Record, mean_frequency, nothing};
 use super::verdict::Answer;
 use super::{Arrangement, Figure, Found, PaperError, record_run};
 use crate::scene::Scene;

@@ -1,10 +1,11 @@
 //! What viscosity does to the incoming shock of Fig. 10: the text says that its oscillations get faster.
 
-use super::record::{Place, Record, nothing};
+use super::record::{Record, nothing};
 use super::strikers::PERIODS;
 use super::tables::with_dashpot;
 use super::verdict::Answer;
-use super::{Found, PaperError, Signal};
+use super::{Found, PaperError};
+use super::{Place, Viscous};
 use crate::scene::Scene;
 
 /// Dashpots that are tried (N s/m).
@@ -12,17 +13,6 @@ const DASHPOTS: [f64; 4] = [0.0, 0.5, 1.0, 2.0];
 const INCOMING: Place = Place::Inside(2);
 /// What the paper says was measured (Hz).
 const MEASURED: f64 = 12e3;
-
-/// The incoming shock with a dashpot in every contact.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Viscous {
-    /// The dashpot (N s/m).
-    pub dashpot: f64,
-    /// Mean frequency over the first four periods inside particle 2 (Hz).
-    pub frequency: f64,
-    /// The force there.
-    pub signal: Signal,
-}
 
 /// Answers of Fig. 10; `fitted` is the dashpot that was found for the measured speeds (N s/m).
 pub(super) fn answers(fitted: f64, found: &mut Found) -> Result<(), PaperError> {
