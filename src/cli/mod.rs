@@ -41,7 +41,7 @@ mod view;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory as _, Parser, Subcommand};
 
 use output::{AnswerIsNo, is_broken_pipe, print};
 
@@ -123,8 +123,8 @@ pub fn main() -> ExitCode {
         #[cfg(feature = "tui")]
         Command::View(arguments) => view::run(&arguments),
         Command::Doctor(arguments) => doctor::run(&arguments),
-        Command::Completions(arguments) => completions::run(&arguments),
-        Command::Man(arguments) => man::run(&arguments),
+        Command::Completions(arguments) => completions::run(&arguments, self::Arguments::command()),
+        Command::Man(arguments) => man::run(&arguments, self::Arguments::command()),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

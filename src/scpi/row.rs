@@ -1,7 +1,6 @@
 //! One row of the table of commands.
 
 use super::setting::Setting;
-use crate::scope::Source;
 
 /// What a command does in this program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -98,19 +97,4 @@ pub struct Group {
     pub title: &'static str,
     /// Its commands, in the order in which queries of a group tell them.
     pub rows: &'static [Row],
-}
-
-/// What the placeholder in a header stood for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Place {
-    /// The number of `CH<x>`, `MEAS<x>`, `POSITION<x>`; 1 without placeholder.
-    pub number: u8,
-    /// The waveform of `CH<x>`, `REF<x>`, `<wfm>`; channel 1 without placeholder.
-    pub source: Source,
-}
-
-impl Default for Place {
-    fn default() -> Self {
-        Self { number: 1, source: Source::Channel(1) }
-    }
 }

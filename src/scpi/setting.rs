@@ -2,8 +2,8 @@
 
 use super::argument::{flag, real, word};
 use super::message::Argument;
+use super::place::Place;
 use super::preferences::Preferences;
-use super::row::Place;
 use super::value::Value;
 use crate::instrument::word::Word;
 use crate::instrument::{Event, Instrument};

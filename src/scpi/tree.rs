@@ -1,8 +1,9 @@
 //! Finds the row of a header.
 
 use super::command::GROUPS;
+use super::place::Place;
 use super::reply::Answer;
-use super::row::{Place, Row, Standing};
+use super::row::{Row, Standing};
 use super::setting::{At, Parts, Stop};
 use crate::instrument::Event;
 use crate::instrument::word::abbreviates;

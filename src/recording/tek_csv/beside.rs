@@ -6,7 +6,7 @@
 
 use super::cells::Table;
 use super::column::Column;
-use super::dialect::rows_above;
+use super::detection::rows_above;
 use super::draft::Draft;
 use super::error::{TekCsvError, excerpt};
 use super::layout;

@@ -47,6 +47,7 @@ mod abscissa;
 mod beside;
 mod cells;
 mod column;
+mod detection;
 mod dialect;
 mod draft;
 mod error;

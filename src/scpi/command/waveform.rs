@@ -11,7 +11,8 @@ use crate::scope::{Coupling, PointFormat, Preamble, Source, Waveform};
 use crate::scpi::argument::{real, text, whole, word};
 use crate::scpi::message::Argument;
 use crate::scpi::number::setting;
-use crate::scpi::row::{Group, Place, Row};
+use crate::scpi::place::Place;
+use crate::scpi::row::{Group, Row};
 use crate::scpi::setting::{Access, Asks, At, Both, Parts, Setting, Stop, Tells, Words};
 use crate::scpi::value::Value;
 

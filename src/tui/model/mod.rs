@@ -4,6 +4,7 @@
 //! and shown as different from the recorded ones. The model does no input and no output: what it needs done it leaves as
 //! [`Request`]s, and the answers come back as method calls.
 
+mod action;
 mod asked;
 mod band;
 pub mod command;
@@ -21,6 +22,8 @@ pub mod state;
 pub mod traces;
 mod turning;
 mod update;
+
+pub use action::Action;
 
 use std::collections::BTreeMap;
 
@@ -40,7 +43,7 @@ pub use state::{
     Side, Strike, Visibility,
 };
 pub use traces::MathMode;
-pub use update::{Action, update};
+pub use update::update;
 
 /// Unit of a record's ordinate; some files write `Volts`.
 #[must_use]

@@ -1,5 +1,6 @@
 //! The graticule with the traces on it.
 
+use super::divisions::dot_of_division;
 use ratatui::Frame;
 use ratatui::style::Color;
 use ratatui::symbols::Marker;
@@ -115,11 +116,6 @@ fn projection(layout: &Layout, window: Window, vertical: Vertical) -> Projection
         columns: layout.columns(),
         rows: layout.rows(),
     }
-}
-
-/// Row of dots, from the top, of a place counted in divisions upward from the centre (dots).
-pub(super) fn dot_of_division(layout: &Layout, division: f64) -> f64 {
-    (f64::from(DIVISIONS_UP) / 2.0 - division) * f64::from(layout.y_dots)
 }
 
 /// The lines of the graticule: frame, dotted division lines, axes with ticks.

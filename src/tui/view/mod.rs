@@ -6,6 +6,7 @@ mod bench;
 mod colours;
 mod compare;
 mod cursors;
+mod divisions;
 mod graticule;
 mod help;
 pub mod layout;
