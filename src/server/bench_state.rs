@@ -7,7 +7,7 @@ use crate::instrument::{Event, Instrument};
 use crate::scene::Scene;
 
 /// The bench as it is set up.
-pub struct Stand {
+pub struct BenchState {
     /// The scene that is served, and those that ship with the program.
     scenes: Vec<Arc<Scene>>,
     /// The scene with everything that clients have changed.
@@ -15,8 +15,8 @@ pub struct Stand {
     applied: bench::Scene,
 }
 
-impl Stand {
-    /// Set up as the scene that is served.
+impl BenchState {
+    /// The bench set up as the scene that is served.
     pub fn new(served: &Scene, instrument: &mut Instrument) -> Self {
         let mut scenes = vec![Arc::new(served.clone())];
         for name in Scene::names().into_iter().filter(|name| *name != served.name) {
@@ -38,8 +38,8 @@ impl Stand {
         self.scenes.first().is_some_and(|served| **served == *scene)
     }
 
-    /// Carries out what clients want changed; what cannot be is an event, and stays as it was.
-    pub fn settle(&mut self, instrument: &mut Instrument) {
+    /// Applies the changes that clients have requested; an impossible one is reverted and reported as an event.
+    pub fn apply_changes(&mut self, instrument: &mut Instrument) {
         let wanted = &instrument.bench.scene;
         if *wanted == self.applied {
             return;

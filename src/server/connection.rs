@@ -1,4 +1,4 @@
-//! One connection: carries bytes between a socket and the instrument's owner.
+//! One connection: copies bytes between a socket and the instrument's task.
 //!
 //! A piece of input is handed on only when the answer to the one before has been written, so a client that does not read
 //! is not read from either, and nothing piles up.
@@ -13,8 +13,8 @@ use tokio::sync::mpsc;
 
 /// Longest piece of input that is handed on at once (bytes).
 const PIECE: usize = 1024;
-/// A client that takes nothing for so long is dropped.
-const STALL: Duration = Duration::from_secs(10);
+/// Time after which a client that accepts no bytes is dropped.
+const WRITE_TIMEOUT: Duration = Duration::from_secs(10);
 /// Answers that wait for the socket. One belongs to the last piece, others come from acquisitions that ended.
 const ANSWERS: usize = 64;
 
@@ -27,21 +27,21 @@ pub enum Protocol {
     Hislip,
 }
 
-/// What a connection tells the owner.
+/// Events of a connection.
 #[derive(Debug)]
 pub enum News {
-    /// It is there.
+    /// Connection opened.
     Opened {
         /// Number of the connection.
         number: u64,
         /// What is spoken on it.
         protocol: Protocol,
-        /// Who is at its other end.
+        /// The client's address.
         peer: SocketAddr,
-        /// Where its answers go; it ends when nobody can answer any more.
+        /// Queue of its answers; the connection ends when the queue is closed.
         answers: mpsc::Sender<Answer>,
     },
-    /// Bytes came. The owner has one answer to each piece, even if an empty one.
+    /// Bytes received. Each piece is answered once, even if by an empty answer.
     Bytes {
         /// Number of the connection.
         number: u64,
@@ -53,7 +53,7 @@ pub enum News {
         /// Number of the connection.
         number: u64,
     },
-    /// It is gone.
+    /// Connection closed.
     Closed {
         /// Number of the connection.
         number: u64,
@@ -70,20 +70,20 @@ pub struct Answer {
 }
 
 /// A connection that was taken.
-pub struct Link {
+pub struct Connection {
     /// Its number.
     pub number: u64,
     /// What is spoken on it.
     pub protocol: Protocol,
-    /// Who is at its other end.
+    /// The client's address.
     pub peer: SocketAddr,
     /// The socket.
     pub stream: TcpStream,
 }
 
-impl Link {
-    /// Carries bytes until either side ends it.
-    pub async fn carry(self, news: mpsc::Sender<News>) {
+impl Connection {
+    /// Copies bytes until either side closes the connection.
+    pub async fn run(self, news: mpsc::Sender<News>) {
         let Self { number, protocol, peer, stream } = self;
         let (answers, inbox) = mpsc::channel(ANSWERS);
         if news.send(News::Opened { number, protocol, peer, answers }).await.is_ok() {
@@ -115,7 +115,7 @@ async fn exchange(
             length = stream.read(&mut buffer), if !asked => {
                 let bytes = buffer.get(..length?).unwrap_or_default().to_vec();
                 acknowledge(&stream)?;
-                // After the last piece nothing is read: the owner ends the connection when it has said everything.
+                // After the last piece nothing is read: the instrument task ends the connection when all is answered.
                 asked = true;
                 let heard = if bytes.is_empty() {
                     News::Ended { number }
@@ -147,7 +147,7 @@ fn acknowledge(_: &TcpStream) -> io::Result<()> {
 /// Writes all of `bytes`, as long as the client takes some in time.
 async fn write(stream: &mut TcpStream, mut bytes: &[u8]) -> io::Result<()> {
     while !bytes.is_empty() {
-        let written = tokio::time::timeout(STALL, stream.write(bytes)).await??;
+        let written = tokio::time::timeout(WRITE_TIMEOUT, stream.write(bytes)).await??;
         if written == 0 {
             return Err(io::ErrorKind::WriteZero.into());
         }

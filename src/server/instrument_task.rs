@@ -1,4 +1,4 @@
-//! The one who owns the instrument: answers connections, lets time pass, and passes impacts in.
+//! The task that owns the instrument: answers connections, advances time, and delivers the signals of impacts.
 
 use std::collections::BTreeMap;
 use std::future::pending;
@@ -7,26 +7,26 @@ use std::time::Duration;
 use tokio::sync::mpsc;
 use tokio::time::{Instant, Interval, MissedTickBehavior, interval_at};
 
-use super::bench::{Handle, Struck};
-use super::desk::{Desk, Talker};
-use super::link::{Answer, News, Protocol};
+use super::bench_state::BenchState;
+use super::bench_thread::{Handle, Struck};
+use super::connection::{Answer, News, Protocol};
 use super::recorder::{Caught, Recorder};
-use super::stand::Stand;
+use super::sessions::{SessionId, Sessions};
 use super::{Options, ServeError};
 use crate::hislip;
 use crate::instrument::acquisition::State;
 use crate::instrument::{Accepted, Event, Instrument};
 use crate::scene::Scene;
 
-/// How often the instrument hears that time has passed.
+/// Period at which the instrument is told the time.
 const TICK: Duration = Duration::from_millis(5);
 /// Shortest time from one strike to the next.
 const SHORTEST: Duration = Duration::from_millis(1);
-/// A client that sends no more may wait so long for an answer that is still to come: it may as well be gone.
-const LINGER: Duration = Duration::from_secs(60);
+/// Time after which a connection that is closed for sending is dropped although an answer is pending.
+const HALF_CLOSED_TIMEOUT: Duration = Duration::from_secs(60);
 
-/// One connection as the owner knows it.
-struct Link {
+/// The state of one connection.
+struct ConnectionEntry {
     protocol: Protocol,
     answers: mpsc::Sender<Answer>,
     /// Whether its last piece is still to be answered.
@@ -36,12 +36,12 @@ struct Link {
 }
 
 /// Instrument, connections, and the bench.
-pub struct Owner {
-    desk: Desk,
-    links: BTreeMap<u64, Link>,
+pub struct InstrumentTask {
+    sessions: Sessions,
+    connections: BTreeMap<u64, ConnectionEntry>,
     hislip: hislip::Server,
     bench: Handle,
-    stand: Stand,
+    bench_state: BenchState,
     impact_every: Option<Duration>,
     orders: Option<mpsc::Receiver<()>>,
     switched_on: Instant,
@@ -49,17 +49,17 @@ pub struct Owner {
     caught: Option<Caught>,
 }
 
-impl Owner {
+impl InstrumentTask {
     /// Switches the instrument on, set as in the scene.
     pub fn new(scene: &Scene, options: Options, bench: Handle, recorder: Option<Recorder>) -> Self {
         let mut instrument = Instrument::of(&scene.scope, scene.seed);
-        let stand = Stand::new(scene, &mut instrument);
+        let bench_state = BenchState::new(scene, &mut instrument);
         Self {
-            desk: Desk::new(instrument, options.header, recorder),
-            links: BTreeMap::new(),
+            sessions: Sessions::new(instrument, options.header, recorder),
+            connections: BTreeMap::new(),
             hislip: hislip::Server::default(),
             bench,
-            stand,
+            bench_state,
             impact_every: options.impact_every,
             orders: options.strikes,
             caught: None,
@@ -67,7 +67,7 @@ impl Owner {
         }
     }
 
-    /// Works until there is nobody left who could connect.
+    /// Runs until no connection can be opened any more.
     ///
     /// # Errors
     /// [`ServeError`] where the bench or the recording fails.
@@ -80,25 +80,25 @@ impl Owner {
                 heard = news.recv() => {
                     let Some(heard) = heard else { return Ok(()) };
                     self.pass_time();
-                    self.hear(heard);
+                    self.handle_event(heard);
                 }
                 struck = self.bench.struck() => {
                     let struck = struck?;
                     self.pass_time();
-                    self.feel(struck)?;
+                    self.deliver_signals(struck)?;
                 }
                 () = tick(strikes.as_mut()) => {
                     self.strike();
                 }
                 () = order(orders.as_mut()) => {
-                    self.desk.instrument.bench.ask_for_impact();
+                    self.sessions.instrument.bench.ask_for_impact();
                 }
                 _ = ticks.tick() => {}
             }
             self.pass_time();
             self.resume();
             self.strike_if_asked();
-            self.keep_up()?;
+            self.write_finished_records()?;
         }
     }
 
@@ -107,52 +107,55 @@ impl Owner {
     /// # Errors
     /// [`ServeError::Record`] where it could not be written.
     pub fn finish(self) -> Result<(), ServeError> {
-        self.desk.recorder.map_or(Ok(()), Recorder::finish)
+        self.sessions.recorder.map_or(Ok(()), Recorder::finish)
     }
 
     fn pass_time(&mut self) {
         let now = self.switched_on.elapsed().as_secs_f64();
-        self.desk.instrument.advance(now);
-        self.hislip.advance(now, &mut self.desk);
+        self.sessions.instrument.advance(now);
+        self.hislip.advance(now, &mut self.sessions);
     }
 
-    fn hear(&mut self, news: News) {
+    fn handle_event(&mut self, news: News) {
         match news {
             News::Opened { number, protocol, peer, answers } => {
-                self.desk.peers.insert(number, peer);
-                self.links.insert(number, Link { protocol, answers, asked: false, ended: None });
+                self.sessions.peers.insert(number, peer);
+                self.connections.insert(
+                    number,
+                    ConnectionEntry { protocol, answers, asked: false, ended: None },
+                );
                 match protocol {
-                    Protocol::Raw => self.desk.sit(Talker::Raw(number), number),
+                    Protocol::Raw => self.sessions.open_session(SessionId::Raw(number), number),
                     Protocol::Hislip => self.hislip.opened(number),
                 }
             }
             News::Bytes { number, bytes } => {
-                let Some(link) = self.links.get_mut(&number) else { return };
-                link.asked = true;
-                match link.protocol {
+                let Some(connection) = self.connections.get_mut(&number) else { return };
+                connection.asked = true;
+                match connection.protocol {
                     Protocol::Raw => {
-                        let reply = self.desk.receive(Talker::Raw(number), &bytes, false);
+                        let reply = self.sessions.receive(SessionId::Raw(number), &bytes, false);
                         self.send(number, reply);
                     }
-                    Protocol::Hislip => self.hislip.received(number, &bytes, &mut self.desk),
+                    Protocol::Hislip => self.hislip.received(number, &bytes, &mut self.sessions),
                 }
             }
             News::Ended { number } => {
-                let waits = self.desk.is_waiting(Talker::Raw(number));
-                match self.links.get_mut(&number) {
-                    Some(link) if waits => link.ended = Some(Instant::now()),
-                    _ => self.forget(number),
+                let waits = self.sessions.is_waiting(SessionId::Raw(number));
+                match self.connections.get_mut(&number) {
+                    Some(connection) if waits => connection.ended = Some(Instant::now()),
+                    _ => self.drop_connection(number),
                 }
             }
-            News::Closed { number } => self.forget(number),
+            News::Closed { number } => self.drop_connection(number),
         }
-        self.stand.settle(&mut self.desk.instrument);
+        self.bench_state.apply_changes(&mut self.sessions.instrument);
     }
 
-    /// Hands over what a strike brought.
-    fn feel(&mut self, struck: Struck) -> Result<(), ServeError> {
+    /// Delivers the signals of one impact to the instrument.
+    fn deliver_signals(&mut self, struck: Struck) -> Result<(), ServeError> {
         let Struck { shot, scene, wanted, signals } = struck;
-        let instrument = &mut self.desk.instrument;
+        let instrument = &mut self.sessions.instrument;
         match signals {
             Ok((signals, truth)) => {
                 instrument.bench.impacts = instrument.bench.impacts.saturating_add(1);
@@ -162,12 +165,14 @@ impl Owner {
                 }
                 let accepted = instrument.accept_signals(&signals);
                 if matches!(accepted, Accepted::Triggered { .. }) {
-                    let is_served = self.stand.is_served(&scene);
+                    let is_served = self.bench_state.is_served(&scene);
                     self.caught = Some(Caught { shot, truth, scene, is_served });
                 }
                 Ok(())
             }
-            Err(reason) if self.stand.is_as_served() => Err(ServeError::Impact { shot, reason }),
+            Err(reason) if self.bench_state.is_as_served() => {
+                Err(ServeError::Impact { shot, reason })
+            }
             // What clients have set up is theirs to put right, and ends nobody's work.
             Err(_) => {
                 instrument.status.report(Event::SystemError);
@@ -177,87 +182,91 @@ impl Owner {
     }
 
     fn strike(&mut self) -> bool {
-        self.bench.strike(&self.stand.scene, self.desk.instrument.wanted())
+        self.bench.strike(&self.bench_state.scene, self.sessions.instrument.wanted())
     }
 
     /// Strikes as clients ask for, when the scope can see it.
     fn strike_if_asked(&mut self) {
-        let instrument = &self.desk.instrument;
+        let instrument = &self.sessions.instrument;
         let is_blind = matches!(instrument.state(), State::Armed | State::Trigger);
         if instrument.bench.asked > 0 && !is_blind && self.strike() {
-            self.desk.instrument.bench.asked -= 1;
+            self.sessions.instrument.bench.asked -= 1;
         }
     }
 
     /// Goes on with what waited: replies, messages behind a lock, clients that only listen.
     fn resume(&mut self) {
-        for (talker, bytes) in self.desk.resume() {
-            match talker {
-                Talker::Raw(number) => self.say(number, bytes, false),
-                Talker::Hislip(session) => self.hislip.reply(session, &bytes),
+        for (id, bytes) in self.sessions.resume() {
+            match id {
+                SessionId::Raw(number) => self.send_bytes(number, bytes, false),
+                SessionId::Hislip(session) => self.hislip.reply(session, &bytes),
             }
         }
         for output in self.hislip.take_output() {
-            self.say(output.connection, output.bytes, false);
+            self.send_bytes(output.connection, output.bytes, false);
             if output.close {
-                self.links.remove(&output.connection);
-                self.desk.peers.remove(&output.connection);
+                self.connections.remove(&output.connection);
+                self.sessions.peers.remove(&output.connection);
             }
         }
         let mut done = Vec::new();
-        for (number, link) in &mut self.links {
-            if link.asked && !self.hislip.is_held(*number) {
-                link.asked = false;
-                if link.answers.try_send(Answer { bytes: Vec::new(), to_piece: true }).is_err() {
+        for (number, connection) in &mut self.connections {
+            if connection.asked && !self.hislip.is_held(*number) {
+                connection.asked = false;
+                if connection
+                    .answers
+                    .try_send(Answer { bytes: Vec::new(), to_piece: true })
+                    .is_err()
+                {
                     done.push(*number);
                 }
             }
-            if let Some(since) = link.ended {
-                let waits = self.desk.is_waiting(Talker::Raw(*number));
-                if !waits || since.elapsed() > LINGER {
+            if let Some(since) = connection.ended {
+                let waits = self.sessions.is_waiting(SessionId::Raw(*number));
+                if !waits || since.elapsed() > HALF_CLOSED_TIMEOUT {
                     done.push(*number);
                 }
             }
         }
         for number in done {
-            self.forget(number);
+            self.drop_connection(number);
         }
     }
 
-    /// Answers a connection's piece.
+    /// Sends the answer to a connection's last piece of input.
     fn send(&mut self, number: u64, bytes: Vec<u8>) {
-        if let Some(link) = self.links.get_mut(&number) {
-            link.asked = false;
+        if let Some(connection) = self.connections.get_mut(&number) {
+            connection.asked = false;
         }
-        self.say(number, bytes, true);
+        self.send_bytes(number, bytes, true);
     }
 
-    /// Sends; a connection that cannot take it does not read what it asked for, and is dropped.
-    fn say(&mut self, number: u64, bytes: Vec<u8>, to_piece: bool) {
-        let Some(link) = self.links.get(&number) else { return };
+    /// Sends bytes; drops a connection whose queue of answers is full, since its client does not read.
+    fn send_bytes(&mut self, number: u64, bytes: Vec<u8>, to_piece: bool) {
+        let Some(connection) = self.connections.get(&number) else { return };
         let nothing = bytes.is_empty() && !to_piece;
-        if !nothing && link.answers.try_send(Answer { bytes, to_piece }).is_err() {
-            self.forget(number);
+        if !nothing && connection.answers.try_send(Answer { bytes, to_piece }).is_err() {
+            self.drop_connection(number);
         }
     }
 
-    fn forget(&mut self, number: u64) {
-        self.links.remove(&number);
-        self.desk.peers.remove(&number);
-        self.desk.leave(Talker::Raw(number));
-        self.hislip.closed(number, &mut self.desk);
+    fn drop_connection(&mut self, number: u64) {
+        self.connections.remove(&number);
+        self.sessions.peers.remove(&number);
+        self.sessions.close_session(SessionId::Raw(number));
+        self.hislip.closed(number, &mut self.sessions);
     }
 
-    fn keep_up(&mut self) -> Result<(), ServeError> {
-        let finished = self.desk.instrument.take_finished();
-        let Some(recorder) = &mut self.desk.recorder else { return Ok(()) };
+    fn write_finished_records(&mut self) -> Result<(), ServeError> {
+        let finished = self.sessions.instrument.take_finished();
+        let Some(recorder) = &mut self.sessions.recorder else { return Ok(()) };
         if let Some(finished) = finished {
             let caught = self
                 .caught
                 .take_if(|caught| finished.trigger.is_some_and(|t| t.shot == caught.shot));
-            recorder.captures(finished, caught, &mut self.desk.instrument);
+            recorder.captures(finished, caught, &mut self.sessions.instrument);
         }
-        recorder.keep_up()
+        recorder.flush_if_due()
     }
 }
 

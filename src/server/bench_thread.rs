@@ -29,7 +29,7 @@ pub struct Handle {
     shots: u32,
 }
 
-/// What a strike brought.
+/// Signals from one impact.
 pub struct Struck {
     /// Number of the shot.
     pub shot: u32,
@@ -37,11 +37,11 @@ pub struct Struck {
     pub scene: Arc<Scene>,
     /// The grid that the signals were made for.
     pub wanted: Wanted,
-    /// The signals at the scope's inputs, and what no scope saw.
+    /// The signals at the scope's inputs, and the ground truth.
     pub signals: Result<(Signals, Truth), RunError>,
 }
 
-/// What no scope saw of a shot.
+/// Ground truth of a shot (forces, displacements).
 pub struct Truth {
     /// Time of the signals' first sample after the striker's first contact (s).
     pub start: f64,
