@@ -10,14 +10,14 @@ use tokio::sync::mpsc;
 use super::ServeError;
 use crate::experiment::RunError;
 use crate::experiment::inputs::{Window, inputs};
-use crate::instrument::{Signals, Wanted};
+use crate::instrument::{SampleWindow, Signals};
 use crate::scene::Scene;
 use crate::trace::Trace;
 
 /// A strike to be made.
 struct Order {
     scene: Arc<Scene>,
-    wanted: Wanted,
+    wanted: SampleWindow,
     shot: u32,
 }
 
@@ -36,7 +36,7 @@ pub struct Struck {
     /// The bench that was struck.
     pub scene: Arc<Scene>,
     /// The grid that the signals were made for.
-    pub wanted: Wanted,
+    pub wanted: SampleWindow,
     /// The signals at the scope's inputs, and the ground truth.
     pub signals: Result<(Signals, Truth), RunError>,
 }
@@ -68,7 +68,7 @@ impl Handle {
     }
 
     /// Strikes with the next shot number, unless a strike is under way. Whether it does.
-    pub fn strike(&mut self, scene: &Arc<Scene>, wanted: Wanted) -> bool {
+    pub fn strike(&mut self, scene: &Arc<Scene>, wanted: SampleWindow) -> bool {
         let shot = self.shots.saturating_add(1);
         let order = Order { scene: Arc::clone(scene), wanted, shot };
         let free = !self.under_way && self.orders.try_send(order).is_ok();
@@ -92,7 +92,7 @@ impl Handle {
 
 fn strike(order: &Order) -> Struck {
     let Order { scene, wanted, shot } = order;
-    let Wanted { interval, before, after } = *wanted;
+    let SampleWindow { interval, before, after } = *wanted;
     let window = Window { interval, before, after };
     let signals = inputs(scene, window, *shot).map(|arrived| {
         let truth = Truth { start: arrived.start, traces: arrived.truth };

@@ -17,7 +17,7 @@ pub enum SessionId {
     Hislip(u16),
 }
 
-/// A id's session.
+/// A session and the address of its client.
 struct SessionEntry {
     session: Session,
     peer: String,
