@@ -1,6 +1,6 @@
 //! Effects left to the accuracy, `state = "auto"`: off only where what they would change is below a tenth of it.
 //!
-//! The change is foretold from above by closed forms, before anything is run; `tests/it/effects.rs` holds them against runs.
+//! The change is bounded from above by closed forms, before anything is run; `tests/it/effects.rs` holds them against runs.
 //! A loss takes at most `lambda T` of any velocity, `lambda` the fastest decay of the chain with this loss alone, `T` the scene's
 //! duration, and 6/5 of that of a force. It is felt itself, too: a contact that closes at `w` pushes back by `c w` from the start, `c` the loss's slope,
 //! against the force `F` that it comes to, `c w/F = sqrt(6/5) c/(m omega)` by the energy of a Hertz collision; the tenth of the rise is reached sooner by ten times that
@@ -40,7 +40,7 @@ pub fn settle(scene: &Scene, integration: Integration) -> Cow<'_, Scene> {
                 .push(format!("{name} is on: a step by hand has no accuracy to leave it to"));
             continue;
         };
-        let change = foretold(scene, name);
+        let change = change_upper_bound(scene, name);
         let limit = UNSEEN * accuracy;
         if change < limit {
             settled.spec.effects.remove(name);
@@ -72,12 +72,12 @@ fn words(name: &str, change: f64, limit: f64) -> String {
 
 /// States whether the effect called `name` is on at `accuracy` (1), and the change that decides it.
 pub(crate) fn decision(scene: &Scene, name: &str, accuracy: f64) -> String {
-    words(name, foretold(scene, name), UNSEEN * accuracy)
+    words(name, change_upper_bound(scene, name), UNSEEN * accuracy)
 }
 
 /// The most that the effect called `name` can change of first peaks, arrivals and speeds; infinite where that is not known (1).
 #[must_use]
-pub fn foretold(scene: &Scene, name: &str) -> f64 {
+pub fn change_upper_bound(scene: &Scene, name: &str) -> f64 {
     match name {
         "gravity" => by_gravity(scene),
         "magnet_law" => by_magnet_law(scene),

@@ -133,7 +133,7 @@ impl Instrument {
 
     /// The sample grid on which signals are welcome with the present settings.
     #[must_use]
-    pub fn wanted(&self) -> SampleWindow {
+    pub fn sample_window(&self) -> SampleWindow {
         SampleWindow::of(&self.panel, &self.setup())
     }
 

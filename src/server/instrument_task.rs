@@ -160,7 +160,7 @@ impl InstrumentTask {
             Ok((signals, truth)) => {
                 instrument.bench.impacts = instrument.bench.impacts.saturating_add(1);
                 // The time base was turned during the impact: the acquisition has started again without it, as on an instrument.
-                if wanted != instrument.wanted() {
+                if wanted != instrument.sample_window() {
                     return Ok(());
                 }
                 let accepted = instrument.accept_signals(&signals);
@@ -182,7 +182,7 @@ impl InstrumentTask {
     }
 
     fn strike(&mut self) -> bool {
-        self.bench.strike(&self.bench_state.scene, self.sessions.instrument.wanted())
+        self.bench.strike(&self.bench_state.scene, self.sessions.instrument.sample_window())
     }
 
     /// Strikes as clients ask for, when the scope can see it.

@@ -42,11 +42,11 @@ const KNOWN_CIRCLES: &[&[&str]] = &[
     &["src/instrument/limits.rs", "src/instrument/panel/mod.rs"],
     &["src/scene/forget.rs", "src/scene/library.rs"],
     &[
+        "src/tui/model/background_jobs.rs",
         "src/tui/model/derived.rs",
         "src/tui/model/knobs.rs",
         "src/tui/model/live.rs",
         "src/tui/model/mod.rs",
-        "src/tui/model/questions.rs",
         "src/tui/model/replay.rs",
         "src/tui/model/served.rs",
         "src/tui/model/traces.rs",

@@ -8,11 +8,11 @@ mod container;
 mod decode;
 mod encode;
 mod error;
+pub mod indexed_recording;
 pub mod message;
 mod notes;
 mod read;
 mod schema;
-pub mod tape;
 mod write;
 
 pub use error::ReadError;

@@ -10,7 +10,7 @@ use super::error::place;
 use super::error::{TekCsvError, excerpt};
 use super::header::{Header, Row};
 use super::layout::{Domain, Numbers, PRINTING_ERROR};
-use super::{headerless, newer, openchoice, spreadsheet};
+use super::{headerless, openchoice, spreadsheet, tbs1000c};
 use crate::recording::Capture;
 use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
 use crate::scope::{Preamble, VerticalSetup, Waveform};
@@ -52,7 +52,7 @@ pub fn read_all(bytes: &[u8], file_name: &str) -> Result<Vec<Capture>, TekCsvErr
     let captures = match detection::foreign(&table) {
         None => vec![native(text, file_name)?],
         Some(Dialect::OpenChoice) => openchoice::read(&table)?,
-        Some(Dialect::NewerModel) => newer::read(&table)?,
+        Some(Dialect::NewerModel) => tbs1000c::read(&table)?,
         Some(Dialect::Spreadsheet) => spreadsheet::read(&table)?,
         Some(Dialect::HandHeader) if detection::rows_above(&table).is_some() => {
             spreadsheet::read(&table)?

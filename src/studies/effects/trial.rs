@@ -21,7 +21,7 @@ const MEDIAN_ERROR: f64 = 0.929;
 /// Most pairs of runs that are timed.
 const MOST_PAIRS: usize = 101;
 /// Time after which no more pairs than the fewest are timed.
-const PATIENCE: Duration = Duration::from_millis(300);
+const TIME_LIMIT: Duration = Duration::from_millis(300);
 
 /// Relative changes, with the effect over without it, and what the scope would show of them. Each is the largest of all places.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -83,7 +83,7 @@ fn bill(
     let (mut differences, mut walls) = (Vec::new(), Vec::new());
     let started = Instant::now();
     while differences.len() < FEWEST_PAIRS
-        || (differences.len() < MOST_PAIRS && started.elapsed() < PATIENCE)
+        || (differences.len() < MOST_PAIRS && started.elapsed() < TIME_LIMIT)
     {
         // In either order, so that nothing in the machine's own rhythm favours one of them.
         let swapped = differences.len() % 2 == 1;

@@ -4,23 +4,23 @@
 //! and shown as different from the recorded ones. The model does no input and no output: what it needs done it leaves as
 //! [`Request`]s, and the answers come back as method calls.
 
+mod accessors;
 mod action;
-mod asked;
+pub mod background_jobs;
 mod band;
 pub mod command;
 mod cursors;
 pub mod derived;
 pub mod features;
 mod front_panel;
+mod knob_actions;
 pub mod knobs;
 pub mod live;
-pub mod questions;
 mod replay;
 mod selection;
 pub mod served;
 pub mod state;
 pub mod traces;
-mod turning;
 mod update;
 
 pub use action::Action;
@@ -33,14 +33,14 @@ use crate::scene::Scene;
 use crate::scope::{Source, Waveform};
 use crate::tui::axis::Window;
 
+pub use background_jobs::Questions;
 pub use cursors::CursorReading;
 pub use derived::{Derived, Reading};
 pub use live::{Live, Struck};
-pub use questions::Questions;
 use state::Adjustment;
 pub use state::{
-    Acquisition, CursorKind, Cursors, Ghosts, Job, Overlay, Page, Palette, Panel, Play, Request,
-    Side, Strike, Visibility,
+    Acquisition, CursorKind, Cursors, Job, Overlay, Page, Palette, Panel, PersistedTraces, Play,
+    Request, Side, Strike, Visibility,
 };
 pub use traces::MathMode;
 pub use update::update;
@@ -69,7 +69,7 @@ pub struct Model {
     version: u64,
     traces: Vec<Capture>,
     references: Vec<Capture>,
-    ghosts: Option<Ghosts>,
+    persisted_traces: Option<PersistedTraces>,
     math: MathMode,
     truth: bool,
     newtons: bool,
@@ -110,7 +110,7 @@ impl Model {
             version: 0,
             traces: Vec::new(),
             references: Vec::new(),
-            ghosts: None,
+            persisted_traces: None,
             math: MathMode::Off,
             truth: false,
             newtons: false,

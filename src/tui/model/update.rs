@@ -110,7 +110,7 @@ fn step(model: &mut Model, turn: Turn) {
     const FRAMES: f64 = 200.0;
     match model.film_span() {
         Some((start, end)) if model.page == Page::Bench => {
-            model.wind(turn.sign() * (end - start) / FRAMES);
+            model.seek(turn.sign() * (end - start) / FRAMES);
         }
         _ => model.change_shot(turn),
     }

@@ -71,7 +71,7 @@ fn lines(model: &Model, layout: &Layout, window: Window) -> Vec<Line> {
 fn behind(model: &Model, layout: &Layout, window: Window) -> Vec<Line> {
     let mut lines = Vec::new();
     let grey = colour(model.palette(), Color::DarkGray);
-    for capture in model.ghosts().into_iter().flatten().flatten() {
+    for capture in model.persisted_traces().into_iter().flatten().flatten() {
         let waveform = &capture.waveform;
         let unit = model.selected().map(|c| c.waveform.preamble.x_unit.clone());
         if unit.as_deref() != Some(waveform.preamble.x_unit.as_str()) {

@@ -1,12 +1,12 @@
 //! The threads behind the screen: one reads the recording or watches a served scope, one strikes the bench, two answer long questions.
 //! All they say goes through one channel to the screen's loop, and so do the terminal's events.
 
-mod bench;
-mod clerk;
+mod analysis_worker;
 mod news;
-mod player;
+mod recording_worker;
 mod save;
 pub mod served;
+mod simulation_worker;
 
 pub use news::{News, guarded, provoked};
 
@@ -19,8 +19,8 @@ use ratatui::crossterm::event;
 use ratatui::layout::Size;
 
 use super::model::{Model, Request, Strike};
-use crate::recording::mcap::tape::Tape;
-use clerk::{Comparison, Research};
+use crate::recording::mcap::indexed_recording::IndexedRecording;
+use analysis_worker::{Comparison, Research};
 
 /// How often it is looked whether the terminal is still there.
 const LOOK: Duration = Duration::from_millis(500);
@@ -40,28 +40,29 @@ fn worker<Order: Send + 'static>(
     orders
 }
 
-/// Everyone who works for the screen.
-pub struct Staff {
+/// The worker threads of the screen.
+pub struct Workers {
     news: Sender<News>,
-    player: Option<Sender<usize>>,
+    recording_worker: Option<Sender<usize>>,
     served: Option<Sender<String>>,
     bench: Sender<Strike>,
     comparison: Sender<Comparison>,
     research: Sender<Research>,
 }
 
-impl Staff {
-    /// Starts the threads; a recording that is read as it is looked at comes as `tape`, and may be followed.
+impl Workers {
+    /// Starts the threads; a recording that is read as it is looked at comes as `recording`, and may be followed.
     #[must_use]
-    pub fn start(tape: Option<Tape>, follow: bool) -> (Self, Receiver<News>) {
+    pub fn start(recording: Option<IndexedRecording>, follow: bool) -> (Self, Receiver<News>) {
         let (news, receiver) = channel();
-        let player = tape.map(|tape| player::start(tape, follow, &news));
+        let recording_worker =
+            recording.map(|recording| recording_worker::start(recording, follow, &news));
         let staff = Self {
-            player,
+            recording_worker,
             served: None,
-            bench: worker(&news, bench::strike),
-            comparison: worker(&news, clerk::comparer()),
-            research: worker(&news, clerk::research),
+            bench: worker(&news, simulation_worker::strike),
+            comparison: worker(&news, analysis_worker::comparer()),
+            research: worker(&news, analysis_worker::research),
             news,
         };
         (staff, receiver)
@@ -99,9 +100,10 @@ impl Staff {
         for request in model.take_requests() {
             // A worker that is gone has panicked; the screen's hook has told why.
             let sent = match request {
-                Request::Load(place) => {
-                    self.player.as_ref().is_none_or(|player| player.send(place).is_ok())
-                }
+                Request::Load(place) => self
+                    .recording_worker
+                    .as_ref()
+                    .is_none_or(|recording_worker| recording_worker.send(place).is_ok()),
                 Request::Strike(strike) => self.bench.send(strike).is_ok(),
                 Request::Send(command) => {
                     self.served.as_ref().is_none_or(|scope| scope.send(command).is_ok())

@@ -5,7 +5,7 @@ use std::panic::{self, AssertUnwindSafe};
 use ratatui::crossterm::event::Event;
 
 use crate::recording::{Shot, TraceSet};
-use crate::tui::model::questions::Answer;
+use crate::tui::model::background_jobs::Answer;
 use crate::tui::model::served::Heard;
 use crate::tui::model::{Model, Struck};
 
@@ -33,8 +33,8 @@ pub enum News {
 }
 
 impl News {
-    /// Brings this to the model; terminal events are the keys' business.
-    pub fn bring(self, model: &mut Model) {
+    /// Applies this to the model; terminal events are handled by the keys.
+    pub fn apply(self, model: &mut Model) {
         match self {
             Self::Terminal(_) | Self::Closed => {}
             Self::Read(count, open, facts) => model.tape_read(count, open, *facts),

@@ -14,7 +14,7 @@ use hertzscope::measurement::compare::{Align, Side as Against, compare};
 use hertzscope::studies::cost::{Chosen, Point, Reference, Study};
 use hertzscope::studies::effects::{Change, Entry, Ledger, State};
 use hertzscope::tui::axis::Turn;
-use hertzscope::tui::model::questions::Answer;
+use hertzscope::tui::model::background_jobs::Answer;
 use hertzscope::tui::model::{Action, Job, Model, Page, Palette, Panel, Side, update};
 use ratatui::style::{Color, Modifier};
 

@@ -1,4 +1,4 @@
-//! Long questions: the comparison, the work-precision study, the ledger of effects. They are asked here and answered elsewhere.
+//! Background jobs: the comparison, the work-precision study, the ledger of effects. Requests start here; worker threads answer them.
 
 use super::Model;
 use super::state::{Job, Overlay, Page, Request};

@@ -1,4 +1,4 @@
-//! The knobs of the bench under the user's hand: the selected one is turned, its effect switched.
+//! Actions on the knobs of the bench: turning the selected one, and switching its effect.
 
 use super::knobs::{Knob, switched};
 use super::{Model, Page};

@@ -1,7 +1,6 @@
-//! A recording that is read as it is looked at: what it holds is found out chunk by chunk, and a shot is read when it is asked
-//! for.
+//! A recording with an index of its shots: the index is built chunk by chunk, and a shot is read on demand.
 //!
-//! The file may be finished, cut, or still growing: [`Tape::read_on`] takes what is whole and comes back later for the rest. In
+//! The file may be finished, cut, or still growing: [`IndexedRecording::read_on`] takes what is whole and comes back later for the rest. In
 //! memory are the places of the shots and what holds for all of them, never the shots.
 
 use std::collections::BTreeMap;
@@ -14,14 +13,14 @@ use super::error::ReadError;
 use super::read::Reader;
 use crate::recording::{Shot, TraceSet};
 
-/// A stretch of the file: where it begins, and its length (bytes).
+/// Start and length of a part of the file (bytes).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Stretch {
+struct ByteRange {
     start: u64,
     length: u64,
 }
 
-/// How far a tape has been read.
+/// How far a recording has been read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
     /// There is more to read.
@@ -33,19 +32,19 @@ pub enum End {
 }
 
 /// A recording on disk.
-pub struct Tape {
+pub struct IndexedRecording {
     path: PathBuf,
     file: File,
     offset: u64,
     reader: Reader,
     /// Number and place of each shot, in the order of the file.
-    shots: Vec<(u32, Vec<Stretch>)>,
+    shots: Vec<(u32, Vec<ByteRange>)>,
     /// Place in `shots` of each number.
     known: BTreeMap<u32, usize>,
     end: End,
 }
 
-impl Tape {
+impl IndexedRecording {
     /// Opens `path` and looks at its first bytes only.
     ///
     /// # Errors
@@ -87,7 +86,7 @@ impl Tape {
             self.end = End::Open;
             return Ok(self.end);
         };
-        let stretch = Stretch { start: here, length: record.len() as u64 };
+        let stretch = ByteRange { start: here, length: record.len() as u64 };
         self.offset += stretch.length;
         if is_end(&record) {
             self.end = End::Finished;
@@ -120,7 +119,7 @@ impl Tape {
         Ok((record.len() as u64 == HEAD as u64 + length).then_some(record))
     }
 
-    fn note(&mut self, number: u32, stretch: Stretch) {
+    fn note(&mut self, number: u32, stretch: ByteRange) {
         let place = *self.known.entry(number).or_insert_with(|| {
             self.shots.push((number, Vec::new()));
             self.shots.len() - 1
@@ -130,7 +129,7 @@ impl Tape {
         }
     }
 
-    /// How far the tape has been read.
+    /// How far the recording has been read.
     #[must_use]
     pub fn end(&self) -> End {
         self.end
@@ -171,7 +170,7 @@ impl Tape {
     }
 }
 
-/// What a tape asks of the reader: one record at a time, and no shot kept.
+/// Reads one record at a time, and keeps no shots.
 impl Reader {
     /// Takes one record, whole with its head, from `offset` in the file.
     fn take(&mut self, record: &[u8], offset: u64) {
@@ -185,7 +184,7 @@ impl Reader {
         }
     }
 
-    /// Numbers of the shots that were met since the last call; their data are let go.
+    /// Numbers of the shots found since the last call; their data are dropped.
     fn forget_shots(&mut self) -> Vec<u32> {
         std::mem::take(&mut self.shots).into_keys().collect()
     }

@@ -1,6 +1,8 @@
-//! What the views ask the model.
+//! Read access to the model for the views.
 
-use super::state::{Cursors, Ghosts, Overlay, Page, Palette, Panel, Play, Side, Visibility};
+use super::state::{
+    Cursors, Overlay, Page, Palette, Panel, PersistedTraces, Play, Side, Visibility,
+};
 use super::{MathMode, Model, Questions};
 use crate::recording::{Capture, Shot, TraceSet};
 use crate::scene::Scene;
@@ -46,8 +48,8 @@ impl Model {
 
     /// Earlier shots that stay on screen, the oldest first; none while they are not kept.
     #[must_use]
-    pub fn ghosts(&self) -> Option<&Ghosts> {
-        self.ghosts.as_ref()
+    pub fn persisted_traces(&self) -> Option<&PersistedTraces> {
+        self.persisted_traces.as_ref()
     }
 
     /// What the math trace shows.

@@ -5,7 +5,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use super::{News, guarded};
-use crate::recording::mcap::tape::{End, Tape};
+use crate::recording::mcap::indexed_recording::{End, IndexedRecording};
 
 /// A file that may grow is looked at so often.
 const LOOK: Duration = Duration::from_millis(50);
@@ -13,7 +13,7 @@ const LOOK: Duration = Duration::from_millis(50);
 const TELL: Duration = Duration::from_millis(100);
 
 /// Starts the thread; it takes places of shots.
-pub fn start(tape: Tape, follow: bool, news: &Sender<News>) -> Sender<usize> {
+pub fn start(tape: IndexedRecording, follow: bool, news: &Sender<News>) -> Sender<usize> {
     let (orders, received) = channel();
     let news = news.clone();
     thread::spawn(move || {
@@ -28,7 +28,7 @@ pub fn start(tape: Tape, follow: bool, news: &Sender<News>) -> Sender<usize> {
 }
 
 struct Player {
-    tape: Tape,
+    tape: IndexedRecording,
     follow: bool,
     news: Sender<News>,
     /// When it was last told how much there is, and what.
@@ -44,7 +44,7 @@ impl Player {
     fn play(mut self, orders: &Receiver<usize>) -> Result<(), Gone> {
         loop {
             if let Some(place) = latest(orders)? {
-                self.bring(place)?;
+                self.apply(place)?;
             }
             let end = self.tape.read_on();
             let end = match end {
@@ -67,7 +67,7 @@ impl Player {
             };
             if let Some(place) = place {
                 let place = latest(orders)?.unwrap_or(place);
-                self.bring(place)?;
+                self.apply(place)?;
             }
         }
     }
@@ -79,12 +79,12 @@ impl Player {
     /// The shot on screen again, where more of it has come since: its last pieces may not have been written yet.
     fn bring_rest(&mut self) -> Result<(), Gone> {
         match self.brought {
-            Some((place, pieces)) if self.tape.pieces(place) > pieces => self.bring(place),
+            Some((place, pieces)) if self.tape.pieces(place) > pieces => self.apply(place),
             _ => Ok(()),
         }
     }
 
-    fn bring(&mut self, place: usize) -> Result<(), Gone> {
+    fn apply(&mut self, place: usize) -> Result<(), Gone> {
         self.brought = Some((place, self.tape.pieces(place)));
         match self.tape.shot(place) {
             Ok(Some(shot)) => self.say(News::Shot(place, Box::new(shot))),

@@ -1,5 +1,5 @@
-//! From what a foreign file tells to a capture: what is missing is guessed, and every guess goes into the
-//! capture's notes. The dialects' readers fill a [`Draft`]; `times` and `levels` do the finding.
+//! Turns the content of a foreign file into a capture: missing values are estimated, and each estimate is noted in the
+//! capture. The dialects' readers fill an [`UnscaledImport`]; `times` and `levels` estimate.
 //!
 //! `volts = (code - y_off) y_mult + y_zero`, and in the time domain `y_zero = 0`.
 
@@ -21,7 +21,7 @@ const FEW_LEVELS: usize = 8;
 
 /// What a foreign file tells of one channel.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Draft {
+pub(super) struct UnscaledImport {
     pub(super) times: Column,
     pub(super) values: Column,
     pub(super) stated: Stated,
@@ -52,7 +52,7 @@ struct Vertical {
     position: f64,
 }
 
-impl Draft {
+impl UnscaledImport {
     /// The capture; a channel that the file does not name is taken as number `channel`.
     pub(super) fn capture(mut self, file: &str, channel: u8) -> Result<Capture, TekCsvError> {
         const FEWEST: usize = 2;

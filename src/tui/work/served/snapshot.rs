@@ -1,4 +1,4 @@
-//! What a served scope tells of itself, as the screen knows it.
+//! A snapshot of the settings of a served scope.
 
 use crate::experiment::accuracy::of_scene;
 use crate::experiment::{Integration, facts};

@@ -4,14 +4,14 @@
 //! Volts are printed to six digits of a converter with more than 8 bits, or in levels of one with 8: `levels`
 //! finds out which. `Vertical Offset` moves the screen, not the values: they are volts at the probe as they stand.
 
-use super::beside::unit;
 use super::cells::Table;
 use super::column::Column;
-use super::draft::Draft;
 use super::error::place;
 use super::error::{TekCsvError, excerpt};
+use super::header_columns::unit;
 use super::layout;
 use super::times::Stated;
+use super::unscaled_import::UnscaledImport;
 use crate::recording::{Capture, Instrument};
 use crate::scope::{PointFormat, Source};
 
@@ -29,7 +29,7 @@ pub(super) fn read(table: &Table<'_>) -> Result<Vec<Capture>, TekCsvError> {
     let times = header.column(0)?;
     (1..)
         .zip(1..=count)
-        .map(|(channel, cell)| header.draft(&times, cell)?.capture(table.file, channel))
+        .map(|(channel, cell)| header.import(&times, cell)?.capture(table.file, channel))
         .collect()
 }
 
@@ -83,7 +83,7 @@ impl<'a, 't> Header<'a, 't> {
         }
     }
 
-    fn draft(&self, times: &Column, cell: usize) -> Result<Draft, TekCsvError> {
+    fn import(&self, times: &Column, cell: usize) -> Result<UnscaledImport, TekCsvError> {
         let names = self.table.row(self.names);
         let source = Source::from_name(names.text(cell)).ok_or_else(|| TekCsvError::Field {
             place: names.place(cell),
@@ -93,7 +93,7 @@ impl<'a, 't> Header<'a, 't> {
         let text = |key: &str| self.text(key, 1).unwrap_or_default().to_owned();
         let interval = self.number(layout::SAMPLE_INTERVAL, cell)?;
         let first = times.values.first().copied().unwrap_or_default();
-        let mut draft = Draft {
+        let mut draft = UnscaledImport {
             times: times.clone(),
             values: self.column(cell)?,
             // The header has no trigger point; time 0 is the trigger by definition, so this is no guess.
@@ -113,13 +113,13 @@ impl<'a, 't> Header<'a, 't> {
                 serial: String::new(),
                 firmware: text(layout::FIRMWARE),
             }),
-            ..Draft::default()
+            ..UnscaledImport::default()
         };
         self.notes(&mut draft, cell)?;
         Ok(draft)
     }
 
-    fn notes(&self, draft: &mut Draft, cell: usize) -> Result<(), TekCsvError> {
+    fn notes(&self, draft: &mut UnscaledImport, cell: usize) -> Result<(), TekCsvError> {
         let offset = self.number(layout::VERTICAL_OFFSET, cell)?.unwrap_or_default();
         if offset.abs() > 0.0 {
             draft.notes.push(format!(

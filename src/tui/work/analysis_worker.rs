@@ -1,4 +1,4 @@
-//! Answers long questions on their own threads: comparisons on one, studies that measure time on another.
+//! Runs analyses on their own threads: comparisons on one, studies that measure time on another.
 
 use std::path::Path;
 use std::sync::mpsc::{Receiver, Sender};
@@ -12,7 +12,7 @@ use crate::recording::format::{Format, open};
 use crate::recording::{Origin, Shot, TraceSet};
 use crate::scene::Scene;
 use crate::studies::{cost, effects};
-use crate::tui::model::questions::Answer;
+use crate::tui::model::background_jobs::Answer;
 use crate::tui::model::{Job, Model};
 
 /// What a comparison is judged by.

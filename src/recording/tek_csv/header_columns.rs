@@ -7,10 +7,10 @@
 use super::cells::Table;
 use super::column::Column;
 use super::detection::rows_above;
-use super::draft::Draft;
 use super::error::{TekCsvError, excerpt};
 use super::layout;
 use super::times::Stated;
+use super::unscaled_import::UnscaledImport;
 use crate::recording::Instrument;
 use crate::scope::{PointFormat, Source};
 
@@ -58,9 +58,9 @@ impl<'a> Block<'a, '_> {
     }
 
     /// Everything but the zero level, which dialects put in different rows.
-    pub(super) fn draft(&self) -> Result<Draft, TekCsvError> {
+    pub(super) fn import(&self) -> Result<UnscaledImport, TekCsvError> {
         let (times, values) = self.samples()?;
-        let mut draft = Draft {
+        let mut draft = UnscaledImport {
             times,
             values,
             stated: Stated {
@@ -75,7 +75,7 @@ impl<'a> Block<'a, '_> {
             y_unit: self.unit(layout::VERTICAL_UNITS),
             point_format: self.point_format()?,
             instrument: self.instrument(),
-            ..Draft::default()
+            ..UnscaledImport::default()
         };
         self.note_rows(&mut draft)?;
         if self.table.decimal_comma {
@@ -84,7 +84,7 @@ impl<'a> Block<'a, '_> {
         Ok(draft)
     }
 
-    fn note_rows(&self, draft: &mut Draft) -> Result<(), TekCsvError> {
+    fn note_rows(&self, draft: &mut UnscaledImport) -> Result<(), TekCsvError> {
         if self.head > 0 {
             let names: Vec<String> = (0..self.head)
                 .map(|index| {
