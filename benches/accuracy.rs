@@ -11,9 +11,9 @@ use common::scenes::{Case, shipped};
 use hertzscope::chain::ChainSystem;
 use hertzscope::chain::stepper::InstructionSet;
 use hertzscope::experiment::Tried;
-use hertzscope::experiment::cost::{Chosen, TIMED_RUNS, study};
 use hertzscope::integrate::{Method, State};
 use hertzscope::scene::Scene;
+use hertzscope::studies::cost::{Chosen, TIMED_RUNS, study};
 
 const ROUNDS: usize = 9;
 /// CPU time of one measurement (s).

@@ -36,7 +36,7 @@ const KEYS: usize = 101;
 /// Triggers of the long recording.
 const TRIGGERS: u32 = 1000;
 /// After so long a picture will not come any more.
-const PATIENCE: Duration = Duration::from_secs(60);
+const TIMEOUT: Duration = Duration::from_secs(60);
 
 /// A damped wave with noise, different for each channel and shot.
 #[expect(
@@ -198,7 +198,7 @@ impl Viewed {
 
     /// What the program writes next.
     fn hear(&mut self) -> Result<(), Failed> {
-        let bytes = self.bytes.recv_timeout(PATIENCE)?;
+        let bytes = self.bytes.recv_timeout(TIMEOUT)?;
         self.parser.process(&bytes);
         Ok(())
     }

@@ -9,10 +9,12 @@ pub mod chain;
 pub mod cli;
 pub mod data;
 pub mod experiment;
+pub mod fit;
 pub mod hislip;
 pub mod instrument;
 pub mod integrate;
 pub mod magnet;
+pub mod measurement;
 pub mod quantity;
 pub mod recording;
 pub mod report;
@@ -23,6 +25,7 @@ pub mod screen;
 pub mod sensor;
 #[cfg(feature = "server")]
 pub mod server;
+pub mod studies;
 pub mod sweep;
 pub mod trace;
 #[cfg(feature = "tui")]

@@ -49,7 +49,7 @@ pub fn run(input: &[u8]) {
                 instrument.advance(now);
             }
             3 => {
-                let wanted = instrument.wanted();
+                let wanted = instrument.sample_window();
                 assert!(wanted.interval > 0.0);
                 let pulse = vec![(0..200).map(|n| f64::from(n - 100) * 0.05).collect()];
                 let interval = wanted.interval;

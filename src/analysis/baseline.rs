@@ -7,15 +7,13 @@
 
 use std::ops::Range;
 
-use super::pulse::{Conditions, PEAK_SHARE, PulseError};
+use super::pulse_conditions::{Conditions, FEWEST_BASELINE, PEAK_SHARE, PulseError};
 use crate::trace::Trace;
 
 /// The baseline ends after this share of the samples before the pulse exceeds a quarter of the largest value (1).
 const BASELINE_SHARE: f64 = 2.0 / 3.0;
 /// Noise below this many levels leaves rounding errors that go together (1).
 const DITHERED: f64 = 0.3;
-/// Fewest samples of a baseline.
-pub(super) const FEWEST_BASELINE: usize = 8;
 
 /// What the trace says before anything arrives.
 #[derive(Debug, Clone, Copy, PartialEq)]

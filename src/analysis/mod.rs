@@ -12,6 +12,7 @@ pub mod least_squares;
 pub mod linear;
 mod local_fit;
 pub mod pulse;
+mod pulse_conditions;
 pub mod spectral_peak;
 pub mod spectrum;
 pub mod speed;

@@ -5,35 +5,20 @@
 //! summary defines it for the force itself. A maximum counts when the signal falls off behind it by six standard deviations
 //! of the smoothed noise and by 0.5 % of the largest value; shallower ones cannot be told from noise.
 
+use super::pulse_conditions::OUTSTANDING;
+pub use super::pulse_conditions::{Conditions, PEAK_SHARE, PulseError};
 use std::ops::Range;
 
-use super::baseline::{Baseline, FEWEST_BASELINE, noise_of, together};
+use super::baseline::{Baseline, noise_of, together};
 use super::droop::undo_droop;
-use super::gate::Gate;
 use super::local_fit::LocalFit;
 use crate::trace::Trace;
-
-/// A peak counts when it exceeds this share of the trace's largest value (1).
-pub const PEAK_SHARE: f64 = 0.25;
-/// A maximum must stand out by this many standard deviations: two samples differ by 1.4 of one, and a rise has many (1).
-const OUTSTANDING: f64 = 6.0;
 /// As long as nothing is smoothed, there are more samples to be wrong: then by this many (1).
 const OUTSTANDING_RAW: f64 = 8.0;
 /// And by this share of the largest value (1).
 const SHALLOWEST: f64 = 0.005;
 /// Half-width of the smoothing in units of the rise from a quarter of the largest value to the peak (1).
 const SMOOTHING: f64 = 1.0 / 6.0;
-
-/// What is known about how a trace was taken.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Conditions {
-    /// Distance of the digitiser's levels; 0 for a trace that was never digitised (unit).
-    pub level: f64,
-    /// Time constant of the sensor's circuit, where known: then its droop is undone (s).
-    pub time_constant: Option<f64>,
-    /// Where nothing has arrived yet; by default two thirds of the time before the pulse.
-    pub baseline: Option<Gate>,
-}
 
 /// A number with its standard uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,41 +27,6 @@ pub struct Measure {
     pub value: f64,
     /// Its standard uncertainty; twice as much covers 95 % (unit).
     pub standard_uncertainty: f64,
-}
-
-/// Why a trace has no pulse to measure.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum PulseError {
-    /// Nothing before the pulse.
-    #[error(
-        "found {samples} samples of {trace} before the pulse, expected at least {FEWEST_BASELINE} to take the baseline from"
-    )]
-    NoBaseline {
-        /// The trace's name.
-        trace: String,
-        /// How many there are.
-        samples: usize,
-    },
-    /// Nothing above the noise.
-    #[error(
-        "found a largest deviation of {largest:e} in {trace}, expected more than {OUTSTANDING} times its noise of {noise:e}"
-    )]
-    NoPulse {
-        /// The trace's name.
-        trace: String,
-        /// Largest deviation from the baseline (unit).
-        largest: f64,
-        /// Standard uncertainty of one sample (unit).
-        noise: f64,
-    },
-    /// A value or interval that is no number.
-    #[error(
-        "found a value or interval of {trace} that is not finite or not above zero, expected numbers"
-    )]
-    NotFinite {
-        /// The trace's name.
-        trace: String,
-    },
 }
 
 /// A trace with a pulse, ready to be measured.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::bail;
 use clap::Args;
 
-use crate::experiment::arrivals::survey;
+use crate::measurement::arrivals::survey;
 use crate::recording::format::open;
 use crate::report;
 

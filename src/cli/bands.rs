@@ -8,7 +8,7 @@ use serde_json::json;
 
 use super::picture;
 use crate::analysis::dispersion::DiatomicChain;
-use crate::experiment::recorded;
+use crate::measurement::metadata;
 use crate::quantity::{Dimension, parse};
 use crate::report;
 use crate::scene::{Scene, Site};
@@ -61,7 +61,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Site::Wall => None,
     });
     let particle = arguments.particle.or(sensor).unwrap_or(2);
-    let Some((chain, now)) = recorded::cell_and_force(&scene, Site::Particle(particle)) else {
+    let Some((chain, now)) = metadata::cell_and_force(&scene, Site::Particle(particle)) else {
         bail!(
             "found no band gap at particle {particle} of {}, expected two kinds that take turns and a preload",
             scene.name

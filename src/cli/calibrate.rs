@@ -7,15 +7,15 @@ use clap::Args;
 use serde_json::json;
 
 use super::progress::Progress;
-use crate::experiment::calibration::coverage::coverage;
-use crate::experiment::calibration::design::{Candidate, Designer, Lab, strikers};
-use crate::experiment::calibration::{self, Calibrated, sensor_file};
+use crate::measurement::calibration::{self, Calibrated, sensor_file};
 use crate::quantity::{Dimension, parse};
 use crate::recording::mcap;
 use crate::report::calibration::page;
 use crate::report::calibration_design::design_page;
 use crate::report::certificate::{certificate, pictures};
 use crate::scene::plan;
+use crate::studies::momentum_test::coverage::coverage;
+use crate::studies::momentum_test::design::{Candidate, Designer, Lab, strikers};
 
 /// Calibrate a sensor through linear momentum: sensitivity, time constant, uncertainty budget, certificate
 #[derive(Debug, Args)]

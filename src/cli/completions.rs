@@ -1,6 +1,6 @@
 //! `hertzscope completions`: for the shell to load.
 
-use clap::{Args, CommandFactory};
+use clap::Args;
 use clap_complete::Shell;
 
 /// Print the completion script of a shell
@@ -10,9 +10,9 @@ pub struct Arguments {
     shell: Shell,
 }
 
-pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+/// Prints the script for `command`, the program's command line.
+pub fn run(arguments: &Arguments, mut command: clap::Command) -> anyhow::Result<()> {
     let mut script = Vec::new();
-    let mut command = super::Arguments::command();
     clap_complete::generate(arguments.shell, &mut command, "hertzscope", &mut script);
     super::print(String::from_utf8_lossy(&script).trim_end())
 }

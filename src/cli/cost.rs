@@ -8,13 +8,13 @@ use clap::Args;
 use super::picture;
 use super::progress::Progress;
 use crate::experiment::accuracy::{of_scene, run_held};
-use crate::experiment::cost::{Study, TIMED_RUNS, study};
-use crate::experiment::effects::auto::settle;
+use crate::experiment::auto_effects::settle;
 use crate::experiment::{Integration, facts, first_tried};
 use crate::recording::Attachment;
 use crate::recording::mcap::RecordingWriter;
 use crate::report;
 use crate::scene::Scene;
+use crate::studies::cost::{Study, TIMED_RUNS, study};
 
 /// Show what accuracy costs: every method over its settings, errors against work
 #[derive(Debug, Args)]

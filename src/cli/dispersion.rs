@@ -10,7 +10,7 @@ use super::picture;
 use super::signal::time;
 use crate::analysis::gate::Gate;
 use crate::analysis::wavenumber::spectral_lines;
-use crate::experiment::recorded;
+use crate::measurement::metadata;
 use crate::recording::format::open;
 use crate::report::dispersion::DispersionPage;
 use crate::scene::Site;
@@ -102,7 +102,7 @@ fn page(arguments: &Arguments) -> anyhow::Result<DispersionPage> {
     let Some(shot) = set.shots.iter().find(|shot| shot.number == arguments.shot) else {
         bail!("found {} shots, expected one with number {}", set.shots.len(), arguments.shot);
     };
-    let Some(scene) = recorded::scene(&set) else {
+    let Some(scene) = metadata::scene(&set) else {
         bail!(
             "found no scene in {}, expected a recording of a simulation: wavenumbers take the forces all along the chain",
             arguments.file.display()
@@ -114,8 +114,8 @@ fn page(arguments: &Arguments) -> anyhow::Result<DispersionPage> {
         Site::Wall => None,
     });
     let particle = arguments.particle.or(sensor).unwrap_or(2);
-    let cell = recorded::cell_and_force(&scene, Site::Particle(particle));
-    let (Some((chain, preload)), Some(contacts)) = (cell, recorded::cells(&scene, particle)) else {
+    let cell = metadata::cell_and_force(&scene, Site::Particle(particle));
+    let (Some((chain, preload)), Some(contacts)) = (cell, metadata::cells(&scene, particle)) else {
         bail!(
             "found no band gap at particle {particle} of {}, expected two kinds that take turns and a preload",
             scene.name

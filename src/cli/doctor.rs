@@ -5,7 +5,7 @@ use serde_json::json;
 
 use super::AnswerIsNo;
 use crate::chain::simd::InstructionSet;
-use crate::experiment::doctor::{Check, examine};
+use crate::studies::doctor::{Check, examine};
 
 /// Check the installation: what ships, the processor's instructions, a run known from outside; exit code 1 if anything is wrong
 #[derive(Debug, Args)]

@@ -4,9 +4,9 @@ use clap::Args;
 
 use super::accuracy::Asked;
 use super::progress::Progress;
-use crate::experiment::effects::ledger;
 use crate::report;
 use crate::scene::Scene;
+use crate::studies::effects::ledger;
 
 /// Show the effects of a scene: on or off, why, what each costs and changes
 #[derive(Debug, Args)]

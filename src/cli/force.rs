@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::picture;
 use super::sensor::{Wired, wire_all, wired};
-use crate::experiment::wired::{Forces, forces};
+use crate::measurement::force::{Forces, forces};
 use crate::recording::format::open;
 use crate::report;
 

@@ -3,8 +3,8 @@
 use clap::Args;
 
 use super::progress::Progress;
-use crate::experiment::hard_cases::{Verdict, judge_all};
 use crate::report;
+use crate::studies::hard_cases::{Verdict, judge_all};
 
 /// Compute the catalogue of hard cases: each right within its bound, or refused; exit code 1 if one is wrong
 #[derive(Debug, Args)]

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::Context as _;
-use clap::{Args, CommandFactory};
+use clap::Args;
 use clap_mangen::Man;
 
 /// Print the manual page, or write one a command into a folder
@@ -14,8 +14,8 @@ pub struct Arguments {
     output: Option<PathBuf>,
 }
 
-pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let command = super::Arguments::command();
+/// Prints or writes the pages of `command`, the program's command line.
+pub fn run(arguments: &Arguments, command: clap::Command) -> anyhow::Result<()> {
     if let Some(folder) = &arguments.output {
         std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
         return clap_mangen::generate_to(command, folder)

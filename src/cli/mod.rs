@@ -21,6 +21,7 @@ mod hard_cases;
 mod info;
 mod magnet;
 mod man;
+mod output;
 mod paper;
 mod picture;
 mod progress;
@@ -38,10 +39,11 @@ mod tunability;
 #[cfg(feature = "tui")]
 mod view;
 
-use std::io::{ErrorKind, Write as _};
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory as _, Parser, Subcommand};
+
+use output::{AnswerIsNo, is_broken_pipe, print};
 
 /// Exit code of an answer that is no.
 const NO: u8 = 1;
@@ -121,8 +123,8 @@ pub fn main() -> ExitCode {
         #[cfg(feature = "tui")]
         Command::View(arguments) => view::run(&arguments),
         Command::Doctor(arguments) => doctor::run(&arguments),
-        Command::Completions(arguments) => completions::run(&arguments),
-        Command::Man(arguments) => man::run(&arguments),
+        Command::Completions(arguments) => completions::run(&arguments, self::Arguments::command()),
+        Command::Man(arguments) => man::run(&arguments, self::Arguments::command()),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -134,23 +136,4 @@ pub fn main() -> ExitCode {
             ExitCode::from(COULD_NOT)
         }
     }
-}
-
-/// What was asked has been answered, and the answer, already printed, is no.
-#[derive(Debug, thiserror::Error)]
-#[error("the answer is no")]
-struct AnswerIsNo;
-
-fn is_broken_pipe(error: &anyhow::Error) -> bool {
-    let kind = error.downcast_ref::<std::io::Error>().map(std::io::Error::kind);
-    kind == Some(ErrorKind::BrokenPipe)
-}
-
-/// Prints `text` and a line end on standard output.
-fn print(text: &str) -> anyhow::Result<()> {
-    let mut out = std::io::stdout().lock();
-    out.write_all(text.as_bytes())?;
-    out.write_all(b"\n")?;
-    out.flush()?;
-    Ok(())
 }

@@ -8,10 +8,10 @@ use clap::Args;
 use super::picture;
 use super::progress::Progress;
 use crate::experiment::facts;
-use crate::experiment::paper::{FIGURES, FigureRun, Study, study};
 use crate::recording::mcap::RecordingWriter;
 use crate::report;
 use crate::report::document::{html, markdown};
+use crate::studies::paper::{FIGURES, FigureRun, Study, study};
 
 const TITLE: &str = "Herbold et al. (2009), computed again";
 

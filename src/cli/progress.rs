@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// How long something may take without a bar.
-const PATIENCE: Duration = Duration::from_secs(1);
+const BAR_DELAY: Duration = Duration::from_secs(1);
 /// Parts in which progress is counted.
 const PARTS: u64 = 1000;
 
@@ -31,7 +31,7 @@ impl Progress {
         reason = "a share of a thousand parts"
     )]
     pub fn at(&mut self, share: f64) {
-        if self.quiet || (self.bar.is_none() && self.started.elapsed() < PATIENCE) {
+        if self.quiet || (self.bar.is_none() && self.started.elapsed() < BAR_DELAY) {
             return;
         }
         let bar = self.bar.get_or_insert_with(|| {

@@ -1,8 +1,8 @@
 //! What a scope saves beside its curves: the set-up and the screen.
 
 use crate::data;
-use crate::experiment::recorded;
 use crate::instrument::Instrument;
+use crate::measurement::metadata;
 use crate::recording::{Shot, TraceSet};
 use crate::scene::{SceneError, oscilloscope};
 use crate::scpi::{Preferences, Reply, Session};
@@ -32,7 +32,7 @@ pub fn saved(set: &TraceSet, shot: &Shot) -> Result<Saved, SceneError> {
         let screen = screen_of(&mut instrument, shot);
         return Ok(Saved { set_up: Some(file.data.clone()), screen });
     }
-    let Some(scene) = recorded::scene_of(set, shot.number) else {
+    let Some(scene) = metadata::scene_of(set, shot.number) else {
         return Ok(Saved { set_up: None, screen: Screen::of_captures(&shot.captures) });
     };
     let scene = scene?;

@@ -3,7 +3,7 @@
 use anyhow::bail;
 
 use crate::data;
-use crate::experiment::wired::wire;
+use crate::measurement::force::wire;
 use crate::recording::TraceSet;
 use crate::scene::plates;
 

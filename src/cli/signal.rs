@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 
 use crate::analysis::gate::Gate;
 use crate::analysis::window::Window;
-use crate::experiment::recorded;
+use crate::measurement::metadata;
 use crate::quantity::{Dimension, parse};
 use crate::recording::format::open;
 use crate::recording::{Shot, TraceSet};
@@ -118,7 +118,7 @@ fn capture(set: &TraceSet, shot: &Shot, channel: Option<&str>) -> anyhow::Result
     let Some(mut trace) = capture.trace() else {
         bail!("{name}: found a record over frequency, expected one over time");
     };
-    let sensors = recorded::sensors_of(set, shot.number);
+    let sensors = metadata::sensors_of(set, shot.number);
     let sensor = sensors.iter().find(|sensor| sensor.channel.as_ref() == Some(&name));
     if let Some(sensor) = sensor {
         trace.name = format!("{name}, sensor {}", sensor.name);
@@ -141,7 +141,7 @@ fn truth(set: &TraceSet, shot: &Shot, name: &str) -> anyhow::Result<Signal> {
         let names: Vec<String> = shot.truth.iter().map(topic).collect();
         bail!("found no truth `{name}`, expected one of: {}", names.join(", "));
     };
-    let sensors = recorded::sensors_of(set, shot.number);
+    let sensors = metadata::sensors_of(set, shot.number);
     let topic = topic(trace);
     let sensor = sensors.iter().find(|s| Some(s.name.as_str()) == topic.strip_prefix("sensor/"));
     let offset = trace.values.first().copied().unwrap_or(0.0);

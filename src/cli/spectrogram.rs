@@ -9,7 +9,7 @@ use super::picture;
 use super::signal::{SignalArguments, WindowChoice, time};
 use crate::analysis::spectrum::{Analyser, Settings};
 use crate::analysis::time_frequency::{Pieces, Spectrogram};
-use crate::experiment::recorded;
+use crate::measurement::metadata;
 use crate::report::spectrogram::{SpectrogramPage, svg, text};
 
 /// Without a segment given, pieces are this part of the record.
@@ -61,8 +61,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let settings =
         Settings { window: arguments.window.window(), gate, offset, ..Settings::default() };
     let map = Spectrogram::of(&mut Analyser::new(), &trace, &settings, Pieces { segment, hop })?;
-    let scene = recorded::scene_of(&set, arguments.signal.shot).and_then(Result::ok);
-    let chain = site.zip(scene).and_then(|(site, scene)| recorded::cell(&scene, site));
+    let scene = metadata::scene_of(&set, arguments.signal.shot).and_then(Result::ok);
+    let chain = site.zip(scene).and_then(|(site, scene)| metadata::cell(&scene, site));
     let highest = chain.map_or(SHOWN * 0.5 / trace.interval, |chain| BEYOND * chain.cutoff());
     let title = arguments.signal.title(&trace);
     let page = SpectrogramPage { title, map, chain, highest };

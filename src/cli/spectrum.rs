@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::picture;
 use super::signal::{SignalArguments, WindowChoice};
 use crate::analysis::spectrum::{Analyser, Convention, Settings};
-use crate::experiment::recorded;
+use crate::measurement::metadata;
 use crate::recording::TraceSet;
 use crate::report;
 use crate::report::spectrum::{SpectrumPage, band};
@@ -87,8 +87,8 @@ fn chain(
     let Some(site) = site else {
         return (None, vec!["no band edges: where the signal was felt is not told".to_owned()]);
     };
-    match recorded::scene_of(set, shot) {
-        Some(Ok(scene)) => match recorded::cell(&scene, site) {
+    match metadata::scene_of(set, shot) {
+        Some(Ok(scene)) => match metadata::cell(&scene, site) {
             Some(cell) => (Some(cell), vec![SMALL_SIGNALS.to_owned()]),
             None => (
                 None,

@@ -11,10 +11,10 @@ use serde_json::{Value, json};
 use super::picture;
 use super::progress::Progress;
 use crate::analysis::dispersion::DiatomicChain;
-use crate::experiment::tunability::{Knob, TunedPoint, Tuning, tune};
 use crate::quantity::{Dimension, parse};
 use crate::report;
 use crate::scene::Scene;
+use crate::studies::tunability::{Knob, TunedPoint, Tuning, tune};
 
 /// Bands of frequency that JSON tells of, each 500 Hz wide.
 const BANDS: usize = 40;

@@ -7,7 +7,7 @@ use anyhow::bail;
 use clap::Args;
 
 use crate::recording::format::{Format, open};
-use crate::recording::mcap::tape::Tape;
+use crate::recording::mcap::indexed_recording::IndexedRecording;
 use crate::scene::Scene;
 use crate::tui::work::served::Scope;
 use crate::tui::{self, Subject};
@@ -42,7 +42,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         bail!("{}: found --follow, expected it with an .mcap recording", arguments.what);
     }
     let subject = match format {
-        Some(Format::Mcap) => Subject::Tape(Box::new(Tape::open(path)?), arguments.follow),
+        Some(Format::Mcap) => {
+            Subject::IndexedRecording(Box::new(IndexedRecording::open(path)?), arguments.follow)
+        }
         Some(_) => Subject::Set(Box::new(open(path)?)),
         None => bench(&arguments.what)?,
     };

@@ -155,7 +155,7 @@ pub fn run_held(
 }
 
 /// From when on the motion of `scene` at `accuracy` (1) is not known to half of its digits, where contacts may have changed sides: others amplify no errors (s).
-pub(super) fn known_until(scene: &Scene, accuracy: f64, changes: Option<u64>) -> Option<f64> {
+pub(crate) fn known_until(scene: &Scene, accuracy: f64, changes: Option<u64>) -> Option<f64> {
     let setting = (scene.duration, accuracy);
     let amplifies = changes != Some(0) && !scene.chain.is_linear();
     // A motion that cannot be computed has been refused already.

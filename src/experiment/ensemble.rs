@@ -2,8 +2,8 @@
 
 use std::borrow::Borrow;
 
+use super::auto_effects::settle;
 use super::bench::{Bench, Grid};
-use super::effects::auto::settle;
 use super::parallel::{in_parallel, processors};
 use super::pulse::PulseRecorder;
 use super::{Integration, losses};

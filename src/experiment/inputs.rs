@@ -2,8 +2,8 @@
 
 use super::accuracy::of_scene;
 use super::acquisition::{external, truth, volts};
+use super::auto_effects::settle;
 use super::bench::{Bench, Grid};
-use super::effects::auto::settle;
 use super::{FRAMES, Integration, RunError, free_grid, method, probes};
 use crate::scene::Scene;
 use crate::trace::Trace;

@@ -5,38 +5,28 @@
 //! scope's record ends after the scene's duration, the chain simply moves on until the record is full.
 
 pub mod accuracy;
-mod acquisition;
-pub mod arrivals;
+pub(crate) mod acquisition;
+pub mod auto_effects;
 pub mod bench;
 pub mod by_hand;
-pub mod calibration;
-pub mod compare;
-mod comparison;
-pub mod cost;
-pub mod doctor;
-pub mod effects;
+pub(crate) mod comparison;
 pub mod energy;
 pub mod ensemble;
 mod error;
 pub mod facts;
 mod film;
-pub mod fit;
-pub mod hard_cases;
 pub mod horizon;
 pub mod inputs;
-mod losses;
+pub(crate) mod losses;
 mod notes;
 pub mod outcome;
-pub mod paper;
+pub mod paper_speeds;
 pub mod parallel;
 pub mod pulse;
-pub mod recorded;
 mod segment;
-mod tried;
-pub mod tunability;
+pub(crate) mod tried;
 mod turn;
 mod watch;
-pub mod wired;
 mod yielding;
 
 pub use error::RunError;
@@ -60,7 +50,7 @@ use error::MOST_STEPS;
 use outcome::{Reading, Summary, TriggerReport};
 
 /// Frames of the film over a scene's duration.
-const FRAMES: f64 = 200.0;
+pub(crate) const FRAMES: f64 = 200.0;
 /// Samples kept before the earliest that a record can need.
 const SPARE_SAMPLES: f64 = 20.0;
 /// Stream of the sample clock's phase; channels use 1 to 4.
@@ -101,7 +91,7 @@ pub fn run(
     shot: u32,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Outcome, RunError> {
-    let scene = &*effects::auto::settle(scene, integration);
+    let scene = &*auto_effects::settle(scene, integration);
     let started = Instant::now();
     let method = method(scene, integration)?;
     let grid = sample_grid(scene, shot);
@@ -124,7 +114,7 @@ pub fn run(
     Ok(Outcome { summary: finished.summarise(&shot), shot })
 }
 
-fn method(scene: &Scene, integration: Integration) -> Result<Method, RunError> {
+pub(crate) fn method(scene: &Scene, integration: Integration) -> Result<Method, RunError> {
     let method = match integration {
         Integration::Accuracy(accuracy) => return Ok(losses::method(scene, accuracy)),
         Integration::Tried { method, .. } => return Ok(method),
@@ -148,7 +138,7 @@ fn method(scene: &Scene, integration: Integration) -> Result<Method, RunError> {
 }
 
 /// The scope's sample times on the bench's clock, set as in the scene.
-fn sample_grid(scene: &Scene, shot: u32) -> Grid {
+pub(crate) fn sample_grid(scene: &Scene, shot: u32) -> Grid {
     let setup = &scene.scope;
     let interval = setup.model.sample_interval(setup.time_base);
     let (start, _) = setup.record_span();
@@ -164,7 +154,7 @@ fn free_grid(scene: &Scene, shot: u32, interval: f64, before: f64) -> Grid {
 }
 
 /// One probe a sensor, in their order, and the wall's contact last if there is a wall.
-fn probes(scene: &Scene) -> Vec<ForceProbe> {
+pub(crate) fn probes(scene: &Scene) -> Vec<ForceProbe> {
     let chain = &scene.chain;
     let wall = || chain.wall_contact().and_then(|j| ForceProbe::contact(chain, j));
     let sensor = |site: Site, offset: f64| match site {
@@ -230,7 +220,7 @@ impl Finished<'_> {
             effect_settings: effects.iter().map(|(name, set)| format!("{name}: {set}")).collect(),
             effects: effects.into_iter().map(|(name, _)| name).collect(),
             energy: EnergyLedger::new(initial, last, bench.dissipated()),
-            paper: paper::speed_of(scene),
+            paper: paper_speeds::speed_of(scene),
             speeds: outcome::speeds(&scene.chain, &sensors),
             wall: wall.map(|watch| Reading::of("wall", None, 0.0, &watch.pulse)),
             notes: notes::notes(scene, &sensors, shot, found)

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::accuracy::ErrorEstimate;
 use super::energy::{EnergyLedger, TOLERABLE};
-use super::paper::PaperSpeed;
+use super::paper_speeds::PaperSpeed;
 use super::pulse::{FOOT, HALF_RISE, PEAK_SHARE, PassedOver, Peak, PulseRecorder};
 use crate::chain::Chain;
 use crate::quantity::engineering;

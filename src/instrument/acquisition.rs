@@ -14,7 +14,7 @@ use super::word::words;
 use crate::scope::{Setup, Source, TriggerMode, TriggerSource, Waveform};
 
 /// Automatic mode waits for a trigger at least this long (s).
-const PATIENCE: f64 = 0.05;
+const AUTO_TRIGGER_TIMEOUT: f64 = 0.05;
 
 words! {
     /// What the acquisition is doing.
@@ -164,7 +164,7 @@ impl Acquisition {
             self.launch(by.setup, records, None);
         }
         let automatic = by.setup.trigger.mode == TriggerMode::Auto;
-        let patience = before_trigger(by.setup) + after_trigger(by.setup).max(PATIENCE);
+        let patience = before_trigger(by.setup) + after_trigger(by.setup).max(AUTO_TRIGGER_TIMEOUT);
         let waiting = self.running && self.in_flight.is_none() && automatic;
         if waiting && self.now >= self.armed_at + patience {
             let records = self.quiet(by);

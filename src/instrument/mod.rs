@@ -28,7 +28,7 @@ pub use outcome::{Accepted, Finished, Trigger};
 pub use panel::Panel;
 pub use record::Signals;
 pub use status::Status;
-pub use timing::Wanted;
+pub use timing::SampleWindow;
 
 use crate::recording::Capture;
 use crate::scope::{ChannelSetup, Deviation, Model, Setup, Source, Waveform};
@@ -133,8 +133,8 @@ impl Instrument {
 
     /// The sample grid on which signals are welcome with the present settings.
     #[must_use]
-    pub fn wanted(&self) -> Wanted {
-        Wanted::of(&self.panel, &self.setup())
+    pub fn sample_window(&self) -> SampleWindow {
+        SampleWindow::of(&self.panel, &self.setup())
     }
 
     /// Time has passed: it is `now` (s), on any clock that does not run backwards.

@@ -31,7 +31,7 @@ pub fn after_trigger(setup: &Setup) -> f64 {
 
 /// The grid on which the instrument wants its signals, and how much of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Wanted {
+pub struct SampleWindow {
     /// From one sample to the next (s).
     pub interval: f64,
     /// Time before the trigger that the record shows (s).
@@ -40,7 +40,7 @@ pub struct Wanted {
     pub after: f64,
 }
 
-impl Wanted {
+impl SampleWindow {
     /// What a scope with these settings wants.
     pub fn of(panel: &Panel, setup: &Setup) -> Self {
         Self {

@@ -8,42 +8,14 @@
 //! oscilloscope's division. Exponents are counted in halves, because a Hertz contact's stiffness has
 //! the unit N/m^1.5.
 
+mod dimension;
+mod error;
 mod unit;
 
+pub use dimension::Dimension;
+pub use error::QuantityError;
+
 use std::fmt;
-
-pub use unit::Dimension;
-
-/// Why a text is no quantity of the wanted dimension.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum QuantityError {
-    /// The text does not begin with a number.
-    #[error("no number at the start of `{text}`")]
-    NoNumber {
-        /// The text as typed.
-        text: String,
-    },
-    /// The number is infinite or not a number.
-    #[error("`{text}` is not a finite number")]
-    NotFinite {
-        /// The text as typed.
-        text: String,
-    },
-    /// The unit contains a symbol that is not known.
-    #[error("unknown unit `{unit}`")]
-    UnknownUnit {
-        /// The symbol that was not recognised.
-        unit: String,
-    },
-    /// The unit is known, but measures something else.
-    #[error("`{text}` is {found}")]
-    WrongDimension {
-        /// The text as typed.
-        text: String,
-        /// What the text's unit measures.
-        found: Dimension,
-    },
-}
 
 /// Reads `text`, a number followed by a unit, as a value of `dimension` in SI units.
 ///

@@ -1,7 +1,7 @@
 //! Arrivals and speeds as a page of text.
 
 use super::table;
-use crate::experiment::arrivals::{ChannelArrivals, Survey, Uncertain};
+use crate::measurement::arrivals::{ChannelArrivals, Survey, Uncertain};
 use crate::quantity::engineering;
 
 /// Coverage factor of what is printed: 95 % (1).

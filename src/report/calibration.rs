@@ -1,8 +1,8 @@
 //! A calibration as a page of text, as a certificate, and as pictures of its impacts.
 
 use super::table;
-use crate::experiment::calibration::CalibrationReport;
-use crate::experiment::calibration::words::ImpactReport;
+use crate::measurement::calibration::CalibrationReport;
+use crate::measurement::calibration::words::ImpactReport;
 use crate::quantity::engineering;
 
 /// Inputs with a smaller share of the variance than this are one line of the page together (1).

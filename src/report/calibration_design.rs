@@ -1,9 +1,9 @@
 //! The design of a momentum test as a page of text.
 
 use super::table;
-use crate::experiment::calibration::coverage::Coverage;
-use crate::experiment::calibration::design::{Candidate, Lab};
 use crate::quantity::engineering;
+use crate::studies::momentum_test::coverage::Coverage;
+use crate::studies::momentum_test::design::{Candidate, Lab};
 
 /// Candidates shown.
 const SHOWN: usize = 12;

@@ -5,8 +5,8 @@ use super::chart::chart_over;
 use super::document::{Part, html, markdown};
 use super::plot::Curve;
 use crate::analysis::calibration::{Calibration, ImpactResult};
-use crate::experiment::calibration::CalibrationReport;
-use crate::experiment::calibration::words::ImpactReport;
+use crate::measurement::calibration::CalibrationReport;
+use crate::measurement::calibration::words::ImpactReport;
 use crate::quantity::engineering;
 
 /// What a temperature in kelvin is above one in degrees Celsius.

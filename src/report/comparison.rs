@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::document::Part;
 use super::plot::Curve;
 use super::{chart, chart_over, table};
-use crate::experiment::compare::{ChannelScore, Compared, Comparison};
+use crate::measurement::compare::{ChannelScore, Compared, Comparison};
 use crate::quantity::engineering;
 use crate::trace::Trace;
 
@@ -67,7 +67,7 @@ fn speed_rows(comparison: &Comparison) -> Vec<Vec<String>> {
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
     rows.extend(comparison.speeds.iter().map(|s| {
         let speed =
-            |u: crate::experiment::arrivals::Uncertain| format!("{:.2} ± {:.2} m/s", u.value, u.u);
+            |u: crate::measurement::arrivals::Uncertain| format!("{:.2} ± {:.2} m/s", u.value, u.u);
         vec![
             format!("{} -> {}", s.from, s.to),
             s.estimator.replace('_', "-"),

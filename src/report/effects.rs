@@ -2,7 +2,7 @@
 
 use super::table;
 use super::words::{COLUMNS, hanging, wrapped};
-use crate::experiment::effects::{Entry, Ledger, State};
+use crate::studies::effects::{Entry, Ledger, State};
 
 /// What the table means.
 const MEANING: &str = "Cost: wall time of a step with it less that without it, openings and tries included, 0 within what timing tells. \

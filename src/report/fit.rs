@@ -3,8 +3,8 @@
 use super::document::Part;
 use super::plot::Curve;
 use super::{chart, chart_over, table};
-use crate::experiment::fit::blind::Blind;
-use crate::experiment::fit::{ChannelResult, Fit, FitReport, Nuisance, Parameter};
+use crate::fit::blind::Blind;
+use crate::fit::{ChannelResult, Fit, FitReport, Nuisance, Parameter};
 use crate::quantity::engineering;
 
 /// `1.4601 ± 0.0023`: a number with its uncertainty to two digits.
@@ -79,7 +79,7 @@ fn correlation_rows(report: &FitReport) -> Vec<Vec<String>> {
 }
 
 fn profile_lines(report: &FitReport) -> Vec<String> {
-    let line = |profile: &crate::experiment::fit::Profile| {
+    let line = |profile: &crate::fit::Profile| {
         let parameter = report.parameters.iter().find(|p| p.path == profile.path);
         let (scale, unit) = parameter.map_or((1.0, ""), |p| (p.unit_in_si, p.unit.as_str()));
         let decimals = parameter.map_or(3, |p| decimals(p.u / scale));

@@ -2,7 +2,7 @@
 
 use super::plot::{Curve, braille};
 use super::table;
-use crate::experiment::wired::Forces;
+use crate::measurement::force::Forces;
 use crate::quantity::engineering;
 
 /// Force over time.

@@ -1,7 +1,7 @@
 //! The catalogue of hard cases as a page of text.
 
 use super::words::hanging;
-use crate::experiment::hard_cases::Finding;
+use crate::studies::hard_cases::Finding;
 
 /// The page that `hard-cases` prints.
 #[must_use]

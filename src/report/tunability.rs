@@ -3,8 +3,8 @@
 use super::sheet::{Axis, COLOURS, Line, Map, Panel, Sheet, Stroke, sheet_svg};
 use super::table;
 use crate::analysis::dispersion::DiatomicChain;
-use crate::experiment::tunability::{TunedPoint, Tuning};
 use crate::quantity::engineering;
+use crate::studies::tunability::{TunedPoint, Tuning};
 
 /// Highest frequency that is shown (Hz).
 const HIGHEST: f64 = 20e3;

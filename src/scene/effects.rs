@@ -1,6 +1,6 @@
 //! The physics that a scene switches on: `[effects.<name>]`.
 
-use super::document::Value;
+use super::effect_table::effect;
 use super::losses::losses;
 use super::magnet_preload::magnet;
 use super::reader::{Bound, Table};
@@ -84,17 +84,6 @@ pub fn effects(
     magnet(effects, particles, &mut spec);
     losses(effects, pairs, &mut spec);
     spec
-}
-
-/// The table of an effect; `false` in its place switches off what a base scene switched on.
-pub(super) fn effect<'a>(effects: &Table<'a>, name: &'static str) -> Option<Table<'a>> {
-    let node = effects.node(name)?;
-    if matches!(node.value, Value::Flag(false)) {
-        return None;
-    }
-    let table = effects.table(name)?;
-    let _ = table.node("state");
-    Some(table)
 }
 
 /// Whether `[effects.scope_errors]` is on.

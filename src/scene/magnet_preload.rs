@@ -2,7 +2,7 @@
 
 use super::bodies::last_particle;
 use super::document::Value;
-use super::effects::effect;
+use super::effect_table::effect;
 use super::magnets;
 use super::reader::{Bound, Table};
 use crate::chain::{EffectsSpec, MagnetForce, MagnetLaw, MagnetPreload, PlacedAt, PlacedMagnet};

@@ -1,7 +1,7 @@
 //! Parts of an oscilloscope's data file that stand in tables of their own: limits, accuracy, the law of spectra.
 
-use super::oscilloscope::{LONGEST_RECORD, series};
 use super::reader::{Bound, Table};
+use super::series::{LONGEST_RECORD, series};
 use crate::quantity::Dimension;
 use crate::scope::model::{Accuracy, FftLaw, Limits};
 

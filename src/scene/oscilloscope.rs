@@ -2,11 +2,9 @@
 
 use super::model;
 use super::reader::{Bound, Table};
-use crate::quantity::{Dimension, engineering, parse};
+use super::series::{LONGEST_RECORD, series};
+use crate::quantity::{Dimension, engineering};
 use crate::scope::Model;
-
-/// Most points that a record may have: what a scope of any make keeps in memory.
-pub const LONGEST_RECORD: u64 = 1_000_000;
 /// Most events that a remote interface may keep.
 const LONGEST_QUEUE: u64 = 1000;
 /// A time base that puts fewer points than this on the scene's duration shows nothing of it (1).
@@ -97,31 +95,6 @@ pub fn model(table: &Table<'_>) -> Option<Model> {
         accuracy: accuracy?,
         fft: fft?,
     })
-}
-
-/// A list of quantities, ascending (unit).
-pub fn series(
-    table: &Table<'_>,
-    key: &'static str,
-    dimension: Dimension,
-    required: bool,
-) -> Option<Vec<f64>> {
-    let expected = || format!("{dimension} above zero");
-    if required && !table.has(key) {
-        table.problem(key, "no such key", format!("a list, each {}", expected()));
-    }
-    if table.is_empty_list(key) {
-        table.problem(key, "an empty list", format!("a list, each {}", expected()));
-    }
-    let mut values = Vec::new();
-    for (text, place) in table.texts(key) {
-        match parse(text, dimension) {
-            Ok(value) if value > 0.0 => values.push(value),
-            _ => table.problem_at(place, key, format!("\"{text}\""), expected()),
-        }
-    }
-    values.sort_by(f64::total_cmp);
-    (!values.is_empty()).then_some(values)
 }
 
 /// A time base that the instrument does not have or that shows nothing of the scene is a mistake, not a setting; so is a

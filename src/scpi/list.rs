@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::command::GROUPS;
-use super::row::{Row, Standing};
+use super::row::{Row, Support};
 
 /// The content of `docs/scpi-commands.md`.
 #[must_use]
@@ -31,8 +31,8 @@ pub fn markdown() -> String {
 
 fn write_row(row: &Row, text: &mut String) {
     let access = row.setting.access();
-    let (directions, here, about) = match row.standing {
-        Standing::Alias(of) => ("", "alias", format!("as `{of}`")),
+    let (directions, here, about) = match row.support {
+        Support::Alias(of) => ("", "alias", format!("as `{of}`")),
         standing => {
             let directions = match (access.sets, access.asks) {
                 (true, true) => "set, query",
@@ -40,9 +40,9 @@ fn write_row(row: &Row, text: &mut String) {
                 _ => "query",
             };
             let here = match standing {
-                Standing::Acts => "acts",
-                Standing::Own => "own",
-                Standing::Accepted => "accepted",
+                Support::Implemented => "acts",
+                Support::Extension => "own",
+                Support::Stub => "accepted",
                 _ => "refused",
             };
             (directions, here, row.about.to_owned())

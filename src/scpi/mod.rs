@@ -15,6 +15,7 @@ pub mod input;
 pub mod list;
 pub mod message;
 pub mod number;
+mod place;
 pub mod preferences;
 pub mod reply;
 pub mod row;

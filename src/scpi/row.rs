@@ -1,19 +1,18 @@
 //! One row of the table of commands.
 
 use super::setting::Setting;
-use crate::scope::Source;
 
 /// What a command does in this program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Standing {
-    /// It does what the manual says.
-    Acts,
-    /// It acts, and no real oscilloscope has it.
-    Own,
-    /// It is kept and told, and changes nothing else.
-    Accepted,
-    /// It is known and refused with an event.
-    Refused,
+pub enum Support {
+    /// Implemented as in the manual.
+    Implemented,
+    /// Implemented here, unknown to the real oscilloscope.
+    Extension,
+    /// The value is stored and returned without further effect.
+    Stub,
+    /// Rejected with an event.
+    Unsupported,
     /// Another spelling of the row that is named.
     Alias(&'static str),
 }
@@ -25,7 +24,7 @@ pub struct Row {
     /// What is set and told.
     pub setting: &'static dyn Setting,
     /// What it does here.
-    pub standing: Standing,
+    pub support: Support,
     /// Whether queries of the group that it is in tell it.
     pub in_group: bool,
     /// One line about it.
@@ -40,7 +39,7 @@ impl Row {
         setting: &'static dyn Setting,
         about: &'static str,
     ) -> Self {
-        Self { header, setting, standing: Standing::Acts, in_group: true, about }
+        Self { header, setting, support: Support::Implemented, in_group: true, about }
     }
 
     /// A command that acts and that no real oscilloscope has.
@@ -50,7 +49,7 @@ impl Row {
         setting: &'static dyn Setting,
         about: &'static str,
     ) -> Self {
-        Self { header, setting, standing: Standing::Own, in_group: true, about }
+        Self { header, setting, support: Support::Extension, in_group: true, about }
     }
 
     /// A command that is kept and told.
@@ -60,7 +59,7 @@ impl Row {
         setting: &'static dyn Setting,
         about: &'static str,
     ) -> Self {
-        Self { header, setting, standing: Standing::Accepted, in_group: true, about }
+        Self { header, setting, support: Support::Stub, in_group: true, about }
     }
 
     /// A command that is refused.
@@ -70,14 +69,14 @@ impl Row {
         setting: &'static dyn Setting,
         about: &'static str,
     ) -> Self {
-        Self { header, setting, standing: Standing::Refused, in_group: false, about }
+        Self { header, setting, support: Support::Unsupported, in_group: false, about }
     }
 
     /// Another spelling of the row `of`.
     #[must_use]
     pub const fn alias(header: &'static str, of: &'static str) -> Self {
         let setting = &super::setting::Nothing;
-        Self { header, setting, standing: Standing::Alias(of), in_group: false, about: "" }
+        Self { header, setting, support: Support::Alias(of), in_group: false, about: "" }
     }
 
     /// The same, left out when its group is asked for.
@@ -98,19 +97,4 @@ pub struct Group {
     pub title: &'static str,
     /// Its commands, in the order in which queries of a group tell them.
     pub rows: &'static [Row],
-}
-
-/// What the placeholder in a header stood for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Place {
-    /// The number of `CH<x>`, `MEAS<x>`, `POSITION<x>`; 1 without placeholder.
-    pub number: u8,
-    /// The waveform of `CH<x>`, `REF<x>`, `<wfm>`; channel 1 without placeholder.
-    pub source: Source,
-}
-
-impl Default for Place {
-    fn default() -> Self {
-        Self { number: 1, source: Source::Channel(1) }
-    }
 }

@@ -7,7 +7,7 @@ use super::input::{Input, MAXIMUM_BYTES, Piece};
 use super::message::{Unit, units};
 use super::preferences::Preferences;
 use super::reply;
-use super::setting::{At, Stop};
+use super::setting::{Context, Stop};
 use super::tree;
 use crate::instrument::{Event, Instrument};
 
@@ -246,7 +246,7 @@ impl Session {
             words.pop();
             progress.path = words;
         }
-        let mut at = At {
+        let mut at = Context {
             instrument,
             preferences: &mut self.preferences,
             place: found.place,

@@ -2,8 +2,8 @@
 
 use super::argument::{flag, real, word};
 use super::message::Argument;
+use super::place::Place;
 use super::preferences::Preferences;
-use super::row::Place;
 use super::value::Value;
 use crate::instrument::word::Word;
 use crate::instrument::{Event, Instrument};
@@ -23,8 +23,8 @@ impl From<Event> for Stop {
     }
 }
 
-/// Where a unit is executed.
-pub struct At<'a> {
+/// Context in which a unit is executed.
+pub struct Context<'a> {
     /// The instrument.
     pub instrument: &'a mut Instrument,
     /// The connection's headers and terminator.
@@ -64,7 +64,7 @@ pub trait Setting: Sync {
     ///
     /// # Errors
     /// [`Stop`], with the event to report.
-    fn set(&self, _at: &mut At<'_>, _arguments: &[Argument]) -> Result<(), Stop> {
+    fn set(&self, _at: &mut Context<'_>, _arguments: &[Argument]) -> Result<(), Stop> {
         Err(Event::UndefinedHeader.into())
     }
 
@@ -72,7 +72,7 @@ pub trait Setting: Sync {
     ///
     /// # Errors
     /// [`Stop`], with the event to report.
-    fn get(&self, _at: &mut At<'_>) -> Result<Value, Stop> {
+    fn get(&self, _at: &mut Context<'_>) -> Result<Value, Stop> {
         Err(Event::UndefinedHeader.into())
     }
 
@@ -85,9 +85,9 @@ pub trait Setting: Sync {
 /// A function that finds a setting in the instrument.
 type Field<T> = for<'a> fn(&'a mut Instrument, Place) -> &'a mut T;
 /// A function that does what a command says.
-type SetFunction = fn(&mut At<'_>, &[Argument]) -> Result<(), Stop>;
+type SetFunction = fn(&mut Context<'_>, &[Argument]) -> Result<(), Stop>;
 /// A function that answers a query.
-type GetFunction = fn(&mut At<'_>) -> Result<Value, Stop>;
+type GetFunction = fn(&mut Context<'_>) -> Result<Value, Stop>;
 /// A function that makes a setting of a number.
 type Fit = fn(&Instrument, Place, f64) -> f64;
 
@@ -101,12 +101,12 @@ impl<T: Word> Setting for Words<T> {
         BOTH
     }
 
-    fn set(&self, at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    fn set(&self, at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
         *(self.0)(at.instrument, at.place) = word(arguments)?;
         Ok(())
     }
 
-    fn get(&self, at: &mut At<'_>) -> Result<Value, Stop> {
+    fn get(&self, at: &mut Context<'_>) -> Result<Value, Stop> {
         Ok(Value::Word((self.0)(at.instrument, at.place).word()))
     }
 }
@@ -119,12 +119,12 @@ impl Setting for OnOff {
         BOTH
     }
 
-    fn set(&self, at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    fn set(&self, at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
         *(self.0)(at.instrument, at.place) = flag(arguments)?;
         Ok(())
     }
 
-    fn get(&self, at: &mut At<'_>) -> Result<Value, Stop> {
+    fn get(&self, at: &mut Context<'_>) -> Result<Value, Stop> {
         let on = *(self.0)(at.instrument, at.place);
         Ok(Value::Word(if on { "ON" } else { "OFF" }))
     }
@@ -138,12 +138,12 @@ impl Setting for Switch {
         BOTH
     }
 
-    fn set(&self, at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    fn set(&self, at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
         *(self.0)(at.instrument, at.place) = flag(arguments)?;
         Ok(())
     }
 
-    fn get(&self, at: &mut At<'_>) -> Result<Value, Stop> {
+    fn get(&self, at: &mut Context<'_>) -> Result<Value, Stop> {
         Ok(Value::flag(*(self.0)(at.instrument, at.place)))
     }
 }
@@ -156,13 +156,13 @@ impl Setting for Number {
         BOTH
     }
 
-    fn set(&self, at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    fn set(&self, at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
         let fitted = (self.1)(at.instrument, at.place, real(arguments)?);
         *(self.0)(at.instrument, at.place) = fitted;
         Ok(())
     }
 
-    fn get(&self, at: &mut At<'_>) -> Result<Value, Stop> {
+    fn get(&self, at: &mut Context<'_>) -> Result<Value, Stop> {
         Ok(Value::Number(*(self.0)(at.instrument, at.place)))
     }
 }
@@ -175,45 +175,45 @@ impl Setting for Both {
         BOTH
     }
 
-    fn set(&self, at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    fn set(&self, at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
         (self.0)(at, arguments)
     }
 
-    fn get(&self, at: &mut At<'_>) -> Result<Value, Stop> {
+    fn get(&self, at: &mut Context<'_>) -> Result<Value, Stop> {
         (self.1)(at)
     }
 }
 
 /// A query without command.
-pub struct Asks(pub GetFunction);
+pub struct Query(pub GetFunction);
 
-impl Setting for Asks {
+impl Setting for Query {
     fn access(&self) -> Access {
         Access { sets: false, asks: true }
     }
 
-    fn get(&self, at: &mut At<'_>) -> Result<Value, Stop> {
+    fn get(&self, at: &mut Context<'_>) -> Result<Value, Stop> {
         (self.0)(at)
     }
 }
 
 /// A command without query.
-pub struct Does(pub SetFunction);
+pub struct Command(pub SetFunction);
 
-impl Setting for Does {
+impl Setting for Command {
     fn access(&self) -> Access {
         Access { sets: true, asks: false }
     }
 
-    fn set(&self, at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    fn set(&self, at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
         (self.0)(at, arguments)
     }
 }
 
 /// A query that other rows answer.
-pub struct Tells(pub Parts);
+pub struct GroupQuery(pub Parts);
 
-impl Setting for Tells {
+impl Setting for GroupQuery {
     fn access(&self) -> Access {
         Access { sets: false, asks: true }
     }
@@ -224,14 +224,14 @@ impl Setting for Tells {
 }
 
 /// A query that other rows answer, and a command.
-pub struct TellsAndDoes(pub Parts, pub SetFunction);
+pub struct GroupQueryAndCommand(pub Parts, pub SetFunction);
 
-impl Setting for TellsAndDoes {
+impl Setting for GroupQueryAndCommand {
     fn access(&self) -> Access {
         BOTH
     }
 
-    fn set(&self, at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    fn set(&self, at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
         (self.1)(at, arguments)
     }
 

@@ -1,9 +1,10 @@
 //! Finds the row of a header.
 
 use super::command::GROUPS;
+use super::place::Place;
 use super::reply::Answer;
-use super::row::{Place, Row, Standing};
-use super::setting::{At, Parts, Stop};
+use super::row::{Row, Support};
+use super::setting::{Context, Parts, Stop};
 use crate::instrument::Event;
 use crate::instrument::word::abbreviates;
 use crate::scope::Source;
@@ -27,8 +28,8 @@ pub fn find(words: &[String], channels: u8) -> Option<Found> {
         let place = matches(row, words, channels)?;
         Some(Found { row, place })
     })?;
-    match found.row.standing {
-        Standing::Alias(of) => {
+    match found.row.support {
+        Support::Alias(of) => {
             let row = rows().find(|row| row.header == of)?;
             Some(Found { row, ..found })
         }
@@ -104,7 +105,7 @@ pub fn filled(node: &str, place: Place) -> String {
 ///
 /// # Errors
 /// [`Stop`] where a row cannot tell.
-pub fn ask(found: Found, at: &mut At<'_>) -> Result<Vec<Answer>, Stop> {
+pub fn ask(found: Found, at: &mut Context<'_>) -> Result<Vec<Answer>, Stop> {
     let mut answers = Vec::new();
     collect(found, at, DEEPEST, &mut answers)?;
     Ok(answers)
@@ -112,7 +113,7 @@ pub fn ask(found: Found, at: &mut At<'_>) -> Result<Vec<Answer>, Stop> {
 
 fn collect(
     found: Found,
-    at: &mut At<'_>,
+    at: &mut Context<'_>,
     depth: u8,
     answers: &mut Vec<Answer>,
 ) -> Result<(), Stop> {

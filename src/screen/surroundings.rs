@@ -7,10 +7,11 @@ use embedded_graphics::mono_font::iso_8859_1::FONT_6X10;
 use embedded_graphics::primitives::{Primitive as _, PrimitiveStyle, Rectangle};
 use embedded_graphics::text::{Baseline, Text};
 
-use super::draw::{CENTRE, CORNER, SPAN, dots, line, text, text_to};
+use super::content::type_name;
 use super::picture::{Ink, Picture};
 use super::readout::readout;
-use super::{Screen, TriggerReadout, type_name};
+use super::strokes::{CENTRE, CORNER, SPAN, dots, line, text, text_to};
+use super::{Screen, TriggerReadout};
 use crate::scope::{Slope, Source, TriggerSource, Waveform};
 
 /// Left edge of the menu.

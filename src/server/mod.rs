@@ -1,15 +1,20 @@
 //! The scope on the network: raw TCP sockets and HiSLIP sessions on which lab clients talk to one instrument.
 //!
-//! One task owns the instrument and what it remembers of every connection (`owner`, with `desk` for the sessions and `stand`
-//! for the bench's settings); each connection has a task that carries bytes (`link`); the chain moves on a thread of its own
-//! (`bench`), so that no reply waits for a simulation; `recorder` writes down what happens.
+//! One task owns the instrument and what it remembers of every connection (`instrument_task`, with `sessions`, and
+//! `bench_state` for the bench's settings); each connection has a task that copies bytes (`connection`); the chain moves on a thread
+//! of its own (`bench_thread`), so that no reply waits for a simulation; `recorder` writes down what happens.
 
-mod bench;
-mod desk;
-mod link;
-mod owner;
+mod bench_state;
+mod bench_thread;
+mod connection;
+mod error;
+mod instrument_task;
+mod options;
 mod recorder;
-mod stand;
+mod sessions;
+
+pub use error::ServeError;
+pub use options::Options;
 
 use std::future::Future;
 use std::io;
@@ -20,21 +25,20 @@ use std::time::Duration;
 use tokio::sync::mpsc;
 use tokio::task::JoinSet;
 
-use crate::experiment::RunError;
-use crate::recording::mcap::{RecordingWriter, WriteError};
+use crate::recording::mcap::RecordingWriter;
 use crate::scene::Scene;
-use link::{Link, Protocol};
-use owner::Owner;
+use connection::{Connection, Protocol};
+use instrument_task::InstrumentTask;
 use recorder::Recorder;
 
 /// Connections at a time, of both protocols; further ones are closed at once. A HiSLIP session has two.
 pub const MOST_CONNECTIONS: usize = 128;
-/// Pieces of input that wait for the owner, from all connections.
+/// Capacity of the queue of input pieces from all connections.
 const PIECES: usize = 64;
-/// Pause after a connection that could not be taken, e.g. for want of file handles.
-const PAUSE: Duration = Duration::from_millis(20);
-/// What was answered before the end is delivered within this time.
-const FAREWELL: Duration = Duration::from_secs(1);
+/// Delay before accepting again after an error, e.g. when file handles have run out.
+const ACCEPT_RETRY_DELAY: Duration = Duration::from_millis(20);
+/// Time limit for writing the answers that are pending at shutdown.
+const SHUTDOWN_GRACE: Duration = Duration::from_secs(1);
 
 /// Where the server listens.
 #[derive(Debug)]
@@ -45,47 +49,7 @@ pub struct Sockets {
     pub hislip: Option<TcpListener>,
 }
 
-/// How the server behaves.
-#[derive(Debug, Default)]
-pub struct Options {
-    /// Whether headers stand before answers on a fresh connection (`HEADer`).
-    pub header: bool,
-    /// From one strike to the next; none leaves the chain at rest until a client strikes it.
-    pub impact_every: Option<Duration>,
-    /// Strikes that somebody beside the bench asks for, one a message.
-    pub strikes: Option<mpsc::Receiver<()>>,
-}
-
-/// Why a server ended by itself.
-#[derive(Debug, thiserror::Error)]
-pub enum ServeError {
-    /// No runtime, no thread, or a listener that is none.
-    #[error("the server could not start: {reason}")]
-    Start {
-        /// What the system says.
-        reason: io::Error,
-    },
-    /// The chain could not be followed.
-    #[error("impact {shot}: {reason}")]
-    Impact {
-        /// Number of the shot.
-        shot: u32,
-        /// What went wrong.
-        reason: RunError,
-    },
-    /// The bench's thread ended.
-    #[error("the simulation has ended unexpectedly")]
-    BenchLost,
-    /// The recording could not be written.
-    #[error("the recording could not be written")]
-    Record {
-        /// What went wrong.
-        #[source]
-        reason: WriteError,
-    },
-}
-
-/// Answers everybody who connects, until `shutdown` is there, and writes all of it to `recording`, which is finished then. The
+/// Answers all connections until `shutdown` resolves, and writes all of it to `recording`, which is finished then. The
 /// instrument begins as the scene sets it, running. A simulation that is under way at the end goes on, on its thread, unheard.
 ///
 /// # Errors
@@ -103,21 +67,26 @@ pub fn serve(
     runtime.map_err(start)?.block_on(async {
         let raw = listener(sockets.raw).map_err(start)?;
         let hislip = sockets.hislip.map(listener).transpose().map_err(start)?;
-        let bench = bench::Handle::start().map_err(start)?;
+        let bench = bench_thread::Handle::start().map_err(start)?;
         let (pieces, inbox) = mpsc::channel(PIECES);
-        let mut owner =
-            Owner::new(scene, options, bench, recording.map(|writer| Recorder::new(writer, scene)));
-        let mut links = JoinSet::new();
+        let mut task = InstrumentTask::new(
+            scene,
+            options,
+            bench,
+            recording.map(|writer| Recorder::new(writer, scene)),
+        );
+        let mut connections = JoinSet::new();
         let done = tokio::select! {
             () = shutdown => Ok(()),
-            done = owner.run(inbox) => done,
-            () = welcome((raw, hislip), pieces, &mut links) => Ok(()),
+            done = task.run(inbox) => done,
+            () = accept_loop((raw, hislip), pieces, &mut connections) => Ok(()),
         };
-        let finished = owner.finish();
-        // The owner is gone, so every connection ends as soon as its answers are written.
-        let _ =
-            tokio::time::timeout(FAREWELL, async { while links.join_next().await.is_some() {} })
-                .await;
+        let finished = task.finish();
+        // The instrument task has ended, so every connection ends as soon as its answers are written.
+        let _ = tokio::time::timeout(SHUTDOWN_GRACE, async {
+            while connections.join_next().await.is_some() {}
+        })
+        .await;
         done.and(finished)
     })
 }
@@ -127,11 +96,11 @@ fn listener(socket: TcpListener) -> io::Result<tokio::net::TcpListener> {
     tokio::net::TcpListener::from_std(socket)
 }
 
-/// Takes connections for ever.
-async fn welcome(
+/// Accepts connections until it is cancelled.
+async fn accept_loop(
     (raw, hislip): (tokio::net::TcpListener, Option<tokio::net::TcpListener>),
-    pieces: mpsc::Sender<link::News>,
-    links: &mut JoinSet<()>,
+    pieces: mpsc::Sender<connection::News>,
+    connections: &mut JoinSet<()>,
 ) {
     let mut number = 0_u64;
     loop {
@@ -145,15 +114,15 @@ async fn welcome(
             }
         });
         tokio::select! {
-            Some(_) = links.join_next(), if !links.is_empty() => {}
+            Some(_) = connections.join_next(), if !connections.is_empty() => {}
             (protocol, taken) = accept => match taken {
                 // A stream that is dropped is closed.
-                Ok(_) if links.len() >= MOST_CONNECTIONS => {}
+                Ok(_) if connections.len() >= MOST_CONNECTIONS => {}
                 Ok((stream, peer)) => {
                     number += 1;
-                    links.spawn(Link { number, protocol, peer, stream }.carry(pieces.clone()));
+                    connections.spawn(Connection { number, protocol, peer, stream }.run(pieces.clone()));
                 }
-                Err(_) => tokio::time::sleep(PAUSE).await,
+                Err(_) => tokio::time::sleep(ACCEPT_RETRY_DELAY).await,
             },
         }
     }

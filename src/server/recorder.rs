@@ -5,7 +5,7 @@ use std::time::{Duration, Instant, SystemTime};
 use std::sync::Arc;
 
 use super::ServeError;
-use super::bench::Truth;
+use super::bench_thread::Truth;
 use crate::experiment::facts::{scene_attachment, shot_facts};
 use crate::instrument::{Finished, Instrument};
 use crate::recording::mcap::{RecordingWriter, ShotNotes, WriteError};
@@ -21,7 +21,7 @@ const FLUSH: Duration = Duration::from_secs(1);
 pub struct Caught {
     /// Its number.
     pub shot: u32,
-    /// What no scope saw of it.
+    /// Its ground truth.
     pub truth: Truth,
     /// The bench that was struck.
     pub scene: Arc<Scene>,
@@ -141,7 +141,7 @@ impl Recorder {
     ///
     /// # Errors
     /// [`ServeError::Record`] where something could not be written since the last call.
-    pub fn keep_up(&mut self) -> Result<(), ServeError> {
+    pub fn flush_if_due(&mut self) -> Result<(), ServeError> {
         if self.unflushed.is_some_and(|since| since.elapsed() >= FLUSH) {
             let written = self.writer.flush();
             self.note(written);

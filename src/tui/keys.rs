@@ -1,7 +1,10 @@
 //! Keys to actions: one table, from which the help and the line of hints are made too; the keys themselves stand in `bindings`.
 
+mod binding;
 mod bindings;
 mod mouse;
+
+pub use binding::{Binding, Key, Place};
 
 use ratatui::crossterm::event::{Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 use ratatui::layout::Position;
@@ -12,41 +15,6 @@ use crate::tui::view::target::target;
 
 pub use bindings::BINDINGS;
 pub use mouse::{mouse_action, reading_action};
-
-/// A key with the modifiers that tell it from others.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Key {
-    /// The key; a letter carries its case.
-    pub code: KeyCode,
-    /// Control, Alt, and for keys without a case of their own Shift.
-    pub modifiers: KeyModifiers,
-}
-
-/// Where a binding holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
-    /// Everywhere.
-    Everywhere,
-    /// On the scope's screen.
-    Scope,
-    /// In a panel over it.
-    Panels,
-}
-
-/// One line of the help: keys that belong together, and what each does.
-#[derive(Debug, Clone, Copy)]
-pub struct Binding {
-    /// Where the keys hold.
-    pub place: Place,
-    /// The keys as people write them.
-    pub label: &'static str,
-    /// The keys and their actions.
-    pub keys: &'static [(Key, Action)],
-    /// What they do.
-    pub help: &'static str,
-    /// The same in a word for the line of hints; empty for keys that are not on it.
-    pub hint: &'static str,
-}
 
 /// What a key press asks for under `panel`; `None` for keys that mean nothing there.
 #[must_use]

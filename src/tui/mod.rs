@@ -27,10 +27,10 @@ use ratatui::crossterm::execute;
 use ratatui::layout::{Position, Rect, Size};
 
 use crate::recording::TraceSet;
-use crate::recording::mcap::tape::Tape;
+use crate::recording::mcap::indexed_recording::IndexedRecording;
 use model::{Action, Model, Palette};
 use work::served::Scope;
-use work::{News, Staff};
+use work::{News, Workers};
 
 /// A picture is at most so much older than the first event that changed it.
 const LONGEST_WAIT: Duration = Duration::from_millis(33);
@@ -40,7 +40,7 @@ pub enum Subject {
     /// A recording that is in memory.
     Set(Box<TraceSet>),
     /// A recording that is read as it is looked at, and whether its newest shot is followed.
-    Tape(Box<Tape>, bool),
+    IndexedRecording(Box<IndexedRecording>, bool),
     /// The bench of a scene: a name that ships, or a whole path.
     Bench(String),
     /// A scope that is served somewhere else.
@@ -61,7 +61,7 @@ pub fn run(subject: Subject, title: String, against: Option<String>) -> io::Resu
     let mut model = Model::new(TraceSet::default(), title, palette);
     match subject {
         Subject::Set(set) => model = Model::new(*set, model.title().to_owned(), palette),
-        Subject::Tape(file, follow) => {
+        Subject::IndexedRecording(file, follow) => {
             model.on_tape(follow);
             (tape, is_followed) = (Some(*file), follow);
         }
@@ -76,7 +76,7 @@ pub fn run(subject: Subject, title: String, against: Option<String>) -> io::Resu
     }
     let mut terminal = ratatui::try_init()?;
     let result = watch_mouse().and_then(|()| {
-        let (mut staff, news) = Staff::start(tape, is_followed);
+        let (mut staff, news) = Workers::start(tape, is_followed);
         if let Some(scope) = scope {
             staff.watch(scope);
         }
@@ -108,7 +108,7 @@ fn watch_mouse() -> io::Result<()> {
 fn show(
     terminal: &mut DefaultTerminal,
     model: &mut Model,
-    staff: &Staff,
+    staff: &Workers,
     news: &Receiver<News>,
 ) -> io::Result<()> {
     while model.is_running() {
@@ -154,7 +154,7 @@ fn take(news: News, size: Size, model: &mut Model) -> bool {
     match news {
         News::Terminal(event) => return press(&event, size, model),
         News::Closed => model::update(model, Action::Quit),
-        other => other.bring(model),
+        other => other.apply(model),
     }
     true
 }

@@ -8,7 +8,9 @@
 //! Limits: the sources are read, not compiled. A module that is reached through a macro of another crate,
 //! or a file pulled in by `include!`, is not seen.
 
+mod circles;
 mod dependencies;
+mod paths;
 mod readme;
 mod sizes;
 mod source;
@@ -20,6 +22,39 @@ use source::{SourceFile, Violation};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use table::Table;
+
+/// Circles of files that are still to be resolved; the list may only become shorter.
+const KNOWN_CIRCLES: &[&[&str]] = &[
+    &[
+        "src/experiment/accuracy.rs",
+        "src/experiment/auto_effects.rs",
+        "src/experiment/by_hand.rs",
+        "src/experiment/comparison.rs",
+        "src/experiment/error.rs",
+        "src/experiment/horizon.rs",
+        "src/experiment/losses.rs",
+        "src/experiment/mod.rs",
+        "src/experiment/notes.rs",
+        "src/experiment/outcome.rs",
+        "src/experiment/tried.rs",
+    ],
+    &["src/experiment/bench.rs", "src/experiment/film.rs", "src/experiment/watch.rs"],
+    &["src/instrument/limits.rs", "src/instrument/panel/mod.rs"],
+    &["src/scene/forget.rs", "src/scene/library.rs"],
+    &[
+        "src/tui/model/background_jobs.rs",
+        "src/tui/model/derived.rs",
+        "src/tui/model/knobs.rs",
+        "src/tui/model/live.rs",
+        "src/tui/model/mod.rs",
+        "src/tui/model/replay.rs",
+        "src/tui/model/served.rs",
+        "src/tui/model/traces.rs",
+    ],
+    // These two are being rewritten.
+    &["src/chain/"],
+    &["src/integrate/"],
+];
 
 /// The repository's root folder.
 fn root() -> PathBuf {
@@ -65,6 +100,11 @@ fn the_table_has_no_cycle_and_names_only_its_own_modules() {
         Ok(table) => refuse(table.check()),
         Err(violation) => refuse(vec![violation]),
     }
+}
+
+#[test]
+fn files_of_a_module_do_not_use_each_other_in_circles() {
+    refuse(circles::check(&sources(), KNOWN_CIRCLES));
 }
 
 #[test]

@@ -22,7 +22,7 @@ const FIXED: [Method; 4] = [
     Method::VelocityVerlet { step: STEP },
     Method::RungeKutta4 { step: STEP },
     Method::ForceGradient { step: STEP },
-    Method::PacedForceGradient { tolerance: TOLERANCE },
+    Method::TwoStepForceGradient { tolerance: TOLERANCE },
 ];
 /// Methods under error control.
 const ADAPTIVE: [Method; 3] = [

@@ -9,9 +9,10 @@ mod uncertainty;
 
 use std::sync::LazyLock;
 
-use hertzscope::experiment::calibration::design::{Blind, Candidate, Designer, Lab, strikers};
-use hertzscope::experiment::calibration::momentum_test::{Striker, Truth, setting};
 use hertzscope::scope::Setup;
+use hertzscope::studies::momentum_test::Blind;
+use hertzscope::studies::momentum_test::design::{Candidate, Designer, Lab, strikers};
+use hertzscope::studies::momentum_test::simulation::{Striker, Truth, setting};
 
 /// What most tests calibrate: 1.22 g with a PTFE face from 20, 10 and 5 mm, at 1 V/div and 100 us/div.
 pub struct Bench {

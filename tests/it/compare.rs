@@ -1,9 +1,9 @@
 //! `hertzscope compare`: a measurement held against a simulation.
 
 use assert_cmd::Command;
-use hertzscope::experiment::compare::tolerance::Tolerance;
-use hertzscope::experiment::compare::{Align, Compared, Comparison, Side, SpeedScore, compare};
 use hertzscope::experiment::{Integration, facts, run};
+use hertzscope::measurement::compare::tolerance::Tolerance;
+use hertzscope::measurement::compare::{Align, Compared, Comparison, Side, SpeedScore, compare};
 use hertzscope::recording::TraceSet;
 use hertzscope::scene::Scene;
 use serde_json::Value;

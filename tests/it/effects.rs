@@ -1,11 +1,11 @@
 //! The effects ledger: what it says against runs made apart from it, and effects that are off against effects that are not there.
 
-use hertzscope::experiment::effects::auto::{foretold, settle};
-use hertzscope::experiment::effects::{Change, Entry, Ledger, State, ledger};
+use hertzscope::experiment::auto_effects::{change_upper_bound, settle};
 use hertzscope::experiment::outcome::{Reading, Summary};
 use hertzscope::experiment::{Integration, Outcome, run};
 use hertzscope::integrate::Method;
 use hertzscope::scene::Scene;
+use hertzscope::studies::effects::{Change, Entry, Ledger, State, ledger};
 
 /// Two runs by one method at a tolerance of 1e-14 agree to this where nothing differs (1).
 const SAME: f64 = 1e-9;
@@ -246,7 +246,7 @@ fn a_magnets_law_is_measured() {
 fn auto_leaves_out_only_what_cannot_be_seen() {
     let (mut out, mut kept) = (0, 0);
     for (name, scene) in left_to_accuracy() {
-        let most = foretold(&scene, name);
+        let most = change_upper_bound(&scene, name);
         let mut measured = None;
         for accuracy in [1e-2, 1e-3, 1e-6] {
             let settled = settle(&scene, Integration::Accuracy(accuracy));
@@ -263,7 +263,7 @@ fn auto_leaves_out_only_what_cannot_be_seen() {
                 largest_change(&by_one_method(&on), &by_one_method(&settled))
             });
             assert!(change < 0.1 * accuracy, "{name}: {change:e}");
-            // And below what was foretold, as far as two runs can tell.
+            // And below what was change_upper_bound, as far as two runs can tell.
             assert!(change < most + SAME, "{name}: {change:e}, {most:e}");
         }
     }

@@ -1,8 +1,8 @@
 //! `hertzscope fit`: a scene's numbers from measured traces.
 
 use assert_cmd::Command;
-use hertzscope::experiment::fit::Options;
-use hertzscope::experiment::fit::blind::blind;
+use hertzscope::fit::Options;
+use hertzscope::fit::blind::blind;
 use hertzscope::scene::Scene;
 use hertzscope::scene::adjust::{Adjustable, Knob};
 use serde_json::Value;

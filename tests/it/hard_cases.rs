@@ -1,8 +1,8 @@
 //! The catalogue of hard cases, and the horizon that a rattling chain is given.
 
-use hertzscope::experiment::hard_cases::{Verdict, catalogue};
 use hertzscope::experiment::horizon::horizon;
 use hertzscope::scene::Scene;
+use hertzscope::studies::hard_cases::{Verdict, catalogue};
 
 use super::chains::diatomic;
 

@@ -6,9 +6,10 @@
 use std::path::Path;
 use std::sync::LazyLock;
 
-use hertzscope::experiment::paper::{Figure, Finding, Place, Study, Verdict, speeds, study};
+use hertzscope::experiment::paper_speeds::speeds;
 use hertzscope::report;
 use hertzscope::scene::Scene;
+use hertzscope::studies::paper::{Figure, Finding, Place, Study, Verdict, study};
 use serde_json::Value;
 
 use Verdict::{Agrees, AgreesUnder, DoesNotHold};

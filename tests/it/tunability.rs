@@ -1,9 +1,9 @@
 //! The tunability map against closed forms: how band edges and speeds go with each knob.
 
 use hertzscope::analysis::dispersion::DiatomicChain;
-use hertzscope::experiment::tunability::{Knob, TuneError, Tuning, tune};
 use hertzscope::report;
 use hertzscope::scene::Scene;
+use hertzscope::studies::tunability::{Knob, TuneError, Tuning, tune};
 
 fn turned(scene: &str, knob: Knob, span: f64) -> Tuning {
     let scene = Scene::load(scene).expect("a shipped scene");

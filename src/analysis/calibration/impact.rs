@@ -2,13 +2,11 @@
 
 use super::Exclusion;
 use super::prepared::Prepared;
+use super::record::NOISE_TIMES;
+pub use super::record::Record;
 use crate::analysis::baseline::Baseline;
 use crate::analysis::droop::undo_droop;
-use crate::analysis::gate::Gate;
 use crate::trace::Trace;
-
-/// What the noise is taken times there: thousands of samples, none of which may pass by chance (1).
-pub(super) const NOISE_TIMES: f64 = 4.0;
 /// Without a window given, the integral begins and ends this share of the contact outside it (1).
 const MARGIN: f64 = 0.15;
 /// A further pulse counts above this share of the first (1).
@@ -17,19 +15,6 @@ const SECOND: f64 = 0.1;
 const CUT_SHARE: f64 = 0.03;
 /// Standard uncertainty of the contact's duration over itself: where Hertz's force passes 1 % of its peak, 3 % are left (1).
 const DURATION_U: f64 = 0.05;
-
-/// A record as it came from the scope.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Record {
-    /// Voltage over time.
-    pub trace: Trace,
-    /// Distance of the digitiser's levels; 0 for what was never digitised (V).
-    pub level: f64,
-    /// Samples at the converter's ends.
-    pub clipped: usize,
-    /// Where to integrate; by default the contact and a little on either side.
-    pub window: Option<Gate>,
-}
 
 /// Sums over a window, from which the integral follows: those of the voltage, and those of 1, which the baseline is taken times.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -8,8 +8,8 @@
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
+use super::draws::{COVERAGE_95, Draws};
 use super::model::Model;
-use super::{COVERAGE_95, Draws};
 
 /// Significant digits of the standard uncertainty that both propagations are to agree in.
 const DIGITS: i32 = 1;

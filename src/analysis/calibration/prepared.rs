@@ -1,7 +1,7 @@
 //! A record before its integral: is it sound, where is its zero, where its pulse.
 
-use super::Exclusion;
-use super::impact::{NOISE_TIMES, Record};
+use super::exclusion::Exclusion;
+use super::record::{NOISE_TIMES, Record};
 use crate::analysis::baseline::{Baseline, noise_of};
 use crate::analysis::pulse::{Conditions, PulseError};
 use crate::trace::Trace;

@@ -3,8 +3,8 @@
 //! Without force `V[i] + (1 - a) sum over k < i of V[k] = 0`; least squares of these gives `1 - a = 1 - exp(-dt/tau)`.
 //! Valid where the sensor feels nothing behind the contact, as one that only the striker presses on.
 
-use super::impact::Record;
 use super::prepared::Prepared;
+use super::record::Record;
 
 /// The end of the contact is not sharp: the fit begins this share of the contact later (1).
 const CLEARANCE: f64 = 0.3;

@@ -8,12 +8,14 @@ mod container;
 mod decode;
 mod encode;
 mod error;
+pub mod indexed_recording;
 pub mod message;
+mod notes;
 mod read;
 mod schema;
-pub mod tape;
 mod write;
 
 pub use error::ReadError;
+pub use notes::ShotNotes;
 pub use read::{read, read_bytes};
-pub use write::{RecordingWriter, ShotNotes, WriteError, write};
+pub use write::{RecordingWriter, WriteError, write};

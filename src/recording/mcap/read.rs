@@ -10,8 +10,8 @@ use super::container::{self, MAGIC, Record};
 use super::decode;
 use super::error::{LARGEST_FILE, ReadError};
 use super::message;
+use super::notes::ShotNotes;
 use super::schema::Schema;
-use super::write::ShotNotes;
 use crate::recording::{Attachment, Origin, Shot, TraceSet};
 
 /// More problems than this are counted but not listed.

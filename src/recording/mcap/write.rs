@@ -1,5 +1,6 @@
 //! Writes recordings so that an abort loses nothing already triggered, and the same seed gives the same bytes.
 
+use super::notes::ShotNotes;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufWriter;
@@ -39,17 +40,6 @@ pub enum WriteError {
         /// What the container's writer says.
         source: mcap::McapError,
     },
-}
-
-/// What a shot leaves beside its captures and truth.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct ShotNotes {
-    /// The front panel as `SET?` would tell it.
-    pub set_up: String,
-    /// The energy ledger, of a simulation.
-    pub energy: Option<message::Energy>,
-    /// Lines for people; `true` marks a warning.
-    pub log: Vec<(bool, String)>,
 }
 
 /// An open recording.

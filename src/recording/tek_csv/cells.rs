@@ -4,8 +4,7 @@
 //!
 //! A number is kept with the digits it was printed with, because they bound how far it may lie from the true one.
 
-use super::error::{Place, TekCsvError, excerpt};
-use super::header::place;
+use super::error::{Place, TekCsvError, excerpt, place};
 
 /// Most rows that are read; the longest records of these dialects have 200 000 points.
 pub(super) const MOST_ROWS: usize = 1_000_064;

@@ -3,7 +3,7 @@
 
 use std::fmt;
 
-use super::Dialect;
+use super::dialect::Dialect;
 
 /// A place in a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -207,4 +207,8 @@ mod tests {
         assert_eq!(excerpt("a\r\n"), "`a\\r\\n`");
         assert_eq!(excerpt(&"x".repeat(1000)).chars().count(), 43);
     }
+}
+
+pub(super) fn place(file: &str, line: usize, column: usize) -> Place {
+    Place { file: file.to_owned(), line, column }
 }

@@ -2,6 +2,7 @@
 //! prints it. Comes before the samples in `read`; keys and rules are in `layout`.
 
 use super::abscissa;
+use super::error::place;
 use super::error::{Place, TekCsvError, excerpt};
 use super::layout::{self, Domain, Layout, Numbers};
 use crate::quantity::c_exponential;
@@ -68,10 +69,6 @@ impl<'a> Row<'a> {
         let [_, value, ..] = self.fields;
         value
     }
-}
-
-pub(super) fn place(file: &str, line: usize, column: usize) -> Place {
-    Place { file: file.to_owned(), line, column }
 }
 
 /// What a header says.

@@ -3,11 +3,11 @@
 //!
 //! A name may hold a unit in brackets, `Time (ms)`; it is taken into account.
 
-use super::beside::unit;
 use super::cells::{Cells, Table};
 use super::column::Column;
-use super::draft::Draft;
 use super::error::{TekCsvError, excerpt};
+use super::header_columns::unit;
+use super::unscaled_import::UnscaledImport;
 use crate::recording::Capture;
 use crate::scope::Source;
 
@@ -25,10 +25,10 @@ pub(super) fn read(table: &Table<'_>) -> Result<Vec<Capture>, TekCsvError> {
     (1..)
         .zip(cells)
         .map(|(channel, cell)| {
-            let mut draft = Draft {
+            let mut draft = UnscaledImport {
                 times: times.clone(),
                 values: column(table, first, cell)?,
-                ..Draft::default()
+                ..UnscaledImport::default()
             };
             match &names {
                 None => draft.notes.push("the file has no header".to_owned()),
@@ -62,7 +62,7 @@ fn column(table: &Table<'_>, first: usize, cell: usize) -> Result<Column, TekCsv
     Ok(column)
 }
 
-fn use_names(draft: &mut Draft, names: &Cells<'_>, time: usize, value: usize) {
+fn use_names(draft: &mut UnscaledImport, names: &Cells<'_>, time: usize, value: usize) {
     let shown = names.texts().collect::<Vec<_>>().join(",");
     draft.notes.push(format!("the file has no header but {}", excerpt(&shown)));
     let (time, value) = (names.text(time), names.text(value));

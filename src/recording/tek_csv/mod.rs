@@ -39,26 +39,27 @@
 //!
 //! # Other dialects
 //! [`read_all`] also takes what `OpenChoice`, newer models, spreadsheets and people made of such files; one file
-//! a dialect, `openchoice`, `newer`, `spreadsheet`, `headerless`. They bring rows to `draft`, where `times` finds the
+//! a dialect, `openchoice`, `tbs1000c`, `spreadsheet`, `headerless`. They bring rows to `unscaled_import`, where `times` finds the
 //! even spacing and `levels` the digitiser's levels, and every guess is written into the capture's notes. [`read()`]
 //! stays strict and refuses them by name.
 
 mod abscissa;
-mod beside;
 mod cells;
 mod column;
+mod detection;
 mod dialect;
-mod draft;
 mod error;
 mod header;
+mod header_columns;
 mod headerless;
 mod layout;
 mod levels;
-mod newer;
 mod openchoice;
 mod read;
 mod spreadsheet;
+mod tbs1000c;
 mod times;
+mod unscaled_import;
 mod write;
 
 pub use dialect::Dialect;

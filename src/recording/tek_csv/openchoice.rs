@@ -4,12 +4,12 @@
 //! Other than in a native file, the zero level stands in `Yzero` (V), and `Vertical Offset` is 0. The instrument
 //! stands in `Note`, as `TDS 1002B - <time of day> <date>`; its firmware is not told.
 
-use super::beside::{Block, blocks};
 use super::cells::Table;
 use super::column::{SINGLE_PRECISION_DIGITS, rounded};
-use super::draft::Draft;
 use super::error::TekCsvError;
+use super::header_columns::{Block, blocks};
 use super::layout;
+use super::unscaled_import::UnscaledImport;
 use crate::recording::{Capture, Instrument};
 
 const NOTE: &str = "Note";
@@ -21,7 +21,7 @@ pub(super) fn read(table: &Table<'_>) -> Result<Vec<Capture>, TekCsvError> {
 }
 
 fn capture(table: &Table<'_>, block: &Block<'_, '_>, channel: u8) -> Result<Capture, TekCsvError> {
-    let mut draft = block.draft()?;
+    let mut draft = block.import()?;
     draft.times.limit_digits(SINGLE_PRECISION_DIGITS);
     draft.values.limit_digits(SINGLE_PRECISION_DIGITS);
     draft.zero = block.number(layout::Y_ZERO)?;
@@ -46,7 +46,7 @@ fn capture(table: &Table<'_>, block: &Block<'_, '_>, channel: u8) -> Result<Capt
 }
 
 /// What the program wrote down about instrument and time.
-fn note(draft: &mut Draft, block: &Block<'_, '_>) {
+fn note(draft: &mut UnscaledImport, block: &Block<'_, '_>) {
     let Some((text, _)) = block.text(NOTE).filter(|(text, _)| !text.is_empty()) else { return };
     let model = text.split(" - ").next().unwrap_or_default().replace(' ', "");
     if draft.instrument.is_none() && !model.is_empty() {

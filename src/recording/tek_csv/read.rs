@@ -4,11 +4,13 @@
 
 use super::abscissa::Abscissa;
 use super::cells::{MOST_ROWS, Table};
-use super::dialect::{self, Dialect};
+use super::detection;
+use super::dialect::Dialect;
+use super::error::place;
 use super::error::{TekCsvError, excerpt};
-use super::header::{Header, Row, place};
+use super::header::{Header, Row};
 use super::layout::{Domain, Numbers, PRINTING_ERROR};
-use super::{headerless, newer, openchoice, spreadsheet};
+use super::{headerless, openchoice, spreadsheet, tbs1000c};
 use crate::recording::Capture;
 use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
 use crate::scope::{Preamble, VerticalSetup, Waveform};
@@ -28,7 +30,7 @@ const ORDINATE: usize = 4;
 /// of it disagrees with the format or with the file's own header.
 pub fn read(bytes: &[u8], file_name: &str) -> Result<Capture, TekCsvError> {
     let text = checked_text(bytes, file_name)?;
-    if let Some(dialect) = dialect::foreign(&Table::new(file_name, text)?) {
+    if let Some(dialect) = detection::foreign(&Table::new(file_name, text)?) {
         return Err(TekCsvError::UnsupportedDialect {
             file: file_name.to_owned(),
             dialect,
@@ -47,12 +49,12 @@ pub fn read(bytes: &[u8], file_name: &str) -> Result<Capture, TekCsvError> {
 pub fn read_all(bytes: &[u8], file_name: &str) -> Result<Vec<Capture>, TekCsvError> {
     let text = checked_text(bytes, file_name)?;
     let table = Table::new(file_name, text)?;
-    let captures = match dialect::foreign(&table) {
+    let captures = match detection::foreign(&table) {
         None => vec![native(text, file_name)?],
         Some(Dialect::OpenChoice) => openchoice::read(&table)?,
-        Some(Dialect::NewerModel) => newer::read(&table)?,
+        Some(Dialect::NewerModel) => tbs1000c::read(&table)?,
         Some(Dialect::Spreadsheet) => spreadsheet::read(&table)?,
-        Some(Dialect::HandHeader) if dialect::rows_above(&table).is_some() => {
+        Some(Dialect::HandHeader) if detection::rows_above(&table).is_some() => {
             spreadsheet::read(&table)?
         }
         Some(Dialect::HandHeader | Dialect::Headerless) => headerless::read(&table)?,

@@ -1,9 +1,9 @@
 //! Reads a native file that a spreadsheet saved again, or above which somebody put column names. Numbers have
 //! lost digits, not places; the zero level stands in `Vertical Offset` (V), of an FFT in `Yzero` (dB).
 
-use super::beside::blocks;
 use super::cells::Table;
 use super::error::TekCsvError;
+use super::header_columns::blocks;
 use super::layout;
 use crate::recording::Capture;
 
@@ -11,7 +11,7 @@ pub(super) fn read(table: &Table<'_>) -> Result<Vec<Capture>, TekCsvError> {
     (1..)
         .zip(blocks(table))
         .map(|(channel, block)| {
-            let mut draft = block.draft()?;
+            let mut draft = block.import()?;
             let key = match draft.y_unit.as_deref() {
                 Some("dB") => layout::Y_ZERO,
                 _ => layout::VERTICAL_OFFSET,

@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 
 use super::figures::{HIGHEST, dispersion_points};
 use crate::analysis::spectrum::Spectrum;
-use crate::experiment::paper::tables::SpeedStudy;
-use crate::experiment::paper::{Arrangement, Figure, Signal};
+use crate::studies::paper::tables::SpeedStudy;
+use crate::studies::paper::{Arrangement, Figure, Signal};
 
 /// Tables 1 and 2.
 pub(super) fn speeds(study: &SpeedStudy) -> String {

@@ -2,11 +2,11 @@
 
 use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::spectrum::Spectrum;
-use crate::experiment::paper::tables::SpeedStudy;
-use crate::experiment::paper::{Figure, Signal, Viscous};
 use crate::quantity::engineering;
 use crate::report::chart::whole_numbers;
 use crate::report::sheet::{Axis, COLOURS, Line, Panel, Sheet, Stroke};
+use crate::studies::paper::tables::SpeedStudy;
+use crate::studies::paper::{Figure, Signal, Viscous};
 use crate::trace::Trace;
 
 /// Highest frequency of the spectra that are shown (Hz).

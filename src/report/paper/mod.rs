@@ -7,7 +7,7 @@ mod words;
 pub use words::{paper, paper_parts};
 
 use super::sheet::sheet_svg;
-use crate::experiment::paper::{Arrangement, Figure, Signal, Study};
+use crate::studies::paper::{Arrangement, Figure, Signal, Study};
 
 /// A picture of the study: file stem, caption, SVG.
 #[derive(Debug, Clone, PartialEq)]

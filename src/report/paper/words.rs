@@ -1,10 +1,10 @@
 //! The verdicts in words.
 
 use super::PaperPicture;
-use crate::experiment::paper::tables::SpeedStudy;
-use crate::experiment::paper::{Finding, Printed, Slip, Study, Verdict};
 use crate::report::document::Part;
 use crate::report::table;
+use crate::studies::paper::tables::SpeedStudy;
+use crate::studies::paper::{Finding, Printed, Slip, Study, Verdict};
 
 /// Five significant digits: band edges are printed with as many.
 fn number(value: f64, unit: &str) -> String {

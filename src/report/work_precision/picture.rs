@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use super::{Axes, KINDS, Kind, Mark, digits, marks, observed, reference};
-use crate::experiment::cost::{Point, Study};
 use crate::report::escape;
+use crate::studies::cost::{Point, Study};
 
 /// Size of a panel's plot, and what is left of it (pixels).
 const PANEL: (f64, f64) = (480.0, 430.0);

@@ -1,7 +1,7 @@
 //! A panel in letters.
 
 use super::{Axes, Kind, marks};
-use crate::experiment::cost::{Point, Study};
+use crate::studies::cost::{Point, Study};
 
 /// Columns and rows of a plot.
 const CELLS: (usize, usize) = (70, 18);

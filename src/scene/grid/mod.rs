@@ -3,16 +3,18 @@
 //! `[grid]` holds values of which every combination is run; `[random]` or `[latin_hypercube]` draws points between limits. With both, all
 //! points are run at each combination. Values stand at the paths that they have in the scene.
 
+mod design;
 mod range;
 mod runs;
+
+pub use design::Design;
+pub use range::{number, typed};
+pub use runs::Run;
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
-pub use range::{number, typed};
-pub use runs::Run;
-
-use self::range::Range;
+use self::design::{Factor, Sample};
 use super::document::{Node, Value};
 use super::files::read_text;
 use super::problem::{Problem, SceneError, listed};
@@ -24,43 +26,6 @@ use crate::quantity::Dimension;
 pub const MOST_RUNS: u64 = 100_000_000;
 /// Tables of a design of which there may be one.
 const SAMPLES: [(&str, bool); 2] = [("random", false), ("latin_hypercube", true)];
-
-/// A sweep as its file describes it.
-#[derive(Debug)]
-pub struct Design {
-    /// The file's name.
-    pub file: String,
-    /// The file as typed.
-    pub text: String,
-    /// The scene that is varied, as [`super::Scene::load`] takes it.
-    pub scene: String,
-    /// Accuracy of all runs; none where it is the scene's (1).
-    pub accuracy: Option<f64>,
-    /// Seed that all others follow from.
-    pub seed: u64,
-    /// How often each point is run, with seeds of its own.
-    pub repeat: u64,
-    /// Names of the places that are watched; none for all.
-    pub watch: Option<Vec<String>>,
-    factors: Vec<Factor>,
-    sample: Option<Sample>,
-}
-
-/// Values of which every one is run.
-#[derive(Debug)]
-struct Factor {
-    path: String,
-    values: Vec<Node>,
-}
-
-/// Points that are drawn.
-#[derive(Debug)]
-struct Sample {
-    count: u64,
-    over: Vec<(String, Range)>,
-    /// Of a Latin hypercube: for each range the stratum of each point.
-    strata: Option<Vec<Vec<u32>>>,
-}
 
 /// Why there is no sweep.
 #[derive(Debug, thiserror::Error)]

@@ -5,8 +5,8 @@ use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng as _;
 use sha2::{Digest, Sha256};
 
+use super::design::{Design, Sample};
 use super::range::typed;
-use super::{Design, Sample};
 use crate::scene::document::Node;
 
 /// One run.

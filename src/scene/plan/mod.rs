@@ -2,13 +2,16 @@
 //!
 //! A key that ends in `_u` is the standard uncertainty (k = 1) of the key before it, in its unit or as a share of it.
 
+mod data;
 mod impact;
 
-use std::path::{Path, PathBuf};
+pub use data::{Means, Particulars, Plan, PlannedImpact, Uncertain};
+
+use std::path::Path;
 
 use self::impact::{Context, impact, uncertain};
 use crate::quantity::Dimension;
-use crate::scene::document::{Node, Place};
+use crate::scene::document::Node;
 use crate::scene::library;
 use crate::scene::problem::{Problem, SceneError, listed};
 use crate::scene::reader::{Bound, Problems, Table};
@@ -20,105 +23,6 @@ const FREE_FALL: f64 = 9.81;
 const INPUT: Load = Load { resistance: 1e6, capacitance: 20e-12 };
 /// Draws of the Monte-Carlo part.
 const DRAWS: u64 = 200_000;
-
-/// A number with its standard uncertainty.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Uncertain {
-    /// The number (unit).
-    pub value: f64,
-    /// Its standard uncertainty (unit).
-    pub u: f64,
-}
-
-/// How a speed was measured.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Means {
-    /// As a speed.
-    Speed,
-    /// As a height.
-    Height,
-    /// As the time between two gates.
-    GateTime,
-    /// As the time until the striker comes back.
-    FlightTime,
-}
-
-/// One impact of a plan.
-#[derive(Debug, Clone)]
-pub struct PlannedImpact {
-    /// File or folder of its recording.
-    pub recording: PathBuf,
-    /// Where the plan names it.
-    pub place: Place,
-    /// Channel.
-    pub channel: String,
-    /// Number of the shot.
-    pub shot: u32,
-    /// Which of the strikers, from 0.
-    pub striker: usize,
-    /// Speed before the contact, by what it was measured.
-    pub incoming: (Means, Uncertain),
-    /// Speed after it.
-    pub rebound: (Means, Uncertain),
-    /// First and last time to integrate, if not to be found (s).
-    pub window: Option<[f64; 2]>,
-}
-
-/// What a certificate names and nothing is calculated from.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Particulars {
-    /// One line about the calibration.
-    pub title: String,
-    /// What is calibrated.
-    pub item: String,
-    /// Name of the sensor's file.
-    pub sensor: String,
-    /// Day of the measurement, as typed.
-    pub date: Option<String>,
-    /// Who measured.
-    pub laboratory: Option<String>,
-    /// Whom it was for.
-    pub customer: Option<String>,
-    /// Temperature of the room (K).
-    pub temperature: Option<f64>,
-    /// What the mass is traced to.
-    pub mass_traceability: Option<String>,
-    /// What the speed is traced to.
-    pub speed_traceability: Option<String>,
-    /// What the voltage is traced to.
-    pub voltage_traceability: Option<String>,
-}
-
-/// A checked plan.
-#[derive(Debug, Clone)]
-pub struct Plan {
-    /// The file.
-    pub file: PathBuf,
-    /// The file as typed.
-    pub text: String,
-    /// For the certificate.
-    pub particulars: Particulars,
-    /// Relative standard uncertainty of the scope's gain; none where sensor and scope are calibrated as one chain (1).
-    pub gain_u: Option<f64>,
-    /// What the sensor was connected to.
-    pub load: Load,
-    /// Relative standard uncertainty that all speeds share (1).
-    pub speed_scale_u: f64,
-    /// Distance of the gates (m).
-    pub gate_distance: Option<Uncertain>,
-    /// Acceleration of free fall (m/s^2).
-    pub gravity: Uncertain,
-    /// Time constant, if it is not to be read off the records (s).
-    pub tau: Option<Uncertain>,
-    /// Name and mass of each striker (kg).
-    pub strikers: Vec<(String, Uncertain)>,
-    /// The impacts.
-    pub impacts: Vec<PlannedImpact>,
-    /// Seed of the Monte-Carlo part.
-    pub seed: u64,
-    /// Its draws.
-    pub draws: u64,
-}
 
 /// Why there is no plan.
 #[derive(Debug, thiserror::Error)]

@@ -4,7 +4,7 @@ use crate::instrument::word::words;
 use crate::scpi::argument::{real, whole, word};
 use crate::scpi::message::Argument;
 use crate::scpi::row::{Group, Row};
-use crate::scpi::setting::{Asks, At, Both, Parts, Stop, Tells, Words};
+use crate::scpi::setting::{Both, Context, GroupQuery, Parts, Query, Stop, Words};
 use crate::scpi::value::Value;
 
 words! {
@@ -25,7 +25,7 @@ words! {
 pub const GROUP: Group = Group {
     title: "Acquisition",
     rows: &[
-        Row::acts("ACQuire", &Tells(Parts::Below), "all settings of the acquisition"),
+        Row::acts("ACQuire", &GroupQuery(Parts::Below), "all settings of the acquisition"),
         Row::acts(
             "ACQuire:STOPAfter",
             &Words(|i, _| &mut i.panel.acquire.stop_after),
@@ -42,11 +42,11 @@ pub const GROUP: Group = Group {
             "`SAMple`, `PEAKdetect` or `AVErage`",
         ),
         Row::acts("ACQuire:NUMAVg", &Both(set_averages, averages), "4, 16, 64 or 128 records"),
-        Row::acts("ACQuire:NUMACq", &Asks(count), "records taken since the start").apart(),
+        Row::acts("ACQuire:NUMACq", &Query(count), "records taken since the start").apart(),
     ],
 };
 
-fn set_state(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn set_state(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let run = match real(arguments) {
         Ok(value) => value.round().abs() > 0.0,
         Err(_) => matches!(word(arguments)?, RunStop::On | RunStop::Run),
@@ -60,11 +60,11 @@ fn set_state(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn state(at: &mut At<'_>) -> Result<Value, Stop> {
+fn state(at: &mut Context<'_>) -> Result<Value, Stop> {
     Ok(Value::flag(at.instrument.is_running()))
 }
 
-fn set_averages(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn set_averages(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let asked = whole(arguments, 1, 1000)?;
     let averages = &at.instrument.model.limits.averages;
     let nearest = averages.iter().min_by_key(|number| number.abs_diff(asked));
@@ -73,11 +73,11 @@ fn set_averages(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn averages(at: &mut At<'_>) -> Result<Value, Stop> {
+fn averages(at: &mut Context<'_>) -> Result<Value, Stop> {
     Ok(Value::Integer(i64::from(at.instrument.panel.acquire.averages)))
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn count(at: &mut At<'_>) -> Result<Value, Stop> {
+fn count(at: &mut Context<'_>) -> Result<Value, Stop> {
     Ok(Value::Integer(i64::from(at.instrument.acquisitions())))
 }

@@ -5,20 +5,20 @@ use crate::instrument::limits;
 use crate::scpi::argument::{flag, none, only, real};
 use crate::scpi::message::Argument;
 use crate::scpi::row::{Group, Row};
-use crate::scpi::setting::{At, Both, Parts, Stop, Tells};
+use crate::scpi::setting::{Both, Context, GroupQuery, Parts, Stop};
 use crate::scpi::value::Value;
 
 /// The group.
 pub const GROUP: Group = Group {
     title: "The bench behind the instrument (not Tektronix's)",
     rows: &[
-        Row::own("BENCh", &Tells(Parts::Below), "all of this"),
+        Row::own("BENCh", &GroupQuery(Parts::Below), "all of this"),
         Row::own(
             "BENCh:IMPact",
             &Both(strike, |at| Ok(Value::Integer(i64::from(at.instrument.bench.impacts)))),
             "strikes the chain as soon as the part of the record before the trigger is full; the query counts impacts",
         ),
-        Row::own("BENCh:STRIker", &Tells(Parts::Below), "mass and speed of the striker"),
+        Row::own("BENCh:STRIker", &GroupQuery(Parts::Below), "mass and speed of the striker"),
         Row::own(
             "BENCh:STRIker:MASS",
             &Both(set_striker_mass, |at| number(at, at.instrument.bench.scene.striker_mass)),
@@ -55,44 +55,44 @@ pub const GROUP: Group = Group {
 };
 
 /// Whether there is a bench at all.
-fn present(at: &At<'_>) -> Result<(), Event> {
+fn present(at: &Context<'_>) -> Result<(), Event> {
     if at.instrument.bench.scenes.is_empty() { Err(Event::HardwareMissing) } else { Ok(()) }
 }
 
-fn number(at: &At<'_>, setting: Option<f64>) -> Result<Value, Stop> {
+fn number(at: &Context<'_>, setting: Option<f64>) -> Result<Value, Stop> {
     present(at)?;
     Ok(Value::Number(setting.ok_or(Event::SettingsConflict)?))
 }
 
 /// What comes of setting something that this bench may not have.
-fn set(at: &At<'_>, is_there: bool) -> Result<(), Stop> {
+fn set(at: &Context<'_>, is_there: bool) -> Result<(), Stop> {
     present(at)?;
     if is_there { Ok(()) } else { Err(Event::SettingsConflict.into()) }
 }
 
-fn strike(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn strike(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     none(arguments)?;
     present(at)?;
     at.instrument.bench.ask_for_impact();
     Ok(())
 }
 
-fn set_striker_mass(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn set_striker_mass(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let is_there = at.instrument.bench.set_striker_mass(real(arguments)?);
     set(at, is_there)
 }
 
-fn set_striker_speed(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn set_striker_speed(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let is_there = at.instrument.bench.set_striker_speed(real(arguments)?);
     set(at, is_there)
 }
 
-fn set_magnet_force(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn set_magnet_force(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let is_there = at.instrument.bench.set_magnet_force(real(arguments)?);
     set(at, is_there)
 }
 
-fn set_fine(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn set_fine(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let fine = flag(arguments)?;
     let model = &at.instrument.model;
     let channel = at.instrument.panel.channel_mut(at.place.number);
@@ -101,7 +101,7 @@ fn set_fine(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     Ok(())
 }
 
-fn set_scene(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn set_scene(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let name = match only(arguments)? {
         Argument::Word(name) | Argument::Text(name) => name,
         Argument::Block(_) => return Err(Event::DataType.into()),

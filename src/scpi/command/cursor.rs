@@ -4,7 +4,7 @@ use crate::instrument::limits::rounded;
 use crate::instrument::measure::INVALID;
 use crate::instrument::panel::BarUnits;
 use crate::scpi::row::{Group, Row};
-use crate::scpi::setting::{Asks, At, Number, Parts, Stop, Tells, Words};
+use crate::scpi::setting::{Context, GroupQuery, Number, Parts, Query, Stop, Words};
 use crate::scpi::value::Value;
 
 /// The group.
@@ -13,7 +13,7 @@ pub const GROUP: Group = Group {
     rows: &[
         Row::acts(
             "CURSor",
-            &Tells(Parts::Of(&[
+            &GroupQuery(Parts::Of(&[
                 "CURSor:FUNCtion",
                 "CURSor:SELect:SOUrce",
                 "CURSor:VBArs",
@@ -34,7 +34,7 @@ pub const GROUP: Group = Group {
         Row::alias("CURSor:SELect", "CURSor:SELect:SOUrce"),
         Row::acts(
             "CURSor:VBArs",
-            &Tells(Parts::Of(&[
+            &GroupQuery(Parts::Of(&[
                 "CURSor:VBArs:UNIts",
                 "CURSor:VBArs:DELTa",
                 "CURSor:VBArs:POSITION1",
@@ -47,11 +47,11 @@ pub const GROUP: Group = Group {
             &Words(|i, _| &mut i.panel.cursor.vertical_units),
             "`SECOnds` or `HERtz`",
         ),
-        Row::acts("CURSor:VBArs:DELTa", &Asks(vertical_delta), "their distance").apart(),
+        Row::acts("CURSor:VBArs:DELTa", &Query(vertical_delta), "their distance").apart(),
         Row::acts("CURSor:VBArs:POSITION<x>", &VERTICAL, "seconds after the trigger").apart(),
         Row::acts(
             "CURSor:HBArs",
-            &Tells(Parts::Of(&[
+            &GroupQuery(Parts::Of(&[
                 "CURSor:HBArs:UNIts",
                 "CURSor:HBArs:DELTa",
                 "CURSor:HBArs:POSITION1",
@@ -59,9 +59,9 @@ pub const GROUP: Group = Group {
             ])),
             "the horizontal bars",
         ),
-        Row::acts("CURSor:HBArs:UNIts", &Asks(|_| Ok(Value::Word("VOLts"))), "always volts")
+        Row::acts("CURSor:HBArs:UNIts", &Query(|_| Ok(Value::Word("VOLts"))), "always volts")
             .apart(),
-        Row::acts("CURSor:HBArs:DELTa", &Asks(horizontal_delta), "their distance").apart(),
+        Row::acts("CURSor:HBArs:DELTa", &Query(horizontal_delta), "their distance").apart(),
         Row::acts("CURSor:HBArs:POSITION<x>", &HORIZONTAL, "volts").apart(),
     ],
 };
@@ -86,7 +86,7 @@ const HORIZONTAL: Number = Number(
 );
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn vertical_delta(at: &mut At<'_>) -> Result<Value, Stop> {
+fn vertical_delta(at: &mut Context<'_>) -> Result<Value, Stop> {
     let cursor = &at.instrument.panel.cursor;
     let [first, second] = cursor.vertical;
     let distance = (second - first).abs();
@@ -98,7 +98,7 @@ fn vertical_delta(at: &mut At<'_>) -> Result<Value, Stop> {
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn horizontal_delta(at: &mut At<'_>) -> Result<Value, Stop> {
+fn horizontal_delta(at: &mut Context<'_>) -> Result<Value, Stop> {
     let [first, second] = at.instrument.panel.cursor.horizontal;
     Ok(Value::Number((second - first).abs()))
 }

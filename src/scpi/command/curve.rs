@@ -7,7 +7,7 @@ use crate::scope::{Preamble, Source, VerticalSetup, Waveform};
 use crate::scpi::message::Argument;
 use crate::scpi::number;
 use crate::scpi::row::{Group, Row};
-use crate::scpi::setting::{At, Both, Parts, Stop, Tells};
+use crate::scpi::setting::{Both, Context, GroupQuery, Parts, Stop};
 use crate::scpi::value::Value;
 
 /// The group.
@@ -15,11 +15,11 @@ pub const GROUP: Group = Group {
     title: "Waveform: points",
     rows: &[
         Row::acts("CURVe", &Both(receive, send), "points, as `DATa` says"),
-        Row::acts("WAVFrm", &Tells(Parts::Of(&["WFMPre", "CURVe"])), "preamble and points"),
+        Row::acts("WAVFrm", &GroupQuery(Parts::Of(&["WFMPre", "CURVe"])), "preamble and points"),
     ],
 };
 
-fn send(at: &mut At<'_>) -> Result<Value, Stop> {
+fn send(at: &mut Context<'_>) -> Result<Value, Stop> {
     let transfer = at.instrument.transfer;
     let waveform = at.instrument.waveform(transfer.source)?;
     let range = transfer.range(waveform.codes.len());
@@ -54,7 +54,7 @@ fn level_to_point(code: i16, transfer: &Transfer) -> i16 {
     (number as i32) as i16
 }
 
-fn receive(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn receive(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let transfer = at.instrument.transfer;
     let incoming = at.instrument.incoming;
     let Source::Reference(letter) = transfer.destination else {

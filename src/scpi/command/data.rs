@@ -7,7 +7,7 @@ use crate::scope::Source;
 use crate::scpi::argument::{only, whole, word};
 use crate::scpi::message::Argument;
 use crate::scpi::row::{Group, Row};
-use crate::scpi::setting::{At, Both, Parts, Stop, TellsAndDoes, Words};
+use crate::scpi::setting::{Both, Context, GroupQueryAndCommand, Parts, Stop, Words};
 use crate::scpi::value::Value;
 
 words! {
@@ -24,7 +24,7 @@ pub const GROUP: Group = Group {
     rows: &[
         Row::acts(
             "DATa",
-            &TellsAndDoes(Parts::Below, initialise),
+            &GroupQueryAndCommand(Parts::Below, initialise),
             "`INIT` sets all of this as at power on",
         ),
         Row::acts(
@@ -61,13 +61,13 @@ pub const GROUP: Group = Group {
     ],
 };
 
-fn initialise(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn initialise(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let Initialise::Everything = word(arguments)?;
     at.instrument.transfer = Transfer::initial(at.instrument.model.record_length);
     Ok(())
 }
 
-fn set_encoding(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn set_encoding(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     // `ASC` is what the preamble tells, and what scripts send: shorter than the manual's shortest `ASCI`.
     let encoding = match only(arguments)? {
         Argument::Word(typed) if typed.eq_ignore_ascii_case("ASC") => Encoding::Ascii,
@@ -78,11 +78,11 @@ fn set_encoding(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn encoding(at: &mut At<'_>) -> Result<Value, Stop> {
+fn encoding(at: &mut Context<'_>) -> Result<Value, Stop> {
     Ok(Value::Word(at.instrument.transfer.encoding().word()))
 }
 
-fn set_destination(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn set_destination(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let destination = word(arguments)?;
     if !matches!(destination, Source::Reference(_)) {
         return Err(Event::NotAReference.into());
@@ -92,22 +92,22 @@ fn set_destination(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> 
 }
 
 /// A point of a record, counted from 1.
-fn point(at: &At<'_>, arguments: &[Argument]) -> Result<usize, Stop> {
+fn point(at: &Context<'_>, arguments: &[Argument]) -> Result<usize, Stop> {
     let last = u32::try_from(at.instrument.model.record_length).unwrap_or(u32::MAX);
     Ok(usize::try_from(whole(arguments, 1, last)?).unwrap_or(1))
 }
 
-fn set_start(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn set_start(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     at.instrument.transfer.start = point(at, arguments)?;
     Ok(())
 }
 
-fn set_stop(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn set_stop(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     at.instrument.transfer.stop = point(at, arguments)?;
     Ok(())
 }
 
-pub(super) fn set_width(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+pub(super) fn set_width(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     at.instrument.transfer.width = if whole(arguments, 1, 2)? == 2 { 2 } else { 1 };
     Ok(())
 }

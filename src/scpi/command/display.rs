@@ -4,7 +4,7 @@ use crate::instrument::word::words;
 use crate::scpi::argument::{real, whole, word};
 use crate::scpi::message::Argument;
 use crate::scpi::row::{Group, Row};
-use crate::scpi::setting::{At, Both, Parts, Stop, Tells, Words};
+use crate::scpi::setting::{Both, Context, GroupQuery, Parts, Stop, Words};
 use crate::scpi::value::Value;
 
 words! {
@@ -24,7 +24,7 @@ const PERSISTENCES: [f64; 4] = [0.0, 1.0, 2.0, 5.0];
 pub const GROUP: Group = Group {
     title: "Display",
     rows: &[
-        Row::accepted("DISplay", &Tells(Parts::Below), "all settings of the screen"),
+        Row::accepted("DISplay", &GroupQuery(Parts::Below), "all settings of the screen"),
         Row::accepted(
             "DISplay:CONTRast",
             &Both(set_contrast, |at| {
@@ -46,12 +46,12 @@ pub const GROUP: Group = Group {
     ],
 };
 
-fn set_contrast(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn set_contrast(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     at.instrument.panel.display.contrast = whole(arguments, 1, 100)?;
     Ok(())
 }
 
-fn set_persistence(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn set_persistence(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let distance = |asked: f64, choice: f64| (asked - choice).abs();
     let nearest = |asked: f64| {
         let choices = PERSISTENCES.iter().copied();
@@ -68,7 +68,7 @@ fn set_persistence(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> 
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn persistence(at: &mut At<'_>) -> Result<Value, Stop> {
+fn persistence(at: &mut Context<'_>) -> Result<Value, Stop> {
     let seconds = at.instrument.panel.display.persistence;
     Ok(if seconds.is_finite() {
         Value::Plain(format!("{seconds}"))

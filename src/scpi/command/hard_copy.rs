@@ -6,7 +6,7 @@ use crate::instrument::word::words;
 use crate::scpi::argument::word;
 use crate::scpi::message::Argument;
 use crate::scpi::row::{Group, Row};
-use crate::scpi::setting::{At, OnOff, Parts, Stop, TellsAndDoes, Words};
+use crate::scpi::setting::{Context, GroupQueryAndCommand, OnOff, Parts, Stop, Words};
 use crate::screen::{PictureFormat, Screen, draw, file};
 
 words! {
@@ -25,7 +25,7 @@ pub const GROUP: Group = Group {
     rows: &[
         Row::acts(
             "HARDCopy",
-            &TellsAndDoes(Parts::Below, order),
+            &GroupQueryAndCommand(Parts::Below, order),
             "`STARt` sends the screen's picture, bare bytes without a terminator; `ABOrt` does nothing",
         ),
         Row::acts(
@@ -51,7 +51,7 @@ pub const GROUP: Group = Group {
     ],
 };
 
-fn order(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn order(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     if word::<Order>(arguments)? == Order::Abort {
         return Ok(());
     }

@@ -4,21 +4,21 @@ use crate::instrument::limits;
 use crate::scpi::argument::real;
 use crate::scpi::message::Argument;
 use crate::scpi::row::{Group, Row};
-use crate::scpi::setting::{Asks, At, Both, Number, Parts, Stop, Tells, Words};
+use crate::scpi::setting::{Both, Context, GroupQuery, Number, Parts, Query, Stop, Words};
 use crate::scpi::value::Value;
 
 /// The group.
 pub const GROUP: Group = Group {
     title: "Horizontal",
     rows: &[
-        Row::acts("HORizontal", &Tells(Parts::Below), "all settings of the time base"),
+        Row::acts("HORizontal", &GroupQuery(Parts::Below), "all settings of the time base"),
         Row::acts(
             "HORizontal:VIEw",
             &Words(|i, _| &mut i.panel.horizontal.view),
             "`MAIn`, `WINDOW` (records are those of the window) or `ZONE`",
         ),
-        Row::acts("HORizontal:RECOrdlength", &Asks(record_length), "points in a record"),
-        Row::acts("HORizontal:MAIn", &Tells(Parts::Below), "the main time base"),
+        Row::acts("HORizontal:RECOrdlength", &Query(record_length), "points in a record"),
+        Row::acts("HORizontal:MAIn", &GroupQuery(Parts::Below), "the main time base"),
         Row::acts("HORizontal:MAIn:SCAle", &SCALE, "s/div, the nearest step of 1-2.5-5"),
         Row::acts(
             "HORizontal:MAIn:POSition",
@@ -26,7 +26,7 @@ pub const GROUP: Group = Group {
             "the screen's centre after the trigger, in seconds",
         ),
         Row::alias("HORizontal:MAIn:SECdiv", "HORizontal:MAIn:SCAle"),
-        Row::acts("HORizontal:DELay", &Tells(Parts::Below), "the window's time base"),
+        Row::acts("HORizontal:DELay", &GroupQuery(Parts::Below), "the window's time base"),
         Row::acts(
             "HORizontal:DELay:SCAle",
             &Number(
@@ -58,7 +58,7 @@ const POSITION: Number = Number(
     |i, _, position| limits::horizontal_position(&i.model, position, i.panel.horizontal.scale),
 );
 
-fn set_scale(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn set_scale(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let asked = real(arguments)?;
     let scale = limits::time_base(&at.instrument.model, asked);
     let model = &at.instrument.model;
@@ -70,12 +70,12 @@ fn set_scale(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn scale(at: &mut At<'_>) -> Result<Value, Stop> {
+fn scale(at: &mut Context<'_>) -> Result<Value, Stop> {
     Ok(Value::Number(at.instrument.panel.horizontal.scale))
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn record_length(at: &mut At<'_>) -> Result<Value, Stop> {
+fn record_length(at: &mut Context<'_>) -> Result<Value, Stop> {
     let points = at.instrument.model.record_length;
     Ok(Value::Plain(points.to_string()))
 }

@@ -6,7 +6,7 @@ use crate::instrument::panel::MathFunction;
 use crate::scpi::argument::text;
 use crate::scpi::message::Argument;
 use crate::scpi::row::{Group, Row};
-use crate::scpi::setting::{At, Both, Number, Parts, Stop, Tells};
+use crate::scpi::setting::{Both, Context, GroupQuery, Number, Parts, Stop};
 use crate::scpi::value::Value;
 
 /// Horizontal zooms of a spectrum (1).
@@ -20,13 +20,13 @@ const FARTHEST: f64 = 100.0;
 pub const GROUP: Group = Group {
     title: "Math",
     rows: &[
-        Row::acts("MATH", &Tells(Parts::Below), "all settings of the math trace"),
+        Row::acts("MATH", &GroupQuery(Parts::Below), "all settings of the math trace"),
         Row::acts(
             "MATH:DEFINE",
             &Both(define, definition),
             "e.g. `\"CH1 - CH2\"` or `\"FFT(CH1,HANNING)\"`",
         ),
-        Row::acts("MATH:FFT", &Tells(Parts::Below), "how the screen shows a spectrum"),
+        Row::acts("MATH:FFT", &GroupQuery(Parts::Below), "how the screen shows a spectrum"),
         Row::acts(
             "MATH:FFT:HORizontal:POSition",
             &Number(
@@ -62,13 +62,13 @@ pub const GROUP: Group = Group {
     ],
 };
 
-fn define(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn define(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let function = MathFunction::parse(text(arguments)?, at.instrument.model.channels);
     at.instrument.panel.math.function = function.ok_or(Event::InvalidMath)?;
     Ok(())
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn definition(at: &mut At<'_>) -> Result<Value, Stop> {
+fn definition(at: &mut Context<'_>) -> Result<Value, Stop> {
     Ok(Value::Text(at.instrument.panel.math.function.definition()))
 }

@@ -10,7 +10,7 @@ use crate::instrument::word::Word as _;
 use crate::scpi::argument::word;
 use crate::scpi::message::Argument;
 use crate::scpi::row::{Group, Row};
-use crate::scpi::setting::{Asks, At, Both, Parts, Stop, Tells, Words};
+use crate::scpi::setting::{Both, Context, GroupQuery, Parts, Query, Stop, Words};
 use crate::scpi::value::Value;
 
 /// Type and source of the five measurements on the screen.
@@ -28,18 +28,18 @@ pub const GROUP: Group = Group {
     rows: &[
         Row::acts(
             "MEASUrement",
-            &Tells(Parts::Of(&MEASUREMENTS)),
+            &GroupQuery(Parts::Of(&MEASUREMENTS)),
             "the measurements on the screen",
         ),
         Row::acts(
             "MEASUrement:IMMed",
-            &Tells(Parts::Below),
+            &GroupQuery(Parts::Below),
             "the measurement of the remote interface",
         ),
         Row::acts("MEASUrement:IMMed:TYPe", &Both(set_immediate, immediate), "what is measured"),
         Row::acts(
             "MEASUrement:IMMed:UNIts",
-            &Asks(|at| Ok(units(at.instrument.panel.immediate))),
+            &Query(|at| Ok(units(at.instrument.panel.immediate))),
             "unit of the result",
         ),
         Row::acts(
@@ -50,14 +50,18 @@ pub const GROUP: Group = Group {
         Row::alias("MEASUrement:IMMed:SOU1", "MEASUrement:IMMed:SOUrce1"),
         Row::acts(
             "MEASUrement:IMMed:VALue",
-            &Asks(|at| {
+            &Query(|at| {
                 let m = at.instrument.panel.immediate;
                 Ok(value(at, m))
             }),
             "the result, 9.9E37 if there is none",
         )
         .apart(),
-        Row::acts("MEASUrement:MEAS<x>", &Tells(Parts::Below), "one of the five on the screen"),
+        Row::acts(
+            "MEASUrement:MEAS<x>",
+            &GroupQuery(Parts::Below),
+            "one of the five on the screen",
+        ),
         Row::acts(
             "MEASUrement:MEAS<x>:TYPe",
             &Words(|i, at| &mut i.panel.measurement_mut(at.number).kind),
@@ -65,7 +69,7 @@ pub const GROUP: Group = Group {
         ),
         Row::acts(
             "MEASUrement:MEAS<x>:UNIts",
-            &Asks(|at| Ok(units(slot(at)))),
+            &Query(|at| Ok(units(slot(at)))),
             "unit of the result",
         )
         .apart(),
@@ -76,7 +80,7 @@ pub const GROUP: Group = Group {
         ),
         Row::acts(
             "MEASUrement:MEAS<x>:VALue",
-            &Asks(|at| {
+            &Query(|at| {
                 let m = slot(at);
                 Ok(value(at, m))
             }),
@@ -86,11 +90,11 @@ pub const GROUP: Group = Group {
     ],
 };
 
-fn slot(at: &mut At<'_>) -> Measurement {
+fn slot(at: &mut Context<'_>) -> Measurement {
     *at.instrument.panel.measurement_mut(at.place.number)
 }
 
-fn set_immediate(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn set_immediate(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let kind = word(arguments)?;
     if kind == MeasurementType::None {
         return Err(Event::IllegalParameter.into());
@@ -100,7 +104,7 @@ fn set_immediate(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn immediate(at: &mut At<'_>) -> Result<Value, Stop> {
+fn immediate(at: &mut Context<'_>) -> Result<Value, Stop> {
     Ok(Value::Word(at.instrument.panel.immediate.kind.word()))
 }
 
@@ -108,7 +112,7 @@ fn units(measurement: Measurement) -> Value {
     Value::Text(unit(measurement.kind).to_owned())
 }
 
-fn value(at: &mut At<'_>, measurement: Measurement) -> Value {
+fn value(at: &mut Context<'_>, measurement: Measurement) -> Value {
     let result = if measurement.kind == MeasurementType::None {
         Err(Event::NoMeasurementType)
     } else {

@@ -5,7 +5,7 @@ use crate::instrument::word::words;
 use crate::scpi::argument::{flag, only, text, word};
 use crate::scpi::message::Argument;
 use crate::scpi::row::{Group, Row};
-use crate::scpi::setting::{Asks, At, Both, Does, Parts, Stop, Tells};
+use crate::scpi::setting::{Both, Command, Context, GroupQuery, Parts, Query, Stop};
 use crate::scpi::value::Value;
 
 words! {
@@ -91,12 +91,12 @@ pub const GROUP: Group = Group {
     rows: &[
         Row::acts(
             "*IDN",
-            &Asks(identity),
+            &Query(identity),
             "maker, model, serial number, firmware; the last query of a message",
         ),
-        Row::acts("ID", &Asks(identity_in_short), "the same in the family's older form"),
-        Row::acts("*LRN", &Tells(Parts::Of(&SETUP)), "the whole set-up, with headers"),
-        Row::acts("SET", &Tells(Parts::Of(&SETUP)), "the whole set-up, with headers"),
+        Row::acts("ID", &Query(identity_in_short), "the same in the family's older form"),
+        Row::acts("*LRN", &GroupQuery(Parts::Of(&SETUP)), "the whole set-up, with headers"),
+        Row::acts("SET", &GroupQuery(Parts::Of(&SETUP)), "the whole set-up, with headers"),
         Row::acts(
             "HEADer",
             &Both(
@@ -122,7 +122,7 @@ pub const GROUP: Group = Group {
         ),
         Row::acts(
             "AUTOSet",
-            &Does(autoset),
+            &Command(autoset),
             "`EXECute` scales the channels and triggers at half height",
         ),
         Row::accepted(
@@ -132,7 +132,7 @@ pub const GROUP: Group = Group {
             }),
             "`ALL` or `NONe` of the keys",
         ),
-        Row::accepted("UNLock", &Does(unlock), "`ALL`"),
+        Row::accepted("UNLock", &Command(unlock), "`ALL`"),
         Row::accepted(
             "LANGuage",
             &Both(
@@ -153,7 +153,7 @@ pub const GROUP: Group = Group {
         ),
         Row::acts(
             "REM",
-            &Does(|_, a| {
+            &Command(|_, a| {
                 remark(a)?;
                 Ok(())
             }),
@@ -163,7 +163,7 @@ pub const GROUP: Group = Group {
 };
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn identity(at: &mut At<'_>) -> Result<Value, Stop> {
+fn identity(at: &mut Context<'_>) -> Result<Value, Stop> {
     let model = &at.instrument.model;
     Ok(Value::Plain(format!(
         "TEKTRONIX,{},{},CF:91.1CT {} {}",
@@ -172,24 +172,24 @@ fn identity(at: &mut At<'_>) -> Result<Value, Stop> {
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn identity_in_short(at: &mut At<'_>) -> Result<Value, Stop> {
+fn identity_in_short(at: &mut Context<'_>) -> Result<Value, Stop> {
     let model = &at.instrument.model;
     let name = &model.name;
     Ok(Value::Plain(format!("TEK/{name},CF:91.1CT,{} {}", model.firmware, model.interface)))
 }
 
-fn autoset(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn autoset(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let Execute::Everything = word(arguments)?;
     at.instrument.autoset();
     Ok(())
 }
 
-fn lock(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn lock(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     at.instrument.service.locked = word::<Lock>(arguments)? == Lock::All;
     Ok(())
 }
 
-fn unlock(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn unlock(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     match word(arguments)? {
         Lock::All => at.instrument.service.locked = false,
         Lock::None => return Err(Event::IllegalParameter.into()),
@@ -202,7 +202,7 @@ fn remark(arguments: &[Argument]) -> Result<&str, Event> {
     if remark.len() > LONGEST_REMARK { Err(Event::InvalidString) } else { Ok(remark) }
 }
 
-fn set_device_trigger(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn set_device_trigger(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     remark(arguments)?.clone_into(&mut at.instrument.service.device_trigger);
     Ok(())
 }

@@ -4,14 +4,14 @@ use crate::instrument::word::Word as _;
 use crate::scpi::argument::{flag, real, word};
 use crate::scpi::message::Argument;
 use crate::scpi::row::{Group, Row};
-use crate::scpi::setting::{At, Both, Parts, Stop, Tells};
+use crate::scpi::setting::{Both, Context, GroupQuery, Parts, Stop};
 use crate::scpi::value::Value;
 
 /// The group.
 pub const GROUP: Group = Group {
     title: "RS-232",
     rows: &[
-        Row::acts("RS232", &Tells(Parts::Below), "all settings of the line"),
+        Row::acts("RS232", &GroupQuery(Parts::Below), "all settings of the line"),
         Row::accepted(
             "RS232:BAUd",
             &Both(
@@ -46,12 +46,12 @@ pub const GROUP: Group = Group {
     ],
 };
 
-fn ignore_flag(_: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn ignore_flag(_: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     flag(arguments)?;
     Ok(())
 }
 
-fn set_terminator(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn set_terminator(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     at.preferences.terminator = word(arguments)?;
     Ok(())
 }

@@ -6,7 +6,7 @@ use crate::scope::Source;
 use crate::scpi::argument::{none, real, word};
 use crate::scpi::message::Argument;
 use crate::scpi::row::{Group, Row};
-use crate::scpi::setting::{At, Does, Stop};
+use crate::scpi::setting::{Command, Context, Stop};
 
 words! {
     /// A set-up that is recalled.
@@ -20,28 +20,28 @@ words! {
 pub const GROUP: Group = Group {
     title: "Save and recall",
     rows: &[
-        Row::acts("*SAV", &Does(save_setup), "keeps the front panel in memory 1 to 10"),
-        Row::acts("*RCL", &Does(recall_setup), "sets the front panel as in memory 1 to 10"),
-        Row::acts("*RST", &Does(reset), "the factory's set-up"),
+        Row::acts("*SAV", &Command(save_setup), "keeps the front panel in memory 1 to 10"),
+        Row::acts("*RCL", &Command(recall_setup), "sets the front panel as in memory 1 to 10"),
+        Row::acts("*RST", &Command(reset), "the factory's set-up"),
         Row::acts(
             "FACtory",
-            &Does(factory),
+            &Command(factory),
             "the factory's set-up and headers, and no enabled events",
         ),
-        Row::acts("SAVe:SETUp", &Does(save_setup), "as `*SAV`"),
-        Row::acts("RECAll:SETUp", &Does(recall_setup), "as `*RCL`, or `FACtory`"),
+        Row::acts("SAVe:SETUp", &Command(save_setup), "as `*SAV`"),
+        Row::acts("RECAll:SETUp", &Command(recall_setup), "as `*RCL`, or `FACtory`"),
         Row::acts(
             "SAVe:WAVEform",
-            &Does(save_waveform),
+            &Command(save_waveform),
             "`<wfm>,REF<x>` copies a waveform into a reference memory",
         ),
         Row::acts(
             "RECAll:WAVEform",
-            &Does(recall_waveform),
+            &Command(recall_waveform),
             "`REF<x>` displays a reference memory",
         ),
-        Row::refused("SAVe:IMAge", &Does(missing), "no memory card (event 241)"),
-        Row::refused("FILESystem", &Does(missing), "no memory card (event 241)"),
+        Row::refused("SAVe:IMAge", &Command(missing), "no memory card (event 241)"),
+        Row::refused("FILESystem", &Command(missing), "no memory card (event 241)"),
     ],
 };
 
@@ -54,11 +54,11 @@ fn number(arguments: &[Argument]) -> Result<usize, Stop> {
         .ok_or_else(|| Event::OutOfRange.into())
 }
 
-fn save_setup(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn save_setup(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     Ok(at.instrument.save_setup(number(arguments)?)?)
 }
 
-fn recall_setup(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn recall_setup(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     if word(arguments) == Ok(Recalled::Factory) {
         at.instrument.reset();
         return Ok(());
@@ -66,13 +66,13 @@ fn recall_setup(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     Ok(at.instrument.recall_setup(number(arguments)?)?)
 }
 
-fn reset(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn reset(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     none(arguments)?;
     at.instrument.reset();
     Ok(())
 }
 
-fn factory(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn factory(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     reset(at, arguments)?;
     let status = &mut at.instrument.status;
     (status.device_enable, status.event_enable, status.service_enable) = (u8::MAX, 0, 0);
@@ -90,7 +90,7 @@ fn waveform(argument: &Argument) -> Result<Source, Event> {
     }
 }
 
-fn save_waveform(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn save_waveform(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let [from, to] = arguments else { return Err(Event::MissingParameter.into()) };
     let Source::Reference(letter) = waveform(to)? else {
         return Err(Event::NotAReference.into());
@@ -98,7 +98,7 @@ fn save_waveform(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     Ok(at.instrument.save_waveform(waveform(from)?, letter)?)
 }
 
-fn recall_waveform(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn recall_waveform(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let source = word(arguments)?;
     if !matches!(source, Source::Reference(_)) {
         return Err(Event::NotAReference.into());
@@ -107,6 +107,6 @@ fn recall_waveform(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> 
     Ok(())
 }
 
-fn missing(_: &mut At<'_>, _: &[Argument]) -> Result<(), Stop> {
+fn missing(_: &mut Context<'_>, _: &[Argument]) -> Result<(), Stop> {
     Err(Event::HardwareMissing.into())
 }

@@ -3,14 +3,14 @@
 use crate::scpi::argument::{flag, none, whole};
 use crate::scpi::message::Argument;
 use crate::scpi::row::{Group, Row};
-use crate::scpi::setting::{Asks, At, Both, Does, Stop};
+use crate::scpi::setting::{Both, Command, Context, Query, Stop};
 use crate::scpi::value::Value;
 
 /// The group.
 pub const GROUP: Group = Group {
     title: "Status and error",
     rows: &[
-        Row::acts("*CLS", &Does(clear), "forgets events"),
+        Row::acts("*CLS", &Command(clear), "forgets events"),
         Row::acts(
             "*ESE",
             &Both(
@@ -24,7 +24,7 @@ pub const GROUP: Group = Group {
         ),
         Row::acts(
             "*ESR",
-            &Asks(|at| Ok(integer(at.instrument.status.read_register()))),
+            &Query(|at| Ok(integer(at.instrument.status.read_register()))),
             "reads and clears the event register, releases events",
         ),
         Row::acts(
@@ -54,12 +54,12 @@ pub const GROUP: Group = Group {
             ),
             "parts of the status byte that ask for service",
         ),
-        Row::acts("*STB", &Asks(status_byte), "the status byte"),
-        Row::acts("*WAI", &Does(wait), "holds what follows until the acquisition is done"),
-        Row::acts("ALLEv", &Asks(all_events), "every released event"),
+        Row::acts("*STB", &Query(status_byte), "the status byte"),
+        Row::acts("*WAI", &Command(wait), "holds what follows until the acquisition is done"),
+        Row::acts("ALLEv", &Query(all_events), "every released event"),
         Row::acts(
             "BUSY",
-            &Asks(|at| Ok(Value::flag(at.instrument.is_busy()))),
+            &Query(|at| Ok(Value::flag(at.instrument.is_busy()))),
             "1 while a single sequence runs",
         ),
         Row::acts(
@@ -75,13 +75,13 @@ pub const GROUP: Group = Group {
         ),
         Row::acts(
             "EVENT",
-            &Asks(|at| Ok(Value::Integer(i64::from(at.instrument.status.next_event().0)))),
+            &Query(|at| Ok(Value::Integer(i64::from(at.instrument.status.next_event().0)))),
             "code of the next released event",
         ),
-        Row::acts("EVMsg", &Asks(next_event), "the next released event"),
+        Row::acts("EVMsg", &Query(next_event), "the next released event"),
         Row::acts(
             "EVQty",
-            &Asks(|at| Ok(integer(at.instrument.status.released_events()))),
+            &Query(|at| Ok(integer(at.instrument.status.released_events()))),
             "how many events are released",
         ),
     ],
@@ -95,13 +95,13 @@ fn integer(byte: u8) -> Value {
     Value::Integer(i64::from(byte))
 }
 
-fn clear(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn clear(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     none(arguments)?;
     at.instrument.status.clear();
     Ok(())
 }
 
-fn complete(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn complete(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     none(arguments)?;
     at.instrument.status.ask_for_completion();
     if !at.instrument.is_busy() {
@@ -110,17 +110,17 @@ fn complete(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     Ok(())
 }
 
-fn completed(at: &mut At<'_>) -> Result<Value, Stop> {
+fn completed(at: &mut Context<'_>) -> Result<Value, Stop> {
     if at.instrument.is_busy() { Err(Stop::UntilIdle) } else { Ok(Value::Integer(1)) }
 }
 
-fn wait(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn wait(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     none(arguments)?;
     if at.instrument.is_busy() { Err(Stop::UntilIdle) } else { Ok(()) }
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn status_byte(at: &mut At<'_>) -> Result<Value, Stop> {
+fn status_byte(at: &mut Context<'_>) -> Result<Value, Stop> {
     Ok(integer(at.instrument.status.byte(at.message_available)))
 }
 
@@ -129,12 +129,12 @@ fn written((code, message): &(u16, String)) -> String {
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn next_event(at: &mut At<'_>) -> Result<Value, Stop> {
+fn next_event(at: &mut Context<'_>) -> Result<Value, Stop> {
     Ok(Value::Plain(written(&at.instrument.status.next_event())))
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn all_events(at: &mut At<'_>) -> Result<Value, Stop> {
+fn all_events(at: &mut Context<'_>) -> Result<Value, Stop> {
     let events = at.instrument.status.all_events();
     let texts: Vec<String> = events.iter().map(written).collect();
     Ok(Value::Plain(texts.join(",")))

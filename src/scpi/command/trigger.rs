@@ -8,7 +8,9 @@ use crate::scope::{Source, TriggerSource};
 use crate::scpi::argument::{none, whole, word};
 use crate::scpi::message::Argument;
 use crate::scpi::row::{Group, Row};
-use crate::scpi::setting::{Asks, At, Both, Does, Number, Parts, Stop, Tells, TellsAndDoes, Words};
+use crate::scpi::setting::{
+    Both, Command, Context, GroupQuery, GroupQueryAndCommand, Number, Parts, Query, Stop, Words,
+};
 use crate::scpi::value::Value;
 
 words! {
@@ -34,7 +36,7 @@ pub const GROUP: Group = Group {
     rows: &[
         Row::acts(
             "*TRG",
-            &Does(|at, arguments| {
+            &Command(|at, arguments| {
                 none(arguments)?;
                 at.instrument.force_trigger();
                 Ok(())
@@ -43,18 +45,18 @@ pub const GROUP: Group = Group {
         ),
         Row::acts(
             "TRIGger",
-            &TellsAndDoes(Parts::Below, force),
+            &GroupQueryAndCommand(Parts::Below, force),
             "`FORCe` triggers, if the scope is ready",
         ),
         Row::acts(
             "TRIGger:STATE",
-            &Asks(|at| Ok(Value::Word(at.instrument.state().word()))),
+            &Query(|at| Ok(Value::Word(at.instrument.state().word()))),
             "what the acquisition is doing",
         )
         .apart(),
         Row::acts(
             "TRIGger:MAIn",
-            &TellsAndDoes(Parts::Below, set_level),
+            &GroupQueryAndCommand(Parts::Below, set_level),
             "`SETLevel` puts the level at half height",
         ),
         Row::acts(
@@ -67,7 +69,7 @@ pub const GROUP: Group = Group {
             &Words(|i, _| &mut i.panel.trigger.kind),
             "`EDGE`, `VIDeo` or `PULse`; no input carries video",
         ),
-        Row::acts("TRIGger:MAIn:HOLDOff", &Tells(Parts::Below), "holdoff"),
+        Row::acts("TRIGger:MAIn:HOLDOff", &GroupQuery(Parts::Below), "holdoff"),
         Row::acts(
             "TRIGger:MAIn:HOLDOff:VALue",
             &Number(
@@ -76,7 +78,7 @@ pub const GROUP: Group = Group {
             ),
             "seconds after a trigger without another",
         ),
-        Row::acts("TRIGger:MAIn:EDGE", &Tells(Parts::Below), "the edge trigger"),
+        Row::acts("TRIGger:MAIn:EDGE", &GroupQuery(Parts::Below), "the edge trigger"),
         Row::acts(
             "TRIGger:MAIn:EDGE:SOUrce",
             &SOURCE,
@@ -92,7 +94,7 @@ pub const GROUP: Group = Group {
             &Words(|i, _| &mut i.panel.trigger.slope),
             "`RISe` or `FALL`",
         ),
-        Row::accepted("TRIGger:MAIn:VIDeo", &Tells(Parts::Below), "the video trigger"),
+        Row::accepted("TRIGger:MAIn:VIDeo", &GroupQuery(Parts::Below), "the video trigger"),
         Row::acts("TRIGger:MAIn:VIDeo:SOUrce", &SOURCE, "the same source as the edge trigger's")
             .apart(),
         Row::accepted(
@@ -111,10 +113,10 @@ pub const GROUP: Group = Group {
             &Words(|i, _| &mut i.panel.trigger.video_standard),
             "`NTSC` or `PAL`",
         ),
-        Row::acts("TRIGger:MAIn:PULse", &Tells(Parts::Below), "the pulse trigger"),
+        Row::acts("TRIGger:MAIn:PULse", &GroupQuery(Parts::Below), "the pulse trigger"),
         Row::acts("TRIGger:MAIn:PULse:SOUrce", &SOURCE, "the same source as the edge trigger's")
             .apart(),
-        Row::acts("TRIGger:MAIn:PULse:WIDth", &Tells(Parts::Below), "which pulses trigger"),
+        Row::acts("TRIGger:MAIn:PULse:WIDth", &GroupQuery(Parts::Below), "which pulses trigger"),
         Row::acts(
             "TRIGger:MAIn:PULse:WIDth:POLarity",
             &Words(|i, _| &mut i.panel.trigger.pulse_polarity),
@@ -143,7 +145,7 @@ pub const GROUP: Group = Group {
         ),
         Row::acts(
             "TRIGger:MAIn:FREQuency",
-            &Asks(frequency),
+            &Query(frequency),
             "frequency of the source, six digits",
         )
         .apart(),
@@ -152,30 +154,30 @@ pub const GROUP: Group = Group {
 
 const SOURCE: Words<TriggerSource> = Words(|i, _| &mut i.panel.trigger.source);
 
-fn force(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn force(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let Force::Now = word(arguments)?;
     at.instrument.force_trigger();
     Ok(())
 }
 
-fn set_level(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn set_level(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let SetLevel::HalfHeight = word(arguments)?;
     at.instrument.centre_trigger();
     Ok(())
 }
 
-fn set_line(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn set_line(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     at.instrument.panel.trigger.video_line = whole(arguments, 1, LINES)?;
     Ok(())
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn line(at: &mut At<'_>) -> Result<Value, Stop> {
+fn line(at: &mut Context<'_>) -> Result<Value, Stop> {
     Ok(Value::Integer(i64::from(at.instrument.panel.trigger.video_line)))
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn frequency(at: &mut At<'_>) -> Result<Value, Stop> {
+fn frequency(at: &mut Context<'_>) -> Result<Value, Stop> {
     let number = at.instrument.panel.trigger.source.channel();
     let record = number.and_then(|n| at.instrument.waveform(Source::Channel(n)).ok());
     let found = record.and_then(|record| measure(MeasurementType::Frequency, &record).ok());

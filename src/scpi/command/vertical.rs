@@ -5,14 +5,14 @@ use crate::scope::{Coupling, Source};
 use crate::scpi::argument::real;
 use crate::scpi::message::Argument;
 use crate::scpi::row::{Group, Row};
-use crate::scpi::setting::{At, Both, Number, OnOff, Parts, Stop, Switch, Tells, Words};
+use crate::scpi::setting::{Both, Context, GroupQuery, Number, OnOff, Parts, Stop, Switch, Words};
 use crate::scpi::value::Value;
 
 /// The group.
 pub const GROUP: Group = Group {
     title: "Vertical",
     rows: &[
-        Row::acts("CH<x>", &Tells(Parts::Below), "all settings of a channel"),
+        Row::acts("CH<x>", &GroupQuery(Parts::Below), "all settings of a channel"),
         Row::acts(
             "CH<x>:PRObe",
             &Both(set_probe, probe),
@@ -54,7 +54,7 @@ pub const GROUP: Group = Group {
             &OnOff(|i, at| i.panel.channel_mut(at.number).vertical.inverted.get_or_insert(false)),
             "`ON` turns the trace upside down",
         ),
-        Row::acts("SELect", &Tells(Parts::Of(&SELECT)), "which waveforms are displayed"),
+        Row::acts("SELect", &GroupQuery(Parts::Of(&SELECT)), "which waveforms are displayed"),
         Row::acts("SELect:CH<x>", &SHOWN, "`ON` displays the channel"),
         Row::acts(
             "SELect:MATH",
@@ -80,7 +80,7 @@ const SELECT: [&str; 9] = [
 
 const SHOWN: Switch = Switch(|i, at| i.panel.displayed_mut(at.source));
 
-fn set_probe(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn set_probe(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let probe = limits::nearest(real(arguments)?, &at.instrument.model.probes);
     let vertical = &mut at.instrument.panel.channel_mut(at.place.number).vertical;
     vertical.scale = limits::rounded(vertical.scale / vertical.probe * probe, 9);
@@ -89,12 +89,12 @@ fn set_probe(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn probe(at: &mut At<'_>) -> Result<Value, Stop> {
+fn probe(at: &mut Context<'_>) -> Result<Value, Stop> {
     let probe = at.instrument.panel.channel(at.place.number).vertical.probe;
     Ok(Value::Plain(format!("{probe}")))
 }
 
-fn set_scale(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn set_scale(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let asked = real(arguments)?;
     let model = &at.instrument.model;
     let channel = at.instrument.panel.channel_mut(at.place.number);
@@ -103,6 +103,6 @@ fn set_scale(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn scale(at: &mut At<'_>) -> Result<Value, Stop> {
+fn scale(at: &mut Context<'_>) -> Result<Value, Stop> {
     Ok(Value::Number(at.instrument.panel.channel(at.place.number).vertical.scale))
 }

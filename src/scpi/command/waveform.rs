@@ -11,8 +11,9 @@ use crate::scope::{Coupling, PointFormat, Preamble, Source, Waveform};
 use crate::scpi::argument::{real, text, whole, word};
 use crate::scpi::message::Argument;
 use crate::scpi::number::setting;
-use crate::scpi::row::{Group, Place, Row};
-use crate::scpi::setting::{Access, Asks, At, Both, Parts, Setting, Stop, Tells, Words};
+use crate::scpi::place::Place;
+use crate::scpi::row::{Group, Row};
+use crate::scpi::setting::{Access, Both, Context, GroupQuery, Parts, Query, Setting, Stop, Words};
 use crate::scpi::value::Value;
 
 /// The fields in the order of a reply.
@@ -39,7 +40,7 @@ const FIELDS: [&str; 16] = [
 pub const GROUP: Group = Group {
     title: "Waveform: preamble",
     rows: &[
-        Row::acts("WFMPre", &Tells(Parts::Of(&FIELDS)), "all of the preamble"),
+        Row::acts("WFMPre", &GroupQuery(Parts::Of(&FIELDS)), "all of the preamble"),
         Row::acts(
             "WFMPre:BYT_Nr",
             &Both(super::data::set_width, |at| {
@@ -66,7 +67,7 @@ pub const GROUP: Group = Group {
         Row::acts("WFMPre:NR_Pt", &Field(nr_pt, set_nr_pt), "points"),
         Row::acts(
             "WFMPre:WFId",
-            &Asks(|at| {
+            &Query(|at| {
                 let source = at.instrument.transfer.source;
                 wfid(at, source)
             }),
@@ -149,12 +150,12 @@ pub const GROUP: Group = Group {
         ),
         Row::acts(
             "WFMPre:<wfm>",
-            &Tells(Parts::Below),
+            &GroupQuery(Parts::Below),
             "the preamble of a waveform that `DATa:SOUrce` need not name",
         ),
         Row::acts(
             "WFMPre:<wfm>:WFId",
-            &Asks(|at| {
+            &Query(|at| {
                 let source = at.place.source;
                 wfid(at, source)
             }),
@@ -175,7 +176,7 @@ pub const GROUP: Group = Group {
 
 /// One field of a waveform's preamble as it is sent.
 type Tell = fn(&Waveform, &Transfer) -> Value;
-type Take = fn(&mut At<'_>, &[Argument]) -> Result<(), Stop>;
+type Take = fn(&mut Context<'_>, &[Argument]) -> Result<(), Stop>;
 
 /// A field of the waveform that `DATa:SOUrce` names, and of the one to come.
 struct Field(Tell, Take);
@@ -185,11 +186,11 @@ impl Setting for Field {
         Access { sets: true, asks: true }
     }
 
-    fn set(&self, at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    fn set(&self, at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
         (self.1)(at, arguments)
     }
 
-    fn get(&self, at: &mut At<'_>) -> Result<Value, Stop> {
+    fn get(&self, at: &mut Context<'_>) -> Result<Value, Stop> {
         let transfer = at.instrument.transfer;
         Ok((self.0)(&at.instrument.waveform(transfer.source)?, &transfer))
     }
@@ -203,14 +204,14 @@ impl Setting for Of {
         Access { sets: false, asks: true }
     }
 
-    fn get(&self, at: &mut At<'_>) -> Result<Value, Stop> {
+    fn get(&self, at: &mut Context<'_>) -> Result<Value, Stop> {
         let Place { source, .. } = at.place;
         let transfer = at.instrument.transfer;
         Ok((self.0)(&at.instrument.waveform(source)?, &transfer))
     }
 }
 
-fn set_bits(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn set_bits(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     at.instrument.transfer.width = if whole(arguments, 8, 16)? > 8 { 2 } else { 1 };
     Ok(())
 }
@@ -219,7 +220,7 @@ fn nr_pt(waveform: &Waveform, transfer: &Transfer) -> Value {
     Value::Plain(transfer.range(waveform.codes.len()).len().to_string())
 }
 
-fn set_nr_pt(at: &mut At<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn set_nr_pt(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let last = u32::try_from(at.instrument.model.record_length).unwrap_or(u32::MAX);
     at.instrument.incoming.nr_pt = usize::try_from(whole(arguments, 1, last)?).unwrap_or(1);
     Ok(())
@@ -263,7 +264,7 @@ fn y_unit(waveform: &Waveform, _: &Transfer) -> Value {
 }
 
 /// The waveform in words: `Ch1, DC coupling, 5.0E-1 V/div, 5.0E-2 s/div, 2500 points, Sample mode`.
-fn wfid(at: &mut At<'_>, source: Source) -> Result<Value, Stop> {
+fn wfid(at: &mut Context<'_>, source: Source) -> Result<Value, Stop> {
     let waveform = at.instrument.waveform(source)?;
     let coupling = match waveform.vertical.coupling {
         Some(Coupling::Ac) => "AC coupling, ",

@@ -38,7 +38,7 @@ impl Model {
         } else if is("goto") {
             self.goto(rest);
         } else if is("seek") {
-            self.seek(rest);
+            self.seek_typed(rest);
         } else if is("set") {
             self.set_typed(rest);
         } else if is("quit") {
@@ -79,12 +79,12 @@ impl Model {
         }
     }
 
-    fn seek(&mut self, time: &str) {
+    fn seek_typed(&mut self, time: &str) {
         match crate::quantity::parse(time, crate::quantity::Dimension::TIME) {
             Ok(time) => {
                 self.page = Page::Bench;
                 let change = time - self.play.bench_time;
-                self.wind(change);
+                self.seek(change);
             }
             Err(error) => {
                 self.notice =

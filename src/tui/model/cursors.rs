@@ -3,7 +3,7 @@
 use super::features::features;
 use super::state::{Cursor, CursorKind, value_at};
 use super::{Model, Page};
-use crate::experiment::recorded;
+use crate::measurement::metadata;
 use crate::tui::axis::{DIVISIONS_ACROSS, DIVISIONS_UP, Turn};
 
 /// A cursor's step (div).
@@ -168,7 +168,7 @@ impl Model {
         let speed = || {
             let from = self.sensor(first.source)?.site?;
             let to = self.sensor(second.source)?.site?;
-            let distance = recorded::distance(self.scene.as_ref()?, from, to)?;
+            let distance = metadata::distance(self.scene.as_ref()?, from, to)?;
             (distance > 0.0).then(|| distance / difference.abs())
         };
         Some(CursorReading {

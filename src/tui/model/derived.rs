@@ -6,10 +6,10 @@ use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::spectrum::{Analyser, Settings, Spectrum};
 use crate::analysis::time_frequency::{Pieces, Spectrogram};
 use crate::analysis::window::Window;
-use crate::experiment::arrivals::{Survey, survey};
-use crate::experiment::recorded::{self, RecordedSensor};
 use crate::instrument::measure::{measure, unit};
 use crate::instrument::panel::MeasurementType;
+use crate::measurement::arrivals::{Survey, survey};
+use crate::measurement::metadata::{self, RecordedSensor};
 use crate::scope::Source;
 use crate::trace::Trace;
 
@@ -82,7 +82,7 @@ impl Model {
     #[must_use]
     pub fn sensor(&self, source: Source) -> Option<RecordedSensor> {
         let name = source.to_string();
-        let mut sensors = recorded::sensors(self.set()).into_iter();
+        let mut sensors = metadata::sensors(self.set()).into_iter();
         sensors.find(|sensor| sensor.channel.as_ref() == Some(&name))
     }
 
@@ -97,7 +97,7 @@ impl Model {
         if matches!(self.page, Page::Spectrum | Page::Map) {
             let site = self.selected.and_then(|source| self.sensor(source)).and_then(|s| s.site);
             let scene = self.scene.as_ref();
-            derived.chain = site.zip(scene).and_then(|(site, scene)| recorded::cell(scene, site));
+            derived.chain = site.zip(scene).and_then(|(site, scene)| metadata::cell(scene, site));
         }
         let trace = self.selected().and_then(crate::recording::Capture::trace).map(thinned);
         let trace =

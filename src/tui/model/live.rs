@@ -201,7 +201,7 @@ impl Model {
             self.notice = Some("no trigger: what is on screen is older (f forces one)".to_owned());
             return;
         }
-        self.keep_ghost();
+        self.persist_traces();
         self.set = struck.set;
         self.shot = 0;
         self.fresh();

@@ -4,43 +4,46 @@
 //! and shown as different from the recorded ones. The model does no input and no output: what it needs done it leaves as
 //! [`Request`]s, and the answers come back as method calls.
 
-mod asked;
+mod accessors;
+mod action;
+pub mod background_jobs;
 mod band;
 pub mod command;
 mod cursors;
 pub mod derived;
 pub mod features;
 mod front_panel;
+mod knob_actions;
 pub mod knobs;
 pub mod live;
-pub mod questions;
 mod replay;
 mod selection;
 pub mod served;
 pub mod state;
 pub mod traces;
-mod turning;
 mod update;
+
+pub use action::Action;
 
 use std::collections::BTreeMap;
 
-use crate::experiment::recorded;
+use crate::measurement::metadata;
 use crate::recording::{Capture, TraceSet};
 use crate::scene::Scene;
 use crate::scope::{Source, Waveform};
 use crate::tui::axis::Window;
 
+pub use background_jobs::Questions;
 pub use cursors::CursorReading;
 pub use derived::{Derived, Reading};
 pub use live::{Live, Struck};
-pub use questions::Questions;
 use state::Adjustment;
 pub use state::{
-    Acquisition, CursorKind, Cursors, Ghosts, Job, Overlay, Page, Palette, Panel, Play, Request,
-    Side, Strike, Visibility,
+    Acquisition, CursorKind, Cursors, Job, Overlay, Page, Palette, Panel, PersistedTraces, Play,
+    Request, Side, Strike, Visibility,
 };
 pub use traces::MathMode;
-pub use update::{Action, update};
+pub use update::update;
 
 /// Unit of a record's ordinate; some files write `Volts`.
 #[must_use]
@@ -66,7 +69,7 @@ pub struct Model {
     version: u64,
     traces: Vec<Capture>,
     references: Vec<Capture>,
-    ghosts: Option<Ghosts>,
+    persisted_traces: Option<PersistedTraces>,
     math: MathMode,
     truth: bool,
     newtons: bool,
@@ -107,7 +110,7 @@ impl Model {
             version: 0,
             traces: Vec::new(),
             references: Vec::new(),
-            ghosts: None,
+            persisted_traces: None,
             math: MathMode::Off,
             truth: false,
             newtons: false,
@@ -170,7 +173,7 @@ impl Model {
 
     /// The scene that travels with the recording.
     fn read_scene(&mut self) {
-        self.scene = recorded::scene(&self.set).and_then(Result::ok);
+        self.scene = metadata::scene(&self.set).and_then(Result::ok);
     }
 
     /// The traces of another shot.

@@ -1,12 +1,12 @@
 //! Going through a recording: shots in memory or on disk, playing, seeking, what stays behind.
 
-use super::state::{Ghosts, Page, Request};
+use super::state::{Page, PersistedTraces, Request};
 use super::{Model, Side};
 use crate::recording::{Shot, TraceSet};
 use crate::tui::axis::{Turn, Window};
 
 /// So many shots stay on screen behind the present one.
-const MOST_GHOSTS: usize = 16;
+const PERSISTED_SHOTS_LIMIT: usize = 16;
 /// Slowest and fastest play (1).
 const SPEEDS: (f64, f64) = (1.0 / 64.0, 64.0);
 /// The bench's film runs so much slower than the bench, at speed 1 (1).
@@ -63,7 +63,7 @@ impl Model {
         let again = self.on_tape.is_some_and(|tape| tape.here == Some(place));
         let time = self.play.bench_time;
         if !again {
-            self.keep_ghost();
+            self.persist_traces();
         }
         if let Some(tape) = &mut self.on_tape {
             tape.here = Some(place);
@@ -111,7 +111,7 @@ impl Model {
             return;
         }
         let before = self.recorded_window();
-        self.keep_ghost();
+        self.persist_traces();
         self.shot = place;
         self.shown(before);
     }
@@ -146,25 +146,25 @@ impl Model {
         }
     }
 
-    /// Leaves the present traces behind the next ones, where that is wanted.
-    pub(super) fn keep_ghost(&mut self) {
+    /// Keeps the present traces for display behind the next ones, if persistence is on.
+    pub(super) fn persist_traces(&mut self) {
         let traces = self.set_shot().map(|_| self.traces.clone());
-        if let (Some(ghosts), Some(traces)) = (&mut self.ghosts, traces) {
-            ghosts.push_back(traces);
-            if ghosts.len() > MOST_GHOSTS {
-                ghosts.pop_front();
+        if let (Some(persisted), Some(traces)) = (&mut self.persisted_traces, traces) {
+            persisted.push_back(traces);
+            if persisted.len() > PERSISTED_SHOTS_LIMIT {
+                persisted.pop_front();
             }
         }
     }
 
     /// Keeps earlier shots on screen, or no longer.
     pub(super) fn persist(&mut self) {
-        self.ghosts = match self.ghosts {
+        self.persisted_traces = match self.persisted_traces {
             Some(_) => None,
-            None => Some(Ghosts::new()),
+            None => Some(PersistedTraces::new()),
         };
-        let words = if self.ghosts.is_some() {
-            format!("persistence: the last {MOST_GHOSTS} shots stay")
+        let words = if self.persisted_traces.is_some() {
+            format!("persistence: the last {PERSISTED_SHOTS_LIMIT} shots stay")
         } else {
             "persistence off".to_owned()
         };
@@ -199,7 +199,7 @@ impl Model {
             return;
         }
         if self.page == Page::Bench {
-            self.wind(seconds * self.play.speed * SLOW_MOTION);
+            self.seek(seconds * self.play.speed * SLOW_MOTION);
             return;
         }
         self.play.waited += seconds * self.play.speed;
@@ -209,8 +209,8 @@ impl Model {
         }
     }
 
-    /// Winds the bench's film by `seconds` of its own time (s); behind its end it begins again.
-    pub(super) fn wind(&mut self, seconds: f64) {
+    /// Moves the bench's film by `seconds` of its own time (s); beyond its end it starts again.
+    pub(super) fn seek(&mut self, seconds: f64) {
         let Some((start, end)) = self.film_span() else { return };
         let time = self.play.bench_time + seconds;
         self.play.bench_time = if time > end {

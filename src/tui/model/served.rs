@@ -60,7 +60,7 @@ impl Model {
         }
         if let Some(set) = heard.set {
             let before = self.recorded_window();
-            self.keep_ghost();
+            self.persist_traces();
             self.set = set;
             self.shot = 0;
             self.shown(before);

@@ -151,8 +151,8 @@ pub enum Acquisition {
     Stopped,
 }
 
-/// A shot that stays visible behind the present one.
-pub type Ghosts = VecDeque<Vec<Capture>>;
+/// Traces of earlier shots that stay on screen.
+pub type PersistedTraces = VecDeque<Vec<Capture>>;
 
 /// What the model wants done outside; it does no input and no output itself.
 #[derive(Debug, Clone, PartialEq)]

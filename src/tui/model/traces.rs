@@ -1,8 +1,8 @@
 //! Which traces there are: those of the shot in volts or newtons, the math trace, the references.
 
 use super::Model;
-use crate::experiment::wired::{Forces, forces};
 use crate::instrument::math::combine;
+use crate::measurement::force::{Forces, forces};
 use crate::recording::Capture;
 use crate::scope::{Source, VerticalSetup, Waveform};
 use crate::trace::Trace;

@@ -10,8 +10,8 @@ use super::axes::{put, whole};
 use super::layout::Layout;
 use super::sheet::{Axis, Sheet};
 use super::{colour, message};
-use crate::experiment::cost::{Chosen, Point, Study};
-use crate::experiment::effects::{Entry, Ledger, State};
+use crate::studies::cost::{Chosen, Point, Study};
+use crate::studies::effects::{Entry, Ledger, State};
 use crate::tui::model::{Job, Model};
 
 /// From this width on study and ledger stand side by side.

@@ -5,7 +5,8 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::{Position, Rect};
 use ratatui::style::{Color, Modifier, Style};
 
-use super::graticule::{dot_of_division, shown};
+use super::divisions::dot_of_division;
+use super::graticule::shown;
 use super::layout::Layout;
 use super::readout::{compact, digits_for, ordinate_unit};
 use super::{colour, colour_of};

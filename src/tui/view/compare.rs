@@ -9,7 +9,7 @@ use super::layout::Layout;
 use super::readout::compact;
 use super::sheet::{Axis, Sheet};
 use super::{colour, colour_of, message};
-use crate::experiment::compare::{ChannelScore, Compared};
+use crate::measurement::compare::{ChannelScore, Compared};
 use crate::scope::Source;
 use crate::trace::Trace;
 use crate::tui::model::{Job, Model, Overlay};

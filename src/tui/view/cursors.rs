@@ -5,7 +5,7 @@ use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::canvas::{Painter, Shape};
 
-use super::graticule::dot_of_division;
+use super::divisions::dot_of_division;
 use super::layout::Layout;
 use super::readout::{compact, spaced, width};
 use super::{colour, colour_of};

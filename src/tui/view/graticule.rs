@@ -1,5 +1,6 @@
 //! The graticule with the traces on it.
 
+use super::divisions::dot_of_division;
 use ratatui::Frame;
 use ratatui::style::Color;
 use ratatui::symbols::Marker;
@@ -70,7 +71,7 @@ fn lines(model: &Model, layout: &Layout, window: Window) -> Vec<Line> {
 fn behind(model: &Model, layout: &Layout, window: Window) -> Vec<Line> {
     let mut lines = Vec::new();
     let grey = colour(model.palette(), Color::DarkGray);
-    for capture in model.ghosts().into_iter().flatten().flatten() {
+    for capture in model.persisted_traces().into_iter().flatten().flatten() {
         let waveform = &capture.waveform;
         let unit = model.selected().map(|c| c.waveform.preamble.x_unit.clone());
         if unit.as_deref() != Some(waveform.preamble.x_unit.as_str()) {
@@ -115,11 +116,6 @@ fn projection(layout: &Layout, window: Window, vertical: Vertical) -> Projection
         columns: layout.columns(),
         rows: layout.rows(),
     }
-}
-
-/// Row of dots, from the top, of a place counted in divisions upward from the centre (dots).
-pub(super) fn dot_of_division(layout: &Layout, division: f64) -> f64 {
-    (f64::from(DIVISIONS_UP) / 2.0 - division) * f64::from(layout.y_dots)
 }
 
 /// The lines of the graticule: frame, dotted division lines, axes with ticks.

@@ -3,13 +3,16 @@
 mod accuracy;
 mod axes;
 mod bench;
+mod colours;
 mod compare;
 mod cursors;
+mod divisions;
 mod graticule;
 mod help;
 pub mod layout;
 mod log;
 mod overview;
+mod panel;
 pub mod picture;
 mod readout;
 mod sheet;
@@ -21,14 +24,13 @@ mod trace;
 mod xy;
 
 use ratatui::Frame;
-use ratatui::layout::{Alignment, Constraint, Margin, Rect};
-use ratatui::style::Color;
-use ratatui::text::Line;
-use ratatui::widgets::{Block, Clear, Paragraph, Wrap};
+use ratatui::layout::{Alignment, Rect};
+use ratatui::widgets::{Clear, Paragraph, Wrap};
 
-use crate::scope::Source;
-use crate::tui::model::{Model, Page, Palette, Panel, Side};
+use crate::tui::model::{Model, Page, Panel, Side};
+use colours::{colour, colour_of};
 use layout::{Layout, SMALLEST_HEIGHT, SMALLEST_WIDTH};
+use panel::{message, panel};
 
 /// From this width on there is room for tables and something beside them.
 const WIDTH_WITH_TABLES: u16 = 112;
@@ -91,34 +93,6 @@ fn scope(model: &Model, layout: &Layout, frame: &mut Frame) {
     }
 }
 
-/// One sentence in the middle of `area`.
-fn message(text: &str, area: Rect, frame: &mut Frame) {
-    let middle = Rect { y: area.y + area.height / 2, height: 2.min(area.height), ..area };
-    let words = Paragraph::new(text.to_owned()).alignment(Alignment::Center);
-    frame.render_widget(words.wrap(Wrap { trim: true }), middle);
-}
-
-/// The colour of a trace, as on the instrument's screen.
-fn colour_of(palette: Palette, source: Source) -> Color {
-    let wanted = match source {
-        Source::Channel(1) => Color::Yellow,
-        Source::Channel(2) => Color::Cyan,
-        Source::Channel(3) => Color::Magenta,
-        Source::Channel(4) => Color::Green,
-        Source::Channel(_) | Source::Reference(_) => Color::White,
-        Source::Math => Color::Red,
-    };
-    colour(palette, wanted)
-}
-
-/// `wanted`, or the terminal's own where there are to be no colours.
-fn colour(palette: Palette, wanted: Color) -> Color {
-    match palette {
-        Palette::Colour => wanted,
-        Palette::Plain => Color::Reset,
-    }
-}
-
 /// Says how much more room is needed.
 fn too_small(area: Rect, frame: &mut Frame) {
     let text = format!(
@@ -143,25 +117,4 @@ fn nothing(model: &Model, layout: &Layout, frame: &mut Frame) {
     let middle = Rect { y: area.y + area.height / 2, height: 1, ..area };
     frame.render_widget(Clear, middle);
     frame.render_widget(Paragraph::new(text).alignment(Alignment::Center), middle);
-}
-
-/// Text in a frame over the screen, as large as it needs and the terminal allows.
-fn panel(model: &Model, title: &str, lines: Vec<Line>, frame: &mut Frame) {
-    let area = frame.area();
-    let widest = lines.iter().map(Line::width).max().unwrap_or(0);
-    let width = u16::try_from(widest + 4).unwrap_or(u16::MAX).min(area.width);
-    let height = u16::try_from(lines.len() + 2).unwrap_or(u16::MAX).min(area.height);
-    let place = area.centered(Constraint::Length(width), Constraint::Length(height));
-    let inner = place.inner(Margin::new(2, 1));
-    let hidden = lines.len().saturating_sub(usize::from(inner.height));
-    let first = model.scroll().min(hidden);
-    let more = if hidden > 0 {
-        format!(" {title} ({}/{}, ↑↓) ", first + 1, hidden + 1)
-    } else {
-        format!(" {title} ")
-    };
-    frame.render_widget(Clear, place);
-    frame.render_widget(Block::bordered().title(more), place);
-    let shown: Vec<Line> = lines.into_iter().skip(first).collect();
-    frame.render_widget(Paragraph::new(shown), inner);
 }

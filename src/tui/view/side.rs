@@ -9,7 +9,7 @@ use ratatui::widgets::{Block, Borders, Clear, Paragraph};
 use super::layout::Layout;
 use super::readout::compact;
 use super::{colour, colour_of};
-use crate::experiment::arrivals::{SpeedBetween, Survey, Uncertain};
+use crate::measurement::arrivals::{SpeedBetween, Survey, Uncertain};
 use crate::tui::model::knobs::Knob;
 use crate::tui::model::{Live, Model, Side};
 

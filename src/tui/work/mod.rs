@@ -1,92 +1,29 @@
 //! The threads behind the screen: one reads the recording or watches a served scope, one strikes the bench, two answer long questions.
 //! All they say goes through one channel to the screen's loop, and so do the terminal's events.
 
-mod bench;
-mod clerk;
-mod player;
+mod analysis_worker;
+mod news;
+mod recording_worker;
 mod save;
 pub mod served;
+mod simulation_worker;
+
+pub use news::{News, guarded, provoked};
 
 use std::io::IsTerminal as _;
-use std::panic::{self, AssertUnwindSafe};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
 use std::time::Duration;
 
-use ratatui::crossterm::event::{self, Event};
+use ratatui::crossterm::event;
 use ratatui::layout::Size;
 
-use super::model::questions::Answer;
-use super::model::served::Heard;
-use super::model::{Model, Request, Strike, Struck};
-use crate::recording::mcap::tape::Tape;
-use crate::recording::{Shot, TraceSet};
-use clerk::{Comparison, Research};
-
-/// What reaches the screen's loop.
-#[derive(Debug)]
-pub enum News {
-    /// A key, the mouse, another size.
-    Terminal(Event),
-    /// The terminal is gone.
-    Closed,
-    /// How far the recording was read: shots, whether there may be more, and what holds for all.
-    Read(usize, bool, Box<TraceSet>),
-    /// A shot, with its place.
-    Shot(usize, Box<Shot>),
-    /// The answer to a strike, with its number.
-    Struck(u64, Result<Box<Struck>, String>),
-    /// The answer to a question.
-    Answer(Answer),
-    /// What a served scope told.
-    Heard(Box<Heard>),
-    /// The served scope is gone, and why.
-    Lost(String),
-    /// Something went wrong that the user should know.
-    Told(String),
-}
-
-impl News {
-    /// Brings this to the model; terminal events are the keys' business.
-    pub fn bring(self, model: &mut Model) {
-        match self {
-            Self::Terminal(_) | Self::Closed => {}
-            Self::Read(count, open, facts) => model.tape_read(count, open, *facts),
-            Self::Shot(place, shot) => model.tape_shot(place, *shot),
-            Self::Struck(turn, answer) => model.struck(turn, answer),
-            Self::Answer(answer) => model.answered(answer),
-            Self::Heard(heard) => model.heard(*heard),
-            Self::Lost(why) => model.lost(why),
-            Self::Told(words) => model.tell(words),
-        }
-    }
-}
+use super::model::{Model, Request, Strike};
+use crate::recording::mcap::indexed_recording::IndexedRecording;
+use analysis_worker::{Comparison, Research};
 
 /// How often it is looked whether the terminal is still there.
 const LOOK: Duration = Duration::from_millis(500);
-
-/// Does a piece of work; a panic in it becomes words, and the thread goes on with the next.
-///
-/// # Errors
-/// What the work says, or the panic.
-pub fn guarded<T>(work: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
-    panic::catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
-        let words = panic.downcast_ref::<&str>().map(|words| (*words).to_owned());
-        let words = words.or_else(|| panic.downcast_ref::<String>().cloned());
-        let words = words.unwrap_or_else(|| "no words about it".to_owned());
-        Err(format!("an error of this program, please report it: {words}"))
-    })
-}
-
-/// In debug builds this panics where `HERTZSCOPE_VIEW_PANIC` is `place`, so that tests can see what comes of it.
-///
-/// # Panics
-/// As asked.
-pub fn provoked(place: &str) {
-    let asked = cfg!(debug_assertions)
-        && std::env::var("HERTZSCOPE_VIEW_PANIC").is_ok_and(|asked| asked == place);
-    assert!(!asked, "provoked");
-}
 
 /// Starts a thread that does `work` for each order, with a way to send news; it ends when nobody can order any more.
 fn worker<Order: Send + 'static>(
@@ -103,28 +40,29 @@ fn worker<Order: Send + 'static>(
     orders
 }
 
-/// Everyone who works for the screen.
-pub struct Staff {
+/// The worker threads of the screen.
+pub struct Workers {
     news: Sender<News>,
-    player: Option<Sender<usize>>,
+    recording_worker: Option<Sender<usize>>,
     served: Option<Sender<String>>,
     bench: Sender<Strike>,
     comparison: Sender<Comparison>,
     research: Sender<Research>,
 }
 
-impl Staff {
-    /// Starts the threads; a recording that is read as it is looked at comes as `tape`, and may be followed.
+impl Workers {
+    /// Starts the threads; a recording that is read as it is looked at comes as `recording`, and may be followed.
     #[must_use]
-    pub fn start(tape: Option<Tape>, follow: bool) -> (Self, Receiver<News>) {
+    pub fn start(recording: Option<IndexedRecording>, follow: bool) -> (Self, Receiver<News>) {
         let (news, receiver) = channel();
-        let player = tape.map(|tape| player::start(tape, follow, &news));
+        let recording_worker =
+            recording.map(|recording| recording_worker::start(recording, follow, &news));
         let staff = Self {
-            player,
+            recording_worker,
             served: None,
-            bench: worker(&news, bench::strike),
-            comparison: worker(&news, clerk::comparer()),
-            research: worker(&news, clerk::research),
+            bench: worker(&news, simulation_worker::strike),
+            comparison: worker(&news, analysis_worker::comparer()),
+            research: worker(&news, analysis_worker::research),
             news,
         };
         (staff, receiver)
@@ -162,9 +100,10 @@ impl Staff {
         for request in model.take_requests() {
             // A worker that is gone has panicked; the screen's hook has told why.
             let sent = match request {
-                Request::Load(place) => {
-                    self.player.as_ref().is_none_or(|player| player.send(place).is_ok())
-                }
+                Request::Load(place) => self
+                    .recording_worker
+                    .as_ref()
+                    .is_none_or(|recording_worker| recording_worker.send(place).is_ok()),
                 Request::Strike(strike) => self.bench.send(strike).is_ok(),
                 Request::Send(command) => {
                     self.served.as_ref().is_none_or(|scope| scope.send(command).is_ok())

@@ -4,8 +4,8 @@
 //! settings of the transfer (`DATa`) are everybody's: they are set, used and put back within one message, which the instrument
 //! carries out as a whole, so that no other client reads a curve that it did not ask for.
 
+mod snapshot;
 mod socket;
-mod told;
 
 use std::io;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -17,8 +17,8 @@ use crate::recording::set_file::SetFile;
 use crate::recording::{Capture, Instrument, isf};
 use crate::scope::{Model, Source};
 use crate::tui::model::served::Heard;
+use snapshot::Look;
 use socket::Socket;
-use told::Look;
 
 /// How often it is asked whether there is something new.
 const OFTEN: Duration = Duration::from_millis(100);
@@ -53,7 +53,7 @@ impl Scope {
             format!("{address}: found no answer to *IDN? ({error}), expected an oscilloscope")
         })?;
         let (instrument, model) =
-            told::instrument(&identity).map_err(|problem| format!("{address}: {problem}"))?;
+            snapshot::instrument(&identity).map_err(|problem| format!("{address}: {problem}"))?;
         // A scope without a bench answers the second query alone.
         let bench = socket.ask(":BENC:IMP?;:HEAD?").map_err(failed)?.contains(';');
         Ok(Self { socket, address: address.to_owned(), instrument, model, bench })

@@ -7,8 +7,8 @@ use hertzscope::analysis::gate::Gate;
 use hertzscope::analysis::spectrum::{Analyser, Settings, Spectrum};
 use hertzscope::chain::ForceProbe;
 use hertzscope::experiment::bench::{Bench, Grid};
-use hertzscope::experiment::recorded;
 use hertzscope::integrate::Method;
+use hertzscope::measurement::metadata;
 use hertzscope::scene::{Scene, Site};
 use hertzscope::trace::Trace;
 
@@ -120,7 +120,7 @@ fn figures_8_to_10() {
         [("magnet-0.61g", None), ("magnet-2.75g", Some(7.7e3)), ("magnet-17.81g", Some(8.4e3))]
     {
         let scene = Scene::load(name).expect("a scene");
-        let cell = recorded::cell(&scene, Site::Particle(2)).expect("a cell");
+        let cell = metadata::cell(&scene, Site::Particle(2)).expect("a cell");
         let found = forces(&scene, &[(2, 0.0), (14, 0.0), (27, 0.0)], scene.duration);
         let spectra: Vec<Spectrum> =
             found.iter().map(|force| spectrum(force, 0.0, scene.duration)).collect();

@@ -5,8 +5,8 @@ use std::f64::consts::{PI, TAU};
 use assert_cmd::Command;
 use hertzscope::analysis::wavenumber::{WavenumberError, spectral_lines};
 use hertzscope::experiment::bench::{Bench, Grid};
-use hertzscope::experiment::recorded;
 use hertzscope::integrate::Method;
+use hertzscope::measurement::metadata;
 use hertzscope::scene::{Scene, Site};
 use serde_json::Value;
 
@@ -48,8 +48,8 @@ fn plane_waves_are_found() {
 #[test]
 fn the_linear_chain_lies_on_its_branches() {
     let scene = Scene::load("linear-300-cells").expect("a scene");
-    let chain = recorded::cell(&scene, Site::Particle(2)).expect("a cell");
-    let contacts = recorded::cells(&scene, 2).expect("cells");
+    let chain = metadata::cell(&scene, Site::Particle(2)).expect("a cell");
+    let contacts = metadata::cells(&scene, 2).expect("cells");
     assert!(contacts.len() >= 299, "{}", contacts.len());
     let film = Grid { start: 0.0, interval: 20e-6 };
     let method = Method::DormandElMikkawyPrince86 { tolerance: 1e-9 };

@@ -1,17 +1,11 @@
 //! Which module uses which: every path in code that is not a test, resolved from the crate's root.
-//!
-//! Paths are looked for in `use` declarations, in expressions, types and patterns, in the tokens of macro
-//! calls, and in the texts of attributes (`#[serde(with = "crate::...")]`).
 
+use super::paths::{self, PathUse};
 use super::source::{self, SourceFile, Violation};
 use super::table::Table;
-use proc_macro2::{Span, TokenStream, TokenTree};
 use std::collections::BTreeSet;
+use syn::ItemMod;
 use syn::visit::{self, Visit};
-use syn::{Attribute, ImplItem, Item, ItemMod, Macro, TraitItem, UseTree, VisRestricted};
-
-/// The library's name, by which `main.rs` reaches it.
-const CRATE: &str = "hertzscope";
 
 /// Every use that the table does not allow, every module without a row, every `super::super`.
 pub fn check(files: &[SourceFile], table: &Table) -> Vec<Violation> {
@@ -24,13 +18,17 @@ pub fn check(files: &[SourceFile], table: &Table) -> Vec<Violation> {
             let message = format!("the module `{module}` has no row in ARCHITECTURE.md");
             violations.push(Violation::new(&file.path, 1, message));
         }
-        let mut walk = Walk {
-            file,
-            table,
-            module_path: file.module_path.clone(),
-            in_test: source::is_test_file(file, &test_modules),
-            violations: Vec::new(),
-        };
+        for path in paths::of(file, source::is_test_file(file, &test_modules)) {
+            let mut refuse = |message| violations.push(file.violation(path.span, message));
+            let written = path.segments.join("::");
+            if path.segments.windows(2).any(|pair| pair[0] == "super" && pair[1] == "super") {
+                refuse(format!("`{written}`: no `super::super`; begin at `crate`"));
+            }
+            if let Some(message) = judge(&path, &written, table) {
+                refuse(message);
+            }
+        }
+        let mut walk = Names { file, violations: Vec::new() };
         walk.visit_file(&file.syntax);
         violations.append(&mut walk.violations);
     }
@@ -39,266 +37,51 @@ pub fn check(files: &[SourceFile], table: &Table) -> Vec<Violation> {
     violations
 }
 
-struct Walk<'a> {
+/// What the table says against `path`, `written` like this.
+fn judge(path: &PathUse, written: &str, table: &Table) -> Option<String> {
+    if path.in_test {
+        return None;
+    }
+    let module = path.module_path.first()?;
+    let absolute = path.resolve()?;
+    let row = table.rows.get(module)?;
+    let Some(used) = absolute.first() else {
+        return Some(format!("`{written}` is the crate's root; name the module that is meant"));
+    };
+    if used == module || row.may_use.contains(used) {
+        None
+    } else if table.rows.contains_key(used) {
+        Some(format!("`{module}` may not use `{used}` (`{written}`)"))
+    } else {
+        Some(format!(
+            "`{written}`: `{used}` is no module in ARCHITECTURE.md; reach it through its module"
+        ))
+    }
+}
+
+/// Looks for second names: of a module's file, and of the crate.
+struct Names<'a> {
     file: &'a SourceFile,
-    table: &'a Table,
-    /// The module that the walk is in, from the crate's root.
-    module_path: Vec<String>,
-    in_test: bool,
     violations: Vec<Violation>,
 }
 
-impl Walk<'_> {
-    fn violation(&mut self, span: Span, message: impl Into<String>) {
-        self.violations.push(self.file.violation(span, message));
-    }
-
-    /// Walks on with `walk`, in test code if `attributes` say so.
-    fn guarded(&mut self, attributes: &[Attribute], walk: impl FnOnce(&mut Self)) {
-        let before = self.in_test;
-        self.in_test |= source::only_in_tests(attributes);
-        walk(self);
-        self.in_test = before;
-    }
-
-    /// Judges one path as written.
-    fn judge(&mut self, segments: &[String], span: Span) {
-        let written = segments.join("::");
-        if segments.windows(2).any(|pair| pair[0] == "super" && pair[1] == "super") {
-            self.violation(span, format!("`{written}`: no `super::super`; begin at `crate`"));
-        }
-        let Some(module) = self.module_path.first().cloned() else {
-            return;
-        };
-        if self.in_test {
-            return;
-        }
-        let Some(absolute) = self.resolve(segments) else {
-            return;
-        };
-        let Some(row) = self.table.rows.get(&module) else {
-            return;
-        };
-        let Some(used) = absolute.first() else {
-            self.violation(
-                span,
-                format!("`{written}` is the crate's root; name the module that is meant"),
-            );
-            return;
-        };
-        if *used == module || row.may_use.contains(used) {
-            return;
-        }
-        let message = if self.table.rows.contains_key(used) {
-            format!("`{module}` may not use `{used}` (`{written}`)")
-        } else {
-            format!(
-                "`{written}`: `{used}` is no module in ARCHITECTURE.md; reach it through its module"
-            )
-        };
-        self.violation(span, message);
-    }
-
-    /// The path from the crate's root; `None` for one that begins with a local or a foreign name.
-    fn resolve(&self, segments: &[String]) -> Option<Vec<String>> {
-        // `main.rs` is a crate of its own, whose root is not the library's.
-        let own_root = usize::from(self.module_path.first().is_some_and(|module| module == "main"));
-        let (first, rest) = segments.split_first()?;
-        let mut absolute = match first.as_str() {
-            CRATE => Vec::new(),
-            "crate" | "$crate" => self.module_path[..own_root].to_vec(),
-            "self" => self.module_path.clone(),
-            "super" => self.module_path[..self.module_path.len().saturating_sub(1)].to_vec(),
-            _ => return None,
-        };
-        for segment in rest {
-            match segment.as_str() {
-                "self" => {}
-                "super" => {
-                    absolute.pop();
-                }
-                name => absolute.push(name.to_owned()),
-            }
-        }
-        Some(absolute)
-    }
-
-    /// Judges each leaf of a `use` declaration.
-    fn judge_use(&mut self, prefix: &[String], tree: &UseTree) {
-        let with = |name: String| [prefix, &[name]].concat();
-        match tree {
-            UseTree::Path(path) => self.judge_use(&with(path.ident.to_string()), &path.tree),
-            UseTree::Name(name) => self.judge(&with(name.ident.to_string()), name.ident.span()),
-            UseTree::Rename(rename) => {
-                self.judge(&with(rename.ident.to_string()), rename.ident.span());
-            }
-            UseTree::Glob(glob) => self.judge(&with("*".to_owned()), glob.star_token.spans[0]),
-            UseTree::Group(group) => {
-                for part in &group.items {
-                    self.judge_use(prefix, part);
-                }
-            }
-        }
-    }
-
-    /// Judges the paths in tokens that are not parsed: what stands inside a macro call or an attribute.
-    fn judge_tokens(&mut self, tokens: TokenStream) {
-        let trees: Vec<TokenTree> = tokens.into_iter().collect();
-        let mut at = 0;
-        while at < trees.len() {
-            match &trees[at] {
-                TokenTree::Group(group) => {
-                    self.judge_tokens(group.stream());
-                    at += 1;
-                }
-                TokenTree::Ident(ident) if !follows_path_separator(&trees, at) => {
-                    let span = ident.span();
-                    at = self.judge_token_path(&trees, at, &[], span);
-                }
-                TokenTree::Literal(literal) => {
-                    self.judge_text(&literal.to_string(), literal.span());
-                    at += 1;
-                }
-                _ => at += 1,
-            }
-        }
-    }
-
-    /// Judges the path that begins with the name at `at`; returns where it ends.
-    fn judge_token_path(
-        &mut self,
-        trees: &[TokenTree],
-        mut at: usize,
-        prefix: &[String],
-        span: Span,
-    ) -> usize {
-        let mut segments = prefix.to_vec();
-        while let Some(TokenTree::Ident(ident)) = trees.get(at) {
-            segments.push(ident.to_string());
-            at += 1;
-            if !is_path_separator(trees, at) {
-                break;
-            }
-            at += 2;
-        }
-        if let Some(TokenTree::Group(group)) =
-            trees.get(at).filter(|_| follows_path_separator(trees, at))
-        {
-            // A `use` with a group inside a macro: each part continues the path.
-            let parts: Vec<TokenTree> = group.stream().into_iter().collect();
-            for part in parts
-                .split(|tree| matches!(tree, TokenTree::Punct(punct) if punct.as_char() == ','))
-            {
-                self.judge_token_path(part, 0, &segments, span);
-            }
-            return at + 1;
-        }
-        self.judge(&segments, span);
-        at
-    }
-
-    /// Judges a text that reads as a path, as `serde` takes them.
-    fn judge_text(&mut self, literal: &str, span: Span) {
-        if let Ok(path) =
-            syn::parse_str::<syn::LitStr>(literal).and_then(|text| text.parse::<syn::Path>())
-        {
-            // A text of one word is far more often a name than a path.
-            if path.segments.len() > 1 {
-                self.judge(&names(&path), span);
-            }
-        }
-    }
-}
-
-fn names(path: &syn::Path) -> Vec<String> {
-    path.segments.iter().map(|segment| segment.ident.to_string()).collect()
-}
-
-fn is_colon(tree: Option<&TokenTree>) -> bool {
-    matches!(tree, Some(TokenTree::Punct(punct)) if punct.as_char() == ':')
-}
-
-fn is_path_separator(trees: &[TokenTree], at: usize) -> bool {
-    is_colon(trees.get(at)) && is_colon(trees.get(at + 1))
-}
-
-fn follows_path_separator(trees: &[TokenTree], at: usize) -> bool {
-    at >= 2 && is_path_separator(trees, at - 2)
-}
-
-impl<'ast> Visit<'ast> for Walk<'_> {
-    fn visit_item(&mut self, item: &'ast Item) {
-        self.guarded(source::item_attributes(item), |walk| {
-            visit::visit_item(walk, item);
-        });
-    }
-
-    fn visit_impl_item(&mut self, item: &'ast ImplItem) {
-        self.guarded(source::impl_item_attributes(item), |walk| {
-            visit::visit_impl_item(walk, item);
-        });
-    }
-
-    fn visit_trait_item(&mut self, item: &'ast TraitItem) {
-        self.guarded(source::trait_item_attributes(item), |walk| {
-            visit::visit_trait_item(walk, item);
-        });
-    }
-
-    fn visit_local(&mut self, local: &'ast syn::Local) {
-        self.guarded(&local.attrs, |walk| visit::visit_local(walk, local));
-    }
-
-    fn visit_field(&mut self, field: &'ast syn::Field) {
-        self.guarded(&field.attrs, |walk| visit::visit_field(walk, field));
-    }
-
+impl<'ast> Visit<'ast> for Names<'_> {
     fn visit_item_mod(&mut self, module: &'ast ItemMod) {
         if let Some(attribute) =
             module.attrs.iter().find(|attribute| attribute.path().is_ident("path"))
         {
             let message =
                 format!("the module `{}` lies elsewhere than its name says", module.ident);
-            self.violation(attribute.pound_token.spans[0], message);
+            self.violations.push(self.file.violation(attribute.pound_token.spans[0], message));
         }
-        self.module_path.push(module.ident.to_string());
         visit::visit_item_mod(self, module);
-        self.module_path.pop();
     }
 
     fn visit_item_extern_crate(&mut self, item: &'ast syn::ItemExternCrate) {
-        if item.ident == "self" || item.ident == CRATE {
-            self.violation(item.ident.span(), "the crate has no second name");
+        if item.ident == "self" || item.ident == paths::CRATE {
+            self.violations
+                .push(self.file.violation(item.ident.span(), "the crate has no second name"));
         }
-    }
-
-    fn visit_item_use(&mut self, item: &'ast syn::ItemUse) {
-        self.judge_use(&[], &item.tree);
-    }
-
-    fn visit_path(&mut self, path: &'ast syn::Path) {
-        if let Some(first) = path.segments.first() {
-            self.judge(&names(path), first.ident.span());
-        }
-        visit::visit_path(self, path);
-    }
-
-    fn visit_macro(&mut self, call: &'ast Macro) {
-        visit::visit_macro(self, call);
-        self.judge_tokens(call.tokens.clone());
-    }
-
-    fn visit_attribute(&mut self, attribute: &'ast Attribute) {
-        if let syn::Meta::List(list) = &attribute.meta {
-            self.judge_tokens(list.tokens.clone());
-        }
-    }
-
-    /// `pub(crate)` says who may look in, which is no use; only `super::super` is looked for.
-    fn visit_vis_restricted(&mut self, visibility: &'ast VisRestricted) {
-        let before = std::mem::replace(&mut self.in_test, true);
-        visit::visit_vis_restricted(self, visibility);
-        self.in_test = before;
     }
 }
 

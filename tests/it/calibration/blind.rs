@@ -1,7 +1,7 @@
 //! A thousand calibrations that do not know the truth. The same at will: `hertzscope calibrate --simulate SENSOR --repeat 1000`.
 
-use hertzscope::experiment::calibration::coverage::coverage;
-use hertzscope::experiment::calibration::design::Lab;
+use hertzscope::studies::momentum_test::coverage::coverage;
+use hertzscope::studies::momentum_test::design::Lab;
 
 use super::{BENCH, bench_with};
 

@@ -4,7 +4,8 @@ use hertzscope::analysis::calibration::{
     Calibration, CalibrationError, Draws, Exclusion, calibrate,
 };
 use hertzscope::analysis::gate::Gate;
-use hertzscope::experiment::calibration::design::{Blind, Lab};
+use hertzscope::studies::momentum_test::Blind;
+use hertzscope::studies::momentum_test::design::Lab;
 
 use super::{BENCH, bench_with};
 

@@ -1,7 +1,7 @@
 //! `hertzscope cost`.
 
-use hertzscope::experiment::cost::study;
 use hertzscope::scene::Scene;
+use hertzscope::studies::cost::study;
 use serde_json::Value;
 
 use super::{files, printed, refused, says, temporary};

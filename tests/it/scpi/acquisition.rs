@@ -7,7 +7,7 @@ use hertzscope::scpi::{Preferences, Reply, Session};
 /// A step of 2 V at sample 1500 on the grid that the instrument wants.
 fn step(instrument: &Instrument) -> Signals {
     let volts = (0..4000).map(|n| if n < 1500 { 0.0 } else { 2.0 }).collect();
-    let interval = instrument.wanted().interval;
+    let interval = instrument.sample_window().interval;
     Signals { interval, automatic: 1500, volts: vec![volts], shot: 1, ..Signals::default() }
 }
 

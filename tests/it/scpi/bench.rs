@@ -88,7 +88,7 @@ impl Bench {
     pub fn record(&mut self, settings: &str, volts: impl Fn(f64) -> f64) {
         self.tell(settings);
         self.tell(":TRIG:MAI:MOD AUTO;:ACQ:STOPA SEQ;STATE RUN");
-        let wanted = self.instrument.wanted();
+        let wanted = self.instrument.sample_window();
         self.wait(wanted.before + 1e-9);
         let before = (wanted.before / wanted.interval).round() as usize;
         let after = (wanted.after / wanted.interval).round() as usize;

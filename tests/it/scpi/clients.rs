@@ -68,7 +68,7 @@ fn pylablib_acquires_and_reads() {
     let reply = bench.session.receive(&mut bench.instrument, b"*OPC?\r\n");
     assert_eq!(reply, Reply::WhenIdle(Vec::new()));
     let volts = (0..5000).map(|n| if n < 2000 { 0.0 } else { 0.5 }).collect();
-    let interval = bench.instrument.wanted().interval;
+    let interval = bench.instrument.sample_window().interval;
     let signals =
         Signals { interval, automatic: 0, volts: vec![volts], shot: 1, ..Signals::default() };
     bench.instrument.accept_signals(&signals);

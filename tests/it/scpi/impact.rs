@@ -74,7 +74,7 @@ fn an_instrument_set_by_commands_takes_the_records_of_the_scene() {
     bench.instrument = Instrument::new(scene.scope.model.clone(), scene.scope.noise, scene.seed);
     bench.tell(&commands(&scene));
     assert_eq!(bench.ask("*ESR?"), "128", "nothing but power on");
-    let wanted = bench.instrument.wanted();
+    let wanted = bench.instrument.sample_window();
     bench.wait(wanted.before + 1e-9);
     let accepted = bench.instrument.accept_signals(&signals(&scene, &outcome));
     assert!(matches!(accepted, Accepted::Triggered { .. }), "{accepted:?}");

@@ -17,7 +17,7 @@ fn scene(changes: &str) -> Scene {
 
 /// Signals on the wanted grid, from the trigger's sample on, at channel 1 and the external input.
 fn signals(bench: &Bench, volts: impl Fn(f64) -> f64, external: impl Fn(f64) -> f64) -> Signals {
-    let wanted = bench.instrument.wanted();
+    let wanted = bench.instrument.sample_window();
     // A little more than is wanted: the trigger has to see where the signal comes from.
     let before = (wanted.before / wanted.interval).round() as i32 + 10;
     let after = (wanted.after / wanted.interval).round() as i32;
@@ -182,7 +182,7 @@ fn scan_mode_detects_peaks() {
         bench.tell(&format!("HOR:SCA 0.1;:ACQ:MOD {mode}"));
         bench.wait(1e-3);
         bench.wait(0.2);
-        let wanted = bench.instrument.wanted().interval;
+        let wanted = bench.instrument.sample_window().interval;
         assert!((wanted - if mode == "PEAK" { 4e-6 } else { 4e-4 }).abs() < 1e-12, "{wanted}");
         // 40 us long, 100 us after a point: half an interval from the next.
         let samples = (0..5000).map(|n| if (25..35).contains(&(n % 1000)) { 2.0 } else { 0.0 });
@@ -405,12 +405,12 @@ fn another_model_is_another_file() {
         ("HOR:SCA 1E-9;:HOR:SCA?", "2.5E-9"),
         ("HOR:SCA 1E-7;:HOR:RECO?", "2500"),
     ]);
-    let fast = bench.instrument.wanted().interval;
+    let fast = bench.instrument.sample_window().interval;
     assert!((fast - 0.5e-9).abs() < 1e-15, "2 GS/s: {fast}");
     assert_eq!((scene.scope.model.bandwidth, model().bandwidth), (200e6, 100e6));
     let mut old = Bench::new();
     old.transcript(&[("HOR:SCA 1E-9;:HOR:SCA?", "5.0E-9"), ("HOR:SCA 1E-7;:HOR:RECO?", "2500")]);
-    assert!((old.instrument.wanted().interval - 1e-9).abs() < 1e-15, "1 GS/s");
+    assert!((old.instrument.sample_window().interval - 1e-9).abs() < 1e-15, "1 GS/s");
 }
 
 /// No line of code names a model: what a model is stands in its file.

@@ -1,7 +1,7 @@
 //! The table of commands, and the document made from it.
 
 use hertzscope::scpi::list::markdown;
-use hertzscope::scpi::row::Standing;
+use hertzscope::scpi::row::Support;
 use hertzscope::scpi::tree;
 
 /// `HERTZSCOPE_WRITE=1` writes the document instead of comparing.
@@ -24,8 +24,8 @@ fn every_row_is_found_by_its_own_header() {
         let short = |word: &str| word.trim_end_matches(|c: char| c.is_ascii_lowercase()).to_owned();
         let full: Vec<String> = header.split(':').map(str::to_ascii_uppercase).collect();
         let shortened: Vec<String> = header.split(':').map(short).collect();
-        let expected = match row.standing {
-            Standing::Alias(of) => of,
+        let expected = match row.support {
+            Support::Alias(of) => of,
             _ => row.header,
         };
         for words in [full, shortened] {

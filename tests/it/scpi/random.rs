@@ -13,7 +13,7 @@ fn runner(cases: u32) -> TestRunner {
 
 /// A short pulse on the grid that the instrument wants now.
 fn pulse(instrument: &Instrument) -> Signals {
-    let interval = instrument.wanted().interval;
+    let interval = instrument.sample_window().interval;
     let volts = vec![vec![1.0; 10]];
     Signals { interval, automatic: 3, volts, shot: 1, ..Signals::default() }
 }
@@ -115,13 +115,16 @@ fn time_bases_turn_during_impacts() {
             let mut now = 0.0;
             for (messages, wait) in steps {
                 let signals = pulse(&instrument);
-                let old = instrument.wanted().interval;
+                let old = instrument.sample_window().interval;
                 session.receive(&mut instrument, format!("{}\n", messages.join("\n")).as_bytes());
                 now += 10_f64.powi(wait - 3);
                 instrument.advance(now);
                 let accepted = instrument.accept_signals(&signals);
                 let is_triggered = matches!(accepted, Accepted::Triggered { .. });
-                prop_assert!(!is_triggered || old == instrument.wanted().interval, "{accepted:?}");
+                prop_assert!(
+                    !is_triggered || old == instrument.sample_window().interval,
+                    "{accepted:?}"
+                );
                 for record in instrument.take_finished().into_iter().flat_map(|done| done.records) {
                     prop_assert_eq!(record.codes.len(), points);
                 }

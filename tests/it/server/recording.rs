@@ -3,7 +3,8 @@
 use std::path::Path;
 use std::process::Command;
 
-use hertzscope::experiment::{Integration, facts, recorded, run};
+use hertzscope::experiment::{Integration, facts, run};
+use hertzscope::measurement::metadata;
 use hertzscope::recording::mcap::{RecordingWriter, read};
 use hertzscope::recording::{Direction, TraceSet, tek_csv};
 use hertzscope::scene::Scene;
@@ -132,7 +133,7 @@ fn a_shot_tells_its_own_bench() {
     let set = read(&file).expect("a recording");
     assert_eq!((set.problems.len(), set.shots.len()), (0, 5));
     let scenes: Vec<_> = (1..=5)
-        .map(|shot| recorded::scene_of(&set, shot).expect("a scene").expect("a sound one"))
+        .map(|shot| metadata::scene_of(&set, shot).expect("a scene").expect("a sound one"))
         .collect();
     let names: Vec<&str> = scenes.iter().map(|scene| scene.name.as_str()).collect();
     let (served, other) = ("magnet-0.61g", "gravity-2.75g");
@@ -148,7 +149,7 @@ fn a_shot_tells_its_own_bench() {
     assert_eq!(attached, ["gravity-2.75g.toml", "magnet-0.61g.toml"]);
     for (shot, own) in [(1, false), (2, true), (3, true), (4, true), (5, false)] {
         assert_eq!(set.metadata.contains_key(&format!("hertzscope:shot/{shot}")), own, "{shot}");
-        let sensors = recorded::sensors_of(&set, shot);
+        let sensors = metadata::sensors_of(&set, shot);
         assert_eq!(sensors.len(), scenes[shot as usize - 1].sensors.len(), "{shot}");
         assert!(sensors.iter().all(|sensor| sensor.sensitivity.is_some()), "{shot}");
     }

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use hertzscope::scpi::command::GROUPS;
 use hertzscope::scpi::message::units;
-use hertzscope::scpi::row::Standing;
+use hertzscope::scpi::row::Support;
 use hertzscope::scpi::tree;
 
 use super::{Client, IDENTITY, Server};
@@ -81,7 +81,7 @@ fn every_group_has_its_transcript() {
         let file = file(group.title);
         let typed = std::fs::read_to_string(&file).expect("a transcript");
         let reached = reached(&typed);
-        for row in group.rows.iter().filter(|row| !matches!(row.standing, Standing::Alias(_))) {
+        for row in group.rows.iter().filter(|row| !matches!(row.support, Support::Alias(_))) {
             let access = row.setting.access();
             for (exists, is_query) in [(access.sets, false), (access.asks, true)] {
                 let seen = reached.contains(&(row.header, is_query));

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use super::bench::{after, draw, model};
 use super::live::Session;
-use hertzscope::experiment::compare::tolerance::Tolerance;
-use hertzscope::experiment::compare::{Align, Side, compare};
+use hertzscope::measurement::compare::tolerance::Tolerance;
+use hertzscope::measurement::compare::{Align, Side, compare};
 use hertzscope::recording::format::open;
 use hertzscope::recording::{Origin, TraceSet};
 use hertzscope::tui::axis::Turn;

@@ -10,17 +10,17 @@ use hertzscope::scope::{Coupling, Source};
 use hertzscope::tui::axis::Turn;
 use hertzscope::tui::model::knobs::Knob;
 use hertzscope::tui::model::{Acquisition, Action, Model, Page, Palette, Request, Side, update};
-use hertzscope::tui::work::{News, Staff};
+use hertzscope::tui::work::{News, Workers};
 use ratatui::layout::Size;
 
 /// Far longer than any strike takes.
-const PATIENCE: Duration = Duration::from_secs(120);
+const TIMEOUT: Duration = Duration::from_secs(120);
 const SIZE: Size = Size { width: 80, height: 24 };
 
 /// A bench with its threads.
 pub struct Session {
     pub model: Model,
-    staff: Staff,
+    staff: Workers,
     news: Receiver<News>,
 }
 
@@ -28,7 +28,7 @@ impl Session {
     pub fn bench(scene: &str) -> Self {
         let mut model = Model::new(TraceSet::default(), scene.to_owned(), Palette::Colour);
         model.open_bench(scene.to_owned());
-        let (staff, news) = Staff::start(None, false);
+        let (staff, news) = Workers::start(None, false);
         let mut session = Self { model, staff, news };
         session.settle();
         session
@@ -60,8 +60,8 @@ impl Session {
 
     /// Waits for the next news.
     pub fn next(&mut self) {
-        let news = self.news.recv_timeout(PATIENCE).expect("an answer");
-        news.bring(&mut self.model);
+        let news = self.news.recv_timeout(TIMEOUT).expect("an answer");
+        news.apply(&mut self.model);
         self.staff.serve(&mut self.model, SIZE);
     }
 }

@@ -5,13 +5,13 @@ use std::path::Path;
 use std::time::Duration;
 
 use super::bench::{after, channel, model, recording, shot};
-use hertzscope::recording::mcap::tape::{End, Tape};
+use hertzscope::recording::mcap::indexed_recording::{End, IndexedRecording};
 use hertzscope::recording::mcap::{self, RecordingWriter, ShotNotes};
 use hertzscope::recording::{Shot, TraceSet};
 use hertzscope::trace::Trace;
 use hertzscope::tui::axis::Turn;
 use hertzscope::tui::model::{Action, Model, Palette, Request, update};
-use hertzscope::tui::work::Staff;
+use hertzscope::tui::work::Workers;
 use ratatui::layout::Size;
 
 /// Shots that differ in their volts.
@@ -32,7 +32,7 @@ fn write(file: &Path, count: u32) -> TraceSet {
     set
 }
 
-fn read_to_end(tape: &mut Tape) -> End {
+fn read_to_end(tape: &mut IndexedRecording) -> End {
     loop {
         match tape.read_on().expect("a readable file") {
             End::More => {}
@@ -47,7 +47,7 @@ fn a_tape_holds_what_reading_all_of_it_finds() {
     let file = folder.path().join("lab.mcap");
     write(&file, 5);
     let whole = mcap::read(&file).expect("a recording");
-    let mut tape = Tape::open(&file).expect("a tape");
+    let mut tape = IndexedRecording::open(&file).expect("a tape");
     assert_eq!(read_to_end(&mut tape), End::Finished);
     assert_eq!(tape.shots(), 5);
     // In any order.
@@ -64,7 +64,7 @@ fn a_tape_holds_what_reading_all_of_it_finds() {
 fn a_shipped_recording_with_truth_is_read_shot_by_shot_alike() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("recordings/gravity-0.61g.mcap");
     let whole = mcap::read(&file).expect("a recording");
-    let mut tape = Tape::open(&file).expect("a tape");
+    let mut tape = IndexedRecording::open(&file).expect("a tape");
     assert_eq!(read_to_end(&mut tape), End::Finished);
     assert_eq!(tape.shot(0).expect("readable").as_ref(), whole.shots.first());
 }
@@ -75,7 +75,7 @@ fn a_growing_tape_gets_each_shot_once_it_is_whole() {
     let file = folder.path().join("lab.mcap");
     let none = std::collections::BTreeMap::new();
     let mut writer = RecordingWriter::create(&file, &none, &[]).expect("a recording");
-    let mut tape = Tape::open(&file).expect("a tape");
+    let mut tape = IndexedRecording::open(&file).expect("a tape");
     assert_eq!(read_to_end(&mut tape), End::Open);
     for (number, shot) in (1..).zip(&shots(3)) {
         writer.add(shot, &ShotNotes::default()).expect("written");
@@ -99,7 +99,7 @@ fn a_tape_cut_anywhere_keeps_what_is_whole() {
     let mut most = 0;
     for length in (8..bytes.len()).step_by(97) {
         std::fs::File::create(&cut).expect("a file").write_all(&bytes[..length]).expect("bytes");
-        let mut tape = Tape::open(&cut).expect("a tape");
+        let mut tape = IndexedRecording::open(&cut).expect("a tape");
         read_to_end(&mut tape);
         assert!(tape.shots() >= most, "fewer shots from a longer file");
         most = tape.shots();
@@ -115,7 +115,7 @@ fn what_is_no_recording_is_no_tape() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("lab.mcap");
     std::fs::write(&file, "Record Length,2500").expect("a file");
-    let error = Tape::open(&file).err().expect("an error").to_string();
+    let error = IndexedRecording::open(&file).err().expect("an error").to_string();
     assert!(error.contains("Record L") && error.contains("MCAP"), "{error}");
 }
 
@@ -240,11 +240,11 @@ fn a_followed_shot_is_shown_whole_in_the_end() {
 
     let mut model = Model::new(TraceSet::default(), "lab".to_owned(), Palette::Colour);
     model.on_tape(true);
-    let (staff, news) = Staff::start(Some(Tape::open(&grown).expect("a tape")), true);
+    let (staff, news) = Workers::start(Some(IndexedRecording::open(&grown).expect("a tape")), true);
     let mut wait_for = |wanted: &dyn Fn(&Shot) -> bool| {
         while !model.shot().is_some_and(wanted) {
             let came = news.recv_timeout(Duration::from_secs(60)).expect("news");
-            came.bring(&mut model);
+            came.apply(&mut model);
             staff.serve(&mut model, Size { width: 80, height: 24 });
         }
     };

@@ -13,17 +13,17 @@ use hertzscope::server::Options;
 use hertzscope::tui::axis::Turn;
 use hertzscope::tui::model::{Acquisition, Action, Model, Palette, Side, update};
 use hertzscope::tui::work::served::Scope;
-use hertzscope::tui::work::{News, Staff};
+use hertzscope::tui::work::{News, Workers};
 use ratatui::layout::Size;
 
 /// Far longer than anything takes.
-const PATIENCE: Duration = Duration::from_secs(120);
+const TIMEOUT: Duration = Duration::from_secs(120);
 const SIZE: Size = Size { width: 80, height: 24 };
 
 /// A screen on a served scope.
 struct Session {
     model: Model,
-    staff: Staff,
+    staff: Workers,
     news: Receiver<News>,
 }
 
@@ -33,7 +33,7 @@ impl Session {
         let scope = Scope::connect(&address).expect("a scope");
         let mut model = Model::new(TraceSet::default(), address, Palette::Colour);
         model.open_served();
-        let (mut staff, news) = Staff::start(None, false);
+        let (mut staff, news) = Workers::start(None, false);
         staff.watch(scope);
         let mut session = Self { model, staff, news };
         session.wait_for(|model| model.scene().is_some());
@@ -42,8 +42,8 @@ impl Session {
 
     fn wait_for(&mut self, wanted: impl Fn(&Model) -> bool) {
         while !wanted(&self.model) {
-            let news = self.news.recv_timeout(PATIENCE).expect("news");
-            news.bring(&mut self.model);
+            let news = self.news.recv_timeout(TIMEOUT).expect("news");
+            news.apply(&mut self.model);
         }
     }
 
@@ -106,10 +106,10 @@ fn it_shows_what_the_scope_shows_and_its_keys_turn_the_scope() {
         let word = expected.trim_end();
         let mut answer = String::new();
         while answer.trim_end() != word {
-            let news = session.news.recv_timeout(PATIENCE).unwrap_or_else(|_| {
+            let news = session.news.recv_timeout(TIMEOUT).unwrap_or_else(|_| {
                 panic!("{action:?}: {query} is still {answer}, expected {word}")
             });
-            news.bring(&mut session.model);
+            news.apply(&mut session.model);
             answer = lab.ask(query);
         }
     }
@@ -149,7 +149,7 @@ fn nobody_else_notices() {
         assert!(answer.starts_with("CH2;ASCII;2;5;14;"), "{answer}");
         asked += 1;
         for news in session.news.try_iter() {
-            news.bring(&mut session.model);
+            news.apply(&mut session.model);
             records += 1;
         }
         assert!(!session.model.notice().is_some_and(|word| word.contains("gone")));

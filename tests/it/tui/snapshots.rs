@@ -9,12 +9,12 @@ use std::path::Path;
 
 use super::bench::{Screen, after, draw, four_channels};
 use super::live::Session;
-use hertzscope::experiment::compare::tolerance::Tolerance;
-use hertzscope::experiment::compare::{Align, Side as Against, compare};
-use hertzscope::experiment::cost::{Chosen, Point, Reference, Study};
-use hertzscope::experiment::effects::{Change, Entry, Ledger, State};
+use hertzscope::measurement::compare::tolerance::Tolerance;
+use hertzscope::measurement::compare::{Align, Side as Against, compare};
+use hertzscope::studies::cost::{Chosen, Point, Reference, Study};
+use hertzscope::studies::effects::{Change, Entry, Ledger, State};
 use hertzscope::tui::axis::Turn;
-use hertzscope::tui::model::questions::Answer;
+use hertzscope::tui::model::background_jobs::Answer;
 use hertzscope::tui::model::{Action, Job, Model, Page, Palette, Panel, Side, update};
 use ratatui::style::{Color, Modifier};
 

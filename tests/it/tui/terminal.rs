@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use portable_pty::{Child, CommandBuilder, MasterPty, PtySize, native_pty_system};
 
 /// Far longer than anything takes.
-const PATIENCE: Duration = Duration::from_secs(60);
+const TIMEOUT: Duration = Duration::from_secs(60);
 const SIZE: PtySize = PtySize { rows: 24, cols: 80, pixel_width: 0, pixel_height: 0 };
 /// Puts the terminal on its other screen, and back.
 const OTHER_SCREEN: &str = "\x1b[?1049h";
@@ -73,14 +73,14 @@ impl Terminal {
     fn wait_for(&mut self, what: &str, wanted: impl Fn(&Self) -> bool) {
         let started = Instant::now();
         while !wanted(self) {
-            let left = PATIENCE.saturating_sub(started.elapsed());
+            let left = TIMEOUT.saturating_sub(started.elapsed());
             match self.bytes.recv_timeout(left) {
                 Ok(bytes) => {
                     self.parser.process(&bytes);
                     self.all.push_str(&String::from_utf8_lossy(&bytes));
                 }
                 Err(RecvTimeoutError::Timeout) => {
-                    panic!("{what} did not come in {PATIENCE:?}:\n{}", self.screen())
+                    panic!("{what} did not come in {TIMEOUT:?}:\n{}", self.screen())
                 }
                 Err(RecvTimeoutError::Disconnected) => {
                     assert!(wanted(self), "the program ended before {what}:\n{}", self.all);
@@ -95,7 +95,7 @@ impl Terminal {
 
     /// Reads to the end; the exit code and everything that was written.
     fn end(mut self) -> (u32, String) {
-        while let Ok(bytes) = self.bytes.recv_timeout(PATIENCE) {
+        while let Ok(bytes) = self.bytes.recv_timeout(TIMEOUT) {
             self.parser.process(&bytes);
             self.all.push_str(&String::from_utf8_lossy(&bytes));
         }
@@ -259,7 +259,7 @@ fn it_ends_when_its_terminal_is_gone() {
     let (sender, ended) = channel();
     let mut killer = child.clone_killer();
     thread::spawn(move || sender.send(child.wait()));
-    if ended.recv_timeout(PATIENCE).is_err() {
+    if ended.recv_timeout(TIMEOUT).is_err() {
         killer.kill().expect("an end");
         panic!("it is still there");
     }

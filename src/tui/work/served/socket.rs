@@ -5,7 +5,7 @@ use std::net::{TcpStream, ToSocketAddrs as _};
 use std::time::Duration;
 
 /// Longest time until somebody is there, and until an answer is.
-const PATIENCE: Duration = Duration::from_secs(5);
+const SOCKET_TIMEOUT: Duration = Duration::from_secs(5);
 /// A longer reply is none of an oscilloscope's (bytes).
 const LONGEST: usize = 1 << 20;
 /// What stands before the block in a record.
@@ -25,11 +25,11 @@ impl Socket {
     pub fn connect(address: &str) -> io::Result<Self> {
         let mut last = io::Error::new(io::ErrorKind::NotFound, "found no such host");
         for at in address.to_socket_addrs()? {
-            match TcpStream::connect_timeout(&at, PATIENCE) {
+            match TcpStream::connect_timeout(&at, SOCKET_TIMEOUT) {
                 Ok(stream) => {
                     stream.set_nodelay(true)?;
-                    stream.set_read_timeout(Some(PATIENCE))?;
-                    stream.set_write_timeout(Some(PATIENCE))?;
+                    stream.set_read_timeout(Some(SOCKET_TIMEOUT))?;
+                    stream.set_write_timeout(Some(SOCKET_TIMEOUT))?;
                     return Ok(Self { stream: BufReader::new(stream) });
                 }
                 Err(error) => last = error,

@@ -1,0 +1,106 @@
+//! Inputs and results of a calibration as data.
+
+use super::budget::BudgetLine;
+use super::exclusion::Exclusion;
+use super::impact::{Impact, Record};
+use super::model::Motion;
+use super::monte_carlo::MonteCarlo;
+
+/// One impact as the plan tells it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Strike {
+    /// The record; or why there is none.
+    pub record: Record,
+    /// What the striker did.
+    pub motion: Motion,
+}
+
+/// Why there is no calibration.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum CalibrationError {
+    /// Too little is left.
+    #[error("found {used} usable impacts of {all}, expected at least 2:{}", listed(.reasons))]
+    TooFew {
+        /// Impacts that are left.
+        used: usize,
+        /// Impacts in the plan.
+        all: usize,
+        /// Why each of the others is not.
+        reasons: Vec<(usize, Exclusion)>,
+    },
+    /// Nothing tells the time constant.
+    #[error(
+        "found no time constant: none is given, and no record goes on long enough behind its contact to show one"
+    )]
+    NoTimeConstant,
+}
+
+pub(super) fn listed(reasons: &[(usize, Exclusion)]) -> String {
+    let line = |(index, why): &(usize, Exclusion)| format!("\n  impact {}: {why}", index + 1);
+    reasons.iter().map(line).collect::<Vec<_>>().concat()
+}
+
+/// What one impact gave.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImpactResult {
+    /// What was read off the record; none where it could not be read.
+    pub impact: Option<Impact>,
+    /// Momentum handed over (N s).
+    pub momentum: Option<f64>,
+    /// Integral of the voltage with its droop undone (V s).
+    pub integral: Option<f64>,
+    /// Sensitivity of this impact alone (V/N).
+    pub sensitivity: Option<f64>,
+    /// Its standard uncertainty from this impact's own inputs (V/N).
+    pub own_uncertainty: Option<f64>,
+    /// What the raw voltage's integral would have given: it ignores the droop (V/N).
+    pub naive: Option<f64>,
+    /// Largest force (N).
+    pub peak_force: Option<f64>,
+    /// Why it is left out, if it is.
+    pub exclusion: Option<Exclusion>,
+}
+
+/// How the sensitivity changes with force.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NonLinearity {
+    /// Change of the sensitivity from the lowest to the highest peak force, over the sensitivity, on the line that fits best (1).
+    pub change: f64,
+    /// Its standard uncertainty (1).
+    pub u: f64,
+}
+
+/// What a calibration found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Calibration {
+    /// Voltage per force before any droop (V/N).
+    pub sensitivity: f64,
+    /// Its standard uncertainty (V/N).
+    pub u: f64,
+    /// Time constant (s).
+    pub tau: f64,
+    /// Its standard uncertainty (s).
+    pub tau_u: f64,
+    /// Whether tau was read off the records, instead of given.
+    pub tau_fitted: bool,
+    /// What the raw voltages' integrals would have given (V/N).
+    pub naive: f64,
+    /// Whether all pulses were negative.
+    pub negative: bool,
+    /// All impacts of the plan in its order.
+    pub impacts: Vec<ImpactResult>,
+    /// Every input's part in the uncertainty.
+    pub budget: Vec<BudgetLine>,
+    /// The same by drawing inputs; none where no draws were asked for.
+    pub monte_carlo: Option<MonteCarlo>,
+    /// Residual non-linearity; none with fewer than three impacts or a single level of force.
+    pub nonlinearity: Option<NonLinearity>,
+    /// Number of levels of force.
+    pub levels: usize,
+    /// Lowest and highest peak force (N).
+    pub force_range: [f64; 2],
+    /// Scatter of the impacts over what their own inputs explain; 1 is as expected (1).
+    pub birge_ratio: f64,
+    /// What the user should know.
+    pub notes: Vec<String>,
+}

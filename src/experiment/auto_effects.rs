@@ -1,0 +1,157 @@
+//! Effects left to the accuracy, `state = "auto"`: off only where what they would change is below a tenth of it.
+//!
+//! The change is bounded from above by closed forms, before anything is run; `tests/it/effects.rs` holds them against runs.
+//! A loss takes at most `lambda T` of any velocity, `lambda` the fastest decay of the chain with this loss alone, `T` the scene's
+//! duration, and 6/5 of that of a force. It is felt itself, too: a contact that closes at `w` pushes back by `c w` from the start, `c` the loss's slope,
+//! against the force `F` that it comes to, `c w/F = sqrt(6/5) c/(m omega)` by the energy of a Hertz collision; the tenth of the rise is reached sooner by ten times that
+//! share at most. Bodies close at no more than the largest difference of the initial velocities, times what collisions with ever lighter ones add to a speed:
+//! `2 m/(m + m')` from each to the next. Gravity changes stiffness, and with it forces and times, by at most the share of the chain's weight in what presses the
+//! chain without it, and the striker's speed by at most `g T`. A magnet of slope `k` that follows a particle of mass `m` changes its
+//! force by at most `k` times the particle's travel, a share of the static force, and its motion by at most the share `k T^2/m`.
+
+use std::borrow::Cow;
+
+use super::Integration;
+use super::pulse::FOOT;
+use crate::chain::{Chain, ChainSpec, EffectsSpec};
+use crate::scene::Scene;
+
+/// Places on either side of rest at which the magnet's slope is looked at.
+const LOOKS: i32 = 500;
+/// Share of the accuracy that an effect may change and yet be left out (1).
+const UNSEEN: f64 = 0.1;
+/// Forces of Hertz collisions go as this power of their speed (1).
+const POWER: f64 = 1.2;
+/// Pulses fade on their way, and losses weigh more in slow collisions, if at all: looked at down to this share of the fastest (1).
+const SLOWEST: f64 = 0.1;
+
+/// `scene` with all that it leaves to the accuracy decided, and told in `decided`. A method by hand has no accuracy: all stay on.
+#[must_use]
+pub fn settle(scene: &Scene, integration: Integration) -> Cow<'_, Scene> {
+    if scene.auto.is_empty() {
+        return Cow::Borrowed(scene);
+    }
+    let mut settled = scene.clone();
+    for name in std::mem::take(&mut settled.auto) {
+        let (Integration::Accuracy(accuracy) | Integration::Tried { accuracy, .. }) = integration
+        else {
+            settled
+                .decided
+                .push(format!("{name} is on: a step by hand has no accuracy to leave it to"));
+            continue;
+        };
+        let change = change_upper_bound(scene, name);
+        let limit = UNSEEN * accuracy;
+        if change < limit {
+            settled.spec.effects.remove(name);
+        }
+        settled.decided.push(words(name, change, limit));
+    }
+    if settled.spec != scene.spec
+        && let Ok(chain) = Chain::new(&settled.spec)
+    {
+        settled.chain = chain;
+    }
+    Cow::Owned(settled)
+}
+
+/// What was decided, in words.
+fn words(name: &str, change: f64, limit: f64) -> String {
+    if change.is_infinite() {
+        format!("{name} is on: how much it changes cannot be told beforehand")
+    } else if change < limit {
+        format!(
+            "{name} is off: it would change readings by less than {change:.1e}, a tenth of the accuracy is {limit:.1e}"
+        )
+    } else {
+        format!(
+            "{name} is on: it may change readings by up to {change:.1e}, a tenth of the accuracy is {limit:.1e}"
+        )
+    }
+}
+
+/// States whether the effect called `name` is on at `accuracy` (1), and the change that decides it.
+pub(crate) fn decision(scene: &Scene, name: &str, accuracy: f64) -> String {
+    words(name, change_upper_bound(scene, name), UNSEEN * accuracy)
+}
+
+/// The most that the effect called `name` can change of first peaks, arrivals and speeds; infinite where that is not known (1).
+#[must_use]
+pub fn change_upper_bound(scene: &Scene, name: &str) -> f64 {
+    match name {
+        "gravity" => by_gravity(scene),
+        "magnet_law" => by_magnet_law(scene),
+        "dashpot" | "kuwabara_kono" | "power_law_loss" => by_loss(scene, name),
+        _ => f64::INFINITY,
+    }
+}
+
+fn by_gravity(scene: &Scene) -> f64 {
+    let Some(gravity) = scene.spec.effects.gravity else { return 0.0 };
+    let mut spec = scene.spec.clone();
+    spec.effects.gravity = None;
+    // Where nothing holds the chain without it, everything hangs on it.
+    let Ok(without) = Chain::new(&spec) else { return f64::INFINITY };
+    let first = usize::from(without.has_striker());
+    let contacts = without.contacts().iter().skip(first + 1).filter(|c| c.stiffness > 0.0);
+    let presses = contacts.map(|c| c.static_force).fold(f64::INFINITY, f64::min);
+    let mass: f64 = spec.particles.iter().map(|body| body.mass).sum();
+    let weight = mass * gravity.acceleration.abs() / presses;
+    let speed = scene.initial_velocities.first().map_or(0.0, |v| v.abs());
+    let striker = if without.has_striker() {
+        gravity.acceleration.abs() * scene.duration / speed
+    } else {
+        0.0
+    };
+    weight + striker
+}
+
+fn by_magnet_law(scene: &Scene) -> f64 {
+    let Some((body, pull)) = scene.chain.pull() else { return 0.0 };
+    let (Some(body), Some(magnet)) = (scene.chain.bodies().get(body), scene.chain.magnet()) else {
+        return f64::INFINITY;
+    };
+    let fastest = scene.initial_velocities.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    // No body of an elastic collision leaves it at more than twice the speed of the one that came.
+    let reach = 2.0 * fastest * scene.duration;
+    let slope = |look: i32| pull.slope(reach * f64::from(look) / f64::from(LOOKS)).abs();
+    let steepest = (-LOOKS..=LOOKS).map(slope).fold(0.0, f64::max);
+    steepest * (reach / magnet.force + scene.duration * scene.duration / body.mass)
+}
+
+fn by_loss(scene: &Scene, name: &str) -> f64 {
+    let all = &scene.spec.effects;
+    let mut effects = EffectsSpec::default();
+    match name {
+        "dashpot" => effects.dashpot.clone_from(&all.dashpot),
+        "kuwabara_kono" => effects.kuwabara_kono.clone_from(&all.kuwabara_kono),
+        _ => effects.power_law_loss.clone_from(&all.power_law_loss),
+    }
+    effects.gravity = all.gravity;
+    effects.magnet_preload.clone_from(&all.magnet_preload);
+    let spec = ChainSpec { effects, ..scene.spec.clone() };
+    let Ok(chain) = Chain::new(&spec) else { return f64::INFINITY };
+    let fastest = closing_speed(&chain, &scene.initial_velocities);
+    let speeds = [SLOWEST * fastest, fastest];
+    let most = |of: &dyn Fn(f64) -> f64| speeds.into_iter().map(of).fold(0.0, f64::max);
+    let decay = most(&|speed| chain.fastest_decay(&[speed]));
+    let felt = POWER.sqrt() * most(&|speed| chain.largest_damping(&[speed]));
+    POWER * decay * scene.duration + felt / FOOT
+}
+
+/// The fastest that contacts of `chain` close, let go at `velocities` (m/s) (m/s).
+fn closing_speed(chain: &Chain, velocities: &[f64]) -> f64 {
+    let ends = |(low, high): (f64, f64), v: &f64| (v.min(low), v.max(high));
+    let (low, high) = velocities.iter().fold((0.0, 0.0), ends);
+    let masses: Vec<f64> = chain.bodies().iter().map(|body| body.mass).collect();
+    let gain = |pairs: &mut dyn Iterator<Item = (f64, f64)>| {
+        let gains = pairs.scan(1.0_f64, |run, (from, to)| {
+            *run = run.max(1.0) * 2.0 * from / (from + to);
+            Some(*run)
+        });
+        gains.fold(1.0, f64::max)
+    };
+    let down = gain(&mut masses.windows(2).map(|two| (two[0], two[1])));
+    let up = gain(&mut masses.windows(2).rev().map(|two| (two[1], two[0])));
+    (high - low) * down.max(up)
+}

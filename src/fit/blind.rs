@@ -1,0 +1,175 @@
+//! Does a fit find what is hidden, as well as it says? Scenes with hidden numbers are recorded, noise, free clock and eight bits
+//! included, and fitted from the scene's own numbers.
+
+use rand_distr::{Distribution, StandardUniform};
+use rand_pcg::Pcg64;
+use serde::Serialize;
+
+use super::{COVERAGE_95, FitError, FitReport, Options, fit};
+use crate::experiment::accuracy::of_scene;
+use crate::experiment::{Integration, RunError, facts, run};
+use crate::measurement::compare::Side;
+use crate::recording::TraceSet;
+use crate::scene::adjust::{Adjustable, Knob};
+
+/// Stream of what is hidden.
+const STREAM: u128 = 1 << 73;
+
+/// How well blind fits do with one number.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BlindParameter {
+    /// Its path in the scene.
+    pub path: String,
+    /// Share of stated 95 % intervals that contain the truth (1).
+    pub coverage_95: f64,
+    /// Mean of (found - true)/u: 0 without bias, give or take one over the root of the number of trials (1).
+    pub bias: f64,
+    /// Standard deviation of the same: 1 where uncertainties are right (1).
+    pub spread: f64,
+    /// Mean stated standard uncertainty, relative (1).
+    pub mean_u_relative: f64,
+}
+
+/// How well blind fits do.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Blind {
+    /// Number of fits.
+    pub trials: u32,
+    /// How many of them came to no result.
+    pub failed: u32,
+    /// Largest relative distance of what is hidden from where the fit starts (1).
+    pub spread: f64,
+    /// Each number.
+    pub parameters: Vec<BlindParameter>,
+    /// Share of stated 95 % intervals that contain the truth, all numbers together (1).
+    pub coverage_95: f64,
+    /// Mean residual variance (1).
+    pub residual_variance: f64,
+    /// Simulations a fit (1).
+    pub runs_per_fit: f64,
+    /// Wall time a fit (s).
+    pub seconds_per_fit: f64,
+}
+
+/// Why there is no blind test.
+#[derive(Debug, thiserror::Error)]
+pub enum BlindError {
+    /// The fit's own problem.
+    #[error(transparent)]
+    Fit(#[from] FitError),
+    /// A scene with hidden numbers cannot run.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// Not one trial came to a result.
+    #[error("found no trial that came to a result, expected some: {last}")]
+    None {
+        /// The last problem.
+        last: String,
+    },
+}
+
+/// Hides numbers within `options.spread` of the scene's and fits them, `trials` times.
+///
+/// # Errors
+/// [`BlindError`] where scenes cannot run, and where nothing could be found in any.
+pub fn blind(
+    scene: &Adjustable,
+    knobs: &[Knob],
+    trials: u32,
+    options: &Options,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Blind, BlindError> {
+    super::check(knobs)?;
+    let mut hidden = Pcg64::new(u128::from(options.seed), STREAM);
+    let mut pulls: Vec<Vec<f64>> = vec![Vec::new(); knobs.len()];
+    let mut uncertainties = vec![0.0; knobs.len()];
+    let (mut variance, mut runs, mut seconds, mut count) = (0.0, 0.0, 0.0, 0.0);
+    let mut last = String::new();
+    for trial in 0..trials {
+        let truth: Vec<(&Knob, f64)> = knobs
+            .iter()
+            .map(|knob| {
+                let share: f64 = StandardUniform.sample(&mut hidden);
+                (knob, knob.value * (1.0 + options.spread * (2.0 * share - 1.0)))
+            })
+            .collect();
+        match one(scene, (knobs, &truth), trial, options)? {
+            Ok(report) => {
+                for (place, (found, (_, truth))) in report.parameters.iter().zip(&truth).enumerate()
+                {
+                    pulls[place].push((found.value - truth) / found.u);
+                    uncertainties[place] += found.u_relative;
+                }
+                variance += report.residual_variance;
+                #[allow(clippy::cast_precision_loss, reason = "a few hundred")]
+                let of_fit = report.runs as f64;
+                runs += of_fit;
+                seconds += report.wall_s;
+                count += 1.0;
+            }
+            Err(error) => last = error.to_string(),
+        }
+        progress(f64::from(trial + 1) / f64::from(trials));
+    }
+    if count == 0.0 {
+        return Err(BlindError::None { last });
+    }
+    let parameters: Vec<BlindParameter> = knobs
+        .iter()
+        .zip(&pulls)
+        .zip(&uncertainties)
+        .map(|((knob, pulls), sum)| parameter(knob, pulls, sum / count))
+        .collect();
+    let whole: f64 = parameters.iter().map(|p| p.coverage_95).sum();
+    #[allow(clippy::cast_precision_loss, reason = "a handful")]
+    let coverage_95 = whole / parameters.len() as f64;
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "whole, not below zero"
+    )]
+    let failed = trials - count as u32;
+    Ok(Blind {
+        trials,
+        failed,
+        spread: options.spread,
+        parameters,
+        coverage_95,
+        residual_variance: variance / count,
+        runs_per_fit: runs / count,
+        seconds_per_fit: seconds / count,
+    })
+}
+
+#[allow(clippy::cast_precision_loss, reason = "a few hundred")]
+fn parameter(knob: &Knob, pulls: &[f64], mean_u_relative: f64) -> BlindParameter {
+    let count = pulls.len() as f64;
+    let inside = pulls.iter().filter(|pull| pull.abs() <= COVERAGE_95).count() as f64;
+    let mean = pulls.iter().sum::<f64>() / count;
+    let squares: f64 = pulls.iter().map(|pull| (pull - mean).powi(2)).sum();
+    BlindParameter {
+        path: knob.path.clone(),
+        coverage_95: inside / count,
+        bias: mean,
+        spread: (squares / (count - 1.0).max(1.0)).sqrt(),
+        mean_u_relative,
+    }
+}
+
+/// Records the scene with its hidden numbers, and fits; the inner error is the fit's.
+fn one(
+    scene: &Adjustable,
+    (knobs, truth): (&[Knob], &[(&Knob, f64)]),
+    trial: u32,
+    options: &Options,
+) -> Result<Result<FitReport, FitError>, BlindError> {
+    let mut hiding = scene.with(truth).map_err(FitError::from)?;
+    hiding.seed = options.seed.wrapping_add(u64::from(trial));
+    let integration = Integration::Accuracy(of_scene(&hiding)?.value);
+    let shot = run(&hiding, integration, 1, &mut |_| ())?.shot;
+    let metadata = facts::facts(&hiding, integration)?;
+    let set = TraceSet { shots: vec![shot], metadata, ..TraceSet::default() };
+    let side = Side { name: "blind trial", set: &set, shot: &set.shots[0], scene: None };
+    let once = Options { starts: 1, ..*options };
+    Ok(fit((scene, knobs), side, &[], &once, &mut |_| ()).map(|fit| fit.report))
+}

@@ -1,0 +1,133 @@
+//! Finds numbers of a scene from measured traces: weighted least squares on what the scope shows of them.
+//!
+//! The model is the whole bench: chain, sensor with its droop, front end (`forward`); noise and rounding to levels are the samples'
+//! standard deviations. The trigger's time after the contact is always found along, since the scope's clock runs freely; gains and
+//! offsets of the channels on request. Minimum by Levenberg and Marquardt from several starts, each in the valley where its traces fit
+//! best in time, where need be over ever longer parts of the records; covariance `s^2 (J^T J)^-1` with the residual variance; a profile of
+//! what is badly determined (`profile`).
+//! Source of the propagation: JCGM 100:2008; W. H. Press et al., "Numerical Recipes", 3rd ed. (2007), sections 15.5 and 15.6. Uncertainties
+//! are those of noise and rounding: they hold where the model does, which the residual variance and the residuals' correlation from
+//! sample to sample tell.
+
+pub mod blind;
+mod error;
+mod forward;
+mod model;
+mod options;
+mod profile;
+mod records;
+mod report;
+mod search;
+
+pub use error::FitError;
+pub use options::{COVERAGE_95, Options};
+pub use profile::Profile;
+pub use records::Records;
+pub use report::{ChannelResult, FitReport, Nuisance, Parameter};
+
+use std::time::Instant;
+
+use crate::analysis::least_squares::{LeastSquaresError, Minimum};
+use crate::measurement::compare::Side;
+use crate::measurement::compare::mapping::Assignment;
+use crate::scene::adjust::{Adjustable, Knob};
+use model::Model;
+use options::{EXPECTED_STEPS, LIMITS, MOST_DURATIONS, SAMPLES};
+
+/// A fit with its traces.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fit {
+    /// Numbers for people and scripts.
+    pub report: FitReport,
+    /// What was measured.
+    pub records: Records,
+    /// What the fitted scene shows, one trace a channel (V).
+    pub shown: Vec<Vec<f64>>,
+}
+
+/// Fits `knobs` of `scene` to `measured`; `progress` hears the share of the work done, as far as it can be foreseen.
+///
+/// # Errors
+/// [`FitError`] where measurement and scene do not belong together, and where the traces do not tell the numbers.
+pub fn fit(
+    (scene, knobs): (&Adjustable, &[Knob]),
+    measured: Side<'_>,
+    assignments: &[Assignment],
+    options: &Options,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Fit, FitError> {
+    let began = Instant::now();
+    check(knobs)?;
+    let records = Records::of(measured, &scene.scene()?, assignments, options.gate)?;
+    check_times(&records, scene.scene()?.duration)?;
+    let runs_a_step = 2.0 * f64::from(u32::try_from(knobs.len()).unwrap_or(u32::MAX)) + 1.0;
+    let expected = f64::from(options.starts) * EXPECTED_STEPS * runs_a_step;
+    let mut done = 0.0;
+    let mut report = || {
+        done += 1.0;
+        progress((done / expected).min(0.99));
+    };
+    let freed = ((options.gains, options.offsets), options.accuracy);
+    let mut model = Model::new(scene, knobs, &records, freed, &mut report);
+    let (minimum, starts) = search::best(&mut model, options)?;
+    let names = model.names();
+    let covariance =
+        minimum.covariance().map_err(|u| undetermined(&minimum, &names, u.parameter))?;
+    let wanted = |place: usize| options.profile || profile::is_bad(&minimum.x, &covariance, place);
+    let mut profiles = Vec::new();
+    for (place, knob) in knobs.iter().enumerate() {
+        if wanted(place) {
+            profiles.push(profile::of(&mut model, (&minimum, &covariance), (place, knob), LIMITS));
+        }
+    }
+    let shown = model.shown(&minimum.x).ok_or(LeastSquaresError::NoStart)?;
+    let runs = model.runs;
+    let found = report::Found { minimum: &minimum, covariance, names, profiles, starts, runs };
+    let report = found.report((measured, scene), knobs, (&records, options), began);
+    Ok(Fit { report, records, shown })
+}
+
+fn check(knobs: &[Knob]) -> Result<(), FitError> {
+    for (place, knob) in knobs.iter().enumerate() {
+        let path = knob.path.clone();
+        if knob.value == 0.0 {
+            return Err(FitError::Zero { path });
+        }
+        if knobs[..place].iter().any(|other| other.path == path) {
+            return Err(FitError::Twice { path });
+        }
+    }
+    Ok(())
+}
+
+/// Refuses records that have nothing to do with a scene of this `duration` (s).
+#[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
+fn check_times(records: &Records, duration: f64) -> Result<(), FitError> {
+    let interval = records.axis.interval;
+    if !SAMPLES.contains(&(duration / interval)) {
+        return Err(FitError::TimeScale { interval, duration });
+    }
+    let length = records.axis.count as f64 * interval;
+    if length > MOST_DURATIONS * duration {
+        return Err(FitError::TooLong { length, duration });
+    }
+    Ok(())
+}
+
+/// The parameter that cannot be told, and the one that it goes with most.
+fn undetermined(minimum: &Minimum, names: &[String], parameter: usize) -> FitError {
+    let columns = &minimum.columns;
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let own = columns.get(parameter).map_or(&[][..], Vec::as_slice);
+    let likeness = |other: usize| {
+        let other = &columns[other];
+        (product(own, other) / (product(own, own) * product(other, other)).sqrt()).abs()
+    };
+    let others = (0..parameter).filter(|other| likeness(*other).is_finite());
+    let nearest = others.max_by(|a, b| likeness(*a).total_cmp(&likeness(*b)));
+    let name = |place: usize| names.get(place).cloned().unwrap_or_default();
+    FitError::Undetermined {
+        parameter: name(parameter),
+        with: nearest.map_or_else(String::new, |other| format!(" beside {}", name(other))),
+    }
+}

@@ -1,0 +1,57 @@
+//! How a fit is done: settings and limits.
+
+use std::ops::RangeInclusive;
+
+use crate::analysis::gate::Gate;
+use crate::analysis::least_squares::Limits;
+
+/// Half the width of a 95 % interval of the normal distribution, in standard deviations (1).
+pub const COVERAGE_95: f64 = 1.959_963_984_540_054;
+
+/// A step that lowers chi squared by less than this share of it moves no parameter by a thousandth of its uncertainty (1).
+pub(super) const LIMITS: Limits = Limits { reduction: 1e-11, steps: 60 };
+
+/// Samples in a scene's duration: fewer show no pulse, more are another experiment (1).
+pub(super) const SAMPLES: RangeInclusive<f64> = 16.0..=200_000.0;
+
+/// Steps that a fit takes, as far as its progress bar knows (1).
+pub(super) const EXPECTED_STEPS: f64 = 10.0;
+
+/// How a fit goes about it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Whether each channel has a gain of its own.
+    pub gains: bool,
+    /// Whether each channel has an offset of its own.
+    pub offsets: bool,
+    /// Number of starting points, the scene's numbers first.
+    pub starts: u32,
+    /// How far the other starting points lie at most, relative (1).
+    pub spread: f64,
+    /// Seed of the starting points.
+    pub seed: u64,
+    /// Accuracy of the integration (1).
+    pub accuracy: f64,
+    /// The part of the records that counts.
+    pub gate: Gate,
+    /// Whether every number of the scene is profiled, not only the badly determined.
+    pub profile: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            gains: false,
+            offsets: false,
+            starts: 3,
+            spread: 0.1,
+            seed: 1,
+            accuracy: 1e-7,
+            gate: Gate::ALL,
+            profile: false,
+        }
+    }
+}
+
+/// Longest records, in durations of the scene (1).
+pub(super) const MOST_DURATIONS: f64 = 3.0;

@@ -1,0 +1,270 @@
+//! What a fit found, in the words of `fit --json`: names and units are part of the interface.
+
+use std::time::Instant;
+
+use serde::Serialize;
+
+use super::records::{Record, Records};
+use super::{COVERAGE_95, Options, Profile};
+use crate::analysis::least_squares::{Minimum, squares};
+use crate::measurement::arrivals::Uncertain;
+use crate::measurement::compare::Side;
+use crate::scene::adjust::{Adjustable, Knob};
+
+/// A larger residual variance than this is no chance (1).
+pub const POOR: f64 = 1.3;
+/// Residuals of a model that is right do not follow one another by more than this (1).
+const WHITE: f64 = 0.1;
+/// Starts whose chi squared is within this share of the lowest found the same minimum (1).
+const SAME_MINIMUM: f64 = 1e-3;
+
+/// One freed number.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Parameter {
+    /// Its path in the scene.
+    pub path: String,
+    /// Unit in which the scene states it; empty for a plain number.
+    pub unit: String,
+    /// How many SI units that is (unit).
+    pub unit_in_si: f64,
+    /// Where the fit started, in SI units (unit).
+    pub start: f64,
+    /// What was found, in SI units (unit).
+    pub value: f64,
+    /// Its standard uncertainty, in SI units (unit).
+    pub u: f64,
+    /// The same, relative (1).
+    pub u_relative: f64,
+    /// 95 % interval of a normal distribution, in SI units (unit).
+    pub interval_95: [f64; 2],
+}
+
+/// What was found along with the scene's numbers.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Nuisance {
+    /// `trigger time`, `gain of CH1`, `offset of CH1`.
+    pub name: String,
+    /// What was found: seconds, a plain number, volts (unit).
+    pub value: f64,
+    /// Its standard uncertainty (unit).
+    pub u: f64,
+}
+
+/// How well one channel is described.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChannelResult {
+    /// The measured channel.
+    pub name: String,
+    /// The sensor, where known.
+    pub sensor: Option<String>,
+    /// Where that is known from.
+    pub mapped_by: &'static str,
+    /// Standard deviation that each sample was given (V).
+    pub sigma_v: f64,
+    /// Root mean square of measured less fitted, in levels (1).
+    pub rms_lsb: f64,
+    /// Largest of them, in levels (1).
+    pub max_lsb: f64,
+    /// Correlation of neighbouring residuals: near 0 where nothing but noise is left (1).
+    pub lag_one: f64,
+}
+
+/// What a fit found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FitReport {
+    /// What was fitted to.
+    pub measured: String,
+    /// What was fitted.
+    pub scene: String,
+    /// The freed numbers.
+    pub parameters: Vec<Parameter>,
+    /// What was found along.
+    pub nuisances: Vec<Nuisance>,
+    /// Names of all parameters, in the order of the correlations.
+    pub names: Vec<String>,
+    /// Correlations of all parameters (1).
+    pub correlation: Vec<Vec<f64>>,
+    /// Their covariance, in products of their SI units (unit).
+    pub covariance: Vec<Vec<f64>>,
+    /// Sum of the weighted squared residuals (1).
+    pub chi_squared: f64,
+    /// Samples that count, less parameters.
+    pub degrees_of_freedom: usize,
+    /// Chi squared over the degrees of freedom; 1 where nothing but noise is left (1).
+    pub residual_variance: f64,
+    /// How well each channel is described.
+    pub channels: Vec<ChannelResult>,
+    /// Profiles of the badly determined numbers.
+    pub profiles: Vec<Profile>,
+    /// Chi squared that each start came to; none for one that came to nothing (1).
+    pub starts: Vec<Option<f64>>,
+    /// Simulations that it took.
+    pub runs: u64,
+    /// Wall time (s).
+    pub wall_s: f64,
+    /// What was guessed, and what to be careful about.
+    pub notes: Vec<String>,
+}
+
+/// What a minimum has to tell.
+pub struct Found<'a> {
+    /// The minimum.
+    pub minimum: &'a Minimum,
+    /// Covariance of its parameters (1).
+    pub covariance: Vec<Vec<f64>>,
+    /// Their names.
+    pub names: Vec<String>,
+    /// Profiles of some.
+    pub profiles: Vec<Profile>,
+    /// Chi squared of each start (1).
+    pub starts: Vec<Option<f64>>,
+    /// Simulations so far.
+    pub runs: u64,
+}
+
+impl Found<'_> {
+    /// The report.
+    pub fn report(
+        self,
+        (measured, scene): (Side<'_>, &Adjustable),
+        knobs: &[Knob],
+        (records, options): (&Records, &Options),
+        began: Instant,
+    ) -> FitReport {
+        let u = |place: usize| self.covariance[place][place].sqrt();
+        let x = &self.minimum.x;
+        let parameters = knobs.iter().enumerate().map(|(place, knob)| {
+            let (value, u) = (x[place] * knob.value, u(place) * knob.value.abs());
+            Parameter {
+                path: knob.path.clone(),
+                unit: knob.unit.clone(),
+                unit_in_si: knob.scale,
+                start: knob.value,
+                value,
+                u,
+                u_relative: u / value.abs(),
+                interval_95: [value - COVERAGE_95 * u, value + COVERAGE_95 * u],
+            }
+        });
+        let correlation = |i: usize, j: usize| {
+            if i == j { 1.0 } else { self.covariance[i][j] / (u(i) * u(j)) }
+        };
+        let all = 0..x.len();
+        let nuisances = nuisances(x, &u, (knobs.len(), records), options);
+        let along = nuisances.iter().enumerate().map(|(place, nuisance)| {
+            // What is searched for counts in samples, levels and shares.
+            if u(knobs.len() + place) > 0.0 { nuisance.u / u(knobs.len() + place) } else { 1.0 }
+        });
+        let units: Vec<f64> = knobs.iter().map(|knob| knob.value).chain(along).collect();
+        let covariance = |i: usize, j: usize| self.covariance[i][j] * units[i] * units[j];
+        let channels: Vec<ChannelResult> = records
+            .list
+            .iter()
+            .zip(self.minimum.residuals.chunks(records.axis.count))
+            .map(|(record, residuals)| channel(record, residuals))
+            .collect();
+        FitReport {
+            measured: measured.name.to_owned(),
+            scene: scene.name().to_owned(),
+            parameters: parameters.collect(),
+            nuisances,
+            correlation: all
+                .clone()
+                .map(|i| all.clone().map(|j| correlation(i, j)).collect())
+                .collect(),
+            covariance: all
+                .clone()
+                .map(|i| all.clone().map(|j| covariance(i, j)).collect())
+                .collect(),
+            names: self.names,
+            chi_squared: self.minimum.chi_squared,
+            degrees_of_freedom: self.minimum.degrees_of_freedom,
+            residual_variance: self.minimum.variance(),
+            notes: notes(self.minimum, records, &channels, &self.starts),
+            channels,
+            profiles: self.profiles,
+            starts: self.starts,
+            runs: self.runs,
+            wall_s: began.elapsed().as_secs_f64(),
+        }
+    }
+}
+
+fn nuisances(
+    x: &[f64],
+    u: &dyn Fn(usize) -> f64,
+    (knobs, records): (usize, &Records),
+    options: &Options,
+) -> Vec<Nuisance> {
+    let mut found = Vec::new();
+    let mut place = knobs;
+    let mut take = |name: String, scale: f64| {
+        if let Some(value) = x.get(place) {
+            found.push(Nuisance { name, value: value * scale, u: u(place) * scale });
+        }
+        place += 1;
+    };
+    take("trigger time".to_owned(), records.axis.interval);
+    if options.gains {
+        records.list.iter().for_each(|record| take(format!("gain of {}", record.name), 1.0));
+    }
+    if options.offsets {
+        records.list.iter().for_each(|r| take(format!("offset of {}", r.name), r.level));
+    }
+    found
+}
+
+#[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
+fn channel(record: &Record, residuals: &[f64]) -> ChannelResult {
+    let in_levels = record.sigma / record.level;
+    let counted = record.counts.iter().filter(|counts| **counts).count().max(1) as f64;
+    let whole = squares(residuals);
+    let neighbours: f64 = residuals.windows(2).map(|pair| pair[0] * pair[1]).sum();
+    ChannelResult {
+        name: record.name.clone(),
+        sensor: record.sensor.clone(),
+        mapped_by: record.mapped_by,
+        sigma_v: record.sigma,
+        rms_lsb: (whole / counted).sqrt() * in_levels,
+        max_lsb: residuals.iter().fold(0.0, |most: f64, r| most.max(r.abs())) * in_levels,
+        lag_one: if whole > 0.0 { neighbours / whole } else { 0.0 },
+    }
+}
+
+fn notes(
+    minimum: &Minimum,
+    records: &Records,
+    channels: &[ChannelResult],
+    starts: &[Option<f64>],
+) -> Vec<String> {
+    let mut notes = records.notes.clone();
+    let variance = minimum.variance();
+    let following: Vec<&str> =
+        channels.iter().filter(|c| c.lag_one.abs() > WHITE).map(|c| c.name.as_str()).collect();
+    if variance > POOR || !following.is_empty() {
+        let which = if following.is_empty() {
+            String::new()
+        } else {
+            format!(" in {}", following.join(", "))
+        };
+        notes.push(format!(
+            "more than noise is left{which} (residual variance {variance:.3}): the scene leaves something out, and uncertainties hold only as far as it does not"
+        ));
+    }
+    let same = |chi: &&Option<f64>| {
+        chi.is_some_and(|chi| chi <= minimum.chi_squared * (1.0 + SAME_MINIMUM))
+    };
+    let agree = starts.iter().filter(same).count();
+    if agree < starts.len() {
+        notes.push(format!("{agree} of {} starts came to the lowest minimum", starts.len()));
+    }
+    notes
+}
+
+impl FitReport {
+    /// The trigger's time after the striker's first contact, seconds.
+    #[must_use]
+    pub fn trigger(&self) -> Option<Uncertain> {
+        self.nuisances.first().map(|found| Uncertain { value: found.value, u: found.u })
+    }
+}

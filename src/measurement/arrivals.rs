@@ -1,0 +1,242 @@
+//! Arrivals and speeds read off a recording's captures, in the words of `arrivals --json`: names and units are part of the
+//! interface. Uncertainties are standard ones; twice as much covers 95 %.
+
+use serde::Serialize;
+
+use super::metadata::{self, RecordedSensor};
+use crate::analysis::arrival::Estimator;
+use crate::analysis::correlation::delay;
+use crate::analysis::pulse::{Conditions, Measure, Pulse};
+use crate::analysis::speed::{speed, speed_over};
+use crate::recording::{Capture, Shot, TraceSet};
+use crate::scene::{Scene, Site};
+
+/// A pulse smaller than this share of the largest value is not counted (1).
+const COUNTED: f64 = 0.05;
+
+/// A number with its standard uncertainty.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Uncertain {
+    /// The number (unit).
+    pub value: f64,
+    /// Its standard uncertainty (unit).
+    pub u: f64,
+}
+
+impl From<Measure> for Uncertain {
+    fn from(measure: Measure) -> Self {
+        Self { value: measure.value, u: measure.standard_uncertainty }
+    }
+}
+
+/// An arrival by one estimator.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Arrival {
+    /// `half_rise`, `peak`, `ten_percent` or `maximum_slope`.
+    pub estimator: &'static str,
+    /// Time after the trigger, seconds; none where it cannot be told.
+    pub time_s: Option<Uncertain>,
+}
+
+/// What one channel saw.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChannelArrivals {
+    /// `CH1`.
+    pub channel: String,
+    /// Name of the sensor, where the recording tells.
+    pub sensor: Option<String>,
+    /// Whether the sensor's droop was undone; arrivals of a drooping signal are off by more than is stated.
+    pub droop_undone: bool,
+    /// Samples at the converter's ends; a clipped peak is no peak.
+    pub clipped: usize,
+    /// Standard deviation of one sample (V).
+    pub noise_v: Option<f64>,
+    /// Height of the first peak, volts.
+    pub height_v: Option<Uncertain>,
+    /// The same as a force, newtons, where the sensitivity is told.
+    pub height_n: Option<Uncertain>,
+    /// Full width at half of the first peak, seconds.
+    pub width_s: Option<Uncertain>,
+    /// Pulses in the record higher than a twentieth of the highest.
+    pub pulses: Option<usize>,
+    /// Arrivals by each estimator.
+    pub arrivals: Vec<Arrival>,
+    /// Why there is no pulse, where there is none.
+    pub problem: Option<String>,
+}
+
+/// The speed between two channels' sensors.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SpeedBetween {
+    /// Channel from which.
+    pub from: String,
+    /// Channel to which.
+    pub to: String,
+    /// Distance along the chain at rest, taken as exact (m).
+    pub distance_m: f64,
+    /// The arrival's estimator, or `cross_correlation`.
+    pub estimator: &'static str,
+    /// Speed, metres per second.
+    pub m_per_s: Uncertain,
+}
+
+/// How much lower the first peak is from one channel's sensor to the next.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Decay {
+    /// Channel from which.
+    pub from: String,
+    /// Channel to which.
+    pub to: String,
+    /// Height there over height here, both as forces.
+    pub ratio: Uncertain,
+    /// Natural logarithm of the loss over the distance; none where that is not known (1/m).
+    pub per_metre: Option<f64>,
+}
+
+/// What a shot tells about arrivals.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Survey {
+    /// Number of the shot.
+    pub shot: u32,
+    /// One a channel.
+    pub channels: Vec<ChannelArrivals>,
+    /// Speeds between neighbouring sensors, from the top.
+    pub speeds: Vec<SpeedBetween>,
+    /// Decay of the first peak between neighbouring sensors, from the top.
+    pub decays: Vec<Decay>,
+    /// What could not be told, and why.
+    pub notes: Vec<String>,
+}
+
+/// Reads arrivals and speeds off `shot` of `set`.
+#[must_use]
+pub fn survey(set: &TraceSet, shot: &Shot) -> Survey {
+    let sensors = metadata::sensors_of(set, shot.number);
+    let mut notes = Vec::new();
+    let scene = match metadata::scene_of(set, shot.number) {
+        Some(Ok(scene)) => Some(scene),
+        Some(Err(error)) => {
+            notes.push(format!("no distances: the recording's scene cannot be read: {error}"));
+            None
+        }
+        None => {
+            notes.push("no speeds: the file carries no scene that tells distances".to_owned());
+            None
+        }
+    };
+    let mut channels = Vec::new();
+    let mut placed = Vec::new();
+    for capture in &shot.captures {
+        let name = capture.waveform.source.to_string();
+        let sensor = sensors.iter().find(|sensor| sensor.channel.as_ref() == Some(&name));
+        let (channel, pulse) = channel(capture, sensor);
+        channels.push(channel);
+        if let (Some(pulse), Some(site)) = (pulse, sensor.and_then(|sensor| sensor.site)) {
+            placed.push(Placed { channel: name, site, pulse });
+        }
+    }
+    let over_time = |capture: &Capture| capture.waveform.preamble.x_unit == "s";
+    let mut of_time = channels.iter().zip(&shot.captures).filter(|(_, c)| over_time(c));
+    if of_time.any(|(channel, _)| !channel.droop_undone) {
+        notes.push(
+            "a sensor's time constant is not known: its droop moves arrivals by more than is stated"
+                .to_owned(),
+        );
+    }
+    placed.sort_by_key(|placed| match placed.site {
+        Site::Particle(particle) => particle,
+        Site::Wall => usize::MAX,
+    });
+    let speeds = scene.iter().flat_map(|scene| {
+        placed.iter().zip(placed.iter().skip(1)).flat_map(|(a, b)| between(scene, a, b))
+    });
+    let decay = |(a, b): (&Placed, &Placed)| {
+        let height = |placed: &Placed| {
+            channels.iter().find(|channel| channel.channel == placed.channel)?.height_n
+        };
+        let (here, there) = (height(a)?, height(b)?);
+        let value = there.value / here.value;
+        let u = value * (there.u / there.value).hypot(here.u / here.value);
+        let distance = scene.as_ref().and_then(|scene| metadata::distance(scene, a.site, b.site));
+        Some(Decay {
+            from: a.channel.clone(),
+            to: b.channel.clone(),
+            ratio: Uncertain { value, u },
+            per_metre: distance.map(|distance| -value.ln() / distance),
+        })
+    };
+    let decays = placed.iter().zip(placed.iter().skip(1)).filter_map(decay).collect();
+    Survey { shot: shot.number, speeds: speeds.collect(), decays, channels, notes }
+}
+
+/// A pulse and where it was felt.
+struct Placed {
+    channel: String,
+    site: Site,
+    pulse: Pulse,
+}
+
+fn channel(capture: &Capture, sensor: Option<&RecordedSensor>) -> (ChannelArrivals, Option<Pulse>) {
+    let conditions = Conditions {
+        level: capture.waveform.preamble.y_mult.abs(),
+        time_constant: sensor.and_then(|sensor| sensor.time_constant),
+        baseline: None,
+    };
+    let found = match capture.trace() {
+        Some(trace) => Pulse::find(&trace, conditions).map_err(|error| error.to_string()),
+        None => Err("a record over frequency has no arrival".to_owned()),
+    };
+    let (pulse, problem) = match found {
+        Ok(pulse) => (Some(pulse), None),
+        Err(problem) => (None, Some(problem)),
+    };
+    let height = pulse.as_ref().and_then(Pulse::height);
+    let sensitivity = sensor.and_then(|sensor| sensor.sensitivity);
+    let sensitivity_u = sensor.and_then(|sensor| sensor.sensitivity_u).unwrap_or(0.0);
+    let force = height.zip(sensitivity).map(|(height, sensitivity)| Uncertain {
+        value: height.value / sensitivity,
+        u: height.standard_uncertainty.hypot(height.value * sensitivity_u) / sensitivity,
+    });
+    let arrival = |estimator: Estimator| Arrival {
+        estimator: estimator.key(),
+        time_s: pulse.as_ref().and_then(|pulse| pulse.arrival(estimator)).map(Uncertain::from),
+    };
+    let channel = ChannelArrivals {
+        channel: capture.waveform.source.to_string(),
+        sensor: sensor.map(|sensor| sensor.name.clone()),
+        droop_undone: conditions.time_constant.is_some(),
+        clipped: capture.waveform.clipped(),
+        noise_v: pulse.as_ref().map(|pulse| pulse.noise),
+        height_v: height.map(Uncertain::from),
+        height_n: force,
+        width_s: pulse.as_ref().and_then(Pulse::width).map(Uncertain::from),
+        pulses: pulse.as_ref().map(|pulse| pulse.count(COUNTED)),
+        arrivals: Estimator::ALL.map(arrival).to_vec(),
+        problem,
+    };
+    (channel, pulse)
+}
+
+/// Speeds from one place to the next by every estimator that tells both arrivals, and by cross-correlation.
+fn between(scene: &Scene, from: &Placed, to: &Placed) -> Vec<SpeedBetween> {
+    let Some(distance_m) = metadata::distance(scene, from.site, to.site) else {
+        return Vec::new();
+    };
+    let distance = Measure { value: distance_m, standard_uncertainty: 0.0 };
+    let by_arrival = |estimator: Estimator| {
+        let (start, end) = (from.pulse.arrival(estimator)?, to.pulse.arrival(estimator)?);
+        Some((estimator.key(), speed(distance, start, end)?))
+    };
+    let by_shape = delay(&from.pulse, &to.pulse).and_then(|time| speed_over(distance, time));
+    let shape = by_shape.map(|speed| ("cross_correlation", speed));
+    let found = Estimator::ALL.into_iter().filter_map(by_arrival).chain(shape);
+    found
+        .map(|(estimator, speed)| SpeedBetween {
+            from: from.channel.clone(),
+            to: to.channel.clone(),
+            distance_m,
+            estimator,
+            m_per_s: speed.into(),
+        })
+        .collect()
+}

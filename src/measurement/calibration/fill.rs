@@ -1,0 +1,134 @@
+//! Fills the words of a calibration's report, and writes the sensor's file.
+
+use sha2::{Digest, Sha256};
+
+use super::words::{BudgetReport, CalibrationReport, Evidence, ImpactReport, MonteCarloReport};
+use crate::analysis::calibration::budget::BudgetLine;
+use crate::analysis::calibration::{COVERAGE_95, Calibration, ImpactResult};
+use crate::scene::hexadecimal;
+use crate::scene::plan::{Particulars, Plan};
+
+/// Puts what was found into the report's words.
+#[must_use]
+pub fn report(plan: &Plan, found: &Calibration, evidence: Vec<Evidence>) -> CalibrationReport {
+    let named: Particulars = plan.particulars.clone();
+    let half = COVERAGE_95 * found.u;
+    let impacts = found.impacts.iter().zip(&plan.impacts).zip(evidence);
+    let striker = |index: usize| plan.strikers.get(index).map_or("", |(name, _)| name);
+    CalibrationReport {
+        title: named.title,
+        item: named.item,
+        sensor: named.sensor,
+        date: named.date,
+        laboratory: named.laboratory,
+        customer: named.customer,
+        temperature_k: named.temperature,
+        software: concat!("hertzscope ", env!("CARGO_PKG_VERSION")).to_owned(),
+        method: METHOD.to_owned(),
+        plan_sha256: hexadecimal(&Sha256::digest(&plan.text)),
+        input_resistance_ohm: plan.load.resistance,
+        input_capacitance_f: plan.load.capacitance,
+        in_chain: plan.gain_u.is_none(),
+        traceability_mass: named.mass_traceability,
+        traceability_speed: named.speed_traceability,
+        traceability_voltage: named.voltage_traceability,
+        sensitivity_v_per_n: found.sensitivity,
+        standard_uncertainty_v_per_n: found.u,
+        u_relative_k2: 2.0 * found.u / found.sensitivity,
+        interval_95_v_per_n: [found.sensitivity - half, found.sensitivity + half],
+        tau_s: found.tau,
+        tau_u_s: found.tau_u,
+        tau_source: if found.tau_fitted { "read off the records" } else { "given" }.to_owned(),
+        force_range_n: found.force_range,
+        levels: found.levels,
+        nonlinearity: found.nonlinearity.map(|n| n.change),
+        nonlinearity_u: found.nonlinearity.map(|n| n.u),
+        naive_v_per_n: found.naive,
+        negative_polarity: found.negative,
+        birge_ratio: found.birge_ratio,
+        impacts: impacts
+            .enumerate()
+            .map(|(i, ((result, planned), proof))| {
+                impact_report(i + 1, result, striker(planned.striker), proof)
+            })
+            .collect(),
+        budget: found.budget.iter().map(budget_line).collect(),
+        monte_carlo: found.monte_carlo.map(|m| MonteCarloReport {
+            draws: m.draws,
+            seed: m.seed,
+            mean_v_per_n: m.mean,
+            standard_uncertainty_v_per_n: m.u,
+            interval_95_v_per_n: m.interval_95,
+            agrees_with_gum: m.agrees,
+            difference_v_per_n: m.difference,
+            tolerance_v_per_n: m.tolerance,
+        }),
+        notes: found.notes.clone(),
+    }
+}
+
+fn budget_line(line: &BudgetLine) -> BudgetReport {
+    BudgetReport {
+        input: line.name(),
+        value: line.value,
+        unit: line.unit.to_owned(),
+        standard_uncertainty: line.u,
+        contribution_v_per_n: line.contribution,
+        share: line.share,
+    }
+}
+
+fn impact_report(
+    number: usize,
+    result: &ImpactResult,
+    striker: &str,
+    evidence: Evidence,
+) -> ImpactReport {
+    let impact = result.impact.as_ref();
+    ImpactReport {
+        number,
+        evidence,
+        used: result.exclusion.is_none(),
+        excluded: result.exclusion.as_ref().map(ToString::to_string),
+        striker: striker.to_owned(),
+        momentum_n_s: result.momentum,
+        integral_v_s: result.integral,
+        sensitivity_v_per_n: result.sensitivity,
+        own_u_v_per_n: result.own_uncertainty,
+        naive_v_per_n: result.naive,
+        peak_force_n: result.peak_force,
+        baseline_v: impact.map(|i| i.baseline.level),
+        baseline_u_v: impact.map(|i| i.baseline.uncertainty),
+        noise_v: impact.map(|i| i.noise),
+        contact_s: impact.map(|i| i.contact),
+        duration_s: impact.map(|i| i.duration),
+        window_s: impact.map(|i| i.window),
+        pre_trigger: impact.map(|i| i.pre_trigger),
+    }
+}
+
+/// The calibrated sensor as a file of `instruments/sensors`.
+#[must_use]
+pub fn sensor_file(report: &CalibrationReport) -> String {
+    let date = report.date.as_deref().unwrap_or("date not stated");
+    let chain = if report.in_chain { "; with the scope it was calibrated with" } else { "" };
+    let quoted = |text: &str| text.replace(['"', '\\', '\n'], "'");
+    format!(
+        "# {}\nsource = \"{}, {date}; {}; plan SHA-256 {}{chain}\"\n\
+         sensitivity = \"{} V/N\"\nsensitivity_u = {:e}\ntau = \"{} s\"\ntau_u = {:e}\n\
+         input_resistance = \"{} Ohm\"\ninput_capacitance = \"{} F\"\n",
+        report.item.replace('\n', " "),
+        quoted(&report.title),
+        report.software,
+        report.plan_sha256,
+        report.sensitivity_v_per_n,
+        report.standard_uncertainty_v_per_n / report.sensitivity_v_per_n,
+        report.tau_s,
+        report.tau_u_s / report.tau_s,
+        report.input_resistance_ohm,
+        report.input_capacitance_f,
+    )
+}
+
+/// How it is done, for the certificate.
+pub const METHOD: &str = "linear momentum: integral of the droop-corrected voltage over the contact, divided by m (v_i + v_r) + m g (t2 - t1)";

@@ -1,0 +1,158 @@
+//! Calibrates a sensor from a plan and its recordings.
+
+mod fill;
+pub mod words;
+
+pub use fill::{METHOD, report, sensor_file};
+pub use words::CalibrationReport;
+
+use std::path::Path;
+
+use sha2::{Digest, Sha256};
+
+use crate::analysis::calibration::impact::Record;
+use crate::analysis::calibration::model::{Common, Motion, Quantity, Speed};
+use crate::analysis::calibration::{self, Calibration, CalibrationError, Draws, Strike};
+use crate::analysis::gate::Gate;
+use crate::recording::format::open;
+use crate::recording::{Capture, TraceSet};
+use crate::scene::hexadecimal;
+use crate::scene::plan::{Means, Plan, PlanError, PlannedImpact, Uncertain};
+use crate::scene::problem::Problem;
+use words::Evidence;
+
+/// Why there is no calibration.
+#[derive(Debug, thiserror::Error)]
+pub enum PlanRunError {
+    /// The plan, or a recording that it names.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// Too little could be used.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationError),
+}
+
+/// A calibration with all that goes into its certificate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Calibrated {
+    /// What was found, with the signals.
+    pub calibration: Calibration,
+    /// The same in words and numbers.
+    pub report: CalibrationReport,
+}
+
+/// Calibrates as `plan` says.
+///
+/// # Errors
+/// [`PlanRunError`]: a recording that cannot be read or has no such channel, at its place in the plan; or too few impacts left.
+pub fn run(plan: &Plan) -> Result<Calibrated, PlanRunError> {
+    let mut problems = Vec::new();
+    let (mut strikes, mut evidence) = (Vec::new(), Vec::new());
+    for impact in &plan.impacts {
+        match strike(impact) {
+            Ok((strike, proof)) => {
+                strikes.push(strike);
+                evidence.push(proof);
+            }
+            Err(problem) => problems.push(problem),
+        }
+    }
+    if !problems.is_empty() {
+        return Err(PlanError::Problems(problems).into());
+    }
+    let draws = Draws { seed: plan.seed, count: usize::try_from(plan.draws).unwrap_or(0) };
+    let found = calibration::calibrate(&strikes, &common(plan), draws)?;
+    let report = report(plan, &found, evidence);
+    Ok(Calibrated { calibration: found, report })
+}
+
+/// What the impacts of `plan` share.
+#[must_use]
+pub fn common(plan: &Plan) -> Common {
+    let number = |u: f64| Quantity { value: 1.0, u };
+    Common {
+        strikers: plan
+            .strikers
+            .iter()
+            .map(|(name, mass)| (name.clone(), quantity(*mass)))
+            .collect(),
+        gain: number(plan.gain_u.unwrap_or(0.0)),
+        speed_scale: number(plan.speed_scale_u),
+        gate_distance: plan.gate_distance.map(quantity),
+        gravity: quantity(plan.gravity),
+        tau: plan.tau.map(quantity),
+    }
+}
+
+fn quantity(uncertain: Uncertain) -> Quantity {
+    Quantity { value: uncertain.value, u: uncertain.u }
+}
+
+fn speed((means, value): (Means, Uncertain)) -> Speed {
+    let value = quantity(value);
+    match means {
+        Means::Speed => Speed::Speed(value),
+        Means::Height => Speed::Height(value),
+        Means::GateTime => Speed::GateTime(value),
+        Means::FlightTime => Speed::FlightTime(value),
+    }
+}
+
+/// A capture as the calibration takes it; none for a record over frequency.
+#[must_use]
+pub fn record(capture: &Capture, window: Option<Gate>) -> Option<Record> {
+    let level = capture.waveform.preamble.y_mult.abs();
+    Some(Record { trace: capture.trace()?, level, clipped: capture.waveform.clipped(), window })
+}
+
+fn strike(impact: &PlannedImpact) -> Result<(Strike, Evidence), Problem> {
+    let problem = |found: String, expected: &str| {
+        impact.place.problem("impacts.recording", found, expected.to_owned())
+    };
+    let file = &impact.recording;
+    let opened = open(file)
+        .map_err(|error| problem(format!("{:#}", anyhow::Error::from(error)), "a recording"))?;
+    let Some(shot) = opened.shots.iter().find(|shot| shot.number == impact.shot) else {
+        let found = format!("{} shots in {}", opened.shots.len(), file.display());
+        return Err(problem(found, &format!("one with number {}", impact.shot)));
+    };
+    let name = |capture: &Capture| capture.waveform.source.to_string();
+    let capture = shot.captures.iter().find(|c| name(c).eq_ignore_ascii_case(&impact.channel));
+    let Some((capture, record)) = capture.and_then(|c| {
+        let window = impact.window.map(|[from, to]| Gate { from, to });
+        Some((c, record(c, window)?))
+    }) else {
+        let names: Vec<String> = shot.captures.iter().map(name).collect();
+        let found = format!("channels {} in {}", names.join(", "), file.display());
+        return Err(problem(found, &format!("{} over time", impact.channel)));
+    };
+    let sha256 = hash(file, &opened)
+        .map_err(|error| problem(format!("{}: {error}", file.display()), "a file"))?;
+    let waveform = &capture.waveform;
+    let evidence = Evidence {
+        recording: file.display().to_string(),
+        sha256,
+        channel: impact.channel.clone(),
+        shot: impact.shot,
+        volts_per_div: waveform.vertical.scale,
+        seconds_per_div: waveform.horizontal_scale,
+        probe: waveform.vertical.probe,
+        instrument: capture.instrument.as_ref().map(|i| format!("{} {}", i.model, i.serial)),
+    };
+    let motion = Motion {
+        striker: impact.striker,
+        incoming: speed(impact.incoming),
+        rebound: speed(impact.rebound),
+    };
+    Ok((Strike { record, motion }, evidence))
+}
+
+fn hash(file: &Path, set: &TraceSet) -> std::io::Result<String> {
+    let mut hash = Sha256::new();
+    if file.is_dir() {
+        set.attachments.iter().for_each(|attachment| hash.update(&attachment.data));
+    } else {
+        hash.update(std::fs::read(file)?);
+    }
+    Ok(hexadecimal(&hash.finalize()))
+}

@@ -1,0 +1,191 @@
+//! A measurement held against a simulation, channel by channel: brought onto one time axis, scored, judged.
+//!
+//! One shift serves all channels, since a scope has one time base: speeds stay what they are. Gain and offset are found and told, and
+//! never taken out. Peaks and arrivals (half-rise) come from the first pulse with the sensor's droop undone where its time constant is
+//! known; a measured channel whose sensor is not known borrows the simulated one's. The other scores are those of
+//! [`crate::analysis::comparison`]. JSON names and units are part of the interface.
+
+pub mod mapping;
+mod score;
+mod scores;
+mod side;
+pub mod tolerance;
+
+pub use score::{ChannelScore, SpeedScore};
+pub use side::Side;
+
+use serde::Serialize;
+
+use crate::analysis::arrival::Estimator;
+use crate::analysis::comparison::{FEWEST, Pair, least_squares_shift};
+use crate::quantity::engineering;
+use mapping::{Assignment, Ends, MappingError};
+use scores::Channel;
+use side::scene_of;
+use tolerance::Tolerance;
+
+/// How the two are brought onto one time axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Align {
+    /// Trigger on trigger.
+    Trigger,
+    /// Arrival on arrival, half-rise, at the first channel that has one on both sides.
+    #[default]
+    Arrival,
+    /// The shift with the least squared residuals over all channels, each in units of its simulated trace.
+    LeastSquares,
+}
+
+impl Align {
+    /// Name in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Trigger => "trigger",
+            Self::Arrival => "arrival",
+            Self::LeastSquares => "least-squares",
+        }
+    }
+}
+
+/// All scores of one comparison.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Comparison {
+    /// What was measured.
+    pub measured: String,
+    /// What it was held against.
+    pub simulated: String,
+    /// `trigger`, `arrival` or `least-squares`.
+    pub align: &'static str,
+    /// How much later all simulated traces were put (s).
+    pub shift_s: f64,
+    /// Standard uncertainty of the shift, where it is known (s).
+    pub shift_u_s: Option<f64>,
+    /// One a measured channel that has a partner.
+    pub channels: Vec<ChannelScore>,
+    /// Speeds between neighbouring sensors, from the top.
+    pub speeds: Vec<SpeedScore>,
+    /// What was asked for.
+    pub tolerance: Vec<String>,
+    /// What is beyond it.
+    pub failures: Vec<String>,
+    /// `pass` or `fail`.
+    pub verdict: &'static str,
+    /// What had to be guessed, and what could not be told.
+    pub notes: Vec<String>,
+}
+
+/// A comparison with its traces, for pictures.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Compared {
+    /// The scores.
+    pub comparison: Comparison,
+    /// Both traces of each channel on the measured one's axis (V).
+    pub pairs: Vec<Pair>,
+}
+
+/// Why two recordings cannot be compared.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum CompareError {
+    /// No channel has a partner.
+    #[error(transparent)]
+    Mapping(#[from] MappingError),
+    /// Records of different times.
+    #[error(
+        "{channel}: found fewer than {FEWEST} samples in common after a shift of {}, expected records of the same time",
+        engineering(*shift_s, "s", 3)
+    )]
+    Apart {
+        /// The measured channel.
+        channel: String,
+        /// The shift (s).
+        shift_s: f64,
+    },
+    /// A record without a level or without a change.
+    #[error(
+        "{channel}: found a simulated trace that never changes, expected a signal to compare with"
+    )]
+    Flat {
+        /// The measured channel.
+        channel: String,
+    },
+}
+
+/// Holds `measured` against `simulated`.
+///
+/// # Errors
+/// [`CompareError`] where no channels belong together, or where they have no time in common.
+pub fn compare(
+    measured: Side<'_>,
+    simulated: Side<'_>,
+    (align, assignments): (Align, &[Assignment]),
+    tolerance: &Tolerance,
+) -> Result<Compared, CompareError> {
+    let mut notes = Vec::new();
+    let ends = (Ends::of(measured, &mut notes)?, Ends::of(simulated, &mut notes)?);
+    let wires = mapping::wires(&ends.0, &ends.1, assignments, &mut notes)?;
+    let channels: Vec<Channel> =
+        wires.iter().map(|wire| Channel::of(measured, simulated, wire, &mut notes)).collect();
+    let borrowed: Vec<&str> =
+        channels.iter().filter(|c| c.borrowed).map(|c| c.name.as_str()).collect();
+    if !borrowed.is_empty() {
+        notes.push(format!(
+            "{}: no calibration travels with the measurement; newtons and droop are the simulated sensor's",
+            borrowed.join(", ")
+        ));
+    }
+    let (align, shift_s, shift_u_s) = shift(&channels, align, &mut notes);
+    let mut pairs = Vec::new();
+    let mut scored = Vec::new();
+    for (channel, wire) in channels.iter().zip(&wires) {
+        let apart = || CompareError::Apart { channel: channel.name.clone(), shift_s };
+        let pair = Pair::new(&channel.measured, &channel.simulated, shift_s).ok_or_else(apart)?;
+        let score = channel.score(&pair, wire, shift_s);
+        if !score.gain.is_finite() {
+            return Err(CompareError::Flat { channel: channel.name.clone() });
+        }
+        scored.push(score);
+        pairs.push(pair);
+    }
+    let speeds = scores::speeds(&channels, [measured, simulated], &mut notes);
+    let failures = tolerance.failures(&scored, &speeds);
+    let comparison = Comparison {
+        measured: measured.name.to_owned(),
+        simulated: simulated.name.to_owned(),
+        align: align.name(),
+        shift_s,
+        shift_u_s,
+        channels: scored,
+        speeds,
+        tolerance: tolerance.words(),
+        verdict: if failures.is_empty() { "pass" } else { "fail" },
+        failures,
+        notes,
+    };
+    Ok(Compared { comparison, pairs })
+}
+
+/// The shift, by what it was found, and its uncertainty (s).
+fn shift(channels: &[Channel], align: Align, notes: &mut Vec<String>) -> (Align, f64, Option<f64>) {
+    let found = match align {
+        Align::Trigger => Some((0.0, None)),
+        Align::Arrival => channels.iter().find_map(|channel| {
+            let (measured, simulated) = channel.arrivals(Estimator::HalfRise)?;
+            notes.push(format!("aligned by the arrival at {}", channel.name));
+            let u = measured.standard_uncertainty.hypot(simulated.standard_uncertainty);
+            Some((measured.value - simulated.value, Some(u)))
+        }),
+        Align::LeastSquares => {
+            let traces: Vec<_> = channels.iter().map(Channel::weighted).collect();
+            least_squares_shift(&traces).map(|shift| (shift, None))
+        }
+    };
+    if let Some((shift, u)) = found {
+        return (align, shift, u);
+    }
+    notes.push(format!(
+        "no alignment by {}: the triggers are taken for the same time",
+        align.name()
+    ));
+    (Align::Trigger, 0.0, None)
+}

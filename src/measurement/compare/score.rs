@@ -1,0 +1,81 @@
+//! The scores of a comparison as data.
+
+use serde::Serialize;
+
+use crate::measurement::arrivals::Uncertain;
+
+/// Scores of one channel.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChannelScore {
+    /// The measured channel.
+    pub name: String,
+    /// The simulated channel.
+    pub against: String,
+    /// The sensor, where known.
+    pub sensor: Option<String>,
+    /// Where it is known from that the two belong together.
+    pub mapped_by: &'static str,
+    /// How much later the simulated trace was put (s).
+    pub shift_s: f64,
+    /// Measured over simulated, by least squares; not taken out (1).
+    pub gain: f64,
+    /// Its standard uncertainty from the residuals (1).
+    pub gain_u: f64,
+    /// What the measured trace reads where the simulated one is zero; not taken out (V).
+    pub offset_v: f64,
+    /// First peak of the measured trace, volts.
+    pub peak_measured_v: Option<Uncertain>,
+    /// First peak of the simulated trace, volts.
+    pub peak_simulated_v: Option<Uncertain>,
+    /// Measured over simulated first peak, less one (1).
+    pub peak_error: Option<f64>,
+    /// Its standard uncertainty (1).
+    pub peak_error_u: Option<f64>,
+    /// Measured less simulated arrival, half-rise, after the shift (s).
+    pub arrival_error_s: Option<f64>,
+    /// Its standard uncertainty, without the shift's (s).
+    pub arrival_error_u_s: Option<f64>,
+    /// Root mean square of measured less simulated (V).
+    pub rms: f64,
+    /// The same in levels of the measured trace (1).
+    pub rms_lsb: f64,
+    /// The same as a force, droop and baselines taken out; none without a calibrated sensor (N).
+    pub rms_n: Option<f64>,
+    /// Largest difference (V).
+    pub max: f64,
+    /// The same in levels of the measured trace (1).
+    pub max_lsb: f64,
+    /// The same as a force (N).
+    pub max_n: Option<f64>,
+    /// One level of the measured trace (V).
+    pub lsb_v: f64,
+    /// Pearson's coefficient (1).
+    pub correlation: Option<f64>,
+    /// Distance of the amplitude spectra over the simulated one's norm (1).
+    pub spectrum_distance: Option<f64>,
+    /// Samples in common.
+    pub samples: usize,
+    /// Measured samples at the converter's ends.
+    pub clipped: usize,
+}
+
+/// The speed between two channels' sensors on both sides.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SpeedScore {
+    /// Measured channel from which.
+    pub from: String,
+    /// Measured channel to which.
+    pub to: String,
+    /// The arrival's estimator.
+    pub estimator: &'static str,
+    /// Distance along the chain at rest, of each side's own scene where it has one (m).
+    pub distance_m: f64,
+    /// Measured, metres per second.
+    pub measured_m_per_s: Uncertain,
+    /// Simulated, metres per second.
+    pub simulated_m_per_s: Uncertain,
+    /// Measured over simulated, less one (1).
+    pub error: f64,
+    /// Its standard uncertainty (1).
+    pub error_u: f64,
+}

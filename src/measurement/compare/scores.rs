@@ -1,0 +1,220 @@
+//! The scores of one channel, and of speeds between channels.
+
+use super::mapping::{Wire, sensor_at};
+use super::{ChannelScore, Side, SpeedScore, scene_of};
+use crate::analysis::arrival::Estimator;
+use crate::analysis::comparison::Pair;
+use crate::analysis::least_squares::squares;
+use crate::analysis::pulse::{Conditions, Measure, Pulse};
+use crate::analysis::speed::speed;
+use crate::measurement::metadata::{self, RecordedSensor};
+use crate::recording::Capture;
+use crate::scene::{Scene, Site};
+use crate::trace::Trace;
+
+/// Estimators whose speeds are compared.
+const ESTIMATORS: [Estimator; 2] = [Estimator::HalfRise, Estimator::Peak];
+
+/// Both sides of one channel.
+pub struct Channel {
+    /// The measured channel.
+    pub name: String,
+    /// The measured trace (V).
+    pub measured: Trace,
+    /// The simulated trace on its own axis (V).
+    pub simulated: Trace,
+    against: String,
+    lsb: f64,
+    clipped: usize,
+    /// Whether the simulated sensor's calibration stands in for an unknown one.
+    pub borrowed: bool,
+    pulses: Option<(Pulse, Pulse)>,
+    sensitivities: Option<(f64, f64)>,
+    site: Option<Site>,
+}
+
+fn first_pulse(trace: &Trace, capture: &Capture, tau: Option<f64>) -> Result<Pulse, String> {
+    let level = capture.waveform.preamble.y_mult.abs();
+    let conditions = Conditions { level, time_constant: tau, baseline: None };
+    Pulse::find(trace, conditions).map_err(|error| error.to_string())
+}
+
+impl Channel {
+    /// Takes up what `wire` connects.
+    pub fn of(
+        measured: Side<'_>,
+        simulated: Side<'_>,
+        wire: &Wire,
+        notes: &mut Vec<String>,
+    ) -> Self {
+        let (here, there) =
+            (&measured.shot.captures[wire.measured], &simulated.shot.captures[wire.simulated]);
+        let empty = || Trace {
+            name: String::new(),
+            unit: "V".to_owned(),
+            start: 0.0,
+            interval: 1.0,
+            values: Vec::new(),
+        };
+        let (measured_trace, simulated_trace) =
+            (here.trace().unwrap_or_else(empty), there.trace().unwrap_or_else(empty));
+        let (name, against) = (here.waveform.source.to_string(), there.waveform.source.to_string());
+        let known = |side: Side<'_>| metadata::sensors_of(side.set, side.shot.number);
+        let (own, other) = (known(measured), known(simulated));
+        let (own, other) = (sensor_at(&own, &name), sensor_at(&other, &against));
+        let or_other = |of: fn(&RecordedSensor) -> Option<f64>| {
+            (
+                own.and_then(of).or_else(|| other.and_then(of)),
+                other.and_then(of).or_else(|| own.and_then(of)),
+            )
+        };
+        let (tau, tau_there) = or_other(|sensor| sensor.time_constant);
+        let (sensitivity, sensitivity_there) = or_other(|sensor| sensor.sensitivity);
+        let borrowed = own.and_then(|sensor| sensor.sensitivity).is_none() && sensitivity.is_some();
+        let found = first_pulse(&measured_trace, here, tau)
+            .and_then(|pulse| Ok((pulse, first_pulse(&simulated_trace, there, tau_there)?)));
+        if let Err(problem) = &found {
+            notes.push(format!("{name}: no peak and no arrival: {problem}"));
+        }
+        Self {
+            name,
+            against,
+            lsb: here.waveform.preamble.y_mult.abs(),
+            clipped: here.waveform.clipped(),
+            borrowed,
+            pulses: found.ok(),
+            // Forces need the droop undone.
+            sensitivities: tau.and(sensitivity).zip(tau_there.and(sensitivity_there)),
+            site: other.and_then(|s| s.site).or_else(|| own.and_then(|s| s.site)),
+            measured: measured_trace,
+            simulated: simulated_trace,
+        }
+    }
+
+    /// Both traces, and the weight that makes channels of different height count alike (1).
+    pub fn weighted(&self) -> (&Trace, &Trace, f64) {
+        #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
+        let count = self.simulated.values.len().max(1) as f64;
+        let weight = count / squares(&self.simulated.values).max(f64::MIN_POSITIVE);
+        (&self.measured, &self.simulated, weight)
+    }
+
+    /// Arrivals on both sides, each on its own clock.
+    pub fn arrivals(&self, estimator: Estimator) -> Option<(Measure, Measure)> {
+        let (measured, simulated) = self.pulses.as_ref()?;
+        Some((measured.arrival(estimator)?, simulated.arrival(estimator)?))
+    }
+
+    /// Forces on both sides: baseline and droop taken out, by each side's own sensor (N).
+    fn forces(&self, shift: f64) -> Option<Pair> {
+        let (measured, simulated) = self.pulses.as_ref()?;
+        let (own, other) = self.sensitivities?;
+        let force = |pulse: &Pulse, sensitivity: f64| {
+            let scale = if pulse.inverted { -sensitivity } else { sensitivity };
+            let values = pulse.signal.values.iter().map(|v| v / scale).collect();
+            Trace { unit: "N".to_owned(), values, ..pulse.signal.clone() }
+        };
+        Pair::new(&force(measured, own), &force(simulated, other), shift)
+    }
+
+    /// The scores, with both traces in `pair`.
+    pub fn score(&self, pair: &Pair, wire: &Wire, shift_s: f64) -> ChannelScore {
+        let distance = pair.distance();
+        let in_newtons = self.forces(shift_s).map(|pair| pair.distance());
+        let heights = self.pulses.as_ref().and_then(|(m, s)| Some((m.height()?, s.height()?)));
+        let ratio = heights.map(|(m, s)| {
+            let sign = self.pulses.as_ref().is_some_and(|(m, s)| m.inverted != s.inverted);
+            let value = if sign { -m.value / s.value } else { m.value / s.value };
+            let u = (m.standard_uncertainty / m.value).hypot(s.standard_uncertainty / s.value);
+            (value - 1.0, (value * u).abs())
+        });
+        let arrival = self.arrivals(Estimator::HalfRise).map(|(m, s)| {
+            let u = m.standard_uncertainty.hypot(s.standard_uncertainty);
+            (m.value - s.value - shift_s, u)
+        });
+        ChannelScore {
+            name: self.name.clone(),
+            against: self.against.clone(),
+            sensor: wire.sensor.clone(),
+            mapped_by: wire.by,
+            shift_s,
+            gain: distance.gain.value,
+            gain_u: distance.gain.standard_uncertainty,
+            offset_v: distance.offset,
+            peak_measured_v: heights.map(|(m, _)| m.into()),
+            peak_simulated_v: heights.map(|(_, s)| s.into()),
+            peak_error: ratio.map(|(error, _)| error),
+            peak_error_u: ratio.map(|(_, u)| u),
+            arrival_error_s: arrival.map(|(error, _)| error),
+            arrival_error_u_s: arrival.map(|(_, u)| u),
+            rms: distance.rms,
+            rms_lsb: distance.rms / self.lsb,
+            rms_n: in_newtons.map(|d| d.rms),
+            max: distance.largest,
+            max_lsb: distance.largest / self.lsb,
+            max_n: in_newtons.map(|d| d.largest),
+            lsb_v: self.lsb,
+            correlation: distance.correlation,
+            spectrum_distance: distance.spectrum,
+            samples: pair.measured.values.len(),
+            clipped: self.clipped,
+        }
+    }
+}
+
+/// Speeds between neighbouring sensors on both sides.
+pub fn speeds(
+    channels: &[Channel],
+    sides: [Side<'_>; 2],
+    notes: &mut Vec<String>,
+) -> Vec<SpeedScore> {
+    let scenes = sides.map(scene_of);
+    let [Some(of_measured), Some(of_simulated)] = (match scenes {
+        [Some(a), Some(b)] => [Some(a), Some(b)],
+        [one, other] => {
+            let known = one.or(other);
+            [known.clone(), known]
+        }
+    }) else {
+        notes.push("no speeds: neither side carries a scene that tells distances".to_owned());
+        return Vec::new();
+    };
+    let mut placed: Vec<(&Channel, Site)> =
+        channels.iter().filter_map(|channel| Some((channel, channel.site?))).collect();
+    placed.sort_by_key(|(_, site)| match site {
+        Site::Particle(particle) => *particle,
+        Site::Wall => usize::MAX,
+    });
+    let mut found = Vec::new();
+    for (from, to) in placed.iter().zip(placed.iter().skip(1)) {
+        let distance = |scene: &Scene| metadata::distance(scene, from.1, to.1);
+        let Some(distances) = distance(&of_measured).zip(distance(&of_simulated)) else { continue };
+        found.extend(ESTIMATORS.into_iter().filter_map(|e| between(from.0, to.0, distances, e)));
+    }
+    found
+}
+
+fn between(
+    from: &Channel,
+    to: &Channel,
+    (measured_m, simulated_m): (f64, f64),
+    estimator: Estimator,
+) -> Option<SpeedScore> {
+    let (start, start_there) = from.arrivals(estimator)?;
+    let (end, end_there) = to.arrivals(estimator)?;
+    let exact = |value: f64| Measure { value, standard_uncertainty: 0.0 };
+    let measured = speed(exact(measured_m), start, end)?;
+    let simulated = speed(exact(simulated_m), start_there, end_there)?;
+    let ratio = measured.value / simulated.value;
+    let relative = |speed: Measure| speed.standard_uncertainty / speed.value;
+    Some(SpeedScore {
+        from: from.name.clone(),
+        to: to.name.clone(),
+        estimator: estimator.key(),
+        distance_m: measured_m,
+        measured_m_per_s: measured.into(),
+        simulated_m_per_s: simulated.into(),
+        error: ratio - 1.0,
+        error_u: (ratio * relative(measured).hypot(relative(simulated))).abs(),
+    })
+}

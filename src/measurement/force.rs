@@ -1,0 +1,136 @@
+//! Tells a recording which sensor was wired to a channel, and turns its volts into newtons.
+//!
+//! `N = (V + (1/tau) integral V dt)/S`. The standard uncertainty of each value is put together from the sensitivity's, the time
+//! constant's (`u(tau)/tau` times what droop took away), the baseline's and the noise's, the latter two grown by the inverse filter.
+//! Source: JCGM 100:2008, 5.1.2. Valid from a start at rest and discharged.
+
+use std::collections::BTreeMap;
+
+use super::metadata::{self, RecordedSensor};
+use crate::analysis::droop::{error_gain, undo_droop};
+use crate::analysis::pulse::{Conditions, Pulse, PulseError};
+use crate::recording::{Capture, Shot, TraceSet};
+use crate::scene::{Scene, SceneError, input_load};
+use crate::scope::{ChannelSetup, Deviation};
+use crate::sensor::Sensor;
+use crate::trace::Trace;
+
+/// Where the limits of the scope's input are taken from.
+const BENCH: &str = "momentum-test";
+
+/// Forces of one channel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Forces {
+    /// The channel.
+    pub channel: String,
+    /// The sensor.
+    pub sensor: RecordedSensor,
+    /// Force over time.
+    pub force: Trace,
+    /// Standard uncertainty of each value (N).
+    pub u: Vec<f64>,
+    /// The same without what is common to all values: noise alone (N).
+    pub noise_u: Vec<f64>,
+}
+
+/// Why a channel has no forces.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ForcesError {
+    /// No sensor is known, or it is not known how sensitive it is.
+    #[error(
+        "{channel}: found no sensor with sensitivity and time constant, expected one: --sensor {channel}=NAME or FILE"
+    )]
+    NoSensor {
+        /// The channel.
+        channel: String,
+    },
+    /// A record over frequency.
+    #[error("{channel}: found a record over frequency, expected one over time")]
+    NoTime {
+        /// The channel.
+        channel: String,
+    },
+    /// Nothing to take the baseline from.
+    #[error(transparent)]
+    Pulse(#[from] PulseError),
+}
+
+/// Notes in `set` that `sensor` was wired to `channel`; what was noted of that channel before is gone.
+///
+/// # Errors
+/// [`SceneError`] where the scope's description cannot be read.
+pub fn wire(set: &mut TraceSet, channel: &str, sensor: &Sensor) -> Result<(), SceneError> {
+    let model = Scene::load(BENCH)?.scope.model;
+    let captures = || set.shots.iter().flat_map(|shot| &shot.captures);
+    let named = captures().find(|c| c.waveform.source.to_string().eq_ignore_ascii_case(channel));
+    let Some(vertical) = named.map(|capture| capture.waveform.vertical) else { return Ok(()) };
+    let deviation = Deviation::default();
+    let setup = ChannelSetup { vertical, input: None, offset: 0.0, deviation };
+    let circuit = sensor.connect(input_load(&model, &setup));
+    let channel = channel.to_ascii_uppercase();
+    set.metadata
+        .retain(|name, facts| !name.contains("sensor/") || facts.get("channel") != Some(&channel));
+    let mut facts = vec![
+        ("name", sensor.model.clone()),
+        ("model", sensor.model.clone()),
+        ("channel", channel.clone()),
+        ("sensitivity_v_per_n", circuit.sensitivity.to_string()),
+        ("time_constant_s", circuit.time_constant.to_string()),
+    ];
+    let measured = &sensor.measured;
+    let uncertainty = |key, value: Option<f64>| value.map(|value| (key, value.to_string()));
+    facts.extend(uncertainty("sensitivity_u_relative", measured.sensitivity_u));
+    facts.extend(uncertainty("time_constant_u_relative", measured.time_constant_u));
+    let facts: BTreeMap<String, String> =
+        facts.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
+    let shots = set.shots.iter().map(|shot| format!("hertzscope:shot/{}", shot.number));
+    let own = shots.filter(|name| set.metadata.contains_key(name));
+    let groups: Vec<String> = own
+        .map(|shot| format!("{shot}/sensor/{channel}"))
+        .chain([format!("hertzscope:sensor/{channel}")])
+        .collect();
+    for group in groups {
+        set.metadata.insert(group, facts.clone());
+    }
+    Ok(())
+}
+
+/// Forces of all channels of `shot`, or why there are none.
+#[must_use]
+pub fn forces(set: &TraceSet, shot: &Shot) -> Vec<Result<Forces, ForcesError>> {
+    let sensors = metadata::sensors_of(set, shot.number);
+    shot.captures.iter().map(|capture| of_channel(capture, &sensors)).collect()
+}
+
+fn of_channel(capture: &Capture, sensors: &[RecordedSensor]) -> Result<Forces, ForcesError> {
+    let channel = capture.waveform.source.to_string();
+    let sensor = sensors.iter().find(|sensor| sensor.channel.as_ref() == Some(&channel));
+    let circuit = sensor.and_then(|s| Some((s, s.sensitivity?, s.time_constant?)));
+    let Some((sensor, sensitivity, tau)) = circuit else {
+        return Err(ForcesError::NoSensor { channel });
+    };
+    let Some(mut volts) = capture.trace() else { return Err(ForcesError::NoTime { channel }) };
+    let level = capture.waveform.preamble.y_mult.abs();
+    let pulse = Pulse::find(&volts, Conditions { level, ..Conditions::default() })?;
+    volts.values.iter_mut().for_each(|v| *v -= pulse.baseline.level);
+    let felt = undo_droop(&volts, tau);
+    let (sensitivity_u, tau_u) =
+        (sensor.sensitivity_u.unwrap_or(0.0), sensor.time_constant_u.unwrap_or(0.0));
+    let interval = felt.interval;
+    let (mut u, mut noise_u) = (Vec::new(), Vec::new());
+    for (index, (felt, volts)) in felt.values.iter().zip(&volts.values).enumerate() {
+        let gain = error_gain(index, interval, tau);
+        let noise = gain.noise * pulse.noise;
+        let rest = [
+            felt * sensitivity_u,
+            (felt - volts) * tau_u,
+            gain.baseline * pulse.baseline.uncertainty,
+        ];
+        noise_u.push(noise / sensitivity);
+        u.push(rest.iter().fold(noise, |sum, part| sum.hypot(*part)) / sensitivity);
+    }
+    let values = felt.values.iter().map(|v| v / sensitivity).collect();
+    let name = format!("{channel}, sensor {}", sensor.name);
+    let force = Trace { name, unit: "N".to_owned(), values, ..felt };
+    Ok(Forces { channel, sensor: sensor.clone(), force, u, noise_u })
+}

@@ -1,0 +1,185 @@
+//! Reads what stands beside the samples in the first rows: keys, values and unit words. `OpenChoice` repeats this
+//! for each channel; spreadsheets and people leave it, with other digits, one or a few rows lower.
+//!
+//! The keys are found by name, wherever they stand in their column. A row whose time and value are no numbers is
+//! passed over while no sample has been seen, and refused later.
+
+use super::cells::Table;
+use super::column::Column;
+use super::detection::rows_above;
+use super::error::{TekCsvError, excerpt};
+use super::layout;
+use super::times::Stated;
+use super::unscaled_import::UnscaledImport;
+use crate::recording::Instrument;
+use crate::scope::{PointFormat, Source};
+
+/// Rows that are searched for keys.
+const HEADER_ROWS: usize = 24;
+/// From a key to its time and to its value.
+const TO_TIME: usize = 3;
+const TO_VALUE: usize = 4;
+
+/// One channel's columns.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Block<'a, 't> {
+    table: &'t Table<'a>,
+    /// Row of `Record Length`.
+    head: usize,
+    /// Column of the keys.
+    column: usize,
+}
+
+/// The blocks of a table, from left to right.
+pub(super) fn blocks<'a, 't>(table: &'t Table<'a>) -> Vec<Block<'a, 't>> {
+    let Some(head) = rows_above(table) else { return Vec::new() };
+    let row = table.row(head);
+    let columns = row.texts().enumerate().filter(|(_, cell)| *cell == layout::RECORD_LENGTH);
+    columns.map(|(column, _)| Block { table, head, column }).collect()
+}
+
+impl<'a> Block<'a, '_> {
+    /// The text beside `key`, with the row and cell where it stands; `None` where there is no such key.
+    pub(super) fn text(&self, key: &str) -> Option<(&'a str, usize)> {
+        let rows = self.head..self.table.len().min(self.head + HEADER_ROWS);
+        let mut found = rows.filter(|index| self.table.row(*index).text(self.column) == key);
+        found.next().map(|index| (self.table.row(index).text(self.column + 1), index))
+    }
+
+    /// The number beside `key`; `None` where the file does not have it.
+    pub(super) fn number(&self, key: &str) -> Result<Option<f64>, TekCsvError> {
+        match self.text(key) {
+            None | Some(("", _)) => Ok(None),
+            Some((_, index)) => {
+                let number = self.table.row(index).number(self.column + 1);
+                number.map(|printed| Some(printed.value)).map_err(|error| entry(error, key))
+            }
+        }
+    }
+
+    /// Everything but the zero level, which dialects put in different rows.
+    pub(super) fn import(&self) -> Result<UnscaledImport, TekCsvError> {
+        let (times, values) = self.samples()?;
+        let mut draft = UnscaledImport {
+            times,
+            values,
+            stated: Stated {
+                interval: self.number(layout::SAMPLE_INTERVAL)?,
+                trigger_point: self.number(layout::TRIGGER_POINT)?,
+            },
+            source: self.source()?,
+            scale: self.number(layout::VERTICAL_SCALE)?,
+            horizontal_scale: self.number(layout::HORIZONTAL_SCALE)?,
+            probe: self.number(layout::PROBE)?,
+            x_unit: self.unit(layout::HORIZONTAL_UNITS),
+            y_unit: self.unit(layout::VERTICAL_UNITS),
+            point_format: self.point_format()?,
+            instrument: self.instrument(),
+            ..UnscaledImport::default()
+        };
+        self.note_rows(&mut draft)?;
+        if self.table.decimal_comma {
+            draft.notes.push("numbers have a decimal comma".to_owned());
+        }
+        Ok(draft)
+    }
+
+    fn note_rows(&self, draft: &mut UnscaledImport) -> Result<(), TekCsvError> {
+        if self.head > 0 {
+            let names: Vec<String> = (0..self.head)
+                .map(|index| {
+                    let row = self.table.row(index);
+                    excerpt(&row.texts().collect::<Vec<_>>().join(","))
+                })
+                .collect();
+            draft.notes.push(format!("passed over above the header: {}", names.join(", ")));
+        }
+        let found = draft.values.len();
+        match self.number(layout::RECORD_LENGTH)? {
+            None => draft.notes.push(format!("record length {found} taken from the rows")),
+            #[allow(clippy::cast_precision_loss, reason = "at most a million rows")]
+            Some(stated) if (stated - found as f64).abs() > 0.0 => {
+                draft.notes.push(format!("found {found} points, the header says {stated}"));
+            }
+            Some(_) => {}
+        }
+        Ok(())
+    }
+
+    fn samples(&self) -> Result<(Column, Column), TekCsvError> {
+        let (mut times, mut values) = (Column::default(), Column::default());
+        let (time, value) = (self.column + TO_TIME, self.column + TO_VALUE);
+        for index in self.head..self.table.len() {
+            let row = self.table.row(index);
+            let names = row.maybe_number(time).is_none() && row.maybe_number(value).is_none();
+            if names && times.len() == 0 && index < self.head + HEADER_ROWS {
+                continue;
+            }
+            times.push(&row, time)?;
+            values.push(&row, value)?;
+        }
+        Ok((times, values))
+    }
+
+    fn source(&self) -> Result<Option<Source>, TekCsvError> {
+        let Some((text, index)) = self.text(layout::SOURCE).filter(|(text, _)| !text.is_empty())
+        else {
+            return Ok(None);
+        };
+        Source::from_name(text)
+            .map(Some)
+            .ok_or_else(|| self.wrong(layout::SOURCE, index, "CH1 to CH4, MATH or REFA to REFD"))
+    }
+
+    fn point_format(&self) -> Result<Option<PointFormat>, TekCsvError> {
+        match self.text(layout::POINT_FORMAT) {
+            None | Some(("", _)) => Ok(None),
+            Some(("Y", _)) => Ok(Some(PointFormat::Sample)),
+            Some(("ENV", _)) => Ok(Some(PointFormat::Envelope)),
+            Some((_, index)) => Err(self.wrong(layout::POINT_FORMAT, index, "Y or ENV")),
+        }
+    }
+
+    fn wrong(&self, key: &str, index: usize, expected: &str) -> TekCsvError {
+        let row = self.table.row(index);
+        TekCsvError::Entry {
+            place: row.place(self.column + 1),
+            key: key.to_owned(),
+            found: excerpt(row.text(self.column + 1)),
+            expected: expected.to_owned(),
+        }
+    }
+
+    fn unit(&self, key: &str) -> Option<String> {
+        self.text(key).map(|(text, _)| text).filter(|text| !text.is_empty()).map(unit)
+    }
+
+    fn instrument(&self) -> Option<Instrument> {
+        let text = |key| self.text(key).map(|(text, _)| text.to_owned()).unwrap_or_default();
+        let (model, serial) = (text(layout::MODEL), text(layout::SERIAL));
+        let firmware = text(layout::FIRMWARE);
+        let known = !(model.is_empty() && firmware.is_empty());
+        known.then_some(Instrument { model, serial, firmware })
+    }
+}
+
+/// The unit as this program writes it.
+pub(super) fn unit(text: &str) -> String {
+    match text {
+        "Volts" | "volts" | "Volt" | "v" => "V",
+        "S" | "seconds" | "Seconds" => "s",
+        "HZ" | "hz" => "Hz",
+        other => other,
+    }
+    .to_owned()
+}
+
+fn entry(error: TekCsvError, key: &str) -> TekCsvError {
+    match error {
+        TekCsvError::Field { place, found, expected } => {
+            let (key, expected) = (key.to_owned(), expected.to_owned());
+            TekCsvError::Entry { place, key, found, expected }
+        }
+        other => other,
+    }
+}

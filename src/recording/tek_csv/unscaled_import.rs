@@ -1,0 +1,284 @@
+//! Turns the content of a foreign file into a capture: missing values are estimated, and each estimate is noted in the
+//! capture. The dialects' readers fill an [`UnscaledImport`]; `times` and `levels` estimate.
+//!
+//! `volts = (code - y_off) y_mult + y_zero`, and in the time domain `y_zero = 0`.
+
+use super::column::{Column, one_two_five, ten_to};
+use super::error::TekCsvError;
+use super::levels::{Evidence, Grid};
+use super::times::{Stated, Times};
+use crate::quantity::engineering;
+use crate::recording::{Capture, Instrument};
+use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
+use crate::scope::{PointFormat, Preamble, Source, VerticalSetup, Waveform};
+
+/// Points in one horizontal division of the family.
+const POINTS_PER_DIVISION: f64 = 250.0;
+/// A zero level that lies farther than this from a whole one did not come from the family's own steps (1).
+const ODD_ZERO: f64 = 0.02;
+/// With fewer levels than this, their spacing is weak evidence.
+const FEW_LEVELS: usize = 8;
+
+/// What a foreign file tells of one channel.
+#[derive(Debug, Clone, Default)]
+pub(super) struct UnscaledImport {
+    pub(super) times: Column,
+    pub(super) values: Column,
+    pub(super) stated: Stated,
+    pub(super) source: Option<Source>,
+    /// Vertical scale (V/div; dB/div for an FFT).
+    pub(super) scale: Option<f64>,
+    /// How far zero stands above the centre (V); of an FFT, the value of level 0 (dB).
+    pub(super) zero: Option<f64>,
+    /// Time base (s/div; Hz/div for an FFT).
+    pub(super) horizontal_scale: Option<f64>,
+    /// Probe attenuation (1).
+    pub(super) probe: Option<f64>,
+    pub(super) x_unit: Option<String>,
+    pub(super) y_unit: Option<String>,
+    pub(super) point_format: Option<PointFormat>,
+    pub(super) instrument: Option<Instrument>,
+    pub(super) notes: Vec<String>,
+}
+
+/// The digitiser's side of a capture.
+struct Vertical {
+    codes: Vec<i16>,
+    y_mult: f64,
+    y_off: f64,
+    y_zero: f64,
+    scale: f64,
+    /// Where zero stands (div).
+    position: f64,
+}
+
+impl UnscaledImport {
+    /// The capture; a channel that the file does not name is taken as number `channel`.
+    pub(super) fn capture(mut self, file: &str, channel: u8) -> Result<Capture, TekCsvError> {
+        const FEWEST: usize = 2;
+        let found = self.times.len();
+        if found < FEWEST {
+            let file = file.to_owned();
+            let highest = super::cells::MOST_ROWS;
+            return Err(TekCsvError::SampleCount { file, found, lowest: FEWEST, highest });
+        }
+        let x_unit = self.x_unit.take().unwrap_or_else(|| self.assume("s", "unit of the times"));
+        let y_unit = self.y_unit.take().unwrap_or_else(|| self.assume("V", "unit of the values"));
+        let unit = if x_unit == "Hz" { "Hz" } else { "s" };
+        let times = Times::fit(&self.times, self.stated, unit, &mut self.notes)?;
+        let vertical = self.vertical(&y_unit);
+        let source = self.source.unwrap_or_else(|| {
+            let name = format!("CH{channel}");
+            self.assume(&name, "source");
+            Source::Channel(channel)
+        });
+        let probe = self.probe.unwrap_or_else(|| {
+            self.assume("1", "probe attenuation");
+            1.0
+        });
+        let horizontal_scale = self.horizontal_scale(times.interval, unit);
+        let codes = vertical.codes;
+        let preamble = Preamble {
+            x_zero: (0.0 - times.trigger_point) * times.interval,
+            x_incr: times.interval,
+            pt_off: 0,
+            x_unit,
+            y_mult: vertical.y_mult,
+            y_zero: vertical.y_zero,
+            y_off: vertical.y_off,
+            y_unit,
+            pt_fmt: self.point_format.unwrap_or(PointFormat::Sample),
+        };
+        let waveform = Waveform {
+            source,
+            codes,
+            preamble,
+            vertical: VerticalSetup {
+                scale: vertical.scale,
+                position: vertical.position,
+                coupling: None,
+                bandwidth_limited: None,
+                inverted: None,
+                probe,
+            },
+            horizontal_scale,
+            trigger_point: times.trigger_point,
+        };
+        if self.zero.is_none() && waveform.clipped() > 0 {
+            self.notes.push(
+                "whether points are clipped is not sure: the vertical position is a guess"
+                    .to_owned(),
+            );
+        }
+        Ok(Capture { waveform, instrument: self.instrument, notes: self.notes })
+    }
+
+    /// Notes that the file does not tell `what`, and returns what is taken instead.
+    fn assume(&mut self, taken: &str, what: &str) -> String {
+        self.notes.push(format!("{what} taken as {taken}: the file does not tell it"));
+        taken.to_owned()
+    }
+
+    fn horizontal_scale(&mut self, interval: f64, unit: &str) -> f64 {
+        self.horizontal_scale.filter(|scale| *scale > 0.0).unwrap_or_else(|| {
+            let scale = super::column::rounded(POINTS_PER_DIVISION * interval, 9);
+            let text = engineering(scale, &format!("{unit}/div"), 3);
+            self.assume(&text, "time base, 250 points a division,");
+            scale
+        })
+    }
+
+    fn vertical(&mut self, unit: &str) -> Vertical {
+        let stated = self.scale.filter(|scale| *scale > 0.0);
+        let grid = Grid::find(&self.values, stated);
+        self.note_evidence(&grid, stated, unit);
+        let scale = stated.unwrap_or_else(|| self.guess_scale(&grid, unit));
+        let shift = self.shift(&grid, unit);
+        let zero_index = whole_if_near(grid.origin / grid.step);
+        let (y_off, y_zero) = match unit {
+            "dB" => (0.0, grid.origin - float(shift) * grid.step),
+            _ => (float(shift) - zero_index, 0.0),
+        };
+        let code = |index: &i64| {
+            i16::try_from(index.saturating_add(shift)).unwrap_or(if *index < 0 {
+                i16::MIN
+            } else {
+                i16::MAX
+            })
+        };
+        let codes = grid.indices.iter().map(code).collect();
+        let level = scale / LEVELS_PER_DIVISION;
+        let position = match self.zero {
+            _ if unit == "dB" => 0.0,
+            _ if (grid.step - level).abs() <= 1e-6 * level => y_off / LEVELS_PER_DIVISION,
+            zero => zero.unwrap_or_default() / scale,
+        };
+        Vertical { codes, y_mult: grid.step, y_off, y_zero, scale, position }
+    }
+
+    fn note_evidence(&mut self, grid: &Grid, stated: Option<f64>, unit: &str) {
+        let step = engineering(grid.step, unit, 4);
+        let instead = match stated {
+            Some(scale) => {
+                let level = engineering(scale / LEVELS_PER_DIVISION, unit, 4);
+                format!("the values are no multiples of {level}, the scale's level; ")
+            }
+            None => String::new(),
+        };
+        let note = match grid.evidence {
+            Evidence::Scale => return,
+            Evidence::Gaps => {
+                format!("{instead}levels {step} apart are taken from the gaps between the values")
+            }
+            Evidence::Digits => format!(
+                "{instead}the digitiser's levels cannot be told from them; they are kept as printed, in steps of {step}"
+            ),
+            Evidence::Rounded(error) => format!(
+                "{instead}the digitiser's levels cannot be told from them; they are kept in 16 bits, in steps of {step}, with an error of at most {}",
+                engineering(error, unit, 2)
+            ),
+        };
+        self.notes.push(note);
+    }
+
+    /// The scale behind the levels, or one at which the screen holds all of them.
+    fn guess_scale(&mut self, grid: &Grid, unit: &str) -> f64 {
+        let per_division = format!("{unit}/div");
+        let (low, high) = grid.range();
+        if grid.evidence == Evidence::Gaps && high - low <= i64::from(HIGHEST_CODE - LOWEST_CODE) {
+            let scale = grid.step * LEVELS_PER_DIVISION;
+            let scale = one_two_five(scale, 1e-9).unwrap_or(scale);
+            let text = engineering(scale, &per_division, 3);
+            self.notes.push(format!(
+                "vertical scale taken as {text}, 25 levels a division: the file does not tell it"
+            ));
+            let mut levels = grid.indices.clone();
+            levels.sort_unstable();
+            levels.dedup();
+            if levels.len() < FEW_LEVELS {
+                self.notes
+                    .push(format!("the scale is a weak guess: only {} levels occur", levels.len()));
+            }
+            return scale;
+        }
+        let (low, high) = self.values.range();
+        let eighth = (low.abs().max(high.abs()) / 4.0).max(grid.step);
+        #[allow(clippy::cast_possible_truncation, reason = "exponents are small")]
+        let decade = ten_to(eighth.log10().floor() as i32);
+        let steps = [1.0, 2.0, 5.0, 10.0].map(|digit| digit * decade);
+        let scale = steps.into_iter().find(|step| *step >= eighth).unwrap_or(eighth);
+        let text = engineering(scale, &per_division, 3);
+        self.notes.push(format!(
+            "vertical scale taken as {text}, to show all values: the file does not tell it"
+        ));
+        scale
+    }
+
+    /// What to add to an index to make it the level that the digitiser had.
+    fn shift(&mut self, grid: &Grid, unit: &str) -> i64 {
+        let (low, high) = grid.range();
+        let middle = i64::midpoint(low, high);
+        if !grid.is_converter() {
+            return if fits::<i16>(low, high) { 0 } else { -middle };
+        }
+        let lowest = i64::from(LOWEST_CODE) - low;
+        let highest = i64::from(HIGHEST_CODE) - high;
+        let Some(zero) = self.zero else {
+            if fits::<i8>(low, high) {
+                self.notes
+                    .push("vertical position taken as 0 div: the file does not tell it".to_owned());
+                return 0;
+            }
+            self.notes.push("vertical position taken so that the record is in the screen's middle: the file does not tell it".to_owned());
+            return -middle;
+        };
+        let wanted = match unit {
+            "dB" => (grid.origin - zero) / grid.step,
+            _ => (zero + grid.origin) / grid.step,
+        };
+        let shift = nearest(wanted);
+        if unit != "dB" && (wanted - float(shift)).abs() > ODD_ZERO {
+            self.notes.push(format!(
+                "zero stands {} levels from the screen's centre by the header, which is no whole number; taken as {shift}: the levels may be off by one, the voltages are not",
+                super::column::rounded(wanted, 6)
+            ));
+        }
+        if lowest <= highest && !(lowest..=highest).contains(&shift) {
+            let near = shift.clamp(lowest, highest);
+            self.notes.push(format!(
+                "the header puts zero at level {shift}, where the values leave the digitiser's range; taken as {near}"
+            ));
+            return near;
+        }
+        if lowest > highest {
+            self.notes.push(format!(
+                "the values take {} levels, more than the 256 of an 8-bit digitiser",
+                high - low + 1
+            ));
+            return if fits::<i16>(low + shift, high + shift) { shift } else { -middle };
+        }
+        shift
+    }
+}
+
+fn fits<T: TryFrom<i64>>(low: i64, high: i64) -> bool {
+    T::try_from(low).is_ok() && T::try_from(high).is_ok()
+}
+
+/// `levels` without round-off, where it means a whole number.
+fn whole_if_near(levels: f64) -> f64 {
+    let whole = levels.round();
+    if (levels - whole).abs() <= 1e-9 * whole.abs().max(1.0) { whole } else { levels }
+}
+
+#[allow(clippy::cast_precision_loss, reason = "below 2^32")]
+fn float(level: i64) -> f64 {
+    level as f64
+}
+
+#[allow(clippy::cast_possible_truncation, reason = "saturates; ranges are checked behind it")]
+fn nearest(levels: f64) -> i64 {
+    // Far outside any range, and far inside of what can be added to.
+    const FAR: f64 = 1e12;
+    levels.clamp(-FAR, FAR).round() as i64
+}

@@ -1,0 +1,15 @@
+//! The table of one effect.
+
+use super::document::Value;
+use super::reader::Table;
+
+/// The table of an effect; `false` in its place switches off what a base scene switched on.
+pub(super) fn effect<'a>(effects: &Table<'a>, name: &'static str) -> Option<Table<'a>> {
+    let node = effects.node(name)?;
+    if matches!(node.value, Value::Flag(false)) {
+        return None;
+    }
+    let table = effects.table(name)?;
+    let _ = table.node("state");
+    Some(table)
+}

@@ -1,0 +1,105 @@
+//! A plan as data.
+
+use std::path::PathBuf;
+
+use crate::scene::document::Place;
+use crate::sensor::Load;
+
+/// A number with its standard uncertainty.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Uncertain {
+    /// The number (unit).
+    pub value: f64,
+    /// Its standard uncertainty (unit).
+    pub u: f64,
+}
+
+/// How a speed was measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Means {
+    /// As a speed.
+    Speed,
+    /// As a height.
+    Height,
+    /// As the time between two gates.
+    GateTime,
+    /// As the time until the striker comes back.
+    FlightTime,
+}
+
+/// One impact of a plan.
+#[derive(Debug, Clone)]
+pub struct PlannedImpact {
+    /// File or folder of its recording.
+    pub recording: PathBuf,
+    /// Where the plan names it.
+    pub place: Place,
+    /// Channel.
+    pub channel: String,
+    /// Number of the shot.
+    pub shot: u32,
+    /// Which of the strikers, from 0.
+    pub striker: usize,
+    /// Speed before the contact, by what it was measured.
+    pub incoming: (Means, Uncertain),
+    /// Speed after it.
+    pub rebound: (Means, Uncertain),
+    /// First and last time to integrate, if not to be found (s).
+    pub window: Option<[f64; 2]>,
+}
+
+/// What a certificate names and nothing is calculated from.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Particulars {
+    /// One line about the calibration.
+    pub title: String,
+    /// What is calibrated.
+    pub item: String,
+    /// Name of the sensor's file.
+    pub sensor: String,
+    /// Day of the measurement, as typed.
+    pub date: Option<String>,
+    /// Who measured.
+    pub laboratory: Option<String>,
+    /// Whom it was for.
+    pub customer: Option<String>,
+    /// Temperature of the room (K).
+    pub temperature: Option<f64>,
+    /// What the mass is traced to.
+    pub mass_traceability: Option<String>,
+    /// What the speed is traced to.
+    pub speed_traceability: Option<String>,
+    /// What the voltage is traced to.
+    pub voltage_traceability: Option<String>,
+}
+
+/// A checked plan.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// The file.
+    pub file: PathBuf,
+    /// The file as typed.
+    pub text: String,
+    /// For the certificate.
+    pub particulars: Particulars,
+    /// Relative standard uncertainty of the scope's gain; none where sensor and scope are calibrated as one chain (1).
+    pub gain_u: Option<f64>,
+    /// What the sensor was connected to.
+    pub load: Load,
+    /// Relative standard uncertainty that all speeds share (1).
+    pub speed_scale_u: f64,
+    /// Distance of the gates (m).
+    pub gate_distance: Option<Uncertain>,
+    /// Acceleration of free fall (m/s^2).
+    pub gravity: Uncertain,
+    /// Time constant, if it is not to be read off the records (s).
+    pub tau: Option<Uncertain>,
+    /// Name and mass of each striker (kg).
+    pub strikers: Vec<(String, Uncertain)>,
+    /// The impacts.
+    pub impacts: Vec<PlannedImpact>,
+    /// Seed of the Monte-Carlo part.
+    pub seed: u64,
+    /// Its draws.
+    pub draws: u64,
+}

@@ -1,0 +1,157 @@
+//! One connection: copies bytes between a socket and the instrument's task.
+//!
+//! A piece of input is handed on only when the answer to the one before has been written, so a client that does not read
+//! is not read from either, and nothing piles up.
+
+use std::io;
+use std::net::SocketAddr;
+use std::time::Duration;
+
+use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
+use tokio::net::TcpStream;
+use tokio::sync::mpsc;
+
+/// Longest piece of input that is handed on at once (bytes).
+const PIECE: usize = 1024;
+/// Time after which a client that accepts no bytes is dropped.
+const WRITE_TIMEOUT: Duration = Duration::from_secs(10);
+/// Answers that wait for the socket. One belongs to the last piece, others come from acquisitions that ended.
+const ANSWERS: usize = 64;
+
+/// What is spoken on a connection.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Protocol {
+    /// Lines.
+    Raw,
+    /// HiSLIP.
+    Hislip,
+}
+
+/// Events of a connection.
+#[derive(Debug)]
+pub enum News {
+    /// Connection opened.
+    Opened {
+        /// Number of the connection.
+        number: u64,
+        /// What is spoken on it.
+        protocol: Protocol,
+        /// The client's address.
+        peer: SocketAddr,
+        /// Queue of its answers; the connection ends when the queue is closed.
+        answers: mpsc::Sender<Answer>,
+    },
+    /// Bytes received. Each piece is answered once, even if by an empty answer.
+    Bytes {
+        /// Number of the connection.
+        number: u64,
+        /// The bytes.
+        bytes: Vec<u8>,
+    },
+    /// The client sends no more, but may still listen.
+    Ended {
+        /// Number of the connection.
+        number: u64,
+    },
+    /// Connection closed.
+    Closed {
+        /// Number of the connection.
+        number: u64,
+    },
+}
+
+/// Bytes for a client.
+#[derive(Debug)]
+pub struct Answer {
+    /// The bytes, which may be none.
+    pub bytes: Vec<u8>,
+    /// Whether this answers a piece; what comes later, when an acquisition has ended, does not.
+    pub to_piece: bool,
+}
+
+/// A connection that was taken.
+pub struct Connection {
+    /// Its number.
+    pub number: u64,
+    /// What is spoken on it.
+    pub protocol: Protocol,
+    /// The client's address.
+    pub peer: SocketAddr,
+    /// The socket.
+    pub stream: TcpStream,
+}
+
+impl Connection {
+    /// Copies bytes until either side closes the connection.
+    pub async fn run(self, news: mpsc::Sender<News>) {
+        let Self { number, protocol, peer, stream } = self;
+        let (answers, inbox) = mpsc::channel(ANSWERS);
+        if news.send(News::Opened { number, protocol, peer, answers }).await.is_ok() {
+            // However the connection ends, the client knows; nobody else has to.
+            let _ = exchange(stream, number, &news, inbox).await;
+            let _ = news.send(News::Closed { number }).await;
+        }
+    }
+}
+
+async fn exchange(
+    mut stream: TcpStream,
+    number: u64,
+    news: &mpsc::Sender<News>,
+    mut inbox: mpsc::Receiver<Answer>,
+) -> io::Result<()> {
+    // Clients give an unknown query a millisecond to stay silent.
+    stream.set_nodelay(true)?;
+    acknowledge(&stream)?;
+    let mut buffer = [0; PIECE];
+    let mut asked = false;
+    loop {
+        tokio::select! {
+            answer = inbox.recv() => {
+                let Some(answer) = answer else { return Ok(()) };
+                write(&mut stream, &answer.bytes).await?;
+                asked &= !answer.to_piece;
+            }
+            length = stream.read(&mut buffer), if !asked => {
+                let bytes = buffer.get(..length?).unwrap_or_default().to_vec();
+                acknowledge(&stream)?;
+                // After the last piece nothing is read: the instrument task ends the connection when all is answered.
+                asked = true;
+                let heard = if bytes.is_empty() {
+                    News::Ended { number }
+                } else {
+                    News::Bytes { number, bytes }
+                };
+                if news.send(heard).await.is_err() {
+                    return Ok(());
+                }
+            }
+        }
+    }
+}
+
+/// Has the system acknowledge at once what comes. A client whose own system gathers small messages (Nagle) holds a query
+/// back until the command before it is acknowledged, which takes 40 ms otherwise. The system forgets it, hence after each read.
+#[cfg(any(target_os = "linux", target_os = "android"))]
+fn acknowledge(stream: &TcpStream) -> io::Result<()> {
+    stream.set_quickack(true)
+}
+
+/// Elsewhere the system's own time it is.
+#[cfg(not(any(target_os = "linux", target_os = "android")))]
+#[allow(clippy::unnecessary_wraps, reason = "there are systems where it can fail")]
+fn acknowledge(_: &TcpStream) -> io::Result<()> {
+    Ok(())
+}
+
+/// Writes all of `bytes`, as long as the client takes some in time.
+async fn write(stream: &mut TcpStream, mut bytes: &[u8]) -> io::Result<()> {
+    while !bytes.is_empty() {
+        let written = tokio::time::timeout(WRITE_TIMEOUT, stream.write(bytes)).await??;
+        if written == 0 {
+            return Err(io::ErrorKind::WriteZero.into());
+        }
+        bytes = bytes.get(written..).unwrap_or_default();
+    }
+    Ok(())
+}

@@ -1,0 +1,298 @@
+//! The task that owns the instrument: answers connections, advances time, and delivers the signals of impacts.
+
+use std::collections::BTreeMap;
+use std::future::pending;
+use std::time::Duration;
+
+use tokio::sync::mpsc;
+use tokio::time::{Instant, Interval, MissedTickBehavior, interval_at};
+
+use super::bench_state::BenchState;
+use super::bench_thread::{Handle, Struck};
+use super::connection::{Answer, News, Protocol};
+use super::recorder::{Caught, Recorder};
+use super::sessions::{SessionId, Sessions};
+use super::{Options, ServeError};
+use crate::hislip;
+use crate::instrument::acquisition::State;
+use crate::instrument::{Accepted, Event, Instrument};
+use crate::scene::Scene;
+
+/// Period at which the instrument is told the time.
+const TICK: Duration = Duration::from_millis(5);
+/// Shortest time from one strike to the next.
+const SHORTEST: Duration = Duration::from_millis(1);
+/// Time after which a connection that is closed for sending is dropped although an answer is pending.
+const HALF_CLOSED_TIMEOUT: Duration = Duration::from_secs(60);
+
+/// The state of one connection.
+struct ConnectionEntry {
+    protocol: Protocol,
+    answers: mpsc::Sender<Answer>,
+    /// Whether its last piece is still to be answered.
+    asked: bool,
+    /// Since when it sends no more.
+    ended: Option<Instant>,
+}
+
+/// Instrument, connections, and the bench.
+pub struct InstrumentTask {
+    sessions: Sessions,
+    connections: BTreeMap<u64, ConnectionEntry>,
+    hislip: hislip::Server,
+    bench: Handle,
+    bench_state: BenchState,
+    impact_every: Option<Duration>,
+    orders: Option<mpsc::Receiver<()>>,
+    switched_on: Instant,
+    /// The shot that the scope triggered on last.
+    caught: Option<Caught>,
+}
+
+impl InstrumentTask {
+    /// Switches the instrument on, set as in the scene.
+    pub fn new(scene: &Scene, options: Options, bench: Handle, recorder: Option<Recorder>) -> Self {
+        let mut instrument = Instrument::of(&scene.scope, scene.seed);
+        let bench_state = BenchState::new(scene, &mut instrument);
+        Self {
+            sessions: Sessions::new(instrument, options.header, recorder),
+            connections: BTreeMap::new(),
+            hislip: hislip::Server::default(),
+            bench,
+            bench_state,
+            impact_every: options.impact_every,
+            orders: options.strikes,
+            caught: None,
+            switched_on: Instant::now(),
+        }
+    }
+
+    /// Runs until no connection can be opened any more.
+    ///
+    /// # Errors
+    /// [`ServeError`] where the bench or the recording fails.
+    pub async fn run(&mut self, mut news: mpsc::Receiver<News>) -> Result<(), ServeError> {
+        let mut ticks = every(TICK);
+        let mut strikes = self.impact_every.map(every);
+        let mut orders = self.orders.take();
+        loop {
+            tokio::select! {
+                heard = news.recv() => {
+                    let Some(heard) = heard else { return Ok(()) };
+                    self.pass_time();
+                    self.handle_event(heard);
+                }
+                struck = self.bench.struck() => {
+                    let struck = struck?;
+                    self.pass_time();
+                    self.deliver_signals(struck)?;
+                }
+                () = tick(strikes.as_mut()) => {
+                    self.strike();
+                }
+                () = order(orders.as_mut()) => {
+                    self.sessions.instrument.bench.ask_for_impact();
+                }
+                _ = ticks.tick() => {}
+            }
+            self.pass_time();
+            self.resume();
+            self.strike_if_asked();
+            self.write_finished_records()?;
+        }
+    }
+
+    /// Ends the recording, if there is one.
+    ///
+    /// # Errors
+    /// [`ServeError::Record`] where it could not be written.
+    pub fn finish(self) -> Result<(), ServeError> {
+        self.sessions.recorder.map_or(Ok(()), Recorder::finish)
+    }
+
+    fn pass_time(&mut self) {
+        let now = self.switched_on.elapsed().as_secs_f64();
+        self.sessions.instrument.advance(now);
+        self.hislip.advance(now, &mut self.sessions);
+    }
+
+    fn handle_event(&mut self, news: News) {
+        match news {
+            News::Opened { number, protocol, peer, answers } => {
+                self.sessions.peers.insert(number, peer);
+                self.connections.insert(
+                    number,
+                    ConnectionEntry { protocol, answers, asked: false, ended: None },
+                );
+                match protocol {
+                    Protocol::Raw => self.sessions.open_session(SessionId::Raw(number), number),
+                    Protocol::Hislip => self.hislip.opened(number),
+                }
+            }
+            News::Bytes { number, bytes } => {
+                let Some(connection) = self.connections.get_mut(&number) else { return };
+                connection.asked = true;
+                match connection.protocol {
+                    Protocol::Raw => {
+                        let reply = self.sessions.receive(SessionId::Raw(number), &bytes, false);
+                        self.send(number, reply);
+                    }
+                    Protocol::Hislip => self.hislip.received(number, &bytes, &mut self.sessions),
+                }
+            }
+            News::Ended { number } => {
+                let waits = self.sessions.is_waiting(SessionId::Raw(number));
+                match self.connections.get_mut(&number) {
+                    Some(connection) if waits => connection.ended = Some(Instant::now()),
+                    _ => self.drop_connection(number),
+                }
+            }
+            News::Closed { number } => self.drop_connection(number),
+        }
+        self.bench_state.apply_changes(&mut self.sessions.instrument);
+    }
+
+    /// Delivers the signals of one impact to the instrument.
+    fn deliver_signals(&mut self, struck: Struck) -> Result<(), ServeError> {
+        let Struck { shot, scene, wanted, signals } = struck;
+        let instrument = &mut self.sessions.instrument;
+        match signals {
+            Ok((signals, truth)) => {
+                instrument.bench.impacts = instrument.bench.impacts.saturating_add(1);
+                // The time base was turned during the impact: the acquisition has started again without it, as on an instrument.
+                if wanted != instrument.sample_window() {
+                    return Ok(());
+                }
+                let accepted = instrument.accept_signals(&signals);
+                if matches!(accepted, Accepted::Triggered { .. }) {
+                    let is_served = self.bench_state.is_served(&scene);
+                    self.caught = Some(Caught { shot, truth, scene, is_served });
+                }
+                Ok(())
+            }
+            Err(reason) if self.bench_state.is_as_served() => {
+                Err(ServeError::Impact { shot, reason })
+            }
+            // What clients have set up is theirs to put right, and ends nobody's work.
+            Err(_) => {
+                instrument.status.report(Event::SystemError);
+                Ok(())
+            }
+        }
+    }
+
+    fn strike(&mut self) -> bool {
+        self.bench.strike(&self.bench_state.scene, self.sessions.instrument.sample_window())
+    }
+
+    /// Strikes as clients ask for, when the scope can see it.
+    fn strike_if_asked(&mut self) {
+        let instrument = &self.sessions.instrument;
+        let is_blind = matches!(instrument.state(), State::Armed | State::Trigger);
+        if instrument.bench.asked > 0 && !is_blind && self.strike() {
+            self.sessions.instrument.bench.asked -= 1;
+        }
+    }
+
+    /// Goes on with what waited: replies, messages behind a lock, clients that only listen.
+    fn resume(&mut self) {
+        for (id, bytes) in self.sessions.resume() {
+            match id {
+                SessionId::Raw(number) => self.send_bytes(number, bytes, false),
+                SessionId::Hislip(session) => self.hislip.reply(session, &bytes),
+            }
+        }
+        for output in self.hislip.take_output() {
+            self.send_bytes(output.connection, output.bytes, false);
+            if output.close {
+                self.connections.remove(&output.connection);
+                self.sessions.peers.remove(&output.connection);
+            }
+        }
+        let mut done = Vec::new();
+        for (number, connection) in &mut self.connections {
+            if connection.asked && !self.hislip.is_held(*number) {
+                connection.asked = false;
+                if connection
+                    .answers
+                    .try_send(Answer { bytes: Vec::new(), to_piece: true })
+                    .is_err()
+                {
+                    done.push(*number);
+                }
+            }
+            if let Some(since) = connection.ended {
+                let waits = self.sessions.is_waiting(SessionId::Raw(*number));
+                if !waits || since.elapsed() > HALF_CLOSED_TIMEOUT {
+                    done.push(*number);
+                }
+            }
+        }
+        for number in done {
+            self.drop_connection(number);
+        }
+    }
+
+    /// Sends the answer to a connection's last piece of input.
+    fn send(&mut self, number: u64, bytes: Vec<u8>) {
+        if let Some(connection) = self.connections.get_mut(&number) {
+            connection.asked = false;
+        }
+        self.send_bytes(number, bytes, true);
+    }
+
+    /// Sends bytes; drops a connection whose queue of answers is full, since its client does not read.
+    fn send_bytes(&mut self, number: u64, bytes: Vec<u8>, to_piece: bool) {
+        let Some(connection) = self.connections.get(&number) else { return };
+        let nothing = bytes.is_empty() && !to_piece;
+        if !nothing && connection.answers.try_send(Answer { bytes, to_piece }).is_err() {
+            self.drop_connection(number);
+        }
+    }
+
+    fn drop_connection(&mut self, number: u64) {
+        self.connections.remove(&number);
+        self.sessions.peers.remove(&number);
+        self.sessions.close_session(SessionId::Raw(number));
+        self.hislip.closed(number, &mut self.sessions);
+    }
+
+    fn write_finished_records(&mut self) -> Result<(), ServeError> {
+        let finished = self.sessions.instrument.take_finished();
+        let Some(recorder) = &mut self.sessions.recorder else { return Ok(()) };
+        if let Some(finished) = finished {
+            let caught = self
+                .caught
+                .take_if(|caught| finished.trigger.is_some_and(|t| t.shot == caught.shot));
+            recorder.captures(finished, caught, &mut self.sessions.instrument);
+        }
+        recorder.flush_if_due()
+    }
+}
+
+fn every(period: Duration) -> Interval {
+    let period = period.max(SHORTEST);
+    let mut ticks = interval_at(Instant::now() + period, period);
+    ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
+    ticks
+}
+
+/// The next strike that somebody beside the bench asks for; never where nobody does any more.
+async fn order(orders: Option<&mut mpsc::Receiver<()>>) {
+    if let Some(orders) = orders
+        && orders.recv().await.is_some()
+    {
+        return;
+    }
+    pending::<()>().await;
+}
+
+/// The next strike's time; never where nobody strikes.
+async fn tick(strikes: Option<&mut Interval>) {
+    match strikes {
+        Some(strikes) => {
+            strikes.tick().await;
+        }
+        None => pending().await,
+    }
+}

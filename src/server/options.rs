@@ -1,0 +1,16 @@
+//! How the server serves.
+
+use std::time::Duration;
+
+use tokio::sync::mpsc;
+
+/// How the server behaves.
+#[derive(Debug, Default)]
+pub struct Options {
+    /// Whether headers stand before answers on a fresh connection (`HEADer`).
+    pub header: bool,
+    /// From one strike to the next; none leaves the chain at rest until a client strikes it.
+    pub impact_every: Option<Duration>,
+    /// Strikes that somebody beside the bench asks for, one a message.
+    pub strikes: Option<mpsc::Receiver<()>>,
+}

@@ -1,0 +1,149 @@
+//! The work-precision study of a scene: what accuracy costs.
+//!
+//! Every method runs over its range of settings; its first peaks, arrivals and traces are held against a reference from
+//! another family of methods than those that `--accuracy` goes by, as far as one comes to an end, which carries its own error bar: the difference to a second tight solution. Force evaluations
+//! are exact; wall times are informative, median and minimum of several runs.
+
+mod points;
+mod table;
+
+pub use table::{Chosen, Order, Point, Reference};
+
+use serde::Serialize;
+
+use crate::experiment::comparison::level;
+use crate::scene::Scene;
+use points::{choice, name, point, reference, settings};
+
+/// Runs of each point that are timed where nobody says otherwise.
+pub const TIMED_RUNS: u16 = 10;
+/// Orders are fitted where the most work is at least so many times the least (1).
+const APART: f64 = 2.0;
+/// Orders are fitted where errors lie above this multiple of the reference's own error (1).
+const ABOVE_REFERENCE: f64 = 100.0;
+
+/// The study.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Study {
+    /// Scene name.
+    pub scene: String,
+    /// What errors are measured against.
+    pub reference: Reference,
+    /// One row a method and setting.
+    pub points: Vec<Point>,
+    /// Observed order of each method on this scene, kinks and all.
+    pub orders: Vec<Order>,
+    /// What `--accuracy` chooses at each decade, and what it reaches.
+    pub chosen: Vec<Chosen>,
+    /// One digitiser level of the most sensitive channel, relative to its first peak; none without a wired sensor (1).
+    pub level: Option<f64>,
+    /// The scope's sample interval, relative to the earliest arrival compared (1).
+    pub sample: f64,
+}
+
+impl Study {
+    /// The coarsest setting of each method that is as accurate as `accuracy` (1) in peaks and arrivals, as all its finer ones are; in traces to half of
+    /// the digits, where what was chosen is.
+    pub fn accurate(&self, accuracy: f64) -> impl Iterator<Item = &Point> {
+        let late = move |error: Option<f64>| error.is_none_or(|error| error <= accuracy.sqrt());
+        let same = |chosen: &&Chosen| (chosen.accuracy / accuracy - 1.0).abs() < 1e-9;
+        let traces = self.chosen.iter().find(same).is_some_and(|chosen| late(chosen.error_trace));
+        let holds = move |point: &&Point| {
+            let errors = [point.error_peak, point.error_arrival];
+            !point.failed
+                && errors.iter().all(|error| error.is_some_and(|e| e <= accuracy))
+                && (!traces || late(point.error_trace))
+        };
+        self.points.chunk_by(|a, b| a.method == b.method).filter_map(move |points| {
+            let mut points: Vec<&Point> = points.iter().collect();
+            points.sort_by_key(|point| std::cmp::Reverse(point.force_evaluations));
+            points.into_iter().take_while(holds).last()
+        })
+    }
+}
+
+/// Makes the study with `runs` timed runs of each point; `progress` hears the share of the work done.
+///
+/// # Errors
+/// The integrator's error where even the reference fails, in words.
+pub fn study(scene: &Scene, runs: u16, progress: &mut dyn FnMut(f64)) -> Result<Study, String> {
+    let (exact, reference) = reference(scene)?;
+    if exact.readings.iter().all(|reading| reading.first_peak.is_none()) {
+        return Err("no sensor and no wall felt a pulse that could be compared".to_owned());
+    }
+    let settings = settings(scene);
+    let all = settings.len() + decades().count();
+    #[allow(clippy::cast_precision_loss, reason = "a few dozen points")]
+    let mut report = |done: usize| progress(done as f64 / all as f64);
+    let mut points: Vec<Point> = Vec::new();
+    for (done, treated) in settings.iter().enumerate() {
+        report(done);
+        // A method that has taken too much will take no less with a tighter tolerance.
+        let before = points.last().filter(|last| last.method == name(*treated) && last.given_up);
+        points.push(match before {
+            Some(before) => {
+                let failed = Point::failed(scene, *treated, before.force_evaluations);
+                Point { given_up: true, ..failed }
+            }
+            None => point(scene, *treated, (&exact, runs)),
+        });
+    }
+    let mut chosen = Vec::new();
+    for (done, accuracy) in decades().enumerate() {
+        report(settings.len() + done);
+        chosen.extend(choice(scene, accuracy, (&exact, runs)));
+    }
+    let earliest = exact.readings.iter().filter_map(|r| r.half_rise_s).fold(f64::MAX, f64::min);
+    Ok(Study {
+        scene: scene.name.clone(),
+        orders: orders(&points, reference.error),
+        reference,
+        points,
+        chosen,
+        level: level(scene, &exact),
+        sample: scene.scope.model.sample_interval(scene.scope.time_base) / earliest,
+    })
+}
+
+/// Accuracies at which the choice is shown (1).
+fn decades() -> impl Iterator<Item = f64> {
+    (1..=11).map(|decade| 10f64.powi(-decade))
+}
+
+/// Slopes of peak error against force evaluations, where neither the reference nor coarse steps blur them.
+fn orders(points: &[Point], reference: f64) -> Vec<Order> {
+    let mut orders: Vec<Order> = Vec::new();
+    for rows in points.chunk_by(|a, b| a.method == b.method) {
+        let usable = rows.iter().filter(|p| !p.failed).filter_map(|p| {
+            let error = p.error_peak.filter(|e| *e > ABOVE_REFERENCE * reference && *e < 1e-2)?;
+            #[allow(clippy::cast_precision_loss, reason = "counts far below 2^53")]
+            let evaluations = p.force_evaluations as f64;
+            Some((evaluations.ln(), error.ln()))
+        });
+        let Some(first) = rows.first() else { continue };
+        let usable: Vec<(f64, f64)> = usable.collect();
+        let (observed, observed_u) = slope(&usable).map(|(slope, u)| (-slope, u)).unzip();
+        let Point { method, source, order: nominal, .. } = *first;
+        orders.push(Order { method, source, nominal, observed, observed_u });
+    }
+    orders
+}
+
+/// Slope of a straight line by least squares, and its standard error; none with fewer than three points, or where stability and not accuracy chooses the steps, so that
+/// the work hardly differs.
+fn slope(points: &[(f64, f64)]) -> Option<(f64, f64)> {
+    let range = |(low, high): (f64, f64), p: &(f64, f64)| (low.min(p.0), high.max(p.0));
+    let (least, most) = points.iter().fold((f64::MAX, f64::MIN), range);
+    if points.len() < 3 || most - least < APART.ln() {
+        return None;
+    }
+    #[allow(clippy::cast_precision_loss, reason = "a few points")]
+    let count = points.len() as f64;
+    let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / count;
+    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
+    let covariance: f64 = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
+    let variance: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
+    let slope = covariance / variance;
+    let off: f64 = points.iter().map(|p| (p.1 - y - slope * (p.0 - x)).powi(2)).sum();
+    Some((slope, (off / (count - 2.0) / variance).sqrt()))
+}

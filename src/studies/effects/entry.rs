@@ -1,0 +1,70 @@
+//! One line of the ledger.
+
+use serde::Serialize;
+
+use super::trial::{Change, Cost};
+
+/// Whether an effect is part of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum State {
+    /// It is.
+    On,
+    /// It is not.
+    Off,
+    /// The program decides; the reason says how.
+    Auto,
+}
+
+/// One line of the ledger.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Entry {
+    /// Name; that of its table in a scene, where it has one.
+    pub effect: &'static str,
+    /// On, off, or decided by the program.
+    pub state: State,
+    /// Whether it is part of this run, whoever decided that.
+    pub active: bool,
+    /// The dimensionless number that tells whether it matters.
+    pub criterion: &'static str,
+    /// Its value; none where it needs a setting that nobody has made (1).
+    pub value: Option<f64>,
+    /// Why it is on or off.
+    pub reason: String,
+    /// Wall time it adds to a step, the median of runs in turn; for effects of sensors and scope, what they add to the whole over the
+    /// steps (ns).
+    pub cost_ns_per_step: Option<f64>,
+    /// Its standard uncertainty, from the scatter of the runs; a cost below twice this is none that was seen (ns).
+    pub cost_u_ns_per_step: Option<f64>,
+    /// That time as a share of the run with it (1).
+    pub cost_share: Option<f64>,
+    /// What it changes, or would change; none where that was not to be measured.
+    pub change: Option<Change>,
+}
+
+/// What was found out about one effect, before it is written down.
+pub(super) struct Finding {
+    pub(super) state: State,
+    pub(super) value: Option<f64>,
+    pub(super) reason: String,
+    pub(super) trial: Option<(Cost, Change)>,
+}
+
+impl Finding {
+    /// The ledger's line.
+    pub(super) fn entry(self, effect: &'static str, criterion: &'static str) -> Entry {
+        let cost = self.trial.as_ref().and_then(|(cost, _)| cost.measured);
+        Entry {
+            effect,
+            state: self.state,
+            active: self.state == State::On,
+            criterion,
+            value: self.value.filter(|value| value.is_finite()),
+            reason: self.reason,
+            cost_ns_per_step: cost.map(|bill| bill.per_step),
+            cost_u_ns_per_step: cost.map(|bill| bill.u),
+            cost_share: cost.map(|bill| bill.share),
+            change: self.trial.map(|(_, change)| change),
+        }
+    }
+}

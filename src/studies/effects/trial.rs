@@ -1,0 +1,275 @@
+//! Runs with and without an effect, in turn: what it costs and what it changes.
+
+use std::time::{Duration, Instant};
+
+use serde::Serialize;
+
+use super::Subject;
+use crate::chain::simd::Refinement;
+use crate::experiment::acquisition::signals;
+use crate::experiment::comparison::{Run, run, run_without};
+use crate::experiment::outcome::{Reading, speeds};
+use crate::experiment::{Integration, method};
+use crate::integrate::IntegrateError;
+use crate::scene::{Scene, input_load};
+use crate::scope::waveform::LEVELS_PER_DIVISION;
+
+/// Fewest pairs of runs that are timed.
+const FEWEST_PAIRS: usize = 9;
+/// Standard error of a median over interquartile range and root of the number, for normal scatter: `sqrt(pi/2)/1.349` (1).
+const MEDIAN_ERROR: f64 = 0.929;
+/// Most pairs of runs that are timed.
+const MOST_PAIRS: usize = 101;
+/// Time after which no more pairs than the fewest are timed.
+const TIME_LIMIT: Duration = Duration::from_millis(300);
+
+/// Relative changes, with the effect over without it, and what the scope would show of them. Each is the largest of all places.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Change {
+    /// Of pulse speeds between neighbouring sensors, by half-rise; none without two of them (1).
+    pub speed: Option<f64>,
+    /// Of first peaks (1).
+    pub peak: Option<f64>,
+    /// Of half-rises (1).
+    pub arrival: Option<f64>,
+    /// Of first peaks, in digitiser levels of their channels (1).
+    pub peak_lsb: Option<f64>,
+    /// Of half-rises, in sample intervals (1).
+    pub arrival_samples: Option<f64>,
+}
+
+/// What an effect costs.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Cost {
+    /// The bill, where it was measured.
+    pub measured: Option<Bill>,
+}
+
+/// What was measured of a cost.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bill {
+    /// Time added to a step (ns).
+    pub per_step: f64,
+    /// Its standard uncertainty (ns).
+    pub u: f64,
+    /// Share of a step with the effect (1).
+    pub share: f64,
+}
+
+/// The value farthest from zero; none of none (1).
+pub fn largest(values: impl Iterator<Item = f64>) -> Option<f64> {
+    values.reduce(|most, value| if value.abs() > most.abs() { value } else { most })
+}
+
+/// The value below which `share` of `sorted` values lie (1).
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a place among a hundred"
+)]
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let place = (share * (sorted.len().max(1) - 1) as f64).round() as usize;
+    sorted.get(place).copied().unwrap_or(0.0)
+}
+
+/// Runs `with` and `without` in turn, each of which tells its wall time (s), over these numbers of steps.
+#[allow(clippy::cast_precision_loss, reason = "counts far below 2^53")]
+fn bill(
+    mut with: impl FnMut() -> Option<f64>,
+    mut without: impl FnMut() -> Option<f64>,
+    (steps, steps_without): (u64, u64),
+) -> Option<Bill> {
+    let (mut differences, mut walls) = (Vec::new(), Vec::new());
+    let started = Instant::now();
+    while differences.len() < FEWEST_PAIRS
+        || (differences.len() < MOST_PAIRS && started.elapsed() < TIME_LIMIT)
+    {
+        // In either order, so that nothing in the machine's own rhythm favours one of them.
+        let swapped = differences.len() % 2 == 1;
+        let early = if swapped { Some(without()?) } else { None };
+        let a = with()?;
+        let b = match early {
+            Some(b) => b,
+            None => without()?,
+        };
+        differences.push(1e9 * (a / steps.max(1) as f64 - b / steps_without.max(1) as f64));
+        walls.push(1e9 * a / steps.max(1) as f64);
+    }
+    differences.sort_by(f64::total_cmp);
+    walls.sort_by(f64::total_cmp);
+    let per_step = quantile(&differences, 0.5);
+    let spread = quantile(&differences, 0.75) - quantile(&differences, 0.25);
+    let u = MEDIAN_ERROR * spread / (differences.len() as f64).sqrt();
+    Some(Bill { per_step, u, share: per_step / quantile(&walls, 0.5) })
+}
+
+impl Change {
+    /// Between readings of forces.
+    fn of_readings(scene: &Scene, on: &[Reading], off: &[Reading]) -> Self {
+        let pairs = || on.iter().zip(off);
+        let peak =
+            |(a, b): (&Reading, &Reading)| Some((a.first_peak?.dynamic_n, b.first_peak?.dynamic_n));
+        let rise = |(a, b): (&Reading, &Reading)| Some((a.half_rise_s?, b.half_rise_s?));
+        let interval = scene.scope.model.sample_interval(scene.scope.time_base);
+        let levels = pairs().enumerate().filter_map(|(index, pair)| {
+            let (a, b) = peak(pair)?;
+            Some((a - b) / newtons_a_level(scene, index)?)
+        });
+        Self {
+            speed: None,
+            peak: largest(pairs().filter_map(peak).map(|(a, b)| a / b - 1.0)),
+            arrival: largest(pairs().filter_map(rise).map(|(a, b)| a / b - 1.0)),
+            peak_lsb: largest(levels),
+            arrival_samples: largest(pairs().filter_map(rise).map(|(a, b)| (a - b) / interval)),
+        }
+    }
+}
+
+/// Force that makes one digitiser level at sensor `index` (N).
+fn newtons_a_level(scene: &Scene, index: usize) -> Option<f64> {
+    let name = &scene.sensors.get(index)?.name;
+    let mut channels = scene.scope.channels.iter().flatten();
+    let channel = channels.find(|channel| channel.input.as_ref() == Some(name))?;
+    let circuit = scene.sensors.get(index)?.sensor.connect(input_load(&scene.scope.model, channel));
+    Some(channel.vertical.scale / LEVELS_PER_DIVISION / circuit.sensitivity)
+}
+
+/// Speeds between neighbouring sensors by half-rise (m/s).
+fn speeds_of(scene: &Scene, readings: &[Reading]) -> Vec<((usize, usize), f64)> {
+    let named = scene.sensors.iter().zip(readings).map(|(placed, reading)| {
+        let particle = match placed.site {
+            crate::scene::Site::Particle(particle) => Some(particle),
+            crate::scene::Site::Wall => None,
+        };
+        Reading { particle, offset: placed.offset, ..reading.clone() }
+    });
+    let named: Vec<Reading> = named.filter(|reading| reading.particle.is_some()).collect();
+    let found = speeds(&scene.chain, &named);
+    let found = found.into_iter().filter(|speed| speed.estimator == "half_rise");
+    found
+        .map(|speed| ((speed.from, speed.to), speed.m_per_s))
+        .take(named.len().max(1) - 1)
+        .collect()
+}
+
+/// Runs of two scenes that differ in an effect of the chain, in turn, at the same accuracy.
+///
+/// # Errors
+/// Why one of them cannot be run.
+pub fn of_chain(with: &Scene, without: &Scene, accuracy: f64) -> Result<(Cost, Change), String> {
+    let prepared = |scene: &Scene| {
+        method(scene, Integration::Accuracy(accuracy)).map_err(|error| error.to_string())
+    };
+    let (on_by, off_by) = (prepared(with)?, prepared(without)?);
+    of_runs((with, without), || run(with, on_by), || run(without, off_by))
+}
+
+/// Runs of a scene with and without one of the stepper's refinements, in turn, at the same accuracy.
+///
+/// # Errors
+/// Why one of them cannot be run.
+pub fn of_refinement(
+    subject: &Subject<'_>,
+    refinement: Refinement,
+) -> Result<(Cost, Change), String> {
+    let scene = subject.scene;
+    let by = method(scene, Integration::Accuracy(subject.accuracy)).map_err(|e| e.to_string())?;
+    let without = || run_without(scene, (by, Some(refinement)), u64::MAX);
+    of_runs((scene, scene), || run(scene, by), without)
+}
+
+fn of_runs(
+    (with, without): (&Scene, &Scene),
+    run: impl Fn() -> Result<Run, IntegrateError>,
+    run_without: impl Fn() -> Result<Run, IntegrateError>,
+) -> Result<(Cost, Change), String> {
+    let words = |error: IntegrateError| error.to_string();
+    let (on, off) = (run().map_err(words)?, run_without().map_err(words)?);
+    let steps = (on.work.steps, off.work.steps);
+    let wall = |run: Result<Run, IntegrateError>| run.ok().map(|run| run.wall_s);
+    let cost = Cost { measured: bill(|| wall(run()), || wall(run_without()), steps) };
+    let (fast, slow) = (speeds_of(with, &on.readings), speeds_of(without, &off.readings));
+    let ratios = fast.iter().filter_map(|(pair, speed)| {
+        let (_, other) = slow.iter().find(|(same, _)| same == pair)?;
+        Some(speed / other - 1.0)
+    });
+    let change =
+        Change { speed: largest(ratios), ..Change::of_readings(with, &on.readings, &off.readings) };
+    Ok((cost, change))
+}
+
+/// Largest value of a signal around a pulse, and when it first reached half of that.
+struct Seen {
+    peak: f64,
+    half_rise: f64,
+}
+
+/// Where to look for the first peak of each channel, by the force behind it: half a rise before and after it.
+fn windows(subject: &Subject<'_>) -> Vec<Option<(usize, usize)>> {
+    let Subject { scene, bench, grid, .. } = subject;
+    let window = |channel: &crate::scope::ChannelSetup| {
+        let place = scene.sensors.iter().position(|s| Some(&s.name) == channel.input.as_ref())?;
+        let reading = Reading::of("", None, 0.0, &bench.watches().get(place)?.pulse);
+        let (rise, peak) = (reading.half_rise_s?, reading.first_peak?.time_s);
+        let width = peak - rise;
+        Some((grid.samples_until(rise - width), grid.samples_until(peak + 0.5 * width) + 1))
+    };
+    scene.scope.channels.iter().map(|c| c.as_ref().and_then(window)).collect()
+}
+
+fn seen(signal: &[f64], (first, last): (usize, usize)) -> Option<Seen> {
+    let part = signal.get(first..last)?;
+    let peak = part.iter().copied().fold(f64::MIN, f64::max);
+    let reached = part.iter().position(|value| *value >= 0.5 * peak)?;
+    let before = reached.checked_sub(1)?;
+    let share = (0.5 * peak - part[before]) / (part[reached] - part[before]);
+    #[allow(clippy::cast_precision_loss, reason = "an index into a record")]
+    let half_rise = (first + before) as f64 + share;
+    Some(Seen { peak, half_rise })
+}
+
+/// What two treatments of the same signals show (V).
+pub fn of_signals(subject: &Subject<'_>, on: &Signals, off: &Signals) -> Change {
+    let Subject { scene, grid, .. } = subject;
+    let places = windows(subject);
+    let channels = scene.scope.channels.iter().zip(places).zip(on.iter().zip(off));
+    let seen = channels.filter_map(|((channel, window), (on, off))| {
+        let level = channel.as_ref()?.vertical.scale / LEVELS_PER_DIVISION;
+        let (on, off) = (seen(on.as_ref()?, window?)?, seen(off.as_ref()?, window?)?);
+        Some((on, off, level))
+    });
+    let seen: Vec<(Seen, Seen, f64)> = seen.collect();
+    let samples = || seen.iter().map(|(a, b, _)| a.half_rise - b.half_rise);
+    let time = |s: &Seen| grid.start + s.half_rise * grid.interval;
+    Change {
+        speed: None,
+        peak: largest(seen.iter().map(|(a, b, _)| a.peak / b.peak - 1.0)),
+        arrival: largest(seen.iter().map(|(a, b, _)| time(a) / time(b) - 1.0)),
+        peak_lsb: largest(seen.iter().map(|(a, b, level)| (a.peak - b.peak) / level)),
+        arrival_samples: largest(samples()),
+    }
+}
+
+/// Volts of each channel that is on.
+pub type Signals = Vec<Option<Vec<f64>>>;
+
+/// Signals of one motion with and without an effect of sensors or scope.
+pub fn of_electronics(subject: &Subject<'_>, with: &Scene, without: &Scene) -> (Cost, Change) {
+    let Subject { bench, grid, .. } = subject;
+    let timed = |scene: &Scene| {
+        let started = Instant::now();
+        let found = signals(scene, bench, *grid, 1);
+        (started.elapsed().as_secs_f64(), found)
+    };
+    let ((_, on), (_, off)) = (timed(with), timed(without));
+    let motion = method(subject.scene, Integration::Accuracy(subject.accuracy))
+        .map_err(|error| error.to_string())
+        .and_then(|by| run(subject.scene, by).map_err(|error| error.to_string()))
+        .map_or(0.0, |run| run.wall_s);
+    // The motion is the same: its time counts in the share alone.
+    let wall = |scene: &Scene| Some(timed(scene).0 + motion);
+    let steps = bench.work().steps;
+    let cost = Cost { measured: bill(|| wall(with), || wall(without), (steps, steps)) };
+    (cost, of_signals(subject, &on, &off))
+}

@@ -1,0 +1,71 @@
+//! A case of the catalogue, and what it came to.
+
+use serde::Serialize;
+
+use super::tally::Tally;
+
+/// What became of a case.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// Within its bound.
+    Right,
+    /// Not computed, and the cause was named.
+    Refused,
+    /// Neither.
+    Wrong,
+}
+
+impl Verdict {
+    /// As it is printed.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Right => "right",
+            Self::Refused => "refused",
+            Self::Wrong => "wrong",
+        }
+    }
+}
+
+/// One case of the catalogue.
+#[derive(Debug, Clone, Copy)]
+pub struct HardCase {
+    /// Its name.
+    pub name: &'static str,
+    /// What makes it hard.
+    pub why: &'static str,
+    /// What is demanded, and where that comes from.
+    pub bound: &'static str,
+    /// Computes it: the figures against their bounds, or the cause why there are none.
+    pub(super) compute: fn(&mut Tally) -> Result<(), String>,
+}
+
+/// What a case came to.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Finding {
+    /// Name of the case.
+    pub case: &'static str,
+    /// What makes it hard.
+    pub why: &'static str,
+    /// What is demanded, and where that comes from.
+    pub bound: &'static str,
+    /// What was reached, next to its bound, in words.
+    pub figure: String,
+    /// What became of it.
+    pub verdict: Verdict,
+}
+
+impl HardCase {
+    /// Computes the case and judges it.
+    #[must_use]
+    pub fn judge(&self) -> Finding {
+        let mut tally = Tally::default();
+        let (verdict, figure) = match (self.compute)(&mut tally) {
+            Err(cause) => (Verdict::Refused, cause),
+            Ok(()) if tally.holds() => (Verdict::Right, tally.to_string()),
+            Ok(()) => (Verdict::Wrong, tally.to_string()),
+        };
+        Finding { case: self.name, why: self.why, bound: self.bound, figure, verdict }
+    }
+}

@@ -1,0 +1,46 @@
+//! The catalogue of hard cases: what breaks integrators of granular chains, and what this one makes of it.
+//!
+//! Each case holds what the program computes against something from outside: a closed form, a conservation law, or a solution by
+//! another family of methods at a tighter tolerance. Nothing but three answers is possible: right within the stated bound,
+//! refused with a named cause, or wrong.
+
+mod benches;
+mod case;
+mod chaos;
+mod collisions;
+mod edges;
+mod endurance;
+mod losses;
+mod openings;
+mod pulses;
+mod tally;
+
+pub use case::{Finding, HardCase, Verdict};
+pub use tally::Tally;
+
+/// All cases, in a fixed order.
+#[must_use]
+pub fn catalogue() -> Vec<HardCase> {
+    [
+        pulses::CASES,
+        collisions::CASES,
+        openings::CASES,
+        losses::CASES,
+        endurance::CASES,
+        edges::CASES,
+        chaos::CASES,
+    ]
+    .concat()
+}
+
+/// Judges the whole catalogue; `progress` hears the share of the work done, 0 to 1.
+pub fn judge_all(progress: &mut dyn FnMut(f64)) -> Vec<Finding> {
+    let cases = catalogue();
+    #[allow(clippy::cast_precision_loss, reason = "a dozen cases")]
+    let mut report = |done: usize| progress(done as f64 / cases.len() as f64);
+    let judge = |(done, case): (usize, &HardCase)| {
+        report(done);
+        case.judge()
+    };
+    cases.iter().enumerate().map(judge).collect()
+}

@@ -1,0 +1,183 @@
+//! A scene in motion, and what is read off its forces.
+
+use super::{FigureRun, PaperError, Place, Signal};
+use crate::analysis::gate::Gate;
+use crate::analysis::spectrum::{Analyser, Settings, Spectrum};
+use crate::chain::ForceProbe;
+use crate::experiment::bench::{Bench, Grid};
+use crate::experiment::losses;
+use crate::experiment::pulse::{HALF_RISE, Peak, PulseRecorder};
+use crate::experiment::{Integration, run};
+use crate::scene::{DEFAULT_ACCURACY, Scene};
+use crate::trace::Trace;
+
+/// Sample interval of all forces: 60 samples in the fastest oscillation that travels (s).
+const INTERVAL: f64 = 1e-6;
+/// Where a pulse starts for its width, as a share of its first peak (1).
+pub(super) const FOOT: f64 = 0.005;
+/// Highest frequency that shares and means count: the paper's audible range (Hz).
+pub(super) const HIGHEST: f64 = 20e3;
+/// A maximum counts for a peak above this share of the largest force (1).
+const PEAK_SHARE: f64 = 0.25;
+
+/// Accuracy of a scene's run (1).
+pub(super) fn accuracy(scene: &Scene) -> f64 {
+    scene.accuracy.unwrap_or(DEFAULT_ACCURACY)
+}
+
+/// What was felt at several places of a scene.
+pub(super) struct Record {
+    pub scene: Scene,
+    felt: Vec<(Place, Trace, PulseRecorder)>,
+}
+
+impl Record {
+    /// Runs `scene` over its duration.
+    pub(super) fn of(scene: &Scene, places: &[Place]) -> Result<Self, PaperError> {
+        let chain = &scene.chain;
+        let probes: Option<Vec<ForceProbe>> = places.iter().map(|p| p.probe(chain)).collect();
+        let probes = probes.ok_or_else(|| nothing(scene, "such place"))?;
+        let method = losses::method(scene, accuracy(scene));
+        let grid = Grid { start: 0.0, interval: INTERVAL };
+        let never = Grid { start: f64::MAX, interval: 1.0 };
+        let velocities = &scene.initial_velocities;
+        let mut bench = Bench::new(chain, velocities, method, &probes, (grid, never));
+        bench.run_until(scene.duration, true, &mut |_| ())?;
+        let felt = places.iter().zip(bench.watches()).map(|(place, watch)| {
+            let trace = Trace {
+                name: place.words(chain),
+                unit: "N".to_owned(),
+                start: grid.start,
+                interval: grid.interval,
+                values: watch.samples.clone(),
+            };
+            (*place, trace, watch.pulse.clone())
+        });
+        Ok(Self { scene: scene.clone(), felt: felt.collect() })
+    }
+
+    fn at(&self, place: Place) -> Result<(&Trace, &PulseRecorder), PaperError> {
+        let felt = self.felt.iter().find(|(there, ..)| *there == place);
+        let felt = felt.map(|(_, trace, pulse)| (trace, pulse));
+        felt.ok_or_else(|| nothing(&self.scene, &format!("force at {}", place.key())))
+    }
+
+    /// The force over time.
+    pub(super) fn trace(&self, place: Place) -> Result<&Trace, PaperError> {
+        Ok(self.at(place)?.0)
+    }
+
+    /// The first peak.
+    pub(super) fn first_peak(&self, place: Place) -> Result<Peak, PaperError> {
+        let peak = self.at(place)?.1.first_peak();
+        peak.ok_or_else(|| nothing(&self.scene, &format!("first peak at {}", place.key())))
+    }
+
+    /// When the force first reached half of its first peak (s).
+    pub(super) fn half_rise(&self, place: Place) -> Result<f64, PaperError> {
+        let level = HALF_RISE * self.first_peak(place)?.dynamic_n;
+        let reached = self.at(place)?.1.first_reach(level);
+        reached.ok_or_else(|| nothing(&self.scene, &format!("half-rise at {}", place.key())))
+    }
+
+    /// The spectrum in the paper's convention between two times (s).
+    pub(super) fn spectrum(
+        &self,
+        place: Place,
+        from: f64,
+        to: f64,
+    ) -> Result<Spectrum, PaperError> {
+        let settings = Settings { gate: Gate { from, to }, ..Settings::default() };
+        Ok(Analyser::new().spectrum(self.trace(place)?, &settings)?)
+    }
+
+    /// The force over time and frequency.
+    pub(super) fn signal(&self, place: Place) -> Result<Signal, PaperError> {
+        let spectrum = self.spectrum(place, 0.0, self.scene.duration)?;
+        Ok(Signal { place, trace: self.trace(place)?.clone(), spectrum })
+    }
+
+    /// Time from where the first pulse reaches the share `foot` (1) of its peak to the first minimum behind it (s).
+    pub(super) fn width(&self, place: Place, foot: f64) -> Result<f64, PaperError> {
+        let (trace, pulse) = self.at(place)?;
+        let peak = self.first_peak(place)?;
+        let foot = pulse.first_reach(foot * peak.dynamic_n);
+        let minimum = maxima(trace, -1.0).into_iter().find(|(time, _)| *time > peak.time_s);
+        match (foot, minimum) {
+            (Some(foot), Some((time, _))) => Ok(time - foot),
+            _ => Err(nothing(&self.scene, &format!("end of the pulse at {}", place.key()))),
+        }
+    }
+
+    /// Maxima above a quarter of the largest force: times (s) and forces (N).
+    pub(super) fn peaks(&self, place: Place) -> Result<Vec<(f64, f64)>, PaperError> {
+        let trace = self.trace(place)?;
+        let largest = trace.values.iter().copied().fold(0.0, f64::max);
+        let mut peaks = maxima(trace, 1.0);
+        peaks.retain(|(_, force)| *force > PEAK_SHARE * largest);
+        Ok(peaks)
+    }
+
+    /// Lowest force between two times (N).
+    pub(super) fn lowest(&self, place: Place, from: f64, to: f64) -> Result<f64, PaperError> {
+        let minima = maxima(self.trace(place)?, -1.0).into_iter();
+        let between = minima.filter(|(time, _)| (from..to).contains(time));
+        Ok(between.map(|(_, force)| force).fold(f64::INFINITY, f64::min))
+    }
+}
+
+/// The error that something is not there.
+pub(super) fn nothing(scene: &Scene, what: &str) -> PaperError {
+    PaperError::Nothing { scene: scene.name.clone(), what: what.to_owned() }
+}
+
+/// Maxima (`sign` 1) or minima (-1): times (s) and values, by a parabola through three samples.
+fn maxima(trace: &Trace, sign: f64) -> Vec<(f64, f64)> {
+    let mut found = Vec::new();
+    for (index, window) in trace.values.windows(3).enumerate() {
+        let [below, here, above] = [window[0], window[1], window[2]].map(|value| sign * value);
+        if here >= below && here > above {
+            let shift = 0.5 * (below - above) / (below - 2.0 * here + above);
+            let value = here - 0.25 * (below - above) * shift;
+            found.push((trace.time(index + 1) + shift * trace.interval, sign * value));
+        }
+    }
+    found
+}
+
+/// Share of the squared amplitudes up to [`HIGHEST`] that lies between two frequencies (1).
+pub(super) fn share_between(spectrum: &Spectrum, low: f64, high: f64) -> f64 {
+    let sum = |low: f64, high: f64| -> f64 {
+        let bins = spectrum.amplitude.iter().enumerate();
+        bins.filter(|(bin, _)| (low..high).contains(&spectrum.frequency(*bin)))
+            .map(|(_, c)| c * c)
+            .sum()
+    };
+    sum(low, high) / sum(0.0, HIGHEST)
+}
+
+/// Mean frequency up to [`HIGHEST`], weighted with the squared amplitudes (Hz).
+pub(super) fn mean_frequency(spectrum: &Spectrum) -> f64 {
+    let (mut weighted, mut all) = (0.0, 0.0);
+    for (bin, amplitude) in spectrum.amplitude.iter().enumerate() {
+        let frequency = spectrum.frequency(bin);
+        if frequency < HIGHEST {
+            weighted += frequency * amplitude * amplitude;
+            all += amplitude * amplitude;
+        }
+    }
+    weighted / all
+}
+
+/// Runs `scene` as `run` does, and puts the forces of `signals` into its truth, as long as the figure shows them.
+pub(super) fn record_run(scene: &Scene, signals: &[Signal]) -> Result<FigureRun, PaperError> {
+    let integration = Integration::Accuracy(accuracy(scene));
+    let mut outcome = run(scene, integration, 1, &mut |_| ())?;
+    let truth = &mut outcome.shot.truth;
+    truth.retain(|trace| !trace.name.starts_with("sensor/"));
+    for signal in signals.iter().rev() {
+        let name = format!("sensor/{}: dynamic force {}", signal.place.key(), signal.trace.name);
+        truth.insert(0, Trace { name, ..signal.trace.clone() });
+    }
+    Ok(FigureRun { scene: scene.clone(), integration, outcome })
+}

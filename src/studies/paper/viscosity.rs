@@ -1,0 +1,72 @@
+//! What viscosity does to the incoming shock of Fig. 10: the text says that its oscillations get faster.
+
+use super::record::{Record, nothing};
+use super::strikers::PERIODS;
+use super::tables::with_dashpot;
+use super::verdict::Answer;
+use super::{Found, PaperError};
+use super::{Place, Viscous};
+use crate::scene::Scene;
+
+/// Dashpots that are tried (N s/m).
+const DASHPOTS: [f64; 4] = [0.0, 0.5, 1.0, 2.0];
+const INCOMING: Place = Place::Inside(2);
+/// What the paper says was measured (Hz).
+const MEASURED: f64 = 12e3;
+
+/// Answers of Fig. 10; `fitted` is the dashpot that was found for the measured speeds (N s/m).
+pub(super) fn answers(fitted: f64, found: &mut Found) -> Result<(), PaperError> {
+    let scene = Scene::load("magnet-17.81g")?;
+    let with = |dashpot: f64| viscous(&scene, dashpot);
+    let all: Result<Vec<Viscous>, PaperError> = DASHPOTS.into_iter().map(with).collect();
+    let all = all?;
+    let lossless = all.first().map_or(f64::NAN, |viscous| viscous.frequency);
+    // A dashpot that leaves no oscillation leaves no frequency either.
+    let with_fitted = with(fitted).map_or(f64::NAN, |viscous| viscous.frequency);
+    let growth = |pair: &[Viscous]| pair[1].frequency / pair[0].frequency;
+    let smallest = all.windows(2).map(growth).fold(f64::INFINITY, f64::min);
+    let words = all.iter().map(|v| format!("{:.1} kHz at {}", 1e-3 * v.frequency, v.dashpot));
+    let words = words.collect::<Vec<_>>().join(", ");
+    let convention = "mean over the first four periods inside particle 2";
+    let needed = needed(&all).map_or_else(String::new, |dashpot| {
+        format!("; the measured 12 kHz would need {dashpot:.1} N s/m")
+    });
+    found.answers.extend([
+        Answer::to("entrance_frequency").plain(convention, lossless),
+        Answer::to("entrance_frequency_measured")
+            .plain(&format!("{convention}, without losses"), lossless)
+            .or(
+                &format!(
+                    "{convention}, with the {fitted:.1} N s/m that fit the measured speeds best"
+                ),
+                with_fitted,
+            )
+            .note(format!("{words} N s/m{needed}")),
+        Answer::to("entrance_frequency_rises")
+            .plain(convention, smallest)
+            .note(format!("{words} N s/m")),
+    ]);
+    found.viscosity = all;
+    Ok(())
+}
+
+/// The dashpot at which the measured frequency would come out, between two that were tried (N s/m).
+fn needed(all: &[Viscous]) -> Option<f64> {
+    let pair = all.windows(2).find(|p| (p[0].frequency..p[1].frequency).contains(&MEASURED))?;
+    let share = (MEASURED - pair[0].frequency) / (pair[1].frequency - pair[0].frequency);
+    Some(pair[0].dashpot + share * (pair[1].dashpot - pair[0].dashpot))
+}
+
+#[allow(clippy::cast_precision_loss, reason = "a handful")]
+fn viscous(scene: &Scene, dashpot: f64) -> Result<Viscous, PaperError> {
+    let scene = with_dashpot(scene, dashpot)?;
+    let record = Record::of(&scene, &[INCOMING])?;
+    let peaks = record.peaks(INCOMING)?;
+    let ends = peaks.first().zip(peaks.get(PERIODS));
+    let ((from, _), (to, _)) = ends.ok_or_else(|| nothing(&scene, "train of peaks"))?;
+    Ok(Viscous {
+        dashpot,
+        frequency: PERIODS as f64 / (to - from),
+        signal: record.signal(INCOMING)?,
+    })
+}

@@ -1,0 +1,122 @@
+//! What the user can ask for.
+
+use super::Panel;
+use super::state::{Page, Side};
+use crate::scope::Source;
+use crate::tui::axis::Turn;
+
+/// What a key or the mouse asks for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Action {
+    /// Leave the screen.
+    Quit,
+    /// Close the open panel; without one, leave.
+    Back,
+    /// Open a panel, or close it when it is open.
+    Toggle(Panel),
+    /// Move the text of a panel.
+    Scroll(Turn),
+    /// Press a channel's button, counted from 1: selects it and turns it on; if it is selected, turns it off or on.
+    Channel(u8),
+    /// The same with any trace.
+    Trace(Source),
+    /// Select the next trace, or the one before.
+    NextTrace(Turn),
+    /// Turn the selected trace off or on.
+    OnOff,
+    /// Turn the selected trace's V/div knob.
+    VoltsPerDivision(Turn),
+    /// Turn the s/div knob.
+    TimePerDivision {
+        /// Up is more seconds a division.
+        turn: Turn,
+        /// What stays in place, to the right of the screen's centre (div).
+        anchor: f64,
+    },
+    /// Move the selected trace down or up.
+    Position(Turn),
+    /// Move the picture left or right.
+    Pan(Turn),
+    /// Show another shot.
+    Shot(Turn),
+    /// Back to how everything was recorded.
+    Reset,
+    /// The first shot, or the last.
+    Ends(Turn),
+    /// Play or stop a recording, run or stop a bench.
+    RunStop,
+    /// Play twice as fast, or half.
+    Speed(Turn),
+    /// So many seconds have passed (s).
+    Tick(f64),
+    /// Open a page, or close it when it is open.
+    Page(Page),
+    /// Open what stands beside the page, or close it.
+    Side(Side),
+    /// The comparison: its page, its next view, away.
+    Compare,
+    /// The next kind of cursors.
+    Cursors,
+    /// The other cursor moves now.
+    OtherCursor,
+    /// Move the active cursor.
+    MoveCursor(Turn),
+    /// Move it to the next peak or edge.
+    Snap(Turn),
+    /// A mouse button goes down.
+    Press {
+        /// To the right of the graticule's centre (div).
+        x: f64,
+        /// Above it (div).
+        y: f64,
+    },
+    /// The mouse moves with its button down.
+    Drag {
+        /// To the right of the graticule's centre (div).
+        x: f64,
+        /// Above it (div).
+        y: f64,
+    },
+    /// The next math trace.
+    Math,
+    /// Keep the selected trace as a reference, or empty the selected reference.
+    Reference,
+    /// What really happened at the sensors, over the traces.
+    Truth,
+    /// Volts or newtons.
+    Unit,
+    /// Earlier shots stay on screen, or not.
+    Persistence,
+    /// Scales and positions that show everything.
+    Autoset,
+    /// Wait for one trigger.
+    Single,
+    /// Take a record without a trigger.
+    Force,
+    /// Strike the chain.
+    Impact,
+    /// Turn the trigger level.
+    TriggerLevel(Turn),
+    /// The trigger's other edge.
+    TriggerSlope,
+    /// The trigger's other mode.
+    TriggerMode,
+    /// The selected channel's next coupling.
+    Coupling,
+    /// The selected channel's next probe.
+    Probe,
+    /// Select the next knob or effect.
+    NextKnob(Turn),
+    /// Turn the selected knob.
+    TurnKnob(Turn),
+    /// Switch the selected effect.
+    Switch,
+    /// Open the command line, with these words typed already.
+    Prompt(&'static str),
+    /// Type a letter.
+    Type(char),
+    /// Take the last letter back.
+    Erase,
+    /// Do what was typed.
+    Submit,
+}

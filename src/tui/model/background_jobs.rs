@@ -1,0 +1,138 @@
+//! Background jobs: the comparison, the work-precision study, the ledger of effects. Requests start here; worker threads answer them.
+
+use super::Model;
+use super::state::{Job, Overlay, Page, Request};
+use crate::measurement::compare::Compared;
+use crate::studies::cost::Study;
+use crate::studies::effects::Ledger;
+use crate::tui::axis::Turn;
+
+/// The questions and how far their answers are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Questions {
+    /// The shot on screen against a simulation.
+    pub comparison: Job<Box<Compared>>,
+    /// Work against precision.
+    pub study: Job<Box<Study>>,
+    /// What each effect costs and changes.
+    pub ledger: Job<Box<Ledger>>,
+    /// Place of the selected effect in the ledger.
+    pub effect: usize,
+}
+
+impl Default for Questions {
+    fn default() -> Self {
+        Self { comparison: Job::Idle, study: Job::Idle, ledger: Job::Idle, effect: 0 }
+    }
+}
+
+/// The answer to a question, or how far it is.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Answer {
+    /// To [`Request::Compare`].
+    Comparison(Job<Box<Compared>>),
+    /// To [`Request::Study`].
+    Study(Job<Box<Study>>),
+    /// To [`Request::Ledger`].
+    Ledger(Job<Box<Ledger>>),
+}
+
+impl Model {
+    /// Takes an answer.
+    pub fn answered(&mut self, answer: Answer) {
+        match answer {
+            Answer::Comparison(job) => self.questions.comparison = job,
+            Answer::Study(job) => self.questions.study = job,
+            Answer::Ledger(job) => self.questions.ledger = job,
+        }
+    }
+
+    /// Holds what is on screen against `other`: a recording, a folder, or a scene.
+    pub fn compare_with(&mut self, other: String) {
+        self.compared_with = Some(other);
+        self.questions.comparison = Job::Busy(0.0);
+        self.page = Page::Compare;
+        self.compare_again();
+    }
+
+    /// Holds another shot against what the last one was held against; without a shot that waits for one.
+    pub(super) fn compare_again(&mut self) {
+        if let (Some(other), Some(_)) = (self.compared_with.clone(), self.shot()) {
+            // Until there is an answer, nobody may know the other side.
+            let unknown = self.questions.comparison.done().is_none();
+            self.requests.push(Request::Compare(unknown.then_some(other)));
+        }
+    }
+
+    /// What the shot is held against, if anything.
+    #[must_use]
+    pub fn compared_with(&self) -> Option<&str> {
+        self.compared_with.as_deref()
+    }
+
+    /// The comparison's page, its next view, and away again.
+    pub(super) fn next_overlay(&mut self) {
+        if self.page != Page::Compare {
+            self.open_page(Page::Compare);
+            self.overlay = Overlay::Both;
+            self.compare_again();
+            return;
+        }
+        match self.overlay {
+            Overlay::Both => self.overlay = Overlay::Traces,
+            Overlay::Traces => self.overlay = Overlay::Difference,
+            Overlay::Difference => self.open_page(Page::Compare),
+        }
+    }
+
+    /// The page of accuracy; its questions are asked the first time.
+    pub(super) fn open_accuracy(&mut self) {
+        self.open_page(Page::Accuracy);
+        if self.page != Page::Accuracy {
+            return;
+        }
+        if self.scene.is_none() {
+            self.notice = Some("no scene is known: nothing can be run".to_owned());
+            return;
+        }
+        if matches!(self.questions.ledger, Job::Idle | Job::Failed(_)) {
+            self.questions.ledger = Job::Busy(0.0);
+            self.requests.push(Request::Ledger);
+        }
+        if matches!(self.questions.study, Job::Idle | Job::Failed(_)) {
+            self.questions.study = Job::Busy(0.0);
+            self.requests.push(Request::Study);
+        }
+    }
+
+    /// Another bench: what was found out about the last one is gone, and what is on screen is asked again.
+    pub(super) fn outdated(&mut self) {
+        self.questions.study = Job::Idle;
+        self.questions.ledger = Job::Idle;
+        if self.page == Page::Accuracy {
+            self.questions.ledger = Job::Busy(0.0);
+            self.requests.push(Request::Ledger);
+        }
+    }
+
+    /// Name of the effect that is selected in the ledger.
+    #[must_use]
+    pub fn selected_effect(&self) -> Option<&'static str> {
+        let ledger = self.questions.ledger.done()?;
+        ledger.entries.get(self.questions.effect).map(|entry| entry.effect)
+    }
+
+    /// Selects the next knob, or on the page of accuracy the next effect.
+    pub(super) fn next_knob(&mut self, turn: Turn) {
+        let step = |place: usize, count: usize| match turn {
+            Turn::Up => (place + 1) % count.max(1),
+            Turn::Down => place.checked_sub(1).unwrap_or(count.saturating_sub(1)),
+        };
+        if self.page == Page::Accuracy {
+            let count = self.questions.ledger.done().map_or(0, |ledger| ledger.entries.len());
+            self.questions.effect = step(self.questions.effect, count);
+        } else if let Some(live) = self.bench() {
+            live.knob = step(live.knob, super::knobs::Knob::ALL.len());
+        }
+    }
+}

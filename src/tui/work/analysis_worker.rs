@@ -1,0 +1,148 @@
+//! Runs analyses on their own threads: comparisons on one, studies that measure time on another.
+
+use std::path::Path;
+use std::sync::mpsc::{Receiver, Sender};
+
+use super::{News, guarded};
+use crate::experiment::accuracy::of_scene;
+use crate::experiment::{Integration, facts, run};
+use crate::measurement::compare::tolerance::Tolerance;
+use crate::measurement::compare::{Align, Compared, Side, compare};
+use crate::recording::format::{Format, open};
+use crate::recording::{Origin, Shot, TraceSet};
+use crate::scene::Scene;
+use crate::studies::{cost, effects};
+use crate::tui::model::background_jobs::Answer;
+use crate::tui::model::{Job, Model};
+
+/// What a comparison is judged by.
+const TOLERANCE: &str = "rms=1lsb";
+/// Share of progress from one report to the next (1).
+const STEP: f64 = 0.01;
+
+/// A shot to hold against another one.
+pub struct Comparison {
+    /// A recording, a folder or a scene; none takes the last one.
+    other: Option<String>,
+    name: String,
+    set: TraceSet,
+    live: bool,
+}
+
+impl Comparison {
+    /// The shot on screen; none where there is none.
+    pub fn of(model: &Model, other: Option<String>) -> Option<Self> {
+        let shot = model.shot()?.clone();
+        let set = model.set();
+        let set = TraceSet {
+            shots: vec![shot],
+            metadata: set.metadata.clone(),
+            attachments: set.attachments.clone(),
+            ..TraceSet::default()
+        };
+        Some(Self { other, name: model.title().to_owned(), set, live: model.live().is_some() })
+    }
+}
+
+/// What a shot is held against.
+struct Other {
+    name: String,
+    set: TraceSet,
+}
+
+impl Other {
+    fn of(name: &str) -> Result<Self, String> {
+        let path = Path::new(name);
+        if Format::of(path).is_some() {
+            let set = open(path).map_err(|error| error.to_string())?;
+            return Ok(Self { name: name.to_owned(), set });
+        }
+        let scene = Scene::load(name).map_err(|error| error.to_string())?;
+        let accuracy = of_scene(&scene).map_err(|error| error.to_string())?.value;
+        let integration = Integration::Accuracy(accuracy);
+        let outcome = run(&scene, integration, 1, &mut |_| ()).map_err(|e| e.to_string())?;
+        let metadata = facts::facts(&scene, integration).map_err(|error| error.to_string())?;
+        let attachments = vec![facts::scene_attachment(&scene)];
+        let set =
+            TraceSet { shots: vec![outcome.shot], metadata, attachments, ..TraceSet::default() };
+        Ok(Self { name: name.to_owned(), set })
+    }
+}
+
+/// Compares, and remembers what with.
+pub fn comparer() -> impl FnMut(Comparison, &Receiver<Comparison>, &Sender<News>) + Send {
+    let mut other: Option<Other> = None;
+    move |mut asked, waiting, news| {
+        while let Ok(newer) = waiting.try_recv() {
+            asked = Comparison { other: newer.other.or(asked.other), ..newer };
+        }
+        let answer = guarded(|| {
+            if let Some(name) = &asked.other {
+                other = Some(Other::of(name)?);
+            }
+            compared(&asked, other.as_ref().ok_or("there is nothing to compare with")?)
+        });
+        let job = answer.map_or_else(Job::Failed, |compared| Job::Done(Box::new(compared)));
+        // Without a screen there is nobody to hear it.
+        let _ = news.send(News::Answer(Answer::Comparison(job)));
+    }
+}
+
+/// The measurement is the one that was measured; of two of a kind, the one on screen, unless that is a bench.
+fn compared(asked: &Comparison, other: &Other) -> Result<Compared, String> {
+    let first = |set: &TraceSet, name: &str| -> Result<Shot, String> {
+        set.shots.first().cloned().ok_or_else(|| format!("{name}: found no shots"))
+    };
+    let (here, there) = (first(&asked.set, &asked.name)?, first(&other.set, &other.name)?);
+    let here_side = Side { name: &asked.name, set: &asked.set, shot: &here, scene: None };
+    let there_side = Side { name: &other.name, set: &other.set, shot: &there, scene: None };
+    let simulated_here = here.origin == Origin::Simulated && there.origin == Origin::Measured;
+    let (measured, simulated) = if asked.live || simulated_here {
+        (there_side, here_side)
+    } else {
+        (here_side, there_side)
+    };
+    let tolerance = Tolerance::parse(TOLERANCE)?;
+    compare(measured, simulated, (Align::default(), &[]), &tolerance).map_err(|e| e.to_string())
+}
+
+/// A question to a scene that is run many times.
+pub enum Research {
+    /// Work against precision.
+    Study(Box<Scene>),
+    /// Every effect with and without.
+    Ledger(Box<Scene>),
+}
+
+/// Answers one question, and tells how far it is meanwhile.
+pub fn research(order: Research, _: &Receiver<Research>, news: &Sender<News>) {
+    let mut told = 0.0;
+    let mut tell = |share: f64, answer: fn(f64) -> Answer| {
+        if share - told >= STEP {
+            told = share;
+            // Without a screen there is nobody to hear it.
+            let _ = news.send(News::Answer(answer(share)));
+        }
+    };
+    let answer = match order {
+        Research::Study(scene) => {
+            let found = guarded(|| {
+                cost::study(&scene, cost::TIMED_RUNS, &mut |s| {
+                    tell(s, |s| Answer::Study(Job::Busy(s)));
+                })
+            });
+            Answer::Study(found.map_or_else(Job::Failed, |study| Job::Done(Box::new(study))))
+        }
+        Research::Ledger(scene) => {
+            let found = guarded(|| {
+                let accuracy = of_scene(&scene).map_err(|error| error.to_string())?.value;
+                effects::ledger(&scene, accuracy, &mut |s| {
+                    tell(s, |s| Answer::Ledger(Job::Busy(s)));
+                })
+                .map_err(|error| error.to_string())
+            });
+            Answer::Ledger(found.map_or_else(Job::Failed, |ledger| Job::Done(Box::new(ledger))))
+        }
+    };
+    let _ = news.send(News::Answer(answer));
+}

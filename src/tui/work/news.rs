@@ -1,0 +1,72 @@
+//! What worker threads report, and how their failures are caught.
+
+use std::panic::{self, AssertUnwindSafe};
+
+use ratatui::crossterm::event::Event;
+
+use crate::recording::{Shot, TraceSet};
+use crate::tui::model::background_jobs::Answer;
+use crate::tui::model::served::Heard;
+use crate::tui::model::{Model, Struck};
+
+/// What reaches the screen's loop.
+#[derive(Debug)]
+pub enum News {
+    /// A key, the mouse, another size.
+    Terminal(Event),
+    /// The terminal is gone.
+    Closed,
+    /// How far the recording was read: shots, whether there may be more, and what holds for all.
+    Read(usize, bool, Box<TraceSet>),
+    /// A shot, with its place.
+    Shot(usize, Box<Shot>),
+    /// The answer to a strike, with its number.
+    Struck(u64, Result<Box<Struck>, String>),
+    /// The answer to a question.
+    Answer(Answer),
+    /// What a served scope told.
+    Heard(Box<Heard>),
+    /// The served scope is gone, and why.
+    Lost(String),
+    /// Something went wrong that the user should know.
+    Told(String),
+}
+
+impl News {
+    /// Applies this to the model; terminal events are handled by the keys.
+    pub fn apply(self, model: &mut Model) {
+        match self {
+            Self::Terminal(_) | Self::Closed => {}
+            Self::Read(count, open, facts) => model.tape_read(count, open, *facts),
+            Self::Shot(place, shot) => model.tape_shot(place, *shot),
+            Self::Struck(turn, answer) => model.struck(turn, answer),
+            Self::Answer(answer) => model.answered(answer),
+            Self::Heard(heard) => model.heard(*heard),
+            Self::Lost(why) => model.lost(why),
+            Self::Told(words) => model.tell(words),
+        }
+    }
+}
+
+/// Does a piece of work; a panic in it becomes words, and the thread goes on with the next.
+///
+/// # Errors
+/// What the work says, or the panic.
+pub fn guarded<T>(work: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
+    panic::catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
+        let words = panic.downcast_ref::<&str>().map(|words| (*words).to_owned());
+        let words = words.or_else(|| panic.downcast_ref::<String>().cloned());
+        let words = words.unwrap_or_else(|| "no words about it".to_owned());
+        Err(format!("an error of this program, please report it: {words}"))
+    })
+}
+
+/// In debug builds this panics where `HERTZSCOPE_VIEW_PANIC` is `place`, so that tests can see what comes of it.
+///
+/// # Panics
+/// As asked.
+pub fn provoked(place: &str) {
+    let asked = cfg!(debug_assertions)
+        && std::env::var("HERTZSCOPE_VIEW_PANIC").is_ok_and(|asked| asked == place);
+    assert!(!asked, "provoked");
+}
