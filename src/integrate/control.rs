@@ -1,7 +1,7 @@
 //! Choosing steps by the error they make: shared by all methods that estimate their own error.
 
-use super::IntegrateError;
 use super::splitting::REMAINDER;
+use super::{IntegrateError, Scales, State, System};
 
 /// A step is chosen to meet the tolerance with this margin (1).
 const SAFETY: f64 = 0.8;
@@ -88,6 +88,32 @@ impl StepControl {
         self.after_rejection = !accepted;
         accepted
     }
+}
+
+/// The first step, as a fraction of position scale over speed scale: a striker's contact may have just begun (1).
+const FIRST_STEP: f64 = 1e-3;
+/// The first step of a system at rest, as a fraction of its fastest oscillation in radians (1).
+const FIRST_STEP_AT_REST: f64 = 0.01;
+
+/// The first step of a system with these scales, or of one at rest with this highest angular `frequency` (1/s) (s).
+pub fn first_step(scales: Scales, frequency: f64) -> f64 {
+    let step = FIRST_STEP * scales.position / scales.velocity;
+    if step.is_finite() && step > 0.0 { step } else { FIRST_STEP_AT_REST / frequency }
+}
+
+/// The first step of `system` from `state` on (s).
+pub fn first_step_of(system: &dyn System, state: &State) -> f64 {
+    let scales = system.scales(&state.position, &state.velocity);
+    first_step(scales, system.pacing(state).frequency)
+}
+
+/// Largest of the errors of a position (m) and a velocity (m/s) relative to `scales` (1); infinite where anything is not a number.
+pub fn relative_error([position, velocity]: [f64; 2], scales: Scales) -> f64 {
+    // A system at rest has no scale, and makes no error.
+    let ratio = |error: f64, scale: f64| if error == 0.0 { 0.0 } else { error / scale };
+    let (x, v) = (ratio(position, scales.position), ratio(velocity, scales.velocity));
+    // A sum, for `max` would hide what is not a number.
+    if (x + v).is_finite() && scales.are_finite() { x.max(v) } else { f64::INFINITY }
 }
 
 /// Largest magnitude; infinite if any value is not a number, which `f64::max` would hide (unit).

@@ -217,7 +217,7 @@ pub trait Integrator {
 
 impl Scales {
     /// Takes in the present ones: a rebound's speed stays the yardstick for what it left behind.
-    fn widen(&mut self, now: Self) {
+    pub(crate) fn widen(&mut self, now: Self) {
         self.position = self.position.max(now.position);
         self.velocity = self.velocity.max(now.velocity);
     }

@@ -5,7 +5,7 @@
 //! difference to the embedded solution, in position and in velocity. Contacts that open or close within a step break the
 //! estimate's smoothness, and the controller shortens the step. Interpolation is septic Hermite.
 
-use super::control::{StepControl, add_compensated, largest};
+use super::control::{StepControl, add_compensated, first_step_of, largest, relative_error};
 use super::hermite::{Between, find_jerks};
 use super::stages::{Row, add_up};
 use super::{IntegrateError, Integrator, Interpolant, Scales, State, System, Work};
@@ -34,9 +34,6 @@ pub struct NystromPair {
     /// Velocity weights of the error.
     pub velocity_error: Row,
 }
-
-/// The first step, as a fraction of position scale over speed scale (1).
-const FIRST_STEP: f64 = 1e-3;
 
 /// A pair at work on a system.
 pub struct NystromIntegrator<'a> {
@@ -78,10 +75,7 @@ impl<'a> NystromIntegrator<'a> {
             previous: state.clone(),
             scratch: vec![0.0; n],
             jerks: Some([vec![0.0; n], vec![0.0; n]]),
-            control: StepControl::new(
-                FIRST_STEP * scales.position / scales.velocity,
-                pair.error_order,
-            ),
+            control: StepControl::new(first_step_of(system.as_ref(), &state), pair.error_order),
             lost: [vec![0.0; n], vec![0.0; n]],
             work: Work { force_evaluations: 1, ..Work::default() },
             last_length: 0.0,
@@ -111,15 +105,10 @@ impl<'a> NystromIntegrator<'a> {
     /// Error of the step just tried as a multiple of the tolerance (1).
     fn error(&mut self, h: f64) -> f64 {
         add_up(self.pair.position_error, |stage| &self.stages[stage], &mut self.scratch);
-        let position = h * h * largest(&self.scratch) / self.scales.position;
+        let position = h * h * largest(&self.scratch);
         add_up(self.pair.velocity_error, |stage| &self.stages[stage], &mut self.scratch);
-        let velocity = h * largest(&self.scratch) / self.scales.velocity;
-        // `max` would hide what is not a number; so would a scale that is infinite.
-        if position.is_finite() && velocity.is_finite() && self.scales.are_finite() {
-            position.max(velocity) / self.tolerance
-        } else {
-            f64::INFINITY
-        }
+        let velocity = h * largest(&self.scratch);
+        relative_error([position, velocity], self.scales) / self.tolerance
     }
 
     fn accept(&mut self, h: f64, next: f64) {

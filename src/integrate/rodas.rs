@@ -8,7 +8,7 @@
 
 #![allow(clippy::unreadable_literal, reason = "digits as published")]
 
-use super::control::{StepControl, add_compensated, largest};
+use super::control::{StepControl, add_compensated, first_step_of, largest, relative_error};
 use super::hermite::Between;
 use super::linearised::Tridiagonal;
 use super::switches::Restart;
@@ -45,9 +45,6 @@ const COUPLINGS: [&[f64]; STAGES] = [
 ];
 /// Order of the error estimate.
 const ERROR_ORDER: u8 = 3;
-/// The first step, as a fraction of position scale over speed scale (1).
-const FIRST_STEP: f64 = 1e-3;
-
 /// The method at work on a system.
 pub struct Rodas<'a> {
     system: Box<dyn System + 'a>,
@@ -82,7 +79,7 @@ impl<'a> Rodas<'a> {
         let bodies = system.linearised().map_or(0, |system| system.bodies());
         let zero = [vec![0.0; n], vec![0.0; n]];
         let scales = system.scales(&state.position, &state.velocity);
-        let first = FIRST_STEP * scales.position / scales.velocity;
+        let first = first_step_of(system.as_ref(), &state);
         let mut started = Self {
             previous: state.clone(),
             scratch: state.clone(),
@@ -174,13 +171,7 @@ impl<'a> Rodas<'a> {
     /// Error of the step just tried as a multiple of the tolerance (1): the last stage's increments.
     fn error(&self) -> f64 {
         let [position, velocity] = &self.stages[STAGES - 1];
-        let position = largest(position) / self.scales.position;
-        let velocity = largest(velocity) / self.scales.velocity;
-        if position.is_finite() && velocity.is_finite() && self.scales.are_finite() {
-            position.max(velocity) / self.tolerance
-        } else {
-            f64::INFINITY
-        }
+        relative_error([largest(position), largest(velocity)], self.scales) / self.tolerance
     }
 
     fn accept(&mut self, next: f64) {

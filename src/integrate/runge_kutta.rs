@@ -3,7 +3,7 @@
 //! A method is its stages; the last one stands at the new state and opens the next step. With an embedded error estimate steps are
 //! chosen, without one they are fixed. Interpolation is quintic Hermite, of an order above the methods'.
 
-use super::control::{StepControl, add_compensated, largest};
+use super::control::{StepControl, add_compensated, first_step_of, largest, relative_error};
 use super::hermite::Between;
 use super::splitting::REMAINDER;
 use super::stages::{Row, add_up};
@@ -30,9 +30,6 @@ pub struct RungeKutta {
     /// Longest stable step times the fastest decay (1).
     pub decay_reach: f64,
 }
-
-/// The first step, as a fraction of position scale over speed scale (1).
-const FIRST_STEP: f64 = 1e-3;
 
 /// How steps are chosen.
 enum Pace {
@@ -81,7 +78,7 @@ impl<'a> RungeKuttaIntegrator<'a> {
         let pace = match method.error {
             None => Pace::Fixed { step: setting, origin: state.time, count: 0 },
             Some((_, order)) => {
-                let first = FIRST_STEP * scales.position / scales.velocity;
+                let first = first_step_of(system.as_ref(), &state);
                 Pace::Controlled { control: StepControl::new(first, order), tolerance: setting }
             }
         };
@@ -135,13 +132,9 @@ impl<'a> RungeKuttaIntegrator<'a> {
     fn error(&mut self, weights: Row, h: f64, tolerance: f64) -> f64 {
         combine(weights, &self.stages, 0, &mut self.scratch.position);
         combine(weights, &self.stages, 1, &mut self.scratch.velocity);
-        let position = h * largest(&self.scratch.position) / self.scales.position;
-        let velocity = h * largest(&self.scratch.velocity) / self.scales.velocity;
-        if position.is_finite() && velocity.is_finite() && self.scales.are_finite() {
-            position.max(velocity) / tolerance
-        } else {
-            f64::INFINITY
-        }
+        let position = h * largest(&self.scratch.position);
+        let velocity = h * largest(&self.scratch.velocity);
+        relative_error([position, velocity], self.scales) / tolerance
     }
 
     fn accept(&mut self, h: f64, next: f64) {

@@ -12,7 +12,7 @@ use super::loss::{ContactLoss, EndOfContact, KINDS, Tangent, Touch};
 use super::loss_plan::LossPlan;
 use super::system::difference;
 use super::{Chain, ChainSystem, Contact};
-use crate::integrate::{Linearised, Motion, Scales, Sides, State, Switching, System};
+use crate::integrate::{Linearised, Motion, Pacing, Scales, Sides, State, Switching, System};
 
 /// Accounts behind the bodies: one a kind of loss, and what contacts held at zero force keep.
 pub const ACCOUNTS: usize = KINDS + 1;
@@ -133,6 +133,10 @@ impl System for DissipativeSystem {
             lossy.loss.power_force > 0.0 && closing(from, lossy.index) != closing(to, lossy.index)
         };
         self.elastic.has_kink_between(from, to) || self.lossy.iter().any(turns)
+    }
+
+    fn pacing(&self, state: &State) -> Pacing {
+        self.elastic.pacing(state)
     }
 
     fn switching(&mut self) -> Option<&mut dyn Switching> {

@@ -7,11 +7,11 @@ use super::rows::{ChainRows, Motion, place};
 use super::splitting::Step;
 use super::vector::{InstructionSet, Row, WIDTH};
 use crate::chain::Chain;
-use crate::integrate::control::StepControl;
+use crate::integrate::control::{StepControl, first_step, relative_error};
 use crate::integrate::hermite::{End, septic};
 use crate::integrate::splitting::{Clock, Splitting};
 use crate::integrate::two_step::{ContactMotion, NO_CONTACT, StiffContact, TwoStep};
-use crate::integrate::{IntegrateError, Integrator, Interpolant, Scheme, State, Work};
+use crate::integrate::{IntegrateError, Integrator, Interpolant, Scales, Scheme, State, Work};
 
 /// Rows at rest that are kept in the sweep behind the last one that moves: within a step motion spreads by a contact a stage, of which there
 /// are fewer than in these.
@@ -19,10 +19,6 @@ const MARGIN: usize = 2;
 /// Speed from which a row counts as moving, as a share of the largest at the start: forces without cancellation send something ahead however
 /// far, far below 1e-13 of the impact, under which nothing is a pulse (1).
 const MOVING_SHARE: f64 = 1e-30;
-/// The first step, as a fraction of overlap over speed (1).
-const FIRST_STEP: f64 = 1e-3;
-/// The first step of a chain at rest, as a fraction of its fastest oscillation in radians (1).
-const FIRST_STEP_AT_REST: f64 = 0.01;
 /// A step grows at most by this factor: the error estimate does not see how sharply a force sets in that begins at zero overlap. With 5 instead
 /// of 3, first peaks of a chain under gravity were five to ten times as far off at 1e-6 to 1e-9 (1).
 const MAX_GROWTH: f64 = 3.0;
@@ -49,8 +45,8 @@ enum Drive {
 struct Nystrom {
     control: StepControl,
     tolerance: f64,
-    /// Largest overlap change (m) and speed (m/s) so far: errors are relative to them.
-    scales: [f64; 2],
+    /// Largest overlap change and speed so far: errors are relative to them.
+    scales: Scales,
     trial: Trial,
     corrects: bool,
 }
@@ -105,10 +101,9 @@ impl VectorStepper {
         let pacing = chain.pacing(&state.velocity);
         let (drive, method) = match scheme {
             Scheme::Nystrom(tolerance) => {
-                let scales = [chain.impact_overlap(&state.velocity).max(overlap), speed];
-                let first = FIRST_STEP * scales[0] / scales[1];
-                let is_usable = first.is_finite() && first > 0.0;
-                let first = if is_usable { first } else { FIRST_STEP_AT_REST / pacing.frequency };
+                let position = chain.impact_overlap(&state.velocity).max(overlap);
+                let scales = Scales { position, velocity: speed };
+                let first = first_step(scales, pacing.frequency);
                 let control = StepControl::new(first, 6).growing(MAX_GROWTH);
                 let trial = Trial::new(live);
                 let nystrom = Nystrom { control, tolerance, scales, trial, corrects: true };
@@ -196,16 +191,16 @@ impl VectorStepper {
         let attempt = Attempt { chain, live, now, next: &mut *next, trial: &mut *trial, h };
         let mut judged = self.set.run(attempt);
         self.work.force_evaluations += EVALUATIONS;
-        let tolerated = scales.map(|scale| *tolerance * scale);
-        let mut error = relative_error(judged.errors, tolerated);
+        let tolerated = [*tolerance * scales.position, *tolerance * scales.velocity];
+        let mut error = relative_error(judged.errors, *scales) / *tolerance;
         let mut is_changed = false;
         if judged.is_changed && *corrects && error.is_finite() {
-            let live_trial = &mut *trial;
             let guard =
-                correct(chain, (now, &mut *next), live_trial, h, (tolerated, self.lightest));
+                correct(chain, (now, &mut *next), &mut *trial, h, (tolerated, self.lightest));
             if guard.is_changed {
                 let [x, v] = trial.errors.each_ref().map(|rows| largest(&rows[..live]));
-                error = relative_error([x.max(guard.position), v.max(guard.velocity)], tolerated);
+                let errors = [x.max(guard.position), v.max(guard.velocity)];
+                error = relative_error(errors, *scales) / *tolerance;
                 if error <= 1.0 && guard.moved > UNMOVED_SHARE * tolerated[0] {
                     judged.overlap = self.set.run(Evaluate { chain, live, motion: next });
                     self.work.force_evaluations += 1;
@@ -218,7 +213,7 @@ impl VectorStepper {
             self.work.rejected += 1;
             return Ok(false);
         }
-        *scales = [scales[0].max(judged.overlap), scales[1].max(judged.speed)];
+        scales.widen(Scales { position: judged.overlap, velocity: judged.speed });
         self.changes += u64::from(is_changed);
         self.finish(step.next, h);
         Ok(true)
@@ -270,14 +265,6 @@ fn contact_motion(stiff: Option<&StiffContact>, motion: &Motion) -> ContactMotio
     let [above, below] = stiff.bodies.map(of);
     let overlap = stiff.static_overlap + above[0] - below[0];
     ContactMotion { overlap, closing: above[1] - below[1], bend: above[2] - below[2] }
-}
-
-/// Largest of the errors relative to the tolerated ones (1).
-fn relative_error(errors: [f64; 2], tolerated: [f64; 2]) -> f64 {
-    let ratio = |(error, tolerated): (f64, f64)| if error == 0.0 { 0.0 } else { error / tolerated };
-    let [x, v] = [(errors[0], tolerated[0]), (errors[1], tolerated[1])].map(ratio);
-    // A sum, for `max` would hide what is not a number.
-    if (x + v).is_finite() { x.max(v) } else { f64::INFINITY }
 }
 
 /// Largest magnitude (unit).
