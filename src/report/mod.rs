@@ -15,6 +15,8 @@ mod fit;
 mod forces;
 mod hard_cases;
 pub mod magnet;
+#[cfg(feature = "png")]
+mod outlines;
 mod paper;
 pub mod plot;
 #[cfg(feature = "png")]

@@ -1,11 +1,10 @@
-//! Pictures as PNG: SVG drawn at twice its size, with a font of its own, so that they look alike on every machine.
+//! Pictures as PNG: SVG drawn at twice its size, its text with the program's own font, so that they look alike on every machine.
 
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree};
 
-/// Font of all text; `assets/fonts/LICENSE` says what it holds.
-const FONT: &[u8] = include_bytes!("../../assets/fonts/DejaVuSans.ttf");
-const FAMILY: &str = "DejaVu Sans";
+use super::outlines::outline_text;
+
 /// Dots to a unit of the SVG (1).
 const SCALE: f32 = 2.0;
 
@@ -15,6 +14,9 @@ pub enum PngError {
     /// The SVG is none.
     #[error("found no SVG: {0}")]
     Svg(#[from] resvg::usvg::Error),
+    /// The built-in font cannot be read.
+    #[error("cannot read the built-in font: {0}")]
+    Font(#[from] ttf_parser::FaceParsingError),
     /// Its size is zero or beyond memory.
     #[error("found a picture of {0} x {1} dots, expected one that can be drawn")]
     Size(u32, u32),
@@ -26,13 +28,9 @@ pub enum PngError {
 /// The picture `svg` as a PNG file.
 ///
 /// # Errors
-/// [`PngError`] for text that is no SVG.
+/// [`PngError`] where `svg` is not valid SVG.
 pub fn png(svg: &str) -> Result<Vec<u8>, PngError> {
-    let mut options = Options { font_family: FAMILY.to_owned(), ..Options::default() };
-    let fonts = options.fontdb_mut();
-    fonts.load_font_data(FONT.to_vec());
-    fonts.set_sans_serif_family(FAMILY);
-    let tree = Tree::from_str(svg, &options)?;
+    let tree = Tree::from_str(&outline_text(svg)?, &Options::default())?;
     let size = tree.size().to_int_size();
     let size = size.scale_by(SCALE).unwrap_or(size);
     let pixmap = Pixmap::new(size.width(), size.height());
