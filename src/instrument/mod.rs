@@ -1,6 +1,6 @@
 //! The oscilloscope as an instrument with a memory: front panel, acquisition, waveforms, set-ups, status.
 //!
-//! Stands between the bench and the remote interface. The bench asks [`Instrument::wanted`] for the sample grid, passes
+//! Stands between the bench and the remote interface. The bench asks [`Instrument::sample_window`] for the sample grid, passes
 //! time in with [`Instrument::advance`], and hands over what happens at the inputs with [`Instrument::accept_signals`],
 //! or finished captures with [`Instrument::store`]; `scpi` turns messages into changes of the front panel and answers
 //! from here. No I/O, no clock, no threads: whoever owns the instrument decides when time passes.
