@@ -21,3 +21,13 @@ install_python() {
     # Written last, so that an interrupted installation does not count.
     cp "$requirements" "$installed"
 }
+
+# install_node FOLDER: the packages of the folder's package-lock.json, without their own install scripts; kept like those of Python.
+install_node() {
+    local folder="$1"
+    local installed="$folder/node_modules/installed.json"
+    cmp -s "$folder/package-lock.json" "$installed" && return
+    (cd "$folder" && npm ci --ignore-scripts --no-audit --no-fund --loglevel=error >&2) \
+        || could_not "npm could not install $folder/package-lock.json"
+    cp "$folder/package-lock.json" "$installed"
+}

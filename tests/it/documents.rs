@@ -4,7 +4,7 @@
 //! - `toml FILE` is a file in the page's folder, used by a command of the page;
 //! - `console` holds commands behind `$` and what they print; `...` stands for lines left out;
 //! - `sh` holds commands that end well;
-//! - `sh SCRIPT` holds lines of that script, which CI executes.
+//! - `sh SCRIPT` holds lines of that script, which `tests/run --full` executes.
 
 mod interactive;
 mod page;
@@ -37,7 +37,7 @@ fn printed(folder: &Path, command: &str) -> Result<String, String> {
     let command = command.replace("cargo run --release --", "hertzscope");
     let words: Vec<&str> = command.split_whitespace().take_while(|word| *word != "#").collect();
     match words[..] {
-        [THIS] => return Ok(String::new()),
+        [THIS, ..] => return Ok(String::new()),
         ["hertzscope", "serve", ref arguments @ ..] => {
             return interactive::served(folder, arguments);
         }

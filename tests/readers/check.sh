@@ -12,7 +12,6 @@ set -euo pipefail
 
 here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
 environment="$here/.venv"
-modules="$here/node_modules"
 
 source "$here/../environment.sh"
 
@@ -30,16 +29,8 @@ for program in python3 node npm; do
     command -v "$program" > /dev/null || could_not "$program is missing: install it, or run where it is there"
 done
 
-install_node() {
-    cmp -s "$here/package-lock.json" "$modules/installed.json" && return
-    # The readers run without the packages' own install scripts.
-    (cd "$here" && npm ci --ignore-scripts --no-audit --no-fund --loglevel=error >&2) \
-        || could_not "npm could not install package-lock.json"
-    cp "$here/package-lock.json" "$modules/installed.json"
-}
-
 install_python "$environment" "$here/requirements.txt"
-install_node
+install_node "$here"
 
 failed=no
 # A checker's exit code 1 is an answer; any other than 0 and 1 is not.

@@ -4,8 +4,7 @@
 #
 #     tests/wheel/check.sh
 #
-# It takes over what `cargo build --release` has built; without that, it compiles for minutes. Exit code 0: installed and sound; 1: not;
-# 2: could not check.
+# `tests/run --full` calls it. It compiles for minutes, with the profile `wheel`. Exit code 0: installed and sound; 1: not; 2: could not check.
 set -euo pipefail
 
 here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
@@ -15,7 +14,7 @@ source "$here/../environment.sh"
 install_python "$environment" "$here/requirements.txt"
 folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT
-(cd "$here/../.." && "$environment/bin/maturin" build --release --quiet --out "$folder")
+(cd "$here/../.." && "$environment/bin/maturin" build --profile wheel --locked --quiet --out "$folder")
 python3 -m venv "$folder/venv"
 "$folder/venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-index --no-deps "$folder"/hertzscope-*.whl
 echo "installed $(basename "$folder"/hertzscope-*.whl)"
