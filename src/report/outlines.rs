@@ -177,8 +177,8 @@ mod tests {
         assert!(outlined.contains(" fill=\"#555\" transform=\"rotate(-90)\" d=\"M"), "{outlined}");
         assert!(outlined.ends_with("Z\"/></g><path d=\"M0 0\"/></svg>"), "{outlined}");
         assert!(!outlined.contains("<text"));
-        let three = outline_text("<svg font-size=\"9\"><text>a&lt;b</text></svg>").unwrap();
+        let bracket = outline_text("<svg font-size=\"9\"><text>a&lt;b</text></svg>").unwrap();
         let entity = outline_text("<svg font-size=\"9\"><text>a&amp;lt;b</text></svg>").unwrap();
-        assert!(entity.len() > three.len(), "an escaped ampersand is one character");
+        assert!(entity.len() > bracket.len(), "an escaped ampersand is one character");
     }
 }
