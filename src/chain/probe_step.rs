@@ -81,7 +81,7 @@ impl ContactPair {
         Self([Elastic::new(above, weight_above), Elastic::new(below, weight_below)])
     }
 
-    /// Dynamic force (N) and its rate of change (N/s) at the fraction `theta` of a step.
+    /// Dynamic force and its rate of change at the fraction `theta` of a step (N, N/s).
     #[must_use]
     pub fn force_and_rate(&self, step: &StepOverlaps, theta: f64) -> [f64; 2] {
         let (mut force, mut rate) = (0.0, 0.0);
@@ -168,7 +168,7 @@ impl ProbeTracker {
         self.step = stepper.last_step();
     }
 
-    /// Dynamic force (N) and its rate of change (N/s) at the end of the last step.
+    /// Dynamic force and its rate of change at the end of the last step (N, N/s).
     #[must_use]
     pub fn end(&self) -> [f64; 2] {
         self.forces[1]

@@ -21,8 +21,6 @@ pub enum ByHand {
     /// Order 4, for scenes with losses, too; takes a step
     #[value(name = "runge-kutta-4")]
     RungeKutta4,
-    /// Orders 6(4); takes a tolerance
-    #[value(name = "dormand-el-mikkawy-prince-64")]
     /// Orders 8(6); takes a tolerance
     #[value(name = "dormand-el-mikkawy-prince-86")]
     DormandElMikkawyPrince86,

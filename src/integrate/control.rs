@@ -107,7 +107,7 @@ pub fn first_step_of(system: &dyn System, state: &State) -> f64 {
     first_step(scales, system.pacing(state).frequency)
 }
 
-/// Largest of the errors of a position (m) and a velocity (m/s) relative to `scales` (1); infinite where anything is not a number.
+/// Largest of the errors of a position (m) and a velocity (m/s) relative to `scales`; infinite where anything is not a number (1).
 pub fn relative_error([position, velocity]: [f64; 2], scales: Scales) -> f64 {
     // A system at rest has no scale, and makes no error.
     let ratio = |error: f64, scale: f64| if error == 0.0 { 0.0 } else { error / scale };

@@ -186,14 +186,15 @@ fn by_hand_the_error_that_is_told_is_the_run_s_own() {
     }
 }
 
-/// Steps that do for first peaks made 0.8 times the energy in motion within 300 ms, so that late motion was not even right in its statistics.
+/// Steps that do for first peaks make or lose more than a tenth of the energy in motion within 300 ms, so that late motion is not even right in
+/// its statistics.
 #[test]
 fn motion_that_goes_on_for_long_keeps_its_energy() {
     let mut scene = Scene::load("magnet-0.61g").expect("a shipped scene");
     scene.duration = 0.3;
     let method = Method::DormandElMikkawyPrince86 { tolerance: 1e-2 };
     let by_steps_alone = simulate(&scene, Integration::Method(method));
-    assert!(by_steps_alone.energy.drift > 0.5, "{:e}", by_steps_alone.energy.drift);
+    assert!(by_steps_alone.energy.drift.abs() > 0.1, "{:e}", by_steps_alone.energy.drift);
     let found = run_held(&scene, 1e-2, 1, &mut |_| ()).expect("a run").summary;
     assert!(found.energy.drift.abs() <= 0.1, "{:e}", found.energy.drift);
 }

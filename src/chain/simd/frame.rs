@@ -13,7 +13,9 @@ pub struct Frame<'a> {
     pub chain: &'a ChainRows,
     pub live: usize,
     pub ends: [&'a Motion; 2],
+    /// Fraction of the step (1).
     pub theta: f64,
+    /// Length of the step (s).
     pub h: f64,
     /// Room for jerks at both ends (m/s³).
     pub jerks: &'a mut [Vec<Row>; 2],

@@ -83,7 +83,7 @@ pub struct Judged {
     pub overlap: f64,
     /// Largest speed at the end (m/s).
     pub speed: f64,
-    /// Largest error estimate of a position (m) and of a velocity (m/s); not a number where the state is none.
+    /// Largest error estimates of positions and velocities, not a number where the state is none (m, m/s).
     pub errors: [f64; 2],
     /// Whether any contact has changed sides, or may have.
     pub is_changed: bool,
@@ -96,6 +96,7 @@ pub struct Attempt<'a> {
     pub now: &'a Motion,
     pub next: &'a mut Motion,
     pub trial: &'a mut Trial,
+    /// Length of the step (s).
     pub h: f64,
 }
 

@@ -37,7 +37,7 @@ pub fn place(index: usize) -> (usize, usize) {
     (index / WIDTH, index % WIDTH)
 }
 
-/// The value of entry `index`.
+/// The value of entry `index` (unit).
 #[inline]
 pub fn entry(rows: &[Row], index: usize) -> f64 {
     let (row, lane) = place(index);
@@ -208,7 +208,7 @@ impl Motion {
         }
     }
 
-    /// Position (m), velocity (m/s) and acceleration (m/s²) of `body`.
+    /// Position, velocity and acceleration of `body` (m, m/s, m/s²).
     #[inline]
     pub fn of(&self, body: usize) -> [f64; 3] {
         [&self.position, &self.velocity, &self.acceleration].map(|rows| entry(rows, body))

@@ -19,6 +19,7 @@ pub struct Step<'a> {
     pub next: &'a mut Motion,
     /// Gradients of the accelerations along themselves at the last kick (m/s⁴).
     pub gradient: &'a mut [Row],
+    /// Length of the step (s).
     pub h: f64,
 }
 

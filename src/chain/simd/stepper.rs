@@ -158,7 +158,7 @@ impl VectorStepper {
         self.changes
     }
 
-    /// Position (m), velocity (m/s) and acceleration (m/s²) of `body` at the end of the last step; those of a body that is not there are zero.
+    /// Position, velocity and acceleration of `body` at the end of the last step; zero for a body that is not there (m, m/s, m/s²).
     #[inline]
     #[must_use]
     pub fn body(&self, body: Option<usize>) -> [f64; 3] {

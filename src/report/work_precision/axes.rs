@@ -3,18 +3,13 @@
 use crate::studies::cost::{Chosen, Point, Study};
 
 /// Letters and colours of the methods: the same in every study.
-pub(super) const MARKS: [Mark; 14] = [
+pub(super) const MARKS: [Mark; 9] = [
     ("velocity-verlet", 'v', "#4477aa"),
-    ("pefrl", 'p', "#66ccee"),
-    ("blanes-moan", 'b', "#228833"),
     ("force-gradient", 'f', "#999933"),
-    ("inner-force-gradient", 'i', "#ccbb44"),
-    ("paced-force-gradient", 'g', "#00aa99"),
+    ("two-step-force-gradient", 'g', "#00aa99"),
     ("runge-kutta-4", 'r', "#aa3377"),
-    ("dormand-el-mikkawy-prince-64", '6', "#cc6600"),
-    ("dormand-el-mikkawy-prince-64, kinks as they are", 'x', "#996633"),
     ("dormand-el-mikkawy-prince-86", '8', "#ee6677"),
-    ("dormand-el-mikkawy-prince-86, kinks as they are", 'y', "#444444"),
+    ("dormand-el-mikkawy-prince-86, uncorrected", 'y', "#444444"),
     ("dormand-prince-54", '5', "#882255"),
     ("dormand-prince-853", 'd', "#332288"),
     ("rodas", 's', "#888888"),

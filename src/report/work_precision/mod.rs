@@ -31,7 +31,7 @@ pub fn work_precision(study: &Study) -> String {
             study.points.iter().filter(|p| p.method == method).filter(is).count()
         };
         let (failed, given_up) = (of(|p| p.failed), of(|p| p.given_up));
-        // Pairs whose kinks are left as they are follow those whose are not.
+        // The pair without corrections follows the one with them.
         let name = method.split_once(", ").map(|(_, how)| format!("the same, {how}"));
         rows.push(vec![
             name.unwrap_or_else(|| method.to_owned()),

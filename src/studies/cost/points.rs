@@ -2,7 +2,7 @@
 
 use super::{Chosen, Point, Reference};
 use crate::chain::simd::Refinement;
-use crate::experiment::accuracy::{OWN, TRACES, known_until};
+use crate::experiment::accuracy::{REFERENCE_MARGIN, TRACES, known_until};
 use crate::experiment::comparison::{
     Run, Treated, arrival_error, compare, peak_error, run_without, trace_error, worst,
 };
@@ -24,11 +24,11 @@ const REFERENCE_TOLERANCE: f64 = 1e-15;
 /// The same where losses are so stiff that only the implicit method comes to an end (1).
 const STIFF_TOLERANCE: f64 = 1e-12;
 /// Name of the pair without the correction at contact opening and closing.
-const UNCORRECTED: &str = "dormand-el-mikkawy-prince-86, openings not corrected";
+const UNCORRECTED: &str = "dormand-el-mikkawy-prince-86, uncorrected";
 /// An error above this is no result (1).
 const FAILED: f64 = 1.0;
 
-/// What stands behind the name of a method whose kinks are left as they are; those that are treated in no way have no such second row.
+/// The method's name; the pair without the correction at contact opening and closing has one of its own.
 pub fn name((method, without): Treated) -> &'static str {
     match (without, method) {
         (Some(_), Method::DormandElMikkawyPrince86 { .. }) => UNCORRECTED,
@@ -116,7 +116,7 @@ impl Point {
 
 /// A method at one setting, held against `exact`; so many `runs` are timed.
 pub fn point(scene: &Scene, treated: Treated, (exact, runs): (&Run, u16)) -> Point {
-    let own = treated.0.scheme().is_some() && scene.chain.runs_on_vectors();
+    let own = treated.0.scheme().is_some() && scene.chain.is_plain();
     let most = if own { MOST_OWN } else { MOST_CONTROLLED };
     let mut point = Point::failed(scene, treated, 0);
     let run = || run_without(scene, treated, most);
@@ -160,7 +160,7 @@ pub fn choice(scene: &Scene, accuracy: f64, (exact, runs): (&Run, u16)) -> Optio
         }
         last = Some(treated);
         let worst = once.error_peak.zip(once.error_arrival).map(|(peak, time)| peak.max(time));
-        let own = OWN * tighter(steps.min(accuracy));
+        let own = REFERENCE_MARGIN * tighter(steps.min(accuracy));
         let traces = once.error_trace.map(|off| TRACES * off + own);
         let is_told = || known_until(scene, steps, once.contact_changes).is_some();
         let traces = tries.holds_traces(attempt, traces, is_told);

@@ -5,9 +5,9 @@ use syn::visit::{self, Visit};
 use syn::{Block, Item};
 
 /// Lines of a file without the tests at its end.
-const FILE_LINES: usize = 300;
+const FILE_LINES: usize = 600;
 /// Lines of a file with the tests at its end, and of a file that is all tests.
-const FILE_LINES_WITH_TESTS: usize = 600;
+const FILE_LINES_WITH_TESTS: usize = 800;
 /// Lines between the braces of a function.
 const FUNCTION_LINES: usize = 80;
 
@@ -87,9 +87,9 @@ fn found(path: &str, text: &str) -> Vec<String> {
 
 #[test]
 fn a_long_file_is_found() {
-    assert_eq!(found("src/a.rs", &"// line\n".repeat(300)), [""; 0]);
-    let message = "src/a.rs:301: 301 lines, at most 300 without tests";
-    assert_eq!(found("src/a.rs", &"// line\n".repeat(301)), [message]);
+    assert_eq!(found("src/a.rs", &"// line\n".repeat(600)), [""; 0]);
+    let message = "src/a.rs:601: 601 lines, at most 600 without tests";
+    assert_eq!(found("src/a.rs", &"// line\n".repeat(601)), [message]);
 }
 
 #[test]
@@ -101,16 +101,16 @@ fn tests_at_the_end_have_room_of_their_own() {
             "// test\n".repeat(tests)
         )
     };
-    assert_eq!(found("src/a.rs", &file(300, 297)), [""; 0]);
+    assert_eq!(found("src/a.rs", &file(600, 197)), [""; 0]);
     assert_eq!(
-        found("src/a.rs", &file(301, 97)),
-        ["src/a.rs:301: 301 lines, at most 300 without tests"]
+        found("src/a.rs", &file(601, 97)),
+        ["src/a.rs:601: 601 lines, at most 600 without tests"]
     );
     assert_eq!(
-        found("src/a.rs", &file(300, 298)),
-        ["src/a.rs:601: 601 lines, at most 600 with tests"]
+        found("src/a.rs", &file(600, 198)),
+        ["src/a.rs:801: 801 lines, at most 800 with tests"]
     );
-    let not_at_the_end = format!("{}fn after() {{}}\n", file(200, 200));
+    let not_at_the_end = format!("{}fn after() {{}}\n", file(400, 300));
     assert_eq!(found("src/a.rs", &not_at_the_end).len(), 1);
 }
 

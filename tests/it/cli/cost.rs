@@ -28,7 +28,7 @@ fn the_study_is_for_people_for_scripts_and_for_the_recording() {
     let folder = temporary();
     let asked = ["cost", "momentum-test", "--quiet"];
     let page = printed(folder.path(), &asked);
-    says(&page, &["dormand-prince-853", "velocity-verlet", "kinks as they are", "●"]);
+    says(&page, &["dormand-prince-853", "velocity-verlet", "uncorrected", "●"]);
     says(&page, &["one level of the scope", "one sample interval of the scope"]);
     assert!(page.lines().all(|line| line.chars().count() <= 80), "{page}");
     // Every method has a mark of its own.
@@ -64,7 +64,7 @@ fn the_study_is_for_people_for_scripts_and_for_the_recording() {
     assert!(verlet["method"] == "velocity-verlet" && (order - 2.0).abs() < 0.2, "{verlet}");
     // Steps that `run` refuses are none to choose from, however well they did.
     let points = || list(&study, "points").iter();
-    let longest = points().find(|point| point["method"] == "blanes-moan").expect("a point");
+    let longest = points().find(|point| point["method"] == "force-gradient").expect("a point");
     assert_eq!(longest["failed"], true, "{longest}");
     // Long lines are wrapped.
     let unwrapped = page.split_whitespace().collect::<Vec<_>>().join(" ");

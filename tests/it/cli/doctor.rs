@@ -14,7 +14,7 @@ fn a_sound_installation_is_found_sound() {
         serde_json::from_str(&printed(folder.path(), &["doctor", "--json"])).expect("JSON");
     assert_eq!(report["sound"], true);
     let sets = report["instructions"].as_array().expect("a list").len();
-    assert_eq!(report["checks"].as_array().expect("a list").len(), sets + 3);
+    assert_eq!(report["checks"].as_array().expect("a list").len(), sets + 2);
     let text = printed(folder.path(), &["doctor"]);
     assert!(text.ends_with("all is well\n"), "{text}");
     assert_eq!(super::files(folder.path()), Vec::<String>::new());
