@@ -11,7 +11,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use common::clock::{cpu_time, median};
-use hertzscope::chain::stepper::InstructionSet;
+use hertzscope::chain::simd::InstructionSet;
 use hertzscope::sweep::gather::Gathered;
 use hertzscope::sweep::log::Log;
 use hertzscope::sweep::plan::Plan;

@@ -6,7 +6,6 @@ static INSTRUMENTS: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/instruments");
 static RECORDINGS: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/recordings");
 
 /// Text of the instrument file `kind/name.toml`; an empty `kind` is the top folder.
-#[must_use]
 pub fn instrument(kind: &str, name: &str) -> Option<&'static str> {
     let is_it = |file: &&'static File<'static>| {
         let path = file.path().to_str().and_then(|path| path.strip_prefix(kind));
@@ -25,7 +24,6 @@ fn folder(kind: &str) -> Option<&'static Dir<'static>> {
 }
 
 /// Names of all instrument files of one kind, sorted; an empty `kind` is the top folder.
-#[must_use]
 pub fn instrument_names(kind: &str) -> Vec<&'static str> {
     let mut names: Vec<&str> = folder(kind)
         .into_iter()
@@ -38,7 +36,6 @@ pub fn instrument_names(kind: &str) -> Vec<&'static str> {
 }
 
 /// Content of a file in `recordings/`.
-#[must_use]
 pub fn recording(name: &str) -> Option<&'static [u8]> {
     RECORDINGS.get_file(name).map(File::contents)
 }

@@ -1,11 +1,8 @@
-//! hertzscope on a scene: the stepper alone, with peaks followed, and with the forces recorded as the scope would.
+//! hertzscope on a scene: the integration alone, with peaks followed, and with the forces recorded as the scope would.
 
-use hertzscope::chain::stepper::{ChainGroup, ChainStepper, InstructionSet, Member, Refinement};
-use hertzscope::experiment::accuracy::run_held;
+use hertzscope::experiment;
 use hertzscope::experiment::bench::{Bench, Grid};
-use hertzscope::experiment::{self, Integration, Tried, methods_tried};
-use hertzscope::integrate::{IntegrateError, Integrator, Method};
-use hertzscope::scene::Scene;
+use hertzscope::integrate::{IntegrateError, Method};
 
 use super::scenes::Case;
 
@@ -35,7 +32,7 @@ pub fn run(
     watching: Watching,
 ) -> Result<Vec<Option<f64>>, IntegrateError> {
     if watching == Watching::Bare {
-        bare(case, method, InstructionSet::best())?;
+        bare(case, method)?;
         return Ok(Vec::new());
     }
     let grid =
@@ -47,62 +44,21 @@ pub fn run(
     Ok(bench.watches().iter().map(|watch| watch.pulse.first_peak().map(first)).collect())
 }
 
-/// Runs the stepper alone with the instructions of `set`; returns the evaluations of all contact forces.
-pub fn bare(case: &Case, method: Method, set: InstructionSet) -> Result<u64, IntegrateError> {
-    to_end(stepper(case, method, set), case)
-}
-
-/// The same with the quiet part ahead of the wave computed like the rest.
-#[allow(dead_code, reason = "one of the benches that share this")]
-pub fn awake(case: &Case, method: Method, set: InstructionSet) -> Result<u64, IntegrateError> {
-    to_end(stepper(case, method, set).without(Refinement::QuietPart, &case.chain), case)
-}
-
-/// Eight of them in the lanes of a group, the same to the end.
-#[allow(dead_code, reason = "one of the benches that share this")]
-pub fn eight(case: &Case, method: Method, set: InstructionSet) -> Result<u64, IntegrateError> {
-    let Case { chain, velocities, duration, .. } = case;
-    let members = [Member { chain, velocities, duration: *duration }; ChainGroup::LANES];
-    let scheme = method.scheme().expect("a method for forces that depend on positions alone");
-    let mut group = ChainGroup::new(&members, scheme, set);
-    group.advance();
-    (0..members.len()).map(|lane| group.outcome(lane).map(|work| work.force_evaluations)).sum()
-}
-
-fn stepper(case: &Case, method: Method, set: InstructionSet) -> ChainStepper {
-    let scheme = method.scheme().expect("a method for forces that depend on positions alone");
-    ChainStepper::new(&case.chain, &case.velocities, scheme, set)
-}
-
-fn to_end(mut stepper: ChainStepper, case: &Case) -> Result<u64, IntegrateError> {
-    stepper.advance(case.duration)?;
-    Ok(stepper.work().force_evaluations)
+/// Integrates alone: nothing is watched.
+fn bare(case: &Case, method: Method) -> Result<(), IntegrateError> {
+    let state = case.chain.initial_state(&case.velocities);
+    experiment::bench::start(&case.chain, method, state).advance(case.duration)
 }
 
 /// A method by the short name that tables use, with its tolerance, or its step in units of the scene's own.
 pub fn method(name: &str, setting: f64, case: &Case) -> Option<Method> {
     let (tolerance, step) = (setting, setting * case.unit());
     Some(match name {
-        "paced-force-gradient" => Method::PacedForceGradient { tolerance },
-        "rkn64" => Method::DormandElMikkawyPrince64 { tolerance },
+        "two-step-force-gradient" => Method::TwoStepForceGradient { tolerance },
         "rkn86" => Method::DormandElMikkawyPrince86 { tolerance },
         "dop853" => Method::DormandPrince853 { tolerance },
         "velocity-verlet" => Method::VelocityVerlet { step },
-        "pefrl" => Method::Pefrl { step },
-        "blanes-moan" => Method::BlanesMoan { step },
         "force-gradient" => Method::ForceGradient { step },
-        "inner-force-gradient" => Method::InnerForceGradient { step },
         _ => return None,
     })
-}
-
-/// What `--accuracy` comes to with this scene.
-pub fn held(scene: &Scene, accuracy: f64) -> Tried {
-    let held = run_held(scene, accuracy, 1, &mut |_| ()).expect("a run").summary;
-    let same = |tried: &Tried| {
-        let by = Integration::Tried { method: tried.method, accuracy };
-        let run = experiment::run(scene, by, 1, &mut |_| ());
-        run.is_ok_and(|run| run.summary.force_evaluations == held.force_evaluations)
-    };
-    methods_tried(scene, accuracy).find(same).expect("one of them")
 }

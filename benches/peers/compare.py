@@ -39,9 +39,7 @@ PEERS = {
     OURS: (
         "rust",
         [
-            "rkn64+bare", "rkn86+bare", "paced-force-gradient+bare",
-            "*velocity-verlet+bare", "*pefrl+bare", "*blanes-moan+bare", "*force-gradient+bare",
-            "*inner-force-gradient+bare",
+            "rkn86+bare", "two-step-force-gradient+bare", "*velocity-verlet+bare", "*force-gradient+bare",
         ],
         False,
     ),

@@ -40,7 +40,6 @@ impl Estimator {
     pub const ALL: [Self; 4] = [Self::HalfRise, Self::Peak, Self::TenPercent, Self::MaximumSlope];
 
     /// Name in machine-readable reports, as `run --json` has it.
-    #[must_use]
     pub fn key(self) -> &'static str {
         match self {
             Self::HalfRise => "half_rise",
@@ -83,7 +82,6 @@ struct Place {
 
 impl Pulse {
     /// When the pulse arrives by `estimator` (s); none where it cannot be told.
-    #[must_use]
     pub fn arrival(&self, estimator: Estimator) -> Option<Measure> {
         match estimator {
             Estimator::HalfRise => self.crossing(0.5, self.reach_of(0.5)?),
@@ -94,7 +92,6 @@ impl Pulse {
     }
 
     /// Height of the first peak above the baseline (unit).
-    #[must_use]
     pub fn height(&self) -> Option<Measure> {
         let Place { fit, x, variance } = self.peak_place()?;
         let noise = variance * fit.value_variance(x);
@@ -103,7 +100,6 @@ impl Pulse {
     }
 
     /// Full width at half of the first peak (s); none where the signal does not fall to it again.
-    #[must_use]
     pub fn width(&self) -> Option<Measure> {
         let level = 0.5 * self.height()?.value;
         let fallen = self.smoothed.iter().skip(self.peak).position(|v| *v <= level)?;

@@ -52,7 +52,6 @@ pub struct Distance {
 impl Pair {
     /// Puts the simulated trace, `shift` (s) later, on the measured one's axis; none where they have fewer than [`FEWEST`] samples
     /// in common.
-    #[must_use]
     pub fn new(measured: &Trace, simulated: &Trace, shift: f64) -> Option<Self> {
         let ratio = measured.interval / simulated.interval;
         let at =
@@ -79,7 +78,6 @@ impl Pair {
     }
 
     /// Measured less simulated.
-    #[must_use]
     pub fn residual(&self) -> Trace {
         let values = self.measured.values.iter().zip(&self.simulated.values);
         let values = values.map(|(m, s)| m - s).collect();
@@ -87,7 +85,6 @@ impl Pair {
     }
 
     /// How far the two are apart.
-    #[must_use]
     #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
     pub fn distance(&self) -> Distance {
         let (m, s) = (&self.measured.values, &self.simulated.values);
@@ -181,7 +178,6 @@ fn between(values: &[f64], place: f64) -> Option<f64> {
 ///
 /// Searched over every shift by whole samples that leaves half of the shorter record in common, then refined to the bottom of the
 /// parabola through the three lowest.
-#[must_use]
 #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
 pub fn least_squares_shift(pairs: &[(&Trace, &Trace, f64)]) -> Option<f64> {
     let (first, other, _) = pairs.first()?;

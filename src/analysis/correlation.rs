@@ -25,7 +25,6 @@ const CUT_OUT: f64 = 8.0;
 const SAME: f64 = 1e-9;
 
 /// How much later `second` is than `first` (s); none where sample intervals differ or no lag stands out.
-#[must_use]
 #[allow(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
@@ -111,7 +110,6 @@ impl Pulse {
 }
 
 /// `sum of a[i] b[i + k]` for every `k`, negative ones at the end; none for lengths that cannot be transformed (unit).
-#[must_use]
 pub fn correlate(a: &[f64], b: &[f64]) -> Option<Vec<f64>> {
     let length = (a.len() + b.len()).next_power_of_two();
     let mut planner = RealFftPlanner::<f64>::new();

@@ -23,7 +23,6 @@ impl DiatomicChain {
     /// The chain of Hertz contacts that is this one under the preload `now` (N), under another one, `force` (N).
     ///
     /// `F = A overlap^1.5` has the stiffness `1.5 F/overlap`: it goes with the cubic root of the force, and cells give by the overlaps.
-    #[must_use]
     pub fn pressed(&self, now: f64, force: f64) -> Self {
         let stiffness = self.stiffness * (force / now).cbrt();
         let overlap = |force: f64, stiffness: f64| 1.5 * force / stiffness;
@@ -32,37 +31,31 @@ impl DiatomicChain {
     }
 
     /// Top of the acoustic branch `f1`, the band gap's lower edge (Hz).
-    #[must_use]
     pub fn gap_bottom(&self) -> f64 {
         (2.0 * self.stiffness / self.heavy_mass).sqrt() / TAU
     }
 
     /// Bottom of the optical branch `f2`, the band gap's upper edge (Hz).
-    #[must_use]
     pub fn gap_top(&self) -> f64 {
         (2.0 * self.stiffness / self.light_mass).sqrt() / TAU
     }
 
     /// Top of the optical branch `f3`, above which nothing travels (Hz).
-    #[must_use]
     pub fn cutoff(&self) -> f64 {
         self.gap_bottom().hypot(self.gap_top())
     }
 
     /// Frequency of the mode that lives in the gap at a free end with a light mass (Hz).
-    #[must_use]
     pub fn surface_mode(&self) -> f64 {
         self.cutoff() / 2.0_f64.sqrt()
     }
 
     /// Long-wave sound speed `a sqrt(beta / (2 (m + M)))` (m/s).
-    #[must_use]
     pub fn sound_speed(&self) -> f64 {
         self.cell * (self.stiffness / (2.0 * (self.light_mass + self.heavy_mass))).sqrt()
     }
 
     /// Frequency of the acoustic branch at the phase `k a` a cell (rad) (Hz).
-    #[must_use]
     pub fn acoustic(&self, phase: f64) -> f64 {
         // Of the two roots this is the one that cancels: take it from the product of both.
         let (m, big_m) = (self.light_mass, self.heavy_mass);
@@ -71,7 +64,6 @@ impl DiatomicChain {
     }
 
     /// Frequency of the optical branch at the phase `k a` a cell (rad) (Hz).
-    #[must_use]
     pub fn optical(&self, phase: f64) -> f64 {
         let (m, big_m) = (self.light_mass, self.heavy_mass);
         let root = (m * m + big_m * big_m + 2.0 * m * big_m * phase.cos()).sqrt();
@@ -80,7 +72,6 @@ impl DiatomicChain {
 
     /// How strongly a frequency (Hz) that does not travel dies out: natural logarithm of the amplitude ratio from cell to
     /// cell; 0 for one that travels (1).
-    #[must_use]
     pub fn decay(&self, frequency: f64) -> f64 {
         let (m, big_m) = (self.light_mass, self.heavy_mass);
         let omega_squared = (TAU * frequency).powi(2);

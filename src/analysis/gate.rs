@@ -21,7 +21,6 @@ impl Gate {
     pub const ALL: Self = Self { from: f64::NEG_INFINITY, to: f64::INFINITY };
 
     /// Indices of the samples of `trace` inside; empty where there is none.
-    #[must_use]
     pub fn range(self, trace: &Trace) -> Range<usize> {
         let length = trace.values.len();
         let first_at = |time: f64| index_at(trace, time).min(length);

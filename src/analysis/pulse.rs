@@ -130,7 +130,6 @@ impl Pulse {
     }
 
     /// Number of maxima that stand out of what is around them by six standard deviations and by `share` of the largest (1).
-    #[must_use]
     pub fn count(&self, share: f64) -> usize {
         let (top, _) = largest(&self.smoothed);
         let drop = (OUTSTANDING * self.smoothed_noise).max(share * top);

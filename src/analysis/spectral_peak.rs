@@ -28,7 +28,6 @@ pub struct SpectralPeak {
 impl Spectrum {
     /// Local maxima higher than `share` of the highest, highest first. What stands within a main lobe and a side lobe of a higher
     /// one is taken for part of it; zero frequency and half the sampling frequency are no maxima.
-    #[must_use]
     pub fn peaks(&self, share: f64) -> Vec<SpectralPeak> {
         let mut found: Vec<SpectralPeak> = (1..self.amplitude.len().saturating_sub(1))
             .filter_map(|bin| self.peak_at(bin))
@@ -46,7 +45,6 @@ impl Spectrum {
     }
 
     /// The highest bin between two frequencies (Hz), both included, and its amplitude.
-    #[must_use]
     pub fn highest_between(&self, low: f64, high: f64) -> Option<(usize, f64)> {
         let inside = |bin: &usize| (low..=high).contains(&self.frequency(*bin));
         let bins = (0..self.amplitude.len()).filter(inside);

@@ -138,7 +138,6 @@ pub struct Analyser {
 
 impl Analyser {
     /// One that has worked out nothing yet.
-    #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
@@ -235,7 +234,6 @@ fn scaled(
 
 impl Spectrum {
     /// Frequency of bin `bin` (Hz).
-    #[must_use]
     #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
     pub fn frequency(&self, bin: usize) -> f64 {
         bin as f64 * self.step

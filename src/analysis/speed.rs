@@ -9,7 +9,6 @@
 use super::pulse::Measure;
 
 /// Speed over `distance` (m) between two arrivals (s), in m/s; none where the second is not later or earlier than the first.
-#[must_use]
 pub fn speed(distance: Measure, from: Measure, to: Measure) -> Option<Measure> {
     let time = to.value - from.value;
     let of_time = from.standard_uncertainty.hypot(to.standard_uncertainty);
@@ -17,7 +16,6 @@ pub fn speed(distance: Measure, from: Measure, to: Measure) -> Option<Measure> {
 }
 
 /// Speed over `distance` (m) in a time (s) measured at one go, such as by cross-correlation.
-#[must_use]
 pub fn speed_over(distance: Measure, time: Measure) -> Option<Measure> {
     let value = distance.value / time.value;
     let relative = (distance.standard_uncertainty / distance.value)
@@ -28,7 +26,6 @@ pub fn speed_over(distance: Measure, time: Measure) -> Option<Measure> {
 
 /// Decay constant `g` of amplitudes at their positions (m), in 1/m, positive where they fall; none for fewer than two positions or
 /// amplitudes that are not positive.
-#[must_use]
 pub fn decay(amplitudes: &[(f64, Measure)]) -> Option<Measure> {
     let (mut s, mut sx, mut sy) = (0.0, 0.0, 0.0);
     let certain = amplitudes.iter().any(|(_, a)| a.standard_uncertainty <= 0.0);

@@ -81,7 +81,6 @@ impl Spectrogram {
     }
 
     /// Where each column is highest between two frequencies (Hz), interpolated between bins; none where no maximum lies there (Hz).
-    #[must_use]
     pub fn ridge(&self, low: f64, high: f64) -> Vec<Option<f64>> {
         let top = |column: &Spectrum| {
             let peaks = column.peaks(0.0).into_iter();

@@ -39,7 +39,6 @@ impl Window {
     }
 
     /// The weight of sample `index` of `length` (1).
-    #[must_use]
     #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
     pub fn weight(self, index: usize, length: usize) -> f64 {
         let angle = TAU * index as f64 / length.max(1) as f64;
@@ -54,7 +53,6 @@ impl Window {
     }
 
     /// Half the width of a line's main lobe, in units of the resolution `1/(M dt)` (1).
-    #[must_use]
     pub fn half_lobe(self) -> f64 {
         match self {
             Self::Rectangular => 1.0,

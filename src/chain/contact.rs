@@ -41,13 +41,11 @@ impl Contact {
     };
 
     /// Stiffness against small changes of the static state (N/m).
-    #[must_use]
     pub fn static_stiffness(&self) -> f64 {
         hertz::tangent_stiffness(self.stiffness, self.static_overlap)
     }
 
     /// Change of the force when the overlap grows by `change` (m) over the static one (N).
-    #[must_use]
     pub fn force_change(&self, change: f64) -> f64 {
         match self.law {
             Law::Hertz => hertz::force_change(self.stiffness, self.static_overlap.sqrt(), change),
@@ -56,7 +54,6 @@ impl Contact {
     }
 
     /// The contact when its overlap has grown by `change` (m) over the static one and grows by `closing` (m/s).
-    #[must_use]
     pub fn touch(&self, change: f64, closing: f64, closed: bool) -> Touch {
         self.touched(self.force_change(change), change, closing, closed)
     }
@@ -67,7 +64,6 @@ impl Contact {
     }
 
     /// Change of the force, losses included (N).
-    #[must_use]
     pub fn lossy_force_change(&self, change: f64, closing: f64, closed: bool) -> f64 {
         let elastic = self.force_change(change);
         let Some(loss) = self.loss else { return elastic };
@@ -75,7 +71,6 @@ impl Contact {
     }
 
     /// The same (N), and its slopes against the overlap (N/m) and the closing speed (N s/m).
-    #[must_use]
     pub fn lossy_change_and_slopes(
         &self,
         change: f64,
@@ -95,7 +90,6 @@ impl Contact {
     }
 
     /// Stiffness against further changes (N/m).
-    #[must_use]
     pub fn tangent_stiffness(&self, change: f64) -> f64 {
         match self.law {
             Law::Hertz => hertz::tangent_stiffness(self.stiffness, self.static_overlap + change),
@@ -104,7 +98,6 @@ impl Contact {
     }
 
     /// Elastic energy, that of the static overlap included (J).
-    #[must_use]
     pub fn energy(&self, change: f64) -> f64 {
         match self.law {
             Law::Hertz => hertz::energy(self.stiffness, self.static_overlap + change),
@@ -120,7 +113,6 @@ impl Contact {
     ///
     /// With `s` and `r` the square roots of the present and the static overlap it is
     /// `A (s - r)^2 (2/5 s^3 + 4/5 s^2 r + 6/5 s r^2 + 3/5 r^3)` while closed.
-    #[must_use]
     pub fn energy_change(&self, change: f64) -> f64 {
         if self.law == Law::Linearised {
             return 0.5 * self.static_stiffness() * change * change;

@@ -12,7 +12,6 @@ impl Chain {
     /// The largest eigenvalue of `M^-1/2 C M^-1/2`, tridiagonal with `(c[i] + c[i+1])/m[i]` and `-c[i]/sqrt(m[i-1] m[i])`, `c` the slopes of the
     /// losses against the closing speeds, by bisection on Sturm's count. Source: J. H. Wilkinson, The Algebraic
     /// Eigenvalue Problem (1965), chapter 5. For a diatomic chain of dashpots it is `2 gamma (1/m + 1/M)`.
-    #[must_use]
     pub fn fastest_decay(&self, velocity: &[f64]) -> f64 {
         let speed = velocity.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
         let slope = |j: usize| self.damping(j, speed);
@@ -46,7 +45,6 @@ impl Chain {
 
     /// The longest step that a method could survive whose longest stable step times decay is `reach` (1), by [`Self::fastest_decay`], and the contact
     /// that lets its two bodies alone decay fastest; none without losses.
-    #[must_use]
     pub fn decay_limit(&self, velocity: &[f64], reach: f64) -> Option<StabilityLimit> {
         let speed = velocity.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
         let alone = |j: usize| self.damping(j, speed) * self.reach(j, speed).1;
@@ -59,7 +57,6 @@ impl Chain {
 
     /// The largest decay of any contact, its two bodies taken alone, in units of its own angular frequency: twice its damping ratio;
     /// 0 without losses (1).
-    #[must_use]
     pub fn largest_damping(&self, velocity: &[f64]) -> f64 {
         let speed = velocity.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
         let ratio = |j: usize| {

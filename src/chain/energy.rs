@@ -27,7 +27,6 @@ pub struct Energy {
 
 impl Energy {
     /// What is conserved where nothing is lost (J).
-    #[must_use]
     pub fn total(&self) -> f64 {
         self.kinetic + self.elastic + self.gravity + self.magnet + self.end_forces
     }
@@ -35,7 +34,6 @@ impl Energy {
 
 impl Chain {
     /// Overlap change of contact `j` at the displacements `position` (m).
-    #[must_use]
     pub fn overlap_change(&self, position: &[f64], j: usize) -> f64 {
         // Behind the bodies there may be accounts.
         let bodies = position.get(..self.bodies.len()).unwrap_or(position);
@@ -45,7 +43,6 @@ impl Chain {
 
     /// Force in contact `j` at these displacements (m) and velocities (m/s), static part and losses included; `closed`
     /// tells whether it counts as closed (N).
-    #[must_use]
     pub fn contact_force(&self, position: &[f64], velocity: &[f64], j: usize, closed: bool) -> f64 {
         self.contacts.get(j).map_or(0.0, |contact| {
             let change = self.overlap_change(position, j);
@@ -55,7 +52,6 @@ impl Chain {
     }
 
     /// Energy of `state`.
-    #[must_use]
     pub fn energy(&self, state: &State) -> Energy {
         let sum = |of: &dyn Fn(usize, &Body) -> f64| {
             self.bodies.iter().enumerate().map(|(i, body)| of(i, body)).sum::<f64>()
@@ -74,7 +70,6 @@ impl Chain {
     }
 
     /// Energy of `state` above that of static equilibrium, without the digits that the two share (J).
-    #[must_use]
     pub fn energy_above_static(&self, state: &State) -> f64 {
         let kinetic = self.bodies.iter().zip(&state.velocity).map(|(b, v)| 0.5 * b.mass * v * v);
         let elastic = self.contacts.iter().enumerate().filter(|(_, c)| c.stiffness > 0.0);
@@ -90,7 +85,6 @@ impl Chain {
     }
 
     /// Total momentum of `state`, downward positive (kg m/s).
-    #[must_use]
     pub fn momentum(&self, state: &State) -> f64 {
         self.bodies.iter().zip(&state.velocity).map(|(body, v)| body.mass * v).sum()
     }

@@ -105,7 +105,6 @@ pub enum ChainError {
 
 impl ChainError {
     /// Whether it is the magnet that stands wrong.
-    #[must_use]
     pub fn is_of_magnet(&self) -> bool {
         matches!(
             self,

@@ -18,7 +18,6 @@ pub struct Elasticity {
 
 impl Elasticity {
     /// `(1 - nu^2)/E` (1/Pa).
-    #[must_use]
     pub fn compliance(self) -> f64 {
         (1.0 - self.poissons_ratio * self.poissons_ratio) / self.youngs_modulus
     }
@@ -26,7 +25,6 @@ impl Elasticity {
 
 /// Stiffness `A` of the contact of two bodies with the given elasticities and curvatures `1/R` (1/m), in
 /// `F = A overlap^1.5`; infinite for flat on flat, which is no Hertz contact (N/m^1.5).
-#[must_use]
 pub fn stiffness(upper: (Elasticity, f64), lower: (Elasticity, f64)) -> f64 {
     let reduced_modulus = 1.0 / (upper.0.compliance() + lower.0.compliance());
     let reduced_radius = 1.0 / (upper.1 + lower.1);
@@ -38,7 +36,6 @@ pub fn stiffness(upper: (Elasticity, f64), lower: (Elasticity, f64)) -> f64 {
 ///
 /// Source: K. L. Johnson, Contact Mechanics (1985), section 6.1; 1.6 holds for Poisson's ratio 0.3 and rises by a tenth
 /// towards 0.5. Materials that creep yield later in short impacts.
-#[must_use]
 pub fn first_yield(upper: (Elasticity, f64), lower: (Elasticity, f64), yield_strength: f64) -> f64 {
     let reduced_modulus = 1.0 / (upper.0.compliance() + lower.0.compliance());
     let reduced_radius = 1.0 / (upper.1 + lower.1);
@@ -47,14 +44,12 @@ pub fn first_yield(upper: (Elasticity, f64), lower: (Elasticity, f64), yield_str
 }
 
 /// Contact force at `overlap` (m) for stiffness `A` (N/m^1.5); 0 for separated bodies (N).
-#[must_use]
 pub fn force(stiffness: f64, overlap: f64) -> f64 {
     let closed = overlap.max(0.0);
     stiffness * closed * closed.sqrt()
 }
 
 /// Overlap under which the contact bears `force` (N), for stiffness `A` (N/m^1.5) (m).
-#[must_use]
 pub fn overlap(stiffness: f64, force: f64) -> f64 {
     let root = cube_root(force / stiffness);
     root * root
@@ -86,7 +81,6 @@ fn product(a: f64, b: f64) -> (f64, f64) {
 }
 
 /// Elastic energy stored at `overlap` (m): `2/5 A overlap^2.5` (J).
-#[must_use]
 pub fn energy(stiffness: f64, overlap: f64) -> f64 {
     let closed = overlap.max(0.0);
     0.4 * stiffness * closed * closed * closed.sqrt()
@@ -97,13 +91,11 @@ pub fn energy(stiffness: f64, overlap: f64) -> f64 {
 ///
 /// With `s = sqrt(overlap)` and `r = s + s0` this is `A change (r - s s0/r)` while closed. The difference
 /// `A (s^3 - s0^3)` would lose as many digits as the wave is weaker than the preload: nine for 1 nm/s under 1 kN.
-#[must_use]
 pub fn force_change(stiffness: f64, static_root: f64, change: f64) -> f64 {
     force_and_tangent(stiffness, static_root, change).0
 }
 
 /// The same (N), and the contact's stiffness against further changes (N/m), as [`tangent_stiffness`] has it.
-#[must_use]
 #[inline]
 pub fn force_and_tangent(stiffness: f64, static_root: f64, change: f64) -> (f64, f64) {
     let static_overlap = static_root * static_root;
@@ -116,14 +108,12 @@ pub fn force_and_tangent(stiffness: f64, static_root: f64, change: f64) -> (f64,
 }
 
 /// Contact stiffness against small changes, `dF/d overlap = 3/2 A sqrt(overlap)` (N/m).
-#[must_use]
 pub fn tangent_stiffness(stiffness: f64, overlap: f64) -> f64 {
     1.5 * stiffness * overlap.max(0.0).sqrt()
 }
 
 /// Largest overlap of two free bodies of reduced mass `reduced_mass` (kg) that meet with `closing_speed` (m/s):
 /// `(5 mu v^2 / 4A)^(2/5)` (m).
-#[must_use]
 pub fn collision_overlap(stiffness: f64, reduced_mass: f64, closing_speed: f64) -> f64 {
     (1.25 * reduced_mass * closing_speed * closing_speed / stiffness).powf(0.4)
 }

@@ -18,13 +18,11 @@ impl Chain {
     ///
     /// For each moving body the larger of two closed forms: `v/omega` on its static contacts, and the two-body
     /// collision for contacts without preload.
-    #[must_use]
     pub fn impact_overlap(&self, velocity: &[f64]) -> f64 {
         self.impacts(velocity).map(|(_, overlap)| overlap).fold(0.0, f64::max)
     }
 
     /// By how much that impact raises the force of a contact, at most: [`Self::impact_overlap`] in newtons. 0 where nothing moves (N).
-    #[must_use]
     pub fn impact_force(&self, velocity: &[f64]) -> f64 {
         let forces = self.impacts(velocity).map(|(contact, overlap)| contact.force_change(overlap));
         forces.fold(0.0, f64::max)
@@ -52,7 +50,6 @@ impl Chain {
     ///
     /// The frequency is the highest of the whole chain, linearised: each contact at its static overlap or, next to a moving body,
     /// at the overlap of the coming collision. The contact that is named is the one that would be fastest with its two bodies alone.
-    #[must_use]
     pub fn stability_limit(&self, velocity: &[f64], reach: f64) -> Option<StabilityLimit> {
         let mut fastest: Option<(f64, StabilityLimit)> = None;
         let mut stiffnesses = vec![0.0; self.contacts.len()];

@@ -29,7 +29,6 @@ pub struct LossEntry {
 
 impl Dissipated {
     /// All of it (J).
-    #[must_use]
     pub fn total(&self) -> f64 {
         self.losses.iter().map(|entry| entry.energy).sum::<f64>() + self.left_in_contacts
     }
@@ -37,14 +36,12 @@ impl Dissipated {
 
 impl Chain {
     /// Whether a contact has a loss: forces then depend on velocities.
-    #[must_use]
     pub fn is_dissipative(&self) -> bool {
         self.contacts.iter().any(|contact| contact.loss.is_some())
     }
 
     /// The chain as what it is to be integrated as: a lossless chain pays nothing for losses, and one without
     /// [`super::MagnetLaw`] nothing for that.
-    #[must_use]
     pub fn system(&self, initial_velocity: &[f64]) -> Box<dyn System> {
         let system: Box<dyn System> = if self.is_dissipative() {
             Box::new(DissipativeSystem::new(self, initial_velocity))
@@ -57,7 +54,6 @@ impl Chain {
     }
 
     /// The state at rest in static equilibrium but for `initial_velocity` (m/s), with room for the accounts.
-    #[must_use]
     pub fn initial_state(&self, initial_velocity: &[f64]) -> State {
         let accounts = if self.is_dissipative() { ACCOUNTS } else { 0 };
         let mut velocity = initial_velocity.to_vec();
@@ -74,7 +70,6 @@ impl Chain {
     }
 
     /// What the losses have taken up to `state`.
-    #[must_use]
     pub fn dissipated(&self, state: &State, initial_velocity: &[f64]) -> Dissipated {
         let unit = self.account_unit(initial_velocity);
         let accounts = state.velocity.get(self.bodies.len()..).unwrap_or_default();
@@ -92,7 +87,6 @@ impl Chain {
     }
 
     /// Energy of `state` without that in contacts held at zero force, which nobody gets back; `held` tells which are.
-    #[must_use]
     pub fn free_energy(&self, state: &State, held: &dyn Fn(usize) -> bool) -> Energy {
         let mut energy = self.energy(state);
         for (j, contact) in self.contacts.iter().enumerate().filter(|(j, _)| held(*j)) {

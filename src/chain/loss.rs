@@ -26,7 +26,6 @@ pub enum EndOfContact {
 
 impl EndOfContact {
     /// As written in scenes.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::ZeroOverlap => "zero_overlap",
@@ -78,13 +77,11 @@ pub struct Tangent {
 
 impl ContactLoss {
     /// Whether the force jumps where the contact opens or closes.
-    #[must_use]
     pub fn jumps(&self) -> bool {
         self.dashpot > 0.0 || self.power_force > 0.0
     }
 
     /// Whether anything is lost at all.
-    #[must_use]
     pub fn is_some(&self) -> bool {
         self.jumps() || self.relaxation > 0.0
     }
@@ -115,7 +112,6 @@ impl ContactLoss {
     }
 
     /// The force that a contact of stiffness `A` (N/m^1.5) has beyond its elastic one (N).
-    #[must_use]
     pub fn force(&self, stiffness: f64, touch: Touch) -> f64 {
         let force = self.terms(stiffness, touch).iter().sum();
         if self.holds(force, touch) { -touch.elastic } else { force }
@@ -134,7 +130,6 @@ impl ContactLoss {
     }
 
     /// Slope of the loss against the closing speed, nothing held (N s/m).
-    #[must_use]
     pub fn damping(&self, stiffness: f64, overlap: f64, closing: f64) -> f64 {
         let power = if self.power_force > 0.0 {
             let speed = closing.abs().max(f64::MIN_POSITIVE);
@@ -147,7 +142,6 @@ impl ContactLoss {
 
     /// The force that a contact of stiffness `A` (N/m^1.5) has beyond its elastic one (N), and the tangents of both together, whose elastic
     /// one (N/m) is `elastic_tangent`.
-    #[must_use]
     pub fn force_and_tangent(
         &self,
         stiffness: f64,
@@ -162,7 +156,6 @@ impl ContactLoss {
     }
 
     /// The tangents, of both stiffnesses, where it is known whether the contact is `held`.
-    #[must_use]
     pub fn tangent_as(&self, stiffnesses: (f64, f64), touch: Touch, held: bool) -> Tangent {
         self.tangent_of(self.terms(stiffnesses.0, touch), stiffnesses, touch, held)
     }

@@ -84,25 +84,21 @@ impl Pull {
     }
 
     /// Change of the force at the displacement `u` (m) from rest, downward positive (N).
-    #[must_use]
     pub fn change(&self, u: f64) -> f64 {
         self.field.force(self.distance - u) - self.rest_force
     }
 
     /// Its slope against the displacement `u` (m) (N/m).
-    #[must_use]
     pub fn slope(&self, u: f64) -> f64 {
         -self.field.slope(self.distance - u)
     }
 
     /// Energy of the particle at the displacement `u` (m), zero at rest (J).
-    #[must_use]
     pub fn energy(&self, u: f64) -> f64 {
         self.field.energy(self.distance - u) - self.rest_energy
     }
 
     /// Distances between which the law is known (m).
-    #[must_use]
     pub fn known(&self) -> [f64; 2] {
         match &self.field {
             Field::Ring(..) => [f64::NEG_INFINITY, f64::INFINITY],

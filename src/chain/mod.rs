@@ -168,81 +168,68 @@ impl Chain {
     }
 
     /// The bodies from top to bottom, the striker first.
-    #[must_use]
     pub fn bodies(&self) -> &[Body] {
         &self.bodies
     }
 
     /// The contacts from top to bottom: one more than bodies, those with the boundaries included.
-    #[must_use]
     pub fn contacts(&self) -> &[Contact] {
         &self.contacts
     }
 
     /// The magnet that pulls one of its bodies, if any.
-    #[must_use]
     pub fn magnet(&self) -> Option<&ChainMagnet> {
         self.magnet.as_ref()
     }
 
     /// A magnet whose force changes as its body moves, with the index of that body.
-    #[must_use]
     pub fn pull(&self) -> Option<(usize, &Pull)> {
         let magnet = self.magnet.as_ref().filter(|_| self.follows)?;
         Some((magnet.body, magnet.pull.as_ref()?))
     }
 
     /// Whether its forces are those of elastic contacts and constant loads alone, as the chain's own stepper takes them.
-    #[must_use]
     pub fn is_plain(&self) -> bool {
         !self.is_dissipative() && self.pull().is_none()
     }
 
     /// Whether it runs on the vector path: elastic Hertz contacts and constant loads are all there is.
-    #[must_use]
     pub fn runs_on_vectors(&self) -> bool {
         self.is_plain() && !self.is_linear()
     }
 
     /// Whether its contacts are linearised: all of them are, or none.
-    #[must_use]
     pub fn is_linear(&self) -> bool {
         self.contacts.iter().any(|contact| contact.law == Law::Linearised)
     }
 
     /// Smallest mass of its bodies (kg).
-    #[must_use]
     pub fn lightest(&self) -> f64 {
         self.bodies.iter().fold(f64::INFINITY, |least, body| least.min(body.mass))
     }
 
     /// Number of particles; the striker is none.
-    #[must_use]
     pub fn particles(&self) -> usize {
         self.bodies.len() - usize::from(self.striker)
     }
 
     /// Whether body 0 is a striker.
-    #[must_use]
     pub fn has_striker(&self) -> bool {
         self.striker
     }
 
     /// Index of the body that is particle `particle`, counted from 1.
-    #[must_use]
     pub fn body_of(&self, particle: usize) -> usize {
         particle - usize::from(!self.striker)
     }
 
     /// Index of the contact with the wall at the bottom, if there is one.
-    #[must_use]
     pub fn wall_contact(&self) -> Option<usize> {
         let last = self.contacts.len() - 1;
         self.contacts.get(last).filter(|c| c.stiffness > 0.0).map(|_| last)
     }
 
     /// Static distance between the centres of two particles, overlaps subtracted (m).
-    #[must_use]
     pub fn distance(&self, upper: usize, lower: usize) -> f64 {
         let (from, to) = (self.body_of(upper.min(lower)), self.body_of(upper.max(lower)));
         let between = |pair: &[Body]| pair.iter().map(|b| 0.5 * b.length).sum::<f64>();
@@ -252,7 +239,6 @@ impl Chain {
     }
 
     /// Distance from a particle's centre to the wall at the bottom, overlaps subtracted (m).
-    #[must_use]
     pub fn distance_to_wall(&self, particle: usize) -> f64 {
         let body = self.body_of(particle);
         let half = self.bodies.get(body).map_or(0.0, |b| 0.5 * b.length);

@@ -28,7 +28,6 @@ impl Chain {
     ///
     /// What overlaps do to each other's accelerations, `K_j (1/m_above + 1/m_below)` and `K_(j-1)/m_above`, `K_(j+1)/m_below`, has no eigenvalue above the
     /// largest sum of a row's magnitudes: the square of the frequency that is told. For a long chain of two kinds of bodies that is the highest.
-    #[must_use]
     pub fn pacing(&self, velocity: &[f64]) -> Pacing {
         let mut springs = self.springs(velocity);
         let squares = springs.iter().map(Spring::square).enumerate();

@@ -36,7 +36,6 @@ struct Around {
 
 impl ForceProbe {
     /// The force inside particle `particle` (from 1) at offset `xi` (1, -0.5 to 0.5).
-    #[must_use]
     pub fn inside(chain: &Chain, particle: usize, offset: f64) -> Option<Self> {
         let body = chain.body_of(particle);
         let contacts = [*chain.contacts().get(body)?, *chain.contacts().get(body + 1)?];
@@ -45,7 +44,6 @@ impl ForceProbe {
     }
 
     /// The force in the contact above body `contact` (from 0).
-    #[must_use]
     pub fn contact(chain: &Chain, contact: usize) -> Option<Self> {
         let above = contact.checked_sub(1)?;
         let contacts = [*chain.contacts().get(above)?, *chain.contacts().get(contact)?];
@@ -76,20 +74,17 @@ impl ForceProbe {
     }
 
     /// The two contacts that are felt, the one above first.
-    #[must_use]
     pub fn contacts(&self) -> [&Contact; 2] {
         let [_, above, below, _] = &self.around.contacts;
         [above, below]
     }
 
     /// What each of them weighs (1).
-    #[must_use]
     pub fn weights(&self) -> &[f64; 2] {
         &self.around.weights
     }
 
     /// Index of the body between them.
-    #[must_use]
     pub fn body(&self) -> usize {
         self.around.body
     }
@@ -105,13 +100,11 @@ impl ForceProbe {
     }
 
     /// Force at static equilibrium (N).
-    #[must_use]
     pub fn static_force(&self) -> f64 {
         self.contacts().iter().zip(self.weights()).map(|(c, w)| w * c.static_force).sum()
     }
 
     /// How fast the force changes when the chain is let go: nothing has moved yet, and bodies have these velocities (m/s) (N/s).
-    #[must_use]
     pub fn starting_rate(&self, velocities: &[f64]) -> f64 {
         let velocity = |body: Option<usize>| body.and_then(|b| velocities.get(b)).copied();
         let here = self.body();
@@ -123,13 +116,11 @@ impl ForceProbe {
     }
 
     /// Whether a contact it feels has a loss: its force may then jump.
-    #[must_use]
     pub fn is_lossy(&self) -> bool {
         self.around.is_lossy
     }
 
     /// The probe's view of the integrator's last step, whose interpolation is prepared.
-    #[must_use]
     pub fn over_step(&self, integrator: &dyn Integrator, bodies: usize) -> ForceSegment {
         let here = self.body();
         let motion = |index: Option<usize>| {
@@ -205,7 +196,6 @@ pub struct ForceSegment {
 
 impl ForceSegment {
     /// Dynamic force, the static one subtracted, at the fraction `theta` of the step (N).
-    #[must_use]
     pub fn force(&self, theta: f64) -> f64 {
         let [changes, closing] = self.motion.at(theta);
         let Around { contacts, weights, is_lossy, .. } = &*self.around;
@@ -221,14 +211,12 @@ impl ForceSegment {
     }
 
     /// Its rate of change at the fraction `theta` of the step (N/s).
-    #[must_use]
     pub fn rate(&self, theta: f64) -> f64 {
         self.look(theta)[1]
     }
 
     /// Both. What closing speeds gain follows from the forces, for an interpolant's second derivative is nothing but rounding on the
     /// shortest steps (N, N/s).
-    #[must_use]
     pub fn look(&self, theta: f64) -> [f64; 2] {
         let [changes, closing] = self.motion.at(theta);
         let Around { contacts, weights, is_lossy, inertia, .. } = &*self.around;

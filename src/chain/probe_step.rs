@@ -7,7 +7,7 @@ use super::hertz::force_and_tangent;
 use super::simd::VectorStepper;
 use super::{Contact, ForceProbe, Law};
 use crate::integrate::hermite::{End, septic};
-use crate::integrate::{COEFFICIENTS, Integrator, Interpolant};
+use crate::integrate::{COEFFICIENTS, Integrator};
 
 /// Times in a step at which a force is evaluated, as fractions of the step; its end is the last (1).
 pub const SAMPLE_TIMES: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
@@ -59,8 +59,8 @@ pub struct StepOverlaps {
     pub start: f64,
     /// Length of the step (s).
     pub length: f64,
-    /// Overlap changes as polynomials in the fraction of the step, and their rates (m, m/s).
-    overlaps: [Interpolant; 2],
+    /// Overlap changes as polynomials in the fraction of the step: coefficients of its powers (m).
+    overlaps: [[f64; COEFFICIENTS]; 2],
 }
 
 /// Dynamic forces (N) and rates of change (N/s) at [`SAMPLE_TIMES`] within a step.
@@ -74,7 +74,6 @@ pub struct ForceSamples {
 
 impl ContactPair {
     /// Those of `probe`.
-    #[must_use]
     pub fn new(probe: &ForceProbe) -> Self {
         let [above, below] = probe.contacts();
         let [weight_above, weight_below] = *probe.weights();
@@ -82,30 +81,38 @@ impl ContactPair {
     }
 
     /// Dynamic force and its rate of change at the fraction `theta` of a step (N, N/s).
-    #[must_use]
     pub fn force_and_rate(&self, step: &StepOverlaps, theta: f64) -> [f64; 2] {
         let (mut force, mut rate) = (0.0, 0.0);
         for (contact, overlap) in self.0.iter().zip(&step.overlaps) {
-            let (change, tangent) = contact.force_and_tangent(overlap.position(theta));
+            let (value, slope) = value_and_slope(overlap, theta);
+            let (change, tangent) = contact.force_and_tangent(value);
             force += contact.weight * change;
-            rate += contact.weight * tangent * overlap.velocity(theta);
+            rate += contact.weight * tangent * slope;
         }
-        [force, rate]
+        [force, rate / step.length]
     }
 
     /// Dynamic force there (N).
-    #[must_use]
     pub fn force(&self, step: &StepOverlaps, theta: f64) -> f64 {
-        let forces = self.0.iter().zip(&step.overlaps);
-        forces.map(|(c, overlap)| c.weight * c.force_and_tangent(overlap.position(theta)).0).sum()
+        self.force_and_rate(step, theta)[0]
     }
 
     /// Forces and rates at [`SAMPLE_TIMES`].
-    #[must_use]
     pub fn samples(&self, step: &StepOverlaps) -> ForceSamples {
         let all = SAMPLE_TIMES.map(|theta| self.force_and_rate(step, theta));
         ForceSamples { forces: all.map(|[force, _]| force), rates: all.map(|[_, rate]| rate) }
     }
+}
+
+/// A polynomial (m) and its slope (m) at `theta`.
+#[inline]
+fn value_and_slope(coefficients: &[f64; COEFFICIENTS], theta: f64) -> (f64, f64) {
+    let (mut value, mut slope) = (0.0, 0.0);
+    for coefficient in coefficients.iter().rev() {
+        slope = slope * theta + value;
+        value = value * theta + coefficient;
+    }
+    (value, slope)
 }
 
 /// Change, rate, second and third derivative of an overlap (m, m/s, m/s², m/s³).
@@ -130,7 +137,6 @@ pub struct ProbeTracker {
 
 impl ProbeTracker {
     /// Starts at the present state of `stepper`, whose chain has so many bodies.
-    #[must_use]
     pub fn new(probe: &ForceProbe, stepper: &VectorStepper, bodies: usize) -> Self {
         let body = |offset: usize| (probe.body() + offset).checked_sub(2).filter(|b| *b < bodies);
         let mut tracker = Self {
@@ -169,19 +175,16 @@ impl ProbeTracker {
     }
 
     /// Dynamic force and its rate of change at the end of the last step (N, N/s).
-    #[must_use]
     pub fn end(&self) -> [f64; 2] {
         self.forces[1]
     }
 
     /// The contacts that it measures.
-    #[must_use]
     pub fn pair(&self) -> &ContactPair {
         &self.pair
     }
 
     /// The overlaps over the last step.
-    #[must_use]
     pub fn overlaps(&self) -> StepOverlaps {
         let (start, length) = self.step;
         let end = |[position, velocity, acceleration, jerk]: Derivatives| {
@@ -190,7 +193,7 @@ impl ProbeTracker {
         let [from, to] = self.ends;
         let overlap = |which: usize| {
             let ((from, early), (to, late)) = (end(from[which]), end(to[which]));
-            septic(from, to, (early, late), length)
+            septic(from, to, (early, late), length).position
         };
         StepOverlaps { start, length, overlaps: [overlap(0), overlap(1)] }
     }
@@ -200,7 +203,6 @@ impl ProbeTracker {
     /// A force that changes its curvature at most once in a step is below its tangents at both ends: below the one where it is concave there,
     /// and where it is convex below the larger of that part's ends. A maximum of one that falls at the start and rises at the end is not looked
     /// for: it would have turned three times.
-    #[must_use]
     pub fn may_exceed(&self, [maximum, level]: [f64; 2]) -> bool {
         let ([[first, first_rate], [last, last_rate]], length) = (self.forces, self.step.1);
         let (climb, slope) = (first_rate * length, last_rate * length);
@@ -220,8 +222,6 @@ impl ProbeTracker {
         rose == rises && bend > 0.0 && turn > 0.0 && turn < bend && turn * turn > spare * bend
     }
 }
-
-const _: () = assert!(COEFFICIENTS == 8, "septics");
 
 #[cfg(test)]
 mod tests {

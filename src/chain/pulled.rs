@@ -19,7 +19,6 @@ pub struct PulledSystem {
 
 impl PulledSystem {
     /// `inner`, the system of bodies with these `masses` (kg), with `pull` on `body`.
-    #[must_use]
     pub fn new(inner: Box<dyn System>, pull: Pull, body: usize, masses: Vec<f64>) -> Self {
         let inverse_mass = masses.get(body).map_or(0.0, |mass| 1.0 / mass);
         Self { inner, pull, body, inverse_mass, masses, tangent: 0.0 }

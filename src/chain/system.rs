@@ -22,7 +22,6 @@ pub struct ChainSystem {
 
 impl ChainSystem {
     /// Lowers `chain` to arrays; `initial_velocity` (m/s) sets the scale of what is to come.
-    #[must_use]
     pub fn new(chain: &Chain, initial_velocity: &[f64]) -> Self {
         let contacts = chain.contacts();
         let bodies = chain.bodies();

@@ -91,7 +91,6 @@ enum Command {
 }
 
 /// Runs the program on the process's own arguments.
-#[must_use]
 pub fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Run(arguments) => run::run(&arguments),

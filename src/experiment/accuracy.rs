@@ -181,7 +181,6 @@ pub struct ErrorEstimate {
 
 impl ErrorEstimate {
     /// The larger of those of peaks and arrivals, which an accuracy is asked for (1).
-    #[must_use]
     pub fn worst(&self) -> f64 {
         self.peak.max(self.arrival)
     }
@@ -281,7 +280,6 @@ impl Second {
 }
 
 /// What the user has to hear of an estimate that is missing, or beyond the `accuracy` (1) that was asked for.
-#[must_use]
 pub fn doubt(estimate: Option<&ErrorEstimate>, accuracy: f64) -> Option<String> {
     let Some(estimate) = estimate else {
         return Some(

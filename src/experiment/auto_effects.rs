@@ -26,7 +26,6 @@ const POWER: f64 = 1.2;
 const SLOWEST: f64 = 0.1;
 
 /// `scene` with all that it leaves to the accuracy decided, and told in `decided`. A method by hand has no accuracy: all stay on.
-#[must_use]
 pub fn settle(scene: &Scene, integration: Integration) -> Cow<'_, Scene> {
     if scene.auto.is_empty() {
         return Cow::Borrowed(scene);
@@ -76,7 +75,6 @@ pub(crate) fn decision(scene: &Scene, name: &str, accuracy: f64) -> String {
 }
 
 /// The most that the effect called `name` can change of first peaks, arrivals and speeds; infinite where that is not known (1).
-#[must_use]
 pub fn change_upper_bound(scene: &Scene, name: &str) -> f64 {
     match name {
         "gravity" => by_gravity(scene),

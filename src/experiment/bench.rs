@@ -20,14 +20,12 @@ pub struct Grid {
 
 impl Grid {
     /// Time of sample `index` (s).
-    #[must_use]
     #[allow(clippy::cast_precision_loss, reason = "runs have far fewer than 2^53 samples")]
     pub fn time(&self, index: usize) -> f64 {
         self.start + index as f64 * self.interval
     }
 
     /// Number of samples at or before `time` (s).
-    #[must_use]
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -55,7 +53,6 @@ enum Engine<'a> {
 }
 
 /// A method at work on a chain, from any state; on the vector path where chain and method allow it.
-#[must_use]
 pub fn start(chain: &Chain, method: Method, state: State) -> Box<dyn Integrator> {
     match method.scheme() {
         Some(scheme) if chain.runs_on_vectors() => {
@@ -106,7 +103,6 @@ pub struct Bench<'a> {
 
 impl<'a> Bench<'a> {
     /// Sets the chain in motion; forces at `probes` are sampled on `grid`, the film has a frame every `frame_interval` (s).
-    #[must_use]
     pub fn new(
         chain: &'a Chain,
         initial_velocities: &[f64],
@@ -119,7 +115,6 @@ impl<'a> Bench<'a> {
     }
 
     /// The same with the instructions of `set` on the vector path.
-    #[must_use]
     pub fn with_instructions(
         set: InstructionSet,
         (chain, initial_velocities): (&'a Chain, &[f64]),
@@ -148,7 +143,6 @@ impl<'a> Bench<'a> {
     }
 
     /// The bench, given up when it has taken more than `most` evaluations of all forces.
-    #[must_use]
     pub fn within(mut self, most: u64) -> Self {
         self.most_evaluations = most;
         self
@@ -200,7 +194,6 @@ impl<'a> Bench<'a> {
     }
 
     /// The bench, not yet run, without one of the vector path's refinements; what does not run there has none.
-    #[must_use]
     pub fn without(mut self, refinement: Refinement) -> Self {
         if let Engine::Vectors(stepper, trackers) = self.engine {
             self.engine = Engine::Vectors(Box::new(stepper.without(refinement)), trackers);
@@ -209,25 +202,21 @@ impl<'a> Bench<'a> {
     }
 
     /// The watched forces, in the order of the probes.
-    #[must_use]
     pub fn watches(&self) -> &[Watch] {
         &self.watches
     }
 
     /// The watched forces, the bench given up.
-    #[must_use]
     pub fn into_watches(self) -> Vec<Watch> {
         self.watches
     }
 
     /// The film so far.
-    #[must_use]
     pub fn film(&self) -> &Film {
         &self.film
     }
 
     /// Energy at the start and now, without what contacts held at zero force will not give back.
-    #[must_use]
     pub fn energies(&self) -> (Energy, Energy) {
         let (integrator, contacts) = (self.engine.integrator(), self.chain.contacts().len());
         let held = |contact: usize| !integrator.is_on(contacts + contact);
@@ -236,25 +225,21 @@ impl<'a> Bench<'a> {
     }
 
     /// What the losses have taken so far.
-    #[must_use]
     pub fn dissipated(&self) -> Dissipated {
         self.chain.dissipated(&self.engine.integrator().state(), &self.initial_velocities)
     }
 
     /// The present time (s).
-    #[must_use]
     pub fn time(&self) -> f64 {
         self.engine.integrator().time()
     }
 
     /// The present state.
-    #[must_use]
     pub fn state(&self) -> State {
         self.engine.integrator().state()
     }
 
     /// Steps tried in which contacts opened or closed; none where the method does not ask.
-    #[must_use]
     pub fn contact_changes(&self) -> Option<u64> {
         match &self.engine {
             Engine::Vectors(stepper, _) => Some(stepper.contact_changes()),
@@ -263,7 +248,6 @@ impl<'a> Bench<'a> {
     }
 
     /// What the integration has cost so far.
-    #[must_use]
     pub fn work(&self) -> Work {
         self.engine.integrator().work()
     }

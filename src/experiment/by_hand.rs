@@ -96,7 +96,6 @@ fn too_much(method: Method) -> &'static str {
 }
 
 /// A step or a tolerance with which `method` would read `scene` well, in words; none where none was found in reasonable time.
-#[must_use]
 pub fn advice(scene: &Scene, method: Method) -> Option<String> {
     let Some((step, reach)) = method.fixed_step() else {
         let tighter = (1..=TRIES).map(|tries| TIGHTER_BY.powi(tries));
@@ -137,7 +136,6 @@ fn reads_within(scene: &Scene, method: Method) -> Option<String> {
 }
 
 /// Up to where steps of `method` could be stable, in words, for one that was not.
-#[must_use]
 pub fn edge(scene: &Scene, method: Method) -> Option<String> {
     let (_, reach) = method.fixed_step()?;
     let limit = scene.chain.stability_limit(&scene.initial_velocities, reach)?;

@@ -27,7 +27,7 @@ pub struct Run {
     pub wall_s: f64,
 }
 
-/// A method, as it is or without one of the stepper's refinements.
+/// A method, as it is or without one of the vector path's refinements.
 pub type Treated = (Method, Option<Refinement>);
 
 /// Runs `scene` by `method` to the end of its duration.
@@ -38,7 +38,7 @@ pub fn run(scene: &Scene, method: Method) -> Result<Run, IntegrateError> {
     run_without(scene, (method, None), u64::MAX)
 }
 
-/// The same without one of the stepper's refinements, and given up when it has taken more than `most` evaluations of all forces.
+/// The same without one of the vector path's refinements, and given up when it has taken more than `most` evaluations of all forces.
 ///
 /// # Errors
 /// The integrator's.

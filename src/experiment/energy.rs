@@ -35,7 +35,6 @@ pub struct EnergyLedger {
 
 impl EnergyLedger {
     /// The ledger of a run from its `initial` to its `last` energy.
-    #[must_use]
     pub fn new(initial: Energy, last: Energy, taken: Dissipated) -> Self {
         let (before, after, dissipated) = (initial.total(), last.total(), taken.total());
         Self {
@@ -50,13 +49,11 @@ impl EnergyLedger {
     }
 
     /// Whether no more than `share` (1) of the energy in motion has been made or lost, but for rounding of all that is stored.
-    #[must_use]
     pub fn is_kept(&self, share: f64) -> bool {
         self.drift.abs() <= share || self.is_rounding()
     }
 
     /// Whether what has been made or lost may be rounding of all that is stored.
-    #[must_use]
     pub fn is_rounding(&self) -> bool {
         let made = self.r#final + self.dissipated - self.initial;
         made.abs() <= ROUNDING * self.initial.abs()
@@ -65,7 +62,6 @@ impl EnergyLedger {
 
 /// `(after + taken - before)` over the kinetic energy before or after, whichever is more: what a method has made of energy, as a share of
 /// that in motion. Static overlaps, which may hold a thousand times as much, do not hide it; what they round to is in it (1).
-#[must_use]
 pub fn drift(before: &Energy, after: &Energy, taken: &Dissipated) -> f64 {
     (after.total() + taken.total() - before.total()) / before.kinetic.max(after.kinetic)
 }

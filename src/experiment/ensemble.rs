@@ -44,25 +44,21 @@ pub struct Ensemble {
 
 impl Ensemble {
     /// All processors, to `accuracy`: relative error of first-peak forces and times (1).
-    #[must_use]
     pub fn new(accuracy: f64) -> Self {
         Self::by(Integration::Accuracy(accuracy))
     }
 
     /// All processors, each case integrated by `integration`.
-    #[must_use]
     pub fn by(integration: Integration) -> Self {
         Self { integration, threads: processors(), set: InstructionSet::best() }
     }
 
     /// With this many threads.
-    #[must_use]
     pub fn threads(self, threads: usize) -> Self {
         Self { threads: threads.max(1), ..self }
     }
 
     /// With these instructions.
-    #[must_use]
     pub fn instructions(self, set: InstructionSet) -> Self {
         Self { set, ..self }
     }
@@ -95,7 +91,6 @@ pub struct Watched {
 }
 
 /// The places of `scene` where forces can be watched: its sensors in particles, from the top, and the wall.
-#[must_use]
 pub fn places(scene: &Scene) -> Vec<Watched> {
     let sensor = |sensor: &PlacedSensor| match sensor.site {
         Site::Particle(particle) => {
@@ -111,7 +106,6 @@ pub fn places(scene: &Scene) -> Vec<Watched> {
 
 impl Case {
     /// `scene`, its first shot, to `accuracy` (1), with the forces at `places` watched.
-    #[must_use]
     pub fn of(scene: &Scene, accuracy: f64, places: &[Watched]) -> Self {
         let settled = settle(scene, Integration::Accuracy(accuracy));
         let chain = settled.chain.clone();

@@ -111,7 +111,6 @@ fn sensor_facts(scene: &Scene, placed: &PlacedSensor) -> Vec<(&'static str, Stri
 
 /// The metadata of shot `number` in a recording of another scene, or of the same with other knobs: its scene, what was turned
 /// of it, and its sensors.
-#[must_use]
 pub fn shot_facts(scene: &Scene, number: u32, impact: u32) -> Facts {
     let mut known = vec![
         ("scene", scene.name.clone()),
@@ -137,7 +136,6 @@ pub fn shot_facts(scene: &Scene, number: u32, impact: u32) -> Facts {
 }
 
 /// The scene as typed, to travel with the recording.
-#[must_use]
 pub fn scene_attachment(scene: &Scene) -> Attachment {
     Attachment {
         name: format!("{}.toml", scene.name),
@@ -147,7 +145,6 @@ pub fn scene_attachment(scene: &Scene) -> Attachment {
 }
 
 /// What goes into the recording beside a shot's traces.
-#[must_use]
 pub fn shot_notes(scene: &Scene, outcome: &Outcome) -> ShotNotes {
     let energy = &outcome.summary.energy;
     let summary = &outcome.summary;

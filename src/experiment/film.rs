@@ -19,7 +19,6 @@ pub struct Film {
 
 impl Film {
     /// A film that begins with the chain at rest but for these velocities (m/s), if a frame is due at the start.
-    #[must_use]
     pub fn new(chain: &Chain, grid: Grid, velocities: &[f64]) -> Self {
         let mut film =
             Self { grid, contact_forces: Vec::new(), displacements: Vec::new(), frames: 0 };
@@ -74,7 +73,6 @@ impl Film {
     }
 
     /// When the next frame is due (s).
-    #[must_use]
     pub fn next(&self) -> f64 {
         self.grid.time(self.frames)
     }

@@ -29,8 +29,7 @@ const DAMPED: f64 = 0.051;
 /// error tolerated in a step, in chains whose losses are not stiff (150 tolerances up to 6e-5 of 20 scenes; `tests/it/losses/tolerances.rs` holds
 /// runs to it) (1).
 const STEP_MARGIN: f64 = 16.0;
-/// The same for lossless chains that the chain's own stepper does not take, under a magnet that follows its particle: nobody puts steps across opening contacts
-/// right there, and errors were up to 23 times what a step tolerates (600 accuracies of two scenes) (1).
+/// The same for lossless chains under a magnet that follows its particle, where openings are not corrected: and errors were up to 23 times what a step tolerates (600 accuracies of two scenes) (1).
 const KINK_MARGIN: f64 = 48.0;
 /// Up to this accuracy the pair's steps are far better than they must be (1).
 const EIGHTH_ORDER_UP_TO: f64 = 6e-4;
@@ -88,7 +87,6 @@ pub fn controlled_for(chain: &Chain, velocities: &[f64], accuracy: f64) -> Metho
 }
 
 /// The pair that serves `accuracy` without losses (1).
-#[must_use]
 pub fn for_accuracy(accuracy: f64) -> Method {
     let margin = if accuracy > EIGHTH_ORDER_UP_TO { 1.0 } else { EIGHTH_ORDER_MARGIN };
     Method::DormandElMikkawyPrince86 { tolerance: margin * accuracy }

@@ -156,7 +156,6 @@ pub struct Reading {
 
 impl Reading {
     /// Reads a recorder out.
-    #[must_use]
     pub fn of(name: &str, particle: Option<usize>, offset: f64, pulse: &PulseRecorder) -> Self {
         let first_peak = pulse.first_peak();
         let reach =
@@ -192,7 +191,6 @@ pub struct Speed {
 }
 
 /// Speeds between all pairs of particles with a reading, nearest pairs first.
-#[must_use]
 pub fn speeds(chain: &Chain, readings: &[Reading]) -> Vec<Speed> {
     type Arrival = fn(&Reading) -> Option<f64>;
     const ESTIMATORS: [(&str, Arrival); 3] = [
@@ -238,7 +236,6 @@ pub struct TriggerReport {
 }
 
 /// Names and settings of all effects that were on: the chain's, then those of sensors and scope.
-#[must_use]
 pub fn effects(scene: &Scene) -> Vec<(String, String)> {
     let mut effects: Vec<(String, String)> = scene
         .spec

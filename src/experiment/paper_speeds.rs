@@ -24,7 +24,6 @@ pub struct PaperSpeed {
 }
 
 /// What the paper prints for `scene`, if it is one of the paper's, unchanged.
-#[must_use]
 pub fn speed_of(scene: &Scene) -> Option<PaperSpeed> {
     let row = speeds().ok()?.into_iter().find(|row| row.scene == scene.name)?;
     // A file of the same name may say something else.

@@ -164,7 +164,6 @@ pub(super) fn paces(method: Method) -> bool {
 }
 
 /// Accuracy of the run that one to `accuracy` is held against (1).
-#[must_use]
 pub fn tighter(accuracy: f64) -> f64 {
     (TIGHTER * accuracy).clamp(TIGHTEST_STEPS, LOOSEST_SECOND)
 }

@@ -98,13 +98,11 @@ impl Records {
     }
 
     /// The scene's channels and their front panels.
-    #[must_use]
     pub fn wanted(&self) -> Vec<(usize, VerticalSetup)> {
         self.list.iter().map(|record| (record.channel, record.vertical)).collect()
     }
 
     /// Number of samples that count among the first `horizon` of each record.
-    #[must_use]
     pub fn counted(&self, horizon: usize) -> usize {
         let counts = self.list.iter().flat_map(|record| record.counts.iter().take(horizon));
         counts.filter(|counts| **counts).count()

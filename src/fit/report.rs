@@ -263,7 +263,6 @@ fn notes(
 
 impl FitReport {
     /// The trigger's time after the striker's first contact, seconds.
-    #[must_use]
     pub fn trigger(&self) -> Option<Uncertain> {
         self.nuisances.first().map(|found| Uncertain { value: found.value, u: found.u })
     }

@@ -82,19 +82,16 @@ impl Locks {
     }
 
     /// Whether the session's messages reach the instrument.
-    #[must_use]
     pub fn may_act(&self, session: u16) -> bool {
         self.exclusive.is_none_or(|holder| holder == session) && self.may_share(session)
     }
 
     /// Whether somebody has the exclusive lock.
-    #[must_use]
     pub fn is_exclusive(&self) -> bool {
         self.exclusive.is_some()
     }
 
     /// How many sessions have a lock.
-    #[must_use]
     pub fn holders(&self) -> usize {
         let alone = self.exclusive.is_some_and(|holder| !self.sharers.contains(&holder));
         self.sharers.len() + usize::from(alone)

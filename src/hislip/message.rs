@@ -80,13 +80,11 @@ kinds! {
 
 impl Kind {
     /// The number on the wire.
-    #[must_use]
     pub fn code(self) -> u8 {
         self as u8
     }
 
     /// The kind that a number stands for.
-    #[must_use]
     pub fn from_code(code: u8) -> Option<Self> {
         Self::ALL.get(usize::from(code)).copied()
     }
@@ -107,7 +105,6 @@ pub struct Header {
 
 impl Header {
     /// The header in `bytes`, if it is one.
-    #[must_use]
     pub fn parse(bytes: &[u8; HEADER_BYTES]) -> Option<Self> {
         let [b'H', b'S', code, control, rest @ ..] = *bytes else { return None };
         let [p0, p1, p2, p3, length @ ..] = rest;
@@ -116,7 +113,6 @@ impl Header {
     }
 
     /// As on the wire.
-    #[must_use]
     pub fn bytes(self) -> [u8; HEADER_BYTES] {
         let mut bytes = [0; HEADER_BYTES];
         bytes[..4].copy_from_slice(&[b'H', b'S', self.code, self.control]);
@@ -192,7 +188,6 @@ impl Decoder {
     }
 
     /// Bytes that wait for the rest of their message.
-    #[must_use]
     pub fn waiting(&self) -> usize {
         self.buffer.len()
     }

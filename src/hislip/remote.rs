@@ -13,7 +13,6 @@ pub enum RemoteControl {
 
 impl RemoteControl {
     /// What a control code asks for; none for one that the standard does not know.
-    #[must_use]
     pub fn from_code(code: u8) -> Option<Self> {
         match code {
             // Remote disabled, the same with going to local, go to local.

@@ -123,7 +123,6 @@ impl Server {
     }
 
     /// Whether what came on a connection waits for somebody else's lock: it is not to be read from.
-    #[must_use]
     pub fn is_held(&self, connection: u64) -> bool {
         let session = self.connections.get(&connection).and_then(|link| link.session);
         let session = session.and_then(|number| self.sessions.get(&number));

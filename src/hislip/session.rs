@@ -57,7 +57,6 @@ struct Service {
 
 impl Session {
     /// A session whose synchronous connection is there.
-    #[must_use]
     pub fn new(synchronous: u64) -> Self {
         Self {
             synchronous,
@@ -98,7 +97,6 @@ impl Session {
     }
 
     /// A reply as messages of the size that the client takes.
-    #[must_use]
     pub fn reply(&mut self, bytes: &[u8]) -> Vec<u8> {
         self.undelivered = true;
         let mut out = Vec::with_capacity(bytes.len() + HEADER_BYTES);
@@ -119,7 +117,6 @@ impl Session {
     }
 
     /// Whether the message with this identifier, and with it everything sent before, has not come yet.
-    #[must_use]
     pub fn awaits(&self, identifier: u32) -> bool {
         let Some(last) = self.last else {
             // A client that has sent nothing yet has no identifier to tell.
@@ -129,7 +126,6 @@ impl Session {
     }
 
     /// Whether a reply waits or was not called delivered.
-    #[must_use]
     pub fn message_available(&self) -> bool {
         self.undelivered
     }

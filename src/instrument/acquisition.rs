@@ -86,25 +86,21 @@ impl Acquisition {
     }
 
     /// Whether it runs.
-    #[must_use]
     pub fn is_running(&self) -> bool {
         self.running
     }
 
     /// Records taken since the acquisition was started.
-    #[must_use]
     pub fn count(&self) -> u32 {
         self.count
     }
 
     /// Whether something has to end before `*OPC?` answers: a running single sequence.
-    #[must_use]
     pub fn is_pending(&self, panel: &Panel) -> bool {
         self.running && panel.acquire.stop_after == StopAfter::Sequence
     }
 
     /// The present state.
-    #[must_use]
     pub fn state(&self, panel: &Panel, setup: &Setup) -> State {
         let automatic = setup.trigger.mode == TriggerMode::Auto;
         if !self.running {
@@ -130,7 +126,6 @@ impl Acquisition {
     }
 
     /// The record of a channel.
-    #[must_use]
     pub fn memory(&self, channel: u8) -> Option<&Waveform> {
         self.memories.get(usize::from(channel).checked_sub(1)?)?.as_ref()
     }

@@ -84,19 +84,16 @@ pub mod bit {
 
 impl Event {
     /// The code.
-    #[must_use]
     pub fn code(self) -> u16 {
         self.row().0
     }
 
     /// The text as the instrument writes it, with the mark after which further information may stand.
-    #[must_use]
     pub fn message(self) -> String {
         format!("{}; ", self.row().1)
     }
 
     /// The bit of the event status register.
-    #[must_use]
     pub fn bit(self) -> u8 {
         match self.code() {
             100..=199 => bit::COMMAND,

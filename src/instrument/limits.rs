@@ -7,14 +7,12 @@ use crate::scope::Model;
 use crate::scope::model::ROUNDED_UP;
 
 /// The nearest of `choices` on a logarithmic scale, or `value` if there are none (unit).
-#[must_use]
 pub fn nearest(value: f64, choices: &[f64]) -> f64 {
     let distance = |choice: &f64| if value > 0.0 { (choice / value).ln().abs() } else { *choice };
     choices.iter().copied().min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(value)
 }
 
 /// A number to `digits` significant decimal digits, so that steps do not show the rounding of binary numbers (unit).
-#[must_use]
 pub fn rounded(value: f64, digits: usize) -> f64 {
     format!("{value:.*E}", digits.saturating_sub(1)).parse().unwrap_or(value)
 }
@@ -24,7 +22,6 @@ const FINE_DIGITS: usize = 3;
 
 /// A vertical scale (V/div) through a probe (1): the nearest step of the model's 1-2-5 series, or if fine any between the
 /// smallest and the largest, to three digits (V/div).
-#[must_use]
 pub fn vertical_scale(model: &Model, (scale, probe): (f64, f64), fine: bool) -> f64 {
     let steps = &model.vertical_scales;
     let at_input = match (steps.first(), steps.last()) {
@@ -44,7 +41,6 @@ pub fn turn_scale(model: &Model, channel: &mut Channel, scale: f64) {
 }
 
 /// A vertical position at a scale through a probe, in steps of a level of the digitiser (div).
-#[must_use]
 pub fn vertical_position(model: &Model, position: f64, scale: f64, probe: f64) -> f64 {
     let at_input = scale / probe;
     let limits = &model.limits;
@@ -56,13 +52,11 @@ pub fn vertical_position(model: &Model, position: f64, scale: f64, probe: f64) -
 }
 
 /// A time base: the nearest of the model's (s/div).
-#[must_use]
 pub fn time_base(model: &Model, scale: f64) -> f64 {
     nearest(scale, &model.time_bases)
 }
 
 /// A horizontal position in the model's steps of a division (s).
-#[must_use]
 pub fn horizontal_position(model: &Model, position: f64, scale: f64) -> f64 {
     let step = scale * model.position_step;
     let limits = &model.limits;
@@ -77,13 +71,11 @@ pub fn horizontal_position(model: &Model, position: f64, scale: f64) -> f64 {
 }
 
 /// A number within a range (unit).
-#[must_use]
 pub fn within(value: f64, (least, most): (f64, f64)) -> f64 {
     value.max(least).min(most)
 }
 
 /// A trigger level: within the reach of its source (V).
-#[must_use]
 pub fn trigger_level(model: &Model, panel: &Panel, level: f64) -> f64 {
     let source = panel.trigger.source;
     let (low, high) = if let Some(number) = source.channel() {

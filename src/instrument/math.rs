@@ -12,7 +12,6 @@ use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
 use crate::scope::{PointFormat, Preamble, Source, VerticalSetup, Waveform};
 
 /// The math trace of the channels' records, where the records it needs are there.
-#[must_use]
 pub fn math<'a>(
     law: &FftLaw,
     function: MathFunction,
@@ -31,7 +30,6 @@ fn to_code(level: f64, lowest: f64) -> i16 {
 }
 
 /// Sum (`sign` 1) or difference (-1) of two records of one length, in levels of the coarser scale (1).
-#[must_use]
 pub fn combine(a: &Waveform, b: &Waveform, sign: f64) -> Option<Waveform> {
     if a.codes.len() != b.codes.len() {
         return None;

@@ -55,7 +55,6 @@ pub fn measure(kind: MeasurementType, record: &Waveform) -> Result<f64, Event> {
 }
 
 /// The unit of a measurement's result.
-#[must_use]
 pub fn unit(kind: MeasurementType) -> &'static str {
     match kind {
         MeasurementType::Frequency => "Hz",

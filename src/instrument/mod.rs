@@ -92,7 +92,6 @@ impl FrontEnd {
 
 impl Instrument {
     /// An instrument that was just switched on with all the settings, the noise and the errors of `setup`, running.
-    #[must_use]
     pub fn of(setup: &Setup, seed: u64) -> Self {
         let mut instrument = Self::new(setup.model.clone(), setup.noise, seed);
         instrument.set_front_end(setup);
@@ -103,7 +102,6 @@ impl Instrument {
 
     /// An instrument that was just switched on, with its factory set-up, running. `noise` is that of its front end, root
     /// mean square (div).
-    #[must_use]
     pub fn new(model: Model, noise: f64, seed: u64) -> Self {
         let panel = Panel::default();
         let points = model.record_length;
@@ -132,7 +130,6 @@ impl Instrument {
     }
 
     /// The sample grid on which signals are welcome with the present settings.
-    #[must_use]
     pub fn sample_window(&self) -> SampleWindow {
         SampleWindow::of(&self.panel, &self.setup())
     }
@@ -167,7 +164,6 @@ impl Instrument {
     }
 
     /// The front panel as front end and digitiser take it.
-    #[must_use]
     pub fn setup(&self) -> Setup {
         let mut setup = self.panel.setup(&self.model);
         setup.noise = self.front_end.noise;
@@ -196,25 +192,21 @@ impl Instrument {
     }
 
     /// Whether the acquisition runs.
-    #[must_use]
     pub fn is_running(&self) -> bool {
         self.acquisition.is_running()
     }
 
     /// Whether something has to end before `*OPC?` answers.
-    #[must_use]
     pub fn is_busy(&self) -> bool {
         self.acquisition.is_pending(&self.panel)
     }
 
     /// What the acquisition is doing.
-    #[must_use]
     pub fn state(&self) -> State {
         self.acquisition.state(&self.panel, &self.setup())
     }
 
     /// Records taken since the acquisition was started.
-    #[must_use]
     pub fn acquisitions(&self) -> u32 {
         self.acquisition.count()
     }

@@ -45,7 +45,6 @@ pub struct Acquirer<'a> {
 
 /// Time between the converter's samples: those of the record, or in peak detection close enough to keep the shortest
 /// pulse, as far as memory allows (s).
-#[must_use]
 pub fn sample_interval(panel: &Panel, setup: &Setup) -> f64 {
     let slow = setup.model.sample_interval(setup.time_base);
     if panel.acquire.mode != AcquireMode::PeakDetect {
@@ -58,7 +57,6 @@ pub fn sample_interval(panel: &Panel, setup: &Setup) -> f64 {
 impl Acquirer<'_> {
     /// The record of every channel that is recorded and the trigger, or none if nothing triggers. Signals must have this set-up's sample
     /// interval; they arrive at `now` (s), which gives the phase of the mains.
-    #[must_use]
     pub fn take(&self, signals: &Signals, now: f64) -> Option<(Vec<Waveform>, Trigger)> {
         let model = &self.setup.model;
         let interval = self.sample_interval();
@@ -105,7 +103,6 @@ impl Acquirer<'_> {
     }
 
     /// Whether `signals` have the sample interval of this set-up, to rounding. Signals that were made for another time base do not.
-    #[must_use]
     pub fn fits(&self, signals: &Signals) -> bool {
         let interval = self.sample_interval();
         (signals.interval - interval).abs() <= INTERVAL_TOLERANCE * interval

@@ -54,7 +54,6 @@ impl Sweep {
     }
 
     /// Whether one point of the sweep is a whole number of samples of `signals`, to a percent of a sample.
-    #[must_use]
     pub fn fits(by: &Acquirer<'_>, signals: &Signals) -> bool {
         let ratio = by.setup.model.interval(by.setup.time_base) / signals.interval;
         ratio.is_finite() && ratio > 0.99 && (ratio - ratio.round()).abs() < 0.01

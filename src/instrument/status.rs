@@ -34,7 +34,6 @@ const MASTER_SUMMARY: u8 = 1 << 6;
 
 impl Status {
     /// The state after power on, with room for `capacity` events.
-    #[must_use]
     pub fn power_on(capacity: usize) -> Self {
         let mut status = Self {
             register: 0,
@@ -88,7 +87,6 @@ impl Status {
     }
 
     /// How many events are released.
-    #[must_use]
     pub fn released_events(&self) -> u8 {
         u8::try_from(self.released.len()).unwrap_or(u8::MAX)
     }
@@ -114,7 +112,6 @@ impl Status {
     }
 
     /// The status byte of `*STB?`; `message_available` tells whether a reply waits.
-    #[must_use]
     pub fn byte(&self, message_available: bool) -> u8 {
         let mut byte = 0;
         if message_available {

@@ -88,7 +88,6 @@ pub struct Transfer {
 
 impl Transfer {
     /// The settings after `DATa INIT`, for records of `points`.
-    #[must_use]
     pub fn initial(points: usize) -> Self {
         Self {
             format: CurveFormat::Binary,
@@ -103,7 +102,6 @@ impl Transfer {
     }
 
     /// Text, sign and byte order in one word.
-    #[must_use]
     pub fn encoding(&self) -> Encoding {
         match (self.format, self.numbers, self.byte_order) {
             (CurveFormat::Ascii, ..) => Encoding::Ascii,
@@ -130,13 +128,11 @@ impl Transfer {
     }
 
     /// Steps of a sent point in a level (1).
-    #[must_use]
     pub fn steps(&self) -> f64 {
         if self.width == 2 { STEPS_PER_LEVEL } else { 1.0 }
     }
 
     /// What is added to levels before they are sent: positive numbers begin at the lowest level, text is signed (1).
-    #[must_use]
     pub fn shift(&self) -> f64 {
         match (self.format, self.numbers) {
             (CurveFormat::Binary, NumberFormat::Positive) => LEVELS_BELOW_ZERO,
@@ -145,7 +141,6 @@ impl Transfer {
     }
 
     /// First and last point of a record of `points` that are sent, as indices in the right order.
-    #[must_use]
     pub fn range(&self, points: usize) -> std::ops::Range<usize> {
         let (low, high) = (self.start.min(self.stop), self.start.max(self.stop));
         low.saturating_sub(1).min(points)..high.min(points)
@@ -173,7 +168,6 @@ pub struct Incoming {
 
 impl Incoming {
     /// A record of `points` at the factory's scales.
-    #[must_use]
     pub fn initial(points: usize) -> Self {
         Self {
             nr_pt: points,

@@ -8,27 +8,23 @@ pub trait Word: Copy + PartialEq + Sync + 'static {
     const WORDS: &'static [(Self, &'static str)];
 
     /// The spelling of this choice.
-    #[must_use]
     fn word(self) -> &'static str {
         Self::WORDS.iter().find(|(choice, _)| *choice == self).map_or("", |(_, word)| word)
     }
 
     /// The choice that a typed word stands for, at any length between the short form and the full one.
-    #[must_use]
     fn from_word(typed: &str) -> Option<Self> {
         Self::WORDS.iter().find(|(_, word)| abbreviates(typed, word)).map(|(choice, _)| *choice)
     }
 }
 
 /// The part of a spelling that must be typed: everything before the first small letter.
-#[must_use]
 pub fn short_form(word: &str) -> &str {
     let end = word.find(|c: char| c.is_ascii_lowercase()).unwrap_or(word.len());
     word.get(..end).unwrap_or(word)
 }
 
 /// Whether `typed` is `word` or a beginning of it that is no shorter than its short form, in capitals or not.
-#[must_use]
 pub fn abbreviates(typed: &str, word: &str) -> bool {
     typed.len() >= short_form(word).len()
         && word.get(..typed.len()).is_some_and(|start| start.eq_ignore_ascii_case(typed))

@@ -44,7 +44,6 @@ impl StepControl {
     }
 
     /// Lets steps grow by no more than `growth` (1).
-    #[must_use]
     pub fn growing(self, growth: f64) -> Self {
         Self { growth, ..self }
     }

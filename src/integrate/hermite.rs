@@ -54,7 +54,6 @@ pub fn find_jerks(system: &mut dyn System, ends: [&State; 2], jerks: &mut Option
 }
 
 /// The quintic through both ends of a step of `length` (s).
-#[must_use]
 pub fn quintic(from: End, to: End, length: f64) -> Interpolant {
     let h = length;
     let (v0, a0) = (h * from.velocity, h * h * from.acceleration);
@@ -73,7 +72,6 @@ pub fn quintic(from: End, to: End, length: f64) -> Interpolant {
 }
 
 /// The septic through both ends, `jerks` being the rates of the accelerations there (m/s³).
-#[must_use]
 pub fn septic(from: End, to: End, jerks: (f64, f64), length: f64) -> Interpolant {
     let h = length;
     let jerk = h * h * h * jerks.0;
@@ -96,7 +94,6 @@ pub fn septic(from: End, to: End, jerks: (f64, f64), length: f64) -> Interpolant
 
 /// Weights of position, velocity, acceleration and jerk at the start and at the end in the septic of a step of `length` (s), at the fraction
 /// `theta` of the step (1, s, s², s³).
-#[must_use]
 pub fn septic_weights(theta: f64, length: f64) -> [[f64; 4]; 2] {
     let (t, h) = (theta, length);
     let fourth = t * t * t * t;

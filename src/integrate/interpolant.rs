@@ -18,13 +18,11 @@ impl Interpolant {
     pub const REST: Self = Self { position: [0.0; COEFFICIENTS], velocity: [0.0; COEFFICIENTS] };
 
     /// Displacement at the fraction `theta` of the step (m).
-    #[must_use]
     pub fn position(&self, theta: f64) -> f64 {
         horner(&self.position, theta)
     }
 
     /// Velocity at the fraction `theta` of the step (m/s).
-    #[must_use]
     pub fn velocity(&self, theta: f64) -> f64 {
         horner(&self.velocity, theta)
     }

@@ -13,7 +13,6 @@ pub struct Tridiagonal {
 
 impl Tridiagonal {
     /// A matrix of `n` rows, all zero.
-    #[must_use]
     pub fn new(n: usize) -> Self {
         Self { diagonal: vec![0.0; n], off_diagonal: vec![0.0; n.saturating_sub(1)] }
     }

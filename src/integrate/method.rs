@@ -87,7 +87,6 @@ impl Method {
     }
 
     /// Name as written in scenes, options and recordings.
-    #[must_use]
     pub fn name(&self) -> &'static str {
         match self.kind() {
             Kind::Splitting(method, _) => method.name,
@@ -100,7 +99,6 @@ impl Method {
     }
 
     /// Publication that defines the method.
-    #[must_use]
     pub fn source(&self) -> &'static str {
         match self.kind() {
             Kind::Splitting(method, _) | Kind::TwoStep(method, _) => method.source,
@@ -112,7 +110,6 @@ impl Method {
     }
 
     /// Order of convergence on smooth problems.
-    #[must_use]
     pub fn order(&self) -> u8 {
         match self.kind() {
             Kind::Splitting(method, _) | Kind::TwoStep(method, _) => method.order,
@@ -125,7 +122,6 @@ impl Method {
 
     /// The fixed step (s), and how far it may reach: the longest stable step times the highest angular frequency (1). None for
     /// methods that choose their own steps.
-    #[must_use]
     pub fn fixed_step(&self) -> Option<(f64, f64)> {
         match self.kind() {
             Kind::Splitting(method, step) => Some((step, method.stability)),
@@ -137,21 +133,18 @@ impl Method {
     }
 
     /// Whether forces may depend on velocities.
-    #[must_use]
     pub fn allows_losses(&self) -> bool {
         !matches!(self.kind(), Kind::Splitting(..) | Kind::TwoStep(..) | Kind::Nystrom(_))
     }
 
     /// Whether the method is one for systems with or without losses: some need to be without, and one needs the tangent that
     /// only those with losses tell.
-    #[must_use]
     pub fn suits(&self, lossy: bool) -> bool {
         if lossy { self.allows_losses() } else { !matches!(self.kind(), Kind::Rodas(_)) }
     }
 
     /// Longest stable step times the fastest decay of a lossy system; none for methods that no decay limits, and for
     /// those that are not made for losses (1).
-    #[must_use]
     pub fn decay_reach(&self) -> Option<f64> {
         match self.kind() {
             Kind::RungeKutta(method, _) => Some(method.decay_reach),
@@ -161,7 +154,6 @@ impl Method {
     }
 
     /// The tolerated error of a step, or of what is read; none for fixed steps (1).
-    #[must_use]
     pub fn tolerance(&self) -> Option<f64> {
         match self.kind() {
             Kind::Splitting(..) | Kind::RungeKutta(RungeKutta { error: None, .. }, _) => None,
@@ -173,8 +165,7 @@ impl Method {
         }
     }
 
-    /// What the chain's own stepper makes of the method; none for methods made for forces that depend on velocities.
-    #[must_use]
+    /// The method as the vector path takes it; none for methods whose forces may depend on velocities.
     pub fn scheme(&self) -> Option<Scheme> {
         match self.kind() {
             Kind::Nystrom(tolerance) => Some(Scheme::Nystrom(tolerance)),
@@ -185,7 +176,6 @@ impl Method {
     }
 
     /// Force evaluations of one step.
-    #[must_use]
     pub fn stages(&self) -> u8 {
         let count = match self.kind() {
             Kind::Splitting(method, _) | Kind::TwoStep(method, _) => method.drifts.len(),
@@ -198,7 +188,6 @@ impl Method {
     }
 
     /// Starts the method on `system` at `state`.
-    #[must_use]
     pub fn start<'a>(
         &self,
         system: Box<dyn System + 'a>,

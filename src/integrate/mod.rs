@@ -64,7 +64,7 @@ pub trait System {
         false
     }
 
-    /// What decides on the length of steps that are two_step from `state` on: of a system that knows no better, that speeds change distances in a
+    /// What decides on the length of steps of two lengths from `state` on; by default, speeds change distances in a
     /// radian.
     fn pacing(&self, state: &State) -> Pacing {
         let Scales { position, velocity } = self.scales(&state.position, &state.velocity);

@@ -57,7 +57,6 @@ pub struct NystromIntegrator<'a> {
 
 impl<'a> NystromIntegrator<'a> {
     /// Starts `pair` at `state`, tolerating errors of `tolerance` a step relative to the system's scales (1).
-    #[must_use]
     pub fn new(
         pair: &'static NystromPair,
         mut system: Box<dyn System + 'a>,

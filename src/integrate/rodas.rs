@@ -73,7 +73,6 @@ impl<'a> Rodas<'a> {
     pub const ORDER: u8 = 4;
 
     /// Starts at `state`, tolerating errors of `tolerance` a step relative to the system's scales (1).
-    #[must_use]
     pub fn new(mut system: Box<dyn System + 'a>, state: State, tolerance: f64) -> Self {
         let n = system.len();
         let bodies = system.linearised().map_or(0, |system| system.bodies());

@@ -65,7 +65,6 @@ pub struct RungeKuttaIntegrator<'a> {
 impl<'a> RungeKuttaIntegrator<'a> {
     /// Starts `method` at `state`; `setting` is its step (s), or the tolerated error of a step relative to the system's
     /// scales (1) if the method estimates its error.
-    #[must_use]
     pub fn new(
         method: &'static RungeKutta,
         system: Box<dyn System + 'a>,

@@ -45,13 +45,11 @@ pub struct Clock {
 
 impl Clock {
     /// Steps of `step` (s) by `method` from `origin` (s) on.
-    #[must_use]
     pub fn new(method: &Splitting, step: f64, origin: f64) -> Self {
         Self { step, origin, count: 0, cuts: method.first_step }
     }
 
     /// Length of a whole step (s).
-    #[must_use]
     pub fn step(&self) -> f64 {
         self.step
     }
@@ -72,7 +70,6 @@ impl Clock {
     }
 
     /// How many whole steps end before `end` (s), up to `most`.
-    #[must_use]
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -98,7 +95,6 @@ impl Clock {
     }
 
     /// Where the step ended that was `count` before the last, all of them whole (s).
-    #[must_use]
     pub fn before(&self, count: u64) -> f64 {
         self.end(self.count - count)
     }
@@ -146,7 +142,6 @@ enum Timing {
 
 impl<'a> SplittingIntegrator<'a> {
     /// Starts `method` at `state` with steps of `step` (s).
-    #[must_use]
     pub fn new(
         method: &'static Splitting,
         system: Box<dyn System + 'a>,
@@ -158,7 +153,6 @@ impl<'a> SplittingIntegrator<'a> {
     }
 
     /// Starts `method` at `state` with the steps that `tolerance` (1) asks for.
-    #[must_use]
     pub fn two_step(
         method: &'static Splitting,
         system: Box<dyn System + 'a>,

@@ -47,7 +47,6 @@ pub struct StiffContact {
 
 impl StiffContact {
     /// How it moves in a system with these positions (m), velocities (m/s) and accelerations (m/s²).
-    #[must_use]
     pub fn motion(&self, [position, velocity, acceleration]: [&[f64]; 3]) -> ContactMotion {
         let across = |values: &[f64]| {
             let [above, below] = self.bodies.map(|body| body.and_then(|body| values.get(body)));
@@ -94,7 +93,6 @@ pub struct TwoStep {
 
 impl TwoStep {
     /// The steps that `tolerance` (1) asks of a system, the first on a given `motion` of its stiff contact, or [`NO_CONTACT`].
-    #[must_use]
     pub fn new(pacing: &Pacing, tolerance: f64, motion: ContactMotion) -> Self {
         let share = (tolerance / LOOSEST_TOLERANCE).sqrt().sqrt().min(1.0);
         let long = share * LONG / pacing.frequency;
@@ -106,7 +104,6 @@ impl TwoStep {
 
     /// Length of the next step from `time` on, and where it ends, not beyond `end` (s).
     #[inline]
-    #[must_use]
     pub fn next(&self, time: f64, end: f64) -> (f64, f64) {
         let next = time + self.length;
         if next + REMAINDER * self.length < end { (self.length, next) } else { (end - time, end) }

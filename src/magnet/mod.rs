@@ -44,7 +44,6 @@ pub struct Magnet {
 impl Magnet {
     /// Distances over which the law holds or is of interest: from the middle of a ring to an outer diameter from its face; a
     /// table's own; a constant force is shown over a millimetre (m).
-    #[must_use]
     pub fn span(&self) -> [f64; 2] {
         match &self.law {
             ForceLaw::Constant(_) => [0.0, 1e-3],
@@ -54,7 +53,6 @@ impl Magnet {
     }
 
     /// Attraction at `distance` (m) and `temperature` (K), none outside a table (N).
-    #[must_use]
     pub fn force(&self, distance: f64, temperature: f64) -> Option<f64> {
         match &self.law {
             ForceLaw::Constant(force) => Some(*force),
@@ -67,7 +65,6 @@ impl Magnet {
     }
 
     /// Change of the force with distance at `distance` (m) and `temperature` (K), none outside a table (N/m).
-    #[must_use]
     pub fn slope(&self, distance: f64, temperature: f64) -> Option<f64> {
         match &self.law {
             ForceLaw::Constant(_) => Some(0.0),
@@ -80,7 +77,6 @@ impl Magnet {
     }
 
     /// Temperature at which its numbers hold: that of a ring's remanence, room temperature of others (K).
-    #[must_use]
     pub fn stated_temperature(&self) -> f64 {
         match &self.law {
             ForceLaw::Ring(ring, _) => ring.reference_temperature,
@@ -89,7 +85,6 @@ impl Magnet {
     }
 
     /// Distances within the span at which the magnet attracts with `force` (N), the one nearest to the face first (m).
-    #[must_use]
     pub fn distances(&self, force: f64, temperature: f64) -> Vec<f64> {
         let [near, far] = self.span();
         let place = |look: u32| near + (far - near) * f64::from(look) / f64::from(LOOKS);

@@ -55,7 +55,6 @@ pub struct RingField {
 
 impl Sphere {
     /// Its volume (m^3).
-    #[must_use]
     pub fn volume(&self) -> f64 {
         4.0 / 3.0 * PI * self.radius.powi(3)
     }
@@ -63,7 +62,6 @@ impl Sphere {
 
 impl RingMagnet {
     /// The field at `temperature` (K).
-    #[must_use]
     pub fn at(&self, temperature: f64) -> RingField {
         let change = self.temperature_coefficient * (temperature - self.reference_temperature);
         RingField { ring: *self, remanence: self.remanence * (1.0 + change) }
@@ -72,7 +70,6 @@ impl RingMagnet {
 
 impl RingField {
     /// Flux density on the axis, `z` (m) from the ring's centre, along the magnetisation (T).
-    #[must_use]
     pub fn field(&self, z: f64) -> f64 {
         let (a, b) = self.faces(z);
         let g = |radius: f64| a / a.hypot(radius) - b / b.hypot(radius);
@@ -80,7 +77,6 @@ impl RingField {
     }
 
     /// Its change along the axis (T/m).
-    #[must_use]
     pub fn gradient(&self, z: f64) -> f64 {
         let (a, b) = self.faces(z);
         let slope =
@@ -89,7 +85,6 @@ impl RingField {
     }
 
     /// Change of its slope along the axis (T/m^2).
-    #[must_use]
     pub fn curvature(&self, z: f64) -> f64 {
         let (a, b) = self.faces(z);
         let bend = |radius: f64| {
@@ -100,26 +95,22 @@ impl RingField {
     }
 
     /// How far `sphere` is magnetised at `z` (m): 1 is saturated (1).
-    #[must_use]
     pub fn saturation(&self, z: f64, sphere: &Sphere) -> f64 {
         (3.0 * self.field(z).abs() / sphere.saturation).min(1.0)
     }
 
     /// Force that draws `sphere` at `z` (m) toward the ring's centre (N).
-    #[must_use]
     pub fn attraction(&self, z: f64, sphere: &Sphere) -> f64 {
         self.pull(z, sphere) * z.signum()
     }
 
     /// Force on `sphere` at `z` (m) against the direction of `z`, on either side of the centre (N).
-    #[must_use]
     pub fn pull(&self, z: f64, sphere: &Sphere) -> f64 {
         let magnetisation = self.saturation(z, sphere) * sphere.saturation / VACUUM_PERMEABILITY;
         -sphere.volume() * magnetisation * self.gradient(z) * self.field(z).signum()
     }
 
     /// Change of [`RingField::pull`] along the axis (N/m).
-    #[must_use]
     pub fn pull_slope(&self, z: f64, sphere: &Sphere) -> f64 {
         let (field, gradient, bend) = (self.field(z), self.gradient(z), self.curvature(z));
         let per_tesla = 3.0 * sphere.volume() / VACUUM_PERMEABILITY;
@@ -131,7 +122,6 @@ impl RingField {
     }
 
     /// Energy of `sphere` at `z` (m), whose slope is [`RingField::pull`]; zero far away (J).
-    #[must_use]
     pub fn energy(&self, z: f64, sphere: &Sphere) -> f64 {
         let field = self.field(z).abs();
         let edge = sphere.saturation / 3.0;

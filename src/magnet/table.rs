@@ -52,21 +52,18 @@ impl ForceTable {
     }
 
     /// First and last distance (m).
-    #[must_use]
     pub fn span(&self) -> [f64; 2] {
         let of = |value: Option<&f64>| value.copied().unwrap_or(0.0);
         [of(self.distances.first()), of(self.distances.last())]
     }
 
     /// The force at `distance` (m), none beyond the table (N).
-    #[must_use]
     pub fn force(&self, distance: f64) -> Option<f64> {
         let [first, last] = self.span();
         (first..=last).contains(&distance).then(|| self.held_force(distance))
     }
 
     /// The force at `distance` (m), beyond the table that of its end (N).
-    #[must_use]
     pub fn held_force(&self, distance: f64) -> f64 {
         let Piece { x, width, ends: [y0, y1], slopes: [m0, m1] } = self.piece(distance);
         let t = ((distance - x) / width).clamp(0.0, 1.0);
@@ -79,7 +76,6 @@ impl ForceTable {
     }
 
     /// Its change with distance, none beyond the table (N/m).
-    #[must_use]
     pub fn slope(&self, distance: f64) -> Option<f64> {
         let [first, last] = self.span();
         if !(first..=last).contains(&distance) {
@@ -92,7 +88,6 @@ impl ForceTable {
     }
 
     /// Integral of the force from the table's first distance to `distance` (m), beyond the table with the force of its end (J).
-    #[must_use]
     pub fn integral(&self, distance: f64) -> f64 {
         let whole = |i: usize| {
             let place = self.distances.get(i).copied().unwrap_or(0.0);

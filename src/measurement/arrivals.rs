@@ -109,7 +109,6 @@ pub struct Survey {
 }
 
 /// Reads arrivals and speeds off `shot` of `set`.
-#[must_use]
 pub fn survey(set: &TraceSet, shot: &Shot) -> Survey {
     let sensors = metadata::sensors_of(set, shot.number);
     let mut notes = Vec::new();

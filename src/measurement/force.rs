@@ -96,7 +96,6 @@ pub fn wire(set: &mut TraceSet, channel: &str, sensor: &Sensor) -> Result<(), Sc
 }
 
 /// Forces of all channels of `shot`, or why there are none.
-#[must_use]
 pub fn forces(set: &TraceSet, shot: &Shot) -> Vec<Result<Forces, ForcesError>> {
     let sensors = metadata::sensors_of(set, shot.number);
     shot.captures.iter().map(|capture| of_channel(capture, &sensors)).collect()

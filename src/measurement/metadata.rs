@@ -57,13 +57,11 @@ pub fn scene_of(set: &TraceSet, shot: u32) -> Option<Result<Scene, SceneError>> 
 }
 
 /// The sensors that a recording's metadata name.
-#[must_use]
 pub fn sensors(set: &TraceSet) -> Vec<RecordedSensor> {
     sensors_below(set, "hertzscope:sensor/")
 }
 
 /// The sensors of one shot: those of the recording, or where the shot has a scene of its own, that one's.
-#[must_use]
 pub fn sensors_of(set: &TraceSet, shot: u32) -> Vec<RecordedSensor> {
     let own = format!("hertzscope:shot/{shot}");
     if set.metadata.contains_key(&own) {
@@ -100,13 +98,11 @@ fn sensor(facts: &BTreeMap<String, String>) -> RecordedSensor {
 
 /// The linear chain of two masses in turn that `scene`'s chain is around `site`, at the static force there; none where kinds do
 /// not take turns or nothing presses.
-#[must_use]
 pub fn cell(scene: &Scene, site: Site) -> Option<DiatomicChain> {
     cell_and_force(scene, site).map(|(cell, _)| cell)
 }
 
 /// The same with the static force there (N).
-#[must_use]
 pub fn cell_and_force(scene: &Scene, site: Site) -> Option<(DiatomicChain, f64)> {
     let chain = &scene.chain;
     let last = chain.particles();
@@ -136,7 +132,6 @@ pub fn cell_and_force(scene: &Scene, site: Site) -> Option<(DiatomicChain, f64)>
 
 /// Every second contact of the periodic part of `scene`'s chain around `particle`, one a cell, from the top; none where kinds do not
 /// take turns.
-#[must_use]
 pub fn cells(scene: &Scene, particle: usize) -> Option<Vec<usize>> {
     let chain = &scene.chain;
     let name = |p: usize| Some(&chain.bodies().get(chain.body_of(p))?.name);
@@ -151,7 +146,6 @@ pub fn cells(scene: &Scene, particle: usize) -> Option<Vec<usize>> {
 }
 
 /// Distance between two sites along the chain at rest, overlaps subtracted (m).
-#[must_use]
 pub fn distance(scene: &Scene, from: Site, to: Site) -> Option<f64> {
     let chain = &scene.chain;
     match (from, to) {

@@ -73,7 +73,6 @@ impl Dimension {
     pub const TIME_PER_DIVISION: Self = whole([0, 0, 1, 0, 0, -1]);
 
     /// What the field calls a quantity of this dimension, with its unit: `a mass (kg)`.
-    #[must_use]
     pub fn name(self) -> Option<&'static str> {
         const NAMES: [(Dimension, &str); 26] = [
             (Dimension::NONE, "a plain number"),
@@ -107,7 +106,6 @@ impl Dimension {
     }
 
     /// The SI unit as the field writes it, `N`; `1` for a plain number.
-    #[must_use]
     pub fn unit(self) -> String {
         let named =
             self.name().and_then(|name| Some(name.split_once('(')?.1.trim_end_matches(')')));
@@ -119,7 +117,6 @@ impl Dimension {
     }
 
     /// The dimension spelled in base units: `kg*m^-0.5*s^-2`.
-    #[must_use]
     pub fn base_units(self) -> String {
         let mut parts = Vec::new();
         for (symbol, halves) in BASE.iter().zip(self.0) {

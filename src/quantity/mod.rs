@@ -101,7 +101,6 @@ fn number_length(text: &str) -> usize {
 /// assert_eq!(engineering(5.529e-5, "s", 4), "55.29 µs");
 /// assert_eq!(engineering(0.0, "N", 3), "0.00 N");
 /// ```
-#[must_use]
 pub fn engineering(value: f64, unit: &str, digits: usize) -> String {
     const PREFIXES: [(&str, i32); 11] = [
         ("f", -15),
@@ -150,7 +149,6 @@ fn decimal_exponent(value: f64) -> i32 {
 
 /// A number with C's `%.{decimals}e`: two exponent digits at least, always signed (`2.500000e+03`).
 /// This is how the TDS2000 family writes its file headers.
-#[must_use]
 pub fn c_exponential(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$e}");
     match text.split_once('e') {

@@ -69,7 +69,6 @@ pub enum OpenError {
 
 impl Format {
     /// The format that a path's ending or kind tells.
-    #[must_use]
     pub fn of(path: &Path) -> Option<Self> {
         let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
         match extension.as_deref() {

@@ -39,7 +39,6 @@ pub struct Capture {
 
 impl Capture {
     /// The record as an evenly sampled signal in time after the trigger; none for a record over frequency.
-    #[must_use]
     pub fn trace(&self) -> Option<Trace> {
         let waveform = &self.waveform;
         (waveform.preamble.x_unit == "s").then(|| Trace {

@@ -8,7 +8,6 @@ use crate::quantity::engineering;
 const COVERAGE: f64 = 2.0;
 
 /// The page that `arrivals` prints.
-#[must_use]
 pub fn arrivals(survey: &Survey) -> String {
     let mut lines =
         vec![format!("shot {}: times after the trigger, ± covers 95 % (k = 2)", survey.shot)];

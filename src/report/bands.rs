@@ -6,7 +6,6 @@ use crate::analysis::dispersion::DiatomicChain;
 use crate::quantity::engineering;
 
 /// The gap's lower edge over the preload.
-#[must_use]
 pub fn bands_curve(rows: &[(f64, DiatomicChain)], now: f64) -> Curve {
     Curve {
         points: rows.iter().map(|(force, chain)| (*force, chain.gap_bottom())).collect(),
@@ -17,7 +16,6 @@ pub fn bands_curve(rows: &[(f64, DiatomicChain)], now: f64) -> Curve {
 }
 
 /// The page that `bands` prints.
-#[must_use]
 pub fn bands(title: &str, rows: &[(f64, DiatomicChain)], now: f64) -> String {
     let hertz = |f: f64| engineering(f, "Hz", 5);
     let heading = ["preload", "f1, gap from", "f2, gap to", "f3, cutoff", "long waves", ""];

@@ -157,7 +157,6 @@ pub(super) fn exclusions(report: &CalibrationReport) -> Vec<String> {
 }
 
 /// The page that `calibrate` prints.
-#[must_use]
 pub fn page(report: &CalibrationReport) -> String {
     let mut lines = vec![report.title.clone()];
     lines.extend(results(report).iter().map(|[what, number]| format!("  {what:<18} {number}")));

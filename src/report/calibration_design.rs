@@ -9,7 +9,6 @@ use crate::studies::momentum_test::design::{Candidate, Lab};
 const SHOWN: usize = 12;
 
 /// The page that `calibrate --simulate` prints.
-#[must_use]
 pub fn design_page(
     sensor: &str,
     lab: &Lab,

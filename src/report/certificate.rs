@@ -104,14 +104,12 @@ impl Certificate<'_> {
 }
 
 /// The certificate as Markdown and as HTML; `pictures` are file names and contents, one an impact.
-#[must_use]
 pub fn certificate(report: &CalibrationReport, pictures: &[(String, String)]) -> (String, String) {
     let parts = Certificate { report, pictures }.parts();
     (markdown(&parts), html(&report.title, &parts))
 }
 
 /// Pictures of all impacts: the force, and under it what the voltage alone would say; file names and contents.
-#[must_use]
 pub fn pictures(found: &Calibration, report: &CalibrationReport) -> Vec<(String, String)> {
     let picture = |(result, told): (&ImpactResult, &ImpactReport)| {
         let name = format!("impact-{}.svg", told.number);

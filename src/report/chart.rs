@@ -12,13 +12,11 @@ const MARGINS: (f64, f64, f64, f64) = (90.0, 30.0, 48.0, 56.0);
 const INTERVALS: f64 = 6.0;
 
 /// The picture of `curve`, titled `title`, with the units of `x` and `y`.
-#[must_use]
 pub fn chart(curve: &Curve, title: &str, units: (&str, &str)) -> String {
     chart_over(curve, &[], title, units)
 }
 
 /// The same with the points `under` as a second, thinner line below it.
-#[must_use]
 pub fn chart_over(curve: &Curve, under: &[(f64, f64)], title: &str, units: (&str, &str)) -> String {
     let (width, height) = SIZE;
     let (left, right, above, below) = MARGINS;
@@ -106,7 +104,6 @@ fn frame(
 }
 
 /// The picture of several curves with points on them, titled `words.0`, its axes labelled `words.1`, from zero in both directions.
-#[must_use]
 pub fn chart_with_points(
     curves: &[Vec<(f64, f64)>],
     clouds: &[Cloud<'_>],

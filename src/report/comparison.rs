@@ -109,7 +109,6 @@ fn mapping(comparison: &Comparison) -> Vec<String> {
 }
 
 /// The page that `compare` prints.
-#[must_use]
 pub fn comparison(comparison: &Comparison) -> String {
     let mut lines = vec![
         format!("{} against {}", comparison.measured, comparison.simulated),
@@ -144,7 +143,6 @@ fn curve(trace: &Trace, y_label: &str) -> Curve {
 }
 
 /// The comparison as a document; pictures are called `<stem>-CH1.svg` and `<stem>-CH1-difference.svg`.
-#[must_use]
 pub fn comparison_parts(compared: &Compared, stem: &str) -> Vec<Part> {
     let comparison = &compared.comparison;
     let mut parts = vec![
@@ -179,7 +177,6 @@ pub fn comparison_parts(compared: &Compared, stem: &str) -> Vec<Part> {
 }
 
 /// The comparison as facts for a recording's metadata: `hertzscope:comparison`, and a group a channel.
-#[must_use]
 pub fn comparison_facts(comparison: &Comparison) -> BTreeMap<String, BTreeMap<String, String>> {
     let flat = |value: serde_json::Value| -> BTreeMap<String, String> {
         let serde_json::Value::Object(fields) = value else { return BTreeMap::new() };

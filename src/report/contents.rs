@@ -7,7 +7,6 @@ use crate::quantity::engineering;
 use crate::recording::{Capture, Direction, Origin, Shot, TraceSet};
 
 /// The page that `info` prints.
-#[must_use]
 pub fn contents(set: &TraceSet) -> String {
     let mut lines = Vec::new();
     for (group, facts) in &set.metadata {

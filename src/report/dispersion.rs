@@ -28,7 +28,6 @@ pub struct DispersionPage {
 
 impl DispersionPage {
     /// Phase a cell (rad) and frequency (Hz) along the acoustic and the optical branch.
-    #[must_use]
     pub fn branches(&self) -> [Vec<(f64, f64)>; 2] {
         let phases = || (0..=POINTS).map(|i| PI * f64::from(i) / f64::from(POINTS));
         [
@@ -38,7 +37,6 @@ impl DispersionPage {
     }
 
     /// Frequency of the nearer branch at a wave's phase (Hz).
-    #[must_use]
     pub fn theory(&self, line: &SpectralLine) -> f64 {
         let branches = [self.chain.acoustic(line.phase), self.chain.optical(line.phase)];
         let off = |f: &f64| (f - line.frequency).abs();
@@ -57,7 +55,6 @@ impl DispersionPage {
     }
 
     /// The picture.
-    #[must_use]
     pub fn svg(&self) -> String {
         let labels = ("phase a cell, k a (rad)", "frequency (Hz)");
         chart::chart_with_points(
@@ -69,7 +66,6 @@ impl DispersionPage {
     }
 
     /// The page.
-    #[must_use]
     pub fn text(&self) -> String {
         let hertz = |f: f64| engineering(f, "Hz", 4);
         let (chain, found) = (&self.chain, &self.found);

@@ -20,7 +20,6 @@ pub enum Part {
 }
 
 /// `parts` as Markdown; pictures are files beside it.
-#[must_use]
 pub fn markdown(parts: &[Part]) -> String {
     let cell = |text: &String| text.replace('|', "\\|");
     let row =
@@ -55,7 +54,6 @@ pub fn markdown(parts: &[Part]) -> String {
 }
 
 /// `parts` as a page of HTML, pictures included.
-#[must_use]
 pub fn html(title: &str, parts: &[Part]) -> String {
     let mut body = String::new();
     for part in parts {

@@ -12,7 +12,6 @@ const MEANING: &str = "Cost: wall time of a step with it less that without it, o
 const INDENT: usize = 23;
 
 /// The page that `effects` prints.
-#[must_use]
 pub fn effects(ledger: &Ledger) -> String {
     let heading =
         ["effect", "state", "ns/step", "share", "speed", "peak", "arrival", "LSB", "samples"];

@@ -112,7 +112,6 @@ fn quality(report: &FitReport) -> String {
 }
 
 /// The page that `fit` prints.
-#[must_use]
 pub fn fit(report: &FitReport) -> String {
     let mut lines = vec![format!("{} fitted to {}", report.scene, report.measured)];
     lines.extend(table::lines(&parameter_rows(report), &[0]));
@@ -130,7 +129,6 @@ pub fn fit(report: &FitReport) -> String {
 }
 
 /// The fit as a document; pictures are called `<stem>-CH1.svg` and `<stem>-CH1-residual.svg`.
-#[must_use]
 #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
 pub fn fit_parts(fit: &Fit, stem: &str) -> Vec<Part> {
     let report = &fit.report;
@@ -181,7 +179,6 @@ pub fn fit_parts(fit: &Fit, stem: &str) -> Vec<Part> {
 }
 
 /// The page that `fit --blind` prints.
-#[must_use]
 pub fn blind(found: &Blind, scene: &str) -> String {
     let heading = ["", "inside 95 %", "bias", "spread", "mean u"];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];

@@ -6,7 +6,6 @@ use crate::measurement::force::Forces;
 use crate::quantity::engineering;
 
 /// Force over time.
-#[must_use]
 pub fn force_curve(forces: &Forces) -> Curve {
     let values = forces.force.values.iter().enumerate();
     Curve {
@@ -18,7 +17,6 @@ pub fn force_curve(forces: &Forces) -> Curve {
 }
 
 /// The page that `force` prints.
-#[must_use]
 pub fn forces(found: &[Forces], problems: &[String]) -> String {
     let heading =
         ["", "sensor", "sensitivity", "tau", "largest force", "U (k = 2)", "at", "of it noise"];

@@ -4,7 +4,6 @@ use super::words::hanging;
 use crate::studies::hard_cases::Finding;
 
 /// The page that `hard-cases` prints.
-#[must_use]
 pub fn hard_cases(findings: &[Finding]) -> String {
     let mut lines = Vec::new();
     for finding in findings {

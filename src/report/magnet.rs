@@ -42,7 +42,6 @@ pub struct MagnetPage {
 
 impl Place {
     /// What `magnet` does at `distance` (m); none beyond a table.
-    #[must_use]
     pub fn of(magnet: &Magnet, distance: f64, temperature: f64) -> Option<Self> {
         let ring = match &magnet.law {
             ForceLaw::Ring(ring, sphere) => {
@@ -63,7 +62,6 @@ impl Place {
 
 impl MagnetPage {
     /// Force over distance, with the places marked.
-    #[must_use]
     pub fn curve(&self) -> Curve {
         let [near, far] = self.magnet.span();
         let place = |i: u32| near + (far - near) * f64::from(i) / f64::from(POINTS);
@@ -79,7 +77,6 @@ impl MagnetPage {
     }
 
     /// The page that `magnet` prints.
-    #[must_use]
     pub fn text(&self) -> String {
         let mut lines = vec![format!("{}: {}", self.magnet.name, self.describe())];
         if !self.magnet.source.is_empty() {

@@ -41,7 +41,6 @@ fn spread((low, high): (f64, f64)) -> (f64, f64) {
 }
 
 /// The curve as lines of text; `label` puts a value of `x` and of `y` into words.
-#[must_use]
 pub fn braille(
     curve: &Curve,
     label_x: &dyn Fn(f64) -> String,
@@ -102,7 +101,6 @@ pub struct Cloud<'a> {
 }
 
 /// Curves with points on them as lines of text, from zero in both directions; each point is a cross of five dots.
-#[must_use]
 pub fn scatter(
     curves: &[Vec<(f64, f64)>],
     clouds: &[Cloud<'_>],

@@ -16,7 +16,6 @@ const DIVISIONS: (u8, u8) = (10, 8);
 const LEVELS: f64 = crate::scope::waveform::LEVELS_PER_DIVISION;
 
 /// The picture of one shot, titled `title`; captures of a frequency axis are left out.
-#[must_use]
 pub fn screen(shot: &Shot, title: &str) -> String {
     let (side, above, below) = MARGINS;
     let (across, down) = (f64::from(DIVISIONS.0) * DIVISION, f64::from(DIVISIONS.1) * DIVISION);

@@ -79,7 +79,6 @@ impl SpectrogramPage {
 }
 
 /// The page that `spectrogram` prints.
-#[must_use]
 #[allow(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
@@ -132,7 +131,6 @@ pub fn text(page: &SpectrogramPage) -> String {
 }
 
 /// The map as a picture.
-#[must_use]
 #[allow(clippy::cast_precision_loss, reason = "a few hundred cells")]
 pub fn svg(page: &SpectrogramPage) -> String {
     let (across, down) = (page.map.columns.len().clamp(1, CELLS.0), CELLS.1);

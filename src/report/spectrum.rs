@@ -30,7 +30,6 @@ pub struct SpectrumPage {
 }
 
 /// Which band of `chain` a frequency (Hz) lies in.
-#[must_use]
 pub fn band(chain: &DiatomicChain, frequency: f64) -> &'static str {
     if frequency <= chain.gap_bottom() {
         "acoustic branch"
@@ -45,7 +44,6 @@ pub fn band(chain: &DiatomicChain, frequency: f64) -> &'static str {
 
 impl SpectrumPage {
     /// The spectrum from zero to where little is left, with the band edges marked.
-    #[must_use]
     pub fn curve(&self) -> Curve {
         let spectrum = &self.spectrum;
         let top = spectrum.amplitude.iter().copied().fold(0.0, f64::max);
@@ -72,7 +70,6 @@ impl SpectrumPage {
     }
 
     /// The page that `spectrum` prints.
-    #[must_use]
     pub fn text(&self) -> String {
         let spectrum = &self.spectrum;
         let hertz = |f: f64| engineering(f, "Hz", 4);

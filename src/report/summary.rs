@@ -7,7 +7,6 @@ use crate::experiment::outcome::{Reading, Speed, Summary};
 use crate::quantity::engineering;
 
 /// The page that `run` prints.
-#[must_use]
 pub fn summary(summary: &Summary) -> String {
     let mut lines = vec![format!("{}: {}", summary.scene, summary.title), String::new()];
     lines.extend(readings(summary));

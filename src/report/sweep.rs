@@ -8,7 +8,6 @@ use crate::sweep::summary::{Failure, Gathering, Summary};
 const NAMED_GAPS: usize = 10;
 
 /// What `sweep` prints.
-#[must_use]
 pub fn sweep(summary: &Summary) -> String {
     let Summary { sweep, scene, runs, of_shard, finished_before, done, .. } = summary;
     let part = summary.shard.as_ref().map_or(String::new(), |s| format!(", {s}: {of_shard} runs"));
@@ -41,7 +40,6 @@ pub fn sweep(summary: &Summary) -> String {
 }
 
 /// What `gather` prints.
-#[must_use]
 pub fn gathering(gathering: &Gathering) -> String {
     let Gathering { folder, logs, runs, finished, .. } = gathering;
     let files = if *logs == 1 { "log" } else { "logs" };

@@ -27,7 +27,6 @@ const EDGES: [Edge; 3] = [
 ];
 
 /// What arrives, in decibels below its highest line, the highest of each of `rows` bands of frequency up to 20 kHz (dB).
-#[must_use]
 #[allow(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
@@ -50,7 +49,6 @@ fn shares(point: &TunedPoint, rows: usize) -> Vec<f64> {
 }
 
 /// The page that `tunability` prints.
-#[must_use]
 pub fn tunability(title: &str, tunings: &[Tuning]) -> String {
     let mut lines = vec![title.to_owned()];
     for tuning in tunings {
@@ -146,7 +144,6 @@ fn numbers(tuning: &Tuning) -> Vec<String> {
 }
 
 /// The map as a picture: for each knob what arrives with the band edges, and beside it the speeds.
-#[must_use]
 pub fn tunability_svg(title: &str, tunings: &[Tuning]) -> String {
     let panels = tunings.iter().flat_map(|tuning| [map_panel(tuning), speed_panel(tuning)]);
     sheet_svg(&Sheet {

@@ -94,7 +94,6 @@ impl Adjustable {
     }
 
     /// The scene's short name.
-    #[must_use]
     pub fn name(&self) -> &str {
         &self.loaded.name
     }
@@ -186,7 +185,6 @@ impl Adjustable {
     }
 
     /// A scene that stands on this one and has other values, as text; each with how many digits of it count.
-    #[must_use]
     pub fn derived(&self, values: &[(&Knob, f64, usize)], title: &str) -> String {
         let mut tables: BTreeMap<String, BTreeMap<String, String>> = BTreeMap::new();
         for (knob, value, decimals) in values {

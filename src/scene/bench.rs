@@ -255,7 +255,6 @@ fn trigger_setup(table: &Table<'_>, model: Option<&Model>, inputs: &Inputs<'_>) 
 }
 
 /// What a sensor at this channel's input is loaded with.
-#[must_use]
 pub fn load(model: &Model, channel: &ChannelSetup) -> Load {
     if channel.vertical.probe > 1.0 {
         Load { resistance: model.probe_resistance, capacitance: model.probe_capacitance }

@@ -28,7 +28,6 @@ struct Source {
 
 impl Place {
     /// A problem at this place.
-    #[must_use]
     pub fn problem(&self, key: &str, found: String, expected: String) -> Problem {
         let before = self.source.text.get(..self.offset).unwrap_or(&self.source.text);
         let line_start = before.rfind('\n').map_or(0, |at| at + 1);
@@ -43,13 +42,11 @@ impl Place {
     }
 
     /// The whole text it was typed in.
-    #[must_use]
     pub fn text(&self) -> &Arc<str> {
         &self.source.text
     }
 
     /// The file's name.
-    #[must_use]
     pub fn file(&self) -> &str {
         &self.source.file
     }
@@ -123,7 +120,6 @@ impl Node {
     }
 
     /// What stands here, in words for a message.
-    #[must_use]
     pub fn describe(&self) -> String {
         match &self.value {
             Value::Text(text) => format!("\"{text}\""),
@@ -149,7 +145,6 @@ impl Node {
     }
 
     /// The text under `key`, if this is a table and has one.
-    #[must_use]
     pub fn text(&self, key: &str) -> Option<(&str, &Place)> {
         let Value::Table(table) = &self.value else {
             return None;

@@ -30,7 +30,6 @@ pub enum MagnetError {
 }
 
 /// Names of the magnets that ship with the program.
-#[must_use]
 pub fn names() -> Vec<&'static str> {
     crate::data::instrument_names("magnets")
 }

@@ -126,7 +126,6 @@ impl Scene {
     }
 
     /// Names of the scenes that ship with the program.
-    #[must_use]
     pub fn names() -> Vec<&'static str> {
         crate::data::instrument_names("scenes")
     }

@@ -102,7 +102,6 @@ impl Problems {
     }
 
     /// All of them, in the order of file and place; none twice.
-    #[must_use]
     pub fn into_sorted(self) -> Vec<Problem> {
         let mut problems = self.0.into_inner();
         let key = |p: &Problem| (p.file.clone(), p.line, p.column, p.key.clone());

@@ -39,14 +39,12 @@ impl<'a> Table<'a> {
     }
 
     /// The path of `key` from the top.
-    #[must_use]
     pub fn path_of(&self, key: &str) -> String {
         let dot = if self.path.is_empty() || key.is_empty() { "" } else { "." };
         [&self.path, dot, key].concat()
     }
 
     /// Where `key` stands, or where the table begins.
-    #[must_use]
     pub fn place_of(&self, key: &str) -> &Place {
         self.entries.get(key).map_or(self.place, |entry| &entry.node.place)
     }
@@ -63,7 +61,6 @@ impl<'a> Table<'a> {
     }
 
     /// Whether `key` is there; does not count as asking for it.
-    #[must_use]
     pub fn has(&self, key: &str) -> bool {
         self.entries.contains_key(key)
     }
@@ -248,7 +245,6 @@ impl<'a> Table<'a> {
     }
 
     /// Whether `key` is there and an empty list.
-    #[must_use]
     pub fn is_empty_list(&self, key: &str) -> bool {
         let node = self.entries.get(key).map(|entry| &entry.node.value);
         matches!(node, Some(Value::List(items)) if items.is_empty())

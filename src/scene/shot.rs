@@ -15,13 +15,11 @@ const STRIKER_STREAM: u8 = 5;
 
 impl Scene {
     /// The circuit that sensor `index` really forms with `channel`'s input: with a tolerance, not the one its data tell.
-    #[must_use]
     pub fn circuit(&self, index: usize, channel: &ChannelSetup) -> Option<Circuit> {
         self.circuit_into(index, input_load(&self.scope.model, channel))
     }
 
     /// The same with any load.
-    #[must_use]
     pub fn circuit_into(&self, index: usize, load: Load) -> Option<Circuit> {
         let sensor = &self.sensors.get(index)?.sensor;
         let number = u32::try_from(index).unwrap_or(u32::MAX);
@@ -32,7 +30,6 @@ impl Scene {
     }
 
     /// The speed at which the striker first touches the chain, before any spread; none without a striker (m/s).
-    #[must_use]
     pub fn striker_speed(&self) -> Option<f64> {
         self.spec.striker.as_ref().and_then(|_| self.initial_velocities.first().copied())
     }
@@ -74,7 +71,6 @@ impl Scene {
     }
 
     /// The scene whose striker comes at the speed of shot `shot`, whatever shot is taken of it.
-    #[must_use]
     pub fn of_shot(&self, shot: u32) -> Cow<'_, Self> {
         if self.striker_speed_spread.is_none() {
             return Cow::Borrowed(self);
@@ -87,7 +83,6 @@ impl Scene {
 
     /// Velocity of each body at the first contact of shot `shot`: the striker's speed is drawn from the seed where the scene
     /// spreads it, from a log-normal distribution with the scene's speed as its mean (m/s).
-    #[must_use]
     pub fn velocities(&self, shot: u32) -> Vec<f64> {
         let mut velocities = self.initial_velocities.clone();
         if let (Some(speed), Some(spread)) = (velocities.first_mut(), self.striker_speed_spread) {

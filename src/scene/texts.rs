@@ -27,7 +27,6 @@ impl Texts {
     }
 
     /// SHA-256 over all of them, in hexadecimal. Computed when first asked for: a run that keeps no record needs none.
-    #[must_use]
     pub fn hash(&self) -> &str {
         self.hash.get_or_init(|| {
             let mut hash = Sha256::new();
@@ -38,7 +37,6 @@ impl Texts {
 }
 
 /// Bytes such as those of a hash, two hexadecimal digits each.
-#[must_use]
 pub fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().fold(String::new(), |mut text, byte| {
         // Writing to a text does not fail.

@@ -21,7 +21,6 @@ pub struct Found {
 
 /// Samples that must have been taken before a trigger is accepted: the record's part before it, and what interpolation
 /// reaches for.
-#[must_use]
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -37,7 +36,6 @@ pub fn before_trigger(setup: &Setup) -> usize {
 /// having been `hysteresis` beyond it before. A crossing before sample
 /// `earliest` does not count: the part of the record before the trigger is not full yet. Without one, automatic mode triggers at
 /// `automatic`.
-#[must_use]
 pub fn find_trigger(
     setup: &Setup,
     scale: f64,
@@ -62,7 +60,6 @@ pub fn find_trigger(
 }
 
 /// The converter's level for a voltage (V).
-#[must_use]
 #[allow(clippy::cast_possible_truncation, reason = "clamped to the converter's range")]
 pub fn level(vertical: &VerticalSetup, volts: f64) -> i16 {
     let y_mult = vertical.scale / LEVELS_PER_DIVISION;
@@ -72,7 +69,6 @@ pub fn level(vertical: &VerticalSetup, volts: f64) -> i16 {
 
 /// The record of one channel around the trigger sample `trigger` of its conditioned `signal` (V), whose samples come
 /// every `setup.model.sample_interval`. Points beyond the signal hold its nearest sample.
-#[must_use]
 pub fn digitise(
     setup: &Setup,
     source: Source,

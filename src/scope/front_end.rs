@@ -17,13 +17,11 @@ pub const NEGLIGIBLE_DELAY: f64 = 0.01;
 
 /// Random numbers of one channel and shot: a stream of its own, so that switching one channel off does not change
 /// what another shows.
-#[must_use]
 pub fn noise_stream(seed: u64, shot: u32, channel: u8) -> Pcg64 {
     Pcg64::new(u128::from(seed), (u128::from(shot) << 8) | u128::from(channel))
 }
 
 /// The signal of one channel as the converter sees it, from the signal at its probe (V).
-#[must_use]
 pub fn condition(
     setup: &Setup,
     channel: &ChannelSetup,
@@ -68,7 +66,6 @@ pub fn condition(
 }
 
 /// The `interval` (s) between samples over the time constant of the channel's bandwidth, which is its delay (1).
-#[must_use]
 pub fn bandwidth_ratio(setup: &Setup, channel: &ChannelSetup, interval: f64) -> f64 {
     let (model, vertical) = (&setup.model, &channel.vertical);
     let limited = vertical.bandwidth_limited == Some(true)
@@ -84,7 +81,6 @@ fn ac_corner(model: &Model, probe: f64) -> f64 {
 }
 
 /// First-order high-pass; `ratio` is the interval over the time constant (V).
-#[must_use]
 pub fn high_pass(values: &[f64], ratio: f64) -> Vec<f64> {
     let slow = low_pass(values, ratio);
     values.iter().zip(slow).map(|(value, slow)| value - slow).collect()
@@ -92,7 +88,6 @@ pub fn high_pass(values: &[f64], ratio: f64) -> Vec<f64> {
 
 /// First-order low-pass that starts settled: the exact response to straight lines between samples,
 /// `y[n] = x[n] - s + (y[n-1] - x[n-1] + s) exp(-r)`, `s = (x[n] - x[n-1])/r` (V).
-#[must_use]
 pub fn low_pass(values: &[f64], ratio: f64) -> Vec<f64> {
     let kept = (-ratio).exp();
     let mut before = values.first().copied().unwrap_or(0.0);

@@ -111,13 +111,11 @@ pub struct Accuracy {
 
 impl Accuracy {
     /// Largest error of the gain on `scale` (V/div) at the input (1).
-    #[must_use]
     pub fn gain_at(&self, scale: f64) -> f64 {
         if scale <= self.low_scale_until * ROUNDED_UP { self.low_scale_gain } else { self.gain }
     }
 
     /// Largest offset on `scale` (V/div) at the input, referred to the input (V).
-    #[must_use]
     pub fn offset_at(&self, scale: f64) -> f64 {
         self.offset * scale + self.input_offset
     }
@@ -145,7 +143,6 @@ pub(crate) const ROUNDED_UP: f64 = 1.0 + 1e-9;
 
 impl Model {
     /// Time from one point of a record to the next (s).
-    #[must_use]
     #[allow(clippy::cast_precision_loss, reason = "a record has a few thousand points")]
     pub fn interval(&self, time_base: f64) -> f64 {
         let interval = time_base / (self.record_length as f64 / self.horizontal_divisions);
@@ -154,27 +151,23 @@ impl Model {
     }
 
     /// Time from one sample to the next: a record's interval, but no shorter than the converter's (s).
-    #[must_use]
     pub fn sample_interval(&self, time_base: f64) -> f64 {
         self.interval(time_base).max(1.0 / self.sample_rate)
     }
 
     /// Whether automatic mode scans at a time base (s/div).
-    #[must_use]
     pub fn scans(&self, time_base: f64) -> bool {
         time_base * ROUNDED_UP >= self.scan_from
     }
 
     /// Index of the trigger in the record at a time base (s/div) and horizontal position (s), possibly outside it:
     /// `1250 - position/interval` on this family (1).
-    #[must_use]
     #[allow(clippy::cast_precision_loss, reason = "a record has a few thousand points")]
     pub fn trigger_point(&self, time_base: f64, position: f64) -> f64 {
         0.5 * self.record_length as f64 - (position / self.interval(time_base)).round()
     }
 
     /// First and last time of the record after the trigger, at a time base (s/div) and horizontal position (s) (s).
-    #[must_use]
     #[allow(clippy::cast_precision_loss, reason = "a record has a few thousand points")]
     pub fn record_span(&self, time_base: f64, position: f64) -> (f64, f64) {
         let interval = self.interval(time_base);

@@ -8,7 +8,6 @@ use super::setup::{Setup, Slope, TriggerMode};
 use super::waveform::Coupling;
 
 /// A number as the instrument writes it (NR3): shortest mantissa with at least one decimal, `5.0E-1`, `1.0E0`.
-#[must_use]
 pub fn nr3(value: f64) -> String {
     let text = format!("{value:E}");
     match text.split_once('E') {
@@ -18,7 +17,6 @@ pub fn nr3(value: f64) -> String {
 }
 
 /// The settings that this program models, in the order of a `.SET` file.
-#[must_use]
 pub fn set_up_text(setup: &Setup) -> String {
     let on_off = |flag: bool| if flag { "ON" } else { "OFF" };
     let mut text = ":ACQUIRE:MODE SAMPLE;NUMAVG 16;STATE 0;STOPAFTER SEQUENCE".to_owned();

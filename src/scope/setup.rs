@@ -32,7 +32,6 @@ pub struct Deviation {
 
 impl Deviation {
     /// The deviation of channel `number`: even between the limits, the same for the same `seed` whatever is measured.
-    #[must_use]
     pub fn drawn(seed: u64, number: u8) -> Self {
         let mut numbers = Pcg64::new(u128::from(seed), DEVIATIONS | u128::from(number));
         let mut draw = || StandardUniform.sample(&mut numbers);
@@ -80,7 +79,6 @@ pub enum TriggerSource {
 
 impl TriggerSource {
     /// The channel's number, counted from 1; none for what is no channel.
-    #[must_use]
     pub fn channel(self) -> Option<u8> {
         match self {
             Self::Channel(number) => Some(number),
@@ -89,7 +87,6 @@ impl TriggerSource {
     }
 
     /// Farthest level of a source that is no channel; the mains have none to set (V).
-    #[must_use]
     pub fn reach(self, model: &Model) -> f64 {
         match self {
             Self::External => model.external_trigger_range,
@@ -99,7 +96,6 @@ impl TriggerSource {
     }
 
     /// What the sensitivity of the external input counts in, as a channel's does in its scale (V/div).
-    #[must_use]
     pub fn external_scale(self, model: &Model) -> f64 {
         self.reach(model) / model.trigger_range
     }
@@ -150,13 +146,11 @@ pub struct Setup {
 
 impl Setup {
     /// Index of the trigger in the record, possibly outside it: `1250 - position/interval` on this family (1).
-    #[must_use]
     pub fn trigger_point(&self) -> f64 {
         self.model.trigger_point(self.time_base, self.horizontal_position)
     }
 
     /// First and last time of the record after the trigger (s).
-    #[must_use]
     pub fn record_span(&self) -> (f64, f64) {
         self.model.record_span(self.time_base, self.horizontal_position)
     }

@@ -26,7 +26,6 @@ impl fmt::Display for Source {
 
 impl Source {
     /// Reads the name that files and commands use: `CH1`, `MATH`, `REFA`.
-    #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         let upper = name.trim().to_ascii_uppercase();
         if upper == "MATH" {
@@ -150,7 +149,6 @@ pub const LEVELS_PER_DIVISION: f64 = 25.0;
 
 impl Waveform {
     /// Abscissa of point `index`: time after the trigger (s), or frequency of an FFT bin (Hz).
-    #[must_use]
     #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 points")]
     pub fn time(&self, index: usize) -> f64 {
         self.preamble.x_zero
@@ -158,13 +156,11 @@ impl Waveform {
     }
 
     /// Ordinate of point `index`, `None` beyond the record (V, or dB for an FFT).
-    #[must_use]
     pub fn volts(&self, index: usize) -> Option<f64> {
         self.codes.get(index).map(|code| self.volts_of(*code))
     }
 
     /// What a digitiser level stands for (V, or dB for an FFT).
-    #[must_use]
     pub fn volts_of(&self, code: i16) -> f64 {
         let p = &self.preamble;
         (f64::from(code) - p.y_off) * p.y_mult + p.y_zero
@@ -172,7 +168,6 @@ impl Waveform {
 
     /// How many points stand at the converter's ends, where the true voltage may lie beyond; none where the levels are
     /// not those of an 8-bit converter, 25 to a division.
-    #[must_use]
     pub fn clipped(&self) -> usize {
         const ROUND_OFF: f64 = 1e-6;
         let level = self.vertical.scale / LEVELS_PER_DIVISION;

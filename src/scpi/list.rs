@@ -6,7 +6,6 @@ use super::command::GROUPS;
 use super::row::{Row, Support};
 
 /// The content of `docs/scpi-commands.md`.
-#[must_use]
 pub fn markdown() -> String {
     let mut text = String::from(
         "# Remote commands\n\n\

@@ -30,7 +30,6 @@ pub struct Unit {
 }
 
 /// Cuts a message into units; each is a unit or the event that tells why it is none.
-#[must_use]
 pub fn units(message: &[u8]) -> Vec<Result<Unit, Event>> {
     let mut cursor = Cursor { bytes: message, at: 0 };
     let mut units = Vec::new();

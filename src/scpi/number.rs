@@ -11,14 +11,12 @@ const MEASUREMENT_DECIMALS: i32 = 10;
 const MEASUREMENT_DIGITS: i32 = 9;
 
 /// A setting, `5.0E-1`.
-#[must_use]
 pub fn setting(value: f64) -> String {
     nr3(rounded(value, SETTING_DIGITS))
 }
 
 /// A measurement, `4.8800115585E0`: the instrument computes in single precision and writes ten decimals, so that the
 /// rounding shows. Below 0.01 nine significant digits are written; no reply of that size has been seen.
-#[must_use]
 pub fn measurement(value: f64) -> String {
     #[allow(clippy::cast_possible_truncation, reason = "the rounding is what is imitated")]
     let single = value as f32;
@@ -38,7 +36,6 @@ pub fn measurement(value: f64) -> String {
 
 /// Reads a number, whole or with decimals and exponent, in any of the forms NR1 to NR3, clamped to what single
 /// precision holds (unit).
-#[must_use]
 pub fn parse(text: &str) -> Option<f64> {
     let plain = text.bytes().all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b));
     let value: f64 = plain.then(|| text.parse().ok())??;

@@ -18,7 +18,6 @@ words! {
 
 impl Terminator {
     /// The bytes.
-    #[must_use]
     pub fn bytes(self) -> &'static [u8] {
         match self {
             Self::Cr => b"\r",
@@ -45,7 +44,6 @@ pub struct Preferences {
 impl Preferences {
     /// Words in full, a line feed at the end, headers as asked for. The original answers with headers over RS-232, most
     /// programs expect none.
-    #[must_use]
     pub fn new(header: bool) -> Self {
         Self { header, verbose: true, terminator: Terminator::Lf, initial_header: header }
     }

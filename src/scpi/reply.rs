@@ -16,7 +16,6 @@ pub struct Answer {
 ///
 /// With headers the first answer begins at the root, `:TRIGGER:MAIN:MODE AUTO`; the next ones leave out the path that
 /// they share with the one before, `TYPE EDGE`, where all of that path is theirs, and begin at the root where not.
-#[must_use]
 pub fn write(answers: &[Answer], preferences: &Preferences) -> Vec<u8> {
     let mut out = Vec::new();
     let mut path: &[String] = &[];

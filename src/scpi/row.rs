@@ -33,7 +33,6 @@ pub struct Row {
 
 impl Row {
     /// A command that does what the manual says.
-    #[must_use]
     pub const fn acts(
         header: &'static str,
         setting: &'static dyn Setting,
@@ -43,7 +42,6 @@ impl Row {
     }
 
     /// A command that acts and that no real oscilloscope has.
-    #[must_use]
     pub const fn own(
         header: &'static str,
         setting: &'static dyn Setting,
@@ -53,7 +51,6 @@ impl Row {
     }
 
     /// A command that is kept and told.
-    #[must_use]
     pub const fn accepted(
         header: &'static str,
         setting: &'static dyn Setting,
@@ -63,7 +60,6 @@ impl Row {
     }
 
     /// A command that is refused.
-    #[must_use]
     pub const fn refused(
         header: &'static str,
         setting: &'static dyn Setting,
@@ -73,14 +69,12 @@ impl Row {
     }
 
     /// Another spelling of the row `of`.
-    #[must_use]
     pub const fn alias(header: &'static str, of: &'static str) -> Self {
         let setting = &super::setting::Nothing;
         Self { header, setting, support: Support::Alias(of), in_group: false, about: "" }
     }
 
     /// The same, left out when its group is asked for.
-    #[must_use]
     pub const fn apart(self) -> Self {
         Self { in_group: false, ..self }
     }

@@ -56,7 +56,6 @@ pub struct Session {
 
 impl Session {
     /// A fresh connection.
-    #[must_use]
     pub fn new(preferences: Preferences) -> Self {
         Self {
             input: Input::default(),
@@ -68,7 +67,6 @@ impl Session {
     }
 
     /// The same, remembering what it hears and says until [`Self::take_transcript`].
-    #[must_use]
     pub fn with_transcript(self) -> Self {
         Self { transcript: Some(Vec::new()), ..self }
     }
@@ -79,7 +77,6 @@ impl Session {
     }
 
     /// How replies look.
-    #[must_use]
     pub fn preferences(&self) -> &Preferences {
         &self.preferences
     }
@@ -134,7 +131,6 @@ impl Session {
     }
 
     /// Whether a reply waits for the end of an acquisition.
-    #[must_use]
     pub fn owes_reply(&self) -> bool {
         self.waiting.as_ref().is_some_and(|progress| {
             !progress.replies.is_empty()
@@ -143,7 +139,6 @@ impl Session {
     }
 
     /// Whether a reply or a message waits for the end of an acquisition.
-    #[must_use]
     pub fn is_waiting(&self) -> bool {
         self.waiting.is_some()
     }

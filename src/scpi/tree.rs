@@ -22,7 +22,6 @@ pub struct Found {
 }
 
 /// The row that a header's words name, on an instrument with so many channels.
-#[must_use]
 pub fn find(words: &[String], channels: u8) -> Option<Found> {
     let found = rows().find_map(|row| {
         let place = matches(row, words, channels)?;
@@ -90,7 +89,6 @@ fn last_number(stem: &str) -> u8 {
 }
 
 /// A node with its placeholder filled in.
-#[must_use]
 pub fn filled(node: &str, place: Place) -> String {
     match node {
         "<wfm>" | "CH<x>" | "REF<x>" => place.source.to_string(),

@@ -24,7 +24,6 @@ pub enum Value {
 
 impl Value {
     /// A flag as `1` or `0`.
-    #[must_use]
     pub fn flag(on: bool) -> Self {
         Self::Integer(i64::from(on))
     }
@@ -45,7 +44,6 @@ impl Value {
 }
 
 /// A word in full, or in its short form.
-#[must_use]
 pub fn spelled(word: &str, verbose: bool) -> String {
     if verbose { word.to_ascii_uppercase() } else { short_form(word).to_owned() }
 }

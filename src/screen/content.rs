@@ -94,7 +94,6 @@ pub(super) const SOURCES: [Source; 9] = [
 
 impl Screen {
     /// What an instrument shows.
-    #[must_use]
     pub fn of(instrument: &Instrument) -> Self {
         let panel = &instrument.panel;
         let setup = instrument.setup();
@@ -130,7 +129,6 @@ impl Screen {
     }
 
     /// What captures alone tell: traces and scales.
-    #[must_use]
     pub fn of_captures(captures: &[Capture]) -> Self {
         let find = |source| captures.iter().find(|capture| capture.waveform.source == source);
         let traces: Vec<Waveform> =

@@ -11,7 +11,6 @@ use super::{Bar, Screen, Zoom};
 use crate::scope::waveform::LOWEST_CODE;
 use crate::scope::{Source, Waveform};
 /// The picture of a screen.
-#[must_use]
 pub fn draw(screen: &Screen) -> Picture {
     let mut picture = Picture::new(screen.ink_saver);
     graticule(&mut picture);

@@ -34,7 +34,6 @@ const LONGEST_RUN: usize = 255;
 const PCX_RUN: (usize, u8) = (63, 0xC0);
 
 /// `picture` as a file.
-#[must_use]
 pub fn file(picture: &Picture, format: PictureFormat) -> Vec<u8> {
     match format {
         PictureFormat::Bmp => {

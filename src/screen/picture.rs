@@ -62,7 +62,6 @@ impl PixelColor for Ink {
 
 impl Ink {
     /// The ink of a waveform.
-    #[must_use]
     pub fn of(source: Source) -> Self {
         match source {
             Source::Channel(0 | 1) => Self::Channel1,
@@ -90,13 +89,11 @@ pub struct Picture {
 
 impl Picture {
     /// An empty picture, black, or white to save ink.
-    #[must_use]
     pub fn new(on_white: bool) -> Self {
         Self { dots: vec![Ink::Background; WIDTH * HEIGHT], on_white }
     }
 
     /// The dot at a place, background outside.
-    #[must_use]
     pub fn dot(&self, x: usize, y: usize) -> Ink {
         if x >= WIDTH {
             return Ink::Background;

@@ -91,13 +91,11 @@ pub struct Circuit {
 
 impl Sensor {
     /// Capacitance of the bare plate, `eps0 eps_r side^2 / thickness` (F).
-    #[must_use]
     pub fn plate_capacitance(&self) -> f64 {
         VACUUM_PERMITTIVITY * self.relative_permittivity * self.side * self.side / self.thickness
     }
 
     /// Capacitance of the stack at its terminals (F).
-    #[must_use]
     pub fn stack_capacitance(&self) -> f64 {
         let plates = f64::from(self.plates);
         match self.wiring {
@@ -107,7 +105,6 @@ impl Sensor {
     }
 
     /// Charge per force at the terminals of the stack (C/N).
-    #[must_use]
     pub fn stack_charge(&self) -> f64 {
         match self.wiring {
             Wiring::Parallel => f64::from(self.plates) * self.d33,
@@ -118,7 +115,6 @@ impl Sensor {
     /// The circuit that this sensor forms with `load`.
     ///
     /// What was measured with another load is taken over: charge and own capacitance stay, those of the inputs are exchanged.
-    #[must_use]
     pub fn connect(&self, load: Load) -> Circuit {
         let with = self.measured.load.unwrap_or(load);
         let derived = self.stack_capacitance() + self.cable_capacitance + with.capacitance;
@@ -141,7 +137,6 @@ impl Circuit {
     /// Voltage at the sample times of `force`, exact where the force runs straight between samples.
     ///
     /// `V[n] = a V[n-1] + S (1-a) tau/dt (N[n] - N[n-1])`, `a = exp(-dt/tau)`; the circuit starts discharged.
-    #[must_use]
     pub fn respond(&self, force: &Trace) -> Trace {
         let ratio = force.interval / self.time_constant;
         let kept = (-ratio).exp();

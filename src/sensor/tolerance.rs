@@ -29,7 +29,6 @@ pub struct Tolerance {
 
 impl Tolerance {
     /// The sensor that is really there, drawn from `seed`; plate `index` has a stream of its own.
-    #[must_use]
     pub fn draw(&self, sensor: &Sensor, seed: u64, index: u32) -> Sensor {
         let even = |stream: &mut Pcg64| -> f64 {
             let share: f64 = StandardUniform.sample(stream);

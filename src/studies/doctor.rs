@@ -41,7 +41,6 @@ pub struct Check {
 }
 
 /// Looks at everything.
-#[must_use]
 pub fn examine() -> Vec<Check> {
     let mut checks = vec![shipped()];
     let Ok(scene) = Scene::load(SCENE) else { return checks };

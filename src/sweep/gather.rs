@@ -93,19 +93,16 @@ impl Gathered {
     }
 
     /// Runs of the whole sweep.
-    #[must_use]
     pub fn runs(&self) -> u64 {
         self.header.runs
     }
 
     /// The logs that were read.
-    #[must_use]
     pub fn files(&self) -> &[PathBuf] {
         &self.files
     }
 
     /// What is missing, in the order of runs.
-    #[must_use]
     pub fn missing(&self) -> Vec<Gap> {
         let mut gaps: Vec<Gap> = Vec::new();
         for run in (0..).zip(&self.found).filter(|(_, found)| found.is_none()).map(|(run, _)| run) {

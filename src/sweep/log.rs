@@ -35,7 +35,6 @@ pub struct Header {
 
 impl Header {
     /// That of `plan`, run with these instructions.
-    #[must_use]
     pub fn of(plan: &Plan, instructions: &str) -> Self {
         Self {
             hertzscope_sweep_log: VERSION,
@@ -81,7 +80,6 @@ impl Scan {
     }
 
     /// What is wrong with the log, in words.
-    #[must_use]
     pub fn notices(&self) -> Vec<String> {
         let file = self.file.display();
         let mut notices = Vec::new();

@@ -75,31 +75,26 @@ impl Plan {
     }
 
     /// How many runs it has.
-    #[must_use]
     pub fn count(&self) -> u64 {
         self.design.count()
     }
 
     /// Columns of the results.
-    #[must_use]
     pub fn columns(&self) -> &[Column] {
         &self.columns
     }
 
     /// What tells it from every other sweep, in hexadecimal.
-    #[must_use]
     pub fn hash(&self) -> &str {
         &self.hash
     }
 
     /// The scene that is varied.
-    #[must_use]
     pub fn scene_name(&self) -> &str {
         self.base.name()
     }
 
     /// Accuracy of all runs; none where each scene says (1).
-    #[must_use]
     pub fn accuracy(&self) -> Option<f64> {
         self.accuracy
     }

@@ -50,19 +50,16 @@ impl Shard {
     }
 
     /// Whether run `run` is of this shard.
-    #[must_use]
     pub fn has(self, run: u64) -> bool {
         run % self.count == self.index - 1
     }
 
     /// Whether it is all of the sweep.
-    #[must_use]
     pub fn is_whole(self) -> bool {
         self.count == 1
     }
 
     /// Name of its log.
-    #[must_use]
     pub fn log(self) -> String {
         format!("shard-{}-of-{}.log", self.index, self.count)
     }

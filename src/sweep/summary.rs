@@ -74,7 +74,6 @@ pub struct Gathering {
 
 impl Tally {
     /// The first run without results.
-    #[must_use]
     pub fn failure(&self) -> Option<Failure> {
         self.first_failed.clone().map(|(run, reason)| Failure { run, reason })
     }

@@ -34,7 +34,6 @@ pub enum Turn {
 
 impl Turn {
     /// The other way.
-    #[must_use]
     pub fn other(self) -> Self {
         match self {
             Self::Down => Self::Up,
@@ -43,7 +42,6 @@ impl Turn {
     }
 
     /// -1 for down, 1 for up (1).
-    #[must_use]
     pub fn sign(self) -> f64 {
         match self {
             Self::Down => -1.0,
@@ -84,7 +82,6 @@ impl Steps {
     }
 
     /// The step next to `value` when the knob is turned; a `value` between two steps goes to the nearer end (unit).
-    #[must_use]
     pub fn next(self, value: f64, turn: Turn) -> f64 {
         let steps = self.around(value);
         match turn {
@@ -95,7 +92,6 @@ impl Steps {
     }
 
     /// The smallest step that is not below `value` (unit).
-    #[must_use]
     pub fn at_least(self, value: f64) -> f64 {
         self.around(value).find(|step| *step >= value * (1.0 - SAME)).unwrap_or(value)
     }
@@ -112,7 +108,6 @@ pub struct Window {
 
 impl Window {
     /// The window under which `waveform` was recorded: its whole record, unless its preamble says otherwise.
-    #[must_use]
     pub fn recorded(waveform: &Waveform) -> Self {
         let (start, end) = extent(waveform);
         #[expect(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 points")]
@@ -128,26 +123,22 @@ impl Window {
     }
 
     /// Abscissa of the left edge (s; Hz for an FFT).
-    #[must_use]
     pub fn left(&self) -> f64 {
         self.centre - HALF_WIDTH * self.scale
     }
 
     /// Abscissa of the right edge (s; Hz for an FFT).
-    #[must_use]
     pub fn right(&self) -> f64 {
         self.centre + HALF_WIDTH * self.scale
     }
 
     /// Whether two windows show the same to within round-off.
-    #[must_use]
     pub fn same_as(&self, other: &Self) -> bool {
         (self.scale / other.scale - 1.0).abs() < SAME
             && ((self.centre - other.centre) / other.scale).abs() < SAME
     }
 
     /// This window after a turn of the s/div knob; what stands `anchor` divisions right of the centre stays there.
-    #[must_use]
     pub fn zoomed(self, waveform: &Waveform, turn: Turn, anchor: f64) -> Self {
         let (start, end) = extent(waveform);
         let steps = Steps::OneTwoAndHalfFive;
@@ -164,7 +155,6 @@ impl Window {
     }
 
     /// This window moved by `divisions` to later abscissae, as far as the record reaches.
-    #[must_use]
     pub fn panned(self, waveform: &Waveform, divisions: f64) -> Self {
         let centre = self.centre + divisions * self.scale;
         Self { centre, ..self }.kept_inside(waveform)
@@ -203,7 +193,6 @@ impl Vertical {
     /// The setting under which `waveform` was recorded.
     ///
     /// A spectrum has no zero on the screen to speak of: its level 0 stands in the centre.
-    #[must_use]
     pub fn recorded(waveform: &Waveform) -> Self {
         let setup = &waveform.vertical;
         let scale = [setup.scale, waveform.preamble.y_mult * LEVELS_PER_DIVISION]
@@ -217,7 +206,6 @@ impl Vertical {
     }
 
     /// The scale after a turn of the V/div knob, between one level a division and 100 times the recorded scale (V/div).
-    #[must_use]
     pub fn turned(self, waveform: &Waveform, turn: Turn) -> f64 {
         let steps = Steps::OneTwoFive;
         let recorded = Self::recorded(waveform).scale;
@@ -231,14 +219,12 @@ impl Vertical {
     }
 
     /// The position after moving the trace up by `divisions` (div).
-    #[must_use]
     pub fn moved(self, divisions: f64) -> f64 {
         let reach = FURTHEST_POSITION.max(self.position.abs());
         (self.position + divisions).clamp(-reach, reach)
     }
 
     /// Whether two settings show the same to within round-off.
-    #[must_use]
     pub fn same_as(&self, other: &Self) -> bool {
         (self.scale / other.scale - 1.0).abs() < SAME
             && (self.position - other.position).abs() < SAME
@@ -246,7 +232,6 @@ impl Vertical {
 }
 
 /// Whether a waveform is an FFT, with frequencies along the abscissa.
-#[must_use]
 pub fn is_spectrum(waveform: &Waveform) -> bool {
     waveform.preamble.x_unit.eq_ignore_ascii_case("hz")
 }

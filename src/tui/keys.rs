@@ -17,7 +17,6 @@ pub use bindings::BINDINGS;
 pub use mouse::{mouse_action, reading_action};
 
 /// What a key press asks for under `panel`; `None` for keys that mean nothing there.
-#[must_use]
 pub fn key_action(event: KeyEvent, panel: Panel) -> Option<Action> {
     if event.kind == KeyEventKind::Release {
         return None;
@@ -60,7 +59,6 @@ fn typed(event: KeyEvent) -> Option<Action> {
 }
 
 /// What an event of the terminal asks for; `None` for what needs no more than a redraw.
-#[must_use]
 pub fn action(event: &Event, model: &Model, layout: Option<&Layout>) -> Option<Action> {
     let panel = model.panel();
     match event {

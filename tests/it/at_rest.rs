@@ -32,7 +32,7 @@ const ADAPTIVE: [Method; 3] = [
 ];
 
 fn standing(particles: usize, gravity: f64, magnet: Option<(usize, f64)>) -> ChainSpec {
-    let bead = |i: usize| if i % 2 == 0 { ptfe_sphere() } else { steel_cylinder() };
+    let bead = |i: usize| if i.is_multiple_of(2) { ptfe_sphere() } else { steel_cylinder() };
     let effects = EffectsSpec {
         gravity: (gravity != 0.0).then_some(Gravity { acceleration: gravity }),
         magnet_preload: magnet.map(|(particle, force)| MagnetPreload {

@@ -27,7 +27,6 @@ pub struct BudgetLine {
 
 impl BudgetLine {
     /// Its name, as in a table.
-    #[must_use]
     pub fn name(&self) -> String {
         if self.which.is_empty() {
             self.kind.name().to_owned()
@@ -38,7 +37,6 @@ impl BudgetLine {
 }
 
 /// The budget of `model`: all inputs that are uncertain.
-#[must_use]
 pub fn propagate(model: &Model) -> Vec<BudgetLine> {
     let sensitivity = |values: &[f64]| model.evaluate(values);
     let changes: Vec<f64> = model.changes(&sensitivity).collect();

@@ -127,13 +127,11 @@ impl Impact {
     }
 
     /// Integral of the voltage with its droop undone: exact where the force runs straight between samples (V s).
-    #[must_use]
     pub fn integral(&self, tau: f64) -> f64 {
         self.integral_off(1.0 / tau, 0.0)
     }
 
     /// The same for `1/tau` (1/s) and a baseline that is `off` higher (V) (V s).
-    #[must_use]
     pub fn integral_off(&self, inverse_tau: f64, off: f64) -> f64 {
         let Sums { volts, volts_before, count, count_before } = self.sums;
         let ratio = self.interval * inverse_tau;
@@ -144,7 +142,6 @@ impl Impact {
     }
 
     /// Integral of the voltage as it is (V s).
-    #[must_use]
     pub fn naive_integral(&self) -> f64 {
         self.interval * self.sums.volts
     }
@@ -152,7 +149,6 @@ impl Impact {
     /// Standard uncertainty of the integral from the noise of its samples (V s).
     ///
     /// Sample `k` of the window takes part in itself and in all later ones: `g (w[k] + (1 - a) sum over i > k of w[i])`.
-    #[must_use]
     #[allow(
         clippy::cast_precision_loss,
         clippy::cast_possible_truncation,

@@ -83,7 +83,6 @@ pub enum Kind {
 
 impl Kind {
     /// Its name in a table.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Gain => "scope gain",
@@ -129,7 +128,6 @@ impl Speed {
     }
 
     /// The speed where the reading is `raw`; a height or time below zero is none (m/s).
-    #[must_use]
     pub fn of(self, raw: f64, gravity: f64, gates: f64) -> f64 {
         match self {
             Self::Speed(_) => raw,
@@ -142,7 +140,6 @@ impl Speed {
 
 impl Common {
     /// Momentum that an impact of `duration` (s) hands over (N s).
-    #[must_use]
     pub fn momentum(&self, motion: &Motion, duration: f64) -> f64 {
         let mass = self.strikers.get(motion.striker).map_or(f64::NAN, |(_, mass)| mass.value);
         let gates = self.gate_distance.map_or(f64::NAN, |gates| gates.value);

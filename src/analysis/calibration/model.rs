@@ -157,7 +157,6 @@ impl Model {
     }
 
     /// Root of chi squared over the degrees of freedom, of the impacts about their mean (1).
-    #[must_use]
     #[allow(clippy::cast_precision_loss, reason = "a handful of impacts")]
     pub fn birge_ratio(&self) -> f64 {
         let mean = self.sensitivity();
@@ -166,19 +165,16 @@ impl Model {
     }
 
     /// The inputs.
-    #[must_use]
     pub fn inputs(&self) -> &[Input] {
         &self.inputs
     }
 
     /// Places of the impacts in the plan.
-    #[must_use]
     pub fn places(&self) -> &[usize] {
         &self.places
     }
 
     /// All inputs at their estimates (unit).
-    #[must_use]
     pub fn estimates(&self) -> Vec<f64> {
         self.inputs.iter().map(|input| input.value).collect()
     }
@@ -215,7 +211,6 @@ impl Model {
     }
 
     /// The sensitivity (V/N) for given values of all inputs (V/N).
-    #[must_use]
     pub fn evaluate(&self, values: &[f64]) -> f64 {
         let inverse_tau = self.inverse_tau(values);
         let parts = self.parts.iter().enumerate();
@@ -225,31 +220,26 @@ impl Model {
     }
 
     /// The time constant for given values of all inputs (s).
-    #[must_use]
     pub fn evaluate_tau(&self, values: &[f64]) -> f64 {
         1.0 / self.inverse_tau(values)
     }
 
     /// The sensitivity (V/N).
-    #[must_use]
     pub fn sensitivity(&self) -> f64 {
         self.evaluate(&self.estimates())
     }
 
     /// The time constant (s).
-    #[must_use]
     pub fn tau(&self) -> f64 {
         self.evaluate_tau(&self.estimates())
     }
 
     /// Standard uncertainty of the time constant (s).
-    #[must_use]
     pub fn tau_u(&self) -> f64 {
         self.changes(&|values| self.evaluate_tau(values)).map(|c| c * c).sum::<f64>().sqrt()
     }
 
     /// What the records' ends tell of the time constant, and its standard uncertainty, used or not (s).
-    #[must_use]
     pub fn tail_tau(&self) -> Option<(f64, f64)> {
         let tails: Vec<&Tail> = self.parts.iter().filter_map(|part| part.tail.as_ref()).collect();
         let weights: f64 = tails.iter().map(|tail| tail.weight()).sum();
@@ -258,7 +248,6 @@ impl Model {
     }
 
     /// Each impact's sensitivity and its own standard uncertainty (V/N).
-    #[must_use]
     pub fn each(&self) -> Vec<(f64, f64)> {
         let estimates = self.estimates();
         let inverse_tau = self.inverse_tau(&estimates);

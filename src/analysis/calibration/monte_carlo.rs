@@ -38,7 +38,6 @@ pub struct MonteCarlo {
 }
 
 /// Draws; none for none.
-#[must_use]
 #[allow(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,

@@ -64,7 +64,6 @@ pub struct DissipativeSystem {
 
 impl DissipativeSystem {
     /// Lowers `chain`; `initial_velocity` (m/s) sets the scale of what is to come.
-    #[must_use]
     pub fn new(chain: &Chain, initial_velocity: &[f64]) -> Self {
         let bodies = chain.bodies();
         let inverse = |index: Option<usize>| {

@@ -26,7 +26,6 @@ pub struct LossSpec {
 
 impl LossSpec {
     /// The coefficient between the bodies so named (unit).
-    #[must_use]
     pub fn between(&self, upper: &str, lower: &str) -> f64 {
         let own = self.overrides.iter().find(|o| {
             let [a, b] = &o.between;

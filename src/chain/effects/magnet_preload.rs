@@ -51,7 +51,6 @@ pub enum PlacedAt {
 
 impl PlacedMagnet {
     /// Moves the magnet to where it pulls with `force` (N) at rest, of several places to the nearest to where it was.
-    #[must_use]
     pub fn moved_to(&self, force: f64, present: f64) -> Option<Self> {
         let places = self.magnet.distances(force, self.temperature);
         let nearest = places

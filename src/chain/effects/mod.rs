@@ -97,7 +97,6 @@ impl EffectsSpec {
     }
 
     /// The losses of the contact between the bodies so named; none where nothing is lost.
-    #[must_use]
     pub fn loss_between(&self, upper: &str, lower: &str) -> Option<ContactLoss> {
         let losses = self.losses();
         let end = losses.iter().flatten().next().map(|spec| spec.end)?;
@@ -109,7 +108,6 @@ impl EffectsSpec {
     }
 
     /// What ends a contact; none where nothing is lost.
-    #[must_use]
     pub fn end_of_contact(&self) -> Option<EndOfContact> {
         self.losses().into_iter().flatten().next().map(|spec| spec.end)
     }

@@ -52,7 +52,6 @@ pub fn difference(rows: &[Row], contact: usize) -> f64 {
 
 impl ChainRows {
     /// The rows of `chain`, whose contacts follow Hertz's law without losses.
-    #[must_use]
     pub fn new(chain: &Chain) -> Self {
         let rows = chain.contacts().len().div_ceil(WIDTH);
         let empty = || vec![Row::default(); rows];
@@ -80,7 +79,6 @@ impl ChainRows {
     }
 
     /// Number of rows.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.stiffness.len()
     }

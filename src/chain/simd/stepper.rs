@@ -77,7 +77,6 @@ pub struct VectorStepper {
 
 impl VectorStepper {
     /// Starts `scheme` on `chain` at `state`. Errors that the pair tolerates are relative to the largest overlap change and speed so far.
-    #[must_use]
     pub fn new(chain: &Chain, state: &State, scheme: Scheme, set: InstructionSet) -> Self {
         let rows = ChainRows::new(chain);
         let mut now = Motion::at_rest(rows.len());
@@ -142,7 +141,6 @@ impl VectorStepper {
     }
 
     /// The stepper without one of its refinements.
-    #[must_use]
     pub fn without(mut self, refinement: Refinement) -> Self {
         match (refinement, &mut self.drive) {
             (Refinement::OpeningCorrection, Drive::Nystrom(nystrom)) => nystrom.corrects = false,
@@ -153,14 +151,12 @@ impl VectorStepper {
     }
 
     /// Steps in which contacts opened or closed.
-    #[must_use]
     pub fn contact_changes(&self) -> u64 {
         self.changes
     }
 
     /// Position, velocity and acceleration of `body` at the end of the last step; zero for a body that is not there (m, m/s, m/s²).
     #[inline]
-    #[must_use]
     pub fn body(&self, body: Option<usize>) -> [f64; 3] {
         body.map_or([0.0; 3], |body| self.now.of(body))
     }

@@ -93,7 +93,6 @@ enum Set {
 
 impl InstructionSet {
     /// All that this processor has, the widest first.
-    #[must_use]
     pub fn available() -> Vec<Self> {
         let mut sets = Vec::new();
         #[cfg(target_arch = "x86_64")]
@@ -110,7 +109,6 @@ impl InstructionSet {
     }
 
     /// The one to use: that of [`VARIABLE`], or the widest.
-    #[must_use]
     pub fn best() -> Self {
         static BEST: OnceLock<InstructionSet> = OnceLock::new();
         *BEST.get_or_init(|| Self::chosen().unwrap_or(Self(Set::Portable)))
@@ -141,7 +139,6 @@ impl InstructionSet {
     }
 
     /// Its name.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self.0 {
             #[cfg(target_arch = "x86_64")]

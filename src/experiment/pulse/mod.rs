@@ -80,7 +80,6 @@ pub struct PulseRecorder {
 
 impl PulseRecorder {
     /// Starts with nothing felt in a chain that is let go with these velocities (m/s); `impact` is the force that the impact raises (N).
-    #[must_use]
     pub fn new(probe: &ForceProbe, impact: f64, velocities: &[f64]) -> Self {
         let room = (Vec::new(), Vec::with_capacity(ROOM_FOR_RISES));
         Self::begin(probe, (impact, velocities), room)
@@ -110,7 +109,6 @@ impl PulseRecorder {
     }
 
     /// Force at static equilibrium (N).
-    #[must_use]
     pub fn static_force(&self) -> f64 {
         self.static_force
     }
@@ -148,7 +146,6 @@ impl PulseRecorder {
     }
 
     /// A maximum up to the first counts for nothing, nor does any other force up to the second (N).
-    #[must_use]
     pub fn asks(&self) -> [f64; 2] {
         // Levels that anybody asks for are shares of a peak that is no rounding.
         [self.first_exceeds().max(FOOT * self.quietest), self.largest]

@@ -7,27 +7,23 @@ use crate::experiment::turn::root;
 
 impl PulseRecorder {
     /// A copy that takes up no more memory than its readings need: of many that are kept, most would be empty.
-    #[must_use]
     pub fn readings(&mut self) -> Self {
         self.forget();
         self.clone()
     }
 
     /// Largest dynamic force so far (N).
-    #[must_use]
     pub fn largest(&self) -> f64 {
         self.largest
     }
 
     /// Whether that is rounding, and no pulse.
-    #[must_use]
     pub fn is_quiet(&self) -> bool {
         self.largest <= self.quietest
     }
 
     /// The first local maximum of the dynamic force above a quarter of its largest value so far, and above the rounding of the static
     /// force and of the impact's.
-    #[must_use]
     pub fn first_peak(&self) -> Option<Peak> {
         let threshold = (PEAK_SHARE * self.largest).max(self.quietest);
         let high = self.peaks.iter().filter(|peak| peak.most > threshold);
@@ -38,7 +34,6 @@ impl PulseRecorder {
     }
 
     /// The highest maximum that was the first peak until larger forces raised the threshold above it.
-    #[must_use]
     pub fn passed_over(&self) -> Option<PassedOver> {
         let threshold = (PEAK_SHARE * self.largest).max(self.quietest);
         let tops = self.passed_over.iter().chain(&self.peaks).map(|peak| self.felt.top(peak).1);
@@ -51,7 +46,6 @@ impl PulseRecorder {
 
     /// The time when the dynamic force first reached `level` (N), which is positive; none where it did not, or where the level is lower than
     /// [`LOWEST_LEVEL`](super::LOWEST_LEVEL) of a first peak and no longer remembered (s).
-    #[must_use]
     pub fn first_reach(&self, level: f64) -> Option<f64> {
         let is_it = |rise: &&Rise| rise.reached >= level && level > self.forgotten;
         let Rise { segment, top, .. } = self.rises.iter().find(is_it)?;

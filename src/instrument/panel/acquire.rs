@@ -35,7 +35,6 @@ pub struct Acquire {
 
 impl Acquire {
     /// Records that make one: one, unless they are averaged.
-    #[must_use]
     pub fn depth(&self) -> u32 {
         if self.mode == AcquireMode::Average { self.averages.max(1) } else { 1 }
     }

@@ -31,7 +31,6 @@ const PAIRS: [(u8, u8); 2] = [(1, 2), (3, 4)];
 
 impl MathFunction {
     /// Reads a definition, e.g. `CH1 - CH2` or `FFT(CH1,HANNING)`; `None` for what this instrument has not.
-    #[must_use]
     pub fn parse(definition: &str, channels: u8) -> Option<Self> {
         let text: String = definition.chars().filter(|c| !c.is_whitespace()).collect();
         let upper = text.to_ascii_uppercase();
@@ -59,7 +58,6 @@ impl MathFunction {
     }
 
     /// Whether channel `number` is needed for it.
-    #[must_use]
     pub fn uses(self, number: u8) -> bool {
         match self {
             Self::Sum(a, b) | Self::Difference(a, b) => a == number || b == number,
@@ -68,7 +66,6 @@ impl MathFunction {
     }
 
     /// The definition as the instrument writes it.
-    #[must_use]
     pub fn definition(self) -> String {
         match self {
             Self::Sum(a, b) => format!("CH{a} + CH{b}"),

@@ -73,7 +73,6 @@ impl Default for Panel {
 
 impl Panel {
     /// The factory set-up with all that `setup` tells; channels that it leaves off are off.
-    #[must_use]
     pub fn of(setup: &Setup) -> Self {
         let mut panel = Self::default();
         for (number, channel) in (1..=4).zip(&setup.channels) {
@@ -99,7 +98,6 @@ impl Panel {
     }
 
     /// Settings of channel `number`, counted from 1; numbers beyond the last mean the last.
-    #[must_use]
     pub fn channel(&self, number: u8) -> &Channel {
         let [one, two, three, four] = &self.channels;
         match number {
@@ -134,7 +132,6 @@ impl Panel {
     }
 
     /// Whether a waveform is displayed.
-    #[must_use]
     pub fn displays(&self, source: Source) -> bool {
         let [a, b, c, d] = self.references;
         match source {
@@ -148,7 +145,6 @@ impl Panel {
     }
 
     /// Whether channel `number` is recorded: it is displayed, or the displayed math trace needs it.
-    #[must_use]
     pub fn records(&self, number: u8) -> bool {
         let displayed = self.displays(Source::Channel(number));
         displayed || (self.math.displayed && self.math.function.uses(number))
@@ -170,7 +166,6 @@ impl Panel {
     }
 
     /// What the front end and the digitiser need: channels that are recorded or trigger are on. Free of errors and noise.
-    #[must_use]
     pub fn setup(&self, model: &Model) -> Setup {
         let trigger_source = self.trigger.source.channel();
         let channel = |number: u8| {

@@ -57,7 +57,6 @@ impl<'a> DormandPrince853<'a> {
     pub const DECAY_REACH: f64 = 6.39;
 
     /// Starts at `state`, tolerating errors of `tolerance` a step relative to the system's scales (1).
-    #[must_use]
     pub fn new(mut system: Box<dyn System + 'a>, state: State, tolerance: f64) -> Self {
         let n = system.len();
         let zero = Rates { position: vec![0.0; n], velocity: vec![0.0; n] };

@@ -9,7 +9,6 @@ use crate::scene::hexadecimal;
 use crate::scene::plan::{Particulars, Plan};
 
 /// Puts what was found into the report's words.
-#[must_use]
 pub fn report(plan: &Plan, found: &Calibration, evidence: Vec<Evidence>) -> CalibrationReport {
     let named: Particulars = plan.particulars.clone();
     let half = COVERAGE_95 * found.u;
@@ -108,7 +107,6 @@ fn impact_report(
 }
 
 /// The calibrated sensor as a file of `instruments/sensors`.
-#[must_use]
 pub fn sensor_file(report: &CalibrationReport) -> String {
     let date = report.date.as_deref().unwrap_or("date not stated");
     let chain = if report.in_chain { "; with the scope it was calibrated with" } else { "" };

@@ -67,7 +67,6 @@ pub fn run(plan: &Plan) -> Result<Calibrated, PlanRunError> {
 }
 
 /// What the impacts of `plan` share.
-#[must_use]
 pub fn common(plan: &Plan) -> Common {
     let number = |u: f64| Quantity { value: 1.0, u };
     Common {
@@ -99,7 +98,6 @@ fn speed((means, value): (Means, Uncertain)) -> Speed {
 }
 
 /// A capture as the calibration takes it; none for a record over frequency.
-#[must_use]
 pub fn record(capture: &Capture, window: Option<Gate>) -> Option<Record> {
     let level = capture.waveform.preamble.y_mult.abs();
     Some(Record { trace: capture.trace()?, level, clipped: capture.waveform.clipped(), window })

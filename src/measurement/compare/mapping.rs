@@ -112,7 +112,6 @@ impl Ends {
     }
 
     /// The channels of a scene's scope that a sensor is wired to.
-    #[must_use]
     pub fn of_scene(scene: &Scene) -> Self {
         let channels = scene.scope.channels.iter().enumerate();
         let wired = channels.filter_map(|(place, channel)| {

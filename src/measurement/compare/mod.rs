@@ -38,7 +38,6 @@ pub enum Align {
 
 impl Align {
     /// Name in reports.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Trigger => "trigger",

@@ -52,13 +52,11 @@ impl Tolerance {
     }
 
     /// The limits in words.
-    #[must_use]
     pub fn words(&self) -> Vec<String> {
         self.0.iter().map(words).collect()
     }
 
     /// What is beyond the limits, in words; a score that could not be told is beyond any.
-    #[must_use]
     pub fn failures(&self, channels: &[ChannelScore], speeds: &[SpeedScore]) -> Vec<String> {
         let mut failures = Vec::new();
         for limit in &self.0 {

@@ -91,7 +91,6 @@ impl<'a> Cursor<'a> {
 }
 
 /// Length of the body that follows `head`, the first bytes of a record (bytes).
-#[must_use]
 pub fn body_length(head: &[u8; HEAD]) -> u64 {
     let [_, length @ ..] = *head;
     u64::from_le_bytes(length)

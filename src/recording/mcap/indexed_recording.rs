@@ -130,26 +130,22 @@ impl IndexedRecording {
     }
 
     /// How far the recording has been read.
-    #[must_use]
     pub fn end(&self) -> End {
         self.end
     }
 
     /// How many shots were found so far. The last one counts when nothing follows it: until then it may not be whole.
-    #[must_use]
     pub fn shots(&self) -> usize {
         let unfinished = usize::from(self.end == End::More);
         self.shots.len().saturating_sub(unfinished)
     }
 
     /// Of how many pieces of the file the shot at `place` is made so far; more may come as long as the file grows.
-    #[must_use]
     pub fn pieces(&self, place: usize) -> usize {
         self.shots.get(place).map_or(0, |(_, stretches)| stretches.len())
     }
 
     /// What was found so far beside the shots: facts, attachments, log, problems.
-    #[must_use]
     pub fn facts(&self) -> TraceSet {
         self.reader.facts()
     }

@@ -185,7 +185,6 @@ pub struct Energy {
 
 impl Energy {
     /// Whether all of it are numbers.
-    #[must_use]
     pub fn is_finite(&self) -> bool {
         let sums = [self.initial_j, self.final_j, self.dissipated_j, self.drift];
         let held =
@@ -245,7 +244,6 @@ pub const WARNING: i32 = 3;
 pub const INFORMATION: i32 = 2;
 
 /// Nanoseconds since 1970 as protobuf keeps them.
-#[must_use]
 pub fn timestamp(nanoseconds: u64) -> Timestamp {
     const BILLION: u64 = 1_000_000_000;
     Timestamp {

@@ -115,7 +115,6 @@ impl Schema {
         [Self::Capture, Self::Setup, Self::Series, Self::Energy, Self::Log, Self::ScpiLine];
 
     /// Full name, package included.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Capture => "hertzscope.Capture",
@@ -139,7 +138,6 @@ impl Schema {
     }
 
     /// The serialised `FileDescriptorSet` by which any protobuf reader decodes this message.
-    #[must_use]
     pub fn descriptor(self) -> Vec<u8> {
         let (package, message) = self.name().split_once('.').unwrap_or(("", self.name()));
         let field = |(number, (name, kind, label)): (i32, &Field)| FieldDescriptorProto {

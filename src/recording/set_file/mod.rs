@@ -87,7 +87,6 @@ impl SetFile {
 
     /// The settings as the instrument writes them: a header leaves out the path that it shares with all of the one before,
     /// and begins at the root where it does not. What an instrument of the family saved comes back byte for byte.
-    #[must_use]
     pub fn write(&self) -> String {
         let mut text = String::new();
         let mut stem: Option<String> = None;
@@ -105,20 +104,17 @@ impl SetFile {
     }
 
     /// The last value of `path`, which is in capitals.
-    #[must_use]
     pub fn value(&self, path: &str) -> Option<&str> {
         let found = self.settings.iter().rev().find(|setting| setting.path == path);
         found.map(|setting| setting.value.as_str())
     }
 
     /// A finite number at `path` (unit).
-    #[must_use]
     pub fn number(&self, path: &str) -> Option<f64> {
         self.value(path)?.parse().ok().filter(|number: &f64| number.is_finite())
     }
 
     /// A switch at `path`.
-    #[must_use]
     pub fn is_on(&self, path: &str) -> Option<bool> {
         match self.value(path)? {
             "ON" | "1" => Some(true),
@@ -128,25 +124,21 @@ impl SetFile {
     }
 
     /// Vertical scale of channel `number`, probe included (V/div).
-    #[must_use]
     pub fn scale(&self, number: u8) -> Option<f64> {
         self.number(&format!("CH{number}:SCALE"))
     }
 
     /// Where zero volts of channel `number` stands, upward from the centre (div).
-    #[must_use]
     pub fn position(&self, number: u8) -> Option<f64> {
         self.number(&format!("CH{number}:POSITION"))
     }
 
     /// Probe attenuation of channel `number` (1).
-    #[must_use]
     pub fn probe(&self, number: u8) -> Option<f64> {
         self.number(&format!("CH{number}:PROBE"))
     }
 
     /// Coupling of channel `number`.
-    #[must_use]
     pub fn coupling(&self, number: u8) -> Option<Coupling> {
         match self.value(&format!("CH{number}:COUPLING"))? {
             "DC" => Some(Coupling::Dc),
@@ -157,31 +149,26 @@ impl SetFile {
     }
 
     /// Time base (s/div).
-    #[must_use]
     pub fn time_base(&self) -> Option<f64> {
         self.number("HORIZONTAL:MAIN:SCALE").or_else(|| self.number("HORIZONTAL:SCALE"))
     }
 
     /// From the trigger to the middle of the screen (s).
-    #[must_use]
     pub fn horizontal_position(&self) -> Option<f64> {
         self.number("HORIZONTAL:MAIN:POSITION")
     }
 
     /// What the edge trigger looks at; `None` for the external inputs and the mains too.
-    #[must_use]
     pub fn trigger_source(&self) -> Option<Source> {
         self.value("TRIGGER:MAIN:EDGE:SOURCE").and_then(Source::from_name)
     }
 
     /// Trigger level (V).
-    #[must_use]
     pub fn trigger_level(&self) -> Option<f64> {
         self.number("TRIGGER:MAIN:LEVEL")
     }
 
     /// Direction of the edge trigger.
-    #[must_use]
     pub fn trigger_slope(&self) -> Option<Slope> {
         match self.value("TRIGGER:MAIN:EDGE:SLOPE")? {
             "RISE" => Some(Slope::Rise),
@@ -191,7 +178,6 @@ impl SetFile {
     }
 
     /// Whether a trace was on the screen.
-    #[must_use]
     pub fn is_selected(&self, source: Source) -> Option<bool> {
         let name = match source {
             Source::Reference(letter) => format!("REF{letter}"),

@@ -197,6 +197,10 @@ pub(super) fn excerpt(text: &str) -> String {
     format!("`{shown}`")
 }
 
+pub(super) fn place(file: &str, line: usize, column: usize) -> Place {
+    Place { file: file.to_owned(), line, column }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -207,8 +211,4 @@ mod tests {
         assert_eq!(excerpt("a\r\n"), "`a\\r\\n`");
         assert_eq!(excerpt(&"x".repeat(1000)).chars().count(), 43);
     }
-}
-
-pub(super) fn place(file: &str, line: usize, column: usize) -> Place {
-    Place { file: file.to_owned(), line, column }
 }

@@ -23,7 +23,6 @@ pub struct PaperPicture {
 }
 
 /// All pictures of a study.
-#[must_use]
 pub fn paper_pictures(study: &Study) -> Vec<PaperPicture> {
     let mut pictures: Vec<PaperPicture> = study.figures.iter().map(figure_picture).collect();
     if let Some(tables) = &study.tables {

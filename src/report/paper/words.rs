@@ -31,7 +31,6 @@ fn tally(findings: &[Finding]) -> String {
 }
 
 /// The page that `paper` prints.
-#[must_use]
 pub fn paper(study: &Study) -> String {
     let heading = ["statement", "paper", "here", "verdict", "by which convention"];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
@@ -64,7 +63,6 @@ fn best_dashpot(study: &SpeedStudy) -> String {
 }
 
 /// The report's parts; pictures are files of the study's pictures, which stand beside.
-#[must_use]
 pub fn paper_parts(study: &Study, pictures: &[PaperPicture]) -> Vec<Part> {
     let mut parts = vec![
         Part::Heading(1, "Herbold et al. (2009), computed again".to_owned()),

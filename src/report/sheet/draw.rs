@@ -17,7 +17,6 @@ const CHARACTER: f64 = 7.0;
 const BAND: &str = "#efe6d2";
 
 /// The picture of `sheet`.
-#[must_use]
 #[allow(clippy::cast_precision_loss, reason = "a few panels")]
 pub fn sheet_svg(sheet: &Sheet) -> String {
     let (left, right, above, below) = MARGINS;

@@ -27,7 +27,6 @@ pub struct Axis {
 
 impl Axis {
     /// From `from` to `to` (unit), round numbers named.
-    #[must_use]
     pub fn linear(label: &str, from: f64, to: f64) -> Self {
         let places = ticks(from, to);
         let step = places.get(1).zip(places.first()).map_or(1.0, |(b, a)| b - a);
@@ -40,7 +39,6 @@ impl Axis {
     }
 
     /// From `from` to `to` (unit), both above zero; 1, 2 and 5 of each decade named.
-    #[must_use]
     pub fn logarithmic(label: &str, from: f64, to: f64) -> Self {
         #[allow(clippy::cast_possible_truncation, reason = "a few decades")]
         let decades = (from.log10().floor() as i32)..=(to.log10().ceil() as i32);
@@ -115,7 +113,6 @@ pub struct Panel {
 
 impl Panel {
     /// An empty one.
-    #[must_use]
     pub fn new(title: &str, x: Axis, y: Axis) -> Self {
         let (lines, bands, words) = (Vec::new(), Vec::new(), Vec::new());
         Self { title: title.to_owned(), x, y, lines, bands, words, map: None }

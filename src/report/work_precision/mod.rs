@@ -16,7 +16,6 @@ use terminal::plot;
 const IN_TERMINAL: usize = 2;
 
 /// The page that `cost` prints.
-#[must_use]
 pub fn work_precision(study: &Study) -> String {
     let mut lines = Vec::new();
     for kind in &KINDS[..IN_TERMINAL] {

@@ -23,7 +23,6 @@ const NAME: (f64, f64) = (34.0, 11.0);
 const WIDTH: f64 = 2.0 * (LEFT + PANEL.0) + 24.0;
 
 /// The study as an SVG picture.
-#[must_use]
 #[allow(clippy::cast_precision_loss, reason = "a dozen methods")]
 pub fn work_precision_svg(study: &Study) -> String {
     let marks = marks(study);

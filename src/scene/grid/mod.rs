@@ -73,7 +73,6 @@ impl Design {
     }
 
     /// For each path the SI unit of its numbers; none where not all of its values are numbers of one kind.
-    #[must_use]
     pub fn units(&self) -> Vec<Option<String>> {
         let factor = |factor: &Factor| {
             let mut numbers = factor.values.iter().map(|node| number(node).map(|(_, d)| d));
@@ -86,7 +85,6 @@ impl Design {
     }
 
     /// How many runs it has.
-    #[must_use]
     pub fn count(&self) -> u64 {
         self.points().map_or(0, |points| points * self.repeat)
     }

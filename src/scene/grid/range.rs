@@ -37,7 +37,6 @@ pub(super) fn is_range(table: &Entries) -> bool {
 }
 
 /// A node's number in SI units, with its dimension; none if it is no number.
-#[must_use]
 pub fn number(node: &Node) -> Option<(f64, Dimension)> {
     match &node.value {
         Value::Number { value, .. } if value.is_finite() => Some((*value, Dimension::NONE)),
@@ -47,7 +46,6 @@ pub fn number(node: &Node) -> Option<(f64, Dimension)> {
 }
 
 /// A node as TOML has it, on one line; text without its quotes.
-#[must_use]
 pub fn typed(node: &Node) -> String {
     let inner = |node: &Node| match &node.value {
         Value::Text(text) => format!("{text:?}"),

@@ -22,7 +22,6 @@ pub struct Run {
 
 impl Design {
     /// Run number `index`, from 0: the last path of the grid changes fastest, the points of the sample within it, repetitions within them.
-    #[must_use]
     pub fn run(&self, index: u64) -> Run {
         let (mut rest, repeat) = (index / self.repeat, index % self.repeat + 1);
         let mut values = Vec::new();

@@ -14,7 +14,7 @@ use crate::scene::Scene;
 
 /// Points that would take more force evaluations than this are left out: the study is for a coffee break, not for lunch.
 const MOST_EVALUATIONS: f64 = 60_000.0;
-/// With error control nobody knows before: a point that takes more is given up. The chain's own stepper is ten times as fast as all others.
+/// A point under error control that takes more is given up; the lossless methods take shorter.
 const MOST_CONTROLLED: u64 = 120_000;
 const MOST_OWN: u64 = 1_000_000;
 /// A reference that takes more is none.

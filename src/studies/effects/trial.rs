@@ -165,7 +165,7 @@ pub fn of_chain(with: &Scene, without: &Scene, accuracy: f64) -> Result<(Cost, C
     of_runs((with, without), || run(with, on_by), || run(without, off_by))
 }
 
-/// Runs of a scene with and without one of the stepper's refinements, in turn, at the same accuracy.
+/// Runs of a scene with and without one of the vector path's refinements, in turn, at the same accuracy.
 ///
 /// # Errors
 /// Why one of them cannot be run.

@@ -18,7 +18,6 @@ pub enum Verdict {
 
 impl Verdict {
     /// As it is printed.
-    #[must_use]
     pub fn word(self) -> &'static str {
         match self {
             Self::Right => "right",
@@ -58,7 +57,6 @@ pub struct Finding {
 
 impl HardCase {
     /// Computes the case and judges it.
-    #[must_use]
     pub fn judge(&self) -> Finding {
         let mut tally = Tally::default();
         let (verdict, figure) = match (self.compute)(&mut tally) {

@@ -141,7 +141,8 @@ fn time_reversal(tally: &mut Tally) -> Result<(), String> {
         }
         // Symplectic and symmetric: these come back to where they began at any step, but for rounding.
         let step = 0.5e-6;
-        for method in [Method::VelocityVerlet { step }] {
+        let method = Method::VelocityVerlet { step };
+        {
             let (error, growth) = there_and_back(&chain, method, 1e-3)?;
             tally.check(format!("{force} N, {}", method.name()), error, f64::EPSILON * growth);
         }

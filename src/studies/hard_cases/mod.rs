@@ -19,7 +19,6 @@ pub use case::{Finding, HardCase, Verdict};
 pub use tally::Tally;
 
 /// All cases, in a fixed order.
-#[must_use]
 pub fn catalogue() -> Vec<HardCase> {
     [
         pulses::CASES,

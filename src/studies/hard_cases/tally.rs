@@ -36,7 +36,6 @@ impl Tally {
     }
 
     /// Whether there were checks, and every one held.
-    #[must_use]
     pub fn holds(&self) -> bool {
         self.worst.as_ref().is_some_and(|worst| worst.share() <= 1.0)
     }

@@ -89,7 +89,6 @@ pub struct Designer {
 }
 
 /// The strikers that are tried.
-#[must_use]
 pub fn strikers() -> Vec<Striker> {
     let sphere = |diameter: &f64| Striker {
         name: format!("steel-{:.0}mm", 1e3 * diameter),
@@ -116,7 +115,6 @@ impl Designer {
     }
 
     /// The circuit of the sensor's data (V/N, s).
-    #[must_use]
     pub fn circuit(&self) -> Option<Circuit> {
         self.bench.circuit(0, self.bench.scope.channels.first()?.as_ref()?)
     }
@@ -199,7 +197,6 @@ impl Designer {
     }
 
     /// Records `truths` through `circuit`, and reads the lab's instruments: everything drawn from the seed and `repeat`.
-    #[must_use]
     pub fn blind(
         &self,
         striker: &Striker,

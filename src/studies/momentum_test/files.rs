@@ -18,7 +18,6 @@ pub struct Test {
 }
 
 /// Puts a blind calibration of `sensor` into files.
-#[must_use]
 pub fn write(blind: &Blind, sensor: &str, gain_u: Option<f64>, setup: &Setup) -> Test {
     let scope = gain_u.map_or("in_chain = true".to_owned(), |u| format!("gain_u = {u}"));
     let load = setup.channels.iter().flatten().next().map(|c| input_load(&setup.model, c));

@@ -137,7 +137,6 @@ fn freed(force: &Trace, path: &Trace, gravity: f64, incoming: f64) -> Option<Tru
 }
 
 /// How the scope is set for a test: vertical scale (V/div) and time base (s/div).
-#[must_use]
 pub fn setting(bench: &Scene, scale: f64, time_base: f64) -> Setup {
     let mut setup = bench.scope.clone();
     setup.time_base = time_base;
@@ -151,14 +150,12 @@ pub fn setting(bench: &Scene, scale: f64, time_base: f64) -> Setup {
 }
 
 /// Share of the screen above zero volts that the converter has (div).
-#[must_use]
 pub fn room() -> f64 {
     f64::from(HIGHEST_CODE) / LEVELS_PER_DIVISION - ZERO_POSITION
 }
 
 /// What the scope keeps of `truth` through `circuit`; phase of its clock and noise come from `seed` and `shot`. None where it is
 /// not triggered.
-#[must_use]
 pub fn capture(
     truth: &Truth,
     circuit: Circuit,

@@ -83,7 +83,6 @@ pub enum Place {
 
 impl Place {
     /// A short name for files, `p2`.
-    #[must_use]
     pub fn key(self) -> String {
         match self {
             Self::Inside(particle) => format!("p{particle}"),

@@ -32,7 +32,6 @@ impl Knob {
     ];
 
     /// Its name.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Preload => "preload",
@@ -45,7 +44,6 @@ impl Knob {
     }
 
     /// Unit of its values.
-    #[must_use]
     pub fn unit(self) -> &'static str {
         match self {
             Self::Preload => "N",
@@ -56,13 +54,11 @@ impl Knob {
     }
 
     /// The knobs that `scene` has.
-    #[must_use]
     pub fn of(scene: &Scene) -> Vec<Self> {
         Self::ALL.into_iter().filter(|knob| knob.value(scene).is_some()).collect()
     }
 
     /// Where `scene` has it, in its unit; none where it has none (unit).
-    #[must_use]
     pub fn value(self, scene: &Scene) -> Option<f64> {
         let spec = &scene.spec;
         let value = match self {

@@ -10,7 +10,6 @@ use crate::tui::view::layout::Layout;
 use crate::tui::view::target::Target;
 
 /// What the mouse asks for.
-#[must_use]
 pub fn mouse_action(event: MouseEvent, panel: Panel, layout: Option<&Layout>) -> Option<Action> {
     let wheel = match event.kind {
         MouseEventKind::ScrollUp => Some(Turn::Down),
@@ -36,7 +35,6 @@ pub fn mouse_action(event: MouseEvent, panel: Panel, layout: Option<&Layout>) ->
 }
 
 /// What the mouse asks for on a reading.
-#[must_use]
 pub fn reading_action(event: MouseEvent, target: Target) -> Option<Action> {
     let wheel = match event.kind {
         MouseEventKind::ScrollUp => Some(Turn::Up),

@@ -11,85 +11,71 @@ use crate::tui::axis::{Vertical, Window};
 
 impl Model {
     /// The recording.
-    #[must_use]
     pub fn set(&self) -> &TraceSet {
         &self.set
     }
 
     /// The bench that was recorded or is struck, where that is known.
-    #[must_use]
     pub fn scene(&self) -> Option<&Scene> {
         self.scene.as_ref()
     }
 
     /// The recording's name.
-    #[must_use]
     pub fn title(&self) -> &str {
         &self.title
     }
 
     /// Whether colours may be used.
-    #[must_use]
     pub fn palette(&self) -> Palette {
         self.palette
     }
 
     /// The shot on screen; `None` in an empty recording.
-    #[must_use]
     pub fn shot(&self) -> Option<&Shot> {
         self.set_shot()
     }
 
     /// What can be on the screen: the shot's captures in channel order, math and references.
-    #[must_use]
     pub fn captures(&self) -> &[Capture] {
         &self.traces
     }
 
     /// Earlier shots that stay on screen, the oldest first; none while they are not kept.
-    #[must_use]
     pub fn persisted_traces(&self) -> Option<&PersistedTraces> {
         self.persisted_traces.as_ref()
     }
 
     /// What the math trace shows.
-    #[must_use]
     pub fn math(&self) -> MathMode {
         self.math
     }
 
     /// The selected capture; `None` where there is none.
-    #[must_use]
     pub fn selected(&self) -> Option<&Capture> {
         self.find(self.selected?)
     }
 
     /// Whether `source` is the selected trace.
-    #[must_use]
     pub fn is_selected(&self, source: Source) -> bool {
         self.selected == Some(source)
     }
 
     /// What of the abscissa is on screen; `None` without a trace.
-    #[must_use]
     pub fn window(&self) -> Option<Window> {
         self.window.or_else(|| self.recorded_window())
     }
 
     /// The window of the selected trace's recording; `None` without a trace.
-    #[must_use]
     pub fn recorded_window(&self) -> Option<Window> {
         self.selected().map(|capture| Window::recorded(&capture.waveform))
     }
 
     /// Whether another part of the abscissa is shown than was recorded.
-    #[must_use]
     pub fn is_zoomed(&self) -> bool {
         self.window.is_some()
     }
 
     /// How `waveform` stands on the screen.
-    #[must_use]
     pub fn vertical(&self, waveform: &Waveform) -> Vertical {
         let recorded = Vertical::recorded(waveform);
         let adjustment = self.adjustment(waveform.source);
@@ -100,7 +86,6 @@ impl Model {
     }
 
     /// Whether `waveform` is on the screen.
-    #[must_use]
     pub fn visibility(&self, waveform: &Waveform) -> Visibility {
         let same_axis = self
             .selected()
@@ -115,61 +100,51 @@ impl Model {
     }
 
     /// The cursors.
-    #[must_use]
     pub fn cursors(&self) -> &Cursors {
         &self.cursors
     }
 
     /// What stands in the place of the graticule.
-    #[must_use]
     pub fn page(&self) -> Page {
         self.page
     }
 
     /// What stands beside it.
-    #[must_use]
     pub fn side(&self) -> Side {
         self.side
     }
 
     /// What lies over the screen.
-    #[must_use]
     pub fn panel(&self) -> Panel {
         self.panel
     }
 
     /// The command line as typed so far.
-    #[must_use]
     pub fn prompt(&self) -> &str {
         &self.prompt
     }
 
     /// How many lines of the panel have been scrolled past.
-    #[must_use]
     pub fn scroll(&self) -> usize {
         self.scroll
     }
 
     /// How the recording is played.
-    #[must_use]
     pub fn play(&self) -> &Play {
         &self.play
     }
 
     /// How the comparison is shown.
-    #[must_use]
     pub fn overlay(&self) -> Overlay {
         self.overlay
     }
 
     /// Comparison, study and ledger.
-    #[must_use]
     pub fn questions(&self) -> &Questions {
         &self.questions
     }
 
     /// What to tell about the last action, if anything.
-    #[must_use]
     pub fn notice(&self) -> Option<&str> {
         self.notice.as_deref()
     }

@@ -65,7 +65,6 @@ impl Model {
     }
 
     /// What the shot is held against, if anything.
-    #[must_use]
     pub fn compared_with(&self) -> Option<&str> {
         self.compared_with.as_deref()
     }
@@ -116,7 +115,6 @@ impl Model {
     }
 
     /// Name of the effect that is selected in the ledger.
-    #[must_use]
     pub fn selected_effect(&self) -> Option<&'static str> {
         let ledger = self.questions.ledger.done()?;
         ledger.entries.get(self.questions.effect).map(|entry| entry.effect)

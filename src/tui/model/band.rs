@@ -26,7 +26,6 @@ impl Model {
     }
 
     /// Lowest and highest frequency on screen, by default up to a little beyond the chain's highest band edge (Hz).
-    #[must_use]
     pub fn band(&self) -> Option<(f64, f64)> {
         let sampled = self.highest()?;
         let chain = self.derived.chain.as_ref();
@@ -37,7 +36,6 @@ impl Model {
     }
 
     /// Whether another band is shown than by default.
-    #[must_use]
     pub fn is_band_zoomed(&self) -> bool {
         self.band.is_some()
     }

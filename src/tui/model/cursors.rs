@@ -154,7 +154,6 @@ impl Model {
     }
 
     /// What the cursors tell; none without them.
-    #[must_use]
     pub fn cursor_reading(&self) -> Option<CursorReading> {
         let [first, second] = self.cursors.pair?;
         let waveforms = [first, second].map(|cursor| self.find(cursor.source).map(|c| &c.waveform));

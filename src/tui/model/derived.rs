@@ -73,13 +73,11 @@ pub struct Derived {
 
 impl Model {
     /// What was worked out for the screen.
-    #[must_use]
     pub fn derived(&self) -> &Derived {
         &self.derived
     }
 
     /// The sensor that the recording wired to `source`.
-    #[must_use]
     pub fn sensor(&self, source: Source) -> Option<RecordedSensor> {
         let name = source.to_string();
         let mut sensors = metadata::sensors(self.set()).into_iter();

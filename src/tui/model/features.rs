@@ -11,7 +11,6 @@ const BAND: f64 = 0.1;
 const HALF: f64 = 0.5;
 
 /// Abscissae of all peaks and edges, in order (s; Hz for an FFT).
-#[must_use]
 pub fn features(waveform: &Waveform) -> Vec<f64> {
     let values: Vec<f64> = waveform.codes.iter().map(|code| waveform.volts_of(*code)).collect();
     let mut sorted = values.clone();

@@ -129,7 +129,6 @@ impl Knob {
     ];
 
     /// What the knob reads on `scene`, for the sensor at `source`.
-    #[must_use]
     pub fn reading(&self, scene: &Scene, source: Option<Source>) -> String {
         match (self.read)(scene, source) {
             None if self.effect.is_some() => "off".to_owned(),
@@ -197,13 +196,11 @@ impl Knob {
 }
 
 /// The value that was typed for `path` in this session (unit).
-#[must_use]
 pub fn pending(tuned: &Settings, path: &str) -> Option<f64> {
     parse_any(tuned.get(path)?).ok().map(|(value, _)| value)
 }
 
 /// A value as it would be typed, with three digits.
-#[must_use]
 pub fn typed(value: f64, unit: &str) -> String {
     let rounded: f64 = format!("{value:.2e}").parse().unwrap_or(value);
     format!("{rounded} {unit}").trim_end().to_owned()

@@ -50,7 +50,6 @@ pub struct Live {
 
 impl Live {
     /// The bench of scene `base`, running.
-    #[must_use]
     pub fn new(base: String) -> Self {
         Self {
             base,
@@ -67,13 +66,11 @@ impl Live {
     }
 
     /// Whether a newer picture is on its way.
-    #[must_use]
     pub fn is_waiting(&self) -> bool {
         self.asked > self.shown
     }
 
     /// What was tuned, in the order of the paths.
-    #[must_use]
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
@@ -84,7 +81,6 @@ impl Live {
     }
 
     /// The tuned scene as text.
-    #[must_use]
     pub fn text(&self) -> String {
         let mut tables: BTreeMap<&str, Vec<(&str, &str)>> = BTreeMap::new();
         for (path, value) in &self.settings {
@@ -106,7 +102,6 @@ impl Live {
 
 impl Model {
     /// The bench behind the screen; none behind a recording.
-    #[must_use]
     pub fn live(&self) -> Option<&Live> {
         self.live.as_ref()
     }

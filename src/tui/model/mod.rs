@@ -46,7 +46,6 @@ pub use traces::MathMode;
 pub use update::update;
 
 /// Unit of a record's ordinate; some files write `Volts`.
-#[must_use]
 pub fn ordinate_unit(waveform: &Waveform) -> &str {
     match waveform.preamble.y_unit.as_str() {
         "Volts" => "V",
@@ -98,7 +97,6 @@ pub struct Model {
 
 impl Model {
     /// The first shot as recorded, its first trace selected.
-    #[must_use]
     pub fn new(set: TraceSet, title: String, palette: Palette) -> Self {
         let mut model = Self {
             set,
@@ -151,7 +149,6 @@ impl Model {
     }
 
     /// Whether the screen goes on.
-    #[must_use]
     pub fn is_running(&self) -> bool {
         self.running
     }

@@ -76,19 +76,16 @@ impl Model {
     }
 
     /// How many shots there are.
-    #[must_use]
     pub fn shots(&self) -> usize {
         self.on_tape.map_or(self.set.shots.len(), |tape| tape.count)
     }
 
     /// Whether the file is still being read or may grow.
-    #[must_use]
     pub fn is_growing(&self) -> bool {
         self.on_tape.is_some_and(|tape| tape.open)
     }
 
     /// The shot's place in the recording, from 0.
-    #[must_use]
     pub fn shot_index(&self) -> usize {
         self.shot
     }
@@ -172,7 +169,6 @@ impl Model {
     }
 
     /// Whether time passes on the screen.
-    #[must_use]
     pub fn is_playing(&self) -> bool {
         self.play.running
     }
@@ -223,7 +219,6 @@ impl Model {
     }
 
     /// First and last time of the film on the bench's own clock; none where the shot has none (s).
-    #[must_use]
     pub fn film_span(&self) -> Option<(f64, f64)> {
         let film = self.shot()?.truth.iter().find(|trace| trace.name.contains("contact/"))?;
         Some((film.start, film.time(film.values.len().checked_sub(1)?)))

@@ -81,7 +81,6 @@ impl Model {
     }
 
     /// The front panel: the served scope's, or the scene's.
-    #[must_use]
     pub fn scope(&self) -> Option<&Setup> {
         match self.live.as_ref().and_then(|live| live.served.as_ref()) {
             Some(served) => served.scope.as_deref(),

@@ -201,7 +201,6 @@ pub enum Job<T> {
 
 impl<T> Job<T> {
     /// The result, if it is there.
-    #[must_use]
     pub fn done(&self) -> Option<&T> {
         match self {
             Self::Done(result) => Some(result),
@@ -214,7 +213,6 @@ impl<T> Job<T> {
 const ROUND_OFF: f64 = 1e-9;
 
 /// The value of a trace at an abscissa, along the straight line between two points; none beyond the record (unit).
-#[must_use]
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

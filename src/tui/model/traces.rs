@@ -36,14 +36,12 @@ const MODES: [MathMode; 7] = [
 
 impl MathMode {
     /// The next one.
-    #[must_use]
     pub fn next(self) -> Self {
         let here = MODES.iter().position(|mode| *mode == self).unwrap_or(0);
         MODES.get(here + 1).copied().unwrap_or(Self::Off)
     }
 
     /// As the instrument writes it.
-    #[must_use]
     pub fn name(self) -> String {
         match self {
             Self::Off => "off".to_owned(),
@@ -119,7 +117,6 @@ impl Model {
 
     /// What really happened at the sensor behind `waveform`, on the trace's own axis: as volts by the sensor's sensitivity, or newtons,
     /// without what pressed before.
-    #[must_use]
     pub fn truth(&self, waveform: &Waveform) -> Option<Trace> {
         if !self.truth {
             return None;

@@ -85,13 +85,11 @@ impl Rows {
 
 impl Layout {
     /// Divides `area`; `None` if it is too small.
-    #[must_use]
     pub fn new(area: Rect) -> Option<Self> {
         Self::with_side(area, false)
     }
 
     /// The same with a column beside the page, if `beside` and there is room.
-    #[must_use]
     pub fn with_side(area: Rect, beside: bool) -> Option<Self> {
         if area.width < SMALLEST_WIDTH || area.height < SMALLEST_HEIGHT {
             return None;
@@ -146,13 +144,11 @@ impl Layout {
     }
 
     /// Columns of dots on the graticule.
-    #[must_use]
     pub fn columns(&self) -> u16 {
         self.x_dots * DIVISIONS_ACROSS + 1
     }
 
     /// Rows of dots on the graticule.
-    #[must_use]
     pub fn rows(&self) -> u16 {
         self.y_dots * DIVISIONS_UP + 1
     }

@@ -36,7 +36,6 @@ use panel::{message, panel};
 const WIDTH_WITH_TABLES: u16 = 112;
 
 /// Where everything stands for `model` on a terminal of `area`; `None` if it is too small.
-#[must_use]
 pub fn layout_of(model: &Model, area: Rect) -> Option<Layout> {
     // Tables need all columns of a small terminal.
     let tables = matches!(model.page(), Page::Compare | Page::Accuracy);

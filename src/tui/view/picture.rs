@@ -44,7 +44,6 @@ fn colours(cell: &Cell) -> (&'static str, &'static str) {
 }
 
 /// The picture of `buffer`.
-#[must_use]
 pub fn svg(buffer: &Buffer) -> String {
     let area = buffer.area;
     let (width, height) =

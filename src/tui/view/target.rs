@@ -21,7 +21,6 @@ pub enum Target {
 }
 
 /// What stands at a place of the lines of readings; none beside them.
-#[must_use]
 pub fn target(model: &Model, layout: &Layout, at: Position) -> Option<Target> {
     if layout.detail.contains(at) {
         let coupling = model.selected()?.waveform.vertical.coupling?.to_string();

@@ -52,7 +52,6 @@ pub struct Workers {
 
 impl Workers {
     /// Starts the threads; a recording that is read as it is looked at comes as `recording`, and may be followed.
-    #[must_use]
     pub fn start(recording: Option<IndexedRecording>, follow: bool) -> (Self, Receiver<News>) {
         let (news, receiver) = channel();
         let recording_worker =
