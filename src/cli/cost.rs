@@ -12,11 +12,11 @@ use crate::experiment::auto_effects::settle;
 use crate::experiment::{Integration, facts, first_tried};
 use crate::recording::Attachment;
 use crate::recording::mcap::RecordingWriter;
-use crate::report;
+use crate::report::{self, Work};
 use crate::scene::Scene;
 use crate::studies::cost::{Study, TIMED_RUNS, study};
 
-/// Show what accuracy costs: every method over its settings, errors against work
+/// Show what accuracy costs in time: each accuracy with its errors and times, then every method over its settings
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// A scene that ships with the program, or the path of a scene file
@@ -31,6 +31,9 @@ pub struct Arguments {
     /// Run the scene, too, and write its recording with the study as its attachment `cost.json`
     #[arg(long, value_name = "FILE.mcap", value_parser = recording)]
     record: Option<PathBuf>,
+    /// Draw errors against evaluations of all contact forces instead of time
+    #[arg(long)]
+    evaluations: bool,
     /// Runs of each point that are timed
     #[arg(long, value_name = "N", default_value_t = TIMED_RUNS, value_parser = clap::value_parser!(u16).range(1..))]
     runs: u16,
@@ -45,8 +48,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let found = study(&scene, arguments.runs, &mut |share| progress.at(share));
     progress.done();
     let found = found.map_err(|error| anyhow!("{}: no reference: {error}", scene.name))?;
+    let work = if arguments.evaluations { Work::Evaluations } else { Work::Time };
     if let Some(file) = &arguments.plot {
-        picture::save(file, &report::work_precision_svg(&found))?;
+        picture::save(file, &report::work_precision_svg(&found, work))?;
     }
     if let Some(file) = &arguments.record {
         record(file, &scene, &found)?;
@@ -54,7 +58,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.json {
         super::print(&serde_json::to_string_pretty(&found)?)
     } else {
-        super::print(&report::work_precision(&found))
+        super::print(&report::work_precision(&found, work, super::is_coloured()))
     }
 }
 

@@ -4,7 +4,7 @@ use clap::Args;
 use serde_json::json;
 
 use super::AnswerIsNo;
-use crate::chain::simd::InstructionSet;
+use crate::chain::simd::{InstructionSet, VARIABLE};
 use crate::studies::doctor::{Check, examine};
 
 /// Check the installation: what ships, the processor's instructions, a run known from outside; exit code 1 if anything is wrong
@@ -42,7 +42,11 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     } else {
         let mut lines = vec![
             format!("hertzscope {version} with {}", features.join(", ")),
-            format!("instructions of this processor: {}; the first is used", sets.join(", ")),
+            format!(
+                "instructions of this processor: {}; used: {} (choose with {VARIABLE})",
+                sets.join(", "),
+                InstructionSet::best().name()
+            ),
         ];
         lines.extend(checks.iter().map(line));
         lines.push(if sound { "all is well" } else { "something is wrong" }.to_owned());

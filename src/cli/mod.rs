@@ -43,7 +43,8 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
 
-use output::{AnswerIsNo, is_broken_pipe, print};
+use crate::chain::simd::InstructionSet;
+use output::{AnswerIsNo, is_broken_pipe, is_coloured, print};
 
 /// Exit code of an answer that is no.
 const NO: u8 = 1;
@@ -92,7 +93,12 @@ enum Command {
 
 /// Runs the program on the process's own arguments.
 pub fn main() -> ExitCode {
-    let done = match Arguments::parse().command {
+    let command = Arguments::parse().command;
+    if let Err(reason) = InstructionSet::chosen() {
+        eprintln!("error: {reason}");
+        return ExitCode::from(COULD_NOT);
+    }
+    let done = match command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Info(arguments) => info::run(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),

@@ -1,6 +1,6 @@
 //! Standard output, and the answer "no" as an exit code.
 
-use std::io::{ErrorKind, Write as _};
+use std::io::{ErrorKind, IsTerminal as _, Write as _};
 
 /// What was asked has been answered, and the answer, already printed, is no.
 #[derive(Debug, thiserror::Error)]
@@ -19,4 +19,10 @@ pub(super) fn print(text: &str) -> anyhow::Result<()> {
     out.write_all(b"\n")?;
     out.flush()?;
     Ok(())
+}
+
+/// Whether output may be coloured: it goes to a terminal, and the environment variable `NO_COLOR` is not set.
+pub(super) fn is_coloured() -> bool {
+    let is_plain = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+    !is_plain && std::io::stdout().is_terminal()
 }

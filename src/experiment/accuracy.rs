@@ -204,6 +204,13 @@ pub fn estimate(
     Ok(second.holds(outcome, accuracy))
 }
 
+/// Errors of a run of shot 1 of `scene` against an `exact` one: of peaks, arrivals and traces, as an estimate gives them; none where it has other pulses.
+pub fn errors(scene: &Scene, exact: &Run, outcome: &Outcome) -> Option<ErrorEstimate> {
+    let exact = Second::of(scene, exact.clone(), 0.0, sample_grid(scene, outcome.shot.number));
+    let found = exact.holds(outcome, f64::INFINITY)?;
+    Some(ErrorEstimate { trace: found.trace.map(|trace| trace / TRACES), ..found })
+}
+
 /// What runs are held against.
 struct Second {
     /// Its accuracy (1).
@@ -229,7 +236,12 @@ impl Second {
         let grid = sample_grid(scene, shot);
         let mut share = |time: f64| progress(time / scene.duration);
         let found = sampled(scene, (method, None), (u64::MAX, grid), &mut share)?;
-        let Run { readings: found, traces, .. } = found;
+        Ok(Self::of(scene, found, tighter, grid))
+    }
+
+    /// A run of `scene` to an accuracy of `tighter` (1), its traces sampled on `grid`.
+    fn of(scene: &Scene, run: Run, tighter: f64, grid: Grid) -> Self {
+        let Run { readings: found, traces, .. } = run;
         let inside = scene.sensors.iter().zip(&found).filter(|(s, _)| s.site != Site::Wall);
         let wall = scene.chain.wall_contact().and_then(|_| found.last());
         let readings = inside.map(|(_, reading)| reading).chain(wall).cloned().collect();
@@ -239,7 +251,7 @@ impl Second {
             reading.first_peak.map(|_| (reading.static_n, trace))
         };
         let traces = found.iter().zip(traces).map(felt).take(scene.sensors.len()).collect();
-        Ok(Self { tighter, readings, faintest, traces, grid })
+        Self { tighter, readings, faintest, traces, grid }
     }
 
     /// How far off the run is, as [`estimate`] has it, whose traces are to deviate by no more than `limit` (1).

@@ -12,6 +12,7 @@ use crate::scene::{Scene, input_load};
 use crate::scope::waveform::LEVELS_PER_DIVISION;
 
 /// A run reduced to what is compared.
+#[derive(Debug, Clone)]
 pub struct Run {
     /// Peaks and arrivals, one a watched place.
     pub readings: Vec<Reading>,

@@ -13,4 +13,4 @@ mod stepper;
 mod vector;
 
 pub use stepper::{Refinement, VectorStepper};
-pub use vector::{InstructionSet, Kernel, Row, Simd, Vector};
+pub use vector::{InstructionSet, Kernel, Row, Simd, VARIABLE, Vector};

@@ -1,25 +1,72 @@
 //! Axes and marks of the diagram, on paper and in a terminal.
 
+use crate::quantity::engineering;
 use crate::studies::cost::{Chosen, Point, Study};
 
-/// Letters and colours of the methods: the same in every study.
+/// Letters and colours of the methods, on paper and in a terminal (SGR codes): the same in every study.
 pub(super) const MARKS: [Mark; 9] = [
-    ("velocity-verlet", 'v', "#4477aa"),
-    ("force-gradient", 'f', "#999933"),
-    ("two-step-force-gradient", 'g', "#00aa99"),
-    ("runge-kutta-4", 'r', "#aa3377"),
-    ("dormand-el-mikkawy-prince-86", '8', "#ee6677"),
-    ("dormand-el-mikkawy-prince-86, uncorrected", 'y', "#444444"),
-    ("dormand-prince-54", '5', "#882255"),
-    ("dormand-prince-853", 'd', "#332288"),
-    ("rodas", 's', "#888888"),
+    ("velocity-verlet", 'v', "#4477aa", 34),
+    ("force-gradient", 'f', "#999933", 33),
+    ("runge-kutta-4", 'r', "#aa3377", 35),
+    ("two-step-force-gradient", 'g', "#00aa99", 36),
+    ("dormand-el-mikkawy-prince-86", '8', "#ee6677", 31),
+    ("dormand-el-mikkawy-prince-86, uncorrected", 'y', "#444444", 90),
+    ("dormand-prince-54", '5', "#882255", 95),
+    ("dormand-prince-853", 'd', "#332288", 94),
+    ("rodas", 's', "#888888", 32),
 ];
 
 /// Errors below this are rounding (1).
 pub(super) const LEAST: f64 = 1e-16;
 
-/// A method with its letter and colour.
-pub(super) type Mark = (&'static str, char, &'static str);
+/// A method with its letter and colours.
+pub(super) type Mark = (&'static str, char, &'static str, u8);
+
+/// What errors are drawn against.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Work {
+    /// Median wall time of a run.
+    #[default]
+    Time,
+    /// Evaluations of all contact forces.
+    Evaluations,
+}
+
+#[allow(clippy::cast_precision_loss, reason = "counts far below 2^53")]
+impl Work {
+    /// Of a point; none where its time was not measured (s, or 1) (unit).
+    pub(super) fn of(self, point: &Point) -> Option<f64> {
+        let work = match self {
+            Self::Time => point.wall_s_median,
+            Self::Evaluations => point.force_evaluations as f64,
+        };
+        (work > 0.0).then_some(work)
+    }
+
+    /// Of what an accuracy comes to (s, or 1) (unit).
+    fn of_chosen(self, chosen: &Chosen) -> f64 {
+        match self {
+            Self::Time => chosen.wall_s_median,
+            Self::Evaluations => chosen.force_evaluations as f64,
+        }
+    }
+
+    /// Its name on an axis.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Time => "time of one run",
+            Self::Evaluations => "evaluations of all contact forces",
+        }
+    }
+
+    /// A power of ten on its axis.
+    pub(super) fn tick(self, decade: f64) -> String {
+        match self {
+            Self::Time => engineering(10_f64.powf(decade), "s", 3),
+            Self::Evaluations => format!("1e{decade}"),
+        }
+    }
+}
 
 /// What is plotted against work.
 pub(super) struct Kind {
@@ -65,20 +112,25 @@ pub(super) const KINDS: [Kind; 4] = [
 ];
 
 impl Kind {
-    /// Points that can be shown: evaluations and errors.
+    /// Points that can be shown: work and errors.
     pub(super) fn shown<'a>(
         &'a self,
         study: &'a Study,
+        work: Work,
         method: &str,
-    ) -> impl Iterator<Item = (u64, f64)> {
+    ) -> impl Iterator<Item = (f64, f64)> {
         let points = study.points.iter().filter(move |p| p.method == method && !p.failed);
-        points.filter_map(|p| Some((p.force_evaluations, (self.error)(p)?)))
+        points.filter_map(move |p| Some((work.of(p)?, (self.error)(p)?)))
     }
 
-    /// What `--accuracy` chooses: accuracy, evaluations and error.
-    pub(super) fn choices<'a>(&'a self, study: &'a Study) -> impl Iterator<Item = (f64, u64, f64)> {
+    /// What `--accuracy` chooses: accuracy, work and error.
+    pub(super) fn choices<'a>(
+        &'a self,
+        study: &'a Study,
+        work: Work,
+    ) -> impl Iterator<Item = (f64, f64, f64)> {
         let all = study.chosen.iter();
-        all.filter_map(|c| Some((c.accuracy, c.force_evaluations, (self.chosen)(c)?)))
+        all.filter_map(move |c| Some((c.accuracy, work.of_chosen(c), (self.chosen)(c)?)))
     }
 }
 
@@ -89,14 +141,14 @@ pub(super) struct Axes {
 }
 
 impl Axes {
-    pub(super) fn of(study: &Study, kind: &Kind) -> Self {
+    pub(super) fn of(study: &Study, kind: &Kind, work: Work) -> Self {
         let shown = || study.points.iter().filter(|p| !p.failed);
-        let choices = || kind.choices(study);
+        let choices = || kind.choices(study, work);
         // Failed points are shown beyond the errors.
-        let taken = study.points.iter().map(|p| p.force_evaluations).filter(|n| *n > 0);
-        let work = taken.chain(choices().map(|(_, n, _)| n));
+        let taken = study.points.iter().filter_map(|point| work.of(point));
+        let work = taken.chain(choices().map(|(_, work, _)| work));
         let errors = shown().filter_map(kind.error).chain(choices().map(|(_, _, error)| error));
-        let (work, errors) = (work.map(decades), errors.map(digits));
+        let (work, errors) = (work.map(f64::log10), errors.map(digits));
         let limits = [Some(study.reference.error), (kind.limit)(study)];
         let limits = limits.into_iter().flatten().filter(|limit| *limit < 1.0).map(digits);
         let range = |values: &mut dyn Iterator<Item = f64>| {
@@ -107,9 +159,9 @@ impl Axes {
         Self { work: (few.floor(), many.ceil()), error: (low.floor(), high.ceil().min(0.0)) }
     }
 
-    /// Place of a number of evaluations (from the left) and an error (1, from the top), both from 0 to 1.
-    pub(super) fn place(&self, evaluations: u64, error: f64) -> (f64, f64) {
-        let x = (decades(evaluations) - self.work.0) / (self.work.1 - self.work.0);
+    /// Place of an amount of work (from the left) and an error (1, from the top), both from 0 to 1.
+    pub(super) fn place(&self, work: f64, error: f64) -> (f64, f64) {
+        let x = (work.log10() - self.work.0) / (self.work.1 - self.work.0);
         let y = (self.error.1 - digits(error)) / (self.error.1 - self.error.0);
         (x.clamp(0.0, 1.0), y.clamp(0.0, 1.0))
     }
@@ -127,11 +179,6 @@ pub(super) fn digits(error: f64) -> f64 {
     error.max(LEAST).log10()
 }
 
-#[allow(clippy::cast_precision_loss, reason = "counts far below 2^53")]
-pub(super) fn decades(evaluations: u64) -> f64 {
-    (evaluations.max(1) as f64).log10()
-}
-
 /// Methods in order of appearance with their marks.
 pub(super) fn marks(study: &Study) -> Vec<Mark> {
     let mut methods: Vec<&'static str> = Vec::new();
@@ -140,6 +187,6 @@ pub(super) fn marks(study: &Study) -> Vec<Mark> {
             methods.push(point.method);
         }
     }
-    let mark = |method: &&str| MARKS.iter().find(|(name, _, _)| name == method).copied();
-    methods.into_iter().map(|name| mark(&name).unwrap_or((name, '?', "#000000"))).collect()
+    let mark = |method: &&str| MARKS.iter().find(|(name, ..)| name == method).copied();
+    methods.into_iter().map(|name| mark(&name).unwrap_or((name, '?', "#000000", 37))).collect()
 }

@@ -4,6 +4,7 @@ mod axes;
 mod picture;
 mod terminal;
 
+pub use axes::Work;
 pub use picture::work_precision_svg;
 
 use super::table;
@@ -15,16 +16,18 @@ use terminal::plot;
 /// How many of these the terminal shows: the others are in the table of what `--accuracy` chooses.
 const IN_TERMINAL: usize = 2;
 
-/// The page that `cost` prints.
-pub fn work_precision(study: &Study) -> String {
-    let mut lines = Vec::new();
+/// The page that `cost` prints: what accuracy costs in time, then errors against `work`; in `colour` for a terminal.
+pub fn work_precision(study: &Study, work: Work, colour: bool) -> String {
+    let mut lines = vec![format!("{}: what accuracy costs in time", study.scene)];
+    lines.extend(choices(study));
+    lines.push(String::new());
     for kind in &KINDS[..IN_TERMINAL] {
-        lines.extend(plot(study, kind));
+        lines.extend(plot(study, kind, work, colour));
         lines.push(String::new());
     }
     let heading = ["method", "mark", "nominal", "observed order", "failed", "given up"];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
-    for (method, mark, _) in marks(study) {
+    for (method, mark, ..) in marks(study) {
         let order = study.orders.iter().find(|o| o.method == method);
         let of = |is: fn(&&Point) -> bool| {
             study.points.iter().filter(|p| p.method == method).filter(is).count()
@@ -44,8 +47,6 @@ pub fn work_precision(study: &Study) -> String {
     lines.extend(table::lines(&rows, &[0]));
     lines.push(String::new());
     lines.extend(sources(study));
-    lines.push(String::new());
-    lines.extend(choices(study));
     lines.extend(hanging("reference: ", &reference(study)));
     lines.join("\n")
 }
@@ -98,18 +99,26 @@ fn doubts(study: &Study) -> Vec<String> {
     missed.into_iter().chain(unclear).chain(late).flatten().collect()
 }
 
+/// One row an accuracy: errors, times, and how many times the row above a run takes.
 fn choices(study: &Study) -> Vec<String> {
-    let heading = ["--accuracy", "peaks, arrivals", "traces", "energy", "evaluations", "wall time"];
+    let heading =
+        ["asked", "peaks", "arrivals", "traces", "time", "with checks", "speed", "row above"];
     let words = |error: Option<f64>| error.map_or("-".to_owned(), |e| format!("{e:.1e}"));
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
+    let mut before: Option<f64> = None;
     for chosen in &study.chosen {
+        let times = before
+            .map_or("-".to_owned(), |before| format!("{:.2} x", chosen.wall_s_median / before));
+        before = Some(chosen.wall_s_median);
         rows.push(vec![
             format!("{:e}", chosen.accuracy),
-            words(chosen.error),
+            words(chosen.error_peak),
+            words(chosen.error_arrival),
             words(chosen.error_trace),
-            words(chosen.error_energy),
-            chosen.force_evaluations.to_string(),
             engineering(chosen.wall_s_median, "s", 2),
+            engineering(chosen.wall_held_s_median, "s", 2),
+            format!("{:.2}", chosen.simulated_over_wall),
+            times,
         ]);
     }
     // The method stands above what it was chosen for.
@@ -123,17 +132,17 @@ fn choices(study: &Study) -> Vec<String> {
         }
         lines.push(line);
     }
+    lines.extend(wrapped(
+        "asked: --accuracy; errors relative, of traces relative to the largest force; time: median of one run, with the scope and what it records; with checks: and the runs that estimate its error; speed: simulated over wall time",
+        COLUMNS,
+    ));
     let level = study.level.map(|level| format!("one scope level is {level:.1e} of a first peak"));
     let sample = (KINDS[1].limit)(study);
     let sample = sample.map(|sample| format!("one sample interval is {sample:.1e} of an arrival"));
     let limits: Vec<String> = level.into_iter().chain(sample).collect();
     if !limits.is_empty() {
-        lines.extend(hanging("  ", &limits.join(", ")));
+        lines.extend(hanging("", &limits.join(", ")));
     }
     lines.extend(doubts(study));
-    lines.extend(wrapped(
-        "wall times are those of one run with all forces sampled as the scope would, without recording and without the runs that estimate its error",
-        COLUMNS,
-    ));
     lines
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Axes, KINDS, Kind, Mark, digits, marks, observed, reference};
+use super::{Axes, KINDS, Kind, Mark, Work, digits, marks, observed, reference};
 use crate::report::escape;
 use crate::studies::cost::{Point, Study};
 
@@ -24,7 +24,7 @@ const WIDTH: f64 = 2.0 * (LEFT + PANEL.0) + 24.0;
 
 /// The study as an SVG picture.
 #[allow(clippy::cast_precision_loss, reason = "a dozen methods")]
-pub fn work_precision_svg(study: &Study) -> String {
+pub fn work_precision_svg(study: &Study, work: Work) -> String {
     let marks = marks(study);
     let lines = (marks.len() + 1).div_ceil(COLUMNS) + 1;
     let below = TOP + ROW + PANEL.1;
@@ -38,14 +38,14 @@ pub fn work_precision_svg(study: &Study) -> String {
     for (kind, (row, column)) in KINDS.iter().zip([(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)])
     {
         let corner = (LEFT + column * (LEFT + PANEL.0), TOP + row * ROW);
-        panel(&mut svg, study, (kind, &marks), corner);
+        panel(&mut svg, study, work, (kind, &marks), corner);
     }
     let place = |index: usize| {
         let (row, column) = (index / COLUMNS, index % COLUMNS);
         let x = LEFT + column as f64 * (LEFT + PANEL.0);
         (x, below + LEGEND.0 + LEGEND.1 * row as f64)
     };
-    for (index, (method, _, colour)) in marks.iter().enumerate() {
+    for (index, (method, _, colour, _)) in marks.iter().enumerate() {
         let (x, y) = place(index);
         let order = study.orders.iter().find(|order| order.method == *method).and_then(observed);
         let order = order.map_or(String::new(), |order| format!(", order {order} here"));
@@ -79,13 +79,14 @@ pub fn work_precision_svg(study: &Study) -> String {
 fn panel(
     svg: &mut String,
     study: &Study,
+    work: Work,
     (kind, marks): (&Kind, &[Mark]),
     (left, top): (f64, f64),
 ) {
-    let axes = Axes::of(study, kind);
+    let axes = Axes::of(study, kind, work);
     let at = |x: f64, y: f64| (left + x * PANEL.0, top + y * PANEL.1);
-    let place = |evaluations: u64, error: f64| {
-        let (x, y) = axes.place(evaluations, error);
+    let place = |amount: f64, error: f64| {
+        let (x, y) = axes.place(amount, error);
         at(x, y)
     };
     let _ = writeln!(
@@ -94,7 +95,7 @@ fn panel(
         top - 14.0,
         kind.of
     );
-    grid(svg, &axes, &at);
+    grid(svg, (&axes, work), &at);
     slopes(svg, &axes, &at);
     let x1 = left + PANEL.0;
     let limit = (kind.limit)(study);
@@ -107,7 +108,7 @@ fn panel(
         );
     }
     if let Some(limit) = limit.filter(|limit| *limit < 1.0) {
-        let (x0, y) = place(1, limit);
+        let (x0, y) = place(1.0, limit);
         let _ = writeln!(
             svg,
             "<path d=\"M{x0:.1} {y:.1}H{x1:.1}\" stroke=\"#555\" stroke-dasharray=\"6 4\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\" fill=\"#555\" font-size=\"11\">{}</text>",
@@ -116,8 +117,9 @@ fn panel(
             kind.limit_name
         );
     }
-    for (index, (method, _, colour)) in marks.iter().enumerate() {
-        let points: Vec<_> = kind.shown(study, method).map(|(n, error)| place(n, error)).collect();
+    for (index, (method, _, colour, _)) in marks.iter().enumerate() {
+        let points: Vec<_> =
+            kind.shown(study, work, method).map(|(n, error)| place(n, error)).collect();
         let mut path = String::new();
         for (x, y) in &points {
             let _ = write!(path, "{}{x:.1} {y:.1}", if path.is_empty() { 'M' } else { 'L' });
@@ -125,18 +127,18 @@ fn panel(
         let _ = writeln!(svg, "<path d=\"{path}\" fill=\"none\" stroke=\"{colour}\"/>");
         svg.extend(points.iter().map(|point| shape(index, *point, colour)));
         let failed = |p: &&Point| p.method == *method && p.failed;
-        for point in study.points.iter().filter(failed).filter(|p| p.force_evaluations > 0) {
-            let (x, y) = place(point.force_evaluations, 1.0);
+        for amount in study.points.iter().filter(failed).filter_map(|point| work.of(point)) {
+            let (x, y) = place(amount, 1.0);
             let (x, y) = (x - 4.0, y - 4.0);
             let _ = writeln!(svg, "<path d=\"M{x:.1} {y:.1}l8 8m0 -8l-8 8\" stroke=\"{colour}\"/>");
         }
     }
-    let choices: Vec<_> = kind.choices(study).collect();
+    let choices: Vec<_> = kind.choices(study, work).collect();
     let mut named: Vec<(f64, f64)> = Vec::new();
     // Several accuracies may lead to one run. To the lower left of it there is nothing: what is chosen is next to the best.
     for same in choices.chunk_by(|a, b| (a.1, a.2) == (b.1, b.2)) {
-        let Some((_, evaluations, error)) = same.first() else { continue };
-        let (x, y) = place(*evaluations, *error);
+        let Some((_, amount, error)) = same.first() else { continue };
+        let (x, y) = place(*amount, *error);
         let words = same.iter().map(|(accuracy, ..)| format!("1e{}", digits(*accuracy).round()));
         // Where points are crowded names stand below each other.
         let mut name = (x - 9.0, y + 8.0);
@@ -191,17 +193,18 @@ fn ring((x, y): (f64, f64)) -> String {
     )
 }
 
-fn grid(svg: &mut String, axes: &Axes, at: &dyn Fn(f64, f64) -> (f64, f64)) {
+fn grid(svg: &mut String, (axes, work): (&Axes, Work), at: &dyn Fn(f64, f64) -> (f64, f64)) {
     let ((few, many), (low, high)) = (axes.work, axes.error);
     let (corner, end) = (at(0.0, 0.0), at(1.0, 1.0));
     for decade in axes.ticks() {
         let (x, _) = at((decade - few) / (many - few), 0.0);
         let _ = writeln!(
             svg,
-            "<path d=\"M{x:.1} {:.1}V{:.1}\" stroke=\"#ddd\"/><text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">1e{decade}</text>",
+            "<path d=\"M{x:.1} {:.1}V{:.1}\" stroke=\"#ddd\"/><text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
             corner.1,
             end.1,
-            end.1 + 18.0
+            end.1 + 18.0,
+            work.tick(decade)
         );
     }
     let mut decade = low;
@@ -219,8 +222,9 @@ fn grid(svg: &mut String, axes: &Axes, at: &dyn Fn(f64, f64) -> (f64, f64)) {
     }
     let _ = writeln!(
         svg,
-        "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">evaluations of all contact forces</text>",
+        "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
         0.5 * (corner.0 + end.0),
-        end.1 + 38.0
+        end.1 + 38.0,
+        work.name()
     );
 }

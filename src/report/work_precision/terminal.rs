@@ -1,64 +1,65 @@
-//! A panel in letters.
+//! A panel in letters, with its legend beside it.
 
-use super::{Axes, Kind, marks};
-use crate::studies::cost::{Point, Study};
+use super::{Axes, Kind, Mark, Work, marks};
+use crate::studies::cost::Study;
 
-/// Columns and rows of a plot.
-const CELLS: (usize, usize) = (70, 18);
+/// Columns and rows of a plot: with its scale and its legend it is 80 columns wide.
+const CELLS: (usize, usize) = (42, 17);
 /// What `--accuracy` chooses.
 const CHOSEN: char = '●';
+/// Most methods of a plot: more cannot be told apart.
+const MAX_METHODS: usize = 7;
 
-/// Marks of the points that failed, at what they cost.
-fn failed(study: &Study, axes: &Axes, column_of: impl Fn(f64) -> usize) -> String {
-    let mut row = vec![' '; CELLS.0];
-    for (method, mark, _) in marks(study) {
-        let failed = |p: &&Point| p.method == method && p.failed && p.force_evaluations > 0;
-        for point in study.points.iter().filter(failed) {
-            let (x, _) = axes.place(point.force_evaluations, 1.0);
-            if let Some(cell) = row.get_mut(column_of(x)) {
-                *cell = mark;
-            }
-        }
-    }
-    row.into_iter().collect::<String>().trim_end().to_owned()
+/// Methods of the plots, those without a comma in their names first: variants are left to the picture.
+pub fn shown(study: &Study) -> Vec<Mark> {
+    let plain = marks(study).into_iter().filter(|(method, ..)| !method.contains(','));
+    plain.take(MAX_METHODS).collect()
 }
 
-/// One kind of error against work.
+/// One kind of error against work; in `colour` by SGR codes.
 #[allow(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "places on a screen of a few dozen cells"
 )]
-pub fn plot(study: &Study, kind: &Kind) -> Vec<String> {
-    let axes = Axes::of(study, kind);
+pub fn plot(study: &Study, kind: &Kind, work: Work, colour: bool) -> Vec<String> {
+    let axes = Axes::of(study, kind, work);
     let (columns, rows) = CELLS;
-    let mut cells = vec![vec![' '; columns]; rows];
+    let mut cells = vec![vec![(' ', 0); columns]; rows];
     let row_of = |y: f64| (y * (rows - 1) as f64).round() as usize;
     let column_of = |x: f64| (x * (columns - 1) as f64).round() as usize;
     let limit = (kind.limit)(study);
     let inside = limit.filter(|limit| *limit < 1.0);
-    if let Some(row) = inside.and_then(|limit| cells.get_mut(row_of(axes.place(1, limit).1))) {
-        row.fill('·');
+    if let Some(row) = inside.and_then(|limit| cells.get_mut(row_of(axes.place(1.0, limit).1))) {
+        row.fill(('·', 0));
     }
-    let mut set = |evaluations: u64, error: f64, mark: char| {
-        let (x, y) = axes.place(evaluations, error);
+    let mut set = |amount: f64, error: f64, mark: (char, u8)| {
+        let (x, y) = axes.place(amount, error);
         if let Some(cell) = cells.get_mut(row_of(y)).and_then(|row| row.get_mut(column_of(x))) {
             *cell = mark;
         }
     };
-    for (method, mark, _) in marks(study) {
-        kind.shown(study, method).for_each(|(evaluations, error)| set(evaluations, error, mark));
+    let methods = shown(study);
+    for (method, mark, _, code) in &methods {
+        let points = kind.shown(study, work, method);
+        points.for_each(|(amount, error)| set(amount, error, (*mark, *code)));
     }
-    kind.choices(study).for_each(|(_, evaluations, error)| set(evaluations, error, CHOSEN));
-    let mut lines = vec![
-        format!("{}: largest relative error of {}", study.scene, kind.of),
-        "against evaluations of all contact forces".to_owned(),
-    ];
-    let failed = failed(study, &axes, column_of);
-    if !failed.is_empty() {
-        lines.push(format!("failed |{failed}"));
+    kind.choices(study, work).for_each(|(_, amount, error)| set(amount, error, (CHOSEN, 1)));
+    let mut legend: Vec<String> = methods
+        .iter()
+        .map(|(method, mark, _, code)| format!("{} {method}", painted(*mark, *code, colour)))
+        .collect();
+    legend.push(format!("{} --accuracy, 1e-2 down", painted(CHOSEN, 1, colour)));
+    if inside.is_some() {
+        legend.push(format!("· {}", kind.limit_name));
     }
+    let mut lines = vec![format!(
+        "{}: largest relative error of {} against {}",
+        study.scene,
+        kind.of,
+        work.name()
+    )];
     let span = axes.error.1 - axes.error.0;
     let mut labelled = f64::NAN;
     for (index, row) in cells.iter().enumerate() {
@@ -66,24 +67,27 @@ pub fn plot(study: &Study, kind: &Kind) -> Vec<String> {
         let label =
             if (exponent - labelled).abs() < 0.5 { String::new() } else { format!("1e{exponent}") };
         labelled = exponent;
-        let text: String = row.iter().collect();
-        lines.push(format!("{label:>6} |{}", text.trim_end()));
+        let text: String = row.iter().map(|(mark, code)| painted(*mark, *code, colour)).collect();
+        let beside = legend.get(index).map_or("", String::as_str);
+        lines.push(format!("{label:>6} |{text}|  {beside}").trim_end().to_owned());
     }
-    lines.push(format!("{:>6} +{}", "", "-".repeat(columns)));
+    lines.push(format!("{:>6} +{}+", "", "-".repeat(columns)));
     let mut below = String::new();
     for decade in axes.ticks() {
         let x = (decade - axes.work.0) / (axes.work.1 - axes.work.0);
-        let label = format!("1e{decade}");
-        let start = column_of(x).saturating_sub(label.len() / 2);
-        below.push_str(&" ".repeat(start.saturating_sub(below.len())));
+        let label = work.tick(decade);
+        let start = (8 + column_of(x)).saturating_sub(label.chars().count() / 2);
+        below.push_str(&" ".repeat(start.saturating_sub(below.chars().count())));
         below.push_str(&label);
     }
-    lines.push(format!("{:>8}{below}", ""));
-    lines.push(format!("        {CHOSEN} what --accuracy chooses, from 1e-1 down a decade each"));
-    if inside.is_some() {
-        lines.push(format!("        · · · {}", kind.limit_name));
-    } else if let Some(limit) = limit {
+    lines.push(below);
+    if let Some(limit) = limit.filter(|limit| *limit >= 1.0) {
         lines.push(format!("        {} is {limit:.1}, above all of this", kind.limit_name));
     }
     lines
+}
+
+/// A mark in its colour.
+fn painted(mark: char, code: u8, colour: bool) -> String {
+    if colour && code != 0 { format!("\u{1b}[{code}m{mark}\u{1b}[0m") } else { mark.to_string() }
 }

@@ -1,6 +1,6 @@
 //! The work-precision study of a scene: what accuracy costs.
 //!
-//! Every method runs over its range of settings; its first peaks, arrivals and traces are held against a reference from
+//! First what an accuracy takes as `run` makes it, check runs included. Then every method over its range of settings. First peaks, arrivals and traces are compared with a reference from
 //! another family of methods than those that `--accuracy` goes by, as far as one comes to an end, which carries its own error bar: the difference to a second tight solution. Force evaluations
 //! are exact; wall times are informative, median and minimum of several runs.
 
@@ -91,7 +91,7 @@ pub fn study(scene: &Scene, runs: u16, progress: &mut dyn FnMut(f64)) -> Result<
     let mut chosen = Vec::new();
     for (done, accuracy) in decades().enumerate() {
         report(settings.len() + done);
-        chosen.extend(choice(scene, accuracy, (&exact, runs)));
+        chosen.push(choice(scene, accuracy, (&exact, runs)).map_err(|error| error.to_string())?);
     }
     let earliest = exact.readings.iter().filter_map(|r| r.half_rise_s).fold(f64::MAX, f64::min);
     Ok(Study {
@@ -107,7 +107,7 @@ pub fn study(scene: &Scene, runs: u16, progress: &mut dyn FnMut(f64)) -> Result<
 
 /// Accuracies at which the choice is shown (1).
 fn decades() -> impl Iterator<Item = f64> {
-    (1..=11).map(|decade| 10f64.powi(-decade))
+    (2..=10).map(|decade| 10f64.powi(-decade))
 }
 
 /// Slopes of peak error against force evaluations, where neither the reference nor coarse steps blur them.

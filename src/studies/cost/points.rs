@@ -1,17 +1,19 @@
 //! The points of the study: every method over its settings, and what `--accuracy` comes to.
 
+use std::time::{Duration, Instant};
+
 use super::{Chosen, Point, Reference};
 use crate::chain::simd::Refinement;
-use crate::experiment::accuracy::{REFERENCE_MARGIN, TRACES, known_until};
+use crate::experiment::accuracy::{ErrorEstimate, errors, run_held};
 use crate::experiment::comparison::{
     Run, Treated, arrival_error, compare, peak_error, run_without, trace_error, worst,
 };
-use crate::experiment::energy::MOST;
-use crate::experiment::tried::Tries;
-use crate::experiment::{Integration, Tried, method, tighter};
+use crate::experiment::{Integration, RunError, method};
 use crate::integrate::{IntegrateError, Method, Scheme};
 use crate::scene::Scene;
 
+/// Runs of an accuracy are not repeated for longer than this: the study takes seconds.
+const TIMING_BUDGET: Duration = Duration::from_millis(300);
 /// Points that would take more force evaluations than this are left out: the study is for a coffee break, not for lunch.
 const MOST_EVALUATIONS: f64 = 60_000.0;
 /// A point under error control that takes more is given up; the lossless methods take shorter.
@@ -36,21 +38,26 @@ pub fn name((method, without): Treated) -> &'static str {
     }
 }
 
+type Make = fn(f64) -> Method;
+
+/// Methods of fixed steps.
+const FIXED: [Make; 3] = [
+    |step| Method::VelocityVerlet { step },
+    |step| Method::ForceGradient { step },
+    |step| Method::RungeKutta4 { step },
+];
+/// Methods that choose their steps.
+const ADAPTIVE: [Make; 5] = [
+    |tolerance| Method::TwoStepForceGradient { tolerance },
+    |tolerance| Method::DormandElMikkawyPrince86 { tolerance },
+    |tolerance| Method::DormandPrince54 { tolerance },
+    |tolerance| Method::DormandPrince853 { tolerance },
+    |tolerance| Method::Rodas { tolerance },
+];
+
 /// Every method over its range: steps from the edge of stability down, tolerances from coarse to tight.
 pub fn settings(scene: &Scene) -> Vec<Treated> {
-    type Make = fn(f64) -> Method;
-    let fixed: [Make; 3] = [
-        |step| Method::VelocityVerlet { step },
-        |step| Method::ForceGradient { step },
-        |step| Method::RungeKutta4 { step },
-    ];
-    let adaptive: [Make; 5] = [
-        |tolerance| Method::TwoStepForceGradient { tolerance },
-        |tolerance| Method::DormandElMikkawyPrince86 { tolerance },
-        |tolerance| Method::DormandPrince54 { tolerance },
-        |tolerance| Method::DormandPrince853 { tolerance },
-        |tolerance| Method::Rodas { tolerance },
-    ];
+    let (fixed, adaptive) = (FIXED, ADAPTIVE);
     let suits = |method: Method| method.suits(scene.chain.is_dissipative());
     let mut settings = Vec::new();
     for make in fixed.into_iter().filter(|make| suits(make(1.0))) {
@@ -105,8 +112,6 @@ impl Point {
             error_arrival: None,
             error_trace: None,
             error_energy: None,
-            keeps_energy: false,
-            contact_changes: None,
             force_evaluations: method.fixed_step().map_or(evaluations, all),
             wall_s_median: 0.0,
             wall_s_min: 0.0,
@@ -138,51 +143,59 @@ pub fn point(scene: &Scene, treated: Treated, (exact, runs): (&Run, u16)) -> Poi
     point.error_peak = compare(&found, exact, peak_error);
     point.error_arrival = compare(&found, exact, arrival_error);
     point.error_trace = trace_error(&found, exact, scene.sensors.len());
-    point.contact_changes = found.contact_changes;
     point.error_energy = Some(found.energy.drift.abs());
-    point.keeps_energy = found.energy.is_kept(MOST);
     let worst = [point.error_peak, point.error_arrival];
     let refused = method(scene, Integration::Method(treated.0)).is_err();
     point.failed = refused || !worst.iter().all(|error| error.is_some_and(|e| e < FAILED));
     point
 }
 
-/// What `--accuracy` comes to: the first run that is off by no more, with what the run it is held against may be off itself; where there is
-/// none, the last that was tried before one took too much.
-pub fn choice(scene: &Scene, accuracy: f64, (exact, runs): (&Run, u16)) -> Option<Chosen> {
-    let mut last = None;
-    let mut tries = Tries::of(scene, accuracy);
-    while let Some(attempt @ Tried { method, steps }) = tries.next() {
-        let treated = (method, None);
-        let once = point(scene, treated, (exact, 1));
-        if once.given_up && last.is_some() {
-            break;
-        }
-        last = Some(treated);
-        let worst = once.error_peak.zip(once.error_arrival).map(|(peak, time)| peak.max(time));
-        let own = REFERENCE_MARGIN * tighter(steps.min(accuracy));
-        let traces = once.error_trace.map(|off| TRACES * off + own);
-        let is_told = || known_until(scene, steps, once.contact_changes).is_some();
-        let traces = tries.holds_traces(attempt, traces, is_told);
-        let holds = once.keeps_energy && worst.is_some_and(|worst| worst + own <= accuracy);
-        if once.given_up || holds && traces {
-            break;
-        }
+/// What `--accuracy` comes to: the run as it is made, with its check runs, so many times or as often as [`TIMING_BUDGET`] allows.
+///
+/// # Errors
+/// [`RunError`] where the scene cannot be run.
+pub fn choice(
+    scene: &Scene,
+    accuracy: f64,
+    (exact, runs): (&Run, u16),
+) -> Result<Chosen, RunError> {
+    let started = Instant::now();
+    let outcome = run_held(scene, accuracy, 1, &mut |_| ())?;
+    let summary = &outcome.summary;
+    let mut walls = vec![[summary.wall_s, summary.wall_held_s.unwrap_or(summary.wall_s)]];
+    while walls.len() < usize::from(runs) && started.elapsed() < TIMING_BUDGET {
+        let again = run_held(scene, accuracy, 1, &mut |_| ())?.summary;
+        walls.push([again.wall_s, again.wall_held_s.unwrap_or(again.wall_s)]);
     }
-    let found = point(scene, last?, (exact, runs));
-    Some(Chosen {
+    let sorted = |which: usize| {
+        let mut values: Vec<f64> = walls.iter().map(|wall| wall[which]).collect();
+        values.sort_by(f64::total_cmp);
+        values
+    };
+    let (alone, held) = (sorted(0), sorted(1));
+    let wall_s_median = alone[alone.len() / 2];
+    let errors = errors(scene, exact, &outcome);
+    Ok(Chosen {
         accuracy,
-        method: found.method,
-        setting: found.setting,
-        error: found.error_peak.zip(found.error_arrival).map(|(peak, time)| peak.max(time)),
-        error_peak: found.error_peak,
-        error_arrival: found.error_arrival,
-        error_trace: found.error_trace,
-        error_energy: found.error_energy,
-        force_evaluations: found.force_evaluations,
-        wall_s_median: found.wall_s_median,
-        wall_s_min: found.wall_s_min,
+        method: method_name(&summary.method),
+        setting: summary.step_s.or(summary.tolerance).unwrap_or(0.0),
+        error: errors.as_ref().map(ErrorEstimate::worst),
+        error_peak: errors.as_ref().map(|errors| errors.peak),
+        error_arrival: errors.as_ref().map(|errors| errors.arrival),
+        error_trace: errors.and_then(|errors| errors.trace),
+        error_energy: Some(summary.energy.drift.abs()),
+        force_evaluations: summary.force_evaluations,
+        wall_s_median,
+        wall_s_min: alone[0],
+        wall_held_s_median: held[held.len() / 2],
+        simulated_over_wall: summary.simulated_s / wall_s_median,
     })
+}
+
+/// The name as the table of marks has it.
+fn method_name(name: &str) -> &'static str {
+    let mut all = FIXED.iter().chain(&ADAPTIVE).map(|make| make(1.0).name());
+    all.find(|known| *known == name).unwrap_or("another method")
 }
 
 /// The reference, and what it says of itself. With losses it is by neither of the methods that `--accuracy` goes by, unless the one of order 5

@@ -40,12 +40,6 @@ pub struct Point {
     pub error_trace: Option<f64>,
     /// Energy drift relative to the energy in motion (1).
     pub error_energy: Option<f64>,
-    /// Whether `run` would take it for what that drift is.
-    #[serde(skip)]
-    pub keeps_energy: bool,
-    /// Steps tried in which contacts opened or closed; none where the method does not ask.
-    #[serde(skip)]
-    pub contact_changes: Option<u64>,
     /// Evaluations of all contact forces. Of a run that stopped, how many its fixed steps would have taken, or none; of one that was
     /// given up, after how many.
     pub force_evaluations: u64,
@@ -106,4 +100,8 @@ pub struct Chosen {
     pub wall_s_median: f64,
     /// Shortest wall time (s).
     pub wall_s_min: f64,
+    /// Median wall time with the check runs that estimate the error (s).
+    pub wall_held_s_median: f64,
+    /// Simulated time over the median wall time (1).
+    pub simulated_over_wall: f64,
 }

@@ -70,15 +70,11 @@ fn method_style(index: usize) -> (char, Color) {
     (letter, COLOURS.get(index).copied().unwrap_or(Color::Gray))
 }
 
-#[expect(clippy::cast_precision_loss, reason = "counts far below 2^53")]
-fn evaluations(count: u64) -> f64 {
-    count as f64
-}
-
-/// Worst of the errors of a point that is one (1).
-fn error_of(point: &Point) -> Option<f64> {
+/// Time of a run (s) and the worst of its errors (1); none for a point that failed.
+fn place_of(point: &Point) -> Option<(f64, f64)> {
     let errors = [point.error_peak?, point.error_arrival?];
-    (!point.failed).then(|| errors.into_iter().fold(LOWEST_ERROR, f64::max))
+    let is_timed = !point.failed && point.wall_s_median > 0.0;
+    is_timed.then(|| (point.wall_s_median, errors.into_iter().fold(LOWEST_ERROR, f64::max)))
 }
 
 /// What `--accuracy` chooses nearest to the present setting.
@@ -93,19 +89,17 @@ fn present<'a>(model: &Model, study: &'a Study) -> Option<&'a Chosen> {
 }
 
 fn study_of(model: &Model, study: &Study, area: Rect, frame: &mut Frame) {
-    let counts =
-        study.points.iter().filter(|p| !p.failed).map(|p| evaluations(p.force_evaluations));
+    let times = study.points.iter().filter_map(place_of).map(|(time, _)| time);
     let (low, high) =
-        counts.fold((f64::INFINITY, 1.0), |(low, high): (f64, f64), n| (low.min(n), high.max(n)));
-    let low = if low.is_finite() { low } else { 1.0 };
+        times.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), t| (low.min(t), high.max(t)));
+    let (low, high) = if low.is_finite() { (low, high) } else { (1e-6, 1.0) };
     let grid = colour(model.palette(), Color::DarkGray);
     let below = Rect { y: area.y + 1, height: area.height.saturating_sub(2), ..area };
     let axes =
-        (Axis::logarithmic(low / 1.5, high * 1.5, ""), Axis::logarithmic(LOWEST_ERROR, 1.0, ""));
+        (Axis::logarithmic(low / 1.5, high * 1.5, "s"), Axis::logarithmic(LOWEST_ERROR, 1.0, ""));
     let mut sheet = Sheet::new(below, axes.0, axes.1, grid);
     for (index, rows) in study.points.chunk_by(|a, b| a.method == b.method).enumerate() {
-        let points =
-            rows.iter().filter_map(|p| Some((evaluations(p.force_evaluations), error_of(p)?)));
+        let points = rows.iter().filter_map(place_of);
         sheet.line(points, colour(model.palette(), method_style(index).1));
     }
     sheet.level(study.reference.error.max(LOWEST_ERROR), colour(model.palette(), Color::Gray));
@@ -115,8 +109,7 @@ fn study_of(model: &Model, study: &Study, area: Rect, frame: &mut Frame) {
         let (letter, tint) = method_style(index);
         let style = Style::new().fg(colour(model.palette(), tint));
         for point in rows {
-            if let Some(error) = error_of(point) {
-                let at = (evaluations(point.force_evaluations), error);
+            if let Some(at) = place_of(point) {
                 sheet.write(at, &letter.to_string(), style, frame);
             }
         }
@@ -124,15 +117,13 @@ fn study_of(model: &Model, study: &Study, area: Rect, frame: &mut Frame) {
         legend.push(ratatui::text::Span::styled(format!("{letter} {name}  "), style));
     }
     if let Some(chosen) = present(model, study) {
-        let at =
-            (evaluations(chosen.force_evaluations), chosen.error.unwrap_or(1.0).max(LOWEST_ERROR));
+        let at = (chosen.wall_s_median, chosen.error.unwrap_or(1.0).max(LOWEST_ERROR));
         let style = Style::new().add_modifier(Modifier::REVERSED | Modifier::BOLD);
         let text = format!("◆ now: accuracy {:.0e}, {}", chosen.accuracy, chosen.method);
         sheet.write(at, &text, style, frame);
     }
     let bold = Style::new().add_modifier(Modifier::BOLD);
-    let head =
-        format!("{}: error of peaks and arrivals (up) against force evaluations", study.scene);
+    let head = format!("{}: error of peaks and arrivals (up) against time of one run", study.scene);
     put(frame.buffer_mut(), area, area.y, &head, bold);
     frame.render_widget(Line::from(legend), Rect { y: area.bottom() - 1, height: 1, ..area });
 }

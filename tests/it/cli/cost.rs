@@ -28,7 +28,13 @@ fn the_study_is_for_people_for_scripts_and_for_the_recording() {
     let folder = temporary();
     let asked = ["cost", "momentum-test", "--quiet"];
     let page = printed(folder.path(), &asked);
+    says(
+        &page,
+        &["what accuracy costs in time", "with checks", "row above", "against time of one run"],
+    );
     says(&page, &["dormand-prince-853", "velocity-verlet", "uncorrected", "●"]);
+    let other = printed(folder.path(), &[&asked[..], &["--evaluations"]].concat());
+    says(&other, &["against evaluations of all contact forces"]);
     says(&page, &["one level of the scope", "one sample interval of the scope"]);
     assert!(page.lines().all(|line| line.chars().count() <= 80), "{page}");
     // Every method has a mark of its own.
@@ -55,7 +61,14 @@ fn the_study_is_for_people_for_scripts_and_for_the_recording() {
         assert!(wall.is_null() || wall.as_f64().is_some_and(|wall| wall > 0.0), "{point}");
     }
     for chosen in list(&study, "chosen") {
-        assert!(chosen["wall_s_median"].as_f64().is_some_and(|wall| wall > 0.0), "{chosen}");
+        let number = |key: &str| chosen[key].as_f64().unwrap_or(-1.0);
+        assert!(number("wall_s_median") > 0.0, "{chosen}");
+        assert!(number("wall_held_s_median") >= number("wall_s_median"), "{chosen}");
+        let accuracy = number("accuracy");
+        for error in ["error_peak", "error_arrival"] {
+            assert!((0.0..=accuracy).contains(&number(error)), "{chosen}");
+        }
+        assert!(number("error_trace") >= 0.0, "{chosen}");
     }
     // Twice the longest stable step is tried, so that the edge is seen.
     assert!(list(&study, "points").iter().any(|point| point["failed"] == true));

@@ -170,11 +170,9 @@ fn point(method: &'static str, setting: f64, error: f64, count: u64) -> Point {
         error_arrival: Some(0.1 * error),
         error_trace: Some(error),
         error_energy: Some(error),
-        keeps_energy: true,
-        contact_changes: None,
         force_evaluations: count,
-        wall_s_median: 1.0,
-        wall_s_min: 1.0,
+        wall_s_median: 1e-7 * count as f64,
+        wall_s_min: 1e-7 * count as f64,
     }
 }
 
@@ -235,8 +233,10 @@ fn accuracy() {
             error_trace: Some(1e-6),
             error_energy: Some(1e-8),
             force_evaluations: 2500,
-            wall_s_median: 1.0,
-            wall_s_min: 1.0,
+            wall_s_median: 2.5e-4,
+            wall_s_min: 2.5e-4,
+            wall_held_s_median: 6e-4,
+            simulated_over_wall: 8.0,
         }],
         level: None,
         sample: 1e-3,
