@@ -4,7 +4,7 @@
     reason = "the code has to be inlined into functions compiled for the instruction set"
 )]
 
-use super::rows::{ChainRows, Motion, rates, sweep};
+use super::rows::{ChainRows, Motion, Touch, Visit, rates, sweep};
 use super::vector::{Kernel, Row, Simd, Vector};
 use crate::integrate::hermite::septic_weights;
 
@@ -31,20 +31,42 @@ impl Kernel for Frame<'_> {
         let Self { chain, live, ends, theta, h, jerks, out: [positions, forces] } = self;
         for (motion, jerk) in ends.iter().zip(jerks.iter_mut()) {
             let known = (&motion.tangent[..live], &motion.velocity[..live]);
-            rates(simd, chain, live, known, |r, j| j.store(&mut jerk[r]));
+            rates(simd, chain, live, known, jerk);
         }
         let weights = septic_weights(theta, h);
-        let at = |r: usize| {
-            let mut sum = simd.splat(0.0);
-            for ((motion, jerk), weights) in ends.iter().zip(jerks.iter()).zip(weights) {
-                let rows = [&motion.position, &motion.velocity, &motion.acceleration, jerk];
-                for (rows, weight) in rows.into_iter().zip(weights) {
-                    sum = simd.load(&rows[r]).mul_add(simd.splat(weight), sum);
-                }
-            }
-            sum.store(&mut positions[r]);
-            sum
-        };
-        sweep(simd, chain, live, at, |r, touch| touch.force.store(&mut forces[r]), |_, _| ());
+        sweep(simd, chain, live, &mut Interpolated { ends, jerks, weights, positions, forces });
     }
+}
+
+/// Positions from both ends of the step.
+struct Interpolated<'a> {
+    ends: [&'a Motion; 2],
+    jerks: &'a [Vec<Row>; 2],
+    weights: [[f64; 4]; 2],
+    positions: &'a mut [Row],
+    forces: &'a mut [Row],
+}
+
+impl<S: Simd> Visit<S> for Interpolated<'_> {
+    #[inline(always)]
+    fn positions(&mut self, simd: S, r: usize) -> S::V {
+        let mut sum = simd.splat(0.0);
+        for end in 0..2 {
+            let (motion, weights) = (self.ends[end], &self.weights[end]);
+            let rows = [&motion.position, &motion.velocity, &motion.acceleration, &self.jerks[end]];
+            for which in 0..4 {
+                sum = simd.load(&rows[which][r]).mul_add(simd.splat(weights[which]), sum);
+            }
+        }
+        sum.store(&mut self.positions[r]);
+        sum
+    }
+
+    #[inline(always)]
+    fn contacts(&mut self, _simd: S, r: usize, touch: &Touch<S::V>) {
+        touch.force.store(&mut self.forces[r]);
+    }
+
+    #[inline(always)]
+    fn bodies(&mut self, _r: usize, _acceleration: S::V) {}
 }

@@ -7,7 +7,7 @@
     reason = "the code has to be inlined into functions compiled for the instruction set"
 )]
 
-use super::rows::{ChainRows, Motion, sweep};
+use super::rows::{ChainRows, Motion, Touch, Visit, sweep};
 use super::vector::{Kernel, Row, Simd, Vector};
 use crate::integrate::dormand_el_mikkawy_prince_86::DORMAND_EL_MIKKAWY_PRINCE_86 as PAIR;
 use crate::integrate::stages::Row as Terms;
@@ -101,26 +101,123 @@ pub struct Attempt<'a> {
 }
 
 /// Acceleration of every stage, as far as they are known, for rows below `live`.
+#[derive(Clone, Copy)]
 struct Stages<'a>([&'a [Row]; STAGES - 1]);
 
-impl Stages<'_> {
+impl<'a> Stages<'a> {
+    #[inline(always)]
+    fn new(now: &'a Motion, inner: &'a [Vec<Row>], live: usize) -> Self {
+        let mut stages = Self([&now.acceleration[..live]; STAGES - 1]);
+        for (stage, known) in stages.0[1..].iter_mut().zip(inner) {
+            *stage = &known[..live];
+        }
+        stages
+    }
+
     /// `start + scale * sum of weight * stage` in row `r`, of the first `N` stages.
     #[inline(always)]
     fn sum<S: Simd, const N: usize>(
         &self,
         simd: S,
-        weights: &Weights,
-        scale: f64,
+        (weights, scale): (&Weights, f64),
         r: usize,
         start: S::V,
     ) -> S::V {
         let mut sum = start;
-        for (weight, stage) in weights.iter().zip(&self.0).take(N) {
-            if *weight != 0.0 {
-                sum = simd.load(&stage[r]).mul_add(simd.splat(scale * weight), sum);
+        for stage in 0..N {
+            if weights[stage] != 0.0 {
+                let weight = simd.splat(scale * weights[stage]);
+                sum = simd.load(&self.0[stage][r]).mul_add(weight, sum);
             }
         }
         sum
+    }
+}
+
+/// Stage `N`: `x + c h v + h^2 sum a k`, and the accelerations there.
+struct Stage<'a, const N: usize> {
+    stages: Stages<'a>,
+    h: f64,
+    /// Positions (m) and velocities (m/s) at the start.
+    start: [&'a [Row]; 2],
+    out: &'a mut [Row],
+}
+
+impl<S: Simd, const N: usize> Visit<S> for Stage<'_, N> {
+    #[inline(always)]
+    fn positions(&mut self, simd: S, r: usize) -> S::V {
+        let [x, v] = self.start;
+        let start = simd.load(&v[r]).mul_add(simd.splat(NODES[N] * self.h), simd.load(&x[r]));
+        self.stages.sum::<S, N>(simd, (&ARGUMENTS[N], self.h * self.h), r, start)
+    }
+
+    #[inline(always)]
+    fn bodies(&mut self, r: usize, acceleration: S::V) {
+        acceleration.store(&mut self.out[r]);
+    }
+}
+
+/// The end of a step, or any state: its contacts and accelerations.
+struct Arrival<'a, V> {
+    /// The step that leads there, from where: positions, velocities and what rounding took (m, m/s, m); none where positions are known.
+    step: Option<(Stages<'a>, f64, [&'a [Row]; 3])>,
+    exists: &'a [Row],
+    position: &'a mut [Row],
+    lost: &'a mut [Row],
+    acceleration: &'a mut [Row],
+    tangent: &'a mut [Row],
+    closed: &'a mut [u8],
+    /// Largest change of an overlap (m).
+    largest: V,
+}
+
+impl<'a, V> Arrival<'a, V> {
+    #[inline(always)]
+    fn new(
+        chain: &'a ChainRows,
+        motion: &'a mut Motion,
+        live: usize,
+        step: Option<(Stages<'a>, f64, [&'a [Row]; 3])>,
+        largest: V,
+    ) -> Self {
+        let Motion { position, acceleration, tangent, closed, lost: [lost, _], .. } = motion;
+        Self {
+            step,
+            exists: &chain.exists[..live],
+            position: &mut position[..live],
+            lost: &mut lost[..live],
+            acceleration: &mut acceleration[..live],
+            tangent: &mut tangent[..live],
+            closed: &mut closed[..live],
+            largest,
+        }
+    }
+}
+
+impl<S: Simd> Visit<S> for Arrival<'_, S::V> {
+    #[inline(always)]
+    fn positions(&mut self, simd: S, r: usize) -> S::V {
+        let Some((stages, h, [x, v, lost])) = self.step else {
+            return simd.load(&self.position[r]);
+        };
+        let drift = simd.load(&v[r]) * simd.splat(h);
+        let increment = stages.sum::<S, { STAGES - 1 }>(simd, (&POSITION, h * h), r, drift);
+        let (sum, rest) = add_compensated(simd.load(&x[r]), simd.load(&lost[r]), increment);
+        sum.store(&mut self.position[r]);
+        rest.store(&mut self.lost[r]);
+        sum
+    }
+
+    #[inline(always)]
+    fn contacts(&mut self, simd: S, r: usize, touch: &Touch<S::V>) {
+        touch.tangent.store(&mut self.tangent[r]);
+        self.closed[r] = touch.closed;
+        self.largest = (touch.change.abs() * simd.load(&self.exists[r])).max(self.largest);
+    }
+
+    #[inline(always)]
+    fn bodies(&mut self, r: usize, acceleration: S::V) {
+        acceleration.store(&mut self.acceleration[r]);
     }
 }
 
@@ -128,51 +225,24 @@ impl Attempt<'_> {
     /// Accelerations of stage `N`.
     #[inline(always)]
     fn stage<S: Simd, const N: usize>(&mut self, simd: S) {
-        let Self { chain, live, now, trial, h, .. } = self;
-        let (live, h) = (*live, *h);
-        let (before, rest) = trial.stages.split_at_mut(N - 1);
-        let mut stages = Stages([&now.acceleration[..live]; STAGES - 1]);
-        for (stage, known) in stages.0[1..].iter_mut().zip(before.iter()) {
-            *stage = &known[..live];
-        }
-        let out = &mut rest[0][..live];
-        let (x, v) = (&now.position[..live], &now.velocity[..live]);
-        let drift = simd.splat(NODES[N] * h);
-        let positions = |r: usize| {
-            let start = simd.load(&v[r]).mul_add(drift, simd.load(&x[r]));
-            stages.sum::<S, N>(simd, &ARGUMENTS[N], h * h, r, start)
-        };
-        sweep(simd, chain, live, positions, |_, _| (), |r, a| a.store(&mut out[r]));
+        let (live, h, now) = (self.live, self.h, self.now);
+        let (before, rest) = self.trial.stages.split_at_mut(N - 1);
+        let stages = Stages::new(now, before, live);
+        let start = [&now.position[..live], &now.velocity[..live]];
+        let mut stage = Stage::<N> { stages, h, start, out: &mut rest[0][..live] };
+        sweep(simd, self.chain, live, &mut stage);
     }
 
     /// The new positions, contacts and accelerations; the largest change of an overlap (m).
     #[inline(always)]
     fn arrive<S: Simd>(&mut self, simd: S) -> f64 {
-        let Self { chain, live, now, next, trial, h } = self;
-        let (live, h) = (*live, *h);
-        let stages = all_stages(now, trial, live);
-        let (x, v, lost) = (&now.position[..live], &now.velocity[..live], &now.lost[0][..live]);
-        let Motion { position, acceleration, tangent, closed, lost: [new_lost, _], .. } =
-            &mut **next;
-        let (position, new_lost) = (&mut position[..live], &mut new_lost[..live]);
-        let positions = |r: usize| {
-            let drift = simd.load(&v[r]) * simd.splat(h);
-            let increment = stages.sum::<S, { STAGES - 1 }>(simd, &POSITION, h * h, r, drift);
-            let (sum, rest) = add_compensated(simd.load(&x[r]), simd.load(&lost[r]), increment);
-            sum.store(&mut position[r]);
-            rest.store(&mut new_lost[r]);
-            sum
-        };
-        let (tangent, closed) = (&mut tangent[..live], &mut closed[..live]);
-        let mut largest = simd.splat(0.0);
-        let contacts = |r: usize, touch: super::rows::Touch<S::V>| {
-            touch.tangent.store(&mut tangent[r]);
-            closed[r] = touch.closed;
-            largest = (touch.change.abs() * simd.load(&chain.exists[r])).max(largest);
-        };
-        let acceleration = &mut acceleration[..live];
-        sweep(simd, chain, live, positions, contacts, |r, a| a.store(&mut acceleration[r]));
-        largest.largest()
+        let (live, now) = (self.live, self.now);
+        let from = [&now.position, &now.velocity, &now.lost[0]];
+        let from = [&from[0][..live], &from[1][..live], &from[2][..live]];
+        let step = Some((Stages::new(now, &self.trial.stages, live), self.h, from));
+        let mut arrival = Arrival::new(self.chain, self.next, live, step, simd.splat(0.0));
+        sweep(simd, self.chain, live, &mut arrival);
+        arrival.largest.largest()
     }
 
     /// The new velocities, the error estimates, and what contacts may have changed sides.
@@ -182,7 +252,7 @@ impl Attempt<'_> {
         let (live, h) = (*live, *h);
         let Trial { stages, errors: [position_error, velocity_error], changed, doubtful } =
             &mut **trial;
-        let stages = known_stages(now, stages, live);
+        let stages = Stages::new(now, stages, live);
         let Motion { position, velocity, acceleration, closed, lost: [_, new_lost], .. } =
             &mut **next;
         let (v, lost, was_closed) =
@@ -198,15 +268,12 @@ impl Attempt<'_> {
         let (mut x_above, mut v_above, mut is_changed) = (none, none, 0);
         for r in 0..live {
             let last = simd.load(&end[r]);
-            let sum = |weights: &Weights, scale: f64| {
-                let start = last * simd.splat(scale * weights[STAGES - 1]);
-                stages.sum::<S, { STAGES - 1 }>(simd, weights, scale, r, start)
-            };
-            let (v_new, rest) =
-                add_compensated(simd.load(&v[r]), simd.load(&lost[r]), sum(&VELOCITY, h));
+            let increment = all_stages(simd, &stages, (&VELOCITY, h), r, last);
+            let (v_new, rest) = add_compensated(simd.load(&v[r]), simd.load(&lost[r]), increment);
             v_new.store(&mut velocity[r]);
             rest.store(&mut new_lost[r]);
-            let (error_x, error_v) = (sum(&POSITION_ERROR, h * h), sum(&VELOCITY_ERROR, h));
+            let error_x = all_stages(simd, &stages, (&POSITION_ERROR, h * h), r, last);
+            let error_v = all_stages(simd, &stages, (&VELOCITY_ERROR, h), r, last);
             error_x.store(&mut position_error[r]);
             error_v.store(&mut velocity_error[r]);
             largest_x = error_x.abs().max(largest_x);
@@ -253,18 +320,17 @@ impl Kernel for Attempt<'_> {
     }
 }
 
+/// `scale * sum of weight * stage` in row `r`, the `last` stage's accelerations included.
 #[inline(always)]
-fn all_stages<'a>(now: &'a Motion, trial: &'a Trial, live: usize) -> Stages<'a> {
-    known_stages(now, &trial.stages, live)
-}
-
-#[inline(always)]
-fn known_stages<'a>(now: &'a Motion, inner: &'a [Vec<Row>; INNER], live: usize) -> Stages<'a> {
-    let mut stages = Stages([&now.acceleration[..live]; STAGES - 1]);
-    for (stage, known) in stages.0[1..].iter_mut().zip(inner) {
-        *stage = &known[..live];
-    }
-    stages
+fn all_stages<S: Simd>(
+    simd: S,
+    stages: &Stages,
+    (weights, scale): (&Weights, f64),
+    r: usize,
+    last: S::V,
+) -> S::V {
+    let start = last * simd.splat(scale * weights[STAGES - 1]);
+    stages.sum::<S, { STAGES - 1 }>(simd, (weights, scale), r, start)
 }
 
 /// `value + increment`, and what rounding took. Source: W. Kahan, Commun. ACM 8, 40 (1965).
@@ -288,15 +354,8 @@ impl Kernel for Evaluate<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> f64 {
         let Self { chain, live, motion } = self;
-        let Motion { position, acceleration, tangent, closed, .. } = motion;
-        let mut largest = simd.splat(0.0);
-        let contacts = |r: usize, touch: super::rows::Touch<S::V>| {
-            touch.tangent.store(&mut tangent[r]);
-            closed[r] = touch.closed;
-            largest = (touch.change.abs() * simd.load(&chain.exists[r])).max(largest);
-        };
-        let bodies = |r: usize, a: S::V| a.store(&mut acceleration[r]);
-        sweep(simd, chain, live, |r| simd.load(&position[r]), contacts, bodies);
-        largest.largest()
+        let mut arrival = Arrival::new(chain, motion, live, None, simd.splat(0.0));
+        sweep(simd, chain, live, &mut arrival);
+        arrival.largest.largest()
     }
 }

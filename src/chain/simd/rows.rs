@@ -113,36 +113,46 @@ fn touch<S: Simd>(simd: S, chain: &ChainRows, r: usize, change: S::V) -> Touch<S
     Touch { change, force, tangent, closed }
 }
 
-/// Computes all contacts and bodies of the first `live` rows, from top to bottom: asks for the positions of each row, gives its contacts to
-/// `contacts`, and a row's accelerations (m/s²) to `bodies` once the contacts below it are known.
+/// What a sweep asks and gives, row by row. A trait and no closures: these would be compiled without the instruction set where the compiler does
+/// not inline them, and be twenty times as slow. Its methods are to be marked `#[inline(always)]`.
+pub trait Visit<S: Simd> {
+    /// Positions of row `r` (m).
+    fn positions(&mut self, simd: S, r: usize) -> S::V;
+
+    /// The contacts of row `r`.
+    #[inline(always)]
+    fn contacts(&mut self, simd: S, r: usize, touch: &Touch<S::V>) {
+        let _ = (simd, r, touch);
+    }
+
+    /// Accelerations of row `r`, once the contacts below it are known (m/s²).
+    fn bodies(&mut self, r: usize, acceleration: S::V);
+}
+
+/// Computes all contacts and bodies of the first `live` rows, from top to bottom.
 #[inline(always)]
-pub fn sweep<S: Simd>(
-    simd: S,
-    chain: &ChainRows,
-    live: usize,
-    mut positions: impl FnMut(usize) -> S::V,
-    mut contacts: impl FnMut(usize, Touch<S::V>),
-    mut bodies: impl FnMut(usize, S::V),
-) {
+pub fn sweep<S: Simd>(simd: S, chain: &ChainRows, live: usize, visit: &mut impl Visit<S>) {
     let none = simd.splat(0.0);
-    let mut accelerations = |r: usize, force: S::V, below: S::V| {
-        let net = force - force.shift_down(below);
-        bodies(r, net.mul_add(simd.load(&chain.inverse_mass[r]), simd.load(&chain.residual[r])));
-    };
     let (mut above, mut force) = (none, none);
     for r in 0..live {
-        let here = positions(r);
+        let here = visit.positions(simd, r);
         let found = touch(simd, chain, r, here.shift_up(above) - here);
-        let below = found.force;
-        contacts(r, found);
-        if r > 0 {
-            accelerations(r - 1, force, below);
+        visit.contacts(simd, r, &found);
+        if let Some(body) = r.checked_sub(1) {
+            visit.bodies(body, accelerations(simd, chain, body, force, found.force));
         }
-        (above, force) = (here, below);
+        (above, force) = (here, found.force);
     }
-    if live > 0 {
-        accelerations(live - 1, force, none);
+    if let Some(body) = live.checked_sub(1) {
+        visit.bodies(body, accelerations(simd, chain, body, force, none));
     }
+}
+
+/// Accelerations of row `r` between the forces of its contacts and those of the row below (m/s²).
+#[inline(always)]
+fn accelerations<S: Simd>(simd: S, chain: &ChainRows, r: usize, force: S::V, below: S::V) -> S::V {
+    let net = force - force.shift_down(below);
+    net.mul_add(simd.load(&chain.inverse_mass[r]), simd.load(&chain.residual[r]))
 }
 
 /// The second sweep of what changes at a given rate: rates of the contact forces, `3/2 tangent (above - below)`, and what they make of the
@@ -154,24 +164,22 @@ pub fn rates<S: Simd>(
     chain: &ChainRows,
     live: usize,
     (tangents, values): (&[Row], &[Row]),
-    mut bodies: impl FnMut(usize, S::V),
+    out: &mut [Row],
 ) {
-    let (none, factor) = (simd.splat(0.0), simd.splat(1.5));
-    let mut body = |r: usize, rate: S::V, below: S::V| {
-        let net = rate - rate.shift_down(below);
-        bodies(r, net * simd.load(&chain.inverse_mass[r]) * factor);
-    };
+    let none = simd.splat(0.0);
     let (mut above, mut rate) = (none, none);
-    for r in 0..live {
-        let here = simd.load(&values[r]);
-        let below = simd.load(&tangents[r]) * (here.shift_up(above) - here);
-        if r > 0 {
-            body(r - 1, rate, below);
+    for r in 0..=live {
+        let (mut here, mut below) = (none, none);
+        if r < live {
+            here = simd.load(&values[r]);
+            below = simd.load(&tangents[r]) * (here.shift_up(above) - here);
+        }
+        if let Some(body) = r.checked_sub(1) {
+            let net = rate - rate.shift_down(below);
+            let scaled = net * simd.load(&chain.inverse_mass[body]) * simd.splat(1.5);
+            scaled.store(&mut out[body]);
         }
         (above, rate) = (here, below);
-    }
-    if live > 0 {
-        body(live - 1, rate, none);
     }
 }
 

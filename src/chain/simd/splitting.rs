@@ -6,7 +6,7 @@
     reason = "the code has to be inlined into functions compiled for the instruction set"
 )]
 
-use super::rows::{ChainRows, Motion, rates, sweep};
+use super::rows::{ChainRows, Motion, Touch, Visit, rates, sweep};
 use super::vector::{Kernel, Row, Simd, Vector};
 use crate::integrate::splitting::Splitting;
 
@@ -23,68 +23,106 @@ pub struct Step<'a> {
     pub h: f64,
 }
 
+/// Kicks and drifts of all rows, then forces where they lead.
+struct Drift<'a, V> {
+    kick: V,
+    /// Weight of the gradients; none where the kick does not go by them.
+    gradient_kick: Option<V>,
+    drift: V,
+    gradient: &'a [Row],
+    position: &'a mut [Row],
+    velocity: &'a mut [Row],
+    acceleration: &'a mut [Row],
+    tangent: &'a mut [Row],
+    closed: &'a mut [u8],
+}
+
+impl<S: Simd> Visit<S> for Drift<'_, S::V> {
+    #[inline(always)]
+    fn positions(&mut self, simd: S, r: usize) -> S::V {
+        // A row's accelerations are overwritten after its positions have been asked for.
+        let mut v =
+            simd.load(&self.acceleration[r]).mul_add(self.kick, simd.load(&self.velocity[r]));
+        if let Some(kick) = self.gradient_kick {
+            v = simd.load(&self.gradient[r]).mul_add(kick, v);
+        }
+        v.store(&mut self.velocity[r]);
+        let x = v.mul_add(self.drift, simd.load(&self.position[r]));
+        x.store(&mut self.position[r]);
+        x
+    }
+
+    #[inline(always)]
+    fn contacts(&mut self, _simd: S, r: usize, touch: &Touch<S::V>) {
+        touch.tangent.store(&mut self.tangent[r]);
+        self.closed[r] = touch.closed;
+    }
+
+    #[inline(always)]
+    fn bodies(&mut self, r: usize, acceleration: S::V) {
+        acceleration.store(&mut self.acceleration[r]);
+    }
+}
+
+impl Step<'_> {
+    /// Weights of kick `index`: of accelerations and of gradients.
+    #[inline(always)]
+    fn kick<S: Simd>(&self, simd: S, index: usize) -> (S::V, Option<S::V>) {
+        let (h, weight) = (self.h, self.gradient_weight(index));
+        let gradient = if weight == 0.0 { None } else { Some(simd.splat(weight * h * h * h)) };
+        (simd.splat(self.method.kicks[index] * h), gradient)
+    }
+
+    /// Weight of the gradients in kick `index`, in units of the step cubed (1).
+    fn gradient_weight(&self, index: usize) -> f64 {
+        self.method.gradients.get(index).copied().unwrap_or(0.0)
+    }
+}
+
 impl Kernel for Step<'_> {
     /// Whether the new state is finite.
     type Output = bool;
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> bool {
-        let Self { chain, live, method, now, next, gradient, h } = self;
-        let Motion { position, velocity, acceleration, tangent, closed, .. } = next;
-        let (position, velocity) = (&mut position[..live], &mut velocity[..live]);
-        let (acceleration, tangent) = (&mut acceleration[..live], &mut tangent[..live]);
-        let (closed, gradient) = (&mut closed[..live], &mut gradient[..live]);
-        position.copy_from_slice(&now.position[..live]);
-        velocity.copy_from_slice(&now.velocity[..live]);
-        acceleration.copy_from_slice(&now.acceleration[..live]);
-        let weights = |index: usize| {
-            let gradient = method.gradients.get(index).copied().unwrap_or(0.0);
-            (simd.splat(method.kicks[index] * h), gradient, simd.splat(gradient * h * h * h))
-        };
-        for (index, drift) in method.drifts.iter().enumerate() {
-            let (kick, has_gradient, gradient_kick) = weights(index);
-            if has_gradient != 0.0 && index == 0 {
-                let known = (&now.tangent[..live], &now.acceleration[..live]);
-                rates(simd, chain, live, known, |r, g| g.store(&mut gradient[r]));
-            }
-            let drift = simd.splat(drift * h);
-            // A row's accelerations are overwritten after its positions have been asked for.
-            let before: &[std::cell::Cell<Row>] =
-                std::cell::Cell::from_mut(&mut *acceleration).as_slice_of_cells();
-            let positions = |r: usize| {
-                let mut v = simd.load(&before[r].get()).mul_add(kick, simd.load(&velocity[r]));
-                if has_gradient != 0.0 {
-                    v = simd.load(&gradient[r]).mul_add(gradient_kick, v);
-                }
-                v.store(&mut velocity[r]);
-                let x = v.mul_add(drift, simd.load(&position[r]));
-                x.store(&mut position[r]);
-                x
+        let (chain, live, now) = (self.chain, self.live, self.now);
+        self.next.position[..live].copy_from_slice(&now.position[..live]);
+        self.next.velocity[..live].copy_from_slice(&now.velocity[..live]);
+        self.next.acceleration[..live].copy_from_slice(&now.acceleration[..live]);
+        if self.gradient_weight(0) != 0.0 {
+            let known = (&now.tangent[..live], &now.acceleration[..live]);
+            rates(simd, chain, live, known, self.gradient);
+        }
+        for index in 0..self.method.drifts.len() {
+            let (kick, gradient_kick) = self.kick(simd, index);
+            let Motion { position, velocity, acceleration, tangent, closed, .. } = &mut *self.next;
+            let mut drift = Drift {
+                kick,
+                gradient_kick,
+                drift: simd.splat(self.method.drifts[index] * self.h),
+                gradient: &self.gradient[..live],
+                position: &mut position[..live],
+                velocity: &mut velocity[..live],
+                acceleration: &mut acceleration[..live],
+                tangent: &mut tangent[..live],
+                closed: &mut closed[..live],
             };
-            let contacts = |r: usize, touch: super::rows::Touch<S::V>| {
-                touch.tangent.store(&mut tangent[r]);
-                closed[r] = touch.closed;
-            };
-            let bodies = |r: usize, a: S::V| {
-                let mut row = Row::default();
-                a.store(&mut row);
-                before[r].set(row);
-            };
-            sweep(simd, chain, live, positions, contacts, bodies);
-            if weights(index + 1).1 != 0.0 {
-                let known = (&*tangent, &*acceleration);
-                rates(simd, chain, live, known, |r, g| g.store(&mut gradient[r]));
+            sweep(simd, chain, live, &mut drift);
+            if self.gradient_weight(index + 1) != 0.0 {
+                let known = (&self.next.tangent[..live], &self.next.acceleration[..live]);
+                rates(simd, chain, live, known, self.gradient);
             }
         }
-        let (kick, has_gradient, gradient_kick) = weights(method.drifts.len());
+        let (kick, gradient_kick) = self.kick(simd, self.method.drifts.len());
         let (none, mut not_finite) = (simd.splat(0.0), simd.splat(0.0));
         for r in 0..live {
-            let mut v = simd.load(&acceleration[r]).mul_add(kick, simd.load(&velocity[r]));
-            if has_gradient != 0.0 {
-                v = simd.load(&gradient[r]).mul_add(gradient_kick, v);
+            let acceleration = simd.load(&self.next.acceleration[r]);
+            let mut v = acceleration.mul_add(kick, simd.load(&self.next.velocity[r]));
+            if let Some(kick) = gradient_kick {
+                v = simd.load(&self.gradient[r]).mul_add(kick, v);
             }
-            v.store(&mut velocity[r]);
-            not_finite = (simd.load(&position[r]) + v).mul_add(none, not_finite);
+            v.store(&mut self.next.velocity[r]);
+            not_finite = (simd.load(&self.next.position[r]) + v).mul_add(none, not_finite);
         }
         let mut sum = Row::default();
         not_finite.store(&mut sum);

@@ -275,7 +275,7 @@ mod x86 {
 
         #[inline(always)]
         fn splat(self, value: f64) -> One {
-            One(unsafe { _mm512_set1_pd(value) })
+            eight(value)
         }
 
         #[inline(always)]
@@ -298,6 +298,12 @@ mod x86 {
     operator!(One, Mul, mul, |a, b| unsafe { _mm512_mul_pd(a, b) });
     operator!(One, Div, div, |a, b| unsafe { _mm512_div_pd(a, b) });
 
+    /// Eight times the same value.
+    #[inline(always)]
+    fn eight(value: f64) -> One {
+        One(unsafe { _mm512_set1_pd(value) })
+    }
+
     impl Vector for One {
         #[inline(always)]
         fn mul_add(self, b: Self, c: Self) -> Self {
@@ -318,12 +324,11 @@ mod x86 {
         /// `e = 1 - a y^2`, the root is `a y (1 + e/2 + 3/8 e^2 + 5/16 e^3)`. Faster than the square-root unit.
         #[inline(always)]
         fn root(self) -> Self {
-            let number = |value| Self(unsafe { _mm512_set1_pd(value) });
             let estimate = Self(unsafe { _mm512_rsqrt14_pd(self.0) });
             let root = self * estimate;
-            let error = Self(unsafe { _mm512_fnmadd_pd(root.0, estimate.0, number(1.0).0) });
+            let error = Self(unsafe { _mm512_fnmadd_pd(root.0, estimate.0, eight(1.0).0) });
             let series =
-                number(5.0 / 16.0).mul_add(error, number(3.0 / 8.0)).mul_add(error, number(0.5));
+                eight(5.0 / 16.0).mul_add(error, eight(3.0 / 8.0)).mul_add(error, eight(0.5));
             (root * error).mul_add(series, root)
         }
 
@@ -378,7 +383,7 @@ mod x86 {
         #[inline(always)]
         fn load(self, row: &Row) -> Two {
             let (halves, _) = row.0.as_chunks::<4>();
-            Two([0, 1].map(|i| unsafe { _mm256_load_pd(halves[i].as_ptr()) }))
+            Two(unsafe { [_mm256_load_pd(halves[0].as_ptr()), _mm256_load_pd(halves[1].as_ptr())] })
         }
 
         fn run<K: Kernel>(self, kernel: K) -> K::Output {
@@ -433,30 +438,38 @@ mod x86 {
         #[inline(always)]
         fn shift_up(self, before: Self) -> Self {
             // In each half the last value of the half before comes first.
-            let shifted = |before: __m256d, here: __m256d| unsafe {
-                let middle = _mm256_permute2f128_pd::<0x21>(before, here);
-                _mm256_shuffle_pd::<0b0101>(middle, here)
-            };
-            let [first, last] = self.0;
-            Self([shifted(before.0[1], first), shifted(first, last)])
+            let ([first, last], [_, before]) = (self.0, before.0);
+            Self(unsafe {
+                let (early, late) = (
+                    _mm256_permute2f128_pd::<0x21>(before, first),
+                    _mm256_permute2f128_pd::<0x21>(first, last),
+                );
+                [_mm256_shuffle_pd::<0b0101>(early, first), _mm256_shuffle_pd::<0b0101>(late, last)]
+            })
         }
 
         #[inline(always)]
         fn shift_down(self, after: Self) -> Self {
-            let shifted = |here: __m256d, after: __m256d| unsafe {
-                let middle = _mm256_permute2f128_pd::<0x21>(here, after);
-                _mm256_shuffle_pd::<0b0101>(here, middle)
-            };
-            let [first, last] = self.0;
-            Self([shifted(first, last), shifted(last, after.0[0])])
+            let ([first, last], [after, _]) = (self.0, after.0);
+            Self(unsafe {
+                let (early, late) = (
+                    _mm256_permute2f128_pd::<0x21>(first, last),
+                    _mm256_permute2f128_pd::<0x21>(last, after),
+                );
+                [_mm256_shuffle_pd::<0b0101>(first, early), _mm256_shuffle_pd::<0b0101>(last, late)]
+            })
         }
 
         #[inline(always)]
         fn positive(self) -> u8 {
-            let bits = |half: __m256d| unsafe {
-                _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(half, _mm256_setzero_pd()))
+            let [first, last] = self.0;
+            let (first, last) = unsafe {
+                let none = _mm256_setzero_pd();
+                (
+                    _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(first, none)),
+                    _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(last, none)),
+                )
             };
-            let [first, last] = self.0.map(bits);
             #[allow(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
@@ -469,8 +482,9 @@ mod x86 {
         #[inline(always)]
         fn store(self, row: &mut Row) {
             let (halves, _) = row.0.as_chunks_mut::<4>();
-            for (half, value) in halves.iter_mut().zip(self.0) {
-                unsafe { _mm256_store_pd(half.as_mut_ptr(), value) }
+            unsafe {
+                _mm256_store_pd(halves[0].as_mut_ptr(), self.0[0]);
+                _mm256_store_pd(halves[1].as_mut_ptr(), self.0[1]);
             }
         }
     }
