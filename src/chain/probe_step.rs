@@ -4,7 +4,7 @@
 //! power 8 with the constant `1/(8! 2^8)`. Source: C. Hermite, J. reine angew. Math. 84, 70 (1878).
 
 use super::hertz::force_and_tangent;
-use super::simd::VectorStepper;
+use super::simd::{ContactStep, InstructionSet, SampleForces, VectorStepper};
 use super::{Contact, ForceProbe, Law};
 use crate::integrate::hermite::{End, septic};
 use crate::integrate::{COEFFICIENTS, Integrator};
@@ -92,9 +92,22 @@ impl ContactPair {
         [force, rate / step.length]
     }
 
-    /// Dynamic force there (N).
-    pub fn force(&self, step: &StepOverlaps, theta: f64) -> f64 {
-        self.force_and_rate(step, theta)[0]
+    /// Adds the dynamic forces at `count` even times to `out` (N): the first and the distance from one to the next are fractions of the step.
+    pub fn sample(
+        &self,
+        set: InstructionSet,
+        step: &StepOverlaps,
+        (first, interval, count): (f64, f64, usize),
+        out: &mut Vec<f64>,
+    ) {
+        let taken = out.len();
+        out.resize(taken + count, 0.0);
+        let contact = |which: usize| {
+            let Elastic { stiffness, static_root, weight, .. } = self.0[which];
+            ContactStep { overlap: &step.overlaps[which], stiffness, static_root, weight }
+        };
+        let contacts = [contact(0), contact(1)];
+        set.run(SampleForces { contacts, first, interval, out: &mut out[taken..] });
     }
 
     /// Forces and rates at [`SAMPLE_TIMES`].

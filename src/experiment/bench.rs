@@ -171,7 +171,8 @@ impl<'a> Bench<'a> {
                     stepper.work().within(most, stepper.time())?;
                     for (tracker, watch) in trackers.iter_mut().zip(&mut *watches) {
                         tracker.advance(stepper);
-                        watch.take_step(tracker, stepper.time(), *grid, pulses);
+                        let set = stepper.instructions();
+                        watch.take_step(set, tracker, stepper.time(), (*grid, pulses));
                     }
                     film.take_step(chain, stepper);
                     progress(stepper.time());

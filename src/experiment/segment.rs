@@ -66,7 +66,7 @@ impl Felt {
     pub fn force(&self, segment: &Segment, theta: f64) -> f64 {
         match segment {
             Segment::General(index) => self.general[*index].force(theta),
-            Segment::Lossless(span) => self.place.force(span, theta),
+            Segment::Lossless(span) => self.place.force_and_rate(span, theta)[0],
         }
     }
 

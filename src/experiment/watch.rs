@@ -4,6 +4,7 @@ use super::bench::Grid;
 use super::pulse::PulseRecorder;
 use crate::chain::ForceProbe;
 use crate::chain::probe_step::ProbeTracker;
+use crate::chain::simd::InstructionSet;
 use crate::integrate::Integrator;
 
 /// One watched force.
@@ -19,15 +20,20 @@ pub struct Watch {
 
 impl Watch {
     /// Takes in the last step of the vector path, which ended at `end` (s): samples that fall into it, and its pulses if `pulses`.
-    pub(super) fn take_step(&mut self, tracker: &ProbeTracker, end: f64, grid: Grid, pulses: bool) {
-        let mut time = grid.time(self.samples.len());
+    pub(super) fn take_step(
+        &mut self,
+        set: InstructionSet,
+        tracker: &ProbeTracker,
+        end: f64,
+        (grid, pulses): (Grid, bool),
+    ) {
+        let taken = self.samples.len();
+        let time = grid.time(taken);
         if time <= end {
-            let step = tracker.overlaps();
-            while time <= end {
-                let theta = (time - step.start) / step.length;
-                self.samples.push(tracker.pair().force(&step, theta));
-                time = grid.time(self.samples.len());
-            }
+            let (step, count) = (tracker.overlaps(), grid.samples_until(end) - taken);
+            let first = (time - step.start) / step.length;
+            let times = (first, grid.interval / step.length, count);
+            tracker.pair().sample(set, &step, times, &mut self.samples);
         }
         if pulses {
             self.pulse.take_step(tracker);

@@ -8,9 +8,11 @@ mod frame;
 mod opening;
 mod rkn86;
 mod rows;
+mod samples;
 mod splitting;
 mod stepper;
 mod vector;
 
+pub use samples::{ContactStep, SampleForces};
 pub use stepper::{Refinement, VectorStepper};
 pub use vector::{InstructionSet, Kernel, Row, Simd, VARIABLE, Vector};

@@ -96,12 +96,14 @@ pub struct Touch<V> {
     pub closed: u8,
 }
 
-/// The contacts of row `r` when their overlaps have changed by `change` (m).
+/// Contacts of these stiffnesses (N/m^1.5), static overlaps (m) and their roots (m^0.5), when their overlaps have changed by `change` (m).
 #[inline(always)]
-fn touch<S: Simd>(simd: S, chain: &ChainRows, r: usize, change: S::V) -> Touch<S::V> {
-    let static_overlap = simd.load(&chain.static_overlap[r]);
-    let stiffness = simd.load(&chain.stiffness[r]);
-    let static_root = simd.load(&chain.static_root[r]);
+pub fn force_change<S: Simd>(
+    simd: S,
+    stiffness: S::V,
+    (static_overlap, static_root): (S::V, S::V),
+    change: S::V,
+) -> Touch<S::V> {
     let overlap = static_overlap + change;
     let closed = (overlap * stiffness).positive();
     // In this order of `max` what is not a number stays.
@@ -111,6 +113,29 @@ fn touch<S: Simd>(simd: S, chain: &ChainRows, r: usize, change: S::V) -> Touch<S
     let tangent = stiffness * root;
     let force = stiffness * change * (sum - root * static_root / sum);
     Touch { change, force, tangent, closed }
+}
+
+/// The constants of the rows in the sweep: slices of one length, so that the compiler sees that rows are inside.
+#[derive(Clone, Copy)]
+struct Live<'a> {
+    stiffness: &'a [Row],
+    static_overlap: &'a [Row],
+    static_root: &'a [Row],
+    inverse_mass: &'a [Row],
+    residual: &'a [Row],
+}
+
+impl<'a> Live<'a> {
+    #[inline(always)]
+    fn new(chain: &'a ChainRows, live: usize) -> Self {
+        Self {
+            stiffness: &chain.stiffness[..live],
+            static_overlap: &chain.static_overlap[..live],
+            static_root: &chain.static_root[..live],
+            inverse_mass: &chain.inverse_mass[..live],
+            residual: &chain.residual[..live],
+        }
+    }
 }
 
 /// What a sweep asks and gives, row by row. A trait and no closures: these would be compiled without the instruction set where the compiler does
@@ -133,10 +158,13 @@ pub trait Visit<S: Simd> {
 #[inline(always)]
 pub fn sweep<S: Simd>(simd: S, chain: &ChainRows, live: usize, visit: &mut impl Visit<S>) {
     let none = simd.splat(0.0);
+    let chain = Live::new(chain, live);
     let (mut above, mut force) = (none, none);
     for r in 0..live {
         let here = visit.positions(simd, r);
-        let found = touch(simd, chain, r, here.shift_up(above) - here);
+        let statics = (simd.load(&chain.static_overlap[r]), simd.load(&chain.static_root[r]));
+        let stiffness = simd.load(&chain.stiffness[r]);
+        let found = force_change(simd, stiffness, statics, here.shift_up(above) - here);
         visit.contacts(simd, r, &found);
         if let Some(body) = r.checked_sub(1) {
             visit.bodies(body, accelerations(simd, chain, body, force, found.force));
@@ -150,7 +178,7 @@ pub fn sweep<S: Simd>(simd: S, chain: &ChainRows, live: usize, visit: &mut impl 
 
 /// Accelerations of row `r` between the forces of its contacts and those of the row below (m/s²).
 #[inline(always)]
-fn accelerations<S: Simd>(simd: S, chain: &ChainRows, r: usize, force: S::V, below: S::V) -> S::V {
+fn accelerations<S: Simd>(simd: S, chain: Live, r: usize, force: S::V, below: S::V) -> S::V {
     let net = force - force.shift_down(below);
     net.mul_add(simd.load(&chain.inverse_mass[r]), simd.load(&chain.residual[r]))
 }

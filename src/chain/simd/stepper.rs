@@ -150,6 +150,11 @@ impl VectorStepper {
         self
     }
 
+    /// The instructions that it runs with.
+    pub fn instructions(&self) -> InstructionSet {
+        self.set
+    }
+
     /// Steps in which contacts opened or closed.
     pub fn contact_changes(&self) -> u64 {
         self.changes
