@@ -4,7 +4,7 @@ use super::{Axes, Kind, Mark, Work, marks};
 use crate::studies::cost::Study;
 
 /// Columns and rows of a plot: with its scale and its legend it is 80 columns wide.
-const CELLS: (usize, usize) = (42, 17);
+const CELLS: (usize, usize) = (39, 17);
 /// What `--accuracy` chooses.
 const CHOSEN: char = '●';
 /// Most methods of a plot: more cannot be told apart.
@@ -51,15 +51,8 @@ pub fn plot(study: &Study, kind: &Kind, work: Work, colour: bool) -> Vec<String>
         .map(|(method, mark, _, code)| format!("{} {method}", painted(*mark, *code, colour)))
         .collect();
     legend.push(format!("{} --accuracy, 1e-2 down", painted(CHOSEN, 1, colour)));
-    if inside.is_some() {
-        legend.push(format!("· {}", kind.limit_name));
-    }
-    let mut lines = vec![format!(
-        "{}: largest relative error of {} against {}",
-        study.scene,
-        kind.of,
-        work.name()
-    )];
+    let title = format!("{}: largest relative error of {}", study.scene, kind.of);
+    let mut lines = vec![title, format!("against {}", work.name())];
     let span = axes.error.1 - axes.error.0;
     let mut labelled = f64::NAN;
     for (index, row) in cells.iter().enumerate() {
@@ -81,6 +74,9 @@ pub fn plot(study: &Study, kind: &Kind, work: Work, colour: bool) -> Vec<String>
         below.push_str(&label);
     }
     lines.push(below);
+    if inside.is_some() {
+        lines.push(format!("        · · · {}", kind.limit_name));
+    }
     if let Some(limit) = limit.filter(|limit| *limit >= 1.0) {
         lines.push(format!("        {} is {limit:.1}, above all of this", kind.limit_name));
     }
