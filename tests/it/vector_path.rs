@@ -181,7 +181,8 @@ fn after(chain: &Chain, method: Method, without: Option<Refinement>, time: f64) 
     (bench.state(), bench.work())
 }
 
-/// Rows ahead of the wave are left out: what moves there is below 1e-30 of the first bead's speed, and nothing else changes by more.
+/// Rows ahead of the wave are left out: what moves there is below 1e-30 of the first bead's speed, and nothing else changes by more than that and
+/// a few roundings.
 #[test]
 fn the_active_window_changes_nothing_that_could_be_seen() {
     for force in [0.0, 2.38] {
@@ -196,7 +197,11 @@ fn the_active_window_changes_nothing_that_could_be_seen() {
             let (all, same_work) = after(&chain, method, Some(Refinement::ActiveWindow), time);
             assert_eq!(work, same_work);
             for (a, b) in with.velocity.iter().zip(&all.velocity) {
-                assert!((a - b).abs() <= 1e-29 * 0.4, "{force} N, {method}: {a:e}, {b:e}");
+                let rounding = 8.0 * f64::EPSILON * b.abs();
+                assert!(
+                    (a - b).abs() <= 1e-29 * 0.4 + rounding,
+                    "{force} N, {method}: {a:e}, {b:e}"
+                );
             }
         }
     }

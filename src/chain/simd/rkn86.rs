@@ -124,10 +124,9 @@ impl<'a> Stages<'a> {
         start: S::V,
     ) -> S::V {
         let mut sum = start;
-        for stage in 0..N {
-            if weights[stage] != 0.0 {
-                let weight = simd.splat(scale * weights[stage]);
-                sum = simd.load(&self.0[stage][r]).mul_add(weight, sum);
+        for (weight, stage) in weights.iter().zip(&self.0).take(N) {
+            if *weight != 0.0 {
+                sum = simd.load(&stage[r]).mul_add(simd.splat(scale * weight), sum);
             }
         }
         sum

@@ -24,7 +24,7 @@ pub struct Step<'a> {
 }
 
 /// Kicks and drifts of all rows, then forces where they lead.
-struct Drift<'a, V> {
+struct KickAndDrift<'a, V> {
     kick: V,
     /// Weight of the gradients; none where the kick does not go by them.
     gradient_kick: Option<V>,
@@ -37,7 +37,7 @@ struct Drift<'a, V> {
     closed: &'a mut [u8],
 }
 
-impl<S: Simd> Visit<S> for Drift<'_, S::V> {
+impl<S: Simd> Visit<S> for KickAndDrift<'_, S::V> {
     #[inline(always)]
     fn positions(&mut self, simd: S, r: usize) -> S::V {
         // A row's accelerations are overwritten after its positions have been asked for.
@@ -96,7 +96,7 @@ impl Kernel for Step<'_> {
         for index in 0..self.method.drifts.len() {
             let (kick, gradient_kick) = self.kick(simd, index);
             let Motion { position, velocity, acceleration, tangent, closed, .. } = &mut *self.next;
-            let mut drift = Drift {
+            let mut sweep_rows = KickAndDrift {
                 kick,
                 gradient_kick,
                 drift: simd.splat(self.method.drifts[index] * self.h),
@@ -107,7 +107,7 @@ impl Kernel for Step<'_> {
                 tangent: &mut tangent[..live],
                 closed: &mut closed[..live],
             };
-            sweep(simd, chain, live, &mut drift);
+            sweep(simd, chain, live, &mut sweep_rows);
             if self.gradient_weight(index + 1) != 0.0 {
                 let known = (&self.next.tangent[..live], &self.next.acceleration[..live]);
                 rates(simd, chain, live, known, self.gradient);
