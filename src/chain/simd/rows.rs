@@ -245,7 +245,7 @@ impl Motion {
     /// Position, velocity and acceleration of `body` (m, m/s, m/s²).
     #[inline]
     pub fn of(&self, body: usize) -> [f64; 3] {
-        [&self.position, &self.velocity, &self.acceleration].map(|rows| entry(rows, body))
+        [entry(&self.position, body), entry(&self.velocity, body), entry(&self.acceleration, body)]
     }
 
     /// Rate of the acceleration of `body` (m/s³).

@@ -163,7 +163,10 @@ impl VectorStepper {
     /// Position, velocity and acceleration of `body` at the end of the last step; zero for a body that is not there (m, m/s, m/s²).
     #[inline]
     pub fn body(&self, body: Option<usize>) -> [f64; 3] {
-        body.map_or([0.0; 3], |body| self.now.of(body))
+        match body {
+            Some(body) => self.now.of(body),
+            None => [0.0; 3],
+        }
     }
 
     /// Displacement of each body (m) and force change of each contact (N) at the fraction `theta` of the last step.
