@@ -6,7 +6,7 @@
 use super::hertz::force_and_tangent;
 use super::simd::{ContactStep, InstructionSet, SampleForces, VectorStepper};
 use super::{Contact, ForceProbe, Law};
-use crate::integrate::hermite::{End, septic};
+use crate::integrate::hermite::{End, septic_coefficients};
 use crate::integrate::{COEFFICIENTS, Integrator};
 
 /// Times in a step at which a force is evaluated, as fractions of the step; its end is the last (1).
@@ -223,7 +223,7 @@ impl ProbeTracker {
         let [from, to] = self.ends;
         let overlap = |which: usize| {
             let ((from, early), (to, late)) = (end(from[which]), end(to[which]));
-            septic(from, to, (early, late), length).position
+            septic_coefficients(from, to, (early, late), length)
         };
         StepOverlaps { start, length, overlaps: [overlap(0), overlap(1)] }
     }

@@ -73,13 +73,24 @@ pub fn quintic(from: End, to: End, length: f64) -> Interpolant {
 
 /// The septic through both ends, `jerks` being the rates of the accelerations there (m/s³).
 pub fn septic(from: End, to: End, jerks: (f64, f64), length: f64) -> Interpolant {
+    let position = septic_coefficients(from, to, jerks, length);
+    Interpolant { position, velocity: derivative(&position, length) }
+}
+
+/// The coefficients of its powers alone (m).
+pub fn septic_coefficients(
+    from: End,
+    to: End,
+    jerks: (f64, f64),
+    length: f64,
+) -> [f64; COEFFICIENTS] {
     let h = length;
     let jerk = h * h * h * jerks.0;
     let (p, q, r) = rises(from, to, h);
     // What the cubic Taylor polynomial of the start leaves over at the end, derivative by derivative.
     let (p, q, r) = (p - jerk / 6.0, q - jerk / 2.0, r - jerk);
     let rest = h * h * h * jerks.1 - jerk;
-    let position = [
+    [
         from.position,
         h * from.velocity,
         0.5 * h * h * from.acceleration,
@@ -88,8 +99,7 @@ pub fn septic(from: End, to: End, jerks: (f64, f64), length: f64) -> Interpolant
         -84.0 * p + 39.0 * q - 7.0 * r + 0.5 * rest,
         70.0 * p - 34.0 * q + 6.5 * r - 0.5 * rest,
         -20.0 * p + 10.0 * q - 2.0 * r + rest / 6.0,
-    ];
-    Interpolant { position, velocity: derivative(&position, h) }
+    ]
 }
 
 /// Weights of position, velocity, acceleration and jerk at the start and at the end in the septic of a step of `length` (s), at the fraction
