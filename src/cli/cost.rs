@@ -7,9 +7,9 @@ use clap::Args;
 
 use super::picture;
 use super::progress::Progress;
-use crate::experiment::accuracy::{of_scene, run_held};
+use crate::experiment::accuracy::{of_scene, run_to_accuracy};
 use crate::experiment::auto_effects::settle;
-use crate::experiment::{Integration, facts, first_tried};
+use crate::experiment::{Integration, facts, first_attempt};
 use crate::recording::Attachment;
 use crate::recording::mcap::RecordingWriter;
 use crate::report::{self, Work};
@@ -76,14 +76,14 @@ fn record(file: &Path, scene: &Scene, study: &Study) -> anyhow::Result<()> {
     let accuracy = of_scene(scene)?.value;
     let integration = Integration::Accuracy(accuracy);
     let scene = settle(scene, integration);
-    let outcome = run_held(&scene, accuracy, 1, &mut |_| ())?;
+    let outcome = run_to_accuracy(&scene, accuracy, 1, &mut |_| ())?;
     let study = Attachment {
         name: "cost.json".to_owned(),
         media_type: "application/json".to_owned(),
         data: serde_json::to_vec_pretty(study)?,
     };
     let attachments = [facts::scene_attachment(&scene), study];
-    let known = facts::facts(&scene, first_tried(&scene, integration))?;
+    let known = facts::facts(&scene, first_attempt(&scene, integration))?;
     let mut writer = RecordingWriter::create(file, &known, &attachments)?;
     writer.add(&outcome.shot, &facts::shot_notes(&scene, &outcome))?;
     Ok(writer.finish()?)

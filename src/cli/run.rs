@@ -10,10 +10,10 @@ use clap::Args;
 use super::accuracy::Asked;
 use super::by_hand::{ByHand, step, tolerance};
 use super::progress::Progress;
-use crate::experiment::accuracy::run_held;
+use crate::experiment::accuracy::run_to_accuracy;
 use crate::experiment::auto_effects::settle;
 use crate::experiment::by_hand::{advice, edge, run_by_hand};
-use crate::experiment::{Integration, RunError, facts, first_tried};
+use crate::experiment::{Integration, RunError, facts, first_attempt};
 use crate::recording::mcap::RecordingWriter;
 use crate::report;
 use crate::scene::Scene;
@@ -69,7 +69,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let (integration, reason) = integration(arguments, &scene)?;
     // Before the recording tells what it is of.
     let scene = settle(&scene, integration);
-    let facts = facts::facts(&scene, first_tried(&scene, integration));
+    let facts = facts::facts(&scene, first_attempt(&scene, integration));
     let known = facts.map_err(|error| advised(error, &scene, integration))?;
     // Before the work, so that a folder that cannot be written to costs no simulation.
     let output = Output::open(arguments.output.as_deref(), &scene.name)?;
@@ -80,8 +80,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut progress = Progress::new(&scene.name, arguments.quiet);
     let mut report = |share| progress.at(share);
     let outcome = match integration {
-        Integration::Accuracy(accuracy) => run_held(&scene, accuracy, 1, &mut report),
-        Integration::Method(method) | Integration::Tried { method, .. } => {
+        Integration::Accuracy(accuracy) => run_to_accuracy(&scene, accuracy, 1, &mut report),
+        Integration::Method(method) | Integration::Attempt { method, .. } => {
             run_by_hand(&scene, method, 1, &mut report)
         }
     };

@@ -5,15 +5,15 @@ use std::time::Instant;
 
 use serde::Serialize;
 
+use super::attempts::{Attempt, Attempts, has_two_lengths, reference_tolerance};
 use super::bench::Grid;
 use super::comparison::{
     Run, arrival_error, compare_readings, deviation, level_of, peak_error, readings, sampled,
 };
 use super::energy::MOST;
 use super::horizon::horizon;
-use super::losses::controlled_for;
+use super::method_choice::controlled_for;
 use super::outcome::Reading;
-use super::tried::{Tried, Tries, paces, tighter};
 use super::{Integration, Outcome, RunError, method, run, sample_grid};
 use crate::integrate::IntegrateError;
 use crate::quantity::engineering;
@@ -85,32 +85,36 @@ pub fn of_scene(scene: &Scene) -> Result<ChosenAccuracy, RunError> {
 
 /// Runs `scene` so that first peaks and arrivals are as accurate as asked (1), estimate included: the steps of a run are held to an
 /// accuracy, which says nothing of what the chain makes of their errors. So each run is held against a tighter one
-/// ([`estimate`]), and taken again with tighter steps where they differ by too much ([`methods_tried`](super::methods_tried)), or where it has made or lost more than [`MOST`] of
+/// ([`estimate`]), and taken again with tighter steps where they differ by too much ([`attempted_methods`](super::attempted_methods)), or where it has made or lost more than [`MOST`] of
 /// the energy in motion. Traces are held to half of the digits, an error of `sqrt(accuracy)`, unless it is told from when on they are not. `progress` hears the share of the work, 0 to 1: the first run is taken for half of it, the next for half of the rest, and so on.
 ///
 /// # Errors
 /// [`RunError`] where the chain cannot be followed.
-pub fn run_held(
+pub fn run_to_accuracy(
     scene: &Scene,
     accuracy: f64,
     shot: u32,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Outcome, RunError> {
     let (own, started) = (&*scene.of_shot(shot), Instant::now());
-    let mut tries = Tries::of(own, accuracy);
-    let mut second: Option<Second> = None;
+    let mut tries = Attempts::of(own, accuracy);
+    let mut second: Option<ReferenceRun> = None;
     let mut makes_energy = false;
     let left = Cell::new(1.0);
     let next = || left.set(0.5 * left.get());
     let mut progress = |share: f64| progress(1.0 - left.get() * (2.0 - share));
     loop {
-        let Some(attempt @ Tried { method, steps }) = tries.next() else {
+        let Some(attempt @ Attempt { method, steps }) = tries.next() else {
             unreachable!("the last that is tried is taken as it is")
         };
         next();
-        let by = Integration::Tried { method, accuracy };
+        let by = Integration::Attempt { method, accuracy };
         let mut outcome = match run(scene, by, shot, &mut progress) {
-            Err(RunError::Integrate(IntegrateError::NotFinite { .. })) if paces(method) => continue,
+            Err(RunError::Integrate(IntegrateError::NotFinite { .. }))
+                if has_two_lengths(method) =>
+            {
+                continue;
+            }
             found => found?,
         };
         if !tries.is_over() && !outcome.summary.energy.is_kept(MOST) {
@@ -118,10 +122,10 @@ pub fn run_held(
             continue;
         }
         let against = match second.take() {
-            Some(second) if second.tighter <= tighter(steps) => second,
+            Some(second) if second.tighter <= reference_tolerance(steps) => second,
             _ => {
                 next();
-                Second::run(own, steps.min(accuracy), shot, &mut progress)?
+                ReferenceRun::run(own, steps.min(accuracy), shot, &mut progress)?
             }
         };
         let estimate = second.insert(against).holds(&outcome, accuracy);
@@ -200,19 +204,20 @@ pub fn estimate(
     accuracy: f64,
     outcome: &Outcome,
 ) -> Result<Option<ErrorEstimate>, RunError> {
-    let second = Second::run(scene, accuracy, outcome.shot.number, &mut |_| ())?;
+    let second = ReferenceRun::run(scene, accuracy, outcome.shot.number, &mut |_| ())?;
     Ok(second.holds(outcome, accuracy))
 }
 
 /// Errors of a run of shot 1 of `scene` against an `exact` one: of peaks, arrivals and traces, as an estimate gives them; none where it has other pulses.
 pub fn errors(scene: &Scene, exact: &Run, outcome: &Outcome) -> Option<ErrorEstimate> {
-    let exact = Second::of(scene, exact.clone(), 0.0, sample_grid(scene, outcome.shot.number));
+    let exact =
+        ReferenceRun::of(scene, exact.clone(), 0.0, sample_grid(scene, outcome.shot.number));
     let found = exact.holds(outcome, f64::INFINITY)?;
     Some(ErrorEstimate { trace: found.trace.map(|trace| trace / TRACES), ..found })
 }
 
 /// What runs are held against.
-struct Second {
+struct ReferenceRun {
     /// Its accuracy (1).
     tighter: f64,
     /// At the sensors inside, then at the wall.
@@ -224,14 +229,14 @@ struct Second {
     grid: Grid,
 }
 
-impl Second {
+impl ReferenceRun {
     fn run(
         scene: &Scene,
         accuracy: f64,
         shot: u32,
         progress: &mut dyn FnMut(f64),
     ) -> Result<Self, RunError> {
-        let tighter = tighter(accuracy);
+        let tighter = reference_tolerance(accuracy);
         let method = controlled_for(&scene.chain, &scene.initial_velocities, tighter);
         let grid = sample_grid(scene, shot);
         let mut share = |time: f64| progress(time / scene.duration);

@@ -32,7 +32,7 @@ pub fn settle(scene: &Scene, integration: Integration) -> Cow<'_, Scene> {
     }
     let mut settled = scene.clone();
     for name in std::mem::take(&mut settled.auto) {
-        let (Integration::Accuracy(accuracy) | Integration::Tried { accuracy, .. }) = integration
+        let (Integration::Accuracy(accuracy) | Integration::Attempt { accuracy, .. }) = integration
         else {
             settled
                 .decided

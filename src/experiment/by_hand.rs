@@ -1,7 +1,7 @@
 //! Runs with a step or a tolerance by hand: nothing holds them to an accuracy, so what they are off is found out and told.
 
 use super::accuracy::{ErrorEstimate, estimate, known_until};
-use super::{Integration, Outcome, RunError, run, tighter};
+use super::{Integration, Outcome, RunError, reference_tolerance, run};
 use crate::integrate::Method;
 use crate::quantity::engineering;
 use crate::scene::{Scene, TIGHTEST_ACCURACY};
@@ -77,7 +77,7 @@ fn told(scene: &Scene, outcome: &Outcome) -> Result<Option<ErrorEstimate>, RunEr
     loop {
         let found = estimate(scene, accuracy, outcome)?;
         let worst = found.as_ref().map_or(f64::INFINITY, ErrorEstimate::worst);
-        let tells = worst > TELLING * tighter(accuracy) && worst > AGREE * before;
+        let tells = worst > TELLING * reference_tolerance(accuracy) && worst > AGREE * before;
         if accuracy <= TIGHTEST_ACCURACY || tells {
             return Ok(found);
         }

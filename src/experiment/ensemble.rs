@@ -6,7 +6,7 @@ use super::auto_effects::settle;
 use super::bench::{Bench, Grid};
 use super::parallel::{in_parallel, processors};
 use super::pulse::PulseRecorder;
-use super::{Integration, losses};
+use super::{Integration, method_choice};
 use crate::chain::simd::InstructionSet;
 use crate::chain::{Chain, ForceProbe};
 use crate::integrate::{IntegrateError, Method, Work};
@@ -120,9 +120,9 @@ impl Case {
     fn method(&self, integration: Integration) -> Method {
         match integration {
             Integration::Accuracy(accuracy) => {
-                losses::method_for(&self.chain, &self.velocities, accuracy)
+                method_choice::method_for(&self.chain, &self.velocities, accuracy)
             }
-            Integration::Method(method) | Integration::Tried { method, .. } => method,
+            Integration::Method(method) | Integration::Attempt { method, .. } => method,
         }
     }
 

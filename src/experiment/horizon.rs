@@ -6,7 +6,7 @@
 //! Source: two tolerances as an error estimate: Hairer, Norsett, Wanner, Solving ODEs I (1993), II.4.
 
 use super::bench::start;
-use super::losses::method_for;
+use super::method_choice::method_for;
 use crate::chain::Chain;
 use crate::integrate::{IntegrateError, State};
 
@@ -15,7 +15,7 @@ const PACE: f64 = 1.05;
 /// How much more accurate the second motion is (1).
 const TIGHTER: f64 = 0.01;
 /// Two motions of the same accuracy share the size of their errors, not the errors: the estimate may be off by so much (1).
-const LUCK: f64 = 4.0;
+const SAFETY_FACTOR: f64 = 4.0;
 /// The second motion's steps tolerate at least this much: rounding is no error of the method (1).
 const TIGHTEST: f64 = 1e-14;
 
@@ -44,7 +44,7 @@ pub fn horizon(
         }
         let [found, exact] = motions.each_ref().map(|motion| motion.state());
         let (overlap, speed) = difference(chain, &found, &exact, &mut scales);
-        if LUCK * (overlap / scales.0).max(speed / scales.1) > accuracy.sqrt() {
+        if SAFETY_FACTOR * (overlap / scales.0).max(speed / scales.1) > accuracy.sqrt() {
             return Ok(Some(before));
         }
         (before, end) = (end, PACE * end);

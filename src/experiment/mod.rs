@@ -6,6 +6,7 @@
 
 pub mod accuracy;
 pub(crate) mod acquisition;
+pub(crate) mod attempts;
 pub mod auto_effects;
 pub mod bench;
 pub mod by_hand;
@@ -17,21 +18,20 @@ pub mod facts;
 mod film;
 pub mod horizon;
 pub mod inputs;
-pub(crate) mod losses;
+pub(crate) mod method_choice;
 mod notes;
 pub mod outcome;
 pub mod paper_speeds;
 pub mod parallel;
 pub mod pulse;
+mod roots;
 mod segment;
-pub(crate) mod tried;
-mod turn;
 mod watch;
 mod yielding;
 
+pub use attempts::{Attempt, attempted_methods, first_attempt, reference_tolerance};
 pub use error::RunError;
-pub use losses::for_accuracy;
-pub use tried::{Tried, first_tried, methods_tried, tighter};
+pub use method_choice::for_accuracy;
 
 use std::time::Instant;
 
@@ -64,7 +64,7 @@ pub enum Integration {
     /// By this method with this setting.
     Method(Method),
     /// By a method that is tried, and held to an accuracy afterwards.
-    Tried {
+    Attempt {
         /// The method.
         method: Method,
         /// Relative error of first-peak forces and times (1).
@@ -116,11 +116,11 @@ pub fn run(
 
 pub(crate) fn method(scene: &Scene, integration: Integration) -> Result<Method, RunError> {
     let method = match integration {
-        Integration::Accuracy(accuracy) => return Ok(losses::method(scene, accuracy)),
-        Integration::Tried { method, .. } => return Ok(method),
+        Integration::Accuracy(accuracy) => return Ok(method_choice::method(scene, accuracy)),
+        Integration::Attempt { method, .. } => return Ok(method),
         Integration::Method(method) => method,
     };
-    losses::refuse(scene, method)?;
+    method_choice::refuse(scene, method)?;
     if let Some((step, _)) = method.fixed_step() {
         let steps = scene.duration / step;
         if steps > MOST_STEPS {
@@ -193,7 +193,9 @@ impl Finished<'_> {
         let (initial, last) = bench.energies();
         let (work, yielded) = (bench.work(), yielding::note(&scene.chain, bench.film()));
         let accuracy = match integration {
-            Integration::Accuracy(accuracy) | Integration::Tried { accuracy, .. } => Some(accuracy),
+            Integration::Accuracy(accuracy) | Integration::Attempt { accuracy, .. } => {
+                Some(accuracy)
+            }
             Integration::Method(_) => None,
         };
         Summary {

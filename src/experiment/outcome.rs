@@ -286,7 +286,7 @@ pub fn effects(scene: &Scene) -> Vec<(String, String)> {
 
 #[cfg(test)]
 mod tests {
-    use crate::experiment::accuracy::run_held;
+    use crate::experiment::accuracy::run_to_accuracy;
     use crate::scene::Scene;
 
     /// A bead of 0.13 mg rattles on while heavy ones press it harder and harder: maxima that it makes on the way are first until larger forces come. Two runs
@@ -313,7 +313,7 @@ mod tests {
             ch1 = { input = \"a\", scale = \"1 V/div\" }
         ";
         let scene = Scene::from_text("pressed", "pressed.toml", text).unwrap();
-        let mut found = run_held(&scene, 1e-3, 1, &mut |_| ()).unwrap().summary;
+        let mut found = run_to_accuracy(&scene, 1e-3, 1, &mut |_| ()).unwrap().summary;
         let is_told = |notes: &[String]| notes.iter().any(|note| note.contains("not decided at a"));
         let (reading, quarter) = (&found.sensors[0], 0.25 * found.sensors[0].largest_n);
         assert!(reading.first_peak.unwrap().dynamic_n > 2.0 * quarter, "{reading:?}");

@@ -1,6 +1,6 @@
 //! A force over one step, and what of it is kept: maxima between two looks, and steps in which it exceeded all before.
 
-use super::turn::{crest, root};
+use super::roots::{refine_maximum, root};
 use crate::chain::ForceSegment;
 use crate::chain::probe_step::{ContactPair, StepOverlaps};
 
@@ -8,7 +8,7 @@ use crate::chain::probe_step::{ContactPair, StepOverlaps};
 /// between two of the places in [`SAMPLE_TIMES`](crate::chain::probe_step::SAMPLE_TIMES).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Segment {
-    /// Of any method: which of [`Felt::general`].
+    /// Of any method: which of [`ForceHistory::general`].
     General(usize),
     /// Of the vector path.
     Lossless(StepOverlaps),
@@ -16,7 +16,7 @@ pub enum Segment {
 
 /// A place, and what it felt in steps that no span describes.
 #[derive(Debug, Clone)]
-pub struct Felt {
+pub struct ForceHistory {
     place: ContactPair,
     general: Vec<ForceSegment>,
 }
@@ -45,7 +45,7 @@ pub struct Rise {
     pub top: f64,
 }
 
-impl Felt {
+impl ForceHistory {
     /// Nothing yet.
     pub fn nothing(place: ContactPair) -> Self {
         Self { place, general: Vec::new() }
@@ -111,8 +111,8 @@ impl Felt {
         let Bracket { segment, between, rates, .. } = maximum;
         let width = (between[1] - between[0]) * self.length(segment);
         let rate = |theta| self.rate(segment, theta);
-        let found =
-            ends.and_then(|ends| crest(&rate, *between, *rates, (ends[1] - ends[0]) / width));
+        let found = ends
+            .and_then(|ends| refine_maximum(&rate, *between, *rates, (ends[1] - ends[0]) / width));
         found.map_or_else(|| self.top(maximum), |theta| (theta, self.force(segment, theta)))
     }
 }

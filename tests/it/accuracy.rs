@@ -1,6 +1,6 @@
 //! The accuracy that is asked for: held, estimated, and chosen from the scope where nobody names one.
 
-use hertzscope::experiment::accuracy::{ErrorEstimate, doubt, estimate, of_scene, run_held};
+use hertzscope::experiment::accuracy::{ErrorEstimate, doubt, estimate, of_scene, run_to_accuracy};
 use hertzscope::experiment::bench::{Bench, Grid};
 use hertzscope::experiment::by_hand::run_by_hand;
 use hertzscope::experiment::outcome::{Reading, Summary};
@@ -111,7 +111,7 @@ fn late_traces_are_known_to_half_of_the_digits() {
         let exact = Method::DormandPrince853 { tolerance: 1e-14 };
         let exact = outcome(&scene, Integration::Method(exact));
         for accuracy in [1e-3, 1e-4, 1e-6] {
-            let found = run_held(&scene, accuracy, 1, &mut |_| ()).expect("a run");
+            let found = run_to_accuracy(&scene, accuracy, 1, &mut |_| ()).expect("a run");
             let off = trace_error(&scene, &found, &exact);
             let Summary { horizon_s, method, .. } = &found.summary;
             println!("{name} at {accuracy:e} by {method}: {off:.1e}, {horizon_s:?}");
@@ -132,12 +132,12 @@ fn of_nothing_no_error_is_told() {
         let text = format!("base = \"magnet-0.61g\"\nduration = \"{duration}\"\n");
         Scene::from_text("short", "short.toml", &text).expect("a scene")
     };
-    let found = run_held(&scene("60 us"), 1e-4, 1, &mut |_| ()).expect("a run").summary;
+    let found = run_to_accuracy(&scene("60 us"), 1e-4, 1, &mut |_| ()).expect("a run").summary;
     let trace = found.error_estimate.as_ref().expect("an estimate").trace;
     assert!(trace.is_some_and(|trace| trace < 1e-2), "{trace:?}");
     let told = |what: &str| found.notes.iter().filter(|note| note.contains(what)).count();
     assert!(told("no pulse arrived") == 3 && told("still rising") == 0, "{:?}", found.notes);
-    let silent = run_held(&scene("20 us"), 1e-4, 1, &mut |_| ()).expect("a run").summary;
+    let silent = run_to_accuracy(&scene("20 us"), 1e-4, 1, &mut |_| ()).expect("a run").summary;
     assert!(silent.sensors.iter().all(|reading| reading.first_peak.is_none()));
     assert!(silent.error_estimate.is_none(), "{silent:?}");
     assert!(!silent.notes.iter().any(|note| note.contains("not known")), "{:?}", silent.notes);
@@ -195,7 +195,7 @@ fn motion_that_goes_on_for_long_keeps_its_energy() {
     let method = Method::DormandElMikkawyPrince86 { tolerance: 1e-2 };
     let by_steps_alone = simulate(&scene, Integration::Method(method));
     assert!(by_steps_alone.energy.drift.abs() > 0.1, "{:e}", by_steps_alone.energy.drift);
-    let found = run_held(&scene, 1e-2, 1, &mut |_| ()).expect("a run").summary;
+    let found = run_to_accuracy(&scene, 1e-2, 1, &mut |_| ()).expect("a run").summary;
     assert!(found.energy.drift.abs() <= 0.1, "{:e}", found.energy.drift);
 }
 
@@ -220,11 +220,11 @@ fn first_peaks_that_hang_on_late_forces_are_told() {
         ch1 = { input = \"a\", scale = \"1 V/div\" }
     ";
     let scene = Scene::from_text("rattling", "rattling.toml", text).expect("a scene");
-    let found = run_held(&scene, 1e-3, 1, &mut |_| ()).expect("a run").summary;
+    let found = run_to_accuracy(&scene, 1e-3, 1, &mut |_| ()).expect("a run").summary;
     let told = found.notes.iter().find(|note| note.contains("first peak is not decided"));
     assert!(told.is_some_and(|told| told.contains(" at a, wall:")), "{:#?}", found.notes);
     let sure = Scene::load("gravity-0.61g").expect("a shipped scene");
-    let found = run_held(&sure, 1e-3, 1, &mut |_| ()).expect("a run").summary;
+    let found = run_to_accuracy(&sure, 1e-3, 1, &mut |_| ()).expect("a run").summary;
     assert!(!found.notes.iter().any(|note| note.contains("not decided")), "{:#?}", found.notes);
 }
 
@@ -236,7 +236,7 @@ fn energy_that_is_made_or_lost_is_told() {
     let lossy = Scene::from_text("lossy", "lossy.toml", lossy).expect("a scene");
     let sure = Scene::load("linear-300-cells").expect("a shipped scene");
     for (scene, accuracy, word) in [(lossy, 1e-1, "has lost energy"), (sure, 1e-6, "")] {
-        let found = run_held(&scene, accuracy, 1, &mut |_| ()).expect("a run").summary;
+        let found = run_to_accuracy(&scene, accuracy, 1, &mut |_| ()).expect("a run").summary;
         let told = found.notes.iter().find(|note| note.contains("of that in motion"));
         assert_eq!(told.is_some(), found.energy.drift.abs() > 0.01, "{:e}", found.energy.drift);
         assert!(told.map_or("", String::as_str).contains(word), "{told:?}");

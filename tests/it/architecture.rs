@@ -27,16 +27,16 @@ use table::Table;
 const KNOWN_CIRCLES: &[&[&str]] = &[
     &[
         "src/experiment/accuracy.rs",
+        "src/experiment/attempts.rs",
         "src/experiment/auto_effects.rs",
         "src/experiment/by_hand.rs",
         "src/experiment/comparison.rs",
         "src/experiment/error.rs",
         "src/experiment/horizon.rs",
-        "src/experiment/losses.rs",
+        "src/experiment/method_choice.rs",
         "src/experiment/mod.rs",
         "src/experiment/notes.rs",
         "src/experiment/outcome.rs",
-        "src/experiment/tried.rs",
     ],
     &["src/experiment/bench.rs", "src/experiment/film.rs", "src/experiment/watch.rs"],
     &["src/instrument/limits.rs", "src/instrument/panel/mod.rs"],

@@ -3,12 +3,12 @@
 
 use std::fmt::Write as _;
 
-use hertzscope::experiment::accuracy::{doubt, run_held};
+use hertzscope::experiment::accuracy::{doubt, run_to_accuracy};
 use hertzscope::experiment::bench::start;
 
 use hertzscope::experiment::outcome::{Reading, Summary};
 use hertzscope::experiment::pulse::Peak;
-use hertzscope::experiment::{self, Integration, for_accuracy, tighter};
+use hertzscope::experiment::{self, Integration, for_accuracy, reference_tolerance};
 use hertzscope::integrate::{Method, State};
 use hertzscope::scene::{Problem, Scene, SceneError};
 
@@ -284,7 +284,7 @@ fn held(scene: &mut Scene, end: f64) -> (f64, bool) {
     // A record about as long as the motion: longer ones would take their time, shorter ones room.
     let bases = &scene.scope.model.time_bases;
     scene.scope.time_base = bases.iter().copied().find(|b| 10.0 * b > end).expect("a time base");
-    let run = run_held(scene, accuracy, 1, &mut |_| ()).expect("a run").summary;
+    let run = run_to_accuracy(scene, accuracy, 1, &mut |_| ()).expect("a run").summary;
     let reference = |tolerance| {
         let integration = Integration::Method(Method::DormandPrince853 { tolerance });
         places(&experiment::run(scene, integration, 1, &mut |_| ()).expect("a run").summary)
@@ -293,8 +293,9 @@ fn held(scene: &mut Scene, end: f64) -> (f64, bool) {
     let loudest = exact.iter().map(|reading| reading.largest_n).fold(0.0, f64::max);
     // The error control measures by the loudest: what is below it by the accuracy of the tighter run, which a run is held against,
     // neither of them can tell from a wave that has not arrived.
-    let quiet =
-        |peak: Peak| peak.dynamic_n < (QUIET * peak.total_n).max(tighter(accuracy) * loudest);
+    let quiet = |peak: Peak| {
+        peak.dynamic_n < (QUIET * peak.total_n).max(reference_tolerance(accuracy) * loudest)
+    };
     let mut worst = difference(&found, &exact, &quiet);
     if worst > accuracy {
         let finer = reference(1e-14);

@@ -89,8 +89,8 @@ pub struct Judged {
     pub is_changed: bool,
 }
 
-/// Tries a step of `h` (s) from `now` to `next`.
-pub struct Attempt<'a> {
+/// Attempts a step of `h` (s) from `now` to `next`.
+pub struct TrialStep<'a> {
     pub chain: &'a ChainRows,
     pub live: usize,
     pub now: &'a Motion,
@@ -220,7 +220,7 @@ impl<S: Simd> Visit<S> for Arrival<'_, S::V> {
     }
 }
 
-impl Attempt<'_> {
+impl TrialStep<'_> {
     /// Accelerations of stage `N`.
     #[inline(always)]
     fn stage<S: Simd, const N: usize>(&mut self, simd: S) {
@@ -302,7 +302,7 @@ impl Attempt<'_> {
     }
 }
 
-impl Kernel for Attempt<'_> {
+impl Kernel for TrialStep<'_> {
     type Output = Judged;
 
     #[inline(always)]

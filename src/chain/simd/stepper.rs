@@ -2,7 +2,7 @@
 
 use super::frame::Frame;
 use super::opening::correct;
-use super::rkn86::{Attempt, EVALUATIONS, Evaluate, Trial};
+use super::rkn86::{EVALUATIONS, Evaluate, Trial, TrialStep};
 use super::rows::{ChainRows, Motion, place};
 use super::splitting::Step;
 use super::vector::{InstructionSet, Row, WIDTH};
@@ -192,7 +192,7 @@ impl VectorStepper {
         let step = control.trial(self.time, end)?;
         let (h, live, chain) = (step.length, self.live, &self.chain);
         let (now, next) = (&self.now, &mut self.previous);
-        let attempt = Attempt { chain, live, now, next: &mut *next, trial: &mut *trial, h };
+        let attempt = TrialStep { chain, live, now, next: &mut *next, trial: &mut *trial, h };
         let mut judged = self.set.run(attempt);
         self.work.force_evaluations += EVALUATIONS;
         let tolerated = [*tolerance * scales.position, *tolerance * scales.velocity];

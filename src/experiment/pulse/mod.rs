@@ -5,8 +5,8 @@ mod read;
 
 use serde::Serialize;
 
-use super::segment::{Bracket, Felt, Rise, Segment};
-use super::turn::{fall, highest, may_fall};
+use super::roots::{find_negative, highest, may_fall};
+use super::segment::{Bracket, ForceHistory, Rise, Segment};
 use crate::chain::probe_step::{ContactPair, ForceSamples, ProbeTracker, SAMPLE_TIMES};
 use crate::chain::{ForceProbe, ForceSegment};
 
@@ -53,7 +53,7 @@ pub struct PassedOver {
 /// Follows one probe through a run.
 #[derive(Debug, Clone)]
 pub struct PulseRecorder {
-    felt: Felt,
+    felt: ForceHistory,
     /// Whether a loss lets the force jump.
     is_lossy: bool,
     /// Whether it has taken in a step of any method.
@@ -92,7 +92,7 @@ impl PulseRecorder {
     ) -> Self {
         let static_force = probe.static_force();
         Self {
-            felt: Felt::nothing(ContactPair::new(probe)),
+            felt: ForceHistory::nothing(ContactPair::new(probe)),
             is_lossy: probe.is_lossy(),
             has_begun: false,
             static_force,
@@ -244,7 +244,7 @@ impl PulseRecorder {
             // What changes the force by less than its rounding over all of this is no turn.
             let turned = |rate: f64| sign * rate + FOOT * self.quietest / span;
             let ends = [before, after].map(turned);
-            let theta = fall(&|theta| turned(rate(theta)), [low, high], ends)?;
+            let theta = find_negative(&|theta| turned(rate(theta)), [low, high], ends)?;
             (between[inner], rates[inner]) = (theta, rate(theta));
         }
         Some(Bracket { segment: segment(), between, rates, most, exceeds_all: false })

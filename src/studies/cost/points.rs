@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use super::{Chosen, Point, Reference};
 use crate::chain::simd::Refinement;
-use crate::experiment::accuracy::{ErrorEstimate, errors, run_held};
+use crate::experiment::accuracy::{ErrorEstimate, errors, run_to_accuracy};
 use crate::experiment::comparison::{
     Run, Treated, arrival_error, compare, peak_error, run_without, trace_error, worst,
 };
@@ -160,11 +160,11 @@ pub fn choice(
     (exact, runs): (&Run, u16),
 ) -> Result<Chosen, RunError> {
     let started = Instant::now();
-    let outcome = run_held(scene, accuracy, 1, &mut |_| ())?;
+    let outcome = run_to_accuracy(scene, accuracy, 1, &mut |_| ())?;
     let summary = &outcome.summary;
     let mut walls = vec![[summary.wall_s, summary.wall_held_s.unwrap_or(summary.wall_s)]];
     while walls.len() < usize::from(runs) && started.elapsed() < TIMING_BUDGET {
-        let again = run_held(scene, accuracy, 1, &mut |_| ())?.summary;
+        let again = run_to_accuracy(scene, accuracy, 1, &mut |_| ())?.summary;
         walls.push([again.wall_s, again.wall_held_s.unwrap_or(again.wall_s)]);
     }
     let sorted = |which: usize| {

@@ -4,7 +4,7 @@ use super::tally::Tally;
 use crate::chain::{Body, Chain, ChainSpec, EffectsSpec, Elasticity, End, ForceProbe};
 use crate::experiment::bench::{Bench, Grid, start};
 use crate::experiment::for_accuracy;
-use crate::experiment::losses::method_for;
+use crate::experiment::method_choice::method_for;
 use crate::experiment::pulse::Peak;
 use crate::integrate::{Method, State, Work};
 

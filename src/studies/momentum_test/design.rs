@@ -119,7 +119,7 @@ impl Designer {
         self.bench.circuit(0, self.bench.scope.channels.first()?.as_ref()?)
     }
 
-    /// Tries all strikers whose name contains `striker`, heights, scales and time bases; the best first.
+    /// Attempts all strikers whose name contains `striker`, heights, scales and time bases; the best first.
     ///
     /// # Errors
     /// [`TestError`] for impacts that cannot be simulated.

@@ -5,7 +5,7 @@ use crate::analysis::gate::Gate;
 use crate::analysis::spectrum::{Analyser, Settings, Spectrum};
 use crate::chain::ForceProbe;
 use crate::experiment::bench::{Bench, Grid};
-use crate::experiment::losses;
+use crate::experiment::method_choice;
 use crate::experiment::pulse::{HALF_RISE, Peak, PulseRecorder};
 use crate::experiment::{Integration, run};
 use crate::scene::{DEFAULT_ACCURACY, Scene};
@@ -37,7 +37,7 @@ impl Record {
         let chain = &scene.chain;
         let probes: Option<Vec<ForceProbe>> = places.iter().map(|p| p.probe(chain)).collect();
         let probes = probes.ok_or_else(|| nothing(scene, "such place"))?;
-        let method = losses::method(scene, accuracy(scene));
+        let method = method_choice::method(scene, accuracy(scene));
         let grid = Grid { start: 0.0, interval: INTERVAL };
         let never = Grid { start: f64::MAX, interval: 1.0 };
         let velocities = &scene.initial_velocities;

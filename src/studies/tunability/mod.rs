@@ -15,7 +15,7 @@ use crate::analysis::spectrum::{Analyser, Settings, Spectrum, SpectrumError};
 use crate::analysis::window::Window;
 use crate::chain::{ChainError, ForceProbe};
 use crate::experiment::bench::{Bench, Grid};
-use crate::experiment::losses;
+use crate::experiment::method_choice;
 use crate::experiment::parallel::{in_parallel, processors};
 use crate::experiment::pulse::{HALF_RISE, PulseRecorder};
 use crate::integrate::IntegrateError;
@@ -138,7 +138,7 @@ fn point(scene: &Scene, knob: Knob, value: f64) -> Result<TunedPoint, TuneError>
     let probes: Vec<ForceProbe> =
         ends.iter().filter_map(|particle| ForceProbe::inside(chain, *particle, 0.0)).collect();
     let velocities = &turned.initial_velocities;
-    let method = losses::method_for(chain, velocities, ACCURACY);
+    let method = method_choice::method_for(chain, velocities, ACCURACY);
     let grid = Grid { start: 0.0, interval: INTERVAL };
     let never = Grid { start: f64::MAX, interval: 1.0 };
     let mut bench = Bench::new(chain, velocities, method, &probes, (grid, never));

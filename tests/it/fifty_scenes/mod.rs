@@ -16,7 +16,7 @@ mod solver;
 
 use std::collections::BTreeSet;
 
-use hertzscope::experiment::accuracy::run_held;
+use hertzscope::experiment::accuracy::run_to_accuracy;
 use hertzscope::experiment::outcome::{Reading as Found, Summary};
 use hertzscope::scene::Scene;
 
@@ -153,7 +153,7 @@ fn readings_are_as_accurate_as_asked(part: &str, setups: Vec<Setup>) {
                 own <= REFERENCE_SHARE * accuracy,
                 "{name}: the reference is off by {own:.1e}, too much for {accuracy:e}"
             );
-            let summary = match run_held(&scene, accuracy, 1, &mut |_| ()) {
+            let summary = match run_to_accuracy(&scene, accuracy, 1, &mut |_| ()) {
                 Ok(outcome) => outcome.summary,
                 Err(error) => {
                     failures.push(format!("{name} at {accuracy:e}: {error}"));

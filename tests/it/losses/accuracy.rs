@@ -1,6 +1,6 @@
 //! Accuracy with each loss and both ends of contact, by what `--accuracy` chooses, against runs a hundred times tighter than the tightest.
 
-use hertzscope::experiment::accuracy::run_held;
+use hertzscope::experiment::accuracy::run_to_accuracy;
 use hertzscope::experiment::outcome::Summary;
 use hertzscope::experiment::{Integration, run};
 use hertzscope::integrate::Method;
@@ -34,7 +34,8 @@ fn each(base: &str) {
             let exact = run(&scene, Integration::Method(method), 1, &mut |_| ()).expect("a run");
             let exact = readings(&exact.summary);
             for accuracy in [1e-3, 1e-6, 1e-9] {
-                let found = run_held(&scene, accuracy, 1, &mut |_| ()).expect("a run").summary;
+                let found =
+                    run_to_accuracy(&scene, accuracy, 1, &mut |_| ()).expect("a run").summary;
                 let read = readings(&found);
                 assert_eq!(read.len(), exact.len(), "{base} {text}");
                 let off = read.iter().zip(&exact).map(|(a, b)| (a / b - 1.0).abs());

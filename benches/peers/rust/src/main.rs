@@ -49,7 +49,7 @@ fn known<'a>(problems: &'a mut HashMap<String, Problem>, name: &str) -> &'a Prob
     problems.entry(name.to_owned()).or_insert_with(|| Problem::of(&case(name)))
 }
 
-/// hertzscope itself: METHOD is `rkn64+bare`, `pefrl+recorded` and the like.
+/// hertzscope itself: METHOD is `rkn86+bare`, `velocity-verlet+recorded` and the like.
 fn hertzscope(
     (name, watching): (&str, &str),
     setting: f64,

@@ -1,4 +1,4 @@
-//! Which methods a scene with losses, or with a magnet that follows its particle, may be integrated by.
+//! The choice of method and tolerance for an accuracy, and which methods a scene allows.
 
 use super::RunError;
 use crate::chain::{Chain, Contact, Effect};
@@ -30,16 +30,16 @@ const DAMPED: f64 = 0.051;
 /// runs to it) (1).
 const STEP_MARGIN: f64 = 16.0;
 /// The same for lossless chains under a magnet that follows its particle, where openings are not corrected: and errors were up to 23 times what a step tolerates (600 accuracies of two scenes) (1).
-const KINK_MARGIN: f64 = 48.0;
+const UNCORRECTED_MARGIN: f64 = 48.0;
 /// Up to this accuracy the pair's steps are far better than they must be (1).
 const EIGHTH_ORDER_UP_TO: f64 = 6e-4;
-/// Paced steps are made for the accuracy asked for divided by this: first peaks were off by up to 1.13 times what they are made for, in 256 scenes
-/// from 2e-4 to 1e-3 (`tests/it/paced.rs`) (1).
-const PACED_MARGIN: f64 = 2.0;
+/// Steps of two lengths are made for the accuracy asked divided by this: first peaks were off by up to 1.13 times what they are made for, in 256 scenes
+/// from 2e-4 to 1e-3 (`tests/it/vector_path.rs`) (1).
+const TWO_STEP_MARGIN: f64 = 2.0;
 /// From this accuracy on they are the cheapest: at 1e-3 they are, at 1e-4 pairs are as cheap or cheaper (`hertzscope cost` of the
 /// shipped scenes) (1).
-const PACED_FROM: f64 = 2e-4;
-/// A contact is loaded whose static overlap is this share of the coming impact's, or more: its frequency, which paced steps go by, goes as the
+const TWO_STEP_FROM: f64 = 2e-4;
+/// A contact is loaded whose static overlap is this share of the coming impact's, or more: its frequency, which steps of two lengths go by, goes as the
 /// fourth root of the overlap (1).
 const LOADED: f64 = 1e-3;
 /// So many contacts may not be: a striker's.
@@ -57,20 +57,26 @@ pub fn method(scene: &Scene, accuracy: f64) -> Method {
 
 /// The same for a chain with these initial velocities (m/s).
 pub fn method_for(chain: &Chain, velocities: &[f64], accuracy: f64) -> Method {
-    let paced = paced(chain, accuracy / PACED_MARGIN).filter(|_| keeps_pace(chain, velocities));
-    paced.unwrap_or_else(|| controlled_for(chain, velocities, accuracy))
+    let two_lengths =
+        two_step(chain, accuracy / TWO_STEP_MARGIN).filter(|_| is_preloaded(chain, velocities));
+    two_lengths.unwrap_or_else(|| controlled_for(chain, velocities, accuracy))
 }
 
-/// Paced steps that are made for `accuracy` (1), where they are the cheapest, if they are as accurate: in a chain that does not keep its pace a second run is to tell.
-pub fn paced(chain: &Chain, accuracy: f64) -> Option<Method> {
-    let serves = accuracy >= PACED_FROM && !chain.is_dissipative() && chain.is_plain();
+/// Steps of two lengths for `accuracy` (1), where they are the cheapest; none elsewhere. In a chain that is not preloaded only a reference run shows
+/// whether they are as accurate.
+pub fn two_step(chain: &Chain, accuracy: f64) -> Option<Method> {
+    let serves = accuracy >= TWO_STEP_FROM && !chain.is_dissipative() && chain.is_plain();
     serves.then_some(Method::TwoStepForceGradient { tolerance: accuracy })
 }
 
 /// The method with error control that serves `accuracy` (1).
 pub fn controlled_for(chain: &Chain, velocities: &[f64], accuracy: f64) -> Method {
     if !chain.is_dissipative() {
-        return for_accuracy(if chain.is_plain() { accuracy } else { accuracy / KINK_MARGIN });
+        return for_accuracy(if chain.is_plain() {
+            accuracy
+        } else {
+            accuracy / UNCORRECTED_MARGIN
+        });
     }
     let damping = chain.largest_damping(velocities);
     let nearly_stiff = damping > NEARLY_STIFF;
@@ -78,7 +84,7 @@ pub fn controlled_for(chain: &Chain, velocities: &[f64], accuracy: f64) -> Metho
     let damped = damping * tolerance.powf(0.125) > DAMPED;
     let stiff = damping > STIFF
         || (nearly_stiff && accuracy > NEARLY_STIFF_UP_TO)
-        || (damped && (accuracy > LOOSE || !keeps_pace(chain, velocities)));
+        || (damped && (accuracy > LOOSE || !is_preloaded(chain, velocities)));
     if stiff {
         Method::Rodas { tolerance: accuracy / STIFF_MARGIN }
     } else {
@@ -92,8 +98,8 @@ pub fn for_accuracy(accuracy: f64) -> Method {
     Method::DormandElMikkawyPrince86 { tolerance: margin * accuracy }
 }
 
-/// Whether contacts stay about as stiff as they will be at most, all but a striker's.
-fn keeps_pace(chain: &Chain, velocities: &[f64]) -> bool {
+/// Whether contacts are preloaded, all but a striker's: they stay about as stiff as they will be at most.
+fn is_preloaded(chain: &Chain, velocities: &[f64]) -> bool {
     let least = LOADED * chain.impact_overlap(velocities);
     let unloaded = |c: &&Contact| c.stiffness > 0.0 && c.static_overlap < least;
     chain.contacts().iter().filter(unloaded).nth(MOST_UNLOADED).is_none()

@@ -26,7 +26,7 @@ pub fn highest([first, last]: [f64; 2], [rise, slope]: [f64; 2]) -> f64 {
 /// A place between `low` and `high` where `rate`, which is `at_low` and `at_high` there, is below zero, if there is one: its least value, found by golden
 /// sections (J. Kiefer, Proc. Am. Math. Soc. 4, 502, 1953), until both ends are below twice the least so far: of parabolas and corners,
 /// of which one side may be ten times as steep as the other, it is then not less than two fifths of that (1).
-pub fn fall(
+pub fn find_negative(
     rate: &dyn Fn(f64) -> f64,
     [mut low, mut high]: [f64; 2],
     [mut at_low, mut at_high]: [f64; 2],
@@ -59,7 +59,7 @@ pub fn fall(
 
 /// Where a force is highest that rises at `low` and falls at `high`, by its rates of change there, `first` and `second`, and its `mean` one (N/s): the
 /// turn of its cubic, and a few secants from there. The force there is the highest to the last bits; none where that is not certain (1).
-pub fn crest(
+pub fn refine_maximum(
     rate: &dyn Fn(f64) -> f64,
     [low, high]: [f64; 2],
     [first, second]: [f64; 2],
@@ -139,7 +139,7 @@ fn less(share: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{crest, fall, highest, may_fall, root};
+    use super::{find_negative, highest, may_fall, refine_maximum, root};
     use std::cell::Cell;
 
     /// A force that rises at both ends, `f = t - 4.5 t^2 + 5.8 t^3`: its rate is below zero from 0.162 to 0.356, and at neither end.
@@ -148,7 +148,7 @@ mod tests {
         let rate = |t: f64| 1.0 - 9.0 * t + 17.4 * t * t;
         let force = |t: f64| t * (1.0 + t * (-4.5 + t * 5.8));
         assert!(may_fall((rate(0.0), rate(1.0)), force(1.0) - force(0.0), 0.3));
-        let place = fall(&rate, [0.0, 1.0], [rate(0.0), rate(1.0)]).expect("a fall");
+        let place = find_negative(&rate, [0.0, 1.0], [rate(0.0), rate(1.0)]).expect("a fall");
         assert!(rate(place) < 0.0, "{place}");
     }
 
@@ -168,7 +168,7 @@ mod tests {
                     rate(t)
                 };
                 let mean = force(1.0) - force(0.0);
-                let place = crest(&counted, [0.0, 1.0], [rate(0.0), rate(1.0)], mean);
+                let place = refine_maximum(&counted, [0.0, 1.0], [rate(0.0), rate(1.0)], mean);
                 assert!(place.is_some(), "{width} {share}");
                 let most = if width > 0.4 { 5 } else { 2 };
                 assert!(count.get() <= most, "{width} {share}: {} rates", count.get());
@@ -184,17 +184,17 @@ mod tests {
     #[test]
     fn a_crest_that_is_not_certain_is_none() {
         let jump = |t: f64| if t < 0.7 { 1e-3 } else { -1.0 };
-        assert_eq!(crest(&jump, [0.0, 1.0], [1e-3, -1.0], -0.2993), None);
+        assert_eq!(refine_maximum(&jump, [0.0, 1.0], [1e-3, -1.0], -0.2993), None);
         let told_wrong = |t: f64| -1e-3 - t;
-        assert_eq!(crest(&told_wrong, [0.0, 1.0], [1e-6, -1.001], -0.5), None);
-        assert_eq!(crest(&|_| f64::NAN, [0.0, 1.0], [1.0, -1.0], 0.0), None);
+        assert_eq!(refine_maximum(&told_wrong, [0.0, 1.0], [1e-6, -1.001], -0.5), None);
+        assert_eq!(refine_maximum(&|_| f64::NAN, [0.0, 1.0], [1.0, -1.0], 0.0), None);
     }
 
     #[test]
     fn a_straight_rise_is_none() {
         assert!(!may_fall((1.0, 1.0), 1.0, 0.3));
         assert!(!may_fall((1.0, 1.0), 0.9, 0.3));
-        assert_eq!(fall(&|t| 0.1 + (t - 0.5).powi(2), [0.0, 1.0], [0.35, 0.35]), None);
+        assert_eq!(find_negative(&|t| 0.1 + (t - 0.5).powi(2), [0.0, 1.0], [0.35, 0.35]), None);
     }
 
     /// Parabolas and corners, some far steeper to one side, their least values above and below zero, anywhere in between: what is missed is not there. Fewer
@@ -218,7 +218,7 @@ mod tests {
                         shape(t)
                     };
                     let ends = [shape(0.0), shape(1.0)];
-                    let found = fall(&rate, [0.0, 1.0], ends);
+                    let found = find_negative(&rate, [0.0, 1.0], ends);
                     assert_eq!(found.is_some(), least < 0.0, "{place} {least}");
                     assert!(found.is_none_or(|t| shape(t) < 0.0), "{place} {least}");
                     falls += u32::from(found.is_some());
