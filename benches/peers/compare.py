@@ -286,12 +286,11 @@ def print_tables(scenes, choice, times):
     for line in lines:
         print("| " + " | ".join(line) + " |")
     print()
-    print("Methods and settings, in each scene's own units (a tolerance, or a step in units of overlap over striker's speed):\n")
-    for row in PEERS:
+    print_floors(times)
+    print("\nMethods and settings, in each scene's own units (a tolerance, or a step in units of overlap over striker's speed):\n")
+    for row in (OURS, "Boost.odeint, vectorised force loop"):
         used = [f"{k[1]} {k[2]:g}: {choice[k][1]} {choice[k][2]:.3g}" for k in choice if k[0] == row]
         print(f"- {row}: " + "; ".join(used))
-    print()
-    print_floors(times)
 
 
 #: What is demanded of their time over hertzscope's, by peer and scene.

@@ -190,7 +190,7 @@ impl ErrorEstimate {
     }
 }
 
-/// Holds shot `shot` of `scene` against a run that is to be [`tighter`] than `accuracy` (1). By the triangle inequality the error is at
+/// Compares shot `shot` of `scene` with its reference run, at the [`reference_tolerance`] of `accuracy` (1). By the triangle inequality the error is at
 /// most their difference and what the second run is off itself: [`REFERENCE_MARGIN`] times its own accuracy are added. Late in rattling chains traces of the second are
 /// off by more than that, too: theirs is twice the difference.
 ///
