@@ -203,15 +203,15 @@ fn scene(random: &mut Random) -> String {
         .unwrap();
     }
     effects(random, &statics, count, &mut text);
-    for (name, particle) in [("p", 1), ("q", count.div_ceil(2)), ("r", count)] {
+    for (name, particle) in [("s0", 1), ("s1", count.div_ceil(2)), ("s2", count)] {
         writeln!(text, "[sensors.{name}]\nmodel = \"pzt-5a-710pf\"\nparticle = {particle}")
             .unwrap();
     }
     text + SCOPE
 }
 
-/// An oscilloscope, which every scene has.
-const SCOPE: &str = r#"
+/// An oscilloscope, which every made scene has; it reads the sensor `s0`.
+pub const SCOPE: &str = r#"
 [scope]
 model = "tds2014"
 time_base = "250 us/div"
@@ -221,7 +221,7 @@ source = "CH1"
 level = "10 mV"
 
 [scope.ch1]
-input = "p"
+input = "s0"
 scale = "1 V/div"
 "#;
 

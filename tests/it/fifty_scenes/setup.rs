@@ -3,6 +3,8 @@
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
+use crate::random_scenes::SCOPE;
+
 /// An isotropic material.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Material {
@@ -250,18 +252,3 @@ fn end(end: End) -> String {
         End::Wall(material, _) => format!("{{ wall = \"{}\" }}", material.name),
     }
 }
-
-/// An oscilloscope, which every scene has.
-const SCOPE: &str = r#"
-[scope]
-model = "tds2014"
-time_base = "250 us/div"
-
-[scope.trigger]
-source = "CH1"
-level = "10 mV"
-
-[scope.ch1]
-input = "s0"
-scale = "1 V/div"
-"#;
