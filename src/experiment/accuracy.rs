@@ -3,8 +3,6 @@
 use std::cell::{Cell, LazyCell};
 use std::time::Instant;
 
-use serde::Serialize;
-
 use super::attempts::{Attempt, Attempts, has_two_lengths, reference_tolerance};
 use super::bench::Grid;
 use super::comparison::{
@@ -13,6 +11,7 @@ use super::comparison::{
 use super::energy::MOST;
 use super::horizon::horizon;
 use super::method_choice::controlled_for;
+pub use super::outcome::ErrorEstimate;
 use super::outcome::Reading;
 use super::{Integration, Outcome, RunError, method, run, sample_grid};
 use crate::integrate::IntegrateError;
@@ -165,29 +164,6 @@ pub(crate) fn known_until(scene: &Scene, accuracy: f64, changes: Option<u64>) ->
     let amplifies = changes != Some(0) && !scene.chain.is_linear();
     // A motion that cannot be computed has been refused already.
     amplifies.then(|| horizon(&scene.chain, &scene.initial_velocities, setting).ok())??
-}
-
-/// How far off a run's first peaks, arrivals and traces may be.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ErrorEstimate {
-    /// Relative error of first-peak dynamic forces, the largest of all places (1).
-    pub peak: f64,
-    /// Relative error of first-peak times, half-rises and tenths, the largest of all places (1).
-    pub arrival: f64,
-    /// Largest deviation of the force at any sensor, at the scope's sample times up to the end of the scene's duration, relative to the largest dynamic one
-    /// there; none where no sensor felt a pulse (1).
-    pub trace: Option<f64>,
-    /// Up to when no trace deviates by more than the accuracy that was asked for; none where none ever does, or none was asked for (s).
-    pub trace_holds_s: Option<f64>,
-    /// How it was found.
-    pub how: String,
-}
-
-impl ErrorEstimate {
-    /// The larger of those of peaks and arrivals, which an accuracy is asked for (1).
-    pub fn worst(&self) -> f64 {
-        self.peak.max(self.arrival)
-    }
 }
 
 /// Compares shot `shot` of `scene` with its reference run, at the [`reference_tolerance`] of `accuracy` (1). By the triangle inequality the error is at

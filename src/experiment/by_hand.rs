@@ -1,6 +1,7 @@
 //! Runs with a step or a tolerance by hand: nothing holds them to an accuracy, so what they are off is found out and told.
 
 use super::accuracy::{ErrorEstimate, estimate, known_until};
+use super::error::rounded_down;
 use super::{Integration, Outcome, RunError, reference_tolerance, run};
 use crate::integrate::Method;
 use crate::quantity::engineering;
@@ -160,10 +161,4 @@ fn with_setting(method: Method, setting: f64) -> Method {
         Method::DormandPrince853 { .. } => Method::DormandPrince853 { tolerance },
         Method::Rodas { .. } => Method::Rodas { tolerance },
     }
-}
-
-/// `value`, rounded down to so many decimal `digits` (unit).
-pub(super) fn rounded_down(value: f64, digits: i32) -> f64 {
-    let unit = 10f64.powf(value.abs().log10().floor() - f64::from(digits - 1));
-    (value / unit).floor() * unit
 }

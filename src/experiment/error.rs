@@ -1,6 +1,5 @@
 //! Why a run has no result.
 
-use super::by_hand;
 use crate::chain::StabilityLimit;
 use crate::integrate::IntegrateError;
 use crate::quantity::engineering;
@@ -73,5 +72,11 @@ fn seconds(step: f64) -> String {
 
 /// A longest step (s) in words that name no longer one.
 fn cut(step: f64) -> String {
-    engineering(by_hand::rounded_down(step, 4), "s", 4)
+    engineering(rounded_down(step, 4), "s", 4)
+}
+
+/// `value`, rounded down to so many decimal `digits` (unit).
+pub(super) fn rounded_down(value: f64, digits: i32) -> f64 {
+    let unit = 10f64.powf(value.abs().log10().floor() - f64::from(digits - 1));
+    (value / unit).floor() * unit
 }

@@ -1,6 +1,6 @@
 //! The whole chain at coarse, even times.
 
-use super::bench::Grid;
+use super::grid::Grid;
 use crate::chain::Chain;
 use crate::chain::simd::VectorStepper;
 use crate::integrate::{Integrator, Interpolant, State};

@@ -4,14 +4,23 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use super::accuracy::ErrorEstimate;
 use super::energy::{EnergyLedger, TOLERABLE};
 use super::paper_speeds::PaperSpeed;
 use super::pulse::{FOOT, HALF_RISE, PEAK_SHARE, PassedOver, Peak, PulseRecorder};
 use crate::chain::Chain;
 use crate::quantity::engineering;
+use crate::recording::Shot;
 use crate::scene::{PlacedSensor, Scene, Site};
 use crate::scope::{ChannelSetup, Deviation};
+
+/// Everything a run leaves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// Numbers for people and scripts.
+    pub summary: Summary,
+    /// The scope's records and the truth behind them.
+    pub shot: Shot,
+}
 
 /// Summary of a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -74,6 +83,29 @@ pub struct Summary {
     pub trigger: TriggerReport,
     /// What the user should know about this run.
     pub notes: Vec<String>,
+}
+
+/// How far off a run's first peaks, arrivals and traces may be.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ErrorEstimate {
+    /// Relative error of first-peak dynamic forces, the largest of all places (1).
+    pub peak: f64,
+    /// Relative error of first-peak times, half-rises and tenths, the largest of all places (1).
+    pub arrival: f64,
+    /// Largest deviation of the force at any sensor, at the scope's sample times up to the end of the scene's duration, relative to the largest dynamic one
+    /// there; none where no sensor felt a pulse (1).
+    pub trace: Option<f64>,
+    /// Up to when no trace deviates by more than the accuracy that was asked for; none where none ever does, or none was asked for (s).
+    pub trace_holds_s: Option<f64>,
+    /// How it was found.
+    pub how: String,
+}
+
+impl ErrorEstimate {
+    /// The larger of those of peaks and arrivals, which an accuracy is asked for (1).
+    pub fn worst(&self) -> f64 {
+        self.peak.max(self.arrival)
+    }
 }
 
 /// A first peak that exceeds its threshold by so much stays one, and what lacks so much of it becomes none, whatever late forces come to: chaos shuffles

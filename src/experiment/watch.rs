@@ -1,6 +1,6 @@
 //! Watched forces: their samples, and their pulses.
 
-use super::bench::Grid;
+use super::grid::Grid;
 use super::pulse::PulseRecorder;
 use crate::chain::ForceProbe;
 use crate::chain::probe_step::ProbeTracker;

@@ -55,7 +55,7 @@ impl Instrument {
         self.panel.horizontal.view = View::Main;
         self.settings_for_repeated_signals();
         let level = self.panel.trigger.level;
-        self.panel.trigger.level = limits::trigger_level(&self.model, &self.panel, level);
+        self.panel.trigger.level = self.panel.trigger_level(&self.model, level);
         self.settled = self.panel.clone();
         self.run();
     }
@@ -90,6 +90,6 @@ impl Instrument {
         let reading = |kind| measure(kind, &record).unwrap_or(0.0);
         let level =
             f64::midpoint(reading(MeasurementType::Minimum), reading(MeasurementType::Maximum));
-        self.panel.trigger.level = limits::trigger_level(&self.model, &self.panel, level);
+        self.panel.trigger.level = self.panel.trigger_level(&self.model, level);
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Numbers are clamped and snapped, never refused. How far each knob turns is the model's data file's to say.
 
-use super::panel::{Channel, Panel};
+use super::panel::Channel;
 use crate::scope::Model;
 use crate::scope::model::ROUNDED_UP;
 
@@ -73,18 +73,4 @@ pub fn horizontal_position(model: &Model, position: f64, scale: f64) -> f64 {
 /// A number within a range (unit).
 pub fn within(value: f64, (least, most): (f64, f64)) -> f64 {
     value.max(least).min(most)
-}
-
-/// A trigger level: within the reach of its source (V).
-pub fn trigger_level(model: &Model, panel: &Panel, level: f64) -> f64 {
-    let source = panel.trigger.source;
-    let (low, high) = if let Some(number) = source.channel() {
-        let vertical = panel.channel(number).vertical;
-        let volts = |divisions: f64| (divisions - vertical.position) * vertical.scale;
-        (volts(-model.trigger_range), volts(model.trigger_range))
-    } else {
-        let reach = source.reach(model);
-        (-reach, reach)
-    };
-    rounded(level.clamp(low, high), 7)
 }

@@ -8,9 +8,9 @@ use std::rc::Rc;
 
 use super::document::{Entry, Node, Place, Value};
 use super::files::{read_text, shipped};
-use super::forget::{forget_ends, forget_models};
 use super::problem::{Problem, SceneError};
 use super::texts::Texts;
+use super::tree::{at, at_mut};
 use crate::data;
 
 /// A scene may stand on a scene that stands on a scene; deeper is a mistake or a circle.
@@ -23,6 +23,9 @@ const MODELS: [(&str, &str); 3] =
 /// Keys that name a file of constants, and the folder it lies in.
 const CONSTANTS: [(&str, &str); 3] =
     [("material", "materials"), ("wall", "materials"), ("ceramic", "piezoceramics")];
+
+/// The ends of a chain.
+const ENDS: [&str; 2] = ["top", "bottom"];
 
 /// Where a file was found.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -213,6 +216,46 @@ impl Library {
                 }
             }
         }
+    }
+}
+
+/// Takes away what the model of a sensor or magnet said below where another model is named above: half of each would be neither.
+fn forget_models(above: &Node, below: &mut Node) {
+    let child = |node: &Node, key: &str| match &node.value {
+        Value::Table(table) => table.get(key).map(|entry| entry.node.clone()),
+        _ => None,
+    };
+    for (folder, kind, only) in
+        [("sensors", "sensors", None), ("effects", "magnets", Some("magnet_preload"))]
+    {
+        let Some(above) = child(above, folder) else { continue };
+        let Some(below) = below.entries_mut().and_then(|b| b.get_mut(folder)) else { continue };
+        let Some(below) = below.node.entries_mut() else { continue };
+        for (name, entry) in below.iter_mut().filter(|(name, _)| only.is_none_or(|o| o == &***name))
+        {
+            if child(&above, name).and_then(|node| node.text("model").map(|_| ())).is_some() {
+                forget_model(&mut entry.node, kind);
+            }
+        }
+    }
+}
+
+/// Takes away the ends of the chain below that are others above: half of each would be neither.
+fn forget_ends(above: &Node, below: &mut Node) {
+    let (Some(above), Some(below)) = (at(above, &["chain"]), at_mut(below, &["chain"])) else {
+        return;
+    };
+    if let Some(ends) = below.entries_mut() {
+        ends.retain(|key, _| !ENDS.contains(&&**key) || at(above, &[key]).is_none());
+    }
+}
+
+/// Takes away what the model said that this table names, so that another's can take its place; what the scene says itself stays.
+pub fn forget_model(table: &mut Node, kind: &str) {
+    let Some((model, place)) = table.text("model") else { return };
+    let Ok(file) = instrument(kind, model, place, "") else { return };
+    if let Some(keys) = table.entries_mut() {
+        keys.retain(|_, entry| entry.node.place.file() != file.place.file());
     }
 }
 

@@ -11,7 +11,6 @@ pub mod document;
 mod effect_table;
 mod effects;
 mod files;
-mod forget;
 pub mod grid;
 mod library;
 mod losses;

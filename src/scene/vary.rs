@@ -3,8 +3,8 @@
 use super::Scene;
 use super::adjust::{AdjustError, Adjustable};
 use super::document::{Node, Value};
-use super::forget::forget_model;
 use super::library;
+use super::library::forget_model;
 use super::problem::{Problem, SceneError};
 use super::tree::{ANY, at_mut, expand, known, put};
 

@@ -139,7 +139,7 @@ pub const GROUP: Group = Group {
             "TRIGger:MAIn:LEVel",
             &Number(
                 |i, _| &mut i.panel.trigger.level,
-                |i, _, level| limits::trigger_level(&i.model, &i.panel, level),
+                |i, _, level| i.panel.trigger_level(&i.model, level),
             ),
             "volts",
         ),

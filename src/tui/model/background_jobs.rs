@@ -7,25 +7,6 @@ use crate::studies::cost::Study;
 use crate::studies::effects::Ledger;
 use crate::tui::axis::Turn;
 
-/// The questions and how far their answers are.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Questions {
-    /// The shot on screen against a simulation.
-    pub comparison: Job<Box<Compared>>,
-    /// Work against precision.
-    pub study: Job<Box<Study>>,
-    /// What each effect costs and changes.
-    pub ledger: Job<Box<Ledger>>,
-    /// Place of the selected effect in the ledger.
-    pub effect: usize,
-}
-
-impl Default for Questions {
-    fn default() -> Self {
-        Self { comparison: Job::Idle, study: Job::Idle, ledger: Job::Idle, effect: 0 }
-    }
-}
-
 /// The answer to a question, or how far it is.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Answer {

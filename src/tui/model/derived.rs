@@ -1,14 +1,14 @@
 //! What is worked out from the traces for the pages: spectra, measurements, arrivals. Only what is on screen is, and only when it
 //! has changed.
 
-use super::{Model, Page, Side};
-use crate::analysis::dispersion::DiatomicChain;
+use super::Model;
+use super::state::{Derived, Key, Page, Reading, Side};
 use crate::analysis::spectrum::{Analyser, Settings, Spectrum};
 use crate::analysis::time_frequency::{Pieces, Spectrogram};
 use crate::analysis::window::Window;
 use crate::instrument::measure::{measure, unit};
 use crate::instrument::panel::MeasurementType;
-use crate::measurement::arrivals::{Survey, survey};
+use crate::measurement::arrivals::survey;
 use crate::measurement::metadata::{self, RecordedSensor};
 use crate::scope::Source;
 use crate::trace::Trace;
@@ -34,42 +34,6 @@ const MEASUREMENTS: [(&str, MeasurementType); 11] = [
     ("+Width", MeasurementType::PositiveWidth),
     ("-Width", MeasurementType::NegativeWidth),
 ];
-
-/// A measured number, none where the signal has no such thing.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Reading {
-    /// As the instrument's menu names it.
-    pub name: &'static str,
-    /// The number (unit).
-    pub value: Option<f64>,
-    /// Its unit.
-    pub unit: String,
-}
-
-/// What a piece of work was made of.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Key {
-    version: u64,
-    source: Option<Source>,
-    page: Page,
-    side: Side,
-}
-
-/// Everything that is worked out.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Derived {
-    made_of: Option<Key>,
-    /// The selected trace's spectrum, or why there is none.
-    pub spectrum: Option<Result<Spectrum, String>>,
-    /// Its spectrum over time, or why there is none.
-    pub map: Option<Result<Spectrogram, String>>,
-    /// The chain around its sensor, for the band edges.
-    pub chain: Option<DiatomicChain>,
-    /// Its measurements.
-    pub readings: Vec<Reading>,
-    /// Arrivals and speeds of the shot.
-    pub survey: Option<Survey>,
-}
 
 impl Model {
     /// What was worked out for the screen.
@@ -119,7 +83,7 @@ impl Model {
             name,
             value: measure(kind, &capture.waveform).ok(),
             unit: match unit(kind) {
-                "V" => super::ordinate_unit(&capture.waveform).to_owned(),
+                "V" => super::state::ordinate_unit(&capture.waveform).to_owned(),
                 other => other.to_owned(),
             },
         };

@@ -2,7 +2,7 @@
 
 use super::Model;
 use super::knobs::{pending, typed};
-use super::live::Settings;
+use super::live_state::Settings;
 use super::state::{Acquisition, Page};
 use crate::scope::{Slope, Source, TriggerMode, Waveform};
 use crate::tui::axis::{DIVISIONS_UP, Steps, Turn, Vertical, Window, is_spectrum};

@@ -1,6 +1,6 @@
 //! The bench's knobs: where each stands in a scene, how it reads, and how far a turn takes it.
 
-use super::live::Settings;
+use super::live_state::Settings;
 use crate::chain::{LossSpec, MagnetForce};
 use crate::experiment::outcome::effects;
 use crate::quantity::{engineering, parse_any};

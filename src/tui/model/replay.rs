@@ -1,7 +1,7 @@
 //! Going through a recording: shots in memory or on disk, playing, seeking, what stays behind.
 
-use super::state::{Page, PersistedTraces, Request};
-use super::{Model, Side};
+use super::Model;
+use super::state::{OnTape, Page, PersistedTraces, Request, Side};
 use crate::recording::{Shot, TraceSet};
 use crate::tui::axis::{Turn, Window};
 
@@ -11,19 +11,6 @@ const PERSISTED_SHOTS_LIMIT: usize = 16;
 const SPEEDS: (f64, f64) = (1.0 / 64.0, 64.0);
 /// The bench's film runs so much slower than the bench, at speed 1 (1).
 const SLOW_MOTION: f64 = 1e-3;
-
-/// A recording of which one shot is in memory.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct OnTape {
-    /// Shots found so far.
-    count: usize,
-    /// Whether the file may still hold or get more.
-    open: bool,
-    /// Place of the shot in memory.
-    here: Option<usize>,
-    /// Whether the newest shot is to be shown whenever one comes.
-    follow: bool,
-}
 
 impl Model {
     /// A recording that is read as it is looked at; shots and facts come as answers. `follow` shows each new shot.

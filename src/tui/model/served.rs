@@ -1,23 +1,12 @@
 //! A scope that is served somewhere else: what it tells, and what is turned on it from here.
 
 use super::Model;
-use super::live::Settings;
+use super::live_state::{Live, Served, Settings};
 use super::state::{Acquisition, Request};
 use crate::quantity::parse_any;
 use crate::recording::TraceSet;
 use crate::scene::Scene;
 use crate::scope::Setup;
-
-/// What is known of a served scope beside its traces.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Served {
-    /// What the acquisition is doing, as `TRIGger:STATE?` says; empty as long as nothing was told.
-    pub state: String,
-    /// The front panel.
-    pub scope: Option<Box<Setup>>,
-    /// Whether a bench stands behind it that can be struck.
-    pub bench: bool,
-}
 
 /// What a served scope told.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,7 +28,7 @@ pub struct Heard {
 impl Model {
     /// Shows a scope that is served somewhere else; what it tells comes as [`Heard`].
     pub fn open_served(&mut self) {
-        let mut live = super::Live::new(String::new());
+        let mut live = Live::new(String::new());
         live.served = Some(Served::default());
         self.live = Some(live);
     }
@@ -117,7 +106,7 @@ impl Model {
 
     /// Strikes the chain behind the served scope.
     pub(super) fn strike_served(&mut self) {
-        let bench = |live: &super::Live| live.served.as_ref().is_some_and(|served| served.bench);
+        let bench = |live: &Live| live.served.as_ref().is_some_and(|served| served.bench);
         if self.live.as_ref().is_some_and(bench) {
             self.send(":BENC:IMP");
             self.notice = Some("sent BENCh:IMPact: the chain is struck".to_owned());

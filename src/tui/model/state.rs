@@ -3,8 +3,15 @@
 use std::collections::VecDeque;
 use std::path::PathBuf;
 
+use crate::analysis::dispersion::DiatomicChain;
+use crate::analysis::spectrum::Spectrum;
+use crate::analysis::time_frequency::Spectrogram;
+use crate::measurement::arrivals::Survey;
+use crate::measurement::compare::Compared;
 use crate::recording::Capture;
 use crate::scope::{Source, Waveform};
+use crate::studies::cost::Study;
+use crate::studies::effects::Ledger;
 
 /// What lies over the scope's screen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -206,6 +213,82 @@ impl<T> Job<T> {
             Self::Done(result) => Some(result),
             _ => None,
         }
+    }
+}
+
+/// The questions and how far their answers are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Questions {
+    /// The shot on screen against a simulation.
+    pub comparison: Job<Box<Compared>>,
+    /// Work against precision.
+    pub study: Job<Box<Study>>,
+    /// What each effect costs and changes.
+    pub ledger: Job<Box<Ledger>>,
+    /// Place of the selected effect in the ledger.
+    pub effect: usize,
+}
+
+impl Default for Questions {
+    fn default() -> Self {
+        Self { comparison: Job::Idle, study: Job::Idle, ledger: Job::Idle, effect: 0 }
+    }
+}
+
+/// A measured number, none where the signal has no such thing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reading {
+    /// As the instrument's menu names it.
+    pub name: &'static str,
+    /// The number (unit).
+    pub value: Option<f64>,
+    /// Its unit.
+    pub unit: String,
+}
+
+/// What a piece of work was made of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Key {
+    pub(super) version: u64,
+    pub(super) source: Option<Source>,
+    pub(super) page: Page,
+    pub(super) side: Side,
+}
+
+/// Everything that is worked out.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Derived {
+    pub(super) made_of: Option<Key>,
+    /// The selected trace's spectrum, or why there is none.
+    pub spectrum: Option<Result<Spectrum, String>>,
+    /// Its spectrum over time, or why there is none.
+    pub map: Option<Result<Spectrogram, String>>,
+    /// The chain around its sensor, for the band edges.
+    pub chain: Option<DiatomicChain>,
+    /// Its measurements.
+    pub readings: Vec<Reading>,
+    /// Arrivals and speeds of the shot.
+    pub survey: Option<Survey>,
+}
+
+/// A recording of which one shot is in memory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct OnTape {
+    /// Shots found so far.
+    pub(super) count: usize,
+    /// Whether the file may still hold or get more.
+    pub(super) open: bool,
+    /// Place of the shot in memory.
+    pub(super) here: Option<usize>,
+    /// Whether the newest shot is to be shown whenever one comes.
+    pub(super) follow: bool,
+}
+
+/// Unit of a record's ordinate; some files write `Volts`.
+pub fn ordinate_unit(waveform: &Waveform) -> &str {
+    match waveform.preamble.y_unit.as_str() {
+        "Volts" => "V",
+        unit => unit,
     }
 }
 

@@ -10,8 +10,8 @@ use crate::scope::{
     VerticalSetup,
 };
 use crate::tui::model::Acquisition;
-use crate::tui::model::live::Settings;
-use crate::tui::model::served::{Heard, Served};
+use crate::tui::model::live_state::{Served, Settings};
+use crate::tui::model::served::Heard;
 
 /// Who answers to `*IDN?`, and what its knobs can do.
 ///
