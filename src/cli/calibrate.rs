@@ -7,6 +7,7 @@ use clap::Args;
 use serde_json::json;
 
 use super::progress::Progress;
+use crate::files::{self, NewFolder};
 use crate::measurement::calibration::{self, Calibrated, sensor_file};
 use crate::quantity::{Dimension, parse};
 use crate::recording::mcap;
@@ -115,13 +116,14 @@ fn simulate(arguments: &Arguments) -> anyhow::Result<()> {
 /// The best test's plan and recordings, as a lab would bring them.
 fn write_test(folder: &Path, designer: &Designer, best: &Candidate) -> anyhow::Result<PathBuf> {
     let test = designer.test(best)?;
-    std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    let new = NewFolder::replace(folder).with_context(|| folder.display().to_string())?;
     for (name, set) in &test.recordings {
-        mcap::write(&folder.join(name), set)?;
+        mcap::write(&new.join(name), set)?;
     }
-    let plan = folder.join("plan.toml");
-    std::fs::write(&plan, test.plan).with_context(|| plan.display().to_string())?;
-    Ok(plan)
+    files::write(&new.join("plan.toml"), test.plan)
+        .and_then(|()| new.complete())
+        .with_context(|| folder.display().to_string())?;
+    Ok(folder.join("plan.toml"))
 }
 
 fn write(folder: &Path, found: &Calibrated) -> anyhow::Result<()> {
@@ -136,10 +138,12 @@ fn write(folder: &Path, found: &Calibrated) -> anyhow::Result<()> {
         ("calibration.json".to_owned(), serde_json::to_string_pretty(report)? + "\n"),
         (format!("{sensor}.toml"), sensor_file(report)),
     ];
-    std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-    for (name, text) in files.into_iter().chain(pictures) {
-        let file = folder.join(name);
-        std::fs::write(&file, text).with_context(|| file.display().to_string())?;
-    }
-    Ok(())
+    let write = || {
+        let new = NewFolder::replace(folder)?;
+        for (name, text) in files.into_iter().chain(pictures) {
+            files::write(&new.join(name), text)?;
+        }
+        new.complete()
+    };
+    write().with_context(|| folder.display().to_string())
 }

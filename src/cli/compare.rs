@@ -3,13 +3,14 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, bail};
+use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
 
 use super::progress::Progress;
 use super::sensor::{Wired, wire_all, wired};
 use crate::experiment::accuracy::of_scene;
 use crate::experiment::{self, Integration, facts};
+use crate::files;
 use crate::measurement::compare::mapping::Assignment;
 use crate::measurement::compare::tolerance::Tolerance;
 use crate::measurement::compare::{Align, Side, compare};
@@ -171,18 +172,22 @@ pub fn write_document(
 ) -> anyhow::Result<()> {
     let stem = file.file_stem().and_then(OsStr::to_str).unwrap_or("report");
     let parts = parts(stem);
-    let write = |file: &Path, text: &str| {
-        std::fs::write(file, text).with_context(|| file.display().to_string())
+    let page = match ending(file, &["md", "html"])? {
+        "html" => html(title, &parts),
+        _ => markdown(&parts),
     };
-    if ending(file, &["md", "html"])? == "html" {
-        return write(file, &html(title, &parts));
+    let pictures = parts.iter().filter_map(|part| match part {
+        Part::Picture(name, _, svg) => Some((file.with_file_name(name), svg.as_str())),
+        _ => None,
+    });
+    let mut all: Vec<(PathBuf, &str)> = pictures.collect();
+    if ending(file, &["html"]).is_ok() {
+        all.clear();
     }
-    for part in &parts {
-        if let Part::Picture(name, _, svg) = part {
-            write(&file.with_file_name(name), svg)?;
-        }
-    }
-    write(file, &markdown(&parts))
+    // The page last: it names the pictures.
+    all.push((file.to_owned(), &page));
+    files::write_together(&all)
+        .map_err(|(file, error)| anyhow!(error).context(file.display().to_string()))
 }
 
 /// The measurement as a recording with its scores among the metadata.

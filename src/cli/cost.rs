@@ -86,5 +86,6 @@ fn record(file: &Path, scene: &Scene, study: &Study) -> anyhow::Result<()> {
     let known = facts::facts(&scene, first_attempt(&scene, integration))?;
     let mut writer = RecordingWriter::create(file, &known, &attachments)?;
     writer.add(&outcome.shot, &facts::shot_notes(&scene, &outcome))?;
-    Ok(writer.finish()?)
+    writer.finish()?;
+    Ok(())
 }

@@ -8,6 +8,7 @@ use clap::Args;
 use super::compare::{assignment, ending, shot, write_document};
 use super::progress::Progress;
 use crate::analysis::gate::Gate;
+use crate::files;
 use crate::fit::blind::blind;
 use crate::fit::{Fit, Options, fit};
 use crate::measurement::compare::Side;
@@ -173,7 +174,7 @@ fn run_fit(
     let found = found?;
     if let Some(file) = &arguments.output {
         let text = fitted_scene(&scene, &knobs, &found);
-        std::fs::write(file, text).with_context(|| file.display().to_string())?;
+        files::write(file, text).with_context(|| file.display().to_string())?;
     }
     if let Some(file) = &arguments.report {
         let title = format!("{} fitted to {measured}", found.report.scene);

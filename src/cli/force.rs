@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 
 use super::picture;
 use super::sensor::{Wired, wire_all, wired};
+use crate::files;
 use crate::measurement::force::{Forces, forces};
 use crate::recording::format::open;
 use crate::report;
@@ -56,7 +57,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         picture::save(file, &picture)?;
     }
     if let Some(file) = &arguments.output {
-        std::fs::write(file, csv(&found)).with_context(|| file.display().to_string())?;
+        files::write(file, csv(&found)).with_context(|| file.display().to_string())?;
     }
     if arguments.json {
         let channels: Vec<Value> = found.iter().map(as_json).collect();

@@ -155,7 +155,7 @@ impl Recorder {
     /// # Errors
     /// [`ServeError::Record`] where it could not be written.
     pub fn finish(self) -> Result<(), ServeError> {
-        self.writer.finish().map_err(|reason| ServeError::Record { reason })
+        self.writer.finish().map(|_| ()).map_err(|reason| ServeError::Record { reason })
     }
 
     fn note(&mut self, written: Result<(), WriteError>) {

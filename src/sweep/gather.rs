@@ -1,5 +1,7 @@
 //! Joins the logs of a sweep's shards into tables, and says what is missing.
 
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry as Slot;
 use std::fs::File;
 use std::io::{BufReader, Read as _};
 use std::path::{Path, PathBuf};
@@ -17,8 +19,8 @@ use super::{SweepError, at};
 pub struct Gathered {
     header: Header,
     files: Vec<PathBuf>,
-    /// For each run the log that it stands in, and where.
-    found: Vec<Option<(u32, Entry)>>,
+    /// For each finished run the log that it stands in, and where.
+    found: BTreeMap<u64, (u32, Entry)>,
     /// What the user should know.
     pub notices: Vec<String>,
 }
@@ -52,9 +54,8 @@ impl Gathered {
     }
 
     fn begin(header: &Header) -> Self {
-        let runs = usize::try_from(header.runs).unwrap_or(usize::MAX);
         let header = header.clone();
-        Self { header, files: Vec::new(), found: vec![None; runs], notices: Vec::new() }
+        Self { header, files: Vec::new(), found: BTreeMap::new(), notices: Vec::new() }
     }
 
     fn add(&mut self, scan: &Scan) -> Result<(), SweepError> {
@@ -75,16 +76,14 @@ impl Gathered {
         let number = u32::try_from(self.files.len()).unwrap_or(u32::MAX);
         self.files.push(scan.file.clone());
         for entry in &scan.entries {
-            let Some(slot) = usize::try_from(entry.run).ok().and_then(|i| self.found.get_mut(i))
-            else {
-                continue;
-            };
-            match slot {
-                None => *slot = Some((number, *entry)),
-                Some((_, before)) if before.checksum == entry.checksum => {}
-                Some((other, _)) => {
+            match self.found.entry(entry.run) {
+                Slot::Vacant(slot) => {
+                    slot.insert((number, *entry));
+                }
+                Slot::Occupied(slot) if slot.get().1.checksum == entry.checksum => {}
+                Slot::Occupied(slot) => {
                     let shown = |file: &PathBuf| file.display().to_string();
-                    let files = [&self.files[*other as usize], &scan.file].map(shown);
+                    let files = [&self.files[slot.get().0 as usize], &scan.file].map(shown);
                     return Err(SweepError::Differ { run: entry.run, files });
                 }
             }
@@ -104,12 +103,13 @@ impl Gathered {
 
     /// What is missing, in the order of runs.
     pub fn missing(&self) -> Vec<Gap> {
-        let mut gaps: Vec<Gap> = Vec::new();
-        for run in (0..).zip(&self.found).filter(|(_, found)| found.is_none()).map(|(run, _)| run) {
-            match gaps.last_mut().filter(|gap| gap.last + 1 == run) {
-                Some(gap) => gap.last = run,
-                None => gaps.push(Gap { first: run, last: run }),
+        let mut gaps = Vec::new();
+        let mut next = 0;
+        for run in self.found.keys().copied().chain([self.header.runs]) {
+            if run > next {
+                gaps.push(Gap { first: next, last: run - 1 });
             }
+            next = run.saturating_add(1);
         }
         gaps
     }
@@ -132,7 +132,7 @@ impl Gathered {
         let create = |file: &PathBuf| Table::create(file, columns);
         let mut tables = tables.iter().map(create).collect::<Result<Vec<_>, _>>()?;
         let mut tally = Tally::default();
-        for (index, (log, entry)) in self.found.iter().flatten().enumerate() {
+        for (index, (log, entry)) in self.found.values().enumerate() {
             let log = *log as usize;
             let away = entry.offset.wrapping_sub(places[log]).cast_signed();
             let mut text = vec![0; entry.length as usize];

@@ -108,6 +108,7 @@ pub fn scan(file: &Path) -> Result<Option<Scan>, SweepError> {
     let mut reader = BufReader::with_capacity(1 << 20, File::open(file).map_err(at(file))?);
     let (mut line, mut offset) = (Vec::new(), 0_u64);
     let mut header: Option<Header> = None;
+    let no_log = || SweepError::NoLog { file: file.display().to_string() };
     let (mut entries, mut torn, mut damaged) = (Vec::new(), 0, 0);
     loop {
         line.clear();
@@ -116,6 +117,10 @@ pub fn scan(file: &Path) -> Result<Option<Scan>, SweepError> {
             break;
         }
         if line.last() != Some(&b'\n') {
+            // A torn first line is text all the same: what is not is something else, or damaged, and not to be begun again.
+            if header.is_none() && line.iter().any(u8::is_ascii_control) {
+                return Err(no_log());
+            }
             torn = read;
             break;
         }
@@ -134,7 +139,6 @@ pub fn scan(file: &Path) -> Result<Option<Scan>, SweepError> {
         } else {
             let found: Option<Header> = text.and_then(|text| serde_json::from_str(text).ok());
             let known = found.filter(|found| found.hertzscope_sweep_log == VERSION);
-            let no_log = || SweepError::NoLog { file: file.display().to_string() };
             header = Some(known.ok_or_else(no_log)?);
         }
         offset += read;

@@ -18,4 +18,4 @@ mod write;
 pub use error::ReadError;
 pub use notes::ShotNotes;
 pub use read::{read, read_bytes};
-pub use write::{RecordingWriter, WriteError, write};
+pub use write::{RecordingWriter, WriteError, write, write_numbered};

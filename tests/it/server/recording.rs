@@ -17,7 +17,7 @@ fn recorded(file: &Path) -> Server {
     let scene = scene();
     let known = facts::facts(&scene, Integration::Accuracy(scene.accuracy.expect("an accuracy")))
         .expect("stable");
-    let writer = RecordingWriter::create(file, &known, &[facts::scene_attachment(&scene)]);
+    let writer = RecordingWriter::create_live(file, &known, &[facts::scene_attachment(&scene)]);
     Server::serving(scene, Options::default(), Some(writer.expect("writable")))
 }
 

@@ -245,7 +245,9 @@ fn what_was_seen_is_saved_and_opens_again() {
     let picture = std::fs::read_to_string(file("screen.svg")).expect("a picture");
     assert!(picture.starts_with("<svg") && picture.contains(">Trig'd"), "no picture");
     session.command(&format!("write {}", file("shot.mcap")));
-    assert!(session.model.notice().expect("a word").contains("exists already"));
+    // Nothing is replaced: the next number is taken.
+    assert!(session.model.notice().expect("a word").ends_with("shot-2.mcap"));
+    assert_eq!(open("shot.mcap").expect("a recording"), recording);
 }
 
 #[test]

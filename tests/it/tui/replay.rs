@@ -74,7 +74,7 @@ fn a_growing_tape_gets_each_shot_once_it_is_whole() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("lab.mcap");
     let none = std::collections::BTreeMap::new();
-    let mut writer = RecordingWriter::create(&file, &none, &[]).expect("a recording");
+    let mut writer = RecordingWriter::create_live(&file, &none, &[]).expect("a recording");
     let mut tape = IndexedRecording::open(&file).expect("a tape");
     assert_eq!(read_to_end(&mut tape), End::Open);
     for (number, shot) in (1..).zip(&shots(3)) {
