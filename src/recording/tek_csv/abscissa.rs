@@ -1,8 +1,7 @@
 //! The column of times or frequencies, and the interval behind it. Reader and writer share it. Equations
 //! and sources: the module above.
 
-use super::layout::{DECIMALS, Domain, Layout};
-use crate::quantity::c_exponential;
+use super::layout::{self, Domain, Layout};
 
 /// The interval that a header's `Sample Interval` stands for (s; Hz for an FFT).
 ///
@@ -15,7 +14,7 @@ pub(super) fn exact_interval(domain: Domain, printed: f64, text: &str) -> f64 {
         Domain::Frequency => (0..=11)
             .flat_map(|power| [1.0, 2.5, 5.0].map(|digits| digits * 10_f64.powi(power)))
             .map(bin_spacing)
-            .find(|spacing| c_exponential(*spacing, DECIMALS) == text)
+            .find(|spacing| layout::printed(*spacing, domain) == text)
             .unwrap_or(printed),
     }
 }

@@ -1,17 +1,19 @@
-//! Splits a CSV file that is not as an instrument wrote it: whatever separator, decimal mark, quotes and line
-//! ends a program put there. Comes before the readers of the foreign dialects; the native reader is stricter
-//! and does not use it.
+//! Splits a CSV file into rows and cells: whatever separator, decimal mark, quotes and line ends a program put there.
+//! Comes before the readers of the foreign dialects; the native reader splits its rows with the same [`Fields`].
 //!
 //! A number is kept with the digits it was printed with, because they bound how far it may lie from the true one.
 
-use super::error::{Place, TekCsvError, excerpt, place};
+use std::borrow::Cow;
 
-/// Most rows that are read; the longest records of these dialects have 200 000 points.
-pub(super) const MOST_ROWS: usize = 1_000_064;
+use super::error::{Place, TekCsvError, excerpt, place};
+use super::text::BYTE_ORDER_MARK;
+
+/// Most rows that are read.
+pub(super) const MOST_ROWS: usize = 2_000_000;
 /// Cells of a row that are looked at: 4 channels of `OpenChoice` take 24.
 const MOST_CELLS: usize = 32;
-/// Sets a UTF-8 file's beginning apart; spreadsheets write it.
-const BYTE_ORDER_MARK: char = '\u{feff}';
+/// Rows that are looked at to find the separator.
+const SAMPLED_ROWS: usize = 16;
 
 /// A number and its digits.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,10 +50,10 @@ impl<'a> Table<'a> {
     /// Finds the separator and the decimal mark of `text`.
     pub(super) fn new(file: &'a str, text: &'a str) -> Result<Self, TekCsvError> {
         let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
-        let found = text.lines().count();
+        let found = text.bytes().filter(|byte| *byte == b'\n').count();
         if found > MOST_ROWS {
             let file = file.to_owned();
-            return Err(TekCsvError::SampleCount { file, found, lowest: 2, highest: MOST_ROWS });
+            return Err(TekCsvError::TooManyRows { file, found, limit: MOST_ROWS });
         }
         let mut lines: Vec<&str> = text.lines().collect();
         while lines.last().is_some_and(|line| line.trim().is_empty()) {
@@ -66,6 +68,11 @@ impl<'a> Table<'a> {
     /// Rows up to the last that is not blank.
     pub(super) fn len(&self) -> usize {
         self.lines.len()
+    }
+
+    /// Cells of the widest of the first rows.
+    pub(super) fn width(&self) -> usize {
+        (0..self.len().min(SAMPLED_ROWS)).map(|index| self.row(index).len()).max().unwrap_or(0)
     }
 
     /// Row `index`, counted from 0; without cells beyond the last.
@@ -129,44 +136,110 @@ impl<'a> Cells<'a> {
         })
     }
 
-    pub(super) fn place(&self, index: usize) -> Place {
+    /// The error that a cell has something in it below an empty one.
+    pub(super) fn empty_above(&self, index: usize) -> TekCsvError {
+        TekCsvError::Field {
+            place: self.place(index),
+            found: excerpt(self.text(index)),
+            expected: "no number below an empty cell",
+        }
+    }
+
+    pub(super) fn file(&self) -> &'a str {
+        self.file
+    }
+
+    /// Line and column of cell `index`.
+    pub(super) fn spot(&self, index: usize) -> (usize, usize) {
         let column = match (self.parts.get(index), self.parts.last()) {
             (Some((_, column)), _) => *column,
             (None, Some((cell, column))) => column + cell.chars().count(),
             (None, None) => 1,
         };
-        place(self.file, self.line, column)
+        (self.line, column)
     }
 
-    fn parse(&self, cell: &str) -> Option<Printed> {
+    pub(super) fn place(&self, index: usize) -> Place {
+        let (line, column) = self.spot(index);
+        place(self.file, line, column)
+    }
+
+    pub(super) fn parse(&self, cell: &str) -> Option<Printed> {
         printed(cell, self.decimal_comma)
     }
 }
 
-/// What stands between cells: a semicolon or a tab where there is one in the first rows, else a comma.
+/// What stands between cells: the mark that splits most of the sampled rows into numbers; a space stands for any run of
+/// blanks. Without numbers, a semicolon or a tab where there is one in the first rows, else a comma.
 fn separator(lines: &[&str]) -> char {
+    let filled = lines.iter().rev().filter(|line| !line.trim().is_empty()).take(SAMPLED_ROWS);
+    let splits = |mark: char| {
+        let rows = filled.clone().filter(|line| {
+            let mut cells = split(line, mark).into_iter().map(|(cell, _)| cell);
+            let numbers = |cell: &str| {
+                printed(cell, false).is_some() || (mark != ',' && printed(cell, true).is_some())
+            };
+            cells.clone().filter(|cell| numbers(cell)).count() >= 2
+                && (mark != ' ' || cells.all(numbers))
+        });
+        rows.count()
+    };
+    let marks = [';', '\t', ',', ' '];
+    let best = marks.map(splits).into_iter().max().unwrap_or_default();
+    if let Some(mark) = marks.into_iter().find(|mark| best > 0 && splits(*mark) == best) {
+        return mark;
+    }
     let head = || lines.iter().take(4);
     [';', '\t'].into_iter().find(|mark| head().any(|line| line.contains(*mark))).unwrap_or(',')
 }
 
-fn split(line: &str, separator: char) -> Vec<(&str, usize)> {
-    let mut cells = Vec::new();
-    let (mut start, mut column, mut quoted) = (0, 1, false);
-    let mut next_column = 1;
-    for (at, character) in line.char_indices() {
-        next_column += 1;
-        if character == '"' {
-            quoted = !quoted;
-        } else if character == separator && !quoted {
-            cells.push((bare(line.get(start..at)), column));
-            if cells.len() == MOST_CELLS {
-                return cells;
-            }
-            (start, column) = (at + character.len_utf8(), next_column);
-        }
+/// The fields of a line between separators, each with the column where it begins, counted from 1.
+#[derive(Debug, Clone)]
+pub(super) struct Fields<'a> {
+    rest: Option<&'a str>,
+    column: usize,
+    separator: char,
+    /// Whether a separator between quotes is none.
+    quotes: bool,
+}
+
+impl<'a> Fields<'a> {
+    pub(super) fn of(line: &'a str, separator: char, quotes: bool) -> Self {
+        Self { rest: Some(line), column: 1, separator, quotes }
     }
-    cells.push((bare(line.get(start..)), column));
-    cells
+}
+
+impl<'a> Iterator for Fields<'a> {
+    type Item = (&'a str, usize);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let (line, column) = (self.rest?, self.column);
+        let mut quoted = false;
+        let ends = |character: char| {
+            quoted ^= self.quotes && character == '"';
+            character == self.separator && !quoted
+        };
+        let Some(end) = line.find(ends) else {
+            self.rest = None;
+            return Some((line, column));
+        };
+        let (field, rest) = line.split_at(end);
+        self.rest = rest.get(self.separator.len_utf8()..);
+        let width = if field.is_ascii() { field.len() } else { field.chars().count() };
+        self.column += width + 1;
+        Some((field, column))
+    }
+}
+
+fn split(line: &str, separator: char) -> Vec<(&str, usize)> {
+    let fields = Fields::of(line, separator, true).map(|(cell, column)| (bare(Some(cell)), column));
+    if separator == ' ' {
+        let filled = fields.flat_map(|(cell, column)| {
+            cell.split('\t').filter(|part| !part.is_empty()).map(move |part| (part, column))
+        });
+        return filled.take(MOST_CELLS).collect();
+    }
+    fields.take(MOST_CELLS).collect()
 }
 
 fn bare(cell: Option<&str>) -> &str {
@@ -183,12 +256,13 @@ fn printed(cell: &str, decimal_comma: bool) -> Option<Printed> {
         return None;
     }
     let text = match (decimal_comma, cell.contains(','), cell.contains('.')) {
-        (true, _, false) => cell.replace(',', "."),
-        (false, false, _) => cell.to_owned(),
+        (_, true, _) if cell.ends_with(',') || cell.starts_with(',') => return None,
+        (true, true, false) => Cow::Owned(cell.replace(',', ".")),
+        (_, false, false) | (false, false, true) => Cow::Borrowed(cell),
         _ => return None,
     };
     let value = text.parse().ok().filter(|value: &f64| value.is_finite())?;
-    let (mantissa, exponent) = text.split_once(['e', 'E']).unwrap_or((&text, "0"));
+    let (mantissa, exponent) = text.split_once(['e', 'E']).unwrap_or((text.as_ref(), "0"));
     let exponent: i32 = exponent.parse().ok().filter(|e| (-LARGEST..=LARGEST).contains(e))?;
     let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
     let figures = || whole.chars().chain(fraction.chars()).filter(char::is_ascii_digit);

@@ -20,9 +20,13 @@ pub(super) struct Column {
     pub(super) values: Vec<f64>,
     file: String,
     /// Line and column of each.
-    spots: Vec<(usize, usize)>,
+    spots: Vec<(u32, u32)>,
     decimals: i32,
     digits: i32,
+    /// What the unit is larger than the printed one beside powers of ten: 60 for minutes; 0 stands for 1.
+    factor: f64,
+    /// Whether every number was printed without a decimal point.
+    fractions: bool,
 }
 
 impl Column {
@@ -31,11 +35,27 @@ impl Column {
         let Printed { value, decimals, digits } = row.number(index)?;
         self.decimals = if self.values.is_empty() { decimals } else { self.decimals.max(decimals) };
         self.digits = self.digits.max(digits);
+        self.fractions |= row.text(index).contains(['.', ',']);
         self.values.push(value);
-        let Place { file, line, column } = row.place(index);
-        self.spots.push((line, column));
-        self.file = file;
+        let (line, column) = row.spot(index);
+        let number = |place: usize| u32::try_from(place).unwrap_or(u32::MAX);
+        self.spots.push((number(line), number(column)));
+        if self.file.is_empty() {
+            row.file().clone_into(&mut self.file);
+        }
         Ok(())
+    }
+
+    /// Whether the numbers count rows: whole ones, each by one larger, from 0 or 1.
+    pub(super) fn counts(&self) -> bool {
+        let starts = self.values.first().is_some_and(|first| *first == 0.0 || *first == 1.0);
+        starts && self.steps_by_one()
+    }
+
+    /// Whether each number is printed whole and by one larger than the one before.
+    pub(super) fn steps_by_one(&self) -> bool {
+        let by_one = |pair: &[f64]| matches!(pair, [a, b] if b - a == 1.0);
+        !self.fractions && self.values.windows(2).all(by_one)
     }
 
     /// Multiplies every number, as a unit such as `ms` wants it; `power` is that of ten.
@@ -45,6 +65,12 @@ impl Column {
             *value = if power < 0 { *value / factor } else { *value * factor };
         }
         self.decimals = self.decimals.saturating_sub(power);
+    }
+
+    /// Multiplies every number by what is no power of ten.
+    pub(super) fn multiply(&mut self, factor: f64) {
+        self.values.iter_mut().for_each(|value| *value *= factor);
+        self.factor = factor;
     }
 
     pub(super) fn limit_digits(&mut self, digits: i32) {
@@ -58,7 +84,7 @@ impl Column {
     /// Where number `index` stands.
     pub(super) fn place(&self, index: usize) -> Place {
         let (line, column) = self.spots.get(index).copied().unwrap_or_default();
-        Place { file: self.file.clone(), line, column }
+        Place { file: self.file.clone(), line: line as usize, column: column as usize }
     }
 
     /// Last place of the column's longest number.
@@ -68,6 +94,11 @@ impl Column {
 
     /// Half the last digit of `value`, and the round-off of double precision (unit).
     pub(super) fn tolerance(&self, value: f64) -> f64 {
+        let factor = if self.factor == 0.0 { 1.0 } else { self.factor };
+        factor * self.printed_tolerance(value / factor)
+    }
+
+    fn printed_tolerance(&self, value: f64) -> f64 {
         let fixed = 0.5 * ten_to(-self.decimals);
         let digits = self.digits.clamp(1, MOST_DIGITS);
         let floating = match value.abs() {
@@ -105,6 +136,12 @@ impl Column {
 
 /// A power of ten, as a decimal literal would give it (1).
 pub(super) fn ten_to(power: i32) -> f64 {
+    // Exact powers, and so correctly rounded quotients.
+    const EXACT: i32 = 22;
+    if power.abs() <= EXACT {
+        let exact = 10f64.powi(power.abs());
+        return if power < 0 { 1.0 / exact } else { exact };
+    }
     format!("1e{power}").parse().unwrap_or(f64::NAN)
 }
 

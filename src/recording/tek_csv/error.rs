@@ -25,15 +25,17 @@ impl fmt::Display for Place {
 /// Why a file could not be read, or a capture not be written.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TekCsvError {
-    /// The file is larger than any of this format.
-    #[error("{file}: found {found} bytes, expected at most {limit}")]
+    /// The file is larger than what is read.
+    #[error(
+        "{file}: {found} bytes are more than the {limit} that are read: cut the record, or save fewer points"
+    )]
     TooLarge {
         /// The file's name.
         file: String,
         /// Its size in bytes.
-        found: usize,
+        found: u64,
         /// The largest size that is read, in bytes.
-        limit: usize,
+        limit: u64,
     },
     /// There is nothing in the file.
     #[error("{file}: found no bytes, expected a Tektronix CSV file")]
@@ -171,6 +173,32 @@ pub enum TekCsvError {
         lowest: usize,
         /// Most that are read.
         highest: usize,
+    },
+    /// More rows than are read.
+    #[error(
+        "{file}: {found} rows are more than the {limit} that are read: cut the record, or save fewer points"
+    )]
+    TooManyRows {
+        /// The file's name.
+        file: String,
+        /// Its rows.
+        found: usize,
+        /// Most that are read.
+        limit: usize,
+    },
+    /// A table of no known form, or one whose columns cannot be told.
+    #[error(
+        "{file}: this is nearest to {nearest}, but lacks {missing}; say what its columns are, e.g. --columns {example}"
+    )]
+    Unrecognised {
+        /// The file's name.
+        file: String,
+        /// The nearest form.
+        nearest: &'static str,
+        /// What it lacks, or what is unclear.
+        missing: String,
+        /// How columns are given.
+        example: &'static str,
     },
     /// The capture does not name the instrument that took it.
     #[error("the capture names no instrument, expected at least its firmware")]

@@ -2,6 +2,7 @@
 //! prints it. Comes before the samples in `read`; keys and rules are in `layout`.
 
 use super::abscissa;
+use super::cells::Fields;
 use super::error::place;
 use super::error::{Place, TekCsvError, excerpt};
 use super::layout::{self, Domain, Layout, Numbers};
@@ -25,10 +26,13 @@ impl<'a> Row<'a> {
     /// Splits line number `line`, counted from 1.
     pub(super) fn split(file: &'a str, line: usize, text: &'a str) -> Result<Self, TekCsvError> {
         let mut fields = [""; FIELDS];
-        for (slot, field) in fields.iter_mut().zip(text.split(',')) {
-            *slot = field;
+        let mut found = 0;
+        for (field, _) in Fields::of(text, ',', false) {
+            if let Some(slot) = fields.get_mut(found) {
+                *slot = field;
+            }
+            found += 1;
         }
-        let found = text.split(',').count();
         if found == FIELDS {
             Ok(Self { file, line, fields })
         } else {
@@ -78,6 +82,8 @@ pub(super) struct Header {
     pub(super) domain: Domain,
     pub(super) numbers: Numbers,
     pub(super) source: Source,
+    /// The note that keeps another spelling of the source.
+    pub(super) spelling: Option<String>,
     pub(super) point_format: PointFormat,
     pub(super) instrument: Instrument,
 }
@@ -101,11 +107,13 @@ impl Header {
         if let Some(violation) = numbers.violation(domain) {
             return Err(rows.wrong(violation.key, violation.expected));
         }
+        let (source, spelling) = rows.source()?;
         Ok(Self {
             layout,
             domain,
             numbers,
-            source: rows.source()?,
+            source,
+            spelling,
             point_format: rows.point_format()?,
             instrument: rows.instrument(layout)?,
         })
@@ -197,11 +205,13 @@ impl<'a> Rows<'a> {
         })
     }
 
-    fn source(&self) -> Result<Source, TekCsvError> {
+    /// The source, and a note of its spelling where that is not the usual one.
+    fn source(&self) -> Result<(Source, Option<String>), TekCsvError> {
         let text = self.text(layout::SOURCE)?;
-        Source::from_name(text).filter(|source| source.to_string() == text).ok_or_else(|| {
+        let source = layout::source_of(text).ok_or_else(|| {
             self.wrong(layout::SOURCE, "CH1 to CH4, MATH or REFA to REFD".to_owned())
-        })
+        })?;
+        Ok((source, layout::spelling_note(source, text)))
     }
 
     fn point_format(&self) -> Result<PointFormat, TekCsvError> {

@@ -9,6 +9,7 @@ use super::column::Column;
 use super::detection::rows_above;
 use super::error::{TekCsvError, excerpt};
 use super::layout;
+use super::names;
 use super::times::Stated;
 use super::unscaled_import::UnscaledImport;
 use crate::recording::Instrument;
@@ -126,9 +127,9 @@ impl<'a> Block<'a, '_> {
         else {
             return Ok(None);
         };
-        Source::from_name(text)
+        names::source(text)
             .map(Some)
-            .ok_or_else(|| self.wrong(layout::SOURCE, index, "CH1 to CH4, MATH or REFA to REFD"))
+            .ok_or_else(|| self.wrong(layout::SOURCE, index, "CH1 to CH8, MATH or REFA to REFD"))
     }
 
     fn point_format(&self) -> Result<Option<PointFormat>, TekCsvError> {

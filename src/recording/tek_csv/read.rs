@@ -3,20 +3,22 @@
 //! sources: the module above.
 
 use super::abscissa::Abscissa;
-use super::cells::{MOST_ROWS, Table};
+use super::cells::Table;
+use super::columns::Columns;
 use super::detection;
 use super::dialect::Dialect;
 use super::error::place;
 use super::error::{TekCsvError, excerpt};
 use super::header::{Header, Row};
 use super::layout::{Domain, Numbers, PRINTING_ERROR};
-use super::{headerless, openchoice, spreadsheet, tbs1000c};
+use super::text::{Text, decode};
+use super::{openchoice, spreadsheet, table};
 use crate::recording::Capture;
 use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
 use crate::scope::{Preamble, VerticalSetup, Waveform};
 
-/// Larger files are refused unread; the family's own have less than 100 000 bytes.
-pub const MAXIMUM_BYTES: usize = 16 << 20;
+/// Larger files are refused unread; the family's own have less than 100 000 bytes, two million rows of two channels less than this.
+pub const MAXIMUM_BYTES: usize = 64 << 20;
 
 /// Field of the time or frequency in a row.
 const ABSCISSA: usize = 3;
@@ -45,23 +47,33 @@ pub fn read(bytes: &[u8], file_name: &str) -> Result<Capture, TekCsvError> {
 /// be guessed stands in their notes.
 ///
 /// # Errors
-/// As [`read`], and for other dialects [`TekCsvError`] when a number is none, or the times are not even.
+/// As [`read`], and for other dialects [`TekCsvError`] when a number is none, the times are not even, or it cannot be told which
+/// column holds what.
 pub fn read_all(bytes: &[u8], file_name: &str) -> Result<Vec<Capture>, TekCsvError> {
-    let text = checked_text(bytes, file_name)?;
-    let table = Table::new(file_name, text)?;
-    let captures = match detection::foreign(&table) {
-        None => vec![native(text, file_name)?],
+    read_columns(bytes, file_name, &Columns::default())
+}
+
+/// The same for a table whose columns the user names; [`Columns::default`] leaves them to the file.
+///
+/// # Errors
+/// As [`read_all`].
+pub fn read_columns(
+    bytes: &[u8],
+    file_name: &str,
+    columns: &Columns,
+) -> Result<Vec<Capture>, TekCsvError> {
+    check_size(bytes, file_name)?;
+    let Text { text, notes } = decode(bytes, file_name)?;
+    let table = Table::new(file_name, &text)?;
+    let beside = detection::rows_above(&table).is_some_and(|above| table.row(above).len() >= 5);
+    let mut captures = match detection::foreign(&table) {
+        _ if !columns.is_empty() || !beside => table::read(&table, columns)?,
+        None => vec![native(&text, file_name)?],
         Some(Dialect::OpenChoice) => openchoice::read(&table)?,
-        Some(Dialect::NewerModel) => tbs1000c::read(&table)?,
-        Some(Dialect::Spreadsheet) => spreadsheet::read(&table)?,
-        Some(Dialect::HandHeader) if detection::rows_above(&table).is_some() => {
-            spreadsheet::read(&table)?
-        }
-        Some(Dialect::HandHeader | Dialect::Headerless) => headerless::read(&table)?,
+        Some(_) => spreadsheet::read(&table)?,
     };
-    if captures.is_empty() {
-        let file = file_name.to_owned();
-        return Err(TekCsvError::SampleCount { file, found: 0, lowest: 2, highest: MOST_ROWS });
+    for capture in &mut captures {
+        capture.notes.extend(notes.iter().cloned());
     }
     Ok(captures)
 }
@@ -85,17 +97,7 @@ fn native(text: &str, file_name: &str) -> Result<Capture, TekCsvError> {
 }
 
 fn checked_text<'a>(bytes: &'a [u8], file_name: &str) -> Result<&'a str, TekCsvError> {
-    let file = || file_name.to_owned();
-    if bytes.is_empty() {
-        return Err(TekCsvError::Empty { file: file() });
-    }
-    if bytes.len() > MAXIMUM_BYTES {
-        return Err(TekCsvError::TooLarge {
-            file: file(),
-            found: bytes.len(),
-            limit: MAXIMUM_BYTES,
-        });
-    }
+    check_size(bytes, file_name)?;
     std::str::from_utf8(bytes).map_err(|error| {
         let (good, bad) = bytes.split_at(error.valid_up_to());
         let before = String::from_utf8_lossy(good);
@@ -106,6 +108,18 @@ fn checked_text<'a>(bytes: &'a [u8], file_name: &str) -> Result<&'a str, TekCsvE
             found: bad.first().copied().unwrap_or_default(),
         }
     })
+}
+
+fn check_size(bytes: &[u8], file_name: &str) -> Result<(), TekCsvError> {
+    let file = || file_name.to_owned();
+    if bytes.is_empty() {
+        return Err(TekCsvError::Empty { file: file() });
+    }
+    if bytes.len() > MAXIMUM_BYTES {
+        let (found, limit) = (bytes.len() as u64, MAXIMUM_BYTES as u64);
+        return Err(TekCsvError::TooLarge { file: file(), found, limit });
+    }
+    Ok(())
 }
 
 /// Refuses a file with too few or too many rows, or with its last row cut.
@@ -257,6 +271,6 @@ fn capture(header: Header, codes: Vec<i16>) -> Capture {
             trigger_point: numbers.trigger_point,
         },
         instrument: Some(header.instrument),
-        notes: Vec::new(),
+        notes: header.spelling.into_iter().collect(),
     }
 }

@@ -25,6 +25,8 @@ pub(super) struct UnscaledImport {
     pub(super) times: Column,
     pub(super) values: Column,
     pub(super) stated: Stated,
+    /// The spacing, where start and increment are told instead of times.
+    pub(super) even: Option<Times>,
     pub(super) source: Option<Source>,
     /// Vertical scale (V/div; dB/div for an FFT).
     pub(super) scale: Option<f64>,
@@ -56,7 +58,7 @@ impl UnscaledImport {
     /// The capture; a channel that the file does not name is taken as number `channel`.
     pub(super) fn capture(mut self, file: &str, channel: u8) -> Result<Capture, TekCsvError> {
         const FEWEST: usize = 2;
-        let found = self.times.len();
+        let found = self.values.len();
         if found < FEWEST {
             let file = file.to_owned();
             let highest = super::cells::MOST_ROWS;
@@ -65,7 +67,10 @@ impl UnscaledImport {
         let x_unit = self.x_unit.take().unwrap_or_else(|| self.assume("s", "unit of the times"));
         let y_unit = self.y_unit.take().unwrap_or_else(|| self.assume("V", "unit of the values"));
         let unit = if x_unit == "Hz" { "Hz" } else { "s" };
-        let times = Times::fit(&self.times, self.stated, unit, &mut self.notes)?;
+        let times = match self.even {
+            Some(even) => even,
+            None => Times::fit(&self.times, self.stated, unit, &mut self.notes)?,
+        };
         let vertical = self.vertical(&y_unit);
         let source = self.source.unwrap_or_else(|| {
             let name = format!("CH{channel}");

@@ -1,0 +1,589 @@
+//! Reads a table: a column of times and one column for each channel, below whatever an instrument, a program or a person
+//! wrote above them. Newer Tektronix models (`Model`, `TIME,CH1`), Keysight, Rigol, Siglent, R&S, Instek, `LeCroy`, `PicoScope`
+//! and Digilent save such tables, and so do pandas and spreadsheets.
+//!
+//! The rows of samples are those in which the same cells hold numbers to the end of the file. Above them stand names, units, and
+//! keys with values. Where names do not tell which column holds times, values must: exactly one column may be evenly spaced.
+//! A column of times is never a channel; what cannot be told is refused, and `--columns` says it.
+
+use super::cells::{Cells, Table};
+use super::column::Column;
+use super::columns::{self, Columns};
+use super::error::{TekCsvError, excerpt};
+use super::keys::{self, Asked, Keys};
+use super::names::{self, Name, Role, Unit, unit};
+use super::times::{Stated, Times};
+use super::unscaled_import::UnscaledImport;
+use crate::recording::{Capture, Instrument};
+use crate::scope::{PointFormat, Source};
+
+/// Channels of one file.
+const MOST_CHANNELS: u8 = 8;
+
+/// Reads the captures of a table; `given` says what its columns are where the user knows.
+pub(super) fn read(table: &Table<'_>, given: &Columns) -> Result<Vec<Capture>, TekCsvError> {
+    let layout = Layout::find(table)?;
+    let body = Body::read(table, &layout)?;
+    let mut plan = if given.is_empty() {
+        Plan::by_names(table, &layout, &body)?
+    } else {
+        Plan::given(table, &body, given)?
+    };
+    let keys = Keys { table, rows: layout.keys_end() };
+    plan.find_sources(&keys);
+    plan.allot_sources(table.file);
+    plan.channels.iter().map(|channel| plan.capture(channel, &keys, &layout, &body)).collect()
+}
+
+/// Which rows hold what.
+struct Layout {
+    names: Option<usize>,
+    units: Option<usize>,
+    /// First row of samples.
+    first: usize,
+    /// Cells with numbers in that row.
+    cells: Vec<usize>,
+    /// Start and increment of a table whose first column counts rows, or that has no column of times.
+    even: Option<(f64, f64)>,
+}
+
+impl Layout {
+    fn find(table: &Table<'_>) -> Result<Self, TekCsvError> {
+        let numeric = |index: usize| -> Vec<usize> {
+            let row = table.row(index);
+            (0..row.len()).filter(|cell| row.maybe_number(*cell).is_some()).collect()
+        };
+        let filled: Vec<usize> =
+            (0..table.len()).rev().filter(|index| !table.row(*index).is_blank()).take(1).collect();
+        let last = filled.first().copied().unwrap_or_default();
+        let samples = [last / 4, last / 2, last * 3 / 4, last.saturating_sub(1), last].map(numeric);
+        let same = |cells: &Vec<usize>| samples.iter().filter(|other| *other == cells).count();
+        let usual =
+            samples.iter().filter(|cells| !cells.is_empty()).max_by_key(|cells| same(cells));
+        let Some(usual) = usual else { return Err(unknown(table, "rows of numbers")) };
+        let has =
+            |index: usize| usual.iter().all(|cell| table.row(index).maybe_number(*cell).is_some());
+        let next = |index: usize| (index + 1..=last).find(|next| !table.row(*next).is_blank());
+        let is_first = |index: &usize| has(*index) && next(*index).is_none_or(has);
+        let Some(first) = (0..=last).find(is_first) else {
+            return Err(unknown(table, "two rows of numbers"));
+        };
+        let mut layout =
+            Self { names: None, units: None, first, cells: numeric(first), even: None };
+        layout.find_names(table);
+        layout.find_even(table);
+        if layout.cells.len() < 2 && layout.even.is_none() {
+            return Err(unknown(table, "a column of times beside the values"));
+        }
+        Ok(layout)
+    }
+
+    /// The rows above the samples, from below, without blank ones.
+    fn find_names(&mut self, table: &Table<'_>) {
+        let mut above = (0..self.first).rev().filter(|index| !table.row(*index).is_blank());
+        let filled = |row: &Cells<'_>| row.texts().filter(|cell| !cell.is_empty()).count();
+        let Some(lower) = above.next() else { return };
+        let row = table.row(lower);
+        if filled(&row) < self.cells.len().min(2) && !row.text(0).starts_with('[') {
+            return;
+        }
+        let upper = above.next().filter(|upper| {
+            let names = table.row(*upper);
+            let starts = matches!(
+                Name::of(names.text(self.first_cell()), None).role,
+                Role::Abscissa | Role::Index | Role::Nameless
+            );
+            starts && filled(&names) >= self.cells.len().min(2)
+        });
+        let is_units = row.texts().enumerate().all(|(cell, text)| {
+            text.is_empty()
+                || row.maybe_number(cell).is_some()
+                || text.eq_ignore_ascii_case("sequence")
+                || unit(text).is_some()
+        });
+        match upper.filter(|_| is_units) {
+            Some(upper) => (self.names, self.units) = (Some(upper), Some(lower)),
+            None => self.names = Some(lower),
+        }
+    }
+
+    fn first_cell(&self) -> usize {
+        self.cells.first().copied().unwrap_or_default()
+    }
+
+    /// Start and increment beside the names: `X,CH1,Start,Increment` above numbers, or `t0 = ...,tInc = ...`.
+    fn find_even(&mut self, table: &Table<'_>) {
+        let Some(names) = self.names.map(|names| table.row(names)) else { return };
+        let below = self.units.map(|units| table.row(units));
+        let value = |words: [&str; 2]| {
+            names.texts().enumerate().find_map(|(cell, name)| {
+                let (name, inside) = name.split_once('=').unwrap_or((name, ""));
+                words.iter().find(|word| word.eq_ignore_ascii_case(name.trim()))?;
+                let number = names.parse(inside.trim().trim_end_matches('s'));
+                let printed = number.or_else(|| below.as_ref()?.maybe_number(cell))?;
+                Some(printed.value)
+            })
+        };
+        self.even = value(["start", "t0"])
+            .zip(value(["increment", "tinc"]))
+            .filter(|(_, step)| *step > 0.0);
+    }
+
+    /// The row before which keys and values stand.
+    fn keys_end(&self) -> usize {
+        self.names.unwrap_or(self.first)
+    }
+
+    fn name(&self, table: &Table<'_>, cell: usize) -> Name {
+        let below = self.units.map(|units| table.row(units));
+        // Start and increment stand in the row of units.
+        let below = below.as_ref().map(|row| row.text(cell)).filter(|text| unit(text).is_some());
+        let text = self.names.map(|names| table.row(names)).map_or("", |row| row.text(cell));
+        Name::of(text, below)
+    }
+}
+
+/// The columns of samples, read in one pass.
+struct Body {
+    columns: Vec<Column>,
+}
+
+impl Body {
+    fn read(table: &Table<'_>, layout: &Layout) -> Result<Self, TekCsvError> {
+        let mut columns = vec![Column::default(); layout.cells.len()];
+        let mut ended = vec![false; layout.cells.len()];
+        let mut zeros = true;
+        for index in layout.first..table.len() {
+            let row = table.row(index);
+            if row.is_blank() {
+                continue;
+            }
+            for ((column, cell), ended) in columns.iter_mut().zip(&layout.cells).zip(&mut ended) {
+                // A capture beside a longer one ends early.
+                if row.text(*cell).is_empty() && column.len() > 0 {
+                    *ended = true;
+                    continue;
+                }
+                if *ended {
+                    return Err(row.empty_above(*cell));
+                }
+                column.push(&row, *cell)?;
+                zeros &= looks_cut(row.text(*cell));
+            }
+        }
+        let names = layout
+            .names
+            .map_or(0, |names| table.row(names).texts().filter(|name| !name.is_empty()).count());
+        if zeros && table.separator == ',' && columns.len() > 2 && names < columns.len() {
+            return Err(unknown(
+                table,
+                "decimal points: commas cannot be both decimal marks and separators",
+            ));
+        }
+        Ok(Self { columns })
+    }
+
+    fn column(&self, layout: &Layout, cell: usize) -> Column {
+        let at = layout.cells.iter().position(|found| *found == cell);
+        at.and_then(|at| self.columns.get(at)).cloned().unwrap_or_default()
+    }
+}
+
+/// Whether a whole number could be the part behind or before a decimal comma: all are, where commas had two duties.
+fn looks_cut(text: &str) -> bool {
+    !text.contains(['.', 'e', 'E', ','])
+}
+
+/// One channel's cells.
+#[derive(Debug, Clone)]
+struct Channel {
+    /// Cell of its times; none where start and increment tell them.
+    time: Option<usize>,
+    cell: usize,
+    source: Option<Source>,
+    unit: Option<Unit>,
+    time_unit: Option<Unit>,
+    notes: Vec<String>,
+}
+
+/// What becomes of each column.
+struct Plan {
+    channels: Vec<Channel>,
+    notes: Vec<String>,
+    /// Whether the user said it.
+    given: bool,
+}
+
+impl Plan {
+    fn given(table: &Table<'_>, body: &Body, given: &Columns) -> Result<Self, TekCsvError> {
+        let beyond = given
+            .columns
+            .iter()
+            .find(|column| column.index >= body.columns.len().max(table.width()));
+        if let Some(column) = beyond {
+            return Err(unknown(table, &format!("a column {}", column.index + 1)));
+        }
+        let time = given.columns.iter().find(|column| Columns::is_time(&column.label));
+        let time_unit = time.map(|time| time.unit.clone());
+        let channels = given.sources().into_iter().map(|(column, source)| Channel {
+            time: time.map(|time| time.index),
+            cell: column.index,
+            source,
+            unit: Some(column.unit.clone()),
+            time_unit: time_unit.clone(),
+            notes: match source {
+                None => vec![format!("column {} is {}", column.index + 1, column.label)],
+                Some(_) => Vec::new(),
+            },
+        });
+        Ok(Self { channels: channels.collect(), notes: Vec::new(), given: true })
+    }
+
+    fn by_names(table: &Table<'_>, layout: &Layout, body: &Body) -> Result<Self, TekCsvError> {
+        let names: Vec<Name> = layout.cells.iter().map(|cell| layout.name(table, *cell)).collect();
+        let times = times(table, layout, body, &names)?;
+        let mut plan = Self { channels: Vec::new(), notes: Vec::new(), given: false };
+        let mut refused = Vec::new();
+        for ((cell, name), column) in layout.cells.iter().zip(&names).zip(&body.columns) {
+            let shown = excerpt(layout.names.map_or("", |names| table.row(names).text(*cell)));
+            let place = format!("column {} {shown}", cell + 1);
+            if times.contains(cell) {
+                if times.contains(&(cell + 1)) {
+                    plan.notes.push(format!("{place} holds times of no channel and is left out"));
+                }
+                continue;
+            }
+            let counts = column.steps_by_one() && column.len() > 2;
+            let has_channel = matches!(name.role, Role::Values(Some(_)));
+            if (counts && !has_channel && name.unit.is_none())
+                || name.role == Role::Index && column.counts()
+            {
+                plan.notes.push(format!("{place} counts rows and is left out"));
+                continue;
+            }
+            match (&name.role, &name.unknown_unit) {
+                (Role::Extra, _) => {
+                    plan.notes.push(format!("{place} is no channel and is left out"))
+                }
+                (_, Some(unit)) => {
+                    refused.push(format!("{place} is in `{unit}`, a unit that is not known"))
+                }
+                (Role::OtherQuantity, _) => {
+                    refused.push(format!("{place} has no unit and is no voltage"))
+                }
+                (Role::Nameless | Role::Abscissa | Role::Index, None) if layout.names.is_some() => {
+                    refused.push(format!("{place} has no name that tells what it is"));
+                }
+                (role, None) => {
+                    let left = times.iter().rev().find(|time| *time < cell).or(times.first());
+                    let time_name = left.map(|time| layout.name(table, *time));
+                    plan.channels.push(Channel {
+                        time: left.copied(),
+                        cell: *cell,
+                        source: if let Role::Values(source) = role { *source } else { None },
+                        unit: name.unit.clone(),
+                        time_unit: time_name.and_then(|name| name.unit),
+                        notes: Vec::new(),
+                    });
+                }
+            }
+        }
+        if plan.channels.is_empty() || plan.channels.len() > usize::from(MOST_CHANNELS) {
+            let why =
+                if refused.is_empty() { "1 to 8 channels".to_owned() } else { refused.join("; ") };
+            return Err(unknown(table, &why));
+        }
+        plan.notes.extend(refused.into_iter().map(|what| format!("{what}; it is left out")));
+        plan.note_texts(table, layout);
+        Ok(plan)
+    }
+
+    /// Columns of words.
+    fn note_texts(&mut self, table: &Table<'_>, layout: &Layout) {
+        let row = table.row(layout.first);
+        for (cell, text) in row.texts().enumerate() {
+            if !text.is_empty() && !layout.cells.contains(&cell) {
+                let name = layout.names.map_or("", |names| table.row(names).text(cell));
+                self.notes.push(format!(
+                    "column {} {} holds text and is left out",
+                    cell + 1,
+                    excerpt(name)
+                ));
+            }
+        }
+    }
+
+    /// Where a channel's name does not tell its source, a key above the table may.
+    fn find_sources(&mut self, keys: &Keys<'_, '_>) {
+        for index in 0..self.channels.len() {
+            let Some(channel) = self.channels.get(index).filter(|c| c.source.is_none()) else {
+                continue;
+            };
+            let named = keys.text(keys::SOURCE, self.asked(channel)).and_then(names::source);
+            if let Some(channel) = self.channels.get_mut(index) {
+                channel.source = named;
+            }
+        }
+    }
+
+    fn asked(&self, channel: &Channel) -> Asked {
+        let beside: Vec<&Channel> =
+            self.channels.iter().filter(|other| other.time == channel.time).collect();
+        Asked {
+            cell: channel.cell,
+            time: channel.time.unwrap_or_default(),
+            ordinal: beside.iter().position(|other| other.cell == channel.cell).unwrap_or_default(),
+            channels: beside.len(),
+            source: channel.source,
+        }
+    }
+
+    /// Gives each channel a source of its own: by its name, else by a single column's file name, else the first that is free.
+    fn allot_sources(&mut self, file: &str) {
+        let own = Some(channel_in(file)).filter(|_| self.channels.len() == 1).flatten();
+        let mut taken: Vec<Source> = Vec::new();
+        let named: Vec<Source> =
+            self.channels.iter().filter_map(|channel| channel.source).collect();
+        for channel in &mut self.channels {
+            let free = |source: &Source| !taken.contains(source) && !named.contains(source);
+            let wanted = channel.source;
+            let source = match (wanted, own) {
+                (Some(source), _) if !taken.contains(&source) => source,
+                (None, Some(source)) => {
+                    channel.notes.push(format!("source taken as {source} from the file's name"));
+                    source
+                }
+                _ => (1..=u8::MAX).map(Source::Channel).find(free).unwrap_or(Source::Channel(1)),
+            };
+            match wanted {
+                Some(wanted) if wanted != source => {
+                    channel.notes.push(format!("a second {wanted} taken as {source}"));
+                }
+                None if own.is_none() && !self.given => channel
+                    .notes
+                    .push(format!("source taken as {source}: the file does not tell it")),
+                _ => {}
+            }
+            taken.push(source);
+            channel.source = Some(source);
+        }
+    }
+
+    fn capture(
+        &self,
+        channel: &Channel,
+        keys: &Keys<'_, '_>,
+        layout: &Layout,
+        body: &Body,
+    ) -> Result<Capture, TekCsvError> {
+        let table = keys.table;
+        let asked = self.asked(channel);
+        if let Some(frames) = keys.number(keys::FRAMES, asked)?.filter(|frames| *frames > 1.0) {
+            return Err(unknown(
+                table,
+                &format!(
+                    "one record: it holds {frames} frames one after the other; save each by itself"
+                ),
+            ));
+        }
+        let mut draft = UnscaledImport {
+            values: scaled(body.column(layout, channel.cell), channel.unit.as_ref()),
+            source: channel.source,
+            y_unit: channel.unit.as_ref().map(|unit| unit.text.to_owned()),
+            ..UnscaledImport::default()
+        };
+        match channel.time {
+            Some(time) => {
+                draft.times = scaled(body.column(layout, time), channel.time_unit.as_ref());
+                draft.x_unit = channel.time_unit.as_ref().map(|unit| unit.text.to_owned());
+            }
+            None => {
+                let even = layout
+                    .even
+                    .map(|(start, step)| Times { interval: step, trigger_point: -start / step });
+                (draft.even, draft.x_unit) = (even, Some("s".to_owned()));
+            }
+        }
+        if draft.even.is_none() && draft.times.len() != draft.values.len() {
+            let short = draft.times.len().min(draft.values.len());
+            let longer = if draft.times.len() > short { &draft.times } else { &draft.values };
+            return Err(TekCsvError::Field {
+                place: longer.place(short),
+                found: "a time or a value alone".to_owned(),
+                expected: "both in every row",
+            });
+        }
+        use_keys(&mut draft, keys, asked)?;
+        draft.notes.extend(self.notes.iter().chain(&channel.notes).cloned());
+        if table.decimal_comma {
+            draft.notes.push("numbers have a decimal comma".to_owned());
+        }
+        if draft.instrument.is_none() && !self.given {
+            let names = layout.names.map(|names| {
+                let shown = table.row(names).texts().collect::<Vec<_>>().join(",");
+                format!("the file has no header but {}", excerpt(shown.trim_end_matches(',')))
+            });
+            let note = names.unwrap_or_else(|| "the file has no header".to_owned());
+            draft.notes.insert(0, note);
+        }
+        draft.capture(table.file, 1)
+    }
+}
+
+/// What the rows above the table say of a channel.
+fn use_keys(
+    draft: &mut UnscaledImport,
+    keys: &Keys<'_, '_>,
+    asked: Asked,
+) -> Result<(), TekCsvError> {
+    let interval = keys.number(keys::INTERVAL, asked)?;
+    draft.stated = Stated { interval, trigger_point: None };
+    draft.scale = keys.number(keys::VERTICAL_SCALE, asked)?;
+    draft.horizontal_scale = keys.number(keys::HORIZONTAL_SCALE, asked)?;
+    draft.probe = keys.number(keys::PROBE, asked)?;
+    let unit_of = |key| keys.text(key, asked).and_then(unit).map(|unit| unit.text.to_owned());
+    draft.x_unit = draft.x_unit.take().or_else(|| unit_of(keys::HORIZONTAL_UNITS));
+    if draft.y_unit.is_none() {
+        draft.y_unit = unit_of(keys::VERTICAL_UNITS);
+        if let Some(text) =
+            keys.text(keys::VERTICAL_UNITS, asked).filter(|text| unit(text).is_none())
+        {
+            return Err(unknown(
+                keys.table,
+                &format!("a vertical unit that is known, not {}", excerpt(text)),
+            ));
+        }
+    }
+    draft.point_format = match keys.text(keys::POINT_FORMAT, asked) {
+        Some("ENV") => Some(PointFormat::Envelope),
+        _ => Some(PointFormat::Sample),
+    };
+    let text = |key| keys.text(key, asked).unwrap_or_default().to_owned();
+    let (model, firmware) = (text(keys::MODEL), text(keys::FIRMWARE));
+    if !(model.is_empty() && firmware.is_empty()) {
+        draft.instrument = Some(Instrument { model, serial: text(keys::SERIAL), firmware });
+    }
+    let offset = keys.number(keys::VERTICAL_OFFSET, asked)?.unwrap_or_default();
+    let position = keys.number(keys::VERTICAL_POSITION, asked)?;
+    // Divisions from the centre, in which the trace's level `offset` stands.
+    draft.zero = position.zip(draft.scale).map(|(position, scale)| position * scale - offset);
+    if offset.abs() > 0.0 && draft.zero.is_none() {
+        draft
+            .notes
+            .push(format!("Vertical Offset {offset} V moves the screen and is not in the values"));
+    }
+    let found = draft.values.len();
+    match keys.number(keys::RECORD_LENGTH, asked)? {
+        #[allow(clippy::cast_precision_loss, reason = "at most a few million rows")]
+        Some(stated) if (stated - found as f64).abs() > 0.0 => {
+            draft.notes.push(format!("found {found} points, the header says {stated}"));
+        }
+        _ => {}
+    }
+    Ok(())
+}
+
+/// The cells of the columns of times: by their names, else the only one that is evenly spaced.
+fn times(
+    table: &Table<'_>,
+    layout: &Layout,
+    body: &Body,
+    names: &[Name],
+) -> Result<Vec<usize>, TekCsvError> {
+    let all = || layout.cells.iter().copied().zip(names).zip(&body.columns);
+    if layout.even.is_some() {
+        // Beside start and increment, the first column may count rows; nothing is a time.
+        return Ok(Vec::new());
+    }
+    let named: Vec<usize> = all()
+        .filter(|((_, name), _)| name.role == Role::Abscissa && name.unknown_unit.is_none())
+        .map(|((cell, _), _)| cell)
+        .collect();
+    if !named.is_empty() {
+        // Times in two units beside each other are one column of times.
+        return Ok(named);
+    }
+    let even: Vec<usize> = all()
+        .filter(|((_, name), column)| {
+            let is_channel =
+                matches!(name.role, Role::Values(Some(_)) | Role::Extra) || name.unit.is_some();
+            !is_channel && name.unknown_unit.is_none() && Times::explain(column)
+        })
+        .map(|((cell, _), _)| cell)
+        .collect();
+    match even.as_slice() {
+        [only] => Ok(vec![*only]),
+        // Two rows are always even: the first column, where it does not count rows.
+        [] => Ok(layout.cells.iter().copied().take(1).collect()),
+        several => {
+            let columns: Vec<String> = several.iter().map(|cell| (cell + 1).to_string()).collect();
+            Err(unknown(
+                table,
+                &format!(
+                    "a name that tells times: columns {} are evenly spaced",
+                    columns.join(" and ")
+                ),
+            ))
+        }
+    }
+}
+
+fn scaled(mut column: Column, unit: Option<&Unit>) -> Column {
+    if let Some(unit) = unit {
+        if unit.power != 0 {
+            column.scale(unit.power);
+        }
+        if unit.factor.to_bits() != 1f64.to_bits() {
+            column.multiply(unit.factor);
+        }
+    }
+    column
+}
+
+/// The channel in a name that the instrument gave, `F0001CH2.CSV`.
+fn channel_in(file: &str) -> Option<Source> {
+    let name = file.rsplit(['/', '\\']).next().unwrap_or_default().to_ascii_uppercase();
+    let (_, rest) = name.rsplit_once("CH")?;
+    let number = rest.strip_suffix(".CSV")?;
+    Source::from_name(&format!("CH{number}"))
+}
+
+/// The error that a table is none of the known forms: the nearest one, what it lacks, and how to say what it is.
+fn unknown(table: &Table<'_>, missing: &str) -> TekCsvError {
+    let head = (0..table.len().min(8)).map(|index| table.row(index));
+    let words: Vec<String> =
+        head.flat_map(|row| row.texts().map(str::to_ascii_lowercase).collect::<Vec<_>>()).collect();
+    let has = |word: &str| words.iter().any(|cell| cell.contains(word));
+    let nearest = [
+        ("record length", "a Tektronix header beside samples (TDS1000/2000, OpenChoice)"),
+        ("firmware version", "a file of a newer Tektronix model (`TIME,CH1` above the samples)"),
+        ("x-axis", "a Keysight file (`x-axis,1`, `second,Volt`)"),
+        ("increment", "a Rigol file (`X,CH1,Start,Increment`)"),
+        ("digilent", "a Digilent file (`Time (s),Channel 1 (V)`)"),
+        ("segments", "a LeCroy file (`Time,Ampl`)"),
+        ("waveform data", "an Instek file"),
+        ("horizontal", "an oscilloscope's file with its settings above `TIME,CH1`"),
+    ];
+    let nearest = nearest.into_iter().find(|(word, _)| has(word)).map_or(
+        "a table with a column of times and one for each channel (`Time (s),CH1 (V)`)",
+        |(_, form)| form,
+    );
+    TekCsvError::Unrecognised {
+        file: table.file.to_owned(),
+        nearest,
+        missing: missing.to_owned(),
+        example: columns::EXAMPLE,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn channels_in_file_names() {
+        assert_eq!(channel_in("lab/ALL0001/F0001CH2.CSV"), Some(Source::Channel(2)));
+        assert_eq!(channel_in("lab/CH2/TEK0001.CSV"), None);
+        assert_eq!(channel_in("march.csv"), None);
+    }
+}
