@@ -173,16 +173,22 @@ impl<'a> Cells<'a> {
 /// blanks. Without numbers, a semicolon or a tab where there is one in the first rows, else a comma.
 fn separator(lines: &[&str]) -> char {
     let filled = lines.iter().rev().filter(|line| !line.trim().is_empty()).take(SAMPLED_ROWS);
+    // Rows of nothing but numbers count twice.
     let splits = |mark: char| {
-        let rows = filled.clone().filter(|line| {
-            let mut cells = split(line, mark).into_iter().map(|(cell, _)| cell);
-            let numbers = |cell: &str| {
+        let rows = filled.clone().map(|line| {
+            let cells = split(line, mark);
+            let cells = cells.iter().map(|(cell, _)| *cell).filter(|cell| !cell.is_empty());
+            let is_number = |cell: &&str| {
                 printed(cell, false).is_some() || (mark != ',' && printed(cell, true).is_some())
             };
-            cells.clone().filter(|cell| numbers(cell)).count() >= 2
-                && (mark != ' ' || cells.all(numbers))
+            let (all, numbers) = (cells.clone().count(), cells.filter(is_number).count());
+            match (numbers, all == numbers) {
+                (2.., true) => 2,
+                (2.., false) if mark != ' ' => 1,
+                _ => 0,
+            }
         });
-        rows.count()
+        rows.sum::<u32>()
     };
     let marks = [';', '\t', ',', ' '];
     let best = marks.map(splits).into_iter().max().unwrap_or_default();

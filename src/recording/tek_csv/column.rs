@@ -92,6 +92,11 @@ impl Column {
         self.decimals
     }
 
+    /// The last printed digit, where the number of decimals is fixed (unit).
+    pub(super) fn digit(&self) -> f64 {
+        ten_to(-self.decimals) * if self.factor == 0.0 { 1.0 } else { self.factor }
+    }
+
     /// Half the last digit of `value`, and the round-off of double precision (unit).
     pub(super) fn tolerance(&self, value: f64) -> f64 {
         let factor = if self.factor == 0.0 { 1.0 } else { self.factor };

@@ -3,6 +3,7 @@
 use std::str::FromStr;
 
 use super::names::{self, Unit};
+use crate::recording::Capture;
 use crate::scope::Source;
 
 /// One column as the user names it.
@@ -27,6 +28,15 @@ impl Columns {
     /// Whether the user left it to the file.
     pub fn is_empty(&self) -> bool {
         self.columns.is_empty()
+    }
+
+    /// Labels that are no channels' names, with the sources of the `captures` that these columns became.
+    pub fn labels(&self, captures: &[Capture]) -> Vec<(Source, String)> {
+        let values = self.sources().into_iter().zip(captures);
+        let labelled = values.filter(|((_, source), _)| source.is_none());
+        labelled
+            .map(|((column, _), capture)| (capture.waveform.source, column.label.clone()))
+            .collect()
     }
 
     pub(super) fn is_time(label: &str) -> bool {

@@ -65,7 +65,8 @@ impl Layout {
             |index: usize| usual.iter().all(|cell| table.row(index).maybe_number(*cell).is_some());
         let next = |index: usize| (index + 1..=last).find(|next| !table.row(*next).is_blank());
         let is_first = |index: &usize| has(*index) && next(*index).is_none_or(has);
-        let Some(first) = (0..=last).find(is_first) else {
+        let either = || (0..=last).find(|index| has(*index));
+        let Some(first) = (0..=last).find(is_first).or_else(either) else {
             return Err(unknown(table, "two rows of numbers"));
         };
         let mut layout =
@@ -84,7 +85,8 @@ impl Layout {
         let filled = |row: &Cells<'_>| row.texts().filter(|cell| !cell.is_empty()).count();
         let Some(lower) = above.next() else { return };
         let row = table.row(lower);
-        if filled(&row) < self.cells.len().min(2) && !row.text(0).starts_with('[') {
+        let is_time = |text: &str| Name::of(text, None).role == Role::Abscissa;
+        if filled(&row) < self.cells.len().min(2) && !row.texts().any(is_time) {
             return;
         }
         let upper = above.next().filter(|upper| {
@@ -503,18 +505,27 @@ fn times(
         // Times in two units beside each other are one column of times.
         return Ok(named);
     }
-    let even: Vec<usize> = all()
-        .filter(|((_, name), column)| {
-            let is_channel =
-                matches!(name.role, Role::Values(Some(_)) | Role::Extra) || name.unit.is_some();
-            !is_channel && name.unknown_unit.is_none() && Times::explain(column)
-        })
+    let unknown_unit = |name: &&Name| name.role == Role::Abscissa && name.unknown_unit.is_some();
+    if let Some(unit) = names.iter().find(unknown_unit).and_then(|name| name.unknown_unit.as_ref())
+    {
+        return Err(unknown(table, &format!("a unit of times that is known, not `{unit}`")));
+    }
+    let may_be = |name: &Name| {
+        let is_channel = matches!(name.role, Role::Values(Some(_)) | Role::Extra | Role::Index);
+        !is_channel && name.unit.is_none() && name.unknown_unit.is_none()
+    };
+    let possible = || all().filter(|((_, name), _)| may_be(name));
+    let even: Vec<usize> = possible()
+        .filter(|(_, column)| Times::explain(column))
         .map(|((cell, _), _)| cell)
         .collect();
     match even.as_slice() {
         [only] => Ok(vec![*only]),
-        // Two rows are always even: the first column, where it does not count rows.
-        [] => Ok(layout.cells.iter().copied().take(1).collect()),
+        // The error of the first one tells which row is not even.
+        [] => match possible().next() {
+            Some(((cell, _), _)) => Ok(vec![cell]),
+            None => Err(unknown(table, "a column of times")),
+        },
         several => {
             let columns: Vec<String> = several.iter().map(|cell| (cell + 1).to_string()).collect();
             Err(unknown(

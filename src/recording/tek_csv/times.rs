@@ -17,6 +17,8 @@ const DRIFT: f64 = 0.01;
 const NOTHING: f64 = 1e-6;
 /// An interval that is known worse than this is told with its bounds (1).
 const COARSE: f64 = 1e-3;
+/// A printed digit of more than this share of the interval cannot tell rounding from a missing row (1).
+const TOO_COARSE: f64 = 0.6;
 /// Cutting planes until the best interval is found; a few suffice.
 const MOST_CUTS: usize = 60;
 /// Most digits of a number (1).
@@ -50,6 +52,9 @@ impl Times {
     ) -> Result<Self, TekCsvError> {
         let rows = Rows::of(column);
         let (best, range) = rows.intervals();
+        if let Some(index) = rows.gap(column).filter(|_| range.is_some()) {
+            return Err(rows.uneven(column, best, Some(index), unit));
+        }
         let by_header = stated.interval.filter(|interval| *interval > 0.0);
         let of_column = range.map(|(low, high)| simplest(low, high, best));
         let intervals = [by_header, of_column, Some(best)];
@@ -59,14 +64,14 @@ impl Times {
             times.compare(stated, (range, unit), notes);
             return Ok(times);
         }
-        Err(rows.uneven(column, best, unit))
+        Err(rows.uneven(column, best, None, unit))
     }
 
     /// Whether one even spacing, forward in time, explains the column.
     pub(super) fn explain(column: &Column) -> bool {
         let rows = Rows::of(column);
         let (best, range) = rows.intervals();
-        best > 0.0 && range.is_some()
+        best > 0.0 && range.is_some() && rows.gap(column).is_none()
     }
 
     fn compare(
@@ -135,8 +140,9 @@ impl<'a> Rows<'a> {
         let span = high - low;
         let step = (span / count(column.len().saturating_sub(1))).abs();
         let round_off = 4.0 * f64::EPSILON * low.abs().max(high.abs());
-        // Programs add up times, and what should be zero comes out as -4.6E-11.
-        let drift = column.largest_tolerance().min(DRIFT * step);
+        // Programs add up times, and what should be zero comes out as -4.6E-11: with a fixed number of digits, not of decimals.
+        let (coarsest, finest) = (column.largest_tolerance(), column.tolerance(0.0));
+        let drift = if coarsest > 1.5 * finest { coarsest.min(DRIFT * step) } else { 0.0 };
         let spare = round_off + drift + NOTHING * step;
         let tolerances = times.iter().map(|value| column.tolerance(*value) + spare).collect();
         Self { times, tolerances }
@@ -251,7 +257,29 @@ impl<'a> Rows<'a> {
         candidates.into_iter().flatten().find(fits).unwrap_or(middle)
     }
 
-    fn uneven(&self, column: &Column, best: f64, unit: &'static str) -> TekCsvError {
+    /// The first row whose step from the one before no rounding explains: rounded multiples of one interval have steps that differ by at
+    /// most one digit. Where a digit is more than [`TOO_COARSE`] of an interval, any difference may be a missing row.
+    fn gap(&self, column: &Column) -> Option<usize> {
+        if column.len() < 3 || column.largest_tolerance() > 1.5 * column.tolerance(0.0) {
+            return None;
+        }
+        let digit = column.digit();
+        let steps = || self.times.iter().zip(self.times.iter().skip(1)).map(|(a, b)| b - a);
+        let smallest = steps().fold(f64::INFINITY, f64::min);
+        let usual = median(steps().collect());
+        let allowed = if digit > TOO_COARSE * usual { 0.5 } else { 1.5 };
+        let wide = steps().any(|step| step - smallest > allowed * digit);
+        let off = |step: f64| (step - usual).abs() > 0.5 * digit;
+        wide.then(|| steps().position(off).map(|index| index + 1)).flatten()
+    }
+
+    fn uneven(
+        &self,
+        column: &Column,
+        best: f64,
+        gap: Option<usize>,
+        unit: &'static str,
+    ) -> TekCsvError {
         let first = self.times.first().copied().unwrap_or_default();
         if best.is_nan() || best <= 0.0 {
             let index = self.times.len().saturating_sub(1);
@@ -275,7 +303,7 @@ impl<'a> Rows<'a> {
             let all = rows().map(|(index, (time, _))| (distance(index, *time), index));
             all.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, index)| index)
         };
-        let miss = rows().position(far).or_else(farthest);
+        let miss = gap.or_else(|| rows().position(far)).or_else(farthest);
         let index = miss.unwrap_or_default();
         let found = self.times.get(index).copied().unwrap_or_default();
         let expected = format!("{:.6e}", expected(index));

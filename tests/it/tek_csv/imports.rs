@@ -86,7 +86,9 @@ fn rounded_times_are_even() {
     let interval = found[0].waveform.preamble.x_incr;
     assert!((interval - 7.711e-6).abs() < 0.35e-6, "{interval}");
     let bounds = found[0].notes.iter().find(|note| note.contains("by the printed digits"));
-    assert!(bounds.is_some_and(|note| note.contains("between 7.4")), "{:?}", found[0].notes);
+    // (17 - 0.5 - 1 - 0.5)/2 and 1 + 0.5 + 6 + 0.5 microseconds.
+    let told = |note: &String| note.contains("between 7.500 µs and 8.000 µs");
+    assert!(bounds.is_some_and(told), "{:?}", found[0].notes);
     // The same over 400 rows: five digits of the interval are known.
     let long = (0..400).fold("TIME,CH1\n".to_owned(), |mut text, n| {
         let _ =
@@ -95,8 +97,11 @@ fn rounded_times_are_even() {
     });
     let interval = read_text(&long)[0].waveform.preamble.x_incr;
     assert!((interval / 7.711e-6 - 1.0).abs() < 4e-4, "{interval}");
+    // A missing row in times as coarse as the interval is no rounding.
+    let error = refusal("TIME,CH1\n0,0\n1,1\n2,2\n4,3\n5,4\n6,5\n7,6\n");
+    assert!(error.contains("line 5, column 1") && error.contains("even spacing"), "{error}");
     // A row that is off by more than its digits is named.
-    let error = refusal("TIME,CH1\n0.00,0\n0.01,1\n0.02,2\n0.04,3\n0.04,4\n0.05,5\n0.06,6\n");
+    let error = refusal("TIME,CH1\n0.00,0\n0.01,1\n0.02,2\n0.05,3\n0.04,4\n0.05,5\n0.06,6\n");
     assert!(error.contains("line 5, column 1") && error.contains("even spacing"), "{error}");
 }
 
@@ -342,7 +347,7 @@ fn a_stated_position_shows_clipping() {
     let head = "Model,MDO3014\nFirmware Version,1.20\n\nWaveform Type,ANALOG\nPoint Format,Y\nHorizontal Units,s\n\
         Horizontal Scale,1e-04\nSample Interval,4e-07\nRecord Length,400\nGating,0.0% to 100.0%\nProbe Attenuation,10\n\
         Vertical Units,V\nVertical Offset,0\nVertical Scale,1\nVertical Position,-3\n,\nLabel,\nTIME,CH1\n";
-    let volts = |n: u32| (12.0 * (f64::from(n) * 0.01).sin()).min(8.08);
+    let volts = |n: u32| (12.0 * (f64::from(n) * 0.01).sin()).clamp(0.0, 8.08);
     let level = |n: u32| (volts(n) * 25.0).round() / 25.0;
     let text = (0..400).fold(head.to_owned(), |mut text, n| {
         let _ = writeln!(text, "{:.7e},{}", f64::from(n) * 4e-7 - 2.5e-5, level(n));
@@ -370,7 +375,7 @@ fn frames_are_counted_and_refused() {
 fn what_fits_nothing_names_the_nearest_form() {
     for (text, words) in [
         ("a,b\nc,d\n".to_owned(), ["a table with a column of times", "rows of numbers"]),
-        ("x-axis,1\nsecond,Volt\none,two\n".to_owned(), ["Keysight", "rows of numbers"]),
+        ("x-axis,1\nsecond,Volt\none,two\n".to_owned(), ["Keysight", "a column of times"]),
         ("5\n6\n7\n".to_owned(), ["a table with", "a column of times"]),
         (
             "0,001,1,5\n0,002,1,6\n0,003,1,4\n0,004,1,2\n".to_owned(),

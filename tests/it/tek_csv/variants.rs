@@ -203,8 +203,11 @@ fn tables() -> impl Strategy<Value = Table> {
             decimal_comma,
             spare_digits,
             order,
-            // `_min` may be a minimum.
-            style: if style == 3 && time_unit.0 == "min" { 0 } else { style },
+            // `_min` may be a minimum, and names with blanks are several words where blanks separate.
+            style: match (style, time_unit.0, separator) {
+                (3, "min", _) | (2, _, " ") => 0,
+                _ => style,
+            },
             end,
         },
     )
