@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::isf::{self, IsfError};
 use super::mcap::{self, ReadError};
 use super::set_file::{self, SetFile};
-use super::tek_csv::{self, Columns, TekCsvError};
+use super::tek_csv::{self, TableColumns, TekCsvError};
 use super::{Attachment, Capture, Origin, Shot, TraceSet};
 
 /// How the folders of a memory stick begin: `ALL0000`, one a trigger.
@@ -89,14 +89,14 @@ impl Format {
 /// # Errors
 /// [`OpenError`] with the file and what is wrong with it.
 pub fn open(path: &Path) -> Result<TraceSet, OpenError> {
-    open_with(path, &Columns::default())
+    open_with(path, &TableColumns::default())
 }
 
 /// The same where the user says what the columns of tables are.
 ///
 /// # Errors
 /// As [`open`].
-pub fn open_with(path: &Path, columns: &Columns) -> Result<TraceSet, OpenError> {
+pub fn open_with(path: &Path, columns: &TableColumns) -> Result<TraceSet, OpenError> {
     match Format::of(path) {
         Some(Format::Mcap) => Ok(mcap::read(path)?),
         Some(Format::TekCsv | Format::Isf) => {
@@ -147,7 +147,7 @@ impl Content {
     }
 }
 
-fn folder(path: &Path, columns: &Columns) -> Result<TraceSet, OpenError> {
+fn folder(path: &Path, columns: &TableColumns) -> Result<TraceSet, OpenError> {
     let content = Content::of(path)?;
     let mut set = TraceSet::default();
     if content.shots.is_empty() {
@@ -184,7 +184,7 @@ fn trigger(
     path: &Path,
     content: &Content,
     prefix: &str,
-    columns: &Columns,
+    columns: &TableColumns,
 ) -> Result<(), OpenError> {
     if content.files.is_empty() {
         return Err(OpenError::EmptyFolder { file: path.to_owned() });
@@ -222,7 +222,7 @@ fn import(
     set: &mut TraceSet,
     files: &[PathBuf],
     prefix: &str,
-    columns: &Columns,
+    columns: &TableColumns,
 ) -> Result<(), OpenError> {
     let mut captures: Vec<Capture> = Vec::new();
     let (mut first, mut saved) = (None, 0);
@@ -272,7 +272,7 @@ fn import(
 /// The captures of a file, its bytes, and its media type.
 fn read(
     file: &Path,
-    columns: &Columns,
+    columns: &TableColumns,
 ) -> Result<(Vec<Capture>, Vec<u8>, &'static str), OpenError> {
     let name = file.display().to_string();
     if Format::of(file) == Some(Format::Isf) {

@@ -1,23 +1,23 @@
 //! Splits a CSV file into rows and cells: whatever separator, decimal mark, quotes and line ends a program put there.
-//! Comes before the readers of the foreign dialects; the native reader splits its rows with the same [`Fields`].
+//! Comes before the readers of the foreign dialects; the native reader splits its rows with the same [`RowFields`].
 //!
 //! A number is kept with the digits it was printed with, because they bound how far it may lie from the true one.
 
 use std::borrow::Cow;
 
-use super::error::{Place, TekCsvError, excerpt, place};
+use super::error::{FileLocation, TekCsvError, excerpt, place};
 use super::text::BYTE_ORDER_MARK;
 
 /// Most rows that are read.
-pub(super) const MOST_ROWS: usize = 2_000_000;
+pub(super) const MAX_ROWS: usize = 2_000_000;
 /// Cells of a row that are looked at: 4 channels of `OpenChoice` take 24.
-const MOST_CELLS: usize = 32;
+const MAX_CELLS: usize = 32;
 /// Rows that are looked at to find the separator.
 const SAMPLED_ROWS: usize = 16;
 
 /// A number and its digits.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Printed {
+pub(super) struct PrintedNumber {
     /// The number (unit).
     pub(super) value: f64,
     /// Place of the last digit: 2 for `0.04`, -1 for `1.2E2`.
@@ -28,7 +28,7 @@ pub(super) struct Printed {
 
 /// A file's rows, not yet split.
 #[derive(Debug, Clone)]
-pub(super) struct Table<'a> {
+pub(super) struct CsvRows<'a> {
     pub(super) file: &'a str,
     lines: Vec<&'a str>,
     pub(super) separator: char,
@@ -46,14 +46,14 @@ pub(super) struct Cells<'a> {
     decimal_comma: bool,
 }
 
-impl<'a> Table<'a> {
+impl<'a> CsvRows<'a> {
     /// Finds the separator and the decimal mark of `text`.
     pub(super) fn new(file: &'a str, text: &'a str) -> Result<Self, TekCsvError> {
         let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
         let found = text.bytes().filter(|byte| *byte == b'\n').count();
-        if found > MOST_ROWS {
+        if found > MAX_ROWS {
             let file = file.to_owned();
-            return Err(TekCsvError::TooManyRows { file, found, limit: MOST_ROWS });
+            return Err(TekCsvError::TooManyRows { file, found, limit: MAX_ROWS });
         }
         let mut lines: Vec<&str> = text.lines().collect();
         while lines.last().is_some_and(|line| line.trim().is_empty()) {
@@ -120,11 +120,11 @@ impl<'a> Cells<'a> {
         filled.clone().count() >= 2 && filled.all(|cell| self.parse(cell).is_some())
     }
 
-    pub(super) fn maybe_number(&self, index: usize) -> Option<Printed> {
+    pub(super) fn maybe_number(&self, index: usize) -> Option<PrintedNumber> {
         self.parse(self.text(index))
     }
 
-    pub(super) fn number(&self, index: usize) -> Result<Printed, TekCsvError> {
+    pub(super) fn number(&self, index: usize) -> Result<PrintedNumber, TekCsvError> {
         self.maybe_number(index).ok_or_else(|| TekCsvError::Field {
             place: self.place(index),
             found: excerpt(self.text(index)),
@@ -159,12 +159,12 @@ impl<'a> Cells<'a> {
         (self.line, column)
     }
 
-    pub(super) fn place(&self, index: usize) -> Place {
+    pub(super) fn place(&self, index: usize) -> FileLocation {
         let (line, column) = self.spot(index);
         place(self.file, line, column)
     }
 
-    pub(super) fn parse(&self, cell: &str) -> Option<Printed> {
+    pub(super) fn parse(&self, cell: &str) -> Option<PrintedNumber> {
         printed(cell, self.decimal_comma)
     }
 }
@@ -201,7 +201,7 @@ fn separator(lines: &[&str]) -> char {
 
 /// The fields of a line between separators, each with the column where it begins, counted from 1.
 #[derive(Debug, Clone)]
-pub(super) struct Fields<'a> {
+pub(super) struct RowFields<'a> {
     rest: Option<&'a str>,
     column: usize,
     separator: char,
@@ -209,13 +209,13 @@ pub(super) struct Fields<'a> {
     quotes: bool,
 }
 
-impl<'a> Fields<'a> {
+impl<'a> RowFields<'a> {
     pub(super) fn of(line: &'a str, separator: char, quotes: bool) -> Self {
         Self { rest: Some(line), column: 1, separator, quotes }
     }
 }
 
-impl<'a> Iterator for Fields<'a> {
+impl<'a> Iterator for RowFields<'a> {
     type Item = (&'a str, usize);
 
     fn next(&mut self) -> Option<Self::Item> {
@@ -238,14 +238,14 @@ impl<'a> Iterator for Fields<'a> {
 }
 
 fn split(line: &str, separator: char) -> Vec<(&str, usize)> {
-    let fields = Fields::of(line, separator, true).map(|(cell, column)| (bare(Some(cell)), column));
+    let fields = RowFields::of(line, separator, true).map(|(cell, column)| (bare(Some(cell)), column));
     if separator == ' ' {
         let filled = fields.flat_map(|(cell, column)| {
             cell.split('\t').filter(|part| !part.is_empty()).map(move |part| (part, column))
         });
-        return filled.take(MOST_CELLS).collect();
+        return filled.take(MAX_CELLS).collect();
     }
-    fields.take(MOST_CELLS).collect()
+    fields.take(MAX_CELLS).collect()
 }
 
 fn bare(cell: Option<&str>) -> &str {
@@ -254,7 +254,7 @@ fn bare(cell: Option<&str>) -> &str {
 }
 
 /// Reads a finite decimal number with its digits.
-fn printed(cell: &str, decimal_comma: bool) -> Option<Printed> {
+fn printed(cell: &str, decimal_comma: bool) -> Option<PrintedNumber> {
     const LONGEST: usize = 40;
     const LARGEST: i32 = 30;
     let allowed = |c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | 'e' | 'E' | '.' | ',');
@@ -274,7 +274,7 @@ fn printed(cell: &str, decimal_comma: bool) -> Option<Printed> {
     let figures = || whole.chars().chain(fraction.chars()).filter(char::is_ascii_digit);
     let digits = i32::try_from(figures().skip_while(|c| *c == '0').count()).ok()?;
     let decimals = i32::try_from(fraction.len()).ok()?.checked_sub(exponent)?;
-    Some(Printed { value, decimals, digits })
+    Some(PrintedNumber { value, decimals, digits })
 }
 
 #[cfg(test)]
@@ -290,7 +290,7 @@ mod tests {
             ("79.999998212E-3", 79.999_998_212e-3, 12, 11),
             ("0", 0.0, 0, 0),
         ] {
-            assert_eq!(printed(text, false), Some(Printed { value, decimals, digits }), "{text}");
+            assert_eq!(printed(text, false), Some(PrintedNumber { value, decimals, digits }), "{text}");
         }
         assert_eq!(printed("-0,04", true).map(|p| p.value), Some(-0.04));
         for text in ["", "nan", "inf", "1e999", "1,5", "0x1", "1.5.2", "-"] {
@@ -301,7 +301,7 @@ mod tests {
 
     #[test]
     fn quotes_hold_separators() {
-        let table = Table::new("a.csv", "\u{feff}\"-0,03\",\"0,5\"\r\n\"-0,02\",\"1\"\r\n\r\n");
+        let table = CsvRows::new("a.csv", "\u{feff}\"-0,03\",\"0,5\"\r\n\"-0,02\",\"1\"\r\n\r\n");
         let table = table.expect("short");
         assert_eq!((table.len(), table.separator, table.decimal_comma), (2, ',', true));
         assert_eq!(table.row(0).number(1).map(|p| p.value), Ok(0.5));

@@ -5,17 +5,17 @@
 //! `max(10^-D / 2, 10^(m + 1 - S) / 2)` with the most decimals `D` and the most digits `S` of the column
 //! and the number's magnitude `m = floor(log10 |v|)`.
 
-use super::cells::{Cells, Printed};
-use super::error::{Place, TekCsvError};
+use super::cells::{Cells, PrintedNumber};
+use super::error::{FileLocation, TekCsvError};
 
 /// Digits of single precision that can be relied on; numbers that went through it are printed with more.
 pub(super) const SINGLE_PRECISION_DIGITS: i32 = 6;
 /// Digits beyond which double precision is the limit.
-const MOST_DIGITS: i32 = 15;
+const MAX_DIGITS: i32 = 15;
 
 /// One column of samples.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Column {
+pub(super) struct SampleColumn {
     /// The numbers (unit).
     pub(super) values: Vec<f64>,
     file: String,
@@ -29,10 +29,10 @@ pub(super) struct Column {
     fractions: bool,
 }
 
-impl Column {
+impl SampleColumn {
     /// Adds cell `index` of `row`.
     pub(super) fn push(&mut self, row: &Cells<'_>, index: usize) -> Result<(), TekCsvError> {
-        let Printed { value, decimals, digits } = row.number(index)?;
+        let PrintedNumber { value, decimals, digits } = row.number(index)?;
         self.decimals = if self.values.is_empty() { decimals } else { self.decimals.max(decimals) };
         self.digits = self.digits.max(digits);
         self.fractions |= row.text(index).contains(['.', ',']);
@@ -82,9 +82,9 @@ impl Column {
     }
 
     /// Where number `index` stands.
-    pub(super) fn place(&self, index: usize) -> Place {
+    pub(super) fn place(&self, index: usize) -> FileLocation {
         let (line, column) = self.spots.get(index).copied().unwrap_or_default();
-        Place { file: self.file.clone(), line: line as usize, column: column as usize }
+        FileLocation { file: self.file.clone(), line: line as usize, column: column as usize }
     }
 
     /// Last place of the column's longest number.
@@ -105,7 +105,7 @@ impl Column {
 
     fn printed_tolerance(&self, value: f64) -> f64 {
         let fixed = 0.5 * ten_to(-self.decimals);
-        let digits = self.digits.clamp(1, MOST_DIGITS);
+        let digits = self.digits.clamp(1, MAX_DIGITS);
         let floating = match value.abs() {
             0.0 => 0.0,
             #[allow(clippy::cast_possible_truncation, reason = "at most 308")]
@@ -121,7 +121,7 @@ impl Column {
         let largest = low.abs().max(high.abs()).max(f64::MIN_POSITIVE);
         #[allow(clippy::cast_possible_truncation, reason = "at most 308")]
         let magnitude = largest.log10().floor() as i32;
-        let fixed = self.decimals <= self.digits.min(MOST_DIGITS) - 1 - magnitude;
+        let fixed = self.decimals <= self.digits.min(MAX_DIGITS) - 1 - magnitude;
         let count = step / ten_to(-self.decimals);
         let is_whole = count >= 0.5 && (count - count.round()).abs() <= 1e-6;
         (fixed && is_whole).then(|| count.round())
@@ -168,9 +168,9 @@ mod tests {
     use super::*;
     use crate::recording::tek_csv::cells::Table;
 
-    fn column(text: &str) -> Column {
-        let table = Table::new("a.csv", text).expect("short");
-        let mut column = Column::default();
+    fn column(text: &str) -> SampleColumn {
+        let table = CsvRows::new("a.csv", text).expect("short");
+        let mut column = SampleColumn::default();
         for index in 0..table.len() {
             column.push(&table.row(index), 0).expect("numbers");
         }

@@ -2,29 +2,29 @@
 
 use std::str::FromStr;
 
-use super::names::{self, Unit};
+use super::names::{self, ColumnUnit};
 use crate::recording::Capture;
 use crate::scope::Source;
 
 /// One column as the user names it.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Column {
+pub(super) struct GivenColumn {
     pub(super) label: String,
     /// Counted from 0.
     pub(super) index: usize,
-    pub(super) unit: Unit,
+    pub(super) unit: ColumnUnit,
 }
 
 /// The columns of tables, in the order typed.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Columns {
-    pub(super) columns: Vec<Column>,
+pub struct TableColumns {
+    pub(super) columns: Vec<GivenColumn>,
 }
 
 /// How `--columns` is written.
 pub const EXAMPLE: &str = "time=1:ms,CH1=2:V,p14=4:N";
 
-impl Columns {
+impl TableColumns {
     /// Whether the user left it to the file.
     pub fn is_empty(&self) -> bool {
         self.columns.is_empty()
@@ -44,13 +44,13 @@ impl Columns {
     }
 
     /// The channel of each column of values, in the order typed: by its name, or the first that is free.
-    pub(super) fn sources(&self) -> Vec<(&Column, Option<Source>)> {
+    pub(super) fn sources(&self) -> Vec<(&GivenColumn, Option<Source>)> {
         let values = self.columns.iter().filter(|column| !Self::is_time(&column.label));
         values.map(|column| (column, names::source(&column.label))).collect()
     }
 }
 
-impl FromStr for Columns {
+impl FromStr for TableColumns {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -70,9 +70,9 @@ impl FromStr for Columns {
             let index = number
                 .checked_sub(1)
                 .ok_or_else(|| wrong(format!("`{part}` has no column, counted from 1")))?;
-            Ok(Column { label, index, unit })
+            Ok(GivenColumn { label, index, unit })
         };
-        let columns: Vec<Column> = text.split(',').map(column).collect::<Result<_, String>>()?;
+        let columns: Vec<GivenColumn> = text.split(',').map(column).collect::<Result<_, String>>()?;
         let times = columns.iter().filter(|column| Self::is_time(&column.label)).count();
         if times != 1 || columns.len() < 2 {
             return Err(wrong(format!("{times} columns of times and {} in all", columns.len())));

@@ -28,15 +28,15 @@ const MOST_KEY_ROWS: usize = 64;
 
 /// The rows above a table's samples.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Keys<'a, 't> {
-    pub(super) table: &'t Table<'a>,
+pub(super) struct TableKeys<'a, 't> {
+    pub(super) table: &'t CsvRows<'a>,
     /// Rows from 0 to before this one.
     pub(super) rows: usize,
 }
 
 /// Which column a value is asked for.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Asked {
+pub(super) struct KeyRequest {
     pub(super) cell: usize,
     /// Column of its times.
     pub(super) time: usize,
@@ -46,9 +46,9 @@ pub(super) struct Asked {
     pub(super) source: Option<Source>,
 }
 
-impl<'a> Keys<'a, '_> {
+impl<'a> TableKeys<'a, '_> {
     /// Row and cell of the value of a key, and its text.
-    fn find(&self, keys: &[&str], asked: Asked) -> Option<(usize, usize, &'a str)> {
+    fn find(&self, keys: &[&str], asked: KeyRequest) -> Option<(usize, usize, &'a str)> {
         (0..self.rows.min(MOST_KEY_ROWS)).find_map(|index| {
             let row = self.table.row(index);
             let is_key = |cell: &&str| {
@@ -85,12 +85,12 @@ impl<'a> Keys<'a, '_> {
         })
     }
 
-    pub(super) fn text(&self, keys: &[&str], asked: Asked) -> Option<&'a str> {
+    pub(super) fn text(&self, keys: &[&str], asked: KeyRequest) -> Option<&'a str> {
         self.find(keys, asked).map(|(_, _, text)| text)
     }
 
     /// A number; none where the file has no such key or nothing beside it.
-    pub(super) fn number(&self, keys: &[&str], asked: Asked) -> Result<Option<f64>, TekCsvError> {
+    pub(super) fn number(&self, keys: &[&str], asked: KeyRequest) -> Result<Option<f64>, TekCsvError> {
         let Some((row, cell, text)) = self.find(keys, asked) else { return Ok(None) };
         let row = self.table.row(row);
         match row.parse(text) {

@@ -65,8 +65,8 @@ mod times;
 mod unscaled_import;
 mod write;
 
-pub use columns::{Columns, EXAMPLE as COLUMNS_EXAMPLE};
+pub use columns::{TableColumns, EXAMPLE as COLUMNS_EXAMPLE};
 pub use dialect::Dialect;
-pub use error::{Place, TekCsvError};
+pub use error::{FileLocation, TekCsvError};
 pub use read::{MAXIMUM_BYTES, read, read_all, read_columns};
 pub use write::write;

@@ -7,7 +7,7 @@ use crate::scope::Source;
 
 /// What a column is by its name.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Role {
+pub(super) enum ColumnRole {
     /// Times, or the frequencies of a spectrum.
     Abscissa,
     /// Numbers of rows, if its values are such.
@@ -24,7 +24,7 @@ pub(super) enum Role {
 
 /// A unit as a column's numbers need it: `SI = number * factor * 10^power`.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Unit {
+pub(super) struct ColumnUnit {
     /// Without prefix: `V`, `s`, `N`.
     pub(super) text: &'static str,
     pub(super) power: i32,
@@ -32,7 +32,7 @@ pub(super) struct Unit {
     pub(super) factor: f64,
 }
 
-impl Unit {
+impl ColumnUnit {
     /// Whether it is one of an abscissa.
     pub(super) fn is_abscissa(&self) -> bool {
         matches!(self.text, "s" | "Hz")
@@ -41,9 +41,9 @@ impl Unit {
 
 /// A column's name, taken apart.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Name {
-    pub(super) role: Role,
-    pub(super) unit: Option<Unit>,
+pub(super) struct ColumnName {
+    pub(super) role: ColumnRole,
+    pub(super) unit: Option<ColumnUnit>,
     /// A unit that is written there and not known.
     pub(super) unknown_unit: Option<String>,
 }
@@ -95,9 +95,9 @@ const MINUTES: [&str; 4] = ["min", "mins", "minute", "minutes"];
 const HOURS: [&str; 4] = ["h", "hr", "hour", "hours"];
 
 /// The unit that `text` spells.
-pub(super) fn unit(text: &str) -> Option<Unit> {
+pub(super) fn unit(text: &str) -> Option<ColumnUnit> {
     let text = text.trim().trim_matches(['(', ')', '[', ']']).trim();
-    let simple = |unit: &'static str, power| Some(Unit { text: unit, power, factor: 1.0 });
+    let simple = |unit: &'static str, power| Some(ColumnUnit { text: unit, power, factor: 1.0 });
     if let Some((_, unit, power)) = WORDS
         .iter()
         .find(|(word, ..)| *word == text || (word.len() > 2 && word.eq_ignore_ascii_case(text)))
@@ -106,10 +106,10 @@ pub(super) fn unit(text: &str) -> Option<Unit> {
     }
     let is = |words: &[&str]| words.iter().any(|word| word.eq_ignore_ascii_case(text));
     if is(&MINUTES) {
-        return Some(Unit { text: "s", power: 0, factor: 60.0 });
+        return Some(ColumnUnit { text: "s", power: 0, factor: 60.0 });
     }
     if is(&HOURS) {
-        return Some(Unit { text: "s", power: 0, factor: 3600.0 });
+        return Some(ColumnUnit { text: "s", power: 0, factor: 3600.0 });
     }
     if text == "g" {
         return simple("g", 0);
@@ -124,7 +124,7 @@ pub(super) fn unit(text: &str) -> Option<Unit> {
     })
 }
 
-impl Name {
+impl ColumnName {
     /// Takes `cell` apart; `below` stands beneath it in a row of units.
     pub(super) fn of(cell: &str, below: Option<&str>) -> Self {
         let cell = cell.trim().trim_start_matches(['#', '%']).trim();
@@ -134,11 +134,11 @@ impl Name {
         let unknown_unit = written.filter(|_| unit_of_text.is_none());
         let mut role = role(&base);
         if let Some(unit) = &unit_of_text {
-            let by_unit = |source| if unit.is_abscissa() { Role::Abscissa } else { source };
+            let by_unit = |source| if unit.is_abscissa() { ColumnRole::Abscissa } else { source };
             role = match role {
-                Role::Extra => Role::Extra,
-                Role::Values(source) => by_unit(Role::Values(source)),
-                _ => by_unit(Role::Values(None)),
+                ColumnRole::Extra => ColumnRole::Extra,
+                ColumnRole::Values(source) => by_unit(ColumnRole::Values(source)),
+                _ => by_unit(ColumnRole::Values(None)),
             };
         }
         Self { role, unit: unit_of_text, unknown_unit }
@@ -231,7 +231,7 @@ fn is_abscissa(base: &str) -> bool {
     base.starts_with("time ") || WORDS.contains(&without_number(base))
 }
 
-fn role(base: &str) -> Role {
+fn role(base: &str) -> ColumnRole {
     const INDEX: [&str; 14] = [
         "index", "idx", "#", "no", "no.", "nr", "nr.", "n", "i", "sample", "point", "row",
         "record", "sequence",
@@ -277,30 +277,30 @@ fn role(base: &str) -> Role {
     let base = lowered(base);
     let has = |words: &[&str]| words.iter().any(|word| base.contains(word));
     if base.is_empty() || base.starts_with("unnamed") {
-        return Role::Nameless;
+        return ColumnRole::Nameless;
     }
     if let Some(source) = channel(&base) {
-        return Role::Values(Some(source));
+        return ColumnRole::Values(Some(source));
     }
     if is_abscissa(&base) {
-        return Role::Abscissa;
+        return ColumnRole::Abscissa;
     }
     let word = base.trim_end_matches('s');
     if INDEX.contains(&word) || base.starts_with("sample n") || base.starts_with("row n") {
-        return Role::Index;
+        return ColumnRole::Index;
     }
     if base.starts_with("math") {
-        return Role::Values(Some(Source::Math));
+        return ColumnRole::Values(Some(Source::Math));
     }
     // `CH1 Peak Detect`, `ch1s`: more than a channel's name.
     let more = base.strip_prefix("ch").and_then(|rest| rest.chars().next());
     if has(&EXTRA) || more.is_some_and(|c| c.is_ascii_digit()) {
-        return Role::Extra;
+        return ColumnRole::Extra;
     }
     if OTHER.iter().any(|other| base.split([' ', '-']).any(|part| without_number(part) == *other)) {
-        return Role::OtherQuantity;
+        return ColumnRole::OtherQuantity;
     }
-    Role::Values(None)
+    ColumnRole::Values(None)
 }
 
 /// The channel that a name in small letters is: `ch3`, `channel 3`, `c3`, `channel c`, `3`, `v3`, `math`, `refa`, `ref1`.
@@ -354,20 +354,20 @@ mod tests {
 
     #[test]
     fn names_tell_role_and_unit() {
-        let channel = |number| Role::Values(Some(Source::Channel(number)));
-        let none = || Role::Values(None);
+        let channel = |number| ColumnRole::Values(Some(Source::Channel(number)));
+        let none = || ColumnRole::Values(None);
         for (name, role, unit) in [
-            ("Time (ms)", Role::Abscissa, Some(("s", -3))),
-            ("Time (msec)", Role::Abscissa, Some(("s", -3))),
-            ("t [s]", Role::Abscissa, Some(("s", 0))),
-            ("[s]", Role::Abscissa, Some(("s", 0))),
-            ("in s", Role::Abscissa, Some(("s", 0))),
-            ("time_us", Role::Abscissa, Some(("s", -6))),
-            ("t/µs", Role::Abscissa, Some(("s", -6))),
-            ("sec", Role::Abscissa, Some(("s", 0))),
-            ("t2", Role::Abscissa, None),
-            ("Time.1", Role::Abscissa, None),
-            ("x-axis", Role::Abscissa, None),
+            ("Time (ms)", ColumnRole::Abscissa, Some(("s", -3))),
+            ("Time (msec)", ColumnRole::Abscissa, Some(("s", -3))),
+            ("t [s]", ColumnRole::Abscissa, Some(("s", 0))),
+            ("[s]", ColumnRole::Abscissa, Some(("s", 0))),
+            ("in s", ColumnRole::Abscissa, Some(("s", 0))),
+            ("time_us", ColumnRole::Abscissa, Some(("s", -6))),
+            ("t/µs", ColumnRole::Abscissa, Some(("s", -6))),
+            ("sec", ColumnRole::Abscissa, Some(("s", 0))),
+            ("t2", ColumnRole::Abscissa, None),
+            ("Time.1", ColumnRole::Abscissa, None),
+            ("x-axis", ColumnRole::Abscissa, None),
             ("F [N]", none(), Some(("N", 0))),
             ("Force (kN)", none(), Some(("N", 3))),
             ("Q (pC)", none(), Some(("C", -12))),
@@ -384,21 +384,21 @@ mod tests {
             ("Voltage (CH4)", channel(4), None),
             ("CH8 (mV)", channel(8), Some(("V", -3))),
             ("piezo_mV", none(), Some(("V", -3))),
-            ("MATH<CH1*CH2>", Role::Values(Some(Source::Math)), None),
-            ("REF2", Role::Values(Some(Source::Reference('B'))), None),
-            ("CH1 Peak Detect", Role::Extra, None),
-            ("ch1s", Role::Extra, None),
-            ("Unnamed: 0", Role::Nameless, None),
-            ("samples", Role::Index, None),
-            ("Force", Role::OtherQuantity, None),
+            ("MATH<CH1*CH2>", ColumnRole::Values(Some(Source::Math)), None),
+            ("REF2", ColumnRole::Values(Some(Source::Reference('B'))), None),
+            ("CH1 Peak Detect", ColumnRole::Extra, None),
+            ("ch1s", ColumnRole::Extra, None),
+            ("Unnamed: 0", ColumnRole::Nameless, None),
+            ("samples", ColumnRole::Index, None),
+            ("Force", ColumnRole::OtherQuantity, None),
             ("piezo", none(), None),
         ] {
-            let found = Name::of(name, None);
+            let found = ColumnName::of(name, None);
             let told = found.unit.map(|unit| (unit.text, unit.power));
             assert_eq!((found.role, told), (role, unit), "{name}");
         }
-        assert_eq!(Name::of("p [bar]", None).unknown_unit.as_deref(), Some("bar"));
-        assert_eq!(Name::of("Time", Some("(ms)")).unit.map(|unit| unit.power), Some(-3));
+        assert_eq!(ColumnName::of("p [bar]", None).unknown_unit.as_deref(), Some("bar"));
+        assert_eq!(ColumnName::of("Time", Some("(ms)")).unit.map(|unit| unit.power), Some(-3));
         assert_eq!(unit("min").map(|unit| unit.factor), Some(60.0));
     }
 }

@@ -6,37 +6,37 @@
 //! keys with values. Where names do not tell which column holds times, values must: exactly one column may be evenly spaced.
 //! A column of times is never a channel; what cannot be told is refused, and `--columns` says it.
 
-use super::cells::{Cells, Table};
+use super::cells::{Cells, CsvRows};
 use super::column::Column;
-use super::columns::{self, Columns};
+use super::columns::{self, TableColumns};
 use super::error::{TekCsvError, excerpt};
-use super::keys::{self, Asked, Keys};
-use super::names::{self, Name, Role, Unit, unit};
-use super::times::{Stated, Times};
+use super::keys::{self, KeyRequest, TableKeys};
+use super::names::{self, ColumnName, ColumnRole, ColumnUnit, unit};
+use super::times::{StatedTimeBase, EvenTimes};
 use super::unscaled_import::UnscaledImport;
-use crate::recording::{Capture, Instrument};
+use crate::recording::{Capture, InstrumentIdentity};
 use crate::scope::{PointFormat, Source};
 
 /// Channels of one file.
 const MOST_CHANNELS: u8 = 8;
 
 /// Reads the captures of a table; `given` says what its columns are where the user knows.
-pub(super) fn read(table: &Table<'_>, given: &Columns) -> Result<Vec<Capture>, TekCsvError> {
-    let layout = Layout::find(table)?;
+pub(super) fn read(table: &CsvRows<'_>, given: &TableColumns) -> Result<Vec<Capture>, TekCsvError> {
+    let layout = TableLayout::find(table)?;
     let body = Body::read(table, &layout)?;
     let mut plan = if given.is_empty() {
-        Plan::by_names(table, &layout, &body)?
+        ColumnPlan::by_names(table, &layout, &body)?
     } else {
-        Plan::given(table, &body, given)?
+        ColumnPlan::given(table, &body, given)?
     };
-    let keys = Keys { table, rows: layout.keys_end() };
+    let keys = TableKeys { table, rows: layout.keys_end() };
     plan.find_sources(&keys);
     plan.allot_sources(table.file);
     plan.channels.iter().map(|channel| plan.capture(channel, &keys, &layout, &body)).collect()
 }
 
 /// Which rows hold what.
-struct Layout {
+struct TableLayout {
     names: Option<usize>,
     units: Option<usize>,
     /// First row of samples.
@@ -47,8 +47,8 @@ struct Layout {
     even: Option<(f64, f64)>,
 }
 
-impl Layout {
-    fn find(table: &Table<'_>) -> Result<Self, TekCsvError> {
+impl TableLayout {
+    fn find(table: &CsvRows<'_>) -> Result<Self, TekCsvError> {
         let numeric = |index: usize| -> Vec<usize> {
             let row = table.row(index);
             (0..row.len()).filter(|cell| row.maybe_number(*cell).is_some()).collect()
@@ -80,20 +80,20 @@ impl Layout {
     }
 
     /// The rows above the samples, from below, without blank ones.
-    fn find_names(&mut self, table: &Table<'_>) {
+    fn find_names(&mut self, table: &CsvRows<'_>) {
         let mut above = (0..self.first).rev().filter(|index| !table.row(*index).is_blank());
         let filled = |row: &Cells<'_>| row.texts().filter(|cell| !cell.is_empty()).count();
         let Some(lower) = above.next() else { return };
         let row = table.row(lower);
-        let is_time = |text: &str| Name::of(text, None).role == Role::Abscissa;
+        let is_time = |text: &str| ColumnName::of(text, None).role == ColumnRole::Abscissa;
         if filled(&row) < self.cells.len().min(2) && !row.texts().any(is_time) {
             return;
         }
         let upper = above.next().filter(|upper| {
             let names = table.row(*upper);
             let starts = matches!(
-                Name::of(names.text(self.first_cell()), None).role,
-                Role::Abscissa | Role::Index | Role::Nameless
+                ColumnName::of(names.text(self.first_cell()), None).role,
+                ColumnRole::Abscissa | ColumnRole::Index | ColumnRole::Nameless
             );
             starts && filled(&names) >= self.cells.len().min(2)
         });
@@ -114,7 +114,7 @@ impl Layout {
     }
 
     /// Start and increment beside the names: `X,CH1,Start,Increment` above numbers, or `t0 = ...,tInc = ...`.
-    fn find_even(&mut self, table: &Table<'_>) {
+    fn find_even(&mut self, table: &CsvRows<'_>) {
         let Some(names) = self.names.map(|names| table.row(names)) else { return };
         let below = self.units.map(|units| table.row(units));
         let value = |words: [&str; 2]| {
@@ -136,23 +136,23 @@ impl Layout {
         self.names.unwrap_or(self.first)
     }
 
-    fn name(&self, table: &Table<'_>, cell: usize) -> Name {
+    fn name(&self, table: &CsvRows<'_>, cell: usize) -> ColumnName {
         let below = self.units.map(|units| table.row(units));
         // Start and increment stand in the row of units.
         let below = below.as_ref().map(|row| row.text(cell)).filter(|text| unit(text).is_some());
         let text = self.names.map(|names| table.row(names)).map_or("", |row| row.text(cell));
-        Name::of(text, below)
+        ColumnName::of(text, below)
     }
 }
 
 /// The columns of samples, read in one pass.
 struct Body {
-    columns: Vec<Column>,
+    columns: Vec<SampleColumn>,
 }
 
 impl Body {
-    fn read(table: &Table<'_>, layout: &Layout) -> Result<Self, TekCsvError> {
-        let mut columns = vec![Column::default(); layout.cells.len()];
+    fn read(table: &CsvRows<'_>, layout: &TableLayout) -> Result<Self, TekCsvError> {
+        let mut columns = vec![SampleColumn::default(); layout.cells.len()];
         let mut ended = vec![false; layout.cells.len()];
         let mut zeros = true;
         for index in layout.first..table.len() {
@@ -185,7 +185,7 @@ impl Body {
         Ok(Self { columns })
     }
 
-    fn column(&self, layout: &Layout, cell: usize) -> Column {
+    fn column(&self, layout: &TableLayout, cell: usize) -> SampleColumn {
         let at = layout.cells.iter().position(|found| *found == cell);
         at.and_then(|at| self.columns.get(at)).cloned().unwrap_or_default()
     }
@@ -203,21 +203,21 @@ struct Channel {
     time: Option<usize>,
     cell: usize,
     source: Option<Source>,
-    unit: Option<Unit>,
-    time_unit: Option<Unit>,
+    unit: Option<ColumnUnit>,
+    time_unit: Option<ColumnUnit>,
     notes: Vec<String>,
 }
 
 /// What becomes of each column.
-struct Plan {
+struct ColumnPlan {
     channels: Vec<Channel>,
     notes: Vec<String>,
     /// Whether the user said it.
     given: bool,
 }
 
-impl Plan {
-    fn given(table: &Table<'_>, body: &Body, given: &Columns) -> Result<Self, TekCsvError> {
+impl ColumnPlan {
+    fn given(table: &CsvRows<'_>, body: &Body, given: &TableColumns) -> Result<Self, TekCsvError> {
         let beyond = given
             .columns
             .iter()
@@ -225,7 +225,7 @@ impl Plan {
         if let Some(column) = beyond {
             return Err(unknown(table, &format!("a column {}", column.index + 1)));
         }
-        let time = given.columns.iter().find(|column| Columns::is_time(&column.label));
+        let time = given.columns.iter().find(|column| TableColumns::is_time(&column.label));
         let time_unit = time.map(|time| time.unit.clone());
         let channels = given.sources().into_iter().map(|(column, source)| Channel {
             time: time.map(|time| time.index),
@@ -241,8 +241,8 @@ impl Plan {
         Ok(Self { channels: channels.collect(), notes: Vec::new(), given: true })
     }
 
-    fn by_names(table: &Table<'_>, layout: &Layout, body: &Body) -> Result<Self, TekCsvError> {
-        let names: Vec<Name> = layout.cells.iter().map(|cell| layout.name(table, *cell)).collect();
+    fn by_names(table: &CsvRows<'_>, layout: &TableLayout, body: &Body) -> Result<Self, TekCsvError> {
+        let names: Vec<ColumnName> = layout.cells.iter().map(|cell| layout.name(table, *cell)).collect();
         let times = times(table, layout, body, &names)?;
         let mut plan = Self { channels: Vec::new(), notes: Vec::new(), given: false };
         let mut refused = Vec::new();
@@ -256,24 +256,24 @@ impl Plan {
                 continue;
             }
             let counts = column.steps_by_one() && column.len() > 2;
-            let has_channel = matches!(name.role, Role::Values(Some(_)));
+            let has_channel = matches!(name.role, ColumnRole::Values(Some(_)));
             if (counts && !has_channel && name.unit.is_none())
-                || name.role == Role::Index && column.counts()
+                || name.role == ColumnRole::Index && column.counts()
             {
                 plan.notes.push(format!("{place} counts rows and is left out"));
                 continue;
             }
             match (&name.role, &name.unknown_unit) {
-                (Role::Extra, _) => {
+                (ColumnRole::Extra, _) => {
                     plan.notes.push(format!("{place} is no channel and is left out"))
                 }
                 (_, Some(unit)) => {
                     refused.push(format!("{place} is in `{unit}`, a unit that is not known"))
                 }
-                (Role::OtherQuantity, _) => {
+                (ColumnRole::OtherQuantity, _) => {
                     refused.push(format!("{place} has no unit and is no voltage"))
                 }
-                (Role::Nameless | Role::Abscissa | Role::Index, None) if layout.names.is_some() => {
+                (ColumnRole::Nameless | ColumnRole::Abscissa | ColumnRole::Index, None) if layout.names.is_some() => {
                     refused.push(format!("{place} has no name that tells what it is"));
                 }
                 (role, None) => {
@@ -282,7 +282,7 @@ impl Plan {
                     plan.channels.push(Channel {
                         time: left.copied(),
                         cell: *cell,
-                        source: if let Role::Values(source) = role { *source } else { None },
+                        source: if let ColumnRole::Values(source) = role { *source } else { None },
                         unit: name.unit.clone(),
                         time_unit: time_name.and_then(|name| name.unit),
                         notes: Vec::new(),
@@ -300,8 +300,8 @@ impl Plan {
         Ok(plan)
     }
 
-    /// Columns of words.
-    fn note_texts(&mut self, table: &Table<'_>, layout: &Layout) {
+    /// TableColumns of words.
+    fn note_texts(&mut self, table: &CsvRows<'_>, layout: &TableLayout) {
         let row = table.row(layout.first);
         for (cell, text) in row.texts().enumerate() {
             if !text.is_empty() && !layout.cells.contains(&cell) {
@@ -316,7 +316,7 @@ impl Plan {
     }
 
     /// Where a channel's name does not tell its source, a key above the table may.
-    fn find_sources(&mut self, keys: &Keys<'_, '_>) {
+    fn find_sources(&mut self, keys: &TableKeys<'_, '_>) {
         for index in 0..self.channels.len() {
             let Some(channel) = self.channels.get(index).filter(|c| c.source.is_none()) else {
                 continue;
@@ -328,10 +328,10 @@ impl Plan {
         }
     }
 
-    fn asked(&self, channel: &Channel) -> Asked {
+    fn asked(&self, channel: &Channel) -> KeyRequest {
         let beside: Vec<&Channel> =
             self.channels.iter().filter(|other| other.time == channel.time).collect();
-        Asked {
+        KeyRequest {
             cell: channel.cell,
             time: channel.time.unwrap_or_default(),
             ordinal: beside.iter().position(|other| other.cell == channel.cell).unwrap_or_default(),
@@ -374,8 +374,8 @@ impl Plan {
     fn capture(
         &self,
         channel: &Channel,
-        keys: &Keys<'_, '_>,
-        layout: &Layout,
+        keys: &TableKeys<'_, '_>,
+        layout: &TableLayout,
         body: &Body,
     ) -> Result<Capture, TekCsvError> {
         let table = keys.table;
@@ -402,7 +402,7 @@ impl Plan {
             None => {
                 let even = layout
                     .even
-                    .map(|(start, step)| Times { interval: step, trigger_point: -start / step });
+                    .map(|(start, step)| EvenTimes { interval: step, trigger_point: -start / step });
                 (draft.even, draft.x_unit) = (even, Some("s".to_owned()));
             }
         }
@@ -435,11 +435,11 @@ impl Plan {
 /// What the rows above the table say of a channel.
 fn use_keys(
     draft: &mut UnscaledImport,
-    keys: &Keys<'_, '_>,
-    asked: Asked,
+    keys: &TableKeys<'_, '_>,
+    asked: KeyRequest,
 ) -> Result<(), TekCsvError> {
     let interval = keys.number(keys::INTERVAL, asked)?;
-    draft.stated = Stated { interval, trigger_point: None };
+    draft.stated = StatedTimeBase { interval, trigger_point: None };
     draft.scale = keys.number(keys::VERTICAL_SCALE, asked)?;
     draft.horizontal_scale = keys.number(keys::HORIZONTAL_SCALE, asked)?;
     draft.probe = keys.number(keys::PROBE, asked)?;
@@ -463,7 +463,7 @@ fn use_keys(
     let text = |key| keys.text(key, asked).unwrap_or_default().to_owned();
     let (model, firmware) = (text(keys::MODEL), text(keys::FIRMWARE));
     if !(model.is_empty() && firmware.is_empty()) {
-        draft.instrument = Some(Instrument { model, serial: text(keys::SERIAL), firmware });
+        draft.instrument = Some(InstrumentIdentity { model, serial: text(keys::SERIAL), firmware });
     }
     let offset = keys.number(keys::VERTICAL_OFFSET, asked)?.unwrap_or_default();
     let position = keys.number(keys::VERTICAL_POSITION, asked)?;
@@ -487,8 +487,8 @@ fn use_keys(
 
 /// The cells of the columns of times: by their names, else the only one that is evenly spaced.
 fn times(
-    table: &Table<'_>,
-    layout: &Layout,
+    table: &CsvRows<'_>,
+    layout: &TableLayout,
     body: &Body,
     names: &[Name],
 ) -> Result<Vec<usize>, TekCsvError> {
@@ -498,25 +498,25 @@ fn times(
         return Ok(Vec::new());
     }
     let named: Vec<usize> = all()
-        .filter(|((_, name), _)| name.role == Role::Abscissa && name.unknown_unit.is_none())
+        .filter(|((_, name), _)| name.role == ColumnRole::Abscissa && name.unknown_unit.is_none())
         .map(|((cell, _), _)| cell)
         .collect();
     if !named.is_empty() {
         // Times in two units beside each other are one column of times.
         return Ok(named);
     }
-    let unknown_unit = |name: &&Name| name.role == Role::Abscissa && name.unknown_unit.is_some();
+    let unknown_unit = |name: &&Name| name.role == ColumnRole::Abscissa && name.unknown_unit.is_some();
     if let Some(unit) = names.iter().find(unknown_unit).and_then(|name| name.unknown_unit.as_ref())
     {
         return Err(unknown(table, &format!("a unit of times that is known, not `{unit}`")));
     }
     let may_be = |name: &Name| {
-        let is_channel = matches!(name.role, Role::Values(Some(_)) | Role::Extra | Role::Index);
+        let is_channel = matches!(name.role, ColumnRole::Values(Some(_)) | ColumnRole::Extra | ColumnRole::Index);
         !is_channel && name.unit.is_none() && name.unknown_unit.is_none()
     };
     let possible = || all().filter(|((_, name), _)| may_be(name));
     let even: Vec<usize> = possible()
-        .filter(|(_, column)| Times::explain(column))
+        .filter(|(_, column)| EvenTimes::explain(column))
         .map(|((cell, _), _)| cell)
         .collect();
     match even.as_slice() {
@@ -539,7 +539,7 @@ fn times(
     }
 }
 
-fn scaled(mut column: Column, unit: Option<&Unit>) -> Column {
+fn scaled(mut column: SampleColumn, unit: Option<&ColumnUnit>) -> SampleColumn {
     if let Some(unit) = unit {
         if unit.power != 0 {
             column.scale(unit.power);
@@ -560,7 +560,7 @@ fn channel_in(file: &str) -> Option<Source> {
 }
 
 /// The error that a table is none of the known forms: the nearest one, what it lacks, and how to say what it is.
-fn unknown(table: &Table<'_>, missing: &str) -> TekCsvError {
+fn unknown(table: &CsvRows<'_>, missing: &str) -> TekCsvError {
     let head = (0..table.len().min(8)).map(|index| table.row(index));
     let words: Vec<String> =
         head.flat_map(|row| row.texts().map(str::to_ascii_lowercase).collect::<Vec<_>>()).collect();

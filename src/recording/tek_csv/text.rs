@@ -9,7 +9,7 @@ use super::error::{TekCsvError, place};
 pub(super) const BYTE_ORDER_MARK: char = '\u{feff}';
 
 /// The text of a file, with what had to be assumed of its encoding or its line ends.
-pub(super) struct Text<'a> {
+pub(super) struct DecodedText<'a> {
     pub(super) text: Cow<'a, str>,
     pub(super) notes: Vec<String>,
 }
@@ -18,7 +18,7 @@ pub(super) struct Text<'a> {
 ///
 /// # Errors
 /// [`TekCsvError::NotText`] for bytes that no text has.
-pub(super) fn decode<'a>(bytes: &'a [u8], file: &str) -> Result<Text<'a>, TekCsvError> {
+pub(super) fn decode<'a>(bytes: &'a [u8], file: &str) -> Result<DecodedText<'a>, TekCsvError> {
     let mut notes = Vec::new();
     let text = match bytes {
         [0xFF, 0xFE, rest @ ..] => Cow::Owned(utf_16(rest, u16::from_le_bytes)),
@@ -41,9 +41,9 @@ pub(super) fn decode<'a>(bytes: &'a [u8], file: &str) -> Result<Text<'a>, TekCsv
         return Err(TekCsvError::NotText { place: place(file, line, column), found });
     }
     if text.contains('\r') && !text.contains('\n') {
-        return Ok(Text { text: Cow::Owned(text.replace('\r', "\n")), notes });
+        return Ok(DecodedText { text: Cow::Owned(text.replace('\r', "\n")), notes });
     }
-    Ok(Text { text, notes })
+    Ok(DecodedText { text, notes })
 }
 
 fn utf_16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> String {

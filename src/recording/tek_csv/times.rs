@@ -7,14 +7,14 @@
 //! is convex in `dt`: the intervals that explain the column lie between two ends, which cutting planes find (Kelley 1960,
 //! J. Soc. Ind. Appl. Math. 8, 703).
 
-use super::column::{Column, rounded};
+use super::column::{SampleColumn, rounded};
 use super::error::TekCsvError;
 use crate::quantity::engineering;
 
 /// How much of an interval a time near zero may be off, if times elsewhere are as coarse.
-const DRIFT: f64 = 0.01;
+const MAX_TIME_DRIFT: f64 = 0.01;
 /// What of an interval means nothing.
-const NOTHING: f64 = 1e-6;
+const TIME_ROUND_OFF: f64 = 1e-6;
 /// An interval that is known worse than this is told with its bounds (1).
 const COARSE: f64 = 1e-3;
 /// A printed digit of more than this share of the interval cannot tell rounding from a missing row (1).
@@ -22,11 +22,11 @@ const TOO_COARSE: f64 = 0.6;
 /// Cutting planes until the best interval is found; a few suffice.
 const MOST_CUTS: usize = 60;
 /// Most digits of a number (1).
-const MOST_DIGITS: usize = 15;
+const MAX_DIGITS: usize = 15;
 
 /// What a header says of the time base.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Stated {
+pub(super) struct StatedTimeBase {
     /// Sample interval (s; Hz for an FFT).
     pub(super) interval: Option<f64>,
     /// Index of the trigger (1).
@@ -35,18 +35,18 @@ pub(super) struct Stated {
 
 /// An even spacing.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Times {
+pub(super) struct EvenTimes {
     /// Sample interval (s; Hz for an FFT).
     pub(super) interval: f64,
     /// Index of the trigger (1).
     pub(super) trigger_point: f64,
 }
 
-impl Times {
+impl EvenTimes {
     /// The spacing of `column`; adds to `notes` what the header did not tell, or told otherwise.
     pub(super) fn fit(
-        column: &Column,
-        stated: Stated,
+        column: &SampleColumn,
+        stated: StatedTimeBase,
         unit: &'static str,
         notes: &mut Vec<String>,
     ) -> Result<Self, TekCsvError> {
@@ -68,7 +68,7 @@ impl Times {
     }
 
     /// Whether one even spacing, forward in time, explains the column.
-    pub(super) fn explain(column: &Column) -> bool {
+    pub(super) fn explain(column: &SampleColumn) -> bool {
         let rows = Rows::of(column);
         let (best, range) = rows.intervals();
         best > 0.0 && range.is_some() && rows.gap(column).is_none()
@@ -76,7 +76,7 @@ impl Times {
 
     fn compare(
         &self,
-        stated: Stated,
+        stated: StatedTimeBase,
         (range, unit): (Option<(f64, f64)>, &str),
         notes: &mut Vec<String>,
     ) {
@@ -134,7 +134,7 @@ struct Miss {
 }
 
 impl<'a> Rows<'a> {
-    fn of(column: &'a Column) -> Self {
+    fn of(column: &'a SampleColumn) -> Self {
         let times = column.values.as_slice();
         let (low, high) = column.range();
         let span = high - low;
@@ -142,8 +142,8 @@ impl<'a> Rows<'a> {
         let round_off = 4.0 * f64::EPSILON * low.abs().max(high.abs());
         // Programs add up times, and what should be zero comes out as -4.6E-11: with a fixed number of digits, not of decimals.
         let (coarsest, finest) = (column.largest_tolerance(), column.tolerance(0.0));
-        let drift = if coarsest > 1.5 * finest { coarsest.min(DRIFT * step) } else { 0.0 };
-        let spare = round_off + drift + NOTHING * step;
+        let drift = if coarsest > 1.5 * finest { coarsest.min(MAX_TIME_DRIFT * step) } else { 0.0 };
+        let spare = round_off + drift + TIME_ROUND_OFF * step;
         let tolerances = times.iter().map(|value| column.tolerance(*value) + spare).collect();
         Self { times, tolerances }
     }
@@ -247,7 +247,7 @@ impl<'a> Rows<'a> {
     }
 
     /// The trigger point: the header's, a whole one, that of the first row as printed, or the middle of what is possible.
-    fn trigger(&self, interval: f64, (low, high): (f64, f64), stated: Stated) -> f64 {
+    fn trigger(&self, interval: f64, (low, high): (f64, f64), stated: StatedTimeBase) -> f64 {
         let first = self.times.first().copied().unwrap_or_default();
         let middle = 0.0 - f64::midpoint(low, high) / interval;
         let whole = middle.round();
@@ -259,7 +259,7 @@ impl<'a> Rows<'a> {
 
     /// The first row whose step from the one before no rounding explains: rounded multiples of one interval have steps that differ by at
     /// most one digit. Where a digit is more than [`TOO_COARSE`] of an interval, any difference may be a missing row.
-    fn gap(&self, column: &Column) -> Option<usize> {
+    fn gap(&self, column: &SampleColumn) -> Option<usize> {
         if column.len() < 3 || column.largest_tolerance() > 1.5 * column.tolerance(0.0) {
             return None;
         }
@@ -275,7 +275,7 @@ impl<'a> Rows<'a> {
 
     fn uneven(
         &self,
-        column: &Column,
+        column: &SampleColumn,
         best: f64,
         gap: Option<usize>,
         unit: &'static str,
@@ -317,7 +317,7 @@ fn simplest(low: f64, high: f64, best: f64) -> f64 {
     let middle = f64::midpoint(low, high);
     let quarter = 0.25 * (high - low);
     let (low, high) = if coarse { (middle - quarter, middle + quarter) } else { (low, high) };
-    let candidates = (1..=MOST_DIGITS).map(|digits| rounded(middle, digits));
+    let candidates = (1..=MAX_DIGITS).map(|digits| rounded(middle, digits));
     let mut inside = candidates.filter(|interval| (low..=high).contains(interval));
     inside.next().unwrap_or(middle)
 }

@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 
 use hertzscope::recording::Capture;
-use hertzscope::recording::tek_csv::{Columns, read, read_all, read_columns, write};
+use hertzscope::recording::tek_csv::{TableColumns, read, read_all, read_columns, write};
 use hertzscope::scope::Source;
 
 /// A pulse in steps of 40 mV, as ten samples at 1 µs from -2 µs on.
@@ -392,7 +392,7 @@ fn what_fits_nothing_names_the_nearest_form() {
 #[test]
 fn columns_that_the_user_names() {
     let text = rows(|n, t, v| format!("{n},{t},{:.0},{v:.2}", v * 1e3));
-    let columns: Columns = "time=2:us,CH2=3:mV,p14=4:N".parse().expect("columns");
+    let columns: TableColumns = "time=2:us,CH2=3:mV,p14=4:N".parse().expect("columns");
     let found = read_columns(text.as_bytes(), "t.csv", &columns).expect("a table");
     assert_eq!(found.len(), 2);
     is(&found[0], Source::Channel(2), PULSE_TIMES, &PULSE);
@@ -408,7 +408,7 @@ fn columns_that_the_user_names() {
         ("time=1:V,CH1=2", "no unit of `time`"),
         ("time=1,CH1=2:bar", "`bar`"),
     ] {
-        let error = text.parse::<Columns>().expect_err(text);
+        let error = text.parse::<TableColumns>().expect_err(text);
         assert!(error.contains(word) && error.contains("time=1:ms"), "{error}");
     }
     let error = read_columns(text.as_bytes(), "t.csv", &"time=2:us,CH1=9".parse().unwrap())
