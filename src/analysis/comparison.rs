@@ -16,7 +16,7 @@
 use super::gate::Gate;
 use super::least_squares::squares;
 use super::pulse::Measure;
-use super::spectrum::{Analyser, Settings};
+use super::spectrum::{Analyser, SpectrumSettings};
 use super::window::Window;
 use crate::trace::Trace;
 
@@ -113,11 +113,11 @@ impl Pair {
     }
 
     fn spectrum_distance(&self) -> Option<f64> {
-        let settings = Settings {
+        let settings = SpectrumSettings {
             window: Window::Rectangular,
             padding: 1,
             gate: Gate::ALL,
-            ..Settings::default()
+            ..SpectrumSettings::default()
         };
         let mut analyser = Analyser::new();
         let mut moduli = |trace: &Trace| analyser.spectrum(trace, &settings).ok();

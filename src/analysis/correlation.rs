@@ -41,7 +41,7 @@ pub fn delay(first: &Pulse, second: &Pulse) -> Option<Measure> {
         (first.arrival(Estimator::HalfRise)?, second.arrival(Estimator::HalfRise)?);
     let (a, b) = (first.alone(half_a.value, rise), second.alone(half_b.value, rise));
     let reach = (NEAR * rise).ceil().max(2.0) as usize;
-    let Top { lag, bend, gain } = top(&correlate(&a, &b)?, reach)?;
+    let CorrelationMaximum { lag, bend, gain } = top(&correlate(&a, &b)?, reach)?;
     // The cut-out moves with the half-rise: how far the lag goes with it, once for each of the two.
     let moved = second.alone(half_b.value + half_b.standard_uncertainty, rise);
     let cut_b = (top(&correlate(&a, &moved)?, reach)?.lag - lag).abs();
@@ -58,7 +58,7 @@ pub fn delay(first: &Pulse, second: &Pulse) -> Option<Measure> {
 }
 
 /// A maximum of the correlation.
-struct Top {
+struct CorrelationMaximum {
     /// Lag (samples).
     lag: f64,
     /// Second difference from lag to lag.
@@ -74,7 +74,7 @@ struct Top {
     clippy::cast_possible_truncation,
     reason = "records are far shorter than 2^53 samples"
 )]
-fn top(lags: &[f64], reach: usize) -> Option<Top> {
+fn top(lags: &[f64], reach: usize) -> Option<CorrelationMaximum> {
     let best = (0..lags.len()).max_by(|i, j| lags[*i].total_cmp(&lags[*j]))?;
     let around = (0..=2 * reach).map(|shift| (best + lags.len() + shift - reach) % lags.len());
     let values = around.filter_map(|index| lags.get(index).copied()).collect();
@@ -86,7 +86,7 @@ fn top(lags: &[f64], reach: usize) -> Option<Top> {
     let x = nearest_fall(&|x| fit.slope(x))?;
     let bend = fit.curvature(x) / fit.scale().powi(2);
     let gain = fit.slope_variance(x) / (bend * fit.scale()).powi(2);
-    Some(Top { lag: fit.time(x), bend, gain })
+    Some(CorrelationMaximum { lag: fit.time(x), bend, gain })
 }
 
 impl Pulse {

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::picture;
 use crate::quantity::{Dimension, parse};
 use crate::report;
-use crate::report::magnet::{MagnetPage, Place};
+use crate::report::magnet::{MagnetPage, MagnetPoint};
 use crate::scene::magnets;
 
 /// The paper's preload (N).
@@ -64,8 +64,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         let wanted = arguments.force.unwrap_or(PAPER_FORCE);
         (Some(wanted), magnet.distances(wanted, temperature))
     };
-    let place = |distance: &f64| Place::of(&magnet, *distance, temperature);
-    let places: Vec<Place> = distances.iter().filter_map(place).collect();
+    let place = |distance: &f64| MagnetPoint::of(&magnet, *distance, temperature);
+    let places: Vec<MagnetPoint> = distances.iter().filter_map(place).collect();
     if let (Some(distance), true) = (arguments.distance, places.is_empty()) {
         let [near, far] = magnet.span();
         bail!("found a distance of {distance} m, expected one within the table, {near} to {far} m");

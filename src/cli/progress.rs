@@ -10,14 +10,14 @@ const BAR_DELAY: Duration = Duration::from_secs(1);
 const PARTS: u64 = 1000;
 
 /// Progress of one job.
-pub struct Progress {
+pub struct JobProgress {
     started: Instant,
     bar: Option<ProgressBar>,
     quiet: bool,
     what: String,
 }
 
-impl Progress {
+impl JobProgress {
     /// A job called `what`, never shown if `quiet`.
     pub fn new(what: &str, quiet: bool) -> Self {
         Self { started: Instant::now(), bar: None, quiet, what: what.to_owned() }

@@ -16,7 +16,7 @@ use crate::experiment::{Integration, facts};
 use crate::quantity::{Dimension, parse};
 use crate::recording::mcap::RecordingWriter;
 use crate::scene::Scene;
-use crate::server::{self, Options, Sockets};
+use crate::server::{self, ServerOptions, Sockets};
 
 /// Let lab programs talk to the scope over a raw TCP socket or HiSLIP, as to an instrument on the network
 #[derive(Debug, Args)]
@@ -98,7 +98,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.impact_on_enter {
         told.push_str("\nEnter strikes the chain");
     }
-    let options = Options {
+    let options = ServerOptions {
         header: arguments.header == Switch::On,
         impact_every: arguments.impact_every,
         strikes: arguments.impact_on_enter.then(lines),

@@ -7,7 +7,7 @@ use serde_json::json;
 
 use super::picture;
 use super::signal::{SignalArguments, WindowChoice, time};
-use crate::analysis::spectrum::{Analyser, Settings};
+use crate::analysis::spectrum::{Analyser, SpectrumSettings};
 use crate::analysis::time_frequency::{Pieces, Spectrogram};
 use crate::measurement::metadata;
 use crate::report::spectrogram::{SpectrogramPage, svg, text};
@@ -58,8 +58,12 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let length = gate.range(&trace).len();
     let segment = samples(arguments.segment, trace.interval, (length / SEGMENTS).max(2));
     let hop = samples(arguments.hop, trace.interval, (segment / OVERLAP).max(1));
-    let settings =
-        Settings { window: arguments.window.window(), gate, offset, ..Settings::default() };
+    let settings = SpectrumSettings {
+        window: arguments.window.window(),
+        gate,
+        offset,
+        ..SpectrumSettings::default()
+    };
     let map = Spectrogram::of(&mut Analyser::new(), &trace, &settings, Pieces { segment, hop })?;
     let scene = metadata::scene_of(&set, arguments.signal.shot).and_then(Result::ok);
     let chain = site.zip(scene).and_then(|(site, scene)| metadata::cell(&scene, site));

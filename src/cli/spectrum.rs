@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::picture;
 use super::signal::{SignalArguments, WindowChoice};
-use crate::analysis::spectrum::{Analyser, Convention, Settings};
+use crate::analysis::spectrum::{Analyser, Convention, SpectrumSettings};
 use crate::measurement::metadata;
 use crate::recording::TraceSet;
 use crate::report;
@@ -51,7 +51,7 @@ enum ConventionChoice {
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let (set, (trace, site, offset)) = arguments.signal.read()?;
-    let settings = Settings {
+    let settings = SpectrumSettings {
         convention: match arguments.convention {
             ConventionChoice::Paper => Convention::Paper,
             ConventionChoice::Density => Convention::Density,
@@ -59,7 +59,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         window: arguments.window.window(),
         gate: arguments.signal.gate(),
         offset,
-        ..Settings::default()
+        ..SpectrumSettings::default()
     };
     let spectrum = Analyser::new().spectrum(&trace, &settings)?;
     let mut peaks = spectrum.peaks(LISTED);

@@ -7,7 +7,7 @@ use super::outcome::effects;
 use super::{Integration, Outcome, RunError, method};
 use crate::recording::Attachment;
 use crate::recording::mcap::ShotNotes;
-use crate::recording::mcap::message::Energy;
+use crate::recording::mcap::message::EnergyMessage;
 use crate::scene::{PlacedSensor, Scene, Site, input_load};
 use crate::scope::set_up::set_up_text;
 
@@ -161,12 +161,12 @@ pub fn shot_notes(scene: &Scene, outcome: &Outcome) -> ShotNotes {
 }
 
 /// The ledger of shot `number` as it is recorded.
-fn booked(energy: &EnergyLedger, number: u32) -> Energy {
+fn booked(energy: &EnergyLedger, number: u32) -> EnergyMessage {
     let (end, lost) = (&energy.final_by_kind, &energy.dissipated_by_kind);
     let taken = |name: &str| {
         lost.losses.iter().find(|entry| entry.loss == name).map_or(0.0, |entry| entry.energy)
     };
-    Energy {
+    EnergyMessage {
         timestamp: None,
         shot: number,
         initial_j: energy.initial,

@@ -17,7 +17,7 @@ const MOST_OF_TRUTH: usize = 50_000;
 
 /// The sample grid that a scope wants its signals on, and how much of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Window {
+pub struct InputWindow {
     /// From one sample to the next (s).
     pub interval: f64,
     /// Time before the trigger that the record shows (s).
@@ -48,7 +48,7 @@ pub struct Inputs {
 ///
 /// # Errors
 /// [`RunError`] for states that stop being numbers.
-pub fn inputs(scene: &Scene, window: Window, shot: u32) -> Result<Inputs, RunError> {
+pub fn inputs(scene: &Scene, window: InputWindow, shot: u32) -> Result<Inputs, RunError> {
     let integration = Integration::Accuracy(of_scene(scene)?.value);
     let scene = &*settle(scene, integration);
     let method = method(scene, integration)?;

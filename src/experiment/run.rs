@@ -15,7 +15,7 @@ use crate::chain::ForceProbe;
 use crate::integrate::Method;
 use crate::recording::Shot;
 use crate::scene::{PlacedSensor, Scene, Site};
-use crate::scope::acquire::Found;
+use crate::scope::acquire::TriggerPosition;
 use crate::scope::front_end::noise_stream;
 
 /// Frames of the film over a scene's duration.
@@ -115,7 +115,7 @@ struct Finished<'a> {
     integration: Integration,
     method: Method,
     bench: &'a Bench<'a>,
-    found: Option<Found>,
+    found: Option<TriggerPosition>,
     wall_s: f64,
 }
 

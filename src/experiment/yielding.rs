@@ -1,6 +1,6 @@
 //! Where a run leaves what its elastic law is good for.
 
-use super::film::Film;
+use super::frames::Frames;
 use crate::chain::Chain;
 use crate::quantity::engineering;
 
@@ -8,7 +8,7 @@ use crate::quantity::engineering;
 const DEEP: f64 = 0.1;
 
 /// A note on overlaps that are no longer small beside the particles, as far as the film's frames show.
-pub fn deep(chain: &Chain, film: &Film) -> Option<String> {
+pub fn deep(chain: &Chain, film: &Frames) -> Option<String> {
     if chain.is_linear() {
         return None;
     }
@@ -33,7 +33,7 @@ pub fn deep(chain: &Chain, film: &Film) -> Option<String> {
 }
 
 /// A note on contacts that bore more than makes their softer body yield, as far as the film's frames show.
-pub fn note(chain: &Chain, film: &Film) -> Option<String> {
+pub fn note(chain: &Chain, film: &Frames) -> Option<String> {
     let mut worst: Option<(f64, f64, usize)> = None;
     let mut count = 0;
     for (j, (contact, forces)) in chain.contacts().iter().zip(&film.contact_forces).enumerate() {

@@ -14,7 +14,7 @@ const LONGEST: f64 = 10.0;
 
 /// Evenly spaced times after the trigger.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Axis {
+pub struct TimeAxis {
     /// Time of the first sample (s).
     pub start: f64,
     /// From one sample to the next (s).
@@ -37,7 +37,7 @@ pub struct Axis {
 pub fn seen(
     scene: &Scene,
     wanted: &[(usize, VerticalSetup)],
-    axis: Axis,
+    axis: TimeAxis,
     trigger: f64,
     accuracy: f64,
 ) -> Result<Option<Vec<Vec<f64>>>, RunError> {

@@ -20,7 +20,7 @@ mod report;
 mod search;
 
 pub use error::FitError;
-pub use options::{COVERAGE_95, Options};
+pub use options::{COVERAGE_95, FitOptions};
 pub use profile::Profile;
 pub use records::Records;
 pub use report::{ChannelResult, FitReport, Nuisance, Parameter};
@@ -28,10 +28,10 @@ pub use report::{ChannelResult, FitReport, Nuisance, Parameter};
 use std::time::Instant;
 
 use crate::analysis::least_squares::{LeastSquaresError, Minimum};
-use crate::measurement::compare::Side;
+use crate::measurement::compare::ComparedShot;
 use crate::measurement::compare::mapping::Assignment;
-use crate::scene::adjust::{Adjustable, Knob};
-use model::Model;
+use crate::scene::adjust::{Adjustable, AdjustableNumber};
+use model::TraceModel;
 use options::{EXPECTED_STEPS, LIMITS, MOST_DURATIONS, SAMPLES};
 
 /// A fit with its traces.
@@ -50,10 +50,10 @@ pub struct Fit {
 /// # Errors
 /// [`FitError`] where measurement and scene do not belong together, and where the traces do not tell the numbers.
 pub fn fit(
-    (scene, knobs): (&Adjustable, &[Knob]),
-    measured: Side<'_>,
+    (scene, knobs): (&Adjustable, &[AdjustableNumber]),
+    measured: ComparedShot<'_>,
     assignments: &[Assignment],
-    options: &Options,
+    options: &FitOptions,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Fit, FitError> {
     let began = Instant::now();
@@ -68,7 +68,7 @@ pub fn fit(
         progress((done / expected).min(0.99));
     };
     let freed = ((options.gains, options.offsets), options.accuracy);
-    let mut model = Model::new(scene, knobs, &records, freed, &mut report);
+    let mut model = TraceModel::new(scene, knobs, &records, freed, &mut report);
     let (minimum, starts) = search::best(&mut model, options)?;
     let names = model.names();
     let covariance =
@@ -82,12 +82,13 @@ pub fn fit(
     }
     let shown = model.shown(&minimum.x).ok_or(LeastSquaresError::NoStart)?;
     let runs = model.runs;
-    let found = report::Found { minimum: &minimum, covariance, names, profiles, starts, runs };
+    let found =
+        report::FittedMinimum { minimum: &minimum, covariance, names, profiles, starts, runs };
     let report = found.report((measured, scene), knobs, (&records, options), began);
     Ok(Fit { report, records, shown })
 }
 
-fn check(knobs: &[Knob]) -> Result<(), FitError> {
+fn check(knobs: &[AdjustableNumber]) -> Result<(), FitError> {
     for (place, knob) in knobs.iter().enumerate() {
         let path = knob.path.clone();
         if knob.value == 0.0 {

@@ -4,11 +4,11 @@
 //! contact, in sample intervals; with `gains`, a factor for each channel; with `offsets`, a zero for each channel, in levels. The scene's
 //! numbers are differentiated by central differences with steps of about one standard deviation, the rest in closed form.
 
-use super::forward::{Axis, seen};
+use super::forward::{TimeAxis, seen};
 use super::records::Records;
 use crate::analysis::correlation::correlate;
-use crate::analysis::least_squares::{Problem, squares};
-use crate::scene::adjust::{Adjustable, Knob};
+use crate::analysis::least_squares::{LeastSquaresProblem, squares};
+use crate::scene::adjust::{Adjustable, AdjustableNumber};
 
 /// First step of the differences, relative (1).
 const FIRST_STEP: f64 = 1e-3;
@@ -20,11 +20,11 @@ const LARGEST_FACTOR: f64 = 20.0;
 const COARSE: f64 = 1e-4;
 
 /// The traces as a function of the parameters.
-pub struct Model<'a> {
+pub struct TraceModel<'a> {
     /// The scene.
     pub scene: &'a Adjustable,
     /// What is freed of it.
-    pub knobs: &'a [Knob],
+    pub knobs: &'a [AdjustableNumber],
     /// What was measured.
     pub records: &'a Records,
     /// Whether each channel has a gain and an offset of its own.
@@ -42,11 +42,11 @@ pub struct Model<'a> {
     last: Option<(Vec<f64>, Vec<Vec<f64>>)>,
 }
 
-impl<'a> Model<'a> {
+impl<'a> TraceModel<'a> {
     /// The model of `records` by `scene`.
     pub fn new(
         scene: &'a Adjustable,
-        knobs: &'a [Knob],
+        knobs: &'a [AdjustableNumber],
         records: &'a Records,
         (free, accuracy): ((bool, bool), f64),
         progress: &'a mut dyn FnMut(),
@@ -102,11 +102,11 @@ impl<'a> Model<'a> {
     fn traces(
         &mut self,
         factors: &[f64],
-        axis: Axis,
+        axis: TimeAxis,
         trigger: f64,
         accuracy: f64,
     ) -> Option<Vec<Vec<f64>>> {
-        let values: Vec<(&Knob, f64)> = self
+        let values: Vec<(&AdjustableNumber, f64)> = self
             .knobs
             .iter()
             .zip(factors)
@@ -137,7 +137,7 @@ impl<'a> Model<'a> {
         let length = axis.count as f64 * axis.interval;
         let after = scene.duration + length;
         let count = axis.count + (after / axis.interval).ceil() as usize;
-        let long = Axis { start: -length, interval: axis.interval, count };
+        let long = TimeAxis { start: -length, interval: axis.interval, count };
         let traces = self.traces(factors, long, 0.0, COARSE)?;
         let mut cost = vec![0.0; count + 1 - axis.count];
         for (record, trace) in self.records.list.iter().zip(&traces) {
@@ -238,7 +238,7 @@ impl<'a> Model<'a> {
     }
 }
 
-impl Problem for Model<'_> {
+impl LeastSquaresProblem for TraceModel<'_> {
     fn counted(&self, _: &[f64]) -> usize {
         self.records.counted(self.horizon)
     }

@@ -104,7 +104,7 @@ impl Locks {
 
 /// A request that waits for its lock.
 #[derive(Debug, Clone)]
-pub struct Request {
+pub struct LockRequest {
     /// Key of the shared lock; empty for the exclusive one.
     pub key: Vec<u8>,
     /// When it is given up, on the server's clock (s).
@@ -112,4 +112,4 @@ pub struct Request {
 }
 
 /// Requests that wait, by session: one each.
-pub type Queue = BTreeMap<u16, Request>;
+pub type Queue = BTreeMap<u16, LockRequest>;

@@ -1,6 +1,6 @@
 //! One session: what it remembers between two messages.
 
-use super::message::{HEADER_BYTES, Kind, Piece, write};
+use super::message::{DecodedPiece, HEADER_BYTES, MessageType, write};
 
 /// Identifier of a client's first message after the start and after a device clear.
 const FIRST_MESSAGE: u32 = 0xFFFF_FF00;
@@ -24,7 +24,7 @@ pub struct Release {
 
 /// What a session remembers.
 #[derive(Debug, Clone)]
-pub struct Session {
+pub struct HislipSession {
     /// Number of its synchronous connection.
     pub synchronous: u64,
     /// Number of its asynchronous connection, as soon as there is one.
@@ -32,7 +32,7 @@ pub struct Session {
     /// A device clear has begun: what comes on the synchronous connection is thrown away until it is complete.
     pub clearing: bool,
     /// Messages that wait for somebody else's lock.
-    pub held: Vec<Piece>,
+    pub held: Vec<DecodedPiece>,
     /// A release that waits.
     pub release: Option<Release>,
     /// Payload of a reply's part at most (bytes).
@@ -55,7 +55,7 @@ struct Service {
     asked: bool,
 }
 
-impl Session {
+impl HislipSession {
     /// A session whose synchronous connection is there.
     pub fn new(synchronous: u64) -> Self {
         Self {
@@ -102,7 +102,8 @@ impl Session {
         let mut out = Vec::with_capacity(bytes.len() + HEADER_BYTES);
         let mut parts = bytes.chunks(self.part).peekable();
         while let Some(part) = parts.next() {
-            let kind = if parts.peek().is_some() { Kind::Data } else { Kind::DataEnd };
+            let kind =
+                if parts.peek().is_some() { MessageType::Data } else { MessageType::DataEnd };
             write(kind, 0, self.last.unwrap_or(NO_MESSAGE), part, &mut out);
         }
         out

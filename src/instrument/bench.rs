@@ -13,7 +13,7 @@ const MOST_IMPACTS: u32 = 1000;
 
 /// A scene that the bench can be set up as, and what there is to turn in it.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Scene {
+pub struct BenchScene {
     /// Its name.
     pub name: String,
     /// Mass of the striker, where there is one (kg).
@@ -26,18 +26,18 @@ pub struct Scene {
 
 /// The bench as the remote interface knows it.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Bench {
+pub struct RemoteBench {
     /// The scene that it is set up as, with everything that was turned since.
-    pub scene: Scene,
+    pub scene: BenchScene,
     /// Scenes that it can be set up as; none without a bench.
-    pub scenes: Vec<Scene>,
+    pub scenes: Vec<BenchScene>,
     /// Impacts so far.
     pub impacts: u32,
     /// Impacts asked for and not carried out.
     pub asked: u32,
 }
 
-impl Bench {
+impl RemoteBench {
     /// Asks for an impact; more than a thousand do not wait.
     pub fn ask_for_impact(&mut self) {
         self.asked = (self.asked + 1).min(MOST_IMPACTS);

@@ -22,9 +22,9 @@ pub mod timing;
 pub mod transfer;
 pub mod word;
 
-pub use bench::Bench;
+pub use bench::RemoteBench;
 pub use event::Event;
-pub use outcome::{Accepted, Finished, Trigger};
+pub use outcome::{Accepted, Finished, TriggerInstant};
 pub use panel::Panel;
 pub use record::Signals;
 pub use status::Status;
@@ -64,7 +64,7 @@ pub struct Instrument {
     /// Lock and device trigger.
     pub service: Service,
     /// What the remote interface wants of the bench.
-    pub bench: Bench,
+    pub bench: RemoteBench,
     settled: Panel,
     acquisition: Acquisition,
     references: [Option<Waveform>; 4],
@@ -110,7 +110,7 @@ impl Instrument {
             transfer: Transfer::initial(points),
             incoming: Incoming::initial(points),
             service: Service::default(),
-            bench: Bench::default(),
+            bench: RemoteBench::default(),
             settled: panel.clone(),
             acquisition: Acquisition::default(),
             references: Default::default(),

@@ -131,7 +131,7 @@ pub fn survey(set: &TraceSet, shot: &Shot) -> Survey {
         let (channel, pulse) = channel(capture, sensor);
         channels.push(channel);
         if let (Some(pulse), Some(site)) = (pulse, sensor.and_then(|sensor| sensor.site)) {
-            placed.push(Placed { channel: name, site, pulse });
+            placed.push(PlacedPulse { channel: name, site, pulse });
         }
     }
     let over_time = |capture: &Capture| capture.waveform.preamble.x_unit == "s";
@@ -149,8 +149,8 @@ pub fn survey(set: &TraceSet, shot: &Shot) -> Survey {
     let speeds = scene.iter().flat_map(|scene| {
         placed.iter().zip(placed.iter().skip(1)).flat_map(|(a, b)| between(scene, a, b))
     });
-    let decay = |(a, b): (&Placed, &Placed)| {
-        let height = |placed: &Placed| {
+    let decay = |(a, b): (&PlacedPulse, &PlacedPulse)| {
+        let height = |placed: &PlacedPulse| {
             channels.iter().find(|channel| channel.channel == placed.channel)?.height_n
         };
         let (here, there) = (height(a)?, height(b)?);
@@ -169,7 +169,7 @@ pub fn survey(set: &TraceSet, shot: &Shot) -> Survey {
 }
 
 /// A pulse and where it was felt.
-struct Placed {
+struct PlacedPulse {
     channel: String,
     site: Site,
     pulse: Pulse,
@@ -217,7 +217,7 @@ fn channel(capture: &Capture, sensor: Option<&RecordedSensor>) -> (ChannelArriva
 }
 
 /// Speeds from one place to the next by every estimator that tells both arrivals, and by cross-correlation.
-fn between(scene: &Scene, from: &Placed, to: &Placed) -> Vec<SpeedBetween> {
+fn between(scene: &Scene, from: &PlacedPulse, to: &PlacedPulse) -> Vec<SpeedBetween> {
     let Some(distance_m) = metadata::distance(scene, from.site, to.site) else {
         return Vec::new();
     };

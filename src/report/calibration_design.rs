@@ -3,7 +3,7 @@
 use super::table;
 use crate::quantity::engineering;
 use crate::studies::momentum_test::coverage::Coverage;
-use crate::studies::momentum_test::design::{Candidate, Lab};
+use crate::studies::momentum_test::design::{LabUncertainties, TestDesign};
 
 /// Candidates shown.
 const SHOWN: usize = 12;
@@ -11,8 +11,8 @@ const SHOWN: usize = 12;
 /// The page that `calibrate --simulate` prints.
 pub fn design_page(
     sensor: &str,
-    lab: &Lab,
-    candidates: &[Candidate],
+    lab: &LabUncertainties,
+    candidates: &[TestDesign],
     checked: Option<&Coverage>,
 ) -> String {
     let gain = lab.gain_u.map_or("sensor and scope as one chain".to_owned(), |u| {

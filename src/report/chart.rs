@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::plot::{Cloud, Curve};
+use super::plot::{Curve, PointSet};
 use crate::quantity::engineering;
 
 /// Size of the picture and of the frame's margins: left, right, above, below (pixels).
@@ -106,7 +106,7 @@ fn frame(
 /// The picture of several curves with points on them, titled `words.0`, its axes labelled `words.1`, from zero in both directions.
 pub fn chart_with_points(
     curves: &[Vec<(f64, f64)>],
-    clouds: &[Cloud<'_>],
+    clouds: &[PointSet<'_>],
     (title, labels): (&str, (&str, &str)),
     units: (&str, &str),
 ) -> String {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::plot::{Cloud, scatter};
+use super::plot::{PointSet, scatter};
 use super::{chart, table};
 use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::wavenumber::{SpectralLine, SpectralLines};
@@ -43,14 +43,14 @@ impl DispersionPage {
         if off(&branches[0]) <= off(&branches[1]) { branches[0] } else { branches[1] }
     }
 
-    fn clouds(&self) -> [Cloud<'static>; 2] {
+    fn clouds(&self) -> [PointSet<'static>; 2] {
         let of = |onward: bool| {
             let lines = self.found.lines.iter().filter(|line| line.onward == onward);
             lines.map(|line| (line.phase, line.frequency)).collect()
         };
         [
-            Cloud { points: of(true), name: "phase runs onward", colour: "#c04020" },
-            Cloud { points: of(false), name: "phase runs back", colour: "#208040" },
+            PointSet { points: of(true), name: "phase runs onward", colour: "#c04020" },
+            PointSet { points: of(false), name: "phase runs back", colour: "#208040" },
         ]
     }
 

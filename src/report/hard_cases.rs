@@ -1,10 +1,10 @@
 //! The catalogue of hard cases as a page of text.
 
-use super::words::hanging;
-use crate::studies::hard_cases::Finding;
+use super::text::hanging;
+use crate::studies::hard_cases::CaseResult;
 
 /// The page that `hard-cases` prints.
-pub fn hard_cases(findings: &[Finding]) -> String {
+pub fn hard_cases(findings: &[CaseResult]) -> String {
     let mut lines = Vec::new();
     for finding in findings {
         lines.push(format!("{:<8} {}", finding.verdict.word(), finding.case));

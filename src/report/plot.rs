@@ -91,7 +91,7 @@ fn share(value: f64, low: f64, high: f64, dots: usize) -> usize {
 
 /// Points that belong together.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Cloud<'a> {
+pub struct PointSet<'a> {
     /// The points (unit).
     pub points: Vec<(f64, f64)>,
     /// What they are.
@@ -103,7 +103,7 @@ pub struct Cloud<'a> {
 /// Curves with points on them as lines of text, from zero in both directions; each point is a cross of five dots.
 pub fn scatter(
     curves: &[Vec<(f64, f64)>],
-    clouds: &[Cloud<'_>],
+    clouds: &[PointSet<'_>],
     label: &str,
     label_y: &dyn Fn(f64) -> String,
 ) -> Vec<String> {

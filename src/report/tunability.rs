@@ -1,6 +1,6 @@
 //! Maps of what a chain lets pass over a knob: shades and numbers for a terminal, sheets for a picture.
 
-use super::sheet::{Axis, COLOURS, Line, Map, Panel, Sheet, Stroke, sheet_svg};
+use super::sheet::{Axis, COLOURS, Plot, Polyline, ShadedMap, Sheet, Stroke, sheet_svg};
 use super::table;
 use crate::analysis::dispersion::DiatomicChain;
 use crate::quantity::engineering;
@@ -171,26 +171,31 @@ fn curve(tuning: &Tuning, factor: f64, of: &dyn Fn(&TunedPoint) -> Option<f64>) 
     tuning.points.iter().filter_map(|point| Some((factor * point.value, of(point)?))).collect()
 }
 
-fn map_panel(tuning: &Tuning) -> Panel {
+fn map_panel(tuning: &Tuning) -> Plot {
     let (x, factor) = axis(tuning);
-    let mut panel = Panel::new(
+    let mut panel = Plot::new(
         "spectrum at the last sensor",
         x,
         Axis::linear("frequency (kHz)", 0.0, 1e-3 * HIGHEST),
     );
-    panel.map = Some(Map {
+    panel.map = Some(ShadedMap {
         columns: tuning.points.iter().map(|point| shares(point, ROWS.1)).collect(),
         shades: format!("white to black: {DEPTH:.0} dB"),
     });
     for ((name, edge), colour) in EDGES.into_iter().zip([1, 3, 4]) {
         let points = curve(tuning, factor, &|point| Some(1e-3 * edge(&point.chain?)));
         let name = name.to_owned();
-        panel.lines.push(Line { name, points, colour: COLOURS[colour], stroke: Stroke::Dashed });
+        panel.lines.push(Polyline {
+            name,
+            points,
+            colour: COLOURS[colour],
+            stroke: Stroke::Dashed,
+        });
     }
     panel
 }
 
-fn speed_panel(tuning: &Tuning) -> Panel {
+fn speed_panel(tuning: &Tuning) -> Plot {
     let (x, factor) = axis(tuning);
     let lines = [
         ("pulse, half-rise", curve(tuning, factor, &|point| point.pulse_speed), 0, Stroke::Solid),
@@ -203,14 +208,14 @@ fn speed_panel(tuning: &Tuning) -> Panel {
     ];
     let speeds = lines.iter().flat_map(|(_, points, ..)| points.iter().map(|(_, speed)| *speed));
     let top = speeds.fold(1.0, f64::max);
-    let mut panel = Panel::new(
+    let mut panel = Plot::new(
         "speed between first and last sensor",
         x,
         Axis::linear("speed (m/s)", 0.0, 1.3 * top),
     );
     panel.lines = lines
         .into_iter()
-        .map(|(name, points, colour, stroke)| Line {
+        .map(|(name, points, colour, stroke)| Polyline {
             name: name.to_owned(),
             points,
             colour: COLOURS[colour],

@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use super::document::{Entry, Node, Place, Value};
+use super::document::{Entry, Node, SourceLocation, Value};
 use super::files::{read_text, shipped};
 use super::problem::{Problem, SceneError};
 use super::texts::Texts;
@@ -36,7 +36,7 @@ enum Origin {
 
 /// A scene's tree with everything it stands on, and the text as typed.
 #[derive(Debug)]
-pub struct Loaded {
+pub struct LoadedScene {
     /// Short name: the embedded name or the file's stem.
     pub name: String,
     /// The scene's own text.
@@ -53,7 +53,7 @@ pub struct Loaded {
 ///
 /// # Errors
 /// [`SceneError`] when there is no such scene or its text is no TOML.
-pub fn load(name: &str) -> Result<Loaded, SceneError> {
+pub fn load(name: &str) -> Result<LoadedScene, SceneError> {
     let (text, file, origin) = find("scenes", name, &Origin::Embedded)?.ok_or_else(|| {
         SceneError::Unknown { name: name.to_owned(), shipped: data::instrument_names("scenes") }
     })?;
@@ -66,16 +66,21 @@ pub fn load(name: &str) -> Result<Loaded, SceneError> {
 ///
 /// # Errors
 /// [`SceneError`] when the text is no TOML or stands on what is not there.
-pub fn load_text(name: &str, file: &str, text: &str) -> Result<Loaded, SceneError> {
+pub fn load_text(name: &str, file: &str, text: &str) -> Result<LoadedScene, SceneError> {
     assembled(name, text.to_owned(), file, &Origin::Embedded)
 }
 
-fn assembled(name: &str, text: String, file: &str, origin: &Origin) -> Result<Loaded, SceneError> {
+fn assembled(
+    name: &str,
+    text: String,
+    file: &str,
+    origin: &Origin,
+) -> Result<LoadedScene, SceneError> {
     let mut library = Library { texts: Texts::default(), problems: Vec::new() };
     let root = library.assemble(&text, file, origin, 0)?;
     library.add_constants(&root);
     let Library { texts, problems } = library;
-    Ok(Loaded { name: name.to_owned(), text, texts, root, problems })
+    Ok(LoadedScene { name: name.to_owned(), text, texts, root, problems })
 }
 
 /// The tree of the instrument file `kind/name`, which `place` names.
@@ -85,7 +90,7 @@ fn assembled(name: &str, text: String, file: &str, origin: &Origin) -> Result<Lo
 pub fn instrument(
     kind: &str,
     name: &str,
-    place: &Place,
+    place: &SourceLocation,
     key: &str,
 ) -> Result<Rc<Node>, Vec<Problem>> {
     if let Some(node) = shipped(kind, name) {
@@ -266,7 +271,7 @@ fn stand_in(kind: &str) -> Option<Node> {
 }
 
 /// Where the file of `place` lies, so that paths in it can be relative.
-fn origin_of(place: &Place) -> Origin {
+fn origin_of(place: &SourceLocation) -> Origin {
     let path = Path::new(place.file());
     if path.exists() { Origin::File(path.to_owned()) } else { Origin::Embedded }
 }

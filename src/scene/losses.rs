@@ -1,7 +1,7 @@
 //! Losses in the contacts: `[effects.dashpot]`, `[effects.kuwabara_kono]` and `[effects.power_law_loss]`.
 
 use super::effect_table::effect;
-use super::reader::{Bound, Table};
+use super::reader::{Bound, TableReader};
 use crate::chain::{
     ContactOverride, Dashpot, EffectsSpec, EndOfContact, KuwabaraKono, LossSpec, PowerLawLoss,
 };
@@ -20,7 +20,7 @@ const EXPONENTS: Bound = Bound::Within(1.0, 5.0);
 type Coefficient = (&'static str, Dimension, Bound);
 
 /// Reads the losses into `spec`. `kinds` are the kinds of particles that stand beside each other, with "striker" and "wall".
-pub fn losses(effects: &Table<'_>, pairs: &[(&str, &str)], spec: &mut EffectsSpec) {
+pub fn losses(effects: &TableReader<'_>, pairs: &[(&str, &str)], spec: &mut EffectsSpec) {
     let mut ends = Vec::new();
     if let Some(table) = effect(effects, "dashpot") {
         let gamma = ("gamma", Dimension::DAMPING, Bound::Within(0.0, LARGEST_GAMMA));
@@ -43,7 +43,7 @@ pub fn losses(effects: &Table<'_>, pairs: &[(&str, &str)], spec: &mut EffectsSpe
 }
 
 fn loss(
-    table: &Table<'_>,
+    table: &TableReader<'_>,
     coefficient: Coefficient,
     pairs: &[(&str, &str)],
     ends: &mut Vec<EndOfContact>,

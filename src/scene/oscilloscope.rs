@@ -1,7 +1,7 @@
 //! An oscilloscope's data file, `instruments/<model>.toml`: the limits that a front panel is checked against.
 
 use super::model;
-use super::reader::{Bound, Table};
+use super::reader::{Bound, TableReader};
 use super::series::{LONGEST_RECORD, series};
 use crate::quantity::{Dimension, engineering};
 use crate::scope::Model;
@@ -16,12 +16,12 @@ const ROUND_OFF: f64 = 1e-12;
 
 /// Reads the keys of an oscilloscope's data file. Every key is asked for before anything is given up, so that all that is
 /// wrong is told at once and nothing right is called unknown.
-pub fn model(table: &Table<'_>) -> Option<Model> {
+pub fn model(table: &TableReader<'_>) -> Option<Model> {
     let what = "the name of an oscilloscope, e.g. \"tds2014\"";
     let named = table.required_text("model", what).is_some();
     // Without a model every key of its file would be missing: once is enough.
-    let number = if named { Table::required } else { Table::quantity };
-    let count = if named { Table::required_count } else { Table::count };
+    let number = if named { TableReader::required } else { TableReader::quantity };
+    let count = if named { TableReader::required_count } else { TableReader::count };
     let text =
         |key| if named { table.required_text(key, "text in quotes") } else { table.text(key) };
     let list = |key, dimension| series(table, key, dimension, named);
@@ -100,7 +100,7 @@ pub fn model(table: &Table<'_>) -> Option<Model> {
 /// A time base that the instrument does not have or that shows nothing of the scene is a mistake, not a setting; so is a
 /// record that begins after the scene or ends before it. `window`: time base (s/div) and horizontal position (s), if read.
 pub fn check_window(
-    table: &Table<'_>,
+    table: &TableReader<'_>,
     model: &Model,
     window: (f64, Option<f64>),
     duration: Option<f64>,
@@ -141,7 +141,7 @@ pub fn check_window(
 }
 
 /// What a channel's knobs can be turned to: probe (1), scale (V/div) if read, position (div).
-pub fn check_vertical(table: &Table<'_>, model: &Model, knobs: (f64, Option<f64>, f64)) {
+pub fn check_vertical(table: &TableReader<'_>, model: &Model, knobs: (f64, Option<f64>, f64)) {
     let (probe, scale, position) = knobs;
     if !is_one_of(probe, &model.probes) {
         table.problem("probe", probe.to_string(), format!("one of {:?}", model.probes));

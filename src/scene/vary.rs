@@ -10,7 +10,7 @@ use super::tree::{ANY, at_mut, expand, known, put};
 
 /// What is to stand where.
 #[derive(Debug, Clone)]
-pub struct Setting<'a> {
+pub struct SceneOverride<'a> {
     /// Paths in the scene, `striker.speed`; a number is a place in a list, counted from 1.
     pub paths: &'a [String],
     /// What is to stand there.
@@ -41,9 +41,9 @@ impl Adjustable {
     ///
     /// # Errors
     /// [`SceneError`] with everything that is wrong with it, each problem where it was typed.
-    pub fn varied(&self, settings: &[Setting<'_>], seed: u64) -> Result<Scene, SceneError> {
+    pub fn varied(&self, settings: &[SceneOverride<'_>], seed: u64) -> Result<Scene, SceneError> {
         let mut root = self.loaded.root.clone();
-        for Setting { paths, node } in settings {
+        for SceneOverride { paths, node } in settings {
             for path in *paths {
                 let keys: Vec<&str> = path.split('.').collect();
                 change(&mut root, &keys, node.clone()).map_err(SceneError::Problems)?;

@@ -64,7 +64,7 @@ pub struct Model {
     /// Events that wait at the remote interface before further ones are lost.
     pub event_queue: usize,
     /// How far knobs turn.
-    pub limits: Limits,
+    pub limits: KnobLimits,
     /// Errors that the data sheet allows.
     pub accuracy: Accuracy,
     /// How a spectrum is computed and scaled.
@@ -73,7 +73,7 @@ pub struct Model {
 
 /// How far knobs turn.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Limits {
+pub struct KnobLimits {
     /// Farthest vertical position at the input on small scales (V).
     pub near_offset: f64,
     /// Largest of the small scales, at the input (V/div).

@@ -18,7 +18,7 @@ pub enum Argument {
 
 /// One command or query.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Unit {
+pub struct MessageUnit {
     /// Whether the header begins with a colon.
     pub from_root: bool,
     /// The header's words, `*` included in the first.
@@ -30,7 +30,7 @@ pub struct Unit {
 }
 
 /// Cuts a message into units; each is a unit or the event that tells why it is none.
-pub fn units(message: &[u8]) -> Vec<Result<Unit, Event>> {
+pub fn units(message: &[u8]) -> Vec<Result<MessageUnit, Event>> {
     let mut cursor = Cursor { bytes: message, at: 0 };
     let mut units = Vec::new();
     loop {
@@ -75,7 +75,7 @@ impl<'a> Cursor<'a> {
         self.bytes.get(start..self.at).unwrap_or_default()
     }
 
-    fn unit(&mut self) -> Result<Unit, Event> {
+    fn unit(&mut self) -> Result<MessageUnit, Event> {
         let from_root = self.peek() == Some(b':');
         if from_root {
             self.at += 1;
@@ -95,7 +95,7 @@ impl<'a> Cursor<'a> {
             Some(byte) if byte <= b' ' => self.arguments()?,
             Some(_) => return Err(Event::InvalidCharacter),
         };
-        Ok(Unit { from_root, header, is_query, arguments })
+        Ok(MessageUnit { from_root, header, is_query, arguments })
     }
 
     fn arguments(&mut self) -> Result<Vec<Argument>, Event> {

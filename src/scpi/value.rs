@@ -5,7 +5,7 @@ use crate::instrument::word::short_form;
 
 /// One answer.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Value {
+pub enum ReplyValue {
     /// A setting with decimals, in the unit that the command's manual names (unit).
     Number(f64),
     /// A measurement, in the unit that `MEASUrement` tells (unit).
@@ -22,7 +22,7 @@ pub enum Value {
     Block(Vec<u8>),
 }
 
-impl Value {
+impl ReplyValue {
     /// A flag as `1` or `0`.
     pub fn flag(on: bool) -> Self {
         Self::Integer(i64::from(on))

@@ -25,14 +25,14 @@ const COARSEST: f64 = 100.0;
 
 /// Which way a knob is turned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Turn {
+pub enum TurnDirection {
     /// To the smaller number: down, left, earlier, fewer units a division.
     Down,
     /// To the larger number: up, right, later, more units a division.
     Up,
 }
 
-impl Turn {
+impl TurnDirection {
     /// The other way.
     pub fn other(self) -> Self {
         match self {
@@ -82,11 +82,11 @@ impl Steps {
     }
 
     /// The step next to `value` when the knob is turned; a `value` between two steps goes to the nearer end (unit).
-    pub fn next(self, value: f64, turn: Turn) -> f64 {
+    pub fn next(self, value: f64, turn: TurnDirection) -> f64 {
         let steps = self.around(value);
         match turn {
-            Turn::Up => steps.into_iter().find(|step| *step > value * (1.0 + SAME)),
-            Turn::Down => steps.filter(|step| *step < value * (1.0 - SAME)).last(),
+            TurnDirection::Up => steps.into_iter().find(|step| *step > value * (1.0 + SAME)),
+            TurnDirection::Down => steps.filter(|step| *step < value * (1.0 - SAME)).last(),
         }
         .unwrap_or(value)
     }
@@ -99,14 +99,14 @@ impl Steps {
 
 /// The part of the abscissa that is on screen.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Window {
+pub struct ViewWindow {
     /// Abscissa of the screen's centre (s; Hz for an FFT).
     pub centre: f64,
     /// Width of a division (s/div; Hz/div for an FFT).
     pub scale: f64,
 }
 
-impl Window {
+impl ViewWindow {
     /// The window under which `waveform` was recorded: its whole record, unless its preamble says otherwise.
     pub fn recorded(waveform: &Waveform) -> Self {
         let (start, end) = extent(waveform);
@@ -139,7 +139,7 @@ impl Window {
     }
 
     /// This window after a turn of the s/div knob; what stands `anchor` divisions right of the centre stays there.
-    pub fn zoomed(self, waveform: &Waveform, turn: Turn, anchor: f64) -> Self {
+    pub fn zoomed(self, waveform: &Waveform, turn: TurnDirection, anchor: f64) -> Self {
         let (start, end) = extent(waveform);
         let steps = Steps::OneTwoAndHalfFive;
         let recorded = Self::recorded(waveform).scale;
@@ -206,7 +206,7 @@ impl Vertical {
     }
 
     /// The scale after a turn of the V/div knob, between one level a division and 100 times the recorded scale (V/div).
-    pub fn turned(self, waveform: &Waveform, turn: Turn) -> f64 {
+    pub fn turned(self, waveform: &Waveform, turn: TurnDirection) -> f64 {
         let steps = Steps::OneTwoFive;
         let recorded = Self::recorded(waveform).scale;
         let coarsest = steps.at_least(recorded * COARSEST);

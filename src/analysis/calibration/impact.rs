@@ -1,9 +1,9 @@
 //! One record of one impact: where its contact is, and the sums from which its integral follows for any baseline and tau.
 
 use super::Exclusion;
-use super::prepared::Prepared;
+use super::prepared::PreparedRecord;
 use super::record::NOISE_TIMES;
-pub use super::record::Record;
+pub use super::record::RawRecord;
 use crate::analysis::baseline::Baseline;
 use crate::analysis::droop::undo_droop;
 use crate::trace::Trace;
@@ -71,8 +71,8 @@ impl Impact {
         clippy::cast_sign_loss,
         reason = "records are far shorter than 2^53 samples"
     )]
-    pub fn read(record: &Record, tau: f64) -> Result<Self, Exclusion> {
-        let prepared = Prepared::new(record)?;
+    pub fn read(record: &RawRecord, tau: f64) -> Result<Self, Exclusion> {
+        let prepared = PreparedRecord::new(record)?;
         let signal = &prepared.signal;
         let rise = prepared.rise().ok_or(Exclusion::NoPreTrigger { samples: 0 })?;
         let length = signal.values.len();

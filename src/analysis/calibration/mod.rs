@@ -21,13 +21,13 @@ mod prepared;
 mod record;
 mod tail;
 
-pub use data::{Calibration, CalibrationError, ImpactResult, NonLinearity, Strike};
+pub use data::{Calibration, CalibrationError, ImpactResult, NonLinearity, PlannedStrike};
 pub use draws::{COVERAGE_95, Draws};
 pub use exclusion::Exclusion;
 
 use self::assemble::assemble;
 use self::impact::Impact;
-use self::model::{Common, Model};
+use self::model::{Common, MeasurementEquation};
 
 /// An impact this many standard uncertainties away from the others is left out (1).
 pub const OUTLYING: f64 = 5.0;
@@ -39,7 +39,7 @@ const MEDIAN_TO_DEVIATION: f64 = 1.4826;
 /// # Errors
 /// [`CalibrationError`] where fewer than two impacts can be used or nothing tells the time constant.
 pub fn calibrate(
-    strikes: &[Strike],
+    strikes: &[PlannedStrike],
     common: &Common,
     draws: Draws,
 ) -> Result<Calibration, CalibrationError> {
@@ -62,7 +62,8 @@ pub fn calibrate(
             let impact = read[*i].as_ref().ok()?;
             Some((*i, impact, &strikes[*i].motion, tails[*i].as_ref()))
         });
-        let model = Model::new(impacts, common).ok_or(CalibrationError::NoTimeConstant)?;
+        let model =
+            MeasurementEquation::new(impacts, common).ok_or(CalibrationError::NoTimeConstant)?;
         match outlier(&model) {
             Some((position, times)) => {
                 excluded.push((used.remove(position), Exclusion::Outlier { times }));
@@ -74,8 +75,8 @@ pub fn calibrate(
 }
 
 /// Without any impact that could be read, that is what has to be told.
-fn no_tau(strikes: &[Strike]) -> CalibrationError {
-    let guess = |strike: &Strike| Impact::read(&strike.record, f64::INFINITY).err();
+fn no_tau(strikes: &[PlannedStrike]) -> CalibrationError {
+    let guess = |strike: &PlannedStrike| Impact::read(&strike.record, f64::INFINITY).err();
     let reasons: Vec<(usize, Exclusion)> =
         strikes.iter().enumerate().filter_map(|(i, s)| Some((i, guess(s)?))).collect();
     if reasons.len() + 1 < strikes.len() {
@@ -86,7 +87,7 @@ fn no_tau(strikes: &[Strike]) -> CalibrationError {
 }
 
 /// The impact farthest from the others, if it is too far: by its own uncertainty and by the others' scatter.
-fn outlier(model: &Model) -> Option<(usize, f64)> {
+fn outlier(model: &MeasurementEquation) -> Option<(usize, f64)> {
     let values = model.each();
     if values.len() < 3 {
         return None;

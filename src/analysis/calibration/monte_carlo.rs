@@ -9,7 +9,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
 use super::draws::{COVERAGE_95, Draws};
-use super::model::Model;
+use super::model::MeasurementEquation;
 
 /// Significant digits of the standard uncertainty that both propagations are to agree in.
 const DIGITS: i32 = 1;
@@ -44,7 +44,7 @@ pub struct MonteCarlo {
     clippy::cast_sign_loss,
     reason = "a share of a number of draws"
 )]
-pub fn run(model: &Model, draws: Draws) -> Option<MonteCarlo> {
+pub fn run(model: &MeasurementEquation, draws: Draws) -> Option<MonteCarlo> {
     if draws.count < 2 {
         return None;
     }

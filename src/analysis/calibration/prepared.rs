@@ -1,7 +1,7 @@
 //! A record before its integral: is it sound, where is its zero, where its pulse.
 
 use super::exclusion::Exclusion;
-use super::record::{NOISE_TIMES, Record};
+use super::record::{NOISE_TIMES, RawRecord};
 use crate::analysis::baseline::{Baseline, noise_of};
 use crate::analysis::pulse::{Conditions, PulseError};
 use crate::trace::Trace;
@@ -16,7 +16,7 @@ const FEWEST_BASELINE: usize = 50;
 const LEAD: usize = 3;
 
 /// A record whose pulse is positive and stands out of the noise; its baseline is known.
-pub struct Prepared {
+pub struct PreparedRecord {
     /// Its baseline.
     pub baseline: Baseline,
     /// Standard uncertainty of one sample (V).
@@ -31,12 +31,12 @@ pub struct Prepared {
     pub threshold: f64,
 }
 
-impl Prepared {
+impl PreparedRecord {
     /// Looks at `record`.
     ///
     /// # Errors
     /// [`Exclusion`]: why it is no good.
-    pub fn new(record: &Record) -> Result<Self, Exclusion> {
+    pub fn new(record: &RawRecord) -> Result<Self, Exclusion> {
         let trace = &record.trace;
         if record.clipped > 0 {
             return Err(Exclusion::Saturated { samples: record.clipped });

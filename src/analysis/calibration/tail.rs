@@ -3,8 +3,8 @@
 //! Without force `V[i] + (1 - a) sum over k < i of V[k] = 0`; least squares of these gives `1 - a = 1 - exp(-dt/tau)`.
 //! Valid where the sensor feels nothing behind the contact, as one that only the striker presses on.
 
-use super::prepared::Prepared;
-use super::record::Record;
+use super::prepared::PreparedRecord;
+use super::record::RawRecord;
 
 /// The end of the contact is not sharp: the fit begins this share of the contact later (1).
 const CLEARANCE: f64 = 0.3;
@@ -32,8 +32,8 @@ impl Tail {
 }
 
 /// Fits the end of `record`; none where there is too little, or no leak above the noise.
-pub fn fit(record: &Record) -> Option<Tail> {
-    let prepared = Prepared::new(record).ok()?;
+pub fn fit(record: &RawRecord) -> Option<Tail> {
+    let prepared = PreparedRecord::new(record).ok()?;
     let signal = &prepared.signal;
     let start = prepared.start()?;
     // The voltage passes zero a little before the contact ends.

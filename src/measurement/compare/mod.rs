@@ -12,17 +12,17 @@ mod side;
 pub mod tolerance;
 
 pub use score::{ChannelScore, SpeedScore};
-pub use side::Side;
+pub use side::ComparedShot;
 
 use serde::Serialize;
 
 use crate::analysis::arrival::Estimator;
 use crate::analysis::comparison::{FEWEST, Pair, least_squares_shift};
 use crate::quantity::engineering;
-use mapping::{Assignment, Ends, MappingError};
-use scores::Channel;
+use mapping::{Assignment, ChannelNames, MappingError};
+use scores::ChannelPair;
 use side::scene_of;
-use tolerance::Tolerance;
+use tolerance::ScoreLimits;
 
 /// How the two are brought onto one time axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -115,16 +115,16 @@ pub enum CompareError {
 /// # Errors
 /// [`CompareError`] where no channels belong together, or where they have no time in common.
 pub fn compare(
-    measured: Side<'_>,
-    simulated: Side<'_>,
+    measured: ComparedShot<'_>,
+    simulated: ComparedShot<'_>,
     (align, assignments): (Align, &[Assignment]),
-    tolerance: &Tolerance,
+    tolerance: &ScoreLimits,
 ) -> Result<Compared, CompareError> {
     let mut notes = Vec::new();
-    let ends = (Ends::of(measured, &mut notes)?, Ends::of(simulated, &mut notes)?);
+    let ends = (ChannelNames::of(measured, &mut notes)?, ChannelNames::of(simulated, &mut notes)?);
     let wires = mapping::wires(&ends.0, &ends.1, assignments, &mut notes)?;
-    let channels: Vec<Channel> =
-        wires.iter().map(|wire| Channel::of(measured, simulated, wire, &mut notes)).collect();
+    let channels: Vec<ChannelPair> =
+        wires.iter().map(|wire| ChannelPair::of(measured, simulated, wire, &mut notes)).collect();
     let borrowed: Vec<&str> =
         channels.iter().filter(|c| c.borrowed).map(|c| c.name.as_str()).collect();
     if !borrowed.is_empty() {
@@ -165,7 +165,11 @@ pub fn compare(
 }
 
 /// The shift, by what it was found, and its uncertainty (s).
-fn shift(channels: &[Channel], align: Align, notes: &mut Vec<String>) -> (Align, f64, Option<f64>) {
+fn shift(
+    channels: &[ChannelPair],
+    align: Align,
+    notes: &mut Vec<String>,
+) -> (Align, f64, Option<f64>) {
     let found = match align {
         Align::Trigger => Some((0.0, None)),
         Align::Arrival => channels.iter().find_map(|channel| {
@@ -175,7 +179,7 @@ fn shift(channels: &[Channel], align: Align, notes: &mut Vec<String>) -> (Align,
             Some((measured.value - simulated.value, Some(u)))
         }),
         Align::LeastSquares => {
-            let traces: Vec<_> = channels.iter().map(Channel::weighted).collect();
+            let traces: Vec<_> = channels.iter().map(ChannelPair::weighted).collect();
             least_squares_shift(&traces).map(|shift| (shift, None))
         }
     };

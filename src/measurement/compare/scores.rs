@@ -1,7 +1,7 @@
 //! The scores of one channel, and of speeds between channels.
 
-use super::mapping::{Wire, sensor_at};
-use super::{ChannelScore, Side, SpeedScore, scene_of};
+use super::mapping::{ChannelMapping, sensor_at};
+use super::{ChannelScore, ComparedShot, SpeedScore, scene_of};
 use crate::analysis::arrival::Estimator;
 use crate::analysis::comparison::Pair;
 use crate::analysis::least_squares::squares;
@@ -16,7 +16,7 @@ use crate::trace::Trace;
 const ESTIMATORS: [Estimator; 2] = [Estimator::HalfRise, Estimator::Peak];
 
 /// Both sides of one channel.
-pub struct Channel {
+pub struct ChannelPair {
     /// The measured channel.
     pub name: String,
     /// The measured trace (V).
@@ -39,12 +39,12 @@ fn first_pulse(trace: &Trace, capture: &Capture, tau: Option<f64>) -> Result<Pul
     Pulse::find(trace, conditions).map_err(|error| error.to_string())
 }
 
-impl Channel {
+impl ChannelPair {
     /// Takes up what `wire` connects.
     pub fn of(
-        measured: Side<'_>,
-        simulated: Side<'_>,
-        wire: &Wire,
+        measured: ComparedShot<'_>,
+        simulated: ComparedShot<'_>,
+        wire: &ChannelMapping,
         notes: &mut Vec<String>,
     ) -> Self {
         let (here, there) =
@@ -59,7 +59,7 @@ impl Channel {
         let (measured_trace, simulated_trace) =
             (here.trace().unwrap_or_else(empty), there.trace().unwrap_or_else(empty));
         let (name, against) = (here.waveform.source.to_string(), there.waveform.source.to_string());
-        let known = |side: Side<'_>| metadata::sensors_of(side.set, side.shot.number);
+        let known = |side: ComparedShot<'_>| metadata::sensors_of(side.set, side.shot.number);
         let (own, other) = (known(measured), known(simulated));
         let (own, other) = (sensor_at(&own, &name), sensor_at(&other, &against));
         let or_other = |of: fn(&RecordedSensor) -> Option<f64>| {
@@ -118,7 +118,7 @@ impl Channel {
     }
 
     /// The scores, with both traces in `pair`.
-    pub fn score(&self, pair: &Pair, wire: &Wire, shift_s: f64) -> ChannelScore {
+    pub fn score(&self, pair: &Pair, wire: &ChannelMapping, shift_s: f64) -> ChannelScore {
         let distance = pair.distance();
         let in_newtons = self.forces(shift_s).map(|pair| pair.distance());
         let heights = self.pulses.as_ref().and_then(|(m, s)| Some((m.height()?, s.height()?)));
@@ -164,8 +164,8 @@ impl Channel {
 
 /// Speeds between neighbouring sensors on both sides.
 pub fn speeds(
-    channels: &[Channel],
-    sides: [Side<'_>; 2],
+    channels: &[ChannelPair],
+    sides: [ComparedShot<'_>; 2],
     notes: &mut Vec<String>,
 ) -> Vec<SpeedScore> {
     let scenes = sides.map(scene_of);
@@ -179,7 +179,7 @@ pub fn speeds(
         notes.push("no speeds: neither side carries a scene that tells distances".to_owned());
         return Vec::new();
     };
-    let mut placed: Vec<(&Channel, Site)> =
+    let mut placed: Vec<(&ChannelPair, Site)> =
         channels.iter().filter_map(|channel| Some((channel, channel.site?))).collect();
     placed.sort_by_key(|(_, site)| match site {
         Site::Particle(particle) => *particle,
@@ -195,8 +195,8 @@ pub fn speeds(
 }
 
 fn between(
-    from: &Channel,
-    to: &Channel,
+    from: &ChannelPair,
+    to: &ChannelPair,
     (measured_m, simulated_m): (f64, f64),
     estimator: Estimator,
 ) -> Option<SpeedScore> {

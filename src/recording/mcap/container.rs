@@ -15,7 +15,7 @@ const LARGEST_CHUNK: u64 = 256 * 1024 * 1024;
 
 /// A record that matters.
 #[derive(Debug)]
-pub enum Record<'a> {
+pub enum McapRecord<'a> {
     /// Opcode 0x03: id, name.
     Schema(u16, String),
     /// Opcode 0x04.
@@ -112,23 +112,23 @@ pub fn split(bytes: &[u8]) -> Result<(u8, &[u8], &[u8]), String> {
 ///
 /// # Errors
 /// What is wrong with it, in words.
-pub fn parse(opcode: u8, body: &[u8]) -> Result<Record<'_>, String> {
+pub fn parse(opcode: u8, body: &[u8]) -> Result<McapRecord<'_>, String> {
     let mut cursor = Cursor { rest: body };
     match opcode {
-        0x03 => Ok(Record::Schema(cursor.u16()?, cursor.text()?)),
+        0x03 => Ok(McapRecord::Schema(cursor.u16()?, cursor.text()?)),
         0x04 => {
             let (id, schema) = (cursor.u16()?, cursor.u16()?);
             let (topic, encoding) = (cursor.text()?, cursor.text()?);
-            Ok(Record::Channel { id, schema, topic, encoding })
+            Ok(McapRecord::Channel { id, schema, topic, encoding })
         }
         0x05 => {
             let channel = cursor.u16()?;
             let _sequence = cursor.u32()?;
             let log_time = cursor.u64()?;
             let _publish_time = cursor.u64()?;
-            Ok(Record::Message { channel, log_time, data: cursor.rest })
+            Ok(McapRecord::Message { channel, log_time, data: cursor.rest })
         }
-        0x06 => chunk(cursor).map(Record::Chunk),
+        0x06 => chunk(cursor).map(McapRecord::Chunk),
         0x09 => attachment(body, cursor),
         0x0C => {
             let name = cursor.text()?;
@@ -138,10 +138,10 @@ pub fn parse(opcode: u8, body: &[u8]) -> Result<Record<'_>, String> {
             while !pairs.rest.is_empty() {
                 facts.insert(pairs.text()?, pairs.text()?);
             }
-            Ok(Record::Metadata(name, facts))
+            Ok(McapRecord::Metadata(name, facts))
         }
-        0x0F => cursor.u32().map(Record::DataEnd),
-        _ => Ok(Record::Other),
+        0x0F => cursor.u32().map(McapRecord::DataEnd),
+        _ => Ok(McapRecord::Other),
     }
 }
 
@@ -176,7 +176,7 @@ fn chunk(mut cursor: Cursor<'_>) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-fn attachment<'a>(body: &[u8], mut cursor: Cursor<'a>) -> Result<Record<'a>, String> {
+fn attachment<'a>(body: &[u8], mut cursor: Cursor<'a>) -> Result<McapRecord<'a>, String> {
     let _times = (cursor.u64()?, cursor.u64()?);
     let (name, media_type) = (cursor.text()?, cursor.text()?);
     let length = cursor.u64()?;
@@ -189,5 +189,5 @@ fn attachment<'a>(body: &[u8], mut cursor: Cursor<'a>) -> Result<Record<'a>, Str
             "found checksum {found:08x} in attachment {name}, expected {checksum:08x}"
         ));
     }
-    Ok(Record::Attachment(name, media_type, data))
+    Ok(McapRecord::Attachment(name, media_type, data))
 }

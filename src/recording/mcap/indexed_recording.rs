@@ -8,7 +8,7 @@ use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
 
-use super::container::{self, HEAD, MAGIC, Record};
+use super::container::{self, HEAD, MAGIC, McapRecord};
 use super::error::ReadError;
 use super::read::Reader;
 use crate::recording::{Shot, TraceSet};
@@ -22,7 +22,7 @@ struct ByteRange {
 
 /// How far a recording has been read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum End {
+pub enum ReadState {
     /// There is more to read.
     More,
     /// Everything that is in the file so far was read; it has no end yet.
@@ -41,7 +41,7 @@ pub struct IndexedRecording {
     shots: Vec<(u32, Vec<ByteRange>)>,
     /// Place in `shots` of each number.
     known: BTreeMap<u32, usize>,
-    end: End,
+    end: ReadState,
 }
 
 impl IndexedRecording {
@@ -69,7 +69,7 @@ impl IndexedRecording {
             reader: Reader::default(),
             shots: Vec::new(),
             known: BTreeMap::new(),
-            end: End::More,
+            end: ReadState::More,
         })
     }
 
@@ -77,26 +77,26 @@ impl IndexedRecording {
     ///
     /// # Errors
     /// [`ReadError::File`] where the file cannot be read any more.
-    pub fn read_on(&mut self) -> Result<End, ReadError> {
-        if self.end == End::Finished {
+    pub fn read_on(&mut self) -> Result<ReadState, ReadError> {
+        if self.end == ReadState::Finished {
             return Ok(self.end);
         }
         let here = self.offset;
         let Some(record) = self.record_at(here)? else {
-            self.end = End::Open;
+            self.end = ReadState::Open;
             return Ok(self.end);
         };
         let stretch = ByteRange { start: here, length: record.len() as u64 };
         self.offset += stretch.length;
         if is_end(&record) {
-            self.end = End::Finished;
+            self.end = ReadState::Finished;
             return Ok(self.end);
         }
         self.reader.take(&record, stretch.start);
         for number in self.reader.forget_shots() {
             self.note(number, stretch);
         }
-        self.end = End::More;
+        self.end = ReadState::More;
         Ok(self.end)
     }
 
@@ -130,13 +130,13 @@ impl IndexedRecording {
     }
 
     /// How far the recording has been read.
-    pub fn end(&self) -> End {
+    pub fn end(&self) -> ReadState {
         self.end
     }
 
     /// How many shots were found so far. The last one counts when nothing follows it: until then it may not be whole.
     pub fn shots(&self) -> usize {
-        let unfinished = usize::from(self.end == End::More);
+        let unfinished = usize::from(self.end == ReadState::More);
         self.shots.len().saturating_sub(unfinished)
     }
 
@@ -174,7 +174,7 @@ impl Reader {
         let parsed =
             container::split(record).and_then(|(opcode, body, _)| container::parse(opcode, body));
         match parsed {
-            Ok(Record::Chunk(records)) => self.chunk(&records, offset),
+            Ok(McapRecord::Chunk(records)) => self.chunk(&records, offset),
             Ok(record) => self.record(record, offset),
             Err(error) => self.problem(format!("byte {offset}: {error}")),
         }
@@ -208,5 +208,5 @@ impl Reader {
 fn is_end(record: &[u8]) -> bool {
     let parsed =
         container::split(record).and_then(|(opcode, body, _)| container::parse(opcode, body));
-    matches!(parsed, Ok(Record::DataEnd(_)))
+    matches!(parsed, Ok(McapRecord::DataEnd(_)))
 }

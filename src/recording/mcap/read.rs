@@ -6,7 +6,7 @@ use std::path::Path;
 
 use prost::Message as _;
 
-use super::container::{self, MAGIC, Record};
+use super::container::{self, MAGIC, McapRecord};
 use super::decode;
 use super::error::{LARGEST_FILE, ReadError};
 use super::message;
@@ -106,7 +106,7 @@ impl Reader {
             };
             rest = tail;
             match container::parse(opcode, body) {
-                Ok(Record::Chunk(records)) => {
+                Ok(McapRecord::Chunk(records)) => {
                     let size = records.len() as u64;
                     let Some(left) = self.budget.checked_sub(size) else {
                         self.problem(format!(
@@ -117,7 +117,7 @@ impl Reader {
                     self.budget = left;
                     self.chunk(&records, offset);
                 }
-                Ok(Record::DataEnd(checksum)) => {
+                Ok(McapRecord::DataEnd(checksum)) => {
                     self.end(checksum, records.get(..start).unwrap_or_default(), tail);
                     return;
                 }
@@ -151,7 +151,7 @@ impl Reader {
                     rest = tail;
                     match container::parse(opcode, body) {
                         // A chunk in a chunk is not allowed, and could nest without end.
-                        Ok(Record::Chunk(_)) => {
+                        Ok(McapRecord::Chunk(_)) => {
                             self.problem(format!("byte {offset}: found a chunk inside a chunk"));
                         }
                         Ok(record) => self.record(record, offset),
@@ -166,15 +166,15 @@ impl Reader {
         }
     }
 
-    pub(super) fn record(&mut self, record: Record<'_>, offset: usize) {
+    pub(super) fn record(&mut self, record: McapRecord<'_>, offset: usize) {
         match record {
-            Record::Schema(id, name) => {
+            McapRecord::Schema(id, name) => {
                 self.schemas.insert(id, name);
             }
-            Record::Channel { id, schema, topic, encoding } => {
+            McapRecord::Channel { id, schema, topic, encoding } => {
                 self.channel(id, schema, topic, &encoding);
             }
-            Record::Message { channel, log_time, data } => {
+            McapRecord::Message { channel, log_time, data } => {
                 let Some((topic, schema)) = self.channels.get(&channel).cloned() else {
                     self.problem(format!(
                         "byte {offset}: found a message on the undeclared channel {channel}"
@@ -185,13 +185,13 @@ impl Reader {
                     self.problem(format!("{topic}: {error}"));
                 }
             }
-            Record::Attachment(name, media_type, data) => {
+            McapRecord::Attachment(name, media_type, data) => {
                 self.set.attachments.push(Attachment { name, media_type, data: data.to_vec() });
             }
-            Record::Metadata(name, facts) => {
+            McapRecord::Metadata(name, facts) => {
                 self.set.metadata.insert(name, facts);
             }
-            Record::Chunk(_) | Record::DataEnd(_) | Record::Other => {}
+            McapRecord::Chunk(_) | McapRecord::DataEnd(_) | McapRecord::Other => {}
         }
     }
 
@@ -216,7 +216,7 @@ impl Reader {
         let undecodable =
             |error: prost::DecodeError| format!("found a message that is no {schema} ({error})");
         if schema == Schema::Capture.name() {
-            let message = message::Capture::decode(data).map_err(undecodable)?;
+            let message = message::CaptureMessage::decode(data).map_err(undecodable)?;
             let capture = decode::capture(&message)?;
             let shot = self.shot(message.shot, log_time);
             let source = capture.waveform.source;
@@ -228,27 +228,27 @@ impl Reader {
             shot.trigger_time = message.trigger_time_s;
             shot.captures.push(capture);
         } else if schema == Schema::Series.name() {
-            let message = message::Series::decode(data).map_err(undecodable)?;
+            let message = message::SeriesMessage::decode(data).map_err(undecodable)?;
             let number = message.shot;
             let trace = decode::series(message)?;
             self.shot(number, log_time).truth.push(trace);
         } else if schema == Schema::Setup.name() {
-            let message = message::Setup::decode(data).map_err(undecodable)?;
+            let message = message::SetupMessage::decode(data).map_err(undecodable)?;
             let _ = self.shot(message.shot, log_time);
             self.notes().set_up = message.set;
         } else if schema == Schema::Energy.name() {
-            let message = message::Energy::decode(data).map_err(undecodable)?;
+            let message = message::EnergyMessage::decode(data).map_err(undecodable)?;
             if !message.is_finite() {
                 return Err("found an energy that is no finite number, expected one".to_owned());
             }
             let _ = self.shot(message.shot, log_time);
             self.notes().energy = Some(message);
         } else if schema == Schema::Log.name() {
-            let message = message::Log::decode(data).map_err(undecodable)?;
+            let message = message::LogMessage::decode(data).map_err(undecodable)?;
             self.set.log.push(message.message.clone());
             self.notes().log.push((message.level >= message::WARNING, message.message));
         } else if schema == Schema::ScpiLine.name() {
-            let message = message::ScpiLine::decode(data).map_err(undecodable)?;
+            let message = message::ScpiLineMessage::decode(data).map_err(undecodable)?;
             self.set.lines.push(decode::line(message, log_time)?);
         }
         Ok(())

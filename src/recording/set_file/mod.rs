@@ -29,7 +29,7 @@ const PRINTED: f64 = 1e-6;
 
 /// One setting.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Setting {
+pub struct SetFileEntry {
     /// Where it belongs, in capitals: `CH1:SCALE`.
     pub path: String,
     /// As written, without quotes.
@@ -42,7 +42,7 @@ pub struct Setting {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SetFile {
     /// The settings.
-    pub settings: Vec<Setting>,
+    pub settings: Vec<SetFileEntry>,
 }
 
 impl SetFile {
@@ -56,7 +56,7 @@ impl SetFile {
             let found = bytes.len();
             return Err(SetFileError::TooLarge { file: file(), found, limit: MAXIMUM_BYTES });
         }
-        let (mut at, mut settings) = (0, Vec::<Setting>::new());
+        let (mut at, mut settings) = (0, Vec::<SetFileEntry>::new());
         while let Some((found, next)) = command(bytes, at) {
             // The first setting starts at the root: that tells a set-up from any other text.
             let starts = |text: &str| !settings.is_empty() || text.starts_with(':');
@@ -76,7 +76,7 @@ impl SetFile {
             let path = path(header, before);
             let bare = unquoted(value);
             let quoted = bare.len() < value.len();
-            settings.push(Setting { path, value: bare.to_owned(), quoted });
+            settings.push(SetFileEntry { path, value: bare.to_owned(), quoted });
             at = next;
         }
         if settings.is_empty() {

@@ -4,7 +4,7 @@
 //!
 //! A number is kept with the digits it was printed with, because they bound how far it may lie from the true one.
 
-use super::error::{Place, TekCsvError, excerpt, place};
+use super::error::{FileLocation, TekCsvError, excerpt, place};
 
 /// Most rows that are read; the longest records of these dialects have 200 000 points.
 pub(super) const MOST_ROWS: usize = 1_000_064;
@@ -15,7 +15,7 @@ const BYTE_ORDER_MARK: char = '\u{feff}';
 
 /// A number and its digits.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Printed {
+pub(super) struct PrintedNumber {
     /// The number (unit).
     pub(super) value: f64,
     /// Place of the last digit: 2 for `0.04`, -1 for `1.2E2`.
@@ -26,7 +26,7 @@ pub(super) struct Printed {
 
 /// A file's rows, not yet split.
 #[derive(Debug, Clone)]
-pub(super) struct Table<'a> {
+pub(super) struct CsvRows<'a> {
     pub(super) file: &'a str,
     lines: Vec<&'a str>,
     pub(super) separator: char,
@@ -44,7 +44,7 @@ pub(super) struct Cells<'a> {
     decimal_comma: bool,
 }
 
-impl<'a> Table<'a> {
+impl<'a> CsvRows<'a> {
     /// Finds the separator and the decimal mark of `text`.
     pub(super) fn new(file: &'a str, text: &'a str) -> Result<Self, TekCsvError> {
         let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
@@ -113,11 +113,11 @@ impl<'a> Cells<'a> {
         filled.clone().count() >= 2 && filled.all(|cell| self.parse(cell).is_some())
     }
 
-    pub(super) fn maybe_number(&self, index: usize) -> Option<Printed> {
+    pub(super) fn maybe_number(&self, index: usize) -> Option<PrintedNumber> {
         self.parse(self.text(index))
     }
 
-    pub(super) fn number(&self, index: usize) -> Result<Printed, TekCsvError> {
+    pub(super) fn number(&self, index: usize) -> Result<PrintedNumber, TekCsvError> {
         self.maybe_number(index).ok_or_else(|| TekCsvError::Field {
             place: self.place(index),
             found: excerpt(self.text(index)),
@@ -129,7 +129,7 @@ impl<'a> Cells<'a> {
         })
     }
 
-    pub(super) fn place(&self, index: usize) -> Place {
+    pub(super) fn place(&self, index: usize) -> FileLocation {
         let column = match (self.parts.get(index), self.parts.last()) {
             (Some((_, column)), _) => *column,
             (None, Some((cell, column))) => column + cell.chars().count(),
@@ -138,7 +138,7 @@ impl<'a> Cells<'a> {
         place(self.file, self.line, column)
     }
 
-    fn parse(&self, cell: &str) -> Option<Printed> {
+    fn parse(&self, cell: &str) -> Option<PrintedNumber> {
         printed(cell, self.decimal_comma)
     }
 }
@@ -175,7 +175,7 @@ fn bare(cell: Option<&str>) -> &str {
 }
 
 /// Reads a finite decimal number with its digits.
-fn printed(cell: &str, decimal_comma: bool) -> Option<Printed> {
+fn printed(cell: &str, decimal_comma: bool) -> Option<PrintedNumber> {
     const LONGEST: usize = 40;
     const LARGEST: i32 = 30;
     let allowed = |c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | 'e' | 'E' | '.' | ',');
@@ -194,7 +194,7 @@ fn printed(cell: &str, decimal_comma: bool) -> Option<Printed> {
     let figures = || whole.chars().chain(fraction.chars()).filter(char::is_ascii_digit);
     let digits = i32::try_from(figures().skip_while(|c| *c == '0').count()).ok()?;
     let decimals = i32::try_from(fraction.len()).ok()?.checked_sub(exponent)?;
-    Some(Printed { value, decimals, digits })
+    Some(PrintedNumber { value, decimals, digits })
 }
 
 #[cfg(test)]
@@ -210,7 +210,11 @@ mod tests {
             ("79.999998212E-3", 79.999_998_212e-3, 12, 11),
             ("0", 0.0, 0, 0),
         ] {
-            assert_eq!(printed(text, false), Some(Printed { value, decimals, digits }), "{text}");
+            assert_eq!(
+                printed(text, false),
+                Some(PrintedNumber { value, decimals, digits }),
+                "{text}"
+            );
         }
         assert_eq!(printed("-0,04", true).map(|p| p.value), Some(-0.04));
         for text in ["", "nan", "inf", "1e999", "1,5", "0x1", "1.5.2", "-"] {
@@ -221,7 +225,7 @@ mod tests {
 
     #[test]
     fn quotes_hold_separators() {
-        let table = Table::new("a.csv", "\u{feff}\"-0,03\",\"0,5\"\r\n\"-0,02\",\"1\"\r\n\r\n");
+        let table = CsvRows::new("a.csv", "\u{feff}\"-0,03\",\"0,5\"\r\n\"-0,02\",\"1\"\r\n\r\n");
         let table = table.expect("short");
         assert_eq!((table.len(), table.separator, table.decimal_comma), (2, ',', true));
         assert_eq!(table.row(0).number(1).map(|p| p.value), Ok(0.5));

@@ -5,8 +5,8 @@
 //! `max(10^-D / 2, 10^(m + 1 - S) / 2)` with the most decimals `D` and the most digits `S` of the column
 //! and the number's magnitude `m = floor(log10 |v|)`.
 
-use super::cells::{Cells, Printed};
-use super::error::{Place, TekCsvError};
+use super::cells::{Cells, PrintedNumber};
+use super::error::{FileLocation, TekCsvError};
 
 /// Digits of single precision that can be relied on; numbers that went through it are printed with more.
 pub(super) const SINGLE_PRECISION_DIGITS: i32 = 6;
@@ -15,7 +15,7 @@ const MOST_DIGITS: i32 = 15;
 
 /// One column of samples.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Column {
+pub(super) struct SampleColumn {
     /// The numbers (unit).
     pub(super) values: Vec<f64>,
     file: String,
@@ -25,14 +25,14 @@ pub(super) struct Column {
     digits: i32,
 }
 
-impl Column {
+impl SampleColumn {
     /// Adds cell `index` of `row`.
     pub(super) fn push(&mut self, row: &Cells<'_>, index: usize) -> Result<(), TekCsvError> {
-        let Printed { value, decimals, digits } = row.number(index)?;
+        let PrintedNumber { value, decimals, digits } = row.number(index)?;
         self.decimals = if self.values.is_empty() { decimals } else { self.decimals.max(decimals) };
         self.digits = self.digits.max(digits);
         self.values.push(value);
-        let Place { file, line, column } = row.place(index);
+        let FileLocation { file, line, column } = row.place(index);
         self.spots.push((line, column));
         self.file = file;
         Ok(())
@@ -56,9 +56,9 @@ impl Column {
     }
 
     /// Where number `index` stands.
-    pub(super) fn place(&self, index: usize) -> Place {
+    pub(super) fn place(&self, index: usize) -> FileLocation {
         let (line, column) = self.spots.get(index).copied().unwrap_or_default();
-        Place { file: self.file.clone(), line, column }
+        FileLocation { file: self.file.clone(), line, column }
     }
 
     /// Last place of the column's longest number.
@@ -124,11 +124,11 @@ pub(super) fn one_two_five(value: f64, tolerance: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recording::tek_csv::cells::Table;
+    use crate::recording::tek_csv::cells::CsvRows;
 
-    fn column(text: &str) -> Column {
-        let table = Table::new("a.csv", text).expect("short");
-        let mut column = Column::default();
+    fn column(text: &str) -> SampleColumn {
+        let table = CsvRows::new("a.csv", text).expect("short");
+        let mut column = SampleColumn::default();
         for index in 0..table.len() {
             column.push(&table.row(index), 0).expect("numbers");
         }

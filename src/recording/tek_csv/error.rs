@@ -7,7 +7,7 @@ use super::dialect::Dialect;
 
 /// A place in a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Place {
+pub struct FileLocation {
     /// The file's name as the reader was told.
     pub file: String,
     /// Line, counted from 1.
@@ -16,7 +16,7 @@ pub struct Place {
     pub column: usize,
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for FileLocation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}, line {}, column {}", self.file, self.line, self.column)
     }
@@ -45,7 +45,7 @@ pub enum TekCsvError {
     #[error("{place}: found byte 0x{found:02X}, expected UTF-8 text")]
     NotText {
         /// Where.
-        place: Place,
+        place: FileLocation,
         /// The first byte that does not belong.
         found: u8,
     },
@@ -68,7 +68,7 @@ pub enum TekCsvError {
     #[error("{place}: found {found} fields, expected {expected}, the last one empty")]
     FieldCount {
         /// Where the row ends.
-        place: Place,
+        place: FileLocation,
         /// Fields in the row.
         found: usize,
         /// Fields in every row of the format.
@@ -78,7 +78,7 @@ pub enum TekCsvError {
     #[error("{place}: found {found}, expected {expected}")]
     Header {
         /// Where the key should stand.
-        place: Place,
+        place: FileLocation,
         /// What stands there.
         found: String,
         /// The key that belongs there.
@@ -88,7 +88,7 @@ pub enum TekCsvError {
     #[error("{place}: `{key}` is {found}, expected {expected}")]
     Entry {
         /// Where the value stands.
-        place: Place,
+        place: FileLocation,
         /// Its key.
         key: String,
         /// The value.
@@ -100,7 +100,7 @@ pub enum TekCsvError {
     #[error("{place}: found {found}, expected {expected}")]
     Field {
         /// Where.
-        place: Place,
+        place: FileLocation,
         /// What stands there.
         found: String,
         /// What belongs there.
@@ -112,7 +112,7 @@ pub enum TekCsvError {
     )]
     Abscissa {
         /// Where.
-        place: Place,
+        place: FileLocation,
         /// What stands there.
         found: String,
         /// What belongs there.
@@ -124,7 +124,7 @@ pub enum TekCsvError {
     #[error("{place}: found {found}, expected a digitiser level, the nearest is {expected} {unit}")]
     Level {
         /// Where.
-        place: Place,
+        place: FileLocation,
         /// What stands there.
         found: String,
         /// The nearest level from -128 to 127.
@@ -146,13 +146,13 @@ pub enum TekCsvError {
     #[error("{place}: found the end of the file, expected a line end")]
     NoLineEnd {
         /// Where the file ends.
-        place: Place,
+        place: FileLocation,
     },
     /// Times that are not evenly spaced.
     #[error("{place}: found {found} {unit}, expected {expected} {unit} by even spacing")]
     Uneven {
         /// Where.
-        place: Place,
+        place: FileLocation,
         /// What stands there (unit).
         found: f64,
         /// What belongs there.
@@ -197,8 +197,8 @@ pub(super) fn excerpt(text: &str) -> String {
     format!("`{shown}`")
 }
 
-pub(super) fn place(file: &str, line: usize, column: usize) -> Place {
-    Place { file: file.to_owned(), line, column }
+pub(super) fn place(file: &str, line: usize, column: usize) -> FileLocation {
+    FileLocation { file: file.to_owned(), line, column }
 }
 
 #[cfg(test)]

@@ -3,8 +3,8 @@
 //!
 //! A name may hold a unit in brackets, `Time (ms)`; it is taken into account.
 
-use super::cells::{Cells, Table};
-use super::column::Column;
+use super::cells::{Cells, CsvRows};
+use super::column::SampleColumn;
 use super::error::{TekCsvError, excerpt};
 use super::header_columns::unit;
 use super::unscaled_import::UnscaledImport;
@@ -14,7 +14,7 @@ use crate::scope::Source;
 /// Prefixes of units in brackets, with their powers of ten.
 const PREFIXES: [(&str, i32); 6] = [("", 0), ("m", -3), ("u", -6), ("µ", -6), ("n", -9), ("k", 3)];
 
-pub(super) fn read(table: &Table<'_>) -> Result<Vec<Capture>, TekCsvError> {
+pub(super) fn read(table: &CsvRows<'_>) -> Result<Vec<Capture>, TekCsvError> {
     let first = usize::from(!table.row(0).is_samples());
     let names = (first == 1).then(|| table.row(0));
     let filled = table.row(first);
@@ -54,8 +54,8 @@ fn channel_in(file: &str) -> Option<Source> {
     Source::from_name(&format!("CH{number}"))
 }
 
-fn column(table: &Table<'_>, first: usize, cell: usize) -> Result<Column, TekCsvError> {
-    let mut column = Column::default();
+fn column(table: &CsvRows<'_>, first: usize, cell: usize) -> Result<SampleColumn, TekCsvError> {
+    let mut column = SampleColumn::default();
     for index in first..table.len() {
         column.push(&table.row(index), cell)?;
     }

@@ -37,14 +37,14 @@ pub(super) const FIRMWARE: &str = "Firmware Version";
 
 /// Which header rows a file has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Layout {
+pub(super) enum HeaderLayout {
     /// 18 rows, model and serial number among them.
     Named,
     /// 16 rows; seen with firmware v6.08.
     Old,
 }
 
-impl Layout {
+impl HeaderLayout {
     /// The keys of the header rows from row 1 on; empty for a row without one.
     pub(super) fn keys(self) -> &'static [&'static str] {
         match self {

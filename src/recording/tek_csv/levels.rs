@@ -10,7 +10,7 @@
 //! more than a quarter of a level leaves more than one level possible, and rules a grid out, unless a level is a
 //! whole number of last digits: then nothing was rounded (0.02 V at 0.5 V/div and two decimals).
 
-use super::column::{Column, one_two_five, ten_to};
+use super::column::{SampleColumn, one_two_five, ten_to};
 use crate::scope::waveform::LEVELS_PER_DIVISION;
 
 /// Levels that 16 bits can tell apart, with some to spare at the ends.
@@ -26,7 +26,7 @@ const MOST_IN_A_GAP: u32 = 8;
 
 /// Where the levels come from.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Evidence {
+pub(super) enum LevelSource {
     /// The header's scale.
     Scale,
     /// The gaps between the values.
@@ -39,21 +39,21 @@ pub(super) enum Evidence {
 
 /// Values on an even grid: `value = origin + step * index`.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Grid {
+pub(super) struct ValueGrid {
     /// One level (V; dB for an FFT).
     pub(super) step: f64,
     /// Value of index 0 (V; dB for an FFT).
     pub(super) origin: f64,
     pub(super) indices: Vec<i64>,
-    pub(super) evidence: Evidence,
+    pub(super) evidence: LevelSource,
 }
 
-impl Grid {
+impl ValueGrid {
     /// The grid of `column`; `scale` is the header's (V/div; dB/div for an FFT).
-    pub(super) fn find(column: &Column, scale: Option<f64>) -> Self {
+    pub(super) fn find(column: &SampleColumn, scale: Option<f64>) -> Self {
         let stated = scale.map(|scale| scale / LEVELS_PER_DIVISION);
         stated
-            .and_then(|step| on_grid(column, step, Evidence::Scale))
+            .and_then(|step| on_grid(column, step, LevelSource::Scale))
             .or_else(|| from_gaps(column))
             .or_else(|| from_digits(column))
             .unwrap_or_else(|| rounded(column))
@@ -67,16 +67,16 @@ impl Grid {
 
     /// Whether the levels are a converter's.
     pub(super) fn is_converter(&self) -> bool {
-        matches!(self.evidence, Evidence::Scale | Evidence::Gaps)
+        matches!(self.evidence, LevelSource::Scale | LevelSource::Gaps)
     }
 }
 
 /// `column` on a grid of `step`, through zero or else through its first value.
-fn on_grid(column: &Column, step: f64, evidence: Evidence) -> Option<Grid> {
+fn on_grid(column: &SampleColumn, step: f64, evidence: LevelSource) -> Option<ValueGrid> {
     let (low, high) = column.range();
     let usable = step.is_finite() && step > 0.0 && high - low <= MOST_LEVELS * step;
     // That all values are multiples of one last digit shows nothing; of two or more, it does.
-    let least = if evidence == Evidence::Scale { 1.0 } else { 2.0 };
+    let least = if evidence == LevelSource::Scale { 1.0 } else { 2.0 };
     let exact = column.digits_of(step).is_some_and(|count| count >= least);
     if !usable || !(exact || column.largest_tolerance() <= QUARTER * step) {
         return None;
@@ -92,12 +92,12 @@ fn on_grid(column: &Column, step: f64, evidence: Evidence) -> Option<Grid> {
             (off <= tolerance(*value) + spare + NOTHING * step).then_some(whole(index))
         };
         let indices: Option<Vec<i64>> = column.values.iter().map(index).collect();
-        indices.map(|indices| Grid { step, origin, indices, evidence })
+        indices.map(|indices| ValueGrid { step, origin, indices, evidence })
     })
 }
 
 /// The grid on which the gaps between neighbouring values are whole numbers of steps.
-fn from_gaps(column: &Column) -> Option<Grid> {
+fn from_gaps(column: &SampleColumn) -> Option<ValueGrid> {
     let mut sorted = column.values.clone();
     sorted.sort_by(f64::total_cmp);
     let tolerance = column.largest_tolerance();
@@ -107,16 +107,16 @@ fn from_gaps(column: &Column) -> Option<Grid> {
     if !smallest.is_finite() {
         return None;
     }
-    let mut found: Option<Grid> = None;
+    let mut found: Option<ValueGrid> = None;
     for parts in 1..=MOST_IN_A_GAP {
         let Some(step) = refined(&gaps, smallest / f64::from(parts), tolerance) else { continue };
         let nice = one_two_five(step * LEVELS_PER_DIVISION, 1e-3);
         let exact =
-            nice.and_then(|scale| on_grid(column, scale / LEVELS_PER_DIVISION, Evidence::Gaps));
+            nice.and_then(|scale| on_grid(column, scale / LEVELS_PER_DIVISION, LevelSource::Gaps));
         if exact.is_some() {
             return exact;
         }
-        found = found.or_else(|| on_grid(column, step, Evidence::Gaps));
+        found = found.or_else(|| on_grid(column, step, LevelSource::Gaps));
     }
     found
 }
@@ -146,18 +146,18 @@ fn refined(gaps: &[f64], guess: f64, tolerance: f64) -> Option<f64> {
 }
 
 /// The values as printed.
-fn from_digits(column: &Column) -> Option<Grid> {
+fn from_digits(column: &SampleColumn) -> Option<ValueGrid> {
     let step = ten_to(-column.decimals());
     let (low, high) = column.range();
     let usable = step.is_finite() && step > 0.0 && high - low <= MOST_LEVELS * step;
     usable.then(|| {
         let indices = column.values.iter().map(|value| whole((value / step).round())).collect();
-        Grid { step, origin: 0.0, indices, evidence: Evidence::Digits }
+        ValueGrid { step, origin: 0.0, indices, evidence: LevelSource::Digits }
     })
 }
 
 /// The values in 16 bits, as well as that goes.
-fn rounded(column: &Column) -> Grid {
+fn rounded(column: &SampleColumn) -> ValueGrid {
     let (low, high) = column.range();
     let least = ((high - low) / MOST_LEVELS).max(f64::MIN_POSITIVE);
     let decade = ten_to(whole_power(least));
@@ -170,7 +170,7 @@ fn rounded(column: &Column) -> Grid {
         .map(|value| (value - low - index(value) * step).abs())
         .fold(0.0, f64::max);
     let indices = column.values.iter().map(|value| whole(index(value))).collect();
-    Grid { step, origin: low, indices, evidence: Evidence::Rounded(error) }
+    ValueGrid { step, origin: low, indices, evidence: LevelSource::Rounded(error) }
 }
 
 #[allow(clippy::cast_possible_truncation, reason = "saturates; codes are checked against 16 bits")]

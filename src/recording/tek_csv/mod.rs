@@ -23,7 +23,7 @@
 //! `si = (100/99) fs/2048`.
 //!
 //! # Which dialect is written
-//! An [`Instrument`](super::Instrument) with a model gives the 18-row header; one whose model and
+//! An [`InstrumentIdentity`](super::InstrumentIdentity) with a model gives the 18-row header; one whose model and
 //! serial number are empty gives the 16-row header, and reading that leaves both empty.
 //!
 //! # Sources
@@ -63,6 +63,6 @@ mod unscaled_import;
 mod write;
 
 pub use dialect::Dialect;
-pub use error::{Place, TekCsvError};
+pub use error::{FileLocation, TekCsvError};
 pub use read::{MAXIMUM_BYTES, read, read_all};
 pub use write::write;

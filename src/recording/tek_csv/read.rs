@@ -3,12 +3,12 @@
 //! sources: the module above.
 
 use super::abscissa::Abscissa;
-use super::cells::{MOST_ROWS, Table};
+use super::cells::{CsvRows, MOST_ROWS};
 use super::detection;
 use super::dialect::Dialect;
 use super::error::place;
 use super::error::{TekCsvError, excerpt};
-use super::header::{Header, Row};
+use super::header::{CsvHeader, HeaderRow};
 use super::layout::{Domain, Numbers, PRINTING_ERROR};
 use super::{headerless, openchoice, spreadsheet, tbs1000c};
 use crate::recording::Capture;
@@ -30,7 +30,7 @@ const ORDINATE: usize = 4;
 /// of it disagrees with the format or with the file's own header.
 pub fn read(bytes: &[u8], file_name: &str) -> Result<Capture, TekCsvError> {
     let text = checked_text(bytes, file_name)?;
-    if let Some(dialect) = detection::foreign(&Table::new(file_name, text)?) {
+    if let Some(dialect) = detection::foreign(&CsvRows::new(file_name, text)?) {
         return Err(TekCsvError::UnsupportedDialect {
             file: file_name.to_owned(),
             dialect,
@@ -48,7 +48,7 @@ pub fn read(bytes: &[u8], file_name: &str) -> Result<Capture, TekCsvError> {
 /// As [`read`], and for other dialects [`TekCsvError`] when a number is none, or the times are not even.
 pub fn read_all(bytes: &[u8], file_name: &str) -> Result<Vec<Capture>, TekCsvError> {
     let text = checked_text(bytes, file_name)?;
-    let table = Table::new(file_name, text)?;
+    let table = CsvRows::new(file_name, text)?;
     let captures = match detection::foreign(&table) {
         None => vec![native(text, file_name)?],
         Some(Dialect::OpenChoice) => openchoice::read(&table)?,
@@ -73,7 +73,7 @@ fn native(text: &str, file_name: &str) -> Result<Capture, TekCsvError> {
         .take(longest)
         .map(|line| line.strip_suffix('\r').unwrap_or(line))
         .collect();
-    let header = Header::read(file_name, &lines)?;
+    let header = CsvHeader::read(file_name, &lines)?;
     let samples = Samples::new(file_name, &header);
     let record = lines.iter().take(usize::from(header.domain.record_length()));
     let codes = (0_u32..)
@@ -139,7 +139,7 @@ struct Samples<'a> {
 }
 
 impl<'a> Samples<'a> {
-    fn new(file: &'a str, header: &Header) -> Self {
+    fn new(file: &'a str, header: &CsvHeader) -> Self {
         let numbers = &header.numbers;
         Self {
             file,
@@ -159,7 +159,7 @@ impl<'a> Samples<'a> {
     /// The digitiser level of row `index`, counted from 0.
     fn code(&self, index: u32, line: &str) -> Result<i16, TekCsvError> {
         let number = usize::try_from(index).unwrap_or(usize::MAX).saturating_add(1);
-        let row = Row::split(self.file, number, line)?;
+        let row = HeaderRow::split(self.file, number, line)?;
         if index >= self.header_rows {
             row.expect_empty(0)?;
             row.expect_empty(1)?;
@@ -171,7 +171,7 @@ impl<'a> Samples<'a> {
         Ok(code)
     }
 
-    fn check_abscissa(&self, index: u32, row: &Row) -> Result<(), TekCsvError> {
+    fn check_abscissa(&self, index: u32, row: &HeaderRow) -> Result<(), TekCsvError> {
         let found = number(row, ABSCISSA)?;
         let expected = self.abscissa.value(index);
         // A difference that is not a number is refused too.
@@ -186,7 +186,7 @@ impl<'a> Samples<'a> {
         })
     }
 
-    fn level_of(&self, row: &Row) -> Result<i16, TekCsvError> {
+    fn level_of(&self, row: &HeaderRow) -> Result<i16, TekCsvError> {
         let domain = self.abscissa.domain;
         let found = number(row, ORDINATE)?;
         let steps = (found - self.y_zero) / self.level + self.zero_level;
@@ -205,12 +205,12 @@ impl<'a> Samples<'a> {
     }
 }
 
-fn field(row: &Row, index: usize) -> String {
+fn field(row: &HeaderRow, index: usize) -> String {
     row.fields.get(index).map(|text| excerpt(text)).unwrap_or_default()
 }
 
 /// A decimal number, padded with spaces or not.
-fn number(row: &Row, index: usize) -> Result<f64, TekCsvError> {
+fn number(row: &HeaderRow, index: usize) -> Result<f64, TekCsvError> {
     let text = row.fields.get(index).map(|text| text.trim_matches(' ')).unwrap_or_default();
     text.parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(|| TekCsvError::Field {
         place: row.place(index),
@@ -227,7 +227,7 @@ fn zero_level(numbers: &Numbers) -> f64 {
     if (whole - levels).abs() <= PRINTING_ERROR * levels.abs() { whole } else { levels }
 }
 
-fn capture(header: Header, codes: Vec<i16>) -> Capture {
+fn capture(header: CsvHeader, codes: Vec<i16>) -> Capture {
     let numbers = header.numbers;
     let y_off = zero_level(&numbers);
     Capture {

@@ -4,22 +4,22 @@
 //! Volts are printed to six digits of a converter with more than 8 bits, or in levels of one with 8: `levels`
 //! finds out which. `Vertical Offset` moves the screen, not the values: they are volts at the probe as they stand.
 
-use super::cells::Table;
-use super::column::Column;
+use super::cells::CsvRows;
+use super::column::SampleColumn;
 use super::error::place;
 use super::error::{TekCsvError, excerpt};
 use super::header_columns::unit;
 use super::layout;
-use super::times::Stated;
+use super::times::StatedTimeBase;
 use super::unscaled_import::UnscaledImport;
-use crate::recording::{Capture, Instrument};
+use crate::recording::{Capture, InstrumentIdentity};
 use crate::scope::{PointFormat, Source};
 
 /// Rows that are searched for the names of the columns.
 const HEADER_ROWS: usize = 40;
 const NAMES: &str = "TIME";
 
-pub(super) fn read(table: &Table<'_>) -> Result<Vec<Capture>, TekCsvError> {
+pub(super) fn read(table: &CsvRows<'_>) -> Result<Vec<Capture>, TekCsvError> {
     let header = Header::find(table)?;
     let names = table.row(header.names);
     let count = names.texts().skip(1).take_while(|name| !name.is_empty()).count();
@@ -34,21 +34,21 @@ pub(super) fn read(table: &Table<'_>) -> Result<Vec<Capture>, TekCsvError> {
 }
 
 struct Header<'a, 't> {
-    table: &'t Table<'a>,
+    table: &'t CsvRows<'a>,
     /// Row of the columns' names.
     names: usize,
 }
 
 impl<'a, 't> Header<'a, 't> {
-    fn find(table: &'t Table<'a>) -> Result<Self, TekCsvError> {
+    fn find(table: &'t CsvRows<'a>) -> Result<Self, TekCsvError> {
         let mut rows = 0..table.len().min(HEADER_ROWS);
         rows.find(|index| table.row(*index).text(0) == NAMES)
             .map(|names| Self { table, names })
             .ok_or_else(|| names_missing(table, table.len().min(HEADER_ROWS)))
     }
 
-    fn column(&self, cell: usize) -> Result<Column, TekCsvError> {
-        let mut column = Column::default();
+    fn column(&self, cell: usize) -> Result<SampleColumn, TekCsvError> {
+        let mut column = SampleColumn::default();
         for index in self.names + 1..self.table.len() {
             let row = self.table.row(index);
             if !row.is_blank() {
@@ -83,7 +83,7 @@ impl<'a, 't> Header<'a, 't> {
         }
     }
 
-    fn import(&self, times: &Column, cell: usize) -> Result<UnscaledImport, TekCsvError> {
+    fn import(&self, times: &SampleColumn, cell: usize) -> Result<UnscaledImport, TekCsvError> {
         let names = self.table.row(self.names);
         let source = Source::from_name(names.text(cell)).ok_or_else(|| TekCsvError::Field {
             place: names.place(cell),
@@ -97,7 +97,10 @@ impl<'a, 't> Header<'a, 't> {
             times: times.clone(),
             values: self.column(cell)?,
             // The header has no trigger point; time 0 is the trigger by definition, so this is no guess.
-            stated: Stated { interval, trigger_point: interval.map(|dt| (-first / dt).round()) },
+            stated: StatedTimeBase {
+                interval,
+                trigger_point: interval.map(|dt| (-first / dt).round()),
+            },
             source: Some(source),
             scale: self.number(layout::VERTICAL_SCALE, cell)?,
             horizontal_scale: self.number(layout::HORIZONTAL_SCALE, cell)?,
@@ -108,7 +111,7 @@ impl<'a, 't> Header<'a, 't> {
                 Some("ENV") => Some(PointFormat::Envelope),
                 _ => Some(PointFormat::Sample),
             },
-            instrument: Some(Instrument {
+            instrument: Some(InstrumentIdentity {
                 model: text("Model"),
                 serial: String::new(),
                 firmware: text(layout::FIRMWARE),
@@ -141,7 +144,7 @@ impl<'a, 't> Header<'a, 't> {
     }
 }
 
-fn names_missing(table: &Table<'_>, index: usize) -> TekCsvError {
+fn names_missing(table: &CsvRows<'_>, index: usize) -> TekCsvError {
     let found = match table.row(index).texts().next() {
         Some(text) if index < table.len() => excerpt(text),
         _ => "the end of the file".to_owned(),

@@ -4,7 +4,7 @@
 //!
 //! `time(i) = (i - trigger point) * interval`, `i` from 0.
 
-use super::column::{Column, rounded};
+use super::column::{SampleColumn, rounded};
 use super::error::TekCsvError;
 
 /// How much of an interval a time near zero may be off, if times elsewhere are as coarse.
@@ -14,7 +14,7 @@ const NOTHING: f64 = 1e-6;
 
 /// What a header says of the time base.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Stated {
+pub(super) struct StatedTimeBase {
     /// Sample interval (s; Hz for an FFT).
     pub(super) interval: Option<f64>,
     /// Index of the trigger (1).
@@ -23,18 +23,18 @@ pub(super) struct Stated {
 
 /// An even spacing.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Times {
+pub(super) struct EvenTimes {
     /// Sample interval (s; Hz for an FFT).
     pub(super) interval: f64,
     /// Index of the trigger (1).
     pub(super) trigger_point: f64,
 }
 
-impl Times {
+impl EvenTimes {
     /// The spacing of `column`; adds to `notes` what the header did not tell, or told otherwise.
     pub(super) fn fit(
-        column: &Column,
-        stated: Stated,
+        column: &SampleColumn,
+        stated: StatedTimeBase,
         unit: &'static str,
         notes: &mut Vec<String>,
     ) -> Result<Self, TekCsvError> {
@@ -59,7 +59,7 @@ impl Times {
         Err(TekCsvError::Uneven { place, found, expected, unit })
     }
 
-    fn between_ends(column: &Column, unit: &'static str) -> Result<Self, TekCsvError> {
+    fn between_ends(column: &SampleColumn, unit: &'static str) -> Result<Self, TekCsvError> {
         let first = column.values.first().copied().unwrap_or_default();
         let last = column.values.last().copied().unwrap_or_default();
         let interval = (last - first) / count(column.len().saturating_sub(1));
@@ -76,7 +76,7 @@ impl Times {
     }
 
     /// The first row that this spacing does not explain.
-    fn first_miss(&self, column: &Column) -> Option<usize> {
+    fn first_miss(&self, column: &SampleColumn) -> Option<usize> {
         let (low, high) = column.range();
         let round_off = 4.0 * f64::EPSILON * low.abs().max(high.abs());
         // Programs add up times, and what should be zero comes out as -4.6E-11.
@@ -89,7 +89,7 @@ impl Times {
         })
     }
 
-    fn compare(&self, stated: Stated, unit: &str, notes: &mut Vec<String>) {
+    fn compare(&self, stated: StatedTimeBase, unit: &str, notes: &mut Vec<String>) {
         match stated.interval {
             None => notes.push(format!(
                 "sample interval {:e} {unit} taken from the first column: no header tells it",

@@ -3,12 +3,12 @@
 //!
 //! `volts = (code - y_off) y_mult + y_zero`, and in the time domain `y_zero = 0`.
 
-use super::column::{Column, one_two_five, ten_to};
+use super::column::{SampleColumn, one_two_five, ten_to};
 use super::error::TekCsvError;
-use super::levels::{Evidence, Grid};
-use super::times::{Stated, Times};
+use super::levels::{LevelSource, ValueGrid};
+use super::times::{EvenTimes, StatedTimeBase};
 use crate::quantity::engineering;
-use crate::recording::{Capture, Instrument};
+use crate::recording::{Capture, InstrumentIdentity};
 use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
 use crate::scope::{PointFormat, Preamble, Source, VerticalSetup, Waveform};
 
@@ -22,9 +22,9 @@ const FEW_LEVELS: usize = 8;
 /// What a foreign file tells of one channel.
 #[derive(Debug, Clone, Default)]
 pub(super) struct UnscaledImport {
-    pub(super) times: Column,
-    pub(super) values: Column,
-    pub(super) stated: Stated,
+    pub(super) times: SampleColumn,
+    pub(super) values: SampleColumn,
+    pub(super) stated: StatedTimeBase,
     pub(super) source: Option<Source>,
     /// Vertical scale (V/div; dB/div for an FFT).
     pub(super) scale: Option<f64>,
@@ -37,7 +37,7 @@ pub(super) struct UnscaledImport {
     pub(super) x_unit: Option<String>,
     pub(super) y_unit: Option<String>,
     pub(super) point_format: Option<PointFormat>,
-    pub(super) instrument: Option<Instrument>,
+    pub(super) instrument: Option<InstrumentIdentity>,
     pub(super) notes: Vec<String>,
 }
 
@@ -65,7 +65,7 @@ impl UnscaledImport {
         let x_unit = self.x_unit.take().unwrap_or_else(|| self.assume("s", "unit of the times"));
         let y_unit = self.y_unit.take().unwrap_or_else(|| self.assume("V", "unit of the values"));
         let unit = if x_unit == "Hz" { "Hz" } else { "s" };
-        let times = Times::fit(&self.times, self.stated, unit, &mut self.notes)?;
+        let times = EvenTimes::fit(&self.times, self.stated, unit, &mut self.notes)?;
         let vertical = self.vertical(&y_unit);
         let source = self.source.unwrap_or_else(|| {
             let name = format!("CH{channel}");
@@ -130,7 +130,7 @@ impl UnscaledImport {
 
     fn vertical(&mut self, unit: &str) -> Vertical {
         let stated = self.scale.filter(|scale| *scale > 0.0);
-        let grid = Grid::find(&self.values, stated);
+        let grid = ValueGrid::find(&self.values, stated);
         self.note_evidence(&grid, stated, unit);
         let scale = stated.unwrap_or_else(|| self.guess_scale(&grid, unit));
         let shift = self.shift(&grid, unit);
@@ -156,7 +156,7 @@ impl UnscaledImport {
         Vertical { codes, y_mult: grid.step, y_off, y_zero, scale, position }
     }
 
-    fn note_evidence(&mut self, grid: &Grid, stated: Option<f64>, unit: &str) {
+    fn note_evidence(&mut self, grid: &ValueGrid, stated: Option<f64>, unit: &str) {
         let step = engineering(grid.step, unit, 4);
         let instead = match stated {
             Some(scale) => {
@@ -166,14 +166,14 @@ impl UnscaledImport {
             None => String::new(),
         };
         let note = match grid.evidence {
-            Evidence::Scale => return,
-            Evidence::Gaps => {
+            LevelSource::Scale => return,
+            LevelSource::Gaps => {
                 format!("{instead}levels {step} apart are taken from the gaps between the values")
             }
-            Evidence::Digits => format!(
+            LevelSource::Digits => format!(
                 "{instead}the digitiser's levels cannot be told from them; they are kept as printed, in steps of {step}"
             ),
-            Evidence::Rounded(error) => format!(
+            LevelSource::Rounded(error) => format!(
                 "{instead}the digitiser's levels cannot be told from them; they are kept in 16 bits, in steps of {step}, with an error of at most {}",
                 engineering(error, unit, 2)
             ),
@@ -182,10 +182,11 @@ impl UnscaledImport {
     }
 
     /// The scale behind the levels, or one at which the screen holds all of them.
-    fn guess_scale(&mut self, grid: &Grid, unit: &str) -> f64 {
+    fn guess_scale(&mut self, grid: &ValueGrid, unit: &str) -> f64 {
         let per_division = format!("{unit}/div");
         let (low, high) = grid.range();
-        if grid.evidence == Evidence::Gaps && high - low <= i64::from(HIGHEST_CODE - LOWEST_CODE) {
+        if grid.evidence == LevelSource::Gaps && high - low <= i64::from(HIGHEST_CODE - LOWEST_CODE)
+        {
             let scale = grid.step * LEVELS_PER_DIVISION;
             let scale = one_two_five(scale, 1e-9).unwrap_or(scale);
             let text = engineering(scale, &per_division, 3);
@@ -215,7 +216,7 @@ impl UnscaledImport {
     }
 
     /// What to add to an index to make it the level that the digitiser had.
-    fn shift(&mut self, grid: &Grid, unit: &str) -> i64 {
+    fn shift(&mut self, grid: &ValueGrid, unit: &str) -> i64 {
         let (low, high) = grid.range();
         let middle = i64::midpoint(low, high);
         if !grid.is_converter() {

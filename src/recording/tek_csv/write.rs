@@ -5,9 +5,9 @@ use std::fmt::{self, Write as _};
 
 use super::abscissa::{self, Abscissa};
 use super::error::{TekCsvError, excerpt};
-use super::layout::{self, Domain, Layout, Numbers, ROUND_OFF};
+use super::layout::{self, Domain, HeaderLayout, Numbers, ROUND_OFF};
 use crate::quantity::c_exponential;
-use crate::recording::{Capture, Instrument};
+use crate::recording::{Capture, InstrumentIdentity};
 use crate::scope::Waveform;
 use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
 
@@ -58,8 +58,8 @@ fn header_values(
     waveform: &Waveform,
     domain: Domain,
     numbers: &Numbers,
-    instrument: &Instrument,
-    layout: Layout,
+    instrument: &InstrumentIdentity,
+    layout: HeaderLayout,
 ) -> Vec<String> {
     let number = |value| c_exponential(value, layout::DECIMALS);
     layout
@@ -89,7 +89,7 @@ fn header_values(
 }
 
 /// The header that an instrument's files have.
-fn layout_of(instrument: &Instrument) -> Result<Layout, TekCsvError> {
+fn layout_of(instrument: &InstrumentIdentity) -> Result<HeaderLayout, TekCsvError> {
     for (what, text) in [
         (layout::MODEL, &instrument.model),
         (layout::SERIAL, &instrument.serial),
@@ -104,8 +104,8 @@ fn layout_of(instrument: &Instrument) -> Result<Layout, TekCsvError> {
         }
     }
     match (instrument.model.is_empty(), instrument.serial.is_empty()) {
-        (false, _) => Ok(Layout::Named),
-        (true, true) => Ok(Layout::Old),
+        (false, _) => Ok(HeaderLayout::Named),
+        (true, true) => Ok(HeaderLayout::Old),
         (true, false) => Err(unwritable(
             layout::SERIAL,
             excerpt(&instrument.serial),

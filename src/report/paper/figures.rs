@@ -4,9 +4,9 @@ use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::spectrum::Spectrum;
 use crate::quantity::engineering;
 use crate::report::chart::whole_numbers;
-use crate::report::sheet::{Axis, COLOURS, Line, Panel, Sheet, Stroke};
+use crate::report::sheet::{Axis, COLOURS, Plot, Polyline, Sheet, Stroke};
 use crate::studies::paper::tables::SpeedStudy;
-use crate::studies::paper::{Figure, Signal, Viscous};
+use crate::studies::paper::{Figure, ForceSignal, Viscous};
 use crate::trace::Trace;
 
 /// Highest frequency of the spectra that are shown (Hz).
@@ -28,13 +28,13 @@ const MILLI: f64 = 1e3;
 /// Room for a trace's name above it, as a share of all traces' swings (1).
 const NAME_ROOM: f64 = 0.07;
 
-fn sheet(figure: &Figure, columns: usize, size: (f64, f64), panels: Vec<Panel>) -> Sheet {
+fn sheet(figure: &Figure, columns: usize, size: (f64, f64), panels: Vec<Plot>) -> Sheet {
     Sheet { title: format!("Fig. {}: {}", figure.number, figure.title), columns, size, panels }
 }
 
-fn line(name: &str, points: Vec<(f64, f64)>, colour: usize) -> Line {
+fn line(name: &str, points: Vec<(f64, f64)>, colour: usize) -> Polyline {
     let colour = COLOURS[colour % COLOURS.len()];
-    Line { name: name.to_owned(), points, colour, stroke: Stroke::Solid }
+    Polyline { name: name.to_owned(), points, colour, stroke: Stroke::Solid }
 }
 
 pub(super) fn dispersion_points(chain: &DiatomicChain) -> Vec<(f64, f64, f64)> {
@@ -45,7 +45,7 @@ pub(super) fn dispersion_points(chain: &DiatomicChain) -> Vec<(f64, f64, f64)> {
 pub(super) fn dispersion(figure: &Figure) -> Sheet {
     let chain = &figure.chain;
     let x = Axis::linear("wave number ka/π", 0.0, 1.0);
-    let mut panel = Panel::new("", x, Axis::linear("frequency (kHz)", 0.0, 18.0));
+    let mut panel = Plot::new("", x, Axis::linear("frequency (kHz)", 0.0, 18.0));
     let points = dispersion_points(chain);
     let share = |k: f64| k / std::f64::consts::PI;
     let branch = |of: &dyn Fn(&(f64, f64, f64)) -> f64| {
@@ -59,7 +59,7 @@ pub(super) fn dispersion(figure: &Figure) -> Sheet {
         let kilo = 1e-3 * frequency;
         panel.words.push((0.02, kilo + 0.25, format!("{name} = {kilo:.3} kHz")));
         let edge = line("", vec![(0.0, kilo), (1.0, kilo)], 6);
-        panel.lines.push(Line { stroke: Stroke::Dashed, ..edge });
+        panel.lines.push(Polyline { stroke: Stroke::Dashed, ..edge });
     }
     sheet(figure, 1, (520.0, 380.0), vec![panel])
 }
@@ -96,14 +96,14 @@ fn spectrum_points(spectrum: &Spectrum, factor: f64) -> Vec<(f64, f64)> {
 }
 
 /// A panel of spectra with the gap of the chain at rest.
-fn spectra_panel(title: &str, chain: &DiatomicChain, spectra: &[(&str, &Spectrum)]) -> Panel {
+fn spectra_panel(title: &str, chain: &DiatomicChain, spectra: &[(&str, &Spectrum)]) -> Plot {
     let shown = spectra.iter().map(|(_, s)| spectrum_points(s, 1.0));
     let heights: Vec<f64> = shown.flatten().map(|(_, amplitude)| amplitude).collect();
     let top = largest(&heights);
     let (factor, sign) = prefix(top);
     let x = Axis::linear("frequency (kHz)", 0.0, 1e-3 * HIGHEST);
     let y = Axis::linear(&format!("|C| ({sign}N)"), 0.0, 1.08 * factor * top);
-    let mut panel = Panel::new(title, x, y);
+    let mut panel = Plot::new(title, x, y);
     let gap = (1e-3 * chain.gap_bottom(), 1e-3 * chain.gap_top(), "gap".to_owned());
     panel.bands.push(gap);
     for (index, (name, spectrum)) in spectra.iter().enumerate() {
@@ -122,7 +122,7 @@ pub(super) fn rows(figure: &Figure) -> Sheet {
         let reach = 1.15 * factor * largest(&values);
         let x = Axis::linear("time (ms)", 0.0, MILLI * SHORT);
         let y = Axis::linear(&format!("force ({sign}N)"), -reach, reach);
-        let mut panel = Panel::new(&format!("{left} {}", signal.trace.name), x, y);
+        let mut panel = Plot::new(&format!("{left} {}", signal.trace.name), x, y);
         panel.lines.push(line("", trace_points(&signal.trace, (0.0, SHORT), factor, 0.0), 0));
         panels.push(panel);
         panels.push(spectra_panel(
@@ -135,7 +135,7 @@ pub(super) fn rows(figure: &Figure) -> Sheet {
 }
 
 /// Traces above each other, a grid line each division.
-fn stacked_panel(title: &str, traces: &[(String, &Trace)], to: f64) -> Panel {
+fn stacked_panel(title: &str, traces: &[(String, &Trace)], to: f64) -> Plot {
     let shown: Vec<Vec<(f64, f64)>> =
         traces.iter().map(|(_, trace)| trace_points(trace, (0.0, to), 1.0, 0.0)).collect();
     let bounds = |points: &Vec<(f64, f64)>| {
@@ -150,7 +150,7 @@ fn stacked_panel(title: &str, traces: &[(String, &Trace)], to: f64) -> Panel {
     let mut baseline = 0.0;
     let mut below = 0.0;
     let mut panel =
-        Panel::new(title, Axis::linear("time (ms)", 0.0, MILLI * to), Axis::linear("", 0.0, 1.0));
+        Plot::new(title, Axis::linear("time (ms)", 0.0, MILLI * to), Axis::linear("", 0.0, 1.0));
     for (index, ((low, high), (name, trace))) in bounds.iter().zip(traces).enumerate() {
         // As many whole divisions down as keep it clear of the one above and of its name.
         let above = (high / division + 0.2).ceil();
@@ -171,7 +171,7 @@ fn stacked_panel(title: &str, traces: &[(String, &Trace)], to: f64) -> Panel {
     panel
 }
 
-fn names(signals: &[Signal]) -> Vec<(String, &Trace)> {
+fn names(signals: &[ForceSignal]) -> Vec<(String, &Trace)> {
     signals.iter().map(|signal| (signal.trace.name.clone(), &signal.trace)).collect()
 }
 
@@ -188,7 +188,7 @@ pub(super) fn far(figure: &Figure) -> Sheet {
         let values: Vec<f64> = shown.iter().map(|(_, force)| *force).collect();
         let (factor, sign) = prefix(largest(&values));
         let reach = 1.15 * factor * largest(&values);
-        let mut panel = Panel::new(
+        let mut panel = Plot::new(
             &format!("inset of (a): from acoustic to optical, {name}"),
             Axis::linear("time (ms)", MILLI * INSET, MILLI * LONG),
             Axis::linear(&format!("force ({sign}N)"), -reach, reach),
@@ -241,7 +241,7 @@ pub(super) fn speeds(study: &SpeedStudy) -> Sheet {
         ticks: ticks.collect(),
     };
     let mut panel =
-        Panel::new("", x, Axis::linear("speed from particle 14 to 27 (m/s)", 100.0, 200.0));
+        Plot::new("", x, Axis::linear("speed from particle 14 to 27 (m/s)", 100.0, 200.0));
     let dashpot = format!("half-rise, dashpot {:.1} N s/m", study.dashpot);
     let columns: [(&str, &dyn Fn(usize) -> f64); 5] = [
         ("paper, experiment", &|i| rows[i].paper.experiment_m_per_s),
@@ -254,7 +254,7 @@ pub(super) fn speeds(study: &SpeedStudy) -> Sheet {
         let shift = 0.12 * (index as f64 - 2.0);
         let points = (0..rows.len()).map(|i| (i as f64 + shift, of(i))).collect();
         let colour = [6, 0, 1, 4, 2][index];
-        panel.lines.push(Line { stroke: Stroke::Dots, ..line(name, points, colour) });
+        panel.lines.push(Polyline { stroke: Stroke::Dots, ..line(name, points, colour) });
     }
     Sheet {
         title: "Tables 1 and 2".to_owned(),

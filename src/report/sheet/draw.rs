@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Line, Panel, Sheet, Stroke};
+use super::{Plot, Polyline, Sheet, Stroke};
 use crate::report::escape;
 
 /// Room around a panel's frame: left, right, above, below (pixels).
@@ -44,7 +44,7 @@ pub fn sheet_svg(sheet: &Sheet) -> String {
 }
 
 struct Drawing<'a> {
-    panel: &'a Panel,
+    panel: &'a Plot,
     w: f64,
     h: f64,
     /// Tells the panel's clip path from all others.
@@ -162,8 +162,8 @@ impl Drawing<'_> {
         );
     }
 
-    fn line(&self, svg: &mut String, line: &Line) {
-        let Line { colour, stroke, .. } = line;
+    fn line(&self, svg: &mut String, line: &Polyline) {
+        let Polyline { colour, stroke, .. } = line;
         if *stroke == Stroke::Dots {
             for (x, y) in &line.points {
                 let (x, y) = (self.x(*x), self.y(*y));
@@ -223,8 +223,8 @@ impl Drawing<'_> {
 }
 
 /// A piece of a line for the legend, 20 pixels long.
-fn sample(line: &Line) -> String {
-    let Line { colour, stroke, .. } = line;
+fn sample(line: &Polyline) -> String {
+    let Polyline { colour, stroke, .. } = line;
     match stroke {
         Stroke::Dots => format!("<circle cx=\"10\" r=\"3.6\" fill=\"{colour}\"/>"),
         Stroke::Solid => format!("<path d=\"M0 0h20\" stroke=\"{colour}\" stroke-width=\"1.6\"/>"),

@@ -4,20 +4,20 @@ mod axes;
 mod picture;
 mod terminal;
 
-pub use axes::Work;
+pub use axes::WorkMeasure;
 pub use picture::work_precision_svg;
 
 use super::table;
-use super::words::{COLUMNS, hanging, wrapped};
+use super::text::{COLUMNS, hanging, wrapped};
 use crate::quantity::engineering;
-use crate::studies::cost::{Chosen, Order, Point, Reference, Study};
-use axes::{Axes, KINDS, Kind, Mark, digits, marks};
+use crate::studies::cost::{ChosenMethod, CostStudy, Order, Point, Reference};
+use axes::{Axes, KINDS, MethodMark, PlottedQuantity, digits, marks};
 use terminal::plot;
 /// How many of these the terminal shows: the others are in the table of what `--accuracy` chooses.
 const IN_TERMINAL: usize = 2;
 
 /// The page that `cost` prints: what accuracy costs in time, then errors against `work`; in `colour` for a terminal.
-pub fn work_precision(study: &Study, work: Work, colour: bool) -> String {
+pub fn work_precision(study: &CostStudy, work: WorkMeasure, colour: bool) -> String {
     let mut lines = vec![format!("{}: what accuracy costs in time", study.scene)];
     lines.extend(choices(study));
     lines.push(String::new());
@@ -57,13 +57,13 @@ fn observed(order: &Order) -> Option<String> {
     Some(format!("{observed:.1} ± {u:.1}"))
 }
 
-fn reference(study: &Study) -> String {
+fn reference(study: &CostStudy) -> String {
     let Reference { method, second, error, error_trace } = &study.reference;
     format!("{method}, {error:.1e} from {second}, in traces {error_trace:.1e}")
 }
 
 /// Where each method is from.
-fn sources(study: &Study) -> Vec<String> {
+fn sources(study: &CostStudy) -> Vec<String> {
     let mut all: Vec<(&str, &str)> = Vec::new();
     for order in &study.orders {
         let name = order.method.split(',').next().unwrap_or(order.method);
@@ -76,14 +76,14 @@ fn sources(study: &Study) -> Vec<String> {
 }
 
 /// Accuracies that were not reached, those of which the reference cannot tell, and those whose traces are not known to half of the digits.
-fn doubts(study: &Study) -> Vec<String> {
+fn doubts(study: &CostStudy) -> Vec<String> {
     let own = study.reference.error;
-    let named = |is: &dyn Fn(&Chosen) -> bool| {
+    let named = |is: &dyn Fn(&ChosenMethod) -> bool| {
         let those = study.chosen.iter().filter(|chosen| is(chosen));
         let names: Vec<String> = those.map(|chosen| format!("{:e}", chosen.accuracy)).collect();
         Some(names.join(", ")).filter(|names| !names.is_empty())
     };
-    let error = |chosen: &Chosen| chosen.error.unwrap_or(f64::INFINITY);
+    let error = |chosen: &ChosenMethod| chosen.error.unwrap_or(f64::INFINITY);
     let missed = named(&|c| error(c) > c.accuracy + own);
     let unclear = named(&|c| error(c) > c.accuracy && error(c) <= c.accuracy + own);
     let late = named(&|c| c.error_trace.is_some_and(|error| error > c.accuracy.sqrt()));
@@ -100,7 +100,7 @@ fn doubts(study: &Study) -> Vec<String> {
 }
 
 /// One row an accuracy: errors, times, and how many times the row above a run takes.
-fn choices(study: &Study) -> Vec<String> {
+fn choices(study: &CostStudy) -> Vec<String> {
     let heading =
         ["asked", "peaks", "arrivals", "traces", "time", "with checks", "speed", "row above"];
     let words = |error: Option<f64>| error.map_or("-".to_owned(), |e| format!("{e:.1e}"));

@@ -2,9 +2,11 @@
 
 use std::fmt::Write as _;
 
-use super::{Axes, KINDS, Kind, Mark, Work, digits, marks, observed, reference};
+use super::{
+    Axes, KINDS, MethodMark, PlottedQuantity, WorkMeasure, digits, marks, observed, reference,
+};
 use crate::report::escape;
-use crate::studies::cost::{Point, Study};
+use crate::studies::cost::{CostStudy, Point};
 
 /// Size of a panel's plot, and what is left of it (pixels).
 const PANEL: (f64, f64) = (480.0, 430.0);
@@ -24,7 +26,7 @@ const WIDTH: f64 = 2.0 * (LEFT + PANEL.0) + 24.0;
 
 /// The study as an SVG picture.
 #[allow(clippy::cast_precision_loss, reason = "a dozen methods")]
-pub fn work_precision_svg(study: &Study, work: Work) -> String {
+pub fn work_precision_svg(study: &CostStudy, work: WorkMeasure) -> String {
     let marks = marks(study);
     let lines = (marks.len() + 1).div_ceil(COLUMNS) + 1;
     let below = TOP + ROW + PANEL.1;
@@ -78,9 +80,9 @@ pub fn work_precision_svg(study: &Study, work: Work) -> String {
 /// One kind of error against work.
 fn panel(
     svg: &mut String,
-    study: &Study,
-    work: Work,
-    (kind, marks): (&Kind, &[Mark]),
+    study: &CostStudy,
+    work: WorkMeasure,
+    (kind, marks): (&PlottedQuantity, &[MethodMark]),
     (left, top): (f64, f64),
 ) {
     let axes = Axes::of(study, kind, work);
@@ -193,7 +195,7 @@ fn ring((x, y): (f64, f64)) -> String {
     )
 }
 
-fn grid(svg: &mut String, (axes, work): (&Axes, Work), at: &dyn Fn(f64, f64) -> (f64, f64)) {
+fn grid(svg: &mut String, (axes, work): (&Axes, WorkMeasure), at: &dyn Fn(f64, f64) -> (f64, f64)) {
     let ((few, many), (low, high)) = (axes.work, axes.error);
     let (corner, end) = (at(0.0, 0.0), at(1.0, 1.0));
     for decade in axes.ticks() {

@@ -1,7 +1,7 @@
 //! A panel in letters, with its legend beside it.
 
-use super::{Axes, Kind, Mark, Work, marks};
-use crate::studies::cost::Study;
+use super::{Axes, MethodMark, PlottedQuantity, WorkMeasure, marks};
+use crate::studies::cost::CostStudy;
 
 /// Columns and rows of a plot: with its scale and its legend it is 80 columns wide.
 const CELLS: (usize, usize) = (39, 17);
@@ -11,7 +11,7 @@ const CHOSEN: char = '●';
 const MAX_METHODS: usize = 7;
 
 /// Methods of the plots, those without a comma in their names first: variants are left to the picture.
-pub fn shown(study: &Study) -> Vec<Mark> {
+pub fn shown(study: &CostStudy) -> Vec<MethodMark> {
     let plain = marks(study).into_iter().filter(|(method, ..)| !method.contains(','));
     plain.take(MAX_METHODS).collect()
 }
@@ -23,7 +23,12 @@ pub fn shown(study: &Study) -> Vec<Mark> {
     clippy::cast_sign_loss,
     reason = "places on a screen of a few dozen cells"
 )]
-pub fn plot(study: &Study, kind: &Kind, work: Work, colour: bool) -> Vec<String> {
+pub fn plot(
+    study: &CostStudy,
+    kind: &PlottedQuantity,
+    work: WorkMeasure,
+    colour: bool,
+) -> Vec<String> {
     let axes = Axes::of(study, kind, work);
     let (columns, rows) = CELLS;
     let mut cells = vec![vec![(' ', 0); columns]; rows];

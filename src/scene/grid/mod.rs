@@ -9,7 +9,7 @@ mod runs;
 
 pub use design::Design;
 pub use range::{number, typed};
-pub use runs::Run;
+pub use runs::PlannedRun;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -18,7 +18,7 @@ use self::design::{Factor, Sample};
 use super::document::{Node, Value};
 use super::files::read_text;
 use super::problem::{Problem, SceneError, listed};
-use super::reader::{Bound, Problems, Table};
+use super::reader::{Bound, Problems, TableReader};
 use super::{LARGEST_SEED, LOOSEST_ACCURACY, TIGHTEST_ACCURACY};
 use crate::quantity::Dimension;
 
@@ -100,7 +100,7 @@ impl Design {
 }
 
 fn read(file: &Path, node: &Node, problems: &Problems) -> Option<Design> {
-    let root = Table::of(node, "", problems)?;
+    let root = TableReader::of(node, "", problems)?;
     let _ = root.text("title");
     let scene = root.required_text("scene", "the name of a scene, or the path of its file");
     let bound = Bound::Within(TIGHTEST_ACCURACY, LOOSEST_ACCURACY);
@@ -160,7 +160,7 @@ fn beside(file: &Path, scene: &str) -> String {
     }
 }
 
-fn sample(root: &Table<'_>, problems: &Problems) -> Option<Sample> {
+fn sample(root: &TableReader<'_>, problems: &Problems) -> Option<Sample> {
     let mut tables = SAMPLES
         .iter()
         .filter_map(|(key, latin)| root.table(key).map(|table| (table, *key, *latin)));

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::scene::document::Place;
+use crate::scene::document::SourceLocation;
 use crate::sensor::Load;
 
 /// A number with its standard uncertainty.
@@ -16,7 +16,7 @@ pub struct Uncertain {
 
 /// How a speed was measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Means {
+pub enum SpeedMethod {
     /// As a speed.
     Speed,
     /// As a height.
@@ -33,7 +33,7 @@ pub struct PlannedImpact {
     /// File or folder of its recording.
     pub recording: PathBuf,
     /// Where the plan names it.
-    pub place: Place,
+    pub place: SourceLocation,
     /// Channel.
     pub channel: String,
     /// Number of the shot.
@@ -41,9 +41,9 @@ pub struct PlannedImpact {
     /// Which of the strikers, from 0.
     pub striker: usize,
     /// Speed before the contact, by what it was measured.
-    pub incoming: (Means, Uncertain),
+    pub incoming: (SpeedMethod, Uncertain),
     /// Speed after it.
-    pub rebound: (Means, Uncertain),
+    pub rebound: (SpeedMethod, Uncertain),
     /// First and last time to integrate, if not to be found (s).
     pub window: Option<[f64; 2]>,
 }
@@ -75,7 +75,7 @@ pub struct Particulars {
 
 /// A checked plan.
 #[derive(Debug, Clone)]
-pub struct Plan {
+pub struct CalibrationPlan {
     /// The file.
     pub file: PathBuf,
     /// The file as typed.

@@ -6,7 +6,7 @@ use crate::experiment::{FRAMES, Integration, RunError, method, probes, sample_gr
 use crate::scene::Scene;
 
 /// What all entries look at: the scene as it is run, and that run.
-pub(super) struct Subject<'a> {
+pub(super) struct BaselineRun<'a> {
     /// The scene with `auto` decided.
     pub(super) scene: &'a Scene,
     pub(super) accuracy: f64,
@@ -16,7 +16,7 @@ pub(super) struct Subject<'a> {
     pub(super) wave: f64,
 }
 
-impl<'a> Subject<'a> {
+impl<'a> BaselineRun<'a> {
     pub(super) fn new(scene: &'a Scene, accuracy: f64) -> Result<Self, RunError> {
         let grid = sample_grid(scene, 1);
         let frames = Grid { start: 0.0, interval: scene.duration / FRAMES };

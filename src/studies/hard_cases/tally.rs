@@ -20,12 +20,12 @@ impl Check {
 
 /// The checks of one case: how many there were, and which came nearest to its bound.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Tally {
+pub struct CaseChecks {
     count: usize,
     worst: Option<Check>,
 }
 
-impl Tally {
+impl CaseChecks {
     /// Notes that `found` was reached where its magnitude may be `bound` at most, both in the same unit.
     pub fn check(&mut self, what: impl Into<String>, found: f64, bound: f64) {
         let check = Check { what: what.into(), found, bound };
@@ -41,7 +41,7 @@ impl Tally {
     }
 }
 
-impl fmt::Display for Tally {
+impl fmt::Display for CaseChecks {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Some(Check { what, found, bound }) = &self.worst else {
             return f.write_str("nothing was computed");
@@ -60,7 +60,7 @@ mod tests {
 
     #[test]
     fn what_is_no_number_or_not_there_is_not_right() {
-        let mut tally = Tally::default();
+        let mut tally = CaseChecks::default();
         assert!(!tally.holds());
         tally.check("a", 0.5, 1.0);
         assert!(tally.holds());

@@ -4,7 +4,7 @@ use rand_distr::{Distribution, StandardUniform};
 use rand_pcg::Pcg64;
 use serde::Serialize;
 
-use super::design::{Candidate, Designer};
+use super::design::{Designer, TestDesign};
 use super::simulation::TestError;
 use crate::analysis::calibration::{COVERAGE_95, Calibration};
 use crate::sensor::Circuit;
@@ -81,7 +81,7 @@ impl Sums {
 /// [`TestError`] for impacts that cannot be simulated.
 pub fn coverage(
     designer: &Designer,
-    candidate: &Candidate,
+    candidate: &TestDesign,
     (repeats, seed): (u32, u64),
     progress: &mut dyn FnMut(f64),
 ) -> Result<Coverage, TestError> {

@@ -9,7 +9,7 @@ use rand_pcg::Pcg64;
 
 use crate::experiment::accuracy::of_scene;
 use crate::experiment::{Integration, RunError, run};
-use crate::recording::{Capture, Instrument};
+use crate::recording::{Capture, InstrumentIdentity};
 use crate::scene::{Scene, SceneError};
 use crate::scope::acquire::{before_trigger, digitise, find_trigger};
 use crate::scope::front_end::{condition, noise_stream};
@@ -33,7 +33,7 @@ const PRE_TRIGGER: f64 = 0.25;
 
 /// What drops.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Striker {
+pub struct DroppedStriker {
     /// Its name.
     pub name: String,
     /// Material of what touches.
@@ -46,7 +46,7 @@ pub struct Striker {
 
 /// What one impact really was.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Truth {
+pub struct ImpactTruth {
     /// Force on the sensor.
     pub force: Trace,
     /// Speed before the contact (m/s).
@@ -89,7 +89,7 @@ pub fn bench(sensor: &str) -> Result<Scene, SceneError> {
 ///
 /// # Errors
 /// [`TestError`]: the bench cannot be built or run, or the striker stays.
-pub fn strike(striker: &Striker, speed: f64) -> Result<Truth, TestError> {
+pub fn strike(striker: &DroppedStriker, speed: f64) -> Result<ImpactTruth, TestError> {
     // Hertz's contact lasts 2.94 overlaps over the speed; a hundredth of a second is more than any of these takes.
     let mut duration = 200e-6;
     loop {
@@ -115,7 +115,7 @@ pub fn strike(striker: &Striker, speed: f64) -> Result<Truth, TestError> {
 }
 
 /// The impact, if the contact is over a twentieth of the run before its end.
-fn freed(force: &Trace, path: &Trace, gravity: f64, incoming: f64) -> Option<Truth> {
+fn freed(force: &Trace, path: &Trace, gravity: f64, incoming: f64) -> Option<ImpactTruth> {
     let first = force.values.iter().position(|f| *f > 0.0)?;
     let last = force.values.iter().rposition(|f| *f > 0.0)?;
     if last + force.values.len() / 20 > force.values.len() {
@@ -128,7 +128,7 @@ fn freed(force: &Trace, path: &Trace, gravity: f64, incoming: f64) -> Option<Tru
         (path.values.get(end)? - path.values.get(before)?) / (path.time(end) - path.time(before));
     let over = force.time(last + 1);
     let start = force.time(first.saturating_sub(1));
-    Some(Truth {
+    Some(ImpactTruth {
         force: force.clone(),
         incoming,
         rebound: gravity * (middle - over) - mean,
@@ -157,7 +157,7 @@ pub fn room() -> f64 {
 /// What the scope keeps of `truth` through `circuit`; phase of its clock and noise come from `seed` and `shot`. None where it is
 /// not triggered.
 pub fn capture(
-    truth: &Truth,
+    truth: &ImpactTruth,
     circuit: Circuit,
     setup: &Setup,
     (seed, shot): (u64, u32),
@@ -190,7 +190,7 @@ pub fn capture(
     let model = &setup.model;
     Some(Capture {
         waveform: digitise(setup, Source::Channel(1), channel, &signal, found.index),
-        instrument: Some(Instrument {
+        instrument: Some(InstrumentIdentity {
             model: model.name.replace(' ', ""),
             serial: model.serial.clone(),
             firmware: model.firmware.clone(),

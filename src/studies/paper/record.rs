@@ -1,8 +1,8 @@
 //! A scene in motion, and what is read off its forces.
 
-use super::{FigureRun, PaperError, Place, Signal};
+use super::{FigureRun, ForceLocation, ForceSignal, PaperError};
 use crate::analysis::gate::Gate;
-use crate::analysis::spectrum::{Analyser, Settings, Spectrum};
+use crate::analysis::spectrum::{Analyser, Spectrum, SpectrumSettings};
 use crate::chain::ForceProbe;
 use crate::experiment::bench::{Bench, Grid};
 use crate::experiment::method_choice;
@@ -26,14 +26,14 @@ pub(super) fn accuracy(scene: &Scene) -> f64 {
 }
 
 /// What was felt at several places of a scene.
-pub(super) struct Record {
+pub(super) struct ForceRecord {
     pub scene: Scene,
-    felt: Vec<(Place, Trace, PulseRecorder)>,
+    felt: Vec<(ForceLocation, Trace, PulseRecorder)>,
 }
 
-impl Record {
+impl ForceRecord {
     /// Runs `scene` over its duration.
-    pub(super) fn of(scene: &Scene, places: &[Place]) -> Result<Self, PaperError> {
+    pub(super) fn of(scene: &Scene, places: &[ForceLocation]) -> Result<Self, PaperError> {
         let chain = &scene.chain;
         let probes: Option<Vec<ForceProbe>> = places.iter().map(|p| p.probe(chain)).collect();
         let probes = probes.ok_or_else(|| nothing(scene, "such place"))?;
@@ -56,25 +56,25 @@ impl Record {
         Ok(Self { scene: scene.clone(), felt: felt.collect() })
     }
 
-    fn at(&self, place: Place) -> Result<(&Trace, &PulseRecorder), PaperError> {
+    fn at(&self, place: ForceLocation) -> Result<(&Trace, &PulseRecorder), PaperError> {
         let felt = self.felt.iter().find(|(there, ..)| *there == place);
         let felt = felt.map(|(_, trace, pulse)| (trace, pulse));
         felt.ok_or_else(|| nothing(&self.scene, &format!("force at {}", place.key())))
     }
 
     /// The force over time.
-    pub(super) fn trace(&self, place: Place) -> Result<&Trace, PaperError> {
+    pub(super) fn trace(&self, place: ForceLocation) -> Result<&Trace, PaperError> {
         Ok(self.at(place)?.0)
     }
 
     /// The first peak.
-    pub(super) fn first_peak(&self, place: Place) -> Result<Peak, PaperError> {
+    pub(super) fn first_peak(&self, place: ForceLocation) -> Result<Peak, PaperError> {
         let peak = self.at(place)?.1.first_peak();
         peak.ok_or_else(|| nothing(&self.scene, &format!("first peak at {}", place.key())))
     }
 
     /// When the force first reached half of its first peak (s).
-    pub(super) fn half_rise(&self, place: Place) -> Result<f64, PaperError> {
+    pub(super) fn half_rise(&self, place: ForceLocation) -> Result<f64, PaperError> {
         let level = HALF_RISE * self.first_peak(place)?.dynamic_n;
         let reached = self.at(place)?.1.first_reach(level);
         reached.ok_or_else(|| nothing(&self.scene, &format!("half-rise at {}", place.key())))
@@ -83,22 +83,22 @@ impl Record {
     /// The spectrum in the paper's convention between two times (s).
     pub(super) fn spectrum(
         &self,
-        place: Place,
+        place: ForceLocation,
         from: f64,
         to: f64,
     ) -> Result<Spectrum, PaperError> {
-        let settings = Settings { gate: Gate { from, to }, ..Settings::default() };
+        let settings = SpectrumSettings { gate: Gate { from, to }, ..SpectrumSettings::default() };
         Ok(Analyser::new().spectrum(self.trace(place)?, &settings)?)
     }
 
     /// The force over time and frequency.
-    pub(super) fn signal(&self, place: Place) -> Result<Signal, PaperError> {
+    pub(super) fn signal(&self, place: ForceLocation) -> Result<ForceSignal, PaperError> {
         let spectrum = self.spectrum(place, 0.0, self.scene.duration)?;
-        Ok(Signal { place, trace: self.trace(place)?.clone(), spectrum })
+        Ok(ForceSignal { place, trace: self.trace(place)?.clone(), spectrum })
     }
 
     /// Time from where the first pulse reaches the share `foot` (1) of its peak to the first minimum behind it (s).
-    pub(super) fn width(&self, place: Place, foot: f64) -> Result<f64, PaperError> {
+    pub(super) fn width(&self, place: ForceLocation, foot: f64) -> Result<f64, PaperError> {
         let (trace, pulse) = self.at(place)?;
         let peak = self.first_peak(place)?;
         let foot = pulse.first_reach(foot * peak.dynamic_n);
@@ -110,7 +110,7 @@ impl Record {
     }
 
     /// Maxima above a quarter of the largest force: times (s) and forces (N).
-    pub(super) fn peaks(&self, place: Place) -> Result<Vec<(f64, f64)>, PaperError> {
+    pub(super) fn peaks(&self, place: ForceLocation) -> Result<Vec<(f64, f64)>, PaperError> {
         let trace = self.trace(place)?;
         let largest = trace.values.iter().copied().fold(0.0, f64::max);
         let mut peaks = maxima(trace, 1.0);
@@ -119,7 +119,12 @@ impl Record {
     }
 
     /// Lowest force between two times (N).
-    pub(super) fn lowest(&self, place: Place, from: f64, to: f64) -> Result<f64, PaperError> {
+    pub(super) fn lowest(
+        &self,
+        place: ForceLocation,
+        from: f64,
+        to: f64,
+    ) -> Result<f64, PaperError> {
         let minima = maxima(self.trace(place)?, -1.0).into_iter();
         let between = minima.filter(|(time, _)| (from..to).contains(time));
         Ok(between.map(|(_, force)| force).fold(f64::INFINITY, f64::min))
@@ -170,7 +175,7 @@ pub(super) fn mean_frequency(spectrum: &Spectrum) -> f64 {
 }
 
 /// Runs `scene` as `run` does, and puts the forces of `signals` into its truth, as long as the figure shows them.
-pub(super) fn record_run(scene: &Scene, signals: &[Signal]) -> Result<FigureRun, PaperError> {
+pub(super) fn record_run(scene: &Scene, signals: &[ForceSignal]) -> Result<FigureRun, PaperError> {
     let integration = Integration::Accuracy(accuracy(scene));
     let mut outcome = run(scene, integration, 1, &mut |_| ())?;
     let truth = &mut outcome.shot.truth;

@@ -7,7 +7,7 @@
 use super::PaperError;
 use super::claims::{Claim, Expected, Typed};
 use super::record::{accuracy, nothing};
-use super::verdict::Answer;
+use super::verdict::ClaimResult;
 use crate::chain::{Chain, Dashpot, EndOfContact, ForceProbe, LossSpec};
 use crate::experiment::ensemble::{Case, Ensemble};
 use crate::experiment::paper_speeds::{PaperSpeed, speeds};
@@ -186,18 +186,18 @@ fn item(row: &SpeedRow, column: &str) -> String {
 }
 
 /// Answers to [`claims`] and to the speed-up by the magnet.
-pub(super) fn answers(study: &SpeedStudy, answers: &mut Vec<Answer>) {
+pub(super) fn answers(study: &SpeedStudy, answers: &mut Vec<ClaimResult>) {
     let convention = format!("half-rise, a dashpot of {:.1} N s/m in every contact", study.dashpot);
     for row in &study.rows {
         let SpeedRow { lossless, with_dashpot, .. } = row;
         answers.push(
-            Answer::to(&item(row, "numerics"))
+            ClaimResult::to(&item(row, "numerics"))
                 .or("half-rise", lossless.half_rise)
                 .or("peak to peak", lossless.peak)
                 .note("the paper names no estimator"),
         );
         answers.push(
-            Answer::to(&item(row, "experiment"))
+            ClaimResult::to(&item(row, "experiment"))
                 .or(&convention, with_dashpot.half_rise)
                 .or("half-rise, no losses", lossless.half_rise)
                 .note("the dashpot is the one that fits all eight measured speeds best"),
@@ -210,7 +210,7 @@ pub(super) fn answers(study: &SpeedStudy, answers: &mut Vec<Answer>) {
         sum / rows - 1.0
     };
     answers.push(
-        Answer::to("speed_up")
+        ClaimResult::to("speed_up")
             .plain("calculated, half-rise, mean of the four strikers", ratio(&|r| r.lossless.half_rise))
             .or("calculated, peak to peak", ratio(&|r| r.lossless.peak))
             .or("the paper's own measured speeds, mean of the four strikers", ratio(&|r| r.paper.experiment_m_per_s))

@@ -7,11 +7,11 @@
 
 mod knob;
 
-pub use knob::Knob;
+pub use knob::TuningParameter;
 
 use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::gate::Gate;
-use crate::analysis::spectrum::{Analyser, Settings, Spectrum, SpectrumError};
+use crate::analysis::spectrum::{Analyser, Spectrum, SpectrumError, SpectrumSettings};
 use crate::analysis::window::Window;
 use crate::chain::{ChainError, ForceProbe};
 use crate::experiment::bench::{Bench, Grid};
@@ -46,7 +46,7 @@ pub enum TuneError {
         /// The scene.
         scene: String,
         /// The knob.
-        knob: Knob,
+        knob: TuningParameter,
         /// The knobs that it has.
         known: String,
     },
@@ -80,7 +80,7 @@ pub struct TunedPoint {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tuning {
     /// The knob.
-    pub knob: Knob,
+    pub knob: TuningParameter,
     /// Where the scene has it (unit).
     pub now: f64,
     /// From lowest to highest.
@@ -94,7 +94,7 @@ pub struct Tuning {
 /// [`TuneError`] for a scene without two sensors in particles or without the knob.
 pub fn tune(
     scene: &Scene,
-    knobs: &[Knob],
+    knobs: &[TuningParameter],
     points: u32,
     span: f64,
     progress: &(dyn Fn(f64) + Sync),
@@ -109,7 +109,11 @@ pub fn tune(
         let now = knob.value(scene).ok_or_else(|| TuneError::NoKnob {
             scene: scene.name.clone(),
             knob: *knob,
-            known: Knob::of(scene).iter().map(|k| k.name()).collect::<Vec<_>>().join(", "),
+            known: TuningParameter::of(scene)
+                .iter()
+                .map(|k| k.name())
+                .collect::<Vec<_>>()
+                .join(", "),
         })?;
         turned.push((*knob, now));
         let steps = f64::from(points.saturating_sub(1).max(1));
@@ -118,7 +122,7 @@ pub fn tune(
             jobs.push((*knob, value));
         }
     }
-    let work = |(): &mut (), (knob, value): &(Knob, f64)| point(scene, *knob, *value);
+    let work = |(): &mut (), (knob, value): &(TuningParameter, f64)| point(scene, *knob, *value);
     #[allow(clippy::cast_precision_loss, reason = "a few hundred jobs")]
     let done = |finished: usize| progress(finished as f64 / jobs.len() as f64);
     let mut results = in_parallel(processors(), &jobs, &work, &done).into_iter();
@@ -130,7 +134,7 @@ pub fn tune(
     Ok(tunings)
 }
 
-fn point(scene: &Scene, knob: Knob, value: f64) -> Result<TunedPoint, TuneError> {
+fn point(scene: &Scene, knob: TuningParameter, value: f64) -> Result<TunedPoint, TuneError> {
     let turned = knob.turn(scene, value)?;
     let chain = &turned.chain;
     let sensed = sensed(scene);
@@ -159,7 +163,7 @@ fn point(scene: &Scene, knob: Knob, value: f64) -> Result<TunedPoint, TuneError>
         values: last.samples.clone(),
     };
     let gate = Gate { from: 0.0, to: turned.duration };
-    let settings = Settings { gate, window: Window::Hann, ..Settings::default() };
+    let settings = SpectrumSettings { gate, window: Window::Hann, ..SpectrumSettings::default() };
     Ok(TunedPoint {
         value,
         chain: cell(&turned, Site::Particle(ends[0])),

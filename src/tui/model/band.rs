@@ -1,15 +1,15 @@
 //! Which frequencies the pages of spectra show.
 
-use super::{Model, Page};
+use super::{Page, ScreenState};
 use crate::analysis::spectrum::Spectrum;
-use crate::tui::axis::{DIVISIONS_ACROSS, Steps, Turn};
+use crate::tui::axis::{DIVISIONS_ACROSS, Steps, TurnDirection};
 
 /// Beyond the highest band edge so much more is shown (1).
 const BEYOND: f64 = 1.4;
 /// Without band edges this share of what was sampled (1).
 const SHOWN: f64 = 0.25;
 
-impl Model {
+impl ScreenState {
     /// The spectrum on screen, or the first one of the map.
     fn spectrum(&self) -> Option<&Spectrum> {
         match self.page {
@@ -41,7 +41,7 @@ impl Model {
     }
 
     /// The Hz/div knob; what stands `anchor` divisions right of the centre stays there.
-    pub(super) fn zoom_band(&mut self, turn: Turn, anchor: f64) {
+    pub(super) fn zoom_band(&mut self, turn: TurnDirection, anchor: f64) {
         let (Some((low, high)), Some(spectrum), Some(sampled)) =
             (self.band(), self.spectrum(), self.highest())
         else {

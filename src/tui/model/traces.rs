@@ -1,6 +1,6 @@
 //! Which traces there are: those of the shot in volts or newtons, the math trace, the references.
 
-use super::Model;
+use super::ScreenState;
 use crate::measurement::force::{Forces, forces};
 use crate::recording::Capture;
 use crate::scope::{Source, VerticalSetup, Waveform};
@@ -28,7 +28,7 @@ fn as_record(volts: &Capture, forces: &Forces) -> Capture {
     Capture { waveform, ..volts.clone() }
 }
 
-impl Model {
+impl ScreenState {
     /// Makes the list of traces again.
     pub(super) fn rebuild(&mut self) {
         let Some(shot) = self.set_shot() else {

@@ -9,12 +9,12 @@ use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
 
 use super::axes::put;
-use super::layout::Layout;
+use super::layout::ScreenLayout;
 use super::readout::compact;
 use super::{colour, message};
 use crate::scene::{Scene, Site};
 use crate::trace::Trace;
-use crate::tui::model::Model;
+use crate::tui::model::ScreenState;
 
 /// Eighths of a cell, from nothing to full.
 const EIGHTHS: [&str; 9] = [" ", "▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"];
@@ -36,7 +36,7 @@ struct Film<'a> {
 }
 
 /// Traces of one kind with their numbers, in order.
-fn numbered<'a>(model: &'a Model, kind: &str) -> Vec<(usize, &'a Trace)> {
+fn numbered<'a>(model: &'a ScreenState, kind: &str) -> Vec<(usize, &'a Trace)> {
     let shot = model.shot();
     let number = |trace: &Trace| {
         let name = trace.name.strip_prefix("/truth/").unwrap_or(&trace.name);
@@ -52,7 +52,7 @@ fn numbered<'a>(model: &'a Model, kind: &str) -> Vec<(usize, &'a Trace)> {
 }
 
 impl<'a> Film<'a> {
-    fn of(model: &'a Model) -> Option<Self> {
+    fn of(model: &'a ScreenState) -> Option<Self> {
         let contacts = numbered(model, "contact/");
         let mut dynamic: Vec<f64> = contacts.iter().map(|(_, trace)| largest(trace)).collect();
         dynamic.sort_by(f64::total_cmp);
@@ -100,7 +100,7 @@ fn farthest_between(trace: &Trace, from: f64, to: f64) -> f64 {
 }
 
 /// Draws the page.
-pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
+pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let area = layout.page;
     let (Some(film), Some((start, end))) = (Film::of(model), model.film_span()) else {
         let words = "this shot has no truth topics: only simulations know how the beads moved";
@@ -118,7 +118,13 @@ pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
     time_line(model, (start, end, now), Rect { y: chain.bottom() + 3, height: 1, ..area }, frame);
 }
 
-fn heading(model: &Model, film: &Film, (now, end): (f64, f64), frame: &mut Frame, area: Rect) {
+fn heading(
+    model: &ScreenState,
+    film: &Film,
+    (now, end): (f64, f64),
+    frame: &mut Frame,
+    area: Rect,
+) {
     let bold = Style::new().add_modifier(Modifier::BOLD);
     let state = if model.is_playing() { "playing" } else { "paused (Space)" };
     let line = Line::from(vec![
@@ -140,7 +146,7 @@ fn contact_at(column: u16, width: u16, count: usize) -> usize {
 
 /// All of the film: time downward, the chain to the right, tones by the force that was added.
 fn stripes_of(
-    model: &Model,
+    model: &ScreenState,
     film: &Film,
     (start, end, now): (f64, f64, f64),
     area: Rect,
@@ -177,7 +183,7 @@ fn stripes_of(
 }
 
 /// A tone for a share of the strongest force; what was taken away is blue.
-fn tone(model: &Model, share: f64) -> (&'static str, Style) {
+fn tone(model: &ScreenState, share: f64) -> (&'static str, Style) {
     const COLOURS: [Color; 5] =
         [Color::Reset, Color::DarkGray, Color::Yellow, Color::Yellow, Color::LightRed];
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
@@ -188,7 +194,7 @@ fn tone(model: &Model, share: f64) -> (&'static str, Style) {
 }
 
 /// The force in each contact now, upward, what pressed before included.
-fn bars_of(model: &Model, film: &Film, now: f64, area: Rect, frame: &mut Frame) {
+fn bars_of(model: &ScreenState, film: &Film, now: f64, area: Rect, frame: &mut Frame) {
     let width = area.width.saturating_sub(LABELS);
     let pressed = film.contacts.iter().map(|(_, trace)| rest(trace)).fold(0.0, f64::max);
     let top = film.strongest + pressed;
@@ -221,7 +227,7 @@ fn bars_of(model: &Model, film: &Film, now: f64, area: Rect, frame: &mut Frame) 
 }
 
 /// The beads: light ones small, those with a sensor numbered below; shifted to where they have moved, a cell for the farthest.
-fn beads_of(model: &Model, film: &Film, now: f64, area: Rect, frame: &mut Frame) {
+fn beads_of(model: &ScreenState, film: &Film, now: f64, area: Rect, frame: &mut Frame) {
     let width = area.width.saturating_sub(LABELS);
     let count = film.beads.len();
     let farthest = film.beads.iter().skip(1).map(|(_, trace)| largest(trace)).fold(0.0, f64::max);
@@ -249,7 +255,7 @@ fn beads_of(model: &Model, film: &Film, now: f64, area: Rect, frame: &mut Frame)
 }
 
 /// A bead's sign: its size by its mass, its colour by which way it has moved and how far.
-fn bead(model: &Model, body: usize, moved: f64, farthest: f64) -> (&'static str, Style) {
+fn bead(model: &ScreenState, body: usize, moved: f64, farthest: f64) -> (&'static str, Style) {
     let heavy = |scene: &Scene| {
         let bodies = scene.chain.bodies();
         let heaviest = bodies.iter().skip(1).map(|body| body.mass).fold(0.0, f64::max);
@@ -268,7 +274,12 @@ fn bead(model: &Model, body: usize, moved: f64, farthest: f64) -> (&'static str,
     (sign, if share.abs() > 0.5 { style.add_modifier(Modifier::BOLD) } else { style })
 }
 
-fn time_line(model: &Model, (start, end, now): (f64, f64, f64), area: Rect, frame: &mut Frame) {
+fn time_line(
+    model: &ScreenState,
+    (start, end, now): (f64, f64, f64),
+    area: Rect,
+    frame: &mut Frame,
+) {
     let width = area.width.saturating_sub(LABELS);
     let done =
         super::axes::whole((now - start) / (end - start) * f64::from(width.saturating_sub(1)));

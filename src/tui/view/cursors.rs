@@ -6,11 +6,11 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::canvas::{Painter, Shape};
 
 use super::divisions::dot_of_division;
-use super::layout::Layout;
+use super::layout::ScreenLayout;
 use super::readout::{compact, spaced, width};
 use super::{colour, colour_of};
 use crate::tui::axis::DIVISIONS_ACROSS;
-use crate::tui::model::{CursorKind, Model, Page};
+use crate::tui::model::{CursorKind, Page, ScreenState};
 
 /// Digits of a cursor's reading.
 const DIGITS: usize = 4;
@@ -35,7 +35,7 @@ impl Shape for Pointer {
 }
 
 /// Both cursors, as far as they are on the graticule.
-pub(super) fn pointers(model: &Model, layout: &Layout) -> Vec<Pointer> {
+pub(super) fn pointers(model: &ScreenState, layout: &ScreenLayout) -> Vec<Pointer> {
     let cursors = model.cursors();
     let Some(pair) = cursors.pair else { return Vec::new() };
     let upright = cursors.kind == CursorKind::Time;
@@ -52,7 +52,7 @@ pub(super) fn pointers(model: &Model, layout: &Layout) -> Vec<Pointer> {
     };
     let (across, length) =
         if upright { (layout.columns(), layout.rows()) } else { (layout.rows(), layout.columns()) };
-    let pointer = |(index, cursor): (usize, &crate::tui::model::state::Cursor)| {
+    let pointer = |(index, cursor): (usize, &crate::tui::model::state::PlacedCursor)| {
         let at = dot(cursor.at, cursor.source)?.round();
         #[expect(
             clippy::cast_possible_truncation,
@@ -68,7 +68,7 @@ pub(super) fn pointers(model: &Model, layout: &Layout) -> Vec<Pointer> {
 }
 
 /// Writes what the cursors tell in the place of the selected trace's details; whether there was something to tell.
-pub(super) fn readout(model: &Model, layout: &Layout, frame: &mut Frame) -> bool {
+pub(super) fn readout(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) -> bool {
     let Some(reading) = model.cursor_reading().filter(|_| model.page() == Page::Scope) else {
         return false;
     };

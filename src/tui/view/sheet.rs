@@ -21,7 +21,7 @@ const MOST_MARKS: usize = 64;
 
 /// One axis: from where to where, and in what.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Axis {
+pub(super) struct DiagramAxis {
     /// Value at the left or at the bottom (unit).
     pub(super) low: f64,
     /// Value at the right or at the top (unit).
@@ -32,7 +32,7 @@ pub(super) struct Axis {
     pub(super) logarithmic: bool,
 }
 
-impl Axis {
+impl DiagramAxis {
     pub(super) fn linear(low: f64, high: f64, unit: &str) -> Self {
         let (low, high) = if high > low { (low, high) } else { (low - 0.5, low + 0.5) };
         Self { low, high, unit: unit.to_owned(), logarithmic: false }
@@ -85,19 +85,19 @@ type Dot = (usize, usize, Color);
 
 /// The diagram, filled dot by dot and drawn at the end.
 #[derive(Debug)]
-pub(super) struct Sheet {
+pub(super) struct Diagram {
     area: Rect,
     inner: Rect,
-    x: Axis,
-    y: Axis,
+    x: DiagramAxis,
+    y: DiagramAxis,
     grid: Vec<Dot>,
     dots: Vec<Dot>,
     grid_colour: Color,
 }
 
-impl Sheet {
+impl Diagram {
     /// An empty diagram in `area`, with a grid of `grid_colour`.
-    pub(super) fn new(area: Rect, x: Axis, y: Axis, grid_colour: Color) -> Self {
+    pub(super) fn new(area: Rect, x: DiagramAxis, y: DiagramAxis, grid_colour: Color) -> Self {
         let inner = Rect {
             x: area.x + LABELS,
             width: area.width.saturating_sub(LABELS),

@@ -7,20 +7,20 @@ use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
 
 use super::colour;
-use super::layout::Layout;
+use super::layout::ScreenLayout;
 use super::readout::{GAP, compact, digits_for, spaced, width};
 use crate::recording::Origin;
 use crate::scope::Waveform;
-use crate::tui::axis::{Window, is_spectrum};
-use crate::tui::keys::{BINDINGS, Place};
+use crate::tui::axis::{ViewWindow, is_spectrum};
+use crate::tui::keys::{BINDINGS, BindingScope};
 use crate::tui::model::command::COMMANDS;
-use crate::tui::model::{Acquisition, Model, Panel};
+use crate::tui::model::{Popup, RunState, ScreenState};
 
 /// Columns that the title keeps at least while the line drops other things.
 const TITLE_WIDTH: usize = 12;
 
 /// Title, state, origin, problems, shot and position of the screen's centre.
-pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
+pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let bold = Style::new().add_modifier(Modifier::BOLD);
     let warning = bold.fg(colour(model.palette(), Color::LightRed));
     let mut parts: Vec<Span> = Vec::new();
@@ -67,7 +67,7 @@ pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
 }
 
 /// What the scope is doing, in the instrument's words.
-fn state(model: &Model) -> String {
+fn state(model: &ScreenState) -> String {
     let Some(live) = model.live() else {
         return if model.is_playing() {
             format!("Play {}x", model.play().speed)
@@ -89,16 +89,16 @@ fn state(model: &Model) -> String {
     }
     let crossed = live.summary.as_ref().is_some_and(|summary| summary.trigger.crossed);
     match live.acquisition {
-        Acquisition::Stopped => "Stop",
-        Acquisition::Armed => "Armed",
-        Acquisition::Running if crossed => "Trig'd",
-        Acquisition::Running => "Auto",
+        RunState::Stopped => "Stop",
+        RunState::Armed => "Armed",
+        RunState::Running if crossed => "Trig'd",
+        RunState::Running => "Auto",
     }
     .to_owned()
 }
 
 /// Where the screen's centre stands after the trigger, or in the spectrum.
-fn centre(window: Window, waveform: &Waveform) -> String {
+fn centre(window: ViewWindow, waveform: &Waveform) -> String {
     let digits = digits_for(window.centre, window.scale);
     let position = compact(window.centre, &waveform.preamble.x_unit, digits);
     let name = if is_spectrum(waveform) { "Pos" } else { "M Pos" };
@@ -135,9 +135,9 @@ fn meant(typed: &str) -> String {
 }
 
 /// What the last action came to, or else the most important keys.
-pub(super) fn hints(model: &Model, layout: &Layout, frame: &mut Frame) {
+pub(super) fn hints(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let area = layout.hints;
-    if model.panel() == Panel::Prompt {
+    if model.panel() == Popup::Prompt {
         let bold = Style::new().add_modifier(Modifier::BOLD);
         let line = Line::from(vec![
             Span::styled(format!(":{}", model.prompt()), bold),
@@ -156,7 +156,7 @@ pub(super) fn hints(model: &Model, layout: &Layout, frame: &mut Frame) {
     let grey = Style::new().fg(colour(model.palette(), Color::Gray));
     let mut parts: Vec<Span> = Vec::new();
     for binding in BINDINGS {
-        if binding.place == Place::Panels || binding.hint.is_empty() {
+        if binding.place == BindingScope::Panels || binding.hint.is_empty() {
             continue;
         }
         let text = format!("{} {}", binding.label, binding.hint);

@@ -12,12 +12,12 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::{News, guarded};
+use super::{ScreenEvent, guarded};
 use crate::recording::set_file::SetFile;
-use crate::recording::{Capture, Instrument, isf};
+use crate::recording::{Capture, InstrumentIdentity, isf};
 use crate::scope::{Model, Source};
-use crate::tui::model::served::Heard;
-use snapshot::Look;
+use crate::tui::model::served::ServedUpdate;
+use snapshot::ServedSnapshot;
 use socket::Socket;
 
 /// How often it is asked whether there is something new.
@@ -31,17 +31,17 @@ const TRANSFER: [&str; 5] = ["ENC", "WID", "STAR", "STOP", "SOU"];
 
 /// A connection to a served scope, or to a real one behind a socket.
 #[derive(Debug)]
-pub struct Scope {
+pub struct ServedConnection {
     socket: Socket,
     /// Where it is, `HOST:PORT`.
     address: String,
-    instrument: Instrument,
+    instrument: InstrumentIdentity,
     model: Model,
     /// Whether a bench stands behind it that can be struck.
     bench: bool,
 }
 
-impl Scope {
+impl ServedConnection {
     /// Connects to `address`, `HOST:PORT`, and asks who is there.
     ///
     /// # Errors
@@ -60,10 +60,14 @@ impl Scope {
     }
 
     /// Everything but the records.
-    fn look(&mut self, short: String, before: Option<&Look>) -> io::Result<Look> {
+    fn look(
+        &mut self,
+        short: String,
+        before: Option<&ServedSnapshot>,
+    ) -> io::Result<ServedSnapshot> {
         let panel = self.socket.ask("SET?")?;
         let panel = SetFile::read(panel.as_bytes(), &self.address).map_err(io::Error::other)?;
-        let mut look = Look::new(short, panel, self.model.clone());
+        let mut look = ServedSnapshot::new(short, panel, self.model.clone());
         if self.bench {
             let named = self.socket.ask(":BENC:IMP?;SCEN?")?;
             look.on_bench(&named, before);
@@ -76,7 +80,7 @@ impl Scope {
     }
 
     /// The records of the displayed traces; none where what is displayed has changed meanwhile.
-    fn records(&mut self, look: &Look) -> io::Result<Option<Vec<Capture>>> {
+    fn records(&mut self, look: &ServedSnapshot) -> io::Result<Option<Vec<Capture>>> {
         let sources = look.displayed();
         let asked = TRANSFER.map(|word| format!("{word}?")).join(";");
         let before = self.socket.ask(&format!(":DAT:{asked}"))?;
@@ -91,7 +95,7 @@ impl Scope {
     }
 
     /// A preamble and its block are what an ISF file holds.
-    fn capture(&self, record: &[u8], look: &Look) -> Option<Capture> {
+    fn capture(&self, record: &[u8], look: &ServedSnapshot) -> Option<Capture> {
         let mut capture = isf::read(record, &self.address).ok()?;
         // What a file does not tell and has to be guessed, the set-up tells.
         capture.notes.clear();
@@ -119,29 +123,29 @@ fn restored(told: &str) -> String {
 }
 
 /// Starts the thread that watches; it takes commands.
-pub fn start(scope: Scope, news: &Sender<News>) -> Sender<String> {
+pub fn start(scope: ServedConnection, news: &Sender<ScreenEvent>) -> Sender<String> {
     let (orders, received) = channel();
     let news = news.clone();
     thread::spawn(move || {
         let address = scope.address.clone();
-        let mut watch = Watch { scope, news: news.clone(), last: None, records: None };
+        let mut watch = ServedWorker { scope, news: news.clone(), last: None, records: None };
         let watched = guarded(|| watch.go(&received).map_err(|error| error.to_string()));
         if let Err(words) = watched {
             // Without a screen there is nobody to hear it.
-            let _ = news.send(News::Lost(format!("{address}: the scope is gone: {words}")));
+            let _ = news.send(ScreenEvent::Lost(format!("{address}: the scope is gone: {words}")));
         }
     });
     orders
 }
 
-struct Watch {
-    scope: Scope,
-    news: Sender<News>,
-    last: Option<(Instant, Look)>,
+struct ServedWorker {
+    scope: ServedConnection,
+    news: Sender<ScreenEvent>,
+    last: Option<(Instant, ServedSnapshot)>,
     records: Option<Vec<Capture>>,
 }
 
-impl Watch {
+impl ServedWorker {
     /// Looks and passes commands on until the screen is gone.
     fn go(&mut self, orders: &Receiver<String>) -> io::Result<()> {
         loop {
@@ -160,16 +164,17 @@ impl Watch {
                 }
             }
             let Some(heard) = self.listen(commanded)? else { continue };
-            if self.news.send(News::Heard(Box::new(heard))).is_err() {
+            if self.news.send(ScreenEvent::Heard(Box::new(heard))).is_err() {
                 return Ok(());
             }
         }
     }
 
     /// What is new, if anything is.
-    fn listen(&mut self, commanded: bool) -> io::Result<Option<Heard>> {
+    fn listen(&mut self, commanded: bool) -> io::Result<Option<ServedUpdate>> {
         let short = self.scope.socket.ask(SHORT)?;
-        let quiet = |(at, look): &(Instant, Look)| look.short() == short && at.elapsed() < SELDOM;
+        let quiet =
+            |(at, look): &(Instant, ServedSnapshot)| look.short() == short && at.elapsed() < SELDOM;
         if !commanded && self.last.as_ref().is_some_and(quiet) {
             return Ok(None);
         }
