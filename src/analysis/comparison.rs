@@ -15,9 +15,9 @@
 
 use super::gate::Gate;
 use super::least_squares::squares;
-use super::pulse::Measure;
 use super::spectrum::{Analyser, SpectrumSettings};
 use super::window::Window;
+use crate::quantity::Uncertain;
 use crate::trace::Trace;
 
 /// Fewest samples that both traces must have in common.
@@ -40,7 +40,7 @@ pub struct Distance {
     /// Largest residual (unit).
     pub largest: f64,
     /// Slope of the measured over the simulated trace (1).
-    pub gain: Measure,
+    pub gain: Uncertain,
     /// Its zero: what the measured trace reads where the simulated one is zero (unit).
     pub offset: f64,
     /// Pearson's coefficient; none where a trace is flat (1).
@@ -102,10 +102,7 @@ impl Pair {
         Distance {
             rms: (squares(&residual) / count).sqrt(),
             largest: residual.iter().fold(0.0, |most: f64, d| most.max(d.abs())),
-            gain: Measure {
-                value: gain,
-                standard_uncertainty: (left / ((count - 2.0) * ss)).sqrt(),
-            },
+            gain: Uncertain { value: gain, u: (left / ((count - 2.0) * ss)).sqrt() },
             offset: of_m - gain * of_s,
             correlation: told.then(|| (ms / (mm * ss).sqrt()).clamp(-1.0, 1.0)),
             spectrum: if ss > 0.0 { self.spectrum_distance() } else { None },

@@ -8,13 +8,14 @@
 //! moves with the place where the signals are cut, follows from `C' = 0` by JCGM 100:2008, Eq. (10). Valid for pulses of like shape; for pulses
 //! that change their shape on the way it is an estimator of its own, with no time of arrival behind it.
 
+use crate::quantity::Uncertain;
 use std::f64::consts::PI;
 
 use realfft::RealFftPlanner;
 
 use super::arrival::Estimator;
 use super::local_fit::{LocalFit, nearest_fall};
-use super::pulse::{Measure, Pulse};
+use super::pulse::Pulse;
 use crate::trace::Trace;
 
 /// Lags on either side of the largest correlation that its place is read from, in rises from half to peak (1).
@@ -31,7 +32,7 @@ const SAME: f64 = 1e-9;
     clippy::cast_sign_loss,
     reason = "records are far shorter than 2^53 samples"
 )]
-pub fn delay(first: &Pulse, second: &Pulse) -> Option<Measure> {
+pub fn delay(first: &Pulse, second: &Pulse) -> Option<Uncertain> {
     let interval = first.signal.interval;
     if (second.signal.interval / interval - 1.0).abs() > SAME {
         return None;
@@ -43,9 +44,9 @@ pub fn delay(first: &Pulse, second: &Pulse) -> Option<Measure> {
     let reach = (NEAR * rise).ceil().max(2.0) as usize;
     let CorrelationMaximum { lag, bend, gain } = top(&correlate(&a, &b)?, reach)?;
     // The cut-out moves with the half-rise: how far the lag goes with it, once for each of the two.
-    let moved = second.alone(half_b.value + half_b.standard_uncertainty, rise);
+    let moved = second.alone(half_b.value + half_b.u, rise);
     let cut_b = (top(&correlate(&a, &moved)?, reach)?.lag - lag).abs();
-    let cut_a = cut_b * half_a.standard_uncertainty / half_b.standard_uncertainty;
+    let cut_a = cut_b * half_a.u / half_b.u;
     // The curvature of C at its top is the sum of a' b' with its sign turned.
     let (noise_a, noise_b) =
         (first.noise * slopes(&b).sqrt() / -bend, second.noise * slopes(&a).sqrt() / -bend);
@@ -54,7 +55,7 @@ pub fn delay(first: &Pulse, second: &Pulse) -> Option<Measure> {
     let both = (first.noise * second.noise).powi(2) * CUT_OUT * rise * gain;
     let standard_uncertainty = (shares + both).sqrt() * interval;
     let value = second.signal.start - first.signal.start + lag * interval;
-    standard_uncertainty.is_finite().then_some(Measure { value, standard_uncertainty })
+    standard_uncertainty.is_finite().then_some(Uncertain { value, u: standard_uncertainty })
 }
 
 /// A maximum of the correlation.

@@ -20,15 +20,6 @@ const SHALLOWEST: f64 = 0.005;
 /// Half-width of the smoothing in units of the rise from a quarter of the largest value to the peak (1).
 const SMOOTHING: f64 = 1.0 / 6.0;
 
-/// A number with its standard uncertainty.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Measure {
-    /// The number (unit).
-    pub value: f64,
-    /// Its standard uncertainty; twice as much covers 95 % (unit).
-    pub standard_uncertainty: f64,
-}
-
 /// A trace with a pulse, ready to be measured.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pulse {

@@ -1,5 +1,6 @@
 //! What a fit found, in the words of `fit --json`: names and units are part of the interface.
 
+use crate::quantity::Uncertain;
 use std::time::Instant;
 
 use serde::Serialize;
@@ -7,7 +8,6 @@ use serde::Serialize;
 use super::records::{ChannelRecord, Records};
 use super::{COVERAGE_95, FitOptions, Profile};
 use crate::analysis::least_squares::{Minimum, squares};
-use crate::measurement::arrivals::Uncertain;
 use crate::measurement::compare::ComparedShot;
 use crate::scene::adjust::{Adjustable, AdjustableNumber};
 

@@ -1,8 +1,8 @@
 //! Arrivals and speeds as a page of text.
 
 use super::table;
-use crate::measurement::arrivals::{ChannelArrivals, Survey, Uncertain};
-use crate::quantity::engineering;
+use crate::measurement::arrivals::{ChannelArrivals, Survey};
+use crate::quantity::{Uncertain, engineering};
 
 /// Coverage factor of what is printed: 95 % (1).
 const COVERAGE: f64 = 2.0;

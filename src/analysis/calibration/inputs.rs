@@ -1,25 +1,18 @@
 //! The inputs of the measurement equation: what impacts share, and what each striker did.
 
-/// A number with its standard uncertainty.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Quantity {
-    /// The number (unit).
-    pub value: f64,
-    /// Its standard uncertainty (unit).
-    pub u: f64,
-}
+use crate::quantity::Uncertain;
 
 /// How a speed is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SpeedSource {
     /// Directly (m/s).
-    Speed(Quantity),
+    Speed(Uncertain),
     /// From the height that the striker falls from, or rises to: `sqrt(2 g h)` (m).
-    Height(Quantity),
+    Height(Uncertain),
     /// From the time between two light gates: their distance over it (s).
-    GateTime(Quantity),
+    GateTime(Uncertain),
     /// From the time until the striker comes back: `g t/2` (s).
-    FlightTime(Quantity),
+    FlightTime(Uncertain),
 }
 
 /// What the striker of one impact did.
@@ -37,17 +30,17 @@ pub struct StrikerMotion {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Common {
     /// Name and mass of each striker (kg).
-    pub strikers: Vec<(String, Quantity)>,
+    pub strikers: Vec<(String, Uncertain)>,
     /// True voltage over what the scope shows (1).
-    pub gain: Quantity,
+    pub gain: Uncertain,
     /// True speed over what the set-up shows, the same for all speeds (1).
-    pub speed_scale: Quantity,
+    pub speed_scale: Uncertain,
     /// Distance of the light gates, where there are any (m).
-    pub gate_distance: Option<Quantity>,
+    pub gate_distance: Option<Uncertain>,
     /// Acceleration of free fall (m/s^2).
-    pub gravity: Quantity,
+    pub gravity: Uncertain,
     /// Time constant, if it is not to be read off the records (s).
-    pub tau: Option<Quantity>,
+    pub tau: Option<Uncertain>,
 }
 
 /// What an input is.
@@ -119,7 +112,7 @@ pub struct InputQuantity {
 
 impl SpeedSource {
     /// The reading and its unit.
-    pub(super) fn quantity(self) -> (Quantity, &'static str) {
+    pub(super) fn quantity(self) -> (Uncertain, &'static str) {
         match self {
             Self::Speed(q) => (q, "m/s"),
             Self::Height(q) => (q, "m"),
@@ -150,8 +143,8 @@ impl Common {
 
     /// The shared inputs, in the places that the model looks for them.
     pub(super) fn inputs(&self) -> Vec<InputQuantity> {
-        let none = Quantity { value: f64::NAN, u: 0.0 };
-        let one = |kind, quantity: Quantity, unit| InputQuantity {
+        let none = Uncertain { value: f64::NAN, u: 0.0 };
+        let one = |kind, quantity: Uncertain, unit| InputQuantity {
             kind,
             which: String::new(),
             value: quantity.value,

@@ -1,7 +1,7 @@
 //! The measurement equation with all its inputs in one vector, so that what impacts share is shared.
 
 use super::impact::Impact;
-pub use super::inputs::{Common, InputKind, InputQuantity, Quantity, SpeedSource, StrikerMotion};
+pub use super::inputs::{Common, InputKind, InputQuantity, SpeedSource, StrikerMotion};
 use super::tail::Tail;
 
 /// One impact within the model.

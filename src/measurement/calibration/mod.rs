@@ -6,18 +6,19 @@ pub mod words;
 pub use fill::{METHOD, report, sensor_file};
 pub use words::CalibrationReport;
 
+use crate::quantity::Uncertain;
 use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
 use crate::analysis::calibration::impact::RawRecord;
-use crate::analysis::calibration::model::{Common, Quantity, SpeedSource, StrikerMotion};
+use crate::analysis::calibration::model::{Common, SpeedSource, StrikerMotion};
 use crate::analysis::calibration::{self, Calibration, CalibrationError, Draws, PlannedStrike};
 use crate::analysis::gate::Gate;
 use crate::recording::format::open;
 use crate::recording::{Capture, TraceSet};
 use crate::scene::hexadecimal;
-use crate::scene::plan::{CalibrationPlan, PlanError, PlannedImpact, SpeedMethod, Uncertain};
+use crate::scene::plan::{CalibrationPlan, PlanError, PlannedImpact, SpeedMethod};
 use crate::scene::problem::Problem;
 use words::RecordingEvidence;
 
@@ -68,27 +69,18 @@ pub fn run(plan: &CalibrationPlan) -> Result<Calibrated, PlanRunError> {
 
 /// What the impacts of `plan` share.
 pub fn common(plan: &CalibrationPlan) -> Common {
-    let number = |u: f64| Quantity { value: 1.0, u };
+    let number = |u: f64| Uncertain { value: 1.0, u };
     Common {
-        strikers: plan
-            .strikers
-            .iter()
-            .map(|(name, mass)| (name.clone(), quantity(*mass)))
-            .collect(),
+        strikers: plan.strikers.clone(),
         gain: number(plan.gain_u.unwrap_or(0.0)),
         speed_scale: number(plan.speed_scale_u),
-        gate_distance: plan.gate_distance.map(quantity),
-        gravity: quantity(plan.gravity),
-        tau: plan.tau.map(quantity),
+        gate_distance: plan.gate_distance,
+        gravity: plan.gravity,
+        tau: plan.tau,
     }
 }
 
-fn quantity(uncertain: Uncertain) -> Quantity {
-    Quantity { value: uncertain.value, u: uncertain.u }
-}
-
 fn speed((means, value): (SpeedMethod, Uncertain)) -> SpeedSource {
-    let value = quantity(value);
     match means {
         SpeedMethod::Speed => SpeedSource::Speed(value),
         SpeedMethod::Height => SpeedSource::Height(value),

@@ -175,7 +175,7 @@ fn shift(
         Align::Arrival => channels.iter().find_map(|channel| {
             let (measured, simulated) = channel.arrivals(Estimator::HalfRise)?;
             notes.push(format!("aligned by the arrival at {}", channel.name));
-            let u = measured.standard_uncertainty.hypot(simulated.standard_uncertainty);
+            let u = measured.u.hypot(simulated.u);
             Some((measured.value - simulated.value, Some(u)))
         }),
         Align::LeastSquares => {

@@ -5,9 +5,10 @@ use super::{ChannelScore, ComparedShot, SpeedScore, scene_of};
 use crate::analysis::arrival::Estimator;
 use crate::analysis::comparison::Pair;
 use crate::analysis::least_squares::squares;
-use crate::analysis::pulse::{Conditions, Measure, Pulse};
+use crate::analysis::pulse::{Conditions, Pulse};
 use crate::analysis::speed::speed;
 use crate::measurement::metadata::{self, RecordedSensor};
+use crate::quantity::Uncertain;
 use crate::recording::Capture;
 use crate::scene::{Scene, Site};
 use crate::trace::Trace;
@@ -100,7 +101,7 @@ impl ChannelPair {
     }
 
     /// Arrivals on both sides, each on its own clock.
-    pub fn arrivals(&self, estimator: Estimator) -> Option<(Measure, Measure)> {
+    pub fn arrivals(&self, estimator: Estimator) -> Option<(Uncertain, Uncertain)> {
         let (measured, simulated) = self.pulses.as_ref()?;
         Some((measured.arrival(estimator)?, simulated.arrival(estimator)?))
     }
@@ -125,11 +126,11 @@ impl ChannelPair {
         let ratio = heights.map(|(m, s)| {
             let sign = self.pulses.as_ref().is_some_and(|(m, s)| m.inverted != s.inverted);
             let value = if sign { -m.value / s.value } else { m.value / s.value };
-            let u = (m.standard_uncertainty / m.value).hypot(s.standard_uncertainty / s.value);
+            let u = (m.u / m.value).hypot(s.u / s.value);
             (value - 1.0, (value * u).abs())
         });
         let arrival = self.arrivals(Estimator::HalfRise).map(|(m, s)| {
-            let u = m.standard_uncertainty.hypot(s.standard_uncertainty);
+            let u = m.u.hypot(s.u);
             (m.value - s.value - shift_s, u)
         });
         ChannelScore {
@@ -139,7 +140,7 @@ impl ChannelPair {
             mapped_by: wire.by,
             shift_s,
             gain: distance.gain.value,
-            gain_u: distance.gain.standard_uncertainty,
+            gain_u: distance.gain.u,
             offset_v: distance.offset,
             peak_measured_v: heights.map(|(m, _)| m.into()),
             peak_simulated_v: heights.map(|(_, s)| s.into()),
@@ -202,11 +203,11 @@ fn between(
 ) -> Option<SpeedScore> {
     let (start, start_there) = from.arrivals(estimator)?;
     let (end, end_there) = to.arrivals(estimator)?;
-    let exact = |value: f64| Measure { value, standard_uncertainty: 0.0 };
+    let exact = |value: f64| Uncertain { value, u: 0.0 };
     let measured = speed(exact(measured_m), start, end)?;
     let simulated = speed(exact(simulated_m), start_there, end_there)?;
     let ratio = measured.value / simulated.value;
-    let relative = |speed: Measure| speed.standard_uncertainty / speed.value;
+    let relative = |speed: Uncertain| speed.u / speed.value;
     Some(SpeedScore {
         from: from.name.clone(),
         to: to.name.clone(),

@@ -1,18 +1,10 @@
 //! A plan as data.
 
+use crate::quantity::Uncertain;
 use std::path::PathBuf;
 
 use crate::scene::document::SourceLocation;
 use crate::sensor::Load;
-
-/// A number with its standard uncertainty.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Uncertain {
-    /// The number (unit).
-    pub value: f64,
-    /// Its standard uncertainty (unit).
-    pub u: f64,
-}
 
 /// How a speed was measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::{PlannedImpact, SpeedMethod, Uncertain};
-use crate::quantity::{Dimension, parse, parse_any};
+use super::{PlannedImpact, SpeedMethod};
+use crate::quantity::{Dimension, Uncertain, parse, parse_any};
 use crate::scene::document::Value;
 use crate::scene::reader::{Bound, TableReader};
 

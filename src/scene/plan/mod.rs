@@ -5,12 +5,12 @@
 mod data;
 mod impact;
 
-pub use data::{CalibrationPlan, Particulars, PlannedImpact, SpeedMethod, Uncertain};
+pub use data::{CalibrationPlan, Particulars, PlannedImpact, SpeedMethod};
 
 use std::path::Path;
 
 use self::impact::{ImpactContext, impact, uncertain};
-use crate::quantity::Dimension;
+use crate::quantity::{Dimension, Uncertain};
 use crate::scene::document::Node;
 use crate::scene::library;
 use crate::scene::problem::{Problem, SceneError, listed};

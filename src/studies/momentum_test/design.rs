@@ -4,6 +4,7 @@
 //! scope and calibrated blind: it is handed records and stated values, which are off the true ones as their uncertainties say.
 
 use super::blind::BlindCalibration;
+use crate::quantity::Uncertain;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use serde::Serialize;
@@ -13,7 +14,7 @@ use super::simulation::{
     DroppedStriker, ImpactTruth, TestError, bench, capture, room, setting, strike,
 };
 use crate::analysis::calibration::PlannedStrike;
-use crate::analysis::calibration::model::{Common, Quantity, SpeedSource, StrikerMotion};
+use crate::analysis::calibration::model::{Common, SpeedSource, StrikerMotion};
 use crate::measurement::calibration::record;
 use crate::scene::Scene;
 use crate::scope::Setup;
@@ -217,17 +218,17 @@ impl Designer {
         let mut readings = Pcg64::new(u128::from(self.seed), READINGS + u128::from(repeat));
         let mut read = |truth: f64, u: f64| {
             let deviate: f64 = StandardNormal.sample(&mut readings);
-            Quantity { value: truth + u * deviate, u }
+            Uncertain { value: truth + u * deviate, u }
         };
         let gain_u = self.lab.gain_u.unwrap_or(0.0);
         // The scope's gain is off by what its own specification leaves open.
         let gain = read(1.0, gain_u).value;
         let common = Common {
             strikers: vec![(striker.name.clone(), read(striker.mass, self.lab.mass_u))],
-            gain: Quantity { value: 1.0, u: gain_u },
-            speed_scale: Quantity { value: 1.0, u: 0.0 },
+            gain: Uncertain { value: 1.0, u: gain_u },
+            speed_scale: Uncertain { value: 1.0, u: 0.0 },
             gate_distance: None,
-            gravity: Quantity { value: GRAVITY, u: 0.0 },
+            gravity: Uncertain { value: GRAVITY, u: 0.0 },
             tau: None,
         };
         let shown = Circuit { sensitivity: circuit.sensitivity / gain, ..circuit };

@@ -1,9 +1,10 @@
 //! A simulated test as files: the plan, and one recording an impact.
 
+use crate::quantity::Uncertain;
 use std::fmt::Write as _;
 
 use super::blind::BlindCalibration;
-use crate::analysis::calibration::model::{Quantity, SpeedSource};
+use crate::analysis::calibration::model::SpeedSource;
 use crate::recording::{Origin, Shot, TraceSet};
 use crate::scene::input_load;
 use crate::scope::Setup;
@@ -68,6 +69,6 @@ fn speed(prefix: &str, speed: SpeedSource) -> String {
     }
 }
 
-fn lines(key: &str, value: Quantity, unit: &str) -> String {
+fn lines(key: &str, value: Uncertain, unit: &str) -> String {
     format!("{key} = \"{:.6e} {unit}\"\n{key}_u = \"{:.3e} {unit}\"\n", value.value, value.u)
 }

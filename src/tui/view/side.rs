@@ -1,5 +1,6 @@
 //! What stands beside the page: measurements and speeds, or the bench's knobs with what the last impact cost.
 
+use crate::quantity::Uncertain;
 use ratatui::Frame;
 use ratatui::layout::{Margin, Rect};
 use ratatui::style::{Color, Modifier, Style};
@@ -9,7 +10,7 @@ use ratatui::widgets::{Block, Borders, Clear, Paragraph};
 use super::layout::ScreenLayout;
 use super::readout::compact;
 use super::{colour, colour_of};
-use crate::measurement::arrivals::{SpeedBetween, Survey, Uncertain};
+use crate::measurement::arrivals::{SpeedBetween, Survey};
 use crate::tui::model::knobs::BenchKnob;
 use crate::tui::model::{LiveBench, ScreenState, SidePanel};
 
