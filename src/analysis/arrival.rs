@@ -68,11 +68,11 @@ const LEVEL: Fitted = Fitted(3, 0.35);
 const PEAK: Fitted = Fitted(4, 0.5);
 const STEEPEST: Fitted = Fitted(4, 0.75);
 /// How much wider the fits are that tell what the pulse's shape does to a place found (1).
-const WIDER: [f64; 2] = [1.3, 1.6];
+const FIT_WIDTH_FACTORS: [f64; 2] = [1.3, 1.6];
 /// A level this many standard deviations of the smoothed noise high can be found (1).
-const CLEAR: f64 = 4.0;
+const MIN_LEVEL_DEVIATIONS: f64 = 4.0;
 /// A fit is moved to what it found this many times.
-const CENTRINGS: usize = 3;
+const CENTRING_STEPS: usize = 3;
 
 /// A fitted polynomial, the place found in it, and the variance of each sample that went in.
 struct Place {
@@ -114,7 +114,7 @@ impl Pulse {
     /// First smoothed sample at `share` of the peak, if that is clear of the noise.
     fn reach_of(&self, share: f64) -> Option<usize> {
         let level = share * self.height()?.value;
-        if level < CLEAR * self.smoothed_noise {
+        if level < MIN_LEVEL_DEVIATIONS * self.smoothed_noise {
             return None;
         }
         let first = self.smoothed.iter().position(|v| *v >= level)?;
@@ -193,7 +193,7 @@ impl Pulse {
     ) -> Option<Place> {
         let mut at = at;
         let mut found = None;
-        for _ in 0..CENTRINGS {
+        for _ in 0..CENTRING_STEPS {
             let (fit, variance) = self.fit(at, self.share_of_rise(fitted), fitted.0)?;
             let x = nearest_fall(&|x| zero(&fit, x))?;
             let next = self.nearest(fit.time(x));
@@ -221,7 +221,7 @@ impl Pulse {
             let place = self.centred(at, &Fitted(fitted.0, wider * fitted.1), zero)?;
             Some((place.fit.time(place.x) - found).abs())
         };
-        WIDER.into_iter().filter_map(moved).fold(0.0, f64::max)
+        FIT_WIDTH_FACTORS.into_iter().filter_map(moved).fold(0.0, f64::max)
     }
 
     /// What a straight line between two samples may miss of the curve, for `bend` = `|y''/y'|` (1/s), as a time (s).

@@ -21,7 +21,7 @@ use crate::quantity::Uncertain;
 use crate::trace::Trace;
 
 /// Fewest samples that both traces must have in common.
-pub const FEWEST: usize = 16;
+pub const MIN_COMMON_SAMPLES: usize = 16;
 
 /// Two traces on one time axis, that of the measured one.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,7 +50,7 @@ pub struct Distance {
 }
 
 impl Pair {
-    /// Puts the simulated trace, `shift` (s) later, on the measured one's axis; none where they have fewer than [`FEWEST`] samples
+    /// Puts the simulated trace, `shift` (s) later, on the measured one's axis; none where they have fewer than [`MIN_COMMON_SAMPLES`] samples
     /// in common.
     pub fn new(measured: &Trace, simulated: &Trace, shift: f64) -> Option<Self> {
         let ratio = measured.interval / simulated.interval;
@@ -68,7 +68,7 @@ impl Pair {
             placed.push(other);
         }
         let start = measured.time(first?);
-        if kept.len() < FEWEST {
+        if kept.len() < MIN_COMMON_SAMPLES {
             return None;
         }
         Some(Self {
@@ -148,13 +148,13 @@ impl Trace {
 )]
 fn between(values: &[f64], place: f64) -> Option<f64> {
     /// Places as near as this to a sample are that sample: what is left of the same time axis after rounding (1).
-    const SAME: f64 = 1e-6;
+    const TIME_TOLERANCE: f64 = 1e-6;
     let last = values.len().checked_sub(1)? as f64;
-    if !(-SAME..=last + SAME).contains(&place) {
+    if !(-TIME_TOLERANCE..=last + TIME_TOLERANCE).contains(&place) {
         return None;
     }
     let nearest = place.round();
-    if (place - nearest).abs() < SAME {
+    if (place - nearest).abs() < TIME_TOLERANCE {
         return values.get(nearest as usize).copied();
     }
     let base = place.floor() as usize;

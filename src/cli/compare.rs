@@ -12,7 +12,7 @@ use crate::experiment::accuracy::of_scene;
 use crate::experiment::{self, Integration, facts};
 use crate::files;
 use crate::measurement::compare::mapping::Assignment;
-use crate::measurement::compare::tolerance::ScoreLimits;
+use crate::measurement::compare::score_limits::ScoreLimits;
 use crate::measurement::compare::{Align, ComparedShot, compare};
 use crate::recording::format::{Format, open};
 use crate::recording::{Shot, TraceSet, mcap};

@@ -8,7 +8,7 @@ use clap::Args;
 use super::picture;
 use super::progress::JobProgress;
 use crate::experiment::accuracy::{of_scene, run_to_accuracy};
-use crate::experiment::auto_effects::settle;
+use crate::experiment::auto_effects::resolve_auto_effects;
 use crate::experiment::{Integration, facts, first_attempt};
 use crate::recording::Attachment;
 use crate::recording::mcap::RecordingWriter;
@@ -26,7 +26,7 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
     /// Draw the study
-    #[arg(long, value_name = picture::ENDINGS, value_parser = picture::file)]
+    #[arg(long, value_name = picture::PICTURE_ENDINGS, value_parser = picture::file)]
     plot: Option<PathBuf>,
     /// Run the scene, too, and write its recording with the study as its attachment `cost.json`
     #[arg(long, value_name = "FILE.mcap", value_parser = recording)]
@@ -75,7 +75,7 @@ fn recording(text: &str) -> Result<PathBuf, String> {
 fn record(file: &Path, scene: &Scene, study: &CostStudy) -> anyhow::Result<()> {
     let accuracy = of_scene(scene)?.value;
     let integration = Integration::Accuracy(accuracy);
-    let scene = settle(scene, integration);
+    let scene = resolve_auto_effects(scene, integration);
     let outcome = run_to_accuracy(&scene, accuracy, 1, &mut |_| ())?;
     let study = Attachment {
         name: "cost.json".to_owned(),

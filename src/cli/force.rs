@@ -29,7 +29,7 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE.csv")]
     output: Option<PathBuf>,
     /// Draw the first channel's force into this file
-    #[arg(long, value_name = picture::ENDINGS, value_parser = picture::file)]
+    #[arg(long, value_name = picture::PICTURE_ENDINGS, value_parser = picture::file)]
     plot: Option<PathBuf>,
     /// Print as JSON, all samples included
     #[arg(long)]

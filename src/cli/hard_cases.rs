@@ -4,7 +4,7 @@ use clap::Args;
 
 use super::progress::JobProgress;
 use crate::report;
-use crate::studies::hard_cases::{CaseVerdict, judge_all};
+use crate::studies::hard_cases::{CaseVerdict, run_all};
 
 /// Compute the catalogue of hard cases: each right within its bound, or refused; exit code 1 if one is wrong
 #[derive(Debug, Args)]
@@ -20,7 +20,7 @@ pub struct Arguments {
 /// Whether no case is wrong.
 pub fn run(arguments: &Arguments) -> anyhow::Result<bool> {
     let mut progress = JobProgress::new("hard cases", arguments.quiet);
-    let findings = judge_all(&mut |share| progress.at(share));
+    let findings = run_all(&mut |share| progress.at(share));
     progress.done();
     if arguments.json {
         super::print(&serde_json::to_string_pretty(&findings)?)?;

@@ -9,7 +9,7 @@ use super::accuracy::AccuracyArguments;
 use super::by_hand::{ByHand, step, tolerance};
 use super::progress::JobProgress;
 use crate::experiment::accuracy::run_to_accuracy;
-use crate::experiment::auto_effects::settle;
+use crate::experiment::auto_effects::resolve_auto_effects;
 use crate::experiment::by_hand::{advice, edge, run_by_hand};
 use crate::experiment::{Integration, RunError, facts, first_attempt};
 use crate::recording::mcap::RecordingWriter;
@@ -66,7 +66,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     scene.seed = arguments.seed.unwrap_or(scene.seed);
     let (integration, reason) = integration(arguments, &scene)?;
     // Before the recording tells what it is of.
-    let scene = settle(&scene, integration);
+    let scene = resolve_auto_effects(&scene, integration);
     let facts = facts::facts(&scene, first_attempt(&scene, integration));
     let known = facts.map_err(|error| advised(error, &scene, integration))?;
     let attachments = [facts::scene_attachment(&scene)];

@@ -60,7 +60,7 @@ fn period(text: &str) -> Result<Duration, String> {
     match parse(text, Dimension::TIME) {
         Ok(seconds) if seconds >= 1e-3 => Duration::try_from_secs_f64(seconds)
             .ok()
-            .filter(|period| *period <= LONGEST)
+            .filter(|period| *period <= MAX_STRIKE_INTERVAL)
             .ok_or_else(|| format!("found {text}, expected at most a year")),
         Ok(_) => Err(format!("found {text}, {expected}")),
         Err(error) => Err(format!("found {error}, {expected}")),
@@ -68,7 +68,7 @@ fn period(text: &str) -> Result<Duration, String> {
 }
 
 /// Longest time from one strike to the next: a year.
-const LONGEST: Duration = Duration::from_secs(365 * 24 * 3600);
+const MAX_STRIKE_INTERVAL: Duration = Duration::from_secs(365 * 24 * 3600);
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut scene = Scene::load(&arguments.scene)?;

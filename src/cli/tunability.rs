@@ -38,7 +38,7 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
     /// Draw the maps
-    #[arg(long, value_name = picture::ENDINGS, value_parser = picture::file)]
+    #[arg(long, value_name = picture::PICTURE_ENDINGS, value_parser = picture::file)]
     plot: Option<PathBuf>,
     /// No progress bar
     #[arg(short, long)]

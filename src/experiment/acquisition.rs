@@ -24,7 +24,7 @@ pub fn signals(scene: &Scene, bench: &Bench<'_>, grid: Grid, shot: u32) -> Vec<O
 pub fn volts(scene: &Scene, bench: &Bench<'_>, grid: Grid, channel: &ChannelSetup) -> Vec<f64> {
     let load = input_load(&scene.scope.model, channel);
     let name = channel.input.as_deref().unwrap_or_default();
-    sensed(scene, bench, grid, (name, load)).unwrap_or_else(|| {
+    sensor_voltages(scene, bench, grid, (name, load)).unwrap_or_else(|| {
         let samples = bench.watches().first().map_or(0, |w| w.samples.len());
         vec![0.0; samples]
     })
@@ -35,11 +35,11 @@ pub fn external(scene: &Scene, bench: &Bench<'_>, grid: Grid) -> Vec<f64> {
     let Some(name) = &scene.scope.external else { return Vec::new() };
     let model = &scene.scope.model;
     let load = Load { resistance: model.input_resistance, capacitance: model.input_capacitance };
-    sensed(scene, bench, grid, (name, load)).unwrap_or_default()
+    sensor_voltages(scene, bench, grid, (name, load)).unwrap_or_default()
 }
 
 /// What a sensor, by its name, delivers into a load (V).
-fn sensed(
+fn sensor_voltages(
     scene: &Scene,
     bench: &Bench<'_>,
     grid: Grid,

@@ -11,7 +11,7 @@ pub use super::probe_record::ProbeRecord;
 use super::pulse::PulseRecorder;
 
 /// Room is made for all samples that are due, up to so many at once.
-const ROOM_FOR_SAMPLES: usize = 1 << 20;
+const SAMPLES_CAPACITY: usize = 1 << 20;
 
 /// The method at work on the chain.
 enum Engine<'a> {
@@ -131,7 +131,7 @@ impl<'a> Bench<'a> {
         let (bodies, most) = (chain.bodies().len(), *most_evaluations);
         for watch in &mut *watches {
             let due = grid.samples_until(end).saturating_sub(watch.samples.len());
-            watch.samples.reserve(due.min(ROOM_FOR_SAMPLES));
+            watch.samples.reserve(due.min(SAMPLES_CAPACITY));
         }
         match engine {
             Engine::Vectors(stepper, trackers) => {

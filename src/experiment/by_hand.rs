@@ -67,7 +67,7 @@ pub fn run_by_hand(
         }
     }
     summary.note_energy(too_much(method));
-    summary.error_estimate = found.filter(|_| summary.has_felt());
+    summary.error_estimate = found.filter(|_| summary.has_pulse());
     Ok(outcome)
 }
 

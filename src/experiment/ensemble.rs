@@ -2,7 +2,7 @@
 
 use std::borrow::Borrow;
 
-use super::auto_effects::settle;
+use super::auto_effects::resolve_auto_effects;
 use super::bench::{Bench, Grid};
 use super::parallel::{in_parallel, processors};
 use super::pulse::PulseRecorder;
@@ -107,7 +107,7 @@ pub fn places(scene: &Scene) -> Vec<ProbeSite> {
 impl Case {
     /// `scene`, its first shot, to `accuracy` (1), with the forces at `places` watched.
     pub fn of(scene: &Scene, accuracy: f64, places: &[ProbeSite]) -> Self {
-        let settled = settle(scene, Integration::Accuracy(accuracy));
+        let settled = resolve_auto_effects(scene, Integration::Accuracy(accuracy));
         let chain = settled.chain.clone();
         let probe = |place: &ProbeSite| match place.particle {
             Some(particle) => ForceProbe::inside(&chain, particle, place.offset),

@@ -155,13 +155,13 @@ pub fn shot_notes(scene: &Scene, outcome: &Outcome) -> ShotNotes {
     let notes = summary.notes.iter().map(|note| (true, note.clone()));
     ShotNotes {
         set_up: set_up_text(&scene.scope),
-        energy: Some(booked(energy, outcome.shot.number)),
+        energy: Some(energy_facts(energy, outcome.shot.number)),
         log: std::iter::once((false, done)).chain(notes).collect(),
     }
 }
 
 /// The ledger of shot `number` as it is recorded.
-fn booked(energy: &EnergyLedger, number: u32) -> EnergyMessage {
+fn energy_facts(energy: &EnergyLedger, number: u32) -> EnergyMessage {
     let (end, lost) = (&energy.final_by_kind, &energy.dissipated_by_kind);
     let taken = |name: &str| {
         lost.losses.iter().find(|entry| entry.loss == name).map_or(0.0, |entry| entry.energy)

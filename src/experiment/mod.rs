@@ -39,4 +39,4 @@ pub use method_choice::for_accuracy;
 pub use outcome::Outcome;
 use run::free_grid;
 pub use run::run;
-pub(crate) use run::{FRAMES, method, probes, sample_grid};
+pub(crate) use run::{FRAMES_PER_RUN, method, probes, sample_grid};

@@ -56,7 +56,7 @@ impl ProbeRecord {
             time = grid.time(self.samples.len());
         }
         if pulses {
-            self.pulse.take(segment);
+            self.pulse.process_step(segment);
         }
     }
 }

@@ -13,7 +13,7 @@ use crate::recording::TraceSet;
 use crate::scene::adjust::{Adjustable, AdjustableNumber};
 
 /// Stream of what is hidden.
-const STREAM: u128 = 1 << 73;
+const BLIND_STREAM: u128 = 1 << 73;
 
 /// How well blind fits do with one number.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -80,7 +80,7 @@ pub fn blind(
     progress: &mut dyn FnMut(f64),
 ) -> Result<BlindFits, BlindError> {
     super::check(knobs)?;
-    let mut hidden = Pcg64::new(u128::from(options.seed), STREAM);
+    let mut hidden = Pcg64::new(u128::from(options.seed), BLIND_STREAM);
     let mut pulls: Vec<Vec<f64>> = vec![Vec::new(); knobs.len()];
     let mut uncertainties = vec![0.0; knobs.len()];
     let (mut variance, mut runs, mut seconds, mut count) = (0.0, 0.0, 0.0, 0.0);

@@ -32,7 +32,7 @@ use crate::measurement::compare::ComparedShot;
 use crate::measurement::compare::mapping::Assignment;
 use crate::scene::adjust::{Adjustable, AdjustableNumber};
 use model::TraceModel;
-use options::{EXPECTED_STEPS, LIMITS, MOST_DURATIONS, SAMPLES};
+use options::{EXPECTED_STEPS, MAX_DURATIONS, SAMPLE_RANGE, STOP_CRITERIA};
 
 /// A fit with its traces.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,7 +77,12 @@ pub fn fit(
     let mut profiles = Vec::new();
     for (place, knob) in knobs.iter().enumerate() {
         if wanted(place) {
-            profiles.push(profile::of(&mut model, (&minimum, &covariance), (place, knob), LIMITS));
+            profiles.push(profile::of(
+                &mut model,
+                (&minimum, &covariance),
+                (place, knob),
+                STOP_CRITERIA,
+            ));
         }
     }
     let shown = model.shown(&minimum.x).ok_or(LeastSquaresError::NoStart)?;
@@ -105,11 +110,11 @@ fn check(knobs: &[AdjustableNumber]) -> Result<(), FitError> {
 #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
 fn check_times(records: &Records, duration: f64) -> Result<(), FitError> {
     let interval = records.axis.interval;
-    if !SAMPLES.contains(&(duration / interval)) {
+    if !SAMPLE_RANGE.contains(&(duration / interval)) {
         return Err(FitError::TimeScale { interval, duration });
     }
     let length = records.axis.count as f64 * interval;
-    if length > MOST_DURATIONS * duration {
+    if length > MAX_DURATIONS * duration {
         return Err(FitError::TooLong { length, duration });
     }
     Ok(())

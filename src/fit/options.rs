@@ -9,10 +9,10 @@ use crate::analysis::least_squares::StopCriteria;
 pub const COVERAGE_95: f64 = 1.959_963_984_540_054;
 
 /// A step that lowers chi squared by less than this share of it moves no parameter by a thousandth of its uncertainty (1).
-pub(super) const LIMITS: StopCriteria = StopCriteria { reduction: 1e-11, steps: 60 };
+pub(super) const STOP_CRITERIA: StopCriteria = StopCriteria { reduction: 1e-11, steps: 60 };
 
 /// Samples in a scene's duration: fewer show no pulse, more are another experiment (1).
-pub(super) const SAMPLES: RangeInclusive<f64> = 16.0..=200_000.0;
+pub(super) const SAMPLE_RANGE: RangeInclusive<f64> = 16.0..=200_000.0;
 
 /// Steps that a fit takes, as far as its progress bar knows (1).
 pub(super) const EXPECTED_STEPS: f64 = 10.0;
@@ -54,4 +54,4 @@ impl Default for FitOptions {
 }
 
 /// Longest records, in durations of the scene (1).
-pub(super) const MOST_DURATIONS: f64 = 3.0;
+pub(super) const MAX_DURATIONS: f64 = 3.0;

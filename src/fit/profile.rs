@@ -11,7 +11,7 @@ use crate::analysis::least_squares::{LeastSquaresProblem, Minimum, StopCriteria,
 use crate::scene::adjust::AdjustableNumber;
 
 /// Where the parameter is held, in standard deviations from the minimum (1).
-const PLACES: [f64; 6] = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0];
+const PROFILE_POSITIONS: [f64; 6] = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0];
 /// A larger relative standard uncertainty is called bad (1).
 const BAD_UNCERTAINTY: f64 = 0.1;
 /// A larger correlation with another parameter is called bad (1).
@@ -79,7 +79,7 @@ pub fn of(
     let variance = minimum.variance();
     let (middle, spread) = (minimum.x[place], covariance[place][place]);
     let mut points = vec![(middle, 0.0)];
-    for at in PLACES {
+    for at in PROFILE_POSITIONS {
         let value = middle + at * spread.sqrt();
         // The others start where the covariance says that they go.
         let along =

@@ -15,7 +15,7 @@ use crate::scope::VerticalSetup;
 use crate::scope::waveform::{HIGHEST_CODE, LOWEST_CODE};
 
 /// Intervals and starts that differ by less than this, in samples, are the same (1).
-const SAME: f64 = 1e-6;
+const INTERVAL_TOLERANCE: f64 = 1e-6;
 
 /// One channel.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,7 +80,7 @@ impl Records {
                 count: range.len(),
             };
             let common = *found.get_or_insert(axis);
-            let near = |a: f64, b: f64| (a - b).abs() <= SAME * common.interval;
+            let near = |a: f64, b: f64| (a - b).abs() <= INTERVAL_TOLERANCE * common.interval;
             if axis.count != common.count
                 || !near(axis.start, common.start)
                 || !near(axis.interval, common.interval)

@@ -12,11 +12,11 @@ use crate::measurement::compare::ComparedShot;
 use crate::scene::adjust::{Adjustable, AdjustableNumber};
 
 /// A larger residual variance than this is no chance (1).
-pub const POOR: f64 = 1.3;
+pub const MAX_RESIDUAL_VARIANCE: f64 = 1.3;
 /// Residuals of a model that is right do not follow one another by more than this (1).
-const WHITE: f64 = 0.1;
+const MAX_AUTOCORRELATION: f64 = 0.1;
 /// Starts whose chi squared is within this share of the lowest found the same minimum (1).
-const SAME_MINIMUM: f64 = 1e-3;
+const MINIMUM_TOLERANCE: f64 = 1e-3;
 
 /// One freed number.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -239,9 +239,12 @@ fn notes(
 ) -> Vec<String> {
     let mut notes = records.notes.clone();
     let variance = minimum.variance();
-    let following: Vec<&str> =
-        channels.iter().filter(|c| c.lag_one.abs() > WHITE).map(|c| c.name.as_str()).collect();
-    if variance > POOR || !following.is_empty() {
+    let following: Vec<&str> = channels
+        .iter()
+        .filter(|c| c.lag_one.abs() > MAX_AUTOCORRELATION)
+        .map(|c| c.name.as_str())
+        .collect();
+    if variance > MAX_RESIDUAL_VARIANCE || !following.is_empty() {
         let which = if following.is_empty() {
             String::new()
         } else {
@@ -252,7 +255,7 @@ fn notes(
         ));
     }
     let same = |chi: &&Option<f64>| {
-        chi.is_some_and(|chi| chi <= minimum.chi_squared * (1.0 + SAME_MINIMUM))
+        chi.is_some_and(|chi| chi <= minimum.chi_squared * (1.0 + MINIMUM_TOLERANCE))
     };
     let agree = starts.iter().filter(same).count();
     if agree < starts.len() {

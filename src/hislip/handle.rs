@@ -1,13 +1,13 @@
 //! What each message of a session does.
 
 use super::lock::{Grant, LockRequest, Released};
-use super::message::{DecodedPiece, FIRST_OF_VENDORS, LARGEST_PAYLOAD, MessageHeader, MessageType};
+use super::message::{DecodedPiece, FIRST_VENDOR_TYPE, MAX_PAYLOAD, MessageHeader, MessageType};
 use super::remote::RemoteControl;
 use super::server::{Device, Server, error, fatal};
 use super::session::Release;
 
 /// How long a release waits for the message that was sent before it (s).
-const RELEASE_PATIENCE: f64 = 1.0;
+const RELEASE_TIMEOUT: f64 = 1.0;
 
 impl Server {
     pub(super) fn synchronous(
@@ -49,7 +49,7 @@ impl Server {
             }
             Some(MessageType::Initialize | MessageType::AsyncInitialize) => {
                 let reason = "the session is there already";
-                self.refuse(connection, fatal::INITIALISATION, reason, instrument);
+                self.refuse(connection, fatal::INVALID_INITIALISATION, reason, instrument);
             }
             _ => self.unknown(connection, header.code),
         }
@@ -66,8 +66,9 @@ impl Server {
     }
 
     fn unknown(&mut self, connection: u64, code: u8) {
-        let of_vendors = code >= FIRST_OF_VENDORS;
-        let number = if of_vendors { error::VENDORS_TYPE } else { error::UNKNOWN_TYPE };
+        let of_vendors = code >= FIRST_VENDOR_TYPE;
+        let number =
+            if of_vendors { error::UNKNOWN_VENDOR_TYPE } else { error::UNKNOWN_MESSAGE_TYPE };
         self.complain(connection, number, &format!("no message of type {code} here"));
     }
 
@@ -83,10 +84,10 @@ impl Server {
         match MessageType::from_code(header.code) {
             Some(MessageType::AsyncMaximumMessageSize) => {
                 let Ok(size) = payload.try_into() else {
-                    return self.complain(from, error::UNIDENTIFIED, "a size has eight bytes");
+                    return self.complain(from, error::OTHER_ERROR, "a size has eight bytes");
                 };
                 session.limit(u64::from_be_bytes(size));
-                let own = (LARGEST_PAYLOAD as u64).to_be_bytes();
+                let own = (MAX_PAYLOAD as u64).to_be_bytes();
                 self.send(from, MessageType::AsyncMaximumMessageSizeResponse, (0, 0), &own);
             }
             Some(MessageType::AsyncDeviceClear) => {
@@ -114,13 +115,13 @@ impl Server {
                     Some(RemoteControl::Free) => instrument.lock_keys(false),
                     Some(RemoteControl::LockedOut) => instrument.lock_keys(true),
                     Some(RemoteControl::Unchanged) => {}
-                    None => return self.complain(from, error::UNKNOWN_CONTROL, "0 to 6"),
+                    None => return self.complain(from, error::UNKNOWN_CONTROL_CODE, "0 to 6"),
                 }
                 self.send(from, MessageType::AsyncRemoteLocalResponse, (0, 0), &[]);
             }
             Some(MessageType::Initialize | MessageType::AsyncInitialize) => {
                 let reason = "the session is there already";
-                self.refuse(from, fatal::INITIALISATION, reason, instrument);
+                self.refuse(from, fatal::INVALID_INITIALISATION, reason, instrument);
             }
             _ => self.unknown(from, header.code),
         }
@@ -143,10 +144,10 @@ impl Server {
                 }
             }
             0 => {
-                let until = self.now + RELEASE_PATIENCE;
+                let until = self.now + RELEASE_TIMEOUT;
                 session.release = Some(Release { after: header.parameter, until });
             }
-            _ => self.complain(from, error::UNKNOWN_CONTROL, "0 releases, 1 requests"),
+            _ => self.complain(from, error::UNKNOWN_CONTROL_CODE, "0 releases, 1 requests"),
         }
     }
 
@@ -166,7 +167,7 @@ impl Server {
     pub(super) fn settle(&mut self, instrument: &mut dyn Device) {
         let numbers: Vec<u16> = self.sessions.keys().copied().collect();
         for number in &numbers {
-            self.settle_release(*number);
+            self.complete_release(*number);
         }
         let waiting: Vec<u16> = self.queue.keys().copied().collect();
         for number in waiting {
@@ -190,7 +191,7 @@ impl Server {
         }
     }
 
-    fn settle_release(&mut self, number: u16) {
+    fn complete_release(&mut self, number: u16) {
         let Some(session) = self.sessions.get_mut(&number) else { return };
         let Some(release) = session.release else { return };
         if session.awaits(release.after) && release.until > self.now {

@@ -6,9 +6,9 @@
 /// Bytes of a header.
 pub const HEADER_BYTES: usize = 16;
 /// Longest payload that is kept. Longer ones are passed over, and their senders told.
-pub const LARGEST_PAYLOAD: usize = 64 * 1024;
+pub const MAX_PAYLOAD: usize = 64 * 1024;
 /// First of the types that vendors may use as they like.
-pub const FIRST_OF_VENDORS: u8 = 128;
+pub const FIRST_VENDOR_TYPE: u8 = 128;
 
 macro_rules! kinds {
     ($($(#[$meta:meta])* $name:ident = $code:literal),+ $(,)?) => {
@@ -134,7 +134,7 @@ pub fn write(kind: MessageType, control: u8, parameter: u32, payload: &[u8], out
 pub enum DecodedPiece {
     /// A message.
     Message(MessageHeader, Vec<u8>),
-    /// The header of a message whose payload is longer than [`LARGEST_PAYLOAD`] and is passed over.
+    /// The header of a message whose payload is longer than [`MAX_PAYLOAD`] and is passed over.
     TooLarge(MessageHeader),
     /// No header where one had to be: nothing behind it can be trusted.
     Malformed,
@@ -174,7 +174,7 @@ impl Decoder {
         };
         let here = self.buffer.len() - HEADER_BYTES;
         let length = usize::try_from(header.length).unwrap_or(usize::MAX);
-        if length > LARGEST_PAYLOAD {
+        if length > MAX_PAYLOAD {
             let skipped = length.min(here);
             self.skip = header.length - skipped as u64;
             self.buffer.drain(..HEADER_BYTES + skipped);

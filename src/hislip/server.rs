@@ -3,34 +3,34 @@
 use std::collections::BTreeMap;
 
 use super::lock::{Locks, Queue};
-use super::message::{DecodedPiece, Decoder, LARGEST_PAYLOAD, MessageType, write};
+use super::message::{DecodedPiece, Decoder, MAX_PAYLOAD, MessageType, write};
 use super::session::HislipSession;
 
 /// Protocol that is spoken, 1.0, in the upper half; the session's number goes below.
-const VERSION: u32 = 0x0100 << 16;
+const PROTOCOL_VERSION: u32 = 0x0100 << 16;
 
 /// Codes of errors after which a connection is closed (IVI-6.1, table 14).
 pub(super) mod fatal {
     /// A header that is none.
-    pub const POOR_HEADER: u8 = 1;
+    pub const INVALID_HEADER: u8 = 1;
     /// One connection was used before both were there.
-    pub const NOT_ESTABLISHED: u8 = 2;
+    pub const CHANNEL_NOT_ESTABLISHED: u8 = 2;
     /// A session that does not begin as one begins.
-    pub const INITIALISATION: u8 = 3;
+    pub const INVALID_INITIALISATION: u8 = 3;
 }
 
 /// Codes of errors after which a connection goes on (IVI-6.1, table 16).
 pub(super) mod error {
     /// No other code fits.
-    pub const UNIDENTIFIED: u8 = 0;
+    pub const OTHER_ERROR: u8 = 0;
     /// A type that is none, or has no place on this connection.
-    pub const UNKNOWN_TYPE: u8 = 1;
+    pub const UNKNOWN_MESSAGE_TYPE: u8 = 1;
     /// A control code that the type does not know.
-    pub const UNKNOWN_CONTROL: u8 = 2;
+    pub const UNKNOWN_CONTROL_CODE: u8 = 2;
     /// A type of some vendor's.
-    pub const VENDORS_TYPE: u8 = 3;
+    pub const UNKNOWN_VENDOR_TYPE: u8 = 3;
     /// A longer payload than was agreed on.
-    pub const TOO_LARGE: u8 = 4;
+    pub const MESSAGE_TOO_LARGE: u8 = 4;
 }
 
 /// What stands behind the sessions.
@@ -96,7 +96,7 @@ impl Server {
         let gone = self.connections.remove(&connection);
         let Some(number) = gone.and_then(|gone| gone.session) else { return };
         let Some(session) = self.sessions.remove(&number) else { return };
-        self.locks.forget(number);
+        self.locks.remove_session(number);
         self.queue.remove(&number);
         instrument.close(number);
         for other in [Some(session.synchronous), session.asynchronous].into_iter().flatten() {
@@ -194,7 +194,7 @@ impl Server {
         let (header, payload) = match piece {
             DecodedPiece::Message(header, payload) => (header, payload),
             DecodedPiece::TooLarge(_) | DecodedPiece::Malformed => {
-                return self.refuse(connection, fatal::POOR_HEADER, "no message", instrument);
+                return self.refuse(connection, fatal::INVALID_HEADER, "no message", instrument);
             }
         };
         match MessageType::from_code(header.code) {
@@ -203,12 +203,17 @@ impl Server {
                 let free = (1..u16::MAX).find(|number| !self.sessions.contains_key(number));
                 let (Some(number), true) = (free, known) else {
                     let reason = "the instrument's name is hislip0";
-                    return self.refuse(connection, fatal::INITIALISATION, reason, instrument);
+                    return self.refuse(
+                        connection,
+                        fatal::INVALID_INITIALISATION,
+                        reason,
+                        instrument,
+                    );
                 };
                 self.sessions.insert(number, HislipSession::new(connection));
                 instrument.open(number, connection);
                 self.join(connection, number);
-                let parameter = VERSION | u32::from(number);
+                let parameter = PROTOCOL_VERSION | u32::from(number);
                 self.send(connection, MessageType::InitializeResponse, (0, parameter), &[]);
             }
             Some(MessageType::AsyncInitialize) => {
@@ -216,7 +221,12 @@ impl Server {
                 let session = self.sessions.get_mut(&number);
                 let Some(session) = session.filter(|session| session.asynchronous.is_none()) else {
                     let reason = "no such session waits for its second connection";
-                    return self.refuse(connection, fatal::INITIALISATION, reason, instrument);
+                    return self.refuse(
+                        connection,
+                        fatal::INVALID_INITIALISATION,
+                        reason,
+                        instrument,
+                    );
                 };
                 session.asynchronous = Some(connection);
                 self.join(connection, number);
@@ -224,7 +234,7 @@ impl Server {
             }
             _ => {
                 let reason = "a connection begins with Initialize or AsyncInitialize";
-                self.refuse(connection, fatal::INITIALISATION, reason, instrument);
+                self.refuse(connection, fatal::INVALID_INITIALISATION, reason, instrument);
             }
         }
     }
@@ -240,16 +250,16 @@ impl Server {
         let is_synchronous = session.synchronous == from;
         match &piece {
             DecodedPiece::Malformed => {
-                self.refuse(from, fatal::POOR_HEADER, "no header", instrument);
+                self.refuse(from, fatal::INVALID_HEADER, "no header", instrument);
             }
             DecodedPiece::TooLarge(_) => {
-                let reason = format!("at most {LARGEST_PAYLOAD} bytes");
-                self.complain(from, error::TOO_LARGE, &reason);
+                let reason = format!("at most {MAX_PAYLOAD} bytes");
+                self.complain(from, error::MESSAGE_TOO_LARGE, &reason);
             }
             DecodedPiece::Message(header, payload) if is_synchronous => {
                 if session.asynchronous.is_none() {
                     let reason = "the second connection is missing";
-                    return self.refuse(from, fatal::NOT_ESTABLISHED, reason, instrument);
+                    return self.refuse(from, fatal::CHANNEL_NOT_ESTABLISHED, reason, instrument);
                 }
                 let clears = header.code == MessageType::DeviceClearComplete.code();
                 let waits = !session.held.is_empty() || !self.locks.may_act(number);

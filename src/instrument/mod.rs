@@ -37,7 +37,7 @@ use record::Acquirer;
 use transfer::{Incoming, Transfer};
 
 /// Set-up memories.
-pub const SETUPS: usize = 10;
+pub const SETUP_MEMORIES: usize = 10;
 
 /// Settings that belong to no set-up memory.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -68,7 +68,7 @@ pub struct Instrument {
     settled: Panel,
     acquisition: Acquisition,
     references: [Option<Waveform>; 4],
-    setups: [Panel; SETUPS],
+    setups: [Panel; SETUP_MEMORIES],
     front_end: FrontEnd,
     seed: u64,
 }
@@ -96,7 +96,7 @@ impl Instrument {
         let mut instrument = Self::new(setup.model.clone(), setup.noise, seed);
         instrument.set_front_end(setup);
         instrument.panel = Panel::of(setup);
-        instrument.settle();
+        instrument.keep_consistent();
         instrument
     }
 
@@ -219,7 +219,7 @@ impl Instrument {
     }
 
     /// After a change of settings: what a running acquisition has so far no longer fits, and it begins anew.
-    pub fn settle(&mut self) {
+    pub fn keep_consistent(&mut self) {
         let changed = self.panel.setup(&self.model) != self.settled.setup(&self.model)
             || self.panel.trigger != self.settled.trigger
             || self.panel.acquire != self.settled.acquire;

@@ -31,7 +31,7 @@ const SHARE_OF_PEAK: f64 = 0.25;
 /// Relative difference of sample intervals that rounding may cause (1).
 const INTERVAL_TOLERANCE: f64 = 1e-9;
 /// Most samples that peak detection looks at for one point.
-const DENSEST: f64 = 100.0;
+const MAX_SAMPLES_PER_POINT: f64 = 100.0;
 
 /// One acquisition: settings and the seed of the noise.
 pub struct Acquirer<'a> {
@@ -51,7 +51,7 @@ pub fn sample_interval(panel: &Panel, setup: &Setup) -> f64 {
         return slow;
     }
     let dense = (SHARE_OF_PEAK * setup.model.peak_width).max(1.0 / setup.model.sample_rate);
-    slow / (slow / dense).floor().clamp(1.0, DENSEST)
+    slow / (slow / dense).floor().clamp(1.0, MAX_SAMPLES_PER_POINT)
 }
 
 impl Acquirer<'_> {

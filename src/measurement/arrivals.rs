@@ -13,7 +13,7 @@ use crate::recording::{Capture, Shot, TraceSet};
 use crate::scene::{Scene, Site};
 
 /// A pulse smaller than this share of the largest value is not counted (1).
-const COUNTED: f64 = 0.05;
+const MIN_PULSE_SHARE: f64 = 0.05;
 
 /// An arrival by one estimator.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -195,7 +195,7 @@ fn channel(capture: &Capture, sensor: Option<&RecordedSensor>) -> (ChannelArriva
         height_v: height,
         height_n: force,
         width_s: pulse.as_ref().and_then(Pulse::width),
-        pulses: pulse.as_ref().map(|pulse| pulse.count(COUNTED)),
+        pulses: pulse.as_ref().map(|pulse| pulse.count(MIN_PULSE_SHARE)),
         arrivals: Estimator::ALL.map(arrival).to_vec(),
         problem,
     };

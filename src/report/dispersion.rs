@@ -9,7 +9,7 @@ use crate::analysis::wavenumber::{SpectralLine, SpectralLines};
 use crate::quantity::engineering;
 
 /// Points of each branch.
-const POINTS: u32 = 200;
+const BRANCH_POINTS: u32 = 200;
 
 /// What `dispersion` shows.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,7 +29,7 @@ pub struct DispersionPage {
 impl DispersionPage {
     /// Phase a cell (rad) and frequency (Hz) along the acoustic and the optical branch.
     pub fn branches(&self) -> [Vec<(f64, f64)>; 2] {
-        let phases = || (0..=POINTS).map(|i| PI * f64::from(i) / f64::from(POINTS));
+        let phases = || (0..=BRANCH_POINTS).map(|i| PI * f64::from(i) / f64::from(BRANCH_POINTS));
         [
             phases().map(|phase| (phase, self.chain.acoustic(phase))).collect(),
             phases().map(|phase| (phase, self.chain.optical(phase))).collect(),

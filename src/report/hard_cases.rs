@@ -1,6 +1,6 @@
 //! The catalogue of hard cases as a page of text.
 
-use super::text::hanging;
+use super::text::hanging_indent;
 use crate::studies::hard_cases::CaseResult;
 
 /// The page that `hard-cases` prints.
@@ -11,7 +11,7 @@ pub fn hard_cases(findings: &[CaseResult]) -> String {
         for (label, text) in
             [("why", finding.why), ("bound", finding.bound), ("figure", finding.figure.as_str())]
         {
-            lines.extend(hanging(&format!("         {label:<7} "), text));
+            lines.extend(hanging_indent(&format!("         {label:<7} "), text));
         }
     }
     let count = |word: &str| findings.iter().filter(|f| f.verdict.word() == word).count();

@@ -6,7 +6,7 @@ use crate::magnet::{ForceLaw, Magnet};
 use crate::quantity::engineering;
 
 /// Points of the curve.
-const POINTS: u32 = 600;
+const CURVE_POINTS: u32 = 600;
 /// What a temperature in kelvin is above one in degrees Celsius.
 const ZERO_CELSIUS: f64 = 273.15;
 
@@ -64,12 +64,12 @@ impl MagnetPage {
     /// Force over distance, with the places marked.
     pub fn curve(&self) -> Curve {
         let [near, far] = self.magnet.span();
-        let place = |i: u32| near + (far - near) * f64::from(i) / f64::from(POINTS);
+        let place = |i: u32| near + (far - near) * f64::from(i) / f64::from(CURVE_POINTS);
         let point =
             |distance: f64| Some((distance, self.magnet.force(distance, self.temperature)?));
         let mark = |place: &MagnetPoint| (place.distance, engineering(place.force, "N", 4));
         Curve {
-            points: (0..=POINTS).map(place).filter_map(point).collect(),
+            points: (0..=CURVE_POINTS).map(place).filter_map(point).collect(),
             marks: self.places.iter().map(mark).collect(),
             x_label: "from the face to the sphere's centre".to_owned(),
             y_label: "attraction (N)".to_owned(),

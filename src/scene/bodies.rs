@@ -8,7 +8,7 @@ use crate::chain::{Body, Chain, ChainError, ChainSpec, Elasticity, End};
 use crate::quantity::Dimension;
 
 /// Most particles a chain may have: a recording has a topic for each bead and each contact, and room for 65535.
-const MOST_PARTICLES: usize = 30_000;
+const MAX_PARTICLES: usize = 30_000;
 
 /// Looks materials up, in the scene first and among the instruments then.
 pub struct Materials<'a> {
@@ -121,7 +121,7 @@ pub struct Particles<'a> {
 
 /// Largest number that a particle may have in a chain of `particles`, 0 where that is not known.
 pub fn last_particle(particles: usize) -> u64 {
-    if particles == 0 { MOST_PARTICLES as u64 } else { particles as u64 }
+    if particles == 0 { MAX_PARTICLES as u64 } else { particles as u64 }
 }
 
 /// Reads `[particles.<kind>]` and `[chain]` with its segments.
@@ -139,7 +139,7 @@ pub fn particles<'a>(
     let mut complete = true;
     let Some(chain) = chain else { return particles };
     for segment in chain.list("segments") {
-        let repeat = segment.count("repeat", 1, MOST_PARTICLES as u64);
+        let repeat = segment.count("repeat", 1, MAX_PARTICLES as u64);
         let names = segment.texts("particles");
         complete &= (repeat.is_some() || !segment.has("repeat")) && !names.is_empty();
         let repeat = repeat.and_then(|repeat| usize::try_from(repeat).ok()).unwrap_or(1);
@@ -150,8 +150,8 @@ pub fn particles<'a>(
                 segment.problem_at(place, "particles", format!("\"{name}\""), expected);
             }
         }
-        if particles.kinds.len() + repeat.saturating_mul(names.len()) > MOST_PARTICLES {
-            let expected = format!("at most {MOST_PARTICLES} particles");
+        if particles.kinds.len() + repeat.saturating_mul(names.len()) > MAX_PARTICLES {
+            let expected = format!("at most {MAX_PARTICLES} particles");
             segment.problem("repeat", "a longer chain", expected);
             complete = false;
         } else {

@@ -21,9 +21,10 @@ pub enum EffectSwitch {
 }
 
 /// Effects whose change can be foretold.
-const FORETOLD: [&str; 5] = ["gravity", "magnet_law", "dashpot", "kuwabara_kono", "power_law_loss"];
+const BOUNDED_EFFECTS: [&str; 5] =
+    ["gravity", "magnet_law", "dashpot", "kuwabara_kono", "power_law_loss"];
 /// The others.
-const PLAIN: [&str; 6] = [
+const UNBOUNDED_EFFECTS: [&str; 6] = [
     "linearised_contacts",
     "magnet_preload",
     "scope_errors",
@@ -40,8 +41,10 @@ pub fn switches(effects: &TableReader<'_>) -> Vec<(&'static str, EffectSwitch)> 
         let state = effect(effects, name)?.choice("state", words)?;
         Some((name, state))
     };
-    let foretold = FORETOLD.into_iter().filter_map(|name| read(name, &words));
-    foretold.chain(PLAIN.into_iter().filter_map(|name| read(name, &words[..2]))).collect()
+    let foretold = BOUNDED_EFFECTS.into_iter().filter_map(|name| read(name, &words));
+    foretold
+        .chain(UNBOUNDED_EFFECTS.into_iter().filter_map(|name| read(name, &words[..2])))
+        .collect()
 }
 
 /// Whether `name` is switched off.
@@ -110,12 +113,12 @@ pub fn sensor_tolerance(effects: &TableReader<'_>) -> Option<SensorTolerance> {
 }
 
 /// Largest spread that is taken for one: beyond it a striker is no striker (1).
-const LARGEST_SPREAD: f64 = 0.5;
+const MAX_SPREAD: f64 = 0.5;
 
 /// `[effects.striker_speed_spread]` (1).
 pub fn striker_speed_spread(effects: &TableReader<'_>, root: &TableReader<'_>) -> Option<f64> {
     let table = effect(effects, "striker_speed_spread")?;
-    let bound = Bound::Within(0.0, LARGEST_SPREAD);
+    let bound = Bound::Within(0.0, MAX_SPREAD);
     let relative = table.required("relative", Dimension::NONE, bound);
     if !root.has("striker") {
         table.problem("", "no striker", "[striker], whose speed is spread");

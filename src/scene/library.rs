@@ -14,7 +14,7 @@ use super::tree::{at, at_mut};
 use crate::data;
 
 /// A scene may stand on a scene that stands on a scene; deeper is a mistake or a circle.
-const DEEPEST_BASE: usize = 8;
+const MAX_BASE_DEPTH: usize = 8;
 
 /// Tables that may name an instrument file in `model`, and the folder it lies in.
 const MODELS: [(&str, &str); 3] =
@@ -144,8 +144,10 @@ impl Library {
             );
             SceneError::Problems(vec![place.problem("base", found, expected)])
         };
-        if depth >= DEEPEST_BASE {
-            return Err(wrong(format!("more than {DEEPEST_BASE} scenes standing on one another")));
+        if depth >= MAX_BASE_DEPTH {
+            return Err(wrong(format!(
+                "more than {MAX_BASE_DEPTH} scenes standing on one another"
+            )));
         }
         let found = find("scenes", &base, origin).map_err(|error| match error {
             SceneError::Problems(problems) => SceneError::Problems(problems),
@@ -157,8 +159,8 @@ impl Library {
         // Models go in before merging, so that naming another model replaces all the first one said.
         self.insert_models(&mut root);
         let mut below = below;
-        forget_models(&root, &mut below);
-        forget_ends(&root, &mut below);
+        remove_replaced_models(&root, &mut below);
+        remove_replaced_ends(&root, &mut below);
         root.put_over(&below);
         Ok(root)
     }
@@ -225,7 +227,7 @@ impl Library {
 }
 
 /// Takes away what the model of a sensor or magnet said below where another model is named above: half of each would be neither.
-fn forget_models(above: &Node, below: &mut Node) {
+fn remove_replaced_models(above: &Node, below: &mut Node) {
     let child = |node: &Node, key: &str| match &node.value {
         Value::Table(table) => table.get(key).map(|entry| entry.node.clone()),
         _ => None,
@@ -239,14 +241,14 @@ fn forget_models(above: &Node, below: &mut Node) {
         for (name, entry) in below.iter_mut().filter(|(name, _)| only.is_none_or(|o| o == &***name))
         {
             if child(&above, name).and_then(|node| node.text("model").map(|_| ())).is_some() {
-                forget_model(&mut entry.node, kind);
+                remove_model(&mut entry.node, kind);
             }
         }
     }
 }
 
 /// Takes away the ends of the chain below that are others above: half of each would be neither.
-fn forget_ends(above: &Node, below: &mut Node) {
+fn remove_replaced_ends(above: &Node, below: &mut Node) {
     let (Some(above), Some(below)) = (at(above, &["chain"]), at_mut(below, &["chain"])) else {
         return;
     };
@@ -256,7 +258,7 @@ fn forget_ends(above: &Node, below: &mut Node) {
 }
 
 /// Takes away what the model said that this table names, so that another's can take its place; what the scene says itself stays.
-pub fn forget_model(table: &mut Node, kind: &str) {
+pub fn remove_model(table: &mut Node, kind: &str) {
     let Some((model, place)) = table.text("model") else { return };
     let Ok(file) = instrument(kind, model, place, "") else { return };
     if let Some(keys) = table.entries_mut() {

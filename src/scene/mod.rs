@@ -50,7 +50,7 @@ pub const TIGHTEST_ACCURACY: f64 = 1e-11;
 /// Loosest accuracy that still deserves the name (1).
 pub const LOOSEST_ACCURACY: f64 = 0.1;
 /// Largest seed that a scene may name: whole numbers up to here are exact however a file is read.
-const LARGEST_SEED: u64 = (1 << 53) - 1;
+const MAX_SEED: u64 = (1 << 53) - 1;
 
 /// A checked scene: everything a run needs.
 #[derive(Debug, Clone, PartialEq)]
@@ -162,7 +162,7 @@ fn read(
     let title = root.text("title").unwrap_or(&name).to_owned();
     let duration = root.required("duration", Dimension::TIME, Bound::Positive);
     let accuracy = accuracy(&root);
-    let seed = root.count("seed", 0, LARGEST_SEED).unwrap_or(0);
+    let seed = root.count("seed", 0, MAX_SEED).unwrap_or(0);
     let moving = moving(&root, problems);
     let hosts = sensors::SensorHosts { kinds: &moving.kinds, wall: moving.wall };
     let sensors = sensors::sensors(&root, &hosts, problems);

@@ -1,7 +1,7 @@
 //! Parts of an oscilloscope's data file that stand in tables of their own: limits, accuracy, the law of spectra.
 
 use super::reader::{Bound, TableReader};
-use super::series::{LONGEST_RECORD, series};
+use super::series::{MAX_RECORD_LENGTH, series};
 use crate::quantity::Dimension;
 use crate::scope::model::{Accuracy, FftLaw, KnobLimits};
 
@@ -97,7 +97,7 @@ pub fn accuracy(table: &TableReader<'_>) -> Option<Accuracy> {
 pub fn fft(table: &TableReader<'_>, record_length: Option<u64>) -> Option<FftLaw> {
     part(table, "fft", |table| {
         let points =
-            table.required_count("points", 4, record_length.unwrap_or(LONGEST_RECORD).max(4));
+            table.required_count("points", 4, record_length.unwrap_or(MAX_RECORD_LENGTH).max(4));
         if points.is_some_and(|points| !points.is_power_of_two()) {
             table.problem("points", "a number that is none", "a power of two");
         }

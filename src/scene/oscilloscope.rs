@@ -2,15 +2,15 @@
 
 use super::model;
 use super::reader::{Bound, TableReader};
-use super::series::{LONGEST_RECORD, series};
+use super::series::{MAX_RECORD_LENGTH, series};
 use crate::quantity::{Dimension, engineering};
 use crate::scope::Model;
 /// Most events that a remote interface may keep.
-const LONGEST_QUEUE: u64 = 1000;
+const MAX_QUEUE_LENGTH: u64 = 1000;
 /// A time base that puts fewer points than this on the scene's duration shows nothing of it (1).
-const FEWEST_SAMPLES: f64 = 20.0;
+const MIN_SAMPLES: f64 = 20.0;
 /// Most samples on the scene's duration: each place that is watched keeps them all, 160 MB (1).
-const MOST_SAMPLES: f64 = 2e7;
+const MAX_SAMPLES: f64 = 2e7;
 /// What dividing by a probe's attenuation may cost (1).
 const ROUND_OFF: f64 = 1e-12;
 
@@ -28,7 +28,7 @@ pub fn model(table: &TableReader<'_>) -> Option<Model> {
     let positive = |key, dimension| number(table, key, dimension, Bound::Positive);
     let (name, serial) = (text("name"), text("serial"));
     let (firmware, interface) = (text("firmware"), text("interface"));
-    let record_length = count(table, "record_length", 2, LONGEST_RECORD);
+    let record_length = count(table, "record_length", 2, MAX_RECORD_LENGTH);
     let channels = count(table, "channels", 1, 4);
     let bandwidth = positive("bandwidth", Dimension::FREQUENCY);
     let limited_bandwidth = positive("limited_bandwidth", Dimension::FREQUENCY);
@@ -54,7 +54,7 @@ pub fn model(table: &TableReader<'_>) -> Option<Model> {
     let peak_width = positive("peak_width", Dimension::TIME);
     let scan_from = positive("scan_from", Dimension::TIME_PER_DIVISION);
     let scan_gap = positive("scan_gap", Dimension::DIVISION);
-    let event_queue = count(table, "event_queue", 2, LONGEST_QUEUE);
+    let event_queue = count(table, "event_queue", 2, MAX_QUEUE_LENGTH);
     if !named {
         return None;
     }
@@ -118,13 +118,13 @@ pub fn check_window(
         format!("{time_base}, which puts {samples:.4} samples on {}", seconds(duration))
     };
     let points = duration / model.interval(time_base);
-    if points < FEWEST_SAMPLES {
-        let expected = format!("at least {FEWEST_SAMPLES} samples: a faster time base");
+    if points < MIN_SAMPLES {
+        let expected = format!("at least {MIN_SAMPLES} samples: a faster time base");
         table.problem("time_base", shown(points), expected);
     }
     let samples = duration / model.sample_interval(time_base);
-    if samples > MOST_SAMPLES {
-        let expected = format!("at most {MOST_SAMPLES:e}: a slower time base, or less time");
+    if samples > MAX_SAMPLES {
+        let expected = format!("at most {MAX_SAMPLES:e}: a slower time base, or less time");
         table.problem("time_base", shown(samples), expected);
     }
     let Some(position) = position else { return };

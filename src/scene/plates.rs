@@ -10,7 +10,7 @@ use crate::quantity::Dimension;
 use crate::sensor::{Load, Sensor, SensorMeasurement, Wiring};
 
 /// Most plates of a stack.
-const MOST_PLATES: u64 = 1000;
+const MAX_PLATES: u64 = 1000;
 
 /// Loads a sensor that ships with the program, by name, or a file, by path; none if there is no such sensor.
 ///
@@ -47,7 +47,7 @@ pub fn plate(name: &str, table: &TableReader<'_>, problems: &Problems) -> Option
     let needed = if known { TableReader::quantity } else { TableReader::required };
     let side = needed(table, "side", Dimension::LENGTH, Bound::Positive);
     let thickness = needed(table, "thickness", Dimension::LENGTH, Bound::Positive);
-    let plates = table.count("plates", 1, MOST_PLATES).unwrap_or(1);
+    let plates = table.count("plates", 1, MAX_PLATES).unwrap_or(1);
     let wiring = [("parallel", Wiring::Parallel), ("series", Wiring::Series)];
     let wiring = table.choice("wiring", &wiring).unwrap_or_default();
     let leak = table.quantity("leak_resistance", Dimension::RESISTANCE, Bound::Positive);

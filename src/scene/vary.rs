@@ -4,7 +4,7 @@ use super::Scene;
 use super::adjust::{AdjustError, Adjustable};
 use super::document::{Node, Value};
 use super::library;
-use super::library::forget_model;
+use super::library::remove_model;
 use super::problem::{Problem, SceneError};
 use super::tree::{ANY, at_mut, expand, known, put};
 
@@ -61,7 +61,7 @@ fn change(root: &mut Node, keys: &[&str], node: Node) -> Result<(), Vec<Problem>
     if let (Some(kind), Some(name)) = (folder(keys), name) {
         let file = library::instrument(kind, &name, &place, &keys.join("."))?;
         if let Some(table) = at_mut(root, &keys[..keys.len() - 1]) {
-            forget_model(table, kind);
+            remove_model(table, kind);
             table.put_over(&file);
         }
     }

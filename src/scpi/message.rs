@@ -3,7 +3,7 @@
 use crate::instrument::Event;
 
 /// Longest text in quotation marks (programmer manual, syntax of commands).
-const LONGEST_TEXT: usize = 1000;
+const MAX_TEXT_LENGTH: usize = 1000;
 
 /// One argument.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -136,7 +136,7 @@ impl<'a> Cursor<'a> {
         let mut text = Vec::new();
         loop {
             text.extend_from_slice(self.take_while(|byte| byte != mark));
-            if self.peek().is_none() || text.len() > LONGEST_TEXT {
+            if self.peek().is_none() || text.len() > MAX_TEXT_LENGTH {
                 return Err(Event::InvalidString);
             }
             self.at += 1;

@@ -1,7 +1,7 @@
 //! Writes answers as one reply, with headers or without.
 
 use super::preferences::Preferences;
-use super::value::{ReplyValue, spelled};
+use super::value::{ReplyValue, abbreviated};
 
 /// What one row answers.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,7 +31,7 @@ pub fn write(answers: &[ResponseUnit], preferences: &Preferences) -> Vec<u8> {
                 &answer.nodes
             });
             let words: Vec<String> =
-                nodes.iter().map(|node| spelled(node, preferences.verbose)).collect();
+                nodes.iter().map(|node| abbreviated(node, preferences.verbose)).collect();
             out.extend_from_slice(words.join(":").as_bytes());
             out.push(b' ');
             path = answer.nodes.split_last().map_or(&[], |(_, path)| path);

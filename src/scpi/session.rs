@@ -175,15 +175,15 @@ impl Session {
                 let waiting = self.waiting.take();
                 self.start(instrument, &message, out);
                 if self.waiting.is_some() {
-                    self.postpone(instrument, message);
+                    self.defer(instrument, message);
                 }
                 self.waiting = waiting;
             }
-            Some(false) => self.postpone(instrument, message),
+            Some(false) => self.defer(instrument, message),
         }
     }
 
-    fn postpone(&mut self, instrument: &mut Instrument, message: Vec<u8>) {
+    fn defer(&mut self, instrument: &mut Instrument, message: Vec<u8>) {
         let held: usize = self.backlog.iter().map(Vec::len).sum();
         if held + message.len() > MAXIMUM_BYTES {
             instrument.status.report(Event::InputOverrun);
@@ -251,7 +251,7 @@ impl Session {
         };
         if !unit.is_query {
             found.row.setting.set(&mut at, &unit.arguments)?;
-            at.instrument.settle();
+            at.instrument.keep_consistent();
             if progress.raw.len() > MAXIMUM_REPLY {
                 progress.raw.clear();
                 progress.units.clear();
@@ -263,7 +263,7 @@ impl Session {
         if progress.indefinite {
             return Err(Event::QueryAfterIndefinite.into());
         }
-        let answers = tree::ask(found, &mut at)?;
+        let answers = tree::query(found, &mut at)?;
         let is_setup = matches!(found.row.header, "SET" | "*LRN");
         let header = self.preferences.header || is_setup;
         let preferences = Preferences { header, ..self.preferences };

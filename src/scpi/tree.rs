@@ -10,7 +10,7 @@ use crate::instrument::word::abbreviates;
 use crate::scope::Source;
 
 /// How deep rows may answer by other rows: `SET?`, then a group.
-const DEEPEST: u8 = 3;
+const MAX_GROUP_DEPTH: u8 = 3;
 
 /// A row and what its placeholder stood for.
 #[derive(Clone, Copy)]
@@ -103,9 +103,9 @@ pub fn filled(node: &str, place: Placeholder) -> String {
 ///
 /// # Errors
 /// [`Stop`] where a row cannot tell.
-pub fn ask(found: MatchedRow, at: &mut Context<'_>) -> Result<Vec<ResponseUnit>, Stop> {
+pub fn query(found: MatchedRow, at: &mut Context<'_>) -> Result<Vec<ResponseUnit>, Stop> {
     let mut answers = Vec::new();
-    collect(found, at, DEEPEST, &mut answers)?;
+    collect(found, at, MAX_GROUP_DEPTH, &mut answers)?;
     Ok(answers)
 }
 

@@ -34,7 +34,7 @@ impl ReplyValue {
             Self::Number(value) => number::setting(*value),
             Self::Measurement(value) => number::measurement(*value),
             Self::Integer(value) => value.to_string(),
-            Self::Word(word) => spelled(word, verbose),
+            Self::Word(word) => abbreviated(word, verbose),
             Self::Text(text) => format!("\"{}\"", text.replace('"', "\"\"")),
             Self::Plain(text) => text.clone(),
             Self::Block(bytes) => return out.extend_from_slice(bytes),
@@ -44,6 +44,6 @@ impl ReplyValue {
 }
 
 /// A word in full, or in its short form.
-pub fn spelled(word: &str, verbose: bool) -> String {
+pub fn abbreviated(word: &str, verbose: bool) -> String {
     if verbose { word.to_ascii_uppercase() } else { short_form(word).to_owned() }
 }

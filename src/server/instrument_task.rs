@@ -87,12 +87,12 @@ impl InstrumentTask {
             tokio::select! {
                 heard = news.recv() => {
                     let Some(heard) = heard else { return Ok(()) };
-                    self.pass_time();
+                    self.advance_time();
                     self.handle_event(heard);
                 }
                 struck = self.bench.struck() => {
                     let struck = struck?;
-                    self.pass_time();
+                    self.advance_time();
                     self.deliver_signals(struck)?;
                 }
                 () = tick(strikes.as_mut()) => {
@@ -103,9 +103,9 @@ impl InstrumentTask {
                 }
                 _ = ticks.tick() => {}
             }
-            self.pass_time();
+            self.advance_time();
             self.resume();
-            self.strike_if_asked();
+            self.start_queued_strike();
             self.write_finished_records()?;
         }
     }
@@ -118,7 +118,7 @@ impl InstrumentTask {
         self.sessions.recorder.map_or(Ok(()), Recorder::finish)
     }
 
-    fn pass_time(&mut self) {
+    fn advance_time(&mut self) {
         let now = self.switched_on.elapsed().as_secs_f64();
         self.sessions.instrument.advance(now);
         self.hislip.advance(now, &mut self.sessions);
@@ -194,7 +194,7 @@ impl InstrumentTask {
     }
 
     /// Strikes as clients ask for, when the scope can see it.
-    fn strike_if_asked(&mut self) {
+    fn start_queued_strike(&mut self) {
         let instrument = &self.sessions.instrument;
         let is_blind = matches!(instrument.state(), State::Armed | State::Trigger);
         if instrument.bench.asked > 0 && !is_blind && self.strike() {

@@ -62,7 +62,7 @@ impl Recorder {
 
     /// Writes down what a connection heard and said.
     pub fn lines(&mut self, peer: &str, lines: Vec<TranscriptLine>) {
-        let timestamp_ns = self.now();
+        let timestamp_ns = self.wall_clock_time();
         for line in lines {
             let (direction, bytes) = match line {
                 TranscriptLine::Command(bytes) => (Direction::Command, bytes),
@@ -107,7 +107,7 @@ impl Recorder {
         let shot = Shot {
             number: self.shots,
             origin: Origin::Simulated,
-            timestamp_ns: self.now(),
+            timestamp_ns: self.wall_clock_time(),
             captures: finished.records.into_iter().chain(others).map(capture).collect(),
             trigger_time: truth
                 .as_ref()
@@ -164,7 +164,7 @@ impl Recorder {
         }
     }
 
-    fn now(&self) -> u64 {
+    fn wall_clock_time(&self) -> u64 {
         self.began.saturating_add(nanoseconds(self.opened.elapsed()))
     }
 }

@@ -14,9 +14,9 @@ use super::plan::{Column, SweepPlan};
 use super::{SweepError, at};
 
 /// Version of the format.
-const VERSION: u32 = 1;
+const LOG_VERSION: u32 = 1;
 /// Characters of a checksum with the blank behind it.
-const CHECKSUM: usize = 9;
+const CHECKSUM_LENGTH: usize = 9;
 
 /// What the first line says.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -37,7 +37,7 @@ impl LogHeader {
     /// That of `plan`, run with these instructions.
     pub fn of(plan: &SweepPlan, instructions: &str) -> Self {
         Self {
-            hertzscope_sweep_log: VERSION,
+            hertzscope_sweep_log: LOG_VERSION,
             sweep: plan.hash().to_owned(),
             runs: plan.count(),
             instructions: instructions.to_owned(),
@@ -130,7 +130,7 @@ pub fn scan(file: &Path) -> Result<Option<Scan>, SweepError> {
             match (text, number.filter(|run| *run < header.runs)) {
                 (Some(text), Some(run)) => entries.push(LoggedRun {
                     run,
-                    offset: offset + CHECKSUM as u64,
+                    offset: offset + CHECKSUM_LENGTH as u64,
                     length: u32::try_from(text.len()).unwrap_or(u32::MAX),
                     checksum: crc32fast::hash(text.as_bytes()),
                 }),
@@ -138,7 +138,7 @@ pub fn scan(file: &Path) -> Result<Option<Scan>, SweepError> {
             }
         } else {
             let found: Option<LogHeader> = text.and_then(|text| serde_json::from_str(text).ok());
-            let known = found.filter(|found| found.hertzscope_sweep_log == VERSION);
+            let known = found.filter(|found| found.hertzscope_sweep_log == LOG_VERSION);
             header = Some(known.ok_or_else(no_log)?);
         }
         offset += read;
@@ -150,7 +150,7 @@ pub fn scan(file: &Path) -> Result<Option<Scan>, SweepError> {
 /// What a whole line says, if it agrees with its checksum.
 fn sound_text(line: &[u8]) -> Option<&str> {
     let text = std::str::from_utf8(line).ok()?.strip_suffix('\n')?;
-    let (checksum, text) = (text.get(..CHECKSUM)?, text.get(CHECKSUM..)?);
+    let (checksum, text) = (text.get(..CHECKSUM_LENGTH)?, text.get(CHECKSUM_LENGTH..)?);
     let checksum = u32::from_str_radix(checksum.strip_suffix(' ')?, 16).ok()?;
     (checksum == crc32fast::hash(text.as_bytes())).then_some(text)
 }

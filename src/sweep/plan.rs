@@ -16,7 +16,7 @@ use crate::scene::vary::SceneOverride;
 use crate::scene::{Problem, Scene, SceneError, hexadecimal};
 
 /// Runs that are tried before a sweep begins: where none makes a scene, the sweep is mistaken.
-const TRIED: u64 = 16;
+const TRIAL_RUNS: u64 = 16;
 /// What is read at each place, with its unit.
 const READINGS: [(&str, &str); 6] = [
     ("static", "N"),
@@ -63,7 +63,7 @@ impl SweepPlan {
         let mut base = Adjustable::load(&design.scene)?;
         let paths = design.paths().map(|path| base.paths(path)).collect::<Result<Vec<_>, _>>()?;
         let scene = base.scene()?;
-        let watched = watched(&design, &scene)?;
+        let watched = probe_sites(&design, &scene)?;
         let accuracy = accuracy.or(design.accuracy);
         let units = design.units();
         let columns = columns(&design, &units, &watched);
@@ -116,7 +116,7 @@ impl SweepPlan {
 
     fn try_some(&self) -> Result<(), SweepError> {
         let count = self.count();
-        let tried = count.min(TRIED);
+        let tried = count.min(TRIAL_RUNS);
         let mut first = None;
         for number in 0..tried {
             match self.scene(number * (count - 1) / (tried - 1).max(1)) {
@@ -208,7 +208,7 @@ impl PreparedRun {
 }
 
 /// The places that the design wants, of those that the scene has.
-fn watched(design: &Design, scene: &Scene) -> Result<Vec<ProbeSite>, SweepError> {
+fn probe_sites(design: &Design, scene: &Scene) -> Result<Vec<ProbeSite>, SweepError> {
     let all = places(scene);
     let Some(names) = &design.watch else { return Ok(all) };
     if let Some(name) = names.iter().find(|name| all.iter().all(|place| place.name != **name)) {

@@ -16,7 +16,7 @@ use crate::scene::grid::PlannedRun;
 /// Runs of a thread's first block: one group of lanes.
 const FIRST_BLOCK: usize = 8;
 /// Most runs of a block.
-const LARGEST_BLOCK: usize = 1024;
+const MAX_BLOCK: usize = 1024;
 /// A block grows until it takes this long: a process that is killed loses no more than that, and writing costs nothing beside it.
 const BLOCK_TIME: Duration = Duration::from_millis(100);
 
@@ -102,7 +102,7 @@ impl Shared<'_> {
             let started = Instant::now();
             let lines = run_block(plan, self.job.instructions, block);
             if started.elapsed() < BLOCK_TIME {
-                size = (2 * size).min(LARGEST_BLOCK);
+                size = (2 * size).min(MAX_BLOCK);
             }
             if let Err(error) = self.keep(lines) {
                 self.fail(error);

@@ -33,7 +33,7 @@ use work::served::ServedConnection;
 use work::{ScreenEvent, Workers};
 
 /// A picture is at most so much older than the first event that changed it.
-const LONGEST_WAIT: Duration = Duration::from_millis(33);
+const MAX_FRAME_DELAY: Duration = Duration::from_millis(33);
 
 /// What is shown.
 pub enum ViewSource {
@@ -62,7 +62,7 @@ pub fn run(subject: ViewSource, title: String, against: Option<String>) -> io::R
     match subject {
         ViewSource::Set(set) => model = ScreenState::new(*set, model.title().to_owned(), palette),
         ViewSource::IndexedRecording(file, follow) => {
-            model.on_tape(follow);
+            model.open_partial_recording(follow);
             (tape, is_followed) = (Some(*file), follow);
         }
         ViewSource::Bench(base) => model.open_bench(base),
@@ -116,7 +116,7 @@ fn show(
         let size = terminal.size()?;
         staff.serve(model, size);
         let started = Instant::now();
-        let mut wait = if model.is_playing() { Some(LONGEST_WAIT) } else { None };
+        let mut wait = if model.is_playing() { Some(MAX_FRAME_DELAY) } else { None };
         let mut first = None;
         // Something that changes the picture, and then whatever is waiting already.
         while let Some(came) = next(news, wait) {
@@ -125,7 +125,7 @@ fn show(
             }
             staff.serve(model, size);
             let since: &Instant = first.get_or_insert_with(Instant::now);
-            if !model.is_running() || since.elapsed() >= LONGEST_WAIT {
+            if !model.is_running() || since.elapsed() >= MAX_FRAME_DELAY {
                 break;
             }
             wait = Some(Duration::ZERO);

@@ -2,7 +2,7 @@
 
 use assert_cmd::Command;
 use hertzscope::experiment::{Integration, facts, run};
-use hertzscope::measurement::compare::tolerance::ScoreLimits;
+use hertzscope::measurement::compare::score_limits::ScoreLimits;
 use hertzscope::measurement::compare::{
     Align, Compared, ComparedShot, Comparison, SpeedScore, compare,
 };

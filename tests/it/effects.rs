@@ -1,6 +1,6 @@
 //! The effects ledger: what it says against runs made apart from it, and effects that are off against effects that are not there.
 
-use hertzscope::experiment::auto_effects::{change_upper_bound, settle};
+use hertzscope::experiment::auto_effects::{change_upper_bound, resolve_auto_effects};
 use hertzscope::experiment::outcome::{Reading, Summary};
 use hertzscope::experiment::{Integration, Outcome, run};
 use hertzscope::integrate::Method;
@@ -251,7 +251,7 @@ fn auto_leaves_out_only_what_cannot_be_seen() {
         let most = change_upper_bound(&scene, name);
         let mut measured = None;
         for accuracy in [1e-2, 1e-3, 1e-6] {
-            let settled = settle(&scene, Integration::Accuracy(accuracy));
+            let settled = resolve_auto_effects(&scene, Integration::Accuracy(accuracy));
             assert_eq!((settled.auto.len(), settled.decided.len()), (0, 1));
             if settled.spec == scene.spec {
                 kept += 1;

@@ -9,7 +9,7 @@ use super::chains::diatomic;
 /// Judges every second case from `first`: two tests, so that they run side by side.
 fn judge(first: usize) {
     for case in catalogue().iter().skip(first).step_by(2) {
-        let finding = case.judge();
+        let finding = case.run();
         println!("{}: {}, {}", finding.case, finding.verdict.word(), finding.figure);
         assert_ne!(finding.verdict, CaseVerdict::Wrong, "{}: {}", finding.case, finding.figure);
         // One case alone is to be refused.

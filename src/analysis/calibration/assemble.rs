@@ -8,7 +8,7 @@ use super::{
 };
 
 /// Impacts that a calibration should have, and levels of force among them.
-pub const WANTED: (usize, usize) = (5, 3);
+pub const RECOMMENDED_COUNTS: (usize, usize) = (5, 3);
 /// Forces further apart than this are two levels (1).
 const LEVEL_STEP: f64 = 0.1;
 /// Everything that `model` and the records tell.
@@ -120,7 +120,7 @@ fn nonlinearity(model: &MeasurementEquation, peaks: &[f64]) -> Option<NonLineari
 fn notes(found: &Calibration, common: &Common, tail: Option<(f64, f64)>) -> Vec<String> {
     let mut notes = Vec::new();
     let used = found.impacts.iter().filter(|impact| impact.exclusion.is_none());
-    let (impacts, levels) = WANTED;
+    let (impacts, levels) = RECOMMENDED_COUNTS;
     let count = used.clone().count();
     if count < impacts || found.levels < levels {
         notes.push(format!(

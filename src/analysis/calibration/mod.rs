@@ -30,7 +30,7 @@ use self::impact::Impact;
 use self::model::{Common, MeasurementEquation};
 
 /// An impact this many standard uncertainties away from the others is left out (1).
-pub const OUTLYING: f64 = 5.0;
+pub const OUTLIER_DEVIATIONS: f64 = 5.0;
 /// Takes a median of absolute deviations to a standard deviation of normal numbers (1).
 const MEDIAN_TO_DEVIATION: f64 = 1.4826;
 
@@ -45,7 +45,7 @@ pub fn calibrate(
 ) -> Result<Calibration, CalibrationError> {
     let given = common.tau.map(|tau| tau.value);
     let tails: Vec<_> = strikes.iter().map(|s| tail::fit(&s.record)).collect();
-    let tau = given.or_else(|| tail::together(&tails)).ok_or_else(|| no_tau(strikes))?;
+    let tau = given.or_else(|| tail::weighted_mean(&tails)).ok_or_else(|| no_tau(strikes))?;
     let read: Vec<Result<Impact, Exclusion>> =
         strikes.iter().map(|strike| Impact::read(&strike.record, tau)).collect();
     let mut used: Vec<usize> = (0..read.len()).filter(|i| read[*i].is_ok()).collect();
@@ -97,7 +97,7 @@ fn outlier(model: &MeasurementEquation) -> Option<(usize, f64)> {
         MEDIAN_TO_DEVIATION * median(values.iter().map(|(s, _)| (s - middle).abs()).collect());
     let times = |(s, u): &(f64, f64)| (s - middle).abs() / u.max(scatter);
     let all = values.iter().map(times).enumerate();
-    all.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, times)| *times > OUTLYING)
+    all.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, times)| *times > OUTLIER_DEVIATIONS)
 }
 
 fn median(mut values: Vec<f64>) -> f64 {

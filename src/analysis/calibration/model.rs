@@ -27,7 +27,7 @@ pub struct MeasurementEquation {
     fitted: bool,
 }
 
-/// Places of the shared inputs; masses come next, then [`OWN`] inputs for each impact, then the scatter.
+/// Places of the shared inputs; masses come next, then [`INPUTS_PER_IMPACT`] inputs for each impact, then the scatter.
 const GAIN: usize = 0;
 const SCALE: usize = 1;
 const GRAVITY: usize = 2;
@@ -35,7 +35,7 @@ const GATES: usize = 3;
 const TAU: usize = 4;
 const MASSES: usize = 5;
 /// Inputs of an impact's own: two speeds, baseline, noise, duration, tail.
-const OWN: usize = 6;
+const INPUTS_PER_IMPACT: usize = 6;
 
 impl MeasurementEquation {
     /// Puts the impacts, each with its place in the plan, and what they share together; none without a time constant.
@@ -130,7 +130,7 @@ impl MeasurementEquation {
                     };
                     0.5 * (moved(1.0) - moved(-1.0))
                 };
-                (first..first + OWN).map(|i| change(i).powi(2)).sum::<f64>().sqrt()
+                (first..first + INPUTS_PER_IMPACT).map(|i| change(i).powi(2)).sum::<f64>().sqrt()
             })
             .collect();
         let floor = f64::EPSILON * self.one(0, &estimates, inverse_tau).abs();
@@ -181,7 +181,7 @@ impl MeasurementEquation {
     }
 
     fn first_own(&self, index: usize) -> usize {
-        MASSES + self.strikers + OWN * index
+        MASSES + self.strikers + INPUTS_PER_IMPACT * index
     }
 
     /// `1/tau` (1/s): the one given, or the mean of what the records tell, each with its baseline.

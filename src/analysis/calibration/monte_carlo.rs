@@ -14,7 +14,7 @@ use super::model::MeasurementEquation;
 /// Significant digits of the standard uncertainty that both propagations are to agree in.
 const DIGITS: i32 = 1;
 /// Stream of the draws.
-const STREAM: u128 = 101;
+const MONTE_CARLO_STREAM: u128 = 101;
 
 /// What the draws gave.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,7 +48,7 @@ pub fn run(model: &MeasurementEquation, draws: Draws) -> Option<MonteCarlo> {
     if draws.count < 2 {
         return None;
     }
-    let mut stream = Pcg64::new(u128::from(draws.seed), STREAM);
+    let mut stream = Pcg64::new(u128::from(draws.seed), MONTE_CARLO_STREAM);
     let mut values = model.estimates();
     let mut found: Vec<f64> = Vec::with_capacity(draws.count);
     for _ in 0..draws.count {

@@ -5,24 +5,24 @@
 //! known; a measured channel whose sensor is not known borrows the simulated one's. The other scores are those of
 //! [`crate::analysis::comparison`]. JSON names and units are part of the interface.
 
+mod compared_shot;
 pub mod mapping;
 mod score;
+pub mod score_limits;
 mod scores;
-mod side;
-pub mod tolerance;
 
+pub use compared_shot::ComparedShot;
 pub use score::{ChannelScore, SpeedScore};
-pub use side::ComparedShot;
 
 use serde::Serialize;
 
 use crate::analysis::arrival::Estimator;
-use crate::analysis::comparison::{FEWEST, Pair, least_squares_shift};
+use crate::analysis::comparison::{MIN_COMMON_SAMPLES, Pair, least_squares_shift};
 use crate::quantity::engineering;
+use compared_shot::scene_of;
 use mapping::{Assignment, ChannelNames, MappingError};
+use score_limits::ScoreLimits;
 use scores::ChannelPair;
-use side::scene_of;
-use tolerance::ScoreLimits;
 
 /// How the two are brought onto one time axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -91,7 +91,7 @@ pub enum CompareError {
     Mapping(#[from] MappingError),
     /// Records of different times.
     #[error(
-        "{channel}: found fewer than {FEWEST} samples in common after a shift of {}, expected records of the same time",
+        "{channel}: found fewer than {MIN_COMMON_SAMPLES} samples in common after a shift of {}, expected records of the same time",
         engineering(*shift_s, "s", 3)
     )]
     Apart {

@@ -4,7 +4,7 @@ use super::error::{IsfError, excerpt};
 use crate::recording::command_text::{command, unquoted};
 
 /// The preamble's words take a few hundred bytes; a block not found after this many is not there.
-const LONGEST: usize = 64 * 1024;
+const MAX_PREAMBLE_BYTES: usize = 64 * 1024;
 
 /// What a preamble's value is about: the full key, and how much of it is the least that names it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,7 +59,7 @@ pub(super) struct PreambleText<'a> {
 
 impl<'a> PreambleText<'a> {
     pub(super) fn read(file: &'a str, bytes: &'a [u8]) -> Result<Self, IsfError> {
-        let head = bytes.get(..bytes.len().min(LONGEST)).unwrap_or_default();
+        let head = bytes.get(..bytes.len().min(MAX_PREAMBLE_BYTES)).unwrap_or_default();
         let (mut at, mut entries) = (0, Vec::new());
         while let Some((found, next)) = command(head, at) {
             if CURVE.is(found.header) {

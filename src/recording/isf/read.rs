@@ -15,7 +15,7 @@ const LOWER_BYTE: i16 = 256;
 /// Points in one horizontal division of the family.
 const POINTS_PER_DIVISION: f64 = 250.0;
 /// How far two statements of the same may differ, relative; files print 5 digits.
-const PRINTED: f64 = 1e-4;
+const PRINTING_TOLERANCE: f64 = 1e-4;
 
 /// Reads the `bytes` of an ISF file; `file_name` is for messages.
 ///
@@ -165,7 +165,7 @@ fn settings(
         scale
     });
     let level = scale / LEVELS_PER_DIVISION;
-    let of_the_family = (preamble.y_mult - level).abs() <= PRINTED * level;
+    let of_the_family = (preamble.y_mult - level).abs() <= PRINTING_TOLERANCE * level;
     if codes.iter().all(|code| i8::try_from(*code).is_ok()) && !of_the_family {
         notes.push(format!(
             "a level is {} {}, not 1/25 of a division",

@@ -9,9 +9,9 @@ use std::collections::BTreeMap;
 /// First and last bytes of every file.
 pub const MAGIC: [u8; 8] = [0x89, b'M', b'C', b'A', b'P', 0x30, b'\r', b'\n'];
 /// Length of what stands before a record's body: its opcode and the body's length (bytes).
-pub const HEAD: usize = 9;
+pub const RECORD_HEADER_BYTES: usize = 9;
 /// Largest uncompressed chunk that is unpacked: a thousand times what this program writes.
-const LARGEST_CHUNK: u64 = 256 * 1024 * 1024;
+const MAX_CHUNK_BYTES: u64 = 256 * 1024 * 1024;
 
 /// A record that matters.
 #[derive(Debug)]
@@ -91,7 +91,7 @@ impl<'a> Cursor<'a> {
 }
 
 /// Length of the body that follows `head`, the first bytes of a record (bytes).
-pub fn body_length(head: &[u8; HEAD]) -> u64 {
+pub fn body_length(head: &[u8; RECORD_HEADER_BYTES]) -> u64 {
     let [_, length @ ..] = *head;
     u64::from_le_bytes(length)
 }
@@ -152,9 +152,9 @@ fn chunk(mut cursor: Cursor<'_>) -> Result<Vec<u8>, String> {
     let compression = cursor.text()?;
     let length = cursor.u64()?;
     let packed = cursor.take(length)?;
-    if uncompressed_size > LARGEST_CHUNK {
+    if uncompressed_size > MAX_CHUNK_BYTES {
         return Err(format!(
-            "found a chunk of {uncompressed_size} bytes, expected at most {LARGEST_CHUNK}"
+            "found a chunk of {uncompressed_size} bytes, expected at most {MAX_CHUNK_BYTES}"
         ));
     }
     let capacity = usize::try_from(uncompressed_size).map_err(|e| e.to_string())?;

@@ -5,7 +5,7 @@ use crate::recording::{Capture, Direction, Origin, ScpiLine, Shot};
 use crate::trace::Trace;
 
 /// Bytes of a line that its text shows.
-const LONGEST_TEXT: usize = 200;
+const MAX_LINE_TEXT: usize = 200;
 
 /// A capture as a message.
 #[allow(
@@ -72,7 +72,7 @@ pub fn series_message(shot: &Shot, trace: &Trace) -> message::SeriesMessage {
 
 /// A command or a reply as a message.
 pub fn line_message(line: &ScpiLine) -> message::ScpiLineMessage {
-    let shown = line.bytes.get(..line.bytes.len().min(LONGEST_TEXT)).unwrap_or_default();
+    let shown = line.bytes.get(..line.bytes.len().min(MAX_LINE_TEXT)).unwrap_or_default();
     message::ScpiLineMessage {
         timestamp: Some(timestamp(line.timestamp_ns)),
         peer: line.peer.clone(),

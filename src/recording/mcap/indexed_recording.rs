@@ -8,7 +8,7 @@ use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
 
-use super::container::{self, HEAD, MAGIC, McapRecord};
+use super::container::{self, MAGIC, McapRecord, RECORD_HEADER_BYTES};
 use super::error::ReadError;
 use super::read::Reader;
 use crate::recording::{Shot, TraceSet};
@@ -104,19 +104,21 @@ impl IndexedRecording {
     fn record_at(&mut self, offset: u64) -> Result<Option<Vec<u8>>, ReadError> {
         let failed = |source| ReadError::File { file: self.path.clone(), source };
         let size = self.file.metadata().map_err(failed)?.len();
-        let Some(left) = size.checked_sub(offset).filter(|left| *left >= HEAD as u64) else {
+        let Some(left) =
+            size.checked_sub(offset).filter(|left| *left >= RECORD_HEADER_BYTES as u64)
+        else {
             return Ok(None);
         };
-        let mut head = [0; HEAD];
+        let mut head = [0; RECORD_HEADER_BYTES];
         self.file.seek(SeekFrom::Start(offset)).map_err(failed)?;
         self.file.read_exact(&mut head).map_err(failed)?;
         let length = container::body_length(&head);
-        if length > left - HEAD as u64 {
+        if length > left - RECORD_HEADER_BYTES as u64 {
             return Ok(None);
         }
         let mut record = head.to_vec();
         self.file.by_ref().take(length).read_to_end(&mut record).map_err(failed)?;
-        Ok((record.len() as u64 == HEAD as u64 + length).then_some(record))
+        Ok((record.len() as u64 == RECORD_HEADER_BYTES as u64 + length).then_some(record))
     }
 
     fn note(&mut self, number: u32, stretch: ByteRange) {

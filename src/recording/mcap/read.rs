@@ -15,11 +15,11 @@ use super::schema::Schema;
 use crate::recording::{Attachment, Origin, Shot, TraceSet};
 
 /// More problems than this are counted but not listed.
-const MOST_PROBLEMS: usize = 100;
-/// All chunks of a file may unpack to this and [`LARGEST_EXPANSION`] times the file's size (bytes).
-const LARGEST_TOTAL: u64 = 1024 * 1024 * 1024;
+const MAX_LISTED_PROBLEMS: usize = 100;
+/// All chunks of a file may unpack to this and [`MAX_EXPANSION`] times the file's size (bytes).
+const MAX_UNPACKED_BYTES: u64 = 1024 * 1024 * 1024;
 /// Recordings shrink to a third or so; on the whole only a bomb shrinks to a hundredth (1).
-const LARGEST_EXPANSION: u64 = 100;
+const MAX_EXPANSION: u64 = 100;
 
 /// Reads `file`.
 ///
@@ -56,7 +56,7 @@ pub fn read_bytes(bytes: &[u8], file: &Path) -> Result<TraceSet, ReadError> {
         };
         return Err(ReadError::NotMcap { file: file.to_owned(), found });
     };
-    let budget = LARGEST_TOTAL + LARGEST_EXPANSION * bytes.len() as u64;
+    let budget = MAX_UNPACKED_BYTES + MAX_EXPANSION * bytes.len() as u64;
     let mut reader = Reader { budget, ..Reader::default() };
     reader.data_section(records);
     let set = reader.finish();
@@ -84,7 +84,7 @@ pub(super) struct Reader {
 
 impl Reader {
     pub(super) fn problem(&mut self, text: String) {
-        if self.set.problems.len() < MOST_PROBLEMS {
+        if self.set.problems.len() < MAX_LISTED_PROBLEMS {
             self.set.problems.push(text);
         } else {
             self.unlisted += 1;
@@ -110,7 +110,7 @@ impl Reader {
                     let size = records.len() as u64;
                     let Some(left) = self.budget.checked_sub(size) else {
                         self.problem(format!(
-                            "byte {offset}: found chunks that unpack to more than {LARGEST_EXPANSION} times the file, expected a recording"
+                            "byte {offset}: found chunks that unpack to more than {MAX_EXPANSION} times the file, expected a recording"
                         ));
                         return;
                     };

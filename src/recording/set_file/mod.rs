@@ -23,9 +23,9 @@ use crate::scope::{Coupling, Slope, Source};
 /// Larger files are refused unread; the family's own have less than 2000 bytes.
 pub const MAXIMUM_BYTES: usize = 1 << 20;
 /// Index of the point in the middle of the screen (1).
-const MIDDLE: f64 = 1250.0;
+const SCREEN_CENTRE_POINT: f64 = 1250.0;
 /// How far two statements of the same may differ, relative; a `.CSV` prints seven digits.
-const PRINTED: f64 = 1e-6;
+const PRINTING_TOLERANCE: f64 = 1e-6;
 
 /// One setting.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -206,8 +206,10 @@ impl SetFile {
     fn disagreements(&self, capture: &Capture, number: u8) -> Vec<String> {
         let waveform = &capture.waveform;
         let vertical = &waveform.vertical;
-        let expected = self.horizontal_position().map(|at| MIDDLE - at / waveform.preamble.x_incr);
-        let printed = |value: f64| PRINTED * value.abs();
+        let expected = self
+            .horizontal_position()
+            .map(|at| SCREEN_CENTRE_POINT - at / waveform.preamble.x_incr);
+        let printed = |value: f64| PRINTING_TOLERANCE * value.abs();
         // The file's scale and offset are rounded; half a level is less than the panel can be turned.
         let level = 0.5 / LEVELS_PER_DIVISION;
         let point = 0.5;

@@ -7,9 +7,9 @@
 use super::error::{FileLocation, TekCsvError, excerpt, place};
 
 /// Most rows that are read; the longest records of these dialects have 200 000 points.
-pub(super) const MOST_ROWS: usize = 1_000_064;
+pub(super) const MAX_ROWS: usize = 1_000_064;
 /// Cells of a row that are looked at: 4 channels of `OpenChoice` take 24.
-const MOST_CELLS: usize = 32;
+const MAX_CELLS: usize = 32;
 /// Sets a UTF-8 file's beginning apart; spreadsheets write it.
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
@@ -49,9 +49,9 @@ impl<'a> CsvRows<'a> {
     pub(super) fn new(file: &'a str, text: &'a str) -> Result<Self, TekCsvError> {
         let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
         let found = text.lines().count();
-        if found > MOST_ROWS {
+        if found > MAX_ROWS {
             let file = file.to_owned();
-            return Err(TekCsvError::SampleCount { file, found, lowest: 2, highest: MOST_ROWS });
+            return Err(TekCsvError::SampleCount { file, found, lowest: 2, highest: MAX_ROWS });
         }
         let mut lines: Vec<&str> = text.lines().collect();
         while lines.last().is_some_and(|line| line.trim().is_empty()) {
@@ -159,7 +159,7 @@ fn split(line: &str, separator: char) -> Vec<(&str, usize)> {
             quoted = !quoted;
         } else if character == separator && !quoted {
             cells.push((bare(line.get(start..at)), column));
-            if cells.len() == MOST_CELLS {
+            if cells.len() == MAX_CELLS {
                 return cells;
             }
             (start, column) = (at + character.len_utf8(), next_column);

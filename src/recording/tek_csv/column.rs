@@ -11,7 +11,7 @@ use super::error::{FileLocation, TekCsvError};
 /// Digits of single precision that can be relied on; numbers that went through it are printed with more.
 pub(super) const SINGLE_PRECISION_DIGITS: i32 = 6;
 /// Digits beyond which double precision is the limit.
-const MOST_DIGITS: i32 = 15;
+const MAX_DIGITS: i32 = 15;
 
 /// One column of samples.
 #[derive(Debug, Clone, Default)]
@@ -69,7 +69,7 @@ impl SampleColumn {
     /// Half the last digit of `value`, and the round-off of double precision (unit).
     pub(super) fn tolerance(&self, value: f64) -> f64 {
         let fixed = 0.5 * ten_to(-self.decimals);
-        let digits = self.digits.clamp(1, MOST_DIGITS);
+        let digits = self.digits.clamp(1, MAX_DIGITS);
         let floating = match value.abs() {
             0.0 => 0.0,
             #[allow(clippy::cast_possible_truncation, reason = "at most 308")]
@@ -85,7 +85,7 @@ impl SampleColumn {
         let largest = low.abs().max(high.abs()).max(f64::MIN_POSITIVE);
         #[allow(clippy::cast_possible_truncation, reason = "at most 308")]
         let magnitude = largest.log10().floor() as i32;
-        let fixed = self.decimals <= self.digits.min(MOST_DIGITS) - 1 - magnitude;
+        let fixed = self.decimals <= self.digits.min(MAX_DIGITS) - 1 - magnitude;
         let count = step / ten_to(-self.decimals);
         let is_whole = count >= 0.5 && (count - count.round()).abs() <= 1e-6;
         (fixed && is_whole).then(|| count.round())

@@ -14,15 +14,15 @@ use super::column::{SampleColumn, one_two_five, ten_to};
 use crate::scope::waveform::LEVELS_PER_DIVISION;
 
 /// Levels that 16 bits can tell apart, with some to spare at the ends.
-const MOST_LEVELS: f64 = 65_000.0;
+const MAX_LEVELS: f64 = 65_000.0;
 /// How much of a level the printed digits may leave open.
-const QUARTER: f64 = 0.25;
+const DIGIT_TOLERANCE: f64 = 0.25;
 /// The same for a first guess, which `on_grid` judges: half a last digit of a level of two is just a quarter.
-const OF_A_GUESS: f64 = 0.3;
+const GUESS_TOLERANCE: f64 = 0.3;
 /// What of a level means nothing.
-const NOTHING: f64 = 1e-6;
+const LEVEL_ROUND_OFF: f64 = 1e-6;
 /// A gap between neighbouring values is searched for levels up to this many.
-const MOST_IN_A_GAP: u32 = 8;
+const MAX_LEVELS_IN_GAP: u32 = 8;
 
 /// Where the levels come from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,11 +74,11 @@ impl ValueGrid {
 /// `column` on a grid of `step`, through zero or else through its first value.
 fn on_grid(column: &SampleColumn, step: f64, evidence: LevelSource) -> Option<ValueGrid> {
     let (low, high) = column.range();
-    let usable = step.is_finite() && step > 0.0 && high - low <= MOST_LEVELS * step;
+    let usable = step.is_finite() && step > 0.0 && high - low <= MAX_LEVELS * step;
     // That all values are multiples of one last digit shows nothing; of two or more, it does.
     let least = if evidence == LevelSource::Scale { 1.0 } else { 2.0 };
     let exact = column.digits_of(step).is_some_and(|count| count >= least);
-    if !usable || !(exact || column.largest_tolerance() <= QUARTER * step) {
+    if !usable || !(exact || column.largest_tolerance() <= DIGIT_TOLERANCE * step) {
         return None;
     }
     let tolerance =
@@ -89,7 +89,7 @@ fn on_grid(column: &SampleColumn, step: f64, evidence: LevelSource) -> Option<Va
         let index = |value: &f64| {
             let index = ((value - origin) / step).round();
             let off = (value - origin - index * step).abs();
-            (off <= tolerance(*value) + spare + NOTHING * step).then_some(whole(index))
+            (off <= tolerance(*value) + spare + LEVEL_ROUND_OFF * step).then_some(whole(index))
         };
         let indices: Option<Vec<i64>> = column.values.iter().map(index).collect();
         indices.map(|indices| ValueGrid { step, origin, indices, evidence })
@@ -108,7 +108,7 @@ fn from_gaps(column: &SampleColumn) -> Option<ValueGrid> {
         return None;
     }
     let mut found: Option<ValueGrid> = None;
-    for parts in 1..=MOST_IN_A_GAP {
+    for parts in 1..=MAX_LEVELS_IN_GAP {
         let Some(step) = refined(&gaps, smallest / f64::from(parts), tolerance) else { continue };
         let nice = one_two_five(step * LEVELS_PER_DIVISION, 1e-3);
         let exact =
@@ -130,7 +130,7 @@ fn step_between(pair: &[f64]) -> f64 {
 
 /// A step near `guess`, from the whole range: the sum of the gaps over the sum of their levels.
 fn refined(gaps: &[f64], guess: f64, tolerance: f64) -> Option<f64> {
-    if tolerance > OF_A_GUESS * guess {
+    if tolerance > GUESS_TOLERANCE * guess {
         return None;
     }
     let (mut levels, mut sum, mut step) = (0.0, 0.0, guess);
@@ -149,7 +149,7 @@ fn refined(gaps: &[f64], guess: f64, tolerance: f64) -> Option<f64> {
 fn from_digits(column: &SampleColumn) -> Option<ValueGrid> {
     let step = ten_to(-column.decimals());
     let (low, high) = column.range();
-    let usable = step.is_finite() && step > 0.0 && high - low <= MOST_LEVELS * step;
+    let usable = step.is_finite() && step > 0.0 && high - low <= MAX_LEVELS * step;
     usable.then(|| {
         let indices = column.values.iter().map(|value| whole((value / step).round())).collect();
         ValueGrid { step, origin: 0.0, indices, evidence: LevelSource::Digits }
@@ -159,7 +159,7 @@ fn from_digits(column: &SampleColumn) -> Option<ValueGrid> {
 /// The values in 16 bits, as well as that goes.
 fn rounded(column: &SampleColumn) -> ValueGrid {
     let (low, high) = column.range();
-    let least = ((high - low) / MOST_LEVELS).max(f64::MIN_POSITIVE);
+    let least = ((high - low) / MAX_LEVELS).max(f64::MIN_POSITIVE);
     let decade = ten_to(whole_power(least));
     let steps = [1.0, 2.0, 5.0, 10.0, 20.0].map(|digit| digit * decade);
     let step = steps.into_iter().find(|step| *step >= least).unwrap_or(least);

@@ -3,7 +3,7 @@
 //! sources: the module above.
 
 use super::abscissa::Abscissa;
-use super::cells::{CsvRows, MOST_ROWS};
+use super::cells::{CsvRows, MAX_ROWS};
 use super::detection;
 use super::dialect::Dialect;
 use super::error::place;
@@ -61,7 +61,7 @@ pub fn read_all(bytes: &[u8], file_name: &str) -> Result<Vec<Capture>, TekCsvErr
     };
     if captures.is_empty() {
         let file = file_name.to_owned();
-        return Err(TekCsvError::SampleCount { file, found: 0, lowest: 2, highest: MOST_ROWS });
+        return Err(TekCsvError::SampleCount { file, found: 0, lowest: 2, highest: MAX_ROWS });
     }
     Ok(captures)
 }

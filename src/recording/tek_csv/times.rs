@@ -8,9 +8,9 @@ use super::column::{SampleColumn, rounded};
 use super::error::TekCsvError;
 
 /// How much of an interval a time near zero may be off, if times elsewhere are as coarse.
-const DRIFT: f64 = 0.01;
+const MAX_TIME_DRIFT: f64 = 0.01;
 /// What of an interval means nothing.
-const NOTHING: f64 = 1e-6;
+const TIME_ROUND_OFF: f64 = 1e-6;
 
 /// What a header says of the time base.
 #[derive(Debug, Clone, Copy, Default)]
@@ -80,8 +80,8 @@ impl EvenTimes {
         let (low, high) = column.range();
         let round_off = 4.0 * f64::EPSILON * low.abs().max(high.abs());
         // Programs add up times, and what should be zero comes out as -4.6E-11.
-        let drift = column.largest_tolerance().min(DRIFT * self.interval);
-        let spare = round_off + drift + NOTHING * self.interval;
+        let drift = column.largest_tolerance().min(MAX_TIME_DRIFT * self.interval);
+        let spare = round_off + drift + TIME_ROUND_OFF * self.interval;
         column.values.iter().enumerate().position(|(index, value)| {
             let off = (value - self.time(index)).abs();
             // Also a difference that is not a number.

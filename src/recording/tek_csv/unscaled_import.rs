@@ -15,9 +15,9 @@ use crate::scope::{PointFormat, Preamble, Source, VerticalSetup, Waveform};
 /// Points in one horizontal division of the family.
 const POINTS_PER_DIVISION: f64 = 250.0;
 /// A zero level that lies farther than this from a whole one did not come from the family's own steps (1).
-const ODD_ZERO: f64 = 0.02;
+const ZERO_LEVEL_TOLERANCE: f64 = 0.02;
 /// With fewer levels than this, their spacing is weak evidence.
-const FEW_LEVELS: usize = 8;
+const MIN_LEVELS: usize = 8;
 
 /// What a foreign file tells of one channel.
 #[derive(Debug, Clone, Default)]
@@ -59,7 +59,7 @@ impl UnscaledImport {
         let found = self.times.len();
         if found < FEWEST {
             let file = file.to_owned();
-            let highest = super::cells::MOST_ROWS;
+            let highest = super::cells::MAX_ROWS;
             return Err(TekCsvError::SampleCount { file, found, lowest: FEWEST, highest });
         }
         let x_unit = self.x_unit.take().unwrap_or_else(|| self.assume("s", "unit of the times"));
@@ -196,7 +196,7 @@ impl UnscaledImport {
             let mut levels = grid.indices.clone();
             levels.sort_unstable();
             levels.dedup();
-            if levels.len() < FEW_LEVELS {
+            if levels.len() < MIN_LEVELS {
                 self.notes
                     .push(format!("the scale is a weak guess: only {} levels occur", levels.len()));
             }
@@ -238,7 +238,7 @@ impl UnscaledImport {
             _ => (zero + grid.origin) / grid.step,
         };
         let shift = nearest(wanted);
-        if unit != "dB" && (wanted - float(shift)).abs() > ODD_ZERO {
+        if unit != "dB" && (wanted - float(shift)).abs() > ZERO_LEVEL_TOLERANCE {
             self.notes.push(format!(
                 "zero stands {} levels from the screen's centre by the header, which is no whole number; taken as {shift}: the levels may be off by one, the voltages are not",
                 super::column::rounded(wanted, 6)

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::figures::{HIGHEST, dispersion_points};
+use super::figures::{MAX_FREQUENCY, dispersion_points};
 use crate::analysis::spectrum::Spectrum;
 use crate::studies::paper::tables::SpeedStudy;
 use crate::studies::paper::{Arrangement, Figure, ForceSignal};
@@ -69,7 +69,7 @@ pub(super) fn traces(signals: &[&ForceSignal], columns: &[String]) -> String {
 fn spectra(spectra: &[&Spectrum], columns: &[String]) -> String {
     let mut csv = format!("frequency_hz,{}\n", columns.join(","));
     let Some(first) = spectra.first() else { return csv };
-    let bins = (0..first.amplitude.len()).take_while(|bin| first.frequency(*bin) <= HIGHEST);
+    let bins = (0..first.amplitude.len()).take_while(|bin| first.frequency(*bin) <= MAX_FREQUENCY);
     for bin in bins {
         let _ = write!(csv, "{}", first.frequency(bin));
         for spectrum in spectra {

@@ -10,23 +10,23 @@ use crate::studies::paper::{Figure, ForceSignal, Viscous};
 use crate::trace::Trace;
 
 /// Highest frequency of the spectra that are shown (Hz).
-pub(super) const HIGHEST: f64 = 20e3;
+pub(super) const MAX_FREQUENCY: f64 = 20e3;
 /// How much of the record is shown near the end of a chain and on the bench, and far from its end (s).
-const SHORT: f64 = 2e-3;
-const LONG: f64 = 12e-3;
+const NEAR_SPAN: f64 = 2e-3;
+const FAR_SPAN: f64 = 12e-3;
 /// Where the inset of the far figures starts (s).
-const INSET: f64 = 6e-3;
+const INSET_START: f64 = 6e-3;
 /// What the inset shows: the middle one of three places.
 const INSET_SIGNAL: usize = 1;
 /// Width of panels, and heights of low and tall ones (pixels).
-const WIDTH: f64 = 430.0;
-const LOW: f64 = 150.0;
-const TALL: f64 = 430.0;
+const PLOT_WIDTH: f64 = 430.0;
+const LOW_HEIGHT: f64 = 150.0;
+const TALL_HEIGHT: f64 = 430.0;
 /// Points of a branch of the dispersion relation.
-const BRANCH: u32 = 200;
+const BRANCH_POINTS: u32 = 200;
 const MILLI: f64 = 1e3;
 /// Room for a trace's name above it, as a share of all traces' swings (1).
-const NAME_ROOM: f64 = 0.07;
+const NAME_HEIGHT_SHARE: f64 = 0.07;
 
 fn sheet(figure: &Figure, columns: usize, size: (f64, f64), panels: Vec<Plot>) -> Sheet {
     Sheet { title: format!("Fig. {}: {}", figure.number, figure.title), columns, size, panels }
@@ -38,8 +38,8 @@ fn line(name: &str, points: Vec<(f64, f64)>, colour: usize) -> Polyline {
 }
 
 pub(super) fn dispersion_points(chain: &DiatomicChain) -> Vec<(f64, f64, f64)> {
-    let phase = |index: u32| std::f64::consts::PI * f64::from(index) / f64::from(BRANCH);
-    (0..=BRANCH).map(phase).map(|k| (k, chain.acoustic(k), chain.optical(k))).collect()
+    let phase = |index: u32| std::f64::consts::PI * f64::from(index) / f64::from(BRANCH_POINTS);
+    (0..=BRANCH_POINTS).map(phase).map(|k| (k, chain.acoustic(k), chain.optical(k))).collect()
 }
 
 pub(super) fn dispersion(figure: &Figure) -> Sheet {
@@ -92,7 +92,7 @@ fn trace_points(
 fn spectrum_points(spectrum: &Spectrum, factor: f64) -> Vec<(f64, f64)> {
     let bins = spectrum.amplitude.iter().enumerate();
     let points = bins.map(|(bin, amplitude)| (1e-3 * spectrum.frequency(bin), factor * amplitude));
-    points.take_while(|(kilo, _)| *kilo <= 1e-3 * HIGHEST).collect()
+    points.take_while(|(kilo, _)| *kilo <= 1e-3 * MAX_FREQUENCY).collect()
 }
 
 /// A panel of spectra with the gap of the chain at rest.
@@ -101,7 +101,7 @@ fn spectra_panel(title: &str, chain: &DiatomicChain, spectra: &[(&str, &Spectrum
     let heights: Vec<f64> = shown.flatten().map(|(_, amplitude)| amplitude).collect();
     let top = largest(&heights);
     let (factor, sign) = prefix(top);
-    let x = Axis::linear("frequency (kHz)", 0.0, 1e-3 * HIGHEST);
+    let x = Axis::linear("frequency (kHz)", 0.0, 1e-3 * MAX_FREQUENCY);
     let y = Axis::linear(&format!("|C| ({sign}N)"), 0.0, 1.08 * factor * top);
     let mut panel = Plot::new(title, x, y);
     let gap = (1e-3 * chain.gap_bottom(), 1e-3 * chain.gap_top(), "gap".to_owned());
@@ -116,14 +116,14 @@ pub(super) fn rows(figure: &Figure) -> Sheet {
     let letters = [("(a)", "(b)"), ("(c)", "(d)"), ("(e)", "(f)")];
     let mut panels = Vec::new();
     for (signal, (left, right)) in figure.signals.iter().zip(letters) {
-        let shown = trace_points(&signal.trace, (0.0, SHORT), 1.0, 0.0);
+        let shown = trace_points(&signal.trace, (0.0, NEAR_SPAN), 1.0, 0.0);
         let values: Vec<f64> = shown.iter().map(|(_, force)| *force).collect();
         let (factor, sign) = prefix(largest(&values));
         let reach = 1.15 * factor * largest(&values);
-        let x = Axis::linear("time (ms)", 0.0, MILLI * SHORT);
+        let x = Axis::linear("time (ms)", 0.0, MILLI * NEAR_SPAN);
         let y = Axis::linear(&format!("force ({sign}N)"), -reach, reach);
         let mut panel = Plot::new(&format!("{left} {}", signal.trace.name), x, y);
-        panel.lines.push(line("", trace_points(&signal.trace, (0.0, SHORT), factor, 0.0), 0));
+        panel.lines.push(line("", trace_points(&signal.trace, (0.0, NEAR_SPAN), factor, 0.0), 0));
         panels.push(panel);
         panels.push(spectra_panel(
             &format!("{right} its spectrum"),
@@ -131,7 +131,7 @@ pub(super) fn rows(figure: &Figure) -> Sheet {
             &[("", &signal.spectrum)],
         ));
     }
-    sheet(figure, 2, (WIDTH, LOW), panels)
+    sheet(figure, 2, (PLOT_WIDTH, LOW_HEIGHT), panels)
 }
 
 /// Traces above each other, a grid line each division.
@@ -146,7 +146,7 @@ fn stacked_panel(title: &str, traces: &[(String, &Trace)], to: f64) -> Plot {
     let division = 10f64.powf(most.max(f64::MIN_POSITIVE).log10().floor());
     let (factor, sign) = prefix(division);
     let swing: f64 = bounds.iter().map(|(low, high)| (high - low) / division).sum();
-    let room = (NAME_ROOM * swing).ceil();
+    let room = (NAME_HEIGHT_SHARE * swing).ceil();
     let mut baseline = 0.0;
     let mut below = 0.0;
     let mut panel =
@@ -176,7 +176,7 @@ fn names(signals: &[ForceSignal]) -> Vec<(String, &Trace)> {
 }
 
 pub(super) fn far(figure: &Figure) -> Sheet {
-    let left = stacked_panel("(a) forces far from the end", &names(&figure.signals), LONG);
+    let left = stacked_panel("(a) forces far from the end", &names(&figure.signals), FAR_SPAN);
     let parts: Vec<(&str, &Spectrum)> =
         figure.parts.iter().map(|(name, spectrum)| (name.as_str(), spectrum)).collect();
     let place = figure.signals.get(INSET_SIGNAL);
@@ -184,23 +184,27 @@ pub(super) fn far(figure: &Figure) -> Sheet {
     let right = spectra_panel(&format!("(b) spectra {name}"), &figure.chain, &parts);
     let mut panels = vec![left, right];
     if let Some(signal) = place {
-        let shown = trace_points(&signal.trace, (INSET, LONG), 1.0, 0.0);
+        let shown = trace_points(&signal.trace, (INSET_START, FAR_SPAN), 1.0, 0.0);
         let values: Vec<f64> = shown.iter().map(|(_, force)| *force).collect();
         let (factor, sign) = prefix(largest(&values));
         let reach = 1.15 * factor * largest(&values);
         let mut panel = Plot::new(
             &format!("inset of (a): from acoustic to optical, {name}"),
-            Axis::linear("time (ms)", MILLI * INSET, MILLI * LONG),
+            Axis::linear("time (ms)", MILLI * INSET_START, MILLI * FAR_SPAN),
             Axis::linear(&format!("force ({sign}N)"), -reach, reach),
         );
-        panel.lines.push(line("", trace_points(&signal.trace, (INSET, LONG), factor, 0.0), 1));
+        panel.lines.push(line(
+            "",
+            trace_points(&signal.trace, (INSET_START, FAR_SPAN), factor, 0.0),
+            1,
+        ));
         panels.push(panel);
     }
-    sheet(figure, 2, (WIDTH, 300.0), panels)
+    sheet(figure, 2, (PLOT_WIDTH, 300.0), panels)
 }
 
 pub(super) fn sensors(figure: &Figure) -> Sheet {
-    let left = stacked_panel("(c) forces at the sensors", &names(&figure.signals), SHORT);
+    let left = stacked_panel("(c) forces at the sensors", &names(&figure.signals), NEAR_SPAN);
     // The reflection at the wall is left out of the spectra for clarity, as in the paper.
     let felt: Vec<(&str, &Spectrum)> = figure
         .signals
@@ -209,7 +213,7 @@ pub(super) fn sensors(figure: &Figure) -> Sheet {
         .map(|signal| (signal.trace.name.as_str(), &signal.spectrum))
         .collect();
     let right = spectra_panel("(d) their spectra", &figure.chain, &felt);
-    sheet(figure, 2, (WIDTH, TALL), vec![left, right])
+    sheet(figure, 2, (PLOT_WIDTH, TALL_HEIGHT), vec![left, right])
 }
 
 pub(super) fn viscosity(viscosity: &[Viscous]) -> Sheet {
@@ -219,7 +223,7 @@ pub(super) fn viscosity(viscosity: &[Viscous]) -> Sheet {
     Sheet {
         title: "Incoming shock of Fig. 10 with a dashpot in every contact".to_owned(),
         columns: 1,
-        size: (WIDTH + 120.0, TALL),
+        size: (PLOT_WIDTH + 120.0, TALL_HEIGHT),
         panels: vec![stacked_panel(
             "inside particle 2; mean frequency of the first four periods",
             &traces,

@@ -17,7 +17,7 @@ pub(super) const MARKS: [MethodMark; 9] = [
 ];
 
 /// Errors below this are rounding (1).
-pub(super) const LEAST: f64 = 1e-16;
+pub(super) const MIN_ERROR: f64 = 1e-16;
 
 /// A method with its letter and colours.
 pub(super) type MethodMark = (&'static str, char, &'static str, u8);
@@ -79,7 +79,7 @@ pub(super) struct PlottedQuantity {
     pub(super) limit_name: &'static str,
 }
 
-pub(super) const KINDS: [PlottedQuantity; 4] = [
+pub(super) const PLOTTED_QUANTITIES: [PlottedQuantity; 4] = [
     PlottedQuantity {
         of: "first peaks",
         error: |point| point.error_peak,
@@ -176,7 +176,7 @@ impl Axes {
 
 /// Decimal logarithm of an error (1).
 pub(super) fn digits(error: f64) -> f64 {
-    error.max(LEAST).log10()
+    error.max(MIN_ERROR).log10()
 }
 
 /// Methods in order of appearance with their marks.

@@ -6,7 +6,7 @@ use crate::scene::document::{Entries, Node, SourceLocation, Value};
 use crate::scene::reader::{Problems, TableReader};
 
 /// Most values of a range.
-const MOST_VALUES: u64 = 10_000_000;
+const MAX_VALUES: u64 = 10_000_000;
 
 /// How values lie between the ends of a range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -78,7 +78,7 @@ pub(super) fn values(path: &str, node: &Node, problems: &Problems) -> Option<Vec
         Value::Table(_) => {
             let table = TableReader::of(node, path, problems)?;
             let range = read(&table, node, false);
-            let count = table.required_count("count", 2, MOST_VALUES);
+            let count = table.required_count("count", 2, MAX_VALUES);
             table.finish();
             let (range, count) = (range?, count?);
             #[allow(clippy::cast_precision_loss, reason = "far below 2^53")]

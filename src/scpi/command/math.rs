@@ -14,7 +14,7 @@ const HORIZONTAL_ZOOMS: [f64; 4] = [1.0, 2.0, 5.0, 10.0];
 /// Vertical zooms of a spectrum (1).
 const VERTICAL_ZOOMS: [f64; 5] = [0.5, 1.0, 2.0, 5.0, 10.0];
 /// Farthest vertical position of a spectrum (div).
-const FARTHEST: f64 = 100.0;
+const MAX_POSITION: f64 = 100.0;
 
 /// The group.
 pub const GROUP: Group = Group {
@@ -47,7 +47,7 @@ pub const GROUP: Group = Group {
             "MATH:FFT:VERtical:POSition",
             &Number(
                 |i, _| &mut i.panel.math.fft_vertical_position,
-                |_, _, divisions| divisions.clamp(-FARTHEST, FARTHEST),
+                |_, _, divisions| divisions.clamp(-MAX_POSITION, MAX_POSITION),
             ),
             "divisions",
         ),

@@ -1,7 +1,7 @@
 //! Save and recall: `*SAV`, `*RCL`, `SAVe`, `RECAll`, `FACtory`, `*RST`.
 
 use crate::instrument::word::{Word as _, words};
-use crate::instrument::{Event, SETUPS};
+use crate::instrument::{Event, SETUP_MEMORIES};
 use crate::scope::Source;
 use crate::scpi::argument::{none, real, word};
 use crate::scpi::message::Argument;
@@ -51,7 +51,7 @@ pub const GROUP: Group = Group {
 
 fn number(arguments: &[Argument]) -> Result<usize, Stop> {
     let value = real(arguments)?.round();
-    (1..=SETUPS)
+    (1..=SETUP_MEMORIES)
         .zip(1_u32..)
         .find(|(_, number)| (f64::from(*number) - value).abs() < 0.5)
         .map(|(number, _)| number)

@@ -57,7 +57,7 @@ pub fn ledger(
         chain::plasticity,
         chain::host_mass,
         numerics::kink_correction,
-        numerics::quiet_part,
+        numerics::active_window,
         electronics::sensor_offset,
         electronics::sensor_droop,
         electronics::sensor_tolerance,
@@ -67,7 +67,7 @@ pub fn ledger(
         electronics::scope_noise,
         electronics::quantisation,
     ];
-    let settled = auto_effects::settle(scene, Integration::Accuracy(accuracy));
+    let settled = auto_effects::resolve_auto_effects(scene, Integration::Accuracy(accuracy));
     let subject = BaselineRun::new(&settled, accuracy)?;
     let mut entries = Vec::with_capacity(ENTRIES.len());
     for (done, make) in ENTRIES.into_iter().enumerate() {

@@ -29,7 +29,7 @@ pub fn kink_correction(subject: &BaselineRun<'_>) -> LedgerEntry {
 }
 
 /// Beads ahead of the wave.
-pub fn quiet_part(subject: &BaselineRun<'_>) -> LedgerEntry {
+pub fn active_window(subject: &BaselineRun<'_>) -> LedgerEntry {
     let scene = subject.scene;
     let on = scene.chain.runs_on_vectors();
     let reason = if on {

@@ -75,7 +75,7 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
 
 /// Runs `with` and `without` in turn, each of which tells its wall time (s), over these numbers of steps.
 #[allow(clippy::cast_precision_loss, reason = "counts far below 2^53")]
-fn bill(
+fn cost_measurement(
     mut with: impl FnMut() -> Option<f64>,
     mut without: impl FnMut() -> Option<f64>,
     (steps, steps_without): (u64, u64),
@@ -188,7 +188,7 @@ fn of_runs(
     let (on, off) = (run().map_err(words)?, run_without().map_err(words)?);
     let steps = (on.work.steps, off.work.steps);
     let wall = |run: Result<Run, IntegrateError>| run.ok().map(|run| run.wall_s);
-    let cost = Cost { measured: bill(|| wall(run()), || wall(run_without()), steps) };
+    let cost = Cost { measured: cost_measurement(|| wall(run()), || wall(run_without()), steps) };
     let (fast, slow) = (speeds_of(with, &on.readings), speeds_of(without, &off.readings));
     let ratios = fast.iter().filter_map(|(pair, speed)| {
         let (_, other) = slow.iter().find(|(same, _)| same == pair)?;
@@ -218,7 +218,7 @@ fn windows(subject: &BaselineRun<'_>) -> Vec<Option<(usize, usize)>> {
     scene.scope.channels.iter().map(|c| c.as_ref().and_then(window)).collect()
 }
 
-fn seen(signal: &[f64], (first, last): (usize, usize)) -> Option<PulseReading> {
+fn pulse_reading(signal: &[f64], (first, last): (usize, usize)) -> Option<PulseReading> {
     let part = signal.get(first..last)?;
     let peak = part.iter().copied().fold(f64::MIN, f64::max);
     let reached = part.iter().position(|value| *value >= 0.5 * peak)?;
@@ -236,7 +236,8 @@ pub fn of_signals(subject: &BaselineRun<'_>, on: &ChannelVolts, off: &ChannelVol
     let channels = scene.scope.channels.iter().zip(places).zip(on.iter().zip(off));
     let seen = channels.filter_map(|((channel, window), (on, off))| {
         let level = channel.as_ref()?.vertical.scale / LEVELS_PER_DIVISION;
-        let (on, off) = (seen(on.as_ref()?, window?)?, seen(off.as_ref()?, window?)?);
+        let (on, off) =
+            (pulse_reading(on.as_ref()?, window?)?, pulse_reading(off.as_ref()?, window?)?);
         Some((on, off, level))
     });
     let seen: Vec<(PulseReading, PulseReading, f64)> = seen.collect();
@@ -270,6 +271,6 @@ pub fn of_electronics(subject: &BaselineRun<'_>, with: &Scene, without: &Scene) 
     // The motion is the same: its time counts in the share alone.
     let wall = |scene: &Scene| Some(timed(scene).0 + motion);
     let steps = bench.work().steps;
-    let cost = Cost { measured: bill(|| wall(with), || wall(without), (steps, steps)) };
+    let cost = Cost { measured: cost_measurement(|| wall(with), || wall(without), (steps, steps)) };
     (cost, of_signals(subject, &on, &off))
 }

@@ -66,7 +66,7 @@ pub fn assemble(spec: &ChainSpec) -> Result<Chain, String> {
 }
 
 /// One body moves, with `speed` (m/s).
-pub fn kick(chain: &Chain, body: usize, speed: f64) -> Vec<f64> {
+pub fn set_moving(chain: &Chain, body: usize, speed: f64) -> Vec<f64> {
     let mut velocities = vec![0.0; chain.bodies().len()];
     if let Some(velocity) = velocities.get_mut(body) {
         *velocity = speed;

@@ -57,11 +57,11 @@ pub struct CaseResult {
 
 impl HardCase {
     /// Computes the case and judges it.
-    pub fn judge(&self) -> CaseResult {
+    pub fn run(&self) -> CaseResult {
         let mut tally = CaseChecks::default();
         let (verdict, figure) = match (self.compute)(&mut tally) {
             Err(cause) => (CaseVerdict::Refused, cause),
-            Ok(()) if tally.holds() => (CaseVerdict::Right, tally.to_string()),
+            Ok(()) if tally.check_bound() => (CaseVerdict::Right, tally.to_string()),
             Ok(()) => (CaseVerdict::Wrong, tally.to_string()),
         };
         CaseResult { case: self.name, why: self.why, bound: self.bound, figure, verdict }

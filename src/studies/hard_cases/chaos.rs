@@ -2,7 +2,7 @@
 
 use super::HardCase;
 use super::benches::{
-    HEAVY, LIGHT, MovingChain, PTFE, STEEL, assemble, diatomic, drift_bound, kick, sphere,
+    HEAVY, LIGHT, MovingChain, PTFE, STEEL, assemble, diatomic, drift_bound, set_moving, sphere,
 };
 use super::tally::CaseChecks;
 use crate::chain::{Chain, ChainSpec, EffectsSpec, End, Gravity};
@@ -45,7 +45,7 @@ fn column() -> Result<Chain, String> {
 
 fn chaos(tally: &mut CaseChecks) -> Result<(), String> {
     let chain = column()?;
-    let motion = MovingChain { velocities: kick(&chain, 0, SPEED), chain: &chain };
+    let motion = MovingChain { velocities: set_moving(&chain, 0, SPEED), chain: &chain };
     let setting = (TIME, ACCURACY);
     let found = horizon(&chain, &motion.velocities, setting).map_err(|e| e.to_string())?;
     let Some(time) = found else {

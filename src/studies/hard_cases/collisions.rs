@@ -2,7 +2,8 @@
 
 use super::HardCase;
 use super::benches::{
-    HEAVY, LIGHT, MovingChain, PTFE, STEEL, assemble, between, diatomic, kick, pressed, sphere,
+    HEAVY, LIGHT, MovingChain, PTFE, STEEL, assemble, between, diatomic, pressed, set_moving,
+    sphere,
 };
 use super::tally::CaseChecks;
 use crate::chain::{Body, ChainSpec, EffectsSpec, Elasticity, End, hertz};
@@ -43,7 +44,7 @@ fn two_bodies(tally: &mut CaseChecks) -> Result<(), String> {
         let reduced = striker * bead / (striker + bead);
         let overlap = hertz::collision_overlap(stiffness, reduced, SPEED);
         let duration = DURATION * overlap / SPEED;
-        let motion = MovingChain { velocities: kick(&chain, 0, SPEED), chain: &chain };
+        let motion = MovingChain { velocities: set_moving(&chain, 0, SPEED), chain: &chain };
         let peaks = motion.contact_peaks(&[1], ACCURACY, 1.1 * duration)?;
         for peak in peaks {
             let force = peak.dynamic_n / hertz::force(stiffness, overlap) - 1.0;
@@ -73,7 +74,7 @@ fn strikers(tally: &mut CaseChecks) -> Result<(), String> {
         })?;
         // Of equal energy, as far as the chain can take it.
         let speed = 0.4 * f64::min(1.0, ratio.powf(-0.25));
-        let motion = MovingChain { velocities: kick(&chain, 0, speed), chain: &chain };
+        let motion = MovingChain { velocities: set_moving(&chain, 0, speed), chain: &chain };
         motion.check_peaks(tally, &format!("{ratio:e}"), (&[1, 2, 8], 1e-6, 1e-3))?;
     }
     Ok(())
@@ -89,7 +90,7 @@ fn stiffnesses(tally: &mut CaseChecks) -> Result<(), String> {
         let cell = || [body(STEEL), body(STEEL), body(soft)];
         let particles: Vec<Body> = (0..6).flat_map(|_| cell()).collect();
         let chain = pressed(particles, 1.0)?;
-        let motion = MovingChain { velocities: kick(&chain, 0, 0.1), chain: &chain };
+        let motion = MovingChain { velocities: set_moving(&chain, 0, 0.1), chain: &chain };
         let time = 2e-4 * ratio.powf(0.4);
         motion.check_peaks(tally, &format!("{ratio:e}"), (&[1, 2, 5], 1e-6, time))?;
     }

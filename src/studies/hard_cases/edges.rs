@@ -1,7 +1,7 @@
 //! Steps at the edge of stability.
 
 use super::HardCase;
-use super::benches::{HEAVY, MovingChain, diatomic, kick, pressed, spheres};
+use super::benches::{HEAVY, MovingChain, diatomic, pressed, set_moving, spheres};
 use super::tally::CaseChecks;
 use crate::chain::Chain;
 use crate::experiment::energy::EnergyLedger;
@@ -55,7 +55,7 @@ fn below_the_edge(tally: &mut CaseChecks) -> Result<(), String> {
         ("forty equal spheres", pressed(spheres(40), 2.38)?),
         ("twenty cells", pressed(diatomic(20, HEAVY), 2.38)?),
     ] {
-        let motion = MovingChain { velocities: kick(&chain, 0, 1e-4), chain: &chain };
+        let motion = MovingChain { velocities: set_moving(&chain, 0, 1e-4), chain: &chain };
         for method in SYMPLECTIC {
             let step = CLOSE * longest_step(&chain, &motion.velocities, method)?;
             let method = method(step);

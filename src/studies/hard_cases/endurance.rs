@@ -2,7 +2,7 @@
 
 use super::HardCase;
 use super::benches::{
-    HEAVY, LIGHT, MovingChain, assemble, diatomic, drift_bound, kick, pressed, spheres,
+    HEAVY, LIGHT, MovingChain, assemble, diatomic, drift_bound, pressed, set_moving, spheres,
 };
 use super::tally::CaseChecks;
 use crate::chain::{Chain, ChainSpec, EffectsSpec, End, LinearisedContacts};
@@ -79,7 +79,7 @@ fn ten_million_steps(tally: &mut CaseChecks) -> Result<(), String> {
 fn three_seconds(tally: &mut CaseChecks) -> Result<(), String> {
     const ACCURACY: f64 = 1e-9;
     let chain = pressed(diatomic(4, HEAVY), 2.38)?;
-    let motion = MovingChain { velocities: kick(&chain, 0, 0.05), chain: &chain };
+    let motion = MovingChain { velocities: set_moving(&chain, 0, 0.05), chain: &chain };
     let end = motion.after(3.0, ACCURACY)?;
     tally.check("energy", motion.drift(&end.state), drift_bound(end.work, ACCURACY));
     let momentum = |state: &State| chain.momentum(state);
@@ -113,7 +113,7 @@ fn rattling(tally: &mut CaseChecks) -> Result<(), String> {
 /// they began, relative to their largest, and the number of steps.
 fn there_and_back(chain: &Chain, method: Method, time: f64) -> Result<(f64, f64), String> {
     const SPEED: f64 = 0.1;
-    let motion = MovingChain { velocities: kick(chain, 0, SPEED), chain };
+    let motion = MovingChain { velocities: set_moving(chain, 0, SPEED), chain };
     let there = motion.by(method, time)?;
     let mut state = State { time: 0.0, ..there.state };
     for velocity in &mut state.velocity {

@@ -1,7 +1,9 @@
 //! Chains that lose energy: from losses that hardly show to contacts that move like honey.
 
 use super::HardCase;
-use super::benches::{HEAVY, LIGHT, MovingChain, PTFE, STEEL, assemble, diatomic, kick, sphere};
+use super::benches::{
+    HEAVY, LIGHT, MovingChain, PTFE, STEEL, assemble, diatomic, set_moving, sphere,
+};
 use super::tally::CaseChecks;
 use crate::chain::{
     Body, Chain, ChainSpec, Dashpot, EffectsSpec, End, EndOfContact, KuwabaraKono, LossSpec,
@@ -49,7 +51,7 @@ fn bench(effects: EffectsSpec, force: f64) -> Result<Chain, String> {
 fn check(tally: &mut CaseChecks, what: &str, effects: &EffectsSpec) -> Result<(), String> {
     for force in [0.0, 2.38] {
         let chain = bench(effects.clone(), force)?;
-        let motion = MovingChain { velocities: kick(&chain, 0, SPEED), chain: &chain };
+        let motion = MovingChain { velocities: set_moving(&chain, 0, SPEED), chain: &chain };
         motion.check_lossy(tally, &format!("{what}, {force} N"), (&[1, 2, 5], ACCURACY, TIME))?;
     }
     Ok(())

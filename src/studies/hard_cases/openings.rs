@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use super::HardCase;
 use super::benches::{
     FinalState, HEAVY, LIGHT, MovingChain, PTFE, STEEL, assemble, between, diatomic, drift_bound,
-    kick, sphere,
+    set_moving, sphere,
 };
 use super::tally::CaseChecks;
 use crate::chain::{ChainSpec, Contact, EffectsSpec, End, Gravity, hertz};
@@ -28,7 +28,7 @@ pub const CASES: &[HardCase] = &[
 ];
 
 /// Times that a bead bounces.
-const BOUNCES: f64 = 50.0;
+const BOUNCE_COUNT: f64 = 50.0;
 
 fn openings(tally: &mut CaseChecks) -> Result<(), String> {
     for force in [1e-3, 1.0, 1e3] {
@@ -59,7 +59,7 @@ fn bounce(tally: &mut CaseChecks, force: f64, excess: f64) -> Result<(), String>
     let leaving = (threshold * excess).sqrt();
     let period = 2.0 * leaving * LIGHT / force + contact_time(&contact, force, leaving);
     let motion = MovingChain { velocities: vec![-speed], chain: &chain };
-    let end = motion.after(BOUNCES * period, ACCURACY)?;
+    let end = motion.after(BOUNCE_COUNT * period, ACCURACY)?;
     // After whole periods the bead is where it began; where it is instead tells how late it comes.
     let late = end.state.position[0] / speed;
     let what = |figure: &str| {
@@ -70,7 +70,7 @@ fn bounce(tally: &mut CaseChecks, force: f64, excess: f64) -> Result<(), String>
     };
     // An error of the energy comes back in every later period.
     let late_bound = ACCURACY * end.work.steps as f64;
-    tally.check(what("period"), late / (BOUNCES * period), late_bound);
+    tally.check(what("period"), late / (BOUNCE_COUNT * period), late_bound);
     tally.check(what("energy"), motion.drift(&end.state), drift_bound(end.work, ACCURACY));
     Ok(())
 }
@@ -131,7 +131,7 @@ fn column(tally: &mut CaseChecks) -> Result<(), String> {
         wall_preload: 0.0,
         effects: EffectsSpec { gravity, ..EffectsSpec::default() },
     })?;
-    let motion = MovingChain { velocities: kick(&chain, 10, 0.1), chain: &chain };
+    let motion = MovingChain { velocities: set_moving(&chain, 10, 0.1), chain: &chain };
     let end = motion.after(TIME, ACCURACY)?;
     let bound = drift_bound(end.work, ACCURACY);
     tally.check("column, energy", motion.drift(&end.state), bound);

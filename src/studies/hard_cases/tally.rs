@@ -36,7 +36,7 @@ impl CaseChecks {
     }
 
     /// Whether there were checks, and every one held.
-    pub fn holds(&self) -> bool {
+    pub fn check_bound(&self) -> bool {
         self.worst.as_ref().is_some_and(|worst| worst.share() <= 1.0)
     }
 }
@@ -61,12 +61,12 @@ mod tests {
     #[test]
     fn what_is_no_number_or_not_there_is_not_right() {
         let mut tally = CaseChecks::default();
-        assert!(!tally.holds());
+        assert!(!tally.check_bound());
         tally.check("a", 0.5, 1.0);
-        assert!(tally.holds());
+        assert!(tally.check_bound());
         tally.check("b", -0.9, 1.0);
         assert_eq!(tally.to_string(), "b: 9.0e-1 of 1.0e0, nearest to its bound of 2 figures");
         tally.check("c", f64::NAN, 1.0);
-        assert!(!tally.holds());
+        assert!(!tally.check_bound());
     }
 }

@@ -23,23 +23,23 @@ use crate::sensor::Circuit;
 /// Free fall of the bench (m/s^2).
 const GRAVITY: f64 = 9.81;
 /// Density of the steel spheres (kg/m^3).
-const STEEL: f64 = 7900.0;
+const STEEL_DENSITY: f64 = 7900.0;
 /// Diameters of the steel spheres (m).
 const SPHERES: [f64; 4] = [3e-3, 4e-3, 6e-3, 10e-3];
 /// Masses of strikers whose face is a PTFE sphere of the paper's size, and its diameter (kg, m).
-const CAPPED: ([f64; 4], f64) = ([0.1226e-3, 0.61e-3, 1.22e-3, 2.75e-3], 4.76e-3);
+const CAPPED_STRIKERS: ([f64; 4], f64) = ([0.1226e-3, 0.61e-3, 1.22e-3, 2.75e-3], 4.76e-3);
 /// Heights (m).
 const HEIGHTS: [f64; 4] = [5e-3, 10e-3, 20e-3, 40e-3];
 /// Shares of the height from which strikers drop, two impacts each.
-const LEVELS: [f64; 3] = [1.0, 0.5, 0.25];
+const HEIGHT_SHARES: [f64; 3] = [1.0, 0.5, 0.25];
 /// Impacts from each height.
 const REPEATS: u32 = 2;
 /// A pulse may fill this share of the screen above zero (1).
-const FILL: f64 = 0.9;
+const SCREEN_FILL_SHARE: f64 = 0.9;
 /// Fewer samples in a contact than this blur it.
-const FEWEST_SAMPLES: f64 = 100.0;
+const MIN_CONTACT_SAMPLES: f64 = 100.0;
 /// Stream of what a lab's readings are off.
-const READINGS: u128 = 1 << 70;
+const READING_STREAM: u128 = 1 << 70;
 
 /// What a lab knows how well: standard uncertainties.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -97,15 +97,15 @@ pub fn strikers() -> Vec<DroppedStriker> {
         name: format!("steel-{:.0}mm", 1e3 * diameter),
         material: "stainless_steel".to_owned(),
         diameter: *diameter,
-        mass: STEEL * std::f64::consts::PI / 6.0 * diameter.powi(3),
+        mass: STEEL_DENSITY * std::f64::consts::PI / 6.0 * diameter.powi(3),
     };
     let capped = |mass: &f64| DroppedStriker {
         name: format!("ptfe-capped-{:.2}g", 1e3 * mass),
         material: "ptfe".to_owned(),
-        diameter: CAPPED.1,
+        diameter: CAPPED_STRIKERS.1,
         mass: *mass,
     };
-    SPHERES.iter().map(sphere).chain(CAPPED.0.iter().map(capped)).collect()
+    SPHERES.iter().map(sphere).chain(CAPPED_STRIKERS.0.iter().map(capped)).collect()
 }
 
 impl Designer {
@@ -162,7 +162,7 @@ impl Designer {
         let Some(highest) = truths.first() else { return Ok(Vec::new()) };
         let peak = highest.force.values.iter().copied().fold(0.0, f64::max);
         let model = &self.bench.scope.model;
-        let needed = circuit.sensitivity * peak / (FILL * room());
+        let needed = circuit.sensitivity * peak / (SCREEN_FILL_SHARE * room());
         let Some(scale) = model.vertical_scales.iter().copied().find(|scale| *scale >= needed)
         else {
             return Ok(Vec::new());
@@ -171,7 +171,7 @@ impl Designer {
         let shown = |time_base: &&f64| {
             let record = model.horizontal_divisions * **time_base;
             0.5 * record > longest
-                && highest.duration > FEWEST_SAMPLES * model.interval(**time_base)
+                && highest.duration > MIN_CONTACT_SAMPLES * model.interval(**time_base)
         };
         let mut candidates = Vec::new();
         for time_base in model.time_bases.iter().filter(shown) {
@@ -201,7 +201,7 @@ impl Designer {
         striker: &DroppedStriker,
         height: f64,
     ) -> Result<Vec<ImpactTruth>, TestError> {
-        LEVELS
+        HEIGHT_SHARES
             .iter()
             .map(|share| strike(striker, (2.0 * GRAVITY * share * height).sqrt()))
             .collect()
@@ -215,7 +215,7 @@ impl Designer {
         circuit: Circuit,
         (setup, repeat): (&Setup, u32),
     ) -> BlindCalibration {
-        let mut readings = Pcg64::new(u128::from(self.seed), READINGS + u128::from(repeat));
+        let mut readings = Pcg64::new(u128::from(self.seed), READING_STREAM + u128::from(repeat));
         let mut read = |truth: f64, u: f64| {
             let deviate: f64 = StandardNormal.sample(&mut readings);
             Uncertain { value: truth + u * deviate, u }

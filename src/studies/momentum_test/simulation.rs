@@ -21,9 +21,9 @@ use crate::trace::Trace;
 /// The bench.
 const SCENE: &str = "momentum-test";
 /// Time base at which the force is kept: 10 ns between samples, a thousandth of the shortest contacts.
-const FINE: &str = "2.5 us/div";
+const FORCE_TIME_BASE: &str = "2.5 us/div";
 /// Samples before the record's earliest, for interpolation (1).
-const SPARE: f64 = 20.0;
+const SPARE_SAMPLES: f64 = 20.0;
 /// Divisions from the centre to zero volts, downward: a positive pulse has the screen (div).
 const ZERO_POSITION: f64 = -3.0;
 /// Divisions from zero volts to the trigger level (div).
@@ -95,7 +95,7 @@ pub fn strike(striker: &DroppedStriker, speed: f64) -> Result<ImpactTruth, TestE
     loop {
         let text = format!(
             "base = \"{SCENE}\"\nduration = \"{duration} s\"\n[striker]\nmaterial = {:?}\ndiameter = \"{} m\"\n\
-             mass = \"{} kg\"\nspeed = \"{speed} m/s\"\n[scope]\ntime_base = \"{FINE}\"\nposition = \"0 s\"\n",
+             mass = \"{} kg\"\nspeed = \"{speed} m/s\"\n[scope]\ntime_base = \"{FORCE_TIME_BASE}\"\nposition = \"0 s\"\n",
             striker.material, striker.diameter, striker.mass
         );
         let scene = Scene::from_text(SCENE, "momentum test", &text)?;
@@ -168,13 +168,13 @@ pub fn capture(
     let mut clock: Pcg64 = noise_stream(seed, shot, 0);
     let phase: f64 = StandardUniform.sample(&mut clock);
     // Triggered within the contact, wherever in it.
-    let before = (-start / interval).ceil() + SPARE;
+    let before = (-start / interval).ceil() + SPARE_SAMPLES;
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "a record's samples"
     )]
-    let samples = (before + (truth.duration + end) / interval + SPARE) as usize;
+    let samples = (before + (truth.duration + end) / interval + SPARE_SAMPLES) as usize;
     let mut force = Trace {
         start: (phase - before) * interval,
         interval,

@@ -9,7 +9,7 @@ use crate::measurement::metadata::cell_and_force;
 use crate::scene::{Scene, Site};
 
 /// A scene whose contacts all bear the magnet's force as printed, without any weight.
-const PRESSED: &str = "linear-300-cells";
+const PRELOADED_SCENE: &str = "linear-300-cells";
 /// A particle of it with neighbours on either side.
 const PARTICLE: usize = 5;
 
@@ -24,7 +24,7 @@ pub(super) fn figure_3(
     claims: &[Claim],
     found: &mut IntermediateResults,
 ) -> Result<(), PaperError> {
-    let scene = Scene::load(PRESSED)?;
+    let scene = Scene::load(PRELOADED_SCENE)?;
     let (chain, force) = cell(&scene, PARTICLE)?;
     let printed = |item: &str| match claims.iter().find(|claim| claim.item == item)?.expected {
         Expected::Printed { value, .. } => Some(value),

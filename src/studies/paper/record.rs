@@ -6,17 +6,17 @@ use crate::analysis::spectrum::{Analyser, Spectrum, SpectrumSettings};
 use crate::chain::ForceProbe;
 use crate::experiment::bench::{Bench, Grid};
 use crate::experiment::method_choice;
-use crate::experiment::pulse::{HALF_RISE, Peak, PulseRecorder};
+use crate::experiment::pulse::{HALF_RISE_SHARE, Peak, PulseRecorder};
 use crate::experiment::{Integration, run};
 use crate::scene::{DEFAULT_ACCURACY, Scene};
 use crate::trace::Trace;
 
 /// Sample interval of all forces: 60 samples in the fastest oscillation that travels (s).
-const INTERVAL: f64 = 1e-6;
+const SAMPLE_INTERVAL: f64 = 1e-6;
 /// Where a pulse starts for its width, as a share of its first peak (1).
-pub(super) const FOOT: f64 = 0.005;
+pub(super) const WIDTH_SHARE: f64 = 0.005;
 /// Highest frequency that shares and means count: the paper's audible range (Hz).
-pub(super) const HIGHEST: f64 = 20e3;
+pub(super) const MAX_FREQUENCY: f64 = 20e3;
 /// A maximum counts for a peak above this share of the largest force (1).
 const PEAK_SHARE: f64 = 0.25;
 
@@ -38,7 +38,7 @@ impl ForceRecord {
         let probes: Option<Vec<ForceProbe>> = places.iter().map(|p| p.probe(chain)).collect();
         let probes = probes.ok_or_else(|| nothing(scene, "such place"))?;
         let method = method_choice::method(scene, accuracy(scene));
-        let grid = Grid { start: 0.0, interval: INTERVAL };
+        let grid = Grid { start: 0.0, interval: SAMPLE_INTERVAL };
         let never = Grid { start: f64::MAX, interval: 1.0 };
         let velocities = &scene.initial_velocities;
         let mut bench = Bench::new(chain, velocities, method, &probes, (grid, never));
@@ -75,7 +75,7 @@ impl ForceRecord {
 
     /// When the force first reached half of its first peak (s).
     pub(super) fn half_rise(&self, place: ForceLocation) -> Result<f64, PaperError> {
-        let level = HALF_RISE * self.first_peak(place)?.dynamic_n;
+        let level = HALF_RISE_SHARE * self.first_peak(place)?.dynamic_n;
         let reached = self.at(place)?.1.first_reach(level);
         reached.ok_or_else(|| nothing(&self.scene, &format!("half-rise at {}", place.key())))
     }
@@ -150,7 +150,7 @@ fn maxima(trace: &Trace, sign: f64) -> Vec<(f64, f64)> {
     found
 }
 
-/// Share of the squared amplitudes up to [`HIGHEST`] that lies between two frequencies (1).
+/// Share of the squared amplitudes up to [`MAX_FREQUENCY`] that lies between two frequencies (1).
 pub(super) fn share_between(spectrum: &Spectrum, low: f64, high: f64) -> f64 {
     let sum = |low: f64, high: f64| -> f64 {
         let bins = spectrum.amplitude.iter().enumerate();
@@ -158,15 +158,15 @@ pub(super) fn share_between(spectrum: &Spectrum, low: f64, high: f64) -> f64 {
             .map(|(_, c)| c * c)
             .sum()
     };
-    sum(low, high) / sum(0.0, HIGHEST)
+    sum(low, high) / sum(0.0, MAX_FREQUENCY)
 }
 
-/// Mean frequency up to [`HIGHEST`], weighted with the squared amplitudes (Hz).
+/// Mean frequency up to [`MAX_FREQUENCY`], weighted with the squared amplitudes (Hz).
 pub(super) fn mean_frequency(spectrum: &Spectrum) -> f64 {
     let (mut weighted, mut all) = (0.0, 0.0);
     for (bin, amplitude) in spectrum.amplitude.iter().enumerate() {
         let frequency = spectrum.frequency(bin);
-        if frequency < HIGHEST {
+        if frequency < MAX_FREQUENCY {
             weighted += frequency * amplitude * amplitude;
             all += amplitude * amplitude;
         }

@@ -2,7 +2,7 @@
 
 use super::ForceLocation;
 use super::dispersion::cell;
-use super::record::{FOOT, ForceRecord, nothing, share_between};
+use super::record::{ForceRecord, WIDTH_SHARE, nothing, share_between};
 use super::verdict::ClaimResult;
 use super::{Arrangement, Figure, IntermediateResults, PaperError, record_run};
 use crate::analysis::dispersion::DiatomicChain;
@@ -16,12 +16,12 @@ const NEAR: [ForceLocation; 3] = [TOP, ForceLocation::Inside(5), ForceLocation::
 const FAR: [ForceLocation; 3] =
     [ForceLocation::Inside(51), ForceLocation::Inside(101), ForceLocation::Inside(151)];
 /// Where the leading pulse and the group behind it are told apart: at what particle, and when (s).
-const PARTED: ForceLocation = ForceLocation::Inside(101);
+const PULSE_SEPARATION: ForceLocation = ForceLocation::Inside(101);
 const PARTS: [(f64, f64); 2] = [(0.0, 7e-3), (7e-3, 12e-3)];
 /// The component of Fig. 7 (Hz).
-const EXTRA: f64 = 3e3;
+const FIGURE_7_FREQUENCY: f64 = 3e3;
 /// First and last part of the record in which the source is looked for (s).
-const SOURCE: [(f64, f64); 2] = [(0.0, 5e-3), (10e-3, 15e-3)];
+const SOURCE_WINDOWS: [(f64, f64); 2] = [(0.0, 5e-3), (10e-3, 15e-3)];
 
 /// A run of one of the two scenes.
 struct Sphere {
@@ -63,7 +63,7 @@ impl Sphere {
         let places = [&NEAR[..], &FAR, &[SIXTH_CELL[1], ForceLocation::Inside(21)]].concat();
         let record = ForceRecord::of(scene, &places)?;
         let (chain, force) = cell(scene, 5)?;
-        let part = |(from, to): (f64, f64)| record.spectrum(PARTED, from, to);
+        let part = |(from, to): (f64, f64)| record.spectrum(PULSE_SEPARATION, from, to);
         let parts = [part(PARTS[0])?, part(PARTS[1])?];
         Ok(Self { record, chain, force, parts })
     }
@@ -134,11 +134,11 @@ impl Sphere {
         let convention = format!(
             "inside particle {particle}, from 0.5 % of the first peak to the first minimum, times the speed of long waves"
         );
-        let later = cells(2.0 * FOOT)?;
+        let later = cells(2.0 * WIDTH_SHARE)?;
         let note = format!(
             "the paper does not say where a pulse begins: from 1 % on it is {later:.2} cells"
         );
-        Ok(ClaimResult::to(item).or(&convention, cells(FOOT)?).note(note))
+        Ok(ClaimResult::to(item).or(&convention, cells(WIDTH_SHARE)?).note(note))
     }
 
     fn highest(&self, spectrum: &Spectrum, low: f64, high: f64) -> Result<(f64, f64), PaperError> {
@@ -163,7 +163,7 @@ fn linear(sphere: &Sphere) -> Result<Vec<ClaimResult>, PaperError> {
     let line_at = |place: ForceLocation| -> Result<f64, PaperError> {
         Ok(sphere.highest(&record.signal(place)?.spectrum, f1, f2)?.1)
     };
-    let [early, late] = SOURCE.map(|(from, to)| {
+    let [early, late] = SOURCE_WINDOWS.map(|(from, to)| {
         record.spectrum(TOP, from, to).and_then(|part| Ok(sphere.highest(&part, f1, f2)?.1))
     });
     let left = 2.0 * line_at(ForceLocation::Inside(11))? / line_at(TOP)?;
@@ -209,7 +209,8 @@ fn nonlinear(sphere: &Sphere) -> Result<Vec<ClaimResult>, PaperError> {
     let (_, main) = sphere.highest(trailing, 1.0, sphere.chain.cutoff())?;
     let (leading, _) = sphere.highest(&sphere.parts[0], 1.0, 5e3)?;
     let half = 0.5 * trailing.step;
-    let (_, extra) = sphere.highest(trailing, EXTRA - half, EXTRA + half)?;
+    let (_, extra) =
+        sphere.highest(trailing, FIGURE_7_FREQUENCY - half, FIGURE_7_FREQUENCY + half)?;
     Ok(vec![
         sphere.amplitude("nonlinear_amplitude_ratio", &|force| sphere.ratio(force))?,
         sphere.first_pulse("nonlinear_first_pulse", &|force| force)?,

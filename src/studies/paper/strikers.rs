@@ -2,7 +2,7 @@
 
 use super::ForceLocation;
 use super::dispersion::cell;
-use super::record::{FOOT, ForceRecord, mean_frequency, nothing};
+use super::record::{ForceRecord, WIDTH_SHARE, mean_frequency, nothing};
 use super::verdict::ClaimResult;
 use super::{Arrangement, Figure, IntermediateResults, PaperError, record_run};
 use crate::scene::Scene;
@@ -13,7 +13,7 @@ const MIDDLE: ForceLocation = ForceLocation::Inside(14);
 const LAST: ForceLocation = ForceLocation::Inside(27);
 const SENSORS: [ForceLocation; 4] = [INCOMING, MIDDLE, LAST, ForceLocation::Wall];
 /// Periods of the incoming shock that make its frequency and its mean (1).
-pub(super) const PERIODS: usize = 4;
+pub(super) const SHOCK_PERIODS: usize = 4;
 /// Scenes of the figures; that of the 1.22 g striker has none, but its pulses are counted.
 const SCENES: [(&str, u8); 7] = [
     ("magnet-0.61g", 8),
@@ -25,7 +25,7 @@ const SCENES: [(&str, u8); 7] = [
     ("gravity-17.81g", 13),
 ];
 /// Duration and speed of the solitary wave as measured in Fig. 11, (s) and (m/s).
-const MEASURED: (f64, f64) = (330e-6, 118.0);
+const MEASURED_SOLITARY_WAVE: (f64, f64) = (330e-6, 118.0);
 
 /// All of them.
 pub(super) fn figures(
@@ -147,7 +147,7 @@ fn gap_line(record: &ForceRecord, item: &str) -> Result<ClaimResult, PaperError>
 /// Mean over the first periods behind the front (N).
 fn plateau(record: &ForceRecord, place: ForceLocation) -> Result<f64, PaperError> {
     let peaks = record.peaks(place)?;
-    let ends = peaks.first().zip(peaks.get(PERIODS));
+    let ends = peaks.first().zip(peaks.get(SHOCK_PERIODS));
     let ((from, _), (to, _)) = ends.ok_or_else(|| nothing(&record.scene, "train of peaks"))?;
     let trace = record.trace(place)?;
     let inside = trace.values.iter().enumerate();
@@ -190,12 +190,12 @@ fn solitary(record: &ForceRecord) -> Result<Vec<ClaimResult>, PaperError> {
     let speed = distance / (arrival(LAST)? - arrival(MIDDLE)?);
     let cell_length = scene.chain.distance(14, 16);
     let cells = |place: ForceLocation| {
-        Ok::<_, PaperError>(record.width(place, FOOT)? * speed / cell_length)
+        Ok::<_, PaperError>(record.width(place, WIDTH_SHARE)? * speed / cell_length)
     };
-    let (duration, measured_speed) = MEASURED;
+    let (duration, measured_speed) = MEASURED_SOLITARY_WAVE;
     Ok(vec![
         ClaimResult::to("solitary_duration")
-            .plain("calculated, from 0.5 % of the peak to the first minimum", record.width(MIDDLE, FOOT)?)
+            .plain("calculated, from 0.5 % of the peak to the first minimum", record.width(MIDDLE, WIDTH_SHARE)?)
             .note("the paper puts the difference down to losses"),
         ClaimResult::to("solitary_width_product")
             .plain("330 us times 118 m/s over the cell's length", duration * measured_speed / cell_length),

@@ -175,7 +175,7 @@ fn reason(claim: &Claim, answer: &ClaimResult, chosen: Option<&Interpretation>) 
     };
     let mut text = match claim.expected {
         Expected::Printed { allowed, .. } => {
-            format!("digits as printed allow {} either way", brief(allowed))
+            format!("digits as printed allow {} either way", summary_text(allowed))
         }
         Expected::AtLeast(_) | Expected::AtMost(_) => String::new(),
     };
@@ -190,7 +190,7 @@ fn reason(claim: &Claim, answer: &ClaimResult, chosen: Option<&Interpretation>) 
         add(deviation(chosen.value).trim().trim_matches(['(', ')']));
     }
     for other in answer.candidates.iter().filter(|other| Some(*other) != chosen) {
-        let value = brief(other.value / claim.scale);
+        let value = summary_text(other.value / claim.scale);
         add(&format!("{}: {value}{}", other.convention, deviation(other.value)));
     }
     add(&answer.note);
@@ -198,7 +198,7 @@ fn reason(claim: &Claim, answer: &ClaimResult, chosen: Option<&Interpretation>) 
 }
 
 /// A number with five significant digits, without zeros behind them.
-fn brief(value: f64) -> String {
+fn summary_text(value: f64) -> String {
     let rounded: f64 = format!("{value:.4e}").parse().unwrap_or(value);
     rounded.to_string()
 }

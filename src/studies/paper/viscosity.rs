@@ -1,7 +1,7 @@
 //! What viscosity does to the incoming shock of Fig. 10: the text says that its oscillations get faster.
 
 use super::record::{ForceRecord, nothing};
-use super::strikers::PERIODS;
+use super::strikers::SHOCK_PERIODS;
 use super::tables::with_dashpot;
 use super::verdict::ClaimResult;
 use super::{ForceLocation, Viscous};
@@ -12,7 +12,7 @@ use crate::scene::Scene;
 const DASHPOTS: [f64; 4] = [0.0, 0.5, 1.0, 2.0];
 const INCOMING: ForceLocation = ForceLocation::Inside(2);
 /// What the paper says was measured (Hz).
-const MEASURED: f64 = 12e3;
+const MEASURED_FREQUENCY: f64 = 12e3;
 
 /// Answers of Fig. 10; `fitted` is the dashpot that was found for the measured speeds (N s/m).
 pub(super) fn answers(fitted: f64, found: &mut IntermediateResults) -> Result<(), PaperError> {
@@ -52,8 +52,9 @@ pub(super) fn answers(fitted: f64, found: &mut IntermediateResults) -> Result<()
 
 /// The dashpot at which the measured frequency would come out, between two that were tried (N s/m).
 fn needed(all: &[Viscous]) -> Option<f64> {
-    let pair = all.windows(2).find(|p| (p[0].frequency..p[1].frequency).contains(&MEASURED))?;
-    let share = (MEASURED - pair[0].frequency) / (pair[1].frequency - pair[0].frequency);
+    let pair =
+        all.windows(2).find(|p| (p[0].frequency..p[1].frequency).contains(&MEASURED_FREQUENCY))?;
+    let share = (MEASURED_FREQUENCY - pair[0].frequency) / (pair[1].frequency - pair[0].frequency);
     Some(pair[0].dashpot + share * (pair[1].dashpot - pair[0].dashpot))
 }
 
@@ -62,11 +63,11 @@ fn viscous(scene: &Scene, dashpot: f64) -> Result<Viscous, PaperError> {
     let scene = with_dashpot(scene, dashpot)?;
     let record = ForceRecord::of(&scene, &[INCOMING])?;
     let peaks = record.peaks(INCOMING)?;
-    let ends = peaks.first().zip(peaks.get(PERIODS));
+    let ends = peaks.first().zip(peaks.get(SHOCK_PERIODS));
     let ((from, _), (to, _)) = ends.ok_or_else(|| nothing(&scene, "train of peaks"))?;
     Ok(Viscous {
         dashpot,
-        frequency: PERIODS as f64 / (to - from),
+        frequency: SHOCK_PERIODS as f64 / (to - from),
         signal: record.signal(INCOMING)?,
     })
 }

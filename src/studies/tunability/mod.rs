@@ -17,7 +17,7 @@ use crate::chain::{ChainError, ForceProbe};
 use crate::experiment::bench::{Bench, Grid};
 use crate::experiment::method_choice;
 use crate::experiment::parallel::{in_parallel, processors};
-use crate::experiment::pulse::{HALF_RISE, PulseRecorder};
+use crate::experiment::pulse::{HALF_RISE_SHARE, PulseRecorder};
 use crate::integrate::IntegrateError;
 use crate::measurement::metadata::cell;
 use crate::scene::{Scene, Site};
@@ -25,9 +25,9 @@ use crate::trace::Trace;
 use knob::sensed;
 
 /// Accuracy of the simulations: far below what a shade or a curve shows (1).
-const ACCURACY: f64 = 1e-5;
+const MAP_ACCURACY: f64 = 1e-5;
 /// Sample interval of the forces (s).
-const INTERVAL: f64 = 2e-6;
+const MAP_SAMPLE_INTERVAL: f64 = 2e-6;
 
 /// Why there is no map.
 #[derive(Debug, thiserror::Error)]
@@ -142,8 +142,8 @@ fn point(scene: &Scene, knob: TuningParameter, value: f64) -> Result<TunedPoint,
     let probes: Vec<ForceProbe> =
         ends.iter().filter_map(|particle| ForceProbe::inside(chain, *particle, 0.0)).collect();
     let velocities = &turned.initial_velocities;
-    let method = method_choice::method_for(chain, velocities, ACCURACY);
-    let grid = Grid { start: 0.0, interval: INTERVAL };
+    let method = method_choice::method_for(chain, velocities, MAP_ACCURACY);
+    let grid = Grid { start: 0.0, interval: MAP_SAMPLE_INTERVAL };
     let never = Grid { start: f64::MAX, interval: 1.0 };
     let mut bench = Bench::new(chain, velocities, method, &probes, (grid, never));
     bench.run_until(turned.duration, true, &mut |_| ())?;
@@ -151,7 +151,7 @@ fn point(scene: &Scene, knob: TuningParameter, value: f64) -> Result<TunedPoint,
         return Err(TuneError::Sensors { scene: scene.name.clone(), found: bench.watches().len() });
     };
     let half_rise =
-        |pulse: &PulseRecorder| pulse.first_reach(HALF_RISE * pulse.first_peak()?.dynamic_n);
+        |pulse: &PulseRecorder| pulse.first_reach(HALF_RISE_SHARE * pulse.first_peak()?.dynamic_n);
     let times = half_rise(&first.pulse).zip(half_rise(&last.pulse));
     let distance = chain.distance(ends[0], ends[1]);
     let peaks = first.pulse.first_peak().zip(last.pulse.first_peak());

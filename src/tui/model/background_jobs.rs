@@ -20,7 +20,7 @@ pub enum JobAnswer {
 
 impl ScreenState {
     /// Takes an answer.
-    pub fn answered(&mut self, answer: JobAnswer) {
+    pub fn apply_answer(&mut self, answer: JobAnswer) {
         match answer {
             JobAnswer::Comparison(job) => self.questions.comparison = job,
             JobAnswer::Study(job) => self.questions.study = job,
@@ -86,7 +86,7 @@ impl ScreenState {
     }
 
     /// Another bench: what was found out about the last one is gone, and what is on screen is asked again.
-    pub(super) fn outdated(&mut self) {
+    pub(super) fn invalidate_studies(&mut self) {
         self.questions.study = JobState::Idle;
         self.questions.ledger = JobState::Idle;
         if self.page == Page::Accuracy {

@@ -5,9 +5,9 @@ use crate::analysis::spectrum::Spectrum;
 use crate::tui::axis::{DIVISIONS_ACROSS, Steps, TurnDirection};
 
 /// Beyond the highest band edge so much more is shown (1).
-const BEYOND: f64 = 1.4;
+const BAND_MARGIN: f64 = 1.4;
 /// Without band edges this share of what was sampled (1).
-const SHOWN: f64 = 0.25;
+const SHOWN_SHARE: f64 = 0.25;
 
 impl ScreenState {
     /// The spectrum on screen, or the first one of the map.
@@ -29,7 +29,8 @@ impl ScreenState {
     pub fn band(&self) -> Option<(f64, f64)> {
         let sampled = self.highest()?;
         let chain = self.derived.chain.as_ref();
-        let whole = chain.map_or(SHOWN * sampled, |chain| (BEYOND * chain.cutoff()).min(sampled));
+        let whole = chain
+            .map_or(SHOWN_SHARE * sampled, |chain| (BAND_MARGIN * chain.cutoff()).min(sampled));
         // What was chosen for another trace may lie beyond this one's.
         let chosen = self.band.filter(|(_, high)| *high <= sampled * (1.0 + 1e-9));
         Some(chosen.unwrap_or((0.0, whole)))

@@ -7,11 +7,11 @@ use crate::measurement::metadata;
 use crate::tui::axis::{DIVISIONS_ACROSS, DIVISIONS_UP, TurnDirection};
 
 /// A cursor's step (div).
-const STEP: f64 = 0.05;
+const CURSOR_STEP: f64 = 0.05;
 /// Where the pair stands at first, from the centre (div).
-const FIRST: f64 = 2.0;
+const FIRST_CURSOR_POSITION: f64 = 2.0;
 /// Two places nearer than this are one (div).
-const SAME: f64 = 1e-6;
+const POSITION_TOLERANCE: f64 = 1e-6;
 
 /// What the pair of cursors tells.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,7 +47,9 @@ impl ScreenState {
     /// Puts both where they are seen, unless they stand somewhere.
     pub(super) fn place_cursors(&mut self) {
         let (Some(source), None) = (self.selected, self.cursors.pair) else { return };
-        let Some(place) = self.place_of([-FIRST, FIRST]) else { return };
+        let Some(place) = self.place_of([-FIRST_CURSOR_POSITION, FIRST_CURSOR_POSITION]) else {
+            return;
+        };
         self.cursors.pair = Some(place.map(|at| PlacedCursor { at, source }));
     }
 
@@ -85,7 +87,7 @@ impl ScreenState {
     pub(super) fn move_cursor(&mut self, turn: TurnDirection) {
         match (self.active_cursor(), self.cursor_division()) {
             (Some(cursor), Some(division)) => {
-                self.put_cursor(cursor.at + turn.sign() * STEP * division);
+                self.put_cursor(cursor.at + turn.sign() * CURSOR_STEP * division);
             }
             _ => self.notice = Some("no cursors on screen: c shows them".to_owned()),
         }
@@ -104,7 +106,7 @@ impl ScreenState {
             places = places.into_iter().filter_map(|at| value_at(waveform, at)).collect();
             places.sort_by(f64::total_cmp);
         }
-        let apart = SAME * division;
+        let apart = POSITION_TOLERANCE * division;
         let next = match turn {
             TurnDirection::Up => places.into_iter().find(|at| *at > cursor.at + apart),
             TurnDirection::Down => places.into_iter().rev().find(|at| *at < cursor.at - apart),

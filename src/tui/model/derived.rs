@@ -14,11 +14,11 @@ use crate::scope::Source;
 use crate::trace::Trace;
 
 /// Pieces of the map are this part of the record.
-const SEGMENTS: usize = 16;
+const PIECES_PER_RECORD: usize = 16;
 /// They move on by this part of themselves.
-const OVERLAP: usize = 8;
+const HOPS_PER_PIECE: usize = 8;
 /// Spectra of records longer than this are made of every second, third, ... sample: a terminal shows no more.
-const MOST_SAMPLES: usize = 20_000;
+const MAX_SPECTRUM_SAMPLES: usize = 20_000;
 
 /// The measurements of the side panel with the names that the instrument's menu gives them.
 const MEASUREMENTS: [(&str, MeasurementType); 11] = [
@@ -97,7 +97,7 @@ impl ScreenState {
 
 /// Every so manieth sample of a long record.
 fn thinned(trace: Trace) -> Trace {
-    let step = trace.values.len().div_ceil(MOST_SAMPLES).max(1);
+    let step = trace.values.len().div_ceil(MAX_SPECTRUM_SAMPLES).max(1);
     #[expect(clippy::cast_precision_loss, reason = "a small whole number")]
     let interval = trace.interval * step as f64;
     Trace { interval, values: trace.values.into_iter().step_by(step).collect(), ..trace }
@@ -109,8 +109,8 @@ fn spectrum(trace: &Trace) -> Result<Spectrum, String> {
 }
 
 fn map(trace: &Trace) -> Result<Spectrogram, String> {
-    let segment = (trace.values.len() / SEGMENTS).max(2);
-    let pieces = Pieces { segment, hop: (segment / OVERLAP).max(1) };
+    let segment = (trace.values.len() / PIECES_PER_RECORD).max(2);
+    let pieces = Pieces { segment, hop: (segment / HOPS_PER_PIECE).max(1) };
     let settings = SpectrumSettings {
         offset: mean(trace),
         window: Window::Hann,

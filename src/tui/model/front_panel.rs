@@ -12,7 +12,7 @@ const PRESSES_PER_DIVISION: f64 = 2.0;
 /// A turn of the trigger level (div).
 const LEVEL_STEP: f64 = 0.1;
 /// Autoset leaves this share of the screen free (1).
-const FREE: f64 = 0.25;
+const AUTOSET_MARGIN: f64 = 0.25;
 
 impl ScreenState {
     /// The other trigger mode.
@@ -214,7 +214,7 @@ impl ScreenState {
             if !(high - low).is_normal() {
                 continue;
             }
-            let room = band * (1.0 - FREE);
+            let room = band * (1.0 - AUTOSET_MARGIN);
             let scale = Steps::OneTwoFive.at_least((high - low) / room);
             let middle = f64::from(DIVISIONS_UP) / 2.0 - band * (f64::from(place) + 0.5);
             // Half divisions are easier to read.

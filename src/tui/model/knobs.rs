@@ -9,11 +9,11 @@ use crate::scope::Source;
 use crate::tui::axis::TurnDirection;
 
 /// Turns from one value to ten times as much, evenly by ratio.
-const TURNS_A_DECADE: f64 = 24.0;
+const TURNS_PER_DECADE: f64 = 24.0;
 /// Digits of a value that is typed.
-const DIGITS: usize = 3;
+const KNOB_DIGITS: usize = 3;
 /// Where a plate stops being inside its particle (1).
-const FARTHEST_OFFSET: f64 = 0.5;
+const MAX_OFFSET: f64 = 0.5;
 /// One turn of a plate's offset (1).
 const OFFSET_STEP: f64 = 0.05;
 
@@ -138,8 +138,8 @@ impl BenchKnob {
             Some(value) if self.unit == "div" => format!("{value:.3} div"),
             Some(value) if self.turning == KnobStep::Offset => format!("{value:+.2}"),
             // Masses are told in grams, which are no SI unit.
-            Some(value) if self.unit == "g" => engineering(value / self.scale, "g", DIGITS),
-            Some(value) => engineering(value, self.si_unit(), DIGITS),
+            Some(value) if self.unit == "g" => engineering(value / self.scale, "g", KNOB_DIGITS),
+            Some(value) => engineering(value, self.si_unit(), KNOB_DIGITS),
         }
     }
 
@@ -182,10 +182,8 @@ impl BenchKnob {
             (None, _) => return Err(format!("this bench has no {}", self.label)),
         };
         let value = match self.turning {
-            KnobStep::Ratio => now * 10f64.powf(turn.sign() / TURNS_A_DECADE) / self.scale,
-            KnobStep::Offset => {
-                (now + turn.sign() * OFFSET_STEP).clamp(-FARTHEST_OFFSET, FARTHEST_OFFSET)
-            }
+            KnobStep::Ratio => now * 10f64.powf(turn.sign() / TURNS_PER_DECADE) / self.scale,
+            KnobStep::Offset => (now + turn.sign() * OFFSET_STEP).clamp(-MAX_OFFSET, MAX_OFFSET),
             KnobStep::Decade => {
                 let decade = 10f64.powf(now.log10().round() + turn.sign());
                 decade.clamp(TIGHTEST_ACCURACY, LOOSEST_ACCURACY)

@@ -11,7 +11,7 @@ impl ScreenState {
     }
 
     /// Takes out of the last impact what differs from machine to machine, so that pictures can be compared.
-    pub fn forget_wall_time(&mut self) {
+    pub fn clear_wall_time(&mut self) {
         if let Some(summary) = self.live.as_mut().and_then(|live| live.summary.as_mut()) {
             summary.wall_s = 0.0;
         }
@@ -66,7 +66,7 @@ impl ScreenState {
     }
 
     /// The answer to a strike; one that is older than what is on screen is let go.
-    pub fn struck(&mut self, turn: u64, answer: Result<Box<StrikeResult>, String>) {
+    pub fn apply_strike_result(&mut self, turn: u64, answer: Result<Box<StrikeResult>, String>) {
         let Some(live) = &mut self.live else { return };
         if turn < live.shown {
             return;
@@ -93,7 +93,7 @@ impl ScreenState {
         let other = self.scene.as_ref().is_none_or(|scene| scene.texts != struck.scene.texts);
         self.scene = Some(struck.scene);
         if other {
-            self.outdated();
+            self.invalidate_studies();
         }
         let held = struck.set.shots.iter().all(|shot| shot.captures.is_empty());
         if held && !self.set.shots.is_empty() {
@@ -103,7 +103,7 @@ impl ScreenState {
         self.persist_traces();
         self.set = struck.set;
         self.shot = 0;
-        self.fresh();
+        self.reload_traces();
         self.compare_again();
     }
 

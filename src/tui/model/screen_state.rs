@@ -95,12 +95,12 @@ impl ScreenState {
             running: true,
         };
         model.read_scene();
-        model.fresh();
+        model.reload_traces();
         model
     }
 
     /// Tells the user something.
-    pub fn tell(&mut self, notice: String) {
+    pub fn set_notice(&mut self, notice: String) {
         self.notice = Some(notice);
     }
 
@@ -135,7 +135,7 @@ impl ScreenState {
     }
 
     /// The traces of another shot.
-    pub(super) fn fresh(&mut self) {
+    pub(super) fn reload_traces(&mut self) {
         self.version += 1;
         self.rebuild();
     }

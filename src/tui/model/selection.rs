@@ -8,7 +8,7 @@ pub(super) fn next_math(model: &mut ScreenState) {
     // Pairs whose channels were not recorded are passed over.
     for _ in 0..7 {
         model.math = model.math.next();
-        model.fresh();
+        model.reload_traces();
         let shown = model.find(Source::Math).is_some();
         if shown || model.math == MathMode::Off {
             break;
@@ -39,7 +39,7 @@ pub(super) fn unit(model: &mut ScreenState) {
     model.cursors.pair = None;
     let words = if model.newtons { "newtons: droop undone, baseline taken off" } else { "volts" };
     model.notice = Some(words.to_owned());
-    model.fresh();
+    model.reload_traces();
     model.place_cursors();
 }
 

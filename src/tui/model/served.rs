@@ -34,7 +34,7 @@ impl ScreenState {
     }
 
     /// Takes what the served scope told.
-    pub fn heard(&mut self, heard: ServedUpdate) {
+    pub fn apply_served_update(&mut self, heard: ServedUpdate) {
         let Some(live) = &mut self.live else { return };
         live.acquisition = heard.acquisition;
         live.settings.clone_from(&heard.settings);
@@ -45,19 +45,19 @@ impl ScreenState {
         let other = self.scene.as_ref().map(bench) != heard.scene.as_ref().map(bench);
         self.scene = heard.scene;
         if other {
-            self.outdated();
+            self.invalidate_studies();
         }
         if let Some(set) = heard.set {
             let before = self.recorded_window();
             self.persist_traces();
             self.set = set;
             self.shot = 0;
-            self.shown(before);
+            self.after_shot_change(before);
         }
     }
 
     /// The connection to the served scope is gone; what is on screen stays.
-    pub fn lost(&mut self, why: String) {
+    pub fn connection_lost(&mut self, why: String) {
         if let Some(served) = self.live.as_mut().and_then(|live| live.served.as_mut()) {
             *served = ServedScope { state: "LOST".to_owned(), ..ServedScope::default() };
         }

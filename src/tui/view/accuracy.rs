@@ -15,16 +15,16 @@ use crate::studies::effects::{EffectState, Ledger, LedgerEntry};
 use crate::tui::model::{JobState, ScreenState};
 
 /// From this width on study and ledger stand side by side.
-const WIDE: u16 = 130;
+const SIDE_BY_SIDE_WIDTH: u16 = 130;
 /// Errors that the plot reaches from (1).
-const LOWEST_ERROR: f64 = 1e-14;
+const MIN_ERROR: f64 = 1e-14;
 /// Columns of the ledger.
 const LEDGER_WIDTH: u16 = 64;
 
 /// Draws the page.
 pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let area = layout.page;
-    let (plot, list) = if area.width >= WIDE {
+    let (plot, list) = if area.width >= SIDE_BY_SIDE_WIDTH {
         let left = Rect { width: area.width - LEDGER_WIDTH, ..area };
         (left, Rect { x: left.right(), width: LEDGER_WIDTH, ..area })
     } else {
@@ -74,7 +74,7 @@ fn method_style(index: usize) -> (char, Color) {
 fn place_of(point: &Point) -> Option<(f64, f64)> {
     let errors = [point.error_peak?, point.error_arrival?];
     let is_timed = !point.failed && point.wall_s_median > 0.0;
-    is_timed.then(|| (point.wall_s_median, errors.into_iter().fold(LOWEST_ERROR, f64::max)))
+    is_timed.then(|| (point.wall_s_median, errors.into_iter().fold(MIN_ERROR, f64::max)))
 }
 
 /// What `--accuracy` chooses nearest to the present setting.
@@ -97,14 +97,14 @@ fn study_of(model: &ScreenState, study: &CostStudy, area: Rect, frame: &mut Fram
     let below = Rect { y: area.y + 1, height: area.height.saturating_sub(2), ..area };
     let axes = (
         DiagramAxis::logarithmic(low / 1.5, high * 1.5, "s"),
-        DiagramAxis::logarithmic(LOWEST_ERROR, 1.0, ""),
+        DiagramAxis::logarithmic(MIN_ERROR, 1.0, ""),
     );
     let mut sheet = Diagram::new(below, axes.0, axes.1, grid);
     for (index, rows) in study.points.chunk_by(|a, b| a.method == b.method).enumerate() {
         let points = rows.iter().filter_map(place_of);
         sheet.line(points, colour(model.palette(), method_style(index).1));
     }
-    sheet.level(study.reference.error.max(LOWEST_ERROR), colour(model.palette(), Color::Gray));
+    sheet.level(study.reference.error.max(MIN_ERROR), colour(model.palette(), Color::Gray));
     sheet.draw(colour(model.palette(), Color::Gray), frame);
     let mut legend = Vec::new();
     for (index, rows) in study.points.chunk_by(|a, b| a.method == b.method).enumerate() {
@@ -119,7 +119,7 @@ fn study_of(model: &ScreenState, study: &CostStudy, area: Rect, frame: &mut Fram
         legend.push(ratatui::text::Span::styled(format!("{letter} {name}  "), style));
     }
     if let Some(chosen) = present(model, study) {
-        let at = (chosen.wall_s_median, chosen.error.unwrap_or(1.0).max(LOWEST_ERROR));
+        let at = (chosen.wall_s_median, chosen.error.unwrap_or(1.0).max(MIN_ERROR));
         let style = Style::new().add_modifier(Modifier::REVERSED | Modifier::BOLD);
         let text = format!("◆ now: accuracy {:.0e}, {}", chosen.accuracy, chosen.method);
         sheet.write(at, &text, style, frame);

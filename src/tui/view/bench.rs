@@ -21,11 +21,11 @@ const EIGHTHS: [&str; 9] = [" ", "▁", "▂", "▃", "▄", "▅", "▆", "▇"
 /// Tones of the stripes, from little to much force.
 const TONES: [&str; 5] = [" ", "·", "░", "▒", "█"];
 /// Rows of the page that are neither bars nor stripes.
-const OTHER_ROWS: u16 = 5;
+const FIXED_ROWS: u16 = 5;
 /// One contact in so many may go beyond the scale: the striker's own is far above the others.
-const CUT_OFF: usize = 10;
+const OUTLIER_DIVISOR: usize = 10;
 /// Columns left of the chain.
-const LABELS: u16 = 9;
+const LABEL_COLUMNS: u16 = 9;
 
 /// The film of a shot: contacts from the top, each with its place in the chain.
 struct Film<'a> {
@@ -56,7 +56,7 @@ impl<'a> Film<'a> {
         let contacts = numbered(model, "contact/");
         let mut dynamic: Vec<f64> = contacts.iter().map(|(_, trace)| largest(trace)).collect();
         dynamic.sort_by(f64::total_cmp);
-        let place = dynamic.len().saturating_sub(1 + dynamic.len() / CUT_OFF);
+        let place = dynamic.len().saturating_sub(1 + dynamic.len() / OUTLIER_DIVISOR);
         let strongest = dynamic.get(place).copied().unwrap_or(0.0);
         (!contacts.is_empty()).then(|| Self {
             contacts,
@@ -108,7 +108,7 @@ pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame
     };
     let now = model.play().bench_time.clamp(start, end);
     heading(model, &film, (now, end), frame, area);
-    let free = area.height.saturating_sub(OTHER_ROWS);
+    let free = area.height.saturating_sub(FIXED_ROWS);
     let bars = free.min((free / 2).max(3));
     let stripes = Rect { y: area.y + 1, height: free - bars, ..area };
     let chain = Rect { y: stripes.bottom(), height: bars, ..area };
@@ -152,7 +152,7 @@ fn stripes_of(
     area: Rect,
     frame: &mut Frame,
 ) {
-    let width = area.width.saturating_sub(LABELS);
+    let width = area.width.saturating_sub(LABEL_COLUMNS);
     let rows = f64::from(area.height.max(1));
     for row in 0..area.height {
         let from = start + (end - start) * f64::from(row) / rows;
@@ -163,7 +163,7 @@ fn stripes_of(
         let label = compact(from, "s", 3);
         put(
             frame.buffer_mut(),
-            Rect { width: LABELS - 1, ..area },
+            Rect { width: LABEL_COLUMNS - 1, ..area },
             area.y + row,
             &label,
             label_style,
@@ -176,7 +176,8 @@ fn stripes_of(
             };
             let added = farthest_between(trace, from, to);
             let (tone, style) = tone(model, added / film.strongest);
-            let place = Rect { x: area.x + LABELS + column, y: area.y + row, width: 1, height: 1 };
+            let place =
+                Rect { x: area.x + LABEL_COLUMNS + column, y: area.y + row, width: 1, height: 1 };
             put(frame.buffer_mut(), place, place.y, tone, style);
         }
     }
@@ -195,11 +196,11 @@ fn tone(model: &ScreenState, share: f64) -> (&'static str, Style) {
 
 /// The force in each contact now, upward, what pressed before included.
 fn bars_of(model: &ScreenState, film: &Film, now: f64, area: Rect, frame: &mut Frame) {
-    let width = area.width.saturating_sub(LABELS);
+    let width = area.width.saturating_sub(LABEL_COLUMNS);
     let pressed = film.contacts.iter().map(|(_, trace)| rest(trace)).fold(0.0, f64::max);
     let top = film.strongest + pressed;
     let grey = Style::new().fg(colour(model.palette(), Color::Gray));
-    let labels = Rect { width: LABELS - 1, ..area };
+    let labels = Rect { width: LABEL_COLUMNS - 1, ..area };
     put(frame.buffer_mut(), labels, area.y, &compact(top, "N", 3), grey);
     put(frame.buffer_mut(), labels, area.bottom() - 1, "0N", grey);
     let style = Style::new().fg(colour(model.palette(), Color::Yellow));
@@ -214,7 +215,8 @@ fn bars_of(model: &ScreenState, film: &Film, now: f64, area: Rect, frame: &mut F
             let below = f64::from(area.height - 1 - row) * 8.0;
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
             let eighths = (height - below).round().clamp(0.0, 8.0) as usize;
-            let place = Rect { x: area.x + LABELS + column, y: area.y + row, width: 1, height: 1 };
+            let place =
+                Rect { x: area.x + LABEL_COLUMNS + column, y: area.y + row, width: 1, height: 1 };
             put(
                 frame.buffer_mut(),
                 place,
@@ -228,16 +230,17 @@ fn bars_of(model: &ScreenState, film: &Film, now: f64, area: Rect, frame: &mut F
 
 /// The beads: light ones small, those with a sensor numbered below; shifted to where they have moved, a cell for the farthest.
 fn beads_of(model: &ScreenState, film: &Film, now: f64, area: Rect, frame: &mut Frame) {
-    let width = area.width.saturating_sub(LABELS);
+    let width = area.width.saturating_sub(LABEL_COLUMNS);
     let count = film.beads.len();
     let farthest = film.beads.iter().skip(1).map(|(_, trace)| largest(trace)).fold(0.0, f64::max);
     let grey = Style::new().fg(colour(model.palette(), Color::Gray));
-    put(frame.buffer_mut(), Rect { width: LABELS - 1, ..area }, area.y, "beads", grey);
+    put(frame.buffer_mut(), Rect { width: LABEL_COLUMNS - 1, ..area }, area.y, "beads", grey);
     for (place, (body, trace)) in film.beads.iter().enumerate() {
         let moved = at(trace, now).unwrap_or(0.0) - rest(trace);
         let (sign, style) = bead(model, *body, moved, farthest);
-        let x =
-            area.x + LABELS + u16::try_from(place * usize::from(width) / count.max(1)).unwrap_or(0);
+        let x = area.x
+            + LABEL_COLUMNS
+            + u16::try_from(place * usize::from(width) / count.max(1)).unwrap_or(0);
         put(frame.buffer_mut(), Rect { x, width: 1, ..area }, area.y, sign, style);
     }
     let Some(scene) = model.scene() else { return };
@@ -246,8 +249,9 @@ fn beads_of(model: &ScreenState, film: &Film, now: f64, area: Rect, frame: &mut 
             Site::Particle(particle) => scene.chain.body_of(particle),
             Site::Wall => count.saturating_sub(1),
         };
-        let x =
-            area.x + LABELS + u16::try_from(body * usize::from(width) / count.max(1)).unwrap_or(0);
+        let x = area.x
+            + LABEL_COLUMNS
+            + u16::try_from(body * usize::from(width) / count.max(1)).unwrap_or(0);
         let name = format!("↑{}", sensor.name);
         let room = Rect { x, width: area.right().saturating_sub(x), ..area };
         put(frame.buffer_mut(), room, area.y + 1, &name, grey);
@@ -280,7 +284,7 @@ fn time_line(
     area: Rect,
     frame: &mut Frame,
 ) {
-    let width = area.width.saturating_sub(LABELS);
+    let width = area.width.saturating_sub(LABEL_COLUMNS);
     let done =
         super::axes::whole((now - start) / (end - start) * f64::from(width.saturating_sub(1)));
     let line: String = (0..width)
@@ -291,7 +295,13 @@ fn time_line(
         })
         .collect();
     let style = Style::new().fg(colour(model.palette(), Color::Cyan));
-    put(frame.buffer_mut(), Rect { x: area.x + LABELS, width, ..area }, area.y, &line, style);
+    put(
+        frame.buffer_mut(),
+        Rect { x: area.x + LABEL_COLUMNS, width, ..area },
+        area.y,
+        &line,
+        style,
+    );
     let grey = Style::new().fg(colour(model.palette(), Color::Gray));
-    put(frame.buffer_mut(), Rect { width: LABELS - 1, ..area }, area.y, "time", grey);
+    put(frame.buffer_mut(), Rect { width: LABEL_COLUMNS - 1, ..area }, area.y, "time", grey);
 }

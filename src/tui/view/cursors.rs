@@ -13,7 +13,7 @@ use crate::tui::axis::DIVISIONS_ACROSS;
 use crate::tui::model::{CursorKind, Page, ScreenState};
 
 /// Digits of a cursor's reading.
-const DIGITS: usize = 4;
+const CURSOR_DIGITS: usize = 4;
 
 /// One cursor as a line of dots; the active one is denser.
 #[derive(Debug)]
@@ -82,25 +82,28 @@ pub(super) fn readout(model: &ScreenState, layout: &ScreenLayout, frame: &mut Fr
     } else {
         "df"
     };
-    let mut parts =
-        vec![Span::styled(format!("{name} {}", compact(reading.difference, unit, DIGITS)), bold)];
+    let mut parts = vec![Span::styled(
+        format!("{name} {}", compact(reading.difference, unit, CURSOR_DIGITS)),
+        bold,
+    )];
     parts.extend(
-        reading.rate.map(|rate| Span::raw(format!("1/dt {}", compact(rate, "Hz", DIGITS)))),
+        reading.rate.map(|rate| Span::raw(format!("1/dt {}", compact(rate, "Hz", CURSOR_DIGITS)))),
     );
     if let [Some(first), Some(second)] = reading.values {
-        let difference = compact(second - first, &reading.value_unit, DIGITS);
+        let difference = compact(second - first, &reading.value_unit, CURSOR_DIGITS);
         parts.push(Span::styled(format!("dV {difference}"), bold));
     }
     parts.extend(reading.speed.map(|speed| {
         let style = bold.fg(colour(model.palette(), Color::LightGreen));
-        Span::styled(format!("speed {}", compact(speed, "m/s", DIGITS)), style)
+        Span::styled(format!("speed {}", compact(speed, "m/s", CURSOR_DIGITS)), style)
     }));
     let pair = model.cursors().pair.into_iter().flatten();
     for (index, (cursor, value)) in pair.zip(reading.values).enumerate() {
         let mark = if index == model.cursors().active { "▸" } else { "" };
         let value =
             value.map_or_else(String::new, |v| format!(" {}", compact(v, &reading.value_unit, 3)));
-        let text = format!("{mark}{} {}{value}", cursor.source, compact(cursor.at, unit, DIGITS));
+        let text =
+            format!("{mark}{} {}{value}", cursor.source, compact(cursor.at, unit, CURSOR_DIGITS));
         let style = Style::new().fg(colour_of(model.palette(), cursor.source));
         parts.push(Span::styled(text, style));
     }

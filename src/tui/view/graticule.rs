@@ -14,9 +14,9 @@ use crate::tui::axis::{DIVISIONS_ACROSS, DIVISIONS_UP, Vertical, ViewWindow};
 use crate::tui::model::{Palette, ScreenState, Visibility};
 
 /// Dots between two of a division line's own, at least.
-const SPARSE: u16 = 3;
+const MIN_DOT_SPACING: u16 = 3;
 /// Marks of a division on axes and lines.
-const MARKS: u16 = 5;
+const TICKS_PER_DIVISION: u16 = 5;
 
 /// Draws divisions and traces.
 pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
@@ -177,6 +177,6 @@ impl Shape for Grid {
 
 /// Places of the marks along an axis: five a division as on the instrument, fewer where dots would touch.
 fn marks(dots: u16, divisions: u16) -> Vec<u16> {
-    let each = (dots / SPARSE).clamp(1, MARKS);
+    let each = (dots / MIN_DOT_SPACING).clamp(1, TICKS_PER_DIVISION);
     (0..=divisions * each).map(|mark| mark * dots / each).collect()
 }

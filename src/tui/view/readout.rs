@@ -20,9 +20,9 @@ use crate::tui::model::{MathMode, ScreenState, Visibility};
 /// Digits of a reading, as on the instrument.
 const DIGITS: usize = 3;
 /// More digits than this no label has room for.
-const MOST_DIGITS: usize = 8;
+const MAX_DIGITS: usize = 8;
 /// Between two readings.
-pub(super) const GAP: &str = "  ";
+pub(super) const READING_GAP: &str = "  ";
 
 /// A number as the instrument writes it: `500mV`, `1.00ms`; decibels without a prefix.
 pub(super) fn compact(value: f64, unit: &str, digits: usize) -> String {
@@ -38,7 +38,7 @@ pub(super) fn compact(value: f64, unit: &str, digits: usize) -> String {
 /// How many digits tell `value` from `value + scale / 10`.
 pub(super) fn digits_for(value: f64, scale: f64) -> usize {
     let digits = exponent(value).saturating_sub(exponent(scale)) + 2;
-    usize::try_from(digits).unwrap_or(DIGITS).clamp(DIGITS, MOST_DIGITS)
+    usize::try_from(digits).unwrap_or(DIGITS).clamp(DIGITS, MAX_DIGITS)
 }
 
 /// Decimal exponent; 0 for zero.
@@ -48,14 +48,14 @@ fn exponent(value: f64) -> i32 {
 
 /// Columns of `parts` with gaps between and before them.
 pub(super) fn width(parts: &[Span]) -> usize {
-    parts.iter().map(|part| part.width() + GAP.len()).sum()
+    parts.iter().map(|part| part.width() + READING_GAP.len()).sum()
 }
 
 pub(super) fn spaced(parts: Vec<Span>) -> Vec<Span> {
     let mut line = Vec::new();
     for part in parts {
         if !line.is_empty() {
-            line.push(Span::raw(GAP));
+            line.push(Span::raw(READING_GAP));
         }
         line.push(part);
     }
@@ -96,7 +96,7 @@ impl Readings {
             model.captures().iter().map(reading).collect()
         };
         let fits = |parts: &Vec<(Source, Span)>| {
-            parts.iter().map(|(_, part)| part.width() + GAP.len()).sum::<usize>() <= room
+            parts.iter().map(|(_, part)| part.width() + READING_GAP.len()).sum::<usize>() <= room
         };
         let fitting = [ReadingDetail::Words, ReadingDetail::Signs].into_iter().map(all).find(fits);
         // On a narrow terminal the selected trace's reading is worth more than all of them cut off.
@@ -109,7 +109,7 @@ impl Readings {
 
     fn right(&self) -> String {
         let parts = [self.base.as_str(), self.trigger.as_str()];
-        parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(GAP)
+        parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(READING_GAP)
     }
 }
 
@@ -195,7 +195,7 @@ pub(super) fn detail_parts(model: &ScreenState, layout: &ScreenLayout) -> Vec<Sp
     let room = usize::from(layout.detail.width);
     for text in details(model, capture) {
         parts.push(Span::raw(text));
-        if width(&parts) > room + GAP.len() {
+        if width(&parts) > room + READING_GAP.len() {
             parts.pop();
         }
     }

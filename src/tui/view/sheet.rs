@@ -11,13 +11,13 @@ use super::readout::{compact, digits_for};
 use crate::tui::axis::Steps;
 
 /// Columns for the labels of the ordinate.
-const LABELS: u16 = 9;
+const LABEL_COLUMNS: u16 = 9;
 /// Columns from one label of the abscissa to the next, at least.
-const APART: u16 = 11;
+const MIN_LABEL_SPACING: u16 = 11;
 /// Rows from one label of the ordinate to the next, at least.
-const ROWS_APART: u16 = 2;
+const MIN_LABEL_ROWS: u16 = 2;
 /// Most divisions between two labels' marks (1).
-const MOST_MARKS: usize = 64;
+const MAX_MARKS: usize = 64;
 
 /// One axis: from where to where, and in what.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,7 +63,7 @@ impl DiagramAxis {
         }
         let step = Steps::OneTwoFive.at_least((self.high - self.low) / f64::from(count.max(1)));
         let first = (self.low / step - 1e-9).ceil();
-        let marks = (0..).map(|i: u32| (first + f64::from(i)) * step).take(MOST_MARKS);
+        let marks = (0..).map(|i: u32| (first + f64::from(i)) * step).take(MAX_MARKS);
         marks.take_while(|mark| *mark <= self.high + 1e-9 * step).collect()
     }
 
@@ -99,8 +99,8 @@ impl Diagram {
     /// An empty diagram in `area`, with a grid of `grid_colour`.
     pub(super) fn new(area: Rect, x: DiagramAxis, y: DiagramAxis, grid_colour: Color) -> Self {
         let inner = Rect {
-            x: area.x + LABELS,
-            width: area.width.saturating_sub(LABELS),
+            x: area.x + LABEL_COLUMNS,
+            width: area.width.saturating_sub(LABEL_COLUMNS),
             height: area.height.saturating_sub(1),
             ..area
         };
@@ -120,11 +120,11 @@ impl Diagram {
     }
 
     fn x_marks(&self) -> Vec<f64> {
-        self.x.marks(self.inner.width / APART)
+        self.x.marks(self.inner.width / MIN_LABEL_SPACING)
     }
 
     fn y_marks(&self) -> Vec<f64> {
-        self.y.marks(self.inner.height / ROWS_APART)
+        self.y.marks(self.inner.height / MIN_LABEL_ROWS)
     }
 
     fn size(&self) -> (usize, usize) {
@@ -247,7 +247,7 @@ impl Diagram {
         for value in self.y_marks() {
             if let Some((_, y)) = self.cell(self.x.low, value) {
                 let text = self.y.label(value);
-                let place = Rect { width: LABELS, ..self.area };
+                let place = Rect { width: LABEL_COLUMNS, ..self.area };
                 put(buffer, place, y, &text, style);
             }
         }

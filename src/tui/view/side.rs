@@ -15,9 +15,9 @@ use crate::tui::model::knobs::BenchKnob;
 use crate::tui::model::{LiveBench, ScreenState, SidePanel};
 
 /// Columns of a name.
-const NAME: usize = 14;
+const NAME_WIDTH: usize = 14;
 /// Columns of a pair of channels.
-const SHORT: usize = 9;
+const PAIR_WIDTH: usize = 9;
 
 /// Draws the column.
 pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
@@ -45,7 +45,7 @@ pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame
 }
 
 fn pair(name: &str, value: &str) -> Line<'static> {
-    Line::raw(format!("{name:<NAME$}{value}"))
+    Line::raw(format!("{name:<NAME_WIDTH$}{value}"))
 }
 
 fn heading(model: &ScreenState, text: String) -> Line<'static> {
@@ -89,7 +89,7 @@ fn arrivals(model: &ScreenState, survey: &Survey, lines: &mut Vec<Line<'static>>
     for speed in speeds {
         let value = format!("{:.2} ±{:.2} m/s", speed.m_per_s.value, speed.m_per_s.u);
         let ends = format!("{}-{}", speed.from, speed.to);
-        lines.push(Line::raw(format!("{ends:<SHORT$}{value}")));
+        lines.push(Line::raw(format!("{ends:<PAIR_WIDTH$}{value}")));
     }
 }
 
@@ -118,12 +118,12 @@ fn knobs(model: &ScreenState) -> Vec<Line<'static>> {
         "n N choose - + turn o on/off",
         Style::new().fg(colour(model.palette(), Color::Gray)),
     ));
-    lines.extend(bill(live));
+    lines.extend(cost_text(live));
     lines
 }
 
 /// What the last impact cost, at what accuracy, with which effects.
-fn bill(live: &LiveBench) -> Vec<Line<'static>> {
+fn cost_text(live: &LiveBench) -> Vec<Line<'static>> {
     let bold = Style::new().add_modifier(Modifier::BOLD);
     let Some(summary) = &live.summary else { return Vec::new() };
     let accuracy = summary.accuracy.map_or_else(|| "-".to_owned(), |a| format!("{a:.0e}"));

@@ -15,9 +15,9 @@ use crate::analysis::spectrum::Spectrum;
 use crate::tui::model::{Palette, ScreenState};
 
 /// Decibels from the top of the page to its bottom (dB).
-const RANGE: f64 = 80.0;
+const DECIBEL_RANGE: f64 = 80.0;
 /// Decibels from one tone of the map to the next (dB).
-const TONE: f64 = 10.0;
+const DECIBELS_PER_TONE: f64 = 10.0;
 /// Tones of the map, from little to much.
 const TONES: [&str; 5] = [" ", "░", "▒", "▓", "█"];
 
@@ -68,7 +68,7 @@ pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame
     let frequency = DiagramAxis::linear(lowest, highest, "Hz");
     let grid = colour(palette, Color::DarkGray);
     let mut sheet =
-        Diagram::new(below, frequency, DiagramAxis::linear(high - RANGE, high, "dB"), grid);
+        Diagram::new(below, frequency, DiagramAxis::linear(high - DECIBEL_RANGE, high, "dB"), grid);
     let edge_colour = colour(palette, Color::LightRed);
     if let Some(chain) = chain {
         sheet.shade(chain.gap_bottom(), chain.gap_top(), colour(palette, Color::Red));
@@ -120,7 +120,7 @@ pub(super) fn map(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame)
         let Some(spectrum) = map.columns.get(place) else { continue };
         for row in 0..inner.height {
             let (low, high) = band(row, inner.height, shown);
-            let amplitude = loudest(spectrum, low, high);
+            let amplitude = largest_amplitude(spectrum, low, high);
             let (tone, style) = tone(20.0 * (amplitude / top).log10(), palette);
             let at = Rect { x: inner.x + column, y: inner.y + row, width: 1, height: 1 };
             put(frame.buffer_mut(), at, at.y, tone, style);
@@ -150,7 +150,7 @@ fn band(row: u16, rows: u16, (low, high): (f64, f64)) -> (f64, f64) {
     clippy::cast_sign_loss,
     reason = "bins are counted from zero upward"
 )]
-fn loudest(spectrum: &Spectrum, low: f64, high: f64) -> f64 {
+fn largest_amplitude(spectrum: &Spectrum, low: f64, high: f64) -> f64 {
     let bin = |frequency: f64| (frequency / spectrum.step).round() as usize;
     let (first, last) = (bin(low).max(1), bin(high).max(bin(low) + 1));
     let inside = spectrum.amplitude.iter().take(last + 1).skip(first);
@@ -163,7 +163,7 @@ fn tone(decibels: f64, palette: Palette) -> (&'static str, Style) {
         [Color::Reset, Color::Blue, Color::Cyan, Color::Yellow, Color::LightRed];
     let steps = TONES.len() - 1;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
-    let below = (-decibels / TONE).clamp(0.0, 4.0) as usize;
+    let below = (-decibels / DECIBELS_PER_TONE).clamp(0.0, 4.0) as usize;
     let place = steps - below.min(steps);
     let shade = TONES.get(place).copied().unwrap_or(" ");
     let wanted = COLOURS.get(place).copied().unwrap_or(Color::Reset);

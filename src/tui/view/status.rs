@@ -8,7 +8,7 @@ use ratatui::text::{Line, Span};
 
 use super::colour;
 use super::layout::ScreenLayout;
-use super::readout::{GAP, compact, digits_for, spaced, width};
+use super::readout::{READING_GAP, compact, digits_for, spaced, width};
 use crate::recording::Origin;
 use crate::scope::Waveform;
 use crate::tui::axis::{ViewWindow, is_spectrum};
@@ -60,7 +60,7 @@ pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame
         parts.remove(0);
     }
     let right = Line::from(spaced(parts)).right_aligned();
-    let left = room.saturating_sub(right.width() + GAP.len());
+    let left = room.saturating_sub(right.width() + READING_GAP.len());
     let title = Span::styled(shortened(model.title(), left), bold);
     frame.render_widget(title, area);
     frame.render_widget(right, area);
@@ -125,7 +125,7 @@ fn shortened(text: &str, room: usize) -> String {
 }
 
 /// What the command that is being typed does, or how to leave.
-fn meant(typed: &str) -> String {
+fn command_matches(typed: &str) -> String {
     let word = typed.split(' ').next().unwrap_or_default();
     let is = |command: &str| !word.is_empty() && command.trim_start_matches(':').starts_with(word);
     match COMMANDS.iter().find(|(command, _)| is(command)) {
@@ -142,7 +142,7 @@ pub(super) fn hints(model: &ScreenState, layout: &ScreenLayout, frame: &mut Fram
         let line = Line::from(vec![
             Span::styled(format!(":{}", model.prompt()), bold),
             Span::styled(" ", bold.add_modifier(Modifier::REVERSED)),
-            Span::raw(format!("  {}", meant(model.prompt()))),
+            Span::raw(format!("  {}", command_matches(model.prompt()))),
         ]);
         frame.render_widget(line, area);
         return;
@@ -161,7 +161,7 @@ pub(super) fn hints(model: &ScreenState, layout: &ScreenLayout, frame: &mut Fram
         }
         let text = format!("{} {}", binding.label, binding.hint);
         parts.push(Span::styled(text, grey));
-        if width(&parts) > room + GAP.len() {
+        if width(&parts) > room + READING_GAP.len() {
             parts.pop();
         }
     }

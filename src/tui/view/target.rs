@@ -3,7 +3,7 @@
 use ratatui::layout::Position;
 
 use super::layout::ScreenLayout;
-use super::readout::{GAP, Readings, detail_parts, width};
+use super::readout::{READING_GAP, Readings, detail_parts, width};
 use crate::scope::Source;
 use crate::tui::model::ScreenState;
 
@@ -42,13 +42,13 @@ pub fn target(model: &ScreenState, layout: &ScreenLayout, at: Position) -> Optio
     if from_right <= trigger {
         return Some(Target::Trigger);
     }
-    if from_right <= trigger + GAP.len() + base {
+    if from_right <= trigger + READING_GAP.len() + base {
         return Some(Target::TimeBase);
     }
     let mut left = 0;
     readings.traces.iter().find_map(|(source, part)| {
         let inside = (left..left + part.width()).contains(&x);
-        left += part.width() + GAP.len();
+        left += part.width() + READING_GAP.len();
         inside.then(|| Target::Trace(*source, model.is_selected(*source)))
     })
 }

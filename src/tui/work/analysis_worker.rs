@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, Sender};
 use super::{ScreenEvent, guarded};
 use crate::experiment::accuracy::of_scene;
 use crate::experiment::{Integration, facts, run};
-use crate::measurement::compare::tolerance::ScoreLimits;
+use crate::measurement::compare::score_limits::ScoreLimits;
 use crate::measurement::compare::{Align, Compared, ComparedShot, compare};
 use crate::recording::format::{Format, open};
 use crate::recording::{Origin, Shot, TraceSet};
@@ -16,9 +16,9 @@ use crate::tui::model::background_jobs::JobAnswer;
 use crate::tui::model::{JobState, ScreenState};
 
 /// What a comparison is judged by.
-const TOLERANCE: &str = "rms=1lsb";
+const SCORE_LIMITS: &str = "rms=1lsb";
 /// Share of progress from one report to the next (1).
-const STEP: f64 = 0.01;
+const PROGRESS_STEP: f64 = 0.01;
 
 /// A shot to hold against another one.
 pub struct ComparisonRequest {
@@ -104,7 +104,7 @@ fn compared(asked: &ComparisonRequest, other: &Other) -> Result<Compared, String
     } else {
         (here_side, there_side)
     };
-    let tolerance = ScoreLimits::parse(TOLERANCE)?;
+    let tolerance = ScoreLimits::parse(SCORE_LIMITS)?;
     compare(measured, simulated, (Align::default(), &[]), &tolerance).map_err(|e| e.to_string())
 }
 
@@ -120,7 +120,7 @@ pub enum StudyRequest {
 pub fn research(order: StudyRequest, _: &Receiver<StudyRequest>, news: &Sender<ScreenEvent>) {
     let mut told = 0.0;
     let mut tell = |share: f64, answer: fn(f64) -> JobAnswer| {
-        if share - told >= STEP {
+        if share - told >= PROGRESS_STEP {
             told = share;
             // Without a screen there is nobody to hear it.
             let _ = news.send(ScreenEvent::Answer(answer(share)));

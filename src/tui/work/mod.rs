@@ -23,7 +23,7 @@ use crate::recording::mcap::indexed_recording::IndexedRecording;
 use analysis_worker::{ComparisonRequest, StudyRequest};
 
 /// How often it is looked whether the terminal is still there.
-const LOOK: Duration = Duration::from_millis(500);
+const TERMINAL_POLL_INTERVAL: Duration = Duration::from_millis(500);
 
 /// Starts a thread that does `work` for each order, with a way to send news; it ends when nobody can order any more.
 fn worker<Order: Send + 'static>(
@@ -91,7 +91,7 @@ impl Workers {
         // Reading from a terminal that has gone never ends, and a hang-up signal need not come.
         thread::spawn(move || {
             while std::io::stdout().is_terminal() {
-                thread::sleep(LOOK);
+                thread::sleep(TERMINAL_POLL_INTERVAL);
             }
             let _ = end.send(ScreenEvent::Closed);
         });
@@ -122,12 +122,15 @@ impl Workers {
                         .is_none_or(|scene| self.research.send(StudyRequest::Ledger(scene)).is_ok())
                 }
                 Request::Save(file) => {
-                    model.tell(save::save(model, size, &file).unwrap_or_else(|problem| problem));
+                    model.set_notice(
+                        save::save(model, size, &file).unwrap_or_else(|problem| problem),
+                    );
                     true
                 }
             };
             if !sent {
-                model.tell("the thread that does this has stopped; please restart".to_owned());
+                model
+                    .set_notice("the thread that does this has stopped; please restart".to_owned());
             }
         }
     }

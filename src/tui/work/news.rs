@@ -37,13 +37,13 @@ impl ScreenEvent {
     pub fn apply(self, model: &mut ScreenState) {
         match self {
             Self::Terminal(_) | Self::Closed => {}
-            Self::Read(count, open, facts) => model.tape_read(count, open, *facts),
-            Self::Shot(place, shot) => model.tape_shot(place, *shot),
-            Self::Struck(turn, answer) => model.struck(turn, answer),
-            Self::Answer(answer) => model.answered(answer),
-            Self::Heard(heard) => model.heard(*heard),
-            Self::Lost(why) => model.lost(why),
-            Self::Told(words) => model.tell(words),
+            Self::Read(count, open, facts) => model.apply_index(count, open, *facts),
+            Self::Shot(place, shot) => model.apply_shot(place, *shot),
+            Self::Struck(turn, answer) => model.apply_strike_result(turn, answer),
+            Self::Answer(answer) => model.apply_answer(answer),
+            Self::Heard(heard) => model.apply_served_update(*heard),
+            Self::Lost(why) => model.connection_lost(why),
+            Self::Told(words) => model.set_notice(words),
         }
     }
 }

@@ -8,9 +8,9 @@ use super::{ScreenEvent, guarded};
 use crate::recording::mcap::indexed_recording::{IndexedRecording, ReadState};
 
 /// A file that may grow is looked at so often.
-const LOOK: Duration = Duration::from_millis(50);
+const FILE_POLL_INTERVAL: Duration = Duration::from_millis(50);
 /// How much is found is told so often.
-const TELL: Duration = Duration::from_millis(100);
+const REPORT_INTERVAL: Duration = Duration::from_millis(100);
 
 /// Starts the thread; it takes places of shots.
 pub fn start(tape: IndexedRecording, follow: bool, news: &Sender<ScreenEvent>) -> Sender<usize> {
@@ -50,15 +50,15 @@ impl Player {
             let end = match end {
                 Ok(end) => end,
                 Err(error) => {
-                    self.say(ScreenEvent::Told(error.to_string()))?;
+                    self.send(ScreenEvent::Told(error.to_string()))?;
                     ReadState::Finished
                 }
             };
-            self.tell(end)?;
-            self.bring_rest()?;
+            self.report_progress(end)?;
+            self.load_rest()?;
             let place = match end {
                 ReadState::More => None,
-                ReadState::Open if self.follow => match orders.recv_timeout(LOOK) {
+                ReadState::Open if self.follow => match orders.recv_timeout(FILE_POLL_INTERVAL) {
                     Ok(place) => Some(place),
                     Err(RecvTimeoutError::Timeout) => None,
                     Err(RecvTimeoutError::Disconnected) => return Err(Disconnected),
@@ -74,12 +74,12 @@ impl Player {
         }
     }
 
-    fn say(&self, news: ScreenEvent) -> Result<(), Disconnected> {
+    fn send(&self, news: ScreenEvent) -> Result<(), Disconnected> {
         self.news.send(news).map_err(|_| Disconnected)
     }
 
     /// The shot on screen again, where more of it has come since: its last pieces may not have been written yet.
-    fn bring_rest(&mut self) -> Result<(), Disconnected> {
+    fn load_rest(&mut self) -> Result<(), Disconnected> {
         match self.brought {
             Some((place, pieces)) if self.tape.pieces(place) > pieces => self.apply(place),
             _ => Ok(()),
@@ -89,19 +89,20 @@ impl Player {
     fn apply(&mut self, place: usize) -> Result<(), Disconnected> {
         self.brought = Some((place, self.tape.pieces(place)));
         match self.tape.shot(place) {
-            Ok(Some(shot)) => self.say(ScreenEvent::Shot(place, Box::new(shot))),
-            Ok(None) => self.say(ScreenEvent::Told(format!("shot {} cannot be read", place + 1))),
-            Err(error) => self.say(ScreenEvent::Told(error.to_string())),
+            Ok(Some(shot)) => self.send(ScreenEvent::Shot(place, Box::new(shot))),
+            Ok(None) => self.send(ScreenEvent::Told(format!("shot {} cannot be read", place + 1))),
+            Err(error) => self.send(ScreenEvent::Told(error.to_string())),
         }
     }
 
     /// Tells how much there is: the first shot at once, then now and then, and whenever an end is reached.
-    fn tell(&mut self, end: ReadState) -> Result<(), Disconnected> {
+    fn report_progress(&mut self, end: ReadState) -> Result<(), Disconnected> {
         let count = self.tape.shots();
         let due = match self.told {
             None => count > 0 || end != ReadState::More,
             Some((at, told, before)) => {
-                (told, before) != (count, end) && (end != ReadState::More || at.elapsed() >= TELL)
+                (told, before) != (count, end)
+                    && (end != ReadState::More || at.elapsed() >= REPORT_INTERVAL)
             }
         };
         if !due {
@@ -113,7 +114,7 @@ impl Player {
             facts.problems.push("the file has no end: it was not finished, or cut".to_owned());
         }
         let open = end == ReadState::More || (end == ReadState::Open && self.follow);
-        self.say(ScreenEvent::Read(count, open, Box::new(facts)))
+        self.send(ScreenEvent::Read(count, open, Box::new(facts)))
     }
 }
 

@@ -50,7 +50,7 @@ fn traces(model: &ScreenState, file: &Path) -> Result<String, String> {
     let mut written = Vec::new();
     for capture in model.captures() {
         let text = tek_csv::write(capture).map_err(|error| error.to_string())?;
-        let name = beside(file, &capture.waveform.source.to_string());
+        let name = path_beside(file, &capture.waveform.source.to_string());
         written.push(write(&name, &text)?);
     }
     if written.is_empty() {
@@ -61,7 +61,7 @@ fn traces(model: &ScreenState, file: &Path) -> Result<String, String> {
 }
 
 /// `lab.csv` for CH1 is `lab-CH1.csv`.
-fn beside(file: &Path, source: &str) -> PathBuf {
+fn path_beside(file: &Path, source: &str) -> PathBuf {
     let stem = file.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
     file.with_file_name(format!("{stem}-{source}.csv"))
 }

@@ -21,13 +21,13 @@ use snapshot::ServedSnapshot;
 use socket::Socket;
 
 /// How often it is asked whether there is something new.
-const OFTEN: Duration = Duration::from_millis(100);
+const RECORD_POLL_INTERVAL: Duration = Duration::from_millis(100);
 /// How often it is asked for everything, since another client may have turned something.
-const SELDOM: Duration = Duration::from_secs(1);
+const SNAPSHOT_INTERVAL: Duration = Duration::from_secs(1);
 /// What says that there is a new record.
-const SHORT: &str = ":ACQ:NUMAC?;STATE?;STOPA?;:TRIG:STATE?";
+const STATE_QUERY: &str = ":ACQ:NUMAC?;STATE?;STOPA?;:TRIG:STATE?";
 /// Settings of the transfer, in the order of the reply.
-const TRANSFER: [&str; 5] = ["ENC", "WID", "STAR", "STOP", "SOU"];
+const TRANSFER_FIELDS: [&str; 5] = ["ENC", "WID", "STAR", "STOP", "SOU"];
 
 /// A connection to a served scope, or to a real one behind a socket.
 #[derive(Debug)]
@@ -49,30 +49,30 @@ impl ServedConnection {
     pub fn connect(address: &str) -> Result<Self, String> {
         let failed = |error: io::Error| format!("{address}: {error}");
         let mut socket = Socket::connect(address).map_err(failed)?;
-        let identity = socket.ask(":HEAD OFF;:VERB ON;*IDN?").map_err(|error| {
+        let identity = socket.query(":HEAD OFF;:VERB ON;*IDN?").map_err(|error| {
             format!("{address}: found no answer to *IDN? ({error}), expected an oscilloscope")
         })?;
         let (instrument, model) =
             snapshot::instrument(&identity).map_err(|problem| format!("{address}: {problem}"))?;
         // A scope without a bench answers the second query alone.
-        let bench = socket.ask(":BENC:IMP?;:HEAD?").map_err(failed)?.contains(';');
+        let bench = socket.query(":BENC:IMP?;:HEAD?").map_err(failed)?.contains(';');
         Ok(Self { socket, address: address.to_owned(), instrument, model, bench })
     }
 
     /// Everything but the records.
-    fn look(
+    fn poll(
         &mut self,
         short: String,
         before: Option<&ServedSnapshot>,
     ) -> io::Result<ServedSnapshot> {
-        let panel = self.socket.ask("SET?")?;
+        let panel = self.socket.query("SET?")?;
         let panel = SetFile::read(panel.as_bytes(), &self.address).map_err(io::Error::other)?;
         let mut look = ServedSnapshot::new(short, panel, self.model.clone());
         if self.bench {
-            let named = self.socket.ask(":BENC:IMP?;SCEN?")?;
+            let named = self.socket.query(":BENC:IMP?;SCEN?")?;
             look.on_bench(&named, before);
             if let Some(query) = look.knobs_query() {
-                let knobs = self.socket.ask(&query)?;
+                let knobs = self.socket.query(&query)?;
                 look.turned(&knobs);
             }
         }
@@ -82,12 +82,12 @@ impl ServedConnection {
     /// The records of the displayed traces; none where what is displayed has changed meanwhile.
     fn records(&mut self, look: &ServedSnapshot) -> io::Result<Option<Vec<Capture>>> {
         let sources = look.displayed();
-        let asked = TRANSFER.map(|word| format!("{word}?")).join(";");
-        let before = self.socket.ask(&format!(":DAT:{asked}"))?;
+        let asked = TRANSFER_FIELDS.map(|word| format!("{word}?")).join(";");
+        let before = self.socket.query(&format!(":DAT:{asked}"))?;
         let (found, records) = self.socket.ask_for_records(&message(&sources, &before, &asked))?;
         if found != before {
             // Somebody has turned it between the two messages.
-            self.socket.say(&format!(":DAT:{}", restored(&found)))?;
+            self.socket.send_line(&format!(":DAT:{}", restored(&found)))?;
         }
         let captures = records.iter().map(|record| self.capture(record, look));
         let captures: Option<Vec<Capture>> = captures.collect();
@@ -118,7 +118,8 @@ fn message(sources: &[Source], before: &str, asked: &str) -> String {
 
 /// The commands that set the transfer to what a query of it told.
 fn restored(told: &str) -> String {
-    let pairs = TRANSFER.iter().zip(told.split(';')).map(|(word, value)| format!("{word} {value}"));
+    let pairs =
+        TRANSFER_FIELDS.iter().zip(told.split(';')).map(|(word, value)| format!("{word} {value}"));
     pairs.collect::<Vec<_>>().join(";")
 }
 
@@ -151,11 +152,11 @@ impl ServedWorker {
         loop {
             let mut commanded = false;
             if self.last.is_some() {
-                match orders.recv_timeout(OFTEN) {
+                match orders.recv_timeout(RECORD_POLL_INTERVAL) {
                     Ok(command) => {
-                        self.scope.socket.say(&command)?;
+                        self.scope.socket.send_line(&command)?;
                         for more in orders.try_iter() {
-                            self.scope.socket.say(&more)?;
+                            self.scope.socket.send_line(&more)?;
                         }
                         commanded = true;
                     }
@@ -172,25 +173,26 @@ impl ServedWorker {
 
     /// What is new, if anything is.
     fn listen(&mut self, commanded: bool) -> io::Result<Option<ServedUpdate>> {
-        let short = self.scope.socket.ask(SHORT)?;
-        let quiet =
-            |(at, look): &(Instant, ServedSnapshot)| look.short() == short && at.elapsed() < SELDOM;
+        let short = self.scope.socket.query(STATE_QUERY)?;
+        let quiet = |(at, look): &(Instant, ServedSnapshot)| {
+            look.short() == short && at.elapsed() < SNAPSHOT_INTERVAL
+        };
         if !commanded && self.last.as_ref().is_some_and(quiet) {
             return Ok(None);
         }
         let before = self.last.take().map(|(_, look)| look);
-        let mut look = self.scope.look(short, before.as_ref())?;
+        let mut look = self.scope.poll(short, before.as_ref())?;
         let same = before.as_ref() == Some(&look);
         let wanted = !same && look.has_records() && !look.displayed().is_empty();
         let records = if wanted { self.scope.records(&look)? } else { None };
         if wanted && records.is_none() {
-            look.forget();
+            look.clear();
         }
         let new = records.filter(|records| self.records.as_ref() != Some(records));
         if let Some(records) = &new {
             self.records = Some(records.clone());
         }
-        let heard = look.heard(self.scope.bench, new);
+        let heard = look.update(self.scope.bench, new);
         self.last = Some((Instant::now(), look));
         Ok((!same).then_some(heard))
     }

@@ -4,7 +4,7 @@ use std::sync::mpsc::{Receiver, Sender};
 
 use super::{ScreenEvent, guarded, provoked};
 use crate::experiment::accuracy::of_scene;
-use crate::experiment::auto_effects::settle;
+use crate::experiment::auto_effects::resolve_auto_effects;
 use crate::experiment::{Integration, facts, run};
 use crate::recording::TraceSet;
 use crate::scene::Scene;
@@ -35,7 +35,7 @@ fn struck(strike: &StrikeRequest) -> Result<StrikeResult, String> {
     let scene = scene.map_err(|error| told(&error))?;
     let accuracy = of_scene(&scene).map_err(|error| told(&error))?.value;
     let integration = Integration::Accuracy(accuracy);
-    let scene = settle(&scene, integration).into_owned();
+    let scene = resolve_auto_effects(&scene, integration).into_owned();
     let outcome = run(&scene, integration, strike.shot, &mut |_| ()).map_err(|e| told(&e))?;
     let metadata = facts::facts(&scene, integration).map_err(|error| told(&error))?;
     let notes = facts::shot_notes(&scene, &outcome);

@@ -1,7 +1,7 @@
 //! Messages on the wire.
 
 use hertzscope::hislip::message::{
-    DecodedPiece, Decoder, HEADER_BYTES, LARGEST_PAYLOAD, MessageHeader, MessageType,
+    DecodedPiece, Decoder, HEADER_BYTES, MAX_PAYLOAD, MessageHeader, MessageType,
 };
 use proptest::prelude::*;
 
@@ -49,11 +49,10 @@ fn a_header_byte_for_byte() {
 #[test]
 fn what_is_too_long_is_passed_over() {
     let mut decoder = Decoder::default();
-    let long =
-        MessageHeader { code: 6, control: 0, parameter: 1, length: LARGEST_PAYLOAD as u64 + 1 };
+    let long = MessageHeader { code: 6, control: 0, parameter: 1, length: MAX_PAYLOAD as u64 + 1 };
     decoder.push(&long.bytes());
     assert_eq!(decoder.next_piece(), Some(DecodedPiece::TooLarge(long)));
-    for chunk in vec![b'x'; LARGEST_PAYLOAD + 1].chunks(1000) {
+    for chunk in vec![b'x'; MAX_PAYLOAD + 1].chunks(1000) {
         decoder.push(chunk);
         assert_eq!((decoder.waiting(), decoder.next_piece()), (0, None));
     }
@@ -121,7 +120,7 @@ proptest! {
                     prop_assert_eq!(header.length, payload.len() as u64);
                 }
             }
-            prop_assert!(decoder.waiting() <= HEADER_BYTES + LARGEST_PAYLOAD);
+            prop_assert!(decoder.waiting() <= HEADER_BYTES + MAX_PAYLOAD);
         }
     }
 }

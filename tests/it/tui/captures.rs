@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::bench::{after, draw, model};
 use super::live::Session;
-use hertzscope::measurement::compare::tolerance::ScoreLimits;
+use hertzscope::measurement::compare::score_limits::ScoreLimits;
 use hertzscope::measurement::compare::{Align, ComparedShot, compare};
 use hertzscope::recording::format::open;
 use hertzscope::recording::{Origin, TraceSet};

@@ -210,8 +210,8 @@ fn a_stale_answer_is_let_go() {
         other => panic!("{other:?}"),
     };
     let shot = session.model.shot().cloned();
-    session.model.struck(turn(&second), Err("the newest".to_owned()));
-    session.model.struck(turn(&first), Err("stale".to_owned()));
+    session.model.apply_strike_result(turn(&second), Err("the newest".to_owned()));
+    session.model.apply_strike_result(turn(&first), Err("stale".to_owned()));
     assert_eq!(session.model.notice(), Some("the newest"));
     assert_eq!(session.model.shot().cloned(), shot);
 }

@@ -122,8 +122,8 @@ fn what_is_no_recording_is_no_tape() {
 /// A model on a tape of three shots, with the first on screen.
 fn on_tape(follow: bool) -> ScreenState {
     let mut model = ScreenState::new(TraceSet::default(), "lab".to_owned(), Palette::Colour);
-    model.on_tape(follow);
-    model.tape_read(3, true, TraceSet::default());
+    model.open_partial_recording(follow);
+    model.apply_index(3, true, TraceSet::default());
     deliver(&mut model);
     model
 }
@@ -133,7 +133,7 @@ fn deliver(model: &mut ScreenState) -> Vec<usize> {
     let mut places = Vec::new();
     for request in model.take_requests() {
         let Request::Load(place) = request else { panic!("{request:?}") };
-        model.tape_shot(place, shots(9).swap_remove(place));
+        model.apply_shot(place, shots(9).swap_remove(place));
         places.push(place);
     }
     places
@@ -165,10 +165,10 @@ fn a_shot_is_read_when_it_is_looked_at() {
 #[test]
 fn followed_the_newest_shot_is_shown_and_else_the_one_that_was() {
     let mut followed = on_tape(true);
-    followed.tape_read(5, true, TraceSet::default());
+    followed.apply_index(5, true, TraceSet::default());
     assert_eq!(deliver(&mut followed), [4]);
     let mut left_alone = on_tape(false);
-    left_alone.tape_read(5, true, TraceSet::default());
+    left_alone.apply_index(5, true, TraceSet::default());
     assert!(deliver(&mut left_alone).is_empty());
     assert_eq!((left_alone.shots(), number(&left_alone)), (5, 1));
 }
@@ -203,12 +203,12 @@ fn playing_shows_a_shot_a_second_at_speed_one_and_stops_at_the_end() {
 #[test]
 fn a_comparison_waits_for_the_first_shot() {
     let mut model = ScreenState::new(TraceSet::default(), "lab".to_owned(), Palette::Colour);
-    model.on_tape(false);
+    model.open_partial_recording(false);
     model.compare_with("magnet-0.61g".to_owned());
     assert!(model.take_requests().is_empty());
-    model.tape_read(3, true, TraceSet::default());
+    model.apply_index(3, true, TraceSet::default());
     assert_eq!(model.take_requests(), [Request::Load(0)]);
-    model.tape_shot(0, shots(1).remove(0));
+    model.apply_shot(0, shots(1).remove(0));
     let asked = Request::Compare(Some("magnet-0.61g".to_owned()));
     assert_eq!(model.take_requests(), [asked]);
 }
@@ -241,7 +241,7 @@ fn a_followed_shot_is_shown_whole_in_the_end() {
     std::fs::write(&grown, first).expect("half a recording");
 
     let mut model = ScreenState::new(TraceSet::default(), "lab".to_owned(), Palette::Colour);
-    model.on_tape(true);
+    model.open_partial_recording(true);
     let (staff, news) = Workers::start(Some(IndexedRecording::open(&grown).expect("a tape")), true);
     let mut wait_for = |wanted: &dyn Fn(&Shot) -> bool| {
         while !model.shot().is_some_and(wanted) {

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use super::bench::{Screen, after, draw, four_channels};
 use super::live::Session;
-use hertzscope::measurement::compare::tolerance::ScoreLimits;
+use hertzscope::measurement::compare::score_limits::ScoreLimits;
 use hertzscope::measurement::compare::{Align, ComparedShot as Against, compare};
 use hertzscope::studies::cost::{ChosenMethod, CostStudy, Point, Reference};
 use hertzscope::studies::effects::{Change, EffectState, Ledger, LedgerEntry};
@@ -74,7 +74,7 @@ fn check(name: &str, model: &ScreenState) {
 /// A bench without what differs from machine to machine.
 fn bench() -> Session {
     let mut session = Session::bench("magnet-0.61g");
-    session.model.forget_wall_time();
+    session.model.clear_wall_time();
     session
 }
 
@@ -100,7 +100,7 @@ fn the_bench_and_its_traces() {
     let shown = |actions: &[Action]| {
         let mut session = bench();
         session.act(actions);
-        session.model.forget_wall_time();
+        session.model.clear_wall_time();
         session.model
     };
     check("bench-knobs", &shown(&[Action::Side(SidePanel::Knobs)]));
@@ -159,7 +159,7 @@ fn the_comparison() {
     let tolerance = ScoreLimits::parse("rms=1lsb").expect("a tolerance");
     let compared = compare(measured, simulated, (Align::Arrival, &[]), &tolerance).expect("scores");
     let answer = JobAnswer::Comparison(JobState::Done(Box::new(compared)));
-    session.model.answered(answer);
+    session.model.apply_answer(answer);
     check("compare", &session.model);
     session.act(&[Action::Channel(3), Action::Compare]);
     check("compare-overlay", &session.model);
@@ -210,8 +210,8 @@ fn entry(effect: &'static str, state: EffectState, peak: f64) -> LedgerEntry {
 #[test]
 fn accuracy() {
     let mut session = bench();
-    session.model.answered(JobAnswer::Study(JobState::Busy(0.4)));
-    session.model.answered(JobAnswer::Ledger(JobState::Failed("it cannot be run".to_owned())));
+    session.model.apply_answer(JobAnswer::Study(JobState::Busy(0.4)));
+    session.model.apply_answer(JobAnswer::Ledger(JobState::Failed("it cannot be run".to_owned())));
     update(&mut session.model, Action::Page(Page::Accuracy));
     session.model.take_requests();
     check("accuracy-busy", &session.model);
@@ -259,8 +259,8 @@ fn accuracy() {
             entry("plasticity", EffectState::Auto, 0.0),
         ],
     };
-    session.model.answered(JobAnswer::Study(JobState::Done(Box::new(study))));
-    session.model.answered(JobAnswer::Ledger(JobState::Done(Box::new(ledger))));
+    session.model.apply_answer(JobAnswer::Study(JobState::Done(Box::new(study))));
+    session.model.apply_answer(JobAnswer::Ledger(JobState::Done(Box::new(ledger))));
     update(&mut session.model, Action::NextKnob(TurnDirection::Up));
     check("accuracy", &session.model);
 }

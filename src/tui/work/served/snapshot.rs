@@ -90,7 +90,7 @@ impl ServedSnapshot {
     }
 
     /// Forgets that, so that the next look is a long one.
-    pub fn forget(&mut self) {
+    pub fn clear(&mut self) {
         self.short.clear();
     }
 
@@ -222,7 +222,7 @@ impl ServedSnapshot {
     }
 
     /// All of it for the screen, with new records if there are some.
-    pub fn heard(&self, bench: bool, records: Option<Vec<Capture>>) -> ServedUpdate {
+    pub fn update(&self, bench: bool, records: Option<Vec<Capture>>) -> ServedUpdate {
         let acquisition = match (self.field(1), self.field(2)) {
             ("1", "SEQUENCE") => RunState::Armed,
             ("1", _) => RunState::Running,
