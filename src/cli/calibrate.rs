@@ -6,7 +6,7 @@ use anyhow::{Context as _, bail};
 use clap::Args;
 use serde_json::json;
 
-use super::progress::Progress;
+use super::progress::JobProgress;
 use crate::files::{self, NewFolder};
 use crate::measurement::calibration::{self, Calibrated, sensor_file};
 use crate::quantity::{Dimension, parse};
@@ -16,7 +16,7 @@ use crate::report::calibration_design::design_page;
 use crate::report::certificate::{certificate, pictures};
 use crate::scene::plan;
 use crate::studies::momentum_test::coverage::coverage;
-use crate::studies::momentum_test::design::{Candidate, Designer, Lab, strikers};
+use crate::studies::momentum_test::design::{Designer, LabUncertainties, TestDesign, strikers};
 
 /// Calibrate a sensor through linear momentum: sensitivity, time constant, uncertainty budget, certificate
 #[derive(Debug, Args)]
@@ -78,9 +78,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
 
 fn simulate(arguments: &Arguments) -> anyhow::Result<()> {
     let sensor = arguments.simulate.as_deref().unwrap_or_default();
-    let lab = Lab { gain_u: arguments.gain_u, ..Lab::default() };
+    let lab = LabUncertainties { gain_u: arguments.gain_u, ..LabUncertainties::default() };
     let designer = Designer::new(sensor, lab, arguments.seed)?;
-    let mut progress = Progress::new("tests", arguments.quiet);
+    let mut progress = JobProgress::new("tests", arguments.quiet);
     let candidates = designer.search(&arguments.striker, &mut |share| progress.at(share));
     progress.done();
     let candidates = candidates?;
@@ -90,7 +90,7 @@ fn simulate(arguments: &Arguments) -> anyhow::Result<()> {
             strikers().iter().map(|s| s.name.clone()).collect::<Vec<_>>().join(", ")
         );
     };
-    let mut progress = Progress::new("blind calibrations", arguments.quiet);
+    let mut progress = JobProgress::new("blind calibrations", arguments.quiet);
     let checked = arguments.repeat.map(|repeats| {
         coverage(&designer, best, (repeats, arguments.seed), &mut |share| progress.at(share))
     });
@@ -114,7 +114,7 @@ fn simulate(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 /// The best test's plan and recordings, as a lab would bring them.
-fn write_test(folder: &Path, designer: &Designer, best: &Candidate) -> anyhow::Result<PathBuf> {
+fn write_test(folder: &Path, designer: &Designer, best: &TestDesign) -> anyhow::Result<PathBuf> {
     let test = designer.test(best)?;
     let new = NewFolder::replace(folder).with_context(|| folder.display().to_string())?;
     for (name, set) in &test.recordings {

@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, anyhow, bail};
 use clap::Args;
 
-use super::sensor::{Wired, wire_all, wired};
+use super::sensor::{SensorAssignment, wire_all, wired};
 use crate::files;
 use crate::recording::format::open;
 use crate::recording::tek_csv::TekCsvError;
-use crate::recording::{Capture, Instrument, Shot, TraceSet, isf, mcap, tek_csv};
+use crate::recording::{Capture, InstrumentIdentity, Shot, TraceSet, isf, mcap, tek_csv};
 use crate::report;
 use crate::scene::oscilloscope;
 use crate::scope::{Model, Source};
@@ -30,7 +30,7 @@ pub struct Arguments {
     instrument: Option<String>,
     /// A channel's sensor, a name or a file such as `calibrate` writes, to be noted in the recording (.mcap)
     #[arg(long, value_name = "CH=SENSOR", value_parser = wired)]
-    sensor: Vec<Wired>,
+    sensor: Vec<SensorAssignment>,
     /// Do not name the files written
     #[arg(short, long)]
     quiet: bool,
@@ -80,7 +80,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
 /// Gives captures of an unknown instrument one of this model.
 fn name_instrument(set: &mut TraceSet, model: &Model) {
     for capture in set.shots.iter_mut().flat_map(|shot| &mut shot.captures) {
-        capture.instrument.get_or_insert_with(|| Instrument {
+        capture.instrument.get_or_insert_with(|| InstrumentIdentity {
             model: model.name.replace(' ', ""),
             serial: model.serial.clone(),
             firmware: model.firmware.clone(),

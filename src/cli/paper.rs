@@ -6,13 +6,13 @@ use anyhow::Context as _;
 use clap::Args;
 
 use super::picture;
-use super::progress::Progress;
+use super::progress::JobProgress;
 use crate::experiment::facts;
 use crate::files::{self, NewFolder};
 use crate::recording::mcap::RecordingWriter;
 use crate::report;
 use crate::report::document::{html, markdown};
-use crate::studies::paper::{FIGURES, FigureRun, Study, study};
+use crate::studies::paper::{FIGURES, FigureRun, PaperStudy, study};
 
 const TITLE: &str = "Herbold et al. (2009), computed again";
 
@@ -41,7 +41,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         .as_ref()
         .map(|folder| NewFolder::replace(folder).with_context(|| shown(folder)));
     let new = new.transpose()?;
-    let mut progress = Progress::new("paper", arguments.quiet);
+    let mut progress = JobProgress::new("paper", arguments.quiet);
     let found = study(arguments.figure, &mut |share| progress.at(share));
     progress.done();
     let found = found?;
@@ -59,7 +59,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
 }
 
-fn write(folder: &NewFolder, study: &Study) -> anyhow::Result<()> {
+fn write(folder: &NewFolder, study: &PaperStudy) -> anyhow::Result<()> {
     let save = |name: &str, text: &str| {
         let file = folder.join(name);
         files::write(&file, text).with_context(|| file.display().to_string())

@@ -7,7 +7,7 @@ use anyhow::Context as _;
 use crate::files;
 
 /// What `--plot` takes.
-pub const ENDINGS: &str = "FILE.svg|FILE.png";
+pub const PICTURE_ENDINGS: &str = "FILE.svg|FILE.png";
 
 /// The name of a picture's file.
 pub fn file(text: &str) -> Result<PathBuf, String> {

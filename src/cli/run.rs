@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use anyhow::{anyhow, bail};
 use clap::Args;
 
-use super::accuracy::Asked;
+use super::accuracy::AccuracyArguments;
 use super::by_hand::{ByHand, step, tolerance};
-use super::progress::Progress;
+use super::progress::JobProgress;
 use crate::experiment::accuracy::run_to_accuracy;
-use crate::experiment::auto_effects::settle;
+use crate::experiment::auto_effects::resolve_auto_effects;
 use crate::experiment::by_hand::{advice, edge, run_by_hand};
 use crate::experiment::{Integration, RunError, facts, first_attempt};
 use crate::recording::mcap::RecordingWriter;
@@ -26,8 +26,8 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Relative error allowed in first-peak forces and times, e.g. 1e-6, or auto for what the scene's scope calls for [default: the scene's, else auto]
-    #[arg(long, value_name = "X", value_parser = Asked::parse, allow_hyphen_values = true, conflicts_with_all = ["method", "step", "tolerance"])]
-    accuracy: Option<Asked>,
+    #[arg(long, value_name = "X", value_parser = AccuracyArguments::parse, allow_hyphen_values = true, conflicts_with_all = ["method", "step", "tolerance"])]
+    accuracy: Option<AccuracyArguments>,
     /// Integration method to use with a step or a tolerance of your own
     #[arg(long, value_enum)]
     method: Option<ByHand>,
@@ -57,7 +57,7 @@ fn integration(
         let method = method.method(arguments.step, arguments.tolerance);
         return Ok((Integration::Method(method.map_err(|error| anyhow!(error))?), None));
     }
-    let chosen = Asked::of(arguments.accuracy, scene)?;
+    let chosen = AccuracyArguments::of(arguments.accuracy, scene)?;
     Ok((Integration::Accuracy(chosen.value), Some(chosen.reason)))
 }
 
@@ -66,7 +66,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     scene.seed = arguments.seed.unwrap_or(scene.seed);
     let (integration, reason) = integration(arguments, &scene)?;
     // Before the recording tells what it is of.
-    let scene = settle(&scene, integration);
+    let scene = resolve_auto_effects(&scene, integration);
     let facts = facts::facts(&scene, first_attempt(&scene, integration));
     let known = facts.map_err(|error| advised(error, &scene, integration))?;
     let attachments = [facts::scene_attachment(&scene)];
@@ -78,7 +78,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             RecordingWriter::create_numbered(&file, &known, &attachments)?
         }
     };
-    let mut progress = Progress::new(&scene.name, arguments.quiet);
+    let mut progress = JobProgress::new(&scene.name, arguments.quiet);
     let mut report = |share| progress.at(share);
     let outcome = match integration {
         Integration::Accuracy(accuracy) => run_to_accuracy(&scene, accuracy, 1, &mut report),

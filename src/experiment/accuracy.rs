@@ -147,7 +147,7 @@ pub fn run_to_accuracy(
             summary.notes.push(format!("steps are held to {steps:.0e}: {why}"));
         }
         summary.notes.extend(doubt(estimate.as_ref(), accuracy));
-        summary.error_estimate = estimate.filter(|_| summary.has_felt());
+        summary.error_estimate = estimate.filter(|_| summary.has_pulse());
         summary.note_energy("a tighter accuracy keeps it better");
         if let Some(time) = late {
             summary.note_horizon(time, steps);

@@ -28,7 +28,7 @@ const MOST_FORCES: f64 = 1e9;
 /// energy, and how far ahead the motion is known.
 ///
 /// # Errors
-/// Those of [`run`].
+/// Those of [`run`](fn@run).
 pub fn run_by_hand(
     scene: &Scene,
     method: Method,
@@ -67,7 +67,7 @@ pub fn run_by_hand(
         }
     }
     summary.note_energy(too_much(method));
-    summary.error_estimate = found.filter(|_| summary.has_felt());
+    summary.error_estimate = found.filter(|_| summary.has_pulse());
     Ok(outcome)
 }
 

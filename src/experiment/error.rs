@@ -5,7 +5,7 @@ use crate::integrate::IntegrateError;
 use crate::quantity::engineering;
 
 /// Most steps of a method with a step by hand: hours of work for a chain of the bench's size (1).
-pub(super) const MOST_STEPS: f64 = 1e9;
+pub(super) const MAX_STEPS: f64 = 1e9;
 
 /// Why a run has no result.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -20,7 +20,7 @@ pub enum RunError {
     },
     /// A step chosen by hand would take longer than anyone waits.
     #[error(
-        "found a step of {}, which takes {steps:.1e} steps, expected at most {MOST_STEPS:.0e} steps", seconds(*step)
+        "found a step of {}, which takes {steps:.1e} steps, expected at most {MAX_STEPS:.0e} steps", seconds(*step)
     )]
     TooManySteps {
         /// The step (s).

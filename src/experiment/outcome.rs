@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::energy::{EnergyLedger, TOLERABLE};
 use super::paper_speeds::PaperSpeed;
-use super::pulse::{FOOT, HALF_RISE, PEAK_SHARE, PassedOver, Peak, PulseRecorder};
+use super::pulse::{FOOT_SHARE, HALF_RISE_SHARE, PEAK_SHARE, PassedOver, Peak, PulseRecorder};
 use crate::chain::Chain;
 use crate::quantity::engineering;
 use crate::recording::Shot;
@@ -110,11 +110,11 @@ impl ErrorEstimate {
 
 /// A first peak that exceeds its threshold by so much stays one, and what lacks so much of it becomes none, whatever late forces come to: chaos shuffles
 /// energy about, it makes none. Less where two runs agree better (1).
-const CLEARLY: f64 = 0.5;
+const PEAK_MARGIN: f64 = 0.5;
 
 impl Summary {
     /// Whether a pulse was felt anywhere: of nothing no number says how far off it is.
-    pub(super) fn has_felt(&self) -> bool {
+    pub(super) fn has_pulse(&self) -> bool {
         self.sensors.iter().chain(&self.wall).any(|reading| reading.first_peak.is_some())
     }
 
@@ -133,7 +133,7 @@ impl Summary {
     pub(super) fn note_undecided(&mut self) {
         let Some(horizon) = self.horizon_s else { return };
         let differ = self.error_estimate.as_ref().and_then(|estimate| estimate.trace);
-        let clear = 1.0 + differ.map_or(CLEARLY, |differ| differ.min(CLEARLY));
+        let clear = 1.0 + differ.map_or(PEAK_MARGIN, |differ| differ.min(PEAK_MARGIN));
         let hangs = |reading: &&Reading| {
             let threshold = PEAK_SHARE * reading.largest_n;
             let is_late = reading.largest_s.is_some_and(|time| time > horizon);
@@ -201,8 +201,8 @@ impl Reading {
             largest_s: pulse.first_reach(pulse.largest()).filter(|_| !pulse.is_quiet()),
             first_peak,
             passed_over: pulse.passed_over(),
-            half_rise_s: reach(HALF_RISE),
-            ten_percent_s: reach(FOOT),
+            half_rise_s: reach(HALF_RISE_SHARE),
+            ten_percent_s: reach(FOOT_SHARE),
         }
     }
 }

@@ -7,7 +7,7 @@ use rand_distr::{Distribution, StandardUniform};
 use super::acquisition::{record, trigger};
 use super::bench::{Bench, Grid};
 use super::energy::EnergyLedger;
-use super::error::{MOST_STEPS, RunError};
+use super::error::{MAX_STEPS, RunError};
 use super::integration::Integration;
 use super::outcome::{Outcome, Reading, Summary, TriggerReport};
 use super::{auto_effects, method_choice, notes, outcome, paper_speeds, yielding};
@@ -15,11 +15,11 @@ use crate::chain::ForceProbe;
 use crate::integrate::Method;
 use crate::recording::Shot;
 use crate::scene::{PlacedSensor, Scene, Site};
-use crate::scope::acquire::Found;
+use crate::scope::acquire::TriggerPosition;
 use crate::scope::front_end::noise_stream;
 
 /// Frames of the film over a scene's duration.
-pub(crate) const FRAMES: f64 = 200.0;
+pub(crate) const FRAMES_PER_RUN: f64 = 200.0;
 /// Samples kept before the earliest that a record can need.
 const SPARE_SAMPLES: f64 = 20.0;
 /// Stream of the sample clock's phase; channels use 1 to 4.
@@ -35,11 +35,11 @@ pub fn run(
     shot: u32,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Outcome, RunError> {
-    let scene = &*auto_effects::settle(scene, integration);
+    let scene = &*auto_effects::resolve_auto_effects(scene, integration);
     let started = Instant::now();
     let method = method(scene, integration)?;
     let grid = sample_grid(scene, shot);
-    let frames = Grid { start: 0.0, interval: scene.duration / FRAMES };
+    let frames = Grid { start: 0.0, interval: scene.duration / FRAMES_PER_RUN };
     let probes = probes(scene);
     let velocities = scene.velocities(shot);
     let mut bench = Bench::new(&scene.chain, &velocities, method, &probes, (grid, frames));
@@ -67,7 +67,7 @@ pub(crate) fn method(scene: &Scene, integration: Integration) -> Result<Method, 
     method_choice::refuse(scene, method)?;
     if let Some((step, _)) = method.fixed_step() {
         let steps = scene.duration / step;
-        if steps > MOST_STEPS {
+        if steps > MAX_STEPS {
             return Err(RunError::TooManySteps { step, steps });
         }
     }
@@ -115,7 +115,7 @@ struct Finished<'a> {
     integration: Integration,
     method: Method,
     bench: &'a Bench<'a>,
-    found: Option<Found>,
+    found: Option<TriggerPosition>,
     wall_s: f64,
 }
 

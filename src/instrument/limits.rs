@@ -4,7 +4,7 @@
 
 use super::panel::Channel;
 use crate::scope::Model;
-use crate::scope::model::ROUNDED_UP;
+use crate::scope::model::RANGE_END_FACTOR;
 
 /// The nearest of `choices` on a logarithmic scale, or `value` if there are none (unit).
 pub fn nearest(value: f64, choices: &[f64]) -> f64 {
@@ -44,10 +44,10 @@ pub fn turn_scale(model: &Model, channel: &mut Channel, scale: f64) {
 pub fn vertical_position(model: &Model, position: f64, scale: f64, probe: f64) -> f64 {
     let at_input = scale / probe;
     let limits = &model.limits;
-    let is_near = at_input <= limits.near_offset_until * ROUNDED_UP;
+    let is_near = at_input <= limits.near_offset_until * RANGE_END_FACTOR;
     let reach = if is_near { limits.near_offset } else { limits.far_offset };
     let steps_in_division = (1.0 / model.position_step).round().max(1.0);
-    let farthest = (reach / at_input * ROUNDED_UP * steps_in_division).floor();
+    let farthest = (reach / at_input * RANGE_END_FACTOR * steps_in_division).floor();
     (position * steps_in_division).round().clamp(-farthest, farthest) / steps_in_division
 }
 
@@ -63,7 +63,7 @@ pub fn horizontal_position(model: &Model, position: f64, scale: f64) -> f64 {
     let latest = limits
         .latest_positions
         .iter()
-        .find(|(until, _)| scale <= until * ROUNDED_UP)
+        .find(|(until, _)| scale <= until * RANGE_END_FACTOR)
         .or(limits.latest_positions.last())
         .map_or(0.0, |(_, latest)| *latest);
     let clamped = position.clamp(-limits.earliest_position * scale, latest.max(0.0));

@@ -8,19 +8,19 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::log::{Entry, Header, Scan, logs, scan};
+use super::log::{LogHeader, LoggedRun, Scan, logs, scan};
 use super::row::cells;
-use super::table::Table;
-use super::work::Tally;
+use super::table::TableWriter;
+use super::work::RunCounts;
 use super::{SweepError, at};
 
 /// What the logs of a sweep hold together.
 #[derive(Debug)]
-pub struct Gathered {
-    header: Header,
+pub struct GatheredLogs {
+    header: LogHeader,
     files: Vec<PathBuf>,
     /// For each finished run the log that it stands in, and where.
-    found: BTreeMap<u64, (u32, Entry)>,
+    found: BTreeMap<u64, (u32, LoggedRun)>,
     /// What the user should know.
     pub notices: Vec<String>,
 }
@@ -34,7 +34,7 @@ pub struct Gap {
     pub last: u64,
 }
 
-impl Gathered {
+impl GatheredLogs {
     /// Reads all logs in `folder`.
     ///
     /// # Errors
@@ -53,15 +53,15 @@ impl Gathered {
         all.ok_or_else(nothing)
     }
 
-    fn begin(header: &Header) -> Self {
+    fn begin(header: &LogHeader) -> Self {
         let header = header.clone();
         Self { header, files: Vec::new(), found: BTreeMap::new(), notices: Vec::new() }
     }
 
     fn add(&mut self, scan: &Scan) -> Result<(), SweepError> {
-        let Header { instructions, .. } = &scan.header;
+        let LogHeader { instructions, .. } = &scan.header;
         let as_if =
-            Header { instructions: self.header.instructions.clone(), ..scan.header.clone() };
+            LogHeader { instructions: self.header.instructions.clone(), ..scan.header.clone() };
         if as_if != self.header {
             return Err(SweepError::OtherSweep { file: scan.file.display().to_string() });
         }
@@ -122,16 +122,16 @@ impl Gathered {
         &self,
         tables: &[PathBuf],
         progress: &mut dyn FnMut(f64),
-    ) -> Result<Tally, SweepError> {
+    ) -> Result<RunCounts, SweepError> {
         let open = |file: &PathBuf| File::open(file).map(BufReader::new).map_err(at(file));
         let mut readers = self.files.iter().map(open).collect::<Result<Vec<_>, _>>()?;
         // Where each reader stands.
         let mut places = vec![0_u64; readers.len()];
         let columns = &self.header.columns;
         let error = columns.iter().position(|column| column.name == "error").unwrap_or(usize::MAX);
-        let create = |file: &PathBuf| Table::create(file, columns);
+        let create = |file: &PathBuf| TableWriter::create(file, columns);
         let mut tables = tables.iter().map(create).collect::<Result<Vec<_>, _>>()?;
-        let mut tally = Tally::default();
+        let mut tally = RunCounts::default();
         for (index, (log, entry)) in self.found.values().enumerate() {
             let log = *log as usize;
             let away = entry.offset.wrapping_sub(places[log]).cast_signed();
@@ -155,7 +155,7 @@ impl Gathered {
                 progress(index as f64 / self.found.len() as f64);
             }
         }
-        tables.into_iter().try_for_each(Table::finish)?;
+        tables.into_iter().try_for_each(TableWriter::finish)?;
         Ok(tally)
     }
 }

@@ -1,7 +1,6 @@
-//! Holds the walls of the house: which module may use which, how numbers are documented, how long files
-//! may grow, and that the README tells the truth about folders.
+//! Checks which module uses which, that type names are unique, that numbers have units, how long files are, and the README's list of folders.
 //!
-//! What is allowed stands in `ARCHITECTURE.md`; this test reads it there, so that the document cannot
+//! `ARCHITECTURE.md` names what is allowed; this test reads it there, so that the document cannot
 //! drift away from the code. Each rule is a function from sources to violations, and each is shown
 //! to find a violation in a small source of its own, since a check that cannot fail checks nothing.
 //!
@@ -10,6 +9,7 @@
 
 mod circles;
 mod dependencies;
+mod names;
 mod paths;
 mod readme;
 mod sizes;
@@ -79,6 +79,11 @@ fn the_table_has_no_cycle_and_names_only_its_own_modules() {
 #[test]
 fn files_of_a_module_do_not_use_each_other_in_circles() {
     refuse(circles::check(&sources(), KNOWN_CIRCLES));
+}
+
+#[test]
+fn every_public_type_name_stands_for_one_thing() {
+    refuse(names::check(&sources()));
 }
 
 #[test]

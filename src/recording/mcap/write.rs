@@ -170,7 +170,7 @@ impl RecordingWriter {
     /// [`WriteError`] where the file cannot be written.
     pub fn add(&mut self, shot: &Shot, notes: &ShotNotes) -> Result<(), WriteError> {
         let at = shot.timestamp_ns;
-        let set_up = message::Setup {
+        let set_up = message::SetupMessage {
             timestamp: Some(timestamp(at)),
             shot: shot.number,
             set: notes.set_up.clone(),
@@ -188,12 +188,15 @@ impl RecordingWriter {
             self.message(&topic, Schema::Series, at, &message.encode_to_vec())?;
         }
         if let Some(energy) = &notes.energy {
-            let energy =
-                message::Energy { timestamp: Some(timestamp(at)), shot: shot.number, ..*energy };
+            let energy = message::EnergyMessage {
+                timestamp: Some(timestamp(at)),
+                shot: shot.number,
+                ..*energy
+            };
             self.message("/energy", Schema::Energy, at, &energy.encode_to_vec())?;
         }
         for (warning, line) in &notes.log {
-            let log = message::Log {
+            let log = message::LogMessage {
                 timestamp: Some(timestamp(at)),
                 level: if *warning { message::WARNING } else { message::INFORMATION },
                 message: line.clone(),

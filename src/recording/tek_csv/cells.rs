@@ -238,7 +238,8 @@ impl<'a> Iterator for RowFields<'a> {
 }
 
 fn split(line: &str, separator: char) -> Vec<(&str, usize)> {
-    let fields = RowFields::of(line, separator, true).map(|(cell, column)| (bare(Some(cell)), column));
+    let fields =
+        RowFields::of(line, separator, true).map(|(cell, column)| (bare(Some(cell)), column));
     if separator == ' ' {
         let filled = fields.flat_map(|(cell, column)| {
             cell.split('\t').filter(|part| !part.is_empty()).map(move |part| (part, column))
@@ -290,7 +291,11 @@ mod tests {
             ("79.999998212E-3", 79.999_998_212e-3, 12, 11),
             ("0", 0.0, 0, 0),
         ] {
-            assert_eq!(printed(text, false), Some(PrintedNumber { value, decimals, digits }), "{text}");
+            assert_eq!(
+                printed(text, false),
+                Some(PrintedNumber { value, decimals, digits }),
+                "{text}"
+            );
         }
         assert_eq!(printed("-0,04", true).map(|p| p.value), Some(-0.04));
         for text in ["", "nan", "inf", "1e999", "1,5", "0x1", "1.5.2", "-"] {

@@ -166,7 +166,7 @@ pub(super) fn one_two_five(value: f64, tolerance: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recording::tek_csv::cells::Table;
+    use crate::recording::tek_csv::cells::CsvRows;
 
     fn column(text: &str) -> SampleColumn {
         let table = CsvRows::new("a.csv", text).expect("short");

@@ -72,7 +72,8 @@ impl FromStr for TableColumns {
                 .ok_or_else(|| wrong(format!("`{part}` has no column, counted from 1")))?;
             Ok(GivenColumn { label, index, unit })
         };
-        let columns: Vec<GivenColumn> = text.split(',').map(column).collect::<Result<_, String>>()?;
+        let columns: Vec<GivenColumn> =
+            text.split(',').map(column).collect::<Result<_, String>>()?;
         let times = columns.iter().filter(|column| Self::is_time(&column.label)).count();
         if times != 1 || columns.len() < 2 {
             return Err(wrong(format!("{times} columns of times and {} in all", columns.len())));

@@ -7,7 +7,7 @@ use super::error::place;
 use super::error::{FileLocation, TekCsvError, excerpt};
 use super::layout::{self, Domain, HeaderLayout, Numbers};
 use crate::quantity::c_exponential;
-use crate::recording::Instrument;
+use crate::recording::InstrumentIdentity;
 use crate::scope::{PointFormat, Source};
 
 /// RowFields in every row.

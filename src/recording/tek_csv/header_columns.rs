@@ -4,15 +4,15 @@
 //! The keys are found by name, wherever they stand in their column. A row whose time and value are no numbers is
 //! passed over while no sample has been seen, and refused later.
 
-use super::cells::Table;
-use super::column::Column;
+use super::cells::CsvRows;
+use super::column::SampleColumn;
 use super::detection::rows_above;
 use super::error::{TekCsvError, excerpt};
 use super::layout;
 use super::names;
-use super::times::Stated;
+use super::times::StatedTimeBase;
 use super::unscaled_import::UnscaledImport;
-use crate::recording::Instrument;
+use crate::recording::InstrumentIdentity;
 use crate::scope::{PointFormat, Source};
 
 /// Rows that are searched for keys.

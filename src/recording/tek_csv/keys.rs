@@ -1,7 +1,7 @@
 //! Keys and values that an instrument writes above the columns of a table: one value, one for each channel, or the whole list
 //! again for a table to the right.
 
-use super::cells::Table;
+use super::cells::CsvRows;
 use super::error::{TekCsvError, excerpt};
 use super::names;
 use crate::scope::Source;
@@ -90,7 +90,11 @@ impl<'a> TableKeys<'a, '_> {
     }
 
     /// A number; none where the file has no such key or nothing beside it.
-    pub(super) fn number(&self, keys: &[&str], asked: KeyRequest) -> Result<Option<f64>, TekCsvError> {
+    pub(super) fn number(
+        &self,
+        keys: &[&str],
+        asked: KeyRequest,
+    ) -> Result<Option<f64>, TekCsvError> {
         let Some((row, cell, text)) = self.find(keys, asked) else { return Ok(None) };
         let row = self.table.row(row);
         match row.parse(text) {

@@ -23,7 +23,7 @@
 //! `si = (100/99) fs/2048`.
 //!
 //! # Which dialect is written
-//! An [`Instrument`](super::Instrument) with a model gives the 18-row header; one whose model and
+//! An [`InstrumentIdentity`](super::InstrumentIdentity) with a model gives the 18-row header; one whose model and
 //! serial number are empty gives the 16-row header, and reading that leaves both empty.
 //!
 //! # Sources
@@ -65,7 +65,7 @@ mod times;
 mod unscaled_import;
 mod write;
 
-pub use columns::{TableColumns, EXAMPLE as COLUMNS_EXAMPLE};
+pub use columns::{EXAMPLE as COLUMNS_EXAMPLE, TableColumns};
 pub use dialect::Dialect;
 pub use error::{FileLocation, TekCsvError};
 pub use read::{MAXIMUM_BYTES, read, read_all, read_columns};

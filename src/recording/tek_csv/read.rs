@@ -3,7 +3,7 @@
 //! sources: the module above.
 
 use super::abscissa::Abscissa;
-use super::cells::Table;
+use super::cells::CsvRows;
 use super::columns::TableColumns;
 use super::detection;
 use super::dialect::Dialect;

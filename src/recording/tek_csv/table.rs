@@ -7,12 +7,12 @@
 //! A column of times is never a channel; what cannot be told is refused, and `--columns` says it.
 
 use super::cells::{Cells, CsvRows};
-use super::column::Column;
+use super::column::SampleColumn;
 use super::columns::{self, TableColumns};
 use super::error::{TekCsvError, excerpt};
 use super::keys::{self, KeyRequest, TableKeys};
 use super::names::{self, ColumnName, ColumnRole, ColumnUnit, unit};
-use super::times::{StatedTimeBase, EvenTimes};
+use super::times::{EvenTimes, StatedTimeBase};
 use super::unscaled_import::UnscaledImport;
 use crate::recording::{Capture, InstrumentIdentity};
 use crate::scope::{PointFormat, Source};
@@ -241,8 +241,13 @@ impl ColumnPlan {
         Ok(Self { channels: channels.collect(), notes: Vec::new(), given: true })
     }
 
-    fn by_names(table: &CsvRows<'_>, layout: &TableLayout, body: &Body) -> Result<Self, TekCsvError> {
-        let names: Vec<ColumnName> = layout.cells.iter().map(|cell| layout.name(table, *cell)).collect();
+    fn by_names(
+        table: &CsvRows<'_>,
+        layout: &TableLayout,
+        body: &Body,
+    ) -> Result<Self, TekCsvError> {
+        let names: Vec<ColumnName> =
+            layout.cells.iter().map(|cell| layout.name(table, *cell)).collect();
         let times = times(table, layout, body, &names)?;
         let mut plan = Self { channels: Vec::new(), notes: Vec::new(), given: false };
         let mut refused = Vec::new();
@@ -273,7 +278,9 @@ impl ColumnPlan {
                 (ColumnRole::OtherQuantity, _) => {
                     refused.push(format!("{place} has no unit and is no voltage"))
                 }
-                (ColumnRole::Nameless | ColumnRole::Abscissa | ColumnRole::Index, None) if layout.names.is_some() => {
+                (ColumnRole::Nameless | ColumnRole::Abscissa | ColumnRole::Index, None)
+                    if layout.names.is_some() =>
+                {
                     refused.push(format!("{place} has no name that tells what it is"));
                 }
                 (role, None) => {
@@ -400,9 +407,10 @@ impl ColumnPlan {
                 draft.x_unit = channel.time_unit.as_ref().map(|unit| unit.text.to_owned());
             }
             None => {
-                let even = layout
-                    .even
-                    .map(|(start, step)| EvenTimes { interval: step, trigger_point: -start / step });
+                let even = layout.even.map(|(start, step)| EvenTimes {
+                    interval: step,
+                    trigger_point: -start / step,
+                });
                 (draft.even, draft.x_unit) = (even, Some("s".to_owned()));
             }
         }
@@ -490,7 +498,7 @@ fn times(
     table: &CsvRows<'_>,
     layout: &TableLayout,
     body: &Body,
-    names: &[Name],
+    names: &[ColumnName],
 ) -> Result<Vec<usize>, TekCsvError> {
     let all = || layout.cells.iter().copied().zip(names).zip(&body.columns);
     if layout.even.is_some() {
@@ -505,13 +513,17 @@ fn times(
         // Times in two units beside each other are one column of times.
         return Ok(named);
     }
-    let unknown_unit = |name: &&Name| name.role == ColumnRole::Abscissa && name.unknown_unit.is_some();
+    let unknown_unit =
+        |name: &&ColumnName| name.role == ColumnRole::Abscissa && name.unknown_unit.is_some();
     if let Some(unit) = names.iter().find(unknown_unit).and_then(|name| name.unknown_unit.as_ref())
     {
         return Err(unknown(table, &format!("a unit of times that is known, not `{unit}`")));
     }
-    let may_be = |name: &Name| {
-        let is_channel = matches!(name.role, ColumnRole::Values(Some(_)) | ColumnRole::Extra | ColumnRole::Index);
+    let may_be = |name: &ColumnName| {
+        let is_channel = matches!(
+            name.role,
+            ColumnRole::Values(Some(_)) | ColumnRole::Extra | ColumnRole::Index
+        );
         !is_channel && name.unit.is_none() && name.unknown_unit.is_none()
     };
     let possible = || all().filter(|((_, name), _)| may_be(name));

@@ -6,7 +6,7 @@
 use super::column::{SampleColumn, one_two_five, ten_to};
 use super::error::TekCsvError;
 use super::levels::{LevelSource, ValueGrid};
-use super::times::{StatedTimeBase, EvenTimes};
+use super::times::{EvenTimes, StatedTimeBase};
 use crate::quantity::engineering;
 use crate::recording::{Capture, InstrumentIdentity};
 use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
@@ -61,7 +61,7 @@ impl UnscaledImport {
         let found = self.values.len();
         if found < FEWEST {
             let file = file.to_owned();
-            let highest = super::cells::MOST_ROWS;
+            let highest = super::cells::MAX_ROWS;
             return Err(TekCsvError::SampleCount { file, found, lowest: FEWEST, highest });
         }
         let x_unit = self.x_unit.take().unwrap_or_else(|| self.assume("s", "unit of the times"));
@@ -190,7 +190,8 @@ impl UnscaledImport {
     fn guess_scale(&mut self, grid: &ValueGrid, unit: &str) -> f64 {
         let per_division = format!("{unit}/div");
         let (low, high) = grid.range();
-        if grid.evidence == LevelSource::Gaps && high - low <= i64::from(HIGHEST_CODE - LOWEST_CODE) {
+        if grid.evidence == LevelSource::Gaps && high - low <= i64::from(HIGHEST_CODE - LOWEST_CODE)
+        {
             let scale = grid.step * LEVELS_PER_DIVISION;
             let scale = one_two_five(scale, 1e-9).unwrap_or(scale);
             let text = engineering(scale, &per_division, 3);

@@ -9,12 +9,12 @@ use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 use super::plan::Column;
-use super::row::Row;
+use super::row::ResultRow;
 use super::{SweepError, at};
 use crate::files::{NewFile, Output as _};
 
 /// A table that is being written, under another name until it is whole.
-pub(super) struct Table {
+pub(super) struct TableWriter {
     file: PathBuf,
     out: Out,
 }
@@ -44,7 +44,7 @@ fn extension(file: &Path) -> Option<&str> {
     file.extension().and_then(|extension| extension.to_str())
 }
 
-impl Table {
+impl TableWriter {
     pub(super) fn create(file: &Path, columns: &[Column]) -> Result<Self, SweepError> {
         check(file)?;
         let created = NewFile::replace(file).map_err(at(file))?;
@@ -55,7 +55,7 @@ impl Table {
             }
             Some("jsonl") => Out::JsonLines(BufWriter::new(created), columns.to_vec()),
             _ => {
-                let mut head = Row::default();
+                let mut head = ResultRow::default();
                 for column in columns {
                     head.text(&column.name);
                 }

@@ -13,7 +13,7 @@ use parquet::schema::types::Type;
 
 use crate::files::NewFile;
 use crate::sweep::SweepError;
-use crate::sweep::plan::{Column, Kind};
+use crate::sweep::plan::{Column, ColumnKind};
 
 /// Rows that are kept in memory and written together.
 const ROWS_OF_GROUP: usize = 65_536;
@@ -67,9 +67,9 @@ fn begin(file: NewFile, columns: &[Column]) -> Result<SerializedFileWriter<NewFi
     let mut fields = Vec::with_capacity(columns.len());
     for column in columns {
         let (physical, logical) = match column.kind {
-            Kind::Number => (Physical::DOUBLE, None),
-            Kind::Count => (Physical::INT64, None),
-            Kind::Text => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
+            ColumnKind::Number => (Physical::DOUBLE, None),
+            ColumnKind::Count => (Physical::INT64, None),
+            ColumnKind::Text => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
         };
         let field = Type::primitive_type_builder(&column.name, physical)
             .with_repetition(Repetition::OPTIONAL)
@@ -99,11 +99,11 @@ fn group(
 }
 
 impl Values {
-    fn of(kind: Kind) -> Self {
+    fn of(kind: ColumnKind) -> Self {
         match kind {
-            Kind::Number => Self::Numbers(Vec::new()),
-            Kind::Count => Self::Counts(Vec::new()),
-            Kind::Text => Self::Texts(Vec::new()),
+            ColumnKind::Number => Self::Numbers(Vec::new()),
+            ColumnKind::Count => Self::Counts(Vec::new()),
+            ColumnKind::Text => Self::Texts(Vec::new()),
         }
     }
 

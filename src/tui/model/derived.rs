@@ -1,9 +1,9 @@
 //! What is worked out from the traces for the pages: spectra, measurements, arrivals. Only what is on screen is, and only when it
 //! has changed.
 
-use super::Model;
-use super::state::{Derived, Key, Page, Reading, Side};
-use crate::analysis::spectrum::{Analyser, Settings, Spectrum};
+use super::ScreenState;
+use super::state::{Derived, DerivedKey, MeasurementReading, Page, SidePanel};
+use crate::analysis::spectrum::{Analyser, Spectrum, SpectrumSettings};
 use crate::analysis::time_frequency::{Pieces, Spectrogram};
 use crate::analysis::window::Window;
 use crate::instrument::measure::{measure, unit};
@@ -14,11 +14,11 @@ use crate::scope::Source;
 use crate::trace::Trace;
 
 /// Pieces of the map are this part of the record.
-const SEGMENTS: usize = 16;
+const PIECES_PER_RECORD: usize = 16;
 /// They move on by this part of themselves.
-const OVERLAP: usize = 8;
+const HOPS_PER_PIECE: usize = 8;
 /// Spectra of records longer than this are made of every second, third, ... sample: a terminal shows no more.
-const MOST_SAMPLES: usize = 20_000;
+const MAX_SPECTRUM_SAMPLES: usize = 20_000;
 
 /// The measurements of the side panel with the names that the instrument's menu gives them.
 const MEASUREMENTS: [(&str, MeasurementType); 11] = [
@@ -35,7 +35,7 @@ const MEASUREMENTS: [(&str, MeasurementType); 11] = [
     ("-Width", MeasurementType::NegativeWidth),
 ];
 
-impl Model {
+impl ScreenState {
     /// What was worked out for the screen.
     pub fn derived(&self) -> &Derived {
         &self.derived
@@ -50,8 +50,12 @@ impl Model {
 
     /// Works out what the screen shows, unless it has.
     pub(super) fn derive(&mut self) {
-        let key =
-            Key { version: self.version, source: self.selected, page: self.page, side: self.side };
+        let key = DerivedKey {
+            version: self.version,
+            source: self.selected,
+            page: self.page,
+            side: self.side,
+        };
         if self.derived.made_of == Some(key) {
             return;
         }
@@ -70,16 +74,16 @@ impl Model {
         if self.page == Page::Map {
             derived.map = Some(trace.and_then(|trace| map(&trace)));
         }
-        if self.side == Side::Measurements {
+        if self.side == SidePanel::Measurements {
             derived.readings = self.readings();
             derived.survey = self.set_shot().map(|shot| survey(&self.set, shot));
         }
         self.derived = derived;
     }
 
-    fn readings(&self) -> Vec<Reading> {
+    fn readings(&self) -> Vec<MeasurementReading> {
         let Some(capture) = self.selected() else { return Vec::new() };
-        let reading = |(name, kind): (&'static str, MeasurementType)| Reading {
+        let reading = |(name, kind): (&'static str, MeasurementType)| MeasurementReading {
             name,
             value: measure(kind, &capture.waveform).ok(),
             unit: match unit(kind) {
@@ -93,21 +97,25 @@ impl Model {
 
 /// Every so manieth sample of a long record.
 fn thinned(trace: Trace) -> Trace {
-    let step = trace.values.len().div_ceil(MOST_SAMPLES).max(1);
+    let step = trace.values.len().div_ceil(MAX_SPECTRUM_SAMPLES).max(1);
     #[expect(clippy::cast_precision_loss, reason = "a small whole number")]
     let interval = trace.interval * step as f64;
     Trace { interval, values: trace.values.into_iter().step_by(step).collect(), ..trace }
 }
 
 fn spectrum(trace: &Trace) -> Result<Spectrum, String> {
-    let settings = Settings { offset: mean(trace), ..Settings::default() };
+    let settings = SpectrumSettings { offset: mean(trace), ..SpectrumSettings::default() };
     Analyser::new().spectrum(trace, &settings).map_err(|error| error.to_string())
 }
 
 fn map(trace: &Trace) -> Result<Spectrogram, String> {
-    let segment = (trace.values.len() / SEGMENTS).max(2);
-    let pieces = Pieces { segment, hop: (segment / OVERLAP).max(1) };
-    let settings = Settings { offset: mean(trace), window: Window::Hann, ..Settings::default() };
+    let segment = (trace.values.len() / PIECES_PER_RECORD).max(2);
+    let pieces = Pieces { segment, hop: (segment / HOPS_PER_PIECE).max(1) };
+    let settings = SpectrumSettings {
+        offset: mean(trace),
+        window: Window::Hann,
+        ..SpectrumSettings::default()
+    };
     Spectrogram::of(&mut Analyser::new(), trace, &settings, pieces).map_err(|e| e.to_string())
 }
 

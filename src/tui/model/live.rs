@@ -1,17 +1,17 @@
 //! The live bench: strikes it, and takes what a strike brought.
 
-use super::Model;
-use super::live_state::{Live, Struck};
-use super::state::{Acquisition, Request, Strike};
+use super::ScreenState;
+use super::live_state::{LiveBench, StrikeResult};
+use super::state::{Request, RunState, StrikeRequest};
 
-impl Model {
+impl ScreenState {
     /// The bench behind the screen; none behind a recording.
-    pub fn live(&self) -> Option<&Live> {
+    pub fn live(&self) -> Option<&LiveBench> {
         self.live.as_ref()
     }
 
     /// Takes out of the last impact what differs from machine to machine, so that pictures can be compared.
-    pub fn forget_wall_time(&mut self) {
+    pub fn clear_wall_time(&mut self) {
         if let Some(summary) = self.live.as_mut().and_then(|live| live.summary.as_mut()) {
             summary.wall_s = 0.0;
         }
@@ -19,12 +19,12 @@ impl Model {
 
     /// Opens the bench of scene `base` (a name that ships, or a whole path) and strikes it.
     pub fn open_bench(&mut self, base: String) {
-        self.live = Some(Live::new(base));
+        self.live = Some(LiveBench::new(base));
         self.strike();
     }
 
     /// The bench, or a word that there is none.
-    pub(super) fn bench(&mut self) -> Option<&mut Live> {
+    pub(super) fn bench(&mut self) -> Option<&mut LiveBench> {
         if self.live.is_none() {
             let word =
                 "a recording cannot be turned: `hertzscope view SCENE` opens a bench that can";
@@ -38,7 +38,7 @@ impl Model {
         let Some(live) = &mut self.live else { return };
         live.asked += 1;
         let name = self.title.clone();
-        let strike = Strike { name, text: live.text(), shot: live.shot, turn: live.asked };
+        let strike = StrikeRequest { name, text: live.text(), shot: live.shot, turn: live.asked };
         self.requests.retain(|request| !matches!(request, Request::Strike(_)));
         self.requests.push(Request::Strike(strike));
     }
@@ -57,7 +57,7 @@ impl Model {
         }
         let Some(live) = &mut self.live else { return };
         live.settings.insert(path, value);
-        if live.acquisition == Acquisition::Running {
+        if live.acquisition == RunState::Running {
             self.strike();
         } else {
             self.notice =
@@ -66,7 +66,7 @@ impl Model {
     }
 
     /// The answer to a strike; one that is older than what is on screen is let go.
-    pub fn struck(&mut self, turn: u64, answer: Result<Box<Struck>, String>) {
+    pub fn apply_strike_result(&mut self, turn: u64, answer: Result<Box<StrikeResult>, String>) {
         let Some(live) = &mut self.live else { return };
         if turn < live.shown {
             return;
@@ -86,14 +86,14 @@ impl Model {
             live.good = live.settings.clone();
         }
         let triggered = struck.summary.trigger.crossed;
-        if live.acquisition == Acquisition::Armed && triggered {
-            live.acquisition = Acquisition::Stopped;
+        if live.acquisition == RunState::Armed && triggered {
+            live.acquisition = RunState::Stopped;
         }
         live.summary = Some(struck.summary);
         let other = self.scene.as_ref().is_none_or(|scene| scene.texts != struck.scene.texts);
         self.scene = Some(struck.scene);
         if other {
-            self.outdated();
+            self.invalidate_studies();
         }
         let held = struck.set.shots.iter().all(|shot| shot.captures.is_empty());
         if held && !self.set.shots.is_empty() {
@@ -103,7 +103,7 @@ impl Model {
         self.persist_traces();
         self.set = struck.set;
         self.shot = 0;
-        self.fresh();
+        self.reload_traces();
         self.compare_again();
     }
 
@@ -114,10 +114,10 @@ impl Model {
         }
         let Some(live) = &mut self.live else { return };
         live.acquisition = match live.acquisition {
-            Acquisition::Stopped => Acquisition::Running,
-            Acquisition::Running | Acquisition::Armed => Acquisition::Stopped,
+            RunState::Stopped => RunState::Running,
+            RunState::Running | RunState::Armed => RunState::Stopped,
         };
-        if live.acquisition == Acquisition::Running {
+        if live.acquisition == RunState::Running {
             self.strike();
         }
     }
@@ -125,7 +125,7 @@ impl Model {
     /// Waits for one trigger.
     pub(super) fn arm(&mut self) {
         if let Some(live) = self.bench() {
-            live.acquisition = Acquisition::Armed;
+            live.acquisition = RunState::Armed;
             self.notice = Some("armed: i strikes the chain".to_owned());
             if self.is_served() {
                 self.send(":ACQ:STOPA SEQ;STATE RUN");
@@ -136,7 +136,7 @@ impl Model {
     /// Strikes the chain once, with noise and clock of their own; a scope that is stopped does not see it.
     pub(super) fn impact(&mut self) {
         let Some(live) = self.bench() else { return };
-        if live.acquisition == Acquisition::Stopped {
+        if live.acquisition == RunState::Stopped {
             self.notice =
                 Some("the scope is stopped: s arms it for one trigger, space runs it".to_owned());
             return;

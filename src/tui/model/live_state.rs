@@ -6,18 +6,18 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use super::state::Acquisition;
+use super::state::RunState;
 use crate::experiment::outcome::Summary;
 use crate::recording::TraceSet;
 use crate::scene::Scene;
 use crate::scope::Setup;
 
 /// What was typed for each path, `striker.speed`.
-pub type Settings = BTreeMap<String, String>;
+pub type TunedSettings = BTreeMap<String, String>;
 
 /// An impact that was simulated.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Struck {
+pub struct StrikeResult {
     /// The bench.
     pub scene: Scene,
     /// The recording of this one shot.
@@ -28,34 +28,34 @@ pub struct Struck {
 
 /// The bench behind the screen.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Live {
+pub struct LiveBench {
     /// The scene that was opened: a name that ships, or a whole path.
     pub base: String,
-    pub(super) settings: Settings,
+    pub(super) settings: TunedSettings,
     /// The settings that the bench took last.
-    pub(super) good: Settings,
-    /// Place of the selected knob in [`Knob::ALL`](super::knobs::Knob::ALL).
+    pub(super) good: TunedSettings,
+    /// Place of the selected knob in [`BenchKnob::ALL`](super::knobs::BenchKnob::ALL).
     pub knob: usize,
     /// What the scope is doing.
-    pub acquisition: Acquisition,
+    pub acquisition: RunState,
     pub(super) asked: u64,
     pub(super) shown: u64,
     pub(super) shot: u32,
     /// What happened at the last impact.
     pub summary: Option<Summary>,
     /// The scope, where another process serves it; none where the bench is this one's.
-    pub served: Option<Served>,
+    pub served: Option<ServedScope>,
 }
 
-impl Live {
+impl LiveBench {
     /// The bench of scene `base`, running.
     pub fn new(base: String) -> Self {
         Self {
             base,
-            settings: Settings::new(),
-            good: Settings::new(),
+            settings: TunedSettings::new(),
+            good: TunedSettings::new(),
             knob: 0,
-            acquisition: Acquisition::Running,
+            acquisition: RunState::Running,
             asked: 0,
             shown: 0,
             shot: 1,
@@ -70,7 +70,7 @@ impl Live {
     }
 
     /// What was tuned, in the order of the paths.
-    pub fn settings(&self) -> &Settings {
+    pub fn settings(&self) -> &TunedSettings {
         &self.settings
     }
 
@@ -101,7 +101,7 @@ impl Live {
 
 /// What is known of a served scope beside its traces.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Served {
+pub struct ServedScope {
     /// What the acquisition is doing, as `TRIGger:STATE?` says; empty as long as nothing was told.
     pub state: String,
     /// The front panel.

@@ -29,11 +29,12 @@ mod update;
 pub use action::Action;
 
 pub use cursors::CursorReading;
-pub use live_state::{Live, Struck};
+pub use live_state::{LiveBench, StrikeResult};
 pub use math_mode::MathMode;
-pub use screen_state::Model;
+pub use screen_state::ScreenState;
 pub use state::{
-    Acquisition, CursorKind, Cursors, Derived, Job, Overlay, Page, Palette, Panel, PersistedTraces,
-    Play, Questions, Reading, Request, Side, Strike, Visibility, ordinate_unit,
+    BackgroundJobs, CursorKind, Cursors, Derived, JobState, MeasurementReading, Overlay, Page,
+    Palette, PersistedTraces, Playback, Popup, Request, RunState, SidePanel, StrikeRequest,
+    Visibility, ordinate_unit,
 };
 pub use update::update;

@@ -2,24 +2,24 @@
 
 use std::collections::BTreeMap;
 
-use super::live_state::Live;
+use super::live_state::LiveBench;
 use super::math_mode::MathMode;
 use super::state::{
-    Adjustment, Cursors, Derived, OnTape, Overlay, Page, Palette, Panel, PersistedTraces, Play,
-    Questions, Request, Side,
+    Adjustment, BackgroundJobs, Cursors, Derived, Overlay, Page, Palette, PartialRecording,
+    PersistedTraces, Playback, Popup, Request, SidePanel,
 };
 use crate::measurement::metadata;
 use crate::recording::{Capture, TraceSet};
 use crate::scene::Scene;
 use crate::scope::Source;
-use crate::tui::axis::Window;
+use crate::tui::axis::ViewWindow;
 
 /// The state of the screen.
 #[derive(Debug, Clone)]
-pub struct Model {
+pub struct ScreenState {
     pub(super) set: TraceSet,
     /// Shots of a recording that is read as it is looked at, and whether there may come more; none where all are in `set`.
-    pub(super) on_tape: Option<OnTape>,
+    pub(super) on_tape: Option<PartialRecording>,
     /// The bench that was recorded, or that is struck.
     pub(super) scene: Option<Scene>,
     pub(super) title: String,
@@ -34,29 +34,29 @@ pub struct Model {
     pub(super) truth: bool,
     pub(super) newtons: bool,
     pub(super) selected: Option<Source>,
-    pub(super) window: Option<Window>,
+    pub(super) window: Option<ViewWindow>,
     /// Lowest and highest frequency on the pages of spectra, where they were chosen (Hz).
     pub(super) band: Option<(f64, f64)>,
     pub(super) adjustments: BTreeMap<Source, Adjustment>,
     pub(super) cursors: Cursors,
     pub(super) grip: Option<(f64, f64)>,
     pub(super) page: Page,
-    pub(super) side: Side,
-    pub(super) panel: Panel,
+    pub(super) side: SidePanel,
+    pub(super) panel: Popup,
     pub(super) prompt: String,
     pub(super) scroll: usize,
-    pub(super) play: Play,
-    pub(super) live: Option<Live>,
+    pub(super) play: Playback,
+    pub(super) live: Option<LiveBench>,
     pub(super) compared_with: Option<String>,
     pub(super) overlay: Overlay,
-    pub(super) questions: Questions,
+    pub(super) questions: BackgroundJobs,
     pub(super) derived: Derived,
     pub(super) requests: Vec<Request>,
     pub(super) notice: Option<String>,
     pub(super) running: bool,
 }
 
-impl Model {
+impl ScreenState {
     /// The first shot as recorded, its first trace selected.
     pub fn new(set: TraceSet, title: String, palette: Palette) -> Self {
         let mut model = Self {
@@ -80,27 +80,27 @@ impl Model {
             cursors: Cursors::default(),
             grip: None,
             page: Page::Scope,
-            side: Side::Nothing,
-            panel: Panel::Scope,
+            side: SidePanel::Nothing,
+            panel: Popup::Scope,
             prompt: String::new(),
             scroll: 0,
-            play: Play::default(),
+            play: Playback::default(),
             live: None,
             compared_with: None,
             overlay: Overlay::Both,
-            questions: Questions::default(),
+            questions: BackgroundJobs::default(),
             derived: Derived::default(),
             requests: Vec::new(),
             notice: None,
             running: true,
         };
         model.read_scene();
-        model.fresh();
+        model.reload_traces();
         model
     }
 
     /// Tells the user something.
-    pub fn tell(&mut self, notice: String) {
+    pub fn set_notice(&mut self, notice: String) {
         self.notice = Some(notice);
     }
 
@@ -135,7 +135,7 @@ impl Model {
     }
 
     /// The traces of another shot.
-    pub(super) fn fresh(&mut self) {
+    pub(super) fn reload_traces(&mut self) {
         self.version += 1;
         self.rebuild();
     }

@@ -1,6 +1,6 @@
 //! Which traces there are: those of the shot in volts or newtons, the math trace, the references.
 
-use super::Model;
+use super::ScreenState;
 use crate::measurement::force::{Forces, forces};
 use crate::recording::Capture;
 use crate::scope::{Source, VerticalSetup, Waveform};
@@ -8,13 +8,13 @@ use crate::trace::Trace;
 use crate::tui::axis::Steps;
 
 /// Levels of a force that was turned into a record: as many as sixteen bits have on one side (1).
-const FINE_LEVELS: f64 = 32000.0;
+const FORCE_LEVELS: f64 = 32000.0;
 
 /// A force as a record: levels of sixteen bits, on a scale that leaves the trace where its volts stood.
 fn as_record(volts: &Capture, forces: &Forces) -> Capture {
     let force = &forces.force;
     let largest = force.values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
-    let level = if largest > 0.0 { largest / FINE_LEVELS } else { 1.0 };
+    let level = if largest > 0.0 { largest / FORCE_LEVELS } else { 1.0 };
     #[expect(clippy::cast_possible_truncation, reason = "at most the number of levels")]
     let codes = force.values.iter().map(|value| (value / level).round() as i16).collect();
     let recorded = &volts.waveform;
@@ -28,7 +28,7 @@ fn as_record(volts: &Capture, forces: &Forces) -> Capture {
     Capture { waveform, ..volts.clone() }
 }
 
-impl Model {
+impl ScreenState {
     /// Makes the list of traces again.
     pub(super) fn rebuild(&mut self) {
         let Some(shot) = self.set_shot() else {

@@ -9,14 +9,14 @@ use ratatui::layout::Size;
 
 use crate::files::{NewFile, Output as _};
 use crate::recording::{TraceSet, mcap, tek_csv};
-use crate::tui::model::Model;
+use crate::tui::model::ScreenState;
 use crate::tui::view::{self, picture};
 
 /// Writes the model to `file` by its ending, or to the next free number where that exists; tells what was written, or why nothing was.
 ///
 /// # Errors
 /// What is in the way, in words for the user.
-pub fn save(model: &Model, size: Size, file: &Path) -> Result<String, String> {
+pub fn save(model: &ScreenState, size: Size, file: &Path) -> Result<String, String> {
     let ending = file.extension().and_then(|e| e.to_str()).unwrap_or_default();
     match ending.to_ascii_lowercase().as_str() {
         "mcap" => recording(model, file),
@@ -38,7 +38,7 @@ fn write(file: &Path, text: &str) -> Result<String, String> {
 }
 
 /// The shot on screen with everything that is known about it.
-fn recording(model: &Model, file: &Path) -> Result<String, String> {
+fn recording(model: &ScreenState, file: &Path) -> Result<String, String> {
     let shot = model.shot().ok_or("there is no shot to write")?;
     let set = TraceSet { shots: vec![shot.clone()], ..model.set().clone() };
     let written = mcap::write_numbered(file, &set).map_err(|error| error.to_string())?;
@@ -46,11 +46,11 @@ fn recording(model: &Model, file: &Path) -> Result<String, String> {
 }
 
 /// Each trace in a file as the instrument saves it.
-fn traces(model: &Model, file: &Path) -> Result<String, String> {
+fn traces(model: &ScreenState, file: &Path) -> Result<String, String> {
     let mut written = Vec::new();
     for capture in model.captures() {
         let text = tek_csv::write(capture).map_err(|error| error.to_string())?;
-        let name = beside(file, &capture.waveform.source.to_string());
+        let name = path_beside(file, &capture.waveform.source.to_string());
         written.push(write(&name, &text)?);
     }
     if written.is_empty() {
@@ -61,12 +61,12 @@ fn traces(model: &Model, file: &Path) -> Result<String, String> {
 }
 
 /// `lab.csv` for CH1 is `lab-CH1.csv`.
-fn beside(file: &Path, source: &str) -> PathBuf {
+fn path_beside(file: &Path, source: &str) -> PathBuf {
     let stem = file.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
     file.with_file_name(format!("{stem}-{source}.csv"))
 }
 
-fn scene(model: &Model, file: &Path) -> Result<String, String> {
+fn scene(model: &ScreenState, file: &Path) -> Result<String, String> {
     let text = match (model.live(), model.scene()) {
         (Some(live), None) if live.served.is_some() => {
             return Err("the served scene is not one that ships: save it where it is served".into());
@@ -79,7 +79,7 @@ fn scene(model: &Model, file: &Path) -> Result<String, String> {
     Ok(format!("wrote the scene to {written}: hertzscope run {written}"))
 }
 
-fn screen(model: &Model, size: Size, file: &Path) -> Result<String, String> {
+fn screen(model: &ScreenState, size: Size, file: &Path) -> Result<String, String> {
     let backend = TestBackend::new(size.width, size.height);
     let Ok(mut terminal) = Terminal::new(backend);
     let Ok(drawn) = terminal.draw(|frame| view::draw(model, frame));
