@@ -47,7 +47,7 @@ pub fn line(message: message::ScpiLineMessage, timestamp_ns: u64) -> Result<Scpi
 /// What is wrong with it: an unknown source, levels without points, numbers that are none.
 pub fn capture(message: &message::CaptureMessage) -> Result<Capture, String> {
     let source = Source::from_name(&message.source).ok_or_else(|| {
-        format!("found source `{}`, expected CH1 to CH4, MATH or REFA to REFD", message.source)
+        format!("found source `{}`, expected CH1 to CH8, MATH or REFA to REFD", message.source)
     })?;
     let codes = levels(message)?;
     let given = |number: Option<f64>| number.unwrap_or(0.0);

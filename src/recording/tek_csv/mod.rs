@@ -60,6 +60,7 @@ mod openchoice;
 mod read;
 mod spreadsheet;
 mod table;
+mod table_layout;
 mod text;
 mod times;
 mod unscaled_import;

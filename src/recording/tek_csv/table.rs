@@ -6,12 +6,13 @@
 //! keys with values. Where names do not tell which column holds times, values must: exactly one column may be evenly spaced.
 //! A column of times is never a channel; what cannot be told is refused, and `--columns` says it.
 
-use super::cells::{Cells, CsvRows};
+use super::cells::CsvRows;
 use super::column::SampleColumn;
-use super::columns::{self, TableColumns};
+use super::columns::TableColumns;
 use super::error::{TekCsvError, excerpt};
 use super::keys::{self, KeyRequest, TableKeys};
 use super::names::{self, ColumnName, ColumnRole, ColumnUnit, unit};
+use super::table_layout::{TableBody, TableLayout, unknown};
 use super::times::{EvenTimes, StatedTimeBase};
 use super::unscaled_import::UnscaledImport;
 use crate::recording::{Capture, InstrumentIdentity};
@@ -23,7 +24,7 @@ const MOST_CHANNELS: u8 = 8;
 /// Reads the captures of a table; `given` says what its columns are where the user knows.
 pub(super) fn read(table: &CsvRows<'_>, given: &TableColumns) -> Result<Vec<Capture>, TekCsvError> {
     let layout = TableLayout::find(table)?;
-    let body = Body::read(table, &layout)?;
+    let body = TableBody::read(table, &layout)?;
     let mut plan = if given.is_empty() {
         ColumnPlan::by_names(table, &layout, &body)?
     } else {
@@ -33,167 +34,6 @@ pub(super) fn read(table: &CsvRows<'_>, given: &TableColumns) -> Result<Vec<Capt
     plan.find_sources(&keys);
     plan.allot_sources(table.file);
     plan.channels.iter().map(|channel| plan.capture(channel, &keys, &layout, &body)).collect()
-}
-
-/// Which rows hold what.
-struct TableLayout {
-    names: Option<usize>,
-    units: Option<usize>,
-    /// First row of samples.
-    first: usize,
-    /// Cells with numbers in that row.
-    cells: Vec<usize>,
-    /// Start and increment of a table whose first column counts rows, or that has no column of times.
-    even: Option<(f64, f64)>,
-}
-
-impl TableLayout {
-    fn find(table: &CsvRows<'_>) -> Result<Self, TekCsvError> {
-        let numeric = |index: usize| -> Vec<usize> {
-            let row = table.row(index);
-            (0..row.len()).filter(|cell| row.maybe_number(*cell).is_some()).collect()
-        };
-        let filled: Vec<usize> =
-            (0..table.len()).rev().filter(|index| !table.row(*index).is_blank()).take(1).collect();
-        let last = filled.first().copied().unwrap_or_default();
-        let samples = [last / 4, last / 2, last * 3 / 4, last.saturating_sub(1), last].map(numeric);
-        let same = |cells: &Vec<usize>| samples.iter().filter(|other| *other == cells).count();
-        let usual =
-            samples.iter().filter(|cells| !cells.is_empty()).max_by_key(|cells| same(cells));
-        let Some(usual) = usual else { return Err(unknown(table, "rows of numbers")) };
-        let has =
-            |index: usize| usual.iter().all(|cell| table.row(index).maybe_number(*cell).is_some());
-        let next = |index: usize| (index + 1..=last).find(|next| !table.row(*next).is_blank());
-        let is_first = |index: &usize| has(*index) && next(*index).is_none_or(has);
-        let either = || (0..=last).find(|index| has(*index));
-        let Some(first) = (0..=last).find(is_first).or_else(either) else {
-            return Err(unknown(table, "two rows of numbers"));
-        };
-        let mut layout =
-            Self { names: None, units: None, first, cells: numeric(first), even: None };
-        layout.find_names(table);
-        layout.find_even(table);
-        if layout.cells.len() < 2 && layout.even.is_none() {
-            return Err(unknown(table, "a column of times beside the values"));
-        }
-        Ok(layout)
-    }
-
-    /// The rows above the samples, from below, without blank ones.
-    fn find_names(&mut self, table: &CsvRows<'_>) {
-        let mut above = (0..self.first).rev().filter(|index| !table.row(*index).is_blank());
-        let filled = |row: &Cells<'_>| row.texts().filter(|cell| !cell.is_empty()).count();
-        let Some(lower) = above.next() else { return };
-        let row = table.row(lower);
-        let is_time = |text: &str| ColumnName::of(text, None).role == ColumnRole::Abscissa;
-        if filled(&row) < self.cells.len().min(2) && !row.texts().any(is_time) {
-            return;
-        }
-        let upper = above.next().filter(|upper| {
-            let names = table.row(*upper);
-            let starts = matches!(
-                ColumnName::of(names.text(self.first_cell()), None).role,
-                ColumnRole::Abscissa | ColumnRole::Index | ColumnRole::Nameless
-            );
-            starts && filled(&names) >= self.cells.len().min(2)
-        });
-        let is_units = row.texts().enumerate().all(|(cell, text)| {
-            text.is_empty()
-                || row.maybe_number(cell).is_some()
-                || text.eq_ignore_ascii_case("sequence")
-                || unit(text).is_some()
-        });
-        match upper.filter(|_| is_units) {
-            Some(upper) => (self.names, self.units) = (Some(upper), Some(lower)),
-            None => self.names = Some(lower),
-        }
-    }
-
-    fn first_cell(&self) -> usize {
-        self.cells.first().copied().unwrap_or_default()
-    }
-
-    /// Start and increment beside the names: `X,CH1,Start,Increment` above numbers, or `t0 = ...,tInc = ...`.
-    fn find_even(&mut self, table: &CsvRows<'_>) {
-        let Some(names) = self.names.map(|names| table.row(names)) else { return };
-        let below = self.units.map(|units| table.row(units));
-        let value = |words: [&str; 2]| {
-            names.texts().enumerate().find_map(|(cell, name)| {
-                let (name, inside) = name.split_once('=').unwrap_or((name, ""));
-                words.iter().find(|word| word.eq_ignore_ascii_case(name.trim()))?;
-                let number = names.parse(inside.trim().trim_end_matches('s'));
-                let printed = number.or_else(|| below.as_ref()?.maybe_number(cell))?;
-                Some(printed.value)
-            })
-        };
-        self.even = value(["start", "t0"])
-            .zip(value(["increment", "tinc"]))
-            .filter(|(_, step)| *step > 0.0);
-    }
-
-    /// The row before which keys and values stand.
-    fn keys_end(&self) -> usize {
-        self.names.unwrap_or(self.first)
-    }
-
-    fn name(&self, table: &CsvRows<'_>, cell: usize) -> ColumnName {
-        let below = self.units.map(|units| table.row(units));
-        // Start and increment stand in the row of units.
-        let below = below.as_ref().map(|row| row.text(cell)).filter(|text| unit(text).is_some());
-        let text = self.names.map(|names| table.row(names)).map_or("", |row| row.text(cell));
-        ColumnName::of(text, below)
-    }
-}
-
-/// The columns of samples, read in one pass.
-struct Body {
-    columns: Vec<SampleColumn>,
-}
-
-impl Body {
-    fn read(table: &CsvRows<'_>, layout: &TableLayout) -> Result<Self, TekCsvError> {
-        let mut columns = vec![SampleColumn::default(); layout.cells.len()];
-        let mut ended = vec![false; layout.cells.len()];
-        let mut zeros = true;
-        for index in layout.first..table.len() {
-            let row = table.row(index);
-            if row.is_blank() {
-                continue;
-            }
-            for ((column, cell), ended) in columns.iter_mut().zip(&layout.cells).zip(&mut ended) {
-                // A capture beside a longer one ends early.
-                if row.text(*cell).is_empty() && column.len() > 0 {
-                    *ended = true;
-                    continue;
-                }
-                if *ended {
-                    return Err(row.empty_above(*cell));
-                }
-                column.push(&row, *cell)?;
-                zeros &= looks_cut(row.text(*cell));
-            }
-        }
-        let names = layout
-            .names
-            .map_or(0, |names| table.row(names).texts().filter(|name| !name.is_empty()).count());
-        if zeros && table.separator == ',' && columns.len() > 2 && names < columns.len() {
-            return Err(unknown(
-                table,
-                "decimal points: commas cannot be both decimal marks and separators",
-            ));
-        }
-        Ok(Self { columns })
-    }
-
-    fn column(&self, layout: &TableLayout, cell: usize) -> SampleColumn {
-        let at = layout.cells.iter().position(|found| *found == cell);
-        at.and_then(|at| self.columns.get(at)).cloned().unwrap_or_default()
-    }
-}
-
-/// Whether a whole number could be the part behind or before a decimal comma: all are, where commas had two duties.
-fn looks_cut(text: &str) -> bool {
-    !text.contains(['.', 'e', 'E', ','])
 }
 
 /// One channel's cells.
@@ -217,7 +57,11 @@ struct ColumnPlan {
 }
 
 impl ColumnPlan {
-    fn given(table: &CsvRows<'_>, body: &Body, given: &TableColumns) -> Result<Self, TekCsvError> {
+    fn given(
+        table: &CsvRows<'_>,
+        body: &TableBody,
+        given: &TableColumns,
+    ) -> Result<Self, TekCsvError> {
         let beyond = given
             .columns
             .iter()
@@ -244,7 +88,7 @@ impl ColumnPlan {
     fn by_names(
         table: &CsvRows<'_>,
         layout: &TableLayout,
-        body: &Body,
+        body: &TableBody,
     ) -> Result<Self, TekCsvError> {
         let names: Vec<ColumnName> =
             layout.cells.iter().map(|cell| layout.name(table, *cell)).collect();
@@ -307,7 +151,7 @@ impl ColumnPlan {
         Ok(plan)
     }
 
-    /// TableColumns of words.
+    /// Notes columns of words.
     fn note_texts(&mut self, table: &CsvRows<'_>, layout: &TableLayout) {
         let row = table.row(layout.first);
         for (cell, text) in row.texts().enumerate() {
@@ -383,7 +227,7 @@ impl ColumnPlan {
         channel: &Channel,
         keys: &TableKeys<'_, '_>,
         layout: &TableLayout,
-        body: &Body,
+        body: &TableBody,
     ) -> Result<Capture, TekCsvError> {
         let table = keys.table;
         let asked = self.asked(channel);
@@ -497,7 +341,7 @@ fn use_keys(
 fn times(
     table: &CsvRows<'_>,
     layout: &TableLayout,
-    body: &Body,
+    body: &TableBody,
     names: &[ColumnName],
 ) -> Result<Vec<usize>, TekCsvError> {
     let all = || layout.cells.iter().copied().zip(names).zip(&body.columns);
@@ -569,34 +413,6 @@ fn channel_in(file: &str) -> Option<Source> {
     let (_, rest) = name.rsplit_once("CH")?;
     let number = rest.strip_suffix(".CSV")?;
     Source::from_name(&format!("CH{number}"))
-}
-
-/// The error that a table is none of the known forms: the nearest one, what it lacks, and how to say what it is.
-fn unknown(table: &CsvRows<'_>, missing: &str) -> TekCsvError {
-    let head = (0..table.len().min(8)).map(|index| table.row(index));
-    let words: Vec<String> =
-        head.flat_map(|row| row.texts().map(str::to_ascii_lowercase).collect::<Vec<_>>()).collect();
-    let has = |word: &str| words.iter().any(|cell| cell.contains(word));
-    let nearest = [
-        ("record length", "a Tektronix header beside samples (TDS1000/2000, OpenChoice)"),
-        ("firmware version", "a file of a newer Tektronix model (`TIME,CH1` above the samples)"),
-        ("x-axis", "a Keysight file (`x-axis,1`, `second,Volt`)"),
-        ("increment", "a Rigol file (`X,CH1,Start,Increment`)"),
-        ("digilent", "a Digilent file (`Time (s),Channel 1 (V)`)"),
-        ("segments", "a LeCroy file (`Time,Ampl`)"),
-        ("waveform data", "an Instek file"),
-        ("horizontal", "an oscilloscope's file with its settings above `TIME,CH1`"),
-    ];
-    let nearest = nearest.into_iter().find(|(word, _)| has(word)).map_or(
-        "a table with a column of times and one for each channel (`Time (s),CH1 (V)`)",
-        |(_, form)| form,
-    );
-    TekCsvError::Unrecognised {
-        file: table.file.to_owned(),
-        nearest,
-        missing: missing.to_owned(),
-        example: columns::EXAMPLE,
-    }
 }
 
 #[cfg(test)]

@@ -286,9 +286,9 @@ fn captures_that_contradict_themselves() {
         &with_capture(&CaptureMessage { codes: vec![], ..good_capture() }),
         &["0 bytes of levels"],
     );
-    for source in ["CH0", "CH5", "REFE", "", "CH1x"] {
+    for source in ["CH0", "CH9", "REFE", "", "CH1x"] {
         let capture = CaptureMessage { source: source.to_owned(), ..good_capture() };
-        says(&with_capture(&capture), &["source", "CH1 to CH4"]);
+        says(&with_capture(&capture), &["source", "CH1 to CH8"]);
     }
     let mut twice = with_capture(&good_capture());
     twice.push(message(1, &good_capture().encode_to_vec()));
