@@ -89,9 +89,12 @@ fn speed((means, value): (SpeedMethod, Uncertain)) -> SpeedSource {
     }
 }
 
-/// A capture as the calibration takes it; none for a record over frequency.
+/// A capture as the calibration takes it; none for a record over frequency or in another unit than volts.
 pub fn record(capture: &Capture, window: Option<Gate>) -> Option<RawRecord> {
     let level = capture.waveform.preamble.y_mult.abs();
+    if capture.waveform.preamble.y_unit != "V" {
+        return None;
+    }
     Some(RawRecord { trace: capture.trace()?, level, clipped: capture.waveform.clipped(), window })
 }
 
@@ -114,7 +117,7 @@ fn strike(impact: &PlannedImpact) -> Result<(PlannedStrike, RecordingEvidence), 
     }) else {
         let names: Vec<String> = shot.captures.iter().map(name).collect();
         let found = format!("channels {} in {}", names.join(", "), file.display());
-        return Err(problem(found, &format!("{} over time", impact.channel)));
+        return Err(problem(found, &format!("{} in volts over time", impact.channel)));
     };
     let sha256 = hash(file, &opened)
         .map_err(|error| problem(format!("{}: {error}", file.display()), "a file"))?;

@@ -101,7 +101,10 @@ impl ChannelNames {
                 let sensor = sensor_at(&sensors, &name).map(|sensor| sensor.name.clone());
                 names.push((place, name, sensor));
             } else {
-                notes.push(format!("{}: {name} is no record over time and is left out", side.name));
+                notes.push(format!(
+                    "{}: {name} is no record of volts over time and is left out",
+                    side.name
+                ));
             }
         }
         if names.is_empty() {

@@ -114,7 +114,7 @@ fn used(at: &Path, found: &Value) {
         .success();
     let arrivals = hertzscope(at, &["arrivals", "wired.mcap", "--json"]).success();
     let arrivals: Value = serde_json::from_str(&out(&arrivals)).expect("JSON");
-    let height = &arrivals[0]["channels"][0]["height_n"];
+    let height = &arrivals["shots"][0]["channels"][0]["height_n"];
     assert!((number(&height["value"]) - peak).abs() < 4.0 * number(&height["u"]), "{height}");
 }
 
