@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
 
-use super::input::{TableArguments, keep_channels};
+use super::input::{TableArguments, assignment, keep_channels};
 use super::progress::JobProgress;
 use super::sensor::{SensorAssignment, wire_all, wired};
 use crate::experiment::accuracy::of_scene;
@@ -79,16 +79,6 @@ impl From<AlignBy> for Align {
             AlignBy::Arrival => Self::Arrival,
             AlignBy::LeastSquares => Self::LeastSquares,
         }
-    }
-}
-
-/// Reads `CH1=p2`.
-pub fn assignment(text: &str) -> Result<Assignment, String> {
-    match text.split_once('=') {
-        Some((channel, target)) if !channel.trim().is_empty() && !target.trim().is_empty() => {
-            Ok(Assignment { channel: channel.trim().to_owned(), target: target.trim().to_owned() })
-        }
-        _ => Err(format!("found {text}, expected a channel and a sensor, e.g. CH1=p2")),
     }
 }
 

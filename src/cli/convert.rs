@@ -73,20 +73,22 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if std::fs::canonicalize(&arguments.input).is_ok_and(same) && output.is_file() {
         bail!("{}: found the input as the output, expected another file", output.display());
     }
+    let is_table = arguments.form == Form::Table
+        && output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
+    if (arguments.truth || arguments.force) && !is_table {
+        bail!("{}: --truth and --force are for tables (.csv)", output.display());
+    }
     let extension = output.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     let written = match extension.as_deref() {
         Some("mcap") => {
             mcap::write(output, &set)?;
             vec![output.clone()]
         }
-        Some("csv") if arguments.form == Form::Table => {
+        Some("csv") if is_table => {
             let content = TableContent { truth: arguments.truth, force: arguments.force };
             let table = plain_table(&set, content)?;
             files::write(output, table).with_context(|| output.display().to_string())?;
             vec![output.clone()]
-        }
-        _ if arguments.truth || arguments.force => {
-            bail!("{}: --truth and --force are for tables (.csv)", output.display())
         }
         Some("csv") => csv_file(&set, output)?,
         Some("isf") => isf_file(&set, output)?,

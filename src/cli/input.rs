@@ -7,7 +7,6 @@ use std::path::Path;
 use anyhow::bail;
 use clap::Args;
 
-use super::compare::assignment;
 use super::sensor::{SensorAssignment, wire_all, wired};
 use crate::experiment::facts;
 use crate::measurement::compare::mapping::Assignment;
@@ -191,6 +190,16 @@ fn wire_scene_sensor(set: &mut TraceSet, Assignment { channel, target }: &Assign
         }
     }
     true
+}
+
+/// Reads `CH1=p2`.
+pub fn assignment(text: &str) -> Result<Assignment, String> {
+    match text.split_once('=') {
+        Some((channel, target)) if !channel.trim().is_empty() && !target.trim().is_empty() => {
+            Ok(Assignment { channel: channel.trim().to_owned(), target: target.trim().to_owned() })
+        }
+        _ => Err(format!("found {text}, expected a channel and a sensor, e.g. CH1=p2")),
+    }
 }
 
 /// Reads `CH1-CH2=47.2 mm +- 0.1 mm`.

@@ -22,7 +22,9 @@ pub fn statistics(found: &[ShotStatistic]) -> String {
     for statistic in found {
         let shown = |value: f64| engineering(value, statistic.unit, 3);
         let or_none = |value: Option<f64>| value.map_or("-".to_owned(), shown);
-        let relative = statistic.standard_deviation.map(|s| 100.0 * s / statistic.mean.abs());
+        // A time after the trigger has no natural zero.
+        let relative = statistic.standard_deviation.filter(|_| statistic.unit != "s");
+        let relative = relative.map(|s| 100.0 * s / statistic.mean.abs());
         let trend = statistic.trend.map_or("-".to_owned(), |trend| {
             let marked = if statistic.drifts() { "  drifts" } else { "" };
             format!("{} ± {}{marked}", shown(trend.value), shown(2.0 * trend.u))

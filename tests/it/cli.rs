@@ -5,6 +5,7 @@ mod cost;
 mod doctor;
 mod effects;
 mod help;
+mod lab_files;
 mod pictures;
 mod run;
 

@@ -117,7 +117,7 @@ fn strike(impact: &PlannedImpact) -> Result<(PlannedStrike, RecordingEvidence), 
     }) else {
         let names: Vec<String> = shot.captures.iter().map(name).collect();
         let found = format!("channels {} in {}", names.join(", "), file.display());
-        return Err(problem(found, &format!("{} in volts over time", impact.channel)));
+        return Err(problem(found, &format!("{} over time", impact.channel)));
     };
     let sha256 = hash(file, &opened)
         .map_err(|error| problem(format!("{}: {error}", file.display()), "a file"))?;
