@@ -2,7 +2,7 @@
 
 use crate::chain::probe_step::ProbeTracker;
 use crate::chain::simd::{InstructionSet, Refinement, VectorStepper};
-use crate::chain::{Chain, Dissipated, Energy, ForceProbe};
+use crate::chain::{Chain, ChainSystem, Dissipated, Energy, ForceProbe};
 use crate::integrate::{IntegrateError, Integrator, Method, State, Work};
 
 use super::film::Film;
@@ -58,7 +58,7 @@ pub fn start(chain: &Chain, method: Method, state: State) -> Box<dyn Integrator>
         Some(scheme) if chain.runs_on_vectors() => {
             Box::new(VectorStepper::new(chain, &state, scheme, InstructionSet::best()))
         }
-        _ => method.start(chain.system(&state.velocity), state),
+        _ => method.start(Box::new(ChainSystem::new(chain, &state.velocity)), state),
     }
 }
 
@@ -78,7 +78,7 @@ impl<'a> Engine<'a> {
                 let trackers = probes.iter().map(tracker).collect();
                 Self::Vectors(Box::new(stepper), trackers)
             }
-            _ => Self::General(method.start(chain.system(velocities), state)),
+            _ => Self::General(method.start(Box::new(ChainSystem::new(chain, velocities)), state)),
         }
     }
 
