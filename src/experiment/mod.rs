@@ -6,7 +6,6 @@
 
 pub mod accuracy;
 pub(crate) mod acquisition;
-pub(crate) mod attempts;
 pub mod auto_effects;
 pub mod bench;
 pub mod by_hand;
@@ -24,14 +23,15 @@ pub mod outcome;
 pub mod paper_speeds;
 pub mod parallel;
 pub mod pulse;
+pub mod reference;
 mod roots;
 mod segment;
 mod watch;
 mod yielding;
 
-pub use attempts::{Attempt, attempted_methods, first_attempt, reference_tolerance};
 pub use error::RunError;
-pub use method_choice::for_accuracy;
+pub use method_choice::{first_attempt, for_accuracy};
+pub use reference::reference_tolerance;
 
 use std::time::Instant;
 

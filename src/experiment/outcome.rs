@@ -4,10 +4,10 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use super::accuracy::ErrorEstimate;
 use super::energy::{EnergyLedger, TOLERABLE};
 use super::paper_speeds::PaperSpeed;
 use super::pulse::{FOOT, HALF_RISE, PEAK_SHARE, PassedOver, Peak, PulseRecorder};
+use super::reference::ErrorEstimate;
 use crate::chain::Chain;
 use crate::quantity::engineering;
 use crate::scene::{PlacedSensor, Scene, Site};
@@ -124,7 +124,7 @@ impl Summary {
         let (words, left) = (engineering(time, "s", 2), accuracy.sqrt());
         self.horizon_s = Some(time);
         self.notes.push(format!(
-            "from {words} on errors may exceed {left:.0e} of the largest overlap or speed somewhere in the chain, half of the digits that its steps are held to: a tighter accuracy, or a shorter step, mostly reaches further"
+            "after {words} the motion is chaotic and not reliable in detail (errors may exceed {left:.0e} of the largest overlap or speed); a tighter --accuracy or a shorter step extends this"
         ));
     }
 }

@@ -1,9 +1,9 @@
 //! The summary of a run as a page of text.
 
 use super::table;
-use crate::experiment::accuracy::ErrorEstimate;
 use crate::experiment::energy::{EnergyLedger, TOLERABLE};
 use crate::experiment::outcome::{Reading, Speed, Summary};
+use crate::experiment::reference::ErrorEstimate;
 use crate::quantity::engineering;
 
 /// The page that `run` prints.

@@ -27,7 +27,7 @@ use table::Table;
 const KNOWN_CIRCLES: &[&[&str]] = &[
     &[
         "src/experiment/accuracy.rs",
-        "src/experiment/attempts.rs",
+        "src/experiment/accuracy.rs",
         "src/experiment/auto_effects.rs",
         "src/experiment/by_hand.rs",
         "src/experiment/comparison.rs",

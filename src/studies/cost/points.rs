@@ -4,10 +4,11 @@ use std::time::{Duration, Instant};
 
 use super::{Chosen, Point, Reference};
 use crate::chain::simd::Refinement;
-use crate::experiment::accuracy::{ErrorEstimate, errors, run_to_accuracy};
+use crate::experiment::accuracy::run_to_accuracy;
 use crate::experiment::comparison::{
     Run, Treated, arrival_error, compare, peak_error, run_without, trace_error, worst,
 };
+use crate::experiment::reference::{ErrorEstimate, errors};
 use crate::experiment::{Integration, RunError, method};
 use crate::integrate::{IntegrateError, Method, Scheme};
 use crate::scene::Scene;
