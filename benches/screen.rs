@@ -16,8 +16,8 @@ use std::time::{Duration, Instant};
 use hertzscope::recording::mcap::{RecordingWriter, ShotNotes};
 use hertzscope::recording::{Capture, Origin, Shot, TraceSet};
 use hertzscope::scope::{Coupling, PointFormat, Preamble, Source, VerticalSetup, Waveform};
-use hertzscope::tui::axis::Turn;
-use hertzscope::tui::model::{Action, Model, Palette, update};
+use hertzscope::tui::axis::TurnDirection;
+use hertzscope::tui::model::{Action, Palette, ScreenState, update};
 use hertzscope::tui::view;
 use portable_pty::{CommandBuilder, PtySize, native_pty_system};
 use ratatui::backend::CrosstermBackend;
@@ -27,7 +27,7 @@ use ratatui::{Terminal, TerminalOptions, Viewport};
 type Failed = Box<dyn std::error::Error>;
 
 /// What a turn does; nothing where nothing is to change.
-type Act = fn(Turn) -> Option<Action>;
+type Act = fn(TurnDirection) -> Option<Action>;
 
 /// Frames of each kind.
 const FRAMES: usize = 101;
@@ -123,8 +123,10 @@ fn frames(points: usize, (width, height): (u16, u16)) -> Result<(), Failed> {
     let backend = CrosstermBackend::new(wire.clone());
     let mut terminal = Terminal::with_options(backend, TerminalOptions { viewport })?;
     let set = TraceSet { shots: vec![shot(1, points), shot(2, points)], ..TraceSet::default() };
-    let mut model = Model::new(set, "bench".to_owned(), Palette::Colour);
-    let other_way = |index: usize| if index.is_multiple_of(2) { Turn::Up } else { Turn::Down };
+    let mut model = ScreenState::new(set, "bench".to_owned(), Palette::Colour);
+    let other_way = |index: usize| {
+        if index.is_multiple_of(2) { TurnDirection::Up } else { TurnDirection::Down }
+    };
     let acts: [(&str, Act); 4] = [
         ("nothing has changed", |_| None),
         ("V/div of one trace", |turn| Some(Action::VoltsPerDivision(turn))),

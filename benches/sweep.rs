@@ -12,10 +12,10 @@ use std::time::Instant;
 
 use common::clock::{cpu_time, median};
 use hertzscope::chain::simd::InstructionSet;
-use hertzscope::sweep::gather::Gathered;
-use hertzscope::sweep::log::Log;
-use hertzscope::sweep::plan::Plan;
-use hertzscope::sweep::work::{Job, work};
+use hertzscope::sweep::gather::GatheredLogs;
+use hertzscope::sweep::log::SweepLog;
+use hertzscope::sweep::plan::SweepPlan;
+use hertzscope::sweep::work::{SweepOptions, work};
 
 const ROUNDS: usize = 5;
 /// Scenes of a sweep where their number is not what is looked at.
@@ -66,11 +66,11 @@ fn sweep(folder: &Path, text: &str, threads: usize) -> Cost {
     let file = folder.join("grid.toml");
     std::fs::write(&file, text).expect("a sweep's file");
     let started = cpu_time();
-    let plan = Plan::load(&file, None).expect("a plan");
+    let plan = SweepPlan::load(&file, None).expect("a plan");
     let best = InstructionSet::best();
     let path = folder.join("shard-1-of-1.log");
-    let (mut log, ..) = Log::open(&path, &plan, (None, best.name())).expect("a log");
-    let job = Job { file, accuracy: None, instructions: best, threads };
+    let (mut log, ..) = SweepLog::open(&path, &plan, (None, best.name())).expect("a log");
+    let job = SweepOptions { file, accuracy: None, instructions: best, threads };
     let pending: Vec<u64> = (0..plan.count()).collect();
     let wall = Instant::now();
     let tally = work(&job, &plan, &pending, &mut log, &|_| ()).expect("a sweep");
@@ -97,7 +97,7 @@ fn parts() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("grid.toml");
     std::fs::write(&file, &whole).expect("a sweep's file");
-    let plan = Plan::load(&file, None).expect("a plan");
+    let plan = SweepPlan::load(&file, None).expect("a plan");
     let mut times = [Vec::new(), Vec::new(), Vec::new()];
     for _ in 0..ROUNDS {
         let started = cpu_time();
@@ -165,7 +165,7 @@ fn extrapolate(each: f64) {
     let mut joins = Vec::new();
     for _ in 0..ROUNDS {
         let started = cpu_time();
-        let gathered = Gathered::read(folder.path()).expect("a log");
+        let gathered = GatheredLogs::read(folder.path()).expect("a log");
         gathered.write(&[folder.path().join("grid.csv")], &mut |_| ()).expect("a table");
         joins.push((cpu_time() - started) / last as f64);
     }

@@ -9,6 +9,7 @@ pub mod chain;
 pub mod cli;
 pub mod data;
 pub mod experiment;
+pub mod files;
 pub mod fit;
 pub mod hislip;
 pub mod instrument;

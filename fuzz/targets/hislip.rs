@@ -8,8 +8,8 @@
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-use hertzscope::hislip::message::Header;
-use hertzscope::hislip::{Instrument as Behind, Server};
+use hertzscope::hislip::message::MessageHeader;
+use hertzscope::hislip::{Device as Behind, Server};
 use hertzscope::instrument::Instrument;
 use hertzscope::scene::Scene;
 use hertzscope::scpi::{Preferences, Reply, Session};
@@ -108,7 +108,7 @@ pub fn run(input: &[u8]) {
                 let [code, control, parameter, payload @ ..] = bytes else { continue };
                 let parameter = u32::from(*parameter);
                 let length = payload.len() as u64;
-                let header = Header { code: *code, control: *control, parameter, length };
+                let header = MessageHeader { code: *code, control: *control, parameter, length };
                 let mut message = header.bytes().to_vec();
                 message.extend_from_slice(payload);
                 server.received(number, &message, &mut desk);

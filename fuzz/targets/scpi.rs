@@ -70,7 +70,7 @@ pub fn run(input: &[u8]) {
             }
             _ => {}
         }
-        instrument.settle();
+        instrument.keep_consistent();
         let _ = instrument.take_finished();
         for session in &mut sessions {
             length(session.resume(&mut instrument));

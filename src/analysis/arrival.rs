@@ -17,10 +17,11 @@
 //! over at least four samples and stand at least six standard deviations out of the noise; for signals whose time constant is
 //! not known, droop moves arrivals by more than is stated (peaks by about 1 us in this bench).
 
+use crate::quantity::Uncertain;
 use std::fmt;
 
 use super::local_fit::{LocalFit, nearest_fall};
-use super::pulse::{Measure, Pulse};
+use super::pulse::Pulse;
 
 /// What is called the arrival.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -67,11 +68,11 @@ const LEVEL: Fitted = Fitted(3, 0.35);
 const PEAK: Fitted = Fitted(4, 0.5);
 const STEEPEST: Fitted = Fitted(4, 0.75);
 /// How much wider the fits are that tell what the pulse's shape does to a place found (1).
-const WIDER: [f64; 2] = [1.3, 1.6];
+const FIT_WIDTH_FACTORS: [f64; 2] = [1.3, 1.6];
 /// A level this many standard deviations of the smoothed noise high can be found (1).
-const CLEAR: f64 = 4.0;
+const MIN_LEVEL_DEVIATIONS: f64 = 4.0;
 /// A fit is moved to what it found this many times.
-const CENTRINGS: usize = 3;
+const CENTRING_STEPS: usize = 3;
 
 /// A fitted polynomial, the place found in it, and the variance of each sample that went in.
 struct Place {
@@ -82,7 +83,7 @@ struct Place {
 
 impl Pulse {
     /// When the pulse arrives by `estimator` (s); none where it cannot be told.
-    pub fn arrival(&self, estimator: Estimator) -> Option<Measure> {
+    pub fn arrival(&self, estimator: Estimator) -> Option<Uncertain> {
         match estimator {
             Estimator::HalfRise => self.crossing(0.5, self.reach_of(0.5)?),
             Estimator::TenPercent => self.crossing(0.1, self.reach_of(0.1)?),
@@ -92,28 +93,28 @@ impl Pulse {
     }
 
     /// Height of the first peak above the baseline (unit).
-    pub fn height(&self) -> Option<Measure> {
+    pub fn height(&self) -> Option<Uncertain> {
         let Place { fit, x, variance } = self.peak_place()?;
         let noise = variance * fit.value_variance(x);
         let zero = self.zero_variance(fit.time(x));
-        Some(Measure { value: fit.value(x), standard_uncertainty: (noise + zero).sqrt() })
+        Some(Uncertain { value: fit.value(x), u: (noise + zero).sqrt() })
     }
 
     /// Full width at half of the first peak (s); none where the signal does not fall to it again.
-    pub fn width(&self) -> Option<Measure> {
+    pub fn width(&self) -> Option<Uncertain> {
         let level = 0.5 * self.height()?.value;
         let fallen = self.smoothed.iter().skip(self.peak).position(|v| *v <= level)?;
         let (rise, fall) =
             (self.arrival(Estimator::HalfRise)?, self.crossing(0.5, self.peak + fallen)?);
         // Both ends move with the peak's height in opposite directions: their uncertainties add up at worst.
-        let standard_uncertainty = rise.standard_uncertainty + fall.standard_uncertainty;
-        Some(Measure { value: fall.value - rise.value, standard_uncertainty })
+        let standard_uncertainty = rise.u + fall.u;
+        Some(Uncertain { value: fall.value - rise.value, u: standard_uncertainty })
     }
 
     /// First smoothed sample at `share` of the peak, if that is clear of the noise.
     fn reach_of(&self, share: f64) -> Option<usize> {
         let level = share * self.height()?.value;
-        if level < CLEAR * self.smoothed_noise {
+        if level < MIN_LEVEL_DEVIATIONS * self.smoothed_noise {
             return None;
         }
         let first = self.smoothed.iter().position(|v| *v >= level)?;
@@ -121,7 +122,7 @@ impl Pulse {
     }
 
     /// Time at which the signal is at `share` of its first peak, near sample `at`.
-    fn crossing(&self, share: f64, at: usize) -> Option<Measure> {
+    fn crossing(&self, share: f64, at: usize) -> Option<Uncertain> {
         let peak = self.height()?;
         let level = share * peak.value;
         let (fit, variance) = self.fit(at, self.share_of_rise(&LEVEL), LEVEL.0)?;
@@ -130,15 +131,15 @@ impl Pulse {
         let x = nearest_fall(&|x| sign * (level - fit.value(x)))?;
         let slope = fit.slope(x);
         let noise = variance * fit.value_variance(x);
-        let height = (share * peak.standard_uncertainty).powi(2);
+        let height = (share * peak.u).powi(2);
         let zero = (1.0 - share).powi(2) * self.zero_variance(fit.time(x));
         let seconds = fit.scale() / slope;
         let interval = self.interval_share(fit.curvature(x) / slope / fit.scale());
         let variance = (noise + height + zero) * seconds * seconds + interval * interval;
-        Some(Measure { value: fit.time(x), standard_uncertainty: variance.sqrt() })
+        Some(Uncertain { value: fit.time(x), u: variance.sqrt() })
     }
 
-    fn peak_time(&self) -> Option<Measure> {
+    fn peak_time(&self) -> Option<Uncertain> {
         let Place { fit, x, variance } = self.peak_place()?;
         let shape = self.shape_share(&fit, x, &PEAK, &|fit, x| fit.slope(x));
         let curvature = fit.curvature(x);
@@ -150,7 +151,7 @@ impl Pulse {
         let interval = self.interval_share(fit.bend(x) / curvature / fit.scale());
         let noise = variance * fit.slope_variance(x) + tilt;
         let variance = noise * seconds * seconds + interval * interval + shape * shape;
-        Some(Measure { value: fit.time(x), standard_uncertainty: variance.sqrt() })
+        Some(Uncertain { value: fit.time(x), u: variance.sqrt() })
     }
 
     /// The maximum of a polynomial around the first peak, whose middle is moved to where the maximum was found.
@@ -161,7 +162,7 @@ impl Pulse {
         self.centred(self.peak, &PEAK, &slope).or_else(parabola)
     }
 
-    fn steepest(&self) -> Option<Measure> {
+    fn steepest(&self) -> Option<Uncertain> {
         let start = self.reach_of(0.1)?;
         let step = self.share_of_rise(&LEVEL).max(1);
         let gain = |at: &usize| {
@@ -180,7 +181,7 @@ impl Pulse {
         let interval = self.interval_share(1.0 / fit.scale());
         let shape = self.shape_share(&fit, x, &STEEPEST, &curvature);
         let standard_uncertainty = (noise + interval * interval + shape * shape).sqrt();
-        Some(Measure { value: fit.time(x), standard_uncertainty })
+        Some(Uncertain { value: fit.time(x), u: standard_uncertainty })
     }
 
     /// Fits around sample `at`, finds where `zero` is zero, and fits again around that, so that the place comes to lie in the middle.
@@ -192,7 +193,7 @@ impl Pulse {
     ) -> Option<Place> {
         let mut at = at;
         let mut found = None;
-        for _ in 0..CENTRINGS {
+        for _ in 0..CENTRING_STEPS {
             let (fit, variance) = self.fit(at, self.share_of_rise(fitted), fitted.0)?;
             let x = nearest_fall(&|x| zero(&fit, x))?;
             let next = self.nearest(fit.time(x));
@@ -220,7 +221,7 @@ impl Pulse {
             let place = self.centred(at, &Fitted(fitted.0, wider * fitted.1), zero)?;
             Some((place.fit.time(place.x) - found).abs())
         };
-        WIDER.into_iter().filter_map(moved).fold(0.0, f64::max)
+        FIT_WIDTH_FACTORS.into_iter().filter_map(moved).fold(0.0, f64::max)
     }
 
     /// What a straight line between two samples may miss of the curve, for `bend` = `|y''/y'|` (1/s), as a time (s).

@@ -7,13 +7,13 @@
 
 use std::ops::Range;
 
-use super::pulse_conditions::{Conditions, FEWEST_BASELINE, PEAK_SHARE, PulseError};
+use super::pulse_conditions::{Conditions, MIN_BASELINE_SAMPLES, PEAK_SHARE, PulseError};
 use crate::trace::Trace;
 
 /// The baseline ends after this share of the samples before the pulse exceeds a quarter of the largest value (1).
 const BASELINE_SHARE: f64 = 2.0 / 3.0;
 /// Noise below this many levels leaves rounding errors that go together (1).
-const DITHERED: f64 = 0.3;
+const DITHER_NOISE: f64 = 0.3;
 
 /// What the trace says before anything arrives.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,7 +35,7 @@ impl Baseline {
     pub(super) fn of(trace: &Trace, conditions: &Conditions) -> Result<Self, PulseError> {
         let range = conditions.baseline.map_or_else(|| before_pulse(trace), |g| g.range(trace));
         let values = trace.values.get(range.clone()).unwrap_or_default();
-        if values.len() < FEWEST_BASELINE {
+        if values.len() < MIN_BASELINE_SAMPLES {
             let samples = values.len();
             return Err(PulseError::NoBaseline { trace: trace.name.clone(), samples });
         }
@@ -63,7 +63,7 @@ pub(super) fn noise_of(rms: f64, level: f64) -> f64 {
 /// Samples over independent samples: 1 with noise enough, else their number over that of the levels they span.
 #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
 pub(super) fn together(values: &[f64], rms: f64, level: f64) -> f64 {
-    if rms >= DITHERED * level {
+    if rms >= DITHER_NOISE * level {
         return 1.0;
     }
     let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
@@ -78,8 +78,12 @@ pub(super) fn together(values: &[f64], rms: f64, level: f64) -> f64 {
     reason = "a share of a number of samples"
 )]
 fn before_pulse(trace: &Trace) -> Range<usize> {
-    let mut first: Vec<f64> =
-        trace.values.iter().take(FEWEST_BASELINE.max(trace.values.len() / 50)).copied().collect();
+    let mut first: Vec<f64> = trace
+        .values
+        .iter()
+        .take(MIN_BASELINE_SAMPLES.max(trace.values.len() / 50))
+        .copied()
+        .collect();
     first.sort_by(f64::total_cmp);
     let start = first.get(first.len() / 2).copied().unwrap_or(0.0);
     let away = |v: &f64| (v - start).abs();

@@ -15,13 +15,13 @@
 
 use super::gate::Gate;
 use super::least_squares::squares;
-use super::pulse::Measure;
-use super::spectrum::{Analyser, Settings};
+use super::spectrum::{Analyser, SpectrumSettings};
 use super::window::Window;
+use crate::quantity::Uncertain;
 use crate::trace::Trace;
 
 /// Fewest samples that both traces must have in common.
-pub const FEWEST: usize = 16;
+pub const MIN_COMMON_SAMPLES: usize = 16;
 
 /// Two traces on one time axis, that of the measured one.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,7 +40,7 @@ pub struct Distance {
     /// Largest residual (unit).
     pub largest: f64,
     /// Slope of the measured over the simulated trace (1).
-    pub gain: Measure,
+    pub gain: Uncertain,
     /// Its zero: what the measured trace reads where the simulated one is zero (unit).
     pub offset: f64,
     /// Pearson's coefficient; none where a trace is flat (1).
@@ -50,7 +50,7 @@ pub struct Distance {
 }
 
 impl Pair {
-    /// Puts the simulated trace, `shift` (s) later, on the measured one's axis; none where they have fewer than [`FEWEST`] samples
+    /// Puts the simulated trace, `shift` (s) later, on the measured one's axis; none where they have fewer than [`MIN_COMMON_SAMPLES`] samples
     /// in common.
     pub fn new(measured: &Trace, simulated: &Trace, shift: f64) -> Option<Self> {
         let ratio = measured.interval / simulated.interval;
@@ -68,7 +68,7 @@ impl Pair {
             placed.push(other);
         }
         let start = measured.time(first?);
-        if kept.len() < FEWEST {
+        if kept.len() < MIN_COMMON_SAMPLES {
             return None;
         }
         Some(Self {
@@ -102,10 +102,7 @@ impl Pair {
         Distance {
             rms: (squares(&residual) / count).sqrt(),
             largest: residual.iter().fold(0.0, |most: f64, d| most.max(d.abs())),
-            gain: Measure {
-                value: gain,
-                standard_uncertainty: (left / ((count - 2.0) * ss)).sqrt(),
-            },
+            gain: Uncertain { value: gain, u: (left / ((count - 2.0) * ss)).sqrt() },
             offset: of_m - gain * of_s,
             correlation: told.then(|| (ms / (mm * ss).sqrt()).clamp(-1.0, 1.0)),
             spectrum: if ss > 0.0 { self.spectrum_distance() } else { None },
@@ -113,11 +110,11 @@ impl Pair {
     }
 
     fn spectrum_distance(&self) -> Option<f64> {
-        let settings = Settings {
+        let settings = SpectrumSettings {
             window: Window::Rectangular,
             padding: 1,
             gate: Gate::ALL,
-            ..Settings::default()
+            ..SpectrumSettings::default()
         };
         let mut analyser = Analyser::new();
         let mut moduli = |trace: &Trace| analyser.spectrum(trace, &settings).ok();
@@ -151,13 +148,13 @@ impl Trace {
 )]
 fn between(values: &[f64], place: f64) -> Option<f64> {
     /// Places as near as this to a sample are that sample: what is left of the same time axis after rounding (1).
-    const SAME: f64 = 1e-6;
+    const TIME_TOLERANCE: f64 = 1e-6;
     let last = values.len().checked_sub(1)? as f64;
-    if !(-SAME..=last + SAME).contains(&place) {
+    if !(-TIME_TOLERANCE..=last + TIME_TOLERANCE).contains(&place) {
         return None;
     }
     let nearest = place.round();
-    if (place - nearest).abs() < SAME {
+    if (place - nearest).abs() < TIME_TOLERANCE {
         return values.get(nearest as usize).copied();
     }
     let base = place.floor() as usize;

@@ -8,21 +8,22 @@
 //! moves with the place where the signals are cut, follows from `C' = 0` by JCGM 100:2008, Eq. (10). Valid for pulses of like shape; for pulses
 //! that change their shape on the way it is an estimator of its own, with no time of arrival behind it.
 
+use crate::quantity::Uncertain;
 use std::f64::consts::PI;
 
 use realfft::RealFftPlanner;
 
 use super::arrival::Estimator;
 use super::local_fit::{LocalFit, nearest_fall};
-use super::pulse::{Measure, Pulse};
+use super::pulse::Pulse;
 use crate::trace::Trace;
 
 /// Lags on either side of the largest correlation that its place is read from, in rises from half to peak (1).
-const NEAR: f64 = 0.35;
+const FIT_LAGS: f64 = 0.35;
 /// Length of what is cut out of a signal, in such rises (1).
-const CUT_OUT: f64 = 8.0;
+const EXCERPT_LENGTH: f64 = 8.0;
 /// Intervals that differ by less than this are the same (1).
-const SAME: f64 = 1e-9;
+const INTERVAL_TOLERANCE: f64 = 1e-9;
 
 /// How much later `second` is than `first` (s); none where sample intervals differ or no lag stands out.
 #[allow(
@@ -31,34 +32,34 @@ const SAME: f64 = 1e-9;
     clippy::cast_sign_loss,
     reason = "records are far shorter than 2^53 samples"
 )]
-pub fn delay(first: &Pulse, second: &Pulse) -> Option<Measure> {
+pub fn delay(first: &Pulse, second: &Pulse) -> Option<Uncertain> {
     let interval = first.signal.interval;
-    if (second.signal.interval / interval - 1.0).abs() > SAME {
+    if (second.signal.interval / interval - 1.0).abs() > INTERVAL_TOLERANCE {
         return None;
     }
     let rise = first.rise().max(second.rise()) as f64;
     let (half_a, half_b) =
         (first.arrival(Estimator::HalfRise)?, second.arrival(Estimator::HalfRise)?);
-    let (a, b) = (first.alone(half_a.value, rise), second.alone(half_b.value, rise));
-    let reach = (NEAR * rise).ceil().max(2.0) as usize;
-    let Top { lag, bend, gain } = top(&correlate(&a, &b)?, reach)?;
+    let (a, b) = (first.excerpt(half_a.value, rise), second.excerpt(half_b.value, rise));
+    let reach = (FIT_LAGS * rise).ceil().max(2.0) as usize;
+    let CorrelationMaximum { lag, bend, gain } = top(&correlate(&a, &b)?, reach)?;
     // The cut-out moves with the half-rise: how far the lag goes with it, once for each of the two.
-    let moved = second.alone(half_b.value + half_b.standard_uncertainty, rise);
+    let moved = second.excerpt(half_b.value + half_b.u, rise);
     let cut_b = (top(&correlate(&a, &moved)?, reach)?.lag - lag).abs();
-    let cut_a = cut_b * half_a.standard_uncertainty / half_b.standard_uncertainty;
+    let cut_a = cut_b * half_a.u / half_b.u;
     // The curvature of C at its top is the sum of a' b' with its sign turned.
     let (noise_a, noise_b) =
         (first.noise * slopes(&b).sqrt() / -bend, second.noise * slopes(&a).sqrt() / -bend);
     // The noise that moves the half-rise is the noise that moves the lag: both shares go together.
     let shares = (noise_a + cut_a).powi(2) + (noise_b + cut_b).powi(2);
-    let both = (first.noise * second.noise).powi(2) * CUT_OUT * rise * gain;
+    let both = (first.noise * second.noise).powi(2) * EXCERPT_LENGTH * rise * gain;
     let standard_uncertainty = (shares + both).sqrt() * interval;
     let value = second.signal.start - first.signal.start + lag * interval;
-    standard_uncertainty.is_finite().then_some(Measure { value, standard_uncertainty })
+    standard_uncertainty.is_finite().then_some(Uncertain { value, u: standard_uncertainty })
 }
 
 /// A maximum of the correlation.
-struct Top {
+struct CorrelationMaximum {
     /// Lag (samples).
     lag: f64,
     /// Second difference from lag to lag.
@@ -74,7 +75,7 @@ struct Top {
     clippy::cast_possible_truncation,
     reason = "records are far shorter than 2^53 samples"
 )]
-fn top(lags: &[f64], reach: usize) -> Option<Top> {
+fn top(lags: &[f64], reach: usize) -> Option<CorrelationMaximum> {
     let best = (0..lags.len()).max_by(|i, j| lags[*i].total_cmp(&lags[*j]))?;
     let around = (0..=2 * reach).map(|shift| (best + lags.len() + shift - reach) % lags.len());
     let values = around.filter_map(|index| lags.get(index).copied()).collect();
@@ -86,14 +87,14 @@ fn top(lags: &[f64], reach: usize) -> Option<Top> {
     let x = nearest_fall(&|x| fit.slope(x))?;
     let bend = fit.curvature(x) / fit.scale().powi(2);
     let gain = fit.slope_variance(x) / (bend * fit.scale()).powi(2);
-    Some(Top { lag: fit.time(x), bend, gain })
+    Some(CorrelationMaximum { lag: fit.time(x), bend, gain })
 }
 
 impl Pulse {
     /// The signal around its first pulse, in units of `rise` (samples) from `arrival` (s), its half-rise: nothing before -3,
     /// fading out as a cosine from 1 to 5.
     #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
-    fn alone(&self, arrival: f64, rise: f64) -> Vec<f64> {
+    fn excerpt(&self, arrival: f64, rise: f64) -> Vec<f64> {
         let half = (arrival - self.signal.start) / self.signal.interval;
         let weight = |index: usize| {
             let place = (index as f64 - half) / rise;

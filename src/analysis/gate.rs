@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::trace::Trace;
 
 /// A sample this close to a gate's edge, in sample intervals, stands on it: times are products and carry rounding (1).
-const ON_THE_EDGE: f64 = 1e-6;
+const EDGE_TOLERANCE: f64 = 1e-6;
 
 /// The times from `from`, included, to `to`, excluded: gates that follow on one another share no sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,5 +36,5 @@ impl Gate {
     reason = "`as` takes what is below zero to zero and what is too large to the largest"
 )]
 fn index_at(trace: &Trace, time: f64) -> usize {
-    ((time - trace.start) / trace.interval - ON_THE_EDGE).ceil() as usize
+    ((time - trace.start) / trace.interval - EDGE_TOLERANCE).ceil() as usize
 }

@@ -16,7 +16,7 @@ const FIRST_DAMPING: f64 = 1e-3;
 const LAST_DAMPING: f64 = 1e12;
 
 /// What is to be minimised.
-pub trait Problem {
+pub trait LeastSquaresProblem {
     /// Residuals at `x` in their standard deviations; none where there is no value (1).
     fn residuals(&mut self, x: &[f64]) -> Option<Vec<f64>>;
 
@@ -31,7 +31,7 @@ pub trait Problem {
 
 /// When to stop.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Limits {
+pub struct StopCriteria {
     /// Done when a step is to lower chi squared by less than this share of it (1).
     pub reduction: f64,
     /// Most steps that are tried.
@@ -82,9 +82,9 @@ pub struct Minimum {
 /// # Errors
 /// [`LeastSquaresError`] where the start has no value, where data are too few, and where steps run out.
 pub fn minimise(
-    problem: &mut dyn Problem,
+    problem: &mut dyn LeastSquaresProblem,
     start: &[f64],
-    limits: Limits,
+    limits: StopCriteria,
 ) -> Result<Minimum, LeastSquaresError> {
     let mut x = start.to_vec();
     let mut residuals = problem.residuals(&x).ok_or(LeastSquaresError::NoStart)?;
@@ -194,7 +194,7 @@ mod tests {
     /// A curve through points, differentiated by central differences.
     struct Points<'a>(Curve, &'a [(f64, f64)]);
 
-    impl Problem for Points<'_> {
+    impl LeastSquaresProblem for Points<'_> {
         fn residuals(&mut self, x: &[f64]) -> Option<Vec<f64>> {
             Some(self.1.iter().map(|(at, y)| y - (self.0)(x, *at)).collect())
         }
@@ -235,7 +235,7 @@ mod tests {
         ];
         let curve: Curve = |b, x| b[0] * -(-b[1] * x).exp_m1();
         for start in [[500.0, 1e-4], [250.0, 5e-4]] {
-            let limits = Limits { reduction: 1e-14, steps: 200 };
+            let limits = StopCriteria { reduction: 1e-14, steps: 200 };
             let found = minimise(&mut Points(curve, &DATA), &start, limits).expect("a minimum");
             let covariance = found.covariance().expect("determined parameters");
             for (j, (value, deviation)) in
@@ -257,7 +257,7 @@ mod tests {
     fn parameters_that_cannot_be_told_apart_are_refused() {
         let points: Vec<(f64, f64)> = (1..9).map(|i| (f64::from(i), 3.0 * f64::from(i))).collect();
         let curve: Curve = |b, x| (b[0] + b[1]) * x + b[2];
-        let limits = Limits { reduction: 1e-12, steps: 50 };
+        let limits = StopCriteria { reduction: 1e-12, steps: 50 };
         let found = minimise(&mut Points(curve, &points), &[1.0, 1.0, 1.0], limits);
         assert!(found.expect("a minimum").covariance().is_err());
     }
@@ -265,8 +265,8 @@ mod tests {
     /// A step to where there is no value is refused, and the minimum at the edge of what is allowed is still found.
     #[test]
     fn where_there_is_no_value_no_step_ends() {
-        struct Walled;
-        impl Problem for Walled {
+        struct BoundedProblem;
+        impl LeastSquaresProblem for BoundedProblem {
             fn residuals(&mut self, x: &[f64]) -> Option<Vec<f64>> {
                 (x[0] > 0.0).then(|| vec![x[0].ln(), 0.5 * x[0].ln()])
             }
@@ -274,8 +274,8 @@ mod tests {
                 Some(vec![vec![1.0 / x[0], 0.5 / x[0]]])
             }
         }
-        let limits = Limits { reduction: 0.0, steps: 100 };
-        let found = minimise(&mut Walled, &[20.0], limits).expect("a minimum");
+        let limits = StopCriteria { reduction: 0.0, steps: 100 };
+        let found = minimise(&mut BoundedProblem, &[20.0], limits).expect("a minimum");
         assert!((found.x[0] - 1.0).abs() < 1e-8, "{:?}", found.x);
     }
 }

@@ -11,9 +11,9 @@ use std::ops::Range;
 use crate::trace::Trace;
 
 /// How far beyond the samples a place may lie that they tell of, in their half-width (1).
-const FARTHEST: f64 = 1.2;
+const MAX_EXTRAPOLATION: f64 = 1.2;
 /// A polynomial changes its sign at most once in each of this many parts of the samples.
-const LOOKS: u8 = 48;
+const SIGN_SEARCH_PARTS: u8 = 48;
 
 /// Polynomial with the covariance that noise of unit variance gives its coefficients.
 #[derive(Debug, Clone)]
@@ -103,8 +103,8 @@ impl LocalFit {
 
 /// The `x` nearest to the middle where `f`, something read off a polynomial, falls through zero.
 pub(super) fn nearest_fall(f: &dyn Fn(f64) -> f64) -> Option<f64> {
-    let width = 2.0 * FARTHEST / f64::from(LOOKS);
-    let edges = (0..LOOKS).map(|look| width * f64::from(look) - FARTHEST);
+    let width = 2.0 * MAX_EXTRAPOLATION / f64::from(SIGN_SEARCH_PARTS);
+    let edges = (0..SIGN_SEARCH_PARTS).map(|look| width * f64::from(look) - MAX_EXTRAPOLATION);
     let falls = edges.filter_map(|low| {
         let high = low + width;
         (f(low) > 0.0 && f(high) <= 0.0).then(|| bisect(f, low, high))

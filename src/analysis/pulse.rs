@@ -5,7 +5,7 @@
 //! summary defines it for the force itself. A maximum counts when the signal falls off behind it by six standard deviations
 //! of the smoothed noise and by 0.5 % of the largest value; shallower ones cannot be told from noise.
 
-use super::pulse_conditions::OUTSTANDING;
+use super::pulse_conditions::MIN_PROMINENCE;
 pub use super::pulse_conditions::{Conditions, PEAK_SHARE, PulseError};
 use std::ops::Range;
 
@@ -14,20 +14,11 @@ use super::droop::undo_droop;
 use super::local_fit::LocalFit;
 use crate::trace::Trace;
 /// As long as nothing is smoothed, there are more samples to be wrong: then by this many (1).
-const OUTSTANDING_RAW: f64 = 8.0;
+const MIN_RAW_PROMINENCE: f64 = 8.0;
 /// And by this share of the largest value (1).
-const SHALLOWEST: f64 = 0.005;
+const MIN_DEPTH_SHARE: f64 = 0.005;
 /// Half-width of the smoothing in units of the rise from a quarter of the largest value to the peak (1).
 const SMOOTHING: f64 = 1.0 / 6.0;
-
-/// A number with its standard uncertainty.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Measure {
-    /// The number (unit).
-    pub value: f64,
-    /// Its standard uncertainty; twice as much covers 95 % (unit).
-    pub standard_uncertainty: f64,
-}
 
 /// A trace with a pulse, ready to be measured.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,16 +67,17 @@ impl Pulse {
             }
         }
         let (top, _) = largest(&signal.values);
-        if top <= OUTSTANDING * noise {
+        if top <= MIN_PROMINENCE * noise {
             return Err(PulseError::NoPulse { trace: name(), largest: top, noise });
         }
-        let drop = |noise: f64| noise.max(SHALLOWEST * top);
-        let rough = first_maximum(&signal.values, PEAK_SHARE * top, drop(OUTSTANDING_RAW * noise));
+        let drop = |noise: f64| noise.max(MIN_DEPTH_SHARE * top);
+        let rough =
+            first_maximum(&signal.values, PEAK_SHARE * top, drop(MIN_RAW_PROMINENCE * noise));
         let reach = smoothing_reach(rough.1 - rough.0);
         let (smoothed, gain) = smooth(&signal.values, reach);
         let smoothed_noise = noise * gain;
         let (_, peak) =
-            first_maximum(&smoothed, PEAK_SHARE * top, drop(OUTSTANDING * smoothed_noise));
+            first_maximum(&smoothed, PEAK_SHARE * top, drop(MIN_PROMINENCE * smoothed_noise));
         let height = smoothed.get(peak).copied().unwrap_or(top);
         let half = smoothed.iter().position(|v| *v >= 0.5 * height).unwrap_or(peak);
         Ok(Self {
@@ -132,7 +124,7 @@ impl Pulse {
     /// Number of maxima that stand out of what is around them by six standard deviations and by `share` of the largest (1).
     pub fn count(&self, share: f64) -> usize {
         let (top, _) = largest(&self.smoothed);
-        let drop = (OUTSTANDING * self.smoothed_noise).max(share * top);
+        let drop = (MIN_PROMINENCE * self.smoothed_noise).max(share * top);
         let (mut high, mut low) = (0.0_f64, 0.0_f64);
         let (mut rising, mut count) = (false, 0);
         for value in &self.smoothed {

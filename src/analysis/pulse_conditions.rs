@@ -21,7 +21,7 @@ pub struct Conditions {
 pub enum PulseError {
     /// Nothing before the pulse.
     #[error(
-        "found {samples} samples of {trace} before the pulse, expected at least {FEWEST_BASELINE} to take the baseline from"
+        "found {samples} samples of {trace} before the pulse, expected at least {MIN_BASELINE_SAMPLES} to take the baseline from"
     )]
     NoBaseline {
         /// The trace's name.
@@ -31,7 +31,7 @@ pub enum PulseError {
     },
     /// Nothing above the noise.
     #[error(
-        "found a largest deviation of {largest:e} in {trace}, expected more than {OUTSTANDING} times its noise of {noise:e}"
+        "found a largest deviation of {largest:e} in {trace}, expected more than {MIN_PROMINENCE} times its noise of {noise:e}"
     )]
     NoPulse {
         /// The trace's name.
@@ -52,7 +52,7 @@ pub enum PulseError {
 }
 
 /// A maximum must stand out by this many standard deviations: two samples differ by 1.4 of one, and a rise has many (1).
-pub(super) const OUTSTANDING: f64 = 6.0;
+pub(super) const MIN_PROMINENCE: f64 = 6.0;
 
 /// Fewest samples of a baseline.
-pub(super) const FEWEST_BASELINE: usize = 8;
+pub(super) const MIN_BASELINE_SAMPLES: usize = 8;

@@ -48,7 +48,7 @@ impl fmt::Display for Convention {
 
 /// How a spectrum is made.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settings {
+pub struct SpectrumSettings {
     /// What the ordinate is.
     pub convention: Convention,
     /// What the record is multiplied with.
@@ -61,7 +61,7 @@ pub struct Settings {
     pub offset: f64,
 }
 
-impl Default for Settings {
+impl Default for SpectrumSettings {
     /// As in the paper: no window, five times as long, everything.
     fn default() -> Self {
         Self {
@@ -149,7 +149,7 @@ impl Analyser {
     pub fn spectrum(
         &mut self,
         trace: &Trace,
-        settings: &Settings,
+        settings: &SpectrumSettings,
     ) -> Result<Spectrum, SpectrumError> {
         let range = settings.gate.range(trace);
         let record = trace.values.get(range.clone()).unwrap_or_default();
@@ -193,7 +193,7 @@ impl Analyser {
 
 fn check(
     trace: &Trace,
-    settings: &Settings,
+    settings: &SpectrumSettings,
     start: usize,
     record: &[f64],
 ) -> Result<(), SpectrumError> {

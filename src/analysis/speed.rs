@@ -6,31 +6,30 @@
 //! far below the values; amplitudes of one line must come from hosts of one kind, since a plate in a steel cylinder feels
 //! 0.69 of what one in a PTFE sphere feels of the same pulse.
 
-use super::pulse::Measure;
+use crate::quantity::Uncertain;
 
 /// Speed over `distance` (m) between two arrivals (s), in m/s; none where the second is not later or earlier than the first.
-pub fn speed(distance: Measure, from: Measure, to: Measure) -> Option<Measure> {
+pub fn speed(distance: Uncertain, from: Uncertain, to: Uncertain) -> Option<Uncertain> {
     let time = to.value - from.value;
-    let of_time = from.standard_uncertainty.hypot(to.standard_uncertainty);
-    speed_over(distance, Measure { value: time, standard_uncertainty: of_time })
+    let of_time = from.u.hypot(to.u);
+    speed_over(distance, Uncertain { value: time, u: of_time })
 }
 
 /// Speed over `distance` (m) in a time (s) measured at one go, such as by cross-correlation.
-pub fn speed_over(distance: Measure, time: Measure) -> Option<Measure> {
+pub fn speed_over(distance: Uncertain, time: Uncertain) -> Option<Uncertain> {
     let value = distance.value / time.value;
-    let relative = (distance.standard_uncertainty / distance.value)
-        .hypot(time.standard_uncertainty / time.value);
-    let found = Measure { value, standard_uncertainty: (value * relative).abs() };
-    (found.value.is_finite() && found.standard_uncertainty.is_finite()).then_some(found)
+    let relative = (distance.u / distance.value).hypot(time.u / time.value);
+    let found = Uncertain { value, u: (value * relative).abs() };
+    (found.value.is_finite() && found.u.is_finite()).then_some(found)
 }
 
 /// Decay constant `g` of amplitudes at their positions (m), in 1/m, positive where they fall; none for fewer than two positions or
 /// amplitudes that are not positive.
-pub fn decay(amplitudes: &[(f64, Measure)]) -> Option<Measure> {
+pub fn decay(amplitudes: &[(f64, Uncertain)]) -> Option<Uncertain> {
     let (mut s, mut sx, mut sy) = (0.0, 0.0, 0.0);
-    let certain = amplitudes.iter().any(|(_, a)| a.standard_uncertainty <= 0.0);
-    let weight = |a: &Measure| {
-        if certain { 1.0 } else { (a.value / a.standard_uncertainty).powi(2) }
+    let certain = amplitudes.iter().any(|(_, a)| a.u <= 0.0);
+    let weight = |a: &Uncertain| {
+        if certain { 1.0 } else { (a.value / a.u).powi(2) }
     };
     for (x, a) in amplitudes {
         if a.value <= 0.0 {
@@ -48,6 +47,6 @@ pub fn decay(amplitudes: &[(f64, Measure)]) -> Option<Measure> {
         sxy += weight(a) * off * (a.value.ln() - sy / s);
     }
     let standard_uncertainty = if certain { 0.0 } else { 1.0 / sxx.sqrt() };
-    let found = Measure { value: -sxy / sxx, standard_uncertainty };
+    let found = Uncertain { value: -sxy / sxx, u: standard_uncertainty };
     found.value.is_finite().then_some(found)
 }

@@ -5,7 +5,7 @@
 //! Source: J. B. Allen, L. R. Rabiner, Proc. IEEE 65, 1558 (1977). Valid while the signal changes little within a piece.
 
 use super::gate::Gate;
-use super::spectrum::{Analyser, Settings, Spectrum, SpectrumError};
+use super::spectrum::{Analyser, Spectrum, SpectrumError, SpectrumSettings};
 use crate::trace::Trace;
 
 /// How a signal is cut into pieces.
@@ -53,7 +53,7 @@ impl Spectrogram {
     pub fn of(
         analyser: &mut Analyser,
         trace: &Trace,
-        settings: &Settings,
+        settings: &SpectrumSettings,
         pieces: Pieces,
     ) -> Result<Self, SpectrogramError> {
         let Pieces { segment, hop } = pieces;
@@ -64,7 +64,7 @@ impl Spectrogram {
         if hop == 0 {
             return Err(SpectrogramError::Hop);
         }
-        let whole = Settings { gate: Gate::ALL, ..*settings };
+        let whole = SpectrumSettings { gate: Gate::ALL, ..*settings };
         let mut spectrogram = Self { times: Vec::new(), columns: Vec::new() };
         for start in (range.start..=range.end - segment).step_by(hop) {
             let piece = Trace {

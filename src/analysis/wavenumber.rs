@@ -17,22 +17,22 @@ use super::window::Window;
 /// Phases looked at, in cells.
 const PADDING: usize = 8;
 /// Fewest cells in which a wavenumber is looked for.
-const FEWEST_CELLS: usize = 8;
+const MIN_CELLS: usize = 8;
 /// Fewest samples of a row.
-const FEWEST_SAMPLES: usize = 16;
+const MIN_SAMPLES: usize = 16;
 
 /// Why no wavenumbers are found.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum WavenumberError {
     /// Too few cells.
-    #[error("found {cells} cells in a row, expected at least {FEWEST_CELLS} for a wavenumber")]
+    #[error("found {cells} cells in a row, expected at least {MIN_CELLS} for a wavenumber")]
     TooFewCells {
         /// How many.
         cells: usize,
     },
     /// Too few samples, or rows of different lengths.
     #[error(
-        "found {samples} samples in the time looked at, expected at least {FEWEST_SAMPLES} in each row"
+        "found {samples} samples in the time looked at, expected at least {MIN_SAMPLES} in each row"
     )]
     TooShort {
         /// Of the shortest row.
@@ -79,10 +79,10 @@ pub fn spectral_lines(
 ) -> Result<SpectralLines, WavenumberError> {
     let cells = rows.len();
     let samples = rows.iter().map(|row| row.len()).min().unwrap_or(0);
-    if cells < FEWEST_CELLS {
+    if cells < MIN_CELLS {
         return Err(WavenumberError::TooFewCells { cells });
     }
-    if samples < FEWEST_SAMPLES {
+    if samples < MIN_SAMPLES {
         return Err(WavenumberError::TooShort { samples });
     }
     if !rows.iter().all(|row| row.iter().all(|x| x.is_finite())) {

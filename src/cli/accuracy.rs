@@ -10,14 +10,14 @@ const AUTO: &str = "auto";
 
 /// What is asked for.
 #[derive(Debug, Clone, Copy)]
-pub enum Asked {
+pub enum AccuracyArguments {
     /// What the scene's scope calls for, whatever the scene says.
     Auto,
     /// This relative error (1).
     Value(f64),
 }
 
-impl Asked {
+impl AccuracyArguments {
     /// Reads an accuracy, or `auto`.
     pub fn parse(text: &str) -> Result<Self, String> {
         if text == AUTO {

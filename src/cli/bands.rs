@@ -35,7 +35,7 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
     /// Draw the gap's lower edge into this file
-    #[arg(long, value_name = picture::ENDINGS, value_parser = picture::file)]
+    #[arg(long, value_name = picture::PICTURE_ENDINGS, value_parser = picture::file)]
     plot: Option<PathBuf>,
 }
 

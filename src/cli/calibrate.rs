@@ -6,7 +6,8 @@ use anyhow::{Context as _, bail};
 use clap::Args;
 use serde_json::json;
 
-use super::progress::Progress;
+use super::progress::JobProgress;
+use crate::files::{self, NewFolder};
 use crate::measurement::calibration::{self, Calibrated, sensor_file};
 use crate::quantity::{Dimension, parse};
 use crate::recording::mcap;
@@ -15,7 +16,7 @@ use crate::report::calibration_design::design_page;
 use crate::report::certificate::{certificate, pictures};
 use crate::scene::plan;
 use crate::studies::momentum_test::coverage::coverage;
-use crate::studies::momentum_test::design::{Candidate, Designer, Lab, strikers};
+use crate::studies::momentum_test::design::{Designer, LabUncertainties, TestDesign, strikers};
 
 /// Calibrate a sensor through linear momentum: sensitivity, time constant, uncertainty budget, certificate
 #[derive(Debug, Args)]
@@ -77,9 +78,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
 
 fn simulate(arguments: &Arguments) -> anyhow::Result<()> {
     let sensor = arguments.simulate.as_deref().unwrap_or_default();
-    let lab = Lab { gain_u: arguments.gain_u, ..Lab::default() };
+    let lab = LabUncertainties { gain_u: arguments.gain_u, ..LabUncertainties::default() };
     let designer = Designer::new(sensor, lab, arguments.seed)?;
-    let mut progress = Progress::new("tests", arguments.quiet);
+    let mut progress = JobProgress::new("tests", arguments.quiet);
     let candidates = designer.search(&arguments.striker, &mut |share| progress.at(share));
     progress.done();
     let candidates = candidates?;
@@ -89,7 +90,7 @@ fn simulate(arguments: &Arguments) -> anyhow::Result<()> {
             strikers().iter().map(|s| s.name.clone()).collect::<Vec<_>>().join(", ")
         );
     };
-    let mut progress = Progress::new("blind calibrations", arguments.quiet);
+    let mut progress = JobProgress::new("blind calibrations", arguments.quiet);
     let checked = arguments.repeat.map(|repeats| {
         coverage(&designer, best, (repeats, arguments.seed), &mut |share| progress.at(share))
     });
@@ -113,15 +114,16 @@ fn simulate(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 /// The best test's plan and recordings, as a lab would bring them.
-fn write_test(folder: &Path, designer: &Designer, best: &Candidate) -> anyhow::Result<PathBuf> {
+fn write_test(folder: &Path, designer: &Designer, best: &TestDesign) -> anyhow::Result<PathBuf> {
     let test = designer.test(best)?;
-    std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    let new = NewFolder::replace(folder).with_context(|| folder.display().to_string())?;
     for (name, set) in &test.recordings {
-        mcap::write(&folder.join(name), set)?;
+        mcap::write(&new.join(name), set)?;
     }
-    let plan = folder.join("plan.toml");
-    std::fs::write(&plan, test.plan).with_context(|| plan.display().to_string())?;
-    Ok(plan)
+    files::write(&new.join("plan.toml"), test.plan)
+        .and_then(|()| new.complete())
+        .with_context(|| folder.display().to_string())?;
+    Ok(folder.join("plan.toml"))
 }
 
 fn write(folder: &Path, found: &Calibrated) -> anyhow::Result<()> {
@@ -136,10 +138,12 @@ fn write(folder: &Path, found: &Calibrated) -> anyhow::Result<()> {
         ("calibration.json".to_owned(), serde_json::to_string_pretty(report)? + "\n"),
         (format!("{sensor}.toml"), sensor_file(report)),
     ];
-    std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-    for (name, text) in files.into_iter().chain(pictures) {
-        let file = folder.join(name);
-        std::fs::write(&file, text).with_context(|| file.display().to_string())?;
-    }
-    Ok(())
+    let write = || {
+        let new = NewFolder::replace(folder)?;
+        for (name, text) in files.into_iter().chain(pictures) {
+            files::write(&new.join(name), text)?;
+        }
+        new.complete()
+    };
+    write().with_context(|| folder.display().to_string())
 }

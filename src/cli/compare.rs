@@ -3,16 +3,17 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, bail};
+use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
 
-use super::progress::Progress;
-use super::sensor::{Wired, wire_all, wired};
+use super::progress::JobProgress;
+use super::sensor::{SensorAssignment, wire_all, wired};
 use crate::experiment::accuracy::of_scene;
 use crate::experiment::{self, Integration, facts};
+use crate::files;
 use crate::measurement::compare::mapping::Assignment;
-use crate::measurement::compare::tolerance::Tolerance;
-use crate::measurement::compare::{Align, Side, compare};
+use crate::measurement::compare::score_limits::ScoreLimits;
+use crate::measurement::compare::{Align, ComparedShot, compare};
 use crate::recording::format::{Format, open};
 use crate::recording::{Shot, TraceSet, mcap};
 use crate::report;
@@ -27,8 +28,8 @@ pub struct Arguments {
     /// The same of a simulation, or a scene, which is run: one that ships with the program, or a .toml file
     simulated: String,
     /// What scores may be off at most: peak, speed, gain, spectrum (5%), arrival (2us), rms, max (2lsb, 10mV, 0.1N), correlation (0.99)
-    #[arg(long, value_name = "LIST", value_parser = Tolerance::parse, default_value = "rms=1lsb")]
-    tolerance: Tolerance,
+    #[arg(long, value_name = "LIST", value_parser = ScoreLimits::parse, default_value = "rms=1lsb")]
+    tolerance: ScoreLimits,
     /// How both are brought onto one time axis
     #[arg(long, value_enum, default_value = "arrival")]
     align: AlignBy,
@@ -37,7 +38,7 @@ pub struct Arguments {
     map: Vec<Assignment>,
     /// A measured channel's sensor, a name or a file such as `calibrate` writes
     #[arg(long, value_name = "CH=SENSOR", value_parser = wired)]
-    sensor: Vec<Wired>,
+    sensor: Vec<SensorAssignment>,
     /// Shot of the measurement
     #[arg(long, value_name = "N", default_value_t = 1)]
     shot: u32,
@@ -93,9 +94,13 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     wire_all(&mut set, &arguments.sensor)?;
     let simulation = Simulation::of(arguments)?;
     let name = arguments.measured.display().to_string();
-    let measured =
-        Side { name: &name, set: &set, shot: shot(&set, &name, arguments.shot)?, scene: None };
-    let simulated = Side {
+    let measured = ComparedShot {
+        name: &name,
+        set: &set,
+        shot: shot(&set, &name, arguments.shot)?,
+        scene: None,
+    };
+    let simulated = ComparedShot {
         name: &arguments.simulated,
         set: &simulation.set,
         shot: shot(&simulation.set, &arguments.simulated, simulation.shot)?,
@@ -138,7 +143,7 @@ impl Simulation {
         let scene = Scene::load(&arguments.simulated)?;
         let integration = Integration::Accuracy(of_scene(&scene)?.value);
         let metadata = facts::facts(&scene, integration)?;
-        let mut progress = Progress::new(&scene.name, arguments.quiet);
+        let mut progress = JobProgress::new(&scene.name, arguments.quiet);
         let outcome = experiment::run(&scene, integration, 1, &mut |share| progress.at(share));
         progress.done();
         let set = TraceSet { shots: vec![outcome?.shot], metadata, ..TraceSet::default() };
@@ -171,18 +176,22 @@ pub fn write_document(
 ) -> anyhow::Result<()> {
     let stem = file.file_stem().and_then(OsStr::to_str).unwrap_or("report");
     let parts = parts(stem);
-    let write = |file: &Path, text: &str| {
-        std::fs::write(file, text).with_context(|| file.display().to_string())
+    let page = match ending(file, &["md", "html"])? {
+        "html" => html(title, &parts),
+        _ => markdown(&parts),
     };
-    if ending(file, &["md", "html"])? == "html" {
-        return write(file, &html(title, &parts));
+    let pictures = parts.iter().filter_map(|part| match part {
+        Part::Picture(name, _, svg) => Some((file.with_file_name(name), svg.as_str())),
+        _ => None,
+    });
+    let mut all: Vec<(PathBuf, &str)> = pictures.collect();
+    if ending(file, &["html"]).is_ok() {
+        all.clear();
     }
-    for part in &parts {
-        if let Part::Picture(name, _, svg) = part {
-            write(&file.with_file_name(name), svg)?;
-        }
-    }
-    write(file, &markdown(&parts))
+    // The page last: it names the pictures.
+    all.push((file.to_owned(), &page));
+    files::write_together(&all)
+        .map_err(|(file, error)| anyhow!(error).context(file.display().to_string()))
 }
 
 /// The measurement as a recording with its scores among the metadata.

@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, anyhow, bail};
 use clap::Args;
 
-use super::sensor::{Wired, wire_all, wired};
+use super::sensor::{SensorAssignment, wire_all, wired};
+use crate::files;
 use crate::recording::format::open;
 use crate::recording::tek_csv::TekCsvError;
-use crate::recording::{Capture, Instrument, Shot, TraceSet, isf, mcap, tek_csv};
+use crate::recording::{Capture, InstrumentIdentity, Shot, TraceSet, isf, mcap, tek_csv};
 use crate::report;
 use crate::scene::oscilloscope;
 use crate::scope::{Model, Source};
@@ -29,7 +30,7 @@ pub struct Arguments {
     instrument: Option<String>,
     /// A channel's sensor, a name or a file such as `calibrate` writes, to be noted in the recording (.mcap)
     #[arg(long, value_name = "CH=SENSOR", value_parser = wired)]
-    sensor: Vec<Wired>,
+    sensor: Vec<SensorAssignment>,
     /// Do not name the files written
     #[arg(short, long)]
     quiet: bool,
@@ -79,7 +80,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
 /// Gives captures of an unknown instrument one of this model.
 fn name_instrument(set: &mut TraceSet, model: &Model) {
     for capture in set.shots.iter_mut().flat_map(|shot| &mut shot.captures) {
-        capture.instrument.get_or_insert_with(|| Instrument {
+        capture.instrument.get_or_insert_with(|| InstrumentIdentity {
             model: model.name.replace(' ', ""),
             serial: model.serial.clone(),
             firmware: model.firmware.clone(),
@@ -99,7 +100,7 @@ fn first_shot(set: &TraceSet) -> anyhow::Result<&Shot> {
 fn screen(set: &TraceSet, path: &Path, format: PictureFormat) -> anyhow::Result<Vec<PathBuf>> {
     let saved = saved(set, first_shot(set)?)?;
     let bytes = file(&draw(&saved.screen), format);
-    std::fs::write(path, bytes).with_context(|| path.display().to_string())?;
+    files::write(path, bytes).with_context(|| path.display().to_string())?;
     Ok(vec![path.to_owned()])
 }
 
@@ -109,7 +110,7 @@ fn picture(set: &TraceSet, file: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let facts = set.metadata.get("hertzscope:recording");
     let title = facts.and_then(|facts| facts.get("title")).map_or("", String::as_str);
     let svg = report::screen(shot, title);
-    std::fs::write(file, svg).with_context(|| file.display().to_string())?;
+    files::write(file, svg).with_context(|| file.display().to_string())?;
     Ok(vec![file.to_owned()])
 }
 
@@ -123,7 +124,7 @@ fn isf_file(set: &TraceSet, file: &Path) -> anyhow::Result<Vec<PathBuf>> {
         );
     };
     let bytes = isf::write(capture, isf::Width::One)?;
-    std::fs::write(file, bytes).with_context(|| file.display().to_string())?;
+    files::write(file, bytes).with_context(|| file.display().to_string())?;
     Ok(vec![file.to_owned()])
 }
 
@@ -143,7 +144,7 @@ fn csv_file(set: &TraceSet, file: &Path) -> anyhow::Result<Vec<PathBuf>> {
     match (captures.next(), captures.next()) {
         (None, _) => bail!("found no capture, expected at least one: the scope was not triggered"),
         (Some(capture), None) => {
-            std::fs::write(file, native(capture)?).with_context(|| file.display().to_string())?;
+            files::write(file, native(capture)?).with_context(|| file.display().to_string())?;
             Ok(vec![file.to_owned()])
         }
         (Some(_), Some(_)) => folders(set, &file.with_extension("")),
@@ -153,12 +154,17 @@ fn csv_file(set: &TraceSet, file: &Path) -> anyhow::Result<Vec<PathBuf>> {
 /// One folder a shot, one file a channel with set-up and screen, numbered on from what is there as the scope does.
 fn folders(set: &TraceSet, parent: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let mut written = Vec::new();
-    let mut number = 0;
     for shot in set.shots.iter().filter(|shot| !shot.captures.is_empty()) {
-        while parent.join(format!("ALL{number:04}")).exists() {
-            number += 1;
-        }
-        written.extend(folder(set, shot, parent, number)?);
+        // Everything is put into words before a folder is made: a capture that cannot be written leaves no half of it.
+        let contents = contents(set, shot)?;
+        let name = |number| format!("ALL{number:04}");
+        let files = |number| {
+            let named =
+                |(name, bytes): &(String, Vec<u8>)| (format!("F{number:04}{name}"), bytes.clone());
+            contents.iter().map(named).collect()
+        };
+        let made = files::write_numbered_folder(parent, name, files);
+        written.extend(made.with_context(|| parent.display().to_string())?);
     }
     if written.is_empty() {
         bail!("found no capture, expected at least one: the scope was not triggered");
@@ -166,9 +172,8 @@ fn folders(set: &TraceSet, parent: &Path) -> anyhow::Result<Vec<PathBuf>> {
     Ok(written)
 }
 
-fn folder(set: &TraceSet, shot: &Shot, parent: &Path, number: u32) -> anyhow::Result<Vec<PathBuf>> {
-    let folder = parent.join(format!("ALL{number:04}"));
-    // Everything is put into words before the folder is made: a capture that cannot be written leaves no half of it.
+/// The files of one shot, by their names behind the number.
+fn contents(set: &TraceSet, shot: &Shot) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
     let mut files = Vec::new();
     for capture in &shot.captures {
         let channel = match capture.waveform.source {
@@ -176,18 +181,12 @@ fn folder(set: &TraceSet, shot: &Shot, parent: &Path, number: u32) -> anyhow::Re
             Source::Math => "MTH".to_owned(),
             Source::Reference(letter) => format!("RF{letter}"),
         };
-        let text = native(capture)?;
-        files.push((folder.join(format!("F{number:04}{channel}.CSV")), text.into_bytes()));
+        files.push((format!("{channel}.CSV"), native(capture)?.into_bytes()));
     }
     let saved = saved(set, shot)?;
-    let beside = |ending: &str| folder.join(format!("F{number:04}TEK.{ending}"));
     if let Some(set_up) = saved.set_up {
-        files.push((beside("SET"), set_up));
+        files.push(("TEK.SET".to_owned(), set_up));
     }
-    files.push((beside("BMP"), file(&draw(&saved.screen), PictureFormat::Bmp)));
-    std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
-    for (file, bytes) in &files {
-        std::fs::write(file, bytes).with_context(|| file.display().to_string())?;
-    }
-    Ok(files.into_iter().map(|(file, _)| file).collect())
+    files.push(("TEK.BMP".to_owned(), file(&draw(&saved.screen), PictureFormat::Bmp)));
+    Ok(files)
 }

@@ -6,15 +6,15 @@ use anyhow::anyhow;
 use clap::Args;
 
 use super::picture;
-use super::progress::Progress;
+use super::progress::JobProgress;
 use crate::experiment::accuracy::{of_scene, run_to_accuracy};
-use crate::experiment::auto_effects::settle;
+use crate::experiment::auto_effects::resolve_auto_effects;
 use crate::experiment::{Integration, facts, first_attempt};
 use crate::recording::Attachment;
 use crate::recording::mcap::RecordingWriter;
-use crate::report::{self, Work};
+use crate::report::{self, WorkMeasure};
 use crate::scene::Scene;
-use crate::studies::cost::{Study, TIMED_RUNS, study};
+use crate::studies::cost::{CostStudy, TIMED_RUNS, study};
 
 /// Show what accuracy costs in time: each accuracy with its errors and times, then every method over its settings
 #[derive(Debug, Args)]
@@ -26,7 +26,7 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
     /// Draw the study
-    #[arg(long, value_name = picture::ENDINGS, value_parser = picture::file)]
+    #[arg(long, value_name = picture::PICTURE_ENDINGS, value_parser = picture::file)]
     plot: Option<PathBuf>,
     /// Run the scene, too, and write its recording with the study as its attachment `cost.json`
     #[arg(long, value_name = "FILE.mcap", value_parser = recording)]
@@ -44,11 +44,11 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let scene = Scene::load(&arguments.scene)?;
-    let mut progress = Progress::new(&scene.name, arguments.quiet);
+    let mut progress = JobProgress::new(&scene.name, arguments.quiet);
     let found = study(&scene, arguments.runs, &mut |share| progress.at(share));
     progress.done();
     let found = found.map_err(|error| anyhow!("{}: no reference: {error}", scene.name))?;
-    let work = if arguments.evaluations { Work::Evaluations } else { Work::Time };
+    let work = if arguments.evaluations { WorkMeasure::Evaluations } else { WorkMeasure::Time };
     if let Some(file) = &arguments.plot {
         picture::save(file, &report::work_precision_svg(&found, work))?;
     }
@@ -72,10 +72,10 @@ fn recording(text: &str) -> Result<PathBuf, String> {
 }
 
 /// A shot at the scene's own accuracy, with the study beside it.
-fn record(file: &Path, scene: &Scene, study: &Study) -> anyhow::Result<()> {
+fn record(file: &Path, scene: &Scene, study: &CostStudy) -> anyhow::Result<()> {
     let accuracy = of_scene(scene)?.value;
     let integration = Integration::Accuracy(accuracy);
-    let scene = settle(scene, integration);
+    let scene = resolve_auto_effects(scene, integration);
     let outcome = run_to_accuracy(&scene, accuracy, 1, &mut |_| ())?;
     let study = Attachment {
         name: "cost.json".to_owned(),
@@ -86,5 +86,6 @@ fn record(file: &Path, scene: &Scene, study: &Study) -> anyhow::Result<()> {
     let known = facts::facts(&scene, first_attempt(&scene, integration))?;
     let mut writer = RecordingWriter::create(file, &known, &attachments)?;
     writer.add(&outcome.shot, &facts::shot_notes(&scene, &outcome))?;
-    Ok(writer.finish()?)
+    writer.finish()?;
+    Ok(())
 }

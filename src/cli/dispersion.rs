@@ -17,7 +17,7 @@ use crate::scene::Site;
 use crate::trace::Trace;
 
 /// Waves are looked for up to this multiple of the top of the optical branch (1).
-const BEYOND: f64 = 1.2;
+const FREQUENCY_MARGIN: f64 = 1.2;
 /// A share in percent (1).
 const PERCENT: f64 = 0.01;
 
@@ -45,7 +45,7 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
     /// Draw into this file as well
-    #[arg(long, value_name = picture::ENDINGS, value_parser = picture::file)]
+    #[arg(long, value_name = picture::PICTURE_ENDINGS, value_parser = picture::file)]
     plot: Option<PathBuf>,
 }
 
@@ -144,7 +144,7 @@ fn page(arguments: &Arguments) -> anyhow::Result<DispersionPage> {
     let rows: Vec<Vec<f64>> = traces.iter().map(dynamic).collect();
     let rows: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
     let interval = traces.first().map_or(0.0, |trace| trace.interval);
-    let (highest, nyquist) = (BEYOND * chain.cutoff(), 0.5 / interval);
+    let (highest, nyquist) = (FREQUENCY_MARGIN * chain.cutoff(), 0.5 / interval);
     if nyquist < chain.cutoff() {
         bail!(
             "found forces along the chain every {interval:e} s, which tell frequencies to {nyquist:.0} Hz, expected them to {:.0} Hz, the top of the optical branch: run the scene for less time",

@@ -2,8 +2,8 @@
 
 use clap::Args;
 
-use super::accuracy::Asked;
-use super::progress::Progress;
+use super::accuracy::AccuracyArguments;
+use super::progress::JobProgress;
 use crate::report;
 use crate::scene::Scene;
 use crate::studies::effects::ledger;
@@ -15,8 +15,8 @@ pub struct Arguments {
     #[arg(default_value = "magnet-0.61g")]
     scene: String,
     /// Accuracy of the runs that are compared, e.g. 1e-6, or auto for what the scene's scope calls for [default: the scene's, else auto]
-    #[arg(long, value_name = "X", value_parser = Asked::parse, allow_hyphen_values = true)]
-    accuracy: Option<Asked>,
+    #[arg(long, value_name = "X", value_parser = AccuracyArguments::parse, allow_hyphen_values = true)]
+    accuracy: Option<AccuracyArguments>,
     /// Print the ledger as JSON
     #[arg(long)]
     json: bool,
@@ -27,8 +27,8 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let scene = Scene::load(&arguments.scene)?;
-    let accuracy = Asked::of(arguments.accuracy, &scene)?.value;
-    let mut progress = Progress::new(&scene.name, arguments.quiet);
+    let accuracy = AccuracyArguments::of(arguments.accuracy, &scene)?.value;
+    let mut progress = JobProgress::new(&scene.name, arguments.quiet);
     let found = ledger(&scene, accuracy, &mut |share| progress.at(share));
     progress.done();
     let found = found?;

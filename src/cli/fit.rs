@@ -6,16 +6,17 @@ use anyhow::{Context as _, bail};
 use clap::Args;
 
 use super::compare::{assignment, ending, shot, write_document};
-use super::progress::Progress;
+use super::progress::JobProgress;
 use crate::analysis::gate::Gate;
+use crate::files;
 use crate::fit::blind::blind;
-use crate::fit::{Fit, Options, fit};
-use crate::measurement::compare::Side;
+use crate::fit::{Fit, FitOptions, fit};
+use crate::measurement::compare::ComparedShot;
 use crate::measurement::compare::mapping::Assignment;
 use crate::quantity::{Dimension, parse, parse_any};
 use crate::recording::format::open;
 use crate::report;
-use crate::scene::adjust::{Adjustable, Knob};
+use crate::scene::adjust::{Adjustable, AdjustableNumber};
 use crate::scene::{LOOSEST_ACCURACY, TIGHTEST_ACCURACY};
 
 /// Find a scene's numbers from measured traces, with uncertainties: least squares through sensor and scope
@@ -104,7 +105,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(file) = &arguments.report {
         ending(file, &["md", "html"])?;
     }
-    let options = Options {
+    let options = FitOptions {
         gains: arguments.gains,
         offsets: arguments.offsets,
         starts: arguments.starts,
@@ -130,7 +131,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 /// The scene and what is freed of it.
-fn freed(arguments: &Arguments, scene: &str) -> anyhow::Result<(Adjustable, Vec<Knob>)> {
+fn freed(
+    arguments: &Arguments,
+    scene: &str,
+) -> anyhow::Result<(Adjustable, Vec<AdjustableNumber>)> {
     let mut scene = Adjustable::load(scene)?;
     let mut knobs = Vec::new();
     for text in arguments.free.iter().map(|text| text.trim()).filter(|text| !text.is_empty()) {
@@ -160,20 +164,20 @@ fn run_fit(
     arguments: &Arguments,
     measured: &str,
     scene: &str,
-    options: &Options,
+    options: &FitOptions,
 ) -> anyhow::Result<()> {
     let set = open(Path::new(measured))?;
     let (scene, knobs) = freed(arguments, scene)?;
     let shot = shot(&set, measured, arguments.shot)?;
-    let side = Side { name: measured, set: &set, shot, scene: None };
-    let mut progress = Progress::new("fit", arguments.quiet);
+    let side = ComparedShot { name: measured, set: &set, shot, scene: None };
+    let mut progress = JobProgress::new("fit", arguments.quiet);
     let found =
         fit((&scene, &knobs), side, &arguments.map, options, &mut |share| progress.at(share));
     progress.done();
     let found = found?;
     if let Some(file) = &arguments.output {
         let text = fitted_scene(&scene, &knobs, &found);
-        std::fs::write(file, text).with_context(|| file.display().to_string())?;
+        files::write(file, text).with_context(|| file.display().to_string())?;
     }
     if let Some(file) = &arguments.report {
         let title = format!("{} fitted to {measured}", found.report.scene);
@@ -190,7 +194,7 @@ fn run_fit(
 }
 
 /// The fitted scene; digits two places beyond the uncertainty's.
-fn fitted_scene(scene: &Adjustable, knobs: &[Knob], found: &Fit) -> String {
+fn fitted_scene(scene: &Adjustable, knobs: &[AdjustableNumber], found: &Fit) -> String {
     let values = knobs.iter().zip(&found.report.parameters).map(|(knob, parameter)| {
         let digits = 3.0 - (parameter.u / knob.scale).log10().floor();
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few digits")]
@@ -204,10 +208,10 @@ fn run_blind(
     arguments: &Arguments,
     name: &str,
     trials: u32,
-    options: &Options,
+    options: &FitOptions,
 ) -> anyhow::Result<()> {
     let (scene, knobs) = freed(arguments, name)?;
-    let mut progress = Progress::new("blind fits", arguments.quiet);
+    let mut progress = JobProgress::new("blind fits", arguments.quiet);
     let found = blind(&scene, &knobs, trials, options, &mut |share| progress.at(share));
     progress.done();
     let found = found?;

@@ -8,7 +8,8 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::picture;
-use super::sensor::{Wired, wire_all, wired};
+use super::sensor::{SensorAssignment, wire_all, wired};
+use crate::files;
 use crate::measurement::force::{Forces, forces};
 use crate::recording::format::open;
 use crate::report;
@@ -20,7 +21,7 @@ pub struct Arguments {
     file: PathBuf,
     /// A channel's sensor, a name or a file such as `calibrate` writes; without it, the one that the recording names
     #[arg(long, value_name = "CH=SENSOR", value_parser = wired)]
-    sensor: Vec<Wired>,
+    sensor: Vec<SensorAssignment>,
     /// Shot to look at
     #[arg(long, value_name = "N", default_value_t = 1)]
     shot: u32,
@@ -28,7 +29,7 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE.csv")]
     output: Option<PathBuf>,
     /// Draw the first channel's force into this file
-    #[arg(long, value_name = picture::ENDINGS, value_parser = picture::file)]
+    #[arg(long, value_name = picture::PICTURE_ENDINGS, value_parser = picture::file)]
     plot: Option<PathBuf>,
     /// Print as JSON, all samples included
     #[arg(long)]
@@ -56,7 +57,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         picture::save(file, &picture)?;
     }
     if let Some(file) = &arguments.output {
-        std::fs::write(file, csv(&found)).with_context(|| file.display().to_string())?;
+        files::write(file, csv(&found)).with_context(|| file.display().to_string())?;
     }
     if arguments.json {
         let channels: Vec<Value> = found.iter().map(as_json).collect();

@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::AnswerIsNo;
-use super::progress::Progress;
+use super::progress::JobProgress;
 use crate::report;
 use crate::sweep::SweepError;
-use crate::sweep::gather::Gathered;
-use crate::sweep::summary::Gathering;
+use crate::sweep::gather::GatheredLogs;
+use crate::sweep::summary::GatherSummary;
 use crate::sweep::table;
 
 /// Join the logs of a sweep's shards into one table, and say what is missing; exit code 1 if anything is
@@ -47,16 +47,20 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 /// Joins the logs in `folder` into `tables`; tells what the user should know on standard error.
-pub fn gathered(folder: &Path, tables: &[PathBuf], quiet: bool) -> Result<Gathering, SweepError> {
-    let found = Gathered::read(folder)?;
+pub fn gathered(
+    folder: &Path,
+    tables: &[PathBuf],
+    quiet: bool,
+) -> Result<GatherSummary, SweepError> {
+    let found = GatheredLogs::read(folder)?;
     for notice in &found.notices {
         eprintln!("note: {notice}");
     }
-    let mut progress = Progress::new("table", quiet);
+    let mut progress = JobProgress::new("table", quiet);
     let tally = found.write(tables, &mut |share| progress.at(share));
     progress.done();
     let tally = tally?;
-    Ok(Gathering {
+    Ok(GatherSummary {
         folder: folder.display().to_string(),
         logs: found.files().len(),
         runs: found.runs(),

@@ -2,9 +2,9 @@
 
 use clap::Args;
 
-use super::progress::Progress;
+use super::progress::JobProgress;
 use crate::report;
-use crate::studies::hard_cases::{Verdict, judge_all};
+use crate::studies::hard_cases::{CaseVerdict, run_all};
 
 /// Compute the catalogue of hard cases: each right within its bound, or refused; exit code 1 if one is wrong
 #[derive(Debug, Args)]
@@ -19,13 +19,13 @@ pub struct Arguments {
 
 /// Whether no case is wrong.
 pub fn run(arguments: &Arguments) -> anyhow::Result<bool> {
-    let mut progress = Progress::new("hard cases", arguments.quiet);
-    let findings = judge_all(&mut |share| progress.at(share));
+    let mut progress = JobProgress::new("hard cases", arguments.quiet);
+    let findings = run_all(&mut |share| progress.at(share));
     progress.done();
     if arguments.json {
         super::print(&serde_json::to_string_pretty(&findings)?)?;
     } else {
         super::print(&report::hard_cases(&findings))?;
     }
-    Ok(findings.iter().all(|finding| finding.verdict != Verdict::Wrong))
+    Ok(findings.iter().all(|finding| finding.verdict != CaseVerdict::Wrong))
 }

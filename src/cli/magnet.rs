@@ -9,11 +9,11 @@ use serde_json::{Value, json};
 use super::picture;
 use crate::quantity::{Dimension, parse};
 use crate::report;
-use crate::report::magnet::{MagnetPage, Place};
+use crate::report::magnet::{MagnetPage, MagnetPoint};
 use crate::scene::magnets;
 
 /// The paper's preload (N).
-const PAPER_FORCE: f64 = 2.38;
+const PAPER_PRELOAD: f64 = 2.38;
 
 /// Show a magnet's force over distance, and find the distance for a force
 #[derive(Debug, Args)]
@@ -34,7 +34,7 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
     /// Draw into this file as well
-    #[arg(long, value_name = picture::ENDINGS, value_parser = picture::file)]
+    #[arg(long, value_name = picture::PICTURE_ENDINGS, value_parser = picture::file)]
     plot: Option<PathBuf>,
 }
 
@@ -61,11 +61,11 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let (wanted, distances) = if let Some(distance) = arguments.distance {
         (None, vec![distance])
     } else {
-        let wanted = arguments.force.unwrap_or(PAPER_FORCE);
+        let wanted = arguments.force.unwrap_or(PAPER_PRELOAD);
         (Some(wanted), magnet.distances(wanted, temperature))
     };
-    let place = |distance: &f64| Place::of(&magnet, *distance, temperature);
-    let places: Vec<Place> = distances.iter().filter_map(place).collect();
+    let place = |distance: &f64| MagnetPoint::of(&magnet, *distance, temperature);
+    let places: Vec<MagnetPoint> = distances.iter().filter_map(place).collect();
     if let (Some(distance), true) = (arguments.distance, places.is_empty()) {
         let [near, far] = magnet.span();
         bail!("found a distance of {distance} m, expected one within the table, {near} to {far} m");

@@ -6,6 +6,8 @@ use anyhow::Context as _;
 use clap::Args;
 use clap_mangen::Man;
 
+use crate::files::NewFolder;
+
 /// Print the manual page, or write one a command into a folder
 #[derive(Debug, Args)]
 pub struct Arguments {
@@ -17,9 +19,12 @@ pub struct Arguments {
 /// Prints or writes the pages of `command`, the program's command line.
 pub fn run(arguments: &Arguments, command: clap::Command) -> anyhow::Result<()> {
     if let Some(folder) = &arguments.output {
-        std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-        return clap_mangen::generate_to(command, folder)
-            .with_context(|| folder.display().to_string());
+        let write = || {
+            let new = NewFolder::replace(folder)?;
+            clap_mangen::generate_to(command, new.join(""))?;
+            new.complete()
+        };
+        return write().with_context(|| folder.display().to_string());
     }
     let mut page = Vec::new();
     Man::new(command).render(&mut page)?;

@@ -47,9 +47,9 @@ use crate::chain::simd::InstructionSet;
 use output::{AnswerIsNo, is_broken_pipe, is_coloured, print};
 
 /// Exit code of an answer that is no.
-const NO: u8 = 1;
+const EXIT_ANSWER_NO: u8 = 1;
 /// Exit code of what could not be done; clap uses the same for wrong options.
-const COULD_NOT: u8 = 2;
+const EXIT_FAILURE: u8 = 2;
 
 /// Digital twin of a granular-chain lab bench: beads with Hertz contacts, piezo sensors, a virtual Tektronix TDS 2014.
 #[derive(Debug, Parser)]
@@ -96,7 +96,7 @@ pub fn main() -> ExitCode {
     let command = Arguments::parse().command;
     if let Err(reason) = InstructionSet::chosen() {
         eprintln!("error: {reason}");
-        return ExitCode::from(COULD_NOT);
+        return ExitCode::from(EXIT_FAILURE);
     }
     let done = match command {
         Command::Run(arguments) => run::run(&arguments),
@@ -104,7 +104,7 @@ pub fn main() -> ExitCode {
         Command::Convert(arguments) => convert::run(&arguments),
         Command::Cost(arguments) => cost::run(&arguments),
         Command::HardCases(arguments) => match hard_cases::run(&arguments) {
-            Ok(false) => return ExitCode::from(NO),
+            Ok(false) => return ExitCode::from(EXIT_ANSWER_NO),
             done => done.map(|_| ()),
         },
         Command::Effects(arguments) => effects::run(&arguments),
@@ -138,7 +138,7 @@ pub fn main() -> ExitCode {
         Err(error) if error.is::<AnswerIsNo>() => ExitCode::FAILURE,
         Err(error) => {
             eprintln!("error: {error:#}");
-            ExitCode::from(COULD_NOT)
+            ExitCode::from(EXIT_FAILURE)
         }
     }
 }

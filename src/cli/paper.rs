@@ -6,12 +6,13 @@ use anyhow::Context as _;
 use clap::Args;
 
 use super::picture;
-use super::progress::Progress;
+use super::progress::JobProgress;
 use crate::experiment::facts;
+use crate::files::{self, NewFolder};
 use crate::recording::mcap::RecordingWriter;
 use crate::report;
 use crate::report::document::{html, markdown};
-use crate::studies::paper::{FIGURES, FigureRun, Study, study};
+use crate::studies::paper::{FIGURES, FigureRun, PaperStudy, study};
 
 const TITLE: &str = "Herbold et al. (2009), computed again";
 
@@ -34,15 +35,19 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     // Before the work, so that a folder that cannot be made costs no simulation.
-    if let Some(folder) = &arguments.out {
-        std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-    }
-    let mut progress = Progress::new("paper", arguments.quiet);
+    let shown = |folder: &PathBuf| folder.display().to_string();
+    let new = arguments
+        .out
+        .as_ref()
+        .map(|folder| NewFolder::replace(folder).with_context(|| shown(folder)));
+    let new = new.transpose()?;
+    let mut progress = JobProgress::new("paper", arguments.quiet);
     let found = study(arguments.figure, &mut |share| progress.at(share));
     progress.done();
     let found = found?;
-    if let Some(folder) = &arguments.out {
-        write(folder, &found)?;
+    if let (Some(folder), Some(new)) = (&arguments.out, new) {
+        write(&new, &found)?;
+        new.complete().with_context(|| shown(folder))?;
     }
     if arguments.json {
         return super::print(&serde_json::to_string_pretty(&found.findings)?);
@@ -54,10 +59,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
 }
 
-fn write(folder: &Path, study: &Study) -> anyhow::Result<()> {
+fn write(folder: &NewFolder, study: &PaperStudy) -> anyhow::Result<()> {
     let save = |name: &str, text: &str| {
         let file = folder.join(name);
-        std::fs::write(&file, text).with_context(|| file.display().to_string())
+        files::write(&file, text).with_context(|| file.display().to_string())
     };
     let pictures = report::paper_pictures(study);
     for drawn in &pictures {

@@ -4,8 +4,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 
+use crate::files;
+
 /// What `--plot` takes.
-pub const ENDINGS: &str = "FILE.svg|FILE.png";
+pub const PICTURE_ENDINGS: &str = "FILE.svg|FILE.png";
 
 /// The name of a picture's file.
 pub fn file(text: &str) -> Result<PathBuf, String> {
@@ -40,7 +42,7 @@ pub fn save(file: &Path, svg: &str) -> anyhow::Result<()> {
     #[cfg(feature = "png")]
     if ending(file) == "png" {
         let picture = crate::report::png(svg).with_context(shown)?;
-        return std::fs::write(file, picture).with_context(shown);
+        return files::write(file, picture).with_context(shown);
     }
-    std::fs::write(file, svg).with_context(shown)
+    files::write(file, svg).with_context(shown)
 }

@@ -7,17 +7,17 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 /// How long something may take without a bar.
 const BAR_DELAY: Duration = Duration::from_secs(1);
 /// Parts in which progress is counted.
-const PARTS: u64 = 1000;
+const PROGRESS_PARTS: u64 = 1000;
 
 /// Progress of one job.
-pub struct Progress {
+pub struct JobProgress {
     started: Instant,
     bar: Option<ProgressBar>,
     quiet: bool,
     what: String,
 }
 
-impl Progress {
+impl JobProgress {
     /// A job called `what`, never shown if `quiet`.
     pub fn new(what: &str, quiet: bool) -> Self {
         Self { started: Instant::now(), bar: None, quiet, what: what.to_owned() }
@@ -35,9 +35,10 @@ impl Progress {
             return;
         }
         let bar = self.bar.get_or_insert_with(|| {
-            let bar = ProgressBar::with_draw_target(Some(PARTS), ProgressDrawTarget::stderr())
-                .with_elapsed(self.started.elapsed())
-                .with_message(self.what.clone());
+            let bar =
+                ProgressBar::with_draw_target(Some(PROGRESS_PARTS), ProgressDrawTarget::stderr())
+                    .with_elapsed(self.started.elapsed())
+                    .with_message(self.what.clone());
             let template = "{msg} [{bar:30}] {percent:>3} %, {eta} left";
             let style = ProgressStyle::with_template(template);
             bar.set_style(
@@ -45,7 +46,7 @@ impl Progress {
             );
             bar
         });
-        bar.set_position((share.clamp(0.0, 1.0) * PARTS as f64) as u64);
+        bar.set_position((share.clamp(0.0, 1.0) * PROGRESS_PARTS as f64) as u64);
     }
 
     /// Takes the bar away.

@@ -1,17 +1,15 @@
 //! `hertzscope run`: scene in, recording and summary out.
 
-use std::fs::OpenOptions;
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, anyhow, bail};
+use anyhow::{anyhow, bail};
 use clap::Args;
 
-use super::accuracy::Asked;
+use super::accuracy::AccuracyArguments;
 use super::by_hand::{ByHand, step, tolerance};
-use super::progress::Progress;
+use super::progress::JobProgress;
 use crate::experiment::accuracy::run_to_accuracy;
-use crate::experiment::auto_effects::settle;
+use crate::experiment::auto_effects::resolve_auto_effects;
 use crate::experiment::by_hand::{advice, edge, run_by_hand};
 use crate::experiment::{Integration, RunError, facts, first_attempt};
 use crate::recording::mcap::RecordingWriter;
@@ -24,12 +22,12 @@ pub struct Arguments {
     /// A scene that ships with the program (see `hertzscope scenes`), or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
     scene: String,
-    /// Recording to write, overwriting what is there; without it SCENE.mcap, numbered if that exists
+    /// Recording to write, replacing what is there; without it SCENE.mcap, numbered if that exists
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Relative error allowed in first-peak forces and times, e.g. 1e-6, or auto for what the scene's scope calls for [default: the scene's, else auto]
-    #[arg(long, value_name = "X", value_parser = Asked::parse, allow_hyphen_values = true, conflicts_with_all = ["method", "step", "tolerance"])]
-    accuracy: Option<Asked>,
+    #[arg(long, value_name = "X", value_parser = AccuracyArguments::parse, allow_hyphen_values = true, conflicts_with_all = ["method", "step", "tolerance"])]
+    accuracy: Option<AccuracyArguments>,
     /// Integration method to use with a step or a tolerance of your own
     #[arg(long, value_enum)]
     method: Option<ByHand>,
@@ -59,7 +57,7 @@ fn integration(
         let method = method.method(arguments.step, arguments.tolerance);
         return Ok((Integration::Method(method.map_err(|error| anyhow!(error))?), None));
     }
-    let chosen = Asked::of(arguments.accuracy, scene)?;
+    let chosen = AccuracyArguments::of(arguments.accuracy, scene)?;
     Ok((Integration::Accuracy(chosen.value), Some(chosen.reason)))
 }
 
@@ -68,16 +66,19 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     scene.seed = arguments.seed.unwrap_or(scene.seed);
     let (integration, reason) = integration(arguments, &scene)?;
     // Before the recording tells what it is of.
-    let scene = settle(&scene, integration);
+    let scene = resolve_auto_effects(&scene, integration);
     let facts = facts::facts(&scene, first_attempt(&scene, integration));
     let known = facts.map_err(|error| advised(error, &scene, integration))?;
-    // Before the work, so that a folder that cannot be written to costs no simulation.
-    let output = Output::open(arguments.output.as_deref(), &scene.name)?;
     let attachments = [facts::scene_attachment(&scene)];
-    let create = || RecordingWriter::create(&output.file, &known, &attachments);
-    // A new file tells at once what it will be; one that is there keeps what it has until there is something new.
-    let early = if output.new { Some(create().inspect_err(|_| output.give_up())?) } else { None };
-    let mut progress = Progress::new(&scene.name, arguments.quiet);
+    // Before the work, so that a folder that cannot be written to costs no simulation.
+    let mut writer = match arguments.output.as_deref() {
+        Some(file) => RecordingWriter::create(is_recording(file)?, &known, &attachments)?,
+        None => {
+            let file = PathBuf::from(format!("{}.mcap", scene.name));
+            RecordingWriter::create_numbered(&file, &known, &attachments)?
+        }
+    };
+    let mut progress = JobProgress::new(&scene.name, arguments.quiet);
     let mut report = |share| progress.at(share);
     let outcome = match integration {
         Integration::Accuracy(accuracy) => run_to_accuracy(&scene, accuracy, 1, &mut report),
@@ -86,28 +87,15 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         }
     };
     progress.done();
-    let outcome = match outcome {
-        Ok(mut outcome) => {
-            outcome.summary.accuracy_reason = reason;
-            outcome
-        }
-        Err(error) => {
-            drop(early);
-            output.give_up();
-            return Err(advised(error, &scene, integration));
-        }
-    };
-    let written = early.map_or_else(create, Ok).and_then(|mut writer| {
-        writer.add(&outcome.shot, &facts::shot_notes(&scene, &outcome))?;
-        writer.finish()
-    });
-    // Half a recording must not look like a whole one.
-    written.inspect_err(|_| output.give_up())?;
+    let mut outcome = outcome.map_err(|error| advised(error, &scene, integration))?;
+    outcome.summary.accuracy_reason = reason;
+    writer.add(&outcome.shot, &facts::shot_notes(&scene, &outcome))?;
+    let file = writer.finish()?;
     if arguments.json {
         super::print(&serde_json::to_string_pretty(&outcome.summary)?)?;
     } else if !arguments.quiet {
         super::print(&report::summary(&outcome.summary))?;
-        super::print(&format!("  recording   {}", output.file.display()))?;
+        super::print(&format!("  recording   {}", file.display()))?;
     }
     Ok(())
 }
@@ -131,54 +119,13 @@ fn advised(error: RunError, scene: &Scene, integration: Integration) -> anyhow::
     }
 }
 
-/// Where the recording goes: known to be writable, and what was there is kept until there is something new.
-struct Output {
-    file: PathBuf,
-    /// Whether the file was made for this run.
-    new: bool,
-}
-
-impl Output {
-    /// Opens `named`, or the first of `<scene>.mcap`, `<scene>-2.mcap`, ... that does not exist: nothing is lost.
-    fn open(named: Option<&Path>, scene: &str) -> anyhow::Result<Self> {
-        let Some(file) = named else {
-            let numbered = (2..).map(|number| PathBuf::from(format!("{scene}-{number}.mcap")));
-            for file in std::iter::once(PathBuf::from(format!("{scene}.mcap"))).chain(numbered) {
-                match OpenOptions::new().write(true).create_new(true).open(&file) {
-                    Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
-                    opened => {
-                        opened.with_context(|| file.display().to_string())?;
-                        return Ok(Self { file, new: true });
-                    }
-                }
-            }
-            bail!("found no free name for a recording of {scene}");
-        };
-        let shown = || file.display().to_string();
-        if file.extension().is_none_or(|extension| extension != "mcap") {
-            bail!(
-                "{}: found no .mcap at the end, expected the name of a recording (see `hertzscope convert` for CSV)",
-                shown()
-            );
-        }
-        if let Some(folder) = file.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-            std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-        }
-        let new = !file.exists();
-        OpenOptions::new()
-            .write(true)
-            .create(true)
-            .truncate(false)
-            .open(file)
-            .with_context(shown)?;
-        Ok(Self { file: file.to_owned(), new })
+/// Refuses the name of a file that is no recording.
+fn is_recording(file: &Path) -> anyhow::Result<&Path> {
+    if file.extension().is_none_or(|extension| extension != "mcap") {
+        bail!(
+            "{}: found no .mcap at the end, expected the name of a recording (see `hertzscope convert` for CSV)",
+            file.display()
+        );
     }
-
-    /// Takes the file away if there is nothing to go into it; what was there before stays as it was.
-    fn give_up(&self) {
-        if self.new {
-            // The run has failed already: that is what the user has to hear.
-            let _ = std::fs::remove_file(&self.file);
-        }
-    }
+    Ok(file)
 }

@@ -3,6 +3,7 @@
 use crate::data;
 use crate::instrument::Instrument;
 use crate::measurement::metadata;
+use crate::recording::format::set_up_of;
 use crate::recording::{Shot, TraceSet};
 use crate::scene::{SceneError, oscilloscope};
 use crate::scpi::{Preferences, Reply, Session};
@@ -22,9 +23,7 @@ pub struct Saved {
 /// # Errors
 /// [`SceneError`] for a recording whose scene cannot be read any more.
 pub fn saved(set: &TraceSet, shot: &Shot) -> Result<Saved, SceneError> {
-    let is_set_up = |name: &str| name.to_ascii_uppercase().ends_with(".SET");
-    let mut set_ups = set.attachments.iter().filter(|a| is_set_up(&a.name));
-    if let (Some(file), None, [_]) = (set_ups.next(), set_ups.next(), set.shots.as_slice()) {
+    if let Some(file) = set_up_of(set, shot.number) {
         // Whatever model it was: any of the family draws it.
         let model = data::instrument_names("").first().copied().unwrap_or_default();
         let mut instrument = Instrument::new(oscilloscope(model)?, 0.0, 0);

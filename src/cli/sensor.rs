@@ -9,24 +9,27 @@ use crate::scene::plates;
 
 /// A channel and its sensor, as typed.
 #[derive(Debug, Clone)]
-pub struct Wired {
+pub struct SensorAssignment {
     channel: String,
     sensor: String,
 }
 
 /// Reads `CH1=NAME`.
-pub fn wired(text: &str) -> Result<Wired, String> {
+pub fn wired(text: &str) -> Result<SensorAssignment, String> {
     match text.split_once('=') {
         Some((channel, sensor)) if !channel.trim().is_empty() && !sensor.trim().is_empty() => {
-            Ok(Wired { channel: channel.trim().to_owned(), sensor: sensor.trim().to_owned() })
+            Ok(SensorAssignment {
+                channel: channel.trim().to_owned(),
+                sensor: sensor.trim().to_owned(),
+            })
         }
         _ => Err(format!("found {text}, expected a channel and a sensor, e.g. CH1=sensor.toml")),
     }
 }
 
 /// Notes all of them in `set`.
-pub fn wire_all(set: &mut TraceSet, wires: &[Wired]) -> anyhow::Result<()> {
-    for Wired { channel, sensor } in wires {
+pub fn wire_all(set: &mut TraceSet, wires: &[SensorAssignment]) -> anyhow::Result<()> {
+    for SensorAssignment { channel, sensor } in wires {
         let mut names: Vec<String> = set
             .shots
             .iter()

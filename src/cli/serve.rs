@@ -16,7 +16,7 @@ use crate::experiment::{Integration, facts};
 use crate::quantity::{Dimension, parse};
 use crate::recording::mcap::RecordingWriter;
 use crate::scene::Scene;
-use crate::server::{self, Options, Sockets};
+use crate::server::{self, ServerOptions, Sockets};
 
 /// Let lab programs talk to the scope over a raw TCP socket or HiSLIP, as to an instrument on the network
 #[derive(Debug, Args)]
@@ -60,7 +60,7 @@ fn period(text: &str) -> Result<Duration, String> {
     match parse(text, Dimension::TIME) {
         Ok(seconds) if seconds >= 1e-3 => Duration::try_from_secs_f64(seconds)
             .ok()
-            .filter(|period| *period <= LONGEST)
+            .filter(|period| *period <= MAX_STRIKE_INTERVAL)
             .ok_or_else(|| format!("found {text}, expected at most a year")),
         Ok(_) => Err(format!("found {text}, {expected}")),
         Err(error) => Err(format!("found {error}, {expected}")),
@@ -68,7 +68,7 @@ fn period(text: &str) -> Result<Duration, String> {
 }
 
 /// Longest time from one strike to the next: a year.
-const LONGEST: Duration = Duration::from_secs(365 * 24 * 3600);
+const MAX_STRIKE_INTERVAL: Duration = Duration::from_secs(365 * 24 * 3600);
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut scene = Scene::load(&arguments.scene)?;
@@ -98,7 +98,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.impact_on_enter {
         told.push_str("\nEnter strikes the chain");
     }
-    let options = Options {
+    let options = ServerOptions {
         header: arguments.header == Switch::On,
         impact_every: arguments.impact_every,
         strikes: arguments.impact_on_enter.then(lines),
@@ -130,7 +130,7 @@ fn create_recording(file: &Path, scene: &Scene) -> anyhow::Result<RecordingWrite
         let times = "of messages: nanoseconds since 1970; of records: seconds after the trigger; of the truth: seconds after the striker's first contact";
         recording.insert("time_base".to_owned(), times.to_owned());
     }
-    Ok(RecordingWriter::create(file, &known, &[facts::scene_attachment(scene)])?)
+    Ok(RecordingWriter::create_live(file, &known, &[facts::scene_attachment(scene)])?)
 }
 
 /// A message for every line on standard input, until it ends.

@@ -65,7 +65,7 @@ pub struct SignalArguments {
 
 impl SignalArguments {
     /// Reads the recording and finds the signal in it.
-    pub fn read(&self) -> anyhow::Result<(TraceSet, Signal)> {
+    pub fn read(&self) -> anyhow::Result<(TraceSet, SelectedSignal)> {
         let set = open(&self.file)?;
         let Some(shot) = set.shots.iter().find(|shot| shot.number == self.shot) else {
             bail!("found {} shots, expected one with number {}", set.shots.len(), self.shot);
@@ -86,7 +86,7 @@ impl SignalArguments {
 }
 
 /// A signal, where it was felt, and what is subtracted from it.
-pub type Signal = (Trace, Option<Site>, f64);
+pub type SelectedSignal = (Trace, Option<Site>, f64);
 
 /// The truth called `named`, or the capture of `channel`, the first without one.
 pub fn signal(
@@ -94,14 +94,14 @@ pub fn signal(
     shot: &Shot,
     channel: Option<&str>,
     named: Option<&str>,
-) -> anyhow::Result<Signal> {
+) -> anyhow::Result<SelectedSignal> {
     match named {
         Some(name) => truth(set, shot, name),
         None => capture(set, shot, channel),
     }
 }
 
-fn capture(set: &TraceSet, shot: &Shot, channel: Option<&str>) -> anyhow::Result<Signal> {
+fn capture(set: &TraceSet, shot: &Shot, channel: Option<&str>) -> anyhow::Result<SelectedSignal> {
     let name_of = |capture: &crate::recording::Capture| capture.waveform.source.to_string();
     let wanted = |c: &&crate::recording::Capture| {
         channel.is_none_or(|channel| name_of(c).eq_ignore_ascii_case(channel))
@@ -127,7 +127,7 @@ fn capture(set: &TraceSet, shot: &Shot, channel: Option<&str>) -> anyhow::Result
 }
 
 /// The truth called `name`, in full, by its topic, or a sensor's by the sensor's name. What it starts from is its static part.
-fn truth(set: &TraceSet, shot: &Shot, name: &str) -> anyhow::Result<Signal> {
+fn truth(set: &TraceSet, shot: &Shot, name: &str) -> anyhow::Result<SelectedSignal> {
     let name = name.trim_start_matches("/truth/");
     let topic = |trace: &Trace| {
         trace.name.split_once(": ").map_or(&*trace.name, |(topic, _)| topic).to_owned()

@@ -7,19 +7,19 @@ use serde_json::json;
 
 use super::picture;
 use super::signal::{SignalArguments, WindowChoice, time};
-use crate::analysis::spectrum::{Analyser, Settings};
+use crate::analysis::spectrum::{Analyser, SpectrumSettings};
 use crate::analysis::time_frequency::{Pieces, Spectrogram};
 use crate::measurement::metadata;
 use crate::report::spectrogram::{SpectrogramPage, svg, text};
 
 /// Without a segment given, pieces are this part of the record.
-const SEGMENTS: usize = 16;
+const PIECES_PER_RECORD: usize = 16;
 /// Without a hop given, pieces move on by this part of themselves.
-const OVERLAP: usize = 8;
+const HOPS_PER_PIECE: usize = 8;
 /// Without a highest frequency or band edges, the map ends at this share of half the sampling frequency (1).
-const SHOWN: f64 = 0.25;
+const SHOWN_SHARE: f64 = 0.25;
 /// With band edges it ends at this multiple of the highest (1).
-const BEYOND: f64 = 1.5;
+const BAND_MARGIN: f64 = 1.5;
 
 /// Show how a signal's frequencies change with time: spectra of short pieces, one after the other
 #[derive(Debug, Args)]
@@ -39,7 +39,7 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
     /// Draw into this file as well
-    #[arg(long, value_name = picture::ENDINGS, value_parser = picture::file)]
+    #[arg(long, value_name = picture::PICTURE_ENDINGS, value_parser = picture::file)]
     plot: Option<PathBuf>,
 }
 
@@ -56,14 +56,19 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let (set, (trace, site, offset)) = arguments.signal.read()?;
     let gate = arguments.signal.gate();
     let length = gate.range(&trace).len();
-    let segment = samples(arguments.segment, trace.interval, (length / SEGMENTS).max(2));
-    let hop = samples(arguments.hop, trace.interval, (segment / OVERLAP).max(1));
-    let settings =
-        Settings { window: arguments.window.window(), gate, offset, ..Settings::default() };
+    let segment = samples(arguments.segment, trace.interval, (length / PIECES_PER_RECORD).max(2));
+    let hop = samples(arguments.hop, trace.interval, (segment / HOPS_PER_PIECE).max(1));
+    let settings = SpectrumSettings {
+        window: arguments.window.window(),
+        gate,
+        offset,
+        ..SpectrumSettings::default()
+    };
     let map = Spectrogram::of(&mut Analyser::new(), &trace, &settings, Pieces { segment, hop })?;
     let scene = metadata::scene_of(&set, arguments.signal.shot).and_then(Result::ok);
     let chain = site.zip(scene).and_then(|(site, scene)| metadata::cell(&scene, site));
-    let highest = chain.map_or(SHOWN * 0.5 / trace.interval, |chain| BEYOND * chain.cutoff());
+    let highest =
+        chain.map_or(SHOWN_SHARE * 0.5 / trace.interval, |chain| BAND_MARGIN * chain.cutoff());
     let title = arguments.signal.title(&trace);
     let page = SpectrogramPage { title, map, chain, highest };
     if let Some(file) = &arguments.plot {

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::picture;
 use super::signal::{SignalArguments, WindowChoice};
-use crate::analysis::spectrum::{Analyser, Convention, Settings};
+use crate::analysis::spectrum::{Analyser, Convention, SpectrumSettings};
 use crate::measurement::metadata;
 use crate::recording::TraceSet;
 use crate::report;
@@ -15,12 +15,12 @@ use crate::report::spectrum::{SpectrumPage, band};
 use crate::scene::Site;
 
 /// Maxima lower than this share of the highest are not listed (1).
-const LISTED: f64 = 0.05;
+const MIN_LISTED_SHARE: f64 = 0.05;
 /// Said wherever band edges are shown.
-const SMALL_SIGNALS: &str =
+const SMALL_SIGNAL_NOTE: &str =
     "band edges are those of small signals about the static force at the sensor";
 /// At most this many maxima are listed.
-const MOST: usize = 12;
+const MAX_LISTED: usize = 12;
 
 /// Show which frequencies a signal holds: its main peaks, and where the chain's band gap lies
 #[derive(Debug, Args)]
@@ -37,7 +37,7 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
     /// Draw into this file as well
-    #[arg(long, value_name = picture::ENDINGS, value_parser = picture::file)]
+    #[arg(long, value_name = picture::PICTURE_ENDINGS, value_parser = picture::file)]
     plot: Option<PathBuf>,
 }
 
@@ -51,7 +51,7 @@ enum ConventionChoice {
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let (set, (trace, site, offset)) = arguments.signal.read()?;
-    let settings = Settings {
+    let settings = SpectrumSettings {
         convention: match arguments.convention {
             ConventionChoice::Paper => Convention::Paper,
             ConventionChoice::Density => Convention::Density,
@@ -59,11 +59,11 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         window: arguments.window.window(),
         gate: arguments.signal.gate(),
         offset,
-        ..Settings::default()
+        ..SpectrumSettings::default()
     };
     let spectrum = Analyser::new().spectrum(&trace, &settings)?;
-    let mut peaks = spectrum.peaks(LISTED);
-    peaks.truncate(MOST);
+    let mut peaks = spectrum.peaks(MIN_LISTED_SHARE);
+    peaks.truncate(MAX_LISTED);
     let (chain, notes) = chain(&set, arguments.signal.shot, site);
     let title = arguments.signal.title(&trace);
     let page = SpectrumPage { title, spectrum, peaks, chain, offset, notes };
@@ -89,7 +89,7 @@ fn chain(
     };
     match metadata::scene_of(set, shot) {
         Some(Ok(scene)) => match metadata::cell(&scene, site) {
-            Some(cell) => (Some(cell), vec![SMALL_SIGNALS.to_owned()]),
+            Some(cell) => (Some(cell), vec![SMALL_SIGNAL_NOTE.to_owned()]),
             None => (
                 None,
                 vec!["no band edges: no two kinds take turns there, or nothing presses".to_owned()],

@@ -12,17 +12,17 @@ use clap::Args;
 
 use super::accuracy::accuracy;
 use super::gather::gathered;
-use super::progress::Progress;
+use super::progress::JobProgress;
 use crate::chain::simd::InstructionSet;
 use crate::experiment::parallel::processors;
 use crate::report;
 use crate::sweep::SweepError;
-use crate::sweep::log::{Log, Scan, logs, scan};
-use crate::sweep::plan::Plan;
+use crate::sweep::log::{Scan, SweepLog, logs, scan};
+use crate::sweep::plan::SweepPlan;
 use crate::sweep::shard::Shard;
-use crate::sweep::summary::Summary;
+use crate::sweep::summary::SweepSummary;
 use crate::sweep::table;
-use crate::sweep::work::{Job, work};
+use crate::sweep::work::{SweepOptions, work};
 
 /// Run a scene thousands of times with other values: grids, random and Latin-hypercube designs, resumed where they were left
 #[derive(Debug, Args)]
@@ -65,7 +65,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         named => named.to_vec(),
     };
     tables.iter().try_for_each(|file| table::check(file))?;
-    let plan = Plan::load(&arguments.grid, arguments.accuracy)?;
+    let plan = SweepPlan::load(&arguments.grid, arguments.accuracy)?;
     let folder = arguments.folder.clone();
     let folder = folder.unwrap_or_else(|| arguments.grid.with_extension("sweep"));
     std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
@@ -73,11 +73,11 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let chosen = arguments.instructions.as_deref().map(instructions).transpose()?;
     let chosen = chosen.map(InstructionSet::name);
     let best = InstructionSet::best().name();
-    let (mut log, held, notices) = Log::open(&path, &plan, (chosen, best))?;
+    let (mut log, held, notices) = SweepLog::open(&path, &plan, (chosen, best))?;
     for notice in &notices {
         eprintln!("note: {notice}");
     }
-    let job = Job {
+    let job = SweepOptions {
         file: arguments.grid.clone(),
         accuracy: arguments.accuracy,
         instructions: instructions(&held.header.instructions)?,
@@ -93,7 +93,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let tally = work(&job, &plan, &pending, &mut log, &|more| progress.more(more));
     progress.done();
     let tally = tally?;
-    let mut summary = Summary {
+    let mut summary = SweepSummary {
         sweep: arguments.grid.display().to_string(),
         scene: plan.scene_name().to_owned(),
         runs: plan.count(),
@@ -145,20 +145,20 @@ fn finished_elsewhere(folder: &Path, own: &Scan) -> Result<HashSet<u64>, SweepEr
     Ok(finished)
 }
 
-fn shown(plan: &Plan, shard: Shard) -> String {
+fn shown(plan: &SweepPlan, shard: Shard) -> String {
     if shard.is_whole() { plan.scene_name().to_owned() } else { shard.to_string() }
 }
 
 /// A progress bar that threads share.
 struct SharedProgress {
-    bar: Mutex<Progress>,
+    bar: Mutex<JobProgress>,
     done: AtomicU64,
     all: usize,
 }
 
 impl SharedProgress {
     fn new(what: &str, all: usize, quiet: bool) -> Self {
-        Self { bar: Mutex::new(Progress::new(what, quiet)), done: AtomicU64::new(0), all }
+        Self { bar: Mutex::new(JobProgress::new(what, quiet)), done: AtomicU64::new(0), all }
     }
 
     #[allow(clippy::cast_precision_loss, reason = "a share")]

@@ -9,12 +9,12 @@ use clap::builder::PossibleValuesParser;
 use serde_json::{Value, json};
 
 use super::picture;
-use super::progress::Progress;
+use super::progress::JobProgress;
 use crate::analysis::dispersion::DiatomicChain;
 use crate::quantity::{Dimension, parse};
 use crate::report;
 use crate::scene::Scene;
-use crate::studies::tunability::{Knob, TunedPoint, Tuning, tune};
+use crate::studies::tunability::{TunedPoint, Tuning, TuningParameter, tune};
 
 /// Bands of frequency that JSON tells of, each 500 Hz wide.
 const BANDS: usize = 40;
@@ -26,7 +26,7 @@ pub struct Arguments {
     #[arg(default_value = "magnet-0.61g")]
     scene: String,
     /// What to turn [default: all that the scene has]
-    #[arg(long, value_name = "KNOB", value_delimiter = ',', value_parser = PossibleValuesParser::new(Knob::ALL.map(Knob::name)))]
+    #[arg(long, value_name = "KNOB", value_delimiter = ',', value_parser = PossibleValuesParser::new(TuningParameter::ALL.map(TuningParameter::name)))]
     knob: Vec<String>,
     /// Values of each knob
     #[arg(long, value_name = "N", default_value_t = 33, value_parser = clap::value_parser!(u32).range(2..=1000))]
@@ -38,7 +38,7 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
     /// Draw the maps
-    #[arg(long, value_name = picture::ENDINGS, value_parser = picture::file)]
+    #[arg(long, value_name = picture::PICTURE_ENDINGS, value_parser = picture::file)]
     plot: Option<PathBuf>,
     /// No progress bar
     #[arg(short, long)]
@@ -55,15 +55,15 @@ fn span(text: &str) -> Result<f64, String> {
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let scene = Scene::load(&arguments.scene)?;
-    let named = |knob: &Knob| {
+    let named = |knob: &TuningParameter| {
         arguments.knob.is_empty() || arguments.knob.iter().any(|name| name == knob.name())
     };
-    let knobs: Vec<Knob> = if arguments.knob.is_empty() {
-        Knob::of(&scene)
+    let knobs: Vec<TuningParameter> = if arguments.knob.is_empty() {
+        TuningParameter::of(&scene)
     } else {
-        Knob::ALL.into_iter().filter(named).collect()
+        TuningParameter::ALL.into_iter().filter(named).collect()
     };
-    let progress = Mutex::new(Progress::new(&scene.name, arguments.quiet));
+    let progress = Mutex::new(JobProgress::new(&scene.name, arguments.quiet));
     let found = tune(&scene, &knobs, arguments.points, arguments.span, &|share| {
         if let Ok(mut progress) = progress.lock() {
             progress.at(share);

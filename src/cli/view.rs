@@ -9,8 +9,8 @@ use clap::Args;
 use crate::recording::format::{Format, open};
 use crate::recording::mcap::indexed_recording::IndexedRecording;
 use crate::scene::Scene;
-use crate::tui::work::served::Scope;
-use crate::tui::{self, Subject};
+use crate::tui::work::served::ServedConnection;
+use crate::tui::{self, ViewSource};
 
 /// Look at a recording on the scope's screen in the terminal, play with the bench of a scene, or watch a served scope
 #[derive(Debug, Args)]
@@ -32,8 +32,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             bail!("{address}: found --follow, expected it with an .mcap recording");
         }
         terminal()?;
-        let scope = Scope::connect(address).map_err(anyhow::Error::msg)?;
-        let subject = Subject::Served(Box::new(scope));
+        let scope = ServedConnection::connect(address).map_err(anyhow::Error::msg)?;
+        let subject = ViewSource::Served(Box::new(scope));
         return Ok(tui::run(subject, address.to_owned(), arguments.against.clone())?);
     }
     let path = Path::new(&arguments.what);
@@ -43,9 +43,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     let subject = match format {
         Some(Format::Mcap) => {
-            Subject::IndexedRecording(Box::new(IndexedRecording::open(path)?), arguments.follow)
+            ViewSource::IndexedRecording(Box::new(IndexedRecording::open(path)?), arguments.follow)
         }
-        Some(_) => Subject::Set(Box::new(open(path)?)),
+        Some(_) => ViewSource::Set(Box::new(open(path)?)),
         None => bench(&arguments.what)?,
     };
     terminal()?;
@@ -80,11 +80,11 @@ fn address(what: &str) -> Option<&str> {
 }
 
 /// The bench of a scene, which is read here so that its problems are told before the screen is taken.
-fn bench(scene: &str) -> anyhow::Result<Subject> {
+fn bench(scene: &str) -> anyhow::Result<ViewSource> {
     Scene::load(scene)?;
     let base = match std::fs::canonicalize(scene) {
         Ok(path) if path.is_file() => path.display().to_string(),
         _ => scene.to_owned(),
     };
-    Ok(Subject::Bench(base))
+    Ok(ViewSource::Bench(base))
 }

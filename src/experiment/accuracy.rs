@@ -7,7 +7,8 @@ use super::comparison::{level_of, readings};
 use super::energy::MOST;
 use super::horizon::horizon;
 use super::method_choice::{Attempt, controlled, first_attempt_at, first_controlled};
-use super::reference::{ErrorEstimate, MIN_TOLERANCE, ReferenceRun, reference_tolerance};
+use super::outcome::ErrorEstimate;
+use super::reference::{MIN_TOLERANCE, ReferenceRun, reference_tolerance};
 use super::{Integration, Outcome, RunError, method, run};
 use crate::integrate::{IntegrateError, Method};
 use crate::quantity::engineering;
@@ -152,7 +153,7 @@ pub fn run_to_accuracy(
             summary.notes.push(format!("steps are made for {steps:.0e}: {why}"));
         }
         summary.notes.extend(doubt(estimate.as_ref(), accuracy));
-        summary.error_estimate = estimate.filter(|_| summary.has_felt());
+        summary.error_estimate = estimate.filter(|_| summary.has_pulse());
         summary.note_energy("a tighter accuracy keeps it better");
         if let Some(time) = *chaotic_from {
             summary.note_horizon(time, steps);

@@ -1,9 +1,9 @@
 //! From the forces that were watched to what the scope keeps, and the truth behind it.
 
 use super::bench::{Bench, Grid};
-use crate::recording::{Capture, Instrument, Origin, Shot};
+use crate::recording::{Capture, InstrumentIdentity, Origin, Shot};
 use crate::scene::{Scene, Site, input_load};
-use crate::scope::acquire::{Found, before_trigger, digitise, find_trigger};
+use crate::scope::acquire::{TriggerPosition, before_trigger, digitise, find_trigger};
 use crate::scope::front_end::{condition, noise_stream};
 use crate::scope::{ChannelSetup, Source, TriggerSource};
 use crate::sensor::Load;
@@ -24,7 +24,7 @@ pub fn signals(scene: &Scene, bench: &Bench<'_>, grid: Grid, shot: u32) -> Vec<O
 pub fn volts(scene: &Scene, bench: &Bench<'_>, grid: Grid, channel: &ChannelSetup) -> Vec<f64> {
     let load = input_load(&scene.scope.model, channel);
     let name = channel.input.as_deref().unwrap_or_default();
-    sensed(scene, bench, grid, (name, load)).unwrap_or_else(|| {
+    sensor_voltages(scene, bench, grid, (name, load)).unwrap_or_else(|| {
         let samples = bench.watches().first().map_or(0, |w| w.samples.len());
         vec![0.0; samples]
     })
@@ -35,11 +35,11 @@ pub fn external(scene: &Scene, bench: &Bench<'_>, grid: Grid) -> Vec<f64> {
     let Some(name) = &scene.scope.external else { return Vec::new() };
     let model = &scene.scope.model;
     let load = Load { resistance: model.input_resistance, capacitance: model.input_capacitance };
-    sensed(scene, bench, grid, (name, load)).unwrap_or_default()
+    sensor_voltages(scene, bench, grid, (name, load)).unwrap_or_default()
 }
 
 /// What a sensor, by its name, delivers into a load (V).
-fn sensed(
+fn sensor_voltages(
     scene: &Scene,
     bench: &Bench<'_>,
     grid: Grid,
@@ -73,7 +73,7 @@ pub fn trigger_scale(scene: &Scene) -> Option<f64> {
 }
 
 /// Where the scope triggers. A scene never leaves the trigger to the mains.
-pub fn trigger(scene: &Scene, bench: &Bench<'_>, grid: Grid, shot: u32) -> Option<Found> {
+pub fn trigger(scene: &Scene, bench: &Bench<'_>, grid: Grid, shot: u32) -> Option<TriggerPosition> {
     let scale = trigger_scale(scene)?;
     let signal = match scene.scope.trigger.source.channel() {
         Some(number) => {
@@ -90,21 +90,22 @@ pub fn record(
     scene: &Scene,
     bench: &Bench<'_>,
     grid: Grid,
-    found: Option<Found>,
+    found: Option<TriggerPosition>,
     number: u32,
 ) -> Shot {
     let setup = &scene.scope;
-    let instrument = Instrument {
+    let instrument = InstrumentIdentity {
         model: setup.model.name.replace(' ', ""),
         serial: setup.model.serial.clone(),
         firmware: setup.model.firmware.clone(),
     };
     let signals = signals(scene, bench, grid, number);
-    let capture = |number: u8, channel: &ChannelSetup, signal: &[f64], found: Found| Capture {
-        waveform: digitise(setup, Source::Channel(number), channel, signal, found.index),
-        instrument: Some(instrument.clone()),
-        notes: Vec::new(),
-    };
+    let capture =
+        |number: u8, channel: &ChannelSetup, signal: &[f64], found: TriggerPosition| Capture {
+            waveform: digitise(setup, Source::Channel(number), channel, signal, found.index),
+            instrument: Some(instrument.clone()),
+            notes: Vec::new(),
+        };
     let channels = (1..).zip(setup.channels.iter().zip(&signals));
     let captures = found.map_or_else(Vec::new, |found| {
         channels

@@ -12,21 +12,21 @@
 use std::borrow::Cow;
 
 use super::Integration;
-use super::pulse::FOOT;
+use super::pulse::FOOT_SHARE;
 use crate::chain::{Chain, ChainSpec, EffectsSpec};
 use crate::scene::Scene;
 
 /// Places on either side of rest at which the magnet's slope is looked at.
-const LOOKS: i32 = 500;
+const SLOPE_SAMPLES: i32 = 500;
 /// Share of the accuracy that an effect may change and yet be left out (1).
-const UNSEEN: f64 = 0.1;
+const NEGLIGIBLE_SHARE: f64 = 0.1;
 /// Forces of Hertz collisions go as this power of their speed (1).
-const POWER: f64 = 1.2;
+const FORCE_SPEED_EXPONENT: f64 = 1.2;
 /// Pulses fade on their way, and losses weigh more in slow collisions, if at all: looked at down to this share of the fastest (1).
-const SLOWEST: f64 = 0.1;
+const MIN_SPEED_SHARE: f64 = 0.1;
 
 /// `scene` with all that it leaves to the accuracy decided, and told in `decided`. A method by hand has no accuracy: all stay on.
-pub fn settle(scene: &Scene, integration: Integration) -> Cow<'_, Scene> {
+pub fn resolve_auto_effects(scene: &Scene, integration: Integration) -> Cow<'_, Scene> {
     if scene.auto.is_empty() {
         return Cow::Borrowed(scene);
     }
@@ -40,11 +40,11 @@ pub fn settle(scene: &Scene, integration: Integration) -> Cow<'_, Scene> {
             continue;
         };
         let change = change_upper_bound(scene, name);
-        let limit = UNSEEN * accuracy;
+        let limit = NEGLIGIBLE_SHARE * accuracy;
         if change < limit {
             settled.spec.effects.remove(name);
         }
-        settled.decided.push(words(name, change, limit));
+        settled.decided.push(describe_decision(name, change, limit));
     }
     if settled.spec != scene.spec
         && let Ok(chain) = Chain::new(&settled.spec)
@@ -55,7 +55,7 @@ pub fn settle(scene: &Scene, integration: Integration) -> Cow<'_, Scene> {
 }
 
 /// What was decided, in words.
-fn words(name: &str, change: f64, limit: f64) -> String {
+fn describe_decision(name: &str, change: f64, limit: f64) -> String {
     if change.is_infinite() {
         format!("{name} is on: how much it changes cannot be told beforehand")
     } else if change < limit {
@@ -71,7 +71,7 @@ fn words(name: &str, change: f64, limit: f64) -> String {
 
 /// States whether the effect called `name` is on at `accuracy` (1), and the change that decides it.
 pub(crate) fn decision(scene: &Scene, name: &str, accuracy: f64) -> String {
-    words(name, change_upper_bound(scene, name), UNSEEN * accuracy)
+    describe_decision(name, change_upper_bound(scene, name), NEGLIGIBLE_SHARE * accuracy)
 }
 
 /// The most that the effect called `name` can change of first peaks, arrivals and speeds; infinite where that is not known (1).
@@ -112,8 +112,8 @@ fn by_magnet_law(scene: &Scene) -> f64 {
     let fastest = scene.initial_velocities.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
     // No body of an elastic collision leaves it at more than twice the speed of the one that came.
     let reach = 2.0 * fastest * scene.duration;
-    let slope = |look: i32| pull.slope(reach * f64::from(look) / f64::from(LOOKS)).abs();
-    let steepest = (-LOOKS..=LOOKS).map(slope).fold(0.0, f64::max);
+    let slope = |look: i32| pull.slope(reach * f64::from(look) / f64::from(SLOPE_SAMPLES)).abs();
+    let steepest = (-SLOPE_SAMPLES..=SLOPE_SAMPLES).map(slope).fold(0.0, f64::max);
     steepest * (reach / magnet.force + scene.duration * scene.duration / body.mass)
 }
 
@@ -130,11 +130,11 @@ fn by_loss(scene: &Scene, name: &str) -> f64 {
     let spec = ChainSpec { effects, ..scene.spec.clone() };
     let Ok(chain) = Chain::new(&spec) else { return f64::INFINITY };
     let fastest = closing_speed(&chain, &scene.initial_velocities);
-    let speeds = [SLOWEST * fastest, fastest];
+    let speeds = [MIN_SPEED_SHARE * fastest, fastest];
     let most = |of: &dyn Fn(f64) -> f64| speeds.into_iter().map(of).fold(0.0, f64::max);
     let decay = most(&|speed| chain.fastest_decay(&[speed]));
-    let felt = POWER.sqrt() * most(&|speed| chain.largest_damping(&[speed]));
-    POWER * decay * scene.duration + felt / FOOT
+    let felt = FORCE_SPEED_EXPONENT.sqrt() * most(&|speed| chain.largest_damping(&[speed]));
+    FORCE_SPEED_EXPONENT * decay * scene.duration + felt / FOOT_SHARE
 }
 
 /// The fastest that contacts of `chain` close, let go at `velocities` (m/s) (m/s).

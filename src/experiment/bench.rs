@@ -5,44 +5,13 @@ use crate::chain::simd::{InstructionSet, Refinement, VectorStepper};
 use crate::chain::{Chain, ChainSystem, Dissipated, Energy, ForceProbe};
 use crate::integrate::{IntegrateError, Integrator, Method, State, Work};
 
-use super::film::Film;
+use super::frames::Frames;
+pub use super::grid::Grid;
+pub use super::probe_record::ProbeRecord;
 use super::pulse::PulseRecorder;
-pub use super::watch::Watch;
-
-/// Evenly spaced times at which something is sampled: `start + i * interval`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Grid {
-    /// Time of sample 0 (s).
-    pub start: f64,
-    /// From one sample to the next (s).
-    pub interval: f64,
-}
-
-impl Grid {
-    /// Time of sample `index` (s).
-    #[allow(clippy::cast_precision_loss, reason = "runs have far fewer than 2^53 samples")]
-    pub fn time(&self, index: usize) -> f64 {
-        self.start + index as f64 * self.interval
-    }
-
-    /// Number of samples at or before `time` (s).
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "`as` cuts off, takes negative numbers to zero, and runs have far fewer than 2^53 samples"
-    )]
-    pub fn samples_until(&self, time: f64) -> usize {
-        let mut count = ((time - self.start) / self.interval) as usize;
-        // The quotient may be off by its rounding; the samples' own times decide.
-        while self.time(count) <= time {
-            count += 1;
-        }
-        count
-    }
-}
 
 /// Room is made for all samples that are due, up to so many at once.
-const ROOM_FOR_SAMPLES: usize = 1 << 20;
+const SAMPLES_CAPACITY: usize = 1 << 20;
 
 /// The method at work on the chain.
 enum Engine<'a> {
@@ -95,8 +64,8 @@ pub struct Bench<'a> {
     chain: &'a Chain,
     engine: Engine<'a>,
     grid: Grid,
-    watches: Vec<Watch>,
-    film: Film,
+    watches: Vec<ProbeRecord>,
+    film: Frames,
     initial_velocities: Vec<f64>,
     most_evaluations: u64,
 }
@@ -126,7 +95,7 @@ impl<'a> Bench<'a> {
         // Before the first contact nothing moves: those samples are known.
         let before = grid.samples_until(0.0);
         let impact = chain.impact_force(initial_velocities);
-        let watch = |probe: &ForceProbe| Watch {
+        let watch = |probe: &ForceProbe| ProbeRecord {
             probe: probe.clone(),
             pulse: PulseRecorder::new(probe, impact, initial_velocities),
             samples: vec![0.0; before],
@@ -136,7 +105,7 @@ impl<'a> Bench<'a> {
             engine: Engine::start(set, (chain, initial_velocities), method, probes),
             grid,
             watches: probes.iter().map(watch).collect(),
-            film: Film::new(chain, film_grid, initial_velocities),
+            film: Frames::new(chain, film_grid, initial_velocities),
             initial_velocities: initial_velocities.to_vec(),
             most_evaluations: u64::MAX,
         }
@@ -162,7 +131,7 @@ impl<'a> Bench<'a> {
         let (bodies, most) = (chain.bodies().len(), *most_evaluations);
         for watch in &mut *watches {
             let due = grid.samples_until(end).saturating_sub(watch.samples.len());
-            watch.samples.reserve(due.min(ROOM_FOR_SAMPLES));
+            watch.samples.reserve(due.min(SAMPLES_CAPACITY));
         }
         match engine {
             Engine::Vectors(stepper, trackers) => {
@@ -203,17 +172,17 @@ impl<'a> Bench<'a> {
     }
 
     /// The watched forces, in the order of the probes.
-    pub fn watches(&self) -> &[Watch] {
+    pub fn watches(&self) -> &[ProbeRecord] {
         &self.watches
     }
 
     /// The watched forces, the bench given up.
-    pub fn into_watches(self) -> Vec<Watch> {
+    pub fn into_watches(self) -> Vec<ProbeRecord> {
         self.watches
     }
 
     /// The film so far.
-    pub fn film(&self) -> &Film {
+    pub fn film(&self) -> &Frames {
         &self.film
     }
 

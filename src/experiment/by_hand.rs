@@ -1,7 +1,9 @@
 //! Runs with a step or a tolerance by hand: nothing limits their errors, so these are estimated and noted.
 
 use super::accuracy::known_until;
-use super::reference::{ErrorEstimate, REFERENCE_MARGIN, estimate, reference_tolerance};
+use super::error::rounded_down;
+use super::outcome::ErrorEstimate;
+use super::reference::{REFERENCE_MARGIN, estimate, reference_tolerance};
 use super::{Integration, Outcome, RunError, run};
 use crate::integrate::Method;
 use crate::quantity::engineering;
@@ -24,7 +26,7 @@ const MAX_CONTACT_FORCES: f64 = 1e9;
 /// energy, and up to when the motion is known.
 ///
 /// # Errors
-/// Those of [`run`].
+/// Those of [`run`](fn@run).
 pub fn run_by_hand(
     scene: &Scene,
     method: Method,
@@ -61,7 +63,7 @@ pub fn run_by_hand(
         }
     }
     summary.note_energy(too_much(method));
-    summary.error_estimate = found.filter(|_| summary.has_felt());
+    summary.error_estimate = found.filter(|_| summary.has_pulse());
     Ok(outcome)
 }
 
@@ -153,10 +155,4 @@ fn with_setting(method: Method, setting: f64) -> Method {
         Method::DormandPrince853 { .. } => Method::DormandPrince853 { tolerance },
         Method::Rodas { .. } => Method::Rodas { tolerance },
     }
-}
-
-/// `value`, rounded down to so many decimal `digits` (unit).
-pub(super) fn rounded_down(value: f64, digits: i32) -> f64 {
-    let unit = 10f64.powf(value.abs().log10().floor() - f64::from(digits - 1));
-    (value / unit).floor() * unit
 }

@@ -2,7 +2,7 @@
 
 use std::borrow::Borrow;
 
-use super::auto_effects::settle;
+use super::auto_effects::resolve_auto_effects;
 use super::bench::{Bench, Grid};
 use super::parallel::{in_parallel, processors};
 use super::pulse::PulseRecorder;
@@ -81,7 +81,7 @@ impl Ensemble {
 
 /// A place of a scene that is watched.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Watched {
+pub struct ProbeSite {
     /// The sensor's name, or `wall`.
     pub name: String,
     /// The particle, counted from 1; none for the wall.
@@ -91,25 +91,25 @@ pub struct Watched {
 }
 
 /// The places of `scene` where forces can be watched: its sensors in particles, from the top, and the wall.
-pub fn places(scene: &Scene) -> Vec<Watched> {
+pub fn places(scene: &Scene) -> Vec<ProbeSite> {
     let sensor = |sensor: &PlacedSensor| match sensor.site {
         Site::Particle(particle) => {
             let (name, offset) = (sensor.name.clone(), sensor.offset);
-            Some(Watched { name, particle: Some(particle), offset })
+            Some(ProbeSite { name, particle: Some(particle), offset })
         }
         Site::Wall => None,
     };
     let wall = scene.chain.wall_contact();
-    let wall = wall.map(|_| Watched { name: "wall".to_owned(), particle: None, offset: 0.0 });
+    let wall = wall.map(|_| ProbeSite { name: "wall".to_owned(), particle: None, offset: 0.0 });
     scene.sensors.iter().filter_map(sensor).chain(wall).collect()
 }
 
 impl Case {
     /// `scene`, its first shot, to `accuracy` (1), with the forces at `places` watched.
-    pub fn of(scene: &Scene, accuracy: f64, places: &[Watched]) -> Self {
-        let settled = settle(scene, Integration::Accuracy(accuracy));
+    pub fn of(scene: &Scene, accuracy: f64, places: &[ProbeSite]) -> Self {
+        let settled = resolve_auto_effects(scene, Integration::Accuracy(accuracy));
         let chain = settled.chain.clone();
-        let probe = |place: &Watched| match place.particle {
+        let probe = |place: &ProbeSite| match place.particle {
             Some(particle) => ForceProbe::inside(&chain, particle, place.offset),
             None => chain.wall_contact().and_then(|j| ForceProbe::contact(&chain, j)),
         };

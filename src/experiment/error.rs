@@ -1,12 +1,11 @@
 //! Why a run has no result.
 
-use super::by_hand;
 use crate::chain::StabilityLimit;
 use crate::integrate::IntegrateError;
 use crate::quantity::engineering;
 
 /// Most steps of a method with a step by hand: hours of work for a chain of the bench's size (1).
-pub(super) const MOST_STEPS: f64 = 1e9;
+pub(super) const MAX_STEPS: f64 = 1e9;
 
 /// Why a run has no result.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -21,7 +20,7 @@ pub enum RunError {
     },
     /// A step chosen by hand would take longer than anyone waits.
     #[error(
-        "found a step of {}, which takes {steps:.1e} steps, expected at most {MOST_STEPS:.0e} steps", seconds(*step)
+        "found a step of {}, which takes {steps:.1e} steps, expected at most {MAX_STEPS:.0e} steps", seconds(*step)
     )]
     TooManySteps {
         /// The step (s).
@@ -73,5 +72,11 @@ fn seconds(step: f64) -> String {
 
 /// A longest step (s) in words that name no longer one.
 fn cut(step: f64) -> String {
-    engineering(by_hand::rounded_down(step, 4), "s", 4)
+    engineering(rounded_down(step, 4), "s", 4)
+}
+
+/// `value`, rounded down to so many decimal `digits` (unit).
+pub(super) fn rounded_down(value: f64, digits: i32) -> f64 {
+    let unit = 10f64.powf(value.abs().log10().floor() - f64::from(digits - 1));
+    (value / unit).floor() * unit
 }

@@ -7,7 +7,7 @@ use super::outcome::effects;
 use super::{Integration, Outcome, RunError, method};
 use crate::recording::Attachment;
 use crate::recording::mcap::ShotNotes;
-use crate::recording::mcap::message::Energy;
+use crate::recording::mcap::message::EnergyMessage;
 use crate::scene::{PlacedSensor, Scene, Site, input_load};
 use crate::scope::set_up::set_up_text;
 
@@ -155,18 +155,18 @@ pub fn shot_notes(scene: &Scene, outcome: &Outcome) -> ShotNotes {
     let notes = summary.notes.iter().map(|note| (true, note.clone()));
     ShotNotes {
         set_up: set_up_text(&scene.scope),
-        energy: Some(booked(energy, outcome.shot.number)),
+        energy: Some(energy_facts(energy, outcome.shot.number)),
         log: std::iter::once((false, done)).chain(notes).collect(),
     }
 }
 
 /// The ledger of shot `number` as it is recorded.
-fn booked(energy: &EnergyLedger, number: u32) -> Energy {
+fn energy_facts(energy: &EnergyLedger, number: u32) -> EnergyMessage {
     let (end, lost) = (&energy.final_by_kind, &energy.dissipated_by_kind);
     let taken = |name: &str| {
         lost.losses.iter().find(|entry| entry.loss == name).map_or(0.0, |entry| entry.energy)
     };
-    Energy {
+    EnergyMessage {
         timestamp: None,
         shot: number,
         initial_j: energy.initial,

@@ -2,22 +2,22 @@
 
 use super::accuracy::of_scene;
 use super::acquisition::{external, truth, volts};
-use super::auto_effects::settle;
+use super::auto_effects::resolve_auto_effects;
 use super::bench::{Bench, Grid};
-use super::{FRAMES, Integration, RunError, free_grid, method, probes};
+use super::{FRAMES_PER_RUN, Integration, RunError, free_grid, method, probes};
 use crate::scene::Scene;
 use crate::trace::Trace;
 
 /// Longest simulation, in durations of the scene (1).
-const LONGEST: f64 = 10.0;
+const MAX_DURATION_FACTOR: f64 = 10.0;
 /// Most samples of a signal; most before the first contact are half of them.
-const MOST_SAMPLES: usize = 2_000_000;
+const MAX_SAMPLES: usize = 2_000_000;
 /// Most samples of a trace of the truth: beyond them every so-manieth is kept.
-const MOST_OF_TRUTH: usize = 50_000;
+const MAX_TRUTH_SAMPLES: usize = 50_000;
 
 /// The sample grid that a scope wants its signals on, and how much of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Window {
+pub struct InputWindow {
     /// From one sample to the next (s).
     pub interval: f64,
     /// Time before the trigger that the record shows (s).
@@ -48,20 +48,20 @@ pub struct Inputs {
 ///
 /// # Errors
 /// [`RunError`] for states that stop being numbers.
-pub fn inputs(scene: &Scene, window: Window, shot: u32) -> Result<Inputs, RunError> {
+pub fn inputs(scene: &Scene, window: InputWindow, shot: u32) -> Result<Inputs, RunError> {
     let integration = Integration::Accuracy(of_scene(scene)?.value);
-    let scene = &*settle(scene, integration);
+    let scene = &*resolve_auto_effects(scene, integration);
     let method = method(scene, integration)?;
     #[allow(clippy::cast_precision_loss, reason = "two million is far below 2^53")]
-    let longest_before = (MOST_SAMPLES / 2) as f64 * window.interval;
+    let longest_before = (MAX_SAMPLES / 2) as f64 * window.interval;
     let grid = free_grid(scene, shot, window.interval, window.before.min(longest_before));
-    let frames = Grid { start: 0.0, interval: scene.duration / FRAMES };
+    let frames = Grid { start: 0.0, interval: scene.duration / FRAMES_PER_RUN };
     let probes = probes(scene);
     let velocities = scene.velocities(shot);
     let mut bench = Bench::new(&scene.chain, &velocities, method, &probes, (grid, frames));
-    let last = grid.time(MOST_SAMPLES - 1);
+    let last = grid.time(MAX_SAMPLES - 1);
     let end = (scene.duration + window.after + 2.0 * grid.interval)
-        .min(LONGEST * scene.duration)
+        .min(MAX_DURATION_FACTOR * scene.duration)
         .min(last);
     // In the two strides of a scene's own run, so that both take the same steps.
     bench.run_until(scene.duration.min(end), false, &mut |_| ())?;
@@ -80,7 +80,7 @@ pub fn inputs(scene: &Scene, window: Window, shot: u32) -> Result<Inputs, RunErr
 }
 
 fn thinned(trace: Trace) -> Trace {
-    let step = trace.values.len().div_ceil(MOST_OF_TRUTH).max(1);
+    let step = trace.values.len().div_ceil(MAX_TRUTH_SAMPLES).max(1);
     #[allow(clippy::cast_precision_loss, reason = "far below 2^53")]
     let interval = trace.interval * step as f64;
     let values = trace.values.into_iter().step_by(step).collect();

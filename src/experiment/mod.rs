@@ -14,230 +14,29 @@ pub mod energy;
 pub mod ensemble;
 mod error;
 pub mod facts;
-mod film;
+mod frames;
+mod grid;
 pub mod horizon;
 pub mod inputs;
+mod integration;
 pub(crate) mod method_choice;
 mod notes;
 pub mod outcome;
 pub mod paper_speeds;
 pub mod parallel;
+mod probe_record;
 pub mod pulse;
 pub mod reference;
 mod roots;
+mod run;
 mod segment;
-mod watch;
 mod yielding;
 
 pub use error::RunError;
+pub use integration::Integration;
 pub use method_choice::{first_attempt, for_accuracy};
+pub use outcome::Outcome;
 pub use reference::reference_tolerance;
-
-use std::time::Instant;
-
-use rand_distr::{Distribution, StandardUniform};
-
-use crate::chain::ForceProbe;
-use crate::integrate::Method;
-use crate::recording::Shot;
-use crate::scene::{PlacedSensor, Scene, Site};
-use crate::scope::acquire::Found;
-use crate::scope::front_end::noise_stream;
-use acquisition::{record, trigger};
-use bench::{Bench, Grid};
-use energy::EnergyLedger;
-use error::MOST_STEPS;
-use outcome::{Reading, Summary, TriggerReport};
-
-/// Frames of the film over a scene's duration.
-pub(crate) const FRAMES: f64 = 200.0;
-/// Samples kept before the earliest that a record can need.
-const SPARE_SAMPLES: f64 = 20.0;
-/// Stream of the sample clock's phase; channels use 1 to 4.
-const CLOCK_STREAM: u8 = 0;
-
-/// How a run is integrated.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Integration {
-    /// To the accuracy that is asked for: relative error of first-peak forces and times (1).
-    Accuracy(f64),
-    /// By this method with this setting.
-    Method(Method),
-    /// By a method that is tried, and held to an accuracy afterwards.
-    Attempt {
-        /// The method.
-        method: Method,
-        /// Relative error of first-peak forces and times (1).
-        accuracy: f64,
-    },
-}
-
-/// Everything a run leaves.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Outcome {
-    /// Numbers for people and scripts.
-    pub summary: Summary,
-    /// The scope's records and the truth behind them.
-    pub shot: Shot,
-}
-
-/// Runs `scene`; `progress` hears the share of the work done, 0 to 1.
-///
-/// # Errors
-/// [`RunError`] for a step that cannot be stable and for states that stop being numbers.
-pub fn run(
-    scene: &Scene,
-    integration: Integration,
-    shot: u32,
-    progress: &mut dyn FnMut(f64),
-) -> Result<Outcome, RunError> {
-    let scene = &*auto_effects::settle(scene, integration);
-    let started = Instant::now();
-    let method = method(scene, integration)?;
-    let grid = sample_grid(scene, shot);
-    let frames = Grid { start: 0.0, interval: scene.duration / FRAMES };
-    let probes = probes(scene);
-    let velocities = scene.velocities(shot);
-    let mut bench = Bench::new(&scene.chain, &velocities, method, &probes, (grid, frames));
-    let (_, span) = scene.scope.record_span();
-    let expected_end = scene.duration.max(span);
-    let mut report = |time: f64| progress((time / expected_end).min(1.0));
-    bench.run_until(scene.duration, true, &mut report)?;
-    let found = trigger(scene, &bench, grid, shot);
-    if let Some(found) = found {
-        let end = grid.time(found.index) + span + 2.0 * grid.interval;
-        bench.run_until(end, false, &mut report)?;
-    }
-    let wall_s = started.elapsed().as_secs_f64();
-    let shot = record(scene, &bench, grid, found, shot);
-    let finished = Finished { scene, integration, method, bench: &bench, found, wall_s };
-    Ok(Outcome { summary: finished.summarise(&shot), shot })
-}
-
-pub(crate) fn method(scene: &Scene, integration: Integration) -> Result<Method, RunError> {
-    let method = match integration {
-        Integration::Accuracy(accuracy) => return Ok(method_choice::method(scene, accuracy)),
-        Integration::Attempt { method, .. } => return Ok(method),
-        Integration::Method(method) => method,
-    };
-    method_choice::refuse(scene, method)?;
-    if let Some((step, _)) = method.fixed_step() {
-        let steps = scene.duration / step;
-        if steps > MOST_STEPS {
-            return Err(RunError::TooManySteps { step, steps });
-        }
-    }
-    let limit = method.fixed_step().and_then(|(step, reach)| {
-        let limit = scene.chain.stability_limit(&scene.initial_velocities, reach)?;
-        (step > limit.step).then_some((step, limit))
-    });
-    match limit {
-        Some((step, limit)) => Err(RunError::Unstable { step, limit }),
-        None => Ok(method),
-    }
-}
-
-/// The scope's sample times on the bench's clock, set as in the scene.
-pub(crate) fn sample_grid(scene: &Scene, shot: u32) -> Grid {
-    let setup = &scene.scope;
-    let interval = setup.model.sample_interval(setup.time_base);
-    let (start, _) = setup.record_span();
-    free_grid(scene, shot, interval, (-start).max(0.0))
-}
-
-/// Sample times every `interval` (s), from `before` (s) ahead of the first contact: the scope's own clock runs freely, so
-/// the phase is drawn from the seed.
-fn free_grid(scene: &Scene, shot: u32, interval: f64, before: f64) -> Grid {
-    let phase: f64 = StandardUniform.sample(&mut noise_stream(scene.seed, shot, CLOCK_STREAM));
-    let before = (before / interval).ceil() + SPARE_SAMPLES;
-    Grid { start: (phase - before) * interval, interval }
-}
-
-/// One probe a sensor, in their order, and the wall's contact last if there is a wall.
-pub(crate) fn probes(scene: &Scene) -> Vec<ForceProbe> {
-    let chain = &scene.chain;
-    let wall = || chain.wall_contact().and_then(|j| ForceProbe::contact(chain, j));
-    let sensor = |site: Site, offset: f64| match site {
-        Site::Particle(particle) => ForceProbe::inside(chain, particle, offset),
-        Site::Wall => wall(),
-    };
-    let sensors = scene.sensors.iter().filter_map(|s| sensor(s.site, s.offset));
-    sensors.chain(wall()).collect()
-}
-
-/// A run at its end, with all that its summary tells.
-struct Finished<'a> {
-    scene: &'a Scene,
-    integration: Integration,
-    method: Method,
-    bench: &'a Bench<'a>,
-    found: Option<Found>,
-    wall_s: f64,
-}
-
-impl Finished<'_> {
-    fn summarise(&self, shot: &Shot) -> Summary {
-        let Self { scene, integration, method, bench, found, wall_s } = *self;
-        let watches = bench.watches();
-        let reading = |placed: &PlacedSensor, pulse| {
-            let particle = match placed.site {
-                Site::Particle(particle) => Some(particle),
-                Site::Wall => None,
-            };
-            Reading::of(&placed.name, particle, placed.offset, pulse)
-        };
-        let sensors: Vec<Reading> =
-            scene.sensors.iter().zip(watches).map(|(s, w)| reading(s, &w.pulse)).collect();
-        let wall = scene.chain.wall_contact().and_then(|_| watches.last());
-        let effects = outcome::effects(scene);
-        let (initial, last) = bench.energies();
-        let (work, yielded) = (bench.work(), yielding::note(&scene.chain, bench.film()));
-        let accuracy = match integration {
-            Integration::Accuracy(accuracy) | Integration::Attempt { accuracy, .. } => {
-                Some(accuracy)
-            }
-            Integration::Method(_) => None,
-        };
-        Summary {
-            scene: scene.name.clone(),
-            title: scene.title.clone(),
-            scene_hash: scene.texts.hash().to_owned(),
-            seed: scene.seed,
-            method: method.name().to_owned(),
-            method_source: method.source().to_owned(),
-            accuracy,
-            accuracy_reason: None,
-            error_estimate: None,
-            horizon_s: None,
-            step_s: method.fixed_step().map(|(step, _)| step),
-            tolerance: method.tolerance(),
-            force_evaluations: work.force_evaluations,
-            steps: work.steps,
-            rejected_steps: work.rejected,
-            contact_changes: bench.contact_changes(),
-            wall_s,
-            wall_held_s: None,
-            simulated_s: bench.time(),
-            duration_s: scene.duration,
-            effect_settings: effects.iter().map(|(name, set)| format!("{name}: {set}")).collect(),
-            effects: effects.into_iter().map(|(name, _)| name).collect(),
-            energy: EnergyLedger::new(initial, last, bench.dissipated()),
-            paper: paper_speeds::speed_of(scene),
-            speeds: outcome::speeds(&scene.chain, &sensors),
-            wall: wall.map(|watch| Reading::of("wall", None, 0.0, &watch.pulse)),
-            notes: notes::notes(scene, &sensors, shot, found)
-                .into_iter()
-                .chain(yielded)
-                .chain(yielding::deep(&scene.chain, bench.film()))
-                .chain(notes::beyond_table(&scene.chain, bench.film()))
-                .chain(scene.decided.clone())
-                .collect(),
-            sensors: sensors.into_iter().filter(|s| s.particle.is_some()).collect(),
-            trigger: TriggerReport {
-                recorded: found.is_some(),
-                crossed: found.is_some_and(|f| f.crossed),
-                time_s: shot.trigger_time,
-            },
-        }
-    }
-}
+use run::free_grid;
+pub use run::run;
+pub(crate) use run::{FRAMES_PER_RUN, method, probes, sample_grid};

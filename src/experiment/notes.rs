@@ -1,16 +1,21 @@
 //! What a user would otherwise find out late.
 
 use super::acquisition::trigger_scale;
-use super::film::Film;
+use super::frames::Frames;
 use super::outcome::Reading;
 use crate::chain::Chain;
 use crate::quantity::engineering;
 use crate::recording::Shot;
 use crate::scene::Scene;
-use crate::scope::acquire::Found;
+use crate::scope::acquire::TriggerPosition;
 
 /// Notes on trigger, clipping, and pulses that did not come.
-pub fn notes(scene: &Scene, sensors: &[Reading], shot: &Shot, found: Option<Found>) -> Vec<String> {
+pub fn notes(
+    scene: &Scene,
+    sensors: &[Reading],
+    shot: &Shot,
+    found: Option<TriggerPosition>,
+) -> Vec<String> {
     let mut notes = Vec::new();
     let drawn = scene.striker_speed_spread.and(scene.velocities(shot.number).first().copied());
     let told = |v| format!("the striker's speed was drawn: {}", engineering(v, "m/s", 4));
@@ -57,7 +62,7 @@ pub fn notes(scene: &Scene, sensors: &[Reading], shot: &Shot, found: Option<Foun
 }
 
 /// A note on a particle that left the distances for which its magnet's force was measured, as far as the film's frames show.
-pub fn beyond_table(chain: &Chain, film: &Film) -> Option<String> {
+pub fn beyond_table(chain: &Chain, film: &Frames) -> Option<String> {
     let (body, pull) = chain.pull()?;
     let [near, far] = pull.known();
     let path = film.displacements.get(body)?;

@@ -6,12 +6,21 @@ use serde::Serialize;
 
 use super::energy::{EnergyLedger, TOLERABLE};
 use super::paper_speeds::PaperSpeed;
-use super::pulse::{FOOT, HALF_RISE, PEAK_SHARE, PassedOver, Peak, PulseRecorder};
-use super::reference::ErrorEstimate;
+use super::pulse::{FOOT_SHARE, HALF_RISE_SHARE, PEAK_SHARE, PassedOver, Peak, PulseRecorder};
 use crate::chain::Chain;
 use crate::quantity::engineering;
+use crate::recording::Shot;
 use crate::scene::{PlacedSensor, Scene, Site};
 use crate::scope::{ChannelSetup, Deviation};
+
+/// Everything a run leaves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// Numbers for people and scripts.
+    pub summary: Summary,
+    /// The scope's records and the truth behind them.
+    pub shot: Shot,
+}
 
 /// Summary of a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -76,13 +85,36 @@ pub struct Summary {
     pub notes: Vec<String>,
 }
 
+/// How far off a run's first peaks, arrivals and traces may be.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ErrorEstimate {
+    /// Relative error of first-peak dynamic forces, the largest of all places (1).
+    pub peak: f64,
+    /// Relative error of first-peak times, half-rises and tenths, the largest of all places (1).
+    pub arrival: f64,
+    /// Largest deviation of the force at any sensor, at the scope's sample times up to the end of the scene's duration, relative to the largest dynamic one
+    /// there; none where no sensor felt a pulse (1).
+    pub trace: Option<f64>,
+    /// Up to when no trace deviates by more than the accuracy that was asked for; none where none ever does, or none was asked for (s).
+    pub trace_holds_s: Option<f64>,
+    /// How it was found.
+    pub how: String,
+}
+
+impl ErrorEstimate {
+    /// The larger of those of peaks and arrivals, which an accuracy is asked for (1).
+    pub fn worst(&self) -> f64 {
+        self.peak.max(self.arrival)
+    }
+}
+
 /// A first peak that exceeds its threshold by so much stays one, and what lacks so much of it becomes none, whatever late forces come to: chaos shuffles
 /// energy about, it makes none. Less where two runs agree better (1).
-const CLEARLY: f64 = 0.5;
+const PEAK_MARGIN: f64 = 0.5;
 
 impl Summary {
     /// Whether a pulse was felt anywhere: of nothing no number says how far off it is.
-    pub(super) fn has_felt(&self) -> bool {
+    pub(super) fn has_pulse(&self) -> bool {
         self.sensors.iter().chain(&self.wall).any(|reading| reading.first_peak.is_some())
     }
 
@@ -101,7 +133,7 @@ impl Summary {
     pub(super) fn note_undecided(&mut self) {
         let Some(horizon) = self.horizon_s else { return };
         let differ = self.error_estimate.as_ref().and_then(|estimate| estimate.trace);
-        let clear = 1.0 + differ.map_or(CLEARLY, |differ| differ.min(CLEARLY));
+        let clear = 1.0 + differ.map_or(PEAK_MARGIN, |differ| differ.min(PEAK_MARGIN));
         let hangs = |reading: &&Reading| {
             let threshold = PEAK_SHARE * reading.largest_n;
             let is_late = reading.largest_s.is_some_and(|time| time > horizon);
@@ -169,8 +201,8 @@ impl Reading {
             largest_s: pulse.first_reach(pulse.largest()).filter(|_| !pulse.is_quiet()),
             first_peak,
             passed_over: pulse.passed_over(),
-            half_rise_s: reach(HALF_RISE),
-            ten_percent_s: reach(FOOT),
+            half_rise_s: reach(HALF_RISE_SHARE),
+            ten_percent_s: reach(FOOT_SHARE),
         }
     }
 }

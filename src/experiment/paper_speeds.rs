@@ -7,7 +7,7 @@ use crate::quantity::Dimension;
 use crate::scene::Scene;
 use crate::scene::document::Node;
 use crate::scene::problem::Problem;
-use crate::scene::reader::{Bound, Problems, Table};
+use crate::scene::reader::{Bound, Problems, TableReader};
 
 /// One row of the paper's Tables 1 and 2: speed of the leading pulse from particle 14 to 27.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -40,7 +40,7 @@ pub fn speeds() -> Result<Vec<PaperSpeed>, Vec<Problem>> {
     let bytes = data::recording(FILE).unwrap_or_default();
     let root = Node::parse(FILE, &String::from_utf8_lossy(bytes))?;
     let problems = Problems::default();
-    let table = Table::of(&root, "", &problems);
+    let table = TableReader::of(&root, "", &problems);
     let rows = table.map_or_else(Vec::new, |root| {
         let _ = root.node("provenance");
         let rows = root.list("speed").into_iter().filter_map(|row| speed(&row)).collect();
@@ -51,7 +51,7 @@ pub fn speeds() -> Result<Vec<PaperSpeed>, Vec<Problem>> {
     if problems.is_empty() { Ok(rows) } else { Err(problems) }
 }
 
-fn speed(row: &Table<'_>) -> Option<PaperSpeed> {
+fn speed(row: &TableReader<'_>) -> Option<PaperSpeed> {
     Some(PaperSpeed {
         scene: row.required_text("scene", "a scene's name")?.to_owned(),
         table: row.count("table", 1, 2)?,

@@ -1,11 +1,9 @@
 //! The reference run: the same scene with much smaller errors, and the error estimate that follows from the difference.
 
-use serde::Serialize;
-
-use super::bench::Grid;
 use super::comparison::{Run, arrival_error, compare_readings, deviation, peak_error, sampled};
+use super::grid::Grid;
 use super::method_choice::controlled_for;
-use super::outcome::Reading;
+use super::outcome::{ErrorEstimate, Reading};
 use super::{Outcome, RunError, sample_grid};
 use crate::scene::{Scene, Site};
 
@@ -21,29 +19,6 @@ const MAX_REFERENCE_TOLERANCE: f64 = 1e-6;
 pub const REFERENCE_MARGIN: f64 = 10.0;
 /// Safety factor on trace differences: the reference run diverges too, by a fourteenth of the difference in the shipped scenes, and near rounding by more (1).
 pub const TRACES: f64 = 2.0;
-
-/// How far off a run's first peaks, arrivals and traces may be.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ErrorEstimate {
-    /// Relative error of first-peak dynamic forces, the largest of all places (1).
-    pub peak: f64,
-    /// Relative error of first-peak times, half-rises and tenths, the largest of all places (1).
-    pub arrival: f64,
-    /// Largest deviation of the force at any sensor, at the scope's sample times up to the end of the scene's duration, relative to the largest dynamic one
-    /// there; none where no sensor felt a pulse (1).
-    pub trace: Option<f64>,
-    /// Up to when no trace deviates by more than the accuracy that was asked for; none where none ever does, or none was asked for (s).
-    pub trace_holds_s: Option<f64>,
-    /// How it was found.
-    pub how: String,
-}
-
-impl ErrorEstimate {
-    /// The larger of those of peaks and arrivals, which an accuracy is asked for (1).
-    pub fn worst(&self) -> f64 {
-        self.peak.max(self.arrival)
-    }
-}
 
 /// Compares shot `shot` of `scene` with its reference run, at the [`reference_tolerance`] of `accuracy` (1). By the triangle inequality the error is at
 /// most their difference and what the second run is off itself: [`REFERENCE_MARGIN`] times its own accuracy are added. Late in rattling chains traces of the reference run are

@@ -2,14 +2,14 @@
 
 /// A secant that moves a maximum by less than this share of the way between two looks leaves it so much nearer that the force is the highest to the
 /// last bits, for that goes by the square (1).
-const NEAR: f64 = 1e-4;
+const SECANT_TOLERANCE: f64 = 1e-4;
 /// Secants that are tried: each has about as many more digits right as the one before, or none will.
-const SECANTS: usize = 4;
+const MAX_SECANTS: usize = 4;
 
 /// Whether a force that rises at two looks, on average at `mean`, may fall in between (N/s): its cubic's rate is
 /// `first + 2 (3 mean - 2 first - second) t + 3 (first + second - 2 mean) t^2`, and where its least value is below the share `doubtful` (1)
 /// of both rates, the force's own may be below zero.
-pub fn may_fall((first, second): (f64, f64), mean: f64, doubtful: f64) -> bool {
+pub fn may_decrease((first, second): (f64, f64), mean: f64, doubtful: f64) -> bool {
     let bend = 3.0 * (first + second - 2.0 * mean);
     let turn = 2.0 * first + second - 3.0 * mean;
     let least = first - turn * turn / bend;
@@ -73,7 +73,7 @@ pub fn refine_maximum(
     let mut at_before = rate(place(before));
     let mut fall = -steepness;
     let mut next = before - at_before / fall;
-    for _ in 0..SECANTS {
+    for _ in 0..MAX_SECANTS {
         if !(0.0..=1.0).contains(&next) {
             return None;
         }
@@ -84,7 +84,7 @@ pub fn refine_maximum(
             fall = (at_next - at_before) / step;
         }
         let crest = next - at_next / fall;
-        if fall < 0.0 && (crest - next).abs() <= NEAR && (0.0..=1.0).contains(&crest) {
+        if fall < 0.0 && (crest - next).abs() <= SECANT_TOLERANCE && (0.0..=1.0).contains(&crest) {
             return Some(place(crest));
         }
         (before, at_before, next) = (next, at_next, crest);
@@ -139,7 +139,7 @@ fn less(share: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{find_negative, highest, may_fall, refine_maximum, root};
+    use super::{find_negative, highest, may_decrease, refine_maximum, root};
     use std::cell::Cell;
 
     /// A force that rises at both ends, `f = t - 4.5 t^2 + 5.8 t^3`: its rate is below zero from 0.162 to 0.356, and at neither end.
@@ -147,7 +147,7 @@ mod tests {
     fn a_fall_between_two_rising_ends_is_found() {
         let rate = |t: f64| 1.0 - 9.0 * t + 17.4 * t * t;
         let force = |t: f64| t * (1.0 + t * (-4.5 + t * 5.8));
-        assert!(may_fall((rate(0.0), rate(1.0)), force(1.0) - force(0.0), 0.3));
+        assert!(may_decrease((rate(0.0), rate(1.0)), force(1.0) - force(0.0), 0.3));
         let place = find_negative(&rate, [0.0, 1.0], [rate(0.0), rate(1.0)]).expect("a fall");
         assert!(rate(place) < 0.0, "{place}");
     }
@@ -192,8 +192,8 @@ mod tests {
 
     #[test]
     fn a_straight_rise_is_none() {
-        assert!(!may_fall((1.0, 1.0), 1.0, 0.3));
-        assert!(!may_fall((1.0, 1.0), 0.9, 0.3));
+        assert!(!may_decrease((1.0, 1.0), 1.0, 0.3));
+        assert!(!may_decrease((1.0, 1.0), 0.9, 0.3));
         assert_eq!(find_negative(&|t| 0.1 + (t - 0.5).powi(2), [0.0, 1.0], [0.35, 0.35]), None);
     }
 

@@ -58,7 +58,7 @@ impl ForceHistory {
     }
 
     /// Lets the step that came last go.
-    pub fn let_go(&mut self) {
+    pub fn release(&mut self) {
         self.general.pop();
     }
 

@@ -1,14 +1,14 @@
 //! Where a run leaves what its elastic law is good for.
 
-use super::film::Film;
+use super::frames::Frames;
 use crate::chain::Chain;
 use crate::quantity::engineering;
 
 /// Hertz's law is for overlaps far below the bodies' sizes: beyond this share of a particle's length nobody would trust it (1).
-const DEEP: f64 = 0.1;
+const MAX_OVERLAP_SHARE: f64 = 0.1;
 
 /// A note on overlaps that are no longer small beside the particles, as far as the film's frames show.
-pub fn deep(chain: &Chain, film: &Film) -> Option<String> {
+pub fn deep(chain: &Chain, film: &Frames) -> Option<String> {
     if chain.is_linear() {
         return None;
     }
@@ -25,7 +25,7 @@ pub fn deep(chain: &Chain, film: &Film) -> Option<String> {
     let real = (0..chain.contacts().len()).filter(|j| chain.contacts()[*j].stiffness > 0.0);
     let (j, most) = real.filter_map(share).max_by(|a, b| a.1.total_cmp(&b.1))?;
     let (upper, lower) = chain.beside(j);
-    (most > DEEP).then(|| {
+    (most > MAX_OVERLAP_SHARE).then(|| {
         format!(
             "the overlap between {upper} and {lower} reaches {most:.1} of the smaller one's length: Hertz's law is for small ones, and these numbers are none of a real chain"
         )
@@ -33,7 +33,7 @@ pub fn deep(chain: &Chain, film: &Film) -> Option<String> {
 }
 
 /// A note on contacts that bore more than makes their softer body yield, as far as the film's frames show.
-pub fn note(chain: &Chain, film: &Film) -> Option<String> {
+pub fn note(chain: &Chain, film: &Frames) -> Option<String> {
     let mut worst: Option<(f64, f64, usize)> = None;
     let mut count = 0;
     for (j, (contact, forces)) in chain.contacts().iter().zip(&film.contact_forces).enumerate() {

@@ -5,15 +5,15 @@ use rand_distr::{Distribution, StandardUniform};
 use rand_pcg::Pcg64;
 use serde::Serialize;
 
-use super::{COVERAGE_95, FitError, FitReport, Options, fit};
+use super::{COVERAGE_95, FitError, FitOptions, FitReport, fit};
 use crate::experiment::accuracy::of_scene;
 use crate::experiment::{Integration, RunError, facts, run};
-use crate::measurement::compare::Side;
+use crate::measurement::compare::ComparedShot;
 use crate::recording::TraceSet;
-use crate::scene::adjust::{Adjustable, Knob};
+use crate::scene::adjust::{Adjustable, AdjustableNumber};
 
 /// Stream of what is hidden.
-const STREAM: u128 = 1 << 73;
+const BLIND_STREAM: u128 = 1 << 73;
 
 /// How well blind fits do with one number.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -32,7 +32,7 @@ pub struct BlindParameter {
 
 /// How well blind fits do.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Blind {
+pub struct BlindFits {
     /// Number of fits.
     pub trials: u32,
     /// How many of them came to no result.
@@ -74,19 +74,19 @@ pub enum BlindError {
 /// [`BlindError`] where scenes cannot run, and where nothing could be found in any.
 pub fn blind(
     scene: &Adjustable,
-    knobs: &[Knob],
+    knobs: &[AdjustableNumber],
     trials: u32,
-    options: &Options,
+    options: &FitOptions,
     progress: &mut dyn FnMut(f64),
-) -> Result<Blind, BlindError> {
+) -> Result<BlindFits, BlindError> {
     super::check(knobs)?;
-    let mut hidden = Pcg64::new(u128::from(options.seed), STREAM);
+    let mut hidden = Pcg64::new(u128::from(options.seed), BLIND_STREAM);
     let mut pulls: Vec<Vec<f64>> = vec![Vec::new(); knobs.len()];
     let mut uncertainties = vec![0.0; knobs.len()];
     let (mut variance, mut runs, mut seconds, mut count) = (0.0, 0.0, 0.0, 0.0);
     let mut last = String::new();
     for trial in 0..trials {
-        let truth: Vec<(&Knob, f64)> = knobs
+        let truth: Vec<(&AdjustableNumber, f64)> = knobs
             .iter()
             .map(|knob| {
                 let share: f64 = StandardUniform.sample(&mut hidden);
@@ -129,7 +129,7 @@ pub fn blind(
         reason = "whole, not below zero"
     )]
     let failed = trials - count as u32;
-    Ok(Blind {
+    Ok(BlindFits {
         trials,
         failed,
         spread: options.spread,
@@ -142,7 +142,7 @@ pub fn blind(
 }
 
 #[allow(clippy::cast_precision_loss, reason = "a few hundred")]
-fn parameter(knob: &Knob, pulls: &[f64], mean_u_relative: f64) -> BlindParameter {
+fn parameter(knob: &AdjustableNumber, pulls: &[f64], mean_u_relative: f64) -> BlindParameter {
     let count = pulls.len() as f64;
     let inside = pulls.iter().filter(|pull| pull.abs() <= COVERAGE_95).count() as f64;
     let mean = pulls.iter().sum::<f64>() / count;
@@ -159,9 +159,9 @@ fn parameter(knob: &Knob, pulls: &[f64], mean_u_relative: f64) -> BlindParameter
 /// Records the scene with its hidden numbers, and fits; the inner error is the fit's.
 fn one(
     scene: &Adjustable,
-    (knobs, truth): (&[Knob], &[(&Knob, f64)]),
+    (knobs, truth): (&[AdjustableNumber], &[(&AdjustableNumber, f64)]),
     trial: u32,
-    options: &Options,
+    options: &FitOptions,
 ) -> Result<Result<FitReport, FitError>, BlindError> {
     let mut hiding = scene.with(truth).map_err(FitError::from)?;
     hiding.seed = options.seed.wrapping_add(u64::from(trial));
@@ -169,7 +169,7 @@ fn one(
     let shot = run(&hiding, integration, 1, &mut |_| ())?.shot;
     let metadata = facts::facts(&hiding, integration)?;
     let set = TraceSet { shots: vec![shot], metadata, ..TraceSet::default() };
-    let side = Side { name: "blind trial", set: &set, shot: &set.shots[0], scene: None };
-    let once = Options { starts: 1, ..*options };
+    let side = ComparedShot { name: "blind trial", set: &set, shot: &set.shots[0], scene: None };
+    let once = FitOptions { starts: 1, ..*options };
     Ok(fit((scene, knobs), side, &[], &once, &mut |_| ()).map(|fit| fit.report))
 }

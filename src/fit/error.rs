@@ -1,6 +1,6 @@
 //! Why there is no fit.
 
-use super::options::MOST_DURATIONS;
+use super::options::MAX_DURATIONS;
 use crate::analysis::least_squares::LeastSquaresError;
 use crate::measurement::compare::mapping::MappingError;
 use crate::quantity::engineering;
@@ -35,7 +35,7 @@ pub enum FitError {
         duration: f64,
     },
     /// Records that go on long after the scene has ended.
-    #[error("found records of {}, expected at most {MOST_DURATIONS} durations of the scene, {}: --to leaves the rest out", engineering(*length, "s", 3), engineering(*duration, "s", 3))]
+    #[error("found records of {}, expected at most {MAX_DURATIONS} durations of the scene, {}: --to leaves the rest out", engineering(*length, "s", 3), engineering(*duration, "s", 3))]
     TooLong {
         /// Length of the records (s).
         length: f64,

@@ -8,13 +8,13 @@ use crate::scope::front_end::{condition, noise_stream};
 use crate::scope::{ChannelSetup, Deviation, Setup, VerticalSetup};
 
 /// Samples before the first that is wanted, and before the striker's contact.
-const SPARE: f64 = 20.0;
+const SPARE_SAMPLES: f64 = 20.0;
 /// Longest simulation, in durations of the scene (1).
-const LONGEST: f64 = 10.0;
+const MAX_DURATION_FACTOR: f64 = 10.0;
 
 /// Evenly spaced times after the trigger.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Axis {
+pub struct TimeAxis {
     /// Time of the first sample (s).
     pub start: f64,
     /// From one sample to the next (s).
@@ -34,20 +34,20 @@ pub struct Axis {
     clippy::cast_sign_loss,
     reason = "a number of samples, not below zero"
 )]
-pub fn seen(
+pub fn forces_at(
     scene: &Scene,
     wanted: &[(usize, VerticalSetup)],
-    axis: Axis,
+    axis: TimeAxis,
     trigger: f64,
     accuracy: f64,
 ) -> Result<Option<Vec<Vec<f64>>>, RunError> {
     let first = trigger + axis.start - axis.interval;
     // The circuits start at rest, before anything has moved.
-    let before = (first / axis.interval).max(0.0).ceil() + SPARE;
+    let before = (first / axis.interval).max(0.0).ceil() + SPARE_SAMPLES;
     let grid = Grid { start: first - before * axis.interval, interval: axis.interval };
     let (skip, count) = (before as usize, axis.count + 2);
     let end = grid.time(skip + count);
-    if !end.is_finite() || end > LONGEST * scene.duration {
+    if !end.is_finite() || end > MAX_DURATION_FACTOR * scene.duration {
         return Ok(None);
     }
     let never = Grid { start: f64::MAX, interval: 1.0 };

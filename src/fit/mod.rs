@@ -20,7 +20,7 @@ mod report;
 mod search;
 
 pub use error::FitError;
-pub use options::{COVERAGE_95, Options};
+pub use options::{COVERAGE_95, FitOptions};
 pub use profile::Profile;
 pub use records::Records;
 pub use report::{ChannelResult, FitReport, Nuisance, Parameter};
@@ -28,11 +28,11 @@ pub use report::{ChannelResult, FitReport, Nuisance, Parameter};
 use std::time::Instant;
 
 use crate::analysis::least_squares::{LeastSquaresError, Minimum};
-use crate::measurement::compare::Side;
+use crate::measurement::compare::ComparedShot;
 use crate::measurement::compare::mapping::Assignment;
-use crate::scene::adjust::{Adjustable, Knob};
-use model::Model;
-use options::{EXPECTED_STEPS, LIMITS, MOST_DURATIONS, SAMPLES};
+use crate::scene::adjust::{Adjustable, AdjustableNumber};
+use model::TraceModel;
+use options::{EXPECTED_STEPS, MAX_DURATIONS, SAMPLE_RANGE, STOP_CRITERIA};
 
 /// A fit with its traces.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,10 +50,10 @@ pub struct Fit {
 /// # Errors
 /// [`FitError`] where measurement and scene do not belong together, and where the traces do not tell the numbers.
 pub fn fit(
-    (scene, knobs): (&Adjustable, &[Knob]),
-    measured: Side<'_>,
+    (scene, knobs): (&Adjustable, &[AdjustableNumber]),
+    measured: ComparedShot<'_>,
     assignments: &[Assignment],
-    options: &Options,
+    options: &FitOptions,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Fit, FitError> {
     let began = Instant::now();
@@ -68,7 +68,7 @@ pub fn fit(
         progress((done / expected).min(0.99));
     };
     let freed = ((options.gains, options.offsets), options.accuracy);
-    let mut model = Model::new(scene, knobs, &records, freed, &mut report);
+    let mut model = TraceModel::new(scene, knobs, &records, freed, &mut report);
     let (minimum, starts) = search::best(&mut model, options)?;
     let names = model.names();
     let covariance =
@@ -77,17 +77,23 @@ pub fn fit(
     let mut profiles = Vec::new();
     for (place, knob) in knobs.iter().enumerate() {
         if wanted(place) {
-            profiles.push(profile::of(&mut model, (&minimum, &covariance), (place, knob), LIMITS));
+            profiles.push(profile::of(
+                &mut model,
+                (&minimum, &covariance),
+                (place, knob),
+                STOP_CRITERIA,
+            ));
         }
     }
     let shown = model.shown(&minimum.x).ok_or(LeastSquaresError::NoStart)?;
     let runs = model.runs;
-    let found = report::Found { minimum: &minimum, covariance, names, profiles, starts, runs };
+    let found =
+        report::FittedMinimum { minimum: &minimum, covariance, names, profiles, starts, runs };
     let report = found.report((measured, scene), knobs, (&records, options), began);
     Ok(Fit { report, records, shown })
 }
 
-fn check(knobs: &[Knob]) -> Result<(), FitError> {
+fn check(knobs: &[AdjustableNumber]) -> Result<(), FitError> {
     for (place, knob) in knobs.iter().enumerate() {
         let path = knob.path.clone();
         if knob.value == 0.0 {
@@ -104,11 +110,11 @@ fn check(knobs: &[Knob]) -> Result<(), FitError> {
 #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
 fn check_times(records: &Records, duration: f64) -> Result<(), FitError> {
     let interval = records.axis.interval;
-    if !SAMPLES.contains(&(duration / interval)) {
+    if !SAMPLE_RANGE.contains(&(duration / interval)) {
         return Err(FitError::TimeScale { interval, duration });
     }
     let length = records.axis.count as f64 * interval;
-    if length > MOST_DURATIONS * duration {
+    if length > MAX_DURATIONS * duration {
         return Err(FitError::TooLong { length, duration });
     }
     Ok(())

@@ -4,27 +4,27 @@
 //! contact, in sample intervals; with `gains`, a factor for each channel; with `offsets`, a zero for each channel, in levels. The scene's
 //! numbers are differentiated by central differences with steps of about one standard deviation, the rest in closed form.
 
-use super::forward::{Axis, seen};
+use super::forward::{TimeAxis, forces_at};
 use super::records::Records;
 use crate::analysis::correlation::correlate;
-use crate::analysis::least_squares::{Problem, squares};
-use crate::scene::adjust::{Adjustable, Knob};
+use crate::analysis::least_squares::{LeastSquaresProblem, squares};
+use crate::scene::adjust::{Adjustable, AdjustableNumber};
 
 /// First step of the differences, relative (1).
 const FIRST_STEP: f64 = 1e-3;
 /// Shortest and longest step, relative: shorter ones drown in the integration's error, longer ones see the curvature (1).
-const STEPS: (f64, f64) = (1e-5, 1e-2);
+const DIFFERENCE_STEPS: (f64, f64) = (1e-5, 1e-2);
 /// A number that is off by a larger factor from where it starts describes another bench, and could take any time to run (1).
-const LARGEST_FACTOR: f64 = 20.0;
+const MAX_PARAMETER_FACTOR: f64 = 20.0;
 /// Accuracy at which the trigger is looked for (1).
-const COARSE: f64 = 1e-4;
+const TRIGGER_ACCURACY: f64 = 1e-4;
 
 /// The traces as a function of the parameters.
-pub struct Model<'a> {
+pub struct TraceModel<'a> {
     /// The scene.
     pub scene: &'a Adjustable,
     /// What is freed of it.
-    pub knobs: &'a [Knob],
+    pub knobs: &'a [AdjustableNumber],
     /// What was measured.
     pub records: &'a Records,
     /// Whether each channel has a gain and an offset of its own.
@@ -42,11 +42,11 @@ pub struct Model<'a> {
     last: Option<(Vec<f64>, Vec<Vec<f64>>)>,
 }
 
-impl<'a> Model<'a> {
+impl<'a> TraceModel<'a> {
     /// The model of `records` by `scene`.
     pub fn new(
         scene: &'a Adjustable,
-        knobs: &'a [Knob],
+        knobs: &'a [AdjustableNumber],
         records: &'a Records,
         (free, accuracy): ((bool, bool), f64),
         progress: &'a mut dyn FnMut(),
@@ -102,17 +102,18 @@ impl<'a> Model<'a> {
     fn traces(
         &mut self,
         factors: &[f64],
-        axis: Axis,
+        axis: TimeAxis,
         trigger: f64,
         accuracy: f64,
     ) -> Option<Vec<Vec<f64>>> {
-        let values: Vec<(&Knob, f64)> = self
+        let values: Vec<(&AdjustableNumber, f64)> = self
             .knobs
             .iter()
             .zip(factors)
             .map(|(knob, factor)| (knob, knob.value * factor))
             .collect();
-        let sane = |factor: &f64| (1.0 / LARGEST_FACTOR..=LARGEST_FACTOR).contains(factor);
+        let sane =
+            |factor: &f64| (1.0 / MAX_PARAMETER_FACTOR..=MAX_PARAMETER_FACTOR).contains(factor);
         if !factors.iter().all(sane) {
             return None;
         }
@@ -121,7 +122,7 @@ impl<'a> Model<'a> {
         scene.sensor_tolerance = None;
         self.runs += 1;
         (self.progress)();
-        seen(&scene, &self.records.wanted(), axis, trigger, accuracy).ok()?
+        forces_at(&scene, &self.records.wanted(), axis, trigger, accuracy).ok()?
     }
 
     /// Time of the trigger for which the sum of squared residuals is least, to a sample: all of them at once by correlation (s).
@@ -137,8 +138,8 @@ impl<'a> Model<'a> {
         let length = axis.count as f64 * axis.interval;
         let after = scene.duration + length;
         let count = axis.count + (after / axis.interval).ceil() as usize;
-        let long = Axis { start: -length, interval: axis.interval, count };
-        let traces = self.traces(factors, long, 0.0, COARSE)?;
+        let long = TimeAxis { start: -length, interval: axis.interval, count };
+        let traces = self.traces(factors, long, 0.0, TRIGGER_ACCURACY)?;
         let mut cost = vec![0.0; count + 1 - axis.count];
         for (record, trace) in self.records.list.iter().zip(&traces) {
             let measured: Vec<f64> = record.volts.iter().map(|v| v - record.baseline).collect();
@@ -233,12 +234,12 @@ impl<'a> Model<'a> {
         };
         let column: Vec<f64> = high.iter().zip(&low).map(|(h, l)| (h - l) / apart).collect();
         let deviation = 1.0 / squares(&column).sqrt();
-        self.steps[place] = deviation.clamp(STEPS.0, STEPS.1);
+        self.steps[place] = deviation.clamp(DIFFERENCE_STEPS.0, DIFFERENCE_STEPS.1);
         Some(column)
     }
 }
 
-impl Problem for Model<'_> {
+impl LeastSquaresProblem for TraceModel<'_> {
     fn counted(&self, _: &[f64]) -> usize {
         self.records.counted(self.horizon)
     }

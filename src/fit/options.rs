@@ -3,23 +3,23 @@
 use std::ops::RangeInclusive;
 
 use crate::analysis::gate::Gate;
-use crate::analysis::least_squares::Limits;
+use crate::analysis::least_squares::StopCriteria;
 
 /// Half the width of a 95 % interval of the normal distribution, in standard deviations (1).
 pub const COVERAGE_95: f64 = 1.959_963_984_540_054;
 
 /// A step that lowers chi squared by less than this share of it moves no parameter by a thousandth of its uncertainty (1).
-pub(super) const LIMITS: Limits = Limits { reduction: 1e-11, steps: 60 };
+pub(super) const STOP_CRITERIA: StopCriteria = StopCriteria { reduction: 1e-11, steps: 60 };
 
 /// Samples in a scene's duration: fewer show no pulse, more are another experiment (1).
-pub(super) const SAMPLES: RangeInclusive<f64> = 16.0..=200_000.0;
+pub(super) const SAMPLE_RANGE: RangeInclusive<f64> = 16.0..=200_000.0;
 
 /// Steps that a fit takes, as far as its progress bar knows (1).
 pub(super) const EXPECTED_STEPS: f64 = 10.0;
 
 /// How a fit goes about it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Options {
+pub struct FitOptions {
     /// Whether each channel has a gain of its own.
     pub gains: bool,
     /// Whether each channel has an offset of its own.
@@ -38,7 +38,7 @@ pub struct Options {
     pub profile: bool,
 }
 
-impl Default for Options {
+impl Default for FitOptions {
     fn default() -> Self {
         Self {
             gains: false,
@@ -54,4 +54,4 @@ impl Default for Options {
 }
 
 /// Longest records, in durations of the scene (1).
-pub(super) const MOST_DURATIONS: f64 = 3.0;
+pub(super) const MAX_DURATIONS: f64 = 3.0;

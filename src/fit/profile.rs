@@ -6,12 +6,12 @@
 use serde::Serialize;
 
 use super::COVERAGE_95;
-use super::model::Model;
-use crate::analysis::least_squares::{Limits, Minimum, Problem, minimise};
-use crate::scene::adjust::Knob;
+use super::model::TraceModel;
+use crate::analysis::least_squares::{LeastSquaresProblem, Minimum, StopCriteria, minimise};
+use crate::scene::adjust::AdjustableNumber;
 
 /// Where the parameter is held, in standard deviations from the minimum (1).
-const PLACES: [f64; 6] = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0];
+const PROFILE_POSITIONS: [f64; 6] = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0];
 /// A larger relative standard uncertainty is called bad (1).
 const BAD_UNCERTAINTY: f64 = 0.1;
 /// A larger correlation with another parameter is called bad (1).
@@ -39,13 +39,13 @@ pub fn is_bad(x: &[f64], covariance: &[Vec<f64>], place: usize) -> bool {
 }
 
 /// A problem with one parameter held.
-struct Held<'a, 'b> {
-    model: &'a mut Model<'b>,
+struct FixedParameter<'a, 'b> {
+    model: &'a mut TraceModel<'b>,
     place: usize,
     value: f64,
 }
 
-impl Held<'_, '_> {
+impl FixedParameter<'_, '_> {
     fn whole(&self, x: &[f64]) -> Vec<f64> {
         let mut whole = x.to_vec();
         whole.insert(self.place, self.value);
@@ -53,7 +53,7 @@ impl Held<'_, '_> {
     }
 }
 
-impl Problem for Held<'_, '_> {
+impl LeastSquaresProblem for FixedParameter<'_, '_> {
     fn counted(&self, at: &[f64]) -> usize {
         self.model.counted(at)
     }
@@ -71,21 +71,21 @@ impl Problem for Held<'_, '_> {
 
 /// The profile of the number `knob`, parameter `place`.
 pub fn of(
-    model: &mut Model<'_>,
+    model: &mut TraceModel<'_>,
     (minimum, covariance): (&Minimum, &[Vec<f64>]),
-    (place, knob): (usize, &Knob),
-    limits: Limits,
+    (place, knob): (usize, &AdjustableNumber),
+    limits: StopCriteria,
 ) -> Profile {
     let variance = minimum.variance();
     let (middle, spread) = (minimum.x[place], covariance[place][place]);
     let mut points = vec![(middle, 0.0)];
-    for at in PLACES {
+    for at in PROFILE_POSITIONS {
         let value = middle + at * spread.sqrt();
         // The others start where the covariance says that they go.
         let along =
             |other: usize| minimum.x[other] + covariance[place][other] / spread * (value - middle);
         let start: Vec<f64> = (0..minimum.x.len()).filter(|j| *j != place).map(along).collect();
-        let mut held = Held { model: &mut *model, place, value };
+        let mut held = FixedParameter { model: &mut *model, place, value };
         if let Ok(found) = minimise(&mut held, &start, limits) {
             points.push((value, (found.chi_squared - minimum.chi_squared) / variance));
         }

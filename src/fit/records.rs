@@ -4,22 +4,22 @@
 //! converter's ends may lie beyond, and have no weight.
 
 use super::FitError;
-use super::forward::Axis;
+use super::forward::TimeAxis;
 use crate::analysis::gate::Gate;
 use crate::analysis::pulse::{Conditions, Pulse};
-use crate::measurement::compare::Side;
-use crate::measurement::compare::mapping::{Assignment, Ends, Wire, wires};
+use crate::measurement::compare::ComparedShot;
+use crate::measurement::compare::mapping::{Assignment, ChannelMapping, ChannelNames, wires};
 use crate::recording::Capture;
 use crate::scene::Scene;
 use crate::scope::VerticalSetup;
 use crate::scope::waveform::{HIGHEST_CODE, LOWEST_CODE};
 
 /// Intervals and starts that differ by less than this, in samples, are the same (1).
-const SAME: f64 = 1e-6;
+const INTERVAL_TOLERANCE: f64 = 1e-6;
 
 /// One channel.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Record {
+pub struct ChannelRecord {
     /// The measured channel.
     pub name: String,
     /// The sensor, where known.
@@ -46,9 +46,9 @@ pub struct Record {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Records {
     /// Their common time axis.
-    pub axis: Axis,
+    pub axis: TimeAxis,
     /// The channels.
-    pub list: Vec<Record>,
+    pub list: Vec<ChannelRecord>,
     /// What was guessed, and what is left out.
     pub notes: Vec<String>,
 }
@@ -59,28 +59,28 @@ impl Records {
     /// # Errors
     /// [`FitError`] where no channel belongs to the scene, and where records do not share their times.
     pub fn of(
-        measured: Side<'_>,
+        measured: ComparedShot<'_>,
         scene: &Scene,
         assignments: &[Assignment],
         gate: Gate,
     ) -> Result<Self, FitError> {
         let mut notes = Vec::new();
-        let from = Ends::of(measured, &mut notes)?;
-        let wires = wires(&from, &Ends::of_scene(scene), assignments, &mut notes)?;
-        let mut found: Option<Axis> = None;
+        let from = ChannelNames::of(measured, &mut notes)?;
+        let wires = wires(&from, &ChannelNames::of_scene(scene), assignments, &mut notes)?;
+        let mut found: Option<TimeAxis> = None;
         let mut list = Vec::new();
         for wire in &wires {
             let capture = &measured.shot.captures[wire.measured];
             let name = capture.waveform.source.to_string();
             let Some(trace) = capture.trace() else { continue };
             let range = gate.range(&trace);
-            let axis = Axis {
+            let axis = TimeAxis {
                 start: trace.time(range.start),
                 interval: trace.interval,
                 count: range.len(),
             };
             let common = *found.get_or_insert(axis);
-            let near = |a: f64, b: f64| (a - b).abs() <= SAME * common.interval;
+            let near = |a: f64, b: f64| (a - b).abs() <= INTERVAL_TOLERANCE * common.interval;
             if axis.count != common.count
                 || !near(axis.start, common.start)
                 || !near(axis.interval, common.interval)
@@ -111,10 +111,10 @@ impl Records {
 
 fn record(
     capture: &Capture,
-    wire: &Wire,
+    wire: &ChannelMapping,
     scene: &Scene,
     (range, notes): (std::ops::Range<usize>, &mut Vec<String>),
-) -> Record {
+) -> ChannelRecord {
     let waveform = &capture.waveform;
     let name = waveform.source.to_string();
     let level = waveform.preamble.y_mult.abs();
@@ -145,7 +145,7 @@ fn record(
     if lost > 0 {
         notes.push(format!("{name}: {lost} samples at the converter's ends have no weight"));
     }
-    Record {
+    ChannelRecord {
         name,
         sensor: wire.sensor.clone(),
         mapped_by: wire.by,

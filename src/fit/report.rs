@@ -1,22 +1,22 @@
 //! What a fit found, in the words of `fit --json`: names and units are part of the interface.
 
+use crate::quantity::Uncertain;
 use std::time::Instant;
 
 use serde::Serialize;
 
-use super::records::{Record, Records};
-use super::{COVERAGE_95, Options, Profile};
+use super::records::{ChannelRecord, Records};
+use super::{COVERAGE_95, FitOptions, Profile};
 use crate::analysis::least_squares::{Minimum, squares};
-use crate::measurement::arrivals::Uncertain;
-use crate::measurement::compare::Side;
-use crate::scene::adjust::{Adjustable, Knob};
+use crate::measurement::compare::ComparedShot;
+use crate::scene::adjust::{Adjustable, AdjustableNumber};
 
 /// A larger residual variance than this is no chance (1).
-pub const POOR: f64 = 1.3;
+pub const MAX_RESIDUAL_VARIANCE: f64 = 1.3;
 /// Residuals of a model that is right do not follow one another by more than this (1).
-const WHITE: f64 = 0.1;
+const MAX_AUTOCORRELATION: f64 = 0.1;
 /// Starts whose chi squared is within this share of the lowest found the same minimum (1).
-const SAME_MINIMUM: f64 = 1e-3;
+const MINIMUM_TOLERANCE: f64 = 1e-3;
 
 /// One freed number.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -107,7 +107,7 @@ pub struct FitReport {
 }
 
 /// What a minimum has to tell.
-pub struct Found<'a> {
+pub struct FittedMinimum<'a> {
     /// The minimum.
     pub minimum: &'a Minimum,
     /// Covariance of its parameters (1).
@@ -122,13 +122,13 @@ pub struct Found<'a> {
     pub runs: u64,
 }
 
-impl Found<'_> {
+impl FittedMinimum<'_> {
     /// The report.
     pub fn report(
         self,
-        (measured, scene): (Side<'_>, &Adjustable),
-        knobs: &[Knob],
-        (records, options): (&Records, &Options),
+        (measured, scene): (ComparedShot<'_>, &Adjustable),
+        knobs: &[AdjustableNumber],
+        (records, options): (&Records, &FitOptions),
         began: Instant,
     ) -> FitReport {
         let u = |place: usize| self.covariance[place][place].sqrt();
@@ -194,7 +194,7 @@ fn nuisances(
     x: &[f64],
     u: &dyn Fn(usize) -> f64,
     (knobs, records): (usize, &Records),
-    options: &Options,
+    options: &FitOptions,
 ) -> Vec<Nuisance> {
     let mut found = Vec::new();
     let mut place = knobs;
@@ -215,7 +215,7 @@ fn nuisances(
 }
 
 #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
-fn channel(record: &Record, residuals: &[f64]) -> ChannelResult {
+fn channel(record: &ChannelRecord, residuals: &[f64]) -> ChannelResult {
     let in_levels = record.sigma / record.level;
     let counted = record.counts.iter().filter(|counts| **counts).count().max(1) as f64;
     let whole = squares(residuals);
@@ -239,9 +239,12 @@ fn notes(
 ) -> Vec<String> {
     let mut notes = records.notes.clone();
     let variance = minimum.variance();
-    let following: Vec<&str> =
-        channels.iter().filter(|c| c.lag_one.abs() > WHITE).map(|c| c.name.as_str()).collect();
-    if variance > POOR || !following.is_empty() {
+    let following: Vec<&str> = channels
+        .iter()
+        .filter(|c| c.lag_one.abs() > MAX_AUTOCORRELATION)
+        .map(|c| c.name.as_str())
+        .collect();
+    if variance > MAX_RESIDUAL_VARIANCE || !following.is_empty() {
         let which = if following.is_empty() {
             String::new()
         } else {
@@ -252,7 +255,7 @@ fn notes(
         ));
     }
     let same = |chi: &&Option<f64>| {
-        chi.is_some_and(|chi| chi <= minimum.chi_squared * (1.0 + SAME_MINIMUM))
+        chi.is_some_and(|chi| chi <= minimum.chi_squared * (1.0 + MINIMUM_TOLERANCE))
     };
     let agree = starts.iter().filter(same).count();
     if agree < starts.len() {

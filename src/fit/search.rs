@@ -3,25 +3,25 @@
 use rand_distr::{Distribution, StandardUniform};
 use rand_pcg::Pcg64;
 
-use super::model::Model;
-use super::{FitError, LIMITS, Options};
-use crate::analysis::least_squares::{LeastSquaresError, Limits, Minimum, minimise};
+use super::model::TraceModel;
+use super::{FitError, FitOptions, STOP_CRITERIA};
+use crate::analysis::least_squares::{LeastSquaresError, Minimum, StopCriteria, minimise};
 
 /// Shares of the records over which a fit finds its way (1).
-const STAGES: [f64; 3] = [0.4, 0.6, 0.8];
+const STAGE_SHARES: [f64; 3] = [0.4, 0.6, 0.8];
 /// On the way there, close is enough.
-const ON_THE_WAY: Limits = Limits { reduction: 1e-4, steps: 20 };
+const COARSE_CRITERIA: StopCriteria = StopCriteria { reduction: 1e-4, steps: 20 };
 /// Standard deviations that a residual variance is off by chance, and what is known of the noise (1).
-const CHANCE: f64 = 5.0;
+const VARIANCE_DEVIATIONS: f64 = 5.0;
 /// Stream of the starting points.
-const STREAM: u128 = 1 << 72;
+const START_STREAM: u128 = 1 << 72;
 
 /// The lowest minimum over all starts, and chi squared that each start came to; none for one that came to nothing.
 pub fn best(
-    model: &mut Model<'_>,
-    options: &Options,
+    model: &mut TraceModel<'_>,
+    options: &FitOptions,
 ) -> Result<(Minimum, Vec<Option<f64>>), FitError> {
-    let mut numbers = Pcg64::new(u128::from(options.seed), STREAM);
+    let mut numbers = Pcg64::new(u128::from(options.seed), START_STREAM);
     let mut lowest: Option<Minimum> = None;
     let mut failure = LeastSquaresError::NoStart;
     let mut starts = Vec::new();
@@ -47,8 +47,8 @@ pub fn best(
 
 /// The minimum of the valley below `start`; where that ends high or nowhere, the way over parts of the records is tried as well, and the
 /// lower end counts.
-fn descend(model: &mut Model<'_>, start: Vec<f64>) -> Result<Minimum, LeastSquaresError> {
-    let direct = minimise(model, &start, LIMITS);
+fn descend(model: &mut TraceModel<'_>, start: Vec<f64>) -> Result<Minimum, LeastSquaresError> {
+    let direct = minimise(model, &start, STOP_CRITERIA);
     if direct.as_ref().is_ok_and(is_chance) {
         return direct;
     }
@@ -63,7 +63,7 @@ fn descend(model: &mut Model<'_>, start: Vec<f64>) -> Result<Minimum, LeastSquar
 #[allow(clippy::cast_precision_loss, reason = "numbers of samples")]
 fn is_chance(minimum: &Minimum) -> bool {
     let deviation = (2.0 / minimum.degrees_of_freedom as f64).sqrt();
-    minimum.variance() - 1.0 < CHANCE * deviation
+    minimum.variance() - 1.0 < VARIANCE_DEVIATIONS * deviation
 }
 
 /// The minimum over ever longer parts of the records, each from where the one before ended: arrivals first, and what comes late, whose
@@ -74,16 +74,16 @@ fn is_chance(minimum: &Minimum) -> bool {
     clippy::cast_sign_loss,
     reason = "a share of a number of samples"
 )]
-fn staged(model: &mut Model<'_>, start: Vec<f64>) -> Result<Minimum, LeastSquaresError> {
+fn staged(model: &mut TraceModel<'_>, start: Vec<f64>) -> Result<Minimum, LeastSquaresError> {
     let count = model.records.axis.count;
     let mut x = start;
-    for share in STAGES {
+    for share in STAGE_SHARES {
         model.horizon = (share * count as f64) as usize;
         // A part that tells too little is no reason to give up: the whole decides.
-        if let Ok(found) = minimise(model, &x, ON_THE_WAY) {
+        if let Ok(found) = minimise(model, &x, COARSE_CRITERIA) {
             x = found.x;
         }
     }
     model.horizon = count;
-    minimise(model, &x, LIMITS)
+    minimise(model, &x, STOP_CRITERIA)
 }

@@ -1,73 +1,74 @@
 //! What each message of a session does.
 
-use super::lock::{Grant, Released, Request};
-use super::message::{FIRST_OF_VENDORS, Header, Kind, LARGEST_PAYLOAD, Piece};
+use super::lock::{Grant, LockRequest, Released};
+use super::message::{DecodedPiece, FIRST_VENDOR_TYPE, MAX_PAYLOAD, MessageHeader, MessageType};
 use super::remote::RemoteControl;
-use super::server::{Instrument, Server, error, fatal};
+use super::server::{Device, Server, error, fatal};
 use super::session::Release;
 
 /// How long a release waits for the message that was sent before it (s).
-const RELEASE_PATIENCE: f64 = 1.0;
+const RELEASE_TIMEOUT: f64 = 1.0;
 
 impl Server {
     pub(super) fn synchronous(
         &mut self,
         number: u16,
-        header: Header,
+        header: MessageHeader,
         payload: &[u8],
-        instrument: &mut dyn Instrument,
+        instrument: &mut dyn Device,
     ) {
         let Some(session) = self.sessions.get_mut(&number) else { return };
         let connection = session.synchronous;
-        let kind = Kind::from_code(header.code);
-        if session.clearing && kind != Some(Kind::DeviceClearComplete) {
+        let kind = MessageType::from_code(header.code);
+        if session.clearing && kind != Some(MessageType::DeviceClearComplete) {
             return;
         }
         match kind {
-            Some(kind @ (Kind::Data | Kind::DataEnd | Kind::Trigger)) => {
+            Some(kind @ (MessageType::Data | MessageType::DataEnd | MessageType::Trigger)) => {
                 let delivered = header.control & 1 == 1;
                 let interrupts = session.begin(delivered, instrument.owes_reply(number));
-                let ends = kind != Kind::Data;
+                let ends = kind != MessageType::Data;
                 if ends {
                     session.end(header.parameter);
                 }
                 if interrupts {
                     self.interrupt(number, header.parameter, instrument);
                 }
-                if kind == Kind::Trigger {
+                if kind == MessageType::Trigger {
                     instrument.trigger(number);
                 } else {
                     let reply = instrument.input(number, payload, ends);
                     self.reply(number, &reply);
                 }
             }
-            Some(Kind::DeviceClearComplete) => {
+            Some(MessageType::DeviceClearComplete) => {
                 session.clear();
                 session.clearing = false;
                 // Synchronised mode, whatever the client prefers.
-                self.send(connection, Kind::DeviceClearAcknowledge, (0, 0), &[]);
+                self.send(connection, MessageType::DeviceClearAcknowledge, (0, 0), &[]);
             }
-            Some(Kind::Initialize | Kind::AsyncInitialize) => {
+            Some(MessageType::Initialize | MessageType::AsyncInitialize) => {
                 let reason = "the session is there already";
-                self.refuse(connection, fatal::INITIALISATION, reason, instrument);
+                self.refuse(connection, fatal::INVALID_INITIALISATION, reason, instrument);
             }
             _ => self.unknown(connection, header.code),
         }
     }
 
-    fn interrupt(&mut self, number: u16, identifier: u32, instrument: &mut dyn Instrument) {
+    fn interrupt(&mut self, number: u16, identifier: u32, instrument: &mut dyn Device) {
         instrument.interrupt(number);
         let Some(session) = self.sessions.get(&number) else { return };
         let (synchronous, asynchronous) = (session.synchronous, session.asynchronous);
-        self.send(synchronous, Kind::Interrupted, (0, identifier), &[]);
+        self.send(synchronous, MessageType::Interrupted, (0, identifier), &[]);
         if let Some(asynchronous) = asynchronous {
-            self.send(asynchronous, Kind::AsyncInterrupted, (0, identifier), &[]);
+            self.send(asynchronous, MessageType::AsyncInterrupted, (0, identifier), &[]);
         }
     }
 
     fn unknown(&mut self, connection: u64, code: u8) {
-        let of_vendors = code >= FIRST_OF_VENDORS;
-        let number = if of_vendors { error::VENDORS_TYPE } else { error::UNKNOWN_TYPE };
+        let of_vendors = code >= FIRST_VENDOR_TYPE;
+        let number =
+            if of_vendors { error::UNKNOWN_VENDOR_TYPE } else { error::UNKNOWN_MESSAGE_TYPE };
         self.complain(connection, number, &format!("no message of type {code} here"));
     }
 
@@ -75,58 +76,58 @@ impl Server {
         &mut self,
         number: u16,
         from: u64,
-        message: (Header, &[u8]),
-        instrument: &mut dyn Instrument,
+        message: (MessageHeader, &[u8]),
+        instrument: &mut dyn Device,
     ) {
         let (header, payload) = message;
         let Some(session) = self.sessions.get_mut(&number) else { return };
-        match Kind::from_code(header.code) {
-            Some(Kind::AsyncMaximumMessageSize) => {
+        match MessageType::from_code(header.code) {
+            Some(MessageType::AsyncMaximumMessageSize) => {
                 let Ok(size) = payload.try_into() else {
-                    return self.complain(from, error::UNIDENTIFIED, "a size has eight bytes");
+                    return self.complain(from, error::OTHER_ERROR, "a size has eight bytes");
                 };
                 session.limit(u64::from_be_bytes(size));
-                let own = (LARGEST_PAYLOAD as u64).to_be_bytes();
-                self.send(from, Kind::AsyncMaximumMessageSizeResponse, (0, 0), &own);
+                let own = (MAX_PAYLOAD as u64).to_be_bytes();
+                self.send(from, MessageType::AsyncMaximumMessageSizeResponse, (0, 0), &own);
             }
-            Some(Kind::AsyncDeviceClear) => {
+            Some(MessageType::AsyncDeviceClear) => {
                 session.clear();
                 session.clearing = true;
                 instrument.clear(number);
-                self.send(from, Kind::AsyncDeviceClearAcknowledge, (0, 0), &[]);
+                self.send(from, MessageType::AsyncDeviceClearAcknowledge, (0, 0), &[]);
             }
-            Some(Kind::AsyncStatusQuery) => {
+            Some(MessageType::AsyncStatusQuery) => {
                 if header.control & 1 == 1 {
                     session.delivered();
                 }
                 let (byte, _) = instrument.status(session.message_available());
                 let byte = session.read_status(byte);
-                self.send(from, Kind::AsyncStatusResponse, (byte, 0), &[]);
+                self.send(from, MessageType::AsyncStatusResponse, (byte, 0), &[]);
             }
-            Some(Kind::AsyncLock) => self.lock(number, from, header, payload),
-            Some(Kind::AsyncLockInfo) => {
+            Some(MessageType::AsyncLock) => self.lock(number, from, header, payload),
+            Some(MessageType::AsyncLockInfo) => {
                 let holders = u32::try_from(self.locks.holders()).unwrap_or(u32::MAX);
                 let exclusive = u8::from(self.locks.is_exclusive());
-                self.send(from, Kind::AsyncLockInfoResponse, (exclusive, holders), &[]);
+                self.send(from, MessageType::AsyncLockInfoResponse, (exclusive, holders), &[]);
             }
-            Some(Kind::AsyncRemoteLocalControl) => {
+            Some(MessageType::AsyncRemoteLocalControl) => {
                 match RemoteControl::from_code(header.control) {
                     Some(RemoteControl::Free) => instrument.lock_keys(false),
                     Some(RemoteControl::LockedOut) => instrument.lock_keys(true),
                     Some(RemoteControl::Unchanged) => {}
-                    None => return self.complain(from, error::UNKNOWN_CONTROL, "0 to 6"),
+                    None => return self.complain(from, error::UNKNOWN_CONTROL_CODE, "0 to 6"),
                 }
-                self.send(from, Kind::AsyncRemoteLocalResponse, (0, 0), &[]);
+                self.send(from, MessageType::AsyncRemoteLocalResponse, (0, 0), &[]);
             }
-            Some(Kind::Initialize | Kind::AsyncInitialize) => {
+            Some(MessageType::Initialize | MessageType::AsyncInitialize) => {
                 let reason = "the session is there already";
-                self.refuse(from, fatal::INITIALISATION, reason, instrument);
+                self.refuse(from, fatal::INVALID_INITIALISATION, reason, instrument);
             }
             _ => self.unknown(from, header.code),
         }
     }
 
-    fn lock(&mut self, number: u16, from: u64, header: Header, key: &[u8]) {
+    fn lock(&mut self, number: u16, from: u64, header: MessageHeader, key: &[u8]) {
         let Some(session) = self.sessions.get_mut(&number) else { return };
         match header.control {
             1 => {
@@ -137,16 +138,16 @@ impl Server {
                 let until = self.now + f64::from(header.parameter) / 1e3;
                 match self.locks.request(number, key) {
                     Grant::Busy if header.parameter > 0 => {
-                        self.queue.insert(number, Request { key: key.to_vec(), until });
+                        self.queue.insert(number, LockRequest { key: key.to_vec(), until });
                     }
                     grant => self.answer_lock(number, grant),
                 }
             }
             0 => {
-                let until = self.now + RELEASE_PATIENCE;
+                let until = self.now + RELEASE_TIMEOUT;
                 session.release = Some(Release { after: header.parameter, until });
             }
-            _ => self.complain(from, error::UNKNOWN_CONTROL, "0 releases, 1 requests"),
+            _ => self.complain(from, error::UNKNOWN_CONTROL_CODE, "0 releases, 1 requests"),
         }
     }
 
@@ -158,15 +159,15 @@ impl Server {
         };
         let connection = self.sessions.get(&number).and_then(|session| session.asynchronous);
         if let Some(connection) = connection {
-            self.send(connection, Kind::AsyncLockResponse, (code, 0), &[]);
+            self.send(connection, MessageType::AsyncLockResponse, (code, 0), &[]);
         }
     }
 
     /// Does what has waited: releases, then requests for locks, then messages of those who may act again.
-    pub(super) fn settle(&mut self, instrument: &mut dyn Instrument) {
+    pub(super) fn settle(&mut self, instrument: &mut dyn Device) {
         let numbers: Vec<u16> = self.sessions.keys().copied().collect();
         for number in &numbers {
-            self.settle_release(*number);
+            self.complete_release(*number);
         }
         let waiting: Vec<u16> = self.queue.keys().copied().collect();
         for number in waiting {
@@ -183,14 +184,14 @@ impl Server {
             }
             let held = self.sessions.get_mut(&number).map(|s| std::mem::take(&mut s.held));
             for piece in held.into_iter().flatten() {
-                if let Piece::Message(header, payload) = piece {
+                if let DecodedPiece::Message(header, payload) = piece {
                     self.synchronous(number, header, &payload, instrument);
                 }
             }
         }
     }
 
-    fn settle_release(&mut self, number: u16) {
+    fn complete_release(&mut self, number: u16) {
         let Some(session) = self.sessions.get_mut(&number) else { return };
         let Some(release) = session.release else { return };
         if session.awaits(release.after) && release.until > self.now {
@@ -203,6 +204,6 @@ impl Server {
             Released::Shared => 2,
             Released::Nothing => 3,
         };
-        self.send(connection, Kind::AsyncLockResponse, (code, 0), &[]);
+        self.send(connection, MessageType::AsyncLockResponse, (code, 0), &[]);
     }
 }

@@ -6,7 +6,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Longest key of a shared lock (bytes).
-pub const LONGEST_KEY: usize = 256;
+pub const MAX_KEY_LENGTH: usize = 256;
 
 /// What became of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,7 +51,7 @@ impl Locks {
             }
             self.exclusive = Some(session);
         } else {
-            let readable = key.len() <= LONGEST_KEY && key.is_ascii();
+            let readable = key.len() <= MAX_KEY_LENGTH && key.is_ascii();
             if !readable || self.sharers.contains(&session) {
                 return Grant::Invalid;
             }
@@ -77,7 +77,7 @@ impl Locks {
     }
 
     /// The session is gone, and its locks with it.
-    pub fn forget(&mut self, session: u16) {
+    pub fn remove_session(&mut self, session: u16) {
         while self.release(session) != Released::Nothing {}
     }
 
@@ -104,7 +104,7 @@ impl Locks {
 
 /// A request that waits for its lock.
 #[derive(Debug, Clone)]
-pub struct Request {
+pub struct LockRequest {
     /// Key of the shared lock; empty for the exclusive one.
     pub key: Vec<u8>,
     /// When it is given up, on the server's clock (s).
@@ -112,4 +112,4 @@ pub struct Request {
 }
 
 /// Requests that wait, by session: one each.
-pub type Queue = BTreeMap<u16, Request>;
+pub type Queue = BTreeMap<u16, LockRequest>;

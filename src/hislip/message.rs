@@ -6,17 +6,17 @@
 /// Bytes of a header.
 pub const HEADER_BYTES: usize = 16;
 /// Longest payload that is kept. Longer ones are passed over, and their senders told.
-pub const LARGEST_PAYLOAD: usize = 64 * 1024;
+pub const MAX_PAYLOAD: usize = 64 * 1024;
 /// First of the types that vendors may use as they like.
-pub const FIRST_OF_VENDORS: u8 = 128;
+pub const FIRST_VENDOR_TYPE: u8 = 128;
 
 macro_rules! kinds {
     ($($(#[$meta:meta])* $name:ident = $code:literal),+ $(,)?) => {
         /// What a message is.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-        pub enum Kind { $($(#[$meta])* $name = $code),+ }
+        pub enum MessageType { $($(#[$meta])* $name = $code),+ }
 
-        impl Kind {
+        impl MessageType {
             /// Every one, by its number.
             pub const ALL: &'static [Self] = &[$(Self::$name),+];
         }
@@ -78,7 +78,7 @@ kinds! {
     AsyncLockInfoResponse = 25,
 }
 
-impl Kind {
+impl MessageType {
     /// The number on the wire.
     pub fn code(self) -> u8 {
         self as u8
@@ -92,7 +92,7 @@ impl Kind {
 
 /// What stands before a payload.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Header {
+pub struct MessageHeader {
     /// Number of the message's kind, known or not.
     pub code: u8,
     /// Control code.
@@ -103,7 +103,7 @@ pub struct Header {
     pub length: u64,
 }
 
-impl Header {
+impl MessageHeader {
     /// The header in `bytes`, if it is one.
     pub fn parse(bytes: &[u8; HEADER_BYTES]) -> Option<Self> {
         let [b'H', b'S', code, control, rest @ ..] = *bytes else { return None };
@@ -123,19 +123,19 @@ impl Header {
 }
 
 /// Appends a message to `out`.
-pub fn write(kind: Kind, control: u8, parameter: u32, payload: &[u8], out: &mut Vec<u8>) {
+pub fn write(kind: MessageType, control: u8, parameter: u32, payload: &[u8], out: &mut Vec<u8>) {
     let length = payload.len() as u64;
-    out.extend_from_slice(&Header { code: kind.code(), control, parameter, length }.bytes());
+    out.extend_from_slice(&MessageHeader { code: kind.code(), control, parameter, length }.bytes());
     out.extend_from_slice(payload);
 }
 
 /// What a connection has brought.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Piece {
+pub enum DecodedPiece {
     /// A message.
-    Message(Header, Vec<u8>),
-    /// The header of a message whose payload is longer than [`LARGEST_PAYLOAD`] and is passed over.
-    TooLarge(Header),
+    Message(MessageHeader, Vec<u8>),
+    /// The header of a message whose payload is longer than [`MAX_PAYLOAD`] and is passed over.
+    TooLarge(MessageHeader),
     /// No header where one had to be: nothing behind it can be trusted.
     Malformed,
 }
@@ -162,29 +162,29 @@ impl Decoder {
     }
 
     /// The next piece, if it is complete.
-    pub fn next_piece(&mut self) -> Option<Piece> {
+    pub fn next_piece(&mut self) -> Option<DecodedPiece> {
         if self.malformed || self.skip > 0 {
             return None;
         }
         let head = self.buffer.first_chunk::<HEADER_BYTES>()?;
-        let Some(header) = Header::parse(head) else {
+        let Some(header) = MessageHeader::parse(head) else {
             self.malformed = true;
             self.buffer.clear();
-            return Some(Piece::Malformed);
+            return Some(DecodedPiece::Malformed);
         };
         let here = self.buffer.len() - HEADER_BYTES;
         let length = usize::try_from(header.length).unwrap_or(usize::MAX);
-        if length > LARGEST_PAYLOAD {
+        if length > MAX_PAYLOAD {
             let skipped = length.min(here);
             self.skip = header.length - skipped as u64;
             self.buffer.drain(..HEADER_BYTES + skipped);
-            return Some(Piece::TooLarge(header));
+            return Some(DecodedPiece::TooLarge(header));
         }
         if here < length {
             return None;
         }
         let mut message: Vec<u8> = self.buffer.drain(..HEADER_BYTES + length).collect();
-        Some(Piece::Message(header, message.split_off(HEADER_BYTES)))
+        Some(DecodedPiece::Message(header, message.split_off(HEADER_BYTES)))
     }
 
     /// Bytes that wait for the rest of their message.

@@ -3,38 +3,38 @@
 use std::collections::BTreeMap;
 
 use super::lock::{Locks, Queue};
-use super::message::{Decoder, Kind, LARGEST_PAYLOAD, Piece, write};
-use super::session::Session;
+use super::message::{DecodedPiece, Decoder, MAX_PAYLOAD, MessageType, write};
+use super::session::HislipSession;
 
 /// Protocol that is spoken, 1.0, in the upper half; the session's number goes below.
-const VERSION: u32 = 0x0100 << 16;
+const PROTOCOL_VERSION: u32 = 0x0100 << 16;
 
 /// Codes of errors after which a connection is closed (IVI-6.1, table 14).
 pub(super) mod fatal {
     /// A header that is none.
-    pub const POOR_HEADER: u8 = 1;
+    pub const INVALID_HEADER: u8 = 1;
     /// One connection was used before both were there.
-    pub const NOT_ESTABLISHED: u8 = 2;
+    pub const CHANNEL_NOT_ESTABLISHED: u8 = 2;
     /// A session that does not begin as one begins.
-    pub const INITIALISATION: u8 = 3;
+    pub const INVALID_INITIALISATION: u8 = 3;
 }
 
 /// Codes of errors after which a connection goes on (IVI-6.1, table 16).
 pub(super) mod error {
     /// No other code fits.
-    pub const UNIDENTIFIED: u8 = 0;
+    pub const OTHER_ERROR: u8 = 0;
     /// A type that is none, or has no place on this connection.
-    pub const UNKNOWN_TYPE: u8 = 1;
+    pub const UNKNOWN_MESSAGE_TYPE: u8 = 1;
     /// A control code that the type does not know.
-    pub const UNKNOWN_CONTROL: u8 = 2;
+    pub const UNKNOWN_CONTROL_CODE: u8 = 2;
     /// A type of some vendor's.
-    pub const VENDORS_TYPE: u8 = 3;
+    pub const UNKNOWN_VENDOR_TYPE: u8 = 3;
     /// A longer payload than was agreed on.
-    pub const TOO_LARGE: u8 = 4;
+    pub const MESSAGE_TOO_LARGE: u8 = 4;
 }
 
 /// What stands behind the sessions.
-pub trait Instrument {
+pub trait Device {
     /// A session begins on this connection.
     fn open(&mut self, session: u16, connection: u64);
     /// A session has ended.
@@ -78,7 +78,7 @@ struct Connection {
 #[derive(Debug, Clone, Default)]
 pub struct Server {
     connections: BTreeMap<u64, Connection>,
-    pub(super) sessions: BTreeMap<u16, Session>,
+    pub(super) sessions: BTreeMap<u16, HislipSession>,
     pub(super) locks: Locks,
     pub(super) queue: Queue,
     output: Vec<Output>,
@@ -92,11 +92,11 @@ impl Server {
     }
 
     /// A connection is gone; the other one of its session is closed.
-    pub fn closed(&mut self, connection: u64, instrument: &mut dyn Instrument) {
+    pub fn closed(&mut self, connection: u64, instrument: &mut dyn Device) {
         let gone = self.connections.remove(&connection);
         let Some(number) = gone.and_then(|gone| gone.session) else { return };
         let Some(session) = self.sessions.remove(&number) else { return };
-        self.locks.forget(number);
+        self.locks.remove_session(number);
         self.queue.remove(&number);
         instrument.close(number);
         for other in [Some(session.synchronous), session.asynchronous].into_iter().flatten() {
@@ -108,7 +108,7 @@ impl Server {
     }
 
     /// Bytes came.
-    pub fn received(&mut self, connection: u64, bytes: &[u8], instrument: &mut dyn Instrument) {
+    pub fn received(&mut self, connection: u64, bytes: &[u8], instrument: &mut dyn Device) {
         let Some(link) = self.connections.get_mut(&connection) else { return };
         link.decoder.push(bytes);
         while let Some(link) = self.connections.get_mut(&connection)
@@ -142,7 +142,7 @@ impl Server {
 
     /// Time has passed: it is `now` (s), on a clock that does not run backwards. Requests for locks run out, and those who asked
     /// for service are heard.
-    pub fn advance(&mut self, now: f64, instrument: &mut dyn Instrument) {
+    pub fn advance(&mut self, now: f64, instrument: &mut dyn Device) {
         self.now = self.now.max(now);
         self.settle(instrument);
         for session in self.sessions.values_mut() {
@@ -150,7 +150,7 @@ impl Server {
             let asks = session.asks_for_service(byte, enabled);
             let Some(connection) = session.asynchronous.filter(|_| asks) else { continue };
             let mut bytes = Vec::new();
-            write(Kind::AsyncServiceRequest, byte, 0, &[], &mut bytes);
+            write(MessageType::AsyncServiceRequest, byte, 0, &[], &mut bytes);
             self.output.push(Output { connection, bytes, close: false });
         }
     }
@@ -160,7 +160,13 @@ impl Server {
         std::mem::take(&mut self.output)
     }
 
-    pub(super) fn send(&mut self, connection: u64, kind: Kind, codes: (u8, u32), payload: &[u8]) {
+    pub(super) fn send(
+        &mut self,
+        connection: u64,
+        kind: MessageType,
+        codes: (u8, u32),
+        payload: &[u8],
+    ) {
         let mut bytes = Vec::new();
         write(kind, codes.0, codes.1, payload, &mut bytes);
         self.output.push(Output { connection, bytes, close: false });
@@ -171,54 +177,64 @@ impl Server {
         connection: u64,
         code: u8,
         reason: &str,
-        instrument: &mut dyn Instrument,
+        instrument: &mut dyn Device,
     ) {
         let mut bytes = Vec::new();
-        write(Kind::FatalError, code, 0, reason.as_bytes(), &mut bytes);
+        write(MessageType::FatalError, code, 0, reason.as_bytes(), &mut bytes);
         self.output.push(Output { connection, bytes, close: true });
         self.closed(connection, instrument);
     }
 
     pub(super) fn complain(&mut self, connection: u64, code: u8, reason: &str) {
-        self.send(connection, Kind::Error, (code, 0), reason.as_bytes());
+        self.send(connection, MessageType::Error, (code, 0), reason.as_bytes());
     }
 
     /// The first message of a connection.
-    fn initialise(&mut self, connection: u64, piece: Piece, instrument: &mut dyn Instrument) {
+    fn initialise(&mut self, connection: u64, piece: DecodedPiece, instrument: &mut dyn Device) {
         let (header, payload) = match piece {
-            Piece::Message(header, payload) => (header, payload),
-            Piece::TooLarge(_) | Piece::Malformed => {
-                return self.refuse(connection, fatal::POOR_HEADER, "no message", instrument);
+            DecodedPiece::Message(header, payload) => (header, payload),
+            DecodedPiece::TooLarge(_) | DecodedPiece::Malformed => {
+                return self.refuse(connection, fatal::INVALID_HEADER, "no message", instrument);
             }
         };
-        match Kind::from_code(header.code) {
-            Some(Kind::Initialize) => {
+        match MessageType::from_code(header.code) {
+            Some(MessageType::Initialize) => {
                 let known = payload.is_empty() || payload.eq_ignore_ascii_case(b"hislip0");
                 let free = (1..u16::MAX).find(|number| !self.sessions.contains_key(number));
                 let (Some(number), true) = (free, known) else {
                     let reason = "the instrument's name is hislip0";
-                    return self.refuse(connection, fatal::INITIALISATION, reason, instrument);
+                    return self.refuse(
+                        connection,
+                        fatal::INVALID_INITIALISATION,
+                        reason,
+                        instrument,
+                    );
                 };
-                self.sessions.insert(number, Session::new(connection));
+                self.sessions.insert(number, HislipSession::new(connection));
                 instrument.open(number, connection);
                 self.join(connection, number);
-                let parameter = VERSION | u32::from(number);
-                self.send(connection, Kind::InitializeResponse, (0, parameter), &[]);
+                let parameter = PROTOCOL_VERSION | u32::from(number);
+                self.send(connection, MessageType::InitializeResponse, (0, parameter), &[]);
             }
-            Some(Kind::AsyncInitialize) => {
+            Some(MessageType::AsyncInitialize) => {
                 let number = u16::try_from(header.parameter).unwrap_or(0);
                 let session = self.sessions.get_mut(&number);
                 let Some(session) = session.filter(|session| session.asynchronous.is_none()) else {
                     let reason = "no such session waits for its second connection";
-                    return self.refuse(connection, fatal::INITIALISATION, reason, instrument);
+                    return self.refuse(
+                        connection,
+                        fatal::INVALID_INITIALISATION,
+                        reason,
+                        instrument,
+                    );
                 };
                 session.asynchronous = Some(connection);
                 self.join(connection, number);
-                self.send(connection, Kind::AsyncInitializeResponse, (0, 0), &[]);
+                self.send(connection, MessageType::AsyncInitializeResponse, (0, 0), &[]);
             }
             _ => {
                 let reason = "a connection begins with Initialize or AsyncInitialize";
-                self.refuse(connection, fatal::INITIALISATION, reason, instrument);
+                self.refuse(connection, fatal::INVALID_INITIALISATION, reason, instrument);
             }
         }
     }
@@ -229,23 +245,23 @@ impl Server {
         }
     }
 
-    fn take(&mut self, number: u16, from: u64, piece: Piece, instrument: &mut dyn Instrument) {
+    fn take(&mut self, number: u16, from: u64, piece: DecodedPiece, instrument: &mut dyn Device) {
         let Some(session) = self.sessions.get_mut(&number) else { return };
         let is_synchronous = session.synchronous == from;
         match &piece {
-            Piece::Malformed => {
-                self.refuse(from, fatal::POOR_HEADER, "no header", instrument);
+            DecodedPiece::Malformed => {
+                self.refuse(from, fatal::INVALID_HEADER, "no header", instrument);
             }
-            Piece::TooLarge(_) => {
-                let reason = format!("at most {LARGEST_PAYLOAD} bytes");
-                self.complain(from, error::TOO_LARGE, &reason);
+            DecodedPiece::TooLarge(_) => {
+                let reason = format!("at most {MAX_PAYLOAD} bytes");
+                self.complain(from, error::MESSAGE_TOO_LARGE, &reason);
             }
-            Piece::Message(header, payload) if is_synchronous => {
+            DecodedPiece::Message(header, payload) if is_synchronous => {
                 if session.asynchronous.is_none() {
                     let reason = "the second connection is missing";
-                    return self.refuse(from, fatal::NOT_ESTABLISHED, reason, instrument);
+                    return self.refuse(from, fatal::CHANNEL_NOT_ESTABLISHED, reason, instrument);
                 }
-                let clears = header.code == Kind::DeviceClearComplete.code();
+                let clears = header.code == MessageType::DeviceClearComplete.code();
                 let waits = !session.held.is_empty() || !self.locks.may_act(number);
                 if waits && !clears && !session.clearing {
                     session.held.push(piece);
@@ -253,7 +269,7 @@ impl Server {
                     self.synchronous(number, *header, payload, instrument);
                 }
             }
-            Piece::Message(header, payload) => {
+            DecodedPiece::Message(header, payload) => {
                 self.asynchronous(number, from, (*header, payload), instrument);
             }
         }

@@ -1,17 +1,17 @@
 //! One session: what it remembers between two messages.
 
-use super::message::{HEADER_BYTES, Kind, Piece, write};
+use super::message::{DecodedPiece, HEADER_BYTES, MessageType, write};
 
 /// Identifier of a client's first message after the start and after a device clear.
-const FIRST_MESSAGE: u32 = 0xFFFF_FF00;
+const FIRST_MESSAGE_ID: u32 = 0xFFFF_FF00;
 /// Identifier of a reply to no message.
-const NO_MESSAGE: u32 = 0xFFFF_FFFF;
+const NO_MESSAGE_ID: u32 = 0xFFFF_FFFF;
 /// Smallest largest message that is honoured (bytes).
-const SMALLEST_LIMIT: u64 = 64;
+const MIN_MESSAGE_LIMIT: u64 = 64;
 /// Payload of a reply's part where the client names no limit (bytes).
-const USUAL_PAYLOAD: usize = 1 << 20;
+const DEFAULT_PAYLOAD_LIMIT: usize = 1 << 20;
 /// Bit of the status byte: the instrument asks for service.
-const SERVICE: u8 = 1 << 6;
+const SERVICE_REQUEST_BIT: u8 = 1 << 6;
 
 /// A release that waits for the message that was sent before it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,7 +24,7 @@ pub struct Release {
 
 /// What a session remembers.
 #[derive(Debug, Clone)]
-pub struct Session {
+pub struct HislipSession {
     /// Number of its synchronous connection.
     pub synchronous: u64,
     /// Number of its asynchronous connection, as soon as there is one.
@@ -32,7 +32,7 @@ pub struct Session {
     /// A device clear has begun: what comes on the synchronous connection is thrown away until it is complete.
     pub clearing: bool,
     /// Messages that wait for somebody else's lock.
-    pub held: Vec<Piece>,
+    pub held: Vec<DecodedPiece>,
     /// A release that waits.
     pub release: Option<Release>,
     /// Payload of a reply's part at most (bytes).
@@ -55,7 +55,7 @@ struct Service {
     asked: bool,
 }
 
-impl Session {
+impl HislipSession {
     /// A session whose synchronous connection is there.
     pub fn new(synchronous: u64) -> Self {
         Self {
@@ -64,7 +64,7 @@ impl Session {
             clearing: false,
             held: Vec::new(),
             release: None,
-            part: USUAL_PAYLOAD,
+            part: DEFAULT_PAYLOAD_LIMIT,
             last: None,
             within_message: false,
             undelivered: false,
@@ -74,8 +74,8 @@ impl Session {
 
     /// The client takes no message larger than this, header included.
     pub fn limit(&mut self, largest: u64) {
-        let largest = usize::try_from(largest.max(SMALLEST_LIMIT)).unwrap_or(usize::MAX);
-        self.part = (largest - HEADER_BYTES).min(USUAL_PAYLOAD);
+        let largest = usize::try_from(largest.max(MIN_MESSAGE_LIMIT)).unwrap_or(usize::MAX);
+        self.part = (largest - HEADER_BYTES).min(DEFAULT_PAYLOAD_LIMIT);
     }
 
     /// A message or a part of it begins. Whether it is the first part of a message that comes before the reply to the one
@@ -102,8 +102,9 @@ impl Session {
         let mut out = Vec::with_capacity(bytes.len() + HEADER_BYTES);
         let mut parts = bytes.chunks(self.part).peekable();
         while let Some(part) = parts.next() {
-            let kind = if parts.peek().is_some() { Kind::Data } else { Kind::DataEnd };
-            write(kind, 0, self.last.unwrap_or(NO_MESSAGE), part, &mut out);
+            let kind =
+                if parts.peek().is_some() { MessageType::Data } else { MessageType::DataEnd };
+            write(kind, 0, self.last.unwrap_or(NO_MESSAGE_ID), part, &mut out);
         }
         out
     }
@@ -120,7 +121,7 @@ impl Session {
     pub fn awaits(&self, identifier: u32) -> bool {
         let Some(last) = self.last else {
             // A client that has sent nothing yet has no identifier to tell.
-            return identifier == FIRST_MESSAGE;
+            return identifier == FIRST_MESSAGE_ID;
         };
         identifier != last && identifier.wrapping_sub(last) < u32::MAX / 2
     }
@@ -137,7 +138,7 @@ impl Session {
 
     /// Whether `byte`, with `enabled` parts of it, is a new reason to ask for service.
     pub fn asks_for_service(&mut self, byte: u8, enabled: u8) -> bool {
-        let reasons = byte & enabled & !SERVICE;
+        let reasons = byte & enabled & !SERVICE_REQUEST_BIT;
         let new = reasons & !self.service.reasons != 0;
         self.service.reasons = reasons;
         self.service.asked |= new;
@@ -147,6 +148,6 @@ impl Session {
     /// `byte` with the bit that tells whether service was asked for; reading it answers the request.
     pub fn read_status(&mut self, byte: u8) -> u8 {
         let asked = std::mem::take(&mut self.service.asked);
-        (byte & !SERVICE) | if asked { SERVICE } else { 0 }
+        (byte & !SERVICE_REQUEST_BIT) | if asked { SERVICE_REQUEST_BIT } else { 0 }
     }
 }

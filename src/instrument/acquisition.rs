@@ -5,7 +5,7 @@
 //! that waits for long shows records without trigger: `Auto`, or `Scan` where the time base is slow. Time is passed in,
 //! in seconds on any clock that does not run backwards.
 
-use super::outcome::{Accepted, Finished, InFlight, Trigger};
+use super::outcome::{Accepted, Finished, InFlight, TriggerInstant};
 use super::panel::{AcquireMode, Panel, StopAfter};
 use super::record::{Acquirer, Signals, fold_average, sample_interval};
 use super::scan::Sweep;
@@ -233,7 +233,12 @@ impl Acquisition {
         self.untriggered = false;
     }
 
-    fn launch(&mut self, setup: &Setup, records: Vec<Waveform>, trigger: Option<Trigger>) -> f64 {
+    fn launch(
+        &mut self,
+        setup: &Setup,
+        records: Vec<Waveform>,
+        trigger: Option<TriggerInstant>,
+    ) -> f64 {
         let complete_at = self.now + after_trigger(setup);
         self.triggered_at = Some(self.now);
         self.in_flight = Some(InFlight { complete_at, records, trigger });
@@ -263,7 +268,7 @@ impl Acquisition {
     fn complete(
         &mut self,
         panel: &Panel,
-        (mut records, trigger): (Vec<Waveform>, Option<Trigger>),
+        (mut records, trigger): (Vec<Waveform>, Option<TriggerInstant>),
         was_triggered: bool,
     ) {
         self.count = self.count.saturating_add(1);

@@ -13,9 +13,9 @@ use super::{Instrument, Source};
 use crate::scope::{Coupling, TriggerMode, TriggerSource};
 
 /// Swing that is aimed at (div).
-const SWING: f64 = 4.0;
+const TARGET_SWING: f64 = 4.0;
 /// Cycles on the screen that are aimed at (1).
-const CYCLES: f64 = 4.0;
+const TARGET_CYCLES: f64 = 4.0;
 
 impl Instrument {
     /// Scales every displayed channel to its record and the time base to the cycles of the lowest one, and triggers on
@@ -42,20 +42,23 @@ impl Instrument {
                 vertical.coupling = Some(Coupling::Dc);
             }
             if let Some(swing) = swing {
-                let scale =
-                    limits::vertical_scale(&self.model, (swing / SWING, vertical.probe), false);
+                let scale = limits::vertical_scale(
+                    &self.model,
+                    (swing / TARGET_SWING, vertical.probe),
+                    false,
+                );
                 vertical.scale = scale;
             }
         }
         if let Some(period) = period {
-            let screen = CYCLES * period / self.model.horizontal_divisions;
+            let screen = TARGET_CYCLES * period / self.model.horizontal_divisions;
             self.panel.horizontal.scale = limits::time_base(&self.model, screen);
         }
         self.panel.horizontal.position = 0.0;
         self.panel.horizontal.view = View::Main;
         self.settings_for_repeated_signals();
         let level = self.panel.trigger.level;
-        self.panel.trigger.level = limits::trigger_level(&self.model, &self.panel, level);
+        self.panel.trigger.level = self.panel.trigger_level(&self.model, level);
         self.settled = self.panel.clone();
         self.run();
     }
@@ -90,6 +93,6 @@ impl Instrument {
         let reading = |kind| measure(kind, &record).unwrap_or(0.0);
         let level =
             f64::midpoint(reading(MeasurementType::Minimum), reading(MeasurementType::Maximum));
-        self.panel.trigger.level = limits::trigger_level(&self.model, &self.panel, level);
+        self.panel.trigger.level = self.panel.trigger_level(&self.model, level);
     }
 }

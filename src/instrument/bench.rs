@@ -3,17 +3,17 @@
 //! Numbers are clamped into what can be simulated in reasonable time. An instrument without a bench has none of this.
 
 /// Lightest and heaviest striker (kg).
-const STRIKER_MASS: (f64, f64) = (1e-5, 0.1);
+const STRIKER_MASS_RANGE: (f64, f64) = (1e-5, 0.1);
 /// Slowest and fastest striker (m/s).
-const STRIKER_SPEED: (f64, f64) = (1e-3, 10.0);
+const STRIKER_SPEED_RANGE: (f64, f64) = (1e-3, 10.0);
 /// Weakest and strongest magnet (N).
-const MAGNET_FORCE: (f64, f64) = (0.0, 100.0);
+const MAGNET_FORCE_RANGE: (f64, f64) = (0.0, 100.0);
 /// Impacts that may wait to be carried out.
-const MOST_IMPACTS: u32 = 1000;
+const MAX_QUEUED_IMPACTS: u32 = 1000;
 
 /// A scene that the bench can be set up as, and what there is to turn in it.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Scene {
+pub struct BenchScene {
     /// Its name.
     pub name: String,
     /// Mass of the striker, where there is one (kg).
@@ -26,21 +26,21 @@ pub struct Scene {
 
 /// The bench as the remote interface knows it.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Bench {
+pub struct RemoteBench {
     /// The scene that it is set up as, with everything that was turned since.
-    pub scene: Scene,
+    pub scene: BenchScene,
     /// Scenes that it can be set up as; none without a bench.
-    pub scenes: Vec<Scene>,
+    pub scenes: Vec<BenchScene>,
     /// Impacts so far.
     pub impacts: u32,
     /// Impacts asked for and not carried out.
     pub asked: u32,
 }
 
-impl Bench {
+impl RemoteBench {
     /// Asks for an impact; more than a thousand do not wait.
     pub fn ask_for_impact(&mut self) {
-        self.asked = (self.asked + 1).min(MOST_IMPACTS);
+        self.asked = (self.asked + 1).min(MAX_QUEUED_IMPACTS);
     }
 
     /// Sets the bench up as one of its scenes, as that is. Whether there is one of this name.
@@ -54,17 +54,17 @@ impl Bench {
 
     /// Sets the striker's mass (kg). Whether there is a striker.
     pub fn set_striker_mass(&mut self, mass: f64) -> bool {
-        set(&mut self.scene.striker_mass, mass, STRIKER_MASS)
+        set(&mut self.scene.striker_mass, mass, STRIKER_MASS_RANGE)
     }
 
     /// Sets the striker's speed (m/s). Whether there is a striker.
     pub fn set_striker_speed(&mut self, speed: f64) -> bool {
-        set(&mut self.scene.striker_speed, speed, STRIKER_SPEED)
+        set(&mut self.scene.striker_speed, speed, STRIKER_SPEED_RANGE)
     }
 
     /// Sets the magnet's force (N). Whether there is a magnet.
     pub fn set_magnet_force(&mut self, force: f64) -> bool {
-        set(&mut self.scene.magnet_force, force, MAGNET_FORCE)
+        set(&mut self.scene.magnet_force, force, MAGNET_FORCE_RANGE)
     }
 }
 

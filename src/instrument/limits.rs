@@ -2,9 +2,9 @@
 //!
 //! Numbers are clamped and snapped, never refused. How far each knob turns is the model's data file's to say.
 
-use super::panel::{Channel, Panel};
+use super::panel::Channel;
 use crate::scope::Model;
-use crate::scope::model::ROUNDED_UP;
+use crate::scope::model::RANGE_END_FACTOR;
 
 /// The nearest of `choices` on a logarithmic scale, or `value` if there are none (unit).
 pub fn nearest(value: f64, choices: &[f64]) -> f64 {
@@ -44,10 +44,10 @@ pub fn turn_scale(model: &Model, channel: &mut Channel, scale: f64) {
 pub fn vertical_position(model: &Model, position: f64, scale: f64, probe: f64) -> f64 {
     let at_input = scale / probe;
     let limits = &model.limits;
-    let is_near = at_input <= limits.near_offset_until * ROUNDED_UP;
+    let is_near = at_input <= limits.near_offset_until * RANGE_END_FACTOR;
     let reach = if is_near { limits.near_offset } else { limits.far_offset };
     let steps_in_division = (1.0 / model.position_step).round().max(1.0);
-    let farthest = (reach / at_input * ROUNDED_UP * steps_in_division).floor();
+    let farthest = (reach / at_input * RANGE_END_FACTOR * steps_in_division).floor();
     (position * steps_in_division).round().clamp(-farthest, farthest) / steps_in_division
 }
 
@@ -63,7 +63,7 @@ pub fn horizontal_position(model: &Model, position: f64, scale: f64) -> f64 {
     let latest = limits
         .latest_positions
         .iter()
-        .find(|(until, _)| scale <= until * ROUNDED_UP)
+        .find(|(until, _)| scale <= until * RANGE_END_FACTOR)
         .or(limits.latest_positions.last())
         .map_or(0.0, |(_, latest)| *latest);
     let clamped = position.clamp(-limits.earliest_position * scale, latest.max(0.0));
@@ -73,18 +73,4 @@ pub fn horizontal_position(model: &Model, position: f64, scale: f64) -> f64 {
 /// A number within a range (unit).
 pub fn within(value: f64, (least, most): (f64, f64)) -> f64 {
     value.max(least).min(most)
-}
-
-/// A trigger level: within the reach of its source (V).
-pub fn trigger_level(model: &Model, panel: &Panel, level: f64) -> f64 {
-    let source = panel.trigger.source;
-    let (low, high) = if let Some(number) = source.channel() {
-        let vertical = panel.channel(number).vertical;
-        let volts = |divisions: f64| (divisions - vertical.position) * vertical.scale;
-        (volts(-model.trigger_range), volts(model.trigger_range))
-    } else {
-        let reach = source.reach(model);
-        (-reach, reach)
-    };
-    rounded(level.clamp(low, high), 7)
 }

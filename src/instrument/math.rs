@@ -7,7 +7,7 @@
 use std::f64::consts::PI;
 
 use super::panel::{FftWindow, MathFunction};
-use crate::scope::model::{FftLaw, ROUNDED_UP};
+use crate::scope::model::{FftLaw, RANGE_END_FACTOR};
 use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
 use crate::scope::{PointFormat, Preamble, Source, VerticalSetup, Waveform};
 
@@ -63,7 +63,7 @@ fn spectrum(law: &FftLaw, record: &Waveform, window: FftWindow) -> Option<Wavefo
     }
     let mut imaginary = vec![0.0; points];
     transform(&mut real, &mut imaginary);
-    let is_slow = record.horizontal_scale * ROUNDED_UP >= law.slow_from;
+    let is_slow = record.horizontal_scale * RANGE_END_FACTOR >= law.slow_from;
     let rate = if is_slow { law.slow_rate } else { 1.0 } / record.preamble.x_incr;
     let y_zero = 20.0 * record.vertical.scale.log10() + law.reference;
     let level = |(bin, (re, im)): (usize, (&f64, &f64))| {

@@ -11,9 +11,9 @@ use crate::scope::Waveform;
 /// What the instrument answers when there is no result (unit).
 pub const INVALID: f64 = 9.9e37;
 /// Half width of the band around a reference, in parts of the swing (1).
-const BAND: f64 = 0.05;
+const BAND_HALF_WIDTH: f64 = 0.05;
 /// Smallest swing that has cycles and edges, in levels (1).
-const LEAST_SWING: f64 = 4.0;
+const MIN_SWING: f64 = 4.0;
 
 /// One crossing of a level.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,7 +88,7 @@ impl Levels {
     }
 
     fn has_swing(&self) -> bool {
-        self.high - self.low >= LEAST_SWING * self.step
+        self.high - self.low >= MIN_SWING * self.step
     }
 
     /// All crossings of the level that lies `share` of the way from lowest to highest.
@@ -96,7 +96,7 @@ impl Levels {
     fn crossings(&self, share: f64) -> Vec<Crossing> {
         let swing = self.high - self.low;
         let reference = self.low + share * swing;
-        let band = BAND * swing;
+        let band = BAND_HALF_WIDTH * swing;
         let mut found = Vec::new();
         let mut was_above: Option<bool> = None;
         let mut last: Option<Crossing> = None;

@@ -64,7 +64,7 @@ impl Instrument {
     pub fn recall_setup(&mut self, number: usize) -> Result<(), Event> {
         let index = number.checked_sub(1).ok_or(Event::OutOfRange)?;
         self.panel = self.setups.get(index).ok_or(Event::OutOfRange)?.clone();
-        self.settle();
+        self.keep_consistent();
         Ok(())
     }
 }

@@ -22,9 +22,9 @@ pub mod timing;
 pub mod transfer;
 pub mod word;
 
-pub use bench::Bench;
+pub use bench::RemoteBench;
 pub use event::Event;
-pub use outcome::{Accepted, Finished, Trigger};
+pub use outcome::{Accepted, Finished, TriggerInstant};
 pub use panel::Panel;
 pub use record::Signals;
 pub use status::Status;
@@ -37,7 +37,7 @@ use record::Acquirer;
 use transfer::{Incoming, Transfer};
 
 /// Set-up memories.
-pub const SETUPS: usize = 10;
+pub const SETUP_MEMORIES: usize = 10;
 
 /// Settings that belong to no set-up memory.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -64,11 +64,11 @@ pub struct Instrument {
     /// Lock and device trigger.
     pub service: Service,
     /// What the remote interface wants of the bench.
-    pub bench: Bench,
+    pub bench: RemoteBench,
     settled: Panel,
     acquisition: Acquisition,
     references: [Option<Waveform>; 4],
-    setups: [Panel; SETUPS],
+    setups: [Panel; SETUP_MEMORIES],
     front_end: FrontEnd,
     seed: u64,
 }
@@ -96,7 +96,7 @@ impl Instrument {
         let mut instrument = Self::new(setup.model.clone(), setup.noise, seed);
         instrument.set_front_end(setup);
         instrument.panel = Panel::of(setup);
-        instrument.settle();
+        instrument.keep_consistent();
         instrument
     }
 
@@ -110,7 +110,7 @@ impl Instrument {
             transfer: Transfer::initial(points),
             incoming: Incoming::initial(points),
             service: Service::default(),
-            bench: Bench::default(),
+            bench: RemoteBench::default(),
             settled: panel.clone(),
             acquisition: Acquisition::default(),
             references: Default::default(),
@@ -219,7 +219,7 @@ impl Instrument {
     }
 
     /// After a change of settings: what a running acquisition has so far no longer fits, and it begins anew.
-    pub fn settle(&mut self) {
+    pub fn keep_consistent(&mut self) {
         let changed = self.panel.setup(&self.model) != self.settled.setup(&self.model)
             || self.panel.trigger != self.settled.trigger
             || self.panel.acquire != self.settled.acquire;

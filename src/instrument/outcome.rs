@@ -22,7 +22,7 @@ pub enum Accepted {
 
 /// Where in the signals of a shot the scope triggered.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Trigger {
+pub struct TriggerInstant {
     /// Number of the shot.
     pub shot: u32,
     /// Time after the first sample of the signals (s).
@@ -37,7 +37,7 @@ pub struct InFlight {
     /// One record a displayed channel.
     pub records: Vec<Waveform>,
     /// What they were triggered by; none where it was no signal of the bench.
-    pub trigger: Option<Trigger>,
+    pub trigger: Option<TriggerInstant>,
 }
 
 /// A finished acquisition that is worth keeping: a triggered one, or the last of a single sequence.
@@ -46,5 +46,5 @@ pub struct Finished {
     /// One record a displayed channel, as in memory.
     pub records: Vec<Waveform>,
     /// What they were triggered by; none where it was no signal of the bench.
-    pub trigger: Option<Trigger>,
+    pub trigger: Option<TriggerInstant>,
 }

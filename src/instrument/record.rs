@@ -3,9 +3,9 @@
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 
-use super::outcome::Trigger;
+use super::outcome::TriggerInstant;
 use super::panel::{AcquireMode, EdgeCoupling, Panel, PulsePolarity, PulseWhen, TriggerType};
-use crate::scope::acquire::{Found, digitise, find_trigger, level};
+use crate::scope::acquire::{TriggerPosition, digitise, find_trigger, level};
 use crate::scope::front_end::{condition, high_pass, low_pass, noise_stream};
 use crate::scope::{PointFormat, Setup, Source, TriggerMode, TriggerSource, Waveform};
 
@@ -31,7 +31,7 @@ const SHARE_OF_PEAK: f64 = 0.25;
 /// Relative difference of sample intervals that rounding may cause (1).
 const INTERVAL_TOLERANCE: f64 = 1e-9;
 /// Most samples that peak detection looks at for one point.
-const DENSEST: f64 = 100.0;
+const MAX_SAMPLES_PER_POINT: f64 = 100.0;
 
 /// One acquisition: settings and the seed of the noise.
 pub struct Acquirer<'a> {
@@ -51,13 +51,13 @@ pub fn sample_interval(panel: &Panel, setup: &Setup) -> f64 {
         return slow;
     }
     let dense = (SHARE_OF_PEAK * setup.model.peak_width).max(1.0 / setup.model.sample_rate);
-    slow / (slow / dense).floor().clamp(1.0, DENSEST)
+    slow / (slow / dense).floor().clamp(1.0, MAX_SAMPLES_PER_POINT)
 }
 
 impl Acquirer<'_> {
     /// The record of every channel that is recorded and the trigger, or none if nothing triggers. Signals must have this set-up's sample
     /// interval; they arrive at `now` (s), which gives the phase of the mains.
-    pub fn take(&self, signals: &Signals, now: f64) -> Option<(Vec<Waveform>, Trigger)> {
+    pub fn take(&self, signals: &Signals, now: f64) -> Option<(Vec<Waveform>, TriggerInstant)> {
         let model = &self.setup.model;
         let interval = self.sample_interval();
         let external = &signals.external;
@@ -99,7 +99,7 @@ impl Acquirer<'_> {
         let numbers = 1..=model.channels;
         let records =
             numbers.zip(&conditioned).filter_map(|(n, s)| record(n, s.as_ref())).collect();
-        Some((records, Trigger { shot: signals.shot, time: count(found.index) * interval }))
+        Some((records, TriggerInstant { shot: signals.shot, time: count(found.index) * interval }))
     }
 
     /// Whether `signals` have the sample interval of this set-up, to rounding. Signals that were made for another time base do not.
@@ -127,9 +127,14 @@ impl Acquirer<'_> {
         (volts, source.external_scale(model))
     }
 
-    fn find(&self, signal: Option<&[f64]>, scale: f64, automatic: usize) -> Option<Found> {
+    fn find(
+        &self,
+        signal: Option<&[f64]>,
+        scale: f64,
+        automatic: usize,
+    ) -> Option<TriggerPosition> {
         let fallback = (self.setup.trigger.mode == TriggerMode::Auto)
-            .then_some(Found { index: automatic, crossed: false });
+            .then_some(TriggerPosition { index: automatic, crossed: false });
         let Some(signal) = signal else { return fallback };
         match self.panel.trigger.kind {
             TriggerType::Edge => {
@@ -162,7 +167,7 @@ impl Acquirer<'_> {
     }
 
     /// The end of the first pulse whose width is as asked for.
-    fn find_pulse(&self, signal: &[f64]) -> Option<Found> {
+    fn find_pulse(&self, signal: &[f64]) -> Option<TriggerPosition> {
         let trigger = &self.panel.trigger;
         let sign = match trigger.pulse_polarity {
             PulsePolarity::Positive => 1.0,
@@ -180,7 +185,7 @@ impl Acquirer<'_> {
                 && let Some(start) = begun
                 && self.is_wanted(count(index - start) * self.sample_interval())
             {
-                return Some(Found { index, crossed: true });
+                return Some(TriggerPosition { index, crossed: true });
             }
             inside = now;
         }

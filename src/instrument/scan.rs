@@ -20,13 +20,13 @@ pub struct Sweep {
     started: f64,
     /// Points written since the start, all sweeps together.
     written: usize,
-    lanes: [Lane; 4],
+    lanes: [ScanChannel; 4],
     batches: u32,
 }
 
 /// One channel.
 #[derive(Debug, Clone, PartialEq)]
-struct Lane {
+struct ScanChannel {
     codes: Vec<i16>,
     /// Mean level of each point over the sweeps so far, where records are averaged.
     means: Vec<f64>,
@@ -36,7 +36,7 @@ struct Lane {
 
 /// What became of a sweep as time passed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Progress {
+pub struct ScanProgress {
     /// Points were written.
     pub moved: bool,
     /// Sweeps that reached the right edge.
@@ -48,7 +48,7 @@ impl Sweep {
     pub fn start(by: &Acquirer<'_>, now: f64) -> Self {
         let codes = vec![LOWEST_CODE; by.setup.model.record_length];
         let means = vec![0.0; codes.len()];
-        let lane = Lane { codes, means, ahead: VecDeque::new() };
+        let lane = ScanChannel { codes, means, ahead: VecDeque::new() };
         let lanes = std::array::from_fn(|_| lane.clone());
         Self { started: now, written: 0, lanes, batches: 0 }
     }
@@ -79,7 +79,7 @@ impl Sweep {
         clippy::cast_sign_loss,
         reason = "`as` takes a clock that runs backwards to zero"
     )]
-    pub fn advance(&mut self, by: &Acquirer<'_>, now: f64, most: Option<u32>) -> Progress {
+    pub fn advance(&mut self, by: &Acquirer<'_>, now: f64, most: Option<u32>) -> ScanProgress {
         let points_of_sweep = by.setup.model.record_length.max(1);
         let interval = by.setup.model.interval(by.setup.time_base);
         let dense = sample_interval(by.panel, by.setup);
@@ -92,7 +92,7 @@ impl Sweep {
         let before = self.written;
         let new = due.saturating_sub(before);
         if new == 0 {
-            return Progress { moved: false, sweeps: 0 };
+            return ScanProgress { moved: false, sweeps: 0 };
         }
         self.written = due;
         self.batches = self.batches.wrapping_add(1);
@@ -113,7 +113,7 @@ impl Sweep {
         }
         let sweeps = due / points_of_sweep - before / points_of_sweep;
         let sweeps = u32::try_from(sweeps).unwrap_or(u32::MAX);
-        Progress { moved: true, sweeps }
+        ScanProgress { moved: true, sweeps }
     }
 
     /// What the screen shows of each channel that is recorded; a sweep that goes on has a blank ahead of it.
@@ -122,7 +122,7 @@ impl Sweep {
         let gap = gap(by);
         let end = self.written % points;
         let channels = (1..).zip(&by.setup.channels).zip(&self.lanes);
-        let record = |((number, channel), lane): ((u8, &Option<ChannelSetup>), &Lane)| {
+        let record = |((number, channel), lane): ((u8, &Option<ChannelSetup>), &ScanChannel)| {
             let source = Source::Channel(number);
             let channel = channel.as_ref().filter(|_| by.panel.records(number))?;
             let mut record = digitise(by.setup, source, channel, &[], 0);
@@ -145,7 +145,7 @@ impl Sweep {
     }
 }
 
-impl Lane {
+impl ScanChannel {
     /// Writes a point in sweep `sweep` (counted from 1), beyond the first as a mean with what stands there.
     fn write(&mut self, place: usize, code: i16, sweep: u32) {
         if let (Some(mean), Some(point)) = (self.means.get_mut(place), self.codes.get_mut(place)) {
@@ -192,8 +192,8 @@ fn points<'a>(
 /// Channels that are recorded, with what belongs to each.
 fn recorded<'a>(
     by: &'a Acquirer<'_>,
-    lanes: &'a mut [Lane; 4],
-) -> impl Iterator<Item = (u8, &'a ChannelSetup, &'a mut Lane)> {
+    lanes: &'a mut [ScanChannel; 4],
+) -> impl Iterator<Item = (u8, &'a ChannelSetup, &'a mut ScanChannel)> {
     let channels = (1..).zip(&by.setup.channels).zip(lanes);
     channels.filter_map(|((number, channel), lane)| {
         let on = by.panel.records(number);

@@ -12,7 +12,7 @@ pub use ring::{RingField, RingMagnet, Sphere, VACUUM_PERMEABILITY};
 pub use table::{ForceTable, TableError};
 
 /// Places at which a law is looked at to find where it takes a force.
-const LOOKS: u32 = 4000;
+const LAW_SAMPLES: u32 = 4000;
 /// Halvings of an interval in which a force is taken: to the last bit.
 const HALVINGS: usize = 60;
 
@@ -87,9 +87,9 @@ impl Magnet {
     /// Distances within the span at which the magnet attracts with `force` (N), the one nearest to the face first (m).
     pub fn distances(&self, force: f64, temperature: f64) -> Vec<f64> {
         let [near, far] = self.span();
-        let place = |look: u32| near + (far - near) * f64::from(look) / f64::from(LOOKS);
+        let place = |look: u32| near + (far - near) * f64::from(look) / f64::from(LAW_SAMPLES);
         let excess = |distance: f64| self.force(distance, temperature).map(|f| f - force);
-        let mut found: Vec<f64> = (0..LOOKS)
+        let mut found: Vec<f64> = (0..LAW_SAMPLES)
             .filter_map(|look| {
                 let (low, high) = (place(look), place(look + 1));
                 let (before, after) = (excess(low)?, excess(high)?);

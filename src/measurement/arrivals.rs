@@ -1,33 +1,19 @@
 //! Arrivals and speeds read off a recording's captures, in the words of `arrivals --json`: names and units are part of the
 //! interface. Uncertainties are standard ones; twice as much covers 95 %.
 
+use crate::quantity::Uncertain;
 use serde::Serialize;
 
 use super::metadata::{self, RecordedSensor};
 use crate::analysis::arrival::Estimator;
 use crate::analysis::correlation::delay;
-use crate::analysis::pulse::{Conditions, Measure, Pulse};
+use crate::analysis::pulse::{Conditions, Pulse};
 use crate::analysis::speed::{speed, speed_over};
 use crate::recording::{Capture, Shot, TraceSet};
 use crate::scene::{Scene, Site};
 
 /// A pulse smaller than this share of the largest value is not counted (1).
-const COUNTED: f64 = 0.05;
-
-/// A number with its standard uncertainty.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Uncertain {
-    /// The number (unit).
-    pub value: f64,
-    /// Its standard uncertainty (unit).
-    pub u: f64,
-}
-
-impl From<Measure> for Uncertain {
-    fn from(measure: Measure) -> Self {
-        Self { value: measure.value, u: measure.standard_uncertainty }
-    }
-}
+const MIN_PULSE_SHARE: f64 = 0.05;
 
 /// An arrival by one estimator.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -131,7 +117,7 @@ pub fn survey(set: &TraceSet, shot: &Shot) -> Survey {
         let (channel, pulse) = channel(capture, sensor);
         channels.push(channel);
         if let (Some(pulse), Some(site)) = (pulse, sensor.and_then(|sensor| sensor.site)) {
-            placed.push(Placed { channel: name, site, pulse });
+            placed.push(PlacedPulse { channel: name, site, pulse });
         }
     }
     let over_time = |capture: &Capture| capture.waveform.preamble.x_unit == "s";
@@ -149,8 +135,8 @@ pub fn survey(set: &TraceSet, shot: &Shot) -> Survey {
     let speeds = scene.iter().flat_map(|scene| {
         placed.iter().zip(placed.iter().skip(1)).flat_map(|(a, b)| between(scene, a, b))
     });
-    let decay = |(a, b): (&Placed, &Placed)| {
-        let height = |placed: &Placed| {
+    let decay = |(a, b): (&PlacedPulse, &PlacedPulse)| {
+        let height = |placed: &PlacedPulse| {
             channels.iter().find(|channel| channel.channel == placed.channel)?.height_n
         };
         let (here, there) = (height(a)?, height(b)?);
@@ -169,7 +155,7 @@ pub fn survey(set: &TraceSet, shot: &Shot) -> Survey {
 }
 
 /// A pulse and where it was felt.
-struct Placed {
+struct PlacedPulse {
     channel: String,
     site: Site,
     pulse: Pulse,
@@ -194,11 +180,11 @@ fn channel(capture: &Capture, sensor: Option<&RecordedSensor>) -> (ChannelArriva
     let sensitivity_u = sensor.and_then(|sensor| sensor.sensitivity_u).unwrap_or(0.0);
     let force = height.zip(sensitivity).map(|(height, sensitivity)| Uncertain {
         value: height.value / sensitivity,
-        u: height.standard_uncertainty.hypot(height.value * sensitivity_u) / sensitivity,
+        u: height.u.hypot(height.value * sensitivity_u) / sensitivity,
     });
     let arrival = |estimator: Estimator| Arrival {
         estimator: estimator.key(),
-        time_s: pulse.as_ref().and_then(|pulse| pulse.arrival(estimator)).map(Uncertain::from),
+        time_s: pulse.as_ref().and_then(|pulse| pulse.arrival(estimator)),
     };
     let channel = ChannelArrivals {
         channel: capture.waveform.source.to_string(),
@@ -206,10 +192,10 @@ fn channel(capture: &Capture, sensor: Option<&RecordedSensor>) -> (ChannelArriva
         droop_undone: conditions.time_constant.is_some(),
         clipped: capture.waveform.clipped(),
         noise_v: pulse.as_ref().map(|pulse| pulse.noise),
-        height_v: height.map(Uncertain::from),
+        height_v: height,
         height_n: force,
-        width_s: pulse.as_ref().and_then(Pulse::width).map(Uncertain::from),
-        pulses: pulse.as_ref().map(|pulse| pulse.count(COUNTED)),
+        width_s: pulse.as_ref().and_then(Pulse::width),
+        pulses: pulse.as_ref().map(|pulse| pulse.count(MIN_PULSE_SHARE)),
         arrivals: Estimator::ALL.map(arrival).to_vec(),
         problem,
     };
@@ -217,11 +203,11 @@ fn channel(capture: &Capture, sensor: Option<&RecordedSensor>) -> (ChannelArriva
 }
 
 /// Speeds from one place to the next by every estimator that tells both arrivals, and by cross-correlation.
-fn between(scene: &Scene, from: &Placed, to: &Placed) -> Vec<SpeedBetween> {
+fn between(scene: &Scene, from: &PlacedPulse, to: &PlacedPulse) -> Vec<SpeedBetween> {
     let Some(distance_m) = metadata::distance(scene, from.site, to.site) else {
         return Vec::new();
     };
-    let distance = Measure { value: distance_m, standard_uncertainty: 0.0 };
+    let distance = Uncertain { value: distance_m, u: 0.0 };
     let by_arrival = |estimator: Estimator| {
         let (start, end) = (from.pulse.arrival(estimator)?, to.pulse.arrival(estimator)?);
         Some((estimator.key(), speed(distance, start, end)?))

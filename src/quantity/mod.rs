@@ -1,6 +1,6 @@
 //! Physical quantities at the border: text with a unit in, plain SI `f64` inside.
 //!
-//! First room of the house: `scene` reads `"0.61 g"` through [`parse`], `report` and `tui` write
+//! `scene` reads `"0.61 g"` through [`parse`], `report` and `tui` write
 //! numbers through [`engineering`]. Inside the program every `f64` is in SI units; nothing but this
 //! module knows that grams or microseconds exist.
 //!
@@ -16,6 +16,15 @@ pub use dimension::Dimension;
 pub use error::QuantityError;
 
 use std::fmt;
+
+/// A number with its standard uncertainty; twice as much covers 95 %.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Uncertain {
+    /// The number (unit).
+    pub value: f64,
+    /// Its standard uncertainty (unit).
+    pub u: f64,
+}
 
 /// Reads `text`, a number followed by a unit, as a value of `dimension` in SI units.
 ///

@@ -7,7 +7,7 @@
 
 /// One setting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Command<'a> {
+pub(super) struct SettingCommand<'a> {
     /// Header as written.
     pub(super) header: &'a [u8],
     /// What follows it, without white space at the ends.
@@ -19,7 +19,7 @@ pub(super) struct Command<'a> {
 }
 
 /// The command that begins at or after `from`, and where the next one may begin; `None` at the end.
-pub(super) fn command(text: &[u8], from: usize) -> Option<(Command<'_>, usize)> {
+pub(super) fn command(text: &[u8], from: usize) -> Option<(SettingCommand<'_>, usize)> {
     let rest = text.get(from..)?;
     let blank = rest.iter().take_while(|b| b.is_ascii_whitespace() || **b == b';').count();
     let offset = from + blank;
@@ -39,7 +39,7 @@ pub(super) fn command(text: &[u8], from: usize) -> Option<(Command<'_>, usize)> 
     let value = tail.get(..end).unwrap_or_default().trim_ascii();
     // A value without a header must not hold up the walk.
     let next = (value_offset + end).max(offset + 1);
-    Some((Command { header, value, offset, value_offset }, next))
+    Some((SettingCommand { header, value, offset, value_offset }, next))
 }
 
 /// The full path of `header`, in capitals, after the path `before`.

@@ -5,8 +5,11 @@ use std::path::{Path, PathBuf};
 use super::isf::{self, IsfError};
 use super::mcap::{self, ReadError};
 use super::set_file::{self, SetFile};
-use super::tek_csv::{self, TekCsvError};
+use super::tek_csv::{self, TableColumns, TekCsvError};
 use super::{Attachment, Capture, Origin, Shot, TraceSet};
+
+/// How the folders of a memory stick begin: `ALL0000`, one a trigger.
+const FOLDER: &str = "ALL";
 
 /// The formats that files come in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,7 +20,7 @@ pub enum Format {
     TekCsv,
     /// One channel as an instrument sends it.
     Isf,
-    /// A folder of such files, as the scope makes for one trigger: `ALL0000`.
+    /// A folder of such files, as the scope makes for one trigger (`ALL0000`), or a memory stick with several of these.
     Folder,
 }
 
@@ -51,7 +54,7 @@ pub enum OpenError {
     },
     /// A folder without a single capture.
     #[error(
-        "{file}: found no .csv or .isf file in this folder, expected at least one, e.g. F0000CH1.CSV, or one folder ALLnnnn"
+        "{file}: found no .csv or .isf file in this folder, expected at least one, e.g. F0000CH1.CSV, or folders ALLnnnn"
     )]
     EmptyFolder {
         /// The folder.
@@ -86,10 +89,22 @@ impl Format {
 /// # Errors
 /// [`OpenError`] with the file and what is wrong with it.
 pub fn open(path: &Path) -> Result<TraceSet, OpenError> {
+    open_with(path, &TableColumns::default())
+}
+
+/// The same where the user says what the columns of tables are.
+///
+/// # Errors
+/// As [`open`].
+pub fn open_with(path: &Path, columns: &TableColumns) -> Result<TraceSet, OpenError> {
     match Format::of(path) {
         Some(Format::Mcap) => Ok(mcap::read(path)?),
-        Some(Format::TekCsv | Format::Isf) => import(&[path.to_owned()]),
-        Some(Format::Folder) => folder(path),
+        Some(Format::TekCsv | Format::Isf) => {
+            let mut set = TraceSet::default();
+            import(&mut set, &[path.to_owned()], "", columns)?;
+            Ok(set)
+        }
+        Some(Format::Folder) => folder(path, columns),
         None if path.exists() => Err(OpenError::UnknownFormat { file: path.to_owned() }),
         None => {
             let source = std::io::Error::from(std::io::ErrorKind::NotFound);
@@ -98,69 +113,132 @@ pub fn open(path: &Path) -> Result<TraceSet, OpenError> {
     }
 }
 
-fn folder(path: &Path) -> Result<TraceSet, OpenError> {
-    let failed = |source| OpenError::File { file: path.to_owned(), source };
-    let (mut files, mut set_ups, mut shots) = (Vec::new(), Vec::new(), Vec::new());
-    for entry in std::fs::read_dir(path).map_err(failed)? {
-        let file = entry.map_err(failed)?.path();
-        if matches!(Format::of(&file), Some(Format::TekCsv | Format::Isf)) {
-            files.push(file);
-        } else if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("set")) {
-            set_ups.push(file);
-        } else if file.is_dir()
-            && file.file_name().is_some_and(|n| n.as_encoded_bytes().starts_with(b"ALL"))
-        {
-            shots.push(file);
+/// What lies in a folder, each list in order of names.
+#[derive(Default)]
+struct Content {
+    files: Vec<PathBuf>,
+    set_ups: Vec<PathBuf>,
+    shots: Vec<PathBuf>,
+}
+
+impl Content {
+    fn of(path: &Path) -> Result<Self, OpenError> {
+        let failed = |source| OpenError::File { file: path.to_owned(), source };
+        let mut content = Self::default();
+        for entry in std::fs::read_dir(path).map_err(failed)? {
+            let file = entry.map_err(failed)?.path();
+            let name = file.file_name().unwrap_or_default().to_string_lossy().to_ascii_uppercase();
+            // What some systems leave beside the files they copy.
+            if name.starts_with("._") {
+                continue;
+            }
+            if matches!(Format::of(&file), Some(Format::TekCsv | Format::Isf)) {
+                content.files.push(file);
+            } else if name.ends_with(".SET") {
+                content.set_ups.push(file);
+            } else if file.is_dir() && name.starts_with(FOLDER) {
+                content.shots.push(file);
+            }
+        }
+        for list in [&mut content.files, &mut content.set_ups, &mut content.shots] {
+            list.sort();
+        }
+        Ok(content)
+    }
+}
+
+fn folder(path: &Path, columns: &TableColumns) -> Result<TraceSet, OpenError> {
+    let content = Content::of(path)?;
+    let mut set = TraceSet::default();
+    if content.shots.is_empty() {
+        trigger(&mut set, path, &content, "", columns)?;
+        return Ok(set);
+    }
+    let mut first = None;
+    let several = content.shots.len() > 1;
+    for shot in &content.shots {
+        let name = shot.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        let prefix = if several { format!("{name}/") } else { String::new() };
+        let read =
+            Content::of(shot).and_then(|found| trigger(&mut set, shot, &found, &prefix, columns));
+        if let Err(error) = read {
+            set.problems.push(error.to_string());
+            first = first.or(Some(error));
         }
     }
-    // The folder around the one folder of a trigger means that one.
-    if let ([], [shot]) = (files.as_slice(), shots.as_slice()) {
-        return folder(shot);
+    if !content.files.is_empty() {
+        let (count, path) = (content.files.len(), path.display());
+        set.problems
+            .push(format!("{path}: {count} files beside the folders {FOLDER}nnnn were not read"));
     }
-    if files.is_empty() {
+    if let Some(error) = first.filter(|_| set.shots.is_empty()) {
+        return Err(error);
+    }
+    set.shots.sort_by_key(|shot| (shot.timestamp_ns, shot.number));
+    Ok(set)
+}
+
+/// Adds the one shot of a folder.
+fn trigger(
+    set: &mut TraceSet,
+    path: &Path,
+    content: &Content,
+    prefix: &str,
+    columns: &TableColumns,
+) -> Result<(), OpenError> {
+    if content.files.is_empty() {
         return Err(OpenError::EmptyFolder { file: path.to_owned() });
     }
-    files.sort();
-    let mut set = import(&files)?;
-    match set_ups.as_slice() {
+    import(set, &content.files, prefix, columns)?;
+    match content.set_ups.as_slice() {
         [] => {}
-        [file] => complete(&mut set, file)?,
+        [file] => complete(set, file, prefix)?,
         several => set.problems.push(format!(
             "{}: found {} .SET files and used none, expected one",
             path.display(),
             several.len()
         )),
     }
-    Ok(set)
+    Ok(())
 }
 
-/// Adds what the front panel's file tells.
-fn complete(set: &mut TraceSet, file: &Path) -> Result<(), OpenError> {
+/// Adds what the front panel's file tells of the last shot.
+fn complete(set: &mut TraceSet, file: &Path, prefix: &str) -> Result<(), OpenError> {
     let bytes = read_limited(file, set_file::MAXIMUM_BYTES)?;
     match SetFile::read(&bytes, &file.display().to_string()) {
         Ok(set_up) => {
-            let captures = set.shots.iter_mut().flat_map(|shot| &mut shot.captures);
+            let captures = set.shots.last_mut().into_iter().flat_map(|shot| &mut shot.captures);
             captures.for_each(|capture| set_up.complete(capture));
         }
         Err(error) => set.problems.push(error.to_string()),
     }
-    set.attachments.push(attachment(file, "text/plain", bytes));
+    set.attachments.push(attachment(file, prefix, "text/plain", bytes));
     Ok(())
 }
 
-/// One measured shot from files of one trigger; each file travels along as it was.
-fn import(files: &[PathBuf]) -> Result<TraceSet, OpenError> {
-    let mut set = TraceSet::default();
+/// Adds one measured shot from the files of one trigger; each file travels along as it was. A file that cannot be read is named among the
+/// problems, and refused where there is no other.
+fn import(
+    set: &mut TraceSet,
+    files: &[PathBuf],
+    prefix: &str,
+    columns: &TableColumns,
+) -> Result<(), OpenError> {
     let mut captures: Vec<Capture> = Vec::new();
+    let (mut first, mut saved) = (None, 0);
     for file in files {
-        let name = file.display().to_string();
-        let (found, bytes, media_type) = if Format::of(file) == Some(Format::Isf) {
-            let bytes = read_limited(file, isf::MAXIMUM_BYTES)?;
-            (vec![isf::read(&bytes, &name)?], bytes, "application/octet-stream")
-        } else {
-            let bytes = read_limited(file, tek_csv::MAXIMUM_BYTES)?;
-            (tek_csv::read_all(&bytes, &name)?, bytes, "text/csv")
+        let (found, bytes, media_type) = match read(file, columns) {
+            Ok(read) => read,
+            Err(error) => {
+                first = first.or(Some(error));
+                continue;
+            }
         };
+        for (source, label) in columns.labels(&found) {
+            let facts = [("name", label), ("channel", source.to_string())];
+            let facts = facts.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
+            set.metadata.insert(format!("hertzscope:sensor/{source}"), facts);
+        }
         for capture in found {
             let source = capture.waveform.source;
             if captures.iter().any(|c| c.waveform.source == source) {
@@ -169,23 +247,72 @@ fn import(files: &[PathBuf]) -> Result<TraceSet, OpenError> {
             }
             captures.push(capture);
         }
-        set.attachments.push(attachment(file, media_type, bytes));
+        saved = saved.max(modified(file));
+        set.attachments.push(attachment(file, prefix, media_type, bytes));
+    }
+    match first {
+        Some(error) if captures.is_empty() => return Err(error),
+        Some(error) => {
+            set.problems.push(format!("{error}; the other files of the folder were read"))
+        }
+        None => {}
     }
     captures.sort_by_key(|capture| capture.waveform.source);
     set.shots.push(Shot {
-        number: 1,
+        number: u32::try_from(set.shots.len()).unwrap_or(u32::MAX).saturating_add(1),
         origin: Origin::Measured,
-        timestamp_ns: 0,
+        timestamp_ns: saved,
         captures,
         truth: Vec::new(),
         trigger_time: None,
     });
-    Ok(set)
+    Ok(())
 }
 
-fn attachment(file: &Path, media_type: &str, data: Vec<u8>) -> Attachment {
+/// The captures of a file, its bytes, and its media type.
+fn read(
+    file: &Path,
+    columns: &TableColumns,
+) -> Result<(Vec<Capture>, Vec<u8>, &'static str), OpenError> {
+    let name = file.display().to_string();
+    if Format::of(file) == Some(Format::Isf) {
+        let bytes = read_limited(file, isf::MAXIMUM_BYTES)?;
+        return Ok((vec![isf::read(&bytes, &name)?], bytes, "application/octet-stream"));
+    }
+    let size = std::fs::metadata(file).map(|found| found.len()).unwrap_or_default();
+    let limit = tek_csv::MAXIMUM_BYTES as u64;
+    if size > limit {
+        return Err(TekCsvError::TooLarge { file: name, found: size, limit }.into());
+    }
+    let bytes = read_limited(file, tek_csv::MAXIMUM_BYTES)?;
+    Ok((tek_csv::read_columns(&bytes, &name, columns)?, bytes, "text/csv"))
+}
+
+/// When a file was last written, nanoseconds since 1970; 0 where the system does not tell.
+fn modified(file: &Path) -> u64 {
+    let time = std::fs::metadata(file).and_then(|found| found.modified()).ok();
+    let since = time.and_then(|time| time.duration_since(std::time::UNIX_EPOCH).ok());
+    since.and_then(|since| u64::try_from(since.as_nanos()).ok()).unwrap_or_default()
+}
+
+fn attachment(file: &Path, prefix: &str, media_type: &str, data: Vec<u8>) -> Attachment {
     let name = file.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    Attachment { name, media_type: media_type.to_owned(), data }
+    Attachment { name: format!("{prefix}{name}"), media_type: media_type.to_owned(), data }
+}
+
+/// The `.SET` file that was imported with a shot.
+pub fn set_up_of(set: &TraceSet, shot: u32) -> Option<&Attachment> {
+    let is_set_up = |name: &str| name.to_ascii_uppercase().ends_with(".SET");
+    let set_ups = || set.attachments.iter().filter(|a| is_set_up(&a.name));
+    if set.shots.len() == 1 {
+        let mut all = set_ups();
+        return all.next().filter(|_| all.next().is_none());
+    }
+    let mut folders: Vec<&str> =
+        set.attachments.iter().filter_map(|a| Some(a.name.split_once('/')?.0)).collect();
+    folders.dedup();
+    let folder = folders.get(usize::try_from(shot).ok()?.checked_sub(1)?)?;
+    set_ups().find(|a| a.name.split_once('/').is_some_and(|(found, _)| found == *folder))
 }
 
 /// The file's bytes, at most one more than the reader takes, so that it can refuse what is too large.

@@ -17,7 +17,7 @@ use crate::trace::Trace;
 
 /// The instrument that took a capture, as its files name it.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Instrument {
+pub struct InstrumentIdentity {
     /// Model without a space, e.g. `TDS2014`; empty where a file does not tell.
     pub model: String,
     /// Serial number, e.g. `C031611`; `0` on the original TDS 2014, empty where a file does not tell.
@@ -32,7 +32,7 @@ pub struct Capture {
     /// The record.
     pub waveform: Waveform,
     /// The instrument; `None` where a file does not tell.
-    pub instrument: Option<Instrument>,
+    pub instrument: Option<InstrumentIdentity>,
     /// What the file did not tell and had to be guessed, and what in it is suspicious; empty where there is nothing to say.
     pub notes: Vec<String>,
 }

@@ -1,11 +1,11 @@
 //! Arrivals and speeds as a page of text.
 
 use super::table;
-use crate::measurement::arrivals::{ChannelArrivals, Survey, Uncertain};
-use crate::quantity::engineering;
+use crate::measurement::arrivals::{ChannelArrivals, Survey};
+use crate::quantity::{Uncertain, engineering};
 
 /// Coverage factor of what is printed: 95 % (1).
-const COVERAGE: f64 = 2.0;
+const COVERAGE_FACTOR: f64 = 2.0;
 
 /// The page that `arrivals` prints.
 pub fn arrivals(survey: &Survey) -> String {
@@ -29,7 +29,7 @@ pub fn arrivals(survey: &Survey) -> String {
             decay.from,
             decay.to,
             decay.ratio.value,
-            COVERAGE * decay.ratio.u
+            COVERAGE_FACTOR * decay.ratio.u
         ));
     }
     if !survey.decays.is_empty() {
@@ -95,7 +95,7 @@ fn with(measure: Option<Uncertain>, unit: &str) -> String {
     }
     // The power of ten that the prefix stands for.
     let scale = 10f64.powf((mantissa / value).log10().round());
-    let around = COVERAGE * u * scale;
+    let around = COVERAGE_FACTOR * u * scale;
     // Two digits of the uncertainty, and the value to the same place.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few digits")]
     let decimals = (1.0 - around.log10().floor()).clamp(0.0, 6.0) as usize;

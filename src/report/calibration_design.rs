@@ -3,16 +3,16 @@
 use super::table;
 use crate::quantity::engineering;
 use crate::studies::momentum_test::coverage::Coverage;
-use crate::studies::momentum_test::design::{Candidate, Lab};
+use crate::studies::momentum_test::design::{LabUncertainties, TestDesign};
 
 /// Candidates shown.
-const SHOWN: usize = 12;
+const SHOWN_DESIGNS: usize = 12;
 
 /// The page that `calibrate --simulate` prints.
 pub fn design_page(
     sensor: &str,
-    lab: &Lab,
-    candidates: &[Candidate],
+    lab: &LabUncertainties,
+    candidates: &[TestDesign],
     checked: Option<&Coverage>,
 ) -> String {
     let gain = lab.gain_u.map_or("sensor and scope as one chain".to_owned(), |u| {
@@ -30,7 +30,7 @@ pub fn design_page(
     let heading =
         ["striker", "mass", "heights", "V/div", "s/div", "peak force", "contact", "U (k = 2)"];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
-    rows.extend(candidates.iter().take(SHOWN).map(|candidate| {
+    rows.extend(candidates.iter().take(SHOWN_DESIGNS).map(|candidate| {
         let height = |share: f64| {
             engineering(share * candidate.height_m, "m", 3).trim_end_matches(" mm").to_owned()
         };
@@ -46,8 +46,8 @@ pub fn design_page(
         ]
     }));
     lines.extend(table::lines(&rows, &[0]));
-    if candidates.len() > SHOWN {
-        lines.push(format!("  ... and {} more, in --json", candidates.len() - SHOWN));
+    if candidates.len() > SHOWN_DESIGNS {
+        lines.push(format!("  ... and {} more, in --json", candidates.len() - SHOWN_DESIGNS));
     }
     if let Some(checked) = checked {
         lines.push(String::new());

@@ -2,14 +2,14 @@
 
 use std::fmt::Write as _;
 
-use super::plot::{Cloud, Curve};
+use super::plot::{Curve, PointSet};
 use crate::quantity::engineering;
 
 /// Size of the picture and of the frame's margins: left, right, above, below (pixels).
 const SIZE: (f64, f64) = (880.0, 460.0);
 const MARGINS: (f64, f64, f64, f64) = (90.0, 30.0, 48.0, 56.0);
 /// Wanted number of intervals on an axis.
-const INTERVALS: f64 = 6.0;
+const TARGET_INTERVALS: f64 = 6.0;
 
 /// The picture of `curve`, titled `title`, with the units of `x` and `y`.
 pub fn chart(curve: &Curve, title: &str, units: (&str, &str)) -> String {
@@ -106,7 +106,7 @@ fn frame(
 /// The picture of several curves with points on them, titled `words.0`, its axes labelled `words.1`, from zero in both directions.
 pub fn chart_with_points(
     curves: &[Vec<(f64, f64)>],
-    clouds: &[Cloud<'_>],
+    clouds: &[PointSet<'_>],
     (title, labels): (&str, (&str, &str)),
     units: (&str, &str),
 ) -> String {
@@ -165,7 +165,7 @@ pub fn chart_with_points(
     reason = "the number of ticks is small"
 )]
 pub(super) fn ticks(low: f64, high: f64) -> Vec<f64> {
-    let rough = (high - low) / INTERVALS;
+    let rough = (high - low) / TARGET_INTERVALS;
     let power = 10f64.powf(rough.log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|step| *step >= rough);
     let step = step.unwrap_or(rough);

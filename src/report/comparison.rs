@@ -66,8 +66,7 @@ fn speed_rows(comparison: &Comparison) -> Vec<Vec<String>> {
     let heading = ["", "estimator", "measured", "simulated", "error"];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
     rows.extend(comparison.speeds.iter().map(|s| {
-        let speed =
-            |u: crate::measurement::arrivals::Uncertain| format!("{:.2} ± {:.2} m/s", u.value, u.u);
+        let speed = |u: crate::quantity::Uncertain| format!("{:.2} ± {:.2} m/s", u.value, u.u);
         vec![
             format!("{} -> {}", s.from, s.to),
             s.estimator.replace('_', "-"),

@@ -2,14 +2,14 @@
 
 use std::f64::consts::PI;
 
-use super::plot::{Cloud, scatter};
+use super::plot::{PointSet, scatter};
 use super::{chart, table};
 use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::wavenumber::{SpectralLine, SpectralLines};
 use crate::quantity::engineering;
 
 /// Points of each branch.
-const POINTS: u32 = 200;
+const BRANCH_POINTS: u32 = 200;
 
 /// What `dispersion` shows.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,7 +29,7 @@ pub struct DispersionPage {
 impl DispersionPage {
     /// Phase a cell (rad) and frequency (Hz) along the acoustic and the optical branch.
     pub fn branches(&self) -> [Vec<(f64, f64)>; 2] {
-        let phases = || (0..=POINTS).map(|i| PI * f64::from(i) / f64::from(POINTS));
+        let phases = || (0..=BRANCH_POINTS).map(|i| PI * f64::from(i) / f64::from(BRANCH_POINTS));
         [
             phases().map(|phase| (phase, self.chain.acoustic(phase))).collect(),
             phases().map(|phase| (phase, self.chain.optical(phase))).collect(),
@@ -43,14 +43,14 @@ impl DispersionPage {
         if off(&branches[0]) <= off(&branches[1]) { branches[0] } else { branches[1] }
     }
 
-    fn clouds(&self) -> [Cloud<'static>; 2] {
+    fn clouds(&self) -> [PointSet<'static>; 2] {
         let of = |onward: bool| {
             let lines = self.found.lines.iter().filter(|line| line.onward == onward);
             lines.map(|line| (line.phase, line.frequency)).collect()
         };
         [
-            Cloud { points: of(true), name: "phase runs onward", colour: "#c04020" },
-            Cloud { points: of(false), name: "phase runs back", colour: "#208040" },
+            PointSet { points: of(true), name: "phase runs onward", colour: "#c04020" },
+            PointSet { points: of(false), name: "phase runs back", colour: "#208040" },
         ]
     }
 

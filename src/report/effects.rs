@@ -1,15 +1,15 @@
 //! The effects ledger as a page of text.
 
 use super::table;
-use super::words::{COLUMNS, hanging, wrapped};
-use crate::studies::effects::{Entry, Ledger, State};
+use super::text::{TERMINAL_WIDTH, hanging_indent, wrapped};
+use crate::studies::effects::{EffectState, Ledger, LedgerEntry};
 
 /// What the table means.
-const MEANING: &str = "Cost: wall time of a step with it less that without it, openings and tries included, 0 within what timing tells. \
+const TABLE_LEGEND: &str = "Cost: wall time of a step with it less that without it, openings and tries included, 0 within what timing tells. \
     Change: with it over without it, in first peaks, half-rises and speeds, the largest of all places, < where the accuracy is all that is known. \
     What is off: if it were on. * by auto.";
 /// Where reasons begin (1).
-const INDENT: usize = 23;
+const REASON_COLUMN: usize = 23;
 
 /// The page that `effects` prints.
 pub fn effects(ledger: &Ledger) -> String {
@@ -20,7 +20,7 @@ pub fn effects(ledger: &Ledger) -> String {
     rows.extend(ledger.entries.iter().map(|entry| row(entry, ledger.accuracy)));
     let mut lines =
         vec![format!("{}: the effects, at accuracy {:.1e}", ledger.scene, ledger.accuracy)];
-    lines.extend(wrapped(MEANING, COLUMNS));
+    lines.extend(wrapped(TABLE_LEGEND, TERMINAL_WIDTH));
     lines.push(String::new());
     lines.extend(table::lines_apart(&rows, &[0, 1], " "));
     lines.push(String::new());
@@ -30,7 +30,7 @@ pub fn effects(ledger: &Ledger) -> String {
     lines.join("\n")
 }
 
-fn row(entry: &Entry, accuracy: f64) -> Vec<String> {
+fn row(entry: &LedgerEntry, accuracy: f64) -> Vec<String> {
     let count = |value: Option<f64>| value.map_or("-".to_owned(), |v| signed(v, decimals(v)));
     let change = entry.change;
     // What the electronics change is taken from one and the same motion, whose errors are in both.
@@ -43,10 +43,10 @@ fn row(entry: &Entry, accuracy: f64) -> Vec<String> {
     vec![
         entry.effect.to_owned(),
         match entry.state {
-            State::On => "on",
-            State::Off => "off",
-            State::Auto if entry.active => "on*",
-            State::Auto => "off*",
+            EffectState::On => "on",
+            EffectState::Off => "off",
+            EffectState::Auto if entry.active => "on*",
+            EffectState::Auto => "off*",
         }
         .to_owned(),
         cost.map_or("-".to_owned(), |v| signed(v, 0)),
@@ -90,11 +90,11 @@ fn percent(value: f64, known: f64) -> String {
 }
 
 /// Criterion and reason, wrapped.
-fn reason(entry: &Entry) -> Vec<String> {
+fn reason(entry: &LedgerEntry) -> Vec<String> {
     let value = entry.value.map_or("not known".to_owned(), |value| match value.abs() {
         size if size == 0.0 || (1e-2..1e3).contains(&size) => format!("{value:.3}"),
         _ => format!("{value:.1e}"),
     });
-    let first = format!("  {:<width$}", entry.effect, width = INDENT - 2);
-    hanging(&first, &format!("{} = {value}; {}", entry.criterion, entry.reason))
+    let first = format!("  {:<width$}", entry.effect, width = REASON_COLUMN - 2);
+    hanging_indent(&first, &format!("{} = {value}; {}", entry.criterion, entry.reason))
 }

@@ -3,7 +3,7 @@
 use super::document::Part;
 use super::plot::Curve;
 use super::{chart, chart_over, table};
-use crate::fit::blind::Blind;
+use crate::fit::blind::BlindFits;
 use crate::fit::{ChannelResult, Fit, FitReport, Nuisance, Parameter};
 use crate::quantity::engineering;
 
@@ -179,7 +179,7 @@ pub fn fit_parts(fit: &Fit, stem: &str) -> Vec<Part> {
 }
 
 /// The page that `fit --blind` prints.
-pub fn blind(found: &Blind, scene: &str) -> String {
+pub fn blind(found: &BlindFits, scene: &str) -> String {
     let heading = ["", "inside 95 %", "bias", "spread", "mean u"];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
     rows.extend(found.parameters.iter().map(|p| {

@@ -6,13 +6,13 @@ use crate::magnet::{ForceLaw, Magnet};
 use crate::quantity::engineering;
 
 /// Points of the curve.
-const POINTS: u32 = 600;
+const CURVE_POINTS: u32 = 600;
 /// What a temperature in kelvin is above one in degrees Celsius.
 const ZERO_CELSIUS: f64 = 273.15;
 
 /// What the magnet does at one distance.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Place {
+pub struct MagnetPoint {
     /// From the face to the sphere's centre (m).
     pub distance: f64,
     /// Attraction (N).
@@ -37,10 +37,10 @@ pub struct MagnetPage {
     /// The force that was asked for (N).
     pub wanted: Option<f64>,
     /// The places found, the one nearest to the face first.
-    pub places: Vec<Place>,
+    pub places: Vec<MagnetPoint>,
 }
 
-impl Place {
+impl MagnetPoint {
     /// What `magnet` does at `distance` (m); none beyond a table.
     pub fn of(magnet: &Magnet, distance: f64, temperature: f64) -> Option<Self> {
         let ring = match &magnet.law {
@@ -64,12 +64,12 @@ impl MagnetPage {
     /// Force over distance, with the places marked.
     pub fn curve(&self) -> Curve {
         let [near, far] = self.magnet.span();
-        let place = |i: u32| near + (far - near) * f64::from(i) / f64::from(POINTS);
+        let place = |i: u32| near + (far - near) * f64::from(i) / f64::from(CURVE_POINTS);
         let point =
             |distance: f64| Some((distance, self.magnet.force(distance, self.temperature)?));
-        let mark = |place: &Place| (place.distance, engineering(place.force, "N", 4));
+        let mark = |place: &MagnetPoint| (place.distance, engineering(place.force, "N", 4));
         Curve {
-            points: (0..=POINTS).map(place).filter_map(point).collect(),
+            points: (0..=CURVE_POINTS).map(place).filter_map(point).collect(),
             marks: self.places.iter().map(mark).collect(),
             x_label: "from the face to the sphere's centre".to_owned(),
             y_label: "attraction (N)".to_owned(),

@@ -28,8 +28,8 @@ pub mod spectrum;
 mod summary;
 mod sweep;
 mod table;
+mod text;
 mod tunability;
-mod words;
 mod work_precision;
 
 pub use arrivals::arrivals;
@@ -48,7 +48,7 @@ pub use screen::screen;
 pub use summary::summary;
 pub use sweep::{gathering, sweep};
 pub use tunability::{transmitted, tunability, tunability_svg};
-pub use work_precision::{Work, work_precision, work_precision_svg};
+pub use work_precision::{WorkMeasure, work_precision, work_precision_svg};
 
 /// Text as SVG takes it.
 fn escape(text: &str) -> String {

@@ -1,13 +1,13 @@
 //! Curves in a terminal: Braille characters, two dots across and four down in each.
 
 /// Characters across and down.
-const SIZE: (usize, usize) = (72, 14);
+const PLOT_SIZE: (usize, usize) = (72, 14);
 /// Dots in a character.
-const DOTS: (usize, usize) = (2, 4);
+const DOTS_PER_CELL: (usize, usize) = (2, 4);
 /// Bit of each dot in a Braille character, by column and row.
-const BITS: [[u32; 4]; 2] = [[0x01, 0x02, 0x04, 0x40], [0x08, 0x10, 0x20, 0x80]];
+const BRAILLE_BITS: [[u32; 4]; 2] = [[0x01, 0x02, 0x04, 0x40], [0x08, 0x10, 0x20, 0x80]];
 /// The Braille character without a dot.
-const EMPTY: u32 = 0x2800;
+const EMPTY_BRAILLE: u32 = 0x2800;
 /// A vertical line at a mark has one dot in this many.
 const MARK_SPACING: usize = 3;
 
@@ -48,10 +48,14 @@ pub fn braille(
 ) -> Vec<String> {
     let ((left, right), (bottom, top)) = curve.bounds();
     let mut canvas = Canvas::new();
-    let place = |x: f64| share(x, left, right, SIZE.0 * DOTS.0);
-    let height = |y: f64| SIZE.1 * DOTS.1 - 1 - share(y, bottom, top, SIZE.1 * DOTS.1);
+    let place = |x: f64| share(x, left, right, PLOT_SIZE.0 * DOTS_PER_CELL.0);
+    let height = |y: f64| {
+        PLOT_SIZE.1 * DOTS_PER_CELL.1 - 1 - share(y, bottom, top, PLOT_SIZE.1 * DOTS_PER_CELL.1)
+    };
     for (x, _) in curve.marks.iter().filter(|(x, _)| (left..=right).contains(x)) {
-        (0..SIZE.1 * DOTS.1).step_by(MARK_SPACING).for_each(|row| canvas.set(place(*x), row));
+        (0..PLOT_SIZE.1 * DOTS_PER_CELL.1)
+            .step_by(MARK_SPACING)
+            .for_each(|row| canvas.set(place(*x), row));
     }
     for pair in curve.points.windows(2) {
         let [(x0, y0), (x1, y1)] = [pair[0], pair[1]].map(|(x, y)| (place(x), height(y)));
@@ -70,9 +74,9 @@ pub fn braille(
         };
         lines.push(format!("  {label:>margin$} │{row}").trim_end().to_owned());
     }
-    lines.push(format!("  {:margin$} └{}", "", "─".repeat(SIZE.0)));
+    lines.push(format!("  {:margin$} └{}", "", "─".repeat(PLOT_SIZE.0)));
     let (start, end) = (label_x(left), format!("{} {}", label_x(right), curve.x_label));
-    let gap = SIZE.0.saturating_sub(start.chars().count() + end.chars().count());
+    let gap = PLOT_SIZE.0.saturating_sub(start.chars().count() + end.chars().count());
     lines.push(format!("  {:margin$}  {start}{}{end}", "", " ".repeat(gap.max(1))));
     lines.extend(curve.marks.iter().map(|(x, name)| format!("  ┊ {name}: {}", label_x(*x))));
     lines
@@ -91,7 +95,7 @@ fn share(value: f64, low: f64, high: f64, dots: usize) -> usize {
 
 /// Points that belong together.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Cloud<'a> {
+pub struct PointSet<'a> {
     /// The points (unit).
     pub points: Vec<(f64, f64)>,
     /// What they are.
@@ -103,7 +107,7 @@ pub struct Cloud<'a> {
 /// Curves with points on them as lines of text, from zero in both directions; each point is a cross of five dots.
 pub fn scatter(
     curves: &[Vec<(f64, f64)>],
-    clouds: &[Cloud<'_>],
+    clouds: &[PointSet<'_>],
     label: &str,
     label_y: &dyn Fn(f64) -> String,
 ) -> Vec<String> {
@@ -111,8 +115,11 @@ pub fn scatter(
     let (right, top) = points.fold((0.0, 0.0), |(x, y): (f64, f64), p| (x.max(p.0), y.max(p.1)));
     let mut canvas = Canvas::new();
     let place = |(x, y): (f64, f64)| {
-        let down = share(y, 0.0, top, SIZE.1 * DOTS.1);
-        (share(x, 0.0, right, SIZE.0 * DOTS.0), SIZE.1 * DOTS.1 - 1 - down)
+        let down = share(y, 0.0, top, PLOT_SIZE.1 * DOTS_PER_CELL.1);
+        (
+            share(x, 0.0, right, PLOT_SIZE.0 * DOTS_PER_CELL.0),
+            PLOT_SIZE.1 * DOTS_PER_CELL.1 - 1 - down,
+        )
     };
     for curve in curves {
         for pair in curve.windows(2) {
@@ -139,7 +146,7 @@ pub fn scatter(
         };
         lines.push(format!("  {label:>margin$} │{row}").trim_end().to_owned());
     }
-    lines.push(format!("  {:margin$} └{}", "", "─".repeat(SIZE.0)));
+    lines.push(format!("  {:margin$} └{}", "", "─".repeat(PLOT_SIZE.0)));
     lines
 }
 
@@ -147,13 +154,14 @@ struct Canvas(Vec<Vec<u32>>);
 
 impl Canvas {
     fn new() -> Self {
-        Self(vec![vec![0; SIZE.0]; SIZE.1])
+        Self(vec![vec![0; PLOT_SIZE.0]; PLOT_SIZE.1])
     }
 
     fn set(&mut self, x: usize, y: usize) {
-        let cell = self.0.get_mut(y / DOTS.1).and_then(|row| row.get_mut(x / DOTS.0));
+        let cell =
+            self.0.get_mut(y / DOTS_PER_CELL.1).and_then(|row| row.get_mut(x / DOTS_PER_CELL.0));
         if let Some(cell) = cell {
-            *cell |= BITS[x % DOTS.0][y % DOTS.1];
+            *cell |= BRAILLE_BITS[x % DOTS_PER_CELL.0][y % DOTS_PER_CELL.1];
         }
     }
 
@@ -174,7 +182,7 @@ impl Canvas {
     }
 
     fn rows(&self) -> Vec<String> {
-        let character = |dots: &u32| char::from_u32(EMPTY + dots).unwrap_or(' ');
+        let character = |dots: &u32| char::from_u32(EMPTY_BRAILLE + dots).unwrap_or(' ');
         self.0.iter().map(|row| row.iter().map(character).collect()).collect()
     }
 }

@@ -6,7 +6,7 @@ use resvg::usvg::{Options, Tree};
 use super::outlines::outline_text;
 
 /// Dots to a unit of the SVG (1).
-const SCALE: f32 = 2.0;
+const PIXELS_PER_UNIT: f32 = 2.0;
 
 /// Why a picture could not be drawn: mistakes of whatever made the SVG.
 #[derive(Debug, thiserror::Error)]
@@ -32,10 +32,14 @@ pub enum PngError {
 pub fn png(svg: &str) -> Result<Vec<u8>, PngError> {
     let tree = Tree::from_str(&outline_text(svg)?, &Options::default())?;
     let size = tree.size().to_int_size();
-    let size = size.scale_by(SCALE).unwrap_or(size);
+    let size = size.scale_by(PIXELS_PER_UNIT).unwrap_or(size);
     let pixmap = Pixmap::new(size.width(), size.height());
     let mut pixmap = pixmap.ok_or(PngError::Size(size.width(), size.height()))?;
-    resvg::render(&tree, Transform::from_scale(SCALE, SCALE), &mut pixmap.as_mut());
+    resvg::render(
+        &tree,
+        Transform::from_scale(PIXELS_PER_UNIT, PIXELS_PER_UNIT),
+        &mut pixmap.as_mut(),
+    );
     pixmap.encode_png().map_err(|error| PngError::Encoding(error.to_string()))
 }
 

@@ -7,18 +7,21 @@ use crate::recording::{Capture, Shot};
 use crate::scope::Source;
 
 /// Pixels a division.
-const DIVISION: f64 = 80.0;
+const PIXELS_PER_DIVISION: f64 = 80.0;
 /// Pixels around the graticule: left and right, above, below.
 const MARGINS: (f64, f64, f64) = (30.0, 34.0, 62.0);
 /// Divisions across and down.
 const DIVISIONS: (u8, u8) = (10, 8);
 /// Digitiser levels in a division.
-const LEVELS: f64 = crate::scope::waveform::LEVELS_PER_DIVISION;
+const LEVELS_PER_DIVISION: f64 = crate::scope::waveform::LEVELS_PER_DIVISION;
 
 /// The picture of one shot, titled `title`; captures of a frequency axis are left out.
 pub fn screen(shot: &Shot, title: &str) -> String {
     let (side, above, below) = MARGINS;
-    let (across, down) = (f64::from(DIVISIONS.0) * DIVISION, f64::from(DIVISIONS.1) * DIVISION);
+    let (across, down) = (
+        f64::from(DIVISIONS.0) * PIXELS_PER_DIVISION,
+        f64::from(DIVISIONS.1) * PIXELS_PER_DIVISION,
+    );
     let (width, height) = (across + 2.0 * side, down + above + below);
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" font-family=\"monospace\" font-size=\"14\">\n\
@@ -60,11 +63,12 @@ fn points(capture: &Capture) -> f64 {
 
 fn graticule(svg: &mut String) {
     let (columns, rows) = DIVISIONS;
-    let (across, down) = (f64::from(columns) * DIVISION, f64::from(rows) * DIVISION);
+    let (across, down) =
+        (f64::from(columns) * PIXELS_PER_DIVISION, f64::from(rows) * PIXELS_PER_DIVISION);
     svg.push_str("<g stroke=\"#3a4148\" stroke-width=\"1\">\n");
     for (count, horizontal) in [(columns, false), (rows, true)] {
         for line in 0..=count {
-            let at = f64::from(line) * DIVISION;
+            let at = f64::from(line) * PIXELS_PER_DIVISION;
             let middle = line * 2 == count;
             let dash = if middle || line == 0 || line == count {
                 ""
@@ -83,8 +87,8 @@ fn graticule(svg: &mut String) {
 fn trace(svg: &mut String, capture: &Capture, down: f64) {
     let waveform = &capture.waveform;
     let colour = colour(waveform.source);
-    let step = f64::from(DIVISIONS.0) * DIVISION / points(capture);
-    let height = |level: f64| 0.5 * down - level / LEVELS * DIVISION;
+    let step = f64::from(DIVISIONS.0) * PIXELS_PER_DIVISION / points(capture);
+    let height = |level: f64| 0.5 * down - level / LEVELS_PER_DIVISION * PIXELS_PER_DIVISION;
     let mut path = String::new();
     let mut x = 0.0;
     for (index, code) in waveform.codes.iter().enumerate() {
@@ -104,7 +108,7 @@ fn readout(svg: &mut String, capture: &Capture, index: usize, down: f64) {
     let waveform = &capture.waveform;
     let unit = format!("{}/div", waveform.preamble.y_unit);
     let text = format!("{} {}", waveform.source, engineering(waveform.vertical.scale, &unit, 3));
-    let place = u8::try_from(index).map_or(0.0, |i| f64::from(i) * 2.5 * DIVISION);
+    let place = u8::try_from(index).map_or(0.0, |i| f64::from(i) * 2.5 * PIXELS_PER_DIVISION);
     let _ = writeln!(
         svg,
         "<text x=\"{place}\" y=\"{}\" fill=\"{}\">{text}</text>",

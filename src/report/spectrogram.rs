@@ -7,15 +7,15 @@ use crate::analysis::time_frequency::Spectrogram;
 use crate::quantity::engineering;
 
 /// What is this far below the highest is shown as nothing (dB).
-const DEPTH: f64 = 60.0;
+const DYNAMIC_RANGE: f64 = 60.0;
 /// Characters across and down.
-const SIZE: (usize, usize) = (72, 20);
+const MAP_SIZE: (usize, usize) = (72, 20);
 /// Shades from nothing to the highest.
 const SHADES: [char; 5] = [' ', '░', '▒', '▓', '█'];
 /// Most cells of the picture across and down.
-const CELLS: (usize, usize) = (200, 120);
+const MAX_CELLS: (usize, usize) = (200, 120);
 /// Size of the map in the picture (pixels).
-const PICTURE: (f64, f64) = (760.0, 360.0);
+const PICTURE_SIZE: (f64, f64) = (760.0, 360.0);
 
 /// A map with what is known about the chain it comes from.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,7 +50,7 @@ impl SpectrogramPage {
         }
         let top = cells.iter().flatten().copied().fold(f64::MIN_POSITIVE, f64::max);
         for cell in cells.iter_mut().flatten() {
-            *cell = (20.0 * (*cell / top).log10()).max(-DEPTH);
+            *cell = (20.0 * (*cell / top).log10()).max(-DYNAMIC_RANGE);
         }
         cells
     }
@@ -97,35 +97,35 @@ pub fn text(page: &SpectrogramPage) -> String {
             hertz(column.resolution)
         ));
     }
-    let cells = page.cells(SIZE.0, SIZE.1);
+    let cells = page.cells(MAP_SIZE.0, MAP_SIZE.1);
     let edge_rows: Vec<(usize, String)> = page
         .edges()
         .iter()
-        .filter_map(|(f, name)| Some((page.row(*f, SIZE.1)?, format!("{name} {}", hertz(*f)))))
+        .filter_map(|(f, name)| Some((page.row(*f, MAP_SIZE.1)?, format!("{name} {}", hertz(*f)))))
         .collect();
     for (row, amplitudes) in cells.iter().enumerate().rev() {
         let shade = |db: &f64| {
-            let share = 1.0 + db / DEPTH;
+            let share = 1.0 + db / DYNAMIC_RANGE;
             SHADES[((share * SHADES.len() as f64) as usize).min(SHADES.len() - 1)]
         };
         let line: String = amplitudes.iter().map(shade).collect();
         let names: Vec<&str> =
             edge_rows.iter().filter(|(r, _)| *r == row).map(|(_, name)| name.as_str()).collect();
         let label = match row {
-            _ if row + 1 == SIZE.1 => hertz(page.highest),
+            _ if row + 1 == MAP_SIZE.1 => hertz(page.highest),
             0 => "0".to_owned(),
             _ => String::new(),
         };
         lines.push(format!("  {label:>9} │{line}│ {}", names.join(", ")).trim_end().to_owned());
     }
     let [from, to] = page.span().map(|time| engineering(time, "s", 4));
-    let gap = SIZE.0.saturating_sub(from.chars().count() + to.chars().count());
-    lines.push(format!("  {:9} └{}┘", "", "─".repeat(SIZE.0)));
+    let gap = MAP_SIZE.0.saturating_sub(from.chars().count() + to.chars().count());
+    lines.push(format!("  {:9} └{}┘", "", "─".repeat(MAP_SIZE.0)));
     lines.push(format!("  {:9}  {from}{}{to}", "", " ".repeat(gap)));
     lines.push(format!(
-        "  {:9}  each shade {:.0} dB, nothing is {DEPTH:.0} dB below the highest",
+        "  {:9}  each shade {:.0} dB, nothing is {DYNAMIC_RANGE:.0} dB below the highest",
         "",
-        DEPTH / SHADES.len() as f64
+        DYNAMIC_RANGE / SHADES.len() as f64
     ));
     lines.join("\n")
 }
@@ -133,8 +133,8 @@ pub fn text(page: &SpectrogramPage) -> String {
 /// The map as a picture.
 #[allow(clippy::cast_precision_loss, reason = "a few hundred cells")]
 pub fn svg(page: &SpectrogramPage) -> String {
-    let (across, down) = (page.map.columns.len().clamp(1, CELLS.0), CELLS.1);
-    let (width, height) = PICTURE;
+    let (across, down) = (page.map.columns.len().clamp(1, MAX_CELLS.0), MAX_CELLS.1);
+    let (width, height) = PICTURE_SIZE;
     let (w, h) = (width / across as f64, height / down as f64);
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 880 460\" font-family=\"sans-serif\" font-size=\"13\">\n\
@@ -143,8 +143,8 @@ pub fn svg(page: &SpectrogramPage) -> String {
         super::escape(&page.title)
     );
     for (row, amplitudes) in page.cells(across, down).iter().enumerate() {
-        for (column, db) in amplitudes.iter().enumerate().filter(|(_, db)| **db > -DEPTH) {
-            let share = 1.0 + db / DEPTH;
+        for (column, db) in amplitudes.iter().enumerate().filter(|(_, db)| **db > -DYNAMIC_RANGE) {
+            let share = 1.0 + db / DYNAMIC_RANGE;
             // From white over blue to black: printed in grey it keeps its order.
             let [red, green, blue] = [1.0, 0.85, 0.45].map(|part| 255.0 * (1.0 - share * part));
             let (x, y) = (column as f64 * w, height - (row + 1) as f64 * h);

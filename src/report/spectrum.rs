@@ -8,9 +8,9 @@ use crate::analysis::spectrum::Spectrum;
 use crate::quantity::engineering;
 
 /// Without band edges the plot ends a little behind the last amplitude higher than this share of the highest (1).
-const SHOWN: f64 = 0.01;
+const SHOWN_SHARE: f64 = 0.01;
 /// With band edges it ends at this multiple of the highest (1).
-const BEYOND: f64 = 1.5;
+const BAND_MARGIN: f64 = 1.5;
 
 /// A spectrum with what is known about the chain it comes from.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,9 +47,9 @@ impl SpectrumPage {
     pub fn curve(&self) -> Curve {
         let spectrum = &self.spectrum;
         let top = spectrum.amplitude.iter().copied().fold(0.0, f64::max);
-        let last = spectrum.amplitude.iter().rposition(|a| *a >= SHOWN * top).unwrap_or(0);
+        let last = spectrum.amplitude.iter().rposition(|a| *a >= SHOWN_SHARE * top).unwrap_or(0);
         let end = match &self.chain {
-            Some(chain) => BEYOND * chain.cutoff(),
+            Some(chain) => BAND_MARGIN * chain.cutoff(),
             None => 1.1 * spectrum.frequency(last),
         };
         let points = spectrum.amplitude.iter().enumerate();

@@ -2,8 +2,8 @@
 
 use super::table;
 use crate::experiment::energy::{EnergyLedger, TOLERABLE};
+use crate::experiment::outcome::ErrorEstimate;
 use crate::experiment::outcome::{Reading, Speed, Summary};
-use crate::experiment::reference::ErrorEstimate;
 use crate::quantity::engineering;
 
 /// The page that `run` prints.

@@ -2,14 +2,14 @@
 
 use crate::quantity::engineering;
 use crate::sweep::gather::Gap;
-use crate::sweep::summary::{Failure, Gathering, Summary};
+use crate::sweep::summary::{Failure, GatherSummary, SweepSummary};
 
 /// Gaps that are named one by one.
 const NAMED_GAPS: usize = 10;
 
 /// What `sweep` prints.
-pub fn sweep(summary: &Summary) -> String {
-    let Summary { sweep, scene, runs, of_shard, finished_before, done, .. } = summary;
+pub fn sweep(summary: &SweepSummary) -> String {
+    let SweepSummary { sweep, scene, runs, of_shard, finished_before, done, .. } = summary;
     let part = summary.shard.as_ref().map_or(String::new(), |s| format!(", {s}: {of_shard} runs"));
     let accuracy = summary
         .accuracy
@@ -40,15 +40,15 @@ pub fn sweep(summary: &Summary) -> String {
 }
 
 /// What `gather` prints.
-pub fn gathering(gathering: &Gathering) -> String {
-    let Gathering { folder, logs, runs, finished, .. } = gathering;
+pub fn gathering(gathering: &GatherSummary) -> String {
+    let GatherSummary { folder, logs, runs, finished, .. } = gathering;
     let files = if *logs == 1 { "log" } else { "logs" };
     let mut lines = vec![format!("{folder}: {finished} of {} in {logs} {files}", counted(*runs))];
     lines.extend(results(gathering));
     lines.join("\n")
 }
 
-fn results(gathering: &Gathering) -> Vec<String> {
+fn results(gathering: &GatherSummary) -> Vec<String> {
     let mut lines = failures(gathering.failed, gathering.first_failed.as_ref());
     let missing: u64 = gathering.missing.iter().map(|gap| gap.last - gap.first + 1).sum();
     if missing > 0 {

@@ -1,23 +1,23 @@
 //! Maps of what a chain lets pass over a knob: shades and numbers for a terminal, sheets for a picture.
 
-use super::sheet::{Axis, COLOURS, Line, Map, Panel, Sheet, Stroke, sheet_svg};
+use super::sheet::{Axis, COLOURS, Plot, Polyline, ShadedMap, Sheet, Stroke, sheet_svg};
 use super::table;
 use crate::analysis::dispersion::DiatomicChain;
 use crate::quantity::engineering;
 use crate::studies::tunability::{TunedPoint, Tuning};
 
 /// Highest frequency that is shown (Hz).
-const HIGHEST: f64 = 20e3;
+const MAX_FREQUENCY: f64 = 20e3;
 /// What is this far below the highest of its column is shown as nothing (dB).
-const DEPTH: f64 = 60.0;
+const DYNAMIC_RANGE: f64 = 60.0;
 /// Rows of the map in a terminal and in a picture.
-const ROWS: (usize, usize) = (16, 100);
+const MAP_ROWS: (usize, usize) = (16, 100);
 /// Characters across the map in a terminal.
-const ACROSS: usize = 64;
+const MAP_COLUMNS: usize = 64;
 /// Shades from nothing to the highest.
 const SHADES: [char; 5] = [' ', '░', '▒', '▓', '█'];
 /// Rows of numbers below a map.
-const NUMBERS: usize = 7;
+const NUMBER_ROWS: usize = 7;
 
 type Edge = (&'static str, fn(&DiatomicChain) -> f64);
 const EDGES: [Edge; 3] = [
@@ -36,16 +36,22 @@ const EDGES: [Edge; 3] = [
 pub fn transmitted(point: &TunedPoint, rows: usize) -> Vec<f64> {
     let mut highest = vec![0.0_f64; rows];
     for (bin, amplitude) in point.transmitted.amplitude.iter().enumerate() {
-        let row = (point.transmitted.frequency(bin) / HIGHEST * rows as f64) as usize;
+        let row = (point.transmitted.frequency(bin) / MAX_FREQUENCY * rows as f64) as usize;
         let Some(cell) = highest.get_mut(row) else { break };
         *cell = cell.max(*amplitude);
     }
     let top = highest.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-    highest.into_iter().map(|amplitude| (20.0 * (amplitude / top).log10()).max(-DEPTH)).collect()
+    highest
+        .into_iter()
+        .map(|amplitude| (20.0 * (amplitude / top).log10()).max(-DYNAMIC_RANGE))
+        .collect()
 }
 
 fn shares(point: &TunedPoint, rows: usize) -> Vec<f64> {
-    transmitted(point, rows).into_iter().map(|db| (1.0 + db / DEPTH).clamp(0.0, 1.0)).collect()
+    transmitted(point, rows)
+        .into_iter()
+        .map(|db| (1.0 + db / DYNAMIC_RANGE).clamp(0.0, 1.0))
+        .collect()
 }
 
 /// The page that `tunability` prints.
@@ -59,9 +65,9 @@ pub fn tunability(title: &str, tunings: &[Tuning]) -> String {
     }
     lines.push(String::new());
     lines.push(format!(
-        "shades: spectrum at the last sensor up to {:.0} kHz, each {:.0} dB, nothing is {DEPTH:.0} dB below the highest line of its column; 1, 2, 3: band edges of the linear chain",
-        1e-3 * HIGHEST,
-        DEPTH / 5.0
+        "shades: spectrum at the last sensor up to {:.0} kHz, each {:.0} dB, nothing is {DYNAMIC_RANGE:.0} dB below the highest line of its column; 1, 2, 3: band edges of the linear chain",
+        1e-3 * MAX_FREQUENCY,
+        DYNAMIC_RANGE / 5.0
     ));
     lines.join("\n")
 }
@@ -86,15 +92,15 @@ fn value(tuning: &Tuning, value: f64) -> String {
     reason = "a place among a few dozen"
 )]
 fn map(tuning: &Tuning) -> Vec<String> {
-    let rows = ROWS.0;
-    let columns: Vec<Vec<char>> = (0..ACROSS)
-        .filter_map(|column| tuning.points.get(column * tuning.points.len() / ACROSS))
+    let rows = MAP_ROWS.0;
+    let columns: Vec<Vec<char>> = (0..MAP_COLUMNS)
+        .filter_map(|column| tuning.points.get(column * tuning.points.len() / MAP_COLUMNS))
         .map(|point| {
             let shade =
                 |share: f64| SHADES[((share * SHADES.len() as f64) as usize).min(SHADES.len() - 1)];
             let mut column: Vec<char> = shares(point, rows).into_iter().map(shade).collect();
             for ((_, edge), sign) in EDGES.iter().zip(['1', '2', '3']) {
-                let row = point.chain.map(|chain| edge(&chain) / HIGHEST * rows as f64);
+                let row = point.chain.map(|chain| edge(&chain) / MAX_FREQUENCY * rows as f64);
                 if let Some(cell) = row.and_then(|row| column.get_mut(row as usize)) {
                     *cell = sign;
                 }
@@ -106,7 +112,7 @@ fn map(tuning: &Tuning) -> Vec<String> {
     for row in (0..rows).rev() {
         let line: String = columns.iter().filter_map(|column| column.get(row)).collect();
         let label = match row {
-            _ if row + 1 == rows => engineering(HIGHEST, "Hz", 2),
+            _ if row + 1 == rows => engineering(MAX_FREQUENCY, "Hz", 2),
             0 => "0".to_owned(),
             _ => String::new(),
         };
@@ -114,8 +120,8 @@ fn map(tuning: &Tuning) -> Vec<String> {
     }
     let ends = [tuning.points.first(), tuning.points.last()];
     let [from, to] = ends.map(|point| point.map_or_else(String::new, |p| value(tuning, p.value)));
-    let gap = ACROSS.saturating_sub(from.chars().count() + to.chars().count());
-    lines.push(format!("  {:7} └{}┘", "", "─".repeat(ACROSS)));
+    let gap = MAP_COLUMNS.saturating_sub(from.chars().count() + to.chars().count());
+    lines.push(format!("  {:7} └{}┘", "", "─".repeat(MAP_COLUMNS)));
     lines.push(format!("  {:7}  {from}{}{to}", "", " ".repeat(gap)));
     lines
 }
@@ -125,7 +131,7 @@ fn numbers(tuning: &Tuning) -> Vec<String> {
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
     let none = || "-".to_owned();
     let last = tuning.points.len().saturating_sub(1);
-    let picked = (0..NUMBERS).map(|row| row * last / (NUMBERS - 1));
+    let picked = (0..NUMBER_ROWS).map(|row| row * last / (NUMBER_ROWS - 1));
     for point in picked.filter_map(|index| tuning.points.get(index)) {
         let edge = |of: fn(&DiatomicChain) -> f64, unit: &str| {
             point.chain.map_or_else(none, |chain| engineering(of(&chain), unit, 4))
@@ -171,26 +177,31 @@ fn curve(tuning: &Tuning, factor: f64, of: &dyn Fn(&TunedPoint) -> Option<f64>) 
     tuning.points.iter().filter_map(|point| Some((factor * point.value, of(point)?))).collect()
 }
 
-fn map_panel(tuning: &Tuning) -> Panel {
+fn map_panel(tuning: &Tuning) -> Plot {
     let (x, factor) = axis(tuning);
-    let mut panel = Panel::new(
+    let mut panel = Plot::new(
         "spectrum at the last sensor",
         x,
-        Axis::linear("frequency (kHz)", 0.0, 1e-3 * HIGHEST),
+        Axis::linear("frequency (kHz)", 0.0, 1e-3 * MAX_FREQUENCY),
     );
-    panel.map = Some(Map {
-        columns: tuning.points.iter().map(|point| shares(point, ROWS.1)).collect(),
-        shades: format!("white to black: {DEPTH:.0} dB"),
+    panel.map = Some(ShadedMap {
+        columns: tuning.points.iter().map(|point| shares(point, MAP_ROWS.1)).collect(),
+        shades: format!("white to black: {DYNAMIC_RANGE:.0} dB"),
     });
     for ((name, edge), colour) in EDGES.into_iter().zip([1, 3, 4]) {
         let points = curve(tuning, factor, &|point| Some(1e-3 * edge(&point.chain?)));
         let name = name.to_owned();
-        panel.lines.push(Line { name, points, colour: COLOURS[colour], stroke: Stroke::Dashed });
+        panel.lines.push(Polyline {
+            name,
+            points,
+            colour: COLOURS[colour],
+            stroke: Stroke::Dashed,
+        });
     }
     panel
 }
 
-fn speed_panel(tuning: &Tuning) -> Panel {
+fn speed_panel(tuning: &Tuning) -> Plot {
     let (x, factor) = axis(tuning);
     let lines = [
         ("pulse, half-rise", curve(tuning, factor, &|point| point.pulse_speed), 0, Stroke::Solid),
@@ -203,14 +214,14 @@ fn speed_panel(tuning: &Tuning) -> Panel {
     ];
     let speeds = lines.iter().flat_map(|(_, points, ..)| points.iter().map(|(_, speed)| *speed));
     let top = speeds.fold(1.0, f64::max);
-    let mut panel = Panel::new(
+    let mut panel = Plot::new(
         "speed between first and last sensor",
         x,
         Axis::linear("speed (m/s)", 0.0, 1.3 * top),
     );
     panel.lines = lines
         .into_iter()
-        .map(|(name, points, colour, stroke)| Line {
+        .map(|(name, points, colour, stroke)| Polyline {
             name: name.to_owned(),
             points,
             colour: COLOURS[colour],

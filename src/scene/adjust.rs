@@ -8,9 +8,9 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use super::bench::Panel;
+use super::bench::CachedPanel;
 use super::document::{Node, Value};
-use super::library::{self, Loaded};
+use super::library::{self, LoadedScene};
 use super::problem::SceneError;
 use super::tree::{ANY, at, at_mut, expand, insert, is_in_tables, known};
 use super::{Scene, input_load};
@@ -20,15 +20,15 @@ use crate::sensor::Load;
 /// A scene's tree, from which scenes with other numbers are made.
 #[derive(Debug)]
 pub struct Adjustable {
-    pub(super) loaded: Loaded,
+    pub(super) loaded: LoadedScene,
     base: String,
     /// The scene's front panel, which scenes with other values mostly have, too.
-    panel: Option<Panel>,
+    panel: Option<CachedPanel>,
 }
 
 /// A number of a scene that can be turned.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Knob {
+pub struct AdjustableNumber {
     /// Where it stands, `striker.speed`.
     pub path: String,
     /// Its value in the scene, in SI units (unit).
@@ -89,7 +89,7 @@ impl Adjustable {
         let base = whole.map_or_else(|| name.to_owned(), |path| path.display().to_string());
         let adjustable = Self { loaded: library::load(name)?, base, panel: None };
         let duration = adjustable.scene()?.duration;
-        let panel = Panel::of(&adjustable.loaded.root, duration);
+        let panel = CachedPanel::of(&adjustable.loaded.root, duration);
         Ok(Self { panel, ..adjustable })
     }
 
@@ -110,7 +110,7 @@ impl Adjustable {
     ///
     /// # Errors
     /// [`SceneError`] where a value is out of its range.
-    pub fn with(&self, values: &[(&Knob, f64)]) -> Result<Scene, SceneError> {
+    pub fn with(&self, values: &[(&AdjustableNumber, f64)]) -> Result<Scene, SceneError> {
         let mut root = self.loaded.root.clone();
         for (knob, value) in values {
             let keys: Vec<&str> = knob.path.split('.').collect();
@@ -123,8 +123,8 @@ impl Adjustable {
 
     /// The scene of another tree.
     pub(super) fn standing_on(&self, root: Node) -> Result<Scene, SceneError> {
-        let Loaded { name, text, texts, problems, .. } = &self.loaded;
-        let loaded = Loaded {
+        let LoadedScene { name, text, texts, problems, .. } = &self.loaded;
+        let loaded = LoadedScene {
             name: name.clone(),
             text: text.clone(),
             texts: texts.clone(),
@@ -138,7 +138,7 @@ impl Adjustable {
     ///
     /// # Errors
     /// [`AdjustError`] where nothing is there, or no number.
-    pub fn knobs(&mut self, path: &str) -> Result<Vec<Knob>, AdjustError> {
+    pub fn knobs(&mut self, path: &str) -> Result<Vec<AdjustableNumber>, AdjustError> {
         let mut keys: Vec<&str> = path.split('.').map(str::trim).collect();
         // One of the sensors is a sensor.
         if let Some(first @ &mut "sensor") = keys.first_mut() {
@@ -185,7 +185,7 @@ impl Adjustable {
     }
 
     /// A scene that stands on this one and has other values, as text; each with how many digits of it count.
-    pub fn derived(&self, values: &[(&Knob, f64, usize)], title: &str) -> String {
+    pub fn derived(&self, values: &[(&AdjustableNumber, f64, usize)], title: &str) -> String {
         let mut tables: BTreeMap<String, BTreeMap<String, String>> = BTreeMap::new();
         for (knob, value, decimals) in values {
             let (table, key) = knob.path.rsplit_once('.').unwrap_or(("", &knob.path));
@@ -226,7 +226,7 @@ impl Adjustable {
     }
 }
 
-impl Knob {
+impl AdjustableNumber {
     /// A value as the file would have it.
     fn typed(&self, value: f64) -> Value {
         Value::Text(format!("{:e} {}", value / self.scale, self.unit).into())
@@ -244,11 +244,11 @@ fn sensitivity(scene: &Scene, index: usize) -> f64 {
     placed.sensor.connect(placed.sensor.measured.load.unwrap_or(load)).sensitivity
 }
 
-fn knob(path: String, node: &Node) -> Result<Knob, AdjustError> {
+fn knob(path: String, node: &Node) -> Result<AdjustableNumber, AdjustError> {
     let wrong = |found: String| AdjustError::NoNumber { path: path.clone(), found };
     match &node.value {
         Value::Number { value, .. } if value.is_finite() => {
-            Ok(Knob { path, value: *value, unit: String::new(), scale: 1.0 })
+            Ok(AdjustableNumber { path, value: *value, unit: String::new(), scale: 1.0 })
         }
         Value::Text(text) => {
             let Ok((value, dimension)) = parse_any(text) else {
@@ -260,7 +260,7 @@ fn knob(path: String, node: &Node) -> Result<Knob, AdjustError> {
                 _ if dimension == Dimension::NONE => (String::new(), 1.0),
                 _ => (dimension.base_units(), 1.0),
             };
-            Ok(Knob { path, value, unit, scale })
+            Ok(AdjustableNumber { path, value, unit, scale })
         }
         _ => Err(wrong(node.describe())),
     }

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use super::document::{Entries, Node};
 use super::oscilloscope;
-use super::reader::{Bound, Problems, Table};
+use super::reader::{Bound, Problems, TableReader};
 use super::sensors::sensor_names;
 use crate::quantity::{Dimension, engineering};
 use crate::scope::{
@@ -19,7 +19,7 @@ const CHANNELS: [&str; 4] = ["ch1", "ch2", "ch3", "ch4"];
 /// A front panel that was read before. Of the scenes of a sweep few have one of their own, and reading it takes longer than anything else
 /// about them.
 #[derive(Debug)]
-pub struct Panel {
+pub struct CachedPanel {
     /// The table that it was read from.
     entries: Rc<Entries>,
     /// Names of the sensors that it may be wired to.
@@ -29,11 +29,11 @@ pub struct Panel {
     setup: Setup,
 }
 
-impl Panel {
+impl CachedPanel {
     /// That of the scene `root`, whose duration this is (s), if nothing is wrong with it.
     pub fn of(root: &Node, duration: f64) -> Option<Self> {
         let problems = Problems::default();
-        let root = Table::of(root, "", &problems)?;
+        let root = TableReader::of(root, "", &problems)?;
         let table = root.table("scope")?;
         let sensors = sensor_names(&root);
         let setup = scope(&table, &sensors, Some(duration))?;
@@ -44,7 +44,7 @@ impl Panel {
     }
 
     /// Whether reading it again, from `table`, would find the same.
-    fn is_of(&self, table: &Table<'_>, sensors: &[&str], duration: Option<f64>) -> bool {
+    fn is_of(&self, table: &TableReader<'_>, sensors: &[&str], duration: Option<f64>) -> bool {
         Rc::ptr_eq(&self.entries, table.entries)
             && self.sensors == sensors
             && Some(self.duration) == duration
@@ -54,10 +54,10 @@ impl Panel {
 /// The front panel of a scene, with the front end's noise (div), and its errors drawn from a seed, if any; it is `panel` where that was read
 /// from the same.
 pub fn drawn(
-    root: &Table<'_>,
+    root: &TableReader<'_>,
     (noise, errors_of): (f64, Option<u64>),
     duration: Option<f64>,
-    panel: Option<&Panel>,
+    panel: Option<&CachedPanel>,
 ) -> Option<Setup> {
     if !root.has("scope") {
         let expected = "[scope] with model, time_base, trigger and channels";
@@ -84,7 +84,7 @@ pub fn drawn(
 }
 
 /// Reads `[scope]`, without noise. Where the model cannot be read, everything but its limits is checked still.
-fn scope(table: &Table<'_>, sensors: &[&str], duration: Option<f64>) -> Option<Setup> {
+fn scope(table: &TableReader<'_>, sensors: &[&str], duration: Option<f64>) -> Option<Setup> {
     let model = oscilloscope::model(table);
     let time_base = table.required("time_base", Dimension::TIME_PER_DIVISION, Bound::Positive);
     let position = table.quantity("position", Dimension::TIME, Bound::Any);
@@ -134,7 +134,7 @@ fn scope(table: &Table<'_>, sensors: &[&str], duration: Option<f64>) -> Option<S
 
 /// A plate drives one cable: the circuit knows the load of one input alone.
 fn one_channel_a_sensor(
-    table: &Table<'_>,
+    table: &TableReader<'_>,
     keys: &[&'static str],
     channels: &[Option<ChannelSetup>],
     external: Option<&String>,
@@ -159,7 +159,7 @@ fn one_channel_a_sensor(
 }
 
 /// The name of the sensor at an input.
-fn input(table: &Table<'_>, sensors: &[&str]) -> Option<String> {
+fn input(table: &TableReader<'_>, sensors: &[&str]) -> Option<String> {
     let name = table.text("input")?;
     if !sensors.contains(&name) {
         let expected = format!("a sensor: one of {}", sensors.join(", "));
@@ -169,7 +169,7 @@ fn input(table: &Table<'_>, sensors: &[&str]) -> Option<String> {
 }
 
 fn channel_setup(
-    table: &Table<'_>,
+    table: &TableReader<'_>,
     model: Option<&Model>,
     sensors: &[&str],
 ) -> Option<ChannelSetup> {
@@ -199,7 +199,11 @@ struct Inputs<'a> {
     external: bool,
 }
 
-fn trigger_setup(table: &Table<'_>, model: Option<&Model>, inputs: &Inputs<'_>) -> Option<Trigger> {
+fn trigger_setup(
+    table: &TableReader<'_>,
+    model: Option<&Model>,
+    inputs: &Inputs<'_>,
+) -> Option<Trigger> {
     let channels = (1..).zip(inputs.channels).map(|(n, _)| TriggerSource::Channel(n));
     let sources: Vec<(String, TriggerSource)> = channels
         .chain([TriggerSource::External, TriggerSource::External5])

@@ -3,12 +3,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::library;
-use super::reader::{Bound, Problems, Table};
+use super::reader::{Bound, Problems, TableReader};
 use crate::chain::{Body, Chain, ChainError, ChainSpec, Elasticity, End};
 use crate::quantity::Dimension;
 
 /// Most particles a chain may have: a recording has a topic for each bead and each contact, and room for 65535.
-const MOST_PARTICLES: usize = 30_000;
+const MAX_PARTICLES: usize = 30_000;
 
 /// Looks materials up, in the scene first and among the instruments then.
 pub struct Materials<'a> {
@@ -25,7 +25,7 @@ struct Material {
 
 impl<'a> Materials<'a> {
     /// Reads `[materials.<name>]`.
-    pub fn read(root: &Table<'_>, problems: &'a Problems) -> Self {
+    pub fn read(root: &TableReader<'_>, problems: &'a Problems) -> Self {
         let mut own = BTreeMap::new();
         for (name, table) in root.tables("materials") {
             own.insert(name.to_owned(), material(&table));
@@ -35,7 +35,7 @@ impl<'a> Materials<'a> {
     }
 
     /// The material that `table` names under `key`.
-    fn named(&self, table: &Table<'_>, key: &'static str) -> Option<Material> {
+    fn named(&self, table: &TableReader<'_>, key: &'static str) -> Option<Material> {
         let name = table.required_text(key, "the name of a material")?;
         if let Some(own) = self.own.get(name) {
             return *own;
@@ -43,7 +43,7 @@ impl<'a> Materials<'a> {
         let path = table.path_of(key);
         match library::instrument("materials", name, table.place_of(key), &path) {
             Ok(node) => {
-                let table = Table::of(&node, "", self.problems)?;
+                let table = TableReader::of(&node, "", self.problems)?;
                 let found = material(&table);
                 table.finish();
                 found
@@ -56,7 +56,7 @@ impl<'a> Materials<'a> {
     }
 }
 
-fn material(table: &Table<'_>) -> Option<Material> {
+fn material(table: &TableReader<'_>) -> Option<Material> {
     let _ = table.text("source");
     let modulus = table.required("youngs_modulus", Dimension::PRESSURE, Bound::MODULUS);
     let ratio = table.required("poissons_ratio", Dimension::NONE, Bound::Between(-1.0, 0.5));
@@ -67,11 +67,16 @@ fn material(table: &Table<'_>) -> Option<Material> {
 
 /// Reads a body: material, mass, and its shape. A diameter makes a sphere, a height in addition a cylinder with flat
 /// faces; without either the faces are flat and the length is zero.
-fn body(table: &Table<'_>, name: &str, materials: &Materials<'_>, shaped: bool) -> Option<Body> {
+fn body(
+    table: &TableReader<'_>,
+    name: &str,
+    materials: &Materials<'_>,
+    shaped: bool,
+) -> Option<Body> {
     let _ = table.text("source");
     let material = materials.named(table, "material");
     let mass = table.required("mass", Dimension::MASS, Bound::MASS);
-    let read = if shaped { Table::required } else { Table::quantity };
+    let read = if shaped { TableReader::required } else { TableReader::quantity };
     let diameter = read(table, "diameter", Dimension::LENGTH, Bound::LENGTH);
     let height = table.quantity("height", Dimension::LENGTH, Bound::LENGTH);
     // Without its shape, a body would look flat or round where it is neither.
@@ -97,7 +102,7 @@ pub struct Striker {
 }
 
 /// Reads `[striker]`.
-pub fn striker(root: &Table<'_>, materials: &Materials<'_>) -> Option<Striker> {
+pub fn striker(root: &TableReader<'_>, materials: &Materials<'_>) -> Option<Striker> {
     let table = root.table("striker")?;
     let _ = table.text("model");
     let body = body(&table, "striker", materials, false);
@@ -116,13 +121,13 @@ pub struct Particles<'a> {
 
 /// Largest number that a particle may have in a chain of `particles`, 0 where that is not known.
 pub fn last_particle(particles: usize) -> u64 {
-    if particles == 0 { MOST_PARTICLES as u64 } else { particles as u64 }
+    if particles == 0 { MAX_PARTICLES as u64 } else { particles as u64 }
 }
 
 /// Reads `[particles.<kind>]` and `[chain]` with its segments.
 pub fn particles<'a>(
-    root: &Table<'_>,
-    chain: Option<&Table<'a>>,
+    root: &TableReader<'_>,
+    chain: Option<&TableReader<'a>>,
     materials: &Materials<'_>,
 ) -> Particles<'a> {
     let mut kinds = BTreeMap::new();
@@ -134,7 +139,7 @@ pub fn particles<'a>(
     let mut complete = true;
     let Some(chain) = chain else { return particles };
     for segment in chain.list("segments") {
-        let repeat = segment.count("repeat", 1, MOST_PARTICLES as u64);
+        let repeat = segment.count("repeat", 1, MAX_PARTICLES as u64);
         let names = segment.texts("particles");
         complete &= (repeat.is_some() || !segment.has("repeat")) && !names.is_empty();
         let repeat = repeat.and_then(|repeat| usize::try_from(repeat).ok()).unwrap_or(1);
@@ -145,8 +150,8 @@ pub fn particles<'a>(
                 segment.problem_at(place, "particles", format!("\"{name}\""), expected);
             }
         }
-        if particles.kinds.len() + repeat.saturating_mul(names.len()) > MOST_PARTICLES {
-            let expected = format!("at most {MOST_PARTICLES} particles");
+        if particles.kinds.len() + repeat.saturating_mul(names.len()) > MAX_PARTICLES {
+            let expected = format!("at most {MAX_PARTICLES} particles");
             segment.problem("repeat", "a longer chain", expected);
             complete = false;
         } else {
@@ -173,7 +178,11 @@ pub fn particles<'a>(
 }
 
 /// What stands at an end: `"free"`, `{ wall = "steel" }` or `{ force = "2 N" }`; a wall may press with a `preload`.
-pub fn end(chain: &Table<'_>, key: &'static str, materials: &Materials<'_>) -> Option<(End, f64)> {
+pub fn end(
+    chain: &TableReader<'_>,
+    key: &'static str,
+    materials: &Materials<'_>,
+) -> Option<(End, f64)> {
     const EXPECTED: &str = "\"free\", { wall = \"<material>\" } or { force = \"<force>\" }";
     let Some(node) = chain.node(key) else {
         chain.problem(key, "no such key", EXPECTED);
@@ -206,7 +215,7 @@ pub fn end(chain: &Table<'_>, key: &'static str, materials: &Materials<'_>) -> O
 }
 
 /// Refuses a preload at the bottom: there the loads above decide what the wall bears.
-pub fn no_preload_at_the_bottom(chain: &Table<'_>) {
+pub fn no_preload_at_the_bottom(chain: &TableReader<'_>) {
     let bottom = chain.node("bottom").map(|node| &node.value);
     let Some(super::document::Value::Table(table)) = bottom else { return };
     if let Some(entry) = table.get("preload") {
@@ -218,7 +227,7 @@ pub fn no_preload_at_the_bottom(chain: &Table<'_>) {
 
 /// Initial velocity of each body: the striker's, and `[[initial_velocities]]` (m/s).
 pub fn initial_velocities(
-    root: &Table<'_>,
+    root: &TableReader<'_>,
     striker: Option<&Striker>,
     particles: usize,
 ) -> Vec<f64> {
@@ -258,7 +267,11 @@ pub fn initial_velocities(
 }
 
 /// Puts the chain together; what does not fit is a problem of `[chain]`, or of the magnet among the `effects`.
-pub fn assemble(spec: &ChainSpec, chain: &Table<'_>, effects: Option<&Table<'_>>) -> Option<Chain> {
+pub fn assemble(
+    spec: &ChainSpec,
+    chain: &TableReader<'_>,
+    effects: Option<&TableReader<'_>>,
+) -> Option<Chain> {
     match Chain::new(spec) {
         Ok(built) if built.contacts().iter().all(|contact| contact.stiffness == 0.0) => {
             let expected = "a striker, a wall or a second particle for it to touch";

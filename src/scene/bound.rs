@@ -33,7 +33,7 @@ pub enum Bound {
 }
 
 /// Fastest that anything moves (m/s).
-const FASTEST: f64 = 1e5;
+const MAX_SPEED: f64 = 1e5;
 
 impl Bound {
     /// Of a mass (kg).
@@ -43,9 +43,9 @@ impl Bound {
     /// Of Young's modulus (Pa).
     pub const MODULUS: Self = Self::Bench(1.0, 1e14);
     /// Of a striker's speed (m/s).
-    pub const SPEED: Self = Self::Bench(1e-12, FASTEST);
+    pub const SPEED: Self = Self::Bench(1e-12, MAX_SPEED);
     /// Of a velocity (m/s).
-    pub const VELOCITY: Self = Self::Within(-FASTEST, FASTEST);
+    pub const VELOCITY: Self = Self::Within(-MAX_SPEED, MAX_SPEED);
 
     /// Whether `value` keeps to it.
     pub(super) fn holds(self, value: f64) -> bool {

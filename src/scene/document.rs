@@ -15,7 +15,7 @@ use super::problem::Problem;
 
 /// Where a value was typed.
 #[derive(Debug, Clone)]
-pub struct Place {
+pub struct SourceLocation {
     source: Rc<Source>,
     offset: usize,
 }
@@ -26,7 +26,7 @@ struct Source {
     text: Arc<str>,
 }
 
-impl Place {
+impl SourceLocation {
     /// A problem at this place.
     pub fn problem(&self, key: &str, found: String, expected: String) -> Problem {
         let before = self.source.text.get(..self.offset).unwrap_or(&self.source.text);
@@ -83,7 +83,7 @@ pub enum Value {
 #[derive(Debug, Clone)]
 pub struct Entry {
     /// Where the key was typed.
-    pub key_place: Place,
+    pub key_place: SourceLocation,
     /// The value.
     pub node: Node,
 }
@@ -92,7 +92,7 @@ pub struct Entry {
 #[derive(Debug, Clone)]
 pub struct Node {
     /// Where it was typed.
-    pub place: Place,
+    pub place: SourceLocation,
     /// What was typed.
     pub value: Value,
 }
@@ -106,7 +106,7 @@ impl Node {
         let source = Rc::new(Source { file: file.to_owned(), text: text.into() });
         let (table, errors) = DeTable::parse_recoverable(text);
         if !errors.is_empty() {
-            let place = |error: &toml::de::Error| Place {
+            let place = |error: &toml::de::Error| SourceLocation {
                 source: Rc::clone(&source),
                 offset: error.span().map_or(0, |span| span.start),
             };
@@ -115,7 +115,7 @@ impl Node {
                 .map(|e| place(e).problem("", e.message().to_owned(), "valid TOML".to_owned()))
                 .collect());
         }
-        let place = Place { source: Rc::clone(&source), offset: 0 };
+        let place = SourceLocation { source: Rc::clone(&source), offset: 0 };
         Ok(Self { place, value: table_of(&source, table.get_ref()) })
     }
 
@@ -145,7 +145,7 @@ impl Node {
     }
 
     /// The text under `key`, if this is a table and has one.
-    pub fn text(&self, key: &str) -> Option<(&str, &Place)> {
+    pub fn text(&self, key: &str) -> Option<(&str, &SourceLocation)> {
         let Value::Table(table) = &self.value else {
             return None;
         };
@@ -167,7 +167,7 @@ impl Node {
 
 fn table_of(source: &Rc<Source>, table: &DeTable<'_>) -> Value {
     let entry = |key: &Spanned<std::borrow::Cow<'_, str>>, value: &Spanned<DeValue<'_>>| Entry {
-        key_place: Place { source: Rc::clone(source), offset: key.span().start },
+        key_place: SourceLocation { source: Rc::clone(source), offset: key.span().start },
         node: node_of(source, value),
     };
     let entries = table.iter().map(|(key, value)| (Rc::from(&**key.get_ref()), entry(key, value)));
@@ -196,5 +196,8 @@ fn node_of(source: &Rc<Source>, value: &Spanned<DeValue<'_>>) -> Node {
         }
         DeValue::Table(table) => table_of(source, table),
     };
-    Node { place: Place { source: Rc::clone(source), offset: value.span().start }, value: value_of }
+    Node {
+        place: SourceLocation { source: Rc::clone(source), offset: value.span().start },
+        value: value_of,
+    }
 }

@@ -3,15 +3,15 @@
 use super::effect_table::effect;
 use super::losses::losses;
 use super::magnet_preload::magnet;
-use super::reader::{Bound, Table};
+use super::reader::{Bound, TableReader};
 use super::sensors;
 use crate::chain::{EffectsSpec, Gravity, LinearisedContacts};
 use crate::quantity::Dimension;
-use crate::sensor::Tolerance;
+use crate::sensor::SensorTolerance;
 
 /// What `state` says of an effect whose table is there; its other keys stay as they are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Switch {
+pub enum EffectSwitch {
     /// On; so is a table without the key.
     On,
     /// Off.
@@ -21,9 +21,10 @@ pub enum Switch {
 }
 
 /// Effects whose change can be foretold.
-const FORETOLD: [&str; 5] = ["gravity", "magnet_law", "dashpot", "kuwabara_kono", "power_law_loss"];
+const BOUNDED_EFFECTS: [&str; 5] =
+    ["gravity", "magnet_law", "dashpot", "kuwabara_kono", "power_law_loss"];
 /// The others.
-const PLAIN: [&str; 6] = [
+const UNBOUNDED_EFFECTS: [&str; 6] = [
     "linearised_contacts",
     "magnet_preload",
     "scope_errors",
@@ -33,31 +34,34 @@ const PLAIN: [&str; 6] = [
 ];
 
 /// The `state` of every effect that has one.
-pub fn switches(effects: &Table<'_>) -> Vec<(&'static str, Switch)> {
-    let words = [("on", Switch::On), ("off", Switch::Off), ("auto", Switch::Auto)];
-    let read = |name: &'static str, words: &[(&str, Switch)]| {
+pub fn switches(effects: &TableReader<'_>) -> Vec<(&'static str, EffectSwitch)> {
+    let words =
+        [("on", EffectSwitch::On), ("off", EffectSwitch::Off), ("auto", EffectSwitch::Auto)];
+    let read = |name: &'static str, words: &[(&str, EffectSwitch)]| {
         let state = effect(effects, name)?.choice("state", words)?;
         Some((name, state))
     };
-    let foretold = FORETOLD.into_iter().filter_map(|name| read(name, &words));
-    foretold.chain(PLAIN.into_iter().filter_map(|name| read(name, &words[..2]))).collect()
+    let foretold = BOUNDED_EFFECTS.into_iter().filter_map(|name| read(name, &words));
+    foretold
+        .chain(UNBOUNDED_EFFECTS.into_iter().filter_map(|name| read(name, &words[..2])))
+        .collect()
 }
 
 /// Whether `name` is switched off.
-pub fn is_off(switches: &[(&'static str, Switch)], name: &str) -> bool {
-    switches.iter().any(|(other, switch)| *other == name && *switch == Switch::Off)
+pub fn is_off(switches: &[(&'static str, EffectSwitch)], name: &str) -> bool {
+    switches.iter().any(|(other, switch)| *other == name && *switch == EffectSwitch::Off)
 }
 
 /// Those whose state is `auto`.
-pub fn left_to_accuracy(switches: &[(&'static str, Switch)]) -> Vec<&'static str> {
-    let auto = switches.iter().filter(|(_, switch)| *switch == Switch::Auto);
+pub fn left_to_accuracy(switches: &[(&'static str, EffectSwitch)]) -> Vec<&'static str> {
+    let auto = switches.iter().filter(|(_, switch)| *switch == EffectSwitch::Auto);
     auto.map(|(name, _)| *name).collect()
 }
 
 /// Takes out what is switched off; it has been read, so that mistakes in it are told.
-pub fn switch(spec: &mut EffectsSpec, switches: &[(&'static str, Switch)]) {
+pub fn switch(spec: &mut EffectsSpec, switches: &[(&'static str, EffectSwitch)]) {
     for (name, switch) in switches {
-        if *switch == Switch::Off {
+        if *switch == EffectSwitch::Off {
             spec.remove(name);
         }
     }
@@ -66,7 +70,7 @@ pub fn switch(spec: &mut EffectsSpec, switches: &[(&'static str, Switch)]) {
 /// Reads `[effects]`, noise and errors of the scope excepted.
 /// `pairs` are the names of the bodies that touch, none where they are not known.
 pub fn effects(
-    effects: Option<&Table<'_>>,
+    effects: Option<&TableReader<'_>>,
     particles: usize,
     pairs: &[(&str, &str)],
 ) -> EffectsSpec {
@@ -87,13 +91,13 @@ pub fn effects(
 }
 
 /// Whether `[effects.scope_errors]` is on.
-pub fn scope_errors(effects: &Table<'_>) -> bool {
+pub fn scope_errors(effects: &TableReader<'_>) -> bool {
     let table = effect(effects, "scope_errors");
-    table.map(Table::finish).is_some()
+    table.map(TableReader::finish).is_some()
 }
 
 /// `[effects.scope_noise]` (div).
-pub fn scope_noise(effects: &Table<'_>) -> Option<f64> {
+pub fn scope_noise(effects: &TableReader<'_>) -> Option<f64> {
     let table = effect(effects, "scope_noise")?;
     let rms = table.required("rms", Dimension::DIVISION, Bound::NotNegative);
     table.finish();
@@ -101,7 +105,7 @@ pub fn scope_noise(effects: &Table<'_>) -> Option<f64> {
 }
 
 /// `[effects.sensor_tolerance]`.
-pub fn sensor_tolerance(effects: &Table<'_>) -> Option<Tolerance> {
+pub fn sensor_tolerance(effects: &TableReader<'_>) -> Option<SensorTolerance> {
     let table = effect(effects, "sensor_tolerance")?;
     let tolerance = sensors::tolerance(&table);
     table.finish();
@@ -109,12 +113,12 @@ pub fn sensor_tolerance(effects: &Table<'_>) -> Option<Tolerance> {
 }
 
 /// Largest spread that is taken for one: beyond it a striker is no striker (1).
-const LARGEST_SPREAD: f64 = 0.5;
+const MAX_SPREAD: f64 = 0.5;
 
 /// `[effects.striker_speed_spread]` (1).
-pub fn striker_speed_spread(effects: &Table<'_>, root: &Table<'_>) -> Option<f64> {
+pub fn striker_speed_spread(effects: &TableReader<'_>, root: &TableReader<'_>) -> Option<f64> {
     let table = effect(effects, "striker_speed_spread")?;
-    let bound = Bound::Within(0.0, LARGEST_SPREAD);
+    let bound = Bound::Within(0.0, MAX_SPREAD);
     let relative = table.required("relative", Dimension::NONE, bound);
     if !root.has("striker") {
         table.problem("", "no striker", "[striker], whose speed is spread");

@@ -10,7 +10,7 @@ use super::problem::{Problem, SceneError};
 use crate::data;
 
 /// Largest file that is read as a scene or an instrument: ten thousand times what ships (bytes).
-const LARGEST_TEXT: u64 = 16 * 1024 * 1024;
+const MAX_TEXT_BYTES: u64 = 16 * 1024 * 1024;
 
 thread_local! {
     /// The instruments that ship and have been read: a sweep reads the same few thousands of times, and parsing them costs more than
@@ -50,9 +50,9 @@ pub(super) fn read_text(path: &Path, file: &str) -> Result<String, SceneError> {
     let failed = |source| SceneError::Read { file: file.to_owned(), source };
     let mut bytes = Vec::new();
     let opened = std::fs::File::open(path).map_err(failed)?;
-    opened.take(LARGEST_TEXT + 1).read_to_end(&mut bytes).map_err(failed)?;
-    if bytes.len() as u64 > LARGEST_TEXT {
-        return Err(SceneError::TooLarge { file: file.to_owned(), limit: LARGEST_TEXT });
+    opened.take(MAX_TEXT_BYTES + 1).read_to_end(&mut bytes).map_err(failed)?;
+    if bytes.len() as u64 > MAX_TEXT_BYTES {
+        return Err(SceneError::TooLarge { file: file.to_owned(), limit: MAX_TEXT_BYTES });
     }
     String::from_utf8(bytes).map_err(|error| {
         let sound = error.utf8_error().valid_up_to();

@@ -6,15 +6,15 @@
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use super::document::{Entry, Node, Place, Value};
+use super::document::{Entry, Node, SourceLocation, Value};
 use super::files::{read_text, shipped};
-use super::forget::{forget_ends, forget_models};
 use super::problem::{Problem, SceneError};
 use super::texts::Texts;
+use super::tree::{at, at_mut};
 use crate::data;
 
 /// A scene may stand on a scene that stands on a scene; deeper is a mistake or a circle.
-const DEEPEST_BASE: usize = 8;
+const MAX_BASE_DEPTH: usize = 8;
 
 /// Tables that may name an instrument file in `model`, and the folder it lies in.
 const MODELS: [(&str, &str); 3] =
@@ -23,6 +23,9 @@ const MODELS: [(&str, &str); 3] =
 /// Keys that name a file of constants, and the folder it lies in.
 const CONSTANTS: [(&str, &str); 3] =
     [("material", "materials"), ("wall", "materials"), ("ceramic", "piezoceramics")];
+
+/// The ends of a chain.
+const ENDS: [&str; 2] = ["top", "bottom"];
 
 /// Where a file was found.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -33,7 +36,7 @@ enum Origin {
 
 /// A scene's tree with everything it stands on, and the text as typed.
 #[derive(Debug)]
-pub struct Loaded {
+pub struct LoadedScene {
     /// Short name: the embedded name or the file's stem.
     pub name: String,
     /// The scene's own text.
@@ -50,7 +53,7 @@ pub struct Loaded {
 ///
 /// # Errors
 /// [`SceneError`] when there is no such scene or its text is no TOML.
-pub fn load(name: &str) -> Result<Loaded, SceneError> {
+pub fn load(name: &str) -> Result<LoadedScene, SceneError> {
     let (text, file, origin) = find("scenes", name, &Origin::Embedded)?.ok_or_else(|| {
         SceneError::Unknown { name: name.to_owned(), shipped: data::instrument_names("scenes") }
     })?;
@@ -63,16 +66,21 @@ pub fn load(name: &str) -> Result<Loaded, SceneError> {
 ///
 /// # Errors
 /// [`SceneError`] when the text is no TOML or stands on what is not there.
-pub fn load_text(name: &str, file: &str, text: &str) -> Result<Loaded, SceneError> {
+pub fn load_text(name: &str, file: &str, text: &str) -> Result<LoadedScene, SceneError> {
     assembled(name, text.to_owned(), file, &Origin::Embedded)
 }
 
-fn assembled(name: &str, text: String, file: &str, origin: &Origin) -> Result<Loaded, SceneError> {
+fn assembled(
+    name: &str,
+    text: String,
+    file: &str,
+    origin: &Origin,
+) -> Result<LoadedScene, SceneError> {
     let mut library = Library { texts: Texts::default(), problems: Vec::new() };
     let root = library.assemble(&text, file, origin, 0)?;
     library.add_constants(&root);
     let Library { texts, problems } = library;
-    Ok(Loaded { name: name.to_owned(), text, texts, root, problems })
+    Ok(LoadedScene { name: name.to_owned(), text, texts, root, problems })
 }
 
 /// The tree of the instrument file `kind/name`, which `place` names.
@@ -82,7 +90,7 @@ fn assembled(name: &str, text: String, file: &str, origin: &Origin) -> Result<Lo
 pub fn instrument(
     kind: &str,
     name: &str,
-    place: &Place,
+    place: &SourceLocation,
     key: &str,
 ) -> Result<Rc<Node>, Vec<Problem>> {
     if let Some(node) = shipped(kind, name) {
@@ -136,8 +144,10 @@ impl Library {
             );
             SceneError::Problems(vec![place.problem("base", found, expected)])
         };
-        if depth >= DEEPEST_BASE {
-            return Err(wrong(format!("more than {DEEPEST_BASE} scenes standing on one another")));
+        if depth >= MAX_BASE_DEPTH {
+            return Err(wrong(format!(
+                "more than {MAX_BASE_DEPTH} scenes standing on one another"
+            )));
         }
         let found = find("scenes", &base, origin).map_err(|error| match error {
             SceneError::Problems(problems) => SceneError::Problems(problems),
@@ -149,8 +159,8 @@ impl Library {
         // Models go in before merging, so that naming another model replaces all the first one said.
         self.insert_models(&mut root);
         let mut below = below;
-        forget_models(&root, &mut below);
-        forget_ends(&root, &mut below);
+        remove_replaced_models(&root, &mut below);
+        remove_replaced_ends(&root, &mut below);
         root.put_over(&below);
         Ok(root)
     }
@@ -216,6 +226,46 @@ impl Library {
     }
 }
 
+/// Takes away what the model of a sensor or magnet said below where another model is named above: half of each would be neither.
+fn remove_replaced_models(above: &Node, below: &mut Node) {
+    let child = |node: &Node, key: &str| match &node.value {
+        Value::Table(table) => table.get(key).map(|entry| entry.node.clone()),
+        _ => None,
+    };
+    for (folder, kind, only) in
+        [("sensors", "sensors", None), ("effects", "magnets", Some("magnet_preload"))]
+    {
+        let Some(above) = child(above, folder) else { continue };
+        let Some(below) = below.entries_mut().and_then(|b| b.get_mut(folder)) else { continue };
+        let Some(below) = below.node.entries_mut() else { continue };
+        for (name, entry) in below.iter_mut().filter(|(name, _)| only.is_none_or(|o| o == &***name))
+        {
+            if child(&above, name).and_then(|node| node.text("model").map(|_| ())).is_some() {
+                remove_model(&mut entry.node, kind);
+            }
+        }
+    }
+}
+
+/// Takes away the ends of the chain below that are others above: half of each would be neither.
+fn remove_replaced_ends(above: &Node, below: &mut Node) {
+    let (Some(above), Some(below)) = (at(above, &["chain"]), at_mut(below, &["chain"])) else {
+        return;
+    };
+    if let Some(ends) = below.entries_mut() {
+        ends.retain(|key, _| !ENDS.contains(&&**key) || at(above, &[key]).is_none());
+    }
+}
+
+/// Takes away what the model said that this table names, so that another's can take its place; what the scene says itself stays.
+pub fn remove_model(table: &mut Node, kind: &str) {
+    let Some((model, place)) = table.text("model") else { return };
+    let Ok(file) = instrument(kind, model, place, "") else { return };
+    if let Some(keys) = table.entries_mut() {
+        keys.retain(|_, entry| entry.node.place.file() != file.place.file());
+    }
+}
+
 /// An instrument of this kind that ships: without one, every key of a missing file would be missing as well.
 fn stand_in(kind: &str) -> Option<Node> {
     let name = *data::instrument_names(kind).first()?;
@@ -223,7 +273,7 @@ fn stand_in(kind: &str) -> Option<Node> {
 }
 
 /// Where the file of `place` lies, so that paths in it can be relative.
-fn origin_of(place: &Place) -> Origin {
+fn origin_of(place: &SourceLocation) -> Origin {
     let path = Path::new(place.file());
     if path.exists() { Origin::File(path.to_owned()) } else { Origin::Embedded }
 }

@@ -1,18 +1,18 @@
 //! Losses in the contacts: `[effects.dashpot]`, `[effects.kuwabara_kono]` and `[effects.power_law_loss]`.
 
 use super::effect_table::effect;
-use super::reader::{Bound, Table};
+use super::reader::{Bound, TableReader};
 use crate::chain::{
     ContactOverride, Dashpot, EffectsSpec, EndOfContact, KuwabaraKono, LossSpec, PowerLawLoss,
 };
 use crate::quantity::Dimension;
 
 /// Largest dashpot: beyond it a bead of this bench would stop within a nanosecond (N s/m).
-const LARGEST_GAMMA: f64 = 1e5;
+const MAX_GAMMA: f64 = 1e5;
 /// Largest time of Kuwabara and Kono: hundreds of times the duration of an impact (s).
-const LARGEST_ETA: f64 = 1e-3;
+const MAX_ETA: f64 = 1e-3;
 /// Largest force of the power law at 1 m/s (N).
-const LARGEST_FORCE: f64 = 1e5;
+const MAX_FORCE: f64 = 1e5;
 /// Exponents of the power law: below one the loss would be infinitely steep at rest.
 const EXPONENTS: Bound = Bound::Within(1.0, 5.0);
 
@@ -20,21 +20,21 @@ const EXPONENTS: Bound = Bound::Within(1.0, 5.0);
 type Coefficient = (&'static str, Dimension, Bound);
 
 /// Reads the losses into `spec`. `kinds` are the kinds of particles that stand beside each other, with "striker" and "wall".
-pub fn losses(effects: &Table<'_>, pairs: &[(&str, &str)], spec: &mut EffectsSpec) {
+pub fn losses(effects: &TableReader<'_>, pairs: &[(&str, &str)], spec: &mut EffectsSpec) {
     let mut ends = Vec::new();
     if let Some(table) = effect(effects, "dashpot") {
-        let gamma = ("gamma", Dimension::DAMPING, Bound::Within(0.0, LARGEST_GAMMA));
+        let gamma = ("gamma", Dimension::DAMPING, Bound::Within(0.0, MAX_GAMMA));
         spec.dashpot = loss(&table, gamma, pairs, &mut ends).map(|gamma| Dashpot { gamma });
         table.finish();
     }
     if let Some(table) = effect(effects, "kuwabara_kono") {
-        let eta = ("eta", Dimension::TIME, Bound::Within(0.0, LARGEST_ETA));
+        let eta = ("eta", Dimension::TIME, Bound::Within(0.0, MAX_ETA));
         spec.kuwabara_kono = loss(&table, eta, pairs, &mut ends).map(|eta| KuwabaraKono { eta });
         table.finish();
     }
     if let Some(table) = effect(effects, "power_law_loss") {
         let exponent = table.required("exponent", Dimension::NONE, EXPONENTS);
-        let force = ("force_at_1_m_per_s", Dimension::FORCE, Bound::Within(0.0, LARGEST_FORCE));
+        let force = ("force_at_1_m_per_s", Dimension::FORCE, Bound::Within(0.0, MAX_FORCE));
         let force = loss(&table, force, pairs, &mut ends);
         spec.power_law_loss =
             force.zip(exponent).map(|(force, exponent)| PowerLawLoss { force, exponent });
@@ -43,7 +43,7 @@ pub fn losses(effects: &Table<'_>, pairs: &[(&str, &str)], spec: &mut EffectsSpe
 }
 
 fn loss(
-    table: &Table<'_>,
+    table: &TableReader<'_>,
     coefficient: Coefficient,
     pairs: &[(&str, &str)],
     ends: &mut Vec<EndOfContact>,

@@ -4,7 +4,7 @@ use super::bodies::last_particle;
 use super::document::Value;
 use super::effect_table::effect;
 use super::magnets;
-use super::reader::{Bound, Table};
+use super::reader::{Bound, TableReader};
 use crate::chain::{EffectsSpec, MagnetForce, MagnetLaw, MagnetPreload, PlacedAt, PlacedMagnet};
 use crate::magnet::Magnet;
 use crate::quantity::{Dimension, engineering};
@@ -13,7 +13,7 @@ use crate::quantity::{Dimension, engineering};
 const PLACES: [&str; 3] = ["distance", "distance_unloaded", "force"];
 
 /// Reads both tables into `spec`. A described magnet's force follows the particle unless the scene says otherwise.
-pub fn magnet(effects: &Table<'_>, particles: usize, spec: &mut EffectsSpec) {
+pub fn magnet(effects: &TableReader<'_>, particles: usize, spec: &mut EffectsSpec) {
     if let Some(table) = effect(effects, "magnet_preload") {
         let force = force(&table);
         if !table.has("particle") {
@@ -39,10 +39,11 @@ pub fn magnet(effects: &Table<'_>, particles: usize, spec: &mut EffectsSpec) {
     spec.magnet_law = (described && !refused).then_some(MagnetLaw);
 }
 
-fn force(table: &Table<'_>) -> Option<MagnetForce> {
+fn force(table: &TableReader<'_>) -> Option<MagnetForce> {
     let model = table.text("model");
     let source = table.text("source").unwrap_or_default().to_owned();
-    let force = |table: &Table<'_>| table.required("force", Dimension::FORCE, Bound::NotNegative);
+    let force =
+        |table: &TableReader<'_>| table.required("force", Dimension::FORCE, Bound::NotNegative);
     match (table.has("outer_diameter"), table.has("measured")) {
         (false, false) => return force(table).map(MagnetForce::Constant),
         (true, true) => {

@@ -3,7 +3,7 @@
 use super::document::Node;
 use super::library;
 use super::problem::{Problem, SceneError, listed};
-use super::reader::{Bound, Problems, Table};
+use super::reader::{Bound, Problems, TableReader};
 use crate::magnet::{ForceLaw, ForceTable, Magnet, RingMagnet, Sphere};
 use crate::quantity::Dimension;
 
@@ -55,7 +55,7 @@ pub fn load(name: &str) -> Result<Magnet, MagnetError> {
 }
 
 fn read(name: &str, node: &Node, problems: &Problems) -> Option<Magnet> {
-    let table = Table::of(node, "", problems)?;
+    let table = TableReader::of(node, "", problems)?;
     let source = table.text("source").unwrap_or_default().to_owned();
     // Which particle it pulls is the scene's business; a file may suggest one.
     let _ = table.count("particle", 1, 1_000_000);
@@ -80,11 +80,11 @@ fn read(name: &str, node: &Node, problems: &Problems) -> Option<Magnet> {
 }
 
 /// A ring or a measured table.
-pub(super) fn law(table: &Table<'_>) -> Option<ForceLaw> {
+pub(super) fn law(table: &TableReader<'_>) -> Option<ForceLaw> {
     if table.has("outer_diameter") { ring(table) } else { measured(table) }
 }
 
-fn ring(table: &Table<'_>) -> Option<ForceLaw> {
+fn ring(table: &TableReader<'_>) -> Option<ForceLaw> {
     let positive = Bound::Positive;
     let length = |key| table.required(key, Dimension::LENGTH, positive);
     let (outer, inner) = (length("outer_diameter"), length("inner_diameter"));
@@ -110,7 +110,7 @@ fn ring(table: &Table<'_>) -> Option<ForceLaw> {
     Some(ForceLaw::Ring(ring, Sphere { radius: 0.5 * sphere?, saturation: saturation? }))
 }
 
-fn measured(table: &Table<'_>) -> Option<ForceLaw> {
+fn measured(table: &TableReader<'_>) -> Option<ForceLaw> {
     let rows = table.list("measured");
     let count = rows.len();
     let mut points = Vec::new();

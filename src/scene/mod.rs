@@ -11,7 +11,6 @@ pub mod document;
 mod effect_table;
 mod effects;
 mod files;
-mod forget;
 pub mod grid;
 mod library;
 mod losses;
@@ -38,11 +37,11 @@ pub use texts::{Texts, hexadecimal};
 use crate::chain::{Chain, ChainSpec, End};
 use crate::quantity::Dimension;
 use crate::scope::{Model, Setup};
-use crate::sensor::Tolerance;
-use bench::Panel;
+use crate::sensor::SensorTolerance;
+use bench::CachedPanel;
 use bodies::Materials;
 use document::Value;
-use reader::{Bound, Problems, Table};
+use reader::{Bound, Problems, TableReader};
 
 /// Accuracy of a scene that names none and whose scope sees no pulse: relative error of first-peak forces and times (1).
 pub const DEFAULT_ACCURACY: f64 = 1e-6;
@@ -51,7 +50,7 @@ pub const TIGHTEST_ACCURACY: f64 = 1e-11;
 /// Loosest accuracy that still deserves the name (1).
 pub const LOOSEST_ACCURACY: f64 = 0.1;
 /// Largest seed that a scene may name: whole numbers up to here are exact however a file is read.
-const LARGEST_SEED: u64 = (1 << 53) - 1;
+const MAX_SEED: u64 = (1 << 53) - 1;
 
 /// A checked scene: everything a run needs.
 #[derive(Debug, Clone, PartialEq)]
@@ -87,7 +86,7 @@ pub struct Scene {
     /// What was decided of them, in words.
     pub decided: Vec<String>,
     /// How far the sensors' plates may be from their data; drawn from the seed.
-    pub sensor_tolerance: Option<Tolerance>,
+    pub sensor_tolerance: Option<SensorTolerance>,
 }
 
 impl Scene {
@@ -108,7 +107,10 @@ impl Scene {
     }
 
     /// Checks what was loaded; the front panel is `panel` where nothing has changed that it depends on.
-    fn checked(mut loaded: library::Loaded, panel: Option<&Panel>) -> Result<Self, SceneError> {
+    fn checked(
+        mut loaded: library::LoadedScene,
+        panel: Option<&CachedPanel>,
+    ) -> Result<Self, SceneError> {
         let problems = Problems::default();
         problems.extend(std::mem::take(&mut loaded.problems));
         let above = loaded.root.text("base").map(|_| loaded.root.place.file().to_owned());
@@ -140,7 +142,7 @@ pub fn oscilloscope(name: &str) -> Result<Model, SceneError> {
     let mut loaded = library::load_text(name, name, &text)?;
     let problems = Problems::default();
     problems.extend(std::mem::take(&mut loaded.problems));
-    let scope = Table::of(&loaded.root, "", &problems).and_then(|root| root.table("scope"));
+    let scope = TableReader::of(&loaded.root, "", &problems).and_then(|root| root.table("scope"));
     let model = scope.as_ref().and_then(oscilloscope::model);
     let problems = problems.into_sorted();
     match model {
@@ -149,16 +151,20 @@ pub fn oscilloscope(name: &str) -> Result<Model, SceneError> {
     }
 }
 
-fn read(loaded: library::Loaded, problems: &Problems, panel: Option<&Panel>) -> Option<Scene> {
-    let library::Loaded { name, text, texts, root, .. } = loaded;
-    let root = Table::of(&root, "", problems)?;
+fn read(
+    loaded: library::LoadedScene,
+    problems: &Problems,
+    panel: Option<&CachedPanel>,
+) -> Option<Scene> {
+    let library::LoadedScene { name, text, texts, root, .. } = loaded;
+    let root = TableReader::of(&root, "", problems)?;
     let _ = root.text("base");
     let title = root.text("title").unwrap_or(&name).to_owned();
     let duration = root.required("duration", Dimension::TIME, Bound::Positive);
     let accuracy = accuracy(&root);
-    let seed = root.count("seed", 0, LARGEST_SEED).unwrap_or(0);
+    let seed = root.count("seed", 0, MAX_SEED).unwrap_or(0);
     let moving = moving(&root, problems);
-    let hosts = sensors::Hosts { kinds: &moving.kinds, wall: moving.wall };
+    let hosts = sensors::SensorHosts { kinds: &moving.kinds, wall: moving.wall };
     let sensors = sensors::sensors(&root, &hosts, problems);
     let errors_of = moving.scope_errors.then_some(seed);
     let scope = bench::drawn(&root, (moving.noise, errors_of), duration, panel);
@@ -185,7 +191,7 @@ fn read(loaded: library::Loaded, problems: &Problems, panel: Option<&Panel>) -> 
 }
 
 /// The accuracy; none for `"auto"`, which switches off a base scene's.
-fn accuracy(root: &Table<'_>) -> Option<f64> {
+fn accuracy(root: &TableReader<'_>) -> Option<f64> {
     if matches!(root.node("accuracy").map(|node| &node.value), Some(Value::Text(text)) if &**text == "auto")
     {
         return None;
@@ -200,14 +206,14 @@ struct Moving<'a> {
     wall: bool,
     noise: f64,
     scope_errors: bool,
-    sensor_tolerance: Option<Tolerance>,
+    sensor_tolerance: Option<SensorTolerance>,
     spread: Option<f64>,
     auto: Vec<&'static str>,
     initial_velocities: Vec<f64>,
     built: Option<(ChainSpec, Chain)>,
 }
 
-fn moving<'a>(root: &Table<'a>, problems: &Problems) -> Moving<'a> {
+fn moving<'a>(root: &TableReader<'a>, problems: &Problems) -> Moving<'a> {
     let materials = Materials::read(root, problems);
     let striker = bodies::striker(root, &materials);
     if !root.has("chain") {

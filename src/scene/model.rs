@@ -1,15 +1,15 @@
 //! Parts of an oscilloscope's data file that stand in tables of their own: limits, accuracy, the law of spectra.
 
-use super::reader::{Bound, Table};
-use super::series::{LONGEST_RECORD, series};
+use super::reader::{Bound, TableReader};
+use super::series::{MAX_RECORD_LENGTH, series};
 use crate::quantity::Dimension;
-use crate::scope::model::{Accuracy, FftLaw, Limits};
+use crate::scope::model::{Accuracy, FftLaw, KnobLimits};
 
 /// Reads a table that must be there, to its last key.
 fn part<T>(
-    table: &Table<'_>,
+    table: &TableReader<'_>,
     key: &'static str,
-    read: impl Fn(&Table<'_>) -> Option<T>,
+    read: impl Fn(&TableReader<'_>) -> Option<T>,
 ) -> Option<T> {
     if !table.has(key) {
         table.problem(key, "no such table", "a table of the oscilloscope's data file");
@@ -21,7 +21,7 @@ fn part<T>(
 }
 
 /// The two ends of a range.
-fn range(table: &Table<'_>, key: &'static str, dimension: Dimension) -> Option<(f64, f64)> {
+fn range(table: &TableReader<'_>, key: &'static str, dimension: Dimension) -> Option<(f64, f64)> {
     match series(table, key, dimension, true)?.as_slice() {
         [least, most] => Some((*least, *most)),
         other => {
@@ -41,7 +41,7 @@ fn counted(number: f64) -> u32 {
 }
 
 /// `[scope_limits]`.
-pub fn limits(table: &Table<'_>) -> Option<Limits> {
+pub fn limits(table: &TableReader<'_>) -> Option<KnobLimits> {
     part(table, "scope_limits", |table| {
         let positive = |key, dimension| table.required(key, dimension, Bound::Positive);
         let near_offset = positive("near_offset", Dimension::VOLTAGE);
@@ -60,7 +60,7 @@ pub fn limits(table: &Table<'_>) -> Option<Limits> {
             let expected = format!("{}, one for each of latest_positions_until", until.len());
             table.problem("latest_positions", found, expected);
         }
-        Some(Limits {
+        Some(KnobLimits {
             near_offset: near_offset?,
             near_offset_until: near_offset_until?,
             far_offset: far_offset?,
@@ -75,7 +75,7 @@ pub fn limits(table: &Table<'_>) -> Option<Limits> {
 }
 
 /// `[accuracy]`.
-pub fn accuracy(table: &Table<'_>) -> Option<Accuracy> {
+pub fn accuracy(table: &TableReader<'_>) -> Option<Accuracy> {
     part(table, "accuracy", |table| {
         let number = |key, dimension| table.required(key, dimension, Bound::NotNegative);
         let gain = number("gain", Dimension::NONE);
@@ -94,10 +94,10 @@ pub fn accuracy(table: &Table<'_>) -> Option<Accuracy> {
 }
 
 /// `[fft]`, for records of so many points.
-pub fn fft(table: &Table<'_>, record_length: Option<u64>) -> Option<FftLaw> {
+pub fn fft(table: &TableReader<'_>, record_length: Option<u64>) -> Option<FftLaw> {
     part(table, "fft", |table| {
         let points =
-            table.required_count("points", 4, record_length.unwrap_or(LONGEST_RECORD).max(4));
+            table.required_count("points", 4, record_length.unwrap_or(MAX_RECORD_LENGTH).max(4));
         if points.is_some_and(|points| !points.is_power_of_two()) {
             table.problem("points", "a number that is none", "a power of two");
         }

@@ -1,34 +1,34 @@
 //! An oscilloscope's data file, `instruments/<model>.toml`: the limits that a front panel is checked against.
 
 use super::model;
-use super::reader::{Bound, Table};
-use super::series::{LONGEST_RECORD, series};
+use super::reader::{Bound, TableReader};
+use super::series::{MAX_RECORD_LENGTH, series};
 use crate::quantity::{Dimension, engineering};
 use crate::scope::Model;
 /// Most events that a remote interface may keep.
-const LONGEST_QUEUE: u64 = 1000;
+const MAX_QUEUE_LENGTH: u64 = 1000;
 /// A time base that puts fewer points than this on the scene's duration shows nothing of it (1).
-const FEWEST_SAMPLES: f64 = 20.0;
+const MIN_SAMPLES: f64 = 20.0;
 /// Most samples on the scene's duration: each place that is watched keeps them all, 160 MB (1).
-const MOST_SAMPLES: f64 = 2e7;
+const MAX_SAMPLES: f64 = 2e7;
 /// What dividing by a probe's attenuation may cost (1).
 const ROUND_OFF: f64 = 1e-12;
 
 /// Reads the keys of an oscilloscope's data file. Every key is asked for before anything is given up, so that all that is
 /// wrong is told at once and nothing right is called unknown.
-pub fn model(table: &Table<'_>) -> Option<Model> {
+pub fn model(table: &TableReader<'_>) -> Option<Model> {
     let what = "the name of an oscilloscope, e.g. \"tds2014\"";
     let named = table.required_text("model", what).is_some();
     // Without a model every key of its file would be missing: once is enough.
-    let number = if named { Table::required } else { Table::quantity };
-    let count = if named { Table::required_count } else { Table::count };
+    let number = if named { TableReader::required } else { TableReader::quantity };
+    let count = if named { TableReader::required_count } else { TableReader::count };
     let text =
         |key| if named { table.required_text(key, "text in quotes") } else { table.text(key) };
     let list = |key, dimension| series(table, key, dimension, named);
     let positive = |key, dimension| number(table, key, dimension, Bound::Positive);
     let (name, serial) = (text("name"), text("serial"));
     let (firmware, interface) = (text("firmware"), text("interface"));
-    let record_length = count(table, "record_length", 2, LONGEST_RECORD);
+    let record_length = count(table, "record_length", 2, MAX_RECORD_LENGTH);
     let channels = count(table, "channels", 1, 4);
     let bandwidth = positive("bandwidth", Dimension::FREQUENCY);
     let limited_bandwidth = positive("limited_bandwidth", Dimension::FREQUENCY);
@@ -54,7 +54,7 @@ pub fn model(table: &Table<'_>) -> Option<Model> {
     let peak_width = positive("peak_width", Dimension::TIME);
     let scan_from = positive("scan_from", Dimension::TIME_PER_DIVISION);
     let scan_gap = positive("scan_gap", Dimension::DIVISION);
-    let event_queue = count(table, "event_queue", 2, LONGEST_QUEUE);
+    let event_queue = count(table, "event_queue", 2, MAX_QUEUE_LENGTH);
     if !named {
         return None;
     }
@@ -100,7 +100,7 @@ pub fn model(table: &Table<'_>) -> Option<Model> {
 /// A time base that the instrument does not have or that shows nothing of the scene is a mistake, not a setting; so is a
 /// record that begins after the scene or ends before it. `window`: time base (s/div) and horizontal position (s), if read.
 pub fn check_window(
-    table: &Table<'_>,
+    table: &TableReader<'_>,
     model: &Model,
     window: (f64, Option<f64>),
     duration: Option<f64>,
@@ -118,13 +118,13 @@ pub fn check_window(
         format!("{time_base}, which puts {samples:.4} samples on {}", seconds(duration))
     };
     let points = duration / model.interval(time_base);
-    if points < FEWEST_SAMPLES {
-        let expected = format!("at least {FEWEST_SAMPLES} samples: a faster time base");
+    if points < MIN_SAMPLES {
+        let expected = format!("at least {MIN_SAMPLES} samples: a faster time base");
         table.problem("time_base", shown(points), expected);
     }
     let samples = duration / model.sample_interval(time_base);
-    if samples > MOST_SAMPLES {
-        let expected = format!("at most {MOST_SAMPLES:e}: a slower time base, or less time");
+    if samples > MAX_SAMPLES {
+        let expected = format!("at most {MAX_SAMPLES:e}: a slower time base, or less time");
         table.problem("time_base", shown(samples), expected);
     }
     let Some(position) = position else { return };
@@ -141,7 +141,7 @@ pub fn check_window(
 }
 
 /// What a channel's knobs can be turned to: probe (1), scale (V/div) if read, position (div).
-pub fn check_vertical(table: &Table<'_>, model: &Model, knobs: (f64, Option<f64>, f64)) {
+pub fn check_vertical(table: &TableReader<'_>, model: &Model, knobs: (f64, Option<f64>, f64)) {
     let (probe, scale, position) = knobs;
     if !is_one_of(probe, &model.probes) {
         table.problem("probe", probe.to_string(), format!("one of {:?}", model.probes));

@@ -5,12 +5,12 @@ use std::path::Path;
 use super::document::Node;
 use super::library;
 use super::problem::SceneError;
-use super::reader::{Bound, Problems, Table};
+use super::reader::{Bound, Problems, TableReader};
 use crate::quantity::Dimension;
-use crate::sensor::{Load, Measured, Sensor, Wiring};
+use crate::sensor::{Load, Sensor, SensorMeasurement, Wiring};
 
 /// Most plates of a stack.
-const MOST_PLATES: u64 = 1000;
+const MAX_PLATES: u64 = 1000;
 
 /// Loads a sensor that ships with the program, by name, or a file, by path; none if there is no such sensor.
 ///
@@ -19,7 +19,7 @@ const MOST_PLATES: u64 = 1000;
 pub fn load(name: &str) -> Result<Option<Sensor>, SceneError> {
     let Some(node) = library::open("sensors", name)? else { return Ok(None) };
     let problems = Problems::default();
-    let sensor = Table::of(&node, "", &problems).and_then(|table| {
+    let sensor = TableReader::of(&node, "", &problems).and_then(|table| {
         let stem = Path::new(name).file_stem().and_then(|stem| stem.to_str()).unwrap_or(name);
         let sensor = plate(stem, &table, &problems);
         table.finish();
@@ -33,7 +33,7 @@ pub fn load(name: &str) -> Result<Option<Sensor>, SceneError> {
 }
 
 /// The sensor itself, without its place: the keys of the files in `instruments/sensors`.
-pub fn plate(name: &str, table: &Table<'_>, problems: &Problems) -> Option<Sensor> {
+pub fn plate(name: &str, table: &TableReader<'_>, problems: &Problems) -> Option<Sensor> {
     let model = table.text("model").unwrap_or(name).to_owned();
     let _ = (table.text("source"), table.text("certificate"));
     let measured = measured(table)?;
@@ -44,10 +44,10 @@ pub fn plate(name: &str, table: &Table<'_>, problems: &Problems) -> Option<Senso
     } else {
         ceramic(table, problems)
     };
-    let needed = if known { Table::quantity } else { Table::required };
+    let needed = if known { TableReader::quantity } else { TableReader::required };
     let side = needed(table, "side", Dimension::LENGTH, Bound::Positive);
     let thickness = needed(table, "thickness", Dimension::LENGTH, Bound::Positive);
-    let plates = table.count("plates", 1, MOST_PLATES).unwrap_or(1);
+    let plates = table.count("plates", 1, MAX_PLATES).unwrap_or(1);
     let wiring = [("parallel", Wiring::Parallel), ("series", Wiring::Series)];
     let wiring = table.choice("wiring", &wiring).unwrap_or_default();
     let leak = table.quantity("leak_resistance", Dimension::RESISTANCE, Bound::Positive);
@@ -80,10 +80,10 @@ pub fn plate(name: &str, table: &Table<'_>, problems: &Problems) -> Option<Senso
 }
 
 /// What is known of the circuit from measurement; none where that is wrong.
-fn measured(table: &Table<'_>) -> Option<Measured> {
+fn measured(table: &TableReader<'_>) -> Option<SensorMeasurement> {
     let number = |key, dimension| table.quantity(key, dimension, Bound::Positive);
     let uncertainty = |key| table.quantity(key, Dimension::NONE, Bound::NotNegative);
-    let measured = Measured {
+    let measured = SensorMeasurement {
         sensitivity: number("sensitivity", Dimension::VOLTAGE_PER_FORCE),
         sensitivity_u: uncertainty("sensitivity_u"),
         time_constant: number("tau", Dimension::TIME),
@@ -107,11 +107,11 @@ fn measured(table: &Table<'_>) -> Option<Measured> {
     let unread = |key: &str, value: Option<f64>| table.has(key) && value.is_none();
     let wrong =
         unread("sensitivity", measured.sensitivity) || unread("tau", measured.time_constant);
-    (!wrong).then_some(Measured { load, ..measured })
+    (!wrong).then_some(SensorMeasurement { load, ..measured })
 }
 
 /// Relative permittivity and d33, from the named ceramic or typed directly.
-fn ceramic(table: &Table<'_>, problems: &Problems) -> Option<(f64, f64)> {
+fn ceramic(table: &TableReader<'_>, problems: &Problems) -> Option<(f64, f64)> {
     let named = table.text("ceramic").and_then(|name| {
         let place = table.place_of("ceramic");
         match library::instrument("piezoceramics", name, place, &table.path_of("ceramic")) {
@@ -138,7 +138,7 @@ fn ceramic(table: &Table<'_>, problems: &Problems) -> Option<(f64, f64)> {
 }
 
 fn constants_of(node: &Node, problems: &Problems) -> Option<(f64, f64)> {
-    let table = Table::of(node, "", problems)?;
+    let table = TableReader::of(node, "", problems)?;
     let _ = table.text("source");
     let permittivity = table.required("relative_permittivity", Dimension::NONE, Bound::Positive);
     let d33 = table.required("d33", Dimension::CHARGE_PER_FORCE, Bound::Positive);

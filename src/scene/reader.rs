@@ -7,21 +7,21 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 pub use super::bound::Bound;
-use super::document::{Entries, Entry, Node, Place, Value};
+use super::document::{Entries, Entry, Node, SourceLocation, Value};
 pub use super::problem::Problems;
 use crate::quantity::{self, Dimension, QuantityError};
 
 /// A table being read.
-pub struct Table<'a> {
+pub struct TableReader<'a> {
     pub(super) entries: &'a Rc<Entries>,
-    place: &'a Place,
+    place: &'a SourceLocation,
     path: String,
     problems: &'a Problems,
     /// Keys that were asked for, some of them more than once.
     asked: RefCell<Vec<&'static str>>,
 }
 
-impl<'a> Table<'a> {
+impl<'a> TableReader<'a> {
     /// The table in `node`, whose keys are named behind `path`; a problem if it is none.
     pub fn of(node: &'a Node, path: &str, problems: &'a Problems) -> Option<Self> {
         let Value::Table(entries) = &node.value else {
@@ -45,7 +45,7 @@ impl<'a> Table<'a> {
     }
 
     /// Where `key` stands, or where the table begins.
-    pub fn place_of(&self, key: &str) -> &Place {
+    pub fn place_of(&self, key: &str) -> &SourceLocation {
         self.entries.get(key).map_or(self.place, |entry| &entry.node.place)
     }
 
@@ -56,7 +56,7 @@ impl<'a> Table<'a> {
     }
 
     /// Notes a problem at a place inside the value of `key`.
-    pub fn problem_at(&self, place: &Place, key: &str, found: String, expected: String) {
+    pub fn problem_at(&self, place: &SourceLocation, key: &str, found: String, expected: String) {
         self.problems.push(place.problem(&self.path_of(key), found, expected));
     }
 
@@ -210,24 +210,24 @@ impl<'a> Table<'a> {
     }
 
     /// A table.
-    pub fn table(&self, key: &'static str) -> Option<Table<'a>> {
-        Table::of(self.node(key)?, &self.path_of(key), self.problems)
+    pub fn table(&self, key: &'static str) -> Option<TableReader<'a>> {
+        TableReader::of(self.node(key)?, &self.path_of(key), self.problems)
     }
 
     /// A table of tables with free names, in the order of the names.
-    pub fn tables(&self, key: &'static str) -> Vec<(&'a str, Table<'a>)> {
+    pub fn tables(&self, key: &'static str) -> Vec<(&'a str, TableReader<'a>)> {
         let Some(table) = self.table(key) else {
             return Vec::new();
         };
         let of = |(name, entry): (&'a Rc<str>, &'a Entry)| {
-            let inner = Table::of(&entry.node, &table.path_of(name), self.problems)?;
+            let inner = TableReader::of(&entry.node, &table.path_of(name), self.problems)?;
             Some((&**name, inner))
         };
         table.entries.iter().filter_map(of).collect()
     }
 
     /// A list of tables.
-    pub fn list(&self, key: &'static str) -> Vec<Table<'a>> {
+    pub fn list(&self, key: &'static str) -> Vec<TableReader<'a>> {
         let Some(node) = self.node(key) else {
             return Vec::new();
         };
@@ -241,7 +241,7 @@ impl<'a> Table<'a> {
         };
         let path = |index: usize| format!("{}[{}]", self.path_of(key), index + 1);
         let tables = items.iter().enumerate();
-        tables.filter_map(|(i, item)| Table::of(item, &path(i), self.problems)).collect()
+        tables.filter_map(|(i, item)| TableReader::of(item, &path(i), self.problems)).collect()
     }
 
     /// Whether `key` is there and an empty list.
@@ -251,7 +251,7 @@ impl<'a> Table<'a> {
     }
 
     /// A list of texts, each with its place.
-    pub fn texts(&self, key: &'static str) -> Vec<(&'a str, &'a Place)> {
+    pub fn texts(&self, key: &'static str) -> Vec<(&'a str, &'a SourceLocation)> {
         let Some(node) = self.node(key) else {
             return Vec::new();
         };

@@ -2,9 +2,9 @@
 
 use super::bodies::last_particle;
 use super::plates::plate;
-use super::reader::{Bound, Problems, Table};
+use super::reader::{Bound, Problems, TableReader};
 use crate::quantity::Dimension;
-use crate::sensor::{Sensor, Tolerance};
+use crate::sensor::{Sensor, SensorTolerance};
 
 /// Where a sensor sits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,7 +29,7 @@ pub struct PlacedSensor {
 }
 
 /// What the checks need to know of the chain.
-pub struct Hosts<'a> {
+pub struct SensorHosts<'a> {
     /// Kind of each particle, from the top; empty where that is not known.
     pub kinds: &'a [&'a str],
     /// Whether a wall stands at the bottom.
@@ -37,7 +37,11 @@ pub struct Hosts<'a> {
 }
 
 /// Reads `[sensors.<name>]`, in the order of where they sit.
-pub fn sensors(root: &Table<'_>, hosts: &Hosts<'_>, problems: &Problems) -> Vec<PlacedSensor> {
+pub fn sensors(
+    root: &TableReader<'_>,
+    hosts: &SensorHosts<'_>,
+    problems: &Problems,
+) -> Vec<PlacedSensor> {
     let mut sensors: Vec<PlacedSensor> = root
         .tables("sensors")
         .into_iter()
@@ -57,8 +61,8 @@ pub fn sensors(root: &Table<'_>, hosts: &Hosts<'_>, problems: &Problems) -> Vec<
 
 fn sensor(
     name: &str,
-    table: &Table<'_>,
-    hosts: &Hosts<'_>,
+    table: &TableReader<'_>,
+    hosts: &SensorHosts<'_>,
     problems: &Problems,
 ) -> Option<PlacedSensor> {
     let place = site(table, hosts);
@@ -70,7 +74,7 @@ fn sensor(
 }
 
 /// Masses of hosts that differ from their kind's, by the particle's number from 1 (kg).
-pub fn host_masses(root: &Table<'_>, particles: usize) -> Vec<(usize, f64)> {
+pub fn host_masses(root: &TableReader<'_>, particles: usize) -> Vec<(usize, f64)> {
     let mut masses: Vec<(usize, f64)> = Vec::new();
     for (_, table) in root.tables("sensors") {
         let Some(mass) = table.quantity("host_mass", Dimension::MASS, Bound::Positive) else {
@@ -91,13 +95,13 @@ pub fn host_masses(root: &Table<'_>, particles: usize) -> Vec<(usize, f64)> {
 }
 
 /// `[effects.sensor_tolerance]`.
-pub fn tolerance(table: &Table<'_>) -> Tolerance {
+pub fn tolerance(table: &TableReader<'_>) -> SensorTolerance {
     let spread = table.required("spread", Dimension::NONE, Bound::Within(0.0, 0.5));
     let temperature =
         table.quantity("temperature_change", Dimension::TEMPERATURE, Bound::NotNegative);
-    let read = if temperature.is_some() { Table::required } else { Table::quantity };
+    let read = if temperature.is_some() { TableReader::required } else { TableReader::quantity };
     let coefficient = |key| read(table, key, Dimension::PER_TEMPERATURE, Bound::Any).unwrap_or(0.0);
-    Tolerance {
+    SensorTolerance {
         spread: spread.unwrap_or(0.0),
         temperature: temperature.unwrap_or(0.0),
         permittivity_coefficient: coefficient("permittivity_coefficient"),
@@ -105,7 +109,7 @@ pub fn tolerance(table: &Table<'_>) -> Tolerance {
     }
 }
 
-fn site(table: &Table<'_>, hosts: &Hosts<'_>) -> Option<Site> {
+fn site(table: &TableReader<'_>, hosts: &SensorHosts<'_>) -> Option<Site> {
     let wall = table.flag("wall").unwrap_or(false);
     let last = hosts.kinds.len();
     let host = table.text("host");
@@ -145,6 +149,6 @@ fn site(table: &Table<'_>, hosts: &Hosts<'_>) -> Option<Site> {
 }
 
 /// Names of the sensors as typed, those included that could not be read.
-pub fn sensor_names<'a>(root: &Table<'a>) -> Vec<&'a str> {
+pub fn sensor_names<'a>(root: &TableReader<'a>) -> Vec<&'a str> {
     root.tables("sensors").into_iter().map(|(name, _)| name).collect()
 }

@@ -1,14 +1,14 @@
 //! Lists of settings in an oscilloscope's file.
 
-use super::reader::Table;
+use super::reader::TableReader;
 use crate::quantity::{Dimension, parse};
 
 /// Most points that a record may have: what a scope of any make keeps in memory.
-pub const LONGEST_RECORD: u64 = 1_000_000;
+pub const MAX_RECORD_LENGTH: u64 = 1_000_000;
 
 /// A list of quantities, ascending (unit).
 pub fn series(
-    table: &Table<'_>,
+    table: &TableReader<'_>,
     key: &'static str,
     dimension: Dimension,
     required: bool,

@@ -3,14 +3,14 @@
 use super::Scene;
 use super::adjust::{AdjustError, Adjustable};
 use super::document::{Node, Value};
-use super::forget::forget_model;
 use super::library;
+use super::library::remove_model;
 use super::problem::{Problem, SceneError};
 use super::tree::{ANY, at_mut, expand, known, put};
 
 /// What is to stand where.
 #[derive(Debug, Clone)]
-pub struct Setting<'a> {
+pub struct SceneOverride<'a> {
     /// Paths in the scene, `striker.speed`; a number is a place in a list, counted from 1.
     pub paths: &'a [String],
     /// What is to stand there.
@@ -41,9 +41,9 @@ impl Adjustable {
     ///
     /// # Errors
     /// [`SceneError`] with everything that is wrong with it, each problem where it was typed.
-    pub fn varied(&self, settings: &[Setting<'_>], seed: u64) -> Result<Scene, SceneError> {
+    pub fn varied(&self, settings: &[SceneOverride<'_>], seed: u64) -> Result<Scene, SceneError> {
         let mut root = self.loaded.root.clone();
-        for Setting { paths, node } in settings {
+        for SceneOverride { paths, node } in settings {
             for path in *paths {
                 let keys: Vec<&str> = path.split('.').collect();
                 change(&mut root, &keys, node.clone()).map_err(SceneError::Problems)?;
@@ -61,7 +61,7 @@ fn change(root: &mut Node, keys: &[&str], node: Node) -> Result<(), Vec<Problem>
     if let (Some(kind), Some(name)) = (folder(keys), name) {
         let file = library::instrument(kind, &name, &place, &keys.join("."))?;
         if let Some(table) = at_mut(root, &keys[..keys.len() - 1]) {
-            forget_model(table, kind);
+            remove_model(table, kind);
             table.put_over(&file);
         }
     }

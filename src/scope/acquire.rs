@@ -12,7 +12,7 @@ const SINC_REACH: i64 = 10;
 
 /// Where a trigger was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Found {
+pub struct TriggerPosition {
     /// Index of the first sample past the level.
     pub index: usize,
     /// Whether the signal crossed the level; an automatic trigger did not.
@@ -42,7 +42,7 @@ pub fn find_trigger(
     signal: &[f64],
     automatic: usize,
     earliest: usize,
-) -> Option<Found> {
+) -> Option<TriggerPosition> {
     let sign = match setup.trigger.slope {
         Slope::Rise => 1.0,
         Slope::Fall => -1.0,
@@ -52,11 +52,12 @@ pub fn find_trigger(
     for (index, volts) in signal.iter().enumerate() {
         let beyond = sign * (volts - setup.trigger.level);
         if armed && beyond >= 0.0 && index >= earliest {
-            return Some(Found { index, crossed: true });
+            return Some(TriggerPosition { index, crossed: true });
         }
         armed |= beyond <= -hysteresis;
     }
-    (setup.trigger.mode == TriggerMode::Auto).then_some(Found { index: automatic, crossed: false })
+    (setup.trigger.mode == TriggerMode::Auto)
+        .then_some(TriggerPosition { index: automatic, crossed: false })
 }
 
 /// The converter's level for a voltage (V).

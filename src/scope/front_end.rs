@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
-use super::model::{Model, ROUNDED_UP};
+use super::model::{Model, RANGE_END_FACTOR};
 use super::setup::{ChannelSetup, Setup};
 use super::waveform::Coupling;
 
@@ -69,7 +69,7 @@ pub fn condition(
 pub fn bandwidth_ratio(setup: &Setup, channel: &ChannelSetup, interval: f64) -> f64 {
     let (model, vertical) = (&setup.model, &channel.vertical);
     let limited = vertical.bandwidth_limited == Some(true)
-        || vertical.scale / vertical.probe * ROUNDED_UP < model.full_bandwidth_from;
+        || vertical.scale / vertical.probe * RANGE_END_FACTOR < model.full_bandwidth_from;
     let bandwidth = if limited { model.limited_bandwidth } else { model.bandwidth };
     interval * TAU * bandwidth
 }

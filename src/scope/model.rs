@@ -64,7 +64,7 @@ pub struct Model {
     /// Events that wait at the remote interface before further ones are lost.
     pub event_queue: usize,
     /// How far knobs turn.
-    pub limits: Limits,
+    pub limits: KnobLimits,
     /// Errors that the data sheet allows.
     pub accuracy: Accuracy,
     /// How a spectrum is computed and scaled.
@@ -73,7 +73,7 @@ pub struct Model {
 
 /// How far knobs turn.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Limits {
+pub struct KnobLimits {
     /// Farthest vertical position at the input on small scales (V).
     pub near_offset: f64,
     /// Largest of the small scales, at the input (V/div).
@@ -112,7 +112,11 @@ pub struct Accuracy {
 impl Accuracy {
     /// Largest error of the gain on `scale` (V/div) at the input (1).
     pub fn gain_at(&self, scale: f64) -> f64 {
-        if scale <= self.low_scale_until * ROUNDED_UP { self.low_scale_gain } else { self.gain }
+        if scale <= self.low_scale_until * RANGE_END_FACTOR {
+            self.low_scale_gain
+        } else {
+            self.gain
+        }
     }
 
     /// Largest offset on `scale` (V/div) at the input, referred to the input (V).
@@ -139,7 +143,7 @@ pub struct FftLaw {
 }
 
 /// A hair above one, so that the end of a range of scales belongs to it.
-pub(crate) const ROUNDED_UP: f64 = 1.0 + 1e-9;
+pub(crate) const RANGE_END_FACTOR: f64 = 1.0 + 1e-9;
 
 impl Model {
     /// Time from one point of a record to the next (s).
@@ -157,7 +161,7 @@ impl Model {
 
     /// Whether automatic mode scans at a time base (s/div).
     pub fn scans(&self, time_base: f64) -> bool {
-        time_base * ROUNDED_UP >= self.scan_from
+        time_base * RANGE_END_FACTOR >= self.scan_from
     }
 
     /// Index of the trigger in the record at a time base (s/div) and horizontal position (s), possibly outside it:

@@ -37,7 +37,7 @@ impl Source {
             return letters.next().is_none().then_some(Self::Reference(first));
         }
         let number: u8 = upper.strip_prefix("CH")?.parse().ok()?;
-        (1..=4).contains(&number).then_some(Self::Channel(number))
+        (1..=8).contains(&number).then_some(Self::Channel(number))
     }
 }
 

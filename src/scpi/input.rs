@@ -24,7 +24,7 @@ enum Place {
 
 /// A piece of input.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Piece {
+pub enum InputPiece {
     /// A message without its end.
     Message(Vec<u8>),
     /// A message was too long, and is lost.
@@ -33,15 +33,15 @@ pub enum Piece {
 
 /// Collects bytes until a message is complete.
 #[derive(Debug, Clone, Default)]
-pub struct Input {
+pub struct InputBuffer {
     message: Vec<u8>,
     place: Place,
     overrun: bool,
 }
 
-impl Input {
+impl InputBuffer {
     /// Takes one byte; returns what it completes.
-    pub fn push(&mut self, byte: u8) -> Option<Piece> {
+    pub fn push(&mut self, byte: u8) -> Option<InputPiece> {
         let ends = match self.place {
             Place::Text | Place::Quoted(_) | Place::BlockStart | Place::BlockLength(..) => {
                 matches!(byte, b'\n' | b'\r')
@@ -61,13 +61,13 @@ impl Input {
     }
 
     /// The message ends here, as the link tells; returns it, unless it is empty.
-    pub fn finish(&mut self) -> Option<Piece> {
+    pub fn finish(&mut self) -> Option<InputPiece> {
         self.place = Place::Text;
         let message = std::mem::take(&mut self.message);
         if std::mem::take(&mut self.overrun) {
-            return Some(Piece::Overrun);
+            return Some(InputPiece::Overrun);
         }
-        (!message.is_empty()).then_some(Piece::Message(message))
+        (!message.is_empty()).then_some(InputPiece::Message(message))
     }
 
     /// Forgets an incomplete message.

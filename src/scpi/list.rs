@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::command::GROUPS;
-use super::row::{Row, Support};
+use super::row::{CommandRow, Support};
 
 /// The content of `docs/scpi-commands.md`.
 pub fn markdown() -> String {
@@ -28,7 +28,7 @@ pub fn markdown() -> String {
     text
 }
 
-fn write_row(row: &Row, text: &mut String) {
+fn write_row(row: &CommandRow, text: &mut String) {
     let access = row.setting.access();
     let (directions, here, about) = match row.support {
         Support::Alias(of) => ("", "alias", format!("as `{of}`")),

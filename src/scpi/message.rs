@@ -3,7 +3,7 @@
 use crate::instrument::Event;
 
 /// Longest text in quotation marks (programmer manual, syntax of commands).
-const LONGEST_TEXT: usize = 1000;
+const MAX_TEXT_LENGTH: usize = 1000;
 
 /// One argument.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -18,7 +18,7 @@ pub enum Argument {
 
 /// One command or query.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Unit {
+pub struct MessageUnit {
     /// Whether the header begins with a colon.
     pub from_root: bool,
     /// The header's words, `*` included in the first.
@@ -30,7 +30,7 @@ pub struct Unit {
 }
 
 /// Cuts a message into units; each is a unit or the event that tells why it is none.
-pub fn units(message: &[u8]) -> Vec<Result<Unit, Event>> {
+pub fn units(message: &[u8]) -> Vec<Result<MessageUnit, Event>> {
     let mut cursor = Cursor { bytes: message, at: 0 };
     let mut units = Vec::new();
     loop {
@@ -75,7 +75,7 @@ impl<'a> Cursor<'a> {
         self.bytes.get(start..self.at).unwrap_or_default()
     }
 
-    fn unit(&mut self) -> Result<Unit, Event> {
+    fn unit(&mut self) -> Result<MessageUnit, Event> {
         let from_root = self.peek() == Some(b':');
         if from_root {
             self.at += 1;
@@ -95,7 +95,7 @@ impl<'a> Cursor<'a> {
             Some(byte) if byte <= b' ' => self.arguments()?,
             Some(_) => return Err(Event::InvalidCharacter),
         };
-        Ok(Unit { from_root, header, is_query, arguments })
+        Ok(MessageUnit { from_root, header, is_query, arguments })
     }
 
     fn arguments(&mut self) -> Result<Vec<Argument>, Event> {
@@ -136,7 +136,7 @@ impl<'a> Cursor<'a> {
         let mut text = Vec::new();
         loop {
             text.extend_from_slice(self.take_while(|byte| byte != mark));
-            if self.peek().is_none() || text.len() > LONGEST_TEXT {
+            if self.peek().is_none() || text.len() > MAX_TEXT_LENGTH {
                 return Err(Event::InvalidString);
             }
             self.at += 1;

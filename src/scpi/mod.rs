@@ -15,7 +15,7 @@ pub mod input;
 pub mod list;
 pub mod message;
 pub mod number;
-mod place;
+mod placeholder;
 pub mod preferences;
 pub mod reply;
 pub mod row;
@@ -25,4 +25,4 @@ pub mod tree;
 pub mod value;
 
 pub use preferences::{Preferences, Terminator};
-pub use session::{Line, MAXIMUM_REPLY, Reply, Session};
+pub use session::{MAXIMUM_REPLY, Reply, Session, TranscriptLine};

@@ -1,22 +1,22 @@
 //! Writes answers as one reply, with headers or without.
 
 use super::preferences::Preferences;
-use super::value::{Value, spelled};
+use super::value::{ReplyValue, abbreviated};
 
 /// What one row answers.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Answer {
+pub struct ResponseUnit {
     /// The header's words, short forms in capitals.
     pub nodes: Vec<String>,
     /// The answer.
-    pub value: Value,
+    pub value: ReplyValue,
 }
 
 /// The answers to one query, without terminator.
 ///
 /// With headers the first answer begins at the root, `:TRIGGER:MAIN:MODE AUTO`; the next ones leave out the path that
 /// they share with the one before, `TYPE EDGE`, where all of that path is theirs, and begin at the root where not.
-pub fn write(answers: &[Answer], preferences: &Preferences) -> Vec<u8> {
+pub fn write(answers: &[ResponseUnit], preferences: &Preferences) -> Vec<u8> {
     let mut out = Vec::new();
     let mut path: &[String] = &[];
     for (index, answer) in answers.iter().enumerate() {
@@ -31,7 +31,7 @@ pub fn write(answers: &[Answer], preferences: &Preferences) -> Vec<u8> {
                 &answer.nodes
             });
             let words: Vec<String> =
-                nodes.iter().map(|node| spelled(node, preferences.verbose)).collect();
+                nodes.iter().map(|node| abbreviated(node, preferences.verbose)).collect();
             out.extend_from_slice(words.join(":").as_bytes());
             out.push(b' ');
             path = answer.nodes.split_last().map_or(&[], |(_, path)| path);

@@ -18,7 +18,7 @@ pub enum Support {
 }
 
 /// One command.
-pub struct Row {
+pub struct CommandRow {
     /// Header as in the manual: short forms in capitals, `<x>` for a number, `<wfm>` for a waveform.
     pub header: &'static str,
     /// What is set and told.
@@ -31,7 +31,7 @@ pub struct Row {
     pub about: &'static str,
 }
 
-impl Row {
+impl CommandRow {
     /// A command that does what the manual says.
     pub const fn acts(
         header: &'static str,
@@ -90,5 +90,5 @@ pub struct Group {
     /// Heading in the manual.
     pub title: &'static str,
     /// Its commands, in the order in which queries of a group tell them.
-    pub rows: &'static [Row],
+    pub rows: &'static [CommandRow],
 }

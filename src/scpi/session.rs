@@ -3,8 +3,8 @@
 use std::collections::VecDeque;
 
 use super::argument::none;
-use super::input::{Input, MAXIMUM_BYTES, Piece};
-use super::message::{Unit, units};
+use super::input::{InputBuffer, InputPiece, MAXIMUM_BYTES};
+use super::message::{MessageUnit, units};
 use super::preferences::Preferences;
 use super::reply;
 use super::setting::{Context, Stop};
@@ -25,7 +25,7 @@ pub enum Reply {
 /// A message that is being executed.
 #[derive(Debug, Clone, Default)]
 struct Progress {
-    units: VecDeque<Result<Unit, Event>>,
+    units: VecDeque<Result<MessageUnit, Event>>,
     path: Vec<String>,
     replies: Vec<Vec<u8>>,
     raw: Vec<u8>,
@@ -37,7 +37,7 @@ pub const MAXIMUM_REPLY: usize = 1 << 20;
 
 /// What a connection heard or said.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Line {
+pub enum TranscriptLine {
     /// A message without its end.
     Command(Vec<u8>),
     /// A reply with its terminator.
@@ -47,18 +47,18 @@ pub enum Line {
 /// One connection.
 #[derive(Debug, Clone)]
 pub struct Session {
-    input: Input,
+    input: InputBuffer,
     preferences: Preferences,
     waiting: Option<Progress>,
     backlog: VecDeque<Vec<u8>>,
-    transcript: Option<Vec<Line>>,
+    transcript: Option<Vec<TranscriptLine>>,
 }
 
 impl Session {
     /// A fresh connection.
     pub fn new(preferences: Preferences) -> Self {
         Self {
-            input: Input::default(),
+            input: InputBuffer::default(),
             preferences,
             waiting: None,
             backlog: VecDeque::new(),
@@ -72,7 +72,7 @@ impl Session {
     }
 
     /// What was heard and said since the last call.
-    pub fn take_transcript(&mut self) -> Vec<Line> {
+    pub fn take_transcript(&mut self) -> Vec<TranscriptLine> {
         self.transcript.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
@@ -151,13 +151,13 @@ impl Session {
         }
     }
 
-    fn take(&mut self, instrument: &mut Instrument, piece: Piece, out: &mut Vec<u8>) {
+    fn take(&mut self, instrument: &mut Instrument, piece: InputPiece, out: &mut Vec<u8>) {
         let message = match piece {
-            Piece::Message(message) => message,
-            Piece::Overrun => return instrument.status.report(Event::InputOverrun),
+            InputPiece::Message(message) => message,
+            InputPiece::Overrun => return instrument.status.report(Event::InputOverrun),
         };
         if let Some(transcript) = &mut self.transcript {
-            transcript.push(Line::Command(message.clone()));
+            transcript.push(TranscriptLine::Command(message.clone()));
         }
         let waits_for_reply = self.waiting.as_ref().map(|progress| {
             progress.units.front().is_some_and(|unit| unit.as_ref().is_ok_and(|u| u.is_query))
@@ -175,15 +175,15 @@ impl Session {
                 let waiting = self.waiting.take();
                 self.start(instrument, &message, out);
                 if self.waiting.is_some() {
-                    self.postpone(instrument, message);
+                    self.defer(instrument, message);
                 }
                 self.waiting = waiting;
             }
-            Some(false) => self.postpone(instrument, message),
+            Some(false) => self.defer(instrument, message),
         }
     }
 
-    fn postpone(&mut self, instrument: &mut Instrument, message: Vec<u8>) {
+    fn defer(&mut self, instrument: &mut Instrument, message: Vec<u8>) {
         let held: usize = self.backlog.iter().map(Vec::len).sum();
         if held + message.len() > MAXIMUM_BYTES {
             instrument.status.report(Event::InputOverrun);
@@ -218,7 +218,8 @@ impl Session {
             out.extend_from_slice(&progress.replies.join(&b';'));
             out.extend_from_slice(self.preferences.terminator.bytes());
             if let Some(transcript) = &mut self.transcript {
-                transcript.push(Line::Reply(out.get(start..).unwrap_or_default().to_vec()));
+                transcript
+                    .push(TranscriptLine::Reply(out.get(start..).unwrap_or_default().to_vec()));
             }
         }
         out.append(&mut progress.raw);
@@ -227,7 +228,7 @@ impl Session {
     fn execute_unit(
         &mut self,
         instrument: &mut Instrument,
-        unit: &Unit,
+        unit: &MessageUnit,
         progress: &mut Progress,
     ) -> Result<(), Stop> {
         let is_common = unit.header.first().is_some_and(|word| word.starts_with('*'));
@@ -250,7 +251,7 @@ impl Session {
         };
         if !unit.is_query {
             found.row.setting.set(&mut at, &unit.arguments)?;
-            at.instrument.settle();
+            at.instrument.keep_consistent();
             if progress.raw.len() > MAXIMUM_REPLY {
                 progress.raw.clear();
                 progress.units.clear();
@@ -262,7 +263,7 @@ impl Session {
         if progress.indefinite {
             return Err(Event::QueryAfterIndefinite.into());
         }
-        let answers = tree::ask(found, &mut at)?;
+        let answers = tree::query(found, &mut at)?;
         let is_setup = matches!(found.row.header, "SET" | "*LRN");
         let header = self.preferences.header || is_setup;
         let preferences = Preferences { header, ..self.preferences };

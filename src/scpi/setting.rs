@@ -2,9 +2,9 @@
 
 use super::argument::{flag, real, word};
 use super::message::Argument;
-use super::place::Place;
+use super::placeholder::Placeholder;
 use super::preferences::Preferences;
-use super::value::Value;
+use super::value::ReplyValue;
 use crate::instrument::word::Word;
 use crate::instrument::{Event, Instrument};
 
@@ -30,7 +30,7 @@ pub struct Context<'a> {
     /// The connection's headers and terminator.
     pub preferences: &'a mut Preferences,
     /// What the header's placeholder stands for.
-    pub place: Place,
+    pub place: Placeholder,
     /// Whether a reply of the same message waits.
     pub message_available: bool,
     /// Bytes that are sent as they are, behind the replies to the message.
@@ -72,7 +72,7 @@ pub trait Setting: Sync {
     ///
     /// # Errors
     /// [`Stop`], with the event to report.
-    fn get(&self, _at: &mut Context<'_>) -> Result<Value, Stop> {
+    fn get(&self, _at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
         Err(Event::UndefinedHeader.into())
     }
 
@@ -83,20 +83,20 @@ pub trait Setting: Sync {
 }
 
 /// A function that finds a setting in the instrument.
-type Field<T> = for<'a> fn(&'a mut Instrument, Place) -> &'a mut T;
+type Field<T> = for<'a> fn(&'a mut Instrument, Placeholder) -> &'a mut T;
 /// A function that does what a command says.
 type SetFunction = fn(&mut Context<'_>, &[Argument]) -> Result<(), Stop>;
 /// A function that answers a query.
-type GetFunction = fn(&mut Context<'_>) -> Result<Value, Stop>;
+type GetFunction = fn(&mut Context<'_>) -> Result<ReplyValue, Stop>;
 /// A function that makes a setting of a number.
-type Fit = fn(&Instrument, Place, f64) -> f64;
+type Fit = fn(&Instrument, Placeholder, f64) -> f64;
 
 const BOTH: Access = Access { sets: true, asks: true };
 
 /// One of several words.
-pub struct Words<T: Word>(pub Field<T>);
+pub struct WordSetting<T: Word>(pub Field<T>);
 
-impl<T: Word> Setting for Words<T> {
+impl<T: Word> Setting for WordSetting<T> {
     fn access(&self) -> Access {
         BOTH
     }
@@ -106,8 +106,8 @@ impl<T: Word> Setting for Words<T> {
         Ok(())
     }
 
-    fn get(&self, at: &mut Context<'_>) -> Result<Value, Stop> {
-        Ok(Value::Word((self.0)(at.instrument, at.place).word()))
+    fn get(&self, at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
+        Ok(ReplyValue::Word((self.0)(at.instrument, at.place).word()))
     }
 }
 
@@ -124,9 +124,9 @@ impl Setting for OnOff {
         Ok(())
     }
 
-    fn get(&self, at: &mut Context<'_>) -> Result<Value, Stop> {
+    fn get(&self, at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
         let on = *(self.0)(at.instrument, at.place);
-        Ok(Value::Word(if on { "ON" } else { "OFF" }))
+        Ok(ReplyValue::Word(if on { "ON" } else { "OFF" }))
     }
 }
 
@@ -143,8 +143,8 @@ impl Setting for Switch {
         Ok(())
     }
 
-    fn get(&self, at: &mut Context<'_>) -> Result<Value, Stop> {
-        Ok(Value::flag(*(self.0)(at.instrument, at.place)))
+    fn get(&self, at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
+        Ok(ReplyValue::flag(*(self.0)(at.instrument, at.place)))
     }
 }
 
@@ -162,8 +162,8 @@ impl Setting for Number {
         Ok(())
     }
 
-    fn get(&self, at: &mut Context<'_>) -> Result<Value, Stop> {
-        Ok(Value::Number(*(self.0)(at.instrument, at.place)))
+    fn get(&self, at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
+        Ok(ReplyValue::Number(*(self.0)(at.instrument, at.place)))
     }
 }
 
@@ -179,7 +179,7 @@ impl Setting for Both {
         (self.0)(at, arguments)
     }
 
-    fn get(&self, at: &mut Context<'_>) -> Result<Value, Stop> {
+    fn get(&self, at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
         (self.1)(at)
     }
 }
@@ -192,7 +192,7 @@ impl Setting for Query {
         Access { sets: false, asks: true }
     }
 
-    fn get(&self, at: &mut Context<'_>) -> Result<Value, Stop> {
+    fn get(&self, at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
         (self.0)(at)
     }
 }

@@ -1,48 +1,48 @@
 //! Finds the row of a header.
 
 use super::command::GROUPS;
-use super::place::Place;
-use super::reply::Answer;
-use super::row::{Row, Support};
+use super::placeholder::Placeholder;
+use super::reply::ResponseUnit;
+use super::row::{CommandRow, Support};
 use super::setting::{Context, Parts, Stop};
 use crate::instrument::Event;
 use crate::instrument::word::abbreviates;
 use crate::scope::Source;
 
 /// How deep rows may answer by other rows: `SET?`, then a group.
-const DEEPEST: u8 = 3;
+const MAX_GROUP_DEPTH: u8 = 3;
 
 /// A row and what its placeholder stood for.
 #[derive(Clone, Copy)]
-pub struct Found {
+pub struct MatchedRow {
     /// The row.
-    pub row: &'static Row,
+    pub row: &'static CommandRow,
     /// What its placeholder stood for.
-    pub place: Place,
+    pub place: Placeholder,
 }
 
 /// The row that a header's words name, on an instrument with so many channels.
-pub fn find(words: &[String], channels: u8) -> Option<Found> {
+pub fn find(words: &[String], channels: u8) -> Option<MatchedRow> {
     let found = rows().find_map(|row| {
         let place = matches(row, words, channels)?;
-        Some(Found { row, place })
+        Some(MatchedRow { row, place })
     })?;
     match found.row.support {
         Support::Alias(of) => {
             let row = rows().find(|row| row.header == of)?;
-            Some(Found { row, ..found })
+            Some(MatchedRow { row, ..found })
         }
         _ => Some(found),
     }
 }
 
 /// Every row, group after group.
-pub fn rows() -> impl Iterator<Item = &'static Row> {
+pub fn rows() -> impl Iterator<Item = &'static CommandRow> {
     GROUPS.iter().flat_map(|group| group.rows)
 }
 
-fn matches(row: &Row, words: &[String], channels: u8) -> Option<Place> {
-    let mut place = Place::default();
+fn matches(row: &CommandRow, words: &[String], channels: u8) -> Option<Placeholder> {
+    let mut place = Placeholder::default();
     let mut nodes = row.nodes();
     for word in words {
         node_matches(nodes.next()?, word, channels, &mut place).then_some(())?;
@@ -51,7 +51,7 @@ fn matches(row: &Row, words: &[String], channels: u8) -> Option<Place> {
 }
 
 /// Whether `word` is `node`; a placeholder is noted in `place`.
-fn node_matches(node: &str, word: &str, channels: u8, place: &mut Place) -> bool {
+fn node_matches(node: &str, word: &str, channels: u8, place: &mut Placeholder) -> bool {
     let exists = |source: Source| match source {
         Source::Channel(number) => number <= channels,
         Source::Math | Source::Reference(_) => true,
@@ -89,7 +89,7 @@ fn last_number(stem: &str) -> u8 {
 }
 
 /// A node with its placeholder filled in.
-pub fn filled(node: &str, place: Place) -> String {
+pub fn filled(node: &str, place: Placeholder) -> String {
     match node {
         "<wfm>" | "CH<x>" | "REF<x>" => place.source.to_string(),
         _ => match node.strip_suffix("<x>") {
@@ -103,17 +103,17 @@ pub fn filled(node: &str, place: Place) -> String {
 ///
 /// # Errors
 /// [`Stop`] where a row cannot tell.
-pub fn ask(found: Found, at: &mut Context<'_>) -> Result<Vec<Answer>, Stop> {
+pub fn query(found: MatchedRow, at: &mut Context<'_>) -> Result<Vec<ResponseUnit>, Stop> {
     let mut answers = Vec::new();
-    collect(found, at, DEEPEST, &mut answers)?;
+    collect(found, at, MAX_GROUP_DEPTH, &mut answers)?;
     Ok(answers)
 }
 
 fn collect(
-    found: Found,
+    found: MatchedRow,
     at: &mut Context<'_>,
     depth: u8,
-    answers: &mut Vec<Answer>,
+    answers: &mut Vec<ResponseUnit>,
 ) -> Result<(), Stop> {
     at.place = found.place;
     let depth = depth.checked_sub(1).ok_or(Event::UndefinedHeader)?;
@@ -121,12 +121,12 @@ fn collect(
         None => {
             let value = found.row.setting.get(at)?;
             let nodes = found.row.nodes().map(|node| filled(node, found.place)).collect();
-            answers.push(Answer { nodes, value });
+            answers.push(ResponseUnit { nodes, value });
         }
         Some(Parts::Below) => {
             for row in rows().filter(|row| row.in_group && is_below(row, found.row)) {
                 if row.setting.access().asks && row.setting.parts().is_none() {
-                    collect(Found { row, place: found.place }, at, depth, answers)?;
+                    collect(MatchedRow { row, place: found.place }, at, depth, answers)?;
                 }
             }
         }
@@ -142,6 +142,6 @@ fn collect(
     Ok(())
 }
 
-fn is_below(row: &Row, group: &Row) -> bool {
+fn is_below(row: &CommandRow, group: &CommandRow) -> bool {
     row.header.strip_prefix(group.header).is_some_and(|rest| rest.starts_with(':'))
 }

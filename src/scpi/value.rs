@@ -5,7 +5,7 @@ use crate::instrument::word::short_form;
 
 /// One answer.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Value {
+pub enum ReplyValue {
     /// A setting with decimals, in the unit that the command's manual names (unit).
     Number(f64),
     /// A measurement, in the unit that `MEASUrement` tells (unit).
@@ -22,7 +22,7 @@ pub enum Value {
     Block(Vec<u8>),
 }
 
-impl Value {
+impl ReplyValue {
     /// A flag as `1` or `0`.
     pub fn flag(on: bool) -> Self {
         Self::Integer(i64::from(on))
@@ -34,7 +34,7 @@ impl Value {
             Self::Number(value) => number::setting(*value),
             Self::Measurement(value) => number::measurement(*value),
             Self::Integer(value) => value.to_string(),
-            Self::Word(word) => spelled(word, verbose),
+            Self::Word(word) => abbreviated(word, verbose),
             Self::Text(text) => format!("\"{}\"", text.replace('"', "\"\"")),
             Self::Plain(text) => text.clone(),
             Self::Block(bytes) => return out.extend_from_slice(bytes),
@@ -44,6 +44,6 @@ impl Value {
 }
 
 /// A word in full, or in its short form.
-pub fn spelled(word: &str, verbose: bool) -> String {
+pub fn abbreviated(word: &str, verbose: bool) -> String {
     if verbose { word.to_ascii_uppercase() } else { short_form(word).to_owned() }
 }

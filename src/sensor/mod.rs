@@ -8,14 +8,14 @@
 //! plate's own resonance (MHz) and while the plate takes the host's whole axial force.
 //!
 //! Several plates on top of each other feel the same force. Wired in parallel they give `n d33` on `n` times the capacitance,
-//! in series `d33` on one `n`-th of it. A circuit that was measured, by [`Measured`], outranks what follows from the plate.
+//! in series `d33` on one `n`-th of it. A circuit that was measured, by [`SensorMeasurement`], outranks what follows from the plate.
 
 mod tolerance;
 
 use serde::Serialize;
 
 use crate::trace::Trace;
-pub use tolerance::Tolerance;
+pub use tolerance::SensorTolerance;
 
 /// Permittivity of vacuum, CODATA 2018 (F/m).
 pub const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;
@@ -33,7 +33,7 @@ pub enum Wiring {
 
 /// What a measurement of the sensor with its wiring found, such as a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct Measured {
+pub struct SensorMeasurement {
     /// Voltage per force before any droop (V/N).
     pub sensitivity: Option<f64>,
     /// Relative standard uncertainty of the sensitivity (1).
@@ -68,7 +68,7 @@ pub struct Sensor {
     /// Leakage of plate and wiring; infinite where none is stated (Ohm).
     pub leak_resistance: f64,
     /// What is known from measurement.
-    pub measured: Measured,
+    pub measured: SensorMeasurement,
 }
 
 /// What the sensor is connected to: a scope input, seen through its probe.
@@ -197,7 +197,7 @@ mod tests {
             wiring: Wiring::Parallel,
             cable_capacitance: 710e-12,
             leak_resistance: f64::INFINITY,
-            measured: Measured::default(),
+            measured: SensorMeasurement::default(),
         };
         // 0.15938 pF times the relative permittivity.
         assert!((sensor.plate_capacitance() / 1800.0 - 0.15938e-12).abs() < 1e-17);
@@ -233,18 +233,18 @@ mod tests {
             wiring: Wiring::Parallel,
             cable_capacitance: 440e-12,
             leak_resistance: 50e6,
-            measured: Measured::default(),
+            measured: SensorMeasurement::default(),
         };
         let (input, probe) = (
             Load { resistance: 1e6, capacitance: 20e-12 },
             Load { resistance: 10e6, capacitance: 16e-12 },
         );
         let found = plate.connect(input);
-        let measured = Measured {
+        let measured = SensorMeasurement {
             sensitivity: Some(found.sensitivity),
             time_constant: Some(found.time_constant),
             load: Some(input),
-            ..Measured::default()
+            ..SensorMeasurement::default()
         };
         let calibrated = Sensor { d33: 1.0, cable_capacitance: 0.0, measured, ..plate.clone() };
         for load in [input, probe] {

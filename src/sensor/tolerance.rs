@@ -16,7 +16,7 @@ const TEMPERATURE_STREAM: u128 = 1 << 64;
 
 /// How far the plates may be from their data.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Tolerance {
+pub struct SensorTolerance {
     /// Half width of what `d33` and permittivity may be off (1).
     pub spread: f64,
     /// Half width of what the temperature may be off the one that data are stated at (K).
@@ -27,7 +27,7 @@ pub struct Tolerance {
     pub d33_coefficient: f64,
 }
 
-impl Tolerance {
+impl SensorTolerance {
     /// The sensor that is really there, drawn from `seed`; plate `index` has a stream of its own.
     pub fn draw(&self, sensor: &Sensor, seed: u64, index: u32) -> Sensor {
         let even = |stream: &mut Pcg64| -> f64 {

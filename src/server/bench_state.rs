@@ -12,7 +12,7 @@ pub struct BenchState {
     scenes: Vec<Arc<Scene>>,
     /// The scene with everything that clients have changed.
     pub scene: Arc<Scene>,
-    applied: bench::Scene,
+    applied: bench::BenchScene,
 }
 
 impl BenchState {
@@ -58,8 +58,8 @@ impl BenchState {
 }
 
 /// What there is to turn in a scene, as it stands.
-fn knobs(scene: &Scene) -> bench::Scene {
-    bench::Scene {
+fn knobs(scene: &Scene) -> bench::BenchScene {
+    bench::BenchScene {
         name: scene.name.clone(),
         striker_mass: scene.spec.striker.as_ref().map(|striker| striker.mass),
         striker_speed: scene.striker_speed(),

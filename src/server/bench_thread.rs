@@ -9,28 +9,28 @@ use tokio::sync::mpsc;
 
 use super::ServeError;
 use crate::experiment::RunError;
-use crate::experiment::inputs::{Window, inputs};
+use crate::experiment::inputs::{InputWindow, inputs};
 use crate::instrument::{SampleWindow, Signals};
 use crate::scene::Scene;
 use crate::trace::Trace;
 
 /// A strike to be made.
-struct Order {
+struct StrikeOrder {
     scene: Arc<Scene>,
     wanted: SampleWindow,
     shot: u32,
 }
 
 /// The far end of the bench.
-pub struct Handle {
-    orders: SyncSender<Order>,
-    signals: mpsc::Receiver<Struck>,
+pub struct BenchHandle {
+    orders: SyncSender<StrikeOrder>,
+    signals: mpsc::Receiver<StrikeSignals>,
     under_way: bool,
     shots: u32,
 }
 
 /// Signals from one impact.
-pub struct Struck {
+pub struct StrikeSignals {
     /// Number of the shot.
     pub shot: u32,
     /// The bench that was struck.
@@ -38,24 +38,24 @@ pub struct Struck {
     /// The grid that the signals were made for.
     pub wanted: SampleWindow,
     /// The signals at the scope's inputs, and the ground truth.
-    pub signals: Result<(Signals, Truth), RunError>,
+    pub signals: Result<(Signals, GroundTruth), RunError>,
 }
 
 /// Ground truth of a shot (forces, displacements).
-pub struct Truth {
+pub struct GroundTruth {
     /// Time of the signals' first sample after the striker's first contact (s).
     pub start: f64,
     /// Forces and motions.
     pub traces: Vec<Trace>,
 }
 
-impl Handle {
+impl BenchHandle {
     /// Starts the thread; it ends when the handle is dropped, after the simulation that is under way.
     ///
     /// # Errors
     /// What the system says when there is no thread to be had.
     pub fn start() -> io::Result<Self> {
-        let (orders, inbox) = sync_channel::<Order>(1);
+        let (orders, inbox) = sync_channel::<StrikeOrder>(1);
         let (sender, signals) = mpsc::channel(1);
         thread::Builder::new().name("bench".to_owned()).spawn(move || {
             for order in inbox {
@@ -70,7 +70,7 @@ impl Handle {
     /// Strikes with the next shot number, unless a strike is under way. Whether it does.
     pub fn strike(&mut self, scene: &Arc<Scene>, wanted: SampleWindow) -> bool {
         let shot = self.shots.saturating_add(1);
-        let order = Order { scene: Arc::clone(scene), wanted, shot };
+        let order = StrikeOrder { scene: Arc::clone(scene), wanted, shot };
         let free = !self.under_way && self.orders.try_send(order).is_ok();
         if free {
             self.shots = shot;
@@ -83,19 +83,19 @@ impl Handle {
     ///
     /// # Errors
     /// [`ServeError::BenchLost`] where the thread is no more.
-    pub async fn struck(&mut self) -> Result<Struck, ServeError> {
+    pub async fn struck(&mut self) -> Result<StrikeSignals, ServeError> {
         let struck = self.signals.recv().await;
         self.under_way = false;
         struck.ok_or(ServeError::BenchLost)
     }
 }
 
-fn strike(order: &Order) -> Struck {
-    let Order { scene, wanted, shot } = order;
+fn strike(order: &StrikeOrder) -> StrikeSignals {
+    let StrikeOrder { scene, wanted, shot } = order;
     let SampleWindow { interval, before, after } = *wanted;
-    let window = Window { interval, before, after };
+    let window = InputWindow { interval, before, after };
     let signals = inputs(scene, window, *shot).map(|arrived| {
-        let truth = Truth { start: arrived.start, traces: arrived.truth };
+        let truth = GroundTruth { start: arrived.start, traces: arrived.truth };
         let signals = Signals {
             interval: arrived.interval,
             automatic: arrived.contact,
@@ -105,5 +105,5 @@ fn strike(order: &Order) -> Struck {
         };
         (signals, truth)
     });
-    Struck { shot: *shot, scene: Arc::clone(scene), wanted: *wanted, signals }
+    StrikeSignals { shot: *shot, scene: Arc::clone(scene), wanted: *wanted, signals }
 }

@@ -29,7 +29,7 @@ pub enum Protocol {
 
 /// Events of a connection.
 #[derive(Debug)]
-pub enum News {
+pub enum ConnectionEvent {
     /// Connection opened.
     Opened {
         /// Number of the connection.
@@ -39,7 +39,7 @@ pub enum News {
         /// The client's address.
         peer: SocketAddr,
         /// Queue of its answers; the connection ends when the queue is closed.
-        answers: mpsc::Sender<Answer>,
+        answers: mpsc::Sender<OutgoingBytes>,
     },
     /// Bytes received. Each piece is answered once, even if by an empty answer.
     Bytes {
@@ -62,7 +62,7 @@ pub enum News {
 
 /// Bytes for a client.
 #[derive(Debug)]
-pub struct Answer {
+pub struct OutgoingBytes {
     /// The bytes, which may be none.
     pub bytes: Vec<u8>,
     /// Whether this answers a piece; what comes later, when an acquisition has ended, does not.
@@ -83,13 +83,13 @@ pub struct Connection {
 
 impl Connection {
     /// Copies bytes until either side closes the connection.
-    pub async fn run(self, news: mpsc::Sender<News>) {
+    pub async fn run(self, news: mpsc::Sender<ConnectionEvent>) {
         let Self { number, protocol, peer, stream } = self;
         let (answers, inbox) = mpsc::channel(ANSWERS);
-        if news.send(News::Opened { number, protocol, peer, answers }).await.is_ok() {
+        if news.send(ConnectionEvent::Opened { number, protocol, peer, answers }).await.is_ok() {
             // However the connection ends, the client knows; nobody else has to.
             let _ = exchange(stream, number, &news, inbox).await;
-            let _ = news.send(News::Closed { number }).await;
+            let _ = news.send(ConnectionEvent::Closed { number }).await;
         }
     }
 }
@@ -97,8 +97,8 @@ impl Connection {
 async fn exchange(
     mut stream: TcpStream,
     number: u64,
-    news: &mpsc::Sender<News>,
-    mut inbox: mpsc::Receiver<Answer>,
+    news: &mpsc::Sender<ConnectionEvent>,
+    mut inbox: mpsc::Receiver<OutgoingBytes>,
 ) -> io::Result<()> {
     // Clients give an unknown query a millisecond to stay silent.
     stream.set_nodelay(true)?;
@@ -118,9 +118,9 @@ async fn exchange(
                 // After the last piece nothing is read: the instrument task ends the connection when all is answered.
                 asked = true;
                 let heard = if bytes.is_empty() {
-                    News::Ended { number }
+                    ConnectionEvent::Ended { number }
                 } else {
-                    News::Bytes { number, bytes }
+                    ConnectionEvent::Bytes { number, bytes }
                 };
                 if news.send(heard).await.is_err() {
                     return Ok(());

@@ -8,11 +8,11 @@ use tokio::sync::mpsc;
 use tokio::time::{Instant, Interval, MissedTickBehavior, interval_at};
 
 use super::bench_state::BenchState;
-use super::bench_thread::{Handle, Struck};
-use super::connection::{Answer, News, Protocol};
-use super::recorder::{Caught, Recorder};
+use super::bench_thread::{BenchHandle, StrikeSignals};
+use super::connection::{ConnectionEvent, OutgoingBytes, Protocol};
+use super::recorder::{Recorder, TriggeredShot};
 use super::sessions::{SessionId, Sessions};
-use super::{Options, ServeError};
+use super::{ServeError, ServerOptions};
 use crate::hislip;
 use crate::instrument::acquisition::State;
 use crate::instrument::{Accepted, Event, Instrument};
@@ -28,7 +28,7 @@ const HALF_CLOSED_TIMEOUT: Duration = Duration::from_secs(60);
 /// The state of one connection.
 struct ConnectionEntry {
     protocol: Protocol,
-    answers: mpsc::Sender<Answer>,
+    answers: mpsc::Sender<OutgoingBytes>,
     /// Whether its last piece is still to be answered.
     asked: bool,
     /// Since when it sends no more.
@@ -40,18 +40,23 @@ pub struct InstrumentTask {
     sessions: Sessions,
     connections: BTreeMap<u64, ConnectionEntry>,
     hislip: hislip::Server,
-    bench: Handle,
+    bench: BenchHandle,
     bench_state: BenchState,
     impact_every: Option<Duration>,
     orders: Option<mpsc::Receiver<()>>,
     switched_on: Instant,
     /// The shot that the scope triggered on last.
-    caught: Option<Caught>,
+    caught: Option<TriggeredShot>,
 }
 
 impl InstrumentTask {
     /// Switches the instrument on, set as in the scene.
-    pub fn new(scene: &Scene, options: Options, bench: Handle, recorder: Option<Recorder>) -> Self {
+    pub fn new(
+        scene: &Scene,
+        options: ServerOptions,
+        bench: BenchHandle,
+        recorder: Option<Recorder>,
+    ) -> Self {
         let mut instrument = Instrument::of(&scene.scope, scene.seed);
         let bench_state = BenchState::new(scene, &mut instrument);
         Self {
@@ -71,7 +76,10 @@ impl InstrumentTask {
     ///
     /// # Errors
     /// [`ServeError`] where the bench or the recording fails.
-    pub async fn run(&mut self, mut news: mpsc::Receiver<News>) -> Result<(), ServeError> {
+    pub async fn run(
+        &mut self,
+        mut news: mpsc::Receiver<ConnectionEvent>,
+    ) -> Result<(), ServeError> {
         let mut ticks = every(TICK);
         let mut strikes = self.impact_every.map(every);
         let mut orders = self.orders.take();
@@ -79,12 +87,12 @@ impl InstrumentTask {
             tokio::select! {
                 heard = news.recv() => {
                     let Some(heard) = heard else { return Ok(()) };
-                    self.pass_time();
+                    self.advance_time();
                     self.handle_event(heard);
                 }
                 struck = self.bench.struck() => {
                     let struck = struck?;
-                    self.pass_time();
+                    self.advance_time();
                     self.deliver_signals(struck)?;
                 }
                 () = tick(strikes.as_mut()) => {
@@ -95,9 +103,9 @@ impl InstrumentTask {
                 }
                 _ = ticks.tick() => {}
             }
-            self.pass_time();
+            self.advance_time();
             self.resume();
-            self.strike_if_asked();
+            self.start_queued_strike();
             self.write_finished_records()?;
         }
     }
@@ -110,15 +118,15 @@ impl InstrumentTask {
         self.sessions.recorder.map_or(Ok(()), Recorder::finish)
     }
 
-    fn pass_time(&mut self) {
+    fn advance_time(&mut self) {
         let now = self.switched_on.elapsed().as_secs_f64();
         self.sessions.instrument.advance(now);
         self.hislip.advance(now, &mut self.sessions);
     }
 
-    fn handle_event(&mut self, news: News) {
+    fn handle_event(&mut self, news: ConnectionEvent) {
         match news {
-            News::Opened { number, protocol, peer, answers } => {
+            ConnectionEvent::Opened { number, protocol, peer, answers } => {
                 self.sessions.peers.insert(number, peer);
                 self.connections.insert(
                     number,
@@ -129,7 +137,7 @@ impl InstrumentTask {
                     Protocol::Hislip => self.hislip.opened(number),
                 }
             }
-            News::Bytes { number, bytes } => {
+            ConnectionEvent::Bytes { number, bytes } => {
                 let Some(connection) = self.connections.get_mut(&number) else { return };
                 connection.asked = true;
                 match connection.protocol {
@@ -140,21 +148,21 @@ impl InstrumentTask {
                     Protocol::Hislip => self.hislip.received(number, &bytes, &mut self.sessions),
                 }
             }
-            News::Ended { number } => {
+            ConnectionEvent::Ended { number } => {
                 let waits = self.sessions.is_waiting(SessionId::Raw(number));
                 match self.connections.get_mut(&number) {
                     Some(connection) if waits => connection.ended = Some(Instant::now()),
                     _ => self.drop_connection(number),
                 }
             }
-            News::Closed { number } => self.drop_connection(number),
+            ConnectionEvent::Closed { number } => self.drop_connection(number),
         }
         self.bench_state.apply_changes(&mut self.sessions.instrument);
     }
 
     /// Delivers the signals of one impact to the instrument.
-    fn deliver_signals(&mut self, struck: Struck) -> Result<(), ServeError> {
-        let Struck { shot, scene, wanted, signals } = struck;
+    fn deliver_signals(&mut self, struck: StrikeSignals) -> Result<(), ServeError> {
+        let StrikeSignals { shot, scene, wanted, signals } = struck;
         let instrument = &mut self.sessions.instrument;
         match signals {
             Ok((signals, truth)) => {
@@ -166,7 +174,7 @@ impl InstrumentTask {
                 let accepted = instrument.accept_signals(&signals);
                 if matches!(accepted, Accepted::Triggered { .. }) {
                     let is_served = self.bench_state.is_served(&scene);
-                    self.caught = Some(Caught { shot, truth, scene, is_served });
+                    self.caught = Some(TriggeredShot { shot, truth, scene, is_served });
                 }
                 Ok(())
             }
@@ -186,7 +194,7 @@ impl InstrumentTask {
     }
 
     /// Strikes as clients ask for, when the scope can see it.
-    fn strike_if_asked(&mut self) {
+    fn start_queued_strike(&mut self) {
         let instrument = &self.sessions.instrument;
         let is_blind = matches!(instrument.state(), State::Armed | State::Trigger);
         if instrument.bench.asked > 0 && !is_blind && self.strike() {
@@ -215,7 +223,7 @@ impl InstrumentTask {
                 connection.asked = false;
                 if connection
                     .answers
-                    .try_send(Answer { bytes: Vec::new(), to_piece: true })
+                    .try_send(OutgoingBytes { bytes: Vec::new(), to_piece: true })
                     .is_err()
                 {
                     done.push(*number);
@@ -245,7 +253,7 @@ impl InstrumentTask {
     fn send_bytes(&mut self, number: u64, bytes: Vec<u8>, to_piece: bool) {
         let Some(connection) = self.connections.get(&number) else { return };
         let nothing = bytes.is_empty() && !to_piece;
-        if !nothing && connection.answers.try_send(Answer { bytes, to_piece }).is_err() {
+        if !nothing && connection.answers.try_send(OutgoingBytes { bytes, to_piece }).is_err() {
             self.drop_connection(number);
         }
     }

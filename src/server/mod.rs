@@ -14,7 +14,7 @@ mod recorder;
 mod sessions;
 
 pub use error::ServeError;
-pub use options::Options;
+pub use options::ServerOptions;
 
 use std::future::Future;
 use std::io;
@@ -58,7 +58,7 @@ pub struct Sockets {
 pub fn serve(
     sockets: Sockets,
     scene: &Scene,
-    options: Options,
+    options: ServerOptions,
     recording: Option<RecordingWriter>,
     shutdown: impl Future<Output = ()>,
 ) -> Result<(), ServeError> {
@@ -67,7 +67,7 @@ pub fn serve(
     runtime.map_err(start)?.block_on(async {
         let raw = listener(sockets.raw).map_err(start)?;
         let hislip = sockets.hislip.map(listener).transpose().map_err(start)?;
-        let bench = bench_thread::Handle::start().map_err(start)?;
+        let bench = bench_thread::BenchHandle::start().map_err(start)?;
         let (pieces, inbox) = mpsc::channel(PIECES);
         let mut task = InstrumentTask::new(
             scene,
@@ -99,7 +99,7 @@ fn listener(socket: TcpListener) -> io::Result<tokio::net::TcpListener> {
 /// Accepts connections until it is cancelled.
 async fn accept_loop(
     (raw, hislip): (tokio::net::TcpListener, Option<tokio::net::TcpListener>),
-    pieces: mpsc::Sender<connection::News>,
+    pieces: mpsc::Sender<connection::ConnectionEvent>,
     connections: &mut JoinSet<()>,
 ) {
     let mut number = 0_u64;

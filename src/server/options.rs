@@ -6,7 +6,7 @@ use tokio::sync::mpsc;
 
 /// How the server behaves.
 #[derive(Debug, Default)]
-pub struct Options {
+pub struct ServerOptions {
     /// Whether headers stand before answers on a fresh connection (`HEADer`).
     pub header: bool,
     /// From one strike to the next; none leaves the chain at rest until a client strikes it.

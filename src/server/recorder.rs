@@ -5,24 +5,24 @@ use std::time::{Duration, Instant, SystemTime};
 use std::sync::Arc;
 
 use super::ServeError;
-use super::bench_thread::Truth;
+use super::bench_thread::GroundTruth;
 use crate::experiment::facts::{scene_attachment, shot_facts};
 use crate::instrument::{Finished, Instrument};
 use crate::recording::mcap::{RecordingWriter, ShotNotes, WriteError};
 use crate::recording::{self, Capture, Direction, Origin, ScpiLine, Shot};
 use crate::scene::Scene;
 use crate::scope::{Source, Waveform};
-use crate::scpi::{Line, Preferences, Reply, Session};
+use crate::scpi::{Preferences, Reply, Session, TranscriptLine};
 
 /// Lines are with the operating system after this time.
 const FLUSH: Duration = Duration::from_secs(1);
 
 /// A shot that the scope triggered on.
-pub struct Caught {
+pub struct TriggeredShot {
     /// Its number.
     pub shot: u32,
     /// Its ground truth.
-    pub truth: Truth,
+    pub truth: GroundTruth,
     /// The bench that was struck.
     pub scene: Arc<Scene>,
     /// Whether that is the one that is served.
@@ -61,12 +61,12 @@ impl Recorder {
     }
 
     /// Writes down what a connection heard and said.
-    pub fn lines(&mut self, peer: &str, lines: Vec<Line>) {
-        let timestamp_ns = self.now();
+    pub fn lines(&mut self, peer: &str, lines: Vec<TranscriptLine>) {
+        let timestamp_ns = self.wall_clock_time();
         for line in lines {
             let (direction, bytes) = match line {
-                Line::Command(bytes) => (Direction::Command, bytes),
-                Line::Reply(bytes) => (Direction::Reply, bytes),
+                TranscriptLine::Command(bytes) => (Direction::Command, bytes),
+                TranscriptLine::Reply(bytes) => (Direction::Reply, bytes),
             };
             let line = ScpiLine { timestamp_ns, peer: peer.to_owned(), direction, bytes };
             let written = self.writer.add_line(&line);
@@ -79,12 +79,12 @@ impl Recorder {
     pub fn captures(
         &mut self,
         finished: Finished,
-        caught: Option<Caught>,
+        caught: Option<TriggeredShot>,
         instrument: &mut Instrument,
     ) {
         self.shots += 1;
         let model = &instrument.model;
-        let taken_by = recording::Instrument {
+        let taken_by = recording::InstrumentIdentity {
             model: model.name.replace(' ', ""),
             serial: model.serial.clone(),
             firmware: model.firmware.clone(),
@@ -94,7 +94,7 @@ impl Recorder {
         let cause = match (&caught, finished.trigger) {
             (Some(caught), _) => {
                 self.another_bench(caught);
-                let Caught { shot, scene, .. } = caught;
+                let TriggeredShot { shot, scene, .. } = caught;
                 format!("shot {}: impact {shot} on {}", self.shots, scene.name)
             }
             (None, Some(trigger)) => format!("shot {}: impact {}", self.shots, trigger.shot),
@@ -107,7 +107,7 @@ impl Recorder {
         let shot = Shot {
             number: self.shots,
             origin: Origin::Simulated,
-            timestamp_ns: self.now(),
+            timestamp_ns: self.wall_clock_time(),
             captures: finished.records.into_iter().chain(others).map(capture).collect(),
             trigger_time: truth
                 .as_ref()
@@ -123,8 +123,8 @@ impl Recorder {
     }
 
     /// Tells of a bench that is not the one that the recording's own facts describe.
-    fn another_bench(&mut self, caught: &Caught) {
-        let Caught { shot, scene, is_served, .. } = caught;
+    fn another_bench(&mut self, caught: &TriggeredShot) {
+        let TriggeredShot { shot, scene, is_served, .. } = caught;
         if *is_served {
             return;
         }
@@ -155,7 +155,7 @@ impl Recorder {
     /// # Errors
     /// [`ServeError::Record`] where it could not be written.
     pub fn finish(self) -> Result<(), ServeError> {
-        self.writer.finish().map_err(|reason| ServeError::Record { reason })
+        self.writer.finish().map(|_| ()).map_err(|reason| ServeError::Record { reason })
     }
 
     fn note(&mut self, written: Result<(), WriteError>) {
@@ -164,7 +164,7 @@ impl Recorder {
         }
     }
 
-    fn now(&self) -> u64 {
+    fn wall_clock_time(&self) -> u64 {
         self.began.saturating_add(nanoseconds(self.opened.elapsed()))
     }
 }

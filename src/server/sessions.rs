@@ -109,7 +109,7 @@ fn bytes_of(reply: Reply) -> Vec<u8> {
     }
 }
 
-impl hislip::Instrument for Sessions {
+impl hislip::Device for Sessions {
     fn open(&mut self, session: u16, connection: u64) {
         self.open_session(SessionId::Hislip(session), connection);
     }

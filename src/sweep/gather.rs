@@ -1,24 +1,26 @@
 //! Joins the logs of a sweep's shards into tables, and says what is missing.
 
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry as Slot;
 use std::fs::File;
 use std::io::{BufReader, Read as _};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::log::{Entry, Header, Scan, logs, scan};
+use super::log::{LogHeader, LoggedRun, Scan, logs, scan};
 use super::row::cells;
-use super::table::Table;
-use super::work::Tally;
+use super::table::TableWriter;
+use super::work::RunCounts;
 use super::{SweepError, at};
 
 /// What the logs of a sweep hold together.
 #[derive(Debug)]
-pub struct Gathered {
-    header: Header,
+pub struct GatheredLogs {
+    header: LogHeader,
     files: Vec<PathBuf>,
-    /// For each run the log that it stands in, and where.
-    found: Vec<Option<(u32, Entry)>>,
+    /// For each finished run the log that it stands in, and where.
+    found: BTreeMap<u64, (u32, LoggedRun)>,
     /// What the user should know.
     pub notices: Vec<String>,
 }
@@ -32,7 +34,7 @@ pub struct Gap {
     pub last: u64,
 }
 
-impl Gathered {
+impl GatheredLogs {
     /// Reads all logs in `folder`.
     ///
     /// # Errors
@@ -51,16 +53,15 @@ impl Gathered {
         all.ok_or_else(nothing)
     }
 
-    fn begin(header: &Header) -> Self {
-        let runs = usize::try_from(header.runs).unwrap_or(usize::MAX);
+    fn begin(header: &LogHeader) -> Self {
         let header = header.clone();
-        Self { header, files: Vec::new(), found: vec![None; runs], notices: Vec::new() }
+        Self { header, files: Vec::new(), found: BTreeMap::new(), notices: Vec::new() }
     }
 
     fn add(&mut self, scan: &Scan) -> Result<(), SweepError> {
-        let Header { instructions, .. } = &scan.header;
+        let LogHeader { instructions, .. } = &scan.header;
         let as_if =
-            Header { instructions: self.header.instructions.clone(), ..scan.header.clone() };
+            LogHeader { instructions: self.header.instructions.clone(), ..scan.header.clone() };
         if as_if != self.header {
             return Err(SweepError::OtherSweep { file: scan.file.display().to_string() });
         }
@@ -75,16 +76,14 @@ impl Gathered {
         let number = u32::try_from(self.files.len()).unwrap_or(u32::MAX);
         self.files.push(scan.file.clone());
         for entry in &scan.entries {
-            let Some(slot) = usize::try_from(entry.run).ok().and_then(|i| self.found.get_mut(i))
-            else {
-                continue;
-            };
-            match slot {
-                None => *slot = Some((number, *entry)),
-                Some((_, before)) if before.checksum == entry.checksum => {}
-                Some((other, _)) => {
+            match self.found.entry(entry.run) {
+                Slot::Vacant(slot) => {
+                    slot.insert((number, *entry));
+                }
+                Slot::Occupied(slot) if slot.get().1.checksum == entry.checksum => {}
+                Slot::Occupied(slot) => {
                     let shown = |file: &PathBuf| file.display().to_string();
-                    let files = [&self.files[*other as usize], &scan.file].map(shown);
+                    let files = [&self.files[slot.get().0 as usize], &scan.file].map(shown);
                     return Err(SweepError::Differ { run: entry.run, files });
                 }
             }
@@ -104,12 +103,13 @@ impl Gathered {
 
     /// What is missing, in the order of runs.
     pub fn missing(&self) -> Vec<Gap> {
-        let mut gaps: Vec<Gap> = Vec::new();
-        for run in (0..).zip(&self.found).filter(|(_, found)| found.is_none()).map(|(run, _)| run) {
-            match gaps.last_mut().filter(|gap| gap.last + 1 == run) {
-                Some(gap) => gap.last = run,
-                None => gaps.push(Gap { first: run, last: run }),
+        let mut gaps = Vec::new();
+        let mut next = 0;
+        for run in self.found.keys().copied().chain([self.header.runs]) {
+            if run > next {
+                gaps.push(Gap { first: next, last: run - 1 });
             }
+            next = run.saturating_add(1);
         }
         gaps
     }
@@ -122,17 +122,17 @@ impl Gathered {
         &self,
         tables: &[PathBuf],
         progress: &mut dyn FnMut(f64),
-    ) -> Result<Tally, SweepError> {
+    ) -> Result<RunCounts, SweepError> {
         let open = |file: &PathBuf| File::open(file).map(BufReader::new).map_err(at(file));
         let mut readers = self.files.iter().map(open).collect::<Result<Vec<_>, _>>()?;
         // Where each reader stands.
         let mut places = vec![0_u64; readers.len()];
         let columns = &self.header.columns;
         let error = columns.iter().position(|column| column.name == "error").unwrap_or(usize::MAX);
-        let create = |file: &PathBuf| Table::create(file, columns);
+        let create = |file: &PathBuf| TableWriter::create(file, columns);
         let mut tables = tables.iter().map(create).collect::<Result<Vec<_>, _>>()?;
-        let mut tally = Tally::default();
-        for (index, (log, entry)) in self.found.iter().flatten().enumerate() {
+        let mut tally = RunCounts::default();
+        for (index, (log, entry)) in self.found.values().enumerate() {
             let log = *log as usize;
             let away = entry.offset.wrapping_sub(places[log]).cast_signed();
             let mut text = vec![0; entry.length as usize];
@@ -155,7 +155,7 @@ impl Gathered {
                 progress(index as f64 / self.found.len() as f64);
             }
         }
-        tables.into_iter().try_for_each(Table::finish)?;
+        tables.into_iter().try_for_each(TableWriter::finish)?;
         Ok(tally)
     }
 }

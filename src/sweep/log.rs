@@ -10,17 +10,17 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::plan::{Column, Plan};
+use super::plan::{Column, SweepPlan};
 use super::{SweepError, at};
 
 /// Version of the format.
-const VERSION: u32 = 1;
+const LOG_VERSION: u32 = 1;
 /// Characters of a checksum with the blank behind it.
-const CHECKSUM: usize = 9;
+const CHECKSUM_LENGTH: usize = 9;
 
 /// What the first line says.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Header {
+pub struct LogHeader {
     /// Version of the format.
     pub hertzscope_sweep_log: u32,
     /// What tells the sweep from every other.
@@ -33,11 +33,11 @@ pub struct Header {
     pub columns: Vec<Column>,
 }
 
-impl Header {
+impl LogHeader {
     /// That of `plan`, run with these instructions.
-    pub fn of(plan: &Plan, instructions: &str) -> Self {
+    pub fn of(plan: &SweepPlan, instructions: &str) -> Self {
         Self {
-            hertzscope_sweep_log: VERSION,
+            hertzscope_sweep_log: LOG_VERSION,
             sweep: plan.hash().to_owned(),
             runs: plan.count(),
             instructions: instructions.to_owned(),
@@ -48,7 +48,7 @@ impl Header {
 
 /// Where a run's line stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Entry {
+pub(super) struct LoggedRun {
     pub(super) run: u64,
     /// Where its text begins.
     pub(super) offset: u64,
@@ -63,8 +63,8 @@ pub struct Scan {
     /// The file.
     pub file: PathBuf,
     /// Its first line.
-    pub header: Header,
-    pub(super) entries: Vec<Entry>,
+    pub header: LogHeader,
+    pub(super) entries: Vec<LoggedRun>,
     /// Where its sound lines end: what follows is torn.
     sound: u64,
     /// Bytes behind that.
@@ -107,7 +107,8 @@ impl Scan {
 pub fn scan(file: &Path) -> Result<Option<Scan>, SweepError> {
     let mut reader = BufReader::with_capacity(1 << 20, File::open(file).map_err(at(file))?);
     let (mut line, mut offset) = (Vec::new(), 0_u64);
-    let mut header: Option<Header> = None;
+    let mut header: Option<LogHeader> = None;
+    let no_log = || SweepError::NoLog { file: file.display().to_string() };
     let (mut entries, mut torn, mut damaged) = (Vec::new(), 0, 0);
     loop {
         line.clear();
@@ -116,6 +117,10 @@ pub fn scan(file: &Path) -> Result<Option<Scan>, SweepError> {
             break;
         }
         if line.last() != Some(&b'\n') {
+            // A torn first line is text all the same: what is not is something else, or damaged, and not to be begun again.
+            if header.is_none() && line.iter().any(u8::is_ascii_control) {
+                return Err(no_log());
+            }
             torn = read;
             break;
         }
@@ -123,18 +128,17 @@ pub fn scan(file: &Path) -> Result<Option<Scan>, SweepError> {
         if let Some(header) = &header {
             let number = text.and_then(|text| text.split(',').next()?.parse().ok());
             match (text, number.filter(|run| *run < header.runs)) {
-                (Some(text), Some(run)) => entries.push(Entry {
+                (Some(text), Some(run)) => entries.push(LoggedRun {
                     run,
-                    offset: offset + CHECKSUM as u64,
+                    offset: offset + CHECKSUM_LENGTH as u64,
                     length: u32::try_from(text.len()).unwrap_or(u32::MAX),
                     checksum: crc32fast::hash(text.as_bytes()),
                 }),
                 _ => damaged += 1,
             }
         } else {
-            let found: Option<Header> = text.and_then(|text| serde_json::from_str(text).ok());
-            let known = found.filter(|found| found.hertzscope_sweep_log == VERSION);
-            let no_log = || SweepError::NoLog { file: file.display().to_string() };
+            let found: Option<LogHeader> = text.and_then(|text| serde_json::from_str(text).ok());
+            let known = found.filter(|found| found.hertzscope_sweep_log == LOG_VERSION);
             header = Some(known.ok_or_else(no_log)?);
         }
         offset += read;
@@ -146,7 +150,7 @@ pub fn scan(file: &Path) -> Result<Option<Scan>, SweepError> {
 /// What a whole line says, if it agrees with its checksum.
 fn sound_text(line: &[u8]) -> Option<&str> {
     let text = std::str::from_utf8(line).ok()?.strip_suffix('\n')?;
-    let (checksum, text) = (text.get(..CHECKSUM)?, text.get(CHECKSUM..)?);
+    let (checksum, text) = (text.get(..CHECKSUM_LENGTH)?, text.get(CHECKSUM_LENGTH..)?);
     let checksum = u32::from_str_radix(checksum.strip_suffix(' ')?, 16).ok()?;
     (checksum == crc32fast::hash(text.as_bytes())).then_some(text)
 }
@@ -158,12 +162,12 @@ fn write_line(out: &mut Vec<u8>, text: &str) {
 
 /// A log that is being written.
 #[derive(Debug)]
-pub struct Log {
+pub struct SweepLog {
     file: File,
     path: PathBuf,
 }
 
-impl Log {
+impl SweepLog {
     /// Opens the log `path`, or begins it. Without `chosen` instructions, a log goes on with those that it was begun with, and a new one
     /// takes `best`. Also returns what it holds, and what the user should know.
     ///
@@ -171,7 +175,7 @@ impl Log {
     /// [`SweepError`] where it is of another sweep, of other instructions, or at work elsewhere.
     pub fn open(
         path: &Path,
-        plan: &Plan,
+        plan: &SweepPlan,
         (chosen, best): (Option<&str>, &str),
     ) -> Result<(Self, Scan, Vec<String>), SweepError> {
         let mut options = OpenOptions::new();
@@ -194,7 +198,7 @@ impl Log {
             )),
         }
         let Some(scan) = scan(path)? else {
-            let header = Header::of(plan, chosen.unwrap_or(best));
+            let header = LogHeader::of(plan, chosen.unwrap_or(best));
             let mut line = Vec::new();
             write_line(&mut line, &serde_json::to_string(&header).unwrap_or_default());
             file.set_len(0).and_then(|()| file.write_all(&line)).map_err(at(path))?;
@@ -204,7 +208,7 @@ impl Log {
             return Ok((Self { file, path: path.to_owned() }, scan, notices));
         };
         let instructions = chosen.unwrap_or(&scan.header.instructions);
-        if scan.header != Header::of(plan, instructions) {
+        if scan.header != LogHeader::of(plan, instructions) {
             return Err(SweepError::OtherSweep { file: path.display().to_string() });
         }
         notices.extend(scan.notices());

@@ -5,18 +5,18 @@ use std::path::Path;
 use sha2::{Digest, Sha256};
 
 use super::SweepError;
-use super::row::Row;
-pub use super::row::{Column, Kind};
+use super::row::ResultRow;
+pub use super::row::{Column, ColumnKind};
 use crate::experiment::accuracy::of_scene;
-use crate::experiment::ensemble::{Case, Readout, Watched, places};
+use crate::experiment::ensemble::{Case, ProbeSite, Readout, places};
 use crate::experiment::outcome::{Reading, Speed, speeds};
 use crate::scene::adjust::Adjustable;
-use crate::scene::grid::{Design, Run, number, typed};
-use crate::scene::vary::Setting;
+use crate::scene::grid::{Design, PlannedRun, number, typed};
+use crate::scene::vary::SceneOverride;
 use crate::scene::{Problem, Scene, SceneError, hexadecimal};
 
 /// Runs that are tried before a sweep begins: where none makes a scene, the sweep is mistaken.
-const TRIED: u64 = 16;
+const TRIAL_RUNS: u64 = 16;
 /// What is read at each place, with its unit.
 const READINGS: [(&str, &str); 6] = [
     ("static", "N"),
@@ -31,14 +31,14 @@ const ESTIMATORS: [&str; 3] = ["half_rise", "peak", "ten_percent"];
 
 /// A sweep that is ready to run.
 #[derive(Debug)]
-pub struct Plan {
+pub struct SweepPlan {
     design: Design,
     base: Adjustable,
     /// For each of the design's paths, those of the scene.
     paths: Vec<Vec<String>>,
     /// Which of them hold numbers.
     numeric: Vec<bool>,
-    watched: Vec<Watched>,
+    watched: Vec<ProbeSite>,
     columns: Vec<Column>,
     accuracy: Option<f64>,
     hash: String,
@@ -46,14 +46,14 @@ pub struct Plan {
 
 /// A run that can go: its chain, and what belongs to it.
 #[derive(Debug)]
-pub(super) struct Prepared {
+pub(super) struct PreparedRun {
     pub(super) case: Case,
     /// Accuracy (1).
     pub(super) accuracy: f64,
-    places: Vec<Watched>,
+    places: Vec<ProbeSite>,
 }
 
-impl Plan {
+impl SweepPlan {
     /// The sweep in `file`, at another accuracy than its own if that is given (1).
     ///
     /// # Errors
@@ -63,7 +63,7 @@ impl Plan {
         let mut base = Adjustable::load(&design.scene)?;
         let paths = design.paths().map(|path| base.paths(path)).collect::<Result<Vec<_>, _>>()?;
         let scene = base.scene()?;
-        let watched = watched(&design, &scene)?;
+        let watched = probe_sites(&design, &scene)?;
         let accuracy = accuracy.or(design.accuracy);
         let units = design.units();
         let columns = columns(&design, &units, &watched);
@@ -107,16 +107,16 @@ impl Plan {
         self.scene_of(&self.design.run(index))
     }
 
-    fn scene_of(&self, run: &Run) -> Result<Scene, SceneError> {
+    fn scene_of(&self, run: &PlannedRun) -> Result<Scene, SceneError> {
         let settings = self.paths.iter().zip(&run.values);
-        let settings: Vec<Setting<'_>> =
-            settings.map(|(paths, node)| Setting { paths, node: node.clone() }).collect();
+        let settings: Vec<SceneOverride<'_>> =
+            settings.map(|(paths, node)| SceneOverride { paths, node: node.clone() }).collect();
         self.base.varied(&settings, run.seed)
     }
 
     fn try_some(&self) -> Result<(), SweepError> {
         let count = self.count();
-        let tried = count.min(TRIED);
+        let tried = count.min(TRIAL_RUNS);
         let mut first = None;
         for number in 0..tried {
             match self.scene(number * (count - 1) / (tried - 1).max(1)) {
@@ -128,29 +128,29 @@ impl Plan {
     }
 
     /// Makes run `index` ready, or tells why it cannot be.
-    pub(super) fn prepare(&self, run: &Run) -> Result<Prepared, String> {
+    pub(super) fn prepare(&self, run: &PlannedRun) -> Result<PreparedRun, String> {
         let scene = self.scene_of(run).map_err(|error| reason(&error))?;
         let accuracy = match self.accuracy {
             Some(accuracy) => accuracy,
             None => of_scene(&scene).map_err(|error| error.to_string())?.value,
         };
-        let wanted = |place: &Watched| self.watched.iter().any(|other| other.name == place.name);
-        let places: Vec<Watched> = places(&scene).into_iter().filter(wanted).collect();
-        Ok(Prepared { case: Case::of(&scene, accuracy, &places), accuracy, places })
+        let wanted = |place: &ProbeSite| self.watched.iter().any(|other| other.name == place.name);
+        let places: Vec<ProbeSite> = places(&scene).into_iter().filter(wanted).collect();
+        Ok(PreparedRun { case: Case::of(&scene, accuracy, &places), accuracy, places })
     }
 
     /// Run number `index` of the design.
-    pub(super) fn run(&self, index: u64) -> Run {
+    pub(super) fn run(&self, index: u64) -> PlannedRun {
         self.design.run(index)
     }
 
     /// The line of results of a run, or of the reason why there are none.
     pub(super) fn line(
         &self,
-        (index, run): (u64, &Run),
-        found: Result<(&Prepared, &Readout), &str>,
+        (index, run): (u64, &PlannedRun),
+        found: Result<(&PreparedRun, &Readout), &str>,
     ) -> String {
-        let mut row = Row::default();
+        let mut row = ResultRow::default();
         row.count(index);
         row.count(run.seed);
         if self.design.repeat > 1 {
@@ -176,7 +176,7 @@ impl Plan {
         row.into_line()
     }
 
-    fn readings(&self, row: &mut Row, readings: &[Reading], speeds: &[Speed]) {
+    fn readings(&self, row: &mut ResultRow, readings: &[Reading], speeds: &[Speed]) {
         for place in &self.watched {
             let reading = readings.iter().find(|reading| reading.name == place.name);
             let peak = reading.and_then(|reading| reading.first_peak);
@@ -200,7 +200,7 @@ impl Plan {
     }
 }
 
-impl Prepared {
+impl PreparedRun {
     fn readings(&self, readout: &Readout) -> Vec<Reading> {
         let places = self.places.iter().zip(&readout.pulses);
         places.map(|(p, pulse)| Reading::of(&p.name, p.particle, p.offset, pulse)).collect()
@@ -208,7 +208,7 @@ impl Prepared {
 }
 
 /// The places that the design wants, of those that the scene has.
-fn watched(design: &Design, scene: &Scene) -> Result<Vec<Watched>, SweepError> {
+fn probe_sites(design: &Design, scene: &Scene) -> Result<Vec<ProbeSite>, SweepError> {
     let all = places(scene);
     let Some(names) = &design.watch else { return Ok(all) };
     if let Some(name) = names.iter().find(|name| all.iter().all(|place| place.name != **name)) {
@@ -219,14 +219,14 @@ fn watched(design: &Design, scene: &Scene) -> Result<Vec<Watched>, SweepError> {
 }
 
 /// Places between which a speed is told: particles, each with every one below it.
-fn pairs(watched: &[Watched]) -> Vec<(&Watched, &Watched)> {
-    let particles: Vec<&Watched> = watched.iter().filter(|p| p.particle.is_some()).collect();
+fn pairs(watched: &[ProbeSite]) -> Vec<(&ProbeSite, &ProbeSite)> {
+    let particles: Vec<&ProbeSite> = watched.iter().filter(|p| p.particle.is_some()).collect();
     let below = |upper: usize| particles.iter().skip(upper + 1).map(move |lower| (upper, *lower));
     let pairs = (0..particles.len()).flat_map(below);
     pairs.map(|(upper, lower)| (particles[upper], lower)).collect()
 }
 
-fn columns(design: &Design, units: &[Option<String>], watched: &[Watched]) -> Vec<Column> {
+fn columns(design: &Design, units: &[Option<String>], watched: &[ProbeSite]) -> Vec<Column> {
     let mut columns = vec![Column::count("run"), Column::count("seed")];
     if design.repeat > 1 {
         columns.push(Column::count("repeat"));

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// What a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Kind {
+pub enum ColumnKind {
     /// Numbers with a unit.
     Number,
     /// Whole numbers, from 0.
@@ -23,31 +23,31 @@ pub struct Column {
     /// What stands at its head, the unit in brackets.
     pub name: String,
     /// What it holds.
-    pub kind: Kind,
+    pub kind: ColumnKind,
 }
 
 impl Column {
     pub(super) fn number(name: &str, unit: &str) -> Self {
-        Self { name: format!("{name} ({unit})"), kind: Kind::Number }
+        Self { name: format!("{name} ({unit})"), kind: ColumnKind::Number }
     }
 
     pub(super) fn count(name: &str) -> Self {
-        Self { name: name.to_owned(), kind: Kind::Count }
+        Self { name: name.to_owned(), kind: ColumnKind::Count }
     }
 
     pub(super) fn text(name: &str) -> Self {
-        Self { name: name.to_owned(), kind: Kind::Text }
+        Self { name: name.to_owned(), kind: ColumnKind::Text }
     }
 }
 
 /// A line being written.
 #[derive(Debug, Default)]
-pub(super) struct Row {
+pub(super) struct ResultRow {
     text: String,
     begun: bool,
 }
 
-impl Row {
+impl ResultRow {
     fn cell(&mut self) -> &mut String {
         if std::mem::replace(&mut self.begun, true) {
             self.text.push(',');
@@ -118,7 +118,7 @@ mod tests {
     #[test]
     fn cells_come_back() {
         let words = ["plain", "", "a, b", "\"quoted\"", "\"", "two\nlines", ",", "\"\","];
-        let mut row = Row::default();
+        let mut row = ResultRow::default();
         row.count(7);
         row.number(Some(5.529e-5));
         row.number(None);
@@ -137,7 +137,7 @@ mod tests {
     #[test]
     fn numbers_keep_every_bit() {
         for value in [0.1 + 0.2, 5e-324, f64::MAX, 1.0 / 3.0, -1e-4, 123_456_789.125, 1e15, -0.0] {
-            let mut row = Row::default();
+            let mut row = ResultRow::default();
             row.number(Some(value));
             let line = row.into_line();
             assert_eq!(line.parse::<f64>().expect("a number").to_bits(), value.to_bits(), "{line}");

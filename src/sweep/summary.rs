@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::gather::Gap;
-use super::work::Tally;
+use super::work::RunCounts;
 
 /// A run without results.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -16,7 +16,7 @@ pub struct Failure {
 
 /// What a sweep, or a shard of it, did.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Summary {
+pub struct SweepSummary {
     /// The sweep's file.
     pub sweep: String,
     /// The scene that is varied.
@@ -46,12 +46,12 @@ pub struct Summary {
     /// The shard's log.
     pub log: String,
     /// What all logs hold together, where the sweep was run as a whole.
-    pub gathered: Option<Gathering>,
+    pub gathered: Option<GatherSummary>,
 }
 
 /// What the logs of a sweep held together.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Gathering {
+pub struct GatherSummary {
     /// Folder of the logs.
     pub folder: String,
     /// How many logs.
@@ -72,7 +72,7 @@ pub struct Gathering {
     pub notices: Vec<String>,
 }
 
-impl Tally {
+impl RunCounts {
     /// The first run without results.
     pub fn failure(&self) -> Option<Failure> {
         self.first_failed.clone().map(|(run, reason)| Failure { run, reason })

@@ -6,23 +6,23 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use super::SweepError;
-use super::log::Log;
-use super::plan::{Plan, Prepared};
+use super::log::SweepLog;
+use super::plan::{PreparedRun, SweepPlan};
 use crate::chain::simd::InstructionSet;
 use crate::experiment::ensemble::{Case, Ensemble, Readout};
 use crate::integrate::IntegrateError;
-use crate::scene::grid::Run;
+use crate::scene::grid::PlannedRun;
 
 /// Runs of a thread's first block: one group of lanes.
 const FIRST_BLOCK: usize = 8;
 /// Most runs of a block.
-const LARGEST_BLOCK: usize = 1024;
+const MAX_BLOCK: usize = 1024;
 /// A block grows until it takes this long: a process that is killed loses no more than that, and writing costs nothing beside it.
 const BLOCK_TIME: Duration = Duration::from_millis(100);
 
 /// How a sweep is run.
 #[derive(Debug, Clone)]
-pub struct Job {
+pub struct SweepOptions {
     /// The sweep's file.
     pub file: PathBuf,
     /// Another accuracy than its own (1).
@@ -35,7 +35,7 @@ pub struct Job {
 
 /// What came of runs.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Tally {
+pub struct RunCounts {
     /// Runs that have a line now.
     pub done: u64,
     /// Those of them that have no results.
@@ -50,22 +50,22 @@ pub struct Tally {
 /// # Errors
 /// [`SweepError`] where the log cannot be written, or where the sweep's files have changed.
 pub fn work(
-    job: &Job,
-    plan: &Plan,
+    job: &SweepOptions,
+    plan: &SweepPlan,
     pending: &[u64],
-    log: &mut Log,
+    log: &mut SweepLog,
     done: &(dyn Fn(u64) + Sync),
-) -> Result<Tally, SweepError> {
+) -> Result<RunCounts, SweepError> {
     let shared = Shared {
         job,
         done,
         rest: Mutex::new(pending),
-        written: Mutex::new((log, Tally::default())),
+        written: Mutex::new((log, RunCounts::default())),
         failed: Mutex::new(None),
     };
     // Trees of scenes stay in the thread that made them, so every further thread reads the sweep itself.
     let hash = plan.hash();
-    let further = || match Plan::load(&job.file, job.accuracy) {
+    let further = || match SweepPlan::load(&job.file, job.accuracy) {
         Ok(plan) if plan.hash() == hash => shared.work(&plan),
         Ok(_) => shared.fail(SweepError::OtherSweep { file: job.file.display().to_string() }),
         Err(error) => shared.fail(error),
@@ -80,28 +80,29 @@ pub fn work(
         return Err(error);
     }
     // A thread that panics takes the scope with it.
-    let tally = shared.written.into_inner().map_or_else(|_| Tally::default(), |(_, tally)| tally);
+    let tally =
+        shared.written.into_inner().map_or_else(|_| RunCounts::default(), |(_, tally)| tally);
     log.finish()?;
     Ok(tally)
 }
 
 struct Shared<'a> {
-    job: &'a Job,
+    job: &'a SweepOptions,
     done: &'a (dyn Fn(u64) + Sync),
     /// Runs that nobody has taken yet.
     rest: Mutex<&'a [u64]>,
-    written: Mutex<(&'a mut Log, Tally)>,
+    written: Mutex<(&'a mut SweepLog, RunCounts)>,
     failed: Mutex<Option<SweepError>>,
 }
 
 impl Shared<'_> {
-    fn work(&self, plan: &Plan) {
+    fn work(&self, plan: &SweepPlan) {
         let mut size = FIRST_BLOCK;
         while let Some(block) = self.take(size) {
             let started = Instant::now();
             let lines = run_block(plan, self.job.instructions, block);
             if started.elapsed() < BLOCK_TIME {
-                size = (2 * size).min(LARGEST_BLOCK);
+                size = (2 * size).min(MAX_BLOCK);
             }
             if let Err(error) = self.keep(lines) {
                 self.fail(error);
@@ -151,9 +152,10 @@ struct Line {
 }
 
 /// Runs `block` of `plan` in one thread.
-fn run_block(plan: &Plan, instructions: InstructionSet, block: &[u64]) -> Vec<Line> {
-    let runs: Vec<(u64, Run)> = block.iter().map(|index| (*index, plan.run(*index))).collect();
-    let prepared: Vec<Result<Prepared, String>> =
+fn run_block(plan: &SweepPlan, instructions: InstructionSet, block: &[u64]) -> Vec<Line> {
+    let runs: Vec<(u64, PlannedRun)> =
+        block.iter().map(|index| (*index, plan.run(*index))).collect();
+    let prepared: Vec<Result<PreparedRun, String>> =
         runs.iter().map(|(_, run)| plan.prepare(run)).collect();
     let mut by_accuracy: BTreeMap<u64, Vec<usize>> = BTreeMap::new();
     for (place, prepared) in prepared.iter().enumerate() {
@@ -177,9 +179,9 @@ fn run_block(plan: &Plan, instructions: InstructionSet, block: &[u64]) -> Vec<Li
 
 /// The line of a run that was prepared and read out, as far as it could be.
 fn line(
-    plan: &Plan,
-    (index, run): &(u64, Run),
-    prepared: &Result<Prepared, String>,
+    plan: &SweepPlan,
+    (index, run): &(u64, PlannedRun),
+    prepared: &Result<PreparedRun, String>,
     readout: Option<Result<Readout, IntegrateError>>,
 ) -> Line {
     let found = match (prepared, readout) {

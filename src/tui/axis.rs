@@ -15,24 +15,24 @@ pub const DIVISIONS_UP: u16 = 8;
 /// Half of the screen's width (div).
 const HALF_WIDTH: f64 = 5.0;
 /// Two scales nearer than this are the same; the steps' own round-off is far smaller (1).
-const SAME: f64 = 1e-6;
+const SCALE_TOLERANCE: f64 = 1e-6;
 /// How far from the screen's centre zero volts may be moved (div).
-const FURTHEST_POSITION: f64 = 1000.0;
+const MAX_POSITION: f64 = 1000.0;
 /// A record so many times longer than the screen it was taken on can be zoomed out further than recorded (1).
-const LONGER_RECORD: f64 = 1.02;
+const ZOOM_OUT_THRESHOLD: f64 = 1.02;
 /// How many times the recorded V/div the screen may show (1).
-const COARSEST: f64 = 100.0;
+const MAX_SCALE_FACTOR: f64 = 100.0;
 
 /// Which way a knob is turned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Turn {
+pub enum TurnDirection {
     /// To the smaller number: down, left, earlier, fewer units a division.
     Down,
     /// To the larger number: up, right, later, more units a division.
     Up,
 }
 
-impl Turn {
+impl TurnDirection {
     /// The other way.
     pub fn other(self) -> Self {
         match self {
@@ -82,31 +82,35 @@ impl Steps {
     }
 
     /// The step next to `value` when the knob is turned; a `value` between two steps goes to the nearer end (unit).
-    pub fn next(self, value: f64, turn: Turn) -> f64 {
+    pub fn next(self, value: f64, turn: TurnDirection) -> f64 {
         let steps = self.around(value);
         match turn {
-            Turn::Up => steps.into_iter().find(|step| *step > value * (1.0 + SAME)),
-            Turn::Down => steps.filter(|step| *step < value * (1.0 - SAME)).last(),
+            TurnDirection::Up => {
+                steps.into_iter().find(|step| *step > value * (1.0 + SCALE_TOLERANCE))
+            }
+            TurnDirection::Down => {
+                steps.filter(|step| *step < value * (1.0 - SCALE_TOLERANCE)).last()
+            }
         }
         .unwrap_or(value)
     }
 
     /// The smallest step that is not below `value` (unit).
     pub fn at_least(self, value: f64) -> f64 {
-        self.around(value).find(|step| *step >= value * (1.0 - SAME)).unwrap_or(value)
+        self.around(value).find(|step| *step >= value * (1.0 - SCALE_TOLERANCE)).unwrap_or(value)
     }
 }
 
 /// The part of the abscissa that is on screen.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Window {
+pub struct ViewWindow {
     /// Abscissa of the screen's centre (s; Hz for an FFT).
     pub centre: f64,
     /// Width of a division (s/div; Hz/div for an FFT).
     pub scale: f64,
 }
 
-impl Window {
+impl ViewWindow {
     /// The window under which `waveform` was recorded: its whole record, unless its preamble says otherwise.
     pub fn recorded(waveform: &Waveform) -> Self {
         let (start, end) = extent(waveform);
@@ -134,18 +138,18 @@ impl Window {
 
     /// Whether two windows show the same to within round-off.
     pub fn same_as(&self, other: &Self) -> bool {
-        (self.scale / other.scale - 1.0).abs() < SAME
-            && ((self.centre - other.centre) / other.scale).abs() < SAME
+        (self.scale / other.scale - 1.0).abs() < SCALE_TOLERANCE
+            && ((self.centre - other.centre) / other.scale).abs() < SCALE_TOLERANCE
     }
 
     /// This window after a turn of the s/div knob; what stands `anchor` divisions right of the centre stays there.
-    pub fn zoomed(self, waveform: &Waveform, turn: Turn, anchor: f64) -> Self {
+    pub fn zoomed(self, waveform: &Waveform, turn: TurnDirection, anchor: f64) -> Self {
         let (start, end) = extent(waveform);
         let steps = Steps::OneTwoAndHalfFive;
         let recorded = Self::recorded(waveform).scale;
         let span = (end - start) / f64::from(DIVISIONS_ACROSS);
         let coarsest =
-            if span > recorded * LONGER_RECORD { steps.at_least(span) } else { recorded };
+            if span > recorded * ZOOM_OUT_THRESHOLD { steps.at_least(span) } else { recorded };
         let finest = steps.at_least(waveform.preamble.x_incr.abs());
         let finest = if finest.is_normal() { finest.min(coarsest) } else { coarsest };
         let scale = steps.next(self.scale, turn).clamp(finest, coarsest);
@@ -206,10 +210,10 @@ impl Vertical {
     }
 
     /// The scale after a turn of the V/div knob, between one level a division and 100 times the recorded scale (V/div).
-    pub fn turned(self, waveform: &Waveform, turn: Turn) -> f64 {
+    pub fn turned(self, waveform: &Waveform, turn: TurnDirection) -> f64 {
         let steps = Steps::OneTwoFive;
         let recorded = Self::recorded(waveform).scale;
-        let coarsest = steps.at_least(recorded * COARSEST);
+        let coarsest = steps.at_least(recorded * MAX_SCALE_FACTOR);
         let finest = steps.at_least((waveform.preamble.y_mult.abs()).min(recorded));
         let finest = if finest > 0.0 { finest } else { recorded };
         let next = steps.next(self.scale, turn).clamp(finest, coarsest);
@@ -220,14 +224,14 @@ impl Vertical {
 
     /// The position after moving the trace up by `divisions` (div).
     pub fn moved(self, divisions: f64) -> f64 {
-        let reach = FURTHEST_POSITION.max(self.position.abs());
+        let reach = MAX_POSITION.max(self.position.abs());
         (self.position + divisions).clamp(-reach, reach)
     }
 
     /// Whether two settings show the same to within round-off.
     pub fn same_as(&self, other: &Self) -> bool {
-        (self.scale / other.scale - 1.0).abs() < SAME
-            && (self.position - other.position).abs() < SAME
+        (self.scale / other.scale - 1.0).abs() < SCALE_TOLERANCE
+            && (self.position - other.position).abs() < SCALE_TOLERANCE
     }
 }
 

@@ -4,32 +4,32 @@ mod binding;
 mod bindings;
 mod mouse;
 
-pub use binding::{Binding, Key, Place};
+pub use binding::{Binding, BindingScope, KeyPress};
 
 use ratatui::crossterm::event::{Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 use ratatui::layout::Position;
 
-use crate::tui::model::{Action, Model, Panel};
-use crate::tui::view::layout::Layout;
+use crate::tui::model::{Action, Popup, ScreenState};
+use crate::tui::view::layout::ScreenLayout;
 use crate::tui::view::target::target;
 
 pub use bindings::BINDINGS;
 pub use mouse::{mouse_action, reading_action};
 
 /// What a key press asks for under `panel`; `None` for keys that mean nothing there.
-pub fn key_action(event: KeyEvent, panel: Panel) -> Option<Action> {
+pub fn key_action(event: KeyEvent, panel: Popup) -> Option<Action> {
     if event.kind == KeyEventKind::Release {
         return None;
     }
-    if panel == Panel::Prompt {
+    if panel == Popup::Prompt {
         return typed(event);
     }
     BINDINGS
         .iter()
         .filter(|binding| match binding.place {
-            Place::Everywhere => true,
-            Place::Scope => panel == Panel::Scope,
-            Place::Panels => panel != Panel::Scope,
+            BindingScope::Everywhere => true,
+            BindingScope::Scope => panel == Popup::Scope,
+            BindingScope::Panels => panel != Popup::Scope,
         })
         .flat_map(|binding| binding.keys)
         .find(|(key, _)| *key == pressed(event))
@@ -37,12 +37,12 @@ pub fn key_action(event: KeyEvent, panel: Panel) -> Option<Action> {
 }
 
 /// A key event as the table writes it: terminals differ in whether a capital letter comes with Shift.
-fn pressed(event: KeyEvent) -> Key {
+fn pressed(event: KeyEvent) -> KeyPress {
     let told_apart = match event.code {
         KeyCode::Char(_) | KeyCode::BackTab => KeyModifiers::CONTROL | KeyModifiers::ALT,
         _ => KeyModifiers::CONTROL | KeyModifiers::ALT | KeyModifiers::SHIFT,
     };
-    Key { code: event.code, modifiers: event.modifiers & told_apart }
+    KeyPress { code: event.code, modifiers: event.modifiers & told_apart }
 }
 
 /// What a key does on the command line.
@@ -59,13 +59,13 @@ fn typed(event: KeyEvent) -> Option<Action> {
 }
 
 /// What an event of the terminal asks for; `None` for what needs no more than a redraw.
-pub fn action(event: &Event, model: &Model, layout: Option<&Layout>) -> Option<Action> {
+pub fn action(event: &Event, model: &ScreenState, layout: Option<&ScreenLayout>) -> Option<Action> {
     let panel = model.panel();
     match event {
         Event::Key(key) => key_action(*key, panel),
         Event::Mouse(mouse) => {
             let at = Position::new(mouse.column, mouse.row);
-            let layout_below = layout.filter(|_| panel == Panel::Scope);
+            let layout_below = layout.filter(|_| panel == Popup::Scope);
             let reading = layout_below.and_then(|layout| target(model, layout, at));
             match reading {
                 Some(reading) => reading_action(*mouse, reading),

@@ -1,6 +1,6 @@
 //! The scope's screen in a terminal: `hertzscope view` shows a recording on it, or a bench that can be played with.
 //!
-//! The last room of the house, read by people. An event becomes an [`model::Action`] (`keys`), an action changes the [`Model`]
+//! An event becomes an [`model::Action`] (`keys`), an action changes the [`ScreenState`]
 //! (`model`), the model is drawn (`view`); what takes long or touches files is done by threads (`work`), whose answers come through
 //! the same door as the keys. Only this file and `work` touch the world; everything else can be tested without one.
 //!
@@ -28,15 +28,15 @@ use ratatui::layout::{Position, Rect, Size};
 
 use crate::recording::TraceSet;
 use crate::recording::mcap::indexed_recording::IndexedRecording;
-use model::{Action, Model, Palette};
-use work::served::Scope;
-use work::{News, Workers};
+use model::{Action, Palette, ScreenState};
+use work::served::ServedConnection;
+use work::{ScreenEvent, Workers};
 
 /// A picture is at most so much older than the first event that changed it.
-const LONGEST_WAIT: Duration = Duration::from_millis(33);
+const MAX_FRAME_DELAY: Duration = Duration::from_millis(33);
 
 /// What is shown.
-pub enum Subject {
+pub enum ViewSource {
     /// A recording that is in memory.
     Set(Box<TraceSet>),
     /// A recording that is read as it is looked at, and whether its newest shot is followed.
@@ -44,7 +44,7 @@ pub enum Subject {
     /// The bench of a scene: a name that ships, or a whole path.
     Bench(String),
     /// A scope that is served somewhere else.
-    Served(Box<Scope>),
+    Served(Box<ServedConnection>),
 }
 
 /// Shows `subject` under the name `title` until the user quits, held against `against` if that is there.
@@ -54,19 +54,19 @@ pub enum Subject {
 ///
 /// # Errors
 /// When the terminal cannot be set up, read or written.
-pub fn run(subject: Subject, title: String, against: Option<String>) -> io::Result<()> {
+pub fn run(subject: ViewSource, title: String, against: Option<String>) -> io::Result<()> {
     let plain = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
     let palette = if plain { Palette::Plain } else { Palette::Colour };
     let (mut tape, mut scope, mut is_followed) = (None, None, false);
-    let mut model = Model::new(TraceSet::default(), title, palette);
+    let mut model = ScreenState::new(TraceSet::default(), title, palette);
     match subject {
-        Subject::Set(set) => model = Model::new(*set, model.title().to_owned(), palette),
-        Subject::IndexedRecording(file, follow) => {
-            model.on_tape(follow);
+        ViewSource::Set(set) => model = ScreenState::new(*set, model.title().to_owned(), palette),
+        ViewSource::IndexedRecording(file, follow) => {
+            model.open_partial_recording(follow);
             (tape, is_followed) = (Some(*file), follow);
         }
-        Subject::Bench(base) => model.open_bench(base),
-        Subject::Served(served) => {
+        ViewSource::Bench(base) => model.open_bench(base),
+        ViewSource::Served(served) => {
             model.open_served();
             scope = Some(*served);
         }
@@ -107,16 +107,16 @@ fn watch_mouse() -> io::Result<()> {
 /// Draws, waits, acts, until the model stops.
 fn show(
     terminal: &mut DefaultTerminal,
-    model: &mut Model,
+    model: &mut ScreenState,
     staff: &Workers,
-    news: &Receiver<News>,
+    news: &Receiver<ScreenEvent>,
 ) -> io::Result<()> {
     while model.is_running() {
         terminal.draw(|frame| view::draw(model, frame))?;
         let size = terminal.size()?;
         staff.serve(model, size);
         let started = Instant::now();
-        let mut wait = if model.is_playing() { Some(LONGEST_WAIT) } else { None };
+        let mut wait = if model.is_playing() { Some(MAX_FRAME_DELAY) } else { None };
         let mut first = None;
         // Something that changes the picture, and then whatever is waiting already.
         while let Some(came) = next(news, wait) {
@@ -125,7 +125,7 @@ fn show(
             }
             staff.serve(model, size);
             let since: &Instant = first.get_or_insert_with(Instant::now);
-            if !model.is_running() || since.elapsed() >= LONGEST_WAIT {
+            if !model.is_running() || since.elapsed() >= MAX_FRAME_DELAY {
                 break;
             }
             wait = Some(Duration::ZERO);
@@ -138,29 +138,29 @@ fn show(
 }
 
 /// The next news, for which it waits at most `wait`, or for ever.
-fn next(news: &Receiver<News>, wait: Option<Duration>) -> Option<News> {
+fn next(news: &Receiver<ScreenEvent>, wait: Option<Duration>) -> Option<ScreenEvent> {
     match wait {
-        None => Some(news.recv().unwrap_or(News::Closed)),
+        None => Some(news.recv().unwrap_or(ScreenEvent::Closed)),
         Some(wait) => match news.recv_timeout(wait) {
             Ok(came) => Some(came),
             Err(RecvTimeoutError::Timeout) => None,
-            Err(RecvTimeoutError::Disconnected) => Some(News::Closed),
+            Err(RecvTimeoutError::Disconnected) => Some(ScreenEvent::Closed),
         },
     }
 }
 
 /// Lets one piece of news act on the model; whether the picture has to be drawn again.
-fn take(news: News, size: Size, model: &mut Model) -> bool {
+fn take(news: ScreenEvent, size: Size, model: &mut ScreenState) -> bool {
     match news {
-        News::Terminal(event) => return press(&event, size, model),
-        News::Closed => model::update(model, Action::Quit),
+        ScreenEvent::Terminal(event) => return press(&event, size, model),
+        ScreenEvent::Closed => model::update(model, Action::Quit),
         other => other.apply(model),
     }
     true
 }
 
 /// Lets one event of the terminal act on the model; the mouse moves often and means something seldom.
-fn press(event: &Event, size: Size, model: &mut Model) -> bool {
+fn press(event: &Event, size: Size, model: &mut ScreenState) -> bool {
     let is_mark = |key: KeyEvent| key.code == KeyCode::Char('!');
     if event.as_key_press_event().is_some_and(is_mark) {
         work::provoked("screen");

@@ -3,8 +3,9 @@
 use hertzscope::experiment::accuracy::{doubt, of_scene, run_to_accuracy};
 use hertzscope::experiment::bench::{Bench, Grid};
 use hertzscope::experiment::by_hand::run_by_hand;
+use hertzscope::experiment::outcome::ErrorEstimate;
 use hertzscope::experiment::outcome::{Reading, Summary};
-use hertzscope::experiment::reference::{ErrorEstimate, estimate};
+use hertzscope::experiment::reference::estimate;
 use hertzscope::experiment::{Integration, Outcome, run};
 use hertzscope::integrate::{IntegrateError, Method};
 use hertzscope::scene::{DEFAULT_ACCURACY, Scene};

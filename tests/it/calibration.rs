@@ -10,29 +10,31 @@ mod uncertainty;
 use std::sync::LazyLock;
 
 use hertzscope::scope::Setup;
-use hertzscope::studies::momentum_test::Blind;
-use hertzscope::studies::momentum_test::design::{Candidate, Designer, Lab, strikers};
-use hertzscope::studies::momentum_test::simulation::{Striker, Truth, setting};
+use hertzscope::studies::momentum_test::BlindCalibration;
+use hertzscope::studies::momentum_test::design::{
+    Designer, LabUncertainties, TestDesign, strikers,
+};
+use hertzscope::studies::momentum_test::simulation::{DroppedStriker, ImpactTruth, setting};
 
 /// What most tests calibrate: 1.22 g with a PTFE face from 20, 10 and 5 mm, at 1 V/div and 100 us/div.
 pub struct Bench {
     pub designer: Designer,
-    pub striker: Striker,
-    pub truths: Vec<Truth>,
+    pub striker: DroppedStriker,
+    pub truths: Vec<ImpactTruth>,
     pub setup: Setup,
-    pub candidate: Candidate,
+    pub candidate: TestDesign,
 }
 
 impl Bench {
-    pub fn blind(&self, repeat: u32) -> Blind {
+    pub fn blind(&self, repeat: u32) -> BlindCalibration {
         let circuit = self.designer.circuit().expect("a circuit");
         self.designer.blind(&self.striker, &self.truths, circuit, (&self.setup, repeat))
     }
 }
 
-pub fn bench_with(lab: Lab, scale: f64, seed: u64) -> Bench {
+pub fn bench_with(lab: LabUncertainties, scale: f64, seed: u64) -> Bench {
     let designer = Designer::new("pzt-5a-710pf", lab, seed).expect("a shipped sensor");
-    let candidate = Candidate {
+    let candidate = TestDesign {
         striker: "ptfe-capped-1.22g".to_owned(),
         mass_kg: 1.22e-3,
         height_m: 20e-3,
@@ -50,4 +52,5 @@ pub fn bench_with(lab: Lab, scale: f64, seed: u64) -> Bench {
     Bench { designer, striker, truths, setup, candidate }
 }
 
-pub static BENCH: LazyLock<Bench> = LazyLock::new(|| bench_with(Lab::default(), 2.0, 1));
+pub static BENCH: LazyLock<Bench> =
+    LazyLock::new(|| bench_with(LabUncertainties::default(), 2.0, 1));

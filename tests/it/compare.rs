@@ -2,8 +2,10 @@
 
 use assert_cmd::Command;
 use hertzscope::experiment::{Integration, facts, run};
-use hertzscope::measurement::compare::tolerance::Tolerance;
-use hertzscope::measurement::compare::{Align, Compared, Comparison, Side, SpeedScore, compare};
+use hertzscope::measurement::compare::score_limits::ScoreLimits;
+use hertzscope::measurement::compare::{
+    Align, Compared, ComparedShot, Comparison, SpeedScore, compare,
+};
 use hertzscope::recording::TraceSet;
 use hertzscope::scene::Scene;
 use serde_json::Value;
@@ -23,15 +25,15 @@ fn recorded(scene: &Scene) -> TraceSet {
     TraceSet { shots: vec![shot], metadata, ..TraceSet::default() }
 }
 
-fn side<'a>(scene: &'a Scene, set: &'a TraceSet) -> Side<'a> {
-    Side { name: "bench", set, shot: &set.shots[0], scene: Some(scene) }
+fn side<'a>(scene: &'a Scene, set: &'a TraceSet) -> ComparedShot<'a> {
+    ComparedShot { name: "bench", set, shot: &set.shots[0], scene: Some(scene) }
 }
 
 /// One scene's recording held against another's.
 fn held(measured: &Scene, simulated: &Scene, align: Align) -> Compared {
     let sets = [recorded(measured), recorded(simulated)];
     let sides = (side(measured, &sets[0]), side(simulated, &sets[1]));
-    compare(sides.0, sides.1, (align, &[]), &Tolerance::default()).expect("a comparison")
+    compare(sides.0, sides.1, (align, &[]), &ScoreLimits::default()).expect("a comparison")
 }
 
 /// The bench compared with itself through the scope's own files: not one level anywhere, whatever it is aligned by; and the scores

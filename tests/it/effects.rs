@@ -1,11 +1,11 @@
 //! The effects ledger: what it says against runs made apart from it, and effects that are off against effects that are not there.
 
-use hertzscope::experiment::auto_effects::{change_upper_bound, settle};
+use hertzscope::experiment::auto_effects::{change_upper_bound, resolve_auto_effects};
 use hertzscope::experiment::outcome::{Reading, Summary};
 use hertzscope::experiment::{Integration, Outcome, run};
 use hertzscope::integrate::Method;
 use hertzscope::scene::Scene;
-use hertzscope::studies::effects::{Change, Entry, Ledger, State, ledger};
+use hertzscope::studies::effects::{Change, EffectState, Ledger, LedgerEntry, ledger};
 
 /// Two runs by one method at a tolerance of 1e-14 agree to this where nothing differs (1).
 const SAME: f64 = 1e-9;
@@ -19,7 +19,7 @@ fn simulate(scene: &Scene, accuracy: f64) -> Outcome {
     run(scene, Integration::Accuracy(accuracy), 1, &mut |_| ()).expect("a run")
 }
 
-fn entry<'a>(ledger: &'a Ledger, name: &str) -> &'a Entry {
+fn entry<'a>(ledger: &'a Ledger, name: &str) -> &'a LedgerEntry {
     ledger.entries.iter().find(|entry| entry.effect == name).expect("an entry")
 }
 
@@ -46,7 +46,7 @@ fn what_an_effect_changes_is_what_two_runs_say() {
     let (peak, arrival) = change(&on, &off);
     assert!((said.peak.unwrap() - peak).abs() < 4e-6, "{said:?} {peak}");
     assert!((said.arrival.unwrap() - arrival).abs() < 4e-6, "{said:?} {arrival}");
-    assert_eq!(entry(&found, "gravity").state, State::On);
+    assert_eq!(entry(&found, "gravity").state, EffectState::On);
     // The chain of the paper: 0.45 + 19 x 0.1226 + 18 x 0.485 g under 9.81 m/s2, against waves of newtons.
     let weight = (0.45 + 19.0 * 0.1226 + 18.0 * 0.485) * 1e-3 * 9.81;
     let value = entry(&found, "gravity").value.expect("a value");
@@ -58,7 +58,7 @@ fn what_an_effect_changes_is_what_two_runs_say() {
     // Where nothing is known of a value, none is made up.
     for name in ["dashpot", "kuwabara_kono", "power_law_loss", "scope_offset", "sensor_offset"] {
         let entry = entry(&found, name);
-        assert!(entry.state == State::Off && entry.change.is_none(), "{entry:?}");
+        assert!(entry.state == EffectState::Off && entry.change.is_none(), "{entry:?}");
         assert!(entry.reason.contains("needs"), "{}", entry.reason);
     }
     let levels = entry(&found, "quantisation").change.expect("a trial").peak_lsb.expect("levels");
@@ -80,7 +80,9 @@ fn a_spread_of_speeds_changes_what_one_standard_deviation_does() {
     assert!((peak.expect("a peak") - ((1.0 + spread).powf(1.2) - 1.0)).abs() < 1e-6, "{peak:?}");
     let expected = (1.0 + spread).powf(-0.2) - 1.0;
     assert!((arrival.expect("a rise") - expected).abs() < 1e-6, "{arrival:?}");
-    assert!((entry.value.expect("a spread") - spread).abs() < 1e-12 && entry.state == State::On);
+    assert!(
+        (entry.value.expect("a spread") - spread).abs() < 1e-12 && entry.state == EffectState::On
+    );
 }
 
 /// Host masses, plates off centre and a loss, all with values: a line each that is on and has been measured.
@@ -100,7 +102,7 @@ fn what_is_on_is_measured() {
         "scope_offset",
     ] {
         let entry = entry(&found, name);
-        assert_eq!(entry.state, State::On, "{entry:?}");
+        assert_eq!(entry.state, EffectState::On, "{entry:?}");
         let change = entry.change.expect("a trial");
         assert!(change.peak.expect("a peak") != 0.0, "{entry:?}");
         assert!(entry.cost_ns_per_step.is_some() && entry.cost_share.is_some_and(|s| s < 1.0));
@@ -229,7 +231,7 @@ fn a_magnets_law_is_measured() {
     let (peak, arrival) = change(&on, &off);
     println!("{peak:e} {arrival:e}");
     assert!(peak.abs() > 1e-3);
-    for (bench, state) in [(&ring, State::On), (&constant, State::Off)] {
+    for (bench, state) in [(&ring, EffectState::On), (&constant, EffectState::Off)] {
         let found = ledger(bench, 1e-6, &mut |_| ()).expect("a ledger");
         let entry = entry(&found, "magnet_law");
         assert_eq!(entry.state, state);
@@ -249,7 +251,7 @@ fn auto_leaves_out_only_what_cannot_be_seen() {
         let most = change_upper_bound(&scene, name);
         let mut measured = None;
         for accuracy in [1e-2, 1e-3, 1e-6] {
-            let settled = settle(&scene, Integration::Accuracy(accuracy));
+            let settled = resolve_auto_effects(&scene, Integration::Accuracy(accuracy));
             assert_eq!((settled.auto.len(), settled.decided.len()), (0, 1));
             if settled.spec == scene.spec {
                 kept += 1;
@@ -331,7 +333,7 @@ fn the_ledger_tells_what_auto_decided() {
     let text = "[effects.dashpot]\nstate = \"auto\"\ngamma = \"1e-12 N*s/m\"\nend_of_contact = \"zero_force\"\n";
     let found = ledger(&scene("magnet-0.61g", text), 1e-3, &mut |_| ()).expect("a ledger");
     let dashpot = entry(&found, "dashpot");
-    assert_eq!(dashpot.state, State::Auto);
+    assert_eq!(dashpot.state, EffectState::Auto);
     assert!(
         dashpot.reason.starts_with("dashpot is off: it would change readings"),
         "{}",

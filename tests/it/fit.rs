@@ -1,10 +1,10 @@
 //! `hertzscope fit`: a scene's numbers from measured traces.
 
 use assert_cmd::Command;
-use hertzscope::fit::Options;
+use hertzscope::fit::FitOptions;
 use hertzscope::fit::blind::blind;
 use hertzscope::scene::Scene;
-use hertzscope::scene::adjust::{Adjustable, Knob};
+use hertzscope::scene::adjust::{Adjustable, AdjustableNumber};
 use serde_json::Value;
 
 const RECORDING: &str = "recordings/gravity-0.61g.mcap";
@@ -19,7 +19,7 @@ fn number(value: &Value) -> f64 {
     value.as_f64().expect("a number")
 }
 
-fn knobs(scene: &mut Adjustable, paths: &[&str]) -> Vec<Knob> {
+fn knobs(scene: &mut Adjustable, paths: &[&str]) -> Vec<AdjustableNumber> {
     paths.iter().flat_map(|path| scene.knobs(path).expect("knobs")).collect()
 }
 
@@ -113,7 +113,7 @@ fn hidden_numbers_are_recovered_within_their_uncertainty() {
     let paths = ["striker.speed", "materials.ptfe.youngs_modulus", "sensors.p14.sensitivity"];
     let knobs = knobs(&mut scene, &paths);
     let trials = 30;
-    let options = Options { spread: 0.05, ..Options::default() };
+    let options = FitOptions { spread: 0.05, ..FitOptions::default() };
     let found = blind(&scene, &knobs, trials, &options, &mut |_| ()).expect("blind fits");
     assert_eq!(found.failed, 0, "{found:?}");
     // 90 intervals of 95 %, of which 85.5 ± 2.1 hold the truth: three deviations.
@@ -134,7 +134,7 @@ fn whole_records_hardly_ever_lead_astray() {
     let paths = ["striker.speed", "materials.ptfe.youngs_modulus", "sensor.*.sensitivity"];
     let knobs = knobs(&mut scene, &paths);
     let trials = 40;
-    let options = Options { spread: 0.05, ..Options::default() };
+    let options = FitOptions { spread: 0.05, ..FitOptions::default() };
     let found = blind(&scene, &knobs, trials, &options, &mut |_| ()).expect("blind fits");
     assert_eq!((found.failed, found.parameters.len()), (0, 6), "{found:?}");
     let of_mean = 1.0 / f64::from(trials).sqrt();

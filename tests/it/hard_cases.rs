@@ -2,19 +2,19 @@
 
 use hertzscope::experiment::horizon::horizon;
 use hertzscope::scene::Scene;
-use hertzscope::studies::hard_cases::{Verdict, catalogue};
+use hertzscope::studies::hard_cases::{CaseVerdict, catalogue};
 
 use super::chains::diatomic;
 
 /// Judges every second case from `first`: two tests, so that they run side by side.
 fn judge(first: usize) {
     for case in catalogue().iter().skip(first).step_by(2) {
-        let finding = case.judge();
+        let finding = case.run();
         println!("{}: {}, {}", finding.case, finding.verdict.word(), finding.figure);
-        assert_ne!(finding.verdict, Verdict::Wrong, "{}: {}", finding.case, finding.figure);
+        assert_ne!(finding.verdict, CaseVerdict::Wrong, "{}: {}", finding.case, finding.figure);
         // One case alone is to be refused.
         let refused = finding.case == "just above the edge of stability";
-        assert_eq!(finding.verdict == Verdict::Refused, refused, "{}", finding.figure);
+        assert_eq!(finding.verdict == CaseVerdict::Refused, refused, "{}", finding.figure);
     }
 }
 

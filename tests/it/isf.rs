@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use hertzscope::recording::isf::{IsfError, MAXIMUM_BYTES, Width, read, write};
-use hertzscope::recording::{Capture, Instrument};
+use hertzscope::recording::{Capture, InstrumentIdentity};
 use hertzscope::scope::{Coupling, PointFormat, Preamble, Source, VerticalSetup, Waveform};
 use proptest::prelude::*;
 
@@ -309,7 +309,7 @@ fn what_cannot_be_held_is_refused() {
     );
     capture.waveform.codes.push(0);
     capture.waveform.preamble.y_unit = "\"".to_owned();
-    capture.instrument = Some(Instrument {
+    capture.instrument = Some(InstrumentIdentity {
         model: "TDS2014".to_owned(),
         serial: "0".to_owned(),
         firmware: String::new(),

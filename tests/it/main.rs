@@ -29,6 +29,7 @@ mod documents;
 mod effects;
 mod ensemble;
 mod fifty_scenes;
+mod files;
 mod fit;
 mod fuzz_corpora;
 mod golden;

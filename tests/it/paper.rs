@@ -9,15 +9,17 @@ use std::sync::LazyLock;
 use hertzscope::experiment::paper_speeds::speeds;
 use hertzscope::report;
 use hertzscope::scene::Scene;
-use hertzscope::studies::paper::{Figure, Finding, Place, Study, Verdict, study};
+use hertzscope::studies::paper::{
+    ClaimFinding, ClaimVerdict, Figure, ForceLocation, PaperStudy, study,
+};
 use serde_json::Value;
 
-use Verdict::{Agrees, AgreesUnder, DoesNotHold};
+use ClaimVerdict::{Agrees, AgreesUnder, DoesNotHold};
 
-static STUDY: LazyLock<Study> = LazyLock::new(|| study(None, &mut |_| ()).expect("the paper"));
+static STUDY: LazyLock<PaperStudy> = LazyLock::new(|| study(None, &mut |_| ()).expect("the paper"));
 
 /// Statement, verdict, what the reference has for it in the statement's unit, and half of its last digit.
-const EXPECTED: [(&str, Verdict, f64, f64); 69] = [
+const EXPECTED: [(&str, ClaimVerdict, f64, f64); 69] = [
     // Sums and quotients of printed masses.
     ("cell_mass", Agrees, 0.6076, 1e-9),
     ("striker_2.75g_in_cells", Agrees, 4.52600, 5e-6),
@@ -100,7 +102,7 @@ const EXPECTED: [(&str, Verdict, f64, f64); 69] = [
     ("speed_experiment_gravity_17.81g", DoesNotHold, 128.03, 0.8),
 ];
 
-fn finding(item: &str) -> &'static Finding {
+fn finding(item: &str) -> &'static ClaimFinding {
     STUDY.findings.iter().find(|finding| finding.item == item).expect(item)
 }
 
@@ -205,7 +207,7 @@ fn spectra_of_figs_4_and_5_meet_the_goldens() {
 fn forces_of_the_figures_meet_the_goldens() {
     let goldens = goldens();
     // Largest sample beside the golden peak: at 1 us, a pulse's top is missed by half an interval at most.
-    let at_peak = |figure: &Figure, place: Place, time: f64| {
+    let at_peak = |figure: &Figure, place: ForceLocation, time: f64| {
         let signal = figure.signals.iter().find(|signal| signal.place == place).expect("a force");
         let index = (time / signal.trace.interval).round() as usize;
         signal.trace.values[index - 1..=index + 1].iter().copied().fold(0.0, f64::max)
@@ -214,10 +216,10 @@ fn forces_of_the_figures_meet_the_goldens() {
         [(8, "magnet_0.61g"), (10, "magnet_17.81g"), (11, "gravity_0.61g"), (12, "gravity_2.75g")]
     {
         for (place, key) in [
-            (Place::Inside(2), "p2"),
-            (Place::Inside(14), "p14"),
-            (Place::Inside(27), "p27"),
-            (Place::Wall, "wall"),
+            (ForceLocation::Inside(2), "p2"),
+            (ForceLocation::Inside(14), "p14"),
+            (ForceLocation::Inside(27), "p27"),
+            (ForceLocation::Wall, "wall"),
         ] {
             let golden = &goldens["table_scenes"][scene][key];
             let time = number(&golden["first_peak_t"]["value"]);
@@ -230,9 +232,11 @@ fn forces_of_the_figures_meet_the_goldens() {
             );
         }
     }
-    for (place, key) in
-        [(Place::Below(1), "contact12"), (Place::Inside(5), "p5"), (Place::Inside(11), "p11")]
-    {
+    for (place, key) in [
+        (ForceLocation::Below(1), "contact12"),
+        (ForceLocation::Inside(5), "p5"),
+        (ForceLocation::Inside(11), "p11"),
+    ] {
         let golden = &goldens["fig4_5_linear"][key];
         let found = at_peak(figure(4), place, number(&golden["first_peak_t"]["value"]));
         let peak = number(&golden["first_peak_F"]["value"]);

@@ -4,14 +4,14 @@ use hertzscope::chain::probe_step::{ProbeTracker, SAMPLE_TIMES};
 use hertzscope::chain::simd::{InstructionSet, VectorStepper};
 use hertzscope::chain::{Chain, ForceProbe};
 use hertzscope::experiment::bench::Grid;
-use hertzscope::experiment::pulse::{LOWEST_LEVEL, PulseRecorder};
+use hertzscope::experiment::pulse::{MIN_LEVEL_SHARE, PulseRecorder};
 use hertzscope::integrate::{Integrator, Method};
 use hertzscope::scene::Scene;
 
 use super::chains::{NEVER, diatomic, kicked};
 
 /// Shares of the first peak at which arrivals are compared (1).
-const LEVELS: [f64; 5] = [LOWEST_LEVEL, 0.03, 0.1, 0.5, 0.95];
+const LEVELS: [f64; 5] = [MIN_LEVEL_SHARE, 0.03, 0.1, 0.5, 0.95];
 
 /// Light beads rattle on while heavy ones press them harder and harder: maxima are first until larger forces come.
 const RATTLING: &str = r#"
@@ -87,7 +87,7 @@ fn steps_that_are_not_sampled_hold_nothing() {
                 for (index, probe) in probes.iter().enumerate() {
                     trackers[index].advance(&stepper);
                     found[index].take_step(&trackers[index]);
-                    every[index].take(probe.over_step(&stepper, bodies));
+                    every[index].process_step(probe.over_step(&stepper, bodies));
                 }
             }
             for (particle, (found, every)) in (1..).zip(found.iter().zip(&every)) {

@@ -9,10 +9,10 @@ mod round_trip;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use hertzscope::recording::mcap::message::{Energy, timestamp};
+use hertzscope::recording::mcap::message::{EnergyMessage, timestamp};
 use hertzscope::recording::mcap::{ReadError, ShotNotes, read_bytes, write};
 use hertzscope::recording::{
-    Attachment, Capture, Direction, Instrument, Origin, ScpiLine, Shot, TraceSet,
+    Attachment, Capture, Direction, InstrumentIdentity, Origin, ScpiLine, Shot, TraceSet,
 };
 use hertzscope::scope::{Coupling, PointFormat, Preamble, Source, VerticalSetup, Waveform};
 use hertzscope::trace::Trace;
@@ -49,7 +49,7 @@ fn capture(source: Source, wide: bool, seed: i32) -> Capture {
             horizontal_scale: 2.5e-4,
             trigger_point: 1250.0,
         },
-        instrument: Some(Instrument {
+        instrument: Some(InstrumentIdentity {
             model: "TDS2014".to_owned(),
             serial: "0".to_owned(),
             firmware: "FV:v4.12".to_owned(),
@@ -90,7 +90,7 @@ fn shot(number: u32) -> Shot {
 fn notes(shot: &Shot) -> ShotNotes {
     ShotNotes {
         set_up: format!(":CH1:SCALE {}.0E0", shot.number),
-        energy: Some(Energy {
+        energy: Some(EnergyMessage {
             timestamp: Some(timestamp(shot.timestamp_ns)),
             shot: shot.number,
             initial_j: 3e-4,

@@ -13,11 +13,11 @@ use std::process::Command;
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use hertzscope::experiment::inputs::{Window, inputs};
+use hertzscope::experiment::inputs::{InputWindow, inputs};
 use hertzscope::experiment::{Integration, run};
 use hertzscope::recording::mcap::{RecordingWriter, read};
 use hertzscope::scene::Scene;
-use hertzscope::server::{MOST_CONNECTIONS, Options, ServeError, Sockets, serve};
+use hertzscope::server::{MOST_CONNECTIONS, ServeError, ServerOptions, Sockets, serve};
 use process::Process;
 use tokio::sync::oneshot;
 
@@ -34,15 +34,15 @@ pub struct Server {
 }
 
 impl Server {
-    pub fn with(options: Options) -> Self {
+    pub fn with(options: ServerOptions) -> Self {
         Self::serving(scene(), options, None)
     }
 
     fn of(scene: Scene) -> Self {
-        Self::serving(scene, Options::default(), None)
+        Self::serving(scene, ServerOptions::default(), None)
     }
 
-    fn serving(scene: Scene, options: Options, recording: Option<RecordingWriter>) -> Self {
+    fn serving(scene: Scene, options: ServerOptions, recording: Option<RecordingWriter>) -> Self {
         let port = || TcpListener::bind("127.0.0.1:0").expect("a port");
         let sockets = Sockets { raw: port(), hislip: Some(port()) };
         let address = sockets.raw.local_addr().expect("an address");
@@ -57,7 +57,7 @@ impl Server {
     }
 
     pub fn at_rest() -> Self {
-        Self::with(Options::default())
+        Self::with(ServerOptions::default())
     }
 
     pub fn connect(&self) -> Client {
@@ -127,7 +127,7 @@ fn the_identity_byte_for_byte() {
 /// Front panel as in the scene; settings are everybody's, headers each one's own.
 #[test]
 fn two_clients_share_the_instrument() {
-    let server = Server::with(Options { header: true, ..Options::default() });
+    let server = Server::with(ServerOptions { header: true, ..ServerOptions::default() });
     let (mut one, mut two) = (server.connect(), server.connect());
     assert_eq!(one.ask("HEADER OFF;:CH1:SCALE?"), "1.0E0\n");
     let panel = one.ask("HOR:SCA?;:TRIG:MAI:MOD?;:SEL:CH1?;CH2?;CH3?;CH4?");
@@ -153,7 +153,7 @@ fn an_unknown_query_has_no_reply() {
 #[test]
 fn a_single_sequence_catches_an_impact() {
     let impact_every = Some(Duration::from_millis(20));
-    let server = Server::with(Options { impact_every, ..Options::default() });
+    let server = Server::with(ServerOptions { impact_every, ..ServerOptions::default() });
     let mut client = server.connect();
     client.send(b"ACQ:STOPA SEQ\nACQ:STATE ON\n");
     assert_eq!(client.ask("*OPC?"), "1\n");
@@ -272,7 +272,7 @@ fn what_an_impact_costs_is_limited() {
     let mut scene = scene();
     scene.duration = 2e-4;
     let samples = |interval: f64, before: f64, after: f64| {
-        let arrived = inputs(&scene, Window { interval, before, after }, 1).expect("signals");
+        let arrived = inputs(&scene, InputWindow { interval, before, after }, 1).expect("signals");
         assert!(arrived.contact <= arrived.volts[0].len());
         arrived.volts[0].len()
     };

@@ -5,7 +5,7 @@ use std::path::Path;
 use hertzscope::recording::format::open;
 use hertzscope::recording::set_file::{MAXIMUM_BYTES, SetFile};
 use hertzscope::recording::tek_csv;
-use hertzscope::recording::{Capture, Instrument, TraceSet, mcap};
+use hertzscope::recording::{Capture, InstrumentIdentity, TraceSet, mcap};
 use hertzscope::scope::{Coupling, PointFormat, Preamble, Slope, Source, VerticalSetup, Waveform};
 use proptest::prelude::*;
 
@@ -81,7 +81,7 @@ fn capture(number: u8, scale: f64, position_levels: i16) -> Capture {
             horizontal_scale: 250e-6,
             trigger_point: 250.0,
         },
-        instrument: Some(Instrument {
+        instrument: Some(InstrumentIdentity {
             model: "TDS2014C".to_owned(),
             serial: "C1".to_owned(),
             firmware: "FV:v24.26".to_owned(),

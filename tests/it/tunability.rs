@@ -3,9 +3,9 @@
 use hertzscope::analysis::dispersion::DiatomicChain;
 use hertzscope::report;
 use hertzscope::scene::Scene;
-use hertzscope::studies::tunability::{Knob, TuneError, Tuning, tune};
+use hertzscope::studies::tunability::{TuneError, Tuning, TuningParameter, tune};
 
-fn turned(scene: &str, knob: Knob, span: f64) -> Tuning {
+fn turned(scene: &str, knob: TuningParameter, span: f64) -> Tuning {
     let scene = Scene::load(scene).expect("a shipped scene");
     let mut found = tune(&scene, &[knob], 3, span, &|_| ()).expect("a map");
     found.pop().expect("the knob")
@@ -23,7 +23,7 @@ fn agrees(found: f64, expected: f64) {
 
 #[test]
 fn band_edges_go_with_each_knob_as_the_closed_forms_do() {
-    let preload = turned("magnet-0.61g", Knob::Preload, 4.0);
+    let preload = turned("magnet-0.61g", TuningParameter::Preload, 4.0);
     // Below particle 2 the magnet, the ferromagnetic sphere and one PTFE sphere press.
     let weight = (0.45e-3 + 0.1226e-3) * 9.81;
     let forces = |factor: f64| 2.38 * factor + weight;
@@ -34,18 +34,18 @@ fn band_edges_go_with_each_knob_as_the_closed_forms_do() {
     let middle = preload.points[1].chain.expect("a preload").gap_bottom();
     assert!((middle / (7122.383 * (forces(1.0) / 2.38).powf(1.0 / 6.0)) - 1.0).abs() < 1e-7);
 
-    let heavy = turned("magnet-0.61g", Knob::HeavyMass, 1.5);
+    let heavy = turned("magnet-0.61g", TuningParameter::HeavyMass, 1.5);
     // Cylinders above the contact weigh next to nothing against 2.38 N, and none stands above the first sensor.
     agrees(ratio(&heavy, DiatomicChain::gap_bottom), 1.5_f64.recip());
     agrees(ratio(&heavy, DiatomicChain::gap_top), 1.0);
 
-    let light = turned("magnet-0.61g", Knob::LightMass, 1.5);
+    let light = turned("magnet-0.61g", TuningParameter::LightMass, 1.5);
     let pressed = |factor: f64| 2.38 + (0.45e-3 + factor * 0.1226e-3) * 9.81;
     let stiffer = (pressed(1.5) / pressed(1.0 / 1.5)).powf(1.0 / 6.0);
     agrees(ratio(&light, DiatomicChain::gap_top), stiffer / 1.5);
     agrees(ratio(&light, DiatomicChain::gap_bottom), stiffer);
 
-    let modulus = turned("magnet-0.61g", Knob::Modulus, 2.0);
+    let modulus = turned("magnet-0.61g", TuningParameter::Modulus, 2.0);
     // A goes with 1/(compliance of PTFE + compliance of steel), frequencies with its cubic root.
     let compliance =
         |factor: f64| (1.0 - 0.46 * 0.46) / (1.46e9 * factor) + (1.0 - 0.3 * 0.3) / 193e9;
@@ -56,7 +56,7 @@ fn band_edges_go_with_each_knob_as_the_closed_forms_do() {
 /// Without preload and weight a chain has no scale of its own: times go with `s^(-1/5)`, so speeds with `s^(1/5)`.
 #[test]
 fn speeds_in_a_sonic_vacuum_go_with_the_strikers_speed() {
-    let speed = turned("monatomic-vacuum", Knob::StrikerSpeed, 2.0);
+    let speed = turned("monatomic-vacuum", TuningParameter::StrikerSpeed, 2.0);
     let found: Vec<f64> = speed.points.iter().map(|p| p.pulse_speed.expect("a pulse")).collect();
     for pair in found.windows(2) {
         // Runs are accurate to 1e-5 of their times.
@@ -68,7 +68,7 @@ fn speeds_in_a_sonic_vacuum_go_with_the_strikers_speed() {
 #[test]
 fn a_pulse_beyond_the_gap_is_not_let_through() {
     // Under 23.8 N the lightest striker's pulse is weak: what is let through ends at f1.
-    let preload = turned("magnet-0.61g", Knob::Preload, 10.0);
+    let preload = turned("magnet-0.61g", TuningParameter::Preload, 10.0);
     let point = &preload.points[2];
     let chain = point.chain.expect("a preload");
     let rows = report::transmitted(point, 40);
@@ -81,8 +81,9 @@ fn a_pulse_beyond_the_gap_is_not_let_through() {
 #[test]
 fn knobs_that_a_scene_lacks_are_refused_and_named() {
     let scene = Scene::load("gravity-0.61g").expect("a shipped scene");
-    assert!(!Knob::of(&scene).contains(&Knob::Preload));
-    let refused = tune(&scene, &[Knob::Preload], 3, 2.0, &|_| ()).expect_err("no preload");
+    assert!(!TuningParameter::of(&scene).contains(&TuningParameter::Preload));
+    let refused =
+        tune(&scene, &[TuningParameter::Preload], 3, 2.0, &|_| ()).expect_err("no preload");
     assert!(matches!(refused, TuneError::NoKnob { .. }));
     let words = refused.to_string();
     assert!(
@@ -93,7 +94,7 @@ fn knobs_that_a_scene_lacks_are_refused_and_named() {
 
 #[test]
 fn maps_show_edges_and_speeds() {
-    let tunings = [turned("magnet-0.61g", Knob::Preload, 10.0)];
+    let tunings = [turned("magnet-0.61g", TuningParameter::Preload, 10.0)];
     let page = report::tunability("a chain", &tunings);
     for words in ["preload (the scene has 2.38 N)", "238 mN", "23.8 N", "long waves", "pulse"] {
         assert!(page.contains(words), "{words} in\n{page}");

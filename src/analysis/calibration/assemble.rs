@@ -2,19 +2,21 @@
 
 use super::budget::propagate;
 use super::impact::Impact;
-use super::model::{Common, Kind, Model, Motion};
-use super::{Calibration, Draws, Exclusion, ImpactResult, NonLinearity, Strike, monte_carlo};
+use super::model::{Common, InputKind, MeasurementEquation, StrikerMotion};
+use super::{
+    Calibration, Draws, Exclusion, ImpactResult, NonLinearity, PlannedStrike, monte_carlo,
+};
 
 /// Impacts that a calibration should have, and levels of force among them.
-pub const WANTED: (usize, usize) = (5, 3);
+pub const RECOMMENDED_COUNTS: (usize, usize) = (5, 3);
 /// Forces further apart than this are two levels (1).
 const LEVEL_STEP: f64 = 0.1;
 /// Everything that `model` and the records tell.
 pub fn assemble(
-    (strikes, common): (&[Strike], &Common),
+    (strikes, common): (&[PlannedStrike], &Common),
     read: Vec<Result<Impact, Exclusion>>,
     excluded: &[(usize, Exclusion)],
-    model: &Model,
+    model: &MeasurementEquation,
     draws: Draws,
 ) -> Calibration {
     let budget = propagate(model);
@@ -57,7 +59,7 @@ pub fn assemble(
 
 fn result_of(
     impact: Option<Impact>,
-    motion: &Motion,
+    motion: &StrikerMotion,
     common: &Common,
     tau: f64,
     exclusion: Option<Exclusion>,
@@ -93,7 +95,7 @@ fn levels(peaks: &[f64]) -> usize {
 }
 
 /// The straight line through the sensitivities over force, each impact with its own uncertainty.
-fn nonlinearity(model: &Model, peaks: &[f64]) -> Option<NonLinearity> {
+fn nonlinearity(model: &MeasurementEquation, peaks: &[f64]) -> Option<NonLinearity> {
     if peaks.len() < 3 || levels(peaks) < 2 {
         return None;
     }
@@ -118,7 +120,7 @@ fn nonlinearity(model: &Model, peaks: &[f64]) -> Option<NonLinearity> {
 fn notes(found: &Calibration, common: &Common, tail: Option<(f64, f64)>) -> Vec<String> {
     let mut notes = Vec::new();
     let used = found.impacts.iter().filter(|impact| impact.exclusion.is_none());
-    let (impacts, levels) = WANTED;
+    let (impacts, levels) = RECOMMENDED_COUNTS;
     let count = used.clone().count();
     if count < impacts || found.levels < levels {
         notes.push(format!(
@@ -136,7 +138,7 @@ fn notes(found: &Calibration, common: &Common, tail: Option<(f64, f64)>) -> Vec<
     if mixed {
         notes.push("some pulses are positive and some negative: check the polarity".to_owned());
     }
-    if found.birge_ratio > 1.0 && found.budget.iter().any(|line| line.kind == Kind::Scatter) {
+    if found.birge_ratio > 1.0 && found.budget.iter().any(|line| line.kind == InputKind::Scatter) {
         notes.push(format!(
             "impacts scatter {:.1} times as much as their inputs explain: the difference is an input of its own",
             found.birge_ratio

@@ -4,13 +4,13 @@
 //! Inputs are independent of each other; what impacts share is one input.
 //! Source: JCGM 100:2008, 5.1.2, with 5.1.3 note 2. Valid where the result is nearly linear over that range: the Monte-Carlo part tells.
 
-use super::model::{Kind, Model};
+use super::model::{InputKind, MeasurementEquation};
 
 /// One input's part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BudgetLine {
     /// What it is.
-    pub kind: Kind,
+    pub kind: InputKind,
     /// Which one; empty where there is one only.
     pub which: String,
     /// Its estimate (unit).
@@ -37,7 +37,7 @@ impl BudgetLine {
 }
 
 /// The budget of `model`: all inputs that are uncertain.
-pub fn propagate(model: &Model) -> Vec<BudgetLine> {
+pub fn propagate(model: &MeasurementEquation) -> Vec<BudgetLine> {
     let sensitivity = |values: &[f64]| model.evaluate(values);
     let changes: Vec<f64> = model.changes(&sensitivity).collect();
     let variance: f64 = changes.iter().map(|change| change * change).sum();

@@ -2,17 +2,17 @@
 
 use super::budget::BudgetLine;
 use super::exclusion::Exclusion;
-use super::impact::{Impact, Record};
-use super::model::Motion;
+use super::impact::{Impact, RawRecord};
+use super::model::StrikerMotion;
 use super::monte_carlo::MonteCarlo;
 
 /// One impact as the plan tells it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Strike {
+pub struct PlannedStrike {
     /// The record; or why there is none.
-    pub record: Record,
+    pub record: RawRecord,
     /// What the striker did.
-    pub motion: Motion,
+    pub motion: StrikerMotion,
 }
 
 /// Why there is no calibration.

@@ -1,16 +1,16 @@
 //! One record of one impact: where its contact is, and the sums from which its integral follows for any baseline and tau.
 
 use super::Exclusion;
-use super::prepared::Prepared;
+use super::prepared::PreparedRecord;
 use super::record::NOISE_TIMES;
-pub use super::record::Record;
+pub use super::record::RawRecord;
 use crate::analysis::baseline::Baseline;
 use crate::analysis::droop::undo_droop;
 use crate::trace::Trace;
 /// Without a window given, the integral begins and ends this share of the contact outside it (1).
-const MARGIN: f64 = 0.15;
+const WINDOW_MARGIN: f64 = 0.15;
 /// A further pulse counts above this share of the first (1).
-const SECOND: f64 = 0.1;
+const SECOND_PULSE_SHARE: f64 = 0.1;
 /// A window that ends above this share of the peak cuts the pulse (1).
 const CUT_SHARE: f64 = 0.03;
 /// Standard uncertainty of the contact's duration over itself: where Hertz's force passes 1 % of its peak, 3 % are left (1).
@@ -71,8 +71,8 @@ impl Impact {
         clippy::cast_sign_loss,
         reason = "records are far shorter than 2^53 samples"
     )]
-    pub fn read(record: &Record, tau: f64) -> Result<Self, Exclusion> {
-        let prepared = Prepared::new(record)?;
+    pub fn read(record: &RawRecord, tau: f64) -> Result<Self, Exclusion> {
+        let prepared = PreparedRecord::new(record)?;
         let signal = &prepared.signal;
         let rise = prepared.rise().ok_or(Exclusion::NoPreTrigger { samples: 0 })?;
         let length = signal.values.len();
@@ -80,7 +80,7 @@ impl Impact {
         let cut = |what, index| Exclusion::Cut { what, time: signal.time(index) };
         let fall = prepared.fall(&whole.values, prepared.threshold);
         let fall = fall.ok_or_else(|| cut("record", length - 1))?;
-        let margin = (MARGIN * (fall - rise) as f64).max(3.0) as usize;
+        let margin = (WINDOW_MARGIN * (fall - rise) as f64).max(3.0) as usize;
         let (from, to) = if let Some(gate) = record.window {
             let range = gate.range(&record.trace);
             (range.start, range.end.saturating_sub(1))
@@ -100,7 +100,7 @@ impl Impact {
         if to < fall && inside(to) || to <= prepared.peak {
             return Err(cut("window", to));
         }
-        let second = (SECOND * top).max(2.0 * NOISE_TIMES * prepared.noise);
+        let second = (SECOND_PULSE_SHARE * top).max(2.0 * NOISE_TIMES * prepared.noise);
         // Where the pulse begins, noise crosses the threshold more than once.
         let before = signal.values.get(..rise.saturating_sub(margin)).unwrap_or_default();
         let early = before.iter().position(|v| v.abs() > second);

@@ -1,58 +1,51 @@
 //! The inputs of the measurement equation: what impacts share, and what each striker did.
 
-/// A number with its standard uncertainty.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Quantity {
-    /// The number (unit).
-    pub value: f64,
-    /// Its standard uncertainty (unit).
-    pub u: f64,
-}
+use crate::quantity::Uncertain;
 
 /// How a speed is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Speed {
+pub enum SpeedSource {
     /// Directly (m/s).
-    Speed(Quantity),
+    Speed(Uncertain),
     /// From the height that the striker falls from, or rises to: `sqrt(2 g h)` (m).
-    Height(Quantity),
+    Height(Uncertain),
     /// From the time between two light gates: their distance over it (s).
-    GateTime(Quantity),
+    GateTime(Uncertain),
     /// From the time until the striker comes back: `g t/2` (s).
-    FlightTime(Quantity),
+    FlightTime(Uncertain),
 }
 
 /// What the striker of one impact did.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Motion {
+pub struct StrikerMotion {
     /// Which of the strikers, from 0.
     pub striker: usize,
     /// Before the contact.
-    pub incoming: Speed,
+    pub incoming: SpeedSource,
     /// After it, the other way.
-    pub rebound: Speed,
+    pub rebound: SpeedSource,
 }
 
 /// What all impacts share.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Common {
     /// Name and mass of each striker (kg).
-    pub strikers: Vec<(String, Quantity)>,
+    pub strikers: Vec<(String, Uncertain)>,
     /// True voltage over what the scope shows (1).
-    pub gain: Quantity,
+    pub gain: Uncertain,
     /// True speed over what the set-up shows, the same for all speeds (1).
-    pub speed_scale: Quantity,
+    pub speed_scale: Uncertain,
     /// Distance of the light gates, where there are any (m).
-    pub gate_distance: Option<Quantity>,
+    pub gate_distance: Option<Uncertain>,
     /// Acceleration of free fall (m/s^2).
-    pub gravity: Quantity,
+    pub gravity: Uncertain,
     /// Time constant, if it is not to be read off the records (s).
-    pub tau: Option<Quantity>,
+    pub tau: Option<Uncertain>,
 }
 
 /// What an input is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Kind {
+pub enum InputKind {
     /// The scope's gain.
     Gain,
     /// The scale of all speeds.
@@ -81,7 +74,7 @@ pub enum Kind {
     Scatter,
 }
 
-impl Kind {
+impl InputKind {
     /// Its name in a table.
     pub fn name(self) -> &'static str {
         match self {
@@ -104,9 +97,9 @@ impl Kind {
 
 /// An input of the measurement equation.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Input {
+pub struct InputQuantity {
     /// What it is.
-    pub kind: Kind,
+    pub kind: InputKind,
     /// Which one, e.g. a striker's name or `impact 3`; empty where there is one only.
     pub which: String,
     /// Its estimate (unit).
@@ -117,9 +110,9 @@ pub struct Input {
     pub unit: &'static str,
 }
 
-impl Speed {
+impl SpeedSource {
     /// The reading and its unit.
-    pub(super) fn quantity(self) -> (Quantity, &'static str) {
+    pub(super) fn quantity(self) -> (Uncertain, &'static str) {
         match self {
             Self::Speed(q) => (q, "m/s"),
             Self::Height(q) => (q, "m"),
@@ -140,18 +133,18 @@ impl Speed {
 
 impl Common {
     /// Momentum that an impact of `duration` (s) hands over (N s).
-    pub fn momentum(&self, motion: &Motion, duration: f64) -> f64 {
+    pub fn momentum(&self, motion: &StrikerMotion, duration: f64) -> f64 {
         let mass = self.strikers.get(motion.striker).map_or(f64::NAN, |(_, mass)| mass.value);
         let gates = self.gate_distance.map_or(f64::NAN, |gates| gates.value);
-        let speed = |s: Speed| s.of(s.quantity().0.value, self.gravity.value, gates);
+        let speed = |s: SpeedSource| s.of(s.quantity().0.value, self.gravity.value, gates);
         let sum = self.speed_scale.value * (speed(motion.incoming) + speed(motion.rebound));
         mass * (sum + self.gravity.value * duration)
     }
 
     /// The shared inputs, in the places that the model looks for them.
-    pub(super) fn inputs(&self) -> Vec<Input> {
-        let none = Quantity { value: f64::NAN, u: 0.0 };
-        let one = |kind, quantity: Quantity, unit| Input {
+    pub(super) fn inputs(&self) -> Vec<InputQuantity> {
+        let none = Uncertain { value: f64::NAN, u: 0.0 };
+        let one = |kind, quantity: Uncertain, unit| InputQuantity {
             kind,
             which: String::new(),
             value: quantity.value,
@@ -159,17 +152,16 @@ impl Common {
             unit,
         };
         let mut inputs = vec![
-            one(Kind::Gain, self.gain, "1"),
-            one(Kind::SpeedScale, self.speed_scale, "1"),
-            one(Kind::Gravity, self.gravity, "m/s^2"),
-            one(Kind::GateDistance, self.gate_distance.unwrap_or(none), "m"),
-            one(Kind::TimeConstant, self.tau.unwrap_or(none), "s"),
+            one(InputKind::Gain, self.gain, "1"),
+            one(InputKind::SpeedScale, self.speed_scale, "1"),
+            one(InputKind::Gravity, self.gravity, "m/s^2"),
+            one(InputKind::GateDistance, self.gate_distance.unwrap_or(none), "m"),
+            one(InputKind::TimeConstant, self.tau.unwrap_or(none), "s"),
         ];
-        inputs.extend(
-            self.strikers
-                .iter()
-                .map(|(name, mass)| Input { which: name.clone(), ..one(Kind::Mass, *mass, "kg") }),
-        );
+        inputs.extend(self.strikers.iter().map(|(name, mass)| InputQuantity {
+            which: name.clone(),
+            ..one(InputKind::Mass, *mass, "kg")
+        }));
         inputs
     }
 }

@@ -21,16 +21,16 @@ mod prepared;
 mod record;
 mod tail;
 
-pub use data::{Calibration, CalibrationError, ImpactResult, NonLinearity, Strike};
+pub use data::{Calibration, CalibrationError, ImpactResult, NonLinearity, PlannedStrike};
 pub use draws::{COVERAGE_95, Draws};
 pub use exclusion::Exclusion;
 
 use self::assemble::assemble;
 use self::impact::Impact;
-use self::model::{Common, Model};
+use self::model::{Common, MeasurementEquation};
 
 /// An impact this many standard uncertainties away from the others is left out (1).
-pub const OUTLYING: f64 = 5.0;
+pub const OUTLIER_DEVIATIONS: f64 = 5.0;
 /// Takes a median of absolute deviations to a standard deviation of normal numbers (1).
 const MEDIAN_TO_DEVIATION: f64 = 1.4826;
 
@@ -39,13 +39,13 @@ const MEDIAN_TO_DEVIATION: f64 = 1.4826;
 /// # Errors
 /// [`CalibrationError`] where fewer than two impacts can be used or nothing tells the time constant.
 pub fn calibrate(
-    strikes: &[Strike],
+    strikes: &[PlannedStrike],
     common: &Common,
     draws: Draws,
 ) -> Result<Calibration, CalibrationError> {
     let given = common.tau.map(|tau| tau.value);
     let tails: Vec<_> = strikes.iter().map(|s| tail::fit(&s.record)).collect();
-    let tau = given.or_else(|| tail::together(&tails)).ok_or_else(|| no_tau(strikes))?;
+    let tau = given.or_else(|| tail::weighted_mean(&tails)).ok_or_else(|| no_tau(strikes))?;
     let read: Vec<Result<Impact, Exclusion>> =
         strikes.iter().map(|strike| Impact::read(&strike.record, tau)).collect();
     let mut used: Vec<usize> = (0..read.len()).filter(|i| read[*i].is_ok()).collect();
@@ -62,7 +62,8 @@ pub fn calibrate(
             let impact = read[*i].as_ref().ok()?;
             Some((*i, impact, &strikes[*i].motion, tails[*i].as_ref()))
         });
-        let model = Model::new(impacts, common).ok_or(CalibrationError::NoTimeConstant)?;
+        let model =
+            MeasurementEquation::new(impacts, common).ok_or(CalibrationError::NoTimeConstant)?;
         match outlier(&model) {
             Some((position, times)) => {
                 excluded.push((used.remove(position), Exclusion::Outlier { times }));
@@ -74,8 +75,8 @@ pub fn calibrate(
 }
 
 /// Without any impact that could be read, that is what has to be told.
-fn no_tau(strikes: &[Strike]) -> CalibrationError {
-    let guess = |strike: &Strike| Impact::read(&strike.record, f64::INFINITY).err();
+fn no_tau(strikes: &[PlannedStrike]) -> CalibrationError {
+    let guess = |strike: &PlannedStrike| Impact::read(&strike.record, f64::INFINITY).err();
     let reasons: Vec<(usize, Exclusion)> =
         strikes.iter().enumerate().filter_map(|(i, s)| Some((i, guess(s)?))).collect();
     if reasons.len() + 1 < strikes.len() {
@@ -86,7 +87,7 @@ fn no_tau(strikes: &[Strike]) -> CalibrationError {
 }
 
 /// The impact farthest from the others, if it is too far: by its own uncertainty and by the others' scatter.
-fn outlier(model: &Model) -> Option<(usize, f64)> {
+fn outlier(model: &MeasurementEquation) -> Option<(usize, f64)> {
     let values = model.each();
     if values.len() < 3 {
         return None;
@@ -96,7 +97,7 @@ fn outlier(model: &Model) -> Option<(usize, f64)> {
         MEDIAN_TO_DEVIATION * median(values.iter().map(|(s, _)| (s - middle).abs()).collect());
     let times = |(s, u): &(f64, f64)| (s - middle).abs() / u.max(scatter);
     let all = values.iter().map(times).enumerate();
-    all.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, times)| *times > OUTLYING)
+    all.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, times)| *times > OUTLIER_DEVIATIONS)
 }
 
 fn median(mut values: Vec<f64>) -> f64 {

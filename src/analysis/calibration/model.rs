@@ -1,14 +1,14 @@
 //! The measurement equation with all its inputs in one vector, so that what impacts share is shared.
 
 use super::impact::Impact;
-pub use super::inputs::{Common, Input, Kind, Motion, Quantity, Speed};
+pub use super::inputs::{Common, InputKind, InputQuantity, SpeedSource, StrikerMotion};
 use super::tail::Tail;
 
 /// One impact within the model.
 #[derive(Debug, Clone, PartialEq)]
-struct Part {
+struct ImpactModel {
     impact: Impact,
-    motion: Motion,
+    motion: StrikerMotion,
     tail: Option<Tail>,
     tail_weight: f64,
     /// Weight in the mean.
@@ -19,15 +19,15 @@ struct Part {
 
 /// The measurement equation of a whole calibration.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Model {
-    inputs: Vec<Input>,
-    parts: Vec<Part>,
+pub struct MeasurementEquation {
+    inputs: Vec<InputQuantity>,
+    parts: Vec<ImpactModel>,
     places: Vec<usize>,
     strikers: usize,
     fitted: bool,
 }
 
-/// Places of the shared inputs; masses come next, then [`OWN`] inputs for each impact, then the scatter.
+/// Places of the shared inputs; masses come next, then [`INPUTS_PER_IMPACT`] inputs for each impact, then the scatter.
 const GAIN: usize = 0;
 const SCALE: usize = 1;
 const GRAVITY: usize = 2;
@@ -35,12 +35,12 @@ const GATES: usize = 3;
 const TAU: usize = 4;
 const MASSES: usize = 5;
 /// Inputs of an impact's own: two speeds, baseline, noise, duration, tail.
-const OWN: usize = 6;
+const INPUTS_PER_IMPACT: usize = 6;
 
-impl Model {
+impl MeasurementEquation {
     /// Puts the impacts, each with its place in the plan, and what they share together; none without a time constant.
     pub(super) fn new<'a>(
-        impacts: impl Iterator<Item = (usize, &'a Impact, &'a Motion, Option<&'a Tail>)>,
+        impacts: impl Iterator<Item = (usize, &'a Impact, &'a StrikerMotion, Option<&'a Tail>)>,
         common: &Common,
     ) -> Option<Self> {
         let mut model = Self {
@@ -52,7 +52,7 @@ impl Model {
         };
         for (place, impact, motion, tail) in impacts {
             model.places.push(place);
-            model.parts.push(Part {
+            model.parts.push(ImpactModel {
                 impact: impact.clone(),
                 motion: *motion,
                 tail: tail.copied(),
@@ -69,8 +69,8 @@ impl Model {
         for index in 0..model.parts.len() {
             model.add_own_inputs(index, tau);
         }
-        model.inputs.push(Input {
-            kind: Kind::Scatter,
+        model.inputs.push(InputQuantity {
+            kind: InputKind::Scatter,
             which: String::new(),
             value: 0.0,
             u: 0.0,
@@ -82,7 +82,7 @@ impl Model {
     }
 
     fn weigh_tails(&mut self) {
-        let weight = |part: &Part| part.tail.map_or(0.0, |tail| tail.weight());
+        let weight = |part: &ImpactModel| part.tail.map_or(0.0, |tail| tail.weight());
         let sum: f64 = self.parts.iter().map(weight).sum();
         for part in &mut self.parts {
             part.tail_weight = weight(part) / sum;
@@ -90,22 +90,23 @@ impl Model {
     }
 
     fn add_own_inputs(&mut self, index: usize, tau: f64) {
-        let Some(Part { impact, motion, tail, .. }) = self.parts.get(index) else { return };
+        let Some(ImpactModel { impact, motion, tail, .. }) = self.parts.get(index) else { return };
         let which = format!("impact {}", self.places.get(index).map_or(0, |place| place + 1));
-        let input = |kind, value, u, unit| Input { kind, which: which.clone(), value, u, unit };
-        let speed = |kind, speed: Speed| {
+        let input =
+            |kind, value, u, unit| InputQuantity { kind, which: which.clone(), value, u, unit };
+        let speed = |kind, speed: SpeedSource| {
             let (quantity, unit) = speed.quantity();
             input(kind, quantity.value, quantity.u, unit)
         };
         let tail_u = tail.map_or(0.0, |tail| tail.noise_u);
         let own = [
-            speed(Kind::Incoming, motion.incoming),
-            speed(Kind::Rebound, motion.rebound),
+            speed(InputKind::Incoming, motion.incoming),
+            speed(InputKind::Rebound, motion.rebound),
             // What the baseline may be off; the level itself has been taken away.
-            input(Kind::Baseline, 0.0, impact.baseline.uncertainty, "V"),
-            input(Kind::Noise, 0.0, impact.noise_u(tau), "V*s"),
-            input(Kind::Duration, impact.duration, impact.duration_u, "s"),
-            input(Kind::Tail, 0.0, if self.fitted { tail_u } else { 0.0 }, "1/s"),
+            input(InputKind::Baseline, 0.0, impact.baseline.uncertainty, "V"),
+            input(InputKind::Noise, 0.0, impact.noise_u(tau), "V*s"),
+            input(InputKind::Duration, impact.duration, impact.duration_u, "s"),
+            input(InputKind::Tail, 0.0, if self.fitted { tail_u } else { 0.0 }, "1/s"),
         ];
         self.inputs.extend(own);
     }
@@ -129,7 +130,7 @@ impl Model {
                     };
                     0.5 * (moved(1.0) - moved(-1.0))
                 };
-                (first..first + OWN).map(|i| change(i).powi(2)).sum::<f64>().sqrt()
+                (first..first + INPUTS_PER_IMPACT).map(|i| change(i).powi(2)).sum::<f64>().sqrt()
             })
             .collect();
         let floor = f64::EPSILON * self.one(0, &estimates, inverse_tau).abs();
@@ -165,7 +166,7 @@ impl Model {
     }
 
     /// The inputs.
-    pub fn inputs(&self) -> &[Input] {
+    pub fn inputs(&self) -> &[InputQuantity] {
         &self.inputs
     }
 
@@ -180,7 +181,7 @@ impl Model {
     }
 
     fn first_own(&self, index: usize) -> usize {
-        MASSES + self.strikers + OWN * index
+        MASSES + self.strikers + INPUTS_PER_IMPACT * index
     }
 
     /// `1/tau` (1/s): the one given, or the mean of what the records tell, each with its baseline.
@@ -188,7 +189,7 @@ impl Model {
         if !self.fitted {
             return values.get(TAU).map_or(f64::NAN, |tau| 1.0 / tau);
         }
-        let part = |(index, part): (usize, &Part)| {
+        let part = |(index, part): (usize, &ImpactModel)| {
             let Some(tail) = &part.tail else { return 0.0 };
             let first = self.first_own(index);
             let at = |place: usize| values.get(first + place).copied().unwrap_or(0.0);
@@ -199,7 +200,9 @@ impl Model {
 
     /// Sensitivity of impact `index` alone.
     fn one(&self, index: usize, values: &[f64], inverse_tau: f64) -> f64 {
-        let Some(Part { impact, motion, .. }) = self.parts.get(index) else { return f64::NAN };
+        let Some(ImpactModel { impact, motion, .. }) = self.parts.get(index) else {
+            return f64::NAN;
+        };
         let at = |place: usize| values.get(place).copied().unwrap_or(f64::NAN);
         let first = self.first_own(index);
         let (gravity, gates) = (at(GRAVITY), at(GATES));

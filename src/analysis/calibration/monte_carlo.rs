@@ -9,12 +9,12 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
 use super::draws::{COVERAGE_95, Draws};
-use super::model::Model;
+use super::model::MeasurementEquation;
 
 /// Significant digits of the standard uncertainty that both propagations are to agree in.
 const DIGITS: i32 = 1;
 /// Stream of the draws.
-const STREAM: u128 = 101;
+const MONTE_CARLO_STREAM: u128 = 101;
 
 /// What the draws gave.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,11 +44,11 @@ pub struct MonteCarlo {
     clippy::cast_sign_loss,
     reason = "a share of a number of draws"
 )]
-pub fn run(model: &Model, draws: Draws) -> Option<MonteCarlo> {
+pub fn run(model: &MeasurementEquation, draws: Draws) -> Option<MonteCarlo> {
     if draws.count < 2 {
         return None;
     }
-    let mut stream = Pcg64::new(u128::from(draws.seed), STREAM);
+    let mut stream = Pcg64::new(u128::from(draws.seed), MONTE_CARLO_STREAM);
     let mut values = model.estimates();
     let mut found: Vec<f64> = Vec::with_capacity(draws.count);
     for _ in 0..draws.count {

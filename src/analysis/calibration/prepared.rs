@@ -1,7 +1,7 @@
 //! A record before its integral: is it sound, where is its zero, where its pulse.
 
 use super::exclusion::Exclusion;
-use super::record::{NOISE_TIMES, Record};
+use super::record::{NOISE_TIMES, RawRecord};
 use crate::analysis::baseline::{Baseline, noise_of};
 use crate::analysis::pulse::{Conditions, PulseError};
 use crate::trace::Trace;
@@ -9,14 +9,14 @@ use crate::trace::Trace;
 /// The contact begins and ends where the force passes this share of its peak, or the noise if that is more (1).
 const CONTACT_SHARE: f64 = 0.01;
 /// A pulse must stand out of the noise this many times (1).
-const OUTSTANDING: f64 = 20.0;
+const MIN_PEAK_TO_NOISE: f64 = 20.0;
 /// Fewer samples of baseline than this are none.
-const FEWEST_BASELINE: usize = 50;
+const MIN_BASELINE_SAMPLES: usize = 50;
 /// The sum of the voltage begins this part of the rise before the contact is seen.
-const LEAD: usize = 3;
+const LEAD_DIVISOR: usize = 3;
 
 /// A record whose pulse is positive and stands out of the noise; its baseline is known.
-pub struct Prepared {
+pub struct PreparedRecord {
     /// Its baseline.
     pub baseline: Baseline,
     /// Standard uncertainty of one sample (V).
@@ -31,12 +31,12 @@ pub struct Prepared {
     pub threshold: f64,
 }
 
-impl Prepared {
+impl PreparedRecord {
     /// Looks at `record`.
     ///
     /// # Errors
     /// [`Exclusion`]: why it is no good.
-    pub fn new(record: &Record) -> Result<Self, Exclusion> {
+    pub fn new(record: &RawRecord) -> Result<Self, Exclusion> {
         let trace = &record.trace;
         if record.clipped > 0 {
             return Err(Exclusion::Saturated { samples: record.clipped });
@@ -47,7 +47,7 @@ impl Prepared {
         }
         let conditions = Conditions { level: record.level, ..Conditions::default() };
         let baseline = match Baseline::of(trace, &conditions) {
-            Ok(baseline) if baseline.samples >= FEWEST_BASELINE => baseline,
+            Ok(baseline) if baseline.samples >= MIN_BASELINE_SAMPLES => baseline,
             Ok(_) | Err(PulseError::NoBaseline { .. })
                 if !stands_out(&trace.values, record.level) =>
             {
@@ -71,7 +71,7 @@ impl Prepared {
         if negative {
             signal.values.iter_mut().for_each(|v| *v = -*v);
         }
-        if top < OUTSTANDING * noise {
+        if top < MIN_PEAK_TO_NOISE * noise {
             return Err(Exclusion::NoPulse);
         }
         let threshold = (CONTACT_SHARE * top).max(NOISE_TIMES * noise);
@@ -86,7 +86,7 @@ impl Prepared {
     /// Sample from which on the voltage is summed: what the pulse has before it passes the threshold counts as well.
     pub fn start(&self) -> Option<usize> {
         let rise = self.rise()?;
-        Some(rise.saturating_sub((self.peak - rise) / LEAD))
+        Some(rise.saturating_sub((self.peak - rise) / LEAD_DIVISOR))
     }
 
     /// First sample behind the peak where `values` are below `level`.
@@ -102,5 +102,5 @@ fn stands_out(values: &[f64], level: f64) -> bool {
     let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
     let steps: f64 = values.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum();
     let noise = noise_of((0.5 * steps / values.len() as f64).sqrt(), level);
-    high - low >= OUTSTANDING * noise
+    high - low >= MIN_PEAK_TO_NOISE * noise
 }

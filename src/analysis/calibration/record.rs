@@ -8,7 +8,7 @@ pub(super) const NOISE_TIMES: f64 = 4.0;
 
 /// A record as it came from the scope.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Record {
+pub struct RawRecord {
     /// Voltage over time.
     pub trace: Trace,
     /// Distance of the digitiser's levels; 0 for what was never digitised (V).

@@ -3,13 +3,13 @@
 //! Without force `V[i] + (1 - a) sum over k < i of V[k] = 0`; least squares of these gives `1 - a = 1 - exp(-dt/tau)`.
 //! Valid where the sensor feels nothing behind the contact, as one that only the striker presses on.
 
-use super::prepared::Prepared;
-use super::record::Record;
+use super::prepared::PreparedRecord;
+use super::record::RawRecord;
 
 /// The end of the contact is not sharp: the fit begins this share of the contact later (1).
-const CLEARANCE: f64 = 0.3;
+const TAIL_DELAY_SHARE: f64 = 0.3;
 /// Fewer samples behind the contact than this tell nothing.
-const FEWEST: usize = 100;
+const MIN_TAIL_SAMPLES: usize = 100;
 
 /// What one record tells of `1/tau`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,8 +32,8 @@ impl Tail {
 }
 
 /// Fits the end of `record`; none where there is too little, or no leak above the noise.
-pub fn fit(record: &Record) -> Option<Tail> {
-    let prepared = Prepared::new(record).ok()?;
+pub fn fit(record: &RawRecord) -> Option<Tail> {
+    let prepared = PreparedRecord::new(record).ok()?;
     let signal = &prepared.signal;
     let start = prepared.start()?;
     // The voltage passes zero a little before the contact ends.
@@ -44,16 +44,16 @@ pub fn fit(record: &Record) -> Option<Tail> {
         clippy::cast_sign_loss,
         reason = "a share of a number of samples"
     )]
-    let first = zero + (CLEARANCE * (zero - start) as f64) as usize - start;
+    let first = zero + (TAIL_DELAY_SHARE * (zero - start) as f64) as usize - start;
     let values = signal.values.get(start..)?;
-    if values.len() < first + FEWEST {
+    if values.len() < first + MIN_TAIL_SAMPLES {
         return None;
     }
-    let leak = leaked(values, first, 0.0)?;
+    let leak = discharged(values, first, 0.0)?;
     let interval = signal.interval;
     let inverse = |leak: f64| -(-leak).ln_1p() / interval;
     let steps = prepared.baseline.uncertainty.max(f64::MIN_POSITIVE);
-    let (higher, lower) = (leaked(values, first, steps)?, leaked(values, first, -steps)?);
+    let (higher, lower) = (discharged(values, first, steps)?, discharged(values, first, -steps)?);
     let slope = 1.0 / (interval * (1.0 - leak));
     let tail = Tail {
         inverse_tau: inverse(leak),
@@ -66,7 +66,7 @@ pub fn fit(record: &Record) -> Option<Tail> {
 }
 
 /// `tau` from several records (s).
-pub fn together(tails: &[Option<Tail>]) -> Option<f64> {
+pub fn weighted_mean(tails: &[Option<Tail>]) -> Option<f64> {
     let (mut sum, mut weights) = (0.0, 0.0);
     for tail in tails.iter().flatten() {
         sum += tail.weight() * tail.inverse_tau;
@@ -76,7 +76,7 @@ pub fn together(tails: &[Option<Tail>]) -> Option<f64> {
 }
 
 /// `1 - a` for a baseline that is `off` higher.
-fn leaked(values: &[f64], first: usize, off: f64) -> Option<f64> {
+fn discharged(values: &[f64], first: usize, off: f64) -> Option<f64> {
     let (mut before, mut numerator, mut denominator) = (0.0, 0.0, 0.0);
     for (index, value) in values.iter().enumerate() {
         let value = value - off;

@@ -5,30 +5,30 @@ mod read;
 
 use serde::Serialize;
 
-use super::roots::{find_negative, highest, may_fall};
+use super::roots::{find_negative, highest, may_decrease};
 use super::segment::{Bracket, ForceHistory, Rise, Segment};
 use crate::chain::probe_step::{ContactPair, ForceSamples, ProbeTracker, SAMPLE_TIMES};
 use crate::chain::{ForceProbe, ForceSegment};
 
 /// A force that rises from zero has no maximum between two looks that exceeds the larger of them by more than this factor: looks are a
 /// fifteenth of the fastest oscillation apart, or the step would not have been accepted (1).
-const BETWEEN_LOOKS: f64 = 1.25;
+const MAX_BETWEEN_SAMPLES: f64 = 1.25;
 /// Where a force rises at two looks and their cubic's least rate in between is below this share of both rates, it may fall there (1).
-const BETWEEN: f64 = 0.3;
+const MIN_RATE_SHARE: f64 = 0.3;
 /// A peak counts when it exceeds this share of the record's largest dynamic force (1).
 pub const PEAK_SHARE: f64 = 0.25;
 /// Lowest level that is remembered for certain, as a share of the first peak (1).
-pub const LOWEST_LEVEL: f64 = 1e-3;
+pub const MIN_LEVEL_SHARE: f64 = 1e-3;
 /// What does not exceed this share of the static force, or of the impact's, is rounding, and no pulse (1).
-const QUIETEST: f64 = 1e-13;
+const ROUNDING_SHARE: f64 = 1e-13;
 /// What two steps' interpolants may differ by where they meet is no jump, as a share of the largest force (1).
-const SMALLEST_JUMP: f64 = 1e-6;
+const MIN_JUMP_SHARE: f64 = 1e-6;
 /// Steps to the first peak that there is room for from the start: mostly there are no more.
-const ROOM_FOR_RISES: usize = 8;
+const RISES_CAPACITY: usize = 8;
 /// Share of the first peak at which a pulse is said to arrive by its half-rise (1).
-pub const HALF_RISE: f64 = 0.5;
+pub const HALF_RISE_SHARE: f64 = 0.5;
 /// Share of the first peak at which a pulse is said to arrive by its foot (1).
-pub const FOOT: f64 = 0.1;
+pub const FOOT_SHARE: f64 = 0.1;
 
 /// A local maximum of the dynamic force.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -81,7 +81,7 @@ pub struct PulseRecorder {
 impl PulseRecorder {
     /// Starts with nothing felt in a chain that is let go with these velocities (m/s); `impact` is the force that the impact raises (N).
     pub fn new(probe: &ForceProbe, impact: f64, velocities: &[f64]) -> Self {
-        let room = (Vec::new(), Vec::with_capacity(ROOM_FOR_RISES));
+        let room = (Vec::new(), Vec::with_capacity(RISES_CAPACITY));
         Self::begin(probe, (impact, velocities), room)
     }
 
@@ -96,7 +96,7 @@ impl PulseRecorder {
             is_lossy: probe.is_lossy(),
             has_begun: false,
             static_force,
-            quietest: QUIETEST * static_force.max(impact),
+            quietest: ROUNDING_SHARE * static_force.max(impact),
             rate_before: probe.starting_rate(velocities),
             peaks,
             rises,
@@ -114,7 +114,7 @@ impl PulseRecorder {
     }
 
     /// Takes in the force over the integrator's last step.
-    pub fn take(&mut self, segment: ForceSegment) {
+    pub fn process_step(&mut self, segment: ForceSegment) {
         let looked = SAMPLE_TIMES.map(|theta| segment.look(theta));
         let looks = ForceSamples {
             forces: looked.map(|[force, _]| force),
@@ -128,10 +128,10 @@ impl PulseRecorder {
         if let Some(start) = start {
             self.jump(step, start);
         }
-        self.see(&looks, length, &|| step);
+        self.scan_samples(&looks, length, &|| step);
         let last = [self.peaks.last().map(|p| p.segment), self.rises.last().map(|r| r.segment)];
         if !last.contains(&Some(step)) {
-            self.felt.let_go();
+            self.felt.release();
         }
     }
 
@@ -140,7 +140,7 @@ impl PulseRecorder {
         if tracker.may_exceed(self.asks()) {
             let step = tracker.overlaps();
             let samples = tracker.pair().samples(&step);
-            self.see(&samples, step.length, &|| Segment::Lossless(step));
+            self.scan_samples(&samples, step.length, &|| Segment::Lossless(step));
         }
         [self.last, self.rate_before] = tracker.end();
     }
@@ -148,7 +148,7 @@ impl PulseRecorder {
     /// A maximum up to the first counts for nothing, nor does any other force up to the second (N).
     pub fn asks(&self) -> [f64; 2] {
         // Levels that anybody asks for are shares of a peak that is no rounding.
-        [self.first_exceeds().max(FOOT * self.quietest), self.largest]
+        [self.first_exceeds().max(FOOT_SHARE * self.quietest), self.largest]
     }
 
     /// What a first peak that is yet to come exceeds: a share of the largest force, and all maxima before it, or one of them were first (N).
@@ -160,7 +160,7 @@ impl PulseRecorder {
     fn keep(&mut self, least: f64, peak: Bracket) {
         self.highest = self.highest.max(least);
         if self.peaks.len() == self.peaks.capacity() {
-            self.forget();
+            self.clear_history();
         }
         self.peaks.push(peak);
     }
@@ -169,24 +169,24 @@ impl PulseRecorder {
     fn keep_rise(&mut self, rise: Rise) {
         self.largest = rise.reached;
         if self.rises.len() == self.rises.capacity() {
-            self.forget();
+            self.clear_history();
         }
         self.rises.push(rise);
     }
 
     /// Makes room by what nobody asks for: maxima below the threshold of the first peak, which only rises, and rises to levels far below it.
-    fn forget(&mut self) {
+    fn clear_history(&mut self) {
         let threshold = PEAK_SHARE * self.largest;
         // What exceeds all before is higher than what did so earlier.
         let was_first = |peak: &&Bracket| peak.most <= threshold && peak.exceeds_all;
         self.passed_over = self.peaks.iter().rfind(was_first).copied().or(self.passed_over);
         self.peaks.retain(|peak| peak.most > threshold);
-        let low = self.rises.partition_point(|rise| rise.reached < LOWEST_LEVEL * threshold);
+        let low = self.rises.partition_point(|rise| rise.reached < MIN_LEVEL_SHARE * threshold);
         self.forgotten = self.rises[..low].last().map_or(self.forgotten, |rise| rise.reached);
         self.rises.drain(..low);
     }
 
-    fn see(&mut self, looks: &ForceSamples, length: f64, segment: &dyn Fn() -> Segment) {
+    fn scan_samples(&mut self, looks: &ForceSamples, length: f64, segment: &dyn Fn() -> Segment) {
         let (mut reached, mut top, mut low) = (self.largest, 1.0, 0.0);
         for (index, high) in SAMPLE_TIMES.into_iter().enumerate() {
             let (rate, force) = (looks.rates[index], looks.forces[index]);
@@ -226,7 +226,8 @@ impl PulseRecorder {
     ) -> Option<Bracket> {
         let (before, after, span) = (self.rate_before, rate, (high - low) * length);
         let rises = [before, after].map(|rate| rate * span);
-        let most = highest([self.last, force], rises).max(BETWEEN_LOOKS * force.max(self.last));
+        let most =
+            highest([self.last, force], rises).max(MAX_BETWEEN_SAMPLES * force.max(self.last));
         let counts = most > self.asks()[0];
         if before <= 0.0 && after > 0.0 || !counts {
             return None;
@@ -236,13 +237,13 @@ impl PulseRecorder {
         if before <= 0.0 || after > 0.0 {
             // Up and down again, or down and up again before it falls: one end of the maximum is in between.
             let (sign, inner) = if after > 0.0 { (1.0, 1) } else { (-1.0, 0) };
-            if !may_fall((sign * before, sign * after), sign * mean, BETWEEN) {
+            if !may_decrease((sign * before, sign * after), sign * mean, MIN_RATE_SHARE) {
                 return None;
             }
             let segment = segment();
             let rate = |theta| self.felt.rate(&segment, theta);
             // What changes the force by less than its rounding over all of this is no turn.
-            let turned = |rate: f64| sign * rate + FOOT * self.quietest / span;
+            let turned = |rate: f64| sign * rate + FOOT_SHARE * self.quietest / span;
             let ends = [before, after].map(turned);
             let theta = find_negative(&|theta| turned(rate(theta)), [low, high], ends)?;
             (between[inner], rates[inner]) = (theta, rate(theta));
@@ -252,7 +253,7 @@ impl PulseRecorder {
 
     /// A force that jumps up as a contact closes and then falls has its peak at the jump: force and its rate of change after it (N, N/s).
     fn jump(&mut self, segment: Segment, [force, rate]: [f64; 2]) {
-        if force - self.last > SMALLEST_JUMP * self.largest && rate <= 0.0 {
+        if force - self.last > MIN_JUMP_SHARE * self.largest && rate <= 0.0 {
             let exceeds_all = force > self.largest;
             let (between, rates) = ([0.0; 2], [rate; 2]);
             self.keep(force, Bracket { segment, between, rates, most: force, exceeds_all });

@@ -8,7 +8,7 @@ use crate::experiment::segment::Rise;
 impl PulseRecorder {
     /// A copy that takes up no more memory than its readings need: of many that are kept, most would be empty.
     pub fn readings(&mut self) -> Self {
-        self.forget();
+        self.clear_history();
         self.clone()
     }
 
@@ -45,7 +45,7 @@ impl PulseRecorder {
     }
 
     /// The time when the dynamic force first reached `level` (N), which is positive; none where it did not, or where the level is lower than
-    /// [`LOWEST_LEVEL`](super::LOWEST_LEVEL) of a first peak and no longer remembered (s).
+    /// [`MIN_LEVEL_SHARE`](super::MIN_LEVEL_SHARE) of a first peak and no longer remembered (s).
     pub fn first_reach(&self, level: f64) -> Option<f64> {
         let is_it = |rise: &&Rise| rise.reached >= level && level > self.forgotten;
         let Rise { segment, top, .. } = self.rises.iter().find(is_it)?;

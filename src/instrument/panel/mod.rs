@@ -165,6 +165,20 @@ impl Panel {
         }
     }
 
+    /// The trigger level nearest to `level` within the reach of its source (V).
+    pub fn trigger_level(&self, model: &Model, level: f64) -> f64 {
+        let source = self.trigger.source;
+        let (low, high) = if let Some(number) = source.channel() {
+            let vertical = self.channel(number).vertical;
+            let volts = |divisions: f64| (divisions - vertical.position) * vertical.scale;
+            (volts(-model.trigger_range), volts(model.trigger_range))
+        } else {
+            let reach = source.reach(model);
+            (-reach, reach)
+        };
+        limits::rounded(level.clamp(low, high), 7)
+    }
+
     /// What the front end and the digitiser need: channels that are recorded or trigger are on. Free of errors and noise.
     pub fn setup(&self, model: &Model) -> Setup {
         let trigger_source = self.trigger.source.channel();

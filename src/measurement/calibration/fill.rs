@@ -2,14 +2,20 @@
 
 use sha2::{Digest, Sha256};
 
-use super::words::{BudgetReport, CalibrationReport, Evidence, ImpactReport, MonteCarloReport};
+use super::words::{
+    BudgetReport, CalibrationReport, ImpactReport, MonteCarloReport, RecordingEvidence,
+};
 use crate::analysis::calibration::budget::BudgetLine;
 use crate::analysis::calibration::{COVERAGE_95, Calibration, ImpactResult};
 use crate::scene::hexadecimal;
-use crate::scene::plan::{Particulars, Plan};
+use crate::scene::plan::{CalibrationPlan, Particulars};
 
 /// Puts what was found into the report's words.
-pub fn report(plan: &Plan, found: &Calibration, evidence: Vec<Evidence>) -> CalibrationReport {
+pub fn report(
+    plan: &CalibrationPlan,
+    found: &Calibration,
+    evidence: Vec<RecordingEvidence>,
+) -> CalibrationReport {
     let named: Particulars = plan.particulars.clone();
     let half = COVERAGE_95 * found.u;
     let impacts = found.impacts.iter().zip(&plan.impacts).zip(evidence);
@@ -81,7 +87,7 @@ fn impact_report(
     number: usize,
     result: &ImpactResult,
     striker: &str,
-    evidence: Evidence,
+    evidence: RecordingEvidence,
 ) -> ImpactReport {
     let impact = result.impact.as_ref();
     ImpactReport {

@@ -6,20 +6,21 @@ pub mod words;
 pub use fill::{METHOD, report, sensor_file};
 pub use words::CalibrationReport;
 
+use crate::quantity::Uncertain;
 use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
-use crate::analysis::calibration::impact::Record;
-use crate::analysis::calibration::model::{Common, Motion, Quantity, Speed};
-use crate::analysis::calibration::{self, Calibration, CalibrationError, Draws, Strike};
+use crate::analysis::calibration::impact::RawRecord;
+use crate::analysis::calibration::model::{Common, SpeedSource, StrikerMotion};
+use crate::analysis::calibration::{self, Calibration, CalibrationError, Draws, PlannedStrike};
 use crate::analysis::gate::Gate;
 use crate::recording::format::open;
 use crate::recording::{Capture, TraceSet};
 use crate::scene::hexadecimal;
-use crate::scene::plan::{Means, Plan, PlanError, PlannedImpact, Uncertain};
+use crate::scene::plan::{CalibrationPlan, PlanError, PlannedImpact, SpeedMethod};
 use crate::scene::problem::Problem;
-use words::Evidence;
+use words::RecordingEvidence;
 
 /// Why there is no calibration.
 #[derive(Debug, thiserror::Error)]
@@ -45,7 +46,7 @@ pub struct Calibrated {
 ///
 /// # Errors
 /// [`PlanRunError`]: a recording that cannot be read or has no such channel, at its place in the plan; or too few impacts left.
-pub fn run(plan: &Plan) -> Result<Calibrated, PlanRunError> {
+pub fn run(plan: &CalibrationPlan) -> Result<Calibrated, PlanRunError> {
     let mut problems = Vec::new();
     let (mut strikes, mut evidence) = (Vec::new(), Vec::new());
     for impact in &plan.impacts {
@@ -67,43 +68,34 @@ pub fn run(plan: &Plan) -> Result<Calibrated, PlanRunError> {
 }
 
 /// What the impacts of `plan` share.
-pub fn common(plan: &Plan) -> Common {
-    let number = |u: f64| Quantity { value: 1.0, u };
+pub fn common(plan: &CalibrationPlan) -> Common {
+    let number = |u: f64| Uncertain { value: 1.0, u };
     Common {
-        strikers: plan
-            .strikers
-            .iter()
-            .map(|(name, mass)| (name.clone(), quantity(*mass)))
-            .collect(),
+        strikers: plan.strikers.clone(),
         gain: number(plan.gain_u.unwrap_or(0.0)),
         speed_scale: number(plan.speed_scale_u),
-        gate_distance: plan.gate_distance.map(quantity),
-        gravity: quantity(plan.gravity),
-        tau: plan.tau.map(quantity),
+        gate_distance: plan.gate_distance,
+        gravity: plan.gravity,
+        tau: plan.tau,
     }
 }
 
-fn quantity(uncertain: Uncertain) -> Quantity {
-    Quantity { value: uncertain.value, u: uncertain.u }
-}
-
-fn speed((means, value): (Means, Uncertain)) -> Speed {
-    let value = quantity(value);
+fn speed((means, value): (SpeedMethod, Uncertain)) -> SpeedSource {
     match means {
-        Means::Speed => Speed::Speed(value),
-        Means::Height => Speed::Height(value),
-        Means::GateTime => Speed::GateTime(value),
-        Means::FlightTime => Speed::FlightTime(value),
+        SpeedMethod::Speed => SpeedSource::Speed(value),
+        SpeedMethod::Height => SpeedSource::Height(value),
+        SpeedMethod::GateTime => SpeedSource::GateTime(value),
+        SpeedMethod::FlightTime => SpeedSource::FlightTime(value),
     }
 }
 
 /// A capture as the calibration takes it; none for a record over frequency.
-pub fn record(capture: &Capture, window: Option<Gate>) -> Option<Record> {
+pub fn record(capture: &Capture, window: Option<Gate>) -> Option<RawRecord> {
     let level = capture.waveform.preamble.y_mult.abs();
-    Some(Record { trace: capture.trace()?, level, clipped: capture.waveform.clipped(), window })
+    Some(RawRecord { trace: capture.trace()?, level, clipped: capture.waveform.clipped(), window })
 }
 
-fn strike(impact: &PlannedImpact) -> Result<(Strike, Evidence), Problem> {
+fn strike(impact: &PlannedImpact) -> Result<(PlannedStrike, RecordingEvidence), Problem> {
     let problem = |found: String, expected: &str| {
         impact.place.problem("impacts.recording", found, expected.to_owned())
     };
@@ -127,7 +119,7 @@ fn strike(impact: &PlannedImpact) -> Result<(Strike, Evidence), Problem> {
     let sha256 = hash(file, &opened)
         .map_err(|error| problem(format!("{}: {error}", file.display()), "a file"))?;
     let waveform = &capture.waveform;
-    let evidence = Evidence {
+    let evidence = RecordingEvidence {
         recording: file.display().to_string(),
         sha256,
         channel: impact.channel.clone(),
@@ -137,12 +129,12 @@ fn strike(impact: &PlannedImpact) -> Result<(Strike, Evidence), Problem> {
         probe: waveform.vertical.probe,
         instrument: capture.instrument.as_ref().map(|i| format!("{} {}", i.model, i.serial)),
     };
-    let motion = Motion {
+    let motion = StrikerMotion {
         striker: impact.striker,
         incoming: speed(impact.incoming),
         rebound: speed(impact.rebound),
     };
-    Ok((Strike { record, motion }, evidence))
+    Ok((PlannedStrike { record, motion }, evidence))
 }
 
 fn hash(file: &Path, set: &TraceSet) -> std::io::Result<String> {

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 /// A recording as evidence.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Evidence {
+pub struct RecordingEvidence {
     /// File or folder as the plan names it.
     pub recording: String,
     /// SHA-256 of the file, or over a folder's captures in order of name, in hexadecimal.
@@ -30,7 +30,7 @@ pub struct ImpactReport {
     pub number: usize,
     /// Its recording.
     #[serde(flatten)]
-    pub evidence: Evidence,
+    pub evidence: RecordingEvidence,
     /// Whether it was used.
     pub used: bool,
     /// Why it was left out.

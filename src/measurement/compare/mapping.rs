@@ -1,7 +1,7 @@
 //! Which measured channel belongs to which simulated one: by what the user says, by the wiring that both recordings tell, else by the
 //! channel's number, which is a guess and is called one.
 
-use super::Side;
+use super::ComparedShot;
 use crate::measurement::metadata::{self, RecordedSensor};
 use crate::recording::Capture;
 use crate::scene::Scene;
@@ -17,7 +17,7 @@ pub struct Assignment {
 
 /// Two channels that belong together.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Wire {
+pub struct ChannelMapping {
     /// Place of the measured capture.
     pub measured: usize,
     /// Place of the simulated capture, or of the scene's channel.
@@ -81,18 +81,18 @@ pub enum MappingError {
 }
 
 /// What channels there are on one side.
-pub struct Ends {
+pub struct ChannelNames {
     side: String,
     /// Place, channel and sensor.
     names: Vec<(usize, String, Option<String>)>,
 }
 
-impl Ends {
+impl ChannelNames {
     /// The captures over time of a side.
     ///
     /// # Errors
     /// [`MappingError::Empty`] where there are none.
-    pub fn of(side: Side<'_>, notes: &mut Vec<String>) -> Result<Self, MappingError> {
+    pub fn of(side: ComparedShot<'_>, notes: &mut Vec<String>) -> Result<Self, MappingError> {
         let sensors = metadata::sensors_of(side.set, side.shot.number);
         let mut names = Vec::new();
         for (place, capture) in side.shot.captures.iter().enumerate() {
@@ -154,18 +154,18 @@ pub(super) fn sensor_at<'a>(
 /// # Errors
 /// [`MappingError`] for names that are not there, and where nothing belongs together.
 pub fn wires(
-    from: &Ends,
-    to: &Ends,
+    from: &ChannelNames,
+    to: &ChannelNames,
     assignments: &[Assignment],
     notes: &mut Vec<String>,
-) -> Result<Vec<Wire>, MappingError> {
+) -> Result<Vec<ChannelMapping>, MappingError> {
     for Assignment { channel, .. } in assignments {
         if !from.names.iter().any(|(_, name, _)| name.eq_ignore_ascii_case(channel)) {
             let known = from.names.iter().map(|(_, name, _)| name.clone()).collect();
             return Err(MappingError::NoChannel { channel: channel.clone(), known });
         }
     }
-    let mut wires: Vec<Wire> = Vec::new();
+    let mut wires: Vec<ChannelMapping> = Vec::new();
     for (place, name, sensor) in &from.names {
         let said = assignments.iter().find(|a| a.channel.eq_ignore_ascii_case(name));
         let (partner, by) = match (said, sensor) {
@@ -192,7 +192,7 @@ pub fn wires(
             return Err(MappingError::Twice { target: target.clone() });
         }
         let sensor = there.clone().or_else(|| sensor.clone());
-        wires.push(Wire { measured: *place, simulated: *simulated, sensor, by });
+        wires.push(ChannelMapping { measured: *place, simulated: *simulated, sensor, by });
     }
     if wires.is_empty() {
         return Err(MappingError::None {

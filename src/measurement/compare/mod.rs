@@ -5,24 +5,24 @@
 //! known; a measured channel whose sensor is not known borrows the simulated one's. The other scores are those of
 //! [`crate::analysis::comparison`]. JSON names and units are part of the interface.
 
+mod compared_shot;
 pub mod mapping;
 mod score;
+pub mod score_limits;
 mod scores;
-mod side;
-pub mod tolerance;
 
+pub use compared_shot::ComparedShot;
 pub use score::{ChannelScore, SpeedScore};
-pub use side::Side;
 
 use serde::Serialize;
 
 use crate::analysis::arrival::Estimator;
-use crate::analysis::comparison::{FEWEST, Pair, least_squares_shift};
+use crate::analysis::comparison::{MIN_COMMON_SAMPLES, Pair, least_squares_shift};
 use crate::quantity::engineering;
-use mapping::{Assignment, Ends, MappingError};
-use scores::Channel;
-use side::scene_of;
-use tolerance::Tolerance;
+use compared_shot::scene_of;
+use mapping::{Assignment, ChannelNames, MappingError};
+use score_limits::ScoreLimits;
+use scores::ChannelPair;
 
 /// How the two are brought onto one time axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -91,7 +91,7 @@ pub enum CompareError {
     Mapping(#[from] MappingError),
     /// Records of different times.
     #[error(
-        "{channel}: found fewer than {FEWEST} samples in common after a shift of {}, expected records of the same time",
+        "{channel}: found fewer than {MIN_COMMON_SAMPLES} samples in common after a shift of {}, expected records of the same time",
         engineering(*shift_s, "s", 3)
     )]
     Apart {
@@ -115,16 +115,16 @@ pub enum CompareError {
 /// # Errors
 /// [`CompareError`] where no channels belong together, or where they have no time in common.
 pub fn compare(
-    measured: Side<'_>,
-    simulated: Side<'_>,
+    measured: ComparedShot<'_>,
+    simulated: ComparedShot<'_>,
     (align, assignments): (Align, &[Assignment]),
-    tolerance: &Tolerance,
+    tolerance: &ScoreLimits,
 ) -> Result<Compared, CompareError> {
     let mut notes = Vec::new();
-    let ends = (Ends::of(measured, &mut notes)?, Ends::of(simulated, &mut notes)?);
+    let ends = (ChannelNames::of(measured, &mut notes)?, ChannelNames::of(simulated, &mut notes)?);
     let wires = mapping::wires(&ends.0, &ends.1, assignments, &mut notes)?;
-    let channels: Vec<Channel> =
-        wires.iter().map(|wire| Channel::of(measured, simulated, wire, &mut notes)).collect();
+    let channels: Vec<ChannelPair> =
+        wires.iter().map(|wire| ChannelPair::of(measured, simulated, wire, &mut notes)).collect();
     let borrowed: Vec<&str> =
         channels.iter().filter(|c| c.borrowed).map(|c| c.name.as_str()).collect();
     if !borrowed.is_empty() {
@@ -165,17 +165,21 @@ pub fn compare(
 }
 
 /// The shift, by what it was found, and its uncertainty (s).
-fn shift(channels: &[Channel], align: Align, notes: &mut Vec<String>) -> (Align, f64, Option<f64>) {
+fn shift(
+    channels: &[ChannelPair],
+    align: Align,
+    notes: &mut Vec<String>,
+) -> (Align, f64, Option<f64>) {
     let found = match align {
         Align::Trigger => Some((0.0, None)),
         Align::Arrival => channels.iter().find_map(|channel| {
             let (measured, simulated) = channel.arrivals(Estimator::HalfRise)?;
             notes.push(format!("aligned by the arrival at {}", channel.name));
-            let u = measured.standard_uncertainty.hypot(simulated.standard_uncertainty);
+            let u = measured.u.hypot(simulated.u);
             Some((measured.value - simulated.value, Some(u)))
         }),
         Align::LeastSquares => {
-            let traces: Vec<_> = channels.iter().map(Channel::weighted).collect();
+            let traces: Vec<_> = channels.iter().map(ChannelPair::weighted).collect();
             least_squares_shift(&traces).map(|shift| (shift, None))
         }
     };

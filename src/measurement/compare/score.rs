@@ -1,8 +1,7 @@
 //! The scores of a comparison as data.
 
+use crate::quantity::Uncertain;
 use serde::Serialize;
-
-use crate::measurement::arrivals::Uncertain;
 
 /// Scores of one channel.
 #[derive(Debug, Clone, PartialEq, Serialize)]

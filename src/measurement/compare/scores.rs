@@ -1,13 +1,14 @@
 //! The scores of one channel, and of speeds between channels.
 
-use super::mapping::{Wire, sensor_at};
-use super::{ChannelScore, Side, SpeedScore, scene_of};
+use super::mapping::{ChannelMapping, sensor_at};
+use super::{ChannelScore, ComparedShot, SpeedScore, scene_of};
 use crate::analysis::arrival::Estimator;
 use crate::analysis::comparison::Pair;
 use crate::analysis::least_squares::squares;
-use crate::analysis::pulse::{Conditions, Measure, Pulse};
+use crate::analysis::pulse::{Conditions, Pulse};
 use crate::analysis::speed::speed;
 use crate::measurement::metadata::{self, RecordedSensor};
+use crate::quantity::Uncertain;
 use crate::recording::Capture;
 use crate::scene::{Scene, Site};
 use crate::trace::Trace;
@@ -16,7 +17,7 @@ use crate::trace::Trace;
 const ESTIMATORS: [Estimator; 2] = [Estimator::HalfRise, Estimator::Peak];
 
 /// Both sides of one channel.
-pub struct Channel {
+pub struct ChannelPair {
     /// The measured channel.
     pub name: String,
     /// The measured trace (V).
@@ -39,12 +40,12 @@ fn first_pulse(trace: &Trace, capture: &Capture, tau: Option<f64>) -> Result<Pul
     Pulse::find(trace, conditions).map_err(|error| error.to_string())
 }
 
-impl Channel {
+impl ChannelPair {
     /// Takes up what `wire` connects.
     pub fn of(
-        measured: Side<'_>,
-        simulated: Side<'_>,
-        wire: &Wire,
+        measured: ComparedShot<'_>,
+        simulated: ComparedShot<'_>,
+        wire: &ChannelMapping,
         notes: &mut Vec<String>,
     ) -> Self {
         let (here, there) =
@@ -59,7 +60,7 @@ impl Channel {
         let (measured_trace, simulated_trace) =
             (here.trace().unwrap_or_else(empty), there.trace().unwrap_or_else(empty));
         let (name, against) = (here.waveform.source.to_string(), there.waveform.source.to_string());
-        let known = |side: Side<'_>| metadata::sensors_of(side.set, side.shot.number);
+        let known = |side: ComparedShot<'_>| metadata::sensors_of(side.set, side.shot.number);
         let (own, other) = (known(measured), known(simulated));
         let (own, other) = (sensor_at(&own, &name), sensor_at(&other, &against));
         let or_other = |of: fn(&RecordedSensor) -> Option<f64>| {
@@ -100,7 +101,7 @@ impl Channel {
     }
 
     /// Arrivals on both sides, each on its own clock.
-    pub fn arrivals(&self, estimator: Estimator) -> Option<(Measure, Measure)> {
+    pub fn arrivals(&self, estimator: Estimator) -> Option<(Uncertain, Uncertain)> {
         let (measured, simulated) = self.pulses.as_ref()?;
         Some((measured.arrival(estimator)?, simulated.arrival(estimator)?))
     }
@@ -118,18 +119,18 @@ impl Channel {
     }
 
     /// The scores, with both traces in `pair`.
-    pub fn score(&self, pair: &Pair, wire: &Wire, shift_s: f64) -> ChannelScore {
+    pub fn score(&self, pair: &Pair, wire: &ChannelMapping, shift_s: f64) -> ChannelScore {
         let distance = pair.distance();
         let in_newtons = self.forces(shift_s).map(|pair| pair.distance());
         let heights = self.pulses.as_ref().and_then(|(m, s)| Some((m.height()?, s.height()?)));
         let ratio = heights.map(|(m, s)| {
             let sign = self.pulses.as_ref().is_some_and(|(m, s)| m.inverted != s.inverted);
             let value = if sign { -m.value / s.value } else { m.value / s.value };
-            let u = (m.standard_uncertainty / m.value).hypot(s.standard_uncertainty / s.value);
+            let u = (m.u / m.value).hypot(s.u / s.value);
             (value - 1.0, (value * u).abs())
         });
         let arrival = self.arrivals(Estimator::HalfRise).map(|(m, s)| {
-            let u = m.standard_uncertainty.hypot(s.standard_uncertainty);
+            let u = m.u.hypot(s.u);
             (m.value - s.value - shift_s, u)
         });
         ChannelScore {
@@ -139,7 +140,7 @@ impl Channel {
             mapped_by: wire.by,
             shift_s,
             gain: distance.gain.value,
-            gain_u: distance.gain.standard_uncertainty,
+            gain_u: distance.gain.u,
             offset_v: distance.offset,
             peak_measured_v: heights.map(|(m, _)| m.into()),
             peak_simulated_v: heights.map(|(_, s)| s.into()),
@@ -164,8 +165,8 @@ impl Channel {
 
 /// Speeds between neighbouring sensors on both sides.
 pub fn speeds(
-    channels: &[Channel],
-    sides: [Side<'_>; 2],
+    channels: &[ChannelPair],
+    sides: [ComparedShot<'_>; 2],
     notes: &mut Vec<String>,
 ) -> Vec<SpeedScore> {
     let scenes = sides.map(scene_of);
@@ -179,7 +180,7 @@ pub fn speeds(
         notes.push("no speeds: neither side carries a scene that tells distances".to_owned());
         return Vec::new();
     };
-    let mut placed: Vec<(&Channel, Site)> =
+    let mut placed: Vec<(&ChannelPair, Site)> =
         channels.iter().filter_map(|channel| Some((channel, channel.site?))).collect();
     placed.sort_by_key(|(_, site)| match site {
         Site::Particle(particle) => *particle,
@@ -195,18 +196,18 @@ pub fn speeds(
 }
 
 fn between(
-    from: &Channel,
-    to: &Channel,
+    from: &ChannelPair,
+    to: &ChannelPair,
     (measured_m, simulated_m): (f64, f64),
     estimator: Estimator,
 ) -> Option<SpeedScore> {
     let (start, start_there) = from.arrivals(estimator)?;
     let (end, end_there) = to.arrivals(estimator)?;
-    let exact = |value: f64| Measure { value, standard_uncertainty: 0.0 };
+    let exact = |value: f64| Uncertain { value, u: 0.0 };
     let measured = speed(exact(measured_m), start, end)?;
     let simulated = speed(exact(simulated_m), start_there, end_there)?;
     let ratio = measured.value / simulated.value;
-    let relative = |speed: Measure| speed.standard_uncertainty / speed.value;
+    let relative = |speed: Uncertain| speed.u / speed.value;
     Some(SpeedScore {
         from: from.name.clone(),
         to: to.name.clone(),

@@ -2,7 +2,7 @@
 //! what is there before anything is set aside for them.
 
 use super::error::{IsfError, excerpt};
-use super::preamble::{self, Words};
+use super::preamble::{self, PreambleText};
 
 /// Difference between a level counted from the converter's lowest and one counted from its centre.
 const CENTRE_OF_ONE_BYTE: i32 = 1 << 7;
@@ -40,8 +40,11 @@ pub(super) struct Levels {
 }
 
 impl Encoding {
-    pub(super) fn read(words: &Words<'_>, notes: &mut Vec<String>) -> Result<Self, IsfError> {
-        let mut default = |found: Option<bool>, key: preamble::Key, taken: &str| {
+    pub(super) fn read(
+        words: &PreambleText<'_>,
+        notes: &mut Vec<String>,
+    ) -> Result<Self, IsfError> {
+        let mut default = |found: Option<bool>, key: preamble::PreambleKey, taken: &str| {
             found.unwrap_or_else(|| {
                 notes.push(format!("{} taken as {taken}: the file does not tell it", key.name()));
                 false
@@ -71,7 +74,7 @@ impl Encoding {
     /// The levels of the block at `start`.
     pub(super) fn levels(
         self,
-        words: &Words<'_>,
+        words: &PreambleText<'_>,
         bytes: &[u8],
         notes: &mut Vec<String>,
     ) -> Result<Levels, IsfError> {

@@ -4,33 +4,33 @@ use super::error::{IsfError, excerpt};
 use crate::recording::command_text::{command, unquoted};
 
 /// The preamble's words take a few hundred bytes; a block not found after this many is not there.
-const LONGEST: usize = 64 * 1024;
+const MAX_PREAMBLE_BYTES: usize = 64 * 1024;
 
 /// What a preamble's value is about: the full key, and how much of it is the least that names it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Key(&'static str, usize);
+pub(super) struct PreambleKey(&'static str, usize);
 
-pub(super) const BYTES: Key = Key("BYT_NR", 5);
-pub(super) const BITS: Key = Key("BIT_NR", 5);
-pub(super) const ENCODING: Key = Key("ENCDG", 3);
-pub(super) const NUMBERS: Key = Key("BN_FMT", 4);
-pub(super) const BYTE_ORDER: Key = Key("BYT_OR", 5);
-pub(super) const POINTS: Key = Key("NR_PT", 4);
-pub(super) const NAME: Key = Key("WFID", 3);
-pub(super) const POINT_FORMAT: Key = Key("PT_FMT", 4);
-pub(super) const X_INCR: Key = Key("XINCR", 3);
-pub(super) const PT_OFF: Key = Key("PT_OFF", 4);
-pub(super) const X_ZERO: Key = Key("XZERO", 3);
-pub(super) const X_UNIT: Key = Key("XUNIT", 3);
-pub(super) const Y_MULT: Key = Key("YMULT", 3);
-pub(super) const Y_ZERO: Key = Key("YZERO", 3);
-pub(super) const Y_OFF: Key = Key("YOFF", 3);
-pub(super) const Y_UNIT: Key = Key("YUNIT", 3);
-pub(super) const V_SCALE: Key = Key("VSCALE", 6);
-pub(super) const V_POSITION: Key = Key("VPOS", 4);
-const CURVE: Key = Key("CURVE", 4);
+pub(super) const BYTES: PreambleKey = PreambleKey("BYT_NR", 5);
+pub(super) const BITS: PreambleKey = PreambleKey("BIT_NR", 5);
+pub(super) const ENCODING: PreambleKey = PreambleKey("ENCDG", 3);
+pub(super) const NUMBERS: PreambleKey = PreambleKey("BN_FMT", 4);
+pub(super) const BYTE_ORDER: PreambleKey = PreambleKey("BYT_OR", 5);
+pub(super) const POINTS: PreambleKey = PreambleKey("NR_PT", 4);
+pub(super) const NAME: PreambleKey = PreambleKey("WFID", 3);
+pub(super) const POINT_FORMAT: PreambleKey = PreambleKey("PT_FMT", 4);
+pub(super) const X_INCR: PreambleKey = PreambleKey("XINCR", 3);
+pub(super) const PT_OFF: PreambleKey = PreambleKey("PT_OFF", 4);
+pub(super) const X_ZERO: PreambleKey = PreambleKey("XZERO", 3);
+pub(super) const X_UNIT: PreambleKey = PreambleKey("XUNIT", 3);
+pub(super) const Y_MULT: PreambleKey = PreambleKey("YMULT", 3);
+pub(super) const Y_ZERO: PreambleKey = PreambleKey("YZERO", 3);
+pub(super) const Y_OFF: PreambleKey = PreambleKey("YOFF", 3);
+pub(super) const Y_UNIT: PreambleKey = PreambleKey("YUNIT", 3);
+pub(super) const V_SCALE: PreambleKey = PreambleKey("VSCALE", 6);
+pub(super) const V_POSITION: PreambleKey = PreambleKey("VPOS", 4);
+const CURVE: PreambleKey = PreambleKey("CURVE", 4);
 
-impl Key {
+impl PreambleKey {
     /// Whether the last part of `header` names this key.
     fn is(self, header: &[u8]) -> bool {
         let part = header.rsplit(|byte| *byte == b':').next().unwrap_or_default();
@@ -50,16 +50,16 @@ type Entry<'a> = (&'a [u8], &'a [u8], usize);
 
 /// The words of a file, and where its block begins.
 #[derive(Debug)]
-pub(super) struct Words<'a> {
+pub(super) struct PreambleText<'a> {
     pub(super) file: &'a str,
     entries: Vec<Entry<'a>>,
     /// Where the block begins, in bytes.
     pub(super) block: usize,
 }
 
-impl<'a> Words<'a> {
+impl<'a> PreambleText<'a> {
     pub(super) fn read(file: &'a str, bytes: &'a [u8]) -> Result<Self, IsfError> {
-        let head = bytes.get(..bytes.len().min(LONGEST)).unwrap_or_default();
+        let head = bytes.get(..bytes.len().min(MAX_PREAMBLE_BYTES)).unwrap_or_default();
         let (mut at, mut entries) = (0, Vec::new());
         while let Some((found, next)) = command(head, at) {
             if CURVE.is(found.header) {
@@ -72,12 +72,12 @@ impl<'a> Words<'a> {
     }
 
     /// The last value of `key`, without quotes, and where it stands.
-    fn entry(&self, key: Key) -> Option<(&'a [u8], usize)> {
+    fn entry(&self, key: PreambleKey) -> Option<(&'a [u8], usize)> {
         let found = self.entries.iter().rev().find(|(header, ..)| key.is(header));
         found.map(|(_, value, offset)| (*value, *offset))
     }
 
-    pub(super) fn text(&self, key: Key) -> Result<Option<String>, IsfError> {
+    pub(super) fn text(&self, key: PreambleKey) -> Result<Option<String>, IsfError> {
         let Some((value, offset)) = self.entry(key) else { return Ok(None) };
         let text = std::str::from_utf8(value).ok().map(unquoted);
         match text.filter(|text| !text.chars().any(char::is_control)) {
@@ -86,7 +86,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    pub(super) fn number(&self, key: Key) -> Result<Option<f64>, IsfError> {
+    pub(super) fn number(&self, key: PreambleKey) -> Result<Option<f64>, IsfError> {
         let Some((value, offset)) = self.entry(key) else { return Ok(None) };
         let number = std::str::from_utf8(value).ok().and_then(|text| text.parse::<f64>().ok());
         match number.filter(|number| number.is_finite()) {
@@ -96,7 +96,7 @@ impl<'a> Words<'a> {
     }
 
     /// A number that must be there and be above zero.
-    pub(super) fn positive(&self, key: Key) -> Result<f64, IsfError> {
+    pub(super) fn positive(&self, key: PreambleKey) -> Result<f64, IsfError> {
         let number = self.number(key)?.ok_or_else(|| self.missing(key))?;
         if number > 0.0 {
             return Ok(number);
@@ -108,7 +108,7 @@ impl<'a> Words<'a> {
     /// Which of `words` the value of `key` is; words count by their first letters, as keys do.
     pub(super) fn choice<T: Copy>(
         &self,
-        key: Key,
+        key: PreambleKey,
         words: &[(&str, T)],
     ) -> Result<Option<T>, IsfError> {
         let Some((value, offset)) = self.entry(key) else { return Ok(None) };
@@ -124,11 +124,11 @@ impl<'a> Words<'a> {
         Err(self.wrong(key, value, offset, &expected))
     }
 
-    pub(super) fn missing(&self, key: Key) -> IsfError {
+    pub(super) fn missing(&self, key: PreambleKey) -> IsfError {
         IsfError::Missing { file: self.file.to_owned(), key: key.name() }
     }
 
-    fn wrong(&self, key: Key, value: &[u8], offset: usize, expected: &str) -> IsfError {
+    fn wrong(&self, key: PreambleKey, value: &[u8], offset: usize, expected: &str) -> IsfError {
         IsfError::Entry {
             file: self.file.to_owned(),
             offset,

@@ -2,7 +2,7 @@
 
 use super::block::{Encoding, Levels};
 use super::error::IsfError;
-use super::preamble::{self, Words};
+use super::preamble::{self, PreambleText};
 use crate::quantity::{Dimension, engineering, parse_any};
 use crate::recording::Capture;
 use crate::scope::waveform::LEVELS_PER_DIVISION;
@@ -15,7 +15,7 @@ const LOWER_BYTE: i16 = 256;
 /// Points in one horizontal division of the family.
 const POINTS_PER_DIVISION: f64 = 250.0;
 /// How far two statements of the same may differ, relative; files print 5 digits.
-const PRINTED: f64 = 1e-4;
+const PRINTING_TOLERANCE: f64 = 1e-4;
 
 /// Reads the `bytes` of an ISF file; `file_name` is for messages.
 ///
@@ -26,14 +26,14 @@ pub fn read(bytes: &[u8], file_name: &str) -> Result<Capture, IsfError> {
         let (file, found) = (file_name.to_owned(), bytes.len());
         return Err(IsfError::TooLarge { file, found, limit: MAXIMUM_BYTES });
     }
-    let words = Words::read(file_name, bytes)?;
+    let words = PreambleText::read(file_name, bytes)?;
     let mut notes = Vec::new();
     let x_incr = words.positive(preamble::X_INCR)?;
     let y_mult = words.positive(preamble::Y_MULT)?;
     let encoding = Encoding::read(&words, &mut notes)?;
     let levels = encoding.levels(&words, bytes, &mut notes)?;
     note_points(&words, levels.codes.len(), &mut notes)?;
-    let mut or_zero = |key: preamble::Key| -> Result<f64, IsfError> {
+    let mut or_zero = |key: preamble::PreambleKey| -> Result<f64, IsfError> {
         let number = words.number(key)?;
         if number.is_none() {
             notes.push(format!("{} taken as 0: the file does not tell it", key.name()));
@@ -84,7 +84,11 @@ fn eight_bits(levels: Levels, y_mult: f64, y_off: f64) -> Scaled {
 }
 
 #[allow(clippy::cast_precision_loss, reason = "at most 2^26 points")]
-fn note_points(words: &Words<'_>, found: usize, notes: &mut Vec<String>) -> Result<(), IsfError> {
+fn note_points(
+    words: &PreambleText<'_>,
+    found: usize,
+    notes: &mut Vec<String>,
+) -> Result<(), IsfError> {
     if found == 0 {
         let (file, offset) = (words.file.to_owned(), words.block);
         let (found, expected) = ("no points".to_owned(), "at least one".to_owned());
@@ -135,7 +139,7 @@ impl Name {
 
 /// The capture, with the settings that levels and preamble were taken under.
 fn settings(
-    words: &Words<'_>,
+    words: &PreambleText<'_>,
     codes: Vec<i16>,
     preamble: Preamble,
     mut notes: Vec<String>,
@@ -161,7 +165,7 @@ fn settings(
         scale
     });
     let level = scale / LEVELS_PER_DIVISION;
-    let of_the_family = (preamble.y_mult - level).abs() <= PRINTED * level;
+    let of_the_family = (preamble.y_mult - level).abs() <= PRINTING_TOLERANCE * level;
     if codes.iter().all(|code| i8::try_from(*code).is_ok()) && !of_the_family {
         notes.push(format!(
             "a level is {} {}, not 1/25 of a division",

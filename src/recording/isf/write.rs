@@ -19,7 +19,7 @@ pub enum Width {
 const LARGEST_BLOCK: usize = 999_999_999;
 
 /// Numbers up to this can be scaled by the steps of two bytes; so can those down to its inverse (unit).
-const LARGEST: f64 = 1e300;
+const MAX_SCALABLE_NUMBER: f64 = 1e300;
 
 /// Writes `capture`; levels that do not fit one byte take two whatever `width` says.
 ///
@@ -107,13 +107,17 @@ fn check(waveform: &Waveform) -> Result<(), IsfError> {
         ("the vertical scale", waveform.vertical.scale),
         ("the time base", waveform.horizontal_scale),
     ] {
-        if value.is_nan() || value.abs() > LARGEST {
-            return Err(unwritable(what, value, format!("a number up to {LARGEST:e}")));
+        if value.is_nan() || value.abs() > MAX_SCALABLE_NUMBER {
+            return Err(unwritable(what, value, format!("a number up to {MAX_SCALABLE_NUMBER:e}")));
         }
     }
     for (what, value) in [("x_incr", preamble.x_incr), ("y_mult", preamble.y_mult)] {
-        if value < 1.0 / LARGEST {
-            return Err(unwritable(what, value, format!("at least {:e}", 1.0 / LARGEST)));
+        if value < 1.0 / MAX_SCALABLE_NUMBER {
+            return Err(unwritable(
+                what,
+                value,
+                format!("at least {:e}", 1.0 / MAX_SCALABLE_NUMBER),
+            ));
         }
     }
     for (what, unit) in [("x_unit", &preamble.x_unit), ("y_unit", &preamble.y_unit)] {

@@ -9,13 +9,13 @@ use std::collections::BTreeMap;
 /// First and last bytes of every file.
 pub const MAGIC: [u8; 8] = [0x89, b'M', b'C', b'A', b'P', 0x30, b'\r', b'\n'];
 /// Length of what stands before a record's body: its opcode and the body's length (bytes).
-pub const HEAD: usize = 9;
+pub const RECORD_HEADER_BYTES: usize = 9;
 /// Largest uncompressed chunk that is unpacked: a thousand times what this program writes.
-const LARGEST_CHUNK: u64 = 256 * 1024 * 1024;
+const MAX_CHUNK_BYTES: u64 = 256 * 1024 * 1024;
 
 /// A record that matters.
 #[derive(Debug)]
-pub enum Record<'a> {
+pub enum McapRecord<'a> {
     /// Opcode 0x03: id, name.
     Schema(u16, String),
     /// Opcode 0x04.
@@ -91,7 +91,7 @@ impl<'a> Cursor<'a> {
 }
 
 /// Length of the body that follows `head`, the first bytes of a record (bytes).
-pub fn body_length(head: &[u8; HEAD]) -> u64 {
+pub fn body_length(head: &[u8; RECORD_HEADER_BYTES]) -> u64 {
     let [_, length @ ..] = *head;
     u64::from_le_bytes(length)
 }
@@ -112,23 +112,23 @@ pub fn split(bytes: &[u8]) -> Result<(u8, &[u8], &[u8]), String> {
 ///
 /// # Errors
 /// What is wrong with it, in words.
-pub fn parse(opcode: u8, body: &[u8]) -> Result<Record<'_>, String> {
+pub fn parse(opcode: u8, body: &[u8]) -> Result<McapRecord<'_>, String> {
     let mut cursor = Cursor { rest: body };
     match opcode {
-        0x03 => Ok(Record::Schema(cursor.u16()?, cursor.text()?)),
+        0x03 => Ok(McapRecord::Schema(cursor.u16()?, cursor.text()?)),
         0x04 => {
             let (id, schema) = (cursor.u16()?, cursor.u16()?);
             let (topic, encoding) = (cursor.text()?, cursor.text()?);
-            Ok(Record::Channel { id, schema, topic, encoding })
+            Ok(McapRecord::Channel { id, schema, topic, encoding })
         }
         0x05 => {
             let channel = cursor.u16()?;
             let _sequence = cursor.u32()?;
             let log_time = cursor.u64()?;
             let _publish_time = cursor.u64()?;
-            Ok(Record::Message { channel, log_time, data: cursor.rest })
+            Ok(McapRecord::Message { channel, log_time, data: cursor.rest })
         }
-        0x06 => chunk(cursor).map(Record::Chunk),
+        0x06 => chunk(cursor).map(McapRecord::Chunk),
         0x09 => attachment(body, cursor),
         0x0C => {
             let name = cursor.text()?;
@@ -138,10 +138,10 @@ pub fn parse(opcode: u8, body: &[u8]) -> Result<Record<'_>, String> {
             while !pairs.rest.is_empty() {
                 facts.insert(pairs.text()?, pairs.text()?);
             }
-            Ok(Record::Metadata(name, facts))
+            Ok(McapRecord::Metadata(name, facts))
         }
-        0x0F => cursor.u32().map(Record::DataEnd),
-        _ => Ok(Record::Other),
+        0x0F => cursor.u32().map(McapRecord::DataEnd),
+        _ => Ok(McapRecord::Other),
     }
 }
 
@@ -152,9 +152,9 @@ fn chunk(mut cursor: Cursor<'_>) -> Result<Vec<u8>, String> {
     let compression = cursor.text()?;
     let length = cursor.u64()?;
     let packed = cursor.take(length)?;
-    if uncompressed_size > LARGEST_CHUNK {
+    if uncompressed_size > MAX_CHUNK_BYTES {
         return Err(format!(
-            "found a chunk of {uncompressed_size} bytes, expected at most {LARGEST_CHUNK}"
+            "found a chunk of {uncompressed_size} bytes, expected at most {MAX_CHUNK_BYTES}"
         ));
     }
     let capacity = usize::try_from(uncompressed_size).map_err(|e| e.to_string())?;
@@ -176,7 +176,7 @@ fn chunk(mut cursor: Cursor<'_>) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-fn attachment<'a>(body: &[u8], mut cursor: Cursor<'a>) -> Result<Record<'a>, String> {
+fn attachment<'a>(body: &[u8], mut cursor: Cursor<'a>) -> Result<McapRecord<'a>, String> {
     let _times = (cursor.u64()?, cursor.u64()?);
     let (name, media_type) = (cursor.text()?, cursor.text()?);
     let length = cursor.u64()?;
@@ -189,5 +189,5 @@ fn attachment<'a>(body: &[u8], mut cursor: Cursor<'a>) -> Result<Record<'a>, Str
             "found checksum {found:08x} in attachment {name}, expected {checksum:08x}"
         ));
     }
-    Ok(Record::Attachment(name, media_type, data))
+    Ok(McapRecord::Attachment(name, media_type, data))
 }

@@ -1,7 +1,7 @@
 //! From the messages of a recording to captures and traces; what cannot be is said in words.
 
 use super::message;
-use crate::recording::{Capture, Direction, Instrument, ScpiLine};
+use crate::recording::{Capture, Direction, InstrumentIdentity, ScpiLine};
 use crate::scope::{Coupling, PointFormat, Preamble, Source, VerticalSetup, Waveform};
 use crate::trace::Trace;
 
@@ -9,7 +9,7 @@ use crate::trace::Trace;
 ///
 /// # Errors
 /// What is wrong with it: numbers that are none, time that stands still.
-pub fn series(message: message::Series) -> Result<Trace, String> {
+pub fn series(message: message::SeriesMessage) -> Result<Trace, String> {
     if !(message.t0_s.is_finite() && message.dt_s.is_finite() && message.dt_s > 0.0) {
         return Err(format!(
             "found times {} + i * {} s, expected finite, increasing ones",
@@ -32,7 +32,7 @@ pub fn series(message: message::Series) -> Result<Trace, String> {
 ///
 /// # Errors
 /// What is wrong with it: a direction that is none.
-pub fn line(message: message::ScpiLine, timestamp_ns: u64) -> Result<ScpiLine, String> {
+pub fn line(message: message::ScpiLineMessage, timestamp_ns: u64) -> Result<ScpiLine, String> {
     let direction = match message.direction.as_str() {
         "command" => Direction::Command,
         "reply" => Direction::Reply,
@@ -45,9 +45,9 @@ pub fn line(message: message::ScpiLine, timestamp_ns: u64) -> Result<ScpiLine, S
 ///
 /// # Errors
 /// What is wrong with it: an unknown source, levels without points, numbers that are none.
-pub fn capture(message: &message::Capture) -> Result<Capture, String> {
+pub fn capture(message: &message::CaptureMessage) -> Result<Capture, String> {
     let source = Source::from_name(&message.source).ok_or_else(|| {
-        format!("found source `{}`, expected CH1 to CH4, MATH or REFA to REFD", message.source)
+        format!("found source `{}`, expected CH1 to CH8, MATH or REFA to REFD", message.source)
     })?;
     let codes = levels(message)?;
     let given = |number: Option<f64>| number.unwrap_or(0.0);
@@ -111,7 +111,7 @@ pub fn capture(message: &message::Capture) -> Result<Capture, String> {
             horizontal_scale: message.horizontal_scale,
             trigger_point,
         },
-        instrument: known.then(|| Instrument {
+        instrument: known.then(|| InstrumentIdentity {
             model: message.model.clone(),
             serial: message.serial.clone(),
             firmware: message.firmware.clone(),
@@ -121,7 +121,7 @@ pub fn capture(message: &message::Capture) -> Result<Capture, String> {
 }
 
 /// The digitiser levels: a byte each, or two where one does not suffice.
-fn levels(message: &message::Capture) -> Result<Vec<i16>, String> {
+fn levels(message: &message::CaptureMessage) -> Result<Vec<i16>, String> {
     let points = message.volts.len();
     if message.codes.len() == points {
         Ok(message.codes.iter().map(|byte| i16::from(i8::from_be_bytes([*byte]))).collect())

@@ -5,14 +5,14 @@ use crate::recording::{Capture, Direction, Origin, ScpiLine, Shot};
 use crate::trace::Trace;
 
 /// Bytes of a line that its text shows.
-const LONGEST_TEXT: usize = 200;
+const MAX_LINE_TEXT: usize = 200;
 
 /// A capture as a message.
 #[allow(
     clippy::cast_possible_truncation,
     reason = "volts are kept as f32 for display; codes keep them exactly"
 )]
-pub fn capture_message(shot: &Shot, capture: &Capture) -> message::Capture {
+pub fn capture_message(shot: &Shot, capture: &Capture) -> message::CaptureMessage {
     let waveform = &capture.waveform;
     let preamble = &waveform.preamble;
     let vertical = &waveform.vertical;
@@ -23,7 +23,7 @@ pub fn capture_message(shot: &Shot, capture: &Capture) -> message::Capture {
         None => waveform.codes.iter().copied().flat_map(i16::to_be_bytes).collect(),
     };
     let instrument = capture.instrument.as_ref();
-    message::Capture {
+    message::CaptureMessage {
         timestamp: Some(timestamp(shot.timestamp_ns)),
         shot: shot.number,
         source: waveform.source.to_string(),
@@ -58,8 +58,8 @@ pub fn capture_message(shot: &Shot, capture: &Capture) -> message::Capture {
 }
 
 /// A series as a message.
-pub fn series_message(shot: &Shot, trace: &Trace) -> message::Series {
-    message::Series {
+pub fn series_message(shot: &Shot, trace: &Trace) -> message::SeriesMessage {
+    message::SeriesMessage {
         timestamp: Some(timestamp(shot.timestamp_ns)),
         shot: shot.number,
         name: trace.name.clone(),
@@ -71,9 +71,9 @@ pub fn series_message(shot: &Shot, trace: &Trace) -> message::Series {
 }
 
 /// A command or a reply as a message.
-pub fn line_message(line: &ScpiLine) -> message::ScpiLine {
-    let shown = line.bytes.get(..line.bytes.len().min(LONGEST_TEXT)).unwrap_or_default();
-    message::ScpiLine {
+pub fn line_message(line: &ScpiLine) -> message::ScpiLineMessage {
+    let shown = line.bytes.get(..line.bytes.len().min(MAX_LINE_TEXT)).unwrap_or_default();
+    message::ScpiLineMessage {
         timestamp: Some(timestamp(line.timestamp_ns)),
         peer: line.peer.clone(),
         direction: match line.direction {

@@ -8,7 +8,7 @@ use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
 
-use super::container::{self, HEAD, MAGIC, Record};
+use super::container::{self, MAGIC, McapRecord, RECORD_HEADER_BYTES};
 use super::error::ReadError;
 use super::read::Reader;
 use crate::recording::{Shot, TraceSet};
@@ -22,7 +22,7 @@ struct ByteRange {
 
 /// How far a recording has been read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum End {
+pub enum ReadState {
     /// There is more to read.
     More,
     /// Everything that is in the file so far was read; it has no end yet.
@@ -41,7 +41,7 @@ pub struct IndexedRecording {
     shots: Vec<(u32, Vec<ByteRange>)>,
     /// Place in `shots` of each number.
     known: BTreeMap<u32, usize>,
-    end: End,
+    end: ReadState,
 }
 
 impl IndexedRecording {
@@ -69,7 +69,7 @@ impl IndexedRecording {
             reader: Reader::default(),
             shots: Vec::new(),
             known: BTreeMap::new(),
-            end: End::More,
+            end: ReadState::More,
         })
     }
 
@@ -77,26 +77,26 @@ impl IndexedRecording {
     ///
     /// # Errors
     /// [`ReadError::File`] where the file cannot be read any more.
-    pub fn read_on(&mut self) -> Result<End, ReadError> {
-        if self.end == End::Finished {
+    pub fn read_on(&mut self) -> Result<ReadState, ReadError> {
+        if self.end == ReadState::Finished {
             return Ok(self.end);
         }
         let here = self.offset;
         let Some(record) = self.record_at(here)? else {
-            self.end = End::Open;
+            self.end = ReadState::Open;
             return Ok(self.end);
         };
         let stretch = ByteRange { start: here, length: record.len() as u64 };
         self.offset += stretch.length;
         if is_end(&record) {
-            self.end = End::Finished;
+            self.end = ReadState::Finished;
             return Ok(self.end);
         }
         self.reader.take(&record, stretch.start);
         for number in self.reader.forget_shots() {
             self.note(number, stretch);
         }
-        self.end = End::More;
+        self.end = ReadState::More;
         Ok(self.end)
     }
 
@@ -104,19 +104,21 @@ impl IndexedRecording {
     fn record_at(&mut self, offset: u64) -> Result<Option<Vec<u8>>, ReadError> {
         let failed = |source| ReadError::File { file: self.path.clone(), source };
         let size = self.file.metadata().map_err(failed)?.len();
-        let Some(left) = size.checked_sub(offset).filter(|left| *left >= HEAD as u64) else {
+        let Some(left) =
+            size.checked_sub(offset).filter(|left| *left >= RECORD_HEADER_BYTES as u64)
+        else {
             return Ok(None);
         };
-        let mut head = [0; HEAD];
+        let mut head = [0; RECORD_HEADER_BYTES];
         self.file.seek(SeekFrom::Start(offset)).map_err(failed)?;
         self.file.read_exact(&mut head).map_err(failed)?;
         let length = container::body_length(&head);
-        if length > left - HEAD as u64 {
+        if length > left - RECORD_HEADER_BYTES as u64 {
             return Ok(None);
         }
         let mut record = head.to_vec();
         self.file.by_ref().take(length).read_to_end(&mut record).map_err(failed)?;
-        Ok((record.len() as u64 == HEAD as u64 + length).then_some(record))
+        Ok((record.len() as u64 == RECORD_HEADER_BYTES as u64 + length).then_some(record))
     }
 
     fn note(&mut self, number: u32, stretch: ByteRange) {
@@ -130,13 +132,13 @@ impl IndexedRecording {
     }
 
     /// How far the recording has been read.
-    pub fn end(&self) -> End {
+    pub fn end(&self) -> ReadState {
         self.end
     }
 
     /// How many shots were found so far. The last one counts when nothing follows it: until then it may not be whole.
     pub fn shots(&self) -> usize {
-        let unfinished = usize::from(self.end == End::More);
+        let unfinished = usize::from(self.end == ReadState::More);
         self.shots.len().saturating_sub(unfinished)
     }
 
@@ -174,7 +176,7 @@ impl Reader {
         let parsed =
             container::split(record).and_then(|(opcode, body, _)| container::parse(opcode, body));
         match parsed {
-            Ok(Record::Chunk(records)) => self.chunk(&records, offset),
+            Ok(McapRecord::Chunk(records)) => self.chunk(&records, offset),
             Ok(record) => self.record(record, offset),
             Err(error) => self.problem(format!("byte {offset}: {error}")),
         }
@@ -208,5 +210,5 @@ impl Reader {
 fn is_end(record: &[u8]) -> bool {
     let parsed =
         container::split(record).and_then(|(opcode, body, _)| container::parse(opcode, body));
-    matches!(parsed, Ok(Record::DataEnd(_)))
+    matches!(parsed, Ok(McapRecord::DataEnd(_)))
 }

@@ -9,7 +9,7 @@ use prost_types::Timestamp;
 /// One channel's record of one trigger. Numbers that an instrument may give as -0 are optional: a plain number that
 /// equals 0 is left out of a message, and its sign with it.
 #[derive(Clone, PartialEq, Message)]
-pub struct Capture {
+pub struct CaptureMessage {
     /// Time of the trigger.
     #[prost(message, optional, tag = "1")]
     pub timestamp: Option<Timestamp>,
@@ -95,7 +95,7 @@ pub struct Capture {
 
 /// The front panel at a trigger.
 #[derive(Clone, PartialEq, Message)]
-pub struct Setup {
+pub struct SetupMessage {
     /// Time of the trigger.
     #[prost(message, optional, tag = "1")]
     pub timestamp: Option<Timestamp>,
@@ -109,7 +109,7 @@ pub struct Setup {
 
 /// What no sensor saw: an evenly sampled series of a simulation.
 #[derive(Clone, PartialEq, Message)]
-pub struct Series {
+pub struct SeriesMessage {
     /// Time of the trigger.
     #[prost(message, optional, tag = "1")]
     pub timestamp: Option<Timestamp>,
@@ -135,7 +135,7 @@ pub struct Series {
 
 /// The energy ledger of one shot.
 #[derive(Clone, PartialEq, Message)]
-pub struct Energy {
+pub struct EnergyMessage {
     /// Time of the trigger.
     #[prost(message, optional, tag = "1")]
     pub timestamp: Option<Timestamp>,
@@ -183,7 +183,7 @@ pub struct Energy {
     pub left_in_contacts_j: f64,
 }
 
-impl Energy {
+impl EnergyMessage {
     /// Whether all of it are numbers.
     pub fn is_finite(&self) -> bool {
         let sums = [self.initial_j, self.final_j, self.dissipated_j, self.drift];
@@ -197,7 +197,7 @@ impl Energy {
 
 /// `foxglove.Log`: a line for people. Source: Foxglove's public message schemas.
 #[derive(Clone, PartialEq, Message)]
-pub struct Log {
+pub struct LogMessage {
     /// Time of the trigger.
     #[prost(message, optional, tag = "1")]
     pub timestamp: Option<Timestamp>,
@@ -220,7 +220,7 @@ pub struct Log {
 
 /// A command to the instrument or a reply from it.
 #[derive(Clone, PartialEq, Message)]
-pub struct ScpiLine {
+pub struct ScpiLineMessage {
     /// When it was heard or said.
     #[prost(message, optional, tag = "1")]
     pub timestamp: Option<Timestamp>,

@@ -1,7 +1,7 @@
 //! The recording format: MCAP with protobuf, which Foxglove, `PlotJuggler`, Rerun and Python read without plug-ins.
 //!
-//! Topics: `/scope/ch<n>` one [`message::Capture`] a trigger, `/scope/setup`, `/truth/...` of a simulation, `/energy`, `/log`,
-//! `/scpi` one [`message::ScpiLine`] for each command and reply of a served session;
+//! Topics: `/scope/ch<n>` one [`message::CaptureMessage`] a trigger, `/scope/setup`, `/truth/...` of a simulation, `/energy`, `/log`,
+//! `/scpi` one [`message::ScpiLineMessage`] for each command and reply of a served session;
 //! metadata `hertzscope:recording`, `hertzscope:scope`, `hertzscope:sensor/<n>`; the scene as an attachment.
 
 mod container;
@@ -18,4 +18,4 @@ mod write;
 pub use error::ReadError;
 pub use notes::ShotNotes;
 pub use read::{read, read_bytes};
-pub use write::{RecordingWriter, WriteError, write};
+pub use write::{RecordingWriter, WriteError, write, write_numbered};

@@ -8,7 +8,7 @@ pub struct ShotNotes {
     /// The front panel as `SET?` would tell it.
     pub set_up: String,
     /// The energy ledger, of a simulation.
-    pub energy: Option<message::Energy>,
+    pub energy: Option<message::EnergyMessage>,
     /// Lines for people; `true` marks a warning.
     pub log: Vec<(bool, String)>,
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use prost::Message as _;
 
-use super::container::{self, MAGIC, Record};
+use super::container::{self, MAGIC, McapRecord};
 use super::decode;
 use super::error::{LARGEST_FILE, ReadError};
 use super::message;
@@ -15,11 +15,11 @@ use super::schema::Schema;
 use crate::recording::{Attachment, Origin, Shot, TraceSet};
 
 /// More problems than this are counted but not listed.
-const MOST_PROBLEMS: usize = 100;
-/// All chunks of a file may unpack to this and [`LARGEST_EXPANSION`] times the file's size (bytes).
-const LARGEST_TOTAL: u64 = 1024 * 1024 * 1024;
+const MAX_LISTED_PROBLEMS: usize = 100;
+/// All chunks of a file may unpack to this and [`MAX_EXPANSION`] times the file's size (bytes).
+const MAX_UNPACKED_BYTES: u64 = 1024 * 1024 * 1024;
 /// Recordings shrink to a third or so; on the whole only a bomb shrinks to a hundredth (1).
-const LARGEST_EXPANSION: u64 = 100;
+const MAX_EXPANSION: u64 = 100;
 
 /// Reads `file`.
 ///
@@ -56,7 +56,7 @@ pub fn read_bytes(bytes: &[u8], file: &Path) -> Result<TraceSet, ReadError> {
         };
         return Err(ReadError::NotMcap { file: file.to_owned(), found });
     };
-    let budget = LARGEST_TOTAL + LARGEST_EXPANSION * bytes.len() as u64;
+    let budget = MAX_UNPACKED_BYTES + MAX_EXPANSION * bytes.len() as u64;
     let mut reader = Reader { budget, ..Reader::default() };
     reader.data_section(records);
     let set = reader.finish();
@@ -84,7 +84,7 @@ pub(super) struct Reader {
 
 impl Reader {
     pub(super) fn problem(&mut self, text: String) {
-        if self.set.problems.len() < MOST_PROBLEMS {
+        if self.set.problems.len() < MAX_LISTED_PROBLEMS {
             self.set.problems.push(text);
         } else {
             self.unlisted += 1;
@@ -106,18 +106,18 @@ impl Reader {
             };
             rest = tail;
             match container::parse(opcode, body) {
-                Ok(Record::Chunk(records)) => {
+                Ok(McapRecord::Chunk(records)) => {
                     let size = records.len() as u64;
                     let Some(left) = self.budget.checked_sub(size) else {
                         self.problem(format!(
-                            "byte {offset}: found chunks that unpack to more than {LARGEST_EXPANSION} times the file, expected a recording"
+                            "byte {offset}: found chunks that unpack to more than {MAX_EXPANSION} times the file, expected a recording"
                         ));
                         return;
                     };
                     self.budget = left;
                     self.chunk(&records, offset);
                 }
-                Ok(Record::DataEnd(checksum)) => {
+                Ok(McapRecord::DataEnd(checksum)) => {
                     self.end(checksum, records.get(..start).unwrap_or_default(), tail);
                     return;
                 }
@@ -151,7 +151,7 @@ impl Reader {
                     rest = tail;
                     match container::parse(opcode, body) {
                         // A chunk in a chunk is not allowed, and could nest without end.
-                        Ok(Record::Chunk(_)) => {
+                        Ok(McapRecord::Chunk(_)) => {
                             self.problem(format!("byte {offset}: found a chunk inside a chunk"));
                         }
                         Ok(record) => self.record(record, offset),
@@ -166,15 +166,15 @@ impl Reader {
         }
     }
 
-    pub(super) fn record(&mut self, record: Record<'_>, offset: usize) {
+    pub(super) fn record(&mut self, record: McapRecord<'_>, offset: usize) {
         match record {
-            Record::Schema(id, name) => {
+            McapRecord::Schema(id, name) => {
                 self.schemas.insert(id, name);
             }
-            Record::Channel { id, schema, topic, encoding } => {
+            McapRecord::Channel { id, schema, topic, encoding } => {
                 self.channel(id, schema, topic, &encoding);
             }
-            Record::Message { channel, log_time, data } => {
+            McapRecord::Message { channel, log_time, data } => {
                 let Some((topic, schema)) = self.channels.get(&channel).cloned() else {
                     self.problem(format!(
                         "byte {offset}: found a message on the undeclared channel {channel}"
@@ -185,13 +185,13 @@ impl Reader {
                     self.problem(format!("{topic}: {error}"));
                 }
             }
-            Record::Attachment(name, media_type, data) => {
+            McapRecord::Attachment(name, media_type, data) => {
                 self.set.attachments.push(Attachment { name, media_type, data: data.to_vec() });
             }
-            Record::Metadata(name, facts) => {
+            McapRecord::Metadata(name, facts) => {
                 self.set.metadata.insert(name, facts);
             }
-            Record::Chunk(_) | Record::DataEnd(_) | Record::Other => {}
+            McapRecord::Chunk(_) | McapRecord::DataEnd(_) | McapRecord::Other => {}
         }
     }
 
@@ -216,7 +216,7 @@ impl Reader {
         let undecodable =
             |error: prost::DecodeError| format!("found a message that is no {schema} ({error})");
         if schema == Schema::Capture.name() {
-            let message = message::Capture::decode(data).map_err(undecodable)?;
+            let message = message::CaptureMessage::decode(data).map_err(undecodable)?;
             let capture = decode::capture(&message)?;
             let shot = self.shot(message.shot, log_time);
             let source = capture.waveform.source;
@@ -228,27 +228,27 @@ impl Reader {
             shot.trigger_time = message.trigger_time_s;
             shot.captures.push(capture);
         } else if schema == Schema::Series.name() {
-            let message = message::Series::decode(data).map_err(undecodable)?;
+            let message = message::SeriesMessage::decode(data).map_err(undecodable)?;
             let number = message.shot;
             let trace = decode::series(message)?;
             self.shot(number, log_time).truth.push(trace);
         } else if schema == Schema::Setup.name() {
-            let message = message::Setup::decode(data).map_err(undecodable)?;
+            let message = message::SetupMessage::decode(data).map_err(undecodable)?;
             let _ = self.shot(message.shot, log_time);
             self.notes().set_up = message.set;
         } else if schema == Schema::Energy.name() {
-            let message = message::Energy::decode(data).map_err(undecodable)?;
+            let message = message::EnergyMessage::decode(data).map_err(undecodable)?;
             if !message.is_finite() {
                 return Err("found an energy that is no finite number, expected one".to_owned());
             }
             let _ = self.shot(message.shot, log_time);
             self.notes().energy = Some(message);
         } else if schema == Schema::Log.name() {
-            let message = message::Log::decode(data).map_err(undecodable)?;
+            let message = message::LogMessage::decode(data).map_err(undecodable)?;
             self.set.log.push(message.message.clone());
             self.notes().log.push((message.level >= message::WARNING, message.message));
         } else if schema == Schema::ScpiLine.name() {
-            let message = message::ScpiLine::decode(data).map_err(undecodable)?;
+            let message = message::ScpiLineMessage::decode(data).map_err(undecodable)?;
             self.set.lines.push(decode::line(message, log_time)?);
         }
         Ok(())

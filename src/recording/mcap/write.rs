@@ -2,7 +2,6 @@
 
 use super::notes::ShotNotes;
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
@@ -14,6 +13,7 @@ use prost::Message as _;
 use super::encode::{capture_message, line_message, series_message};
 use super::message::{self, timestamp};
 use super::schema::Schema;
+use crate::files::{LiveFile, NewFile, Output};
 use crate::recording::{Attachment, ScpiLine, Shot, TraceSet};
 
 /// Profile that the file's header names.
@@ -45,14 +45,14 @@ pub enum WriteError {
 /// An open recording.
 pub struct RecordingWriter {
     file: PathBuf,
-    writer: Writer<NoSeek<BufWriter<File>>>,
+    writer: Writer<NoSeek<BufWriter<Box<dyn Output>>>>,
     schemas: BTreeMap<Schema, u16>,
     channels: BTreeMap<String, u16>,
     sequence: u32,
 }
 
 impl RecordingWriter {
-    /// Creates `file`, overwriting it, with the facts that hold for all of it.
+    /// Begins a recording that replaces `file` when it is finished, with the facts that hold for all of it.
     ///
     /// # Errors
     /// [`WriteError`] where the file cannot be written.
@@ -61,14 +61,53 @@ impl RecordingWriter {
         metadata: &BTreeMap<String, BTreeMap<String, String>>,
         attachments: &[Attachment],
     ) -> Result<Self, WriteError> {
+        let new = NewFile::replace(file);
+        Self::begin(file, new.map(|new| Box::new(new) as Box<dyn Output>), metadata, attachments)
+    }
+
+    /// Begins a recording that is called `file` or, if that exists when it is finished, by the next free number.
+    ///
+    /// # Errors
+    /// [`WriteError`] where the file cannot be written.
+    pub fn create_numbered(
+        file: &Path,
+        metadata: &BTreeMap<String, BTreeMap<String, String>>,
+        attachments: &[Attachment],
+    ) -> Result<Self, WriteError> {
+        let new = NewFile::numbered(file);
+        Self::begin(file, new.map(|new| Box::new(new) as Box<dyn Output>), metadata, attachments)
+    }
+
+    /// Begins a recording that others can read while it grows: `file` or, if that exists, the next free number.
+    ///
+    /// # Errors
+    /// [`WriteError`] where the file cannot be written.
+    pub fn create_live(
+        file: &Path,
+        metadata: &BTreeMap<String, BTreeMap<String, String>>,
+        attachments: &[Attachment],
+    ) -> Result<Self, WriteError> {
+        let live = LiveFile::numbered(file);
+        let path = live.as_ref().map_or(file, LiveFile::path).to_owned();
+        Self::begin(
+            &path,
+            live.map(|live| Box::new(live) as Box<dyn Output>),
+            metadata,
+            attachments,
+        )
+    }
+
+    fn begin(
+        file: &Path,
+        output: std::io::Result<Box<dyn Output>>,
+        metadata: &BTreeMap<String, BTreeMap<String, String>>,
+        attachments: &[Attachment],
+    ) -> Result<Self, WriteError> {
         let path = file.to_owned();
-        let system = |source| WriteError::File { file: path.clone(), source };
         let container = |source| WriteError::Container { file: path.clone(), source };
-        if let Some(folder) = file.parent().filter(|f| !f.as_os_str().is_empty()) {
-            std::fs::create_dir_all(folder).map_err(system)?;
-        }
+        let output = output.map_err(|source| WriteError::File { file: path.clone(), source })?;
         // To ask a buffered file where it is would empty the buffer each time.
-        let target = NoSeek::new(BufWriter::new(File::create(file).map_err(system)?));
+        let target = NoSeek::new(BufWriter::new(output));
         let mut writer = WriteOptions::new()
             .profile(PROFILE)
             .library(concat!("hertzscope ", env!("CARGO_PKG_VERSION")))
@@ -131,7 +170,7 @@ impl RecordingWriter {
     /// [`WriteError`] where the file cannot be written.
     pub fn add(&mut self, shot: &Shot, notes: &ShotNotes) -> Result<(), WriteError> {
         let at = shot.timestamp_ns;
-        let set_up = message::Setup {
+        let set_up = message::SetupMessage {
             timestamp: Some(timestamp(at)),
             shot: shot.number,
             set: notes.set_up.clone(),
@@ -149,12 +188,15 @@ impl RecordingWriter {
             self.message(&topic, Schema::Series, at, &message.encode_to_vec())?;
         }
         if let Some(energy) = &notes.energy {
-            let energy =
-                message::Energy { timestamp: Some(timestamp(at)), shot: shot.number, ..*energy };
+            let energy = message::EnergyMessage {
+                timestamp: Some(timestamp(at)),
+                shot: shot.number,
+                ..*energy
+            };
             self.message("/energy", Schema::Energy, at, &energy.encode_to_vec())?;
         }
         for (warning, line) in &notes.log {
-            let log = message::Log {
+            let log = message::LogMessage {
                 timestamp: Some(timestamp(at)),
                 level: if *warning { message::WARNING } else { message::INFORMATION },
                 message: line.clone(),
@@ -183,17 +225,21 @@ impl RecordingWriter {
         self.writer.flush().map_err(|source| self.container(source))
     }
 
-    /// Writes the summary section and waits until the disk has all of it.
+    /// The name of a live recording, or the one that was asked for.
+    pub fn file(&self) -> &Path {
+        &self.file
+    }
+
+    /// Writes the summary section and waits until the disk has all of it. Returns the recording's name.
     ///
     /// # Errors
     /// [`WriteError`] where the file cannot be written.
-    pub fn finish(mut self) -> Result<(), WriteError> {
+    pub fn finish(mut self) -> Result<PathBuf, WriteError> {
         self.writer.finish().map_err(|source| self.container(source))?;
         let file = self.file;
         let system = |source| WriteError::File { file: file.clone(), source };
         let buffer = self.writer.into_inner().into_inner();
-        let target = buffer.into_inner().map_err(|e| system(e.into_error()))?;
-        target.sync_all().map_err(system)
+        buffer.into_inner().map_err(|e| system(e.into_error()))?.complete().map_err(system)
     }
 
     fn message(
@@ -231,12 +277,23 @@ impl RecordingWriter {
     }
 }
 
-/// Writes a whole set, such as an import, to `file`.
+/// Writes a whole set, such as an import, to `file`, replacing it.
 ///
 /// # Errors
 /// [`WriteError`] where the file cannot be written.
 pub fn write(file: &Path, set: &TraceSet) -> Result<(), WriteError> {
-    let mut writer = RecordingWriter::create(file, &set.metadata, &set.attachments)?;
+    write_set(RecordingWriter::create(file, &set.metadata, &set.attachments)?, set).map(|_| ())
+}
+
+/// Writes a whole set to `file` or, if that exists, to the next free number. Returns the recording's name.
+///
+/// # Errors
+/// [`WriteError`] where the file cannot be written.
+pub fn write_numbered(file: &Path, set: &TraceSet) -> Result<PathBuf, WriteError> {
+    write_set(RecordingWriter::create_numbered(file, &set.metadata, &set.attachments)?, set)
+}
+
+fn write_set(mut writer: RecordingWriter, set: &TraceSet) -> Result<PathBuf, WriteError> {
     // Lines that belong to no shot go with the last one.
     let known: usize = set.notes.values().map(|notes| notes.log.len()).sum();
     let mut loose = if known == 0 { set.log.as_slice() } else { &[] };

@@ -23,13 +23,13 @@ use crate::scope::{Coupling, Slope, Source};
 /// Larger files are refused unread; the family's own have less than 2000 bytes.
 pub const MAXIMUM_BYTES: usize = 1 << 20;
 /// Index of the point in the middle of the screen (1).
-const MIDDLE: f64 = 1250.0;
+const SCREEN_CENTRE_POINT: f64 = 1250.0;
 /// How far two statements of the same may differ, relative; a `.CSV` prints seven digits.
-const PRINTED: f64 = 1e-6;
+const PRINTING_TOLERANCE: f64 = 1e-6;
 
 /// One setting.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Setting {
+pub struct SetFileEntry {
     /// Where it belongs, in capitals: `CH1:SCALE`.
     pub path: String,
     /// As written, without quotes.
@@ -42,7 +42,7 @@ pub struct Setting {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SetFile {
     /// The settings.
-    pub settings: Vec<Setting>,
+    pub settings: Vec<SetFileEntry>,
 }
 
 impl SetFile {
@@ -56,7 +56,7 @@ impl SetFile {
             let found = bytes.len();
             return Err(SetFileError::TooLarge { file: file(), found, limit: MAXIMUM_BYTES });
         }
-        let (mut at, mut settings) = (0, Vec::<Setting>::new());
+        let (mut at, mut settings) = (0, Vec::<SetFileEntry>::new());
         while let Some((found, next)) = command(bytes, at) {
             // The first setting starts at the root: that tells a set-up from any other text.
             let starts = |text: &str| !settings.is_empty() || text.starts_with(':');
@@ -76,7 +76,7 @@ impl SetFile {
             let path = path(header, before);
             let bare = unquoted(value);
             let quoted = bare.len() < value.len();
-            settings.push(Setting { path, value: bare.to_owned(), quoted });
+            settings.push(SetFileEntry { path, value: bare.to_owned(), quoted });
             at = next;
         }
         if settings.is_empty() {
@@ -206,8 +206,10 @@ impl SetFile {
     fn disagreements(&self, capture: &Capture, number: u8) -> Vec<String> {
         let waveform = &capture.waveform;
         let vertical = &waveform.vertical;
-        let expected = self.horizontal_position().map(|at| MIDDLE - at / waveform.preamble.x_incr);
-        let printed = |value: f64| PRINTED * value.abs();
+        let expected = self
+            .horizontal_position()
+            .map(|at| SCREEN_CENTRE_POINT - at / waveform.preamble.x_incr);
+        let printed = |value: f64| PRINTING_TOLERANCE * value.abs();
         // The file's scale and offset are rounded; half a level is less than the panel can be turned.
         let level = 0.5 / LEVELS_PER_DIVISION;
         let point = 0.5;

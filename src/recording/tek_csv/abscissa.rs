@@ -1,8 +1,7 @@
 //! The column of times or frequencies, and the interval behind it. Reader and writer share it. Equations
 //! and sources: the module above.
 
-use super::layout::{DECIMALS, Domain, Layout};
-use crate::quantity::c_exponential;
+use super::layout::{self, Domain, HeaderLayout};
 
 /// The interval that a header's `Sample Interval` stands for (s; Hz for an FFT).
 ///
@@ -15,7 +14,7 @@ pub(super) fn exact_interval(domain: Domain, printed: f64, text: &str) -> f64 {
         Domain::Frequency => (0..=11)
             .flat_map(|power| [1.0, 2.5, 5.0].map(|digits| digits * 10_f64.powi(power)))
             .map(bin_spacing)
-            .find(|spacing| c_exponential(*spacing, DECIMALS) == text)
+            .find(|spacing| layout::printed(*spacing, domain) == text)
             .unwrap_or(printed),
     }
 }
@@ -33,7 +32,7 @@ fn bin_spacing(rate: f64) -> f64 {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Abscissa {
     pub(super) domain: Domain,
-    pub(super) layout: Layout,
+    pub(super) layout: HeaderLayout,
     /// From one row to the next (s; Hz for an FFT).
     pub(super) interval: f64,
     /// Index of the trigger (1).
@@ -94,7 +93,7 @@ mod tests {
         assert!((interval - 25e3 * 100.0 / 99.0 / 2048.0).abs() < 1e-12, "{interval}");
         let column = Abscissa {
             domain: Domain::Frequency,
-            layout: Layout::Old,
+            layout: HeaderLayout::Old,
             interval,
             trigger_point: 0.0,
         };
@@ -120,7 +119,7 @@ mod tests {
         assert!((interval - 12_207.031_25).abs() < 1e-9, "{interval}");
         let column = Abscissa {
             domain: Domain::Frequency,
-            layout: Layout::Named,
+            layout: HeaderLayout::Named,
             interval,
             trigger_point: 0.0,
         };
@@ -133,7 +132,7 @@ mod tests {
     fn times_below_the_header_have_an_extra_zero() {
         let column = Abscissa {
             domain: Domain::Time,
-            layout: Layout::Named,
+            layout: HeaderLayout::Named,
             interval: 1e-4,
             trigger_point: 800.0,
         };
@@ -155,7 +154,7 @@ mod tests {
     fn scan_times_have_neither_zero_nor_sign() {
         let column = Abscissa {
             domain: Domain::Time,
-            layout: Layout::Named,
+            layout: HeaderLayout::Named,
             interval: 4e-3,
             trigger_point: -0.0,
         };

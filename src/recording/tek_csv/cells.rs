@@ -1,21 +1,23 @@
-//! Splits a CSV file that is not as an instrument wrote it: whatever separator, decimal mark, quotes and line
-//! ends a program put there. Comes before the readers of the foreign dialects; the native reader is stricter
-//! and does not use it.
+//! Splits a CSV file into rows and cells: whatever separator, decimal mark, quotes and line ends a program put there.
+//! Comes before the readers of the foreign dialects; the native reader splits its rows with the same [`RowFields`].
 //!
 //! A number is kept with the digits it was printed with, because they bound how far it may lie from the true one.
 
-use super::error::{Place, TekCsvError, excerpt, place};
+use std::borrow::Cow;
 
-/// Most rows that are read; the longest records of these dialects have 200 000 points.
-pub(super) const MOST_ROWS: usize = 1_000_064;
+use super::error::{FileLocation, TekCsvError, excerpt, place};
+use super::text::BYTE_ORDER_MARK;
+
+/// Most rows that are read.
+pub(super) const MAX_ROWS: usize = 2_000_000;
 /// Cells of a row that are looked at: 4 channels of `OpenChoice` take 24.
-const MOST_CELLS: usize = 32;
-/// Sets a UTF-8 file's beginning apart; spreadsheets write it.
-const BYTE_ORDER_MARK: char = '\u{feff}';
+const MAX_CELLS: usize = 32;
+/// Rows that are looked at to find the separator.
+const SAMPLED_ROWS: usize = 16;
 
 /// A number and its digits.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Printed {
+pub(super) struct PrintedNumber {
     /// The number (unit).
     pub(super) value: f64,
     /// Place of the last digit: 2 for `0.04`, -1 for `1.2E2`.
@@ -26,7 +28,7 @@ pub(super) struct Printed {
 
 /// A file's rows, not yet split.
 #[derive(Debug, Clone)]
-pub(super) struct Table<'a> {
+pub(super) struct CsvRows<'a> {
     pub(super) file: &'a str,
     lines: Vec<&'a str>,
     pub(super) separator: char,
@@ -44,14 +46,14 @@ pub(super) struct Cells<'a> {
     decimal_comma: bool,
 }
 
-impl<'a> Table<'a> {
+impl<'a> CsvRows<'a> {
     /// Finds the separator and the decimal mark of `text`.
     pub(super) fn new(file: &'a str, text: &'a str) -> Result<Self, TekCsvError> {
         let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
-        let found = text.lines().count();
-        if found > MOST_ROWS {
+        let found = text.bytes().filter(|byte| *byte == b'\n').count();
+        if found > MAX_ROWS {
             let file = file.to_owned();
-            return Err(TekCsvError::SampleCount { file, found, lowest: 2, highest: MOST_ROWS });
+            return Err(TekCsvError::TooManyRows { file, found, limit: MAX_ROWS });
         }
         let mut lines: Vec<&str> = text.lines().collect();
         while lines.last().is_some_and(|line| line.trim().is_empty()) {
@@ -66,6 +68,11 @@ impl<'a> Table<'a> {
     /// Rows up to the last that is not blank.
     pub(super) fn len(&self) -> usize {
         self.lines.len()
+    }
+
+    /// Cells of the widest of the first rows.
+    pub(super) fn width(&self) -> usize {
+        (0..self.len().min(SAMPLED_ROWS)).map(|index| self.row(index).len()).max().unwrap_or(0)
     }
 
     /// Row `index`, counted from 0; without cells beyond the last.
@@ -113,11 +120,11 @@ impl<'a> Cells<'a> {
         filled.clone().count() >= 2 && filled.all(|cell| self.parse(cell).is_some())
     }
 
-    pub(super) fn maybe_number(&self, index: usize) -> Option<Printed> {
+    pub(super) fn maybe_number(&self, index: usize) -> Option<PrintedNumber> {
         self.parse(self.text(index))
     }
 
-    pub(super) fn number(&self, index: usize) -> Result<Printed, TekCsvError> {
+    pub(super) fn number(&self, index: usize) -> Result<PrintedNumber, TekCsvError> {
         self.maybe_number(index).ok_or_else(|| TekCsvError::Field {
             place: self.place(index),
             found: excerpt(self.text(index)),
@@ -129,44 +136,117 @@ impl<'a> Cells<'a> {
         })
     }
 
-    pub(super) fn place(&self, index: usize) -> Place {
+    /// The error that a cell has something in it below an empty one.
+    pub(super) fn empty_above(&self, index: usize) -> TekCsvError {
+        TekCsvError::Field {
+            place: self.place(index),
+            found: excerpt(self.text(index)),
+            expected: "no number below an empty cell",
+        }
+    }
+
+    pub(super) fn file(&self) -> &'a str {
+        self.file
+    }
+
+    /// Line and column of cell `index`.
+    pub(super) fn spot(&self, index: usize) -> (usize, usize) {
         let column = match (self.parts.get(index), self.parts.last()) {
             (Some((_, column)), _) => *column,
             (None, Some((cell, column))) => column + cell.chars().count(),
             (None, None) => 1,
         };
-        place(self.file, self.line, column)
+        (self.line, column)
     }
 
-    fn parse(&self, cell: &str) -> Option<Printed> {
+    pub(super) fn place(&self, index: usize) -> FileLocation {
+        let (line, column) = self.spot(index);
+        place(self.file, line, column)
+    }
+
+    pub(super) fn parse(&self, cell: &str) -> Option<PrintedNumber> {
         printed(cell, self.decimal_comma)
     }
 }
 
-/// What stands between cells: a semicolon or a tab where there is one in the first rows, else a comma.
+/// What stands between cells: the mark that splits most of the sampled rows into numbers; a space stands for any run of
+/// blanks. Without numbers, a semicolon or a tab where there is one in the first rows, else a comma.
 fn separator(lines: &[&str]) -> char {
+    let filled = lines.iter().rev().filter(|line| !line.trim().is_empty()).take(SAMPLED_ROWS);
+    // Rows of nothing but numbers count twice.
+    let splits = |mark: char| {
+        let rows = filled.clone().map(|line| {
+            let cells = split(line, mark);
+            let cells = cells.iter().map(|(cell, _)| *cell).filter(|cell| !cell.is_empty());
+            let is_number = |cell: &&str| {
+                printed(cell, false).is_some() || (mark != ',' && printed(cell, true).is_some())
+            };
+            let (all, numbers) = (cells.clone().count(), cells.filter(is_number).count());
+            match (numbers, all == numbers) {
+                (2.., true) => 2,
+                (2.., false) if mark != ' ' => 1,
+                _ => 0,
+            }
+        });
+        rows.sum::<u32>()
+    };
+    let marks = [';', '\t', ',', ' '];
+    let best = marks.map(splits).into_iter().max().unwrap_or_default();
+    if let Some(mark) = marks.into_iter().find(|mark| best > 0 && splits(*mark) == best) {
+        return mark;
+    }
     let head = || lines.iter().take(4);
     [';', '\t'].into_iter().find(|mark| head().any(|line| line.contains(*mark))).unwrap_or(',')
 }
 
-fn split(line: &str, separator: char) -> Vec<(&str, usize)> {
-    let mut cells = Vec::new();
-    let (mut start, mut column, mut quoted) = (0, 1, false);
-    let mut next_column = 1;
-    for (at, character) in line.char_indices() {
-        next_column += 1;
-        if character == '"' {
-            quoted = !quoted;
-        } else if character == separator && !quoted {
-            cells.push((bare(line.get(start..at)), column));
-            if cells.len() == MOST_CELLS {
-                return cells;
-            }
-            (start, column) = (at + character.len_utf8(), next_column);
-        }
+/// The fields of a line between separators, each with the column where it begins, counted from 1.
+#[derive(Debug, Clone)]
+pub(super) struct RowFields<'a> {
+    rest: Option<&'a str>,
+    column: usize,
+    separator: char,
+    /// Whether a separator between quotes is none.
+    quotes: bool,
+}
+
+impl<'a> RowFields<'a> {
+    pub(super) fn of(line: &'a str, separator: char, quotes: bool) -> Self {
+        Self { rest: Some(line), column: 1, separator, quotes }
     }
-    cells.push((bare(line.get(start..)), column));
-    cells
+}
+
+impl<'a> Iterator for RowFields<'a> {
+    type Item = (&'a str, usize);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let (line, column) = (self.rest?, self.column);
+        let mut quoted = false;
+        let ends = |character: char| {
+            quoted ^= self.quotes && character == '"';
+            character == self.separator && !quoted
+        };
+        let Some(end) = line.find(ends) else {
+            self.rest = None;
+            return Some((line, column));
+        };
+        let (field, rest) = line.split_at(end);
+        self.rest = rest.get(self.separator.len_utf8()..);
+        let width = if field.is_ascii() { field.len() } else { field.chars().count() };
+        self.column += width + 1;
+        Some((field, column))
+    }
+}
+
+fn split(line: &str, separator: char) -> Vec<(&str, usize)> {
+    let fields =
+        RowFields::of(line, separator, true).map(|(cell, column)| (bare(Some(cell)), column));
+    if separator == ' ' {
+        let filled = fields.flat_map(|(cell, column)| {
+            cell.split('\t').filter(|part| !part.is_empty()).map(move |part| (part, column))
+        });
+        return filled.take(MAX_CELLS).collect();
+    }
+    fields.take(MAX_CELLS).collect()
 }
 
 fn bare(cell: Option<&str>) -> &str {
@@ -175,7 +255,7 @@ fn bare(cell: Option<&str>) -> &str {
 }
 
 /// Reads a finite decimal number with its digits.
-fn printed(cell: &str, decimal_comma: bool) -> Option<Printed> {
+fn printed(cell: &str, decimal_comma: bool) -> Option<PrintedNumber> {
     const LONGEST: usize = 40;
     const LARGEST: i32 = 30;
     let allowed = |c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | 'e' | 'E' | '.' | ',');
@@ -183,18 +263,19 @@ fn printed(cell: &str, decimal_comma: bool) -> Option<Printed> {
         return None;
     }
     let text = match (decimal_comma, cell.contains(','), cell.contains('.')) {
-        (true, _, false) => cell.replace(',', "."),
-        (false, false, _) => cell.to_owned(),
+        (_, true, _) if cell.ends_with(',') || cell.starts_with(',') => return None,
+        (true, true, false) => Cow::Owned(cell.replace(',', ".")),
+        (_, false, false) | (false, false, true) => Cow::Borrowed(cell),
         _ => return None,
     };
     let value = text.parse().ok().filter(|value: &f64| value.is_finite())?;
-    let (mantissa, exponent) = text.split_once(['e', 'E']).unwrap_or((&text, "0"));
+    let (mantissa, exponent) = text.split_once(['e', 'E']).unwrap_or((text.as_ref(), "0"));
     let exponent: i32 = exponent.parse().ok().filter(|e| (-LARGEST..=LARGEST).contains(e))?;
     let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
     let figures = || whole.chars().chain(fraction.chars()).filter(char::is_ascii_digit);
     let digits = i32::try_from(figures().skip_while(|c| *c == '0').count()).ok()?;
     let decimals = i32::try_from(fraction.len()).ok()?.checked_sub(exponent)?;
-    Some(Printed { value, decimals, digits })
+    Some(PrintedNumber { value, decimals, digits })
 }
 
 #[cfg(test)]
@@ -210,7 +291,11 @@ mod tests {
             ("79.999998212E-3", 79.999_998_212e-3, 12, 11),
             ("0", 0.0, 0, 0),
         ] {
-            assert_eq!(printed(text, false), Some(Printed { value, decimals, digits }), "{text}");
+            assert_eq!(
+                printed(text, false),
+                Some(PrintedNumber { value, decimals, digits }),
+                "{text}"
+            );
         }
         assert_eq!(printed("-0,04", true).map(|p| p.value), Some(-0.04));
         for text in ["", "nan", "inf", "1e999", "1,5", "0x1", "1.5.2", "-"] {
@@ -221,7 +306,7 @@ mod tests {
 
     #[test]
     fn quotes_hold_separators() {
-        let table = Table::new("a.csv", "\u{feff}\"-0,03\",\"0,5\"\r\n\"-0,02\",\"1\"\r\n\r\n");
+        let table = CsvRows::new("a.csv", "\u{feff}\"-0,03\",\"0,5\"\r\n\"-0,02\",\"1\"\r\n\r\n");
         let table = table.expect("short");
         assert_eq!((table.len(), table.separator, table.decimal_comma), (2, ',', true));
         assert_eq!(table.row(0).number(1).map(|p| p.value), Ok(0.5));

@@ -5,37 +5,57 @@
 //! `max(10^-D / 2, 10^(m + 1 - S) / 2)` with the most decimals `D` and the most digits `S` of the column
 //! and the number's magnitude `m = floor(log10 |v|)`.
 
-use super::cells::{Cells, Printed};
-use super::error::{Place, TekCsvError};
+use super::cells::{Cells, PrintedNumber};
+use super::error::{FileLocation, TekCsvError};
 
 /// Digits of single precision that can be relied on; numbers that went through it are printed with more.
 pub(super) const SINGLE_PRECISION_DIGITS: i32 = 6;
 /// Digits beyond which double precision is the limit.
-const MOST_DIGITS: i32 = 15;
+const MAX_DIGITS: i32 = 15;
 
 /// One column of samples.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Column {
+pub(super) struct SampleColumn {
     /// The numbers (unit).
     pub(super) values: Vec<f64>,
     file: String,
     /// Line and column of each.
-    spots: Vec<(usize, usize)>,
+    spots: Vec<(u32, u32)>,
     decimals: i32,
     digits: i32,
+    /// What the unit is larger than the printed one beside powers of ten: 60 for minutes; 0 stands for 1.
+    factor: f64,
+    /// Whether every number was printed without a decimal point.
+    fractions: bool,
 }
 
-impl Column {
+impl SampleColumn {
     /// Adds cell `index` of `row`.
     pub(super) fn push(&mut self, row: &Cells<'_>, index: usize) -> Result<(), TekCsvError> {
-        let Printed { value, decimals, digits } = row.number(index)?;
+        let PrintedNumber { value, decimals, digits } = row.number(index)?;
         self.decimals = if self.values.is_empty() { decimals } else { self.decimals.max(decimals) };
         self.digits = self.digits.max(digits);
+        self.fractions |= row.text(index).contains(['.', ',']);
         self.values.push(value);
-        let Place { file, line, column } = row.place(index);
-        self.spots.push((line, column));
-        self.file = file;
+        let (line, column) = row.spot(index);
+        let number = |place: usize| u32::try_from(place).unwrap_or(u32::MAX);
+        self.spots.push((number(line), number(column)));
+        if self.file.is_empty() {
+            row.file().clone_into(&mut self.file);
+        }
         Ok(())
+    }
+
+    /// Whether the numbers count rows: whole ones, each by one larger, from 0 or 1.
+    pub(super) fn counts(&self) -> bool {
+        let starts = self.values.first().is_some_and(|first| *first == 0.0 || *first == 1.0);
+        starts && self.steps_by_one()
+    }
+
+    /// Whether each number is printed whole and by one larger than the one before.
+    pub(super) fn steps_by_one(&self) -> bool {
+        let by_one = |pair: &[f64]| matches!(pair, [a, b] if b - a == 1.0);
+        !self.fractions && self.values.windows(2).all(by_one)
     }
 
     /// Multiplies every number, as a unit such as `ms` wants it; `power` is that of ten.
@@ -47,6 +67,12 @@ impl Column {
         self.decimals = self.decimals.saturating_sub(power);
     }
 
+    /// Multiplies every number by what is no power of ten.
+    pub(super) fn multiply(&mut self, factor: f64) {
+        self.values.iter_mut().for_each(|value| *value *= factor);
+        self.factor = factor;
+    }
+
     pub(super) fn limit_digits(&mut self, digits: i32) {
         self.digits = self.digits.min(digits);
     }
@@ -56,9 +82,9 @@ impl Column {
     }
 
     /// Where number `index` stands.
-    pub(super) fn place(&self, index: usize) -> Place {
+    pub(super) fn place(&self, index: usize) -> FileLocation {
         let (line, column) = self.spots.get(index).copied().unwrap_or_default();
-        Place { file: self.file.clone(), line, column }
+        FileLocation { file: self.file.clone(), line: line as usize, column: column as usize }
     }
 
     /// Last place of the column's longest number.
@@ -66,10 +92,20 @@ impl Column {
         self.decimals
     }
 
+    /// The last printed digit, where the number of decimals is fixed (unit).
+    pub(super) fn digit(&self) -> f64 {
+        ten_to(-self.decimals) * if self.factor == 0.0 { 1.0 } else { self.factor }
+    }
+
     /// Half the last digit of `value`, and the round-off of double precision (unit).
     pub(super) fn tolerance(&self, value: f64) -> f64 {
+        let factor = if self.factor == 0.0 { 1.0 } else { self.factor };
+        factor * self.printed_tolerance(value / factor)
+    }
+
+    fn printed_tolerance(&self, value: f64) -> f64 {
         let fixed = 0.5 * ten_to(-self.decimals);
-        let digits = self.digits.clamp(1, MOST_DIGITS);
+        let digits = self.digits.clamp(1, MAX_DIGITS);
         let floating = match value.abs() {
             0.0 => 0.0,
             #[allow(clippy::cast_possible_truncation, reason = "at most 308")]
@@ -85,7 +121,7 @@ impl Column {
         let largest = low.abs().max(high.abs()).max(f64::MIN_POSITIVE);
         #[allow(clippy::cast_possible_truncation, reason = "at most 308")]
         let magnitude = largest.log10().floor() as i32;
-        let fixed = self.decimals <= self.digits.min(MOST_DIGITS) - 1 - magnitude;
+        let fixed = self.decimals <= self.digits.min(MAX_DIGITS) - 1 - magnitude;
         let count = step / ten_to(-self.decimals);
         let is_whole = count >= 0.5 && (count - count.round()).abs() <= 1e-6;
         (fixed && is_whole).then(|| count.round())
@@ -105,6 +141,12 @@ impl Column {
 
 /// A power of ten, as a decimal literal would give it (1).
 pub(super) fn ten_to(power: i32) -> f64 {
+    // Exact powers, and so correctly rounded quotients.
+    const EXACT: i32 = 22;
+    if power.abs() <= EXACT {
+        let exact = 10f64.powi(power.abs());
+        return if power < 0 { 1.0 / exact } else { exact };
+    }
     format!("1e{power}").parse().unwrap_or(f64::NAN)
 }
 
@@ -124,11 +166,11 @@ pub(super) fn one_two_five(value: f64, tolerance: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recording::tek_csv::cells::Table;
+    use crate::recording::tek_csv::cells::CsvRows;
 
-    fn column(text: &str) -> Column {
-        let table = Table::new("a.csv", text).expect("short");
-        let mut column = Column::default();
+    fn column(text: &str) -> SampleColumn {
+        let table = CsvRows::new("a.csv", text).expect("short");
+        let mut column = SampleColumn::default();
         for index in 0..table.len() {
             column.push(&table.row(index), 0).expect("numbers");
         }

@@ -3,14 +3,14 @@
 
 use super::dialect::Dialect;
 
-use super::cells::{Cells, Table};
+use super::cells::{Cells, CsvRows};
 use super::layout::RECORD_LENGTH;
 
 /// Rows above the header that are searched for it.
 const ROWS_ABOVE: usize = 3;
 
 /// The dialect of a table that is certainly not native.
-pub(super) fn foreign(table: &Table<'_>) -> Option<Dialect> {
+pub(super) fn foreign(table: &CsvRows<'_>) -> Option<Dialect> {
     let first = table.row(0);
     if first.text(0) == "Model" {
         return Some(Dialect::NewerModel);
@@ -33,12 +33,12 @@ pub(super) fn foreign(table: &Table<'_>) -> Option<Dialect> {
 }
 
 /// How many rows stand above the one that begins with `Record Length`.
-pub(super) fn rows_above(table: &Table<'_>) -> Option<usize> {
+pub(super) fn rows_above(table: &CsvRows<'_>) -> Option<usize> {
     (0..=ROWS_ABOVE).find(|index| table.row(*index).text(0) == RECORD_LENGTH)
 }
 
 /// Whether the first row of a native file lost its last comma or its digits, or has other separators.
-fn changed(table: &Table<'_>, head: &Cells<'_>) -> bool {
+fn changed(table: &CsvRows<'_>, head: &Cells<'_>) -> bool {
     let digits = head.text(1);
     let shortened = head.maybe_number(1).is_some_and(|n| n.decimals != native_decimals(digits));
     table.separator != ',' || table.decimal_comma || head.len() == 5 || shortened
@@ -56,7 +56,7 @@ mod tests {
     use super::*;
 
     fn dialect(text: &str) -> Option<Dialect> {
-        foreign(&Table::new("F.CSV", text).expect("a short table"))
+        foreign(&CsvRows::new("F.CSV", text).expect("a short table"))
     }
 
     #[test]

@@ -7,7 +7,7 @@ use super::dialect::Dialect;
 
 /// A place in a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Place {
+pub struct FileLocation {
     /// The file's name as the reader was told.
     pub file: String,
     /// Line, counted from 1.
@@ -16,7 +16,7 @@ pub struct Place {
     pub column: usize,
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for FileLocation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}, line {}, column {}", self.file, self.line, self.column)
     }
@@ -25,15 +25,17 @@ impl fmt::Display for Place {
 /// Why a file could not be read, or a capture not be written.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TekCsvError {
-    /// The file is larger than any of this format.
-    #[error("{file}: found {found} bytes, expected at most {limit}")]
+    /// The file is larger than what is read.
+    #[error(
+        "{file}: {found} bytes are more than the {limit} that are read: cut the record, or save fewer points"
+    )]
     TooLarge {
         /// The file's name.
         file: String,
         /// Its size in bytes.
-        found: usize,
+        found: u64,
         /// The largest size that is read, in bytes.
-        limit: usize,
+        limit: u64,
     },
     /// There is nothing in the file.
     #[error("{file}: found no bytes, expected a Tektronix CSV file")]
@@ -45,7 +47,7 @@ pub enum TekCsvError {
     #[error("{place}: found byte 0x{found:02X}, expected UTF-8 text")]
     NotText {
         /// Where.
-        place: Place,
+        place: FileLocation,
         /// The first byte that does not belong.
         found: u8,
     },
@@ -68,7 +70,7 @@ pub enum TekCsvError {
     #[error("{place}: found {found} fields, expected {expected}, the last one empty")]
     FieldCount {
         /// Where the row ends.
-        place: Place,
+        place: FileLocation,
         /// Fields in the row.
         found: usize,
         /// Fields in every row of the format.
@@ -78,7 +80,7 @@ pub enum TekCsvError {
     #[error("{place}: found {found}, expected {expected}")]
     Header {
         /// Where the key should stand.
-        place: Place,
+        place: FileLocation,
         /// What stands there.
         found: String,
         /// The key that belongs there.
@@ -88,7 +90,7 @@ pub enum TekCsvError {
     #[error("{place}: `{key}` is {found}, expected {expected}")]
     Entry {
         /// Where the value stands.
-        place: Place,
+        place: FileLocation,
         /// Its key.
         key: String,
         /// The value.
@@ -100,7 +102,7 @@ pub enum TekCsvError {
     #[error("{place}: found {found}, expected {expected}")]
     Field {
         /// Where.
-        place: Place,
+        place: FileLocation,
         /// What stands there.
         found: String,
         /// What belongs there.
@@ -112,7 +114,7 @@ pub enum TekCsvError {
     )]
     Abscissa {
         /// Where.
-        place: Place,
+        place: FileLocation,
         /// What stands there.
         found: String,
         /// What belongs there.
@@ -124,7 +126,7 @@ pub enum TekCsvError {
     #[error("{place}: found {found}, expected a digitiser level, the nearest is {expected} {unit}")]
     Level {
         /// Where.
-        place: Place,
+        place: FileLocation,
         /// What stands there.
         found: String,
         /// The nearest level from -128 to 127.
@@ -146,13 +148,13 @@ pub enum TekCsvError {
     #[error("{place}: found the end of the file, expected a line end")]
     NoLineEnd {
         /// Where the file ends.
-        place: Place,
+        place: FileLocation,
     },
     /// Times that are not evenly spaced.
     #[error("{place}: found {found} {unit}, expected {expected} {unit} by even spacing")]
     Uneven {
         /// Where.
-        place: Place,
+        place: FileLocation,
         /// What stands there (unit).
         found: f64,
         /// What belongs there.
@@ -171,6 +173,32 @@ pub enum TekCsvError {
         lowest: usize,
         /// Most that are read.
         highest: usize,
+    },
+    /// More rows than are read.
+    #[error(
+        "{file}: {found} rows are more than the {limit} that are read: cut the record, or save fewer points"
+    )]
+    TooManyRows {
+        /// The file's name.
+        file: String,
+        /// Its rows.
+        found: usize,
+        /// Most that are read.
+        limit: usize,
+    },
+    /// A table of no known form, or one whose columns cannot be told.
+    #[error(
+        "{file}: this is nearest to {nearest}, but lacks {missing}; say what its columns are, e.g. --columns {example}"
+    )]
+    Unrecognised {
+        /// The file's name.
+        file: String,
+        /// The nearest form.
+        nearest: &'static str,
+        /// What it lacks, or what is unclear.
+        missing: String,
+        /// How columns are given.
+        example: &'static str,
     },
     /// The capture does not name the instrument that took it.
     #[error("the capture names no instrument, expected at least its firmware")]
@@ -197,8 +225,8 @@ pub(super) fn excerpt(text: &str) -> String {
     format!("`{shown}`")
 }
 
-pub(super) fn place(file: &str, line: usize, column: usize) -> Place {
-    Place { file: file.to_owned(), line, column }
+pub(super) fn place(file: &str, line: usize, column: usize) -> FileLocation {
+    FileLocation { file: file.to_owned(), line, column }
 }
 
 #[cfg(test)]

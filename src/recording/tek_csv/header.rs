@@ -2,33 +2,37 @@
 //! prints it. Comes before the samples in `read`; keys and rules are in `layout`.
 
 use super::abscissa;
+use super::cells::RowFields;
 use super::error::place;
-use super::error::{Place, TekCsvError, excerpt};
-use super::layout::{self, Domain, Layout, Numbers};
+use super::error::{FileLocation, TekCsvError, excerpt};
+use super::layout::{self, Domain, HeaderLayout, Numbers};
 use crate::quantity::c_exponential;
-use crate::recording::Instrument;
+use crate::recording::InstrumentIdentity;
 use crate::scope::{PointFormat, Source};
 
-/// Fields in every row.
+/// RowFields in every row.
 const FIELDS: usize = 6;
 
 /// One row of a file, split at its commas.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Row<'a> {
+pub(super) struct HeaderRow<'a> {
     file: &'a str,
     line: usize,
     /// Key, value, nothing, abscissa, ordinate, nothing.
     pub(super) fields: [&'a str; FIELDS],
 }
 
-impl<'a> Row<'a> {
+impl<'a> HeaderRow<'a> {
     /// Splits line number `line`, counted from 1.
     pub(super) fn split(file: &'a str, line: usize, text: &'a str) -> Result<Self, TekCsvError> {
         let mut fields = [""; FIELDS];
-        for (slot, field) in fields.iter_mut().zip(text.split(',')) {
-            *slot = field;
+        let mut found = 0;
+        for (field, _) in RowFields::of(text, ',', false) {
+            if let Some(slot) = fields.get_mut(found) {
+                *slot = field;
+            }
+            found += 1;
         }
-        let found = text.split(',').count();
         if found == FIELDS {
             Ok(Self { file, line, fields })
         } else {
@@ -42,7 +46,7 @@ impl<'a> Row<'a> {
     }
 
     /// Where field `index`, counted from 0, begins.
-    pub(super) fn place(&self, index: usize) -> Place {
+    pub(super) fn place(&self, index: usize) -> FileLocation {
         let before = self.fields.iter().take(index);
         let column = 1 + before.map(|field| field.chars().count() + 1).sum::<usize>();
         place(self.file, self.line, column)
@@ -73,21 +77,23 @@ impl<'a> Row<'a> {
 
 /// What a header says.
 #[derive(Debug, Clone)]
-pub(super) struct Header {
-    pub(super) layout: Layout,
+pub(super) struct CsvHeader {
+    pub(super) layout: HeaderLayout,
     pub(super) domain: Domain,
     pub(super) numbers: Numbers,
     pub(super) source: Source,
+    /// The note that keeps another spelling of the source.
+    pub(super) spelling: Option<String>,
     pub(super) point_format: PointFormat,
-    pub(super) instrument: Instrument,
+    pub(super) instrument: InstrumentIdentity,
 }
 
-impl Header {
+impl CsvHeader {
     /// Reads the header from a file's lines, of which there may be too few.
     pub(super) fn read(file: &str, lines: &[&str]) -> Result<Self, TekCsvError> {
-        let layout = match lines.get(Layout::Old.keys().len() - 1) {
-            Some(line) if line.starts_with(layout::FIRMWARE) => Layout::Old,
-            _ => Layout::Named,
+        let layout = match lines.get(HeaderLayout::Old.keys().len() - 1) {
+            Some(line) if line.starts_with(layout::FIRMWARE) => HeaderLayout::Old,
+            _ => HeaderLayout::Named,
         };
         let rows = Rows::read(file, lines, layout)?;
         let x_unit = rows.text(layout::HORIZONTAL_UNITS)?;
@@ -101,11 +107,13 @@ impl Header {
         if let Some(violation) = numbers.violation(domain) {
             return Err(rows.wrong(violation.key, violation.expected));
         }
+        let (source, spelling) = rows.source()?;
         Ok(Self {
             layout,
             domain,
             numbers,
-            source: rows.source()?,
+            source,
+            spelling,
             point_format: rows.point_format()?,
             instrument: rows.instrument(layout)?,
         })
@@ -115,11 +123,11 @@ impl Header {
 /// The rows of a header, keys checked.
 struct Rows<'a> {
     file: &'a str,
-    rows: Vec<Row<'a>>,
+    rows: Vec<HeaderRow<'a>>,
 }
 
 impl<'a> Rows<'a> {
-    fn read(file: &'a str, lines: &[&'a str], layout: Layout) -> Result<Self, TekCsvError> {
+    fn read(file: &'a str, lines: &[&'a str], layout: HeaderLayout) -> Result<Self, TekCsvError> {
         let mut rows = Vec::with_capacity(layout.keys().len());
         for (index, key) in layout.keys().iter().enumerate() {
             let number = index + 1;
@@ -130,7 +138,7 @@ impl<'a> Rows<'a> {
                 let found = line.split(',').next().map(excerpt).unwrap_or_default();
                 return Err(wrong_key(file, number, found, key));
             }
-            let row = Row::split(file, number, line)?;
+            let row = HeaderRow::split(file, number, line)?;
             if key.is_empty() {
                 row.expect_empty(1)?;
             }
@@ -139,13 +147,13 @@ impl<'a> Rows<'a> {
         Ok(Self { file, rows })
     }
 
-    fn row(&self, key: &'static str) -> Result<&Row<'a>, TekCsvError> {
+    fn row(&self, key: &'static str) -> Result<&HeaderRow<'a>, TekCsvError> {
         let missing = || wrong_key(self.file, self.rows.len(), "no such row".to_owned(), key);
         self.rows.iter().find(|row| row.key() == key).ok_or_else(missing)
     }
 
     fn text(&self, key: &'static str) -> Result<&'a str, TekCsvError> {
-        self.row(key).map(Row::value)
+        self.row(key).map(HeaderRow::value)
     }
 
     /// The error that `key`'s value is not what was `expected`.
@@ -197,11 +205,13 @@ impl<'a> Rows<'a> {
         })
     }
 
-    fn source(&self) -> Result<Source, TekCsvError> {
+    /// The source, and a note of its spelling where that is not the usual one.
+    fn source(&self) -> Result<(Source, Option<String>), TekCsvError> {
         let text = self.text(layout::SOURCE)?;
-        Source::from_name(text).filter(|source| source.to_string() == text).ok_or_else(|| {
+        let source = layout::source_of(text).ok_or_else(|| {
             self.wrong(layout::SOURCE, "CH1 to CH4, MATH or REFA to REFD".to_owned())
-        })
+        })?;
+        Ok((source, layout::spelling_note(source, text)))
     }
 
     fn point_format(&self) -> Result<PointFormat, TekCsvError> {
@@ -212,12 +222,12 @@ impl<'a> Rows<'a> {
             .ok_or_else(|| self.wrong(layout::POINT_FORMAT, "Y or ENV".to_owned()))
     }
 
-    fn instrument(&self, layout: Layout) -> Result<Instrument, TekCsvError> {
+    fn instrument(&self, layout: HeaderLayout) -> Result<InstrumentIdentity, TekCsvError> {
         let (model, serial) = match layout {
-            Layout::Named => (self.name(layout::MODEL)?, self.printable(layout::SERIAL)?),
-            Layout::Old => (String::new(), String::new()),
+            HeaderLayout::Named => (self.name(layout::MODEL)?, self.printable(layout::SERIAL)?),
+            HeaderLayout::Old => (String::new(), String::new()),
         };
-        Ok(Instrument { model, serial, firmware: self.printable(layout::FIRMWARE)? })
+        Ok(InstrumentIdentity { model, serial, firmware: self.printable(layout::FIRMWARE)? })
     }
 
     /// A text that is not empty.

@@ -4,14 +4,15 @@
 //! The keys are found by name, wherever they stand in their column. A row whose time and value are no numbers is
 //! passed over while no sample has been seen, and refused later.
 
-use super::cells::Table;
-use super::column::Column;
+use super::cells::CsvRows;
+use super::column::SampleColumn;
 use super::detection::rows_above;
 use super::error::{TekCsvError, excerpt};
 use super::layout;
-use super::times::Stated;
+use super::names;
+use super::times::StatedTimeBase;
 use super::unscaled_import::UnscaledImport;
-use crate::recording::Instrument;
+use crate::recording::InstrumentIdentity;
 use crate::scope::{PointFormat, Source};
 
 /// Rows that are searched for keys.
@@ -23,7 +24,7 @@ const TO_VALUE: usize = 4;
 /// One channel's columns.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Block<'a, 't> {
-    table: &'t Table<'a>,
+    table: &'t CsvRows<'a>,
     /// Row of `Record Length`.
     head: usize,
     /// Column of the keys.
@@ -31,7 +32,7 @@ pub(super) struct Block<'a, 't> {
 }
 
 /// The blocks of a table, from left to right.
-pub(super) fn blocks<'a, 't>(table: &'t Table<'a>) -> Vec<Block<'a, 't>> {
+pub(super) fn blocks<'a, 't>(table: &'t CsvRows<'a>) -> Vec<Block<'a, 't>> {
     let Some(head) = rows_above(table) else { return Vec::new() };
     let row = table.row(head);
     let columns = row.texts().enumerate().filter(|(_, cell)| *cell == layout::RECORD_LENGTH);
@@ -63,7 +64,7 @@ impl<'a> Block<'a, '_> {
         let mut draft = UnscaledImport {
             times,
             values,
-            stated: Stated {
+            stated: StatedTimeBase {
                 interval: self.number(layout::SAMPLE_INTERVAL)?,
                 trigger_point: self.number(layout::TRIGGER_POINT)?,
             },
@@ -106,8 +107,8 @@ impl<'a> Block<'a, '_> {
         Ok(())
     }
 
-    fn samples(&self) -> Result<(Column, Column), TekCsvError> {
-        let (mut times, mut values) = (Column::default(), Column::default());
+    fn samples(&self) -> Result<(SampleColumn, SampleColumn), TekCsvError> {
+        let (mut times, mut values) = (SampleColumn::default(), SampleColumn::default());
         let (time, value) = (self.column + TO_TIME, self.column + TO_VALUE);
         for index in self.head..self.table.len() {
             let row = self.table.row(index);
@@ -126,9 +127,9 @@ impl<'a> Block<'a, '_> {
         else {
             return Ok(None);
         };
-        Source::from_name(text)
+        names::source(text)
             .map(Some)
-            .ok_or_else(|| self.wrong(layout::SOURCE, index, "CH1 to CH4, MATH or REFA to REFD"))
+            .ok_or_else(|| self.wrong(layout::SOURCE, index, "CH1 to CH8, MATH or REFA to REFD"))
     }
 
     fn point_format(&self) -> Result<Option<PointFormat>, TekCsvError> {
@@ -154,12 +155,12 @@ impl<'a> Block<'a, '_> {
         self.text(key).map(|(text, _)| text).filter(|text| !text.is_empty()).map(unit)
     }
 
-    fn instrument(&self) -> Option<Instrument> {
+    fn instrument(&self) -> Option<InstrumentIdentity> {
         let text = |key| self.text(key).map(|(text, _)| text.to_owned()).unwrap_or_default();
         let (model, serial) = (text(layout::MODEL), text(layout::SERIAL));
         let firmware = text(layout::FIRMWARE);
         let known = !(model.is_empty() && firmware.is_empty());
-        known.then_some(Instrument { model, serial, firmware })
+        known.then_some(InstrumentIdentity { model, serial, firmware })
     }
 }
 

@@ -2,6 +2,7 @@
 //! numbers obey. Equations and sources: the module above.
 
 use crate::quantity::c_exponential;
+use crate::scope::Source;
 use crate::scope::waveform::LEVELS_PER_DIVISION;
 
 /// Decimals of every number in the header but the trigger point.
@@ -18,6 +19,41 @@ const ORDINATE_DIGIT: f64 = 1e-5;
 pub(super) const PRINTING_ERROR: f64 = 5e-7;
 /// Slack for the round-off of a few operations in double precision, relative.
 pub(super) const ROUND_OFF: f64 = 1e-9;
+
+/// How a capture's note begins that keeps another spelling of its source: `FFT` of the TBS1000B-EDU, `REF1` of the TDS2024C.
+const SPELLING: &str = "the file calls this trace ";
+
+/// The note that keeps `text`, the file's own spelling of `source`; none for the usual one.
+pub(super) fn spelling_note(source: Source, text: &str) -> Option<String> {
+    (source.to_string() != text).then(|| format!("{SPELLING}{text}"))
+}
+
+/// The source as the capture's own file spells it.
+pub(super) fn spelling(source: Source, notes: &[String]) -> String {
+    let kept = notes.iter().find_map(|note| note.strip_prefix(SPELLING));
+    let same = |text: &&str| source_of(text) == Some(source);
+    kept.filter(same).map_or_else(|| source.to_string(), str::to_owned)
+}
+
+/// The source that a native file names.
+pub(super) fn source_of(text: &str) -> Option<Source> {
+    match text {
+        "FFT" => Some(Source::Math),
+        "REF1" => Some(Source::Reference('A')),
+        "REF2" => Some(Source::Reference('B')),
+        "REF3" => Some(Source::Reference('C')),
+        "REF4" => Some(Source::Reference('D')),
+        _ => Source::from_name(text)
+            .filter(|source| source.to_string() == text)
+            .filter(|source| !matches!(source, Source::Channel(5..))),
+    }
+}
+
+/// A number as a header prints it: a spectrum's are rounded half up, as 4882.8125 Hz, `4.882813e+03`, shows.
+pub(super) fn printed(value: f64, domain: Domain) -> String {
+    let value = if domain == Domain::Frequency && value > 0.0 { value.next_up() } else { value };
+    c_exponential(value, DECIMALS)
+}
 
 pub(super) const RECORD_LENGTH: &str = "Record Length";
 pub(super) const SAMPLE_INTERVAL: &str = "Sample Interval";
@@ -37,14 +73,14 @@ pub(super) const FIRMWARE: &str = "Firmware Version";
 
 /// Which header rows a file has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Layout {
+pub(super) enum HeaderLayout {
     /// 18 rows, model and serial number among them.
     Named,
     /// 16 rows; seen with firmware v6.08.
     Old,
 }
 
-impl Layout {
+impl HeaderLayout {
     /// The keys of the header rows from row 1 on; empty for a row without one.
     pub(super) fn keys(self) -> &'static [&'static str] {
         match self {

@@ -10,23 +10,23 @@
 //! more than a quarter of a level leaves more than one level possible, and rules a grid out, unless a level is a
 //! whole number of last digits: then nothing was rounded (0.02 V at 0.5 V/div and two decimals).
 
-use super::column::{Column, one_two_five, ten_to};
+use super::column::{SampleColumn, one_two_five, ten_to};
 use crate::scope::waveform::LEVELS_PER_DIVISION;
 
 /// Levels that 16 bits can tell apart, with some to spare at the ends.
-const MOST_LEVELS: f64 = 65_000.0;
+const MAX_LEVELS: f64 = 65_000.0;
 /// How much of a level the printed digits may leave open.
-const QUARTER: f64 = 0.25;
+const DIGIT_TOLERANCE: f64 = 0.25;
 /// The same for a first guess, which `on_grid` judges: half a last digit of a level of two is just a quarter.
-const OF_A_GUESS: f64 = 0.3;
+const GUESS_TOLERANCE: f64 = 0.3;
 /// What of a level means nothing.
-const NOTHING: f64 = 1e-6;
+const LEVEL_ROUND_OFF: f64 = 1e-6;
 /// A gap between neighbouring values is searched for levels up to this many.
-const MOST_IN_A_GAP: u32 = 8;
+const MAX_LEVELS_IN_GAP: u32 = 8;
 
 /// Where the levels come from.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Evidence {
+pub(super) enum LevelSource {
     /// The header's scale.
     Scale,
     /// The gaps between the values.
@@ -39,21 +39,21 @@ pub(super) enum Evidence {
 
 /// Values on an even grid: `value = origin + step * index`.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Grid {
+pub(super) struct ValueGrid {
     /// One level (V; dB for an FFT).
     pub(super) step: f64,
     /// Value of index 0 (V; dB for an FFT).
     pub(super) origin: f64,
     pub(super) indices: Vec<i64>,
-    pub(super) evidence: Evidence,
+    pub(super) evidence: LevelSource,
 }
 
-impl Grid {
+impl ValueGrid {
     /// The grid of `column`; `scale` is the header's (V/div; dB/div for an FFT).
-    pub(super) fn find(column: &Column, scale: Option<f64>) -> Self {
+    pub(super) fn find(column: &SampleColumn, scale: Option<f64>) -> Self {
         let stated = scale.map(|scale| scale / LEVELS_PER_DIVISION);
         stated
-            .and_then(|step| on_grid(column, step, Evidence::Scale))
+            .and_then(|step| on_grid(column, step, LevelSource::Scale))
             .or_else(|| from_gaps(column))
             .or_else(|| from_digits(column))
             .unwrap_or_else(|| rounded(column))
@@ -67,18 +67,18 @@ impl Grid {
 
     /// Whether the levels are a converter's.
     pub(super) fn is_converter(&self) -> bool {
-        matches!(self.evidence, Evidence::Scale | Evidence::Gaps)
+        matches!(self.evidence, LevelSource::Scale | LevelSource::Gaps)
     }
 }
 
 /// `column` on a grid of `step`, through zero or else through its first value.
-fn on_grid(column: &Column, step: f64, evidence: Evidence) -> Option<Grid> {
+fn on_grid(column: &SampleColumn, step: f64, evidence: LevelSource) -> Option<ValueGrid> {
     let (low, high) = column.range();
-    let usable = step.is_finite() && step > 0.0 && high - low <= MOST_LEVELS * step;
+    let usable = step.is_finite() && step > 0.0 && high - low <= MAX_LEVELS * step;
     // That all values are multiples of one last digit shows nothing; of two or more, it does.
-    let least = if evidence == Evidence::Scale { 1.0 } else { 2.0 };
+    let least = if evidence == LevelSource::Scale { 1.0 } else { 2.0 };
     let exact = column.digits_of(step).is_some_and(|count| count >= least);
-    if !usable || !(exact || column.largest_tolerance() <= QUARTER * step) {
+    if !usable || !(exact || column.largest_tolerance() <= DIGIT_TOLERANCE * step) {
         return None;
     }
     let tolerance =
@@ -89,15 +89,15 @@ fn on_grid(column: &Column, step: f64, evidence: Evidence) -> Option<Grid> {
         let index = |value: &f64| {
             let index = ((value - origin) / step).round();
             let off = (value - origin - index * step).abs();
-            (off <= tolerance(*value) + spare + NOTHING * step).then_some(whole(index))
+            (off <= tolerance(*value) + spare + LEVEL_ROUND_OFF * step).then_some(whole(index))
         };
         let indices: Option<Vec<i64>> = column.values.iter().map(index).collect();
-        indices.map(|indices| Grid { step, origin, indices, evidence })
+        indices.map(|indices| ValueGrid { step, origin, indices, evidence })
     })
 }
 
 /// The grid on which the gaps between neighbouring values are whole numbers of steps.
-fn from_gaps(column: &Column) -> Option<Grid> {
+fn from_gaps(column: &SampleColumn) -> Option<ValueGrid> {
     let mut sorted = column.values.clone();
     sorted.sort_by(f64::total_cmp);
     let tolerance = column.largest_tolerance();
@@ -107,16 +107,16 @@ fn from_gaps(column: &Column) -> Option<Grid> {
     if !smallest.is_finite() {
         return None;
     }
-    let mut found: Option<Grid> = None;
-    for parts in 1..=MOST_IN_A_GAP {
+    let mut found: Option<ValueGrid> = None;
+    for parts in 1..=MAX_LEVELS_IN_GAP {
         let Some(step) = refined(&gaps, smallest / f64::from(parts), tolerance) else { continue };
         let nice = one_two_five(step * LEVELS_PER_DIVISION, 1e-3);
         let exact =
-            nice.and_then(|scale| on_grid(column, scale / LEVELS_PER_DIVISION, Evidence::Gaps));
+            nice.and_then(|scale| on_grid(column, scale / LEVELS_PER_DIVISION, LevelSource::Gaps));
         if exact.is_some() {
             return exact;
         }
-        found = found.or_else(|| on_grid(column, step, Evidence::Gaps));
+        found = found.or_else(|| on_grid(column, step, LevelSource::Gaps));
     }
     found
 }
@@ -130,7 +130,7 @@ fn step_between(pair: &[f64]) -> f64 {
 
 /// A step near `guess`, from the whole range: the sum of the gaps over the sum of their levels.
 fn refined(gaps: &[f64], guess: f64, tolerance: f64) -> Option<f64> {
-    if tolerance > OF_A_GUESS * guess {
+    if tolerance > GUESS_TOLERANCE * guess {
         return None;
     }
     let (mut levels, mut sum, mut step) = (0.0, 0.0, guess);
@@ -146,20 +146,20 @@ fn refined(gaps: &[f64], guess: f64, tolerance: f64) -> Option<f64> {
 }
 
 /// The values as printed.
-fn from_digits(column: &Column) -> Option<Grid> {
+fn from_digits(column: &SampleColumn) -> Option<ValueGrid> {
     let step = ten_to(-column.decimals());
     let (low, high) = column.range();
-    let usable = step.is_finite() && step > 0.0 && high - low <= MOST_LEVELS * step;
+    let usable = step.is_finite() && step > 0.0 && high - low <= MAX_LEVELS * step;
     usable.then(|| {
         let indices = column.values.iter().map(|value| whole((value / step).round())).collect();
-        Grid { step, origin: 0.0, indices, evidence: Evidence::Digits }
+        ValueGrid { step, origin: 0.0, indices, evidence: LevelSource::Digits }
     })
 }
 
 /// The values in 16 bits, as well as that goes.
-fn rounded(column: &Column) -> Grid {
+fn rounded(column: &SampleColumn) -> ValueGrid {
     let (low, high) = column.range();
-    let least = ((high - low) / MOST_LEVELS).max(f64::MIN_POSITIVE);
+    let least = ((high - low) / MAX_LEVELS).max(f64::MIN_POSITIVE);
     let decade = ten_to(whole_power(least));
     let steps = [1.0, 2.0, 5.0, 10.0, 20.0].map(|digit| digit * decade);
     let step = steps.into_iter().find(|step| *step >= least).unwrap_or(least);
@@ -170,7 +170,7 @@ fn rounded(column: &Column) -> Grid {
         .map(|value| (value - low - index(value) * step).abs())
         .fold(0.0, f64::max);
     let indices = column.values.iter().map(|value| whole(index(value))).collect();
-    Grid { step, origin: low, indices, evidence: Evidence::Rounded(error) }
+    ValueGrid { step, origin: low, indices, evidence: LevelSource::Rounded(error) }
 }
 
 #[allow(clippy::cast_possible_truncation, reason = "saturates; codes are checked against 16 bits")]

@@ -23,7 +23,7 @@
 //! `si = (100/99) fs/2048`.
 //!
 //! # Which dialect is written
-//! An [`Instrument`](super::Instrument) with a model gives the 18-row header; one whose model and
+//! An [`InstrumentIdentity`](super::InstrumentIdentity) with a model gives the 18-row header; one whose model and
 //! serial number are empty gives the 16-row header, and reading that leaves both empty.
 //!
 //! # Sources
@@ -38,31 +38,36 @@
 //! neither coupling nor bandwidth nor inversion.
 //!
 //! # Other dialects
-//! [`read_all`] also takes what `OpenChoice`, newer models, spreadsheets and people made of such files; one file
-//! a dialect, `openchoice`, `tbs1000c`, `spreadsheet`, `headerless`. They bring rows to `unscaled_import`, where `times` finds the
+//! [`read_all`] also takes what `OpenChoice`, spreadsheets (`openchoice`, `spreadsheet`), newer models, other makers and people
+//! save as tables (`table`, by `names` and `keys`). They bring rows to `unscaled_import`, where `times` finds the
 //! even spacing and `levels` the digitiser's levels, and every guess is written into the capture's notes. [`read()`]
 //! stays strict and refuses them by name.
 
 mod abscissa;
 mod cells;
 mod column;
+mod columns;
 mod detection;
 mod dialect;
 mod error;
 mod header;
 mod header_columns;
-mod headerless;
+mod keys;
 mod layout;
 mod levels;
+mod names;
 mod openchoice;
 mod read;
 mod spreadsheet;
-mod tbs1000c;
+mod table;
+mod table_layout;
+mod text;
 mod times;
 mod unscaled_import;
 mod write;
 
+pub use columns::{EXAMPLE as COLUMNS_EXAMPLE, TableColumns};
 pub use dialect::Dialect;
-pub use error::{Place, TekCsvError};
-pub use read::{MAXIMUM_BYTES, read, read_all};
+pub use error::{FileLocation, TekCsvError};
+pub use read::{MAXIMUM_BYTES, read, read_all, read_columns};
 pub use write::write;

@@ -4,23 +4,27 @@
 //! Other than in a native file, the zero level stands in `Yzero` (V), and `Vertical Offset` is 0. The instrument
 //! stands in `Note`, as `TDS 1002B - <time of day> <date>`; its firmware is not told.
 
-use super::cells::Table;
+use super::cells::CsvRows;
 use super::column::{SINGLE_PRECISION_DIGITS, rounded};
 use super::error::TekCsvError;
 use super::header_columns::{Block, blocks};
 use super::layout;
 use super::unscaled_import::UnscaledImport;
-use crate::recording::{Capture, Instrument};
+use crate::recording::{Capture, InstrumentIdentity};
 
 const NOTE: &str = "Note";
 /// Digits of single precision that the header's numbers keep.
 const DIGITS: usize = 6;
 
-pub(super) fn read(table: &Table<'_>) -> Result<Vec<Capture>, TekCsvError> {
+pub(super) fn read(table: &CsvRows<'_>) -> Result<Vec<Capture>, TekCsvError> {
     (1..).zip(blocks(table)).map(|(channel, block)| capture(table, &block, channel)).collect()
 }
 
-fn capture(table: &Table<'_>, block: &Block<'_, '_>, channel: u8) -> Result<Capture, TekCsvError> {
+fn capture(
+    table: &CsvRows<'_>,
+    block: &Block<'_, '_>,
+    channel: u8,
+) -> Result<Capture, TekCsvError> {
     let mut draft = block.import()?;
     draft.times.limit_digits(SINGLE_PRECISION_DIGITS);
     draft.values.limit_digits(SINGLE_PRECISION_DIGITS);
@@ -51,7 +55,7 @@ fn note(draft: &mut UnscaledImport, block: &Block<'_, '_>) {
     let model = text.split(" - ").next().unwrap_or_default().replace(' ', "");
     if draft.instrument.is_none() && !model.is_empty() {
         let (serial, firmware) = (String::new(), String::new());
-        draft.instrument = Some(Instrument { model, serial, firmware });
+        draft.instrument = Some(InstrumentIdentity { model, serial, firmware });
     }
     let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
     draft.notes.push(format!("OpenChoice says: {text}"));

@@ -3,20 +3,22 @@
 //! sources: the module above.
 
 use super::abscissa::Abscissa;
-use super::cells::{MOST_ROWS, Table};
+use super::cells::CsvRows;
+use super::columns::TableColumns;
 use super::detection;
 use super::dialect::Dialect;
 use super::error::place;
 use super::error::{TekCsvError, excerpt};
-use super::header::{Header, Row};
+use super::header::{CsvHeader, HeaderRow};
 use super::layout::{Domain, Numbers, PRINTING_ERROR};
-use super::{headerless, openchoice, spreadsheet, tbs1000c};
+use super::text::{DecodedText, decode};
+use super::{openchoice, spreadsheet, table};
 use crate::recording::Capture;
 use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
 use crate::scope::{Preamble, VerticalSetup, Waveform};
 
-/// Larger files are refused unread; the family's own have less than 100 000 bytes.
-pub const MAXIMUM_BYTES: usize = 16 << 20;
+/// Larger files are refused unread; the family's own have less than 100 000 bytes, two million rows of two channels less than this.
+pub const MAXIMUM_BYTES: usize = 64 << 20;
 
 /// Field of the time or frequency in a row.
 const ABSCISSA: usize = 3;
@@ -30,7 +32,7 @@ const ORDINATE: usize = 4;
 /// of it disagrees with the format or with the file's own header.
 pub fn read(bytes: &[u8], file_name: &str) -> Result<Capture, TekCsvError> {
     let text = checked_text(bytes, file_name)?;
-    if let Some(dialect) = detection::foreign(&Table::new(file_name, text)?) {
+    if let Some(dialect) = detection::foreign(&CsvRows::new(file_name, text)?) {
         return Err(TekCsvError::UnsupportedDialect {
             file: file_name.to_owned(),
             dialect,
@@ -45,23 +47,33 @@ pub fn read(bytes: &[u8], file_name: &str) -> Result<Capture, TekCsvError> {
 /// be guessed stands in their notes.
 ///
 /// # Errors
-/// As [`read`], and for other dialects [`TekCsvError`] when a number is none, or the times are not even.
+/// As [`read`], and for other dialects [`TekCsvError`] when a number is none, the times are not even, or it cannot be told which
+/// column holds what.
 pub fn read_all(bytes: &[u8], file_name: &str) -> Result<Vec<Capture>, TekCsvError> {
-    let text = checked_text(bytes, file_name)?;
-    let table = Table::new(file_name, text)?;
-    let captures = match detection::foreign(&table) {
-        None => vec![native(text, file_name)?],
+    read_columns(bytes, file_name, &TableColumns::default())
+}
+
+/// The same for a table whose columns the user names; [`TableColumns::default`] leaves them to the file.
+///
+/// # Errors
+/// As [`read_all`].
+pub fn read_columns(
+    bytes: &[u8],
+    file_name: &str,
+    columns: &TableColumns,
+) -> Result<Vec<Capture>, TekCsvError> {
+    check_size(bytes, file_name)?;
+    let DecodedText { text, notes } = decode(bytes, file_name)?;
+    let table = CsvRows::new(file_name, &text)?;
+    let beside = detection::rows_above(&table).is_some_and(|above| table.row(above).len() >= 5);
+    let mut captures = match detection::foreign(&table) {
+        _ if !columns.is_empty() || !beside => table::read(&table, columns)?,
+        None => vec![native(&text, file_name)?],
         Some(Dialect::OpenChoice) => openchoice::read(&table)?,
-        Some(Dialect::NewerModel) => tbs1000c::read(&table)?,
-        Some(Dialect::Spreadsheet) => spreadsheet::read(&table)?,
-        Some(Dialect::HandHeader) if detection::rows_above(&table).is_some() => {
-            spreadsheet::read(&table)?
-        }
-        Some(Dialect::HandHeader | Dialect::Headerless) => headerless::read(&table)?,
+        Some(_) => spreadsheet::read(&table)?,
     };
-    if captures.is_empty() {
-        let file = file_name.to_owned();
-        return Err(TekCsvError::SampleCount { file, found: 0, lowest: 2, highest: MOST_ROWS });
+    for capture in &mut captures {
+        capture.notes.extend(notes.iter().cloned());
     }
     Ok(captures)
 }
@@ -73,7 +85,7 @@ fn native(text: &str, file_name: &str) -> Result<Capture, TekCsvError> {
         .take(longest)
         .map(|line| line.strip_suffix('\r').unwrap_or(line))
         .collect();
-    let header = Header::read(file_name, &lines)?;
+    let header = CsvHeader::read(file_name, &lines)?;
     let samples = Samples::new(file_name, &header);
     let record = lines.iter().take(usize::from(header.domain.record_length()));
     let codes = (0_u32..)
@@ -85,17 +97,7 @@ fn native(text: &str, file_name: &str) -> Result<Capture, TekCsvError> {
 }
 
 fn checked_text<'a>(bytes: &'a [u8], file_name: &str) -> Result<&'a str, TekCsvError> {
-    let file = || file_name.to_owned();
-    if bytes.is_empty() {
-        return Err(TekCsvError::Empty { file: file() });
-    }
-    if bytes.len() > MAXIMUM_BYTES {
-        return Err(TekCsvError::TooLarge {
-            file: file(),
-            found: bytes.len(),
-            limit: MAXIMUM_BYTES,
-        });
-    }
+    check_size(bytes, file_name)?;
     std::str::from_utf8(bytes).map_err(|error| {
         let (good, bad) = bytes.split_at(error.valid_up_to());
         let before = String::from_utf8_lossy(good);
@@ -106,6 +108,18 @@ fn checked_text<'a>(bytes: &'a [u8], file_name: &str) -> Result<&'a str, TekCsvE
             found: bad.first().copied().unwrap_or_default(),
         }
     })
+}
+
+fn check_size(bytes: &[u8], file_name: &str) -> Result<(), TekCsvError> {
+    let file = || file_name.to_owned();
+    if bytes.is_empty() {
+        return Err(TekCsvError::Empty { file: file() });
+    }
+    if bytes.len() > MAXIMUM_BYTES {
+        let (found, limit) = (bytes.len() as u64, MAXIMUM_BYTES as u64);
+        return Err(TekCsvError::TooLarge { file: file(), found, limit });
+    }
+    Ok(())
 }
 
 /// Refuses a file with too few or too many rows, or with its last row cut.
@@ -139,7 +153,7 @@ struct Samples<'a> {
 }
 
 impl<'a> Samples<'a> {
-    fn new(file: &'a str, header: &Header) -> Self {
+    fn new(file: &'a str, header: &CsvHeader) -> Self {
         let numbers = &header.numbers;
         Self {
             file,
@@ -159,7 +173,7 @@ impl<'a> Samples<'a> {
     /// The digitiser level of row `index`, counted from 0.
     fn code(&self, index: u32, line: &str) -> Result<i16, TekCsvError> {
         let number = usize::try_from(index).unwrap_or(usize::MAX).saturating_add(1);
-        let row = Row::split(self.file, number, line)?;
+        let row = HeaderRow::split(self.file, number, line)?;
         if index >= self.header_rows {
             row.expect_empty(0)?;
             row.expect_empty(1)?;
@@ -171,7 +185,7 @@ impl<'a> Samples<'a> {
         Ok(code)
     }
 
-    fn check_abscissa(&self, index: u32, row: &Row) -> Result<(), TekCsvError> {
+    fn check_abscissa(&self, index: u32, row: &HeaderRow) -> Result<(), TekCsvError> {
         let found = number(row, ABSCISSA)?;
         let expected = self.abscissa.value(index);
         // A difference that is not a number is refused too.
@@ -186,7 +200,7 @@ impl<'a> Samples<'a> {
         })
     }
 
-    fn level_of(&self, row: &Row) -> Result<i16, TekCsvError> {
+    fn level_of(&self, row: &HeaderRow) -> Result<i16, TekCsvError> {
         let domain = self.abscissa.domain;
         let found = number(row, ORDINATE)?;
         let steps = (found - self.y_zero) / self.level + self.zero_level;
@@ -205,12 +219,12 @@ impl<'a> Samples<'a> {
     }
 }
 
-fn field(row: &Row, index: usize) -> String {
+fn field(row: &HeaderRow, index: usize) -> String {
     row.fields.get(index).map(|text| excerpt(text)).unwrap_or_default()
 }
 
 /// A decimal number, padded with spaces or not.
-fn number(row: &Row, index: usize) -> Result<f64, TekCsvError> {
+fn number(row: &HeaderRow, index: usize) -> Result<f64, TekCsvError> {
     let text = row.fields.get(index).map(|text| text.trim_matches(' ')).unwrap_or_default();
     text.parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(|| TekCsvError::Field {
         place: row.place(index),
@@ -227,7 +241,7 @@ fn zero_level(numbers: &Numbers) -> f64 {
     if (whole - levels).abs() <= PRINTING_ERROR * levels.abs() { whole } else { levels }
 }
 
-fn capture(header: Header, codes: Vec<i16>) -> Capture {
+fn capture(header: CsvHeader, codes: Vec<i16>) -> Capture {
     let numbers = header.numbers;
     let y_off = zero_level(&numbers);
     Capture {
@@ -257,6 +271,6 @@ fn capture(header: Header, codes: Vec<i16>) -> Capture {
             trigger_point: numbers.trigger_point,
         },
         instrument: Some(header.instrument),
-        notes: Vec::new(),
+        notes: header.spelling.into_iter().collect(),
     }
 }

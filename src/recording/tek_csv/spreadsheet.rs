@@ -1,13 +1,13 @@
 //! Reads a native file that a spreadsheet saved again, or above which somebody put column names. Numbers have
 //! lost digits, not places; the zero level stands in `Vertical Offset` (V), of an FFT in `Yzero` (dB).
 
-use super::cells::Table;
+use super::cells::CsvRows;
 use super::error::TekCsvError;
 use super::header_columns::blocks;
 use super::layout;
 use crate::recording::Capture;
 
-pub(super) fn read(table: &Table<'_>) -> Result<Vec<Capture>, TekCsvError> {
+pub(super) fn read(table: &CsvRows<'_>) -> Result<Vec<Capture>, TekCsvError> {
     (1..)
         .zip(blocks(table))
         .map(|(channel, block)| {

@@ -2,19 +2,31 @@
 //! header states is taken where the column agrees with it; else what the column tells, with a note; a column
 //! that no even spacing explains is refused.
 //!
-//! `time(i) = (i - trigger point) * interval`, `i` from 0.
+//! `time(i) = (i - trigger point) * interval`, `i` from 0. An interval explains the column if one start brings every row
+//! within the tolerance `d_i` of its printed digits: `max (t_i - d_i - i dt) <= min (t_i + d_i - i dt)`. The difference of the two sides
+//! is convex in `dt`: the intervals that explain the column lie between two ends, which cutting planes find (Kelley 1960,
+//! J. Soc. Ind. Appl. Math. 8, 703).
 
-use super::column::{Column, rounded};
+use super::column::{SampleColumn, rounded};
 use super::error::TekCsvError;
+use crate::quantity::engineering;
 
 /// How much of an interval a time near zero may be off, if times elsewhere are as coarse.
-const DRIFT: f64 = 0.01;
+const MAX_TIME_DRIFT: f64 = 0.01;
 /// What of an interval means nothing.
-const NOTHING: f64 = 1e-6;
+const TIME_ROUND_OFF: f64 = 1e-6;
+/// An interval that is known worse than this is told with its bounds (1).
+const COARSE: f64 = 1e-3;
+/// A printed digit of more than this share of the interval cannot tell rounding from a missing row (1).
+const TOO_COARSE: f64 = 0.6;
+/// Cutting planes until the best interval is found; a few suffice.
+const MOST_CUTS: usize = 60;
+/// Most digits of a number (1).
+const MAX_DIGITS: usize = 15;
 
 /// What a header says of the time base.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Stated {
+pub(super) struct StatedTimeBase {
     /// Sample interval (s; Hz for an FFT).
     pub(super) interval: Option<f64>,
     /// Index of the trigger (1).
@@ -23,78 +35,63 @@ pub(super) struct Stated {
 
 /// An even spacing.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Times {
+pub(super) struct EvenTimes {
     /// Sample interval (s; Hz for an FFT).
     pub(super) interval: f64,
     /// Index of the trigger (1).
     pub(super) trigger_point: f64,
 }
 
-impl Times {
+impl EvenTimes {
     /// The spacing of `column`; adds to `notes` what the header did not tell, or told otherwise.
     pub(super) fn fit(
-        column: &Column,
-        stated: Stated,
+        column: &SampleColumn,
+        stated: StatedTimeBase,
         unit: &'static str,
         notes: &mut Vec<String>,
     ) -> Result<Self, TekCsvError> {
-        let fitted = Self::between_ends(column, unit)?;
-        let intervals = [stated.interval, Some(rounded(fitted.interval, 4)), Some(fitted.interval)];
+        let rows = Rows::of(column);
+        let (best, range) = rows.intervals();
+        if let Some(index) = rows.gap(column).filter(|_| range.is_some()) {
+            return Err(rows.uneven(column, best, Some(index), unit));
+        }
+        let by_header = stated.interval.filter(|interval| *interval > 0.0);
+        let of_column = range.map(|(low, high)| simplest(low, high, best));
+        let intervals = [by_header, of_column, Some(best)];
         for interval in intervals.into_iter().flatten().filter(|interval| *interval > 0.0) {
-            let first = column.values.first().copied().unwrap_or_default();
-            let point = 0.0 - first / interval;
-            for trigger_point in [stated.trigger_point, Some(point.round()), Some(point)] {
-                let Some(trigger_point) = trigger_point else { continue };
-                let times = Self { interval, trigger_point };
-                if times.first_miss(column).is_none() {
-                    times.compare(stated, unit, notes);
-                    return Ok(times);
-                }
-            }
+            let Some(starts) = rows.starts(interval) else { continue };
+            let times = Self { interval, trigger_point: rows.trigger(interval, starts, stated) };
+            times.compare(stated, (range, unit), notes);
+            return Ok(times);
         }
-        let miss = fitted.first_miss(column).unwrap_or_default();
-        let place = column.place(miss);
-        let found = column.values.get(miss).copied().unwrap_or_default();
-        let expected = format!("{:.6e}", fitted.time(miss));
-        Err(TekCsvError::Uneven { place, found, expected, unit })
+        Err(rows.uneven(column, best, None, unit))
     }
 
-    fn between_ends(column: &Column, unit: &'static str) -> Result<Self, TekCsvError> {
-        let first = column.values.first().copied().unwrap_or_default();
-        let last = column.values.last().copied().unwrap_or_default();
-        let interval = (last - first) / count(column.len().saturating_sub(1));
-        if interval.is_finite() && interval > 0.0 {
-            return Ok(Self { interval, trigger_point: 0.0 - first / interval });
-        }
-        let index = column.len().saturating_sub(1);
-        let expected = format!("more than {first:e}");
-        Err(TekCsvError::Uneven { place: column.place(index), found: last, expected, unit })
+    /// Whether one even spacing, forward in time, explains the column.
+    pub(super) fn explain(column: &SampleColumn) -> bool {
+        let rows = Rows::of(column);
+        let (best, range) = rows.intervals();
+        best > 0.0 && range.is_some() && rows.gap(column).is_none()
     }
 
-    fn time(&self, index: usize) -> f64 {
-        (count(index) - self.trigger_point) * self.interval
-    }
-
-    /// The first row that this spacing does not explain.
-    fn first_miss(&self, column: &Column) -> Option<usize> {
-        let (low, high) = column.range();
-        let round_off = 4.0 * f64::EPSILON * low.abs().max(high.abs());
-        // Programs add up times, and what should be zero comes out as -4.6E-11.
-        let drift = column.largest_tolerance().min(DRIFT * self.interval);
-        let spare = round_off + drift + NOTHING * self.interval;
-        column.values.iter().enumerate().position(|(index, value)| {
-            let off = (value - self.time(index)).abs();
-            // Also a difference that is not a number.
-            !matches!(off.partial_cmp(&(column.tolerance(*value) + spare)), Some(order) if order.is_le())
-        })
-    }
-
-    fn compare(&self, stated: Stated, unit: &str, notes: &mut Vec<String>) {
+    fn compare(
+        &self,
+        stated: StatedTimeBase,
+        (range, unit): (Option<(f64, f64)>, &str),
+        notes: &mut Vec<String>,
+    ) {
         match stated.interval {
-            None => notes.push(format!(
-                "sample interval {:e} {unit} taken from the first column: no header tells it",
-                self.interval
-            )),
+            None => {
+                let coarse = range.filter(|(low, high)| high - low > COARSE * self.interval);
+                let bounds = coarse.map_or(String::new(), |(low, high)| {
+                    let shown = |interval| engineering(interval, unit, 4);
+                    format!(", between {} and {} by the printed digits", shown(low), shown(high))
+                });
+                notes.push(format!(
+                    "sample interval {:e} {unit} taken from the column of times: no header tells it{bounds}",
+                    self.interval
+                ));
+            }
             Some(stated) if stated.to_bits() != self.interval.to_bits() => notes.push(format!(
                 "sample interval {:e} {unit} taken from the column of times; the header says {stated:e} {unit}",
                 self.interval
@@ -102,6 +99,8 @@ impl Times {
             Some(_) => {}
         }
         match stated.trigger_point {
+            // Where a header tells the interval, it gives the trigger by the time that is zero.
+            None if stated.interval.is_some() => {}
             None => notes.push(format!(
                 "trigger point {} taken from the time that is zero: no header tells it",
                 self.trigger_point
@@ -117,7 +116,218 @@ impl Times {
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "at most a million rows")]
+/// Times and how far each may be off.
+struct Rows<'a> {
+    times: &'a [f64],
+    tolerances: Vec<f64>,
+}
+
+/// What an interval leaves: how far the rows miss it, and the slope of that over the interval.
+#[derive(Clone, Copy)]
+struct Miss {
+    /// Above zero where no start explains all rows (s; Hz for an FFT).
+    excess: f64,
+    /// Largest lower and smallest upper bound of the start (s; Hz for an FFT).
+    starts: (f64, f64),
+    /// Rows that give them.
+    rows: (usize, usize),
+}
+
+impl<'a> Rows<'a> {
+    fn of(column: &'a SampleColumn) -> Self {
+        let times = column.values.as_slice();
+        let (low, high) = column.range();
+        let span = high - low;
+        let step = (span / count(column.len().saturating_sub(1))).abs();
+        let round_off = 4.0 * f64::EPSILON * low.abs().max(high.abs());
+        // Programs add up times, and what should be zero comes out as -4.6E-11: with a fixed number of digits, not of decimals.
+        let (coarsest, finest) = (column.largest_tolerance(), column.tolerance(0.0));
+        let drift = if coarsest > 1.5 * finest { coarsest.min(MAX_TIME_DRIFT * step) } else { 0.0 };
+        let spare = round_off + drift + TIME_ROUND_OFF * step;
+        let tolerances = times.iter().map(|value| column.tolerance(*value) + spare).collect();
+        Self { times, tolerances }
+    }
+
+    fn miss(&self, interval: f64) -> Miss {
+        let mut miss = Miss {
+            excess: f64::INFINITY,
+            starts: (f64::NEG_INFINITY, f64::INFINITY),
+            rows: (0, 0),
+        };
+        for (index, (time, tolerance)) in self.times.iter().zip(&self.tolerances).enumerate() {
+            let start = time - count(index) * interval;
+            if start - tolerance > miss.starts.0 {
+                (miss.starts.0, miss.rows.0) = (start - tolerance, index);
+            }
+            if start + tolerance < miss.starts.1 {
+                (miss.starts.1, miss.rows.1) = (start + tolerance, index);
+            }
+        }
+        miss.excess = miss.starts.0 - miss.starts.1;
+        miss
+    }
+
+    /// The starts with which `interval` explains every row.
+    fn starts(&self, interval: f64) -> Option<(f64, f64)> {
+        let miss = self.miss(interval);
+        // Also a difference that is not a number.
+        matches!(miss.excess.partial_cmp(&0.0), Some(order) if order.is_le()).then_some(miss.starts)
+    }
+
+    /// The interval that misses the rows least, and the ends of those that explain all rows, if any does.
+    fn intervals(&self) -> (f64, Option<(f64, f64)>) {
+        let last = self.times.len().saturating_sub(1);
+        let ends = |start: f64, end: f64| (end - start) / count(last.max(1));
+        let first = self.times.first().copied().unwrap_or_default();
+        let guess = ends(first, self.times.last().copied().unwrap_or_default());
+        let best = self.least_miss(guess);
+        let found = self.miss(best).excess <= 0.0;
+        let range = found.then(|| (self.end(best, -1.0), self.end(best, 1.0)));
+        (best, range)
+    }
+
+    /// The interval of least excess: the crossing of the steepest cuts from the left and from the right, again and again.
+    fn least_miss(&self, guess: f64) -> f64 {
+        // A cut is a line: its excess at an interval, and its slope.
+        let (mut left, mut right): (Option<(f64, f64, f64)>, Option<(f64, f64, f64)>) =
+            (None, None);
+        let (mut at, mut best) = (guess, (f64::INFINITY, guess));
+        for _ in 0..MOST_CUTS {
+            let miss = self.miss(at);
+            if miss.excess < best.0 {
+                best = (miss.excess, at);
+            }
+            // d/d(interval) of (t_p - p dt) - (t_q - q dt).
+            let slope = count(miss.rows.1) - count(miss.rows.0);
+            let cut = Some((at, miss.excess, slope));
+            if slope < 0.0 {
+                left = cut;
+            } else if slope > 0.0 {
+                right = cut;
+            } else {
+                break;
+            }
+            let next = match (left, right) {
+                (Some((x, y, a)), Some((u, v, b))) => (v - y + a * x - b * u) / (a - b),
+                // One side is still open: the step at which the other cut would lose what it has.
+                (Some((x, y, a)), None) => x - (y.abs() + self.spread()) / a,
+                (None, Some((u, v, b))) => u - (v.abs() + self.spread()) / b,
+                (None, None) => break,
+            };
+            if next.to_bits() == at.to_bits() || !next.is_finite() {
+                break;
+            }
+            at = next;
+        }
+        best.1
+    }
+
+    fn spread(&self) -> f64 {
+        self.tolerances.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// The last interval on one side of `best` that explains all rows.
+    fn end(&self, best: f64, side: f64) -> f64 {
+        let last = count(self.times.len().saturating_sub(1).max(1));
+        let mut outside = best + side * 4.0 * self.spread() / last;
+        // From outside, cuts lead to the end without passing it.
+        for _ in 0..MOST_CUTS {
+            let miss = self.miss(outside);
+            let slope = count(miss.rows.1) - count(miss.rows.0);
+            if miss.excess <= 0.0 || slope == 0.0 {
+                break;
+            }
+            let next = outside - miss.excess / slope;
+            if next.to_bits() == outside.to_bits() {
+                break;
+            }
+            outside = next;
+        }
+        outside
+    }
+
+    /// The trigger point: the header's, a whole one, that of the first row as printed, or the middle of what is possible.
+    fn trigger(&self, interval: f64, (low, high): (f64, f64), stated: StatedTimeBase) -> f64 {
+        let first = self.times.first().copied().unwrap_or_default();
+        let middle = 0.0 - f64::midpoint(low, high) / interval;
+        let whole = middle.round();
+        let point = 0.0 - first / interval;
+        let candidates = [stated.trigger_point, Some(point.round()), Some(whole), Some(point)];
+        let fits = |point: &f64| (low..=high).contains(&(0.0 - point * interval));
+        candidates.into_iter().flatten().find(fits).unwrap_or(middle)
+    }
+
+    /// The first row whose step from the one before no rounding explains: rounded multiples of one interval have steps that differ by at
+    /// most one digit. Where a digit is more than [`TOO_COARSE`] of an interval, any difference may be a missing row.
+    fn gap(&self, column: &SampleColumn) -> Option<usize> {
+        if column.len() < 3 || column.largest_tolerance() > 1.5 * column.tolerance(0.0) {
+            return None;
+        }
+        let digit = column.digit();
+        let steps = || self.times.iter().zip(self.times.iter().skip(1)).map(|(a, b)| b - a);
+        let smallest = steps().fold(f64::INFINITY, f64::min);
+        let usual = median(steps().collect());
+        let allowed = if digit > TOO_COARSE * usual { 0.5 } else { 1.5 };
+        let wide = steps().any(|step| step - smallest > allowed * digit);
+        let off = |step: f64| (step - usual).abs() > 0.5 * digit;
+        wide.then(|| steps().position(off).map(|index| index + 1)).flatten()
+    }
+
+    fn uneven(
+        &self,
+        column: &SampleColumn,
+        best: f64,
+        gap: Option<usize>,
+        unit: &'static str,
+    ) -> TekCsvError {
+        let first = self.times.first().copied().unwrap_or_default();
+        if best.is_nan() || best <= 0.0 {
+            let index = self.times.len().saturating_sub(1);
+            let found = self.times.last().copied().unwrap_or_default();
+            let expected = format!("more than {first:e}");
+            return TekCsvError::Uneven { place: column.place(index), found, expected, unit };
+        }
+        // The median of steps over half the record, and of what it leaves: single rows do not change them.
+        let half = (self.times.len() / 2).max(1);
+        let pairs = self.times.iter().zip(self.times.iter().skip(half));
+        let interval = median(pairs.map(|(a, b)| (b - a) / count(half)).collect());
+        let left = |index: usize, time: f64| time - count(index) * interval;
+        let start = median(self.times.iter().enumerate().map(|(i, t)| left(i, *t)).collect());
+        let expected = |index: usize| start + count(index) * interval;
+        let rows = || self.times.iter().zip(&self.tolerances).enumerate();
+        let far = |(index, (time, tolerance)): (usize, (&f64, &f64))| {
+            (time - expected(index)).abs() > 2.0 * tolerance
+        };
+        let distance = |index: usize, time: f64| (time - expected(index)).abs();
+        let farthest = || {
+            let all = rows().map(|(index, (time, _))| (distance(index, *time), index));
+            all.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, index)| index)
+        };
+        let miss = gap.or_else(|| rows().position(far)).or_else(farthest);
+        let index = miss.unwrap_or_default();
+        let found = self.times.get(index).copied().unwrap_or_default();
+        let expected = format!("{:.6e}", expected(index));
+        TekCsvError::Uneven { place: column.place(index), found, expected, unit }
+    }
+}
+
+/// The number with the fewest digits between `low` and `high`; where many digits lie between them, near `best`.
+fn simplest(low: f64, high: f64, best: f64) -> f64 {
+    let coarse = high - low > COARSE * best.abs();
+    let middle = f64::midpoint(low, high);
+    let quarter = 0.25 * (high - low);
+    let (low, high) = if coarse { (middle - quarter, middle + quarter) } else { (low, high) };
+    let candidates = (1..=MAX_DIGITS).map(|digits| rounded(middle, digits));
+    let mut inside = candidates.filter(|interval| (low..=high).contains(interval));
+    inside.next().unwrap_or(middle)
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or_default()
+}
+
+#[allow(clippy::cast_precision_loss, reason = "at most a few million rows")]
 fn count(rows: usize) -> f64 {
     rows as f64
 }

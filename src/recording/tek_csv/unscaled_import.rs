@@ -3,28 +3,30 @@
 //!
 //! `volts = (code - y_off) y_mult + y_zero`, and in the time domain `y_zero = 0`.
 
-use super::column::{Column, one_two_five, ten_to};
+use super::column::{SampleColumn, one_two_five, ten_to};
 use super::error::TekCsvError;
-use super::levels::{Evidence, Grid};
-use super::times::{Stated, Times};
+use super::levels::{LevelSource, ValueGrid};
+use super::times::{EvenTimes, StatedTimeBase};
 use crate::quantity::engineering;
-use crate::recording::{Capture, Instrument};
+use crate::recording::{Capture, InstrumentIdentity};
 use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
 use crate::scope::{PointFormat, Preamble, Source, VerticalSetup, Waveform};
 
 /// Points in one horizontal division of the family.
 const POINTS_PER_DIVISION: f64 = 250.0;
 /// A zero level that lies farther than this from a whole one did not come from the family's own steps (1).
-const ODD_ZERO: f64 = 0.02;
+const ZERO_LEVEL_TOLERANCE: f64 = 0.02;
 /// With fewer levels than this, their spacing is weak evidence.
-const FEW_LEVELS: usize = 8;
+const MIN_LEVELS: usize = 8;
 
 /// What a foreign file tells of one channel.
 #[derive(Debug, Clone, Default)]
 pub(super) struct UnscaledImport {
-    pub(super) times: Column,
-    pub(super) values: Column,
-    pub(super) stated: Stated,
+    pub(super) times: SampleColumn,
+    pub(super) values: SampleColumn,
+    pub(super) stated: StatedTimeBase,
+    /// The spacing, where start and increment are told instead of times.
+    pub(super) even: Option<EvenTimes>,
     pub(super) source: Option<Source>,
     /// Vertical scale (V/div; dB/div for an FFT).
     pub(super) scale: Option<f64>,
@@ -37,7 +39,7 @@ pub(super) struct UnscaledImport {
     pub(super) x_unit: Option<String>,
     pub(super) y_unit: Option<String>,
     pub(super) point_format: Option<PointFormat>,
-    pub(super) instrument: Option<Instrument>,
+    pub(super) instrument: Option<InstrumentIdentity>,
     pub(super) notes: Vec<String>,
 }
 
@@ -56,16 +58,19 @@ impl UnscaledImport {
     /// The capture; a channel that the file does not name is taken as number `channel`.
     pub(super) fn capture(mut self, file: &str, channel: u8) -> Result<Capture, TekCsvError> {
         const FEWEST: usize = 2;
-        let found = self.times.len();
+        let found = self.values.len();
         if found < FEWEST {
             let file = file.to_owned();
-            let highest = super::cells::MOST_ROWS;
+            let highest = super::cells::MAX_ROWS;
             return Err(TekCsvError::SampleCount { file, found, lowest: FEWEST, highest });
         }
         let x_unit = self.x_unit.take().unwrap_or_else(|| self.assume("s", "unit of the times"));
         let y_unit = self.y_unit.take().unwrap_or_else(|| self.assume("V", "unit of the values"));
         let unit = if x_unit == "Hz" { "Hz" } else { "s" };
-        let times = Times::fit(&self.times, self.stated, unit, &mut self.notes)?;
+        let times = match self.even {
+            Some(even) => even,
+            None => EvenTimes::fit(&self.times, self.stated, unit, &mut self.notes)?,
+        };
         let vertical = self.vertical(&y_unit);
         let source = self.source.unwrap_or_else(|| {
             let name = format!("CH{channel}");
@@ -130,7 +135,7 @@ impl UnscaledImport {
 
     fn vertical(&mut self, unit: &str) -> Vertical {
         let stated = self.scale.filter(|scale| *scale > 0.0);
-        let grid = Grid::find(&self.values, stated);
+        let grid = ValueGrid::find(&self.values, stated);
         self.note_evidence(&grid, stated, unit);
         let scale = stated.unwrap_or_else(|| self.guess_scale(&grid, unit));
         let shift = self.shift(&grid, unit);
@@ -156,7 +161,7 @@ impl UnscaledImport {
         Vertical { codes, y_mult: grid.step, y_off, y_zero, scale, position }
     }
 
-    fn note_evidence(&mut self, grid: &Grid, stated: Option<f64>, unit: &str) {
+    fn note_evidence(&mut self, grid: &ValueGrid, stated: Option<f64>, unit: &str) {
         let step = engineering(grid.step, unit, 4);
         let instead = match stated {
             Some(scale) => {
@@ -166,14 +171,14 @@ impl UnscaledImport {
             None => String::new(),
         };
         let note = match grid.evidence {
-            Evidence::Scale => return,
-            Evidence::Gaps => {
+            LevelSource::Scale => return,
+            LevelSource::Gaps => {
                 format!("{instead}levels {step} apart are taken from the gaps between the values")
             }
-            Evidence::Digits => format!(
+            LevelSource::Digits => format!(
                 "{instead}the digitiser's levels cannot be told from them; they are kept as printed, in steps of {step}"
             ),
-            Evidence::Rounded(error) => format!(
+            LevelSource::Rounded(error) => format!(
                 "{instead}the digitiser's levels cannot be told from them; they are kept in 16 bits, in steps of {step}, with an error of at most {}",
                 engineering(error, unit, 2)
             ),
@@ -182,10 +187,11 @@ impl UnscaledImport {
     }
 
     /// The scale behind the levels, or one at which the screen holds all of them.
-    fn guess_scale(&mut self, grid: &Grid, unit: &str) -> f64 {
+    fn guess_scale(&mut self, grid: &ValueGrid, unit: &str) -> f64 {
         let per_division = format!("{unit}/div");
         let (low, high) = grid.range();
-        if grid.evidence == Evidence::Gaps && high - low <= i64::from(HIGHEST_CODE - LOWEST_CODE) {
+        if grid.evidence == LevelSource::Gaps && high - low <= i64::from(HIGHEST_CODE - LOWEST_CODE)
+        {
             let scale = grid.step * LEVELS_PER_DIVISION;
             let scale = one_two_five(scale, 1e-9).unwrap_or(scale);
             let text = engineering(scale, &per_division, 3);
@@ -195,7 +201,7 @@ impl UnscaledImport {
             let mut levels = grid.indices.clone();
             levels.sort_unstable();
             levels.dedup();
-            if levels.len() < FEW_LEVELS {
+            if levels.len() < MIN_LEVELS {
                 self.notes
                     .push(format!("the scale is a weak guess: only {} levels occur", levels.len()));
             }
@@ -215,7 +221,7 @@ impl UnscaledImport {
     }
 
     /// What to add to an index to make it the level that the digitiser had.
-    fn shift(&mut self, grid: &Grid, unit: &str) -> i64 {
+    fn shift(&mut self, grid: &ValueGrid, unit: &str) -> i64 {
         let (low, high) = grid.range();
         let middle = i64::midpoint(low, high);
         if !grid.is_converter() {
@@ -237,7 +243,7 @@ impl UnscaledImport {
             _ => (zero + grid.origin) / grid.step,
         };
         let shift = nearest(wanted);
-        if unit != "dB" && (wanted - float(shift)).abs() > ODD_ZERO {
+        if unit != "dB" && (wanted - float(shift)).abs() > ZERO_LEVEL_TOLERANCE {
             self.notes.push(format!(
                 "zero stands {} levels from the screen's centre by the header, which is no whole number; taken as {shift}: the levels may be off by one, the voltages are not",
                 super::column::rounded(wanted, 6)

@@ -5,9 +5,9 @@ use std::fmt::{self, Write as _};
 
 use super::abscissa::{self, Abscissa};
 use super::error::{TekCsvError, excerpt};
-use super::layout::{self, Domain, Layout, Numbers, ROUND_OFF};
+use super::layout::{self, Domain, HeaderLayout, Numbers, ROUND_OFF};
 use crate::quantity::c_exponential;
-use crate::recording::{Capture, Instrument};
+use crate::recording::{Capture, InstrumentIdentity};
 use crate::scope::Waveform;
 use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
 
@@ -26,7 +26,8 @@ pub fn write(capture: &Capture) -> Result<String, TekCsvError> {
     let instrument = capture.instrument.as_ref().ok_or(TekCsvError::NoInstrument)?;
     let layout = layout_of(instrument)?;
     let (domain, numbers) = checked(waveform)?;
-    let values = header_values(waveform, domain, &numbers, instrument, layout);
+    let source = layout::spelling(waveform.source, &capture.notes);
+    let values = header_values((waveform, &source), domain, &numbers, instrument, layout);
     let abscissa = Abscissa {
         domain,
         layout,
@@ -55,13 +56,13 @@ pub fn write(capture: &Capture) -> Result<String, TekCsvError> {
 
 /// The values beside the keys of `layout`, in the same order.
 fn header_values(
-    waveform: &Waveform,
+    (waveform, source): (&Waveform, &str),
     domain: Domain,
     numbers: &Numbers,
-    instrument: &Instrument,
-    layout: Layout,
+    instrument: &InstrumentIdentity,
+    layout: HeaderLayout,
 ) -> Vec<String> {
-    let number = |value| c_exponential(value, layout::DECIMALS);
+    let number = |value| layout::printed(value, domain);
     layout
         .keys()
         .iter()
@@ -71,7 +72,7 @@ fn header_values(
             layout::TRIGGER_POINT => {
                 c_exponential(numbers.trigger_point, layout::TRIGGER_POINT_DECIMALS)
             }
-            layout::SOURCE => waveform.source.to_string(),
+            layout::SOURCE => source.to_owned(),
             layout::VERTICAL_UNITS => waveform.preamble.y_unit.clone(),
             layout::VERTICAL_SCALE => number(numbers.scale),
             layout::VERTICAL_OFFSET => number(numbers.offset),
@@ -89,7 +90,7 @@ fn header_values(
 }
 
 /// The header that an instrument's files have.
-fn layout_of(instrument: &Instrument) -> Result<Layout, TekCsvError> {
+fn layout_of(instrument: &InstrumentIdentity) -> Result<HeaderLayout, TekCsvError> {
     for (what, text) in [
         (layout::MODEL, &instrument.model),
         (layout::SERIAL, &instrument.serial),
@@ -104,8 +105,8 @@ fn layout_of(instrument: &Instrument) -> Result<Layout, TekCsvError> {
         }
     }
     match (instrument.model.is_empty(), instrument.serial.is_empty()) {
-        (false, _) => Ok(Layout::Named),
-        (true, true) => Ok(Layout::Old),
+        (false, _) => Ok(HeaderLayout::Named),
+        (true, true) => Ok(HeaderLayout::Old),
         (true, false) => Err(unwritable(
             layout::SERIAL,
             excerpt(&instrument.serial),
@@ -185,8 +186,8 @@ fn check_agreement(waveform: &Waveform, numbers: &Numbers) -> Result<(), TekCsvE
 fn as_printed(numbers: &Numbers, domain: Domain) -> Result<Numbers, TekCsvError> {
     let read = |value: f64, decimals| c_exponential(value, decimals).parse().unwrap_or(f64::NAN);
     let six = |what, value: f64| held(what, value, read(value, layout::DECIMALS));
-    let text = c_exponential(numbers.interval, layout::DECIMALS);
-    let cut = read(numbers.interval, layout::DECIMALS);
+    let text = layout::printed(numbers.interval, domain);
+    let cut = text.parse().unwrap_or(f64::NAN);
     let interval = abscissa::exact_interval(domain, cut, &text);
     let trigger_point = read(numbers.trigger_point, layout::TRIGGER_POINT_DECIMALS);
     let levels = numbers.offset / numbers.level();

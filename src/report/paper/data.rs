@@ -2,10 +2,10 @@
 
 use std::fmt::Write as _;
 
-use super::figures::{HIGHEST, dispersion_points};
+use super::figures::{MAX_FREQUENCY, dispersion_points};
 use crate::analysis::spectrum::Spectrum;
 use crate::studies::paper::tables::SpeedStudy;
-use crate::studies::paper::{Arrangement, Figure, Signal};
+use crate::studies::paper::{Arrangement, Figure, ForceSignal};
 
 /// Tables 1 and 2.
 pub(super) fn speeds(study: &SpeedStudy) -> String {
@@ -36,7 +36,7 @@ pub(super) fn of_figure(figure: &Figure, stem: &str) -> Vec<(String, String)> {
         }
         return vec![(format!("{stem}.csv"), csv)];
     }
-    let signals: Vec<&Signal> = figure.signals.iter().collect();
+    let signals: Vec<&ForceSignal> = figure.signals.iter().collect();
     let columns: Vec<String> = signals.iter().map(|s| format!("{}_n", s.place.key())).collect();
     let lines: Vec<&Spectrum> = signals.iter().map(|signal| &signal.spectrum).collect();
     let mut files = vec![
@@ -51,7 +51,7 @@ pub(super) fn of_figure(figure: &Figure, stem: &str) -> Vec<(String, String)> {
 }
 
 /// Forces over time; all have the same times.
-pub(super) fn traces(signals: &[&Signal], columns: &[String]) -> String {
+pub(super) fn traces(signals: &[&ForceSignal], columns: &[String]) -> String {
     let mut csv = format!("time_s,{}\n", columns.join(","));
     let Some(first) = signals.first() else { return csv };
     for index in 0..first.trace.values.len() {
@@ -69,7 +69,7 @@ pub(super) fn traces(signals: &[&Signal], columns: &[String]) -> String {
 fn spectra(spectra: &[&Spectrum], columns: &[String]) -> String {
     let mut csv = format!("frequency_hz,{}\n", columns.join(","));
     let Some(first) = spectra.first() else { return csv };
-    let bins = (0..first.amplitude.len()).take_while(|bin| first.frequency(*bin) <= HIGHEST);
+    let bins = (0..first.amplitude.len()).take_while(|bin| first.frequency(*bin) <= MAX_FREQUENCY);
     for bin in bins {
         let _ = write!(csv, "{}", first.frequency(bin));
         for spectrum in spectra {

@@ -4,48 +4,48 @@ use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::spectrum::Spectrum;
 use crate::quantity::engineering;
 use crate::report::chart::whole_numbers;
-use crate::report::sheet::{Axis, COLOURS, Line, Panel, Sheet, Stroke};
+use crate::report::sheet::{Axis, COLOURS, Plot, Polyline, Sheet, Stroke};
 use crate::studies::paper::tables::SpeedStudy;
-use crate::studies::paper::{Figure, Signal, Viscous};
+use crate::studies::paper::{Figure, ForceSignal, Viscous};
 use crate::trace::Trace;
 
 /// Highest frequency of the spectra that are shown (Hz).
-pub(super) const HIGHEST: f64 = 20e3;
+pub(super) const MAX_FREQUENCY: f64 = 20e3;
 /// How much of the record is shown near the end of a chain and on the bench, and far from its end (s).
-const SHORT: f64 = 2e-3;
-const LONG: f64 = 12e-3;
+const NEAR_SPAN: f64 = 2e-3;
+const FAR_SPAN: f64 = 12e-3;
 /// Where the inset of the far figures starts (s).
-const INSET: f64 = 6e-3;
+const INSET_START: f64 = 6e-3;
 /// What the inset shows: the middle one of three places.
 const INSET_SIGNAL: usize = 1;
 /// Width of panels, and heights of low and tall ones (pixels).
-const WIDTH: f64 = 430.0;
-const LOW: f64 = 150.0;
-const TALL: f64 = 430.0;
+const PLOT_WIDTH: f64 = 430.0;
+const LOW_HEIGHT: f64 = 150.0;
+const TALL_HEIGHT: f64 = 430.0;
 /// Points of a branch of the dispersion relation.
-const BRANCH: u32 = 200;
+const BRANCH_POINTS: u32 = 200;
 const MILLI: f64 = 1e3;
 /// Room for a trace's name above it, as a share of all traces' swings (1).
-const NAME_ROOM: f64 = 0.07;
+const NAME_HEIGHT_SHARE: f64 = 0.07;
 
-fn sheet(figure: &Figure, columns: usize, size: (f64, f64), panels: Vec<Panel>) -> Sheet {
+fn sheet(figure: &Figure, columns: usize, size: (f64, f64), panels: Vec<Plot>) -> Sheet {
     Sheet { title: format!("Fig. {}: {}", figure.number, figure.title), columns, size, panels }
 }
 
-fn line(name: &str, points: Vec<(f64, f64)>, colour: usize) -> Line {
+fn line(name: &str, points: Vec<(f64, f64)>, colour: usize) -> Polyline {
     let colour = COLOURS[colour % COLOURS.len()];
-    Line { name: name.to_owned(), points, colour, stroke: Stroke::Solid }
+    Polyline { name: name.to_owned(), points, colour, stroke: Stroke::Solid }
 }
 
 pub(super) fn dispersion_points(chain: &DiatomicChain) -> Vec<(f64, f64, f64)> {
-    let phase = |index: u32| std::f64::consts::PI * f64::from(index) / f64::from(BRANCH);
-    (0..=BRANCH).map(phase).map(|k| (k, chain.acoustic(k), chain.optical(k))).collect()
+    let phase = |index: u32| std::f64::consts::PI * f64::from(index) / f64::from(BRANCH_POINTS);
+    (0..=BRANCH_POINTS).map(phase).map(|k| (k, chain.acoustic(k), chain.optical(k))).collect()
 }
 
 pub(super) fn dispersion(figure: &Figure) -> Sheet {
     let chain = &figure.chain;
     let x = Axis::linear("wave number ka/π", 0.0, 1.0);
-    let mut panel = Panel::new("", x, Axis::linear("frequency (kHz)", 0.0, 18.0));
+    let mut panel = Plot::new("", x, Axis::linear("frequency (kHz)", 0.0, 18.0));
     let points = dispersion_points(chain);
     let share = |k: f64| k / std::f64::consts::PI;
     let branch = |of: &dyn Fn(&(f64, f64, f64)) -> f64| {
@@ -59,7 +59,7 @@ pub(super) fn dispersion(figure: &Figure) -> Sheet {
         let kilo = 1e-3 * frequency;
         panel.words.push((0.02, kilo + 0.25, format!("{name} = {kilo:.3} kHz")));
         let edge = line("", vec![(0.0, kilo), (1.0, kilo)], 6);
-        panel.lines.push(Line { stroke: Stroke::Dashed, ..edge });
+        panel.lines.push(Polyline { stroke: Stroke::Dashed, ..edge });
     }
     sheet(figure, 1, (520.0, 380.0), vec![panel])
 }
@@ -92,18 +92,18 @@ fn trace_points(
 fn spectrum_points(spectrum: &Spectrum, factor: f64) -> Vec<(f64, f64)> {
     let bins = spectrum.amplitude.iter().enumerate();
     let points = bins.map(|(bin, amplitude)| (1e-3 * spectrum.frequency(bin), factor * amplitude));
-    points.take_while(|(kilo, _)| *kilo <= 1e-3 * HIGHEST).collect()
+    points.take_while(|(kilo, _)| *kilo <= 1e-3 * MAX_FREQUENCY).collect()
 }
 
 /// A panel of spectra with the gap of the chain at rest.
-fn spectra_panel(title: &str, chain: &DiatomicChain, spectra: &[(&str, &Spectrum)]) -> Panel {
+fn spectra_panel(title: &str, chain: &DiatomicChain, spectra: &[(&str, &Spectrum)]) -> Plot {
     let shown = spectra.iter().map(|(_, s)| spectrum_points(s, 1.0));
     let heights: Vec<f64> = shown.flatten().map(|(_, amplitude)| amplitude).collect();
     let top = largest(&heights);
     let (factor, sign) = prefix(top);
-    let x = Axis::linear("frequency (kHz)", 0.0, 1e-3 * HIGHEST);
+    let x = Axis::linear("frequency (kHz)", 0.0, 1e-3 * MAX_FREQUENCY);
     let y = Axis::linear(&format!("|C| ({sign}N)"), 0.0, 1.08 * factor * top);
-    let mut panel = Panel::new(title, x, y);
+    let mut panel = Plot::new(title, x, y);
     let gap = (1e-3 * chain.gap_bottom(), 1e-3 * chain.gap_top(), "gap".to_owned());
     panel.bands.push(gap);
     for (index, (name, spectrum)) in spectra.iter().enumerate() {
@@ -116,14 +116,14 @@ pub(super) fn rows(figure: &Figure) -> Sheet {
     let letters = [("(a)", "(b)"), ("(c)", "(d)"), ("(e)", "(f)")];
     let mut panels = Vec::new();
     for (signal, (left, right)) in figure.signals.iter().zip(letters) {
-        let shown = trace_points(&signal.trace, (0.0, SHORT), 1.0, 0.0);
+        let shown = trace_points(&signal.trace, (0.0, NEAR_SPAN), 1.0, 0.0);
         let values: Vec<f64> = shown.iter().map(|(_, force)| *force).collect();
         let (factor, sign) = prefix(largest(&values));
         let reach = 1.15 * factor * largest(&values);
-        let x = Axis::linear("time (ms)", 0.0, MILLI * SHORT);
+        let x = Axis::linear("time (ms)", 0.0, MILLI * NEAR_SPAN);
         let y = Axis::linear(&format!("force ({sign}N)"), -reach, reach);
-        let mut panel = Panel::new(&format!("{left} {}", signal.trace.name), x, y);
-        panel.lines.push(line("", trace_points(&signal.trace, (0.0, SHORT), factor, 0.0), 0));
+        let mut panel = Plot::new(&format!("{left} {}", signal.trace.name), x, y);
+        panel.lines.push(line("", trace_points(&signal.trace, (0.0, NEAR_SPAN), factor, 0.0), 0));
         panels.push(panel);
         panels.push(spectra_panel(
             &format!("{right} its spectrum"),
@@ -131,11 +131,11 @@ pub(super) fn rows(figure: &Figure) -> Sheet {
             &[("", &signal.spectrum)],
         ));
     }
-    sheet(figure, 2, (WIDTH, LOW), panels)
+    sheet(figure, 2, (PLOT_WIDTH, LOW_HEIGHT), panels)
 }
 
 /// Traces above each other, a grid line each division.
-fn stacked_panel(title: &str, traces: &[(String, &Trace)], to: f64) -> Panel {
+fn stacked_panel(title: &str, traces: &[(String, &Trace)], to: f64) -> Plot {
     let shown: Vec<Vec<(f64, f64)>> =
         traces.iter().map(|(_, trace)| trace_points(trace, (0.0, to), 1.0, 0.0)).collect();
     let bounds = |points: &Vec<(f64, f64)>| {
@@ -146,11 +146,11 @@ fn stacked_panel(title: &str, traces: &[(String, &Trace)], to: f64) -> Panel {
     let division = 10f64.powf(most.max(f64::MIN_POSITIVE).log10().floor());
     let (factor, sign) = prefix(division);
     let swing: f64 = bounds.iter().map(|(low, high)| (high - low) / division).sum();
-    let room = (NAME_ROOM * swing).ceil();
+    let room = (NAME_HEIGHT_SHARE * swing).ceil();
     let mut baseline = 0.0;
     let mut below = 0.0;
     let mut panel =
-        Panel::new(title, Axis::linear("time (ms)", 0.0, MILLI * to), Axis::linear("", 0.0, 1.0));
+        Plot::new(title, Axis::linear("time (ms)", 0.0, MILLI * to), Axis::linear("", 0.0, 1.0));
     for (index, ((low, high), (name, trace))) in bounds.iter().zip(traces).enumerate() {
         // As many whole divisions down as keep it clear of the one above and of its name.
         let above = (high / division + 0.2).ceil();
@@ -171,12 +171,12 @@ fn stacked_panel(title: &str, traces: &[(String, &Trace)], to: f64) -> Panel {
     panel
 }
 
-fn names(signals: &[Signal]) -> Vec<(String, &Trace)> {
+fn names(signals: &[ForceSignal]) -> Vec<(String, &Trace)> {
     signals.iter().map(|signal| (signal.trace.name.clone(), &signal.trace)).collect()
 }
 
 pub(super) fn far(figure: &Figure) -> Sheet {
-    let left = stacked_panel("(a) forces far from the end", &names(&figure.signals), LONG);
+    let left = stacked_panel("(a) forces far from the end", &names(&figure.signals), FAR_SPAN);
     let parts: Vec<(&str, &Spectrum)> =
         figure.parts.iter().map(|(name, spectrum)| (name.as_str(), spectrum)).collect();
     let place = figure.signals.get(INSET_SIGNAL);
@@ -184,23 +184,27 @@ pub(super) fn far(figure: &Figure) -> Sheet {
     let right = spectra_panel(&format!("(b) spectra {name}"), &figure.chain, &parts);
     let mut panels = vec![left, right];
     if let Some(signal) = place {
-        let shown = trace_points(&signal.trace, (INSET, LONG), 1.0, 0.0);
+        let shown = trace_points(&signal.trace, (INSET_START, FAR_SPAN), 1.0, 0.0);
         let values: Vec<f64> = shown.iter().map(|(_, force)| *force).collect();
         let (factor, sign) = prefix(largest(&values));
         let reach = 1.15 * factor * largest(&values);
-        let mut panel = Panel::new(
+        let mut panel = Plot::new(
             &format!("inset of (a): from acoustic to optical, {name}"),
-            Axis::linear("time (ms)", MILLI * INSET, MILLI * LONG),
+            Axis::linear("time (ms)", MILLI * INSET_START, MILLI * FAR_SPAN),
             Axis::linear(&format!("force ({sign}N)"), -reach, reach),
         );
-        panel.lines.push(line("", trace_points(&signal.trace, (INSET, LONG), factor, 0.0), 1));
+        panel.lines.push(line(
+            "",
+            trace_points(&signal.trace, (INSET_START, FAR_SPAN), factor, 0.0),
+            1,
+        ));
         panels.push(panel);
     }
-    sheet(figure, 2, (WIDTH, 300.0), panels)
+    sheet(figure, 2, (PLOT_WIDTH, 300.0), panels)
 }
 
 pub(super) fn sensors(figure: &Figure) -> Sheet {
-    let left = stacked_panel("(c) forces at the sensors", &names(&figure.signals), SHORT);
+    let left = stacked_panel("(c) forces at the sensors", &names(&figure.signals), NEAR_SPAN);
     // The reflection at the wall is left out of the spectra for clarity, as in the paper.
     let felt: Vec<(&str, &Spectrum)> = figure
         .signals
@@ -209,7 +213,7 @@ pub(super) fn sensors(figure: &Figure) -> Sheet {
         .map(|signal| (signal.trace.name.as_str(), &signal.spectrum))
         .collect();
     let right = spectra_panel("(d) their spectra", &figure.chain, &felt);
-    sheet(figure, 2, (WIDTH, TALL), vec![left, right])
+    sheet(figure, 2, (PLOT_WIDTH, TALL_HEIGHT), vec![left, right])
 }
 
 pub(super) fn viscosity(viscosity: &[Viscous]) -> Sheet {
@@ -219,7 +223,7 @@ pub(super) fn viscosity(viscosity: &[Viscous]) -> Sheet {
     Sheet {
         title: "Incoming shock of Fig. 10 with a dashpot in every contact".to_owned(),
         columns: 1,
-        size: (WIDTH + 120.0, TALL),
+        size: (PLOT_WIDTH + 120.0, TALL_HEIGHT),
         panels: vec![stacked_panel(
             "inside particle 2; mean frequency of the first four periods",
             &traces,
@@ -241,7 +245,7 @@ pub(super) fn speeds(study: &SpeedStudy) -> Sheet {
         ticks: ticks.collect(),
     };
     let mut panel =
-        Panel::new("", x, Axis::linear("speed from particle 14 to 27 (m/s)", 100.0, 200.0));
+        Plot::new("", x, Axis::linear("speed from particle 14 to 27 (m/s)", 100.0, 200.0));
     let dashpot = format!("half-rise, dashpot {:.1} N s/m", study.dashpot);
     let columns: [(&str, &dyn Fn(usize) -> f64); 5] = [
         ("paper, experiment", &|i| rows[i].paper.experiment_m_per_s),
@@ -254,7 +258,7 @@ pub(super) fn speeds(study: &SpeedStudy) -> Sheet {
         let shift = 0.12 * (index as f64 - 2.0);
         let points = (0..rows.len()).map(|i| (i as f64 + shift, of(i))).collect();
         let colour = [6, 0, 1, 4, 2][index];
-        panel.lines.push(Line { stroke: Stroke::Dots, ..line(name, points, colour) });
+        panel.lines.push(Polyline { stroke: Stroke::Dots, ..line(name, points, colour) });
     }
     Sheet {
         title: "Tables 1 and 2".to_owned(),

@@ -7,7 +7,7 @@ mod words;
 pub use words::{paper, paper_parts};
 
 use super::sheet::sheet_svg;
-use crate::studies::paper::{Arrangement, Figure, Signal, Study};
+use crate::studies::paper::{Arrangement, Figure, ForceSignal, PaperStudy};
 
 /// A picture of the study: file stem, caption, SVG.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,7 +23,7 @@ pub struct PaperPicture {
 }
 
 /// All pictures of a study.
-pub fn paper_pictures(study: &Study) -> Vec<PaperPicture> {
+pub fn paper_pictures(study: &PaperStudy) -> Vec<PaperPicture> {
     let mut pictures: Vec<PaperPicture> = study.figures.iter().map(figure_picture).collect();
     if let Some(tables) = &study.tables {
         pictures.push(PaperPicture {
@@ -37,7 +37,8 @@ pub fn paper_pictures(study: &Study) -> Vec<PaperPicture> {
         });
     }
     if !study.viscosity.is_empty() {
-        let signals: Vec<&Signal> = study.viscosity.iter().map(|viscous| &viscous.signal).collect();
+        let signals: Vec<&ForceSignal> =
+            study.viscosity.iter().map(|viscous| &viscous.signal).collect();
         let names = study.viscosity.iter().map(|v| format!("force_n_at_{}_n_s_per_m", v.dashpot));
         pictures.push(PaperPicture {
             stem: "viscosity".to_owned(),

@@ -4,7 +4,7 @@ use super::PaperPicture;
 use crate::report::document::Part;
 use crate::report::table;
 use crate::studies::paper::tables::SpeedStudy;
-use crate::studies::paper::{Finding, Printed, Slip, Study, Verdict};
+use crate::studies::paper::{ClaimFinding, ClaimVerdict, PaperStudy, PrintedValue, Slip};
 
 /// Five significant digits: band edges are printed with as many.
 fn number(value: f64, unit: &str) -> String {
@@ -12,26 +12,26 @@ fn number(value: f64, unit: &str) -> String {
     format!("{digits} {unit}").trim_end().to_owned()
 }
 
-fn printed(finding: &Finding) -> String {
+fn printed(finding: &ClaimFinding) -> String {
     match &finding.paper {
-        Printed::Number(value) => format!("{value} {}", finding.unit).trim_end().to_owned(),
-        Printed::Words(words) => words.clone(),
+        PrintedValue::Number(value) => format!("{value} {}", finding.unit).trim_end().to_owned(),
+        PrintedValue::Words(words) => words.clone(),
     }
 }
 
-fn tally(findings: &[Finding]) -> String {
+fn tally(findings: &[ClaimFinding]) -> String {
     let count = |verdict| findings.iter().filter(|finding| finding.verdict == verdict).count();
     format!(
         "{} statements: {} agree, {} agree under a convention that the paper does not name, {} do not hold",
         findings.len(),
-        count(Verdict::Agrees),
-        count(Verdict::AgreesUnder),
-        count(Verdict::DoesNotHold)
+        count(ClaimVerdict::Agrees),
+        count(ClaimVerdict::AgreesUnder),
+        count(ClaimVerdict::DoesNotHold)
     )
 }
 
 /// The page that `paper` prints.
-pub fn paper(study: &Study) -> String {
+pub fn paper(study: &PaperStudy) -> String {
     let heading = ["statement", "paper", "here", "verdict", "by which convention"];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
     rows.extend(study.findings.iter().map(|finding| {
@@ -63,7 +63,7 @@ fn best_dashpot(study: &SpeedStudy) -> String {
 }
 
 /// The report's parts; pictures are files of the study's pictures, which stand beside.
-pub fn paper_parts(study: &Study, pictures: &[PaperPicture]) -> Vec<Part> {
+pub fn paper_parts(study: &PaperStudy, pictures: &[PaperPicture]) -> Vec<Part> {
     let mut parts = vec![
         Part::Heading(1, "Herbold et al. (2009), computed again".to_owned()),
         Part::Paragraph(
@@ -94,7 +94,7 @@ pub fn paper_parts(study: &Study, pictures: &[PaperPicture]) -> Vec<Part> {
     parts
 }
 
-fn findings_table(findings: &[Finding]) -> Part {
+fn findings_table(findings: &[ClaimFinding]) -> Part {
     let heading =
         ["statement", "place", "says", "paper", "here", "convention", "verdict", "reason"];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];

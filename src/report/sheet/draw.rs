@@ -2,19 +2,19 @@
 
 use std::fmt::Write as _;
 
-use super::{Line, Panel, Sheet, Stroke};
+use super::{Plot, Polyline, Sheet, Stroke};
 use crate::report::escape;
 
 /// Room around a panel's frame: left, right, above, below (pixels).
 const MARGINS: (f64, f64, f64, f64) = (74.0, 18.0, 30.0, 50.0);
 /// Room above all panels for the title (pixels).
-const TITLE: f64 = 34.0;
+const TITLE_HEIGHT: f64 = 34.0;
 /// Height of a line of text (pixels).
 const LINE_HEIGHT: f64 = 16.0;
 /// Estimated width of a character (pixels).
-const CHARACTER: f64 = 7.0;
+const CHARACTER_WIDTH: f64 = 7.0;
 /// Colour of shaded bands.
-const BAND: &str = "#efe6d2";
+const BAND_COLOUR: &str = "#efe6d2";
 
 /// The picture of `sheet`.
 #[allow(clippy::cast_precision_loss, reason = "a few panels")]
@@ -24,7 +24,7 @@ pub fn sheet_svg(sheet: &Sheet) -> String {
     let columns = sheet.columns.clamp(1, sheet.panels.len().max(1));
     let rows = sheet.panels.len().div_ceil(columns);
     let (across, down) = (left + w + right, above + h + below);
-    let (width, height) = (across * columns as f64, TITLE + down * rows as f64);
+    let (width, height) = (across * columns as f64, TITLE_HEIGHT + down * rows as f64);
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"12\">\n\
          <rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>\n<text x=\"{left}\" y=\"22\" font-size=\"15\">{}</text>\n",
@@ -34,7 +34,7 @@ pub fn sheet_svg(sheet: &Sheet) -> String {
     let name: String = sheet.title.chars().filter(char::is_ascii_alphanumeric).collect();
     for (index, panel) in sheet.panels.iter().enumerate() {
         let (row, column) = (index / columns, index % columns);
-        let (x, y) = (left + across * column as f64, TITLE + above + down * row as f64);
+        let (x, y) = (left + across * column as f64, TITLE_HEIGHT + above + down * row as f64);
         let _ = writeln!(svg, "<g transform=\"translate({x} {y})\">");
         Drawing { panel, w, h, id: format!("{name}-{index}") }.draw(&mut svg);
         svg.push_str("</g>\n");
@@ -44,7 +44,7 @@ pub fn sheet_svg(sheet: &Sheet) -> String {
 }
 
 struct Drawing<'a> {
-    panel: &'a Panel,
+    panel: &'a Plot,
     w: f64,
     h: f64,
     /// Tells the panel's clip path from all others.
@@ -120,7 +120,7 @@ impl Drawing<'_> {
             let width = (x1 - x0).max(0.0);
             let _ = writeln!(
                 svg,
-                "<rect x=\"{x0:.1}\" width=\"{width:.1}\" height=\"{h}\" fill=\"{BAND}\"/>"
+                "<rect x=\"{x0:.1}\" width=\"{width:.1}\" height=\"{h}\" fill=\"{BAND_COLOUR}\"/>"
             );
         }
     }
@@ -162,8 +162,8 @@ impl Drawing<'_> {
         );
     }
 
-    fn line(&self, svg: &mut String, line: &Line) {
-        let Line { colour, stroke, .. } = line;
+    fn line(&self, svg: &mut String, line: &Polyline) {
+        let Polyline { colour, stroke, .. } = line;
         if *stroke == Stroke::Dots {
             for (x, y) in &line.points {
                 let (x, y) = (self.x(*x), self.y(*y));
@@ -198,13 +198,14 @@ impl Drawing<'_> {
         let named = self.panel.lines.iter().filter(|line| !line.name.is_empty());
         let mut entries: Vec<(&str, String)> =
             named.map(|line| (line.name.as_str(), sample(line))).collect();
-        let band = format!("<rect x=\"0\" y=\"-6\" width=\"20\" height=\"12\" fill=\"{BAND}\"/>");
+        let band =
+            format!("<rect x=\"0\" y=\"-6\" width=\"20\" height=\"12\" fill=\"{BAND_COLOUR}\"/>");
         entries.extend(self.panel.bands.iter().map(|(.., name)| (name.as_str(), band.clone())));
         let longest = entries.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
         if longest == 0 {
             return;
         }
-        let width = CHARACTER * longest as f64 + 40.0;
+        let width = CHARACTER_WIDTH * longest as f64 + 40.0;
         let (left, height) = (self.w - width - 6.0, LINE_HEIGHT * entries.len() as f64 + 6.0);
         let _ = writeln!(
             svg,
@@ -223,8 +224,8 @@ impl Drawing<'_> {
 }
 
 /// A piece of a line for the legend, 20 pixels long.
-fn sample(line: &Line) -> String {
-    let Line { colour, stroke, .. } = line;
+fn sample(line: &Polyline) -> String {
+    let Polyline { colour, stroke, .. } = line;
     match stroke {
         Stroke::Dots => format!("<circle cx=\"10\" r=\"3.6\" fill=\"{colour}\"/>"),
         Stroke::Solid => format!("<path d=\"M0 0h20\" stroke=\"{colour}\" stroke-width=\"1.6\"/>"),

@@ -72,7 +72,7 @@ pub enum Stroke {
 
 /// Points that belong together.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Line {
+pub struct Polyline {
     /// Its name in the legend; none for an empty one.
     pub name: String,
     /// Points in order (unit).
@@ -85,7 +85,7 @@ pub struct Line {
 
 /// Values on a grid, as shades: columns from left to right, each from below.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Map {
+pub struct ShadedMap {
     /// Columns of shares from 0 (white) to 1 (dark) (1).
     pub columns: Vec<Vec<f64>>,
     /// What white and dark stand for.
@@ -94,7 +94,7 @@ pub struct Map {
 
 /// One plot.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Panel {
+pub struct Plot {
     /// `(a) what it shows`.
     pub title: String,
     /// Abscissa.
@@ -102,16 +102,16 @@ pub struct Panel {
     /// Ordinate.
     pub y: Axis,
     /// Lines in the order in which they are drawn.
-    pub lines: Vec<Line>,
+    pub lines: Vec<Polyline>,
     /// Parts of the abscissa that are shaded, each with its name (unit).
     pub bands: Vec<(f64, f64, String)>,
     /// Words at places in the plot (unit).
     pub words: Vec<(f64, f64, String)>,
     /// What lies below the lines.
-    pub map: Option<Map>,
+    pub map: Option<ShadedMap>,
 }
 
-impl Panel {
+impl Plot {
     /// An empty one.
     pub fn new(title: &str, x: Axis, y: Axis) -> Self {
         let (lines, bands, words) = (Vec::new(), Vec::new(), Vec::new());
@@ -129,5 +129,5 @@ pub struct Sheet {
     /// Width and height of a panel's frame (pixels).
     pub size: (f64, f64),
     /// Row by row.
-    pub panels: Vec<Panel>,
+    pub panels: Vec<Plot>,
 }

@@ -1,10 +1,10 @@
 //! Axes and marks of the diagram, on paper and in a terminal.
 
 use crate::quantity::engineering;
-use crate::studies::cost::{Chosen, Point, Study};
+use crate::studies::cost::{ChosenMethod, CostStudy, Point};
 
 /// Letters and colours of the methods, on paper and in a terminal (SGR codes): the same in every study.
-pub(super) const MARKS: [Mark; 9] = [
+pub(super) const MARKS: [MethodMark; 9] = [
     ("velocity-verlet", 'v', "#4477aa", 34),
     ("force-gradient", 'f', "#999933", 33),
     ("runge-kutta-4", 'r', "#aa3377", 35),
@@ -17,14 +17,14 @@ pub(super) const MARKS: [Mark; 9] = [
 ];
 
 /// Errors below this are rounding (1).
-pub(super) const LEAST: f64 = 1e-16;
+pub(super) const MIN_ERROR: f64 = 1e-16;
 
 /// A method with its letter and colours.
-pub(super) type Mark = (&'static str, char, &'static str, u8);
+pub(super) type MethodMark = (&'static str, char, &'static str, u8);
 
 /// What errors are drawn against.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Work {
+pub enum WorkMeasure {
     /// Median wall time of a run.
     #[default]
     Time,
@@ -33,7 +33,7 @@ pub enum Work {
 }
 
 #[allow(clippy::cast_precision_loss, reason = "counts far below 2^53")]
-impl Work {
+impl WorkMeasure {
     /// Of a point; none where its time was not measured (s, or 1) (unit).
     pub(super) fn of(self, point: &Point) -> Option<f64> {
         let work = match self {
@@ -44,7 +44,7 @@ impl Work {
     }
 
     /// Of what an accuracy comes to (s, or 1) (unit).
-    fn of_chosen(self, chosen: &Chosen) -> f64 {
+    fn of_chosen(self, chosen: &ChosenMethod) -> f64 {
         match self {
             Self::Time => chosen.wall_s_median,
             Self::Evaluations => chosen.force_evaluations as f64,
@@ -69,25 +69,25 @@ impl Work {
 }
 
 /// What is plotted against work.
-pub(super) struct Kind {
+pub(super) struct PlottedQuantity {
     /// Of what the errors are.
     pub(super) of: &'static str,
     pub(super) error: fn(&Point) -> Option<f64>,
-    pub(super) chosen: fn(&Chosen) -> Option<f64>,
+    pub(super) chosen: fn(&ChosenMethod) -> Option<f64>,
     /// What the scope can tell apart, and its name.
-    pub(super) limit: fn(&Study) -> Option<f64>,
+    pub(super) limit: fn(&CostStudy) -> Option<f64>,
     pub(super) limit_name: &'static str,
 }
 
-pub(super) const KINDS: [Kind; 4] = [
-    Kind {
+pub(super) const PLOTTED_QUANTITIES: [PlottedQuantity; 4] = [
+    PlottedQuantity {
         of: "first peaks",
         error: |point| point.error_peak,
         chosen: |chosen| chosen.error_peak,
         limit: |study| study.level,
         limit_name: "one level of the scope's digitiser",
     },
-    Kind {
+    PlottedQuantity {
         of: "arrivals",
         error: |point| point.error_arrival,
         chosen: |chosen| chosen.error_arrival,
@@ -95,14 +95,14 @@ pub(super) const KINDS: [Kind; 4] = [
         limit: |study| Some(study.sample).filter(|sample| sample.is_finite()),
         limit_name: "one sample interval of the scope",
     },
-    Kind {
+    PlottedQuantity {
         of: "traces",
         error: |point| point.error_trace,
         chosen: |chosen| chosen.error_trace,
         limit: |study| study.level,
         limit_name: "one level of the scope's digitiser",
     },
-    Kind {
+    PlottedQuantity {
         of: "the energy in motion",
         error: |point| point.error_energy,
         chosen: |chosen| chosen.error_energy,
@@ -111,12 +111,12 @@ pub(super) const KINDS: [Kind; 4] = [
     },
 ];
 
-impl Kind {
+impl PlottedQuantity {
     /// Points that can be shown: work and errors.
     pub(super) fn shown<'a>(
         &'a self,
-        study: &'a Study,
-        work: Work,
+        study: &'a CostStudy,
+        work: WorkMeasure,
         method: &str,
     ) -> impl Iterator<Item = (f64, f64)> {
         let points = study.points.iter().filter(move |p| p.method == method && !p.failed);
@@ -126,8 +126,8 @@ impl Kind {
     /// What `--accuracy` chooses: accuracy, work and error.
     pub(super) fn choices<'a>(
         &'a self,
-        study: &'a Study,
-        work: Work,
+        study: &'a CostStudy,
+        work: WorkMeasure,
     ) -> impl Iterator<Item = (f64, f64, f64)> {
         let all = study.chosen.iter();
         all.filter_map(move |c| Some((c.accuracy, work.of_chosen(c), (self.chosen)(c)?)))
@@ -141,7 +141,7 @@ pub(super) struct Axes {
 }
 
 impl Axes {
-    pub(super) fn of(study: &Study, kind: &Kind, work: Work) -> Self {
+    pub(super) fn of(study: &CostStudy, kind: &PlottedQuantity, work: WorkMeasure) -> Self {
         let shown = || study.points.iter().filter(|p| !p.failed);
         let choices = || kind.choices(study, work);
         // Failed points are shown beyond the errors.
@@ -176,11 +176,11 @@ impl Axes {
 
 /// Decimal logarithm of an error (1).
 pub(super) fn digits(error: f64) -> f64 {
-    error.max(LEAST).log10()
+    error.max(MIN_ERROR).log10()
 }
 
 /// Methods in order of appearance with their marks.
-pub(super) fn marks(study: &Study) -> Vec<Mark> {
+pub(super) fn marks(study: &CostStudy) -> Vec<MethodMark> {
     let mut methods: Vec<&'static str> = Vec::new();
     for point in &study.points {
         if !methods.contains(&point.method) {

@@ -4,24 +4,24 @@ mod axes;
 mod picture;
 mod terminal;
 
-pub use axes::Work;
+pub use axes::WorkMeasure;
 pub use picture::work_precision_svg;
 
 use super::table;
-use super::words::{COLUMNS, hanging, wrapped};
+use super::text::{TERMINAL_WIDTH, hanging_indent, wrapped};
 use crate::quantity::engineering;
-use crate::studies::cost::{Chosen, Order, Point, Reference, Study};
-use axes::{Axes, KINDS, Kind, Mark, digits, marks};
+use crate::studies::cost::{ChosenMethod, CostStudy, Order, Point, Reference};
+use axes::{Axes, MethodMark, PLOTTED_QUANTITIES, PlottedQuantity, digits, marks};
 use terminal::plot;
 /// How many of these the terminal shows: the others are in the table of what `--accuracy` chooses.
-const IN_TERMINAL: usize = 2;
+const TERMINAL_PLOTS: usize = 2;
 
 /// The page that `cost` prints: what accuracy costs in time, then errors against `work`; in `colour` for a terminal.
-pub fn work_precision(study: &Study, work: Work, colour: bool) -> String {
+pub fn work_precision(study: &CostStudy, work: WorkMeasure, colour: bool) -> String {
     let mut lines = vec![format!("{}: what accuracy costs in time", study.scene)];
     lines.extend(choices(study));
     lines.push(String::new());
-    for kind in &KINDS[..IN_TERMINAL] {
+    for kind in &PLOTTED_QUANTITIES[..TERMINAL_PLOTS] {
         lines.extend(plot(study, kind, work, colour));
         lines.push(String::new());
     }
@@ -47,7 +47,7 @@ pub fn work_precision(study: &Study, work: Work, colour: bool) -> String {
     lines.extend(table::lines(&rows, &[0]));
     lines.push(String::new());
     lines.extend(sources(study));
-    lines.extend(hanging("reference: ", &reference(study)));
+    lines.extend(hanging_indent("reference: ", &reference(study)));
     lines.join("\n")
 }
 
@@ -57,13 +57,13 @@ fn observed(order: &Order) -> Option<String> {
     Some(format!("{observed:.1} ± {u:.1}"))
 }
 
-fn reference(study: &Study) -> String {
+fn reference(study: &CostStudy) -> String {
     let Reference { method, second, error, error_trace } = &study.reference;
     format!("{method}, {error:.1e} from {second}, in traces {error_trace:.1e}")
 }
 
 /// Where each method is from.
-fn sources(study: &Study) -> Vec<String> {
+fn sources(study: &CostStudy) -> Vec<String> {
     let mut all: Vec<(&str, &str)> = Vec::new();
     for order in &study.orders {
         let name = order.method.split(',').next().unwrap_or(order.method);
@@ -71,36 +71,38 @@ fn sources(study: &Study) -> Vec<String> {
             all.push((name, order.source));
         }
     }
-    let lines = |(name, source)| [vec![format!("  {name}")], hanging("    ", source)].concat();
+    let lines =
+        |(name, source)| [vec![format!("  {name}")], hanging_indent("    ", source)].concat();
     all.into_iter().flat_map(lines).collect()
 }
 
 /// Accuracies that were not reached, those of which the reference cannot tell, and those whose traces are not known to half of the digits.
-fn doubts(study: &Study) -> Vec<String> {
+fn warnings(study: &CostStudy) -> Vec<String> {
     let own = study.reference.error;
-    let named = |is: &dyn Fn(&Chosen) -> bool| {
+    let named = |is: &dyn Fn(&ChosenMethod) -> bool| {
         let those = study.chosen.iter().filter(|chosen| is(chosen));
         let names: Vec<String> = those.map(|chosen| format!("{:e}", chosen.accuracy)).collect();
         Some(names.join(", ")).filter(|names| !names.is_empty())
     };
-    let error = |chosen: &Chosen| chosen.error.unwrap_or(f64::INFINITY);
+    let error = |chosen: &ChosenMethod| chosen.error.unwrap_or(f64::INFINITY);
     let missed = named(&|c| error(c) > c.accuracy + own);
     let unclear = named(&|c| error(c) > c.accuracy && error(c) <= c.accuracy + own);
     let late = named(&|c| c.error_trace.is_some_and(|error| error > c.accuracy.sqrt()));
-    let missed = missed.map(|names| hanging("  not reached: ", &format!("{names}; a run says so")));
+    let missed =
+        missed.map(|names| hanging_indent("  not reached: ", &format!("{names}; a run says so")));
     let unclear = unclear.map(|names| {
         let own = format!("{names}; the reference itself may be {own:.1e} off");
-        hanging("  not to be judged: ", &own)
+        hanging_indent("  not to be judged: ", &own)
     });
     let late = late.map(|names| {
         let when = format!("{names}; a run says from when on, or takes shorter steps");
-        hanging("  traces off by more than half of the digits: ", &when)
+        hanging_indent("  traces off by more than half of the digits: ", &when)
     });
     missed.into_iter().chain(unclear).chain(late).flatten().collect()
 }
 
 /// One row an accuracy: errors, times, and how many times the row above a run takes.
-fn choices(study: &Study) -> Vec<String> {
+fn choices(study: &CostStudy) -> Vec<String> {
     let heading =
         ["asked", "peaks", "arrivals", "traces", "time", "with checks", "speed", "row above"];
     let words = |error: Option<f64>| error.map_or("-".to_owned(), |e| format!("{e:.1e}"));
@@ -134,15 +136,15 @@ fn choices(study: &Study) -> Vec<String> {
     }
     lines.extend(wrapped(
         "asked: --accuracy; errors relative, of traces relative to the largest force; time: median of one run, with the scope and what it records; with checks: and the runs that estimate its error; speed: simulated over wall time",
-        COLUMNS,
+        TERMINAL_WIDTH,
     ));
     let level = study.level.map(|level| format!("one scope level is {level:.1e} of a first peak"));
-    let sample = (KINDS[1].limit)(study);
+    let sample = (PLOTTED_QUANTITIES[1].limit)(study);
     let sample = sample.map(|sample| format!("one sample interval is {sample:.1e} of an arrival"));
     let limits: Vec<String> = level.into_iter().chain(sample).collect();
     if !limits.is_empty() {
-        lines.extend(hanging("", &limits.join(", ")));
+        lines.extend(hanging_indent("", &limits.join(", ")));
     }
-    lines.extend(doubts(study));
+    lines.extend(warnings(study));
     lines
 }

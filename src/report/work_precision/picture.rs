@@ -2,47 +2,52 @@
 
 use std::fmt::Write as _;
 
-use super::{Axes, KINDS, Kind, Mark, Work, digits, marks, observed, reference};
+use super::{
+    Axes, MethodMark, PLOTTED_QUANTITIES, PlottedQuantity, WorkMeasure, digits, marks, observed,
+    reference,
+};
 use crate::report::escape;
-use crate::studies::cost::{Point, Study};
+use crate::studies::cost::{CostStudy, Point};
 
 /// Size of a panel's plot, and what is left of it (pixels).
-const PANEL: (f64, f64) = (480.0, 430.0);
-const LEFT: f64 = 72.0;
+const PLOT_SIZE: (f64, f64) = (480.0, 430.0);
+const LEFT_MARGIN: f64 = 72.0;
 /// From the top to the plots (pixels).
-const TOP: f64 = 74.0;
+const TOP_MARGIN: f64 = 74.0;
 /// From one row of plots to the next (pixels).
-const ROW: f64 = PANEL.1 + 88.0;
+const ROW_HEIGHT: f64 = PLOT_SIZE.1 + 88.0;
 /// From the plots to the marks' meanings, and from one of these to the next (pixels).
 const LEGEND: (f64, f64) = (72.0, 20.0);
 /// Columns of meanings.
-const COLUMNS: usize = 2;
+const LEGEND_COLUMNS: usize = 2;
 /// Room that the name of a choice takes (pixels).
-const NAME: (f64, f64) = (34.0, 11.0);
+const NAME_OFFSET: (f64, f64) = (34.0, 11.0);
 /// Width of the picture (pixels).
-const WIDTH: f64 = 2.0 * (LEFT + PANEL.0) + 24.0;
+const WIDTH: f64 = 2.0 * (LEFT_MARGIN + PLOT_SIZE.0) + 24.0;
 
 /// The study as an SVG picture.
 #[allow(clippy::cast_precision_loss, reason = "a dozen methods")]
-pub fn work_precision_svg(study: &Study, work: Work) -> String {
+pub fn work_precision_svg(study: &CostStudy, work: WorkMeasure) -> String {
     let marks = marks(study);
-    let lines = (marks.len() + 1).div_ceil(COLUMNS) + 1;
-    let below = TOP + ROW + PANEL.1;
+    let lines = (marks.len() + 1).div_ceil(LEGEND_COLUMNS) + 1;
+    let below = TOP_MARGIN + ROW_HEIGHT + PLOT_SIZE.1;
     let height = below + LEGEND.0 + LEGEND.1 * lines as f64 + 10.0;
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height}\" font-family=\"sans-serif\" font-size=\"13\">\n\
          <rect width=\"{WIDTH}\" height=\"{height}\" fill=\"white\"/>\n\
-         <text x=\"{LEFT}\" y=\"28\" font-size=\"16\">{}: what accuracy costs</text>\n",
+         <text x=\"{LEFT_MARGIN}\" y=\"28\" font-size=\"16\">{}: what accuracy costs</text>\n",
         escape(&study.scene)
     );
-    for (kind, (row, column)) in KINDS.iter().zip([(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)])
+    for (kind, (row, column)) in
+        PLOTTED_QUANTITIES.iter().zip([(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)])
     {
-        let corner = (LEFT + column * (LEFT + PANEL.0), TOP + row * ROW);
+        let corner =
+            (LEFT_MARGIN + column * (LEFT_MARGIN + PLOT_SIZE.0), TOP_MARGIN + row * ROW_HEIGHT);
         panel(&mut svg, study, work, (kind, &marks), corner);
     }
     let place = |index: usize| {
-        let (row, column) = (index / COLUMNS, index % COLUMNS);
-        let x = LEFT + column as f64 * (LEFT + PANEL.0);
+        let (row, column) = (index / LEGEND_COLUMNS, index % LEGEND_COLUMNS);
+        let x = LEFT_MARGIN + column as f64 * (LEFT_MARGIN + PLOT_SIZE.0);
         (x, below + LEGEND.0 + LEGEND.1 * row as f64)
     };
     for (index, (method, _, colour, _)) in marks.iter().enumerate() {
@@ -65,7 +70,7 @@ pub fn work_precision_svg(study: &Study, work: Work) -> String {
         x + 12.0,
         y + 4.0
     );
-    let (x, y) = (LEFT, height - 14.0);
+    let (x, y) = (LEFT_MARGIN, height - 14.0);
     let _ = writeln!(
         svg,
         "<text x=\"{x}\" y=\"{y}\" fill=\"#555\" font-size=\"12\">reference: {}</text>",
@@ -78,13 +83,13 @@ pub fn work_precision_svg(study: &Study, work: Work) -> String {
 /// One kind of error against work.
 fn panel(
     svg: &mut String,
-    study: &Study,
-    work: Work,
-    (kind, marks): (&Kind, &[Mark]),
+    study: &CostStudy,
+    work: WorkMeasure,
+    (kind, marks): (&PlottedQuantity, &[MethodMark]),
     (left, top): (f64, f64),
 ) {
     let axes = Axes::of(study, kind, work);
-    let at = |x: f64, y: f64| (left + x * PANEL.0, top + y * PANEL.1);
+    let at = |x: f64, y: f64| (left + x * PLOT_SIZE.0, top + y * PLOT_SIZE.1);
     let place = |amount: f64, error: f64| {
         let (x, y) = axes.place(amount, error);
         at(x, y)
@@ -97,7 +102,7 @@ fn panel(
     );
     grid(svg, (&axes, work), &at);
     slopes(svg, &axes, &at);
-    let x1 = left + PANEL.0;
+    let x1 = left + PLOT_SIZE.0;
     let limit = (kind.limit)(study);
     if let Some(limit) = limit.filter(|limit| *limit >= 1.0) {
         let _ = writeln!(
@@ -143,10 +148,10 @@ fn panel(
         // Where points are crowded names stand below each other.
         let mut name = (x - 9.0, y + 8.0);
         let covers = |(x, y): &(f64, f64), name: (f64, f64)| {
-            (x - name.0).abs() < NAME.0 && (y - name.1).abs() < NAME.1 - 1.0
+            (x - name.0).abs() < NAME_OFFSET.0 && (y - name.1).abs() < NAME_OFFSET.1 - 1.0
         };
         while let Some((_, y)) = named.iter().find(|other| covers(other, name)) {
-            name.1 = y + NAME.1;
+            name.1 = y + NAME_OFFSET.1;
         }
         named.push(name);
         let _ = writeln!(
@@ -193,7 +198,7 @@ fn ring((x, y): (f64, f64)) -> String {
     )
 }
 
-fn grid(svg: &mut String, (axes, work): (&Axes, Work), at: &dyn Fn(f64, f64) -> (f64, f64)) {
+fn grid(svg: &mut String, (axes, work): (&Axes, WorkMeasure), at: &dyn Fn(f64, f64) -> (f64, f64)) {
     let ((few, many), (low, high)) = (axes.work, axes.error);
     let (corner, end) = (at(0.0, 0.0), at(1.0, 1.0));
     for decade in axes.ticks() {

@@ -1,17 +1,17 @@
 //! A panel in letters, with its legend beside it.
 
-use super::{Axes, Kind, Mark, Work, marks};
-use crate::studies::cost::Study;
+use super::{Axes, MethodMark, PlottedQuantity, WorkMeasure, marks};
+use crate::studies::cost::CostStudy;
 
 /// Columns and rows of a plot: with its scale and its legend it is 80 columns wide.
-const CELLS: (usize, usize) = (39, 17);
+const PLOT_CELLS: (usize, usize) = (39, 17);
 /// What `--accuracy` chooses.
-const CHOSEN: char = '●';
+const CHOSEN_MARK: char = '●';
 /// Most methods of a plot: more cannot be told apart.
 const MAX_METHODS: usize = 7;
 
 /// Methods of the plots, those without a comma in their names first: variants are left to the picture.
-pub fn shown(study: &Study) -> Vec<Mark> {
+pub fn shown(study: &CostStudy) -> Vec<MethodMark> {
     let plain = marks(study).into_iter().filter(|(method, ..)| !method.contains(','));
     plain.take(MAX_METHODS).collect()
 }
@@ -23,9 +23,14 @@ pub fn shown(study: &Study) -> Vec<Mark> {
     clippy::cast_sign_loss,
     reason = "places on a screen of a few dozen cells"
 )]
-pub fn plot(study: &Study, kind: &Kind, work: Work, colour: bool) -> Vec<String> {
+pub fn plot(
+    study: &CostStudy,
+    kind: &PlottedQuantity,
+    work: WorkMeasure,
+    colour: bool,
+) -> Vec<String> {
     let axes = Axes::of(study, kind, work);
-    let (columns, rows) = CELLS;
+    let (columns, rows) = PLOT_CELLS;
     let mut cells = vec![vec![(' ', 0); columns]; rows];
     let row_of = |y: f64| (y * (rows - 1) as f64).round() as usize;
     let column_of = |x: f64| (x * (columns - 1) as f64).round() as usize;
@@ -45,12 +50,12 @@ pub fn plot(study: &Study, kind: &Kind, work: Work, colour: bool) -> Vec<String>
         let points = kind.shown(study, work, method);
         points.for_each(|(amount, error)| set(amount, error, (*mark, *code)));
     }
-    kind.choices(study, work).for_each(|(_, amount, error)| set(amount, error, (CHOSEN, 1)));
+    kind.choices(study, work).for_each(|(_, amount, error)| set(amount, error, (CHOSEN_MARK, 1)));
     let mut legend: Vec<String> = methods
         .iter()
         .map(|(method, mark, _, code)| format!("{} {method}", painted(*mark, *code, colour)))
         .collect();
-    legend.push(format!("{} --accuracy, 1e-2 down", painted(CHOSEN, 1, colour)));
+    legend.push(format!("{} --accuracy, 1e-2 down", painted(CHOSEN_MARK, 1, colour)));
     let title = format!("{}: largest relative error of {}", study.scene, kind.of);
     let mut lines = vec![title, format!("against {}", work.name())];
     let span = axes.error.1 - axes.error.0;

@@ -9,7 +9,7 @@ mod runs;
 
 pub use design::Design;
 pub use range::{number, typed};
-pub use runs::Run;
+pub use runs::PlannedRun;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -18,12 +18,12 @@ use self::design::{Factor, Sample};
 use super::document::{Node, Value};
 use super::files::read_text;
 use super::problem::{Problem, SceneError, listed};
-use super::reader::{Bound, Problems, Table};
-use super::{LARGEST_SEED, LOOSEST_ACCURACY, TIGHTEST_ACCURACY};
+use super::reader::{Bound, Problems, TableReader};
+use super::{LOOSEST_ACCURACY, MAX_SEED, TIGHTEST_ACCURACY};
 use crate::quantity::Dimension;
 
 /// Most runs of a sweep: weeks of work, and gigabytes of results.
-pub const MOST_RUNS: u64 = 100_000_000;
+pub const MAX_RUNS: u64 = 100_000_000;
 /// Tables of a design of which there may be one.
 const SAMPLES: [(&str, bool); 2] = [("random", false), ("latin_hypercube", true)];
 
@@ -100,13 +100,13 @@ impl Design {
 }
 
 fn read(file: &Path, node: &Node, problems: &Problems) -> Option<Design> {
-    let root = Table::of(node, "", problems)?;
+    let root = TableReader::of(node, "", problems)?;
     let _ = root.text("title");
     let scene = root.required_text("scene", "the name of a scene, or the path of its file");
     let bound = Bound::Within(TIGHTEST_ACCURACY, LOOSEST_ACCURACY);
     let accuracy = root.quantity("accuracy", Dimension::NONE, bound);
-    let seed = root.count("seed", 0, LARGEST_SEED).unwrap_or(0);
-    let repeat = root.count("repeat", 1, MOST_RUNS).unwrap_or(1);
+    let seed = root.count("seed", 0, MAX_SEED).unwrap_or(0);
+    let repeat = root.count("repeat", 1, MAX_RUNS).unwrap_or(1);
     let watch = root.has("watch").then(|| {
         root.texts("watch").into_iter().map(|(name, _)| name.to_owned()).collect::<Vec<_>>()
     });
@@ -133,8 +133,8 @@ fn read(file: &Path, node: &Node, problems: &Problems) -> Option<Design> {
         sample,
     };
     let runs = design.points().and_then(|points| points.checked_mul(repeat));
-    if runs.is_none_or(|runs| runs > MOST_RUNS) {
-        let expected = format!("at most {MOST_RUNS} runs");
+    if runs.is_none_or(|runs| runs > MAX_RUNS) {
+        let expected = format!("at most {MAX_RUNS} runs");
         problems.push(node.place.problem("", "more runs".to_owned(), expected));
         return None;
     }
@@ -160,7 +160,7 @@ fn beside(file: &Path, scene: &str) -> String {
     }
 }
 
-fn sample(root: &Table<'_>, problems: &Problems) -> Option<Sample> {
+fn sample(root: &TableReader<'_>, problems: &Problems) -> Option<Sample> {
     let mut tables = SAMPLES
         .iter()
         .filter_map(|(key, latin)| root.table(key).map(|table| (table, *key, *latin)));
@@ -168,7 +168,7 @@ fn sample(root: &Table<'_>, problems: &Problems) -> Option<Sample> {
     if let Some((_, second, _)) = tables.next() {
         root.problem(second, "a second sample", "one of [random] and [latin_hypercube]");
     }
-    let count = table.required_count("count", 1, MOST_RUNS);
+    let count = table.required_count("count", 1, MAX_RUNS);
     let mut over = Vec::new();
     if !table.has("over") {
         table.problem("over", "no such table", format!("[{key}.over] with limits of values"));

@@ -2,11 +2,11 @@
 //! `{ mean = "1.46 GPa", deviation = "5 %" }`.
 
 use crate::quantity::{Dimension, parse_any};
-use crate::scene::document::{Entries, Node, Place, Value};
-use crate::scene::reader::{Problems, Table};
+use crate::scene::document::{Entries, Node, SourceLocation, Value};
+use crate::scene::reader::{Problems, TableReader};
 
 /// Most values of a range.
-const MOST_VALUES: u64 = 10_000_000;
+const MAX_VALUES: u64 = 10_000_000;
 
 /// How values lie between the ends of a range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,7 +20,7 @@ enum Law {
 /// Numbers between two ends, or around a mean.
 #[derive(Debug, Clone)]
 pub(super) struct Range {
-    place: Place,
+    place: SourceLocation,
     law: Law,
     /// Both ends, or mean and standard deviation.
     ends: [f64; 2],
@@ -76,9 +76,9 @@ pub(super) fn values(path: &str, node: &Node, problems: &Problems) -> Option<Vec
         }
         Value::List(items) => Some(items.to_vec()),
         Value::Table(_) => {
-            let table = Table::of(node, path, problems)?;
+            let table = TableReader::of(node, path, problems)?;
             let range = read(&table, node, false);
-            let count = table.required_count("count", 2, MOST_VALUES);
+            let count = table.required_count("count", 2, MAX_VALUES);
             table.finish();
             let (range, count) = (range?, count?);
             #[allow(clippy::cast_precision_loss, reason = "far below 2^53")]
@@ -96,7 +96,7 @@ pub(super) fn limits(path: &str, node: &Node, latin: bool, problems: &Problems) 
         problems.push(node.place.problem(path, node.describe(), expected));
         return None;
     };
-    let table = Table::of(node, path, problems)?;
+    let table = TableReader::of(node, path, problems)?;
     let range = read(&table, node, true);
     if latin && table.has("mean") {
         let expected = "from and to: a normal distribution has no strata of equal width";
@@ -106,7 +106,7 @@ pub(super) fn limits(path: &str, node: &Node, latin: bool, problems: &Problems) 
     range
 }
 
-fn read(table: &Table<'_>, node: &Node, drawn: bool) -> Option<Range> {
+fn read(table: &TableReader<'_>, node: &Node, drawn: bool) -> Option<Range> {
     let normal = drawn && table.has("mean");
     let keys = if normal { ["mean", "deviation"] } else { ["from", "to"] };
     let mut found = [None; 2];

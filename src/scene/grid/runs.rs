@@ -11,7 +11,7 @@ use crate::scene::document::Node;
 
 /// One run.
 #[derive(Debug, Clone)]
-pub struct Run {
+pub struct PlannedRun {
     /// What stands at each path, in the order of [`Design::paths`].
     pub values: Vec<Node>,
     /// Which of the repetitions of the same values, from 1.
@@ -22,7 +22,7 @@ pub struct Run {
 
 impl Design {
     /// Run number `index`, from 0: the last path of the grid changes fastest, the points of the sample within it, repetitions within them.
-    pub fn run(&self, index: u64) -> Run {
+    pub fn run(&self, index: u64) -> PlannedRun {
         let (mut rest, repeat) = (index / self.repeat, index % self.repeat + 1);
         let mut values = Vec::new();
         if let Some(sample) = &self.sample {
@@ -38,7 +38,7 @@ impl Design {
         }
         values.reverse();
         let seed = self.seed_of(&values, repeat);
-        Run { values, repeat, seed }
+        PlannedRun { values, repeat, seed }
     }
 
     fn seed_of(&self, values: &[Node], repeat: u64) -> u64 {

@@ -1,22 +1,14 @@
 //! A plan as data.
 
+use crate::quantity::Uncertain;
 use std::path::PathBuf;
 
-use crate::scene::document::Place;
+use crate::scene::document::SourceLocation;
 use crate::sensor::Load;
-
-/// A number with its standard uncertainty.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Uncertain {
-    /// The number (unit).
-    pub value: f64,
-    /// Its standard uncertainty (unit).
-    pub u: f64,
-}
 
 /// How a speed was measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Means {
+pub enum SpeedMethod {
     /// As a speed.
     Speed,
     /// As a height.
@@ -33,7 +25,7 @@ pub struct PlannedImpact {
     /// File or folder of its recording.
     pub recording: PathBuf,
     /// Where the plan names it.
-    pub place: Place,
+    pub place: SourceLocation,
     /// Channel.
     pub channel: String,
     /// Number of the shot.
@@ -41,9 +33,9 @@ pub struct PlannedImpact {
     /// Which of the strikers, from 0.
     pub striker: usize,
     /// Speed before the contact, by what it was measured.
-    pub incoming: (Means, Uncertain),
+    pub incoming: (SpeedMethod, Uncertain),
     /// Speed after it.
-    pub rebound: (Means, Uncertain),
+    pub rebound: (SpeedMethod, Uncertain),
     /// First and last time to integrate, if not to be found (s).
     pub window: Option<[f64; 2]>,
 }
@@ -75,7 +67,7 @@ pub struct Particulars {
 
 /// A checked plan.
 #[derive(Debug, Clone)]
-pub struct Plan {
+pub struct CalibrationPlan {
     /// The file.
     pub file: PathBuf,
     /// The file as typed.

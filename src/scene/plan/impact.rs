@@ -2,26 +2,26 @@
 
 use std::path::Path;
 
-use super::{Means, PlannedImpact, Uncertain};
-use crate::quantity::{Dimension, parse, parse_any};
+use super::{PlannedImpact, SpeedMethod};
+use crate::quantity::{Dimension, Uncertain, parse, parse_any};
 use crate::scene::document::Value;
-use crate::scene::reader::{Bound, Table};
+use crate::scene::reader::{Bound, TableReader};
 
 /// Keys of a speed before the contact and after it, each with that of its uncertainty.
-const INCOMING: [(&str, &str, Means); 3] = [
-    ("speed", "speed_u", Means::Speed),
-    ("height", "height_u", Means::Height),
-    ("gate_time", "gate_time_u", Means::GateTime),
+const INCOMING: [(&str, &str, SpeedMethod); 3] = [
+    ("speed", "speed_u", SpeedMethod::Speed),
+    ("height", "height_u", SpeedMethod::Height),
+    ("gate_time", "gate_time_u", SpeedMethod::GateTime),
 ];
-const REBOUND: [(&str, &str, Means); 4] = [
-    ("rebound_speed", "rebound_speed_u", Means::Speed),
-    ("rebound_height", "rebound_height_u", Means::Height),
-    ("rebound_gate_time", "rebound_gate_time_u", Means::GateTime),
-    ("flight_time", "flight_time_u", Means::FlightTime),
+const REBOUND: [(&str, &str, SpeedMethod); 4] = [
+    ("rebound_speed", "rebound_speed_u", SpeedMethod::Speed),
+    ("rebound_height", "rebound_height_u", SpeedMethod::Height),
+    ("rebound_gate_time", "rebound_gate_time_u", SpeedMethod::GateTime),
+    ("flight_time", "flight_time_u", SpeedMethod::FlightTime),
 ];
 
 /// What impacts are checked against.
-pub struct Context<'a> {
+pub struct ImpactContext<'a> {
     /// The plan's file.
     pub file: &'a Path,
     /// The channel of impacts that name none.
@@ -33,7 +33,7 @@ pub struct Context<'a> {
 }
 
 /// Reads one of `[[impacts]]`.
-pub fn impact(table: &Table<'_>, context: &Context<'_>) -> Option<PlannedImpact> {
+pub fn impact(table: &TableReader<'_>, context: &ImpactContext<'_>) -> Option<PlannedImpact> {
     let recording = table.required_text("recording", "a file: .mcap, .csv, .isf, or a folder");
     let path = recording.map(|name| context.file.parent().unwrap_or(Path::new("")).join(name));
     if let (Some(name), Some(path)) = (recording, &path)
@@ -73,10 +73,10 @@ pub fn impact(table: &Table<'_>, context: &Context<'_>) -> Option<PlannedImpact>
 
 /// The one of several ways to tell a speed that is used.
 fn speed(
-    table: &Table<'_>,
-    ways: &[(&'static str, &'static str, Means)],
+    table: &TableReader<'_>,
+    ways: &[(&'static str, &'static str, SpeedMethod)],
     gates: bool,
-) -> Option<(Means, Uncertain)> {
+) -> Option<(SpeedMethod, Uncertain)> {
     let used: Vec<_> = ways.iter().filter(|(key, ..)| table.has(key)).collect();
     let first = ways.first()?.0;
     for (key, uncertainty, _) in ways {
@@ -93,11 +93,11 @@ fn speed(
         return None;
     };
     let dimension = match means {
-        Means::Speed => Dimension::SPEED,
-        Means::Height => Dimension::LENGTH,
-        Means::GateTime | Means::FlightTime => Dimension::TIME,
+        SpeedMethod::Speed => Dimension::SPEED,
+        SpeedMethod::Height => Dimension::LENGTH,
+        SpeedMethod::GateTime | SpeedMethod::FlightTime => Dimension::TIME,
     };
-    if *means == Means::GateTime && !gates {
+    if *means == SpeedMethod::GateTime && !gates {
         table.problem(key, "a time between gates", "[speeds] with gate_distance as well");
     }
     Some((*means, uncertain(table, (key, uncertainty), dimension, true)?))
@@ -105,7 +105,7 @@ fn speed(
 
 /// `window = ["-10 us", "200 us"]`; `Some(None)` without one, none where it is wrong.
 #[allow(clippy::option_option, reason = "wrong, or not there, or there")]
-fn window(table: &Table<'_>) -> Option<Option<[f64; 2]>> {
+fn window(table: &TableReader<'_>) -> Option<Option<[f64; 2]>> {
     if !table.has("window") {
         let _ = table.node("window");
         return Some(None);
@@ -126,7 +126,7 @@ fn window(table: &Table<'_>) -> Option<Option<[f64; 2]>> {
 
 /// A quantity above zero and its standard uncertainty, in its unit or as a share of it.
 pub fn uncertain(
-    table: &Table<'_>,
+    table: &TableReader<'_>,
     (key, uncertainty): (&'static str, &'static str),
     dimension: Dimension,
     needed: bool,

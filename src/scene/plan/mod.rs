@@ -5,16 +5,16 @@
 mod data;
 mod impact;
 
-pub use data::{Means, Particulars, Plan, PlannedImpact, Uncertain};
+pub use data::{CalibrationPlan, Particulars, PlannedImpact, SpeedMethod};
 
 use std::path::Path;
 
-use self::impact::{Context, impact, uncertain};
-use crate::quantity::Dimension;
+use self::impact::{ImpactContext, impact, uncertain};
+use crate::quantity::{Dimension, Uncertain};
 use crate::scene::document::Node;
 use crate::scene::library;
 use crate::scene::problem::{Problem, SceneError, listed};
-use crate::scene::reader::{Bound, Problems, Table};
+use crate::scene::reader::{Bound, Problems, TableReader};
 use crate::sensor::Load;
 
 /// Standard acceleration of free fall (m/s^2).
@@ -42,7 +42,7 @@ pub enum PlanError {
 ///
 /// # Errors
 /// [`PlanError`]: not readable, or every problem found in it, recordings that do not exist included.
-pub fn load(file: &Path) -> Result<Plan, PlanError> {
+pub fn load(file: &Path) -> Result<CalibrationPlan, PlanError> {
     let name = file.display().to_string();
     if !file.is_file() {
         return Err(PlanError::Unknown(name));
@@ -64,8 +64,8 @@ pub fn load(file: &Path) -> Result<Plan, PlanError> {
     }
 }
 
-fn read(file: &Path, node: &Node, problems: &Problems) -> Option<Plan> {
-    let root = Table::of(node, "", problems)?;
+fn read(file: &Path, node: &Node, problems: &Problems) -> Option<CalibrationPlan> {
+    let root = TableReader::of(node, "", problems)?;
     let gravity = if root.has("gravity") {
         uncertain(&root, ("gravity", "gravity_u"), Dimension::ACCELERATION, false)
     } else {
@@ -104,18 +104,19 @@ fn read(file: &Path, node: &Node, problems: &Problems) -> Option<Plan> {
         // A mass that could not be read has left its problem; impacts may name its striker.
         strikers.push((name.to_owned(), mass.unwrap_or(Uncertain { value: 1.0, u: 0.0 })));
     }
-    let context = Context { file, channel: &channel, strikers: &strikers, gates: gates.is_some() };
+    let context =
+        ImpactContext { file, channel: &channel, strikers: &strikers, gates: gates.is_some() };
     let tables = root.list("impacts");
     let count = tables.len();
     let impacts: Vec<PlannedImpact> =
         tables.iter().filter_map(|table| impact(table, &context)).collect();
-    tables.into_iter().for_each(Table::finish);
+    tables.into_iter().for_each(TableReader::finish);
     if count == 0 {
         root.problem("impacts", "no impacts", "at least one [[impacts]]");
     }
     root.finish();
     (impacts.len() == count).then_some(())?;
-    Some(Plan {
+    Some(CalibrationPlan {
         file: file.to_owned(),
         text: node.place.text().to_string(),
         particulars,
@@ -132,8 +133,8 @@ fn read(file: &Path, node: &Node, problems: &Problems) -> Option<Plan> {
     })
 }
 
-fn particulars(root: &Table<'_>, file: &Path) -> Particulars {
-    let text = |table: Option<&Table<'_>>, key| table?.text(key).map(ToOwned::to_owned);
+fn particulars(root: &TableReader<'_>, file: &Path) -> Particulars {
+    let text = |table: Option<&TableReader<'_>>, key| table?.text(key).map(ToOwned::to_owned);
     let conditions = root.table("conditions");
     let traced = root.table("traceability");
     let stem = file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
@@ -150,12 +151,12 @@ fn particulars(root: &Table<'_>, file: &Path) -> Particulars {
         voltage_traceability: text(traced.as_ref(), "voltage"),
         ..Particulars::default()
     };
-    conditions.into_iter().chain(traced).for_each(Table::finish);
+    conditions.into_iter().chain(traced).for_each(TableReader::finish);
     found
 }
 
 /// The gain's uncertainty, none for a chain calibrated as one, and the input.
-fn scope(root: &Table<'_>) -> (Option<f64>, Load) {
+fn scope(root: &TableReader<'_>) -> (Option<f64>, Load) {
     let expected =
         "gain_u = \"3 %\", or in_chain = true where sensor and scope are calibrated as one";
     let Some(table) = root.table("scope") else {

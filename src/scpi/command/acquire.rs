@@ -3,9 +3,9 @@
 use crate::instrument::word::words;
 use crate::scpi::argument::{real, whole, word};
 use crate::scpi::message::Argument;
-use crate::scpi::row::{Group, Row};
-use crate::scpi::setting::{Both, Context, GroupQuery, Parts, Query, Stop, Words};
-use crate::scpi::value::Value;
+use crate::scpi::row::{CommandRow, Group};
+use crate::scpi::setting::{Both, Context, GroupQuery, Parts, Query, Stop, WordSetting};
+use crate::scpi::value::ReplyValue;
 
 words! {
     /// What the RUN/STOP key does.
@@ -25,24 +25,28 @@ words! {
 pub const GROUP: Group = Group {
     title: "Acquisition",
     rows: &[
-        Row::acts("ACQuire", &GroupQuery(Parts::Below), "all settings of the acquisition"),
-        Row::acts(
+        CommandRow::acts("ACQuire", &GroupQuery(Parts::Below), "all settings of the acquisition"),
+        CommandRow::acts(
             "ACQuire:STOPAfter",
-            &Words(|i, _| &mut i.panel.acquire.stop_after),
+            &WordSetting(|i, _| &mut i.panel.acquire.stop_after),
             "`RUNSTop` or `SEQuence`",
         ),
-        Row::acts(
+        CommandRow::acts(
             "ACQuire:STATE",
             &Both(set_state, state),
             "`ON`, `OFF`, `RUN`, `STOP` or a number",
         ),
-        Row::acts(
+        CommandRow::acts(
             "ACQuire:MODe",
-            &Words(|i, _| &mut i.panel.acquire.mode),
+            &WordSetting(|i, _| &mut i.panel.acquire.mode),
             "`SAMple`, `PEAKdetect` or `AVErage`",
         ),
-        Row::acts("ACQuire:NUMAVg", &Both(set_averages, averages), "4, 16, 64 or 128 records"),
-        Row::acts("ACQuire:NUMACq", &Query(count), "records taken since the start").apart(),
+        CommandRow::acts(
+            "ACQuire:NUMAVg",
+            &Both(set_averages, averages),
+            "4, 16, 64 or 128 records",
+        ),
+        CommandRow::acts("ACQuire:NUMACq", &Query(count), "records taken since the start").apart(),
     ],
 };
 
@@ -60,8 +64,8 @@ fn set_state(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn state(at: &mut Context<'_>) -> Result<Value, Stop> {
-    Ok(Value::flag(at.instrument.is_running()))
+fn state(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
+    Ok(ReplyValue::flag(at.instrument.is_running()))
 }
 
 fn set_averages(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
@@ -73,11 +77,11 @@ fn set_averages(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn averages(at: &mut Context<'_>) -> Result<Value, Stop> {
-    Ok(Value::Integer(i64::from(at.instrument.panel.acquire.averages)))
+fn averages(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
+    Ok(ReplyValue::Integer(i64::from(at.instrument.panel.acquire.averages)))
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn count(at: &mut Context<'_>) -> Result<Value, Stop> {
-    Ok(Value::Integer(i64::from(at.instrument.acquisitions())))
+fn count(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
+    Ok(ReplyValue::Integer(i64::from(at.instrument.acquisitions())))
 }

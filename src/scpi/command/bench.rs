@@ -4,49 +4,49 @@ use crate::instrument::Event;
 use crate::instrument::limits;
 use crate::scpi::argument::{flag, none, only, real};
 use crate::scpi::message::Argument;
-use crate::scpi::row::{Group, Row};
+use crate::scpi::row::{CommandRow, Group};
 use crate::scpi::setting::{Both, Context, GroupQuery, Parts, Stop};
-use crate::scpi::value::Value;
+use crate::scpi::value::ReplyValue;
 
 /// The group.
 pub const GROUP: Group = Group {
     title: "The bench behind the instrument (not Tektronix's)",
     rows: &[
-        Row::own("BENCh", &GroupQuery(Parts::Below), "all of this"),
-        Row::own(
+        CommandRow::own("BENCh", &GroupQuery(Parts::Below), "all of this"),
+        CommandRow::own(
             "BENCh:IMPact",
-            &Both(strike, |at| Ok(Value::Integer(i64::from(at.instrument.bench.impacts)))),
+            &Both(strike, |at| Ok(ReplyValue::Integer(i64::from(at.instrument.bench.impacts)))),
             "strikes the chain as soon as the part of the record before the trigger is full; the query counts impacts",
         ),
-        Row::own("BENCh:STRIker", &GroupQuery(Parts::Below), "mass and speed of the striker"),
-        Row::own(
+        CommandRow::own("BENCh:STRIker", &GroupQuery(Parts::Below), "mass and speed of the striker"),
+        CommandRow::own(
             "BENCh:STRIker:MASS",
             &Both(set_striker_mass, |at| number(at, at.instrument.bench.scene.striker_mass)),
             "mass of the striker in kg, 1E-5 to 0.1",
         ),
-        Row::own(
+        CommandRow::own(
             "BENCh:STRIker:SPEed",
             &Both(set_striker_speed, |at| number(at, at.instrument.bench.scene.striker_speed)),
             "speed of the striker in m/s, 1E-3 to 10, around which a scene may spread it",
         ),
-        Row::own(
+        CommandRow::own(
             "BENCh:MAGNet:FORCe",
             &Both(set_magnet_force, |at| number(at, at.instrument.bench.scene.magnet_force)),
             "force of the magnet in N, 0 to 100",
         ),
-        Row::own(
+        CommandRow::own(
             "BENCh:SCENe",
             &Both(set_scene, |at| {
                 present(at)?;
-                Ok(Value::Text(at.instrument.bench.scene.name.clone()))
+                Ok(ReplyValue::Text(at.instrument.bench.scene.name.clone()))
             }),
             "the scene that the bench is set up as: one that ships with the program, or the one that is served; the front panel stays as it is",
         ),
-        Row::own(
+        CommandRow::own(
             "BENCh:CH<x>:FINe",
             &Both(set_fine, |at| {
                 let fine = at.instrument.panel.channel(at.place.number).fine;
-                Ok(Value::Word(if fine { "ON" } else { "OFF" }))
+                Ok(ReplyValue::Word(if fine { "ON" } else { "OFF" }))
             }),
             "Volts/Div of a channel's menu: `ON` is fine, and `CH<x>:SCAle` takes what stands between the steps; `OFF` is coarse",
         )
@@ -59,9 +59,9 @@ fn present(at: &Context<'_>) -> Result<(), Event> {
     if at.instrument.bench.scenes.is_empty() { Err(Event::HardwareMissing) } else { Ok(()) }
 }
 
-fn number(at: &Context<'_>, setting: Option<f64>) -> Result<Value, Stop> {
+fn number(at: &Context<'_>, setting: Option<f64>) -> Result<ReplyValue, Stop> {
     present(at)?;
-    Ok(Value::Number(setting.ok_or(Event::SettingsConflict)?))
+    Ok(ReplyValue::Number(setting.ok_or(Event::SettingsConflict)?))
 }
 
 /// What comes of setting something that this bench may not have.

@@ -2,34 +2,42 @@
 
 use crate::scpi::argument::none;
 use crate::scpi::message::Argument;
-use crate::scpi::row::{Group, Row};
+use crate::scpi::row::{CommandRow, Group};
 use crate::scpi::setting::{Command, Context, Query, Stop};
-use crate::scpi::value::Value;
+use crate::scpi::value::ReplyValue;
 
 /// The group.
 pub const GROUP: Group = Group {
     title: "Calibration and diagnostic",
     rows: &[
-        Row::accepted("*CAL", &Query(|_| Ok(Value::Integer(0))), "0: passed"),
-        Row::accepted("*TST", &Query(|_| Ok(Value::Integer(0))), "0: passed"),
-        Row::accepted("CALibrate:ABOrt", &Command(nothing), "nothing to abort"),
-        Row::accepted("CALibrate:CONTINUE", &Command(nothing), "nothing to go on with"),
-        Row::accepted("CALibrate:INTERNAL", &Command(nothing), "nothing to calibrate"),
-        Row::accepted("CALibrate:STATUS", &Query(|_| Ok(Value::Word("PASS"))), "`PASS`"),
-        Row::accepted("DIAg:RESUlt:FLAg", &Query(|_| Ok(Value::Word("PASS"))), "`PASS`"),
-        Row::accepted(
+        CommandRow::accepted("*CAL", &Query(|_| Ok(ReplyValue::Integer(0))), "0: passed"),
+        CommandRow::accepted("*TST", &Query(|_| Ok(ReplyValue::Integer(0))), "0: passed"),
+        CommandRow::accepted("CALibrate:ABOrt", &Command(nothing), "nothing to abort"),
+        CommandRow::accepted("CALibrate:CONTINUE", &Command(nothing), "nothing to go on with"),
+        CommandRow::accepted("CALibrate:INTERNAL", &Command(nothing), "nothing to calibrate"),
+        CommandRow::accepted(
+            "CALibrate:STATUS",
+            &Query(|_| Ok(ReplyValue::Word("PASS"))),
+            "`PASS`",
+        ),
+        CommandRow::accepted(
+            "DIAg:RESUlt:FLAg",
+            &Query(|_| Ok(ReplyValue::Word("PASS"))),
+            "`PASS`",
+        ),
+        CommandRow::accepted(
             "DIAg:RESUlt:LOG",
-            &Query(|_| Ok(Value::Text("No errors recorded.".to_owned()))),
+            &Query(|_| Ok(ReplyValue::Text("No errors recorded.".to_owned()))),
             "the self test's log",
         ),
-        Row::accepted(
+        CommandRow::accepted(
             "ERRLOG:FIRST",
-            &Query(|_| Ok(Value::Text(String::new()))),
+            &Query(|_| Ok(ReplyValue::Text(String::new()))),
             "the error log is empty",
         ),
-        Row::accepted(
+        CommandRow::accepted(
             "ERRLOG:NEXT",
-            &Query(|_| Ok(Value::Text(String::new()))),
+            &Query(|_| Ok(ReplyValue::Text(String::new()))),
             "the error log is empty",
         ),
     ],

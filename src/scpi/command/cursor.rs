@@ -3,15 +3,15 @@
 use crate::instrument::limits::rounded;
 use crate::instrument::measure::INVALID;
 use crate::instrument::panel::BarUnits;
-use crate::scpi::row::{Group, Row};
-use crate::scpi::setting::{Context, GroupQuery, Number, Parts, Query, Stop, Words};
-use crate::scpi::value::Value;
+use crate::scpi::row::{CommandRow, Group};
+use crate::scpi::setting::{Context, GroupQuery, Number, Parts, Query, Stop, WordSetting};
+use crate::scpi::value::ReplyValue;
 
 /// The group.
 pub const GROUP: Group = Group {
     title: "Cursor",
     rows: &[
-        Row::acts(
+        CommandRow::acts(
             "CURSor",
             &GroupQuery(Parts::Of(&[
                 "CURSor:FUNCtion",
@@ -21,18 +21,18 @@ pub const GROUP: Group = Group {
             ])),
             "all settings of the cursors",
         ),
-        Row::acts(
+        CommandRow::acts(
             "CURSor:FUNCtion",
-            &Words(|i, _| &mut i.panel.cursor.function),
+            &WordSetting(|i, _| &mut i.panel.cursor.function),
             "`OFF`, `HBArs` or `VBArs`",
         ),
-        Row::acts(
+        CommandRow::acts(
             "CURSor:SELect:SOUrce",
-            &Words(|i, _| &mut i.panel.cursor.source),
+            &WordSetting(|i, _| &mut i.panel.cursor.source),
             "the waveform",
         ),
-        Row::alias("CURSor:SELect", "CURSor:SELect:SOUrce"),
-        Row::acts(
+        CommandRow::alias("CURSor:SELect", "CURSor:SELect:SOUrce"),
+        CommandRow::acts(
             "CURSor:VBArs",
             &GroupQuery(Parts::Of(&[
                 "CURSor:VBArs:UNIts",
@@ -42,14 +42,15 @@ pub const GROUP: Group = Group {
             ])),
             "the vertical bars",
         ),
-        Row::acts(
+        CommandRow::acts(
             "CURSor:VBArs:UNIts",
-            &Words(|i, _| &mut i.panel.cursor.vertical_units),
+            &WordSetting(|i, _| &mut i.panel.cursor.vertical_units),
             "`SECOnds` or `HERtz`",
         ),
-        Row::acts("CURSor:VBArs:DELTa", &Query(vertical_delta), "their distance").apart(),
-        Row::acts("CURSor:VBArs:POSITION<x>", &VERTICAL, "seconds after the trigger").apart(),
-        Row::acts(
+        CommandRow::acts("CURSor:VBArs:DELTa", &Query(vertical_delta), "their distance").apart(),
+        CommandRow::acts("CURSor:VBArs:POSITION<x>", &VERTICAL, "seconds after the trigger")
+            .apart(),
+        CommandRow::acts(
             "CURSor:HBArs",
             &GroupQuery(Parts::Of(&[
                 "CURSor:HBArs:UNIts",
@@ -59,10 +60,14 @@ pub const GROUP: Group = Group {
             ])),
             "the horizontal bars",
         ),
-        Row::acts("CURSor:HBArs:UNIts", &Query(|_| Ok(Value::Word("VOLts"))), "always volts")
-            .apart(),
-        Row::acts("CURSor:HBArs:DELTa", &Query(horizontal_delta), "their distance").apart(),
-        Row::acts("CURSor:HBArs:POSITION<x>", &HORIZONTAL, "volts").apart(),
+        CommandRow::acts(
+            "CURSor:HBArs:UNIts",
+            &Query(|_| Ok(ReplyValue::Word("VOLts"))),
+            "always volts",
+        )
+        .apart(),
+        CommandRow::acts("CURSor:HBArs:DELTa", &Query(horizontal_delta), "their distance").apart(),
+        CommandRow::acts("CURSor:HBArs:POSITION<x>", &HORIZONTAL, "volts").apart(),
     ],
 };
 
@@ -86,11 +91,11 @@ const HORIZONTAL: Number = Number(
 );
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn vertical_delta(at: &mut Context<'_>) -> Result<Value, Stop> {
+fn vertical_delta(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     let cursor = &at.instrument.panel.cursor;
     let [first, second] = cursor.vertical;
     let distance = (second - first).abs();
-    Ok(Value::Number(match cursor.vertical_units {
+    Ok(ReplyValue::Number(match cursor.vertical_units {
         BarUnits::Seconds => distance,
         BarUnits::Hertz if distance > 0.0 => 1.0 / distance,
         BarUnits::Hertz => INVALID,
@@ -98,7 +103,7 @@ fn vertical_delta(at: &mut Context<'_>) -> Result<Value, Stop> {
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn horizontal_delta(at: &mut Context<'_>) -> Result<Value, Stop> {
+fn horizontal_delta(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     let [first, second] = at.instrument.panel.cursor.horizontal;
-    Ok(Value::Number((second - first).abs()))
+    Ok(ReplyValue::Number((second - first).abs()))
 }

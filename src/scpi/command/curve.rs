@@ -6,20 +6,24 @@ use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
 use crate::scope::{Preamble, Source, VerticalSetup, Waveform};
 use crate::scpi::message::Argument;
 use crate::scpi::number;
-use crate::scpi::row::{Group, Row};
+use crate::scpi::row::{CommandRow, Group};
 use crate::scpi::setting::{Both, Context, GroupQuery, Parts, Stop};
-use crate::scpi::value::Value;
+use crate::scpi::value::ReplyValue;
 
 /// The group.
 pub const GROUP: Group = Group {
     title: "Waveform: points",
     rows: &[
-        Row::acts("CURVe", &Both(receive, send), "points, as `DATa` says"),
-        Row::acts("WAVFrm", &GroupQuery(Parts::Of(&["WFMPre", "CURVe"])), "preamble and points"),
+        CommandRow::acts("CURVe", &Both(receive, send), "points, as `DATa` says"),
+        CommandRow::acts(
+            "WAVFrm",
+            &GroupQuery(Parts::Of(&["WFMPre", "CURVe"])),
+            "preamble and points",
+        ),
     ],
 };
 
-fn send(at: &mut Context<'_>) -> Result<Value, Stop> {
+fn send(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     let transfer = at.instrument.transfer;
     let waveform = at.instrument.waveform(transfer.source)?;
     let range = transfer.range(waveform.codes.len());
@@ -27,7 +31,7 @@ fn send(at: &mut Context<'_>) -> Result<Value, Stop> {
     if transfer.format == CurveFormat::Ascii {
         let point = |code: &i16| level_to_point(*code, &transfer).to_string();
         let points: Vec<String> = codes.iter().map(point).collect();
-        return Ok(Value::Plain(points.join(",")));
+        return Ok(ReplyValue::Plain(points.join(",")));
     }
     let mut bytes = Vec::with_capacity(2 * codes.len());
     for code in codes {
@@ -41,7 +45,7 @@ fn send(at: &mut Context<'_>) -> Result<Value, Stop> {
     let length = bytes.len().to_string();
     let mut block = format!("#{}{length}", length.len()).into_bytes();
     block.append(&mut bytes);
-    Ok(Value::Block(block))
+    Ok(ReplyValue::Block(block))
 }
 
 /// A level as the number that is sent, its lowest 16 bits.

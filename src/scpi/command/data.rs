@@ -6,9 +6,9 @@ use crate::instrument::word::{Word as _, words};
 use crate::scope::Source;
 use crate::scpi::argument::{only, whole, word};
 use crate::scpi::message::Argument;
-use crate::scpi::row::{Group, Row};
-use crate::scpi::setting::{Both, Context, GroupQueryAndCommand, Parts, Stop, Words};
-use crate::scpi::value::Value;
+use crate::scpi::row::{CommandRow, Group};
+use crate::scpi::setting::{Both, Context, GroupQueryAndCommand, Parts, Stop, WordSetting};
+use crate::scpi::value::ReplyValue;
 
 words! {
     /// What `DATa` does.
@@ -22,40 +22,42 @@ words! {
 pub const GROUP: Group = Group {
     title: "Waveform: how it travels",
     rows: &[
-        Row::acts(
+        CommandRow::acts(
             "DATa",
             &GroupQueryAndCommand(Parts::Below, initialise),
             "`INIT` sets all of this as at power on",
         ),
-        Row::acts(
+        CommandRow::acts(
             "DATa:ENCdg",
             &Both(set_encoding, encoding),
             "`ASCIi` (`ASC` is taken, too), `RIBinary`, `RPBinary`, `SRIbinary` or `SRPbinary`",
         ),
-        Row::acts(
+        CommandRow::acts(
             "DATa:DESTination",
-            &Both(set_destination, |at| Ok(Value::Word(at.instrument.transfer.destination.word()))),
+            &Both(set_destination, |at| {
+                Ok(ReplyValue::Word(at.instrument.transfer.destination.word()))
+            }),
             "the reference memory that `CURVe` writes",
         ),
-        Row::alias("DATa:TARget", "DATa:DESTination"),
-        Row::acts(
+        CommandRow::alias("DATa:TARget", "DATa:DESTination"),
+        CommandRow::acts(
             "DATa:SOUrce",
-            &Words(|i, _| &mut i.transfer.source),
+            &WordSetting(|i, _| &mut i.transfer.source),
             "the waveform that `CURVe?` reads",
         ),
-        Row::acts(
+        CommandRow::acts(
             "DATa:STARt",
-            &Both(set_start, |at| Ok(Value::Plain(at.instrument.transfer.start.to_string()))),
+            &Both(set_start, |at| Ok(ReplyValue::Plain(at.instrument.transfer.start.to_string()))),
             "first point, counted from 1",
         ),
-        Row::acts(
+        CommandRow::acts(
             "DATa:STOP",
-            &Both(set_stop, |at| Ok(Value::Plain(at.instrument.transfer.stop.to_string()))),
+            &Both(set_stop, |at| Ok(ReplyValue::Plain(at.instrument.transfer.stop.to_string()))),
             "last point",
         ),
-        Row::acts(
+        CommandRow::acts(
             "DATa:WIDth",
-            &Both(set_width, |at| Ok(Value::Integer(i64::from(at.instrument.transfer.width)))),
+            &Both(set_width, |at| Ok(ReplyValue::Integer(i64::from(at.instrument.transfer.width)))),
             "bytes a point, 1 or 2",
         ),
     ],
@@ -78,8 +80,8 @@ fn set_encoding(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn encoding(at: &mut Context<'_>) -> Result<Value, Stop> {
-    Ok(Value::Word(at.instrument.transfer.encoding().word()))
+fn encoding(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
+    Ok(ReplyValue::Word(at.instrument.transfer.encoding().word()))
 }
 
 fn set_destination(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {

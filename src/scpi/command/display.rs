@@ -3,9 +3,9 @@
 use crate::instrument::word::words;
 use crate::scpi::argument::{real, whole, word};
 use crate::scpi::message::Argument;
-use crate::scpi::row::{Group, Row};
-use crate::scpi::setting::{Both, Context, GroupQuery, Parts, Stop, Words};
-use crate::scpi::value::Value;
+use crate::scpi::row::{CommandRow, Group};
+use crate::scpi::setting::{Both, Context, GroupQuery, Parts, Stop, WordSetting};
+use crate::scpi::value::ReplyValue;
 
 words! {
     /// Persistence that is no time.
@@ -24,21 +24,25 @@ const PERSISTENCES: [f64; 4] = [0.0, 1.0, 2.0, 5.0];
 pub const GROUP: Group = Group {
     title: "Display",
     rows: &[
-        Row::accepted("DISplay", &GroupQuery(Parts::Below), "all settings of the screen"),
-        Row::accepted(
+        CommandRow::accepted("DISplay", &GroupQuery(Parts::Below), "all settings of the screen"),
+        CommandRow::accepted(
             "DISplay:CONTRast",
             &Both(set_contrast, |at| {
-                Ok(Value::Integer(i64::from(at.instrument.panel.display.contrast)))
+                Ok(ReplyValue::Integer(i64::from(at.instrument.panel.display.contrast)))
             }),
             "1 to 100",
         ),
-        Row::acts("DISplay:FORMat", &Words(|i, _| &mut i.panel.display.format), "`YT` or `XY`"),
-        Row::acts(
+        CommandRow::acts(
+            "DISplay:FORMat",
+            &WordSetting(|i, _| &mut i.panel.display.format),
+            "`YT` or `XY`",
+        ),
+        CommandRow::acts(
             "DISplay:STYle",
-            &Words(|i, _| &mut i.panel.display.style),
+            &WordSetting(|i, _| &mut i.panel.display.style),
             "`DOTs` or `VECtors`",
         ),
-        Row::accepted(
+        CommandRow::accepted(
             "DISplay:PERSistence",
             &Both(set_persistence, persistence),
             "`OFF`, 1, 2, 5 (seconds) or `INFinite`",
@@ -68,11 +72,11 @@ fn set_persistence(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), S
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn persistence(at: &mut Context<'_>) -> Result<Value, Stop> {
+fn persistence(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     let seconds = at.instrument.panel.display.persistence;
     Ok(if seconds.is_finite() {
-        Value::Plain(format!("{seconds}"))
+        ReplyValue::Plain(format!("{seconds}"))
     } else {
-        Value::Word("INFinite")
+        ReplyValue::Word("INFinite")
     })
 }

@@ -5,8 +5,8 @@ use crate::instrument::panel::{HardCopyFormat, Port};
 use crate::instrument::word::words;
 use crate::scpi::argument::word;
 use crate::scpi::message::Argument;
-use crate::scpi::row::{Group, Row};
-use crate::scpi::setting::{Context, GroupQueryAndCommand, OnOff, Parts, Stop, Words};
+use crate::scpi::row::{CommandRow, Group};
+use crate::scpi::setting::{Context, GroupQueryAndCommand, OnOff, Parts, Stop, WordSetting};
 use crate::screen::{PictureFormat, Screen, draw, file};
 
 words! {
@@ -23,27 +23,27 @@ words! {
 pub const GROUP: Group = Group {
     title: "Hard copy",
     rows: &[
-        Row::acts(
+        CommandRow::acts(
             "HARDCopy",
             &GroupQueryAndCommand(Parts::Below, order),
             "`STARt` sends the screen's picture, bare bytes without a terminator; `ABOrt` does nothing",
         ),
-        Row::acts(
+        CommandRow::acts(
             "HARDCopy:FORMat",
-            &Words(|i, _| &mut i.panel.hard_copy.format),
+            &WordSetting(|i, _| &mut i.panel.hard_copy.format),
             "`BMP`, `RLE`, `PCX`, `TIFf`, `EPSCOlor`, `EPSMono`; `STARt` refuses printers' languages (event 241)",
         ),
-        Row::acts(
+        CommandRow::acts(
             "HARDCopy:PORT",
-            &Words(|i, _| &mut i.panel.hard_copy.port),
+            &WordSetting(|i, _| &mut i.panel.hard_copy.port),
             "`RS232` and `GPIB` are this connection; at `CENtronics` is no printer (event 241)",
         ),
-        Row::accepted(
+        CommandRow::accepted(
             "HARDCopy:LAYout",
-            &Words(|i, _| &mut i.panel.hard_copy.layout),
+            &WordSetting(|i, _| &mut i.panel.hard_copy.layout),
             "`PORTRait` or `LANdscape`; pictures are upright",
         ),
-        Row::acts(
+        CommandRow::acts(
             "HARDCopy:INKSaver",
             &OnOff(|i, _| &mut i.panel.hard_copy.ink_saver),
             "`ON` leaves the background white",

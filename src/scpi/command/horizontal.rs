@@ -3,31 +3,31 @@
 use crate::instrument::limits;
 use crate::scpi::argument::real;
 use crate::scpi::message::Argument;
-use crate::scpi::row::{Group, Row};
-use crate::scpi::setting::{Both, Context, GroupQuery, Number, Parts, Query, Stop, Words};
-use crate::scpi::value::Value;
+use crate::scpi::row::{CommandRow, Group};
+use crate::scpi::setting::{Both, Context, GroupQuery, Number, Parts, Query, Stop, WordSetting};
+use crate::scpi::value::ReplyValue;
 
 /// The group.
 pub const GROUP: Group = Group {
     title: "Horizontal",
     rows: &[
-        Row::acts("HORizontal", &GroupQuery(Parts::Below), "all settings of the time base"),
-        Row::acts(
+        CommandRow::acts("HORizontal", &GroupQuery(Parts::Below), "all settings of the time base"),
+        CommandRow::acts(
             "HORizontal:VIEw",
-            &Words(|i, _| &mut i.panel.horizontal.view),
+            &WordSetting(|i, _| &mut i.panel.horizontal.view),
             "`MAIn`, `WINDOW` (records are those of the window) or `ZONE`",
         ),
-        Row::acts("HORizontal:RECOrdlength", &Query(record_length), "points in a record"),
-        Row::acts("HORizontal:MAIn", &GroupQuery(Parts::Below), "the main time base"),
-        Row::acts("HORizontal:MAIn:SCAle", &SCALE, "s/div, the nearest step of 1-2.5-5"),
-        Row::acts(
+        CommandRow::acts("HORizontal:RECOrdlength", &Query(record_length), "points in a record"),
+        CommandRow::acts("HORizontal:MAIn", &GroupQuery(Parts::Below), "the main time base"),
+        CommandRow::acts("HORizontal:MAIn:SCAle", &SCALE, "s/div, the nearest step of 1-2.5-5"),
+        CommandRow::acts(
             "HORizontal:MAIn:POSition",
             &POSITION,
             "the screen's centre after the trigger, in seconds",
         ),
-        Row::alias("HORizontal:MAIn:SECdiv", "HORizontal:MAIn:SCAle"),
-        Row::acts("HORizontal:DELay", &GroupQuery(Parts::Below), "the window's time base"),
-        Row::acts(
+        CommandRow::alias("HORizontal:MAIn:SECdiv", "HORizontal:MAIn:SCAle"),
+        CommandRow::acts("HORizontal:DELay", &GroupQuery(Parts::Below), "the window's time base"),
+        CommandRow::acts(
             "HORizontal:DELay:SCAle",
             &Number(
                 |i, _| &mut i.panel.horizontal.delay_scale,
@@ -35,7 +35,7 @@ pub const GROUP: Group = Group {
             ),
             "s/div of the window",
         ),
-        Row::acts(
+        CommandRow::acts(
             "HORizontal:DELay:POSition",
             &Number(
                 |i, _| &mut i.panel.horizontal.delay_position,
@@ -45,10 +45,10 @@ pub const GROUP: Group = Group {
             ),
             "the window's centre after the trigger, in seconds",
         ),
-        Row::alias("HORizontal:DELay:SECdiv", "HORizontal:DELay:SCAle"),
-        Row::acts("HORizontal:SCAle", &SCALE, "the main time base").apart(),
-        Row::alias("HORizontal:SECdiv", "HORizontal:SCAle"),
-        Row::acts("HORizontal:POSition", &POSITION, "the main position").apart(),
+        CommandRow::alias("HORizontal:DELay:SECdiv", "HORizontal:DELay:SCAle"),
+        CommandRow::acts("HORizontal:SCAle", &SCALE, "the main time base").apart(),
+        CommandRow::alias("HORizontal:SECdiv", "HORizontal:SCAle"),
+        CommandRow::acts("HORizontal:POSition", &POSITION, "the main position").apart(),
     ],
 };
 
@@ -70,12 +70,12 @@ fn set_scale(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn scale(at: &mut Context<'_>) -> Result<Value, Stop> {
-    Ok(Value::Number(at.instrument.panel.horizontal.scale))
+fn scale(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
+    Ok(ReplyValue::Number(at.instrument.panel.horizontal.scale))
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn record_length(at: &mut Context<'_>) -> Result<Value, Stop> {
+fn record_length(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     let points = at.instrument.model.record_length;
-    Ok(Value::Plain(points.to_string()))
+    Ok(ReplyValue::Plain(points.to_string()))
 }

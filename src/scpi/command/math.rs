@@ -5,29 +5,29 @@ use crate::instrument::limits::nearest;
 use crate::instrument::panel::MathFunction;
 use crate::scpi::argument::text;
 use crate::scpi::message::Argument;
-use crate::scpi::row::{Group, Row};
+use crate::scpi::row::{CommandRow, Group};
 use crate::scpi::setting::{Both, Context, GroupQuery, Number, Parts, Stop};
-use crate::scpi::value::Value;
+use crate::scpi::value::ReplyValue;
 
 /// Horizontal zooms of a spectrum (1).
 const HORIZONTAL_ZOOMS: [f64; 4] = [1.0, 2.0, 5.0, 10.0];
 /// Vertical zooms of a spectrum (1).
 const VERTICAL_ZOOMS: [f64; 5] = [0.5, 1.0, 2.0, 5.0, 10.0];
 /// Farthest vertical position of a spectrum (div).
-const FARTHEST: f64 = 100.0;
+const MAX_POSITION: f64 = 100.0;
 
 /// The group.
 pub const GROUP: Group = Group {
     title: "Math",
     rows: &[
-        Row::acts("MATH", &GroupQuery(Parts::Below), "all settings of the math trace"),
-        Row::acts(
+        CommandRow::acts("MATH", &GroupQuery(Parts::Below), "all settings of the math trace"),
+        CommandRow::acts(
             "MATH:DEFINE",
             &Both(define, definition),
             "e.g. `\"CH1 - CH2\"` or `\"FFT(CH1,HANNING)\"`",
         ),
-        Row::acts("MATH:FFT", &GroupQuery(Parts::Below), "how the screen shows a spectrum"),
-        Row::acts(
+        CommandRow::acts("MATH:FFT", &GroupQuery(Parts::Below), "how the screen shows a spectrum"),
+        CommandRow::acts(
             "MATH:FFT:HORizontal:POSition",
             &Number(
                 |i, _| &mut i.panel.math.fft_horizontal_position,
@@ -35,7 +35,7 @@ pub const GROUP: Group = Group {
             ),
             "percent of the spectrum in the screen's centre",
         ),
-        Row::acts(
+        CommandRow::acts(
             "MATH:FFT:HORizontal:SCAle",
             &Number(
                 |i, _| &mut i.panel.math.fft_horizontal_scale,
@@ -43,15 +43,15 @@ pub const GROUP: Group = Group {
             ),
             "zoom 1, 2, 5 or 10",
         ),
-        Row::acts(
+        CommandRow::acts(
             "MATH:FFT:VERtical:POSition",
             &Number(
                 |i, _| &mut i.panel.math.fft_vertical_position,
-                |_, _, divisions| divisions.clamp(-FARTHEST, FARTHEST),
+                |_, _, divisions| divisions.clamp(-MAX_POSITION, MAX_POSITION),
             ),
             "divisions",
         ),
-        Row::acts(
+        CommandRow::acts(
             "MATH:FFT:VERtical:SCAle",
             &Number(
                 |i, _| &mut i.panel.math.fft_vertical_scale,
@@ -69,6 +69,6 @@ fn define(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn definition(at: &mut Context<'_>) -> Result<Value, Stop> {
-    Ok(Value::Text(at.instrument.panel.math.function.definition()))
+fn definition(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
+    Ok(ReplyValue::Text(at.instrument.panel.math.function.definition()))
 }

@@ -9,9 +9,9 @@ use crate::instrument::panel::{Measurement, MeasurementType};
 use crate::instrument::word::Word as _;
 use crate::scpi::argument::word;
 use crate::scpi::message::Argument;
-use crate::scpi::row::{Group, Row};
-use crate::scpi::setting::{Both, Context, GroupQuery, Parts, Query, Stop, Words};
-use crate::scpi::value::Value;
+use crate::scpi::row::{CommandRow, Group};
+use crate::scpi::setting::{Both, Context, GroupQuery, Parts, Query, Stop, WordSetting};
+use crate::scpi::value::ReplyValue;
 
 /// Type and source of the five measurements on the screen.
 const MEASUREMENTS: [&str; 5] = [
@@ -26,29 +26,33 @@ const MEASUREMENTS: [&str; 5] = [
 pub const GROUP: Group = Group {
     title: "Measurement",
     rows: &[
-        Row::acts(
+        CommandRow::acts(
             "MEASUrement",
             &GroupQuery(Parts::Of(&MEASUREMENTS)),
             "the measurements on the screen",
         ),
-        Row::acts(
+        CommandRow::acts(
             "MEASUrement:IMMed",
             &GroupQuery(Parts::Below),
             "the measurement of the remote interface",
         ),
-        Row::acts("MEASUrement:IMMed:TYPe", &Both(set_immediate, immediate), "what is measured"),
-        Row::acts(
+        CommandRow::acts(
+            "MEASUrement:IMMed:TYPe",
+            &Both(set_immediate, immediate),
+            "what is measured",
+        ),
+        CommandRow::acts(
             "MEASUrement:IMMed:UNIts",
             &Query(|at| Ok(units(at.instrument.panel.immediate))),
             "unit of the result",
         ),
-        Row::acts(
+        CommandRow::acts(
             "MEASUrement:IMMed:SOUrce1",
-            &Words(|i, _| &mut i.panel.immediate.source),
+            &WordSetting(|i, _| &mut i.panel.immediate.source),
             "the waveform",
         ),
-        Row::alias("MEASUrement:IMMed:SOU1", "MEASUrement:IMMed:SOUrce1"),
-        Row::acts(
+        CommandRow::alias("MEASUrement:IMMed:SOU1", "MEASUrement:IMMed:SOUrce1"),
+        CommandRow::acts(
             "MEASUrement:IMMed:VALue",
             &Query(|at| {
                 let m = at.instrument.panel.immediate;
@@ -57,28 +61,28 @@ pub const GROUP: Group = Group {
             "the result, 9.9E37 if there is none",
         )
         .apart(),
-        Row::acts(
+        CommandRow::acts(
             "MEASUrement:MEAS<x>",
             &GroupQuery(Parts::Below),
             "one of the five on the screen",
         ),
-        Row::acts(
+        CommandRow::acts(
             "MEASUrement:MEAS<x>:TYPe",
-            &Words(|i, at| &mut i.panel.measurement_mut(at.number).kind),
+            &WordSetting(|i, at| &mut i.panel.measurement_mut(at.number).kind),
             "what is measured, or `NONe`",
         ),
-        Row::acts(
+        CommandRow::acts(
             "MEASUrement:MEAS<x>:UNIts",
             &Query(|at| Ok(units(slot(at)))),
             "unit of the result",
         )
         .apart(),
-        Row::acts(
+        CommandRow::acts(
             "MEASUrement:MEAS<x>:SOUrce",
-            &Words(|i, at| &mut i.panel.measurement_mut(at.number).source),
+            &WordSetting(|i, at| &mut i.panel.measurement_mut(at.number).source),
             "the waveform",
         ),
-        Row::acts(
+        CommandRow::acts(
             "MEASUrement:MEAS<x>:VALue",
             &Query(|at| {
                 let m = slot(at);
@@ -104,15 +108,15 @@ fn set_immediate(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Sto
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn immediate(at: &mut Context<'_>) -> Result<Value, Stop> {
-    Ok(Value::Word(at.instrument.panel.immediate.kind.word()))
+fn immediate(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
+    Ok(ReplyValue::Word(at.instrument.panel.immediate.kind.word()))
 }
 
-fn units(measurement: Measurement) -> Value {
-    Value::Text(unit(measurement.kind).to_owned())
+fn units(measurement: Measurement) -> ReplyValue {
+    ReplyValue::Text(unit(measurement.kind).to_owned())
 }
 
-fn value(at: &mut Context<'_>, measurement: Measurement) -> Value {
+fn value(at: &mut Context<'_>, measurement: Measurement) -> ReplyValue {
     let result = if measurement.kind == MeasurementType::None {
         Err(Event::NoMeasurementType)
     } else {
@@ -120,10 +124,10 @@ fn value(at: &mut Context<'_>, measurement: Measurement) -> Value {
         record.map_err(|_| Event::NoWaveform).and_then(|record| measure(measurement.kind, &record))
     };
     match result {
-        Ok(value) => Value::Measurement(value),
+        Ok(value) => ReplyValue::Measurement(value),
         Err(event) => {
             at.instrument.status.report(event);
-            Value::Number(INVALID)
+            ReplyValue::Number(INVALID)
         }
     }
 }

@@ -4,9 +4,9 @@ use crate::instrument::Event;
 use crate::instrument::word::words;
 use crate::scpi::argument::{flag, only, text, word};
 use crate::scpi::message::Argument;
-use crate::scpi::row::{Group, Row};
+use crate::scpi::row::{CommandRow, Group};
 use crate::scpi::setting::{Both, Command, Context, GroupQuery, Parts, Query, Stop};
-use crate::scpi::value::Value;
+use crate::scpi::value::ReplyValue;
 
 words! {
     /// What is locked.
@@ -89,69 +89,69 @@ const SETUP: [&str; 54] = [
 pub const GROUP: Group = Group {
     title: "Miscellaneous",
     rows: &[
-        Row::acts(
+        CommandRow::acts(
             "*IDN",
             &Query(identity),
             "maker, model, serial number, firmware; the last query of a message",
         ),
-        Row::acts("ID", &Query(identity_in_short), "the same in the family's older form"),
-        Row::acts("*LRN", &GroupQuery(Parts::Of(&SETUP)), "the whole set-up, with headers"),
-        Row::acts("SET", &GroupQuery(Parts::Of(&SETUP)), "the whole set-up, with headers"),
-        Row::acts(
+        CommandRow::acts("ID", &Query(identity_in_short), "the same in the family's older form"),
+        CommandRow::acts("*LRN", &GroupQuery(Parts::Of(&SETUP)), "the whole set-up, with headers"),
+        CommandRow::acts("SET", &GroupQuery(Parts::Of(&SETUP)), "the whole set-up, with headers"),
+        CommandRow::acts(
             "HEADer",
             &Both(
                 |at, a| {
                     at.preferences.header = flag(a)?;
                     Ok(())
                 },
-                |at| Ok(Value::flag(at.preferences.header)),
+                |at| Ok(ReplyValue::flag(at.preferences.header)),
             ),
             "headers before answers, on this connection",
         ),
-        Row::alias("HDR", "HEADer"),
-        Row::acts(
+        CommandRow::alias("HDR", "HEADer"),
+        CommandRow::acts(
             "VERBose",
             &Both(
                 |at, a| {
                     at.preferences.verbose = flag(a)?;
                     Ok(())
                 },
-                |at| Ok(Value::flag(at.preferences.verbose)),
+                |at| Ok(ReplyValue::flag(at.preferences.verbose)),
             ),
             "words in full, on this connection",
         ),
-        Row::acts(
+        CommandRow::acts(
             "AUTOSet",
             &Command(autoset),
             "`EXECute` scales the channels and triggers at half height",
         ),
-        Row::accepted(
+        CommandRow::accepted(
             "LOCk",
             &Both(lock, |at| {
-                Ok(Value::Word(if at.instrument.service.locked { "ALL" } else { "NONe" }))
+                Ok(ReplyValue::Word(if at.instrument.service.locked { "ALL" } else { "NONe" }))
             }),
             "`ALL` or `NONe` of the keys",
         ),
-        Row::accepted("UNLock", &Command(unlock), "`ALL`"),
-        Row::accepted(
+        CommandRow::accepted("UNLock", &Command(unlock), "`ALL`"),
+        CommandRow::accepted(
             "LANGuage",
             &Both(
                 |_, a| {
                     only(a)?;
                     Ok(())
                 },
-                |_| Ok(Value::Word("ENGLish")),
+                |_| Ok(ReplyValue::Word("ENGLish")),
             ),
             "always `ENGLish`",
         ),
-        Row::accepted(
+        CommandRow::accepted(
             "*DDT",
             &Both(set_device_trigger, |at| {
-                Ok(Value::Text(at.instrument.service.device_trigger.clone()))
+                Ok(ReplyValue::Text(at.instrument.service.device_trigger.clone()))
             }),
             "up to 80 characters; `*TRG` triggers whatever they say",
         ),
-        Row::acts(
+        CommandRow::acts(
             "REM",
             &Command(|_, a| {
                 remark(a)?;
@@ -163,19 +163,19 @@ pub const GROUP: Group = Group {
 };
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn identity(at: &mut Context<'_>) -> Result<Value, Stop> {
+fn identity(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     let model = &at.instrument.model;
-    Ok(Value::Plain(format!(
+    Ok(ReplyValue::Plain(format!(
         "TEKTRONIX,{},{},CF:91.1CT {} {}",
         model.name, model.serial, model.firmware, model.interface
     )))
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn identity_in_short(at: &mut Context<'_>) -> Result<Value, Stop> {
+fn identity_in_short(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     let model = &at.instrument.model;
     let name = &model.name;
-    Ok(Value::Plain(format!("TEK/{name},CF:91.1CT,{} {}", model.firmware, model.interface)))
+    Ok(ReplyValue::Plain(format!("TEK/{name},CF:91.1CT,{} {}", model.firmware, model.interface)))
 }
 
 fn autoset(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {

@@ -3,44 +3,44 @@
 use crate::instrument::word::Word as _;
 use crate::scpi::argument::{flag, real, word};
 use crate::scpi::message::Argument;
-use crate::scpi::row::{Group, Row};
+use crate::scpi::row::{CommandRow, Group};
 use crate::scpi::setting::{Both, Context, GroupQuery, Parts, Stop};
-use crate::scpi::value::Value;
+use crate::scpi::value::ReplyValue;
 
 /// The group.
 pub const GROUP: Group = Group {
     title: "RS-232",
     rows: &[
-        Row::acts("RS232", &GroupQuery(Parts::Below), "all settings of the line"),
-        Row::accepted(
+        CommandRow::acts("RS232", &GroupQuery(Parts::Below), "all settings of the line"),
+        CommandRow::accepted(
             "RS232:BAUd",
             &Both(
                 |_, a| {
                     real(a)?;
                     Ok(())
                 },
-                |_| Ok(Value::Integer(9600)),
+                |_| Ok(ReplyValue::Integer(9600)),
             ),
             "always 9600",
         ),
-        Row::accepted(
+        CommandRow::accepted(
             "RS232:HARDFlagging",
-            &Both(ignore_flag, |_| Ok(Value::Word("ON"))),
+            &Both(ignore_flag, |_| Ok(ReplyValue::Word("ON"))),
             "always `ON`",
         ),
-        Row::accepted(
+        CommandRow::accepted(
             "RS232:SOFTFlagging",
-            &Both(ignore_flag, |_| Ok(Value::Word("OFF"))),
+            &Both(ignore_flag, |_| Ok(ReplyValue::Word("OFF"))),
             "always `OFF`",
         ),
-        Row::accepted(
+        CommandRow::accepted(
             "RS232:PARity",
-            &Both(|_, _| Ok(()), |_| Ok(Value::Word("NONe"))),
+            &Both(|_, _| Ok(()), |_| Ok(ReplyValue::Word("NONe"))),
             "always `NONe`",
         ),
-        Row::acts(
+        CommandRow::acts(
             "RS232:TRANsmit:TERMinator",
-            &Both(set_terminator, |at| Ok(Value::Word(at.preferences.terminator.word()))),
+            &Both(set_terminator, |at| Ok(ReplyValue::Word(at.preferences.terminator.word()))),
             "end of this connection's replies: `CR`, `LF`, `CRLf` or `LFCr`",
         ),
     ],

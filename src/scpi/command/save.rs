@@ -1,11 +1,11 @@
 //! Save and recall: `*SAV`, `*RCL`, `SAVe`, `RECAll`, `FACtory`, `*RST`.
 
 use crate::instrument::word::{Word as _, words};
-use crate::instrument::{Event, SETUPS};
+use crate::instrument::{Event, SETUP_MEMORIES};
 use crate::scope::Source;
 use crate::scpi::argument::{none, real, word};
 use crate::scpi::message::Argument;
-use crate::scpi::row::{Group, Row};
+use crate::scpi::row::{CommandRow, Group};
 use crate::scpi::setting::{Command, Context, Stop};
 
 words! {
@@ -20,34 +20,38 @@ words! {
 pub const GROUP: Group = Group {
     title: "Save and recall",
     rows: &[
-        Row::acts("*SAV", &Command(save_setup), "keeps the front panel in memory 1 to 10"),
-        Row::acts("*RCL", &Command(recall_setup), "sets the front panel as in memory 1 to 10"),
-        Row::acts("*RST", &Command(reset), "the factory's set-up"),
-        Row::acts(
+        CommandRow::acts("*SAV", &Command(save_setup), "keeps the front panel in memory 1 to 10"),
+        CommandRow::acts(
+            "*RCL",
+            &Command(recall_setup),
+            "sets the front panel as in memory 1 to 10",
+        ),
+        CommandRow::acts("*RST", &Command(reset), "the factory's set-up"),
+        CommandRow::acts(
             "FACtory",
             &Command(factory),
             "the factory's set-up and headers, and no enabled events",
         ),
-        Row::acts("SAVe:SETUp", &Command(save_setup), "as `*SAV`"),
-        Row::acts("RECAll:SETUp", &Command(recall_setup), "as `*RCL`, or `FACtory`"),
-        Row::acts(
+        CommandRow::acts("SAVe:SETUp", &Command(save_setup), "as `*SAV`"),
+        CommandRow::acts("RECAll:SETUp", &Command(recall_setup), "as `*RCL`, or `FACtory`"),
+        CommandRow::acts(
             "SAVe:WAVEform",
             &Command(save_waveform),
             "`<wfm>,REF<x>` copies a waveform into a reference memory",
         ),
-        Row::acts(
+        CommandRow::acts(
             "RECAll:WAVEform",
             &Command(recall_waveform),
             "`REF<x>` displays a reference memory",
         ),
-        Row::refused("SAVe:IMAge", &Command(missing), "no memory card (event 241)"),
-        Row::refused("FILESystem", &Command(missing), "no memory card (event 241)"),
+        CommandRow::refused("SAVe:IMAge", &Command(missing), "no memory card (event 241)"),
+        CommandRow::refused("FILESystem", &Command(missing), "no memory card (event 241)"),
     ],
 };
 
 fn number(arguments: &[Argument]) -> Result<usize, Stop> {
     let value = real(arguments)?.round();
-    (1..=SETUPS)
+    (1..=SETUP_MEMORIES)
         .zip(1_u32..)
         .find(|(_, number)| (f64::from(*number) - value).abs() < 0.5)
         .map(|(number, _)| number)

@@ -2,16 +2,16 @@
 
 use crate::scpi::argument::{flag, none, whole};
 use crate::scpi::message::Argument;
-use crate::scpi::row::{Group, Row};
+use crate::scpi::row::{CommandRow, Group};
 use crate::scpi::setting::{Both, Command, Context, Query, Stop};
-use crate::scpi::value::Value;
+use crate::scpi::value::ReplyValue;
 
 /// The group.
 pub const GROUP: Group = Group {
     title: "Status and error",
     rows: &[
-        Row::acts("*CLS", &Command(clear), "forgets events"),
-        Row::acts(
+        CommandRow::acts("*CLS", &Command(clear), "forgets events"),
+        CommandRow::acts(
             "*ESE",
             &Both(
                 |at, a| {
@@ -22,28 +22,28 @@ pub const GROUP: Group = Group {
             ),
             "events that show in the status byte",
         ),
-        Row::acts(
+        CommandRow::acts(
             "*ESR",
             &Query(|at| Ok(integer(at.instrument.status.read_register()))),
             "reads and clears the event register, releases events",
         ),
-        Row::acts(
+        CommandRow::acts(
             "*OPC",
             &Both(complete, completed),
             "event 402 when the acquisition is done; the query waits for that and answers 1",
         ),
-        Row::acts(
+        CommandRow::acts(
             "*PSC",
             &Both(
                 |at, a| {
                     at.instrument.status.power_on_clear = flag(a)?;
                     Ok(())
                 },
-                |at| Ok(Value::flag(at.instrument.status.power_on_clear)),
+                |at| Ok(ReplyValue::flag(at.instrument.status.power_on_clear)),
             ),
             "whether registers are cleared at power on",
         ),
-        Row::acts(
+        CommandRow::acts(
             "*SRE",
             &Both(
                 |at, a| {
@@ -54,15 +54,19 @@ pub const GROUP: Group = Group {
             ),
             "parts of the status byte that ask for service",
         ),
-        Row::acts("*STB", &Query(status_byte), "the status byte"),
-        Row::acts("*WAI", &Command(wait), "holds what follows until the acquisition is done"),
-        Row::acts("ALLEv", &Query(all_events), "every released event"),
-        Row::acts(
+        CommandRow::acts("*STB", &Query(status_byte), "the status byte"),
+        CommandRow::acts(
+            "*WAI",
+            &Command(wait),
+            "holds what follows until the acquisition is done",
+        ),
+        CommandRow::acts("ALLEv", &Query(all_events), "every released event"),
+        CommandRow::acts(
             "BUSY",
-            &Query(|at| Ok(Value::flag(at.instrument.is_busy()))),
+            &Query(|at| Ok(ReplyValue::flag(at.instrument.is_busy()))),
             "1 while a single sequence runs",
         ),
-        Row::acts(
+        CommandRow::acts(
             "DESE",
             &Both(
                 |at, a| {
@@ -73,13 +77,13 @@ pub const GROUP: Group = Group {
             ),
             "events that are noticed at all",
         ),
-        Row::acts(
+        CommandRow::acts(
             "EVENT",
-            &Query(|at| Ok(Value::Integer(i64::from(at.instrument.status.next_event().0)))),
+            &Query(|at| Ok(ReplyValue::Integer(i64::from(at.instrument.status.next_event().0)))),
             "code of the next released event",
         ),
-        Row::acts("EVMsg", &Query(next_event), "the next released event"),
-        Row::acts(
+        CommandRow::acts("EVMsg", &Query(next_event), "the next released event"),
+        CommandRow::acts(
             "EVQty",
             &Query(|at| Ok(integer(at.instrument.status.released_events()))),
             "how many events are released",
@@ -91,8 +95,8 @@ fn byte(arguments: &[Argument]) -> Result<u8, Stop> {
     Ok(u8::try_from(whole(arguments, 0, 255)?).unwrap_or(u8::MAX))
 }
 
-fn integer(byte: u8) -> Value {
-    Value::Integer(i64::from(byte))
+fn integer(byte: u8) -> ReplyValue {
+    ReplyValue::Integer(i64::from(byte))
 }
 
 fn clear(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
@@ -110,8 +114,8 @@ fn complete(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     Ok(())
 }
 
-fn completed(at: &mut Context<'_>) -> Result<Value, Stop> {
-    if at.instrument.is_busy() { Err(Stop::UntilIdle) } else { Ok(Value::Integer(1)) }
+fn completed(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
+    if at.instrument.is_busy() { Err(Stop::UntilIdle) } else { Ok(ReplyValue::Integer(1)) }
 }
 
 fn wait(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
@@ -120,7 +124,7 @@ fn wait(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn status_byte(at: &mut Context<'_>) -> Result<Value, Stop> {
+fn status_byte(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     Ok(integer(at.instrument.status.byte(at.message_available)))
 }
 
@@ -129,13 +133,13 @@ fn written((code, message): &(u16, String)) -> String {
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn next_event(at: &mut Context<'_>) -> Result<Value, Stop> {
-    Ok(Value::Plain(written(&at.instrument.status.next_event())))
+fn next_event(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
+    Ok(ReplyValue::Plain(written(&at.instrument.status.next_event())))
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn all_events(at: &mut Context<'_>) -> Result<Value, Stop> {
+fn all_events(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     let events = at.instrument.status.all_events();
     let texts: Vec<String> = events.iter().map(written).collect();
-    Ok(Value::Plain(texts.join(",")))
+    Ok(ReplyValue::Plain(texts.join(",")))
 }

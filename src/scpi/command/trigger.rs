@@ -7,11 +7,12 @@ use crate::instrument::word::{Word as _, words};
 use crate::scope::{Source, TriggerSource};
 use crate::scpi::argument::{none, whole, word};
 use crate::scpi::message::Argument;
-use crate::scpi::row::{Group, Row};
+use crate::scpi::row::{CommandRow, Group};
 use crate::scpi::setting::{
-    Both, Command, Context, GroupQuery, GroupQueryAndCommand, Number, Parts, Query, Stop, Words,
+    Both, Command, Context, GroupQuery, GroupQueryAndCommand, Number, Parts, Query, Stop,
+    WordSetting,
 };
-use crate::scpi::value::Value;
+use crate::scpi::value::ReplyValue;
 
 words! {
     /// What `TRIGger` does.
@@ -34,7 +35,7 @@ const LINES: u32 = 625;
 pub const GROUP: Group = Group {
     title: "Trigger",
     rows: &[
-        Row::acts(
+        CommandRow::acts(
             "*TRG",
             &Command(|at, arguments| {
                 none(arguments)?;
@@ -43,34 +44,34 @@ pub const GROUP: Group = Group {
             }),
             "triggers, if the scope is ready",
         ),
-        Row::acts(
+        CommandRow::acts(
             "TRIGger",
             &GroupQueryAndCommand(Parts::Below, force),
             "`FORCe` triggers, if the scope is ready",
         ),
-        Row::acts(
+        CommandRow::acts(
             "TRIGger:STATE",
-            &Query(|at| Ok(Value::Word(at.instrument.state().word()))),
+            &Query(|at| Ok(ReplyValue::Word(at.instrument.state().word()))),
             "what the acquisition is doing",
         )
         .apart(),
-        Row::acts(
+        CommandRow::acts(
             "TRIGger:MAIn",
             &GroupQueryAndCommand(Parts::Below, set_level),
             "`SETLevel` puts the level at half height",
         ),
-        Row::acts(
+        CommandRow::acts(
             "TRIGger:MAIn:MODe",
-            &Words(|i, _| &mut i.panel.trigger.mode),
+            &WordSetting(|i, _| &mut i.panel.trigger.mode),
             "`AUTO` or `NORMal`",
         ),
-        Row::acts(
+        CommandRow::acts(
             "TRIGger:MAIn:TYPe",
-            &Words(|i, _| &mut i.panel.trigger.kind),
+            &WordSetting(|i, _| &mut i.panel.trigger.kind),
             "`EDGE`, `VIDeo` or `PULse`; no input carries video",
         ),
-        Row::acts("TRIGger:MAIn:HOLDOff", &GroupQuery(Parts::Below), "holdoff"),
-        Row::acts(
+        CommandRow::acts("TRIGger:MAIn:HOLDOff", &GroupQuery(Parts::Below), "holdoff"),
+        CommandRow::acts(
             "TRIGger:MAIn:HOLDOff:VALue",
             &Number(
                 |i, _| &mut i.panel.trigger.holdoff,
@@ -78,56 +79,72 @@ pub const GROUP: Group = Group {
             ),
             "seconds after a trigger without another",
         ),
-        Row::acts("TRIGger:MAIn:EDGE", &GroupQuery(Parts::Below), "the edge trigger"),
-        Row::acts(
+        CommandRow::acts("TRIGger:MAIn:EDGE", &GroupQuery(Parts::Below), "the edge trigger"),
+        CommandRow::acts(
             "TRIGger:MAIn:EDGE:SOUrce",
             &SOURCE,
             "`CH<x>`, `EXT`, `EXT5` (what the bench puts there) or `LINE` (the mains)",
         ),
-        Row::acts(
+        CommandRow::acts(
             "TRIGger:MAIn:EDGE:COUPling",
-            &Words(|i, _| &mut i.panel.trigger.coupling),
+            &WordSetting(|i, _| &mut i.panel.trigger.coupling),
             "`DC`, `AC`, `HFRej`, `LFRej` or `NOISErej`",
         ),
-        Row::acts(
+        CommandRow::acts(
             "TRIGger:MAIn:EDGE:SLOpe",
-            &Words(|i, _| &mut i.panel.trigger.slope),
+            &WordSetting(|i, _| &mut i.panel.trigger.slope),
             "`RISe` or `FALL`",
         ),
-        Row::accepted("TRIGger:MAIn:VIDeo", &GroupQuery(Parts::Below), "the video trigger"),
-        Row::acts("TRIGger:MAIn:VIDeo:SOUrce", &SOURCE, "the same source as the edge trigger's")
-            .apart(),
-        Row::accepted(
+        CommandRow::accepted("TRIGger:MAIn:VIDeo", &GroupQuery(Parts::Below), "the video trigger"),
+        CommandRow::acts(
+            "TRIGger:MAIn:VIDeo:SOUrce",
+            &SOURCE,
+            "the same source as the edge trigger's",
+        )
+        .apart(),
+        CommandRow::accepted(
             "TRIGger:MAIn:VIDeo:SYNC",
-            &Words(|i, _| &mut i.panel.trigger.video_sync),
+            &WordSetting(|i, _| &mut i.panel.trigger.video_sync),
             "`FIELD`, `LINE`, `ODD`, `EVEN` or `LINENum`",
         ),
-        Row::accepted(
+        CommandRow::accepted(
             "TRIGger:MAIn:VIDeo:POLarity",
-            &Words(|i, _| &mut i.panel.trigger.video_polarity),
+            &WordSetting(|i, _| &mut i.panel.trigger.video_polarity),
             "`NORMal` or `INVert`",
         ),
-        Row::accepted("TRIGger:MAIn:VIDeo:LINE", &Both(set_line, line), "number of the line"),
-        Row::accepted(
+        CommandRow::accepted(
+            "TRIGger:MAIn:VIDeo:LINE",
+            &Both(set_line, line),
+            "number of the line",
+        ),
+        CommandRow::accepted(
             "TRIGger:MAIn:VIDeo:STANdard",
-            &Words(|i, _| &mut i.panel.trigger.video_standard),
+            &WordSetting(|i, _| &mut i.panel.trigger.video_standard),
             "`NTSC` or `PAL`",
         ),
-        Row::acts("TRIGger:MAIn:PULse", &GroupQuery(Parts::Below), "the pulse trigger"),
-        Row::acts("TRIGger:MAIn:PULse:SOUrce", &SOURCE, "the same source as the edge trigger's")
-            .apart(),
-        Row::acts("TRIGger:MAIn:PULse:WIDth", &GroupQuery(Parts::Below), "which pulses trigger"),
-        Row::acts(
+        CommandRow::acts("TRIGger:MAIn:PULse", &GroupQuery(Parts::Below), "the pulse trigger"),
+        CommandRow::acts(
+            "TRIGger:MAIn:PULse:SOUrce",
+            &SOURCE,
+            "the same source as the edge trigger's",
+        )
+        .apart(),
+        CommandRow::acts(
+            "TRIGger:MAIn:PULse:WIDth",
+            &GroupQuery(Parts::Below),
+            "which pulses trigger",
+        ),
+        CommandRow::acts(
             "TRIGger:MAIn:PULse:WIDth:POLarity",
-            &Words(|i, _| &mut i.panel.trigger.pulse_polarity),
+            &WordSetting(|i, _| &mut i.panel.trigger.pulse_polarity),
             "`POSITIVe` or `NEGAtive`",
         ),
-        Row::acts(
+        CommandRow::acts(
             "TRIGger:MAIn:PULse:WIDth:WHEN",
-            &Words(|i, _| &mut i.panel.trigger.pulse_when),
+            &WordSetting(|i, _| &mut i.panel.trigger.pulse_when),
             "`EQual`, `NOTEqual`, `INside` or `OUTside`",
         ),
-        Row::acts(
+        CommandRow::acts(
             "TRIGger:MAIn:PULse:WIDth:WIDth",
             &Number(
                 |i, _| &mut i.panel.trigger.pulse_width,
@@ -135,15 +152,15 @@ pub const GROUP: Group = Group {
             ),
             "seconds, 33 ns to 10 s",
         ),
-        Row::acts(
+        CommandRow::acts(
             "TRIGger:MAIn:LEVel",
             &Number(
                 |i, _| &mut i.panel.trigger.level,
-                |i, _, level| limits::trigger_level(&i.model, &i.panel, level),
+                |i, _, level| i.panel.trigger_level(&i.model, level),
             ),
             "volts",
         ),
-        Row::acts(
+        CommandRow::acts(
             "TRIGger:MAIn:FREQuency",
             &Query(frequency),
             "frequency of the source, six digits",
@@ -152,7 +169,7 @@ pub const GROUP: Group = Group {
     ],
 };
 
-const SOURCE: Words<TriggerSource> = Words(|i, _| &mut i.panel.trigger.source);
+const SOURCE: WordSetting<TriggerSource> = WordSetting(|i, _| &mut i.panel.trigger.source);
 
 fn force(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let Force::Now = word(arguments)?;
@@ -172,14 +189,14 @@ fn set_line(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn line(at: &mut Context<'_>) -> Result<Value, Stop> {
-    Ok(Value::Integer(i64::from(at.instrument.panel.trigger.video_line)))
+fn line(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
+    Ok(ReplyValue::Integer(i64::from(at.instrument.panel.trigger.video_line)))
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn frequency(at: &mut Context<'_>) -> Result<Value, Stop> {
+fn frequency(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     let number = at.instrument.panel.trigger.source.channel();
     let record = number.and_then(|n| at.instrument.waveform(Source::Channel(n)).ok());
     let found = record.and_then(|record| measure(MeasurementType::Frequency, &record).ok());
-    Ok(Value::Number(found.map_or(INVALID, |value| limits::rounded(value, 6))))
+    Ok(ReplyValue::Number(found.map_or(INVALID, |value| limits::rounded(value, 6))))
 }

@@ -4,27 +4,29 @@ use crate::instrument::limits;
 use crate::scope::{Coupling, Source};
 use crate::scpi::argument::real;
 use crate::scpi::message::Argument;
-use crate::scpi::row::{Group, Row};
-use crate::scpi::setting::{Both, Context, GroupQuery, Number, OnOff, Parts, Stop, Switch, Words};
-use crate::scpi::value::Value;
+use crate::scpi::row::{CommandRow, Group};
+use crate::scpi::setting::{
+    Both, Context, GroupQuery, Number, OnOff, Parts, Stop, Switch, WordSetting,
+};
+use crate::scpi::value::ReplyValue;
 
 /// The group.
 pub const GROUP: Group = Group {
     title: "Vertical",
     rows: &[
-        Row::acts("CH<x>", &GroupQuery(Parts::Below), "all settings of a channel"),
-        Row::acts(
+        CommandRow::acts("CH<x>", &GroupQuery(Parts::Below), "all settings of a channel"),
+        CommandRow::acts(
             "CH<x>:PRObe",
             &Both(set_probe, probe),
             "attenuation 1, 10, 100 or 1000; V/div at the input stays",
         ),
-        Row::acts(
+        CommandRow::acts(
             "CH<x>:SCAle",
             &Both(set_scale, scale),
             "V/div, the nearest step of 1-2-5, or to three digits if `BENCh:CH<x>:FINe` is on",
         ),
-        Row::alias("CH<x>:VOLts", "CH<x>:SCAle"),
-        Row::acts(
+        CommandRow::alias("CH<x>:VOLts", "CH<x>:SCAle"),
+        CommandRow::acts(
             "CH<x>:POSition",
             &Number(
                 |i, at| &mut i.panel.channel_mut(at.number).vertical.position,
@@ -35,33 +37,37 @@ pub const GROUP: Group = Group {
             ),
             "divisions above the centre, in steps of 1/25",
         ),
-        Row::acts(
+        CommandRow::acts(
             "CH<x>:COUPling",
-            &Words(|i, at| {
+            &WordSetting(|i, at| {
                 i.panel.channel_mut(at.number).vertical.coupling.get_or_insert(Coupling::Dc)
             }),
             "`DC`, `AC` or `GND`",
         ),
-        Row::acts(
+        CommandRow::acts(
             "CH<x>:BANdwidth",
             &OnOff(|i, at| {
                 i.panel.channel_mut(at.number).vertical.bandwidth_limited.get_or_insert(false)
             }),
             "the 20 MHz limiter, `ON` or `OFF`",
         ),
-        Row::acts(
+        CommandRow::acts(
             "CH<x>:INVert",
             &OnOff(|i, at| i.panel.channel_mut(at.number).vertical.inverted.get_or_insert(false)),
             "`ON` turns the trace upside down",
         ),
-        Row::acts("SELect", &GroupQuery(Parts::Of(&SELECT)), "which waveforms are displayed"),
-        Row::acts("SELect:CH<x>", &SHOWN, "`ON` displays the channel"),
-        Row::acts(
+        CommandRow::acts(
+            "SELect",
+            &GroupQuery(Parts::Of(&SELECT)),
+            "which waveforms are displayed",
+        ),
+        CommandRow::acts("SELect:CH<x>", &SHOWN, "`ON` displays the channel"),
+        CommandRow::acts(
             "SELect:MATH",
             &Switch(|i, _| i.panel.displayed_mut(Source::Math)),
             "`ON` displays the math trace",
         ),
-        Row::acts("SELect:REF<x>", &SHOWN, "`ON` displays the reference memory"),
+        CommandRow::acts("SELect:REF<x>", &SHOWN, "`ON` displays the reference memory"),
     ],
 };
 
@@ -89,9 +95,9 @@ fn set_probe(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn probe(at: &mut Context<'_>) -> Result<Value, Stop> {
+fn probe(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     let probe = at.instrument.panel.channel(at.place.number).vertical.probe;
-    Ok(Value::Plain(format!("{probe}")))
+    Ok(ReplyValue::Plain(format!("{probe}")))
 }
 
 fn set_scale(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
@@ -103,6 +109,6 @@ fn set_scale(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
 }
 
 #[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
-fn scale(at: &mut Context<'_>) -> Result<Value, Stop> {
-    Ok(Value::Number(at.instrument.panel.channel(at.place.number).vertical.scale))
+fn scale(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
+    Ok(ReplyValue::Number(at.instrument.panel.channel(at.place.number).vertical.scale))
 }

@@ -11,10 +11,12 @@ use crate::scope::{Coupling, PointFormat, Preamble, Source, Waveform};
 use crate::scpi::argument::{real, text, whole, word};
 use crate::scpi::message::Argument;
 use crate::scpi::number::setting;
-use crate::scpi::place::Place;
-use crate::scpi::row::{Group, Row};
-use crate::scpi::setting::{Access, Both, Context, GroupQuery, Parts, Query, Setting, Stop, Words};
-use crate::scpi::value::Value;
+use crate::scpi::placeholder::Placeholder;
+use crate::scpi::row::{CommandRow, Group};
+use crate::scpi::setting::{
+    Access, Both, Context, GroupQuery, Parts, Query, Setting, Stop, WordSetting,
+};
+use crate::scpi::value::ReplyValue;
 
 /// The fields in the order of a reply.
 const FIELDS: [&str; 16] = [
@@ -40,32 +42,38 @@ const FIELDS: [&str; 16] = [
 pub const GROUP: Group = Group {
     title: "Waveform: preamble",
     rows: &[
-        Row::acts("WFMPre", &GroupQuery(Parts::Of(&FIELDS)), "all of the preamble"),
-        Row::acts(
+        CommandRow::acts("WFMPre", &GroupQuery(Parts::Of(&FIELDS)), "all of the preamble"),
+        CommandRow::acts(
             "WFMPre:BYT_Nr",
             &Both(super::data::set_width, |at| {
-                Ok(Value::Integer(i64::from(at.instrument.transfer.width)))
+                Ok(ReplyValue::Integer(i64::from(at.instrument.transfer.width)))
             }),
             "bytes a point",
         ),
-        Row::acts(
+        CommandRow::acts(
             "WFMPre:BIT_Nr",
-            &Both(set_bits, |at| Ok(Value::Integer(8 * i64::from(at.instrument.transfer.width)))),
+            &Both(set_bits, |at| {
+                Ok(ReplyValue::Integer(8 * i64::from(at.instrument.transfer.width)))
+            }),
             "bits a point",
         ),
-        Row::acts("WFMPre:ENCdg", &Words(|i, _| &mut i.transfer.format), "`ASC` or `BIN`"),
-        Row::acts(
+        CommandRow::acts(
+            "WFMPre:ENCdg",
+            &WordSetting(|i, _| &mut i.transfer.format),
+            "`ASC` or `BIN`",
+        ),
+        CommandRow::acts(
             "WFMPre:BN_Fmt",
-            &Words(|i, _| &mut i.transfer.numbers),
+            &WordSetting(|i, _| &mut i.transfer.numbers),
             "`RI` signed, `RP` positive",
         ),
-        Row::acts(
+        CommandRow::acts(
             "WFMPre:BYT_Or",
-            &Words(|i, _| &mut i.transfer.byte_order),
+            &WordSetting(|i, _| &mut i.transfer.byte_order),
             "`MSB` or `LSB` first",
         ),
-        Row::acts("WFMPre:NR_Pt", &Field(nr_pt, set_nr_pt), "points"),
-        Row::acts(
+        CommandRow::acts("WFMPre:NR_Pt", &Field(nr_pt, set_nr_pt), "points"),
+        CommandRow::acts(
             "WFMPre:WFId",
             &Query(|at| {
                 let source = at.instrument.transfer.source;
@@ -73,7 +81,7 @@ pub const GROUP: Group = Group {
             }),
             "what the waveform is, in words",
         ),
-        Row::acts(
+        CommandRow::acts(
             "WFMPre:PT_Fmt",
             &Field(pt_fmt, |at, a| {
                 at.instrument.incoming.pt_fmt = word::<Points>(a)?;
@@ -81,7 +89,7 @@ pub const GROUP: Group = Group {
             }),
             "`Y` samples, `ENV` lowest and highest in turn",
         ),
-        Row::acts(
+        CommandRow::acts(
             "WFMPre:XINcr",
             &Field(x_incr, |at, a| {
                 at.instrument.incoming.x_incr = real(a)?;
@@ -89,10 +97,10 @@ pub const GROUP: Group = Group {
             }),
             "from one point to the next",
         ),
-        Row::acts(
+        CommandRow::acts(
             "WFMPre:PT_Off",
             &Field(
-                |_, _| Value::Integer(0),
+                |_, _| ReplyValue::Integer(0),
                 |_, a| {
                     real(a)?;
                     Ok(())
@@ -100,7 +108,7 @@ pub const GROUP: Group = Group {
             ),
             "always 0",
         ),
-        Row::acts(
+        CommandRow::acts(
             "WFMPre:XZEro",
             &Field(x_zero, |at, a| {
                 at.instrument.incoming.x_zero = real(a)?;
@@ -108,7 +116,7 @@ pub const GROUP: Group = Group {
             }),
             "abscissa of the first point",
         ),
-        Row::accepted(
+        CommandRow::accepted(
             "WFMPre:XUNit",
             &Field(x_unit, |_, a| {
                 text(a)?;
@@ -116,7 +124,7 @@ pub const GROUP: Group = Group {
             }),
             "unit of the abscissa",
         ),
-        Row::acts(
+        CommandRow::acts(
             "WFMPre:YMUlt",
             &Field(y_mult, |at, a| {
                 at.instrument.incoming.y_mult = real(a)?;
@@ -124,7 +132,7 @@ pub const GROUP: Group = Group {
             }),
             "one step of the ordinate",
         ),
-        Row::acts(
+        CommandRow::acts(
             "WFMPre:YZEro",
             &Field(y_zero, |at, a| {
                 at.instrument.incoming.y_zero = real(a)?;
@@ -132,7 +140,7 @@ pub const GROUP: Group = Group {
             }),
             "added after scaling",
         ),
-        Row::acts(
+        CommandRow::acts(
             "WFMPre:YOFf",
             &Field(y_off, |at, a| {
                 at.instrument.incoming.y_off = real(a)?;
@@ -140,7 +148,7 @@ pub const GROUP: Group = Group {
             }),
             "step at which the ordinate is `YZEro`",
         ),
-        Row::accepted(
+        CommandRow::accepted(
             "WFMPre:YUNit",
             &Field(y_unit, |_, a| {
                 text(a)?;
@@ -148,12 +156,12 @@ pub const GROUP: Group = Group {
             }),
             "unit of the ordinate",
         ),
-        Row::acts(
+        CommandRow::acts(
             "WFMPre:<wfm>",
             &GroupQuery(Parts::Below),
             "the preamble of a waveform that `DATa:SOUrce` need not name",
         ),
-        Row::acts(
+        CommandRow::acts(
             "WFMPre:<wfm>:WFId",
             &Query(|at| {
                 let source = at.place.source;
@@ -161,21 +169,21 @@ pub const GROUP: Group = Group {
             }),
             "see above",
         ),
-        Row::acts("WFMPre:<wfm>:NR_Pt", &Of(nr_pt), "see above"),
-        Row::acts("WFMPre:<wfm>:PT_Fmt", &Of(pt_fmt), "see above"),
-        Row::acts("WFMPre:<wfm>:XINcr", &Of(x_incr), "see above"),
-        Row::acts("WFMPre:<wfm>:PT_Off", &Of(|_, _| Value::Integer(0)), "see above"),
-        Row::acts("WFMPre:<wfm>:XZEro", &Of(x_zero), "see above"),
-        Row::acts("WFMPre:<wfm>:XUNit", &Of(x_unit), "see above"),
-        Row::acts("WFMPre:<wfm>:YMUlt", &Of(y_mult), "see above"),
-        Row::acts("WFMPre:<wfm>:YZEro", &Of(y_zero), "see above"),
-        Row::acts("WFMPre:<wfm>:YOFf", &Of(y_off), "see above"),
-        Row::acts("WFMPre:<wfm>:YUNit", &Of(y_unit), "see above"),
+        CommandRow::acts("WFMPre:<wfm>:NR_Pt", &Of(nr_pt), "see above"),
+        CommandRow::acts("WFMPre:<wfm>:PT_Fmt", &Of(pt_fmt), "see above"),
+        CommandRow::acts("WFMPre:<wfm>:XINcr", &Of(x_incr), "see above"),
+        CommandRow::acts("WFMPre:<wfm>:PT_Off", &Of(|_, _| ReplyValue::Integer(0)), "see above"),
+        CommandRow::acts("WFMPre:<wfm>:XZEro", &Of(x_zero), "see above"),
+        CommandRow::acts("WFMPre:<wfm>:XUNit", &Of(x_unit), "see above"),
+        CommandRow::acts("WFMPre:<wfm>:YMUlt", &Of(y_mult), "see above"),
+        CommandRow::acts("WFMPre:<wfm>:YZEro", &Of(y_zero), "see above"),
+        CommandRow::acts("WFMPre:<wfm>:YOFf", &Of(y_off), "see above"),
+        CommandRow::acts("WFMPre:<wfm>:YUNit", &Of(y_unit), "see above"),
     ],
 };
 
 /// One field of a waveform's preamble as it is sent.
-type Tell = fn(&Waveform, &Transfer) -> Value;
+type Tell = fn(&Waveform, &Transfer) -> ReplyValue;
 type Take = fn(&mut Context<'_>, &[Argument]) -> Result<(), Stop>;
 
 /// A field of the waveform that `DATa:SOUrce` names, and of the one to come.
@@ -190,7 +198,7 @@ impl Setting for Field {
         (self.1)(at, arguments)
     }
 
-    fn get(&self, at: &mut Context<'_>) -> Result<Value, Stop> {
+    fn get(&self, at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
         let transfer = at.instrument.transfer;
         Ok((self.0)(&at.instrument.waveform(transfer.source)?, &transfer))
     }
@@ -204,8 +212,8 @@ impl Setting for Of {
         Access { sets: false, asks: true }
     }
 
-    fn get(&self, at: &mut Context<'_>) -> Result<Value, Stop> {
-        let Place { source, .. } = at.place;
+    fn get(&self, at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
+        let Placeholder { source, .. } = at.place;
         let transfer = at.instrument.transfer;
         Ok((self.0)(&at.instrument.waveform(source)?, &transfer))
     }
@@ -216,8 +224,8 @@ fn set_bits(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     Ok(())
 }
 
-fn nr_pt(waveform: &Waveform, transfer: &Transfer) -> Value {
-    Value::Plain(transfer.range(waveform.codes.len()).len().to_string())
+fn nr_pt(waveform: &Waveform, transfer: &Transfer) -> ReplyValue {
+    ReplyValue::Plain(transfer.range(waveform.codes.len()).len().to_string())
 }
 
 fn set_nr_pt(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
@@ -226,45 +234,45 @@ fn set_nr_pt(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     Ok(())
 }
 
-fn pt_fmt(waveform: &Waveform, _: &Transfer) -> Value {
-    Value::Word(match waveform.preamble.pt_fmt {
+fn pt_fmt(waveform: &Waveform, _: &Transfer) -> ReplyValue {
+    ReplyValue::Word(match waveform.preamble.pt_fmt {
         PointFormat::Sample => Points::Samples.word(),
         PointFormat::Envelope => Points::Envelope.word(),
     })
 }
 
-fn x_incr(waveform: &Waveform, _: &Transfer) -> Value {
-    Value::Number(waveform.preamble.x_incr)
+fn x_incr(waveform: &Waveform, _: &Transfer) -> ReplyValue {
+    ReplyValue::Number(waveform.preamble.x_incr)
 }
 
-fn x_zero(waveform: &Waveform, _: &Transfer) -> Value {
-    Value::Number(waveform.preamble.x_zero)
+fn x_zero(waveform: &Waveform, _: &Transfer) -> ReplyValue {
+    ReplyValue::Number(waveform.preamble.x_zero)
 }
 
-fn x_unit(waveform: &Waveform, _: &Transfer) -> Value {
-    Value::Text(waveform.preamble.x_unit.clone())
+fn x_unit(waveform: &Waveform, _: &Transfer) -> ReplyValue {
+    ReplyValue::Text(waveform.preamble.x_unit.clone())
 }
 
-fn y_mult(waveform: &Waveform, transfer: &Transfer) -> Value {
-    Value::Number(waveform.preamble.y_mult / transfer.steps())
+fn y_mult(waveform: &Waveform, transfer: &Transfer) -> ReplyValue {
+    ReplyValue::Number(waveform.preamble.y_mult / transfer.steps())
 }
 
-fn y_zero(waveform: &Waveform, _: &Transfer) -> Value {
-    Value::Number(waveform.preamble.y_zero)
+fn y_zero(waveform: &Waveform, _: &Transfer) -> ReplyValue {
+    ReplyValue::Number(waveform.preamble.y_zero)
 }
 
-fn y_off(waveform: &Waveform, transfer: &Transfer) -> Value {
+fn y_off(waveform: &Waveform, transfer: &Transfer) -> ReplyValue {
     let Preamble { y_off, .. } = waveform.preamble;
-    Value::Number((y_off + transfer.shift()) * transfer.steps())
+    ReplyValue::Number((y_off + transfer.shift()) * transfer.steps())
 }
 
-fn y_unit(waveform: &Waveform, _: &Transfer) -> Value {
+fn y_unit(waveform: &Waveform, _: &Transfer) -> ReplyValue {
     let unit = &waveform.preamble.y_unit;
-    Value::Text(if unit == "V" { "Volts".to_owned() } else { unit.clone() })
+    ReplyValue::Text(if unit == "V" { "Volts".to_owned() } else { unit.clone() })
 }
 
 /// The waveform in words: `Ch1, DC coupling, 5.0E-1 V/div, 5.0E-2 s/div, 2500 points, Sample mode`.
-fn wfid(at: &mut Context<'_>, source: Source) -> Result<Value, Stop> {
+fn wfid(at: &mut Context<'_>, source: Source) -> Result<ReplyValue, Stop> {
     let waveform = at.instrument.waveform(source)?;
     let coupling = match waveform.vertical.coupling {
         Some(Coupling::Ac) => "AC coupling, ",
@@ -282,7 +290,7 @@ fn wfid(at: &mut Context<'_>, source: Source) -> Result<Value, Stop> {
         Source::Reference(letter) => (format!("Ref{letter}"), coupling),
     };
     let across = if waveform.preamble.x_unit == "Hz" { "Hz/div" } else { "s/div" };
-    Ok(Value::Text(format!(
+    Ok(ReplyValue::Text(format!(
         "{name}, {coupling}{} {}/div, {} {across}, {} points, {mode} mode",
         setting(waveform.vertical.scale),
         waveform.preamble.y_unit,

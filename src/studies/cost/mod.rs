@@ -7,7 +7,7 @@
 mod points;
 mod table;
 
-pub use table::{Chosen, Order, Point, Reference};
+pub use table::{ChosenMethod, Order, Point, Reference};
 
 use serde::Serialize;
 
@@ -24,7 +24,7 @@ const ABOVE_REFERENCE: f64 = 100.0;
 
 /// The study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Study {
+pub struct CostStudy {
     /// Scene name.
     pub scene: String,
     /// What errors are measured against.
@@ -34,19 +34,19 @@ pub struct Study {
     /// Observed order of each method on this scene, kinks and all.
     pub orders: Vec<Order>,
     /// What `--accuracy` chooses at each decade, and what it reaches.
-    pub chosen: Vec<Chosen>,
+    pub chosen: Vec<ChosenMethod>,
     /// One digitiser level of the most sensitive channel, relative to its first peak; none without a wired sensor (1).
     pub level: Option<f64>,
     /// The scope's sample interval, relative to the earliest arrival compared (1).
     pub sample: f64,
 }
 
-impl Study {
+impl CostStudy {
     /// The coarsest setting of each method that is as accurate as `accuracy` (1) in peaks and arrivals, as all its finer ones are; in traces to half of
     /// the digits, where what was chosen is.
     pub fn accurate(&self, accuracy: f64) -> impl Iterator<Item = &Point> {
         let late = move |error: Option<f64>| error.is_none_or(|error| error <= accuracy.sqrt());
-        let same = |chosen: &&Chosen| (chosen.accuracy / accuracy - 1.0).abs() < 1e-9;
+        let same = |chosen: &&ChosenMethod| (chosen.accuracy / accuracy - 1.0).abs() < 1e-9;
         let traces = self.chosen.iter().find(same).is_some_and(|chosen| late(chosen.error_trace));
         let holds = move |point: &&Point| {
             let errors = [point.error_peak, point.error_arrival];
@@ -66,7 +66,7 @@ impl Study {
 ///
 /// # Errors
 /// The integrator's error where even the reference fails, in words.
-pub fn study(scene: &Scene, runs: u16, progress: &mut dyn FnMut(f64)) -> Result<Study, String> {
+pub fn study(scene: &Scene, runs: u16, progress: &mut dyn FnMut(f64)) -> Result<CostStudy, String> {
     let (exact, reference) = reference(scene)?;
     if exact.readings.iter().all(|reading| reading.first_peak.is_none()) {
         return Err("no sensor and no wall felt a pulse that could be compared".to_owned());
@@ -94,7 +94,7 @@ pub fn study(scene: &Scene, runs: u16, progress: &mut dyn FnMut(f64)) -> Result<
         chosen.push(choice(scene, accuracy, (&exact, runs)).map_err(|error| error.to_string())?);
     }
     let earliest = exact.readings.iter().filter_map(|r| r.half_rise_s).fold(f64::MAX, f64::min);
-    Ok(Study {
+    Ok(CostStudy {
         scene: scene.name.clone(),
         orders: orders(&points, reference.error),
         reference,

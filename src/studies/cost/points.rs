@@ -2,13 +2,14 @@
 
 use std::time::{Duration, Instant};
 
-use super::{Chosen, Point, Reference};
+use super::{ChosenMethod, Point, Reference};
 use crate::chain::simd::Refinement;
 use crate::experiment::accuracy::run_to_accuracy;
 use crate::experiment::comparison::{
     Run, Treated, arrival_error, compare, peak_error, run_without, trace_error, worst,
 };
-use crate::experiment::reference::{ErrorEstimate, errors};
+use crate::experiment::outcome::ErrorEstimate;
+use crate::experiment::reference::errors;
 use crate::experiment::{Integration, RunError, method};
 use crate::integrate::{IntegrateError, Method, Scheme};
 use crate::scene::Scene;
@@ -159,7 +160,7 @@ pub fn choice(
     scene: &Scene,
     accuracy: f64,
     (exact, runs): (&Run, u16),
-) -> Result<Chosen, RunError> {
+) -> Result<ChosenMethod, RunError> {
     let started = Instant::now();
     let outcome = run_to_accuracy(scene, accuracy, 1, &mut |_| ())?;
     let summary = &outcome.summary;
@@ -176,7 +177,7 @@ pub fn choice(
     let (alone, held) = (sorted(0), sorted(1));
     let wall_s_median = alone[alone.len() / 2];
     let errors = errors(scene, exact, &outcome);
-    Ok(Chosen {
+    Ok(ChosenMethod {
         accuracy,
         method: method_name(&summary.method),
         setting: summary.step_s.or(summary.tolerance).unwrap_or(0.0),

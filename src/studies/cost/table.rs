@@ -77,7 +77,7 @@ pub struct Order {
 
 /// What an accuracy leads to.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Chosen {
+pub struct ChosenMethod {
     /// Accuracy asked for (1).
     pub accuracy: f64,
     /// Method that was chosen.

@@ -1,7 +1,7 @@
 //! Lines of the effects that act on the chain's motion.
 
 use super::trial::{Change, Cost, of_chain};
-use super::{Entry, Finding, State, Subject};
+use super::{BaselineRun, EffectFinding, EffectState, LedgerEntry};
 use crate::chain::{
     Dashpot, Gravity, KuwabaraKono, LinearisedContacts, MagnetForce, MagnetLaw, PlacedAt,
     PlacedMagnet, PowerLawLoss,
@@ -19,7 +19,11 @@ const HOST_SPREAD: f64 = 0.06;
 type Trial = Option<(Cost, Change)>;
 
 /// Runs `other` against the scene; `is_on` tells whether the scene is the one with the effect. Why there is no trial, if there is none.
-fn against(subject: &Subject<'_>, other: Result<Scene, String>, is_on: bool) -> (Trial, String) {
+fn against(
+    subject: &BaselineRun<'_>,
+    other: Result<Scene, String>,
+    is_on: bool,
+) -> (Trial, String) {
     let trial = other.and_then(|other| {
         let (with, without) = if is_on { (subject.scene, &other) } else { (&other, subject.scene) };
         of_chain(with, without, subject.accuracy)
@@ -30,12 +34,12 @@ fn against(subject: &Subject<'_>, other: Result<Scene, String>, is_on: bool) -> 
     }
 }
 
-fn state(is_on: bool) -> State {
-    if is_on { State::On } else { State::Off }
+fn state(is_on: bool) -> EffectState {
+    if is_on { EffectState::On } else { EffectState::Off }
 }
 
 /// Gravity: the chain's weight against the weakest first peak.
-pub fn gravity(subject: &Subject<'_>) -> Entry {
+pub fn gravity(subject: &BaselineRun<'_>) -> LedgerEntry {
     let gravity = subject.scene.spec.effects.gravity;
     let is_on = gravity.is_some();
     let acceleration = gravity.map_or(FREE_FALL, |gravity| gravity.acceleration);
@@ -49,16 +53,16 @@ pub fn gravity(subject: &Subject<'_>) -> Entry {
         if is_on { "on by the scene" } else { "no table in the scene; compared with 9.81 m/s²" };
     let reason = format!("{words}: the chain weighs {}{failed}", engineering(weight, "N", 3));
     let value = Some(weight / subject.wave);
-    Finding { state: state(is_on), value, reason, trial }
+    EffectFinding { state: state(is_on), value, reason, trial }
         .entry("gravity", "weight of the chain / smallest first peak")
 }
 
 /// The magnet's force.
-pub fn magnet_preload(subject: &Subject<'_>) -> Entry {
+pub fn magnet_preload(subject: &BaselineRun<'_>) -> LedgerEntry {
     let criterion = "force of the magnet / smallest first peak";
     let Some(magnet) = subject.scene.chain.magnet() else {
         let reason = "no table in the scene; it needs a force, or a magnet's name".to_owned();
-        return Finding { state: State::Off, value: None, reason, trial: None }
+        return EffectFinding { state: EffectState::Off, value: None, reason, trial: None }
             .entry("magnet_preload", criterion);
     };
     let other = subject.rebuilt(|scene| {
@@ -70,15 +74,16 @@ pub fn magnet_preload(subject: &Subject<'_>) -> Entry {
     let name = subject.scene.chain.bodies().get(magnet.body).map_or("", |body| &*body.name);
     let reason = format!("on by the scene: {force} on the {name}{failed}");
     let value = Some(magnet.force / subject.wave);
-    Finding { state: State::On, value, reason, trial }.entry("magnet_preload", criterion)
+    EffectFinding { state: EffectState::On, value, reason, trial }
+        .entry("magnet_preload", criterion)
 }
 
 /// A real magnet's force changes with distance. Where the scene's own is constant, a shipped ring that pulls as hard stands beside it.
-pub fn magnet_law(subject: &Subject<'_>) -> Entry {
+pub fn magnet_law(subject: &BaselineRun<'_>) -> LedgerEntry {
     let criterion = "slope of the magnet's force x travel of its particle / force";
     let off = |reason: &str| {
         let reason = reason.to_owned();
-        Finding { state: State::Off, value: None, reason, trial: None }
+        EffectFinding { state: EffectState::Off, value: None, reason, trial: None }
             .entry("magnet_law", criterion)
     };
     let chain = &subject.scene.chain;
@@ -114,7 +119,7 @@ pub fn magnet_law(subject: &Subject<'_>) -> Entry {
         engineering(travel, "m", 3),
     );
     let value = Some(slope.abs() * travel / magnet.force);
-    Finding { state: state(is_on), value, reason, trial }.entry("magnet_law", criterion)
+    EffectFinding { state: state(is_on), value, reason, trial }.entry("magnet_law", criterion)
 }
 
 /// The ring that stands for real ones, where it pulls with `force` (N).
@@ -126,11 +131,11 @@ fn ring(force: f64) -> Option<PlacedMagnet> {
 }
 
 /// Shots at speeds of their own: one standard deviation above the mean against the mean.
-pub fn striker_speed_spread(subject: &Subject<'_>) -> Entry {
+pub fn striker_speed_spread(subject: &BaselineRun<'_>) -> LedgerEntry {
     let criterion = "standard deviation of the striker's speed / its mean";
     let Some(spread) = subject.scene.striker_speed_spread else {
         let reason = "no table in the scene; it needs relative, the spread".to_owned();
-        return Finding { state: State::Off, value: None, reason, trial: None }
+        return EffectFinding { state: EffectState::Off, value: None, reason, trial: None }
             .entry("striker_speed_spread", criterion);
     };
     let mut faster = subject.scene.clone();
@@ -141,18 +146,23 @@ pub fn striker_speed_spread(subject: &Subject<'_>) -> Entry {
     let reason = format!(
         "on by the scene: each shot's speed is drawn from the seed; changes are those of one standard deviation{failed}"
     );
-    Finding { state: State::On, value: Some(spread), reason, trial }
+    EffectFinding { state: EffectState::On, value: Some(spread), reason, trial }
         .entry("striker_speed_spread", criterion)
 }
 
 /// A loss: its decay against the fastest contact's own frequency.
-fn loss(subject: &Subject<'_>, name: &'static str, setting: Option<f64>, needs: &str) -> Entry {
+fn loss(
+    subject: &BaselineRun<'_>,
+    name: &'static str,
+    setting: Option<f64>,
+    needs: &str,
+) -> LedgerEntry {
     let criterion = "decay / angular frequency, of the most damped contact";
     if setting.is_none() {
         let reason = format!(
             "no table in the scene, and no value that holds for a material: it needs {needs}"
         );
-        return Finding { state: State::Off, value: None, reason, trial: None }
+        return EffectFinding { state: EffectState::Off, value: None, reason, trial: None }
             .entry(name, criterion);
     }
     let others = ["dashpot", "kuwabara_kono", "power_law_loss"];
@@ -163,17 +173,17 @@ fn loss(subject: &Subject<'_>, name: &'static str, setting: Option<f64>, needs: 
     let without = subject.rebuilt(|scene| scene.spec.effects.remove(name));
     let (trial, failed) = against(subject, without, true);
     let reason = format!("on by the scene: takes energy in every closed contact{failed}");
-    Finding { state: State::On, value, reason, trial }.entry(name, criterion)
+    EffectFinding { state: EffectState::On, value, reason, trial }.entry(name, criterion)
 }
 
 /// Dashpots.
-pub fn dashpot(subject: &Subject<'_>) -> Entry {
+pub fn dashpot(subject: &BaselineRun<'_>) -> LedgerEntry {
     let set = subject.scene.spec.effects.dashpot.as_ref();
     loss(subject, "dashpot", set.map(|Dashpot { gamma }| gamma.value), "gamma and end_of_contact")
 }
 
 /// Viscoelastic losses.
-pub fn kuwabara_kono(subject: &Subject<'_>) -> Entry {
+pub fn kuwabara_kono(subject: &BaselineRun<'_>) -> LedgerEntry {
     let set = subject.scene.spec.effects.kuwabara_kono.as_ref();
     loss(
         subject,
@@ -184,14 +194,14 @@ pub fn kuwabara_kono(subject: &Subject<'_>) -> Entry {
 }
 
 /// Power-law losses.
-pub fn power_law_loss(subject: &Subject<'_>) -> Entry {
+pub fn power_law_loss(subject: &BaselineRun<'_>) -> LedgerEntry {
     let set = subject.scene.spec.effects.power_law_loss.as_ref();
     let set = set.map(|PowerLawLoss { force, .. }| force.value);
     loss(subject, "power_law_loss", set, "force_at_1_m_per_s, exponent and end_of_contact")
 }
 
 /// Contacts made linear.
-pub fn linearised_contacts(subject: &Subject<'_>) -> Entry {
+pub fn linearised_contacts(subject: &BaselineRun<'_>) -> LedgerEntry {
     let is_on = subject.scene.spec.effects.linearised_contacts.is_some();
     let other = subject.rebuilt(|scene| {
         scene.spec.effects.linearised_contacts = (!is_on).then_some(LinearisedContacts);
@@ -210,12 +220,12 @@ pub fn linearised_contacts(subject: &Subject<'_>) -> Entry {
         }
     };
     let reason = format!("{reason}{failed}");
-    Finding { state: state(is_on), value, reason, trial }
+    EffectFinding { state: state(is_on), value, reason, trial }
         .entry("linearised_contacts", "largest change of a contact force / its static force")
 }
 
 /// Largest change of a contact force over its static one; none where a contact has no static force.
-fn opening_ratio(subject: &Subject<'_>) -> Option<f64> {
+fn opening_ratio(subject: &BaselineRun<'_>) -> Option<f64> {
     let chain = &subject.scene.chain;
     let first = usize::from(chain.has_striker());
     let films = chain.contacts().iter().zip(&subject.bench.film().contact_forces).skip(first + 1);
@@ -227,7 +237,7 @@ fn opening_ratio(subject: &Subject<'_>) -> Option<f64> {
 }
 
 /// Yielding of the softer bodies.
-pub fn plasticity(subject: &Subject<'_>) -> Entry {
+pub fn plasticity(subject: &BaselineRun<'_>) -> LedgerEntry {
     let films = subject.scene.chain.contacts().iter().zip(&subject.bench.film().contact_forces);
     let ratios = films.filter_map(|(contact, forces)| {
         let limit = contact.yield_force?;
@@ -242,12 +252,12 @@ pub fn plasticity(subject: &Subject<'_>) -> Entry {
         None => "not built; no material has a yield_strength",
     };
     let reason = reason.to_owned();
-    Finding { state: State::Off, value, reason, trial: None }
+    EffectFinding { state: EffectState::Off, value, reason, trial: None }
         .entry("plasticity", "largest contact force / force of first yield")
 }
 
 /// Mass of plates in their hosts.
-pub fn host_mass(subject: &Subject<'_>) -> Entry {
+pub fn host_mass(subject: &BaselineRun<'_>) -> LedgerEntry {
     let scene = subject.scene;
     let particles = &scene.spec.particles;
     let host = |site: Site| match site {
@@ -282,6 +292,6 @@ pub fn host_mass(subject: &Subject<'_>) -> Entry {
         )
     };
     let value = if hosts.is_empty() { None } else { value };
-    Finding { state: state(is_on), value, reason, trial }
+    EffectFinding { state: state(is_on), value, reason, trial }
         .entry("host_mass", "mass of a sensor's host / mass of its kind - 1")
 }

@@ -1,14 +1,14 @@
 //! Lines of the effects of sensors and scope: the chain's motion is the same, its signals are not.
 
-use super::trial::{Cost, Signals, largest, of_chain, of_electronics, of_signals};
-use super::{Entry, Finding, State, Subject};
+use super::trial::{ChannelVolts, Cost, largest, of_chain, of_electronics, of_signals};
+use super::{BaselineRun, EffectFinding, EffectState, LedgerEntry};
 use crate::experiment::acquisition::signals;
 use crate::quantity::engineering;
 use crate::scene::{Scene, Site};
 use crate::scope::Deviation;
 use crate::scope::front_end::{NEGLIGIBLE_DELAY, bandwidth_ratio, low_pass};
 use crate::scope::waveform::LEVELS_PER_DIVISION;
-use crate::sensor::{Measured, Tolerance};
+use crate::sensor::{SensorMeasurement, SensorTolerance};
 
 /// A time constant that no record could tell from infinity (s).
 const FOREVER: f64 = 1e6;
@@ -19,14 +19,19 @@ const MAKERS_TOLERANCE: f64 = 0.2;
 
 /// The line of an effect that is either in the scene or in `other`.
 fn either(
-    subject: &Subject<'_>,
+    subject: &BaselineRun<'_>,
     is_on: bool,
     other: &Scene,
     (value, reason): (Option<f64>, String),
-) -> Finding {
+) -> EffectFinding {
     let (with, without) = if is_on { (subject.scene, other) } else { (other, subject.scene) };
     let trial = Some(of_electronics(subject, with, without));
-    Finding { state: if is_on { State::On } else { State::Off }, value, reason, trial }
+    EffectFinding {
+        state: if is_on { EffectState::On } else { EffectState::Off },
+        value,
+        reason,
+        trial,
+    }
 }
 
 /// Something the scope cannot be without a wired sensor.
@@ -34,13 +39,14 @@ fn is_wired(scene: &Scene) -> bool {
     scene.scope.channels.iter().flatten().any(|channel| channel.input.is_some())
 }
 
-fn unwired(effect: &'static str, criterion: &'static str) -> Entry {
+fn unwired(effect: &'static str, criterion: &'static str) -> LedgerEntry {
     let reason = "no sensor is wired to a channel".to_owned();
-    Finding { state: State::Off, value: None, reason, trial: None }.entry(effect, criterion)
+    EffectFinding { state: EffectState::Off, value: None, reason, trial: None }
+        .entry(effect, criterion)
 }
 
 /// Digitiser levels in a channel's first peak, the fewest of all channels, from the signals as they are.
-fn levels_in_peak(subject: &Subject<'_>) -> Option<f64> {
+fn levels_in_peak(subject: &BaselineRun<'_>) -> Option<f64> {
     let found = signals(subject.scene, &subject.bench, subject.grid, 1);
     let channels = subject.scene.scope.channels.iter().zip(found);
     let levels = channels.filter_map(|(channel, signal)| {
@@ -51,7 +57,7 @@ fn levels_in_peak(subject: &Subject<'_>) -> Option<f64> {
 }
 
 /// Plates off the centres of their hosts.
-pub fn sensor_offset(subject: &Subject<'_>) -> Entry {
+pub fn sensor_offset(subject: &BaselineRun<'_>) -> LedgerEntry {
     let inside = subject.scene.sensors.iter().filter(|sensor| sensor.site != Site::Wall);
     let value = largest(inside.map(|sensor| sensor.offset));
     let is_on = value.is_some_and(|value| value != 0.0);
@@ -63,13 +69,13 @@ pub fn sensor_offset(subject: &Subject<'_>) -> Entry {
         trial = of_chain(subject.scene, &other, subject.accuracy).ok();
         "on by the scene".clone_into(&mut reason);
     }
-    let state = if is_on { State::On } else { State::Off };
-    Finding { state, value, reason, trial }
+    let state = if is_on { EffectState::On } else { EffectState::Off };
+    EffectFinding { state, value, reason, trial }
         .entry("sensor_offset", "distance from the centre / length of the particle")
 }
 
 /// The charge that leaks through plate and input.
-pub fn sensor_droop(subject: &Subject<'_>) -> Entry {
+pub fn sensor_droop(subject: &BaselineRun<'_>) -> LedgerEntry {
     let criterion = "time of the first peak's rise / shortest time constant";
     if !is_wired(subject.scene) {
         return unwired("sensor_droop", criterion);
@@ -83,10 +89,10 @@ pub fn sensor_droop(subject: &Subject<'_>) -> Entry {
         let Some(circuit) = subject.scene.circuit(place, channel) else { continue };
         shortest = shortest.min(circuit.time_constant);
         if let Some(placed) = other.sensors.get_mut(place) {
-            placed.sensor.measured = Measured {
+            placed.sensor.measured = SensorMeasurement {
                 sensitivity: Some(circuit.sensitivity),
                 time_constant: Some(FOREVER),
-                ..Measured::default()
+                ..SensorMeasurement::default()
             };
         }
     }
@@ -102,7 +108,7 @@ pub fn sensor_droop(subject: &Subject<'_>) -> Entry {
 }
 
 /// Plates that differ from their data.
-pub fn sensor_tolerance(subject: &Subject<'_>) -> Entry {
+pub fn sensor_tolerance(subject: &BaselineRun<'_>) -> LedgerEntry {
     let criterion = "half width of d33 and permittivity";
     if !is_wired(subject.scene) {
         return unwired("sensor_tolerance", criterion);
@@ -111,7 +117,7 @@ pub fn sensor_tolerance(subject: &Subject<'_>) -> Entry {
     let mut other = subject.scene.clone();
     other.sensor_tolerance = match set {
         Some(_) => None,
-        None => Some(Tolerance {
+        None => Some(SensorTolerance {
             spread: MAKERS_TOLERANCE,
             temperature: 0.0,
             permittivity_coefficient: 0.0,
@@ -127,7 +133,7 @@ pub fn sensor_tolerance(subject: &Subject<'_>) -> Entry {
 }
 
 /// The front end's bandwidth.
-pub fn bandwidth(subject: &Subject<'_>) -> Entry {
+pub fn bandwidth(subject: &BaselineRun<'_>) -> LedgerEntry {
     let scene = subject.scene;
     let criterion = "delay of the slowest channel / sample interval";
     let ratios = |scene: &Scene| -> Vec<Option<f64>> {
@@ -150,7 +156,7 @@ pub fn bandwidth(subject: &Subject<'_>) -> Entry {
         let filter = |(signal, ratio): (&Option<Vec<f64>>, &Option<f64>)| {
             signal.as_ref().zip(*ratio).map(|(signal, ratio)| low_pass(signal, ratio))
         };
-        let on: Signals = off.iter().zip(&ratios).map(filter).collect();
+        let on: ChannelVolts = off.iter().zip(&ratios).map(filter).collect();
         change = of_signals(subject, &on, &off);
     }
     let reason = if is_on {
@@ -159,13 +165,17 @@ pub fn bandwidth(subject: &Subject<'_>) -> Entry {
         format!("off: the delay is below {NEGLIGIBLE_DELAY} of a sample interval, {JUDGED}")
     };
     let cost = if is_on { cost } else { Cost::default() };
-    let found =
-        Finding { state: State::Auto, value: Some(delay), reason, trial: Some((cost, change)) };
-    Entry { active: is_on, ..found.entry("bandwidth", criterion) }
+    let found = EffectFinding {
+        state: EffectState::Auto,
+        value: Some(delay),
+        reason,
+        trial: Some((cost, change)),
+    };
+    LedgerEntry { active: is_on, ..found.entry("bandwidth", criterion) }
 }
 
 /// Volts that the scene adds to a channel.
-pub fn scope_offset(subject: &Subject<'_>) -> Entry {
+pub fn scope_offset(subject: &BaselineRun<'_>) -> LedgerEntry {
     let channels = subject.scene.scope.channels.iter().flatten();
     let value = largest(
         channels.map(|channel| channel.offset / (channel.vertical.scale / LEVELS_PER_DIVISION)),
@@ -177,13 +187,13 @@ pub fn scope_offset(subject: &Subject<'_>) -> Entry {
         either(subject, true, &other, (value, "on by the scene".to_owned()))
     } else {
         let reason = "no channel has one; it needs offset in a channel's table".to_owned();
-        Finding { state: State::Off, value, reason, trial: None }
+        EffectFinding { state: EffectState::Off, value, reason, trial: None }
     };
     finding.entry("scope_offset", "offset / digitiser level")
 }
 
 /// Errors of gain and zero within the data sheet.
-pub fn scope_errors(subject: &Subject<'_>) -> Entry {
+pub fn scope_errors(subject: &BaselineRun<'_>) -> LedgerEntry {
     let scene = subject.scene;
     let drawn = |deviation: Deviation| deviation != Deviation::default();
     let is_on = scene.scope.channels.iter().flatten().any(|c| drawn(c.deviation));
@@ -207,7 +217,7 @@ pub fn scope_errors(subject: &Subject<'_>) -> Entry {
 }
 
 /// Noise of the front end.
-pub fn scope_noise(subject: &Subject<'_>) -> Entry {
+pub fn scope_noise(subject: &BaselineRun<'_>) -> LedgerEntry {
     let noise = subject.scene.scope.noise;
     let value = Some(noise * LEVELS_PER_DIVISION);
     let finding = if noise > 0.0 {
@@ -216,22 +226,22 @@ pub fn scope_noise(subject: &Subject<'_>) -> Entry {
         either(subject, true, &other, (value, "on by the scene: one draw from the seed".to_owned()))
     } else {
         let reason = "no table in the scene; it needs rms".to_owned();
-        Finding { state: State::Off, value, reason, trial: None }
+        EffectFinding { state: EffectState::Off, value, reason, trial: None }
     };
     finding.entry("scope_noise", "noise, root mean square / digitiser level")
 }
 
 /// The converter's levels.
-pub fn quantisation(subject: &Subject<'_>) -> Entry {
+pub fn quantisation(subject: &BaselineRun<'_>) -> LedgerEntry {
     let off = signals(subject.scene, &subject.bench, subject.grid, 1);
     let rounded = |(signal, channel): (&Option<Vec<f64>>, &Option<crate::scope::ChannelSetup>)| {
         let level = channel.as_ref()?.vertical.scale / LEVELS_PER_DIVISION;
         Some(signal.as_ref()?.iter().map(|volts| (volts / level).round() * level).collect())
     };
-    let on: Signals = off.iter().zip(&subject.scene.scope.channels).map(rounded).collect();
+    let on: ChannelVolts = off.iter().zip(&subject.scene.scope.channels).map(rounded).collect();
     let change = of_signals(subject, &on, &off);
     let value = levels_in_peak(subject).map(f64::recip);
     let reason = "always on: a record is made of levels, 25 a division".to_owned();
-    Finding { state: State::On, value, reason, trial: Some((Cost::default(), change)) }
+    EffectFinding { state: EffectState::On, value, reason, trial: Some((Cost::default(), change)) }
         .entry("quantisation", "digitiser level / smallest channel's peak")
 }

@@ -7,7 +7,7 @@ use super::trial::{Change, Cost};
 /// Whether an effect is part of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum State {
+pub enum EffectState {
     /// It is.
     On,
     /// It is not.
@@ -18,11 +18,11 @@ pub enum State {
 
 /// One line of the ledger.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Entry {
+pub struct LedgerEntry {
     /// Name; that of its table in a scene, where it has one.
     pub effect: &'static str,
     /// On, off, or decided by the program.
-    pub state: State,
+    pub state: EffectState,
     /// Whether it is part of this run, whoever decided that.
     pub active: bool,
     /// The dimensionless number that tells whether it matters.
@@ -43,21 +43,21 @@ pub struct Entry {
 }
 
 /// What was found out about one effect, before it is written down.
-pub(super) struct Finding {
-    pub(super) state: State,
+pub(super) struct EffectFinding {
+    pub(super) state: EffectState,
     pub(super) value: Option<f64>,
     pub(super) reason: String,
     pub(super) trial: Option<(Cost, Change)>,
 }
 
-impl Finding {
+impl EffectFinding {
     /// The ledger's line.
-    pub(super) fn entry(self, effect: &'static str, criterion: &'static str) -> Entry {
+    pub(super) fn entry(self, effect: &'static str, criterion: &'static str) -> LedgerEntry {
         let cost = self.trial.as_ref().and_then(|(cost, _)| cost.measured);
-        Entry {
+        LedgerEntry {
             effect,
             state: self.state,
-            active: self.state == State::On,
+            active: self.state == EffectState::On,
             criterion,
             value: self.value.filter(|value| value.is_finite()),
             reason: self.reason,

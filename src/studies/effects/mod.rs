@@ -16,13 +16,13 @@ mod numerics;
 mod subject;
 mod trial;
 
-pub use entry::{Entry, State};
+pub use entry::{EffectState, LedgerEntry};
 pub use trial::Change;
 
 use crate::experiment::{Integration, RunError, auto_effects};
 use crate::scene::Scene;
-use entry::Finding;
-use subject::Subject;
+use entry::EffectFinding;
+use subject::BaselineRun;
 
 /// The ledger.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,7 +32,7 @@ pub struct Ledger {
     /// Accuracy of all runs (1).
     pub accuracy: f64,
     /// One line an effect.
-    pub entries: Vec<Entry>,
+    pub entries: Vec<LedgerEntry>,
 }
 
 /// Makes the ledger of `scene`, with all runs held to `accuracy` (1); `progress` hears the share of the work done.
@@ -44,7 +44,7 @@ pub fn ledger(
     accuracy: f64,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Ledger, RunError> {
-    type Make = fn(&Subject<'_>) -> Entry;
+    type Make = fn(&BaselineRun<'_>) -> LedgerEntry;
     const ENTRIES: [Make; 20] = [
         chain::striker_speed_spread,
         chain::gravity,
@@ -57,7 +57,7 @@ pub fn ledger(
         chain::plasticity,
         chain::host_mass,
         numerics::kink_correction,
-        numerics::quiet_part,
+        numerics::active_window,
         electronics::sensor_offset,
         electronics::sensor_droop,
         electronics::sensor_tolerance,
@@ -67,8 +67,8 @@ pub fn ledger(
         electronics::scope_noise,
         electronics::quantisation,
     ];
-    let settled = auto_effects::settle(scene, Integration::Accuracy(accuracy));
-    let subject = Subject::new(&settled, accuracy)?;
+    let settled = auto_effects::resolve_auto_effects(scene, Integration::Accuracy(accuracy));
+    let subject = BaselineRun::new(&settled, accuracy)?;
     let mut entries = Vec::with_capacity(ENTRIES.len());
     for (done, make) in ENTRIES.into_iter().enumerate() {
         #[allow(clippy::cast_precision_loss, reason = "a few dozen")]
@@ -82,9 +82,9 @@ pub fn ledger(
 }
 
 /// Writes the decision on an effect with `state = "auto"` into its line of the ledger.
-fn state_decision(scene: &Scene, accuracy: f64, entry: &mut Entry) {
+fn state_decision(scene: &Scene, accuracy: f64, entry: &mut LedgerEntry) {
     if scene.auto.contains(&entry.effect) {
-        entry.state = State::Auto;
+        entry.state = EffectState::Auto;
         let decided = auto_effects::decision(scene, entry.effect, accuracy);
         // A reason why nothing could be measured stays.
         entry.reason = match entry.change {

@@ -1,10 +1,10 @@
 //! Lines of what the integrator does on its own account.
 
-use super::{Entry, Finding, State, Subject, trial};
+use super::{BaselineRun, EffectFinding, EffectState, LedgerEntry, trial};
 use crate::chain::simd::Refinement;
 
 /// Contacts that open or close within a step.
-pub fn kink_correction(subject: &Subject<'_>) -> Entry {
+pub fn kink_correction(subject: &BaselineRun<'_>) -> LedgerEntry {
     let chain = &subject.scene.chain;
     let films = chain.contacts().iter().zip(&subject.bench.film().contact_forces);
     let touching = films.filter(|(contact, _)| contact.stiffness > 0.0);
@@ -20,16 +20,16 @@ pub fn kink_correction(subject: &Subject<'_>) -> Entry {
     } else {
         "steps in which a contact opens or closes are put right; the others do nothing of the kind"
     };
-    let state = if chain.runs_on_vectors() { State::Auto } else { State::Off };
+    let state = if chain.runs_on_vectors() { EffectState::Auto } else { EffectState::Off };
     let value = Some(f64::from(open) / f64::from(all.max(1)));
-    let trial = measured(subject, Refinement::OpeningCorrection, state == State::Auto);
+    let trial = measured(subject, Refinement::OpeningCorrection, state == EffectState::Auto);
     let active = subject.bench.contact_changes().is_some_and(|changes| changes > 0);
-    let found = Finding { state, value, reason: reason.to_owned(), trial };
-    Entry { active, ..found.entry("kink_correction", "contacts that open / all contacts") }
+    let found = EffectFinding { state, value, reason: reason.to_owned(), trial };
+    LedgerEntry { active, ..found.entry("kink_correction", "contacts that open / all contacts") }
 }
 
 /// Beads ahead of the wave.
-pub fn quiet_part(subject: &Subject<'_>) -> Entry {
+pub fn active_window(subject: &BaselineRun<'_>) -> LedgerEntry {
     let scene = subject.scene;
     let on = scene.chain.runs_on_vectors();
     let reason = if on {
@@ -43,9 +43,9 @@ pub fn quiet_part(subject: &Subject<'_>) -> Entry {
     #[allow(clippy::cast_precision_loss, reason = "counts of beads")]
     let value = Some((count - last) as f64 / count as f64);
     let trial = measured(subject, Refinement::ActiveWindow, on);
-    let state = if on { State::Auto } else { State::Off };
-    let found = Finding { state, value, reason: reason.to_owned(), trial };
-    Entry {
+    let state = if on { EffectState::Auto } else { EffectState::Off };
+    let found = EffectFinding { state, value, reason: reason.to_owned(), trial };
+    LedgerEntry {
         active: on,
         ..found.entry("quiet_part", "beads at rest ahead of the impact / all beads")
     }
@@ -53,7 +53,7 @@ pub fn quiet_part(subject: &Subject<'_>) -> Entry {
 
 /// What a refinement costs and changes where there is one.
 fn measured(
-    subject: &Subject<'_>,
+    subject: &BaselineRun<'_>,
     refinement: Refinement,
     there: bool,
 ) -> Option<(trial::Cost, trial::Change)> {

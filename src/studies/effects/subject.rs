@@ -2,11 +2,11 @@
 
 use crate::chain::Chain;
 use crate::experiment::bench::{Bench, Grid};
-use crate::experiment::{FRAMES, Integration, RunError, method, probes, sample_grid};
+use crate::experiment::{FRAMES_PER_RUN, Integration, RunError, method, probes, sample_grid};
 use crate::scene::Scene;
 
 /// What all entries look at: the scene as it is run, and that run.
-pub(super) struct Subject<'a> {
+pub(super) struct BaselineRun<'a> {
     /// The scene with `auto` decided.
     pub(super) scene: &'a Scene,
     pub(super) accuracy: f64,
@@ -16,10 +16,10 @@ pub(super) struct Subject<'a> {
     pub(super) wave: f64,
 }
 
-impl<'a> Subject<'a> {
+impl<'a> BaselineRun<'a> {
     pub(super) fn new(scene: &'a Scene, accuracy: f64) -> Result<Self, RunError> {
         let grid = sample_grid(scene, 1);
-        let frames = Grid { start: 0.0, interval: scene.duration / FRAMES };
+        let frames = Grid { start: 0.0, interval: scene.duration / FRAMES_PER_RUN };
         let method = method(scene, Integration::Accuracy(accuracy))?;
         let (chain, velocities) = (&scene.chain, &scene.initial_velocities);
         let mut bench = Bench::new(chain, velocities, method, &probes(scene), (grid, frames));

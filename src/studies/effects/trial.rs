@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
-use super::Subject;
+use super::BaselineRun;
 use crate::chain::simd::Refinement;
 use crate::experiment::acquisition::signals;
 use crate::experiment::comparison::{Run, run, run_without};
@@ -42,12 +42,12 @@ pub struct Change {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Cost {
     /// The bill, where it was measured.
-    pub measured: Option<Bill>,
+    pub measured: Option<CostMeasurement>,
 }
 
 /// What was measured of a cost.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bill {
+pub struct CostMeasurement {
     /// Time added to a step (ns).
     pub per_step: f64,
     /// Its standard uncertainty (ns).
@@ -75,11 +75,11 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
 
 /// Runs `with` and `without` in turn, each of which tells its wall time (s), over these numbers of steps.
 #[allow(clippy::cast_precision_loss, reason = "counts far below 2^53")]
-fn bill(
+fn cost_measurement(
     mut with: impl FnMut() -> Option<f64>,
     mut without: impl FnMut() -> Option<f64>,
     (steps, steps_without): (u64, u64),
-) -> Option<Bill> {
+) -> Option<CostMeasurement> {
     let (mut differences, mut walls) = (Vec::new(), Vec::new());
     let started = Instant::now();
     while differences.len() < FEWEST_PAIRS
@@ -101,7 +101,7 @@ fn bill(
     let per_step = quantile(&differences, 0.5);
     let spread = quantile(&differences, 0.75) - quantile(&differences, 0.25);
     let u = MEDIAN_ERROR * spread / (differences.len() as f64).sqrt();
-    Some(Bill { per_step, u, share: per_step / quantile(&walls, 0.5) })
+    Some(CostMeasurement { per_step, u, share: per_step / quantile(&walls, 0.5) })
 }
 
 impl Change {
@@ -170,7 +170,7 @@ pub fn of_chain(with: &Scene, without: &Scene, accuracy: f64) -> Result<(Cost, C
 /// # Errors
 /// Why one of them cannot be run.
 pub fn of_refinement(
-    subject: &Subject<'_>,
+    subject: &BaselineRun<'_>,
     refinement: Refinement,
 ) -> Result<(Cost, Change), String> {
     let scene = subject.scene;
@@ -188,7 +188,7 @@ fn of_runs(
     let (on, off) = (run().map_err(words)?, run_without().map_err(words)?);
     let steps = (on.work.steps, off.work.steps);
     let wall = |run: Result<Run, IntegrateError>| run.ok().map(|run| run.wall_s);
-    let cost = Cost { measured: bill(|| wall(run()), || wall(run_without()), steps) };
+    let cost = Cost { measured: cost_measurement(|| wall(run()), || wall(run_without()), steps) };
     let (fast, slow) = (speeds_of(with, &on.readings), speeds_of(without, &off.readings));
     let ratios = fast.iter().filter_map(|(pair, speed)| {
         let (_, other) = slow.iter().find(|(same, _)| same == pair)?;
@@ -200,14 +200,14 @@ fn of_runs(
 }
 
 /// Largest value of a signal around a pulse, and when it first reached half of that.
-struct Seen {
+struct PulseReading {
     peak: f64,
     half_rise: f64,
 }
 
 /// Where to look for the first peak of each channel, by the force behind it: half a rise before and after it.
-fn windows(subject: &Subject<'_>) -> Vec<Option<(usize, usize)>> {
-    let Subject { scene, bench, grid, .. } = subject;
+fn windows(subject: &BaselineRun<'_>) -> Vec<Option<(usize, usize)>> {
+    let BaselineRun { scene, bench, grid, .. } = subject;
     let window = |channel: &crate::scope::ChannelSetup| {
         let place = scene.sensors.iter().position(|s| Some(&s.name) == channel.input.as_ref())?;
         let reading = Reading::of("", None, 0.0, &bench.watches().get(place)?.pulse);
@@ -218,7 +218,7 @@ fn windows(subject: &Subject<'_>) -> Vec<Option<(usize, usize)>> {
     scene.scope.channels.iter().map(|c| c.as_ref().and_then(window)).collect()
 }
 
-fn seen(signal: &[f64], (first, last): (usize, usize)) -> Option<Seen> {
+fn pulse_reading(signal: &[f64], (first, last): (usize, usize)) -> Option<PulseReading> {
     let part = signal.get(first..last)?;
     let peak = part.iter().copied().fold(f64::MIN, f64::max);
     let reached = part.iter().position(|value| *value >= 0.5 * peak)?;
@@ -226,22 +226,23 @@ fn seen(signal: &[f64], (first, last): (usize, usize)) -> Option<Seen> {
     let share = (0.5 * peak - part[before]) / (part[reached] - part[before]);
     #[allow(clippy::cast_precision_loss, reason = "an index into a record")]
     let half_rise = (first + before) as f64 + share;
-    Some(Seen { peak, half_rise })
+    Some(PulseReading { peak, half_rise })
 }
 
 /// What two treatments of the same signals show (V).
-pub fn of_signals(subject: &Subject<'_>, on: &Signals, off: &Signals) -> Change {
-    let Subject { scene, grid, .. } = subject;
+pub fn of_signals(subject: &BaselineRun<'_>, on: &ChannelVolts, off: &ChannelVolts) -> Change {
+    let BaselineRun { scene, grid, .. } = subject;
     let places = windows(subject);
     let channels = scene.scope.channels.iter().zip(places).zip(on.iter().zip(off));
     let seen = channels.filter_map(|((channel, window), (on, off))| {
         let level = channel.as_ref()?.vertical.scale / LEVELS_PER_DIVISION;
-        let (on, off) = (seen(on.as_ref()?, window?)?, seen(off.as_ref()?, window?)?);
+        let (on, off) =
+            (pulse_reading(on.as_ref()?, window?)?, pulse_reading(off.as_ref()?, window?)?);
         Some((on, off, level))
     });
-    let seen: Vec<(Seen, Seen, f64)> = seen.collect();
+    let seen: Vec<(PulseReading, PulseReading, f64)> = seen.collect();
     let samples = || seen.iter().map(|(a, b, _)| a.half_rise - b.half_rise);
-    let time = |s: &Seen| grid.start + s.half_rise * grid.interval;
+    let time = |s: &PulseReading| grid.start + s.half_rise * grid.interval;
     Change {
         speed: None,
         peak: largest(seen.iter().map(|(a, b, _)| a.peak / b.peak - 1.0)),
@@ -252,11 +253,11 @@ pub fn of_signals(subject: &Subject<'_>, on: &Signals, off: &Signals) -> Change 
 }
 
 /// Volts of each channel that is on.
-pub type Signals = Vec<Option<Vec<f64>>>;
+pub type ChannelVolts = Vec<Option<Vec<f64>>>;
 
 /// Signals of one motion with and without an effect of sensors or scope.
-pub fn of_electronics(subject: &Subject<'_>, with: &Scene, without: &Scene) -> (Cost, Change) {
-    let Subject { bench, grid, .. } = subject;
+pub fn of_electronics(subject: &BaselineRun<'_>, with: &Scene, without: &Scene) -> (Cost, Change) {
+    let BaselineRun { bench, grid, .. } = subject;
     let timed = |scene: &Scene| {
         let started = Instant::now();
         let found = signals(scene, bench, *grid, 1);
@@ -270,6 +271,6 @@ pub fn of_electronics(subject: &Subject<'_>, with: &Scene, without: &Scene) -> (
     // The motion is the same: its time counts in the share alone.
     let wall = |scene: &Scene| Some(timed(scene).0 + motion);
     let steps = bench.work().steps;
-    let cost = Cost { measured: bill(|| wall(with), || wall(without), (steps, steps)) };
+    let cost = Cost { measured: cost_measurement(|| wall(with), || wall(without), (steps, steps)) };
     (cost, of_signals(subject, &on, &off))
 }

@@ -1,6 +1,6 @@
 //! Chains for the hard cases, and runs of them.
 
-use super::tally::Tally;
+use super::tally::CaseChecks;
 use crate::chain::{Body, Chain, ChainSpec, EffectsSpec, Elasticity, End, ForceProbe};
 use crate::experiment::bench::{Bench, Grid, start};
 use crate::experiment::for_accuracy;
@@ -66,7 +66,7 @@ pub fn assemble(spec: &ChainSpec) -> Result<Chain, String> {
 }
 
 /// One body moves, with `speed` (m/s).
-pub fn kick(chain: &Chain, body: usize, speed: f64) -> Vec<f64> {
+pub fn set_moving(chain: &Chain, body: usize, speed: f64) -> Vec<f64> {
     let mut velocities = vec![0.0; chain.bodies().len()];
     if let Some(velocity) = velocities.get_mut(body) {
         *velocity = speed;
@@ -75,7 +75,7 @@ pub fn kick(chain: &Chain, body: usize, speed: f64) -> Vec<f64> {
 }
 
 /// A chain set in motion.
-pub struct Motion<'a> {
+pub struct MovingChain<'a> {
     /// The chain.
     pub chain: &'a Chain,
     /// Velocity of each body at the start (m/s).
@@ -83,12 +83,12 @@ pub struct Motion<'a> {
 }
 
 /// Where a motion has come to.
-pub struct Arrived {
+pub struct FinalState {
     pub state: State,
     pub work: Work,
 }
 
-impl Motion<'_> {
+impl MovingChain<'_> {
     /// At rest but for the velocities it starts with.
     pub fn start(&self) -> State {
         let position = vec![0.0; self.velocities.len()];
@@ -96,15 +96,15 @@ impl Motion<'_> {
     }
 
     /// The state after `time` (s), as `--accuracy` computes it.
-    pub fn after(&self, time: f64, accuracy: f64) -> Result<Arrived, String> {
+    pub fn after(&self, time: f64, accuracy: f64) -> Result<FinalState, String> {
         self.by(for_accuracy(accuracy), time)
     }
 
     /// The state after `time` (s).
-    pub fn by(&self, method: Method, time: f64) -> Result<Arrived, String> {
+    pub fn by(&self, method: Method, time: f64) -> Result<FinalState, String> {
         let mut integrator = start(self.chain, method, self.start());
         integrator.advance(time).map_err(|error| error.to_string())?;
-        Ok(Arrived { state: integrator.state(), work: integrator.work() })
+        Ok(FinalState { state: integrator.state(), work: integrator.work() })
     }
 
     /// First peaks of `probes` within `time` (s).
@@ -139,7 +139,7 @@ impl Motion<'_> {
     /// Holds first peaks at `contacts` by the first of two methods against those by the second.
     fn hold_peaks(
         &self,
-        tally: &mut Tally,
+        tally: &mut CaseChecks,
         what: &str,
         (contacts, accuracy, time): (&[usize], f64, f64),
         methods: [Method; 2],
@@ -154,7 +154,7 @@ impl Motion<'_> {
     /// loudest of them, by which the error control measures, and as much more as a pulse is weaker elsewhere; and the energy.
     pub fn check_peaks(
         &self,
-        tally: &mut Tally,
+        tally: &mut CaseChecks,
         what: &str,
         asked: (&[usize], f64, f64),
     ) -> Result<(), String> {
@@ -170,12 +170,12 @@ impl Motion<'_> {
         Ok(())
     }
 
-    /// Checks first peaks at `contacts` of a chain with losses against another family of methods, as [`Motion::check_peaks`] does, and the
+    /// Checks first peaks at `contacts` of a chain with losses against another family of methods, as [`MovingChain::check_peaks`] does, and the
     /// energy with what the losses have taken: that it is all there at the end, and never more than there was.
     #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^53 steps")]
     pub fn check_lossy(
         &self,
-        tally: &mut Tally,
+        tally: &mut CaseChecks,
         what: &str,
         asked: (&[usize], f64, f64),
     ) -> Result<(), String> {
@@ -209,7 +209,7 @@ impl Motion<'_> {
 
 /// First peaks against exact ones: no more than `accuracy` off at the loudest contact (1), and as much more as a pulse is weaker.
 fn check_readings(
-    tally: &mut Tally,
+    tally: &mut CaseChecks,
     what: &str,
     found: &[Option<Peak>],
     exact: &[Option<Peak>],

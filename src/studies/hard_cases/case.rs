@@ -2,12 +2,12 @@
 
 use serde::Serialize;
 
-use super::tally::Tally;
+use super::tally::CaseChecks;
 
 /// What became of a case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Verdict {
+pub enum CaseVerdict {
     /// Within its bound.
     Right,
     /// Not computed, and the cause was named.
@@ -16,7 +16,7 @@ pub enum Verdict {
     Wrong,
 }
 
-impl Verdict {
+impl CaseVerdict {
     /// As it is printed.
     pub fn word(self) -> &'static str {
         match self {
@@ -37,12 +37,12 @@ pub struct HardCase {
     /// What is demanded, and where that comes from.
     pub bound: &'static str,
     /// Computes it: the figures against their bounds, or the cause why there are none.
-    pub(super) compute: fn(&mut Tally) -> Result<(), String>,
+    pub(super) compute: fn(&mut CaseChecks) -> Result<(), String>,
 }
 
 /// What a case came to.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Finding {
+pub struct CaseResult {
     /// Name of the case.
     pub case: &'static str,
     /// What makes it hard.
@@ -52,18 +52,18 @@ pub struct Finding {
     /// What was reached, next to its bound, in words.
     pub figure: String,
     /// What became of it.
-    pub verdict: Verdict,
+    pub verdict: CaseVerdict,
 }
 
 impl HardCase {
     /// Computes the case and judges it.
-    pub fn judge(&self) -> Finding {
-        let mut tally = Tally::default();
+    pub fn run(&self) -> CaseResult {
+        let mut tally = CaseChecks::default();
         let (verdict, figure) = match (self.compute)(&mut tally) {
-            Err(cause) => (Verdict::Refused, cause),
-            Ok(()) if tally.holds() => (Verdict::Right, tally.to_string()),
-            Ok(()) => (Verdict::Wrong, tally.to_string()),
+            Err(cause) => (CaseVerdict::Refused, cause),
+            Ok(()) if tally.check_bound() => (CaseVerdict::Right, tally.to_string()),
+            Ok(()) => (CaseVerdict::Wrong, tally.to_string()),
         };
-        Finding { case: self.name, why: self.why, bound: self.bound, figure, verdict }
+        CaseResult { case: self.name, why: self.why, bound: self.bound, figure, verdict }
     }
 }

@@ -2,9 +2,9 @@
 
 use super::HardCase;
 use super::benches::{
-    HEAVY, LIGHT, Motion, PTFE, STEEL, assemble, diatomic, drift_bound, kick, sphere,
+    HEAVY, LIGHT, MovingChain, PTFE, STEEL, assemble, diatomic, drift_bound, set_moving, sphere,
 };
-use super::tally::Tally;
+use super::tally::CaseChecks;
 use crate::chain::{Chain, ChainSpec, EffectsSpec, End, Gravity};
 use crate::experiment::horizon::horizon;
 use crate::integrate::{Method, State};
@@ -43,9 +43,9 @@ fn column() -> Result<Chain, String> {
     })
 }
 
-fn chaos(tally: &mut Tally) -> Result<(), String> {
+fn chaos(tally: &mut CaseChecks) -> Result<(), String> {
     let chain = column()?;
-    let motion = Motion { velocities: kick(&chain, 0, SPEED), chain: &chain };
+    let motion = MovingChain { velocities: set_moving(&chain, 0, SPEED), chain: &chain };
     let setting = (TIME, ACCURACY);
     let found = horizon(&chain, &motion.velocities, setting).map_err(|e| e.to_string())?;
     let Some(time) = found else {
@@ -62,7 +62,7 @@ fn chaos(tally: &mut Tally) -> Result<(), String> {
 }
 
 /// What can be said of the end: energy, and the share of it that is in motion.
-fn beyond(tally: &mut Tally, motion: &Motion<'_>) -> Result<(), String> {
+fn beyond(tally: &mut CaseChecks, motion: &MovingChain<'_>) -> Result<(), String> {
     let end = motion.after(TIME, ACCURACY)?;
     tally.check("energy", motion.drift(&end.state), drift_bound(end.work, ACCURACY));
     let share = |state: &State| {
@@ -73,7 +73,7 @@ fn beyond(tally: &mut Tally, motion: &Motion<'_>) -> Result<(), String> {
         // Far below the accuracy, far above rounding: another member of the same ensemble.
         let factor = 1.0 + 1e-9 * f64::from(seed);
         let velocities = motion.velocities.iter().map(|v| v * factor).collect();
-        let other = Motion { velocities, chain: motion.chain };
+        let other = MovingChain { velocities, chain: motion.chain };
         let method = Method::DormandPrince853 { tolerance: ACCURACY };
         shares.push(share(&other.by(method, TIME)?.state));
     }

@@ -2,9 +2,10 @@
 
 use super::HardCase;
 use super::benches::{
-    HEAVY, LIGHT, Motion, PTFE, STEEL, assemble, between, diatomic, kick, pressed, sphere,
+    HEAVY, LIGHT, MovingChain, PTFE, STEEL, assemble, between, diatomic, pressed, set_moving,
+    sphere,
 };
-use super::tally::Tally;
+use super::tally::CaseChecks;
 use crate::chain::{Body, ChainSpec, EffectsSpec, Elasticity, End, hertz};
 
 pub const CASES: &[HardCase] = &[
@@ -31,7 +32,7 @@ pub const CASES: &[HardCase] = &[
 /// Duration of a collision times speed over largest overlap (1).
 const DURATION: f64 = 2.943_275_184_324_705;
 
-fn two_bodies(tally: &mut Tally) -> Result<(), String> {
+fn two_bodies(tally: &mut CaseChecks) -> Result<(), String> {
     const ACCURACY: f64 = 1e-9;
     const SPEED: f64 = 0.44;
     for decade in -6..=6 {
@@ -43,7 +44,7 @@ fn two_bodies(tally: &mut Tally) -> Result<(), String> {
         let reduced = striker * bead / (striker + bead);
         let overlap = hertz::collision_overlap(stiffness, reduced, SPEED);
         let duration = DURATION * overlap / SPEED;
-        let motion = Motion { velocities: kick(&chain, 0, SPEED), chain: &chain };
+        let motion = MovingChain { velocities: set_moving(&chain, 0, SPEED), chain: &chain };
         let peaks = motion.contact_peaks(&[1], ACCURACY, 1.1 * duration)?;
         for peak in peaks {
             let force = peak.dynamic_n / hertz::force(stiffness, overlap) - 1.0;
@@ -61,7 +62,7 @@ fn two_bodies(tally: &mut Tally) -> Result<(), String> {
     Ok(())
 }
 
-fn strikers(tally: &mut Tally) -> Result<(), String> {
+fn strikers(tally: &mut CaseChecks) -> Result<(), String> {
     for ratio in [1e-6, 1e-4, 1e-2, 1.0, 1e2, 1e4, 1e6] {
         let chain = assemble(&ChainSpec {
             striker: Some(sphere(ratio * LIGHT, STEEL)),
@@ -73,13 +74,13 @@ fn strikers(tally: &mut Tally) -> Result<(), String> {
         })?;
         // Of equal energy, as far as the chain can take it.
         let speed = 0.4 * f64::min(1.0, ratio.powf(-0.25));
-        let motion = Motion { velocities: kick(&chain, 0, speed), chain: &chain };
+        let motion = MovingChain { velocities: set_moving(&chain, 0, speed), chain: &chain };
         motion.check_peaks(tally, &format!("{ratio:e}"), (&[1, 2, 8], 1e-6, 1e-3))?;
     }
     Ok(())
 }
 
-fn stiffnesses(tally: &mut Tally) -> Result<(), String> {
+fn stiffnesses(tally: &mut CaseChecks) -> Result<(), String> {
     for ratio in [1e1, 1e2, 1e3, 1e4] {
         // Stiff spheres in pairs with a soft one between: A goes as the modulus E* = E/(2 - 2 nu^2) of equal bodies, and as
         // 1/E* = (1 - nu^2)(1/E1 + 1/E2) of unlike ones.
@@ -89,7 +90,7 @@ fn stiffnesses(tally: &mut Tally) -> Result<(), String> {
         let cell = || [body(STEEL), body(STEEL), body(soft)];
         let particles: Vec<Body> = (0..6).flat_map(|_| cell()).collect();
         let chain = pressed(particles, 1.0)?;
-        let motion = Motion { velocities: kick(&chain, 0, 0.1), chain: &chain };
+        let motion = MovingChain { velocities: set_moving(&chain, 0, 0.1), chain: &chain };
         let time = 2e-4 * ratio.powf(0.4);
         motion.check_peaks(tally, &format!("{ratio:e}"), (&[1, 2, 5], 1e-6, time))?;
     }

@@ -1,8 +1,8 @@
 //! Steps at the edge of stability.
 
 use super::HardCase;
-use super::benches::{HEAVY, Motion, diatomic, kick, pressed, spheres};
-use super::tally::Tally;
+use super::benches::{HEAVY, MovingChain, diatomic, pressed, set_moving, spheres};
+use super::tally::CaseChecks;
 use crate::chain::Chain;
 use crate::experiment::energy::EnergyLedger;
 use crate::experiment::{Integration, RunError, run};
@@ -47,7 +47,7 @@ fn longest_step(
     Ok(limit.step)
 }
 
-fn below_the_edge(tally: &mut Tally) -> Result<(), String> {
+fn below_the_edge(tally: &mut CaseChecks) -> Result<(), String> {
     const CLOSE: f64 = 0.999;
     let most = 1.0 / (1.0 - CLOSE * CLOSE);
     for (name, chain) in [
@@ -55,7 +55,7 @@ fn below_the_edge(tally: &mut Tally) -> Result<(), String> {
         ("forty equal spheres", pressed(spheres(40), 2.38)?),
         ("twenty cells", pressed(diatomic(20, HEAVY), 2.38)?),
     ] {
-        let motion = Motion { velocities: kick(&chain, 0, 1e-4), chain: &chain };
+        let motion = MovingChain { velocities: set_moving(&chain, 0, 1e-4), chain: &chain };
         for method in SYMPLECTIC {
             let step = CLOSE * longest_step(&chain, &motion.velocities, method)?;
             let method = method(step);
@@ -66,7 +66,7 @@ fn below_the_edge(tally: &mut Tally) -> Result<(), String> {
     Ok(())
 }
 
-fn above_the_edge(tally: &mut Tally) -> Result<(), String> {
+fn above_the_edge(tally: &mut CaseChecks) -> Result<(), String> {
     let scene = Scene::load("magnet-0.61g").map_err(|error| error.to_string())?;
     let mut cause = None;
     for method in SYMPLECTIC.into_iter().chain([RUNGE_KUTTA]) {
@@ -82,7 +82,7 @@ fn above_the_edge(tally: &mut Tally) -> Result<(), String> {
     cause.map_or(Ok(()), Err)
 }
 
-fn edge_of_losses(tally: &mut Tally) -> Result<(), String> {
+fn edge_of_losses(tally: &mut CaseChecks) -> Result<(), String> {
     for (gamma, end) in [(100, "zero_overlap"), (100, "zero_force"), (1000, "zero_force")] {
         let text = format!(
             "base = \"magnet-0.61g\"\n[effects.dashpot]\ngamma = \"{gamma} N*s/m\"\nend_of_contact = \"{end}\"\n"

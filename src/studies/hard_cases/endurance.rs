@@ -2,9 +2,9 @@
 
 use super::HardCase;
 use super::benches::{
-    HEAVY, LIGHT, Motion, assemble, diatomic, drift_bound, kick, pressed, spheres,
+    HEAVY, LIGHT, MovingChain, assemble, diatomic, drift_bound, pressed, set_moving, spheres,
 };
-use super::tally::Tally;
+use super::tally::CaseChecks;
 use crate::chain::{Chain, ChainSpec, EffectsSpec, End, LinearisedContacts};
 use crate::experiment::bench::start;
 use crate::experiment::for_accuracy;
@@ -53,13 +53,13 @@ fn oscillator() -> Result<Chain, String> {
     })
 }
 
-fn ten_million_steps(tally: &mut Tally) -> Result<(), String> {
+fn ten_million_steps(tally: &mut CaseChecks) -> Result<(), String> {
     const STEPS: f64 = 1e7;
     let chain = oscillator()?;
     let omega = (2.0 * chain.contacts()[1].static_stiffness() / LIGHT).sqrt();
     // 3 s, at 60 steps a period.
     let step = 3.0 / STEPS;
-    let motion = Motion { velocities: vec![0.5, -0.5], chain: &chain };
+    let motion = MovingChain { velocities: vec![0.5, -0.5], chain: &chain };
     let end = motion.by(Method::VelocityVerlet { step }, STEPS * step)?;
     #[allow(clippy::cast_precision_loss, reason = "ten million")]
     let steps = end.work.steps as f64;
@@ -76,10 +76,10 @@ fn ten_million_steps(tally: &mut Tally) -> Result<(), String> {
     Ok(())
 }
 
-fn three_seconds(tally: &mut Tally) -> Result<(), String> {
+fn three_seconds(tally: &mut CaseChecks) -> Result<(), String> {
     const ACCURACY: f64 = 1e-9;
     let chain = pressed(diatomic(4, HEAVY), 2.38)?;
-    let motion = Motion { velocities: kick(&chain, 0, 0.05), chain: &chain };
+    let motion = MovingChain { velocities: set_moving(&chain, 0, 0.05), chain: &chain };
     let end = motion.after(3.0, ACCURACY)?;
     tally.check("energy", motion.drift(&end.state), drift_bound(end.work, ACCURACY));
     let momentum = |state: &State| chain.momentum(state);
@@ -91,12 +91,12 @@ fn three_seconds(tally: &mut Tally) -> Result<(), String> {
     Ok(())
 }
 
-fn rattling(tally: &mut Tally) -> Result<(), String> {
+fn rattling(tally: &mut CaseChecks) -> Result<(), String> {
     const ACCURACY: f64 = 1e-9;
     const STEPS: f64 = 1e7;
     let scene = Scene::load("gravity-0.61g").map_err(|error| error.to_string())?;
     let (chain, velocities) = (&scene.chain, scene.initial_velocities.clone());
-    let motion = Motion { chain, velocities };
+    let motion = MovingChain { chain, velocities };
     let end = motion.after(3.0, ACCURACY)?;
     tally.check("energy", motion.drift(&end.state), drift_bound(end.work, ACCURACY));
     let step = 3.0 / STEPS;
@@ -113,7 +113,7 @@ fn rattling(tally: &mut Tally) -> Result<(), String> {
 /// they began, relative to their largest, and the number of steps.
 fn there_and_back(chain: &Chain, method: Method, time: f64) -> Result<(f64, f64), String> {
     const SPEED: f64 = 0.1;
-    let motion = Motion { velocities: kick(chain, 0, SPEED), chain };
+    let motion = MovingChain { velocities: set_moving(chain, 0, SPEED), chain };
     let there = motion.by(method, time)?;
     let mut state = State { time: 0.0, ..there.state };
     for velocity in &mut state.velocity {
@@ -132,7 +132,7 @@ fn there_and_back(chain: &Chain, method: Method, time: f64) -> Result<(f64, f64)
     Ok(((position / scale).max(speed / SPEED), steps * SPEED * time / scale))
 }
 
-fn time_reversal(tally: &mut Tally) -> Result<(), String> {
+fn time_reversal(tally: &mut CaseChecks) -> Result<(), String> {
     for force in [0.0, 2.38] {
         let chain = pressed(diatomic(10, HEAVY), force)?;
         for accuracy in [1e-6, 1e-9] {

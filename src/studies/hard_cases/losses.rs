@@ -1,8 +1,10 @@
 //! Chains that lose energy: from losses that hardly show to contacts that move like honey.
 
 use super::HardCase;
-use super::benches::{HEAVY, LIGHT, Motion, PTFE, STEEL, assemble, diatomic, kick, sphere};
-use super::tally::Tally;
+use super::benches::{
+    HEAVY, LIGHT, MovingChain, PTFE, STEEL, assemble, diatomic, set_moving, sphere,
+};
+use super::tally::CaseChecks;
 use crate::chain::{
     Body, Chain, ChainSpec, Dashpot, EffectsSpec, End, EndOfContact, KuwabaraKono, LossSpec,
     PowerLawLoss,
@@ -46,16 +48,16 @@ fn bench(effects: EffectsSpec, force: f64) -> Result<Chain, String> {
     })
 }
 
-fn check(tally: &mut Tally, what: &str, effects: &EffectsSpec) -> Result<(), String> {
+fn check(tally: &mut CaseChecks, what: &str, effects: &EffectsSpec) -> Result<(), String> {
     for force in [0.0, 2.38] {
         let chain = bench(effects.clone(), force)?;
-        let motion = Motion { velocities: kick(&chain, 0, SPEED), chain: &chain };
+        let motion = MovingChain { velocities: set_moving(&chain, 0, SPEED), chain: &chain };
         motion.check_lossy(tally, &format!("{what}, {force} N"), (&[1, 2, 5], ACCURACY, TIME))?;
     }
     Ok(())
 }
 
-fn dashpots(tally: &mut Tally) -> Result<(), String> {
+fn dashpots(tally: &mut CaseChecks) -> Result<(), String> {
     for gamma in [1e-3, 1e-1, 1.0, 10.0, 100.0, 1000.0] {
         for end in [EndOfContact::ZeroOverlap, EndOfContact::ZeroForce] {
             let dashpot = Some(Dashpot { gamma: everywhere(gamma, end) });
@@ -66,7 +68,7 @@ fn dashpots(tally: &mut Tally) -> Result<(), String> {
     Ok(())
 }
 
-fn others(tally: &mut Tally) -> Result<(), String> {
+fn others(tally: &mut CaseChecks) -> Result<(), String> {
     for end in [EndOfContact::ZeroOverlap, EndOfContact::ZeroForce] {
         for eta in [1e-9, 1e-7, 1e-6, 1e-5, 1e-4] {
             let kuwabara_kono = Some(KuwabaraKono { eta: everywhere(eta, end) });

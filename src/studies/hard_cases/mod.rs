@@ -15,8 +15,8 @@ mod openings;
 mod pulses;
 mod tally;
 
-pub use case::{Finding, HardCase, Verdict};
-pub use tally::Tally;
+pub use case::{CaseResult, CaseVerdict, HardCase};
+pub use tally::CaseChecks;
 
 /// All cases, in a fixed order.
 pub fn catalogue() -> Vec<HardCase> {
@@ -33,13 +33,13 @@ pub fn catalogue() -> Vec<HardCase> {
 }
 
 /// Judges the whole catalogue; `progress` hears the share of the work done, 0 to 1.
-pub fn judge_all(progress: &mut dyn FnMut(f64)) -> Vec<Finding> {
+pub fn run_all(progress: &mut dyn FnMut(f64)) -> Vec<CaseResult> {
     let cases = catalogue();
     #[allow(clippy::cast_precision_loss, reason = "a dozen cases")]
     let mut report = |done: usize| progress(done as f64 / cases.len() as f64);
     let judge = |(done, case): (usize, &HardCase)| {
         report(done);
-        case.judge()
+        case.run()
     };
     cases.iter().enumerate().map(judge).collect()
 }

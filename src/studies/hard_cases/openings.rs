@@ -4,10 +4,10 @@ use std::f64::consts::FRAC_PI_2;
 
 use super::HardCase;
 use super::benches::{
-    Arrived, HEAVY, LIGHT, Motion, PTFE, STEEL, assemble, between, diatomic, drift_bound, kick,
-    sphere,
+    FinalState, HEAVY, LIGHT, MovingChain, PTFE, STEEL, assemble, between, diatomic, drift_bound,
+    set_moving, sphere,
 };
-use super::tally::Tally;
+use super::tally::CaseChecks;
 use crate::chain::{ChainSpec, Contact, EffectsSpec, End, Gravity, hertz};
 use crate::integrate::Method;
 use crate::quantity::engineering;
@@ -28,9 +28,9 @@ pub const CASES: &[HardCase] = &[
 ];
 
 /// Times that a bead bounces.
-const BOUNCES: f64 = 50.0;
+const BOUNCE_COUNT: f64 = 50.0;
 
-fn openings(tally: &mut Tally) -> Result<(), String> {
+fn openings(tally: &mut CaseChecks) -> Result<(), String> {
     for force in [1e-3, 1.0, 1e3] {
         // Up to a gap a hundred times as wide as the static overlap.
         bounce(tally, force, 10.0)?;
@@ -38,7 +38,7 @@ fn openings(tally: &mut Tally) -> Result<(), String> {
     Ok(())
 }
 
-fn chatter(tally: &mut Tally) -> Result<(), String> {
+fn chatter(tally: &mut CaseChecks) -> Result<(), String> {
     // Weights in a field of 1e-3 m/s²: gaps that hardly open, and flights of a million contact times.
     for excess in [1e-6, 1e-3, 1e3] {
         bounce(tally, 1e-3 * LIGHT, excess)?;
@@ -49,7 +49,7 @@ fn chatter(tally: &mut Tally) -> Result<(), String> {
 /// A bead that `force` (N) presses against a wall, kicked away from it with the energy that opens the contact and `excess` times
 /// that on top (1).
 #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^53 steps")]
-fn bounce(tally: &mut Tally, force: f64, excess: f64) -> Result<(), String> {
+fn bounce(tally: &mut CaseChecks, force: f64, excess: f64) -> Result<(), String> {
     const ACCURACY: f64 = 1e-8;
     let chain = between(vec![sphere(LIGHT, PTFE)], (End::Force(force), End::Wall(STEEL)))?;
     let contact = chain.contacts()[1];
@@ -58,8 +58,8 @@ fn bounce(tally: &mut Tally, force: f64, excess: f64) -> Result<(), String> {
     let speed = (threshold * (1.0 + excess)).sqrt();
     let leaving = (threshold * excess).sqrt();
     let period = 2.0 * leaving * LIGHT / force + contact_time(&contact, force, leaving);
-    let motion = Motion { velocities: vec![-speed], chain: &chain };
-    let end = motion.after(BOUNCES * period, ACCURACY)?;
+    let motion = MovingChain { velocities: vec![-speed], chain: &chain };
+    let end = motion.after(BOUNCE_COUNT * period, ACCURACY)?;
     // After whole periods the bead is where it began; where it is instead tells how late it comes.
     let late = end.state.position[0] / speed;
     let what = |figure: &str| {
@@ -70,7 +70,7 @@ fn bounce(tally: &mut Tally, force: f64, excess: f64) -> Result<(), String> {
     };
     // An error of the energy comes back in every later period.
     let late_bound = ACCURACY * end.work.steps as f64;
-    tally.check(what("period"), late / (BOUNCES * period), late_bound);
+    tally.check(what("period"), late / (BOUNCE_COUNT * period), late_bound);
     tally.check(what("energy"), motion.drift(&end.state), drift_bound(end.work, ACCURACY));
     Ok(())
 }
@@ -116,7 +116,7 @@ fn powers_difference(a: f64, b: f64, rest: f64) -> f64 {
 
 /// A column that hardly weighs anything, kicked in its middle: every contact opens and closes again and again.
 #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^53 evaluations")]
-fn column(tally: &mut Tally) -> Result<(), String> {
+fn column(tally: &mut CaseChecks) -> Result<(), String> {
     const ACCURACY: f64 = 1e-8;
     const TIME: f64 = 10e-3;
     let mut particles = diatomic(10, HEAVY);
@@ -131,12 +131,12 @@ fn column(tally: &mut Tally) -> Result<(), String> {
         wall_preload: 0.0,
         effects: EffectsSpec { gravity, ..EffectsSpec::default() },
     })?;
-    let motion = Motion { velocities: kick(&chain, 10, 0.1), chain: &chain };
+    let motion = MovingChain { velocities: set_moving(&chain, 10, 0.1), chain: &chain };
     let end = motion.after(TIME, ACCURACY)?;
     let bound = drift_bound(end.work, ACCURACY);
     tally.check("column, energy", motion.drift(&end.state), bound);
     let other = motion.by(Method::DormandPrince853 { tolerance: ACCURACY }, TIME)?;
-    let evaluations = |end: &Arrived| end.work.force_evaluations as f64;
+    let evaluations = |end: &FinalState| end.work.force_evaluations as f64;
     tally.check("column, force evaluations", evaluations(&end), evaluations(&other));
     Ok(())
 }

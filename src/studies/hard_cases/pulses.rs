@@ -1,8 +1,10 @@
 //! Pulses through chains: without preload, under any preload, at any speed, and where a dimer lets them through.
 
 use super::HardCase;
-use super::benches::{HEAVY, LIGHT, Motion, diatomic, drift_bound, kick, pressed, spheres};
-use super::tally::Tally;
+use super::benches::{
+    HEAVY, LIGHT, MovingChain, diatomic, drift_bound, pressed, set_moving, spheres,
+};
+use super::tally::CaseChecks;
 
 pub const CASES: &[HardCase] = &[
     HardCase {
@@ -44,15 +46,15 @@ pub const CASES: &[HardCase] = &[
 ];
 
 /// Speed of the solitary wave, `c sqrt(m) / (A^(1/3) F^(1/6))` (1).
-const SOLITARY: f64 = 0.905_515_776_419;
+const SOLITARY_WAVE_SPEED: f64 = 0.905_515_776_419;
 
 /// Hertz's law scales, and so must its solutions: steps are relative to the impact, and but for rounding the same (1).
-const SCALED: f64 = 1e-6;
+const SCALE_FACTOR: f64 = 1e-6;
 
-fn sonic_vacuum(tally: &mut Tally) -> Result<(), String> {
+fn sonic_vacuum(tally: &mut CaseChecks) -> Result<(), String> {
     const ACCURACY: f64 = 1e-7;
     let chain = pressed(spheres(110), 0.0)?;
-    let motion = Motion { velocities: kick(&chain, 0, 0.44), chain: &chain };
+    let motion = MovingChain { velocities: set_moving(&chain, 0, 0.44), chain: &chain };
     let peaks = motion.contact_peaks(&[50, 90], ACCURACY, 3.2e-3)?;
     let [early, late] = peaks.as_slice() else { return Err("no pulse arrived".to_owned()) };
     let between = late.time_s - early.time_s;
@@ -60,14 +62,19 @@ fn sonic_vacuum(tally: &mut Tally) -> Result<(), String> {
     let scale = LIGHT.sqrt() / (contact.cbrt() * late.dynamic_n.powf(1.0 / 6.0));
     // Both times may be off by the accuracy, and so may the force.
     let bound = ACCURACY * ((early.time_s + late.time_s) / between + 1.0 / 6.0);
-    tally.check("speed of the solitary wave", 40.0 / between * scale / SOLITARY - 1.0, bound);
+    tally.check(
+        "speed of the solitary wave",
+        40.0 / between * scale / SOLITARY_WAVE_SPEED - 1.0,
+        bound,
+    );
     Ok(())
 }
 
-fn speeds(tally: &mut Tally) -> Result<(), String> {
+fn speeds(tally: &mut CaseChecks) -> Result<(), String> {
     const ACCURACY: f64 = 1e-6;
     let chain = pressed(diatomic(10, HEAVY), 0.0)?;
-    let motion = |speed: f64| Motion { velocities: kick(&chain, 0, speed), chain: &chain };
+    let motion =
+        |speed: f64| MovingChain { velocities: set_moving(&chain, 0, speed), chain: &chain };
     let long = |speed: f64| 1e-3 * speed.powf(-0.2);
     let peak = |speed: f64| motion(speed).contact_peaks(&[12], ACCURACY, long(speed));
     let unit = peak(1.0)?;
@@ -80,36 +87,36 @@ fn speeds(tally: &mut Tally) -> Result<(), String> {
         for (found, one) in peak(speed)?.iter().zip(&unit) {
             let time = found.time_s / one.time_s * speed.powf(0.2) - 1.0;
             let force = found.dynamic_n / one.dynamic_n * speed.powf(-1.2) - 1.0;
-            tally.check(format!("{speed:e} m/s, scaled time"), time, SCALED * ACCURACY);
-            tally.check(format!("{speed:e} m/s, scaled force"), force, SCALED * ACCURACY);
+            tally.check(format!("{speed:e} m/s, scaled time"), time, SCALE_FACTOR * ACCURACY);
+            tally.check(format!("{speed:e} m/s, scaled force"), force, SCALE_FACTOR * ACCURACY);
         }
     }
     Ok(())
 }
 
-fn preloads(tally: &mut Tally) -> Result<(), String> {
+fn preloads(tally: &mut CaseChecks) -> Result<(), String> {
     for force in [0.0, 1e-9, 1e-6, 1e-3, 1.0, 1e3] {
         let chain = pressed(diatomic(10, HEAVY), force)?;
-        let motion = Motion { velocities: kick(&chain, 0, 0.1), chain: &chain };
+        let motion = MovingChain { velocities: set_moving(&chain, 0, 0.1), chain: &chain };
         // Long enough for the pulse at its slowest, without preload.
         motion.check_peaks(tally, &format!("{force:e} N"), (&[1, 8, 16], 1e-6, 1.5e-3))?;
     }
     Ok(())
 }
 
-fn weak_wave(tally: &mut Tally) -> Result<(), String> {
+fn weak_wave(tally: &mut CaseChecks) -> Result<(), String> {
     // 2e-9 of the static force in the first contact.
     linear_wave(tally, (60, 1e3), 1e-8, 1e-9)
 }
 
-fn ten_thousand(tally: &mut Tally) -> Result<(), String> {
+fn ten_thousand(tally: &mut CaseChecks) -> Result<(), String> {
     linear_wave(tally, (10_000, 2.38), 1e-6, 1e-6)
 }
 
 /// Holds a chain of `count` spheres under `force` (N), its first one kicked with `speed` (m/s), against the linear solution, until
 /// the wave has passed 25 spheres.
 fn linear_wave(
-    tally: &mut Tally,
+    tally: &mut CaseChecks,
     (count, force): (usize, f64),
     speed: f64,
     accuracy: f64,
@@ -118,7 +125,7 @@ fn linear_wave(
     let chain = pressed(spheres(count), force)?;
     let contact = chain.contacts()[1];
     let omega = (contact.static_stiffness() / LIGHT).sqrt();
-    let motion = Motion { velocities: kick(&chain, 0, speed), chain: &chain };
+    let motion = MovingChain { velocities: set_moving(&chain, 0, speed), chain: &chain };
     let end = motion.after(PHASE / (2.0 * omega), accuracy)?;
     // F = k u (1 + u/(4 d0) + ...): the overlaps change by v0/w at most, over as many periods as the wave has taken.
     let curvature = speed / omega / (4.0 * contact.static_overlap) * PHASE;
@@ -148,13 +155,13 @@ fn bessel(order: usize, x: f64) -> f64 {
     (0..POINTS).map(term).sum::<f64>() / POINTS as f64
 }
 
-fn anti_resonances(tally: &mut Tally) -> Result<(), String> {
+fn anti_resonances(tally: &mut CaseChecks) -> Result<(), String> {
     // m/M, decay a cell, and how well that is known: below 1e-6, and 3.1e-3 as printed.
     for (ratio, decay, known) in
         [(0.3428, 0.0, 1e-6), (0.1548, 0.0, 1e-6), (0.0901, 0.0, 1e-6), (0.2528, 3.1e-3, 0.05e-3)]
     {
         let chain = pressed(diatomic(220, LIGHT / ratio), 0.0)?;
-        let motion = Motion { velocities: kick(&chain, 0, 1.0), chain: &chain };
+        let motion = MovingChain { velocities: set_moving(&chain, 0, 1.0), chain: &chain };
         let peaks = motion.contact_peaks(&[241, 401], 1e-8, 60e-3)?;
         let [early, late] = peaks.as_slice() else { return Err("no pulse arrived".to_owned()) };
         let found = 1.0 - (late.dynamic_n / early.dynamic_n).powf(1.0 / 80.0);

@@ -20,12 +20,12 @@ impl Check {
 
 /// The checks of one case: how many there were, and which came nearest to its bound.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Tally {
+pub struct CaseChecks {
     count: usize,
     worst: Option<Check>,
 }
 
-impl Tally {
+impl CaseChecks {
     /// Notes that `found` was reached where its magnitude may be `bound` at most, both in the same unit.
     pub fn check(&mut self, what: impl Into<String>, found: f64, bound: f64) {
         let check = Check { what: what.into(), found, bound };
@@ -36,12 +36,12 @@ impl Tally {
     }
 
     /// Whether there were checks, and every one held.
-    pub fn holds(&self) -> bool {
+    pub fn check_bound(&self) -> bool {
         self.worst.as_ref().is_some_and(|worst| worst.share() <= 1.0)
     }
 }
 
-impl fmt::Display for Tally {
+impl fmt::Display for CaseChecks {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Some(Check { what, found, bound }) = &self.worst else {
             return f.write_str("nothing was computed");
@@ -60,13 +60,13 @@ mod tests {
 
     #[test]
     fn what_is_no_number_or_not_there_is_not_right() {
-        let mut tally = Tally::default();
-        assert!(!tally.holds());
+        let mut tally = CaseChecks::default();
+        assert!(!tally.check_bound());
         tally.check("a", 0.5, 1.0);
-        assert!(tally.holds());
+        assert!(tally.check_bound());
         tally.check("b", -0.9, 1.0);
         assert_eq!(tally.to_string(), "b: 9.0e-1 of 1.0e0, nearest to its bound of 2 figures");
         tally.check("c", f64::NAN, 1.0);
-        assert!(!tally.holds());
+        assert!(!tally.check_bound());
     }
 }

@@ -1,15 +1,17 @@
 //! A blind calibration: stated values, records, and the truth that the calibration does not see.
 
 use crate::analysis::calibration::model::Common;
-use crate::analysis::calibration::{Calibration, CalibrationError, Draws, Strike, calibrate};
+use crate::analysis::calibration::{
+    Calibration, CalibrationError, Draws, PlannedStrike, calibrate,
+};
 use crate::recording::Capture;
 use crate::sensor::Circuit;
 
 /// One blind calibration.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Blind {
+pub struct BlindCalibration {
     /// What the calibration is told.
-    pub strikes: Vec<Strike>,
+    pub strikes: Vec<PlannedStrike>,
     /// And what its inputs share.
     pub common: Common,
     /// The captures that records were taken from.
@@ -18,7 +20,7 @@ pub struct Blind {
     pub circuit: Circuit,
 }
 
-impl Blind {
+impl BlindCalibration {
     /// Calibrates with what it is told, without the Monte-Carlo part.
     ///
     /// # Errors

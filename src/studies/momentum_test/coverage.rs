@@ -4,15 +4,15 @@ use rand_distr::{Distribution, StandardUniform};
 use rand_pcg::Pcg64;
 use serde::Serialize;
 
-use super::design::{Candidate, Designer};
+use super::design::{Designer, TestDesign};
 use super::simulation::TestError;
 use crate::analysis::calibration::{COVERAGE_95, Calibration};
 use crate::sensor::Circuit;
 
 /// Sensitivity and time constant are off the sensor's data by up to this, evenly: 90 % of it at most, lest a pulse saturate (1).
-const HIDDEN: f64 = 0.09;
+const MAX_HIDDEN_DEVIATION: f64 = 0.09;
 /// Stream of what is hidden.
-const STREAM: u128 = 1 << 71;
+const HIDDEN_STREAM: u128 = 1 << 71;
 
 /// How well blind calibrations do.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -81,18 +81,18 @@ impl Sums {
 /// [`TestError`] for impacts that cannot be simulated.
 pub fn coverage(
     designer: &Designer,
-    candidate: &Candidate,
+    candidate: &TestDesign,
     (repeats, seed): (u32, u64),
     progress: &mut dyn FnMut(f64),
 ) -> Result<Coverage, TestError> {
     let (striker, truths, setup) = designer.prepare(candidate)?;
-    let mut hidden = Pcg64::new(u128::from(seed), STREAM);
+    let mut hidden = Pcg64::new(u128::from(seed), HIDDEN_STREAM);
     let mut sums = Sums::default();
     let data = designer.circuit().unwrap_or(Circuit { sensitivity: 1.0, time_constant: 1e-3 });
     for repeat in 1..=repeats {
         let mut off = || {
             let share: f64 = StandardUniform.sample(&mut hidden);
-            1.0 + HIDDEN * (2.0 * share - 1.0)
+            1.0 + MAX_HIDDEN_DEVIATION * (2.0 * share - 1.0)
         };
         let truth = Circuit {
             sensitivity: data.sensitivity * off(),

@@ -3,15 +3,18 @@
 //! Each candidate is a whole calibration of six impacts, two each from a height, half and a quarter of it, recorded by the virtual
 //! scope and calibrated blind: it is handed records and stated values, which are off the true ones as their uncertainties say.
 
-use super::blind::Blind;
+use super::blind::BlindCalibration;
+use crate::quantity::Uncertain;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 use serde::Serialize;
 
 use super::files::{self, Test};
-use super::simulation::{Striker, TestError, Truth, bench, capture, room, setting, strike};
-use crate::analysis::calibration::Strike;
-use crate::analysis::calibration::model::{Common, Motion, Quantity, Speed};
+use super::simulation::{
+    DroppedStriker, ImpactTruth, TestError, bench, capture, room, setting, strike,
+};
+use crate::analysis::calibration::PlannedStrike;
+use crate::analysis::calibration::model::{Common, SpeedSource, StrikerMotion};
 use crate::measurement::calibration::record;
 use crate::scene::Scene;
 use crate::scope::Setup;
@@ -20,27 +23,27 @@ use crate::sensor::Circuit;
 /// Free fall of the bench (m/s^2).
 const GRAVITY: f64 = 9.81;
 /// Density of the steel spheres (kg/m^3).
-const STEEL: f64 = 7900.0;
+const STEEL_DENSITY: f64 = 7900.0;
 /// Diameters of the steel spheres (m).
 const SPHERES: [f64; 4] = [3e-3, 4e-3, 6e-3, 10e-3];
 /// Masses of strikers whose face is a PTFE sphere of the paper's size, and its diameter (kg, m).
-const CAPPED: ([f64; 4], f64) = ([0.1226e-3, 0.61e-3, 1.22e-3, 2.75e-3], 4.76e-3);
+const CAPPED_STRIKERS: ([f64; 4], f64) = ([0.1226e-3, 0.61e-3, 1.22e-3, 2.75e-3], 4.76e-3);
 /// Heights (m).
 const HEIGHTS: [f64; 4] = [5e-3, 10e-3, 20e-3, 40e-3];
 /// Shares of the height from which strikers drop, two impacts each.
-const LEVELS: [f64; 3] = [1.0, 0.5, 0.25];
+const HEIGHT_SHARES: [f64; 3] = [1.0, 0.5, 0.25];
 /// Impacts from each height.
 const REPEATS: u32 = 2;
 /// A pulse may fill this share of the screen above zero (1).
-const FILL: f64 = 0.9;
+const SCREEN_FILL_SHARE: f64 = 0.9;
 /// Fewer samples in a contact than this blur it.
-const FEWEST_SAMPLES: f64 = 100.0;
+const MIN_CONTACT_SAMPLES: f64 = 100.0;
 /// Stream of what a lab's readings are off.
-const READINGS: u128 = 1 << 70;
+const READING_STREAM: u128 = 1 << 70;
 
 /// What a lab knows how well: standard uncertainties.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Lab {
+pub struct LabUncertainties {
     /// Of a mass (kg).
     pub mass_u: f64,
     /// Of a drop height (m).
@@ -51,7 +54,7 @@ pub struct Lab {
     pub gain_u: Option<f64>,
 }
 
-impl Default for Lab {
+impl Default for LabUncertainties {
     /// A balance good to half a milligram, a height gauge to 0.05 mm, a light gate to 1 %; sensor and scope as one chain.
     fn default() -> Self {
         Self { mass_u: 0.5e-6, height_u: 0.05e-3, rebound_u: 0.01, gain_u: None }
@@ -60,7 +63,7 @@ impl Default for Lab {
 
 /// One way to do it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Candidate {
+pub struct TestDesign {
     /// The striker.
     pub striker: String,
     /// Its mass (kg).
@@ -84,25 +87,25 @@ pub struct Candidate {
 /// The bench with a sensor, and what the lab can do.
 pub struct Designer {
     bench: Scene,
-    lab: Lab,
+    lab: LabUncertainties,
     seed: u64,
 }
 
 /// The strikers that are tried.
-pub fn strikers() -> Vec<Striker> {
-    let sphere = |diameter: &f64| Striker {
+pub fn strikers() -> Vec<DroppedStriker> {
+    let sphere = |diameter: &f64| DroppedStriker {
         name: format!("steel-{:.0}mm", 1e3 * diameter),
         material: "stainless_steel".to_owned(),
         diameter: *diameter,
-        mass: STEEL * std::f64::consts::PI / 6.0 * diameter.powi(3),
+        mass: STEEL_DENSITY * std::f64::consts::PI / 6.0 * diameter.powi(3),
     };
-    let capped = |mass: &f64| Striker {
+    let capped = |mass: &f64| DroppedStriker {
         name: format!("ptfe-capped-{:.2}g", 1e3 * mass),
         material: "ptfe".to_owned(),
-        diameter: CAPPED.1,
+        diameter: CAPPED_STRIKERS.1,
         mass: *mass,
     };
-    SPHERES.iter().map(sphere).chain(CAPPED.0.iter().map(capped)).collect()
+    SPHERES.iter().map(sphere).chain(CAPPED_STRIKERS.0.iter().map(capped)).collect()
 }
 
 impl Designer {
@@ -110,7 +113,7 @@ impl Designer {
     ///
     /// # Errors
     /// [`TestError`]: no such sensor, or problems in its file.
-    pub fn new(sensor: &str, lab: Lab, seed: u64) -> Result<Self, TestError> {
+    pub fn new(sensor: &str, lab: LabUncertainties, seed: u64) -> Result<Self, TestError> {
         Ok(Self { bench: bench(sensor)?, lab, seed })
     }
 
@@ -127,8 +130,8 @@ impl Designer {
         &self,
         striker: &str,
         progress: &mut dyn FnMut(f64),
-    ) -> Result<Vec<Candidate>, TestError> {
-        let strikers: Vec<Striker> =
+    ) -> Result<Vec<TestDesign>, TestError> {
+        let strikers: Vec<DroppedStriker> =
             strikers().into_iter().filter(|s| s.name.contains(striker)).collect();
         let mut found = Vec::new();
         #[allow(clippy::cast_precision_loss, reason = "a few dozen")]
@@ -142,20 +145,24 @@ impl Designer {
             }
         }
         found.sort_by(|a, b| {
-            let u = |c: &Candidate| c.u_relative_k2.unwrap_or(f64::INFINITY);
+            let u = |c: &TestDesign| c.u_relative_k2.unwrap_or(f64::INFINITY);
             u(a).total_cmp(&u(b))
         });
         Ok(found)
     }
 
     /// All settings of the scope that show impacts from `height` (m) well.
-    fn try_height(&self, striker: &Striker, height: f64) -> Result<Vec<Candidate>, TestError> {
+    fn try_height(
+        &self,
+        striker: &DroppedStriker,
+        height: f64,
+    ) -> Result<Vec<TestDesign>, TestError> {
         let Some(circuit) = self.circuit() else { return Ok(Vec::new()) };
         let truths = self.impacts(striker, height)?;
         let Some(highest) = truths.first() else { return Ok(Vec::new()) };
         let peak = highest.force.values.iter().copied().fold(0.0, f64::max);
         let model = &self.bench.scope.model;
-        let needed = circuit.sensitivity * peak / (FILL * room());
+        let needed = circuit.sensitivity * peak / (SCREEN_FILL_SHARE * room());
         let Some(scale) = model.vertical_scales.iter().copied().find(|scale| *scale >= needed)
         else {
             return Ok(Vec::new());
@@ -164,13 +171,13 @@ impl Designer {
         let shown = |time_base: &&f64| {
             let record = model.horizontal_divisions * **time_base;
             0.5 * record > longest
-                && highest.duration > FEWEST_SAMPLES * model.interval(**time_base)
+                && highest.duration > MIN_CONTACT_SAMPLES * model.interval(**time_base)
         };
         let mut candidates = Vec::new();
         for time_base in model.time_bases.iter().filter(shown) {
             let setup = setting(&self.bench, scale, *time_base);
             let result = self.blind(striker, &truths, circuit, (&setup, 0)).calibrate();
-            candidates.push(Candidate {
+            candidates.push(TestDesign {
                 striker: striker.name.clone(),
                 mass_kg: striker.mass,
                 height_m: height,
@@ -189,8 +196,12 @@ impl Designer {
     ///
     /// # Errors
     /// [`TestError`] for impacts that cannot be simulated.
-    pub fn impacts(&self, striker: &Striker, height: f64) -> Result<Vec<Truth>, TestError> {
-        LEVELS
+    pub fn impacts(
+        &self,
+        striker: &DroppedStriker,
+        height: f64,
+    ) -> Result<Vec<ImpactTruth>, TestError> {
+        HEIGHT_SHARES
             .iter()
             .map(|share| strike(striker, (2.0 * GRAVITY * share * height).sqrt()))
             .collect()
@@ -199,41 +210,45 @@ impl Designer {
     /// Records `truths` through `circuit`, and reads the lab's instruments: everything drawn from the seed and `repeat`.
     pub fn blind(
         &self,
-        striker: &Striker,
-        truths: &[Truth],
+        striker: &DroppedStriker,
+        truths: &[ImpactTruth],
         circuit: Circuit,
         (setup, repeat): (&Setup, u32),
-    ) -> Blind {
-        let mut readings = Pcg64::new(u128::from(self.seed), READINGS + u128::from(repeat));
+    ) -> BlindCalibration {
+        let mut readings = Pcg64::new(u128::from(self.seed), READING_STREAM + u128::from(repeat));
         let mut read = |truth: f64, u: f64| {
             let deviate: f64 = StandardNormal.sample(&mut readings);
-            Quantity { value: truth + u * deviate, u }
+            Uncertain { value: truth + u * deviate, u }
         };
         let gain_u = self.lab.gain_u.unwrap_or(0.0);
         // The scope's gain is off by what its own specification leaves open.
         let gain = read(1.0, gain_u).value;
         let common = Common {
             strikers: vec![(striker.name.clone(), read(striker.mass, self.lab.mass_u))],
-            gain: Quantity { value: 1.0, u: gain_u },
-            speed_scale: Quantity { value: 1.0, u: 0.0 },
+            gain: Uncertain { value: 1.0, u: gain_u },
+            speed_scale: Uncertain { value: 1.0, u: 0.0 },
             gate_distance: None,
-            gravity: Quantity { value: GRAVITY, u: 0.0 },
+            gravity: Uncertain { value: GRAVITY, u: 0.0 },
             tau: None,
         };
         let shown = Circuit { sensitivity: circuit.sensitivity / gain, ..circuit };
-        let mut blind = Blind { strikes: Vec::new(), common, captures: Vec::new(), circuit };
+        let mut blind =
+            BlindCalibration { strikes: Vec::new(), common, captures: Vec::new(), circuit };
         let each = truths.iter().flat_map(|truth| (0..REPEATS).map(move |_| truth));
         for (number, truth) in (1..).zip(each) {
             let height = truth.incoming * truth.incoming / (2.0 * GRAVITY);
-            let motion = Motion {
+            let motion = StrikerMotion {
                 striker: 0,
-                incoming: Speed::Height(read(height, self.lab.height_u)),
-                rebound: Speed::Speed(read(truth.rebound, self.lab.rebound_u * truth.rebound)),
+                incoming: SpeedSource::Height(read(height, self.lab.height_u)),
+                rebound: SpeedSource::Speed(read(
+                    truth.rebound,
+                    self.lab.rebound_u * truth.rebound,
+                )),
             };
             let shot = repeat.wrapping_mul(100) + number;
             let Some(capture) = capture(truth, shown, setup, (self.seed, shot)) else { continue };
             let Some(record) = record(&capture, None) else { continue };
-            blind.strikes.push(Strike { record, motion });
+            blind.strikes.push(PlannedStrike { record, motion });
             blind.captures.push(capture);
         }
         blind
@@ -245,8 +260,8 @@ impl Designer {
     /// [`TestError`] for impacts that cannot be simulated.
     pub fn prepare(
         &self,
-        candidate: &Candidate,
-    ) -> Result<(Striker, Vec<Truth>, Setup), TestError> {
+        candidate: &TestDesign,
+    ) -> Result<(DroppedStriker, Vec<ImpactTruth>, Setup), TestError> {
         let striker = strikers().into_iter().find(|s| s.name == candidate.striker);
         let striker = striker.unwrap_or_else(|| strikers().swap_remove(0));
         let truths = self.impacts(&striker, candidate.height_m)?;
@@ -258,7 +273,7 @@ impl Designer {
     ///
     /// # Errors
     /// [`TestError`] for impacts that cannot be simulated.
-    pub fn test(&self, candidate: &Candidate) -> Result<Test, TestError> {
+    pub fn test(&self, candidate: &TestDesign) -> Result<Test, TestError> {
         let (striker, truths, setup) = self.prepare(candidate)?;
         let Some(circuit) = self.circuit() else {
             return Ok(Test { plan: String::new(), recordings: Vec::new() });

@@ -1,9 +1,10 @@
 //! A simulated test as files: the plan, and one recording an impact.
 
+use crate::quantity::Uncertain;
 use std::fmt::Write as _;
 
-use super::blind::Blind;
-use crate::analysis::calibration::model::{Quantity, Speed};
+use super::blind::BlindCalibration;
+use crate::analysis::calibration::model::SpeedSource;
 use crate::recording::{Origin, Shot, TraceSet};
 use crate::scene::input_load;
 use crate::scope::Setup;
@@ -18,7 +19,7 @@ pub struct Test {
 }
 
 /// Puts a blind calibration of `sensor` into files.
-pub fn write(blind: &Blind, sensor: &str, gain_u: Option<f64>, setup: &Setup) -> Test {
+pub fn write(blind: &BlindCalibration, sensor: &str, gain_u: Option<f64>, setup: &Setup) -> Test {
     let scope = gain_u.map_or("in_chain = true".to_owned(), |u| format!("gain_u = {u}"));
     let load = setup.channels.iter().flatten().next().map(|c| input_load(&setup.model, c));
     let load = load.map_or(String::new(), |load| {
@@ -59,15 +60,15 @@ pub fn write(blind: &Blind, sensor: &str, gain_u: Option<f64>, setup: &Setup) ->
     Test { plan, recordings }
 }
 
-fn speed(prefix: &str, speed: Speed) -> String {
+fn speed(prefix: &str, speed: SpeedSource) -> String {
     match speed {
-        Speed::Speed(value) => lines(&format!("{prefix}speed"), value, "m/s"),
-        Speed::Height(value) => lines(&format!("{prefix}height"), value, "m"),
-        Speed::GateTime(value) => lines(&format!("{prefix}gate_time"), value, "s"),
-        Speed::FlightTime(value) => lines("flight_time", value, "s"),
+        SpeedSource::Speed(value) => lines(&format!("{prefix}speed"), value, "m/s"),
+        SpeedSource::Height(value) => lines(&format!("{prefix}height"), value, "m"),
+        SpeedSource::GateTime(value) => lines(&format!("{prefix}gate_time"), value, "s"),
+        SpeedSource::FlightTime(value) => lines("flight_time", value, "s"),
     }
 }
 
-fn lines(key: &str, value: Quantity, unit: &str) -> String {
+fn lines(key: &str, value: Uncertain, unit: &str) -> String {
     format!("{key} = \"{:.6e} {unit}\"\n{key}_u = \"{:.3e} {unit}\"\n", value.value, value.u)
 }

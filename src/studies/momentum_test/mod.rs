@@ -6,4 +6,4 @@ pub mod design;
 pub mod files;
 pub mod simulation;
 
-pub use blind::Blind;
+pub use blind::BlindCalibration;

@@ -9,7 +9,7 @@ use rand_pcg::Pcg64;
 
 use crate::experiment::accuracy::of_scene;
 use crate::experiment::{Integration, RunError, run};
-use crate::recording::{Capture, Instrument};
+use crate::recording::{Capture, InstrumentIdentity};
 use crate::scene::{Scene, SceneError};
 use crate::scope::acquire::{before_trigger, digitise, find_trigger};
 use crate::scope::front_end::{condition, noise_stream};
@@ -21,9 +21,9 @@ use crate::trace::Trace;
 /// The bench.
 const SCENE: &str = "momentum-test";
 /// Time base at which the force is kept: 10 ns between samples, a thousandth of the shortest contacts.
-const FINE: &str = "2.5 us/div";
+const FORCE_TIME_BASE: &str = "2.5 us/div";
 /// Samples before the record's earliest, for interpolation (1).
-const SPARE: f64 = 20.0;
+const SPARE_SAMPLES: f64 = 20.0;
 /// Divisions from the centre to zero volts, downward: a positive pulse has the screen (div).
 const ZERO_POSITION: f64 = -3.0;
 /// Divisions from zero volts to the trigger level (div).
@@ -33,7 +33,7 @@ const PRE_TRIGGER: f64 = 0.25;
 
 /// What drops.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Striker {
+pub struct DroppedStriker {
     /// Its name.
     pub name: String,
     /// Material of what touches.
@@ -46,7 +46,7 @@ pub struct Striker {
 
 /// What one impact really was.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Truth {
+pub struct ImpactTruth {
     /// Force on the sensor.
     pub force: Trace,
     /// Speed before the contact (m/s).
@@ -89,13 +89,13 @@ pub fn bench(sensor: &str) -> Result<Scene, SceneError> {
 ///
 /// # Errors
 /// [`TestError`]: the bench cannot be built or run, or the striker stays.
-pub fn strike(striker: &Striker, speed: f64) -> Result<Truth, TestError> {
+pub fn strike(striker: &DroppedStriker, speed: f64) -> Result<ImpactTruth, TestError> {
     // Hertz's contact lasts 2.94 overlaps over the speed; a hundredth of a second is more than any of these takes.
     let mut duration = 200e-6;
     loop {
         let text = format!(
             "base = \"{SCENE}\"\nduration = \"{duration} s\"\n[striker]\nmaterial = {:?}\ndiameter = \"{} m\"\n\
-             mass = \"{} kg\"\nspeed = \"{speed} m/s\"\n[scope]\ntime_base = \"{FINE}\"\nposition = \"0 s\"\n",
+             mass = \"{} kg\"\nspeed = \"{speed} m/s\"\n[scope]\ntime_base = \"{FORCE_TIME_BASE}\"\nposition = \"0 s\"\n",
             striker.material, striker.diameter, striker.mass
         );
         let scene = Scene::from_text(SCENE, "momentum test", &text)?;
@@ -115,7 +115,7 @@ pub fn strike(striker: &Striker, speed: f64) -> Result<Truth, TestError> {
 }
 
 /// The impact, if the contact is over a twentieth of the run before its end.
-fn freed(force: &Trace, path: &Trace, gravity: f64, incoming: f64) -> Option<Truth> {
+fn freed(force: &Trace, path: &Trace, gravity: f64, incoming: f64) -> Option<ImpactTruth> {
     let first = force.values.iter().position(|f| *f > 0.0)?;
     let last = force.values.iter().rposition(|f| *f > 0.0)?;
     if last + force.values.len() / 20 > force.values.len() {
@@ -128,7 +128,7 @@ fn freed(force: &Trace, path: &Trace, gravity: f64, incoming: f64) -> Option<Tru
         (path.values.get(end)? - path.values.get(before)?) / (path.time(end) - path.time(before));
     let over = force.time(last + 1);
     let start = force.time(first.saturating_sub(1));
-    Some(Truth {
+    Some(ImpactTruth {
         force: force.clone(),
         incoming,
         rebound: gravity * (middle - over) - mean,
@@ -157,7 +157,7 @@ pub fn room() -> f64 {
 /// What the scope keeps of `truth` through `circuit`; phase of its clock and noise come from `seed` and `shot`. None where it is
 /// not triggered.
 pub fn capture(
-    truth: &Truth,
+    truth: &ImpactTruth,
     circuit: Circuit,
     setup: &Setup,
     (seed, shot): (u64, u32),
@@ -168,13 +168,13 @@ pub fn capture(
     let mut clock: Pcg64 = noise_stream(seed, shot, 0);
     let phase: f64 = StandardUniform.sample(&mut clock);
     // Triggered within the contact, wherever in it.
-    let before = (-start / interval).ceil() + SPARE;
+    let before = (-start / interval).ceil() + SPARE_SAMPLES;
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "a record's samples"
     )]
-    let samples = (before + (truth.duration + end) / interval + SPARE) as usize;
+    let samples = (before + (truth.duration + end) / interval + SPARE_SAMPLES) as usize;
     let mut force = Trace {
         start: (phase - before) * interval,
         interval,
@@ -190,7 +190,7 @@ pub fn capture(
     let model = &setup.model;
     Some(Capture {
         waveform: digitise(setup, Source::Channel(1), channel, &signal, found.index),
-        instrument: Some(Instrument {
+        instrument: Some(InstrumentIdentity {
             model: model.name.replace(' ', ""),
             serial: model.serial.clone(),
             firmware: model.firmware.clone(),

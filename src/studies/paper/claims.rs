@@ -4,7 +4,7 @@ use crate::data;
 use crate::quantity::{Dimension, parse_any};
 use crate::scene::document::Node;
 use crate::scene::problem::Problem;
-use crate::scene::reader::{Bound, Problems, Table};
+use crate::scene::reader::{Bound, Problems, TableReader};
 
 const FILE: &str = "herbold-2009-claims.toml";
 /// Figures that the paper has.
@@ -65,7 +65,7 @@ pub fn claims() -> Result<(Vec<Claim>, Vec<Slip>), Vec<Problem>> {
     let root = Node::parse(FILE, &String::from_utf8_lossy(bytes))?;
     let problems = Problems::default();
     let mut read = (Vec::new(), Vec::new());
-    if let Some(root) = Table::of(&root, "", &problems) {
+    if let Some(root) = TableReader::of(&root, "", &problems) {
         let _ = root.node("provenance");
         read.0.extend(root.list("claim").into_iter().filter_map(claim));
         read.1.extend(root.list("slip").into_iter().filter_map(slip));
@@ -75,17 +75,17 @@ pub fn claims() -> Result<(Vec<Claim>, Vec<Slip>), Vec<Problem>> {
     if problems.is_empty() { Ok(read) } else { Err(problems) }
 }
 
-fn text(row: &Table<'_>, key: &'static str) -> Option<String> {
+fn text(row: &TableReader<'_>, key: &'static str) -> Option<String> {
     Some(row.required_text(key, "words")?.to_owned())
 }
 
-fn slip(row: Table<'_>) -> Option<Slip> {
+fn slip(row: TableReader<'_>) -> Option<Slip> {
     let slip = Slip { place: text(&row, "place")?, says: text(&row, "says")? };
     row.finish();
     Some(slip)
 }
 
-fn claim(row: Table<'_>) -> Option<Claim> {
+fn claim(row: TableReader<'_>) -> Option<Claim> {
     let (item, place, says) = (text(&row, "item")?, text(&row, "place")?, text(&row, "says")?);
     let figure = row.count("figure", 1, LAST_FIGURE).and_then(|number| u8::try_from(number).ok());
     let because = row.text("because").unwrap_or_default().to_owned();

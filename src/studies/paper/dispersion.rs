@@ -2,14 +2,14 @@
 
 use super::claims::{Claim, Expected};
 use super::record::nothing;
-use super::verdict::Answer;
-use super::{Arrangement, Figure, Found, PaperError};
+use super::verdict::ClaimResult;
+use super::{Arrangement, Figure, IntermediateResults, PaperError};
 use crate::analysis::dispersion::DiatomicChain;
 use crate::measurement::metadata::cell_and_force;
 use crate::scene::{Scene, Site};
 
 /// A scene whose contacts all bear the magnet's force as printed, without any weight.
-const PRESSED: &str = "linear-300-cells";
+const PRELOADED_SCENE: &str = "linear-300-cells";
 /// A particle of it with neighbours on either side.
 const PARTICLE: usize = 5;
 
@@ -20,8 +20,11 @@ pub(super) fn cell(scene: &Scene, particle: usize) -> Result<(DiatomicChain, f64
 }
 
 /// Fig. 3 and what belongs to it. The force that `f2` as printed stands for is found from it, since that has the most digits.
-pub(super) fn figure_3(claims: &[Claim], found: &mut Found) -> Result<(), PaperError> {
-    let scene = Scene::load(PRESSED)?;
+pub(super) fn figure_3(
+    claims: &[Claim],
+    found: &mut IntermediateResults,
+) -> Result<(), PaperError> {
+    let scene = Scene::load(PRELOADED_SCENE)?;
     let (chain, force) = cell(&scene, PARTICLE)?;
     let printed = |item: &str| match claims.iter().find(|claim| claim.item == item)?.expected {
         Expected::Printed { value, .. } => Some(value),
@@ -37,15 +40,17 @@ pub(super) fn figure_3(claims: &[Claim], found: &mut Found) -> Result<(), PaperE
         format!("F0 = {other:.4} N, from f2 as printed, which print rounds to {other:.2} N");
     let doubled = chain.pressed(force, 2.0 * force);
     found.answers.extend([
-        Answer::to("static_overlap")
+        ClaimResult::to("static_overlap")
             .plain(&with, overlap(&chain, force))
             .or(&under, overlap(&meant, other)),
-        Answer::to("gap_bottom").plain(&with, chain.gap_bottom()).or(&under, meant.gap_bottom()),
-        Answer::to("gap_top")
+        ClaimResult::to("gap_bottom")
+            .plain(&with, chain.gap_bottom())
+            .or(&under, meant.gap_bottom()),
+        ClaimResult::to("gap_top")
             .plain(&with, chain.gap_top())
             .or(&under, meant.gap_top())
             .note("overlap and f1 are the test of that force, this one made it"),
-        Answer::to("gap_exponent")
+        ClaimResult::to("gap_exponent")
             .plain("doubled preload", (doubled.gap_bottom() / chain.gap_bottom()).log2()),
     ]);
     found.figures.push(Figure {
@@ -61,23 +66,23 @@ pub(super) fn figure_3(claims: &[Claim], found: &mut Found) -> Result<(), PaperE
 }
 
 /// Masses of section II.
-pub(super) fn bench(answers: &mut Vec<Answer>) -> Result<(), PaperError> {
+pub(super) fn bench(answers: &mut Vec<ClaimResult>) -> Result<(), PaperError> {
     let scene = Scene::load("magnet-0.61g")?;
     let (chain, _) = cell(&scene, 2)?;
     let cell_mass = chain.light_mass + chain.heavy_mass;
     let plain = "from the masses as printed";
-    answers.push(Answer::to("cell_mass").plain(plain, cell_mass));
+    answers.push(ClaimResult::to("cell_mass").plain(plain, cell_mass));
     for striker in ["2.75g", "17.81g"] {
         let scene = Scene::load(&format!("magnet-{striker}"))?;
         let mass = scene.chain.bodies().first().map_or(f64::NAN, |body| body.mass);
         let item = format!("striker_{striker}_in_cells");
-        answers.push(Answer::to(&item).plain(plain, mass / cell_mass));
+        answers.push(ClaimResult::to(&item).plain(plain, mass / cell_mass));
     }
     let body = scene.chain.bodies().get(scene.chain.body_of(27));
     let body = body.ok_or_else(|| nothing(&scene, "particle 27"))?;
     let kind = body.name.replace('_', " ");
     answers.push(
-        Answer::to("host_of_sensor_27")
+        ClaimResult::to("host_of_sensor_27")
             .plain("the ferromagnetic sphere is particle 1", body.mass)
             .note(format!("it is a {kind}, as section II and Figs 8 and 9 have it")),
     );

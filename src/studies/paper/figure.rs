@@ -1,6 +1,6 @@
 //! Figures as data: their signals and the runs behind them.
 
-use super::verdict::Answer;
+use super::verdict::ClaimResult;
 use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::spectrum::Spectrum;
 use crate::chain::{Chain, ForceProbe};
@@ -10,9 +10,9 @@ use crate::trace::Trace;
 
 /// A force somewhere, over time and over frequency.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Signal {
+pub struct ForceSignal {
     /// Where.
-    pub place: Place,
+    pub place: ForceLocation,
     /// The dynamic force (N).
     pub trace: Trace,
     /// Its spectrum in the paper's convention, over the whole record.
@@ -44,7 +44,7 @@ pub struct Figure {
     /// The linear chain around its sensors: band edges.
     pub chain: DiatomicChain,
     /// The forces.
-    pub signals: Vec<Signal>,
+    pub signals: Vec<ForceSignal>,
     /// Spectra of parts of the record, each with its name.
     pub parts: Vec<(String, Spectrum)>,
     /// What was run, with everything that belongs into a recording; none for the dispersion relation.
@@ -64,15 +64,15 @@ pub struct FigureRun {
 
 /// What is found on the way.
 #[derive(Default)]
-pub(super) struct Found {
-    pub(super) answers: Vec<Answer>,
+pub(super) struct IntermediateResults {
+    pub(super) answers: Vec<ClaimResult>,
     pub(super) figures: Vec<Figure>,
     pub(super) viscosity: Vec<Viscous>,
 }
 
 /// Where a force is felt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
+pub enum ForceLocation {
     /// Inside a particle: the mean of its two contacts.
     Inside(usize),
     /// In the contact below a particle.
@@ -81,7 +81,7 @@ pub enum Place {
     Wall,
 }
 
-impl Place {
+impl ForceLocation {
     /// A short name for files, `p2`.
     pub fn key(self) -> String {
         match self {
@@ -122,5 +122,5 @@ pub struct Viscous {
     /// Mean frequency over the first four periods inside particle 2 (Hz).
     pub frequency: f64,
     /// The force there.
-    pub signal: Signal,
+    pub signal: ForceSignal,
 }

@@ -17,10 +17,10 @@ mod viscosity;
 
 pub use claims::{Claim, Slip};
 pub use error::PaperError;
-pub use figure::{Arrangement, Figure, FigureRun, Place, Signal, Viscous};
-pub use verdict::{Finding, Printed, Verdict};
+pub use figure::{Arrangement, Figure, FigureRun, ForceLocation, ForceSignal, Viscous};
+pub use verdict::{ClaimFinding, ClaimVerdict, PrintedValue};
 
-use figure::Found;
+use figure::IntermediateResults;
 use record::record_run;
 use tables::SpeedStudy;
 use verdict::judge;
@@ -30,9 +30,9 @@ pub const FIGURES: std::ops::RangeInclusive<u8> = 3..=13;
 
 /// The paper, computed.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Study {
+pub struct PaperStudy {
     /// What became of each statement, in the paper's order.
-    pub findings: Vec<Finding>,
+    pub findings: Vec<ClaimFinding>,
     /// Misprints.
     pub slips: Vec<Slip>,
     /// The figures.
@@ -47,10 +47,10 @@ pub struct Study {
 ///
 /// # Errors
 /// [`PaperError`], which would be this program's own mistake.
-pub fn study(figure: Option<u8>, progress: &mut dyn FnMut(f64)) -> Result<Study, PaperError> {
+pub fn study(figure: Option<u8>, progress: &mut dyn FnMut(f64)) -> Result<PaperStudy, PaperError> {
     let wanted = |number: u8| figure.is_none_or(|figure| figure == number);
     let (claims, slips) = claims::claims().map_err(PaperError::Claims)?;
-    let mut found = Found::default();
+    let mut found = IntermediateResults::default();
     if wanted(3) {
         dispersion::figure_3(&claims, &mut found)?;
     }
@@ -88,7 +88,7 @@ pub fn study(figure: Option<u8>, progress: &mut dyn FnMut(f64)) -> Result<Study,
         }
     }
     found.figures.sort_by_key(|figure| figure.number);
-    let Found { figures, viscosity, .. } = found;
+    let IntermediateResults { figures, viscosity, .. } = found;
     let tables = tables.filter(|_| figure.is_none());
-    Ok(Study { findings, slips, figures, tables, viscosity })
+    Ok(PaperStudy { findings, slips, figures, tables, viscosity })
 }

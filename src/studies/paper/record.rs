@@ -1,22 +1,22 @@
 //! A scene in motion, and what is read off its forces.
 
-use super::{FigureRun, PaperError, Place, Signal};
+use super::{FigureRun, ForceLocation, ForceSignal, PaperError};
 use crate::analysis::gate::Gate;
-use crate::analysis::spectrum::{Analyser, Settings, Spectrum};
+use crate::analysis::spectrum::{Analyser, Spectrum, SpectrumSettings};
 use crate::chain::ForceProbe;
 use crate::experiment::bench::{Bench, Grid};
 use crate::experiment::method_choice;
-use crate::experiment::pulse::{HALF_RISE, Peak, PulseRecorder};
+use crate::experiment::pulse::{HALF_RISE_SHARE, Peak, PulseRecorder};
 use crate::experiment::{Integration, run};
 use crate::scene::{DEFAULT_ACCURACY, Scene};
 use crate::trace::Trace;
 
 /// Sample interval of all forces: 60 samples in the fastest oscillation that travels (s).
-const INTERVAL: f64 = 1e-6;
+const SAMPLE_INTERVAL: f64 = 1e-6;
 /// Where a pulse starts for its width, as a share of its first peak (1).
-pub(super) const FOOT: f64 = 0.005;
+pub(super) const WIDTH_SHARE: f64 = 0.005;
 /// Highest frequency that shares and means count: the paper's audible range (Hz).
-pub(super) const HIGHEST: f64 = 20e3;
+pub(super) const MAX_FREQUENCY: f64 = 20e3;
 /// A maximum counts for a peak above this share of the largest force (1).
 const PEAK_SHARE: f64 = 0.25;
 
@@ -26,19 +26,19 @@ pub(super) fn accuracy(scene: &Scene) -> f64 {
 }
 
 /// What was felt at several places of a scene.
-pub(super) struct Record {
+pub(super) struct ForceRecord {
     pub scene: Scene,
-    felt: Vec<(Place, Trace, PulseRecorder)>,
+    felt: Vec<(ForceLocation, Trace, PulseRecorder)>,
 }
 
-impl Record {
+impl ForceRecord {
     /// Runs `scene` over its duration.
-    pub(super) fn of(scene: &Scene, places: &[Place]) -> Result<Self, PaperError> {
+    pub(super) fn of(scene: &Scene, places: &[ForceLocation]) -> Result<Self, PaperError> {
         let chain = &scene.chain;
         let probes: Option<Vec<ForceProbe>> = places.iter().map(|p| p.probe(chain)).collect();
         let probes = probes.ok_or_else(|| nothing(scene, "such place"))?;
         let method = method_choice::method(scene, accuracy(scene));
-        let grid = Grid { start: 0.0, interval: INTERVAL };
+        let grid = Grid { start: 0.0, interval: SAMPLE_INTERVAL };
         let never = Grid { start: f64::MAX, interval: 1.0 };
         let velocities = &scene.initial_velocities;
         let mut bench = Bench::new(chain, velocities, method, &probes, (grid, never));
@@ -56,26 +56,26 @@ impl Record {
         Ok(Self { scene: scene.clone(), felt: felt.collect() })
     }
 
-    fn at(&self, place: Place) -> Result<(&Trace, &PulseRecorder), PaperError> {
+    fn at(&self, place: ForceLocation) -> Result<(&Trace, &PulseRecorder), PaperError> {
         let felt = self.felt.iter().find(|(there, ..)| *there == place);
         let felt = felt.map(|(_, trace, pulse)| (trace, pulse));
         felt.ok_or_else(|| nothing(&self.scene, &format!("force at {}", place.key())))
     }
 
     /// The force over time.
-    pub(super) fn trace(&self, place: Place) -> Result<&Trace, PaperError> {
+    pub(super) fn trace(&self, place: ForceLocation) -> Result<&Trace, PaperError> {
         Ok(self.at(place)?.0)
     }
 
     /// The first peak.
-    pub(super) fn first_peak(&self, place: Place) -> Result<Peak, PaperError> {
+    pub(super) fn first_peak(&self, place: ForceLocation) -> Result<Peak, PaperError> {
         let peak = self.at(place)?.1.first_peak();
         peak.ok_or_else(|| nothing(&self.scene, &format!("first peak at {}", place.key())))
     }
 
     /// When the force first reached half of its first peak (s).
-    pub(super) fn half_rise(&self, place: Place) -> Result<f64, PaperError> {
-        let level = HALF_RISE * self.first_peak(place)?.dynamic_n;
+    pub(super) fn half_rise(&self, place: ForceLocation) -> Result<f64, PaperError> {
+        let level = HALF_RISE_SHARE * self.first_peak(place)?.dynamic_n;
         let reached = self.at(place)?.1.first_reach(level);
         reached.ok_or_else(|| nothing(&self.scene, &format!("half-rise at {}", place.key())))
     }
@@ -83,22 +83,22 @@ impl Record {
     /// The spectrum in the paper's convention between two times (s).
     pub(super) fn spectrum(
         &self,
-        place: Place,
+        place: ForceLocation,
         from: f64,
         to: f64,
     ) -> Result<Spectrum, PaperError> {
-        let settings = Settings { gate: Gate { from, to }, ..Settings::default() };
+        let settings = SpectrumSettings { gate: Gate { from, to }, ..SpectrumSettings::default() };
         Ok(Analyser::new().spectrum(self.trace(place)?, &settings)?)
     }
 
     /// The force over time and frequency.
-    pub(super) fn signal(&self, place: Place) -> Result<Signal, PaperError> {
+    pub(super) fn signal(&self, place: ForceLocation) -> Result<ForceSignal, PaperError> {
         let spectrum = self.spectrum(place, 0.0, self.scene.duration)?;
-        Ok(Signal { place, trace: self.trace(place)?.clone(), spectrum })
+        Ok(ForceSignal { place, trace: self.trace(place)?.clone(), spectrum })
     }
 
     /// Time from where the first pulse reaches the share `foot` (1) of its peak to the first minimum behind it (s).
-    pub(super) fn width(&self, place: Place, foot: f64) -> Result<f64, PaperError> {
+    pub(super) fn width(&self, place: ForceLocation, foot: f64) -> Result<f64, PaperError> {
         let (trace, pulse) = self.at(place)?;
         let peak = self.first_peak(place)?;
         let foot = pulse.first_reach(foot * peak.dynamic_n);
@@ -110,7 +110,7 @@ impl Record {
     }
 
     /// Maxima above a quarter of the largest force: times (s) and forces (N).
-    pub(super) fn peaks(&self, place: Place) -> Result<Vec<(f64, f64)>, PaperError> {
+    pub(super) fn peaks(&self, place: ForceLocation) -> Result<Vec<(f64, f64)>, PaperError> {
         let trace = self.trace(place)?;
         let largest = trace.values.iter().copied().fold(0.0, f64::max);
         let mut peaks = maxima(trace, 1.0);
@@ -119,7 +119,12 @@ impl Record {
     }
 
     /// Lowest force between two times (N).
-    pub(super) fn lowest(&self, place: Place, from: f64, to: f64) -> Result<f64, PaperError> {
+    pub(super) fn lowest(
+        &self,
+        place: ForceLocation,
+        from: f64,
+        to: f64,
+    ) -> Result<f64, PaperError> {
         let minima = maxima(self.trace(place)?, -1.0).into_iter();
         let between = minima.filter(|(time, _)| (from..to).contains(time));
         Ok(between.map(|(_, force)| force).fold(f64::INFINITY, f64::min))
@@ -145,7 +150,7 @@ fn maxima(trace: &Trace, sign: f64) -> Vec<(f64, f64)> {
     found
 }
 
-/// Share of the squared amplitudes up to [`HIGHEST`] that lies between two frequencies (1).
+/// Share of the squared amplitudes up to [`MAX_FREQUENCY`] that lies between two frequencies (1).
 pub(super) fn share_between(spectrum: &Spectrum, low: f64, high: f64) -> f64 {
     let sum = |low: f64, high: f64| -> f64 {
         let bins = spectrum.amplitude.iter().enumerate();
@@ -153,15 +158,15 @@ pub(super) fn share_between(spectrum: &Spectrum, low: f64, high: f64) -> f64 {
             .map(|(_, c)| c * c)
             .sum()
     };
-    sum(low, high) / sum(0.0, HIGHEST)
+    sum(low, high) / sum(0.0, MAX_FREQUENCY)
 }
 
-/// Mean frequency up to [`HIGHEST`], weighted with the squared amplitudes (Hz).
+/// Mean frequency up to [`MAX_FREQUENCY`], weighted with the squared amplitudes (Hz).
 pub(super) fn mean_frequency(spectrum: &Spectrum) -> f64 {
     let (mut weighted, mut all) = (0.0, 0.0);
     for (bin, amplitude) in spectrum.amplitude.iter().enumerate() {
         let frequency = spectrum.frequency(bin);
-        if frequency < HIGHEST {
+        if frequency < MAX_FREQUENCY {
             weighted += frequency * amplitude * amplitude;
             all += amplitude * amplitude;
         }
@@ -170,7 +175,7 @@ pub(super) fn mean_frequency(spectrum: &Spectrum) -> f64 {
 }
 
 /// Runs `scene` as `run` does, and puts the forces of `signals` into its truth, as long as the figure shows them.
-pub(super) fn record_run(scene: &Scene, signals: &[Signal]) -> Result<FigureRun, PaperError> {
+pub(super) fn record_run(scene: &Scene, signals: &[ForceSignal]) -> Result<FigureRun, PaperError> {
     let integration = Integration::Accuracy(accuracy(scene));
     let mut outcome = run(scene, integration, 1, &mut |_| ())?;
     let truth = &mut outcome.shot.truth;

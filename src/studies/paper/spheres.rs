@@ -1,30 +1,31 @@
 //! Figs 4 to 7: the top sphere of a long pressed chain is given a speed, once small, once large.
 
-use super::Place;
+use super::ForceLocation;
 use super::dispersion::cell;
-use super::record::{FOOT, Record, nothing, share_between};
-use super::verdict::Answer;
-use super::{Arrangement, Figure, Found, PaperError, record_run};
+use super::record::{ForceRecord, WIDTH_SHARE, nothing, share_between};
+use super::verdict::ClaimResult;
+use super::{Arrangement, Figure, IntermediateResults, PaperError, record_run};
 use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::spectrum::Spectrum;
 use crate::scene::Scene;
 
 /// Top contact, particles of the figures, and the other particle of the sixth cell.
-const TOP: Place = Place::Below(1);
-const SIXTH_CELL: [Place; 2] = [Place::Inside(11), Place::Inside(12)];
-const NEAR: [Place; 3] = [TOP, Place::Inside(5), Place::Inside(11)];
-const FAR: [Place; 3] = [Place::Inside(51), Place::Inside(101), Place::Inside(151)];
+const TOP: ForceLocation = ForceLocation::Below(1);
+const SIXTH_CELL: [ForceLocation; 2] = [ForceLocation::Inside(11), ForceLocation::Inside(12)];
+const NEAR: [ForceLocation; 3] = [TOP, ForceLocation::Inside(5), ForceLocation::Inside(11)];
+const FAR: [ForceLocation; 3] =
+    [ForceLocation::Inside(51), ForceLocation::Inside(101), ForceLocation::Inside(151)];
 /// Where the leading pulse and the group behind it are told apart: at what particle, and when (s).
-const PARTED: Place = Place::Inside(101);
+const PULSE_SEPARATION: ForceLocation = ForceLocation::Inside(101);
 const PARTS: [(f64, f64); 2] = [(0.0, 7e-3), (7e-3, 12e-3)];
 /// The component of Fig. 7 (Hz).
-const EXTRA: f64 = 3e3;
+const FIGURE_7_FREQUENCY: f64 = 3e3;
 /// First and last part of the record in which the source is looked for (s).
-const SOURCE: [(f64, f64); 2] = [(0.0, 5e-3), (10e-3, 15e-3)];
+const SOURCE_WINDOWS: [(f64, f64); 2] = [(0.0, 5e-3), (10e-3, 15e-3)];
 
 /// A run of one of the two scenes.
 struct Sphere {
-    record: Record,
+    record: ForceRecord,
     chain: DiatomicChain,
     /// Static force (N).
     force: f64,
@@ -33,9 +34,12 @@ struct Sphere {
 }
 
 /// Figs 4 and 5, 6 and 7.
-pub(super) fn figures(wanted: &dyn Fn(u8) -> bool, found: &mut Found) -> Result<(), PaperError> {
+pub(super) fn figures(
+    wanted: &dyn Fn(u8) -> bool,
+    found: &mut IntermediateResults,
+) -> Result<(), PaperError> {
     for (scene, near, answer) in [
-        ("linear-300-cells", 4, linear as fn(&Sphere) -> Result<Vec<Answer>, PaperError>),
+        ("linear-300-cells", 4, linear as fn(&Sphere) -> Result<Vec<ClaimResult>, PaperError>),
         ("nonlinear-300-cells", 6, nonlinear),
     ] {
         if !wanted(near) && !wanted(near + 1) {
@@ -56,10 +60,10 @@ pub(super) fn figures(wanted: &dyn Fn(u8) -> bool, found: &mut Found) -> Result<
 
 impl Sphere {
     fn run(scene: &Scene) -> Result<Self, PaperError> {
-        let places = [&NEAR[..], &FAR, &[SIXTH_CELL[1], Place::Inside(21)]].concat();
-        let record = Record::of(scene, &places)?;
+        let places = [&NEAR[..], &FAR, &[SIXTH_CELL[1], ForceLocation::Inside(21)]].concat();
+        let record = ForceRecord::of(scene, &places)?;
         let (chain, force) = cell(scene, 5)?;
-        let part = |(from, to): (f64, f64)| record.spectrum(PARTED, from, to);
+        let part = |(from, to): (f64, f64)| record.spectrum(PULSE_SEPARATION, from, to);
         let parts = [part(PARTS[0])?, part(PARTS[1])?];
         Ok(Self { record, chain, force, parts })
     }
@@ -68,7 +72,7 @@ impl Sphere {
         &self,
         number: u8,
         arrangement: Arrangement,
-        places: &[Place],
+        places: &[ForceLocation],
     ) -> Result<Figure, PaperError> {
         let signals: Result<Vec<_>, _> = places.iter().map(|p| self.record.signal(*p)).collect();
         let signals = signals?;
@@ -98,39 +102,43 @@ impl Sphere {
     }
 
     /// Amplitude of the top contact's force and what the paper may have called so.
-    fn amplitude(&self, item: &str, value: &dyn Fn(f64) -> f64) -> Result<Answer, PaperError> {
+    fn amplitude(&self, item: &str, value: &dyn Fn(f64) -> f64) -> Result<ClaimResult, PaperError> {
         let contact = self.record.first_peak(TOP)?.dynamic_n;
-        Ok(Answer::to(item)
+        Ok(ClaimResult::to(item)
             .plain("in the contact", value(contact))
             .or("inside the top sphere, half of the contact", value(0.5 * contact)))
     }
 
     /// First pulse of the sixth cell and what the paper may have called so.
-    fn first_pulse(&self, item: &str, value: &dyn Fn(f64) -> f64) -> Result<Answer, PaperError> {
+    fn first_pulse(
+        &self,
+        item: &str,
+        value: &dyn Fn(f64) -> f64,
+    ) -> Result<ClaimResult, PaperError> {
         let [upper, lower] = SIXTH_CELL;
         let peaks = [upper, lower].map(|place| self.record.first_peak(place));
         let [first, second] = peaks.map(|peak| peak.map(|peak| peak.dynamic_n));
         let (first, second) = (first?, second?);
-        Ok(Answer::to(item).plain("inside particle 11", value(first)).or(
+        Ok(ClaimResult::to(item).plain("inside particle 11", value(first)).or(
             "mean of the first peaks inside particles 11 and 12",
             value(0.5 * (first + second)),
         ))
     }
 
     /// Width inside `particle` in cells at the long waves' speed.
-    fn width(&self, item: &str, particle: usize) -> Result<Answer, PaperError> {
+    fn width(&self, item: &str, particle: usize) -> Result<ClaimResult, PaperError> {
         let cells = |foot: f64| {
-            let time = self.record.width(Place::Inside(particle), foot)?;
+            let time = self.record.width(ForceLocation::Inside(particle), foot)?;
             Ok::<_, PaperError>(time * self.chain.sound_speed() / self.chain.cell)
         };
         let convention = format!(
             "inside particle {particle}, from 0.5 % of the first peak to the first minimum, times the speed of long waves"
         );
-        let later = cells(2.0 * FOOT)?;
+        let later = cells(2.0 * WIDTH_SHARE)?;
         let note = format!(
             "the paper does not say where a pulse begins: from 1 % on it is {later:.2} cells"
         );
-        Ok(Answer::to(item).or(&convention, cells(FOOT)?).note(note))
+        Ok(ClaimResult::to(item).or(&convention, cells(WIDTH_SHARE)?).note(note))
     }
 
     fn highest(&self, spectrum: &Spectrum, low: f64, high: f64) -> Result<(f64, f64), PaperError> {
@@ -148,18 +156,18 @@ impl Sphere {
 
 const HIGHEST_LINE: &str = "highest line";
 
-fn linear(sphere: &Sphere) -> Result<Vec<Answer>, PaperError> {
+fn linear(sphere: &Sphere) -> Result<Vec<ClaimResult>, PaperError> {
     let Sphere { record, chain, parts, .. } = sphere;
     let (f1, f2, f3) = (chain.gap_bottom(), chain.gap_top(), chain.cutoff());
     let source = record.signal(TOP)?.spectrum;
-    let line_at = |place: Place| -> Result<f64, PaperError> {
+    let line_at = |place: ForceLocation| -> Result<f64, PaperError> {
         Ok(sphere.highest(&record.signal(place)?.spectrum, f1, f2)?.1)
     };
-    let [early, late] = SOURCE.map(|(from, to)| {
+    let [early, late] = SOURCE_WINDOWS.map(|(from, to)| {
         record.spectrum(TOP, from, to).and_then(|part| Ok(sphere.highest(&part, f1, f2)?.1))
     });
-    let left = 2.0 * line_at(Place::Inside(11))? / line_at(TOP)?;
-    let fifth = record.signal(Place::Inside(5))?.spectrum;
+    let left = 2.0 * line_at(ForceLocation::Inside(11))? / line_at(TOP)?;
+    let fifth = record.signal(ForceLocation::Inside(5))?.spectrum;
     let mode = format!(
         "it is the mode of a light end at {:.2} kHz, which falls by m/M = {:.3} a cell, never enters the chain and stays at its end; at particle 11 the line has {:.2} % of its height inside the top sphere",
         1e-3 * chain.surface_mode(),
@@ -169,10 +177,10 @@ fn linear(sphere: &Sphere) -> Result<Vec<Answer>, PaperError> {
     Ok(vec![
         sphere.amplitude("linear_amplitude", &|force| force)?,
         sphere.amplitude("linear_amplitude_ratio", &|force| sphere.ratio(force))?,
-        Answer::to("linear_source_line").plain(HIGHEST_LINE, sphere.highest(&source, 1.0, f3)?.0),
-        Answer::to("linear_source_in_gap")
+        ClaimResult::to("linear_source_line").plain(HIGHEST_LINE, sphere.highest(&source, 1.0, f3)?.0),
+        ClaimResult::to("linear_source_in_gap")
             .plain("squared amplitudes up to 20 kHz", share_between(&source, f1, f2)),
-        Answer::to("linear_source_transformed")
+        ClaimResult::to("linear_source_transformed")
             .plain("height of the line in the top contact", late? / early?)
             .note(mode),
         sphere.first_pulse("linear_first_pulse", &|force| force)?,
@@ -180,40 +188,41 @@ fn linear(sphere: &Sphere) -> Result<Vec<Answer>, PaperError> {
         sphere.width("linear_width_cell_6", 11)?,
         sphere.width("linear_width_11", 11)?,
         sphere.width("linear_width_21", 21)?,
-        Answer::to("linear_upper_line")
+        ClaimResult::to("linear_upper_line")
             .plain("highest line above the gap", sphere.highest(&fifth, f2, f3)?.0)
             .note(format!(
                 "the optical branch goes from {:.2} to {:.2} kHz, and the line stands in its middle",
                 1e-3 * f2,
                 1e-3 * f3
             )),
-        Answer::to("linear_leading_below_gap")
+        ClaimResult::to("linear_leading_below_gap")
             .plain("squared amplitudes up to 20 kHz", share_between(&parts[0], 0.0, f1)),
-        Answer::to("linear_trailing_bottom").plain(HIGHEST_LINE, sphere.trailing_bottom()?),
-        Answer::to("linear_trailing_top")
+        ClaimResult::to("linear_trailing_bottom").plain(HIGHEST_LINE, sphere.trailing_bottom()?),
+        ClaimResult::to("linear_trailing_top")
             .plain("highest line above the gap", sphere.highest(&parts[1], f2, f3)?.0)
             .note("what has the top of the gap's frequency itself does not travel: at particle 101 the optical branch arrives from its middle"),
     ])
 }
 
-fn nonlinear(sphere: &Sphere) -> Result<Vec<Answer>, PaperError> {
+fn nonlinear(sphere: &Sphere) -> Result<Vec<ClaimResult>, PaperError> {
     let trailing = &sphere.parts[1];
     let (_, main) = sphere.highest(trailing, 1.0, sphere.chain.cutoff())?;
     let (leading, _) = sphere.highest(&sphere.parts[0], 1.0, 5e3)?;
     let half = 0.5 * trailing.step;
-    let (_, extra) = sphere.highest(trailing, EXTRA - half, EXTRA + half)?;
+    let (_, extra) =
+        sphere.highest(trailing, FIGURE_7_FREQUENCY - half, FIGURE_7_FREQUENCY + half)?;
     Ok(vec![
         sphere.amplitude("nonlinear_amplitude_ratio", &|force| sphere.ratio(force))?,
         sphere.first_pulse("nonlinear_first_pulse", &|force| force)?,
         sphere.first_pulse("nonlinear_first_pulse_ratio", &|force| sphere.ratio(force))?,
         sphere.width("nonlinear_width_cell_6", 11)?,
         sphere.width("nonlinear_width_21", 21)?,
-        Answer::to("nonlinear_3_khz")
+        ClaimResult::to("nonlinear_3_khz")
             .plain("height at 3 kHz over the highest line", extra / main)
             .note(format!(
                 "it is the flank of the main line, as in the linear chain; the leading pulse's spectrum, flat there, is highest at {:.1} kHz here",
                 1e-3 * leading
             )),
-        Answer::to("nonlinear_trailing_bottom").plain(HIGHEST_LINE, sphere.trailing_bottom()?),
+        ClaimResult::to("nonlinear_trailing_bottom").plain(HIGHEST_LINE, sphere.trailing_bottom()?),
     ])
 }

@@ -1,19 +1,19 @@
 //! Figs 8 to 13: the bench of 38 particles under the magnet and under gravity alone, hit by three of the strikers.
 
-use super::Place;
+use super::ForceLocation;
 use super::dispersion::cell;
-use super::record::{FOOT, Record, mean_frequency, nothing};
-use super::verdict::Answer;
-use super::{Arrangement, Figure, Found, PaperError, record_run};
+use super::record::{ForceRecord, WIDTH_SHARE, mean_frequency, nothing};
+use super::verdict::ClaimResult;
+use super::{Arrangement, Figure, IntermediateResults, PaperError, record_run};
 use crate::scene::Scene;
 
 /// Places of the sensors.
-const INCOMING: Place = Place::Inside(2);
-const MIDDLE: Place = Place::Inside(14);
-const LAST: Place = Place::Inside(27);
-const SENSORS: [Place; 4] = [INCOMING, MIDDLE, LAST, Place::Wall];
+const INCOMING: ForceLocation = ForceLocation::Inside(2);
+const MIDDLE: ForceLocation = ForceLocation::Inside(14);
+const LAST: ForceLocation = ForceLocation::Inside(27);
+const SENSORS: [ForceLocation; 4] = [INCOMING, MIDDLE, LAST, ForceLocation::Wall];
 /// Periods of the incoming shock that make its frequency and its mean (1).
-pub(super) const PERIODS: usize = 4;
+pub(super) const SHOCK_PERIODS: usize = 4;
 /// Scenes of the figures; that of the 1.22 g striker has none, but its pulses are counted.
 const SCENES: [(&str, u8); 7] = [
     ("magnet-0.61g", 8),
@@ -25,16 +25,19 @@ const SCENES: [(&str, u8); 7] = [
     ("gravity-17.81g", 13),
 ];
 /// Duration and speed of the solitary wave as measured in Fig. 11, (s) and (m/s).
-const MEASURED: (f64, f64) = (330e-6, 118.0);
+const MEASURED_SOLITARY_WAVE: (f64, f64) = (330e-6, 118.0);
 
 /// All of them.
-pub(super) fn figures(wanted: &dyn Fn(u8) -> bool, found: &mut Found) -> Result<(), PaperError> {
+pub(super) fn figures(
+    wanted: &dyn Fn(u8) -> bool,
+    found: &mut IntermediateResults,
+) -> Result<(), PaperError> {
     for (name, number) in SCENES {
         if !wanted(number) {
             continue;
         }
         let scene = Scene::load(name)?;
-        let record = Record::of(&scene, &SENSORS)?;
+        let record = ForceRecord::of(&scene, &SENSORS)?;
         let (kind, striker) = name.split_once('-').unwrap_or((name, ""));
         found.answers.extend(answers(&record, kind, striker)?);
         if number == 11 {
@@ -47,7 +50,7 @@ pub(super) fn figures(wanted: &dyn Fn(u8) -> bool, found: &mut Found) -> Result<
     Ok(())
 }
 
-fn figure(record: &Record, number: u8) -> Result<Figure, PaperError> {
+fn figure(record: &ForceRecord, number: u8) -> Result<Figure, PaperError> {
     let scene = &record.scene;
     let signals: Result<Vec<_>, _> = SENSORS.iter().map(|place| record.signal(*place)).collect();
     let signals = signals?;
@@ -64,17 +67,21 @@ fn figure(record: &Record, number: u8) -> Result<Figure, PaperError> {
 }
 
 /// What is said of each scene, by the kind of its preload and its striker.
-fn answers(record: &Record, kind: &str, striker: &str) -> Result<Vec<Answer>, PaperError> {
+fn answers(
+    record: &ForceRecord,
+    kind: &str,
+    striker: &str,
+) -> Result<Vec<ClaimResult>, PaperError> {
     let item = |what: &str| format!("{kind}_{what}_{striker}");
     let mut answers = Vec::new();
     // Fig. 8 has the shift within seven cells, the others at the last sensor.
     let shifted = if (kind, striker) == ("magnet", "0.61g") { MIDDLE } else { LAST };
-    let mean = |place: Place| Ok(mean_frequency(&record.signal(place)?.spectrum));
+    let mean = |place: ForceLocation| Ok(mean_frequency(&record.signal(place)?.spectrum));
     let [from, to]: [Result<f64, PaperError>; 2] = [INCOMING, shifted].map(mean);
     if striker != "1.22g" {
         let (from, to) = (from?, to?);
         answers.push(
-            Answer::to(&item("shift"))
+            ClaimResult::to(&item("shift"))
                 .plain("mean weighted with squared amplitudes up to 20 kHz", to / from)
                 .note(format!("from {:.2} to {:.2} kHz", 1e-3 * from, 1e-3 * to)),
         );
@@ -92,9 +99,9 @@ fn answers(record: &Record, kind: &str, striker: &str) -> Result<Vec<Answer>, Pa
         _ => {
             let pulses = count(record.peaks(INCOMING)?.len());
             let convention = "maxima inside particle 2 above a quarter of the largest";
-            answers.push(Answer::to(&format!("pulses_{striker}")).or(convention, pulses));
+            answers.push(ClaimResult::to(&format!("pulses_{striker}")).or(convention, pulses));
             if striker == "2.75g" {
-                answers.push(Answer::to("pulses_2.75g_figure").or(convention, pulses));
+                answers.push(ClaimResult::to("pulses_2.75g_figure").or(convention, pulses));
             }
         }
     }
@@ -112,35 +119,35 @@ fn lifted_edge(scene: &Scene, force: f64) -> Result<f64, PaperError> {
     Ok(chain.pressed(now, now + force).gap_bottom())
 }
 
-fn single_pulse(record: &Record) -> Result<Vec<Answer>, PaperError> {
+fn single_pulse(record: &ForceRecord) -> Result<Vec<ClaimResult>, PaperError> {
     let scene = &record.scene;
     let (chain, _) = cell(scene, 2)?;
     let incoming = record.signal(INCOMING)?.spectrum;
     let share = super::record::share_between(&incoming, chain.gap_bottom(), chain.gap_top());
-    let peak = |place: Place| record.first_peak(place).map(|peak| peak.dynamic_n);
+    let peak = |place: ForceLocation| record.first_peak(place).map(|peak| peak.dynamic_n);
     Ok(vec![
-        Answer::to("magnet_incoming_in_gap")
+        ClaimResult::to("magnet_incoming_in_gap")
             .plain("inside particle 2, squared amplitudes up to 20 kHz", share),
-        Answer::to("magnet_in_situ_0.61g")
+        ClaimResult::to("magnet_in_situ_0.61g")
             .plain("under the pulse's peak inside particle 14", lifted_edge(scene, peak(MIDDLE)?)?)
             .or("under its peak inside particle 2", lifted_edge(scene, peak(INCOMING)?)?),
     ])
 }
 
-fn gap_line(record: &Record, item: &str) -> Result<Answer, PaperError> {
+fn gap_line(record: &ForceRecord, item: &str) -> Result<ClaimResult, PaperError> {
     let (chain, _) = cell(&record.scene, 2)?;
     let spectrum = record.signal(INCOMING)?.spectrum;
     let highest = spectrum.highest_between(chain.gap_bottom(), chain.gap_top());
     let (bin, _) = highest.ok_or_else(|| nothing(&record.scene, "line in the gap"))?;
-    Ok(Answer::to(item)
+    Ok(ClaimResult::to(item)
         .plain("highest line in the gap over 2 ms, inside particle 2", spectrum.frequency(bin))
         .note("the paper does not say how long its record is; a shorter one counts the first, faster oscillations more"))
 }
 
 /// Mean over the first periods behind the front (N).
-fn plateau(record: &Record, place: Place) -> Result<f64, PaperError> {
+fn plateau(record: &ForceRecord, place: ForceLocation) -> Result<f64, PaperError> {
     let peaks = record.peaks(place)?;
-    let ends = peaks.first().zip(peaks.get(PERIODS));
+    let ends = peaks.first().zip(peaks.get(SHOCK_PERIODS));
     let ((from, _), (to, _)) = ends.ok_or_else(|| nothing(&record.scene, "train of peaks"))?;
     let trace = record.trace(place)?;
     let inside = trace.values.iter().enumerate();
@@ -149,11 +156,11 @@ fn plateau(record: &Record, place: Place) -> Result<f64, PaperError> {
     Ok(sum / count(samples))
 }
 
-fn in_situ_shock(record: &Record, item: &str) -> Result<Answer, PaperError> {
+fn in_situ_shock(record: &ForceRecord, item: &str) -> Result<ClaimResult, PaperError> {
     let scene = &record.scene;
     let mean = plateau(record, MIDDLE)?;
     let peak = record.first_peak(MIDDLE)?.dynamic_n;
-    Ok(Answer::to(item)
+    Ok(ClaimResult::to(item)
         .plain(
             "under the mean of the first four periods inside particle 14",
             lifted_edge(scene, mean)?,
@@ -163,35 +170,36 @@ fn in_situ_shock(record: &Record, item: &str) -> Result<Answer, PaperError> {
 }
 
 /// How much the force falls behind its second peak at particle 27.
-fn monotonic(record: &Record, item: &str) -> Result<Answer, PaperError> {
+fn monotonic(record: &ForceRecord, item: &str) -> Result<ClaimResult, PaperError> {
     let peaks = record.peaks(LAST)?;
     let [(start, first), (end, second), ..] = peaks.as_slice() else {
         return Err(nothing(&record.scene, "second peak at particle 27"));
     };
     let trough = record.lowest(LAST, *start, *end)?;
-    Ok(Answer::to(item).plain(
+    Ok(ClaimResult::to(item).plain(
         "second peak less the trough before it, over the first peak",
         (second - trough) / first,
     ))
 }
 
 /// The solitary wave of Fig. 11.
-fn solitary(record: &Record) -> Result<Vec<Answer>, PaperError> {
+fn solitary(record: &ForceRecord) -> Result<Vec<ClaimResult>, PaperError> {
     let scene = &record.scene;
-    let arrival = |place: Place| record.half_rise(place);
+    let arrival = |place: ForceLocation| record.half_rise(place);
     let distance = scene.chain.distance(14, 27);
     let speed = distance / (arrival(LAST)? - arrival(MIDDLE)?);
     let cell_length = scene.chain.distance(14, 16);
-    let cells =
-        |place: Place| Ok::<_, PaperError>(record.width(place, FOOT)? * speed / cell_length);
-    let (duration, measured_speed) = MEASURED;
+    let cells = |place: ForceLocation| {
+        Ok::<_, PaperError>(record.width(place, WIDTH_SHARE)? * speed / cell_length)
+    };
+    let (duration, measured_speed) = MEASURED_SOLITARY_WAVE;
     Ok(vec![
-        Answer::to("solitary_duration")
-            .plain("calculated, from 0.5 % of the peak to the first minimum", record.width(MIDDLE, FOOT)?)
+        ClaimResult::to("solitary_duration")
+            .plain("calculated, from 0.5 % of the peak to the first minimum", record.width(MIDDLE, WIDTH_SHARE)?)
             .note("the paper puts the difference down to losses"),
-        Answer::to("solitary_width_product")
+        ClaimResult::to("solitary_width_product")
             .plain("330 us times 118 m/s over the cell's length", duration * measured_speed / cell_length),
-        Answer::to("solitary_width")
+        ClaimResult::to("solitary_width")
             .or("inside particle 14, from 0.5 % of the peak to the first minimum, times the half-rise speed", cells(MIDDLE)?)
             .or("the same inside particle 27", cells(LAST)?),
     ])

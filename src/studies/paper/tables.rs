@@ -7,17 +7,17 @@
 use super::PaperError;
 use super::claims::{Claim, Expected, Typed};
 use super::record::{accuracy, nothing};
-use super::verdict::Answer;
+use super::verdict::ClaimResult;
 use crate::chain::{Chain, Dashpot, EndOfContact, ForceProbe, LossSpec};
 use crate::experiment::ensemble::{Case, Ensemble};
 use crate::experiment::paper_speeds::{PaperSpeed, speeds};
-use crate::experiment::pulse::{HALF_RISE, PulseRecorder};
+use crate::experiment::pulse::{HALF_RISE_SHARE, PulseRecorder};
 use crate::scene::Scene;
 
 /// Particles between which speeds are taken.
-const BETWEEN: [usize; 2] = [14, 27];
+const SPEED_PARTICLES: [usize; 2] = [14, 27];
 /// Dashpots of the scan for the lowest valley; from about 12 on the shocks at particle 27 have no peak of their own (N s/m).
-const SCAN: [f64; 6] = [0.0, 2.0, 4.0, 6.0, 8.0, 10.0];
+const DASHPOT_SCAN: [f64; 6] = [0.0, 2.0, 4.0, 6.0, 8.0, 10.0];
 /// How well the best dashpot is known (N s/m).
 const DASHPOT_STEP: f64 = 0.1;
 /// Accuracy of the runs that look for it: 0.04 m/s of a speed (1).
@@ -77,13 +77,14 @@ pub(super) fn study(progress: &mut dyn FnMut(f64)) -> Result<SpeedStudy, PaperEr
     let lossless = speeds_of(&scenes, 0.0, false)?;
     let half_rises = |speeds: &[Speeds]| speeds.iter().map(|s| s.half_rise).collect::<Vec<_>>();
     let mut scan = Vec::new();
-    for (done, dashpot) in (0u8..).zip(SCAN) {
+    for (done, dashpot) in (0u8..).zip(DASHPOT_SCAN) {
         scan.push((dashpot, half_rises(&speeds_of(&scenes, dashpot, true)?)));
         progress(f64::from(done) / 16.0);
     }
     let costs: Vec<f64> = scan.iter().map(|(_, speeds)| rms(speeds, &measured)).collect();
     let lowest = (0..costs.len()).min_by(|a, b| costs[*a].total_cmp(&costs[*b])).unwrap_or(0);
-    let bracket = [lowest.saturating_sub(1), (lowest + 1).min(SCAN.len() - 1)].map(|i| SCAN[i]);
+    let bracket = [lowest.saturating_sub(1), (lowest + 1).min(DASHPOT_SCAN.len() - 1)]
+        .map(|i| DASHPOT_SCAN[i]);
     let dashpot = golden_section(bracket, &mut |dashpot| {
         Ok(rms(&half_rises(&speeds_of(&scenes, dashpot, true)?), &measured))
     })?;
@@ -134,7 +135,10 @@ fn speeds_of(scenes: &[Scene], dashpot: f64, search: bool) -> Result<Vec<Speeds>
     let case = |scene: &Scene| Case {
         chain: scene.chain.clone(),
         velocities: scene.initial_velocities.clone(),
-        probes: BETWEEN.iter().filter_map(|p| ForceProbe::inside(&scene.chain, *p, 0.0)).collect(),
+        probes: SPEED_PARTICLES
+            .iter()
+            .filter_map(|p| ForceProbe::inside(&scene.chain, *p, 0.0))
+            .collect(),
         duration: scene.duration,
     };
     let cases: Vec<Case> = lossy.iter().map(case).collect();
@@ -146,13 +150,13 @@ fn speeds_of(scenes: &[Scene], dashpot: f64, search: bool) -> Result<Vec<Speeds>
         let [from, to] = readout.pulses.as_slice() else {
             return Err(nothing(scene, "two forces"));
         };
-        let distance = scene.chain.distance(BETWEEN[0], BETWEEN[1]);
+        let distance = scene.chain.distance(SPEED_PARTICLES[0], SPEED_PARTICLES[1]);
         let speed = |arrival: &dyn Fn(&PulseRecorder) -> Option<f64>| {
             let times = arrival(from).zip(arrival(to));
             times.map(|(from, to)| distance / (to - from))
         };
         let half_rise =
-            speed(&|pulse| pulse.first_reach(HALF_RISE * pulse.first_peak()?.dynamic_n));
+            speed(&|pulse| pulse.first_reach(HALF_RISE_SHARE * pulse.first_peak()?.dynamic_n));
         let peak = speed(&|pulse| Some(pulse.first_peak()?.time_s));
         let speeds = half_rise.zip(peak).map(|(half_rise, peak)| Speeds { half_rise, peak });
         speeds.ok_or_else(|| nothing(scene, "arrivals at particles 14 and 27"))
@@ -186,18 +190,18 @@ fn item(row: &SpeedRow, column: &str) -> String {
 }
 
 /// Answers to [`claims`] and to the speed-up by the magnet.
-pub(super) fn answers(study: &SpeedStudy, answers: &mut Vec<Answer>) {
+pub(super) fn answers(study: &SpeedStudy, answers: &mut Vec<ClaimResult>) {
     let convention = format!("half-rise, a dashpot of {:.1} N s/m in every contact", study.dashpot);
     for row in &study.rows {
         let SpeedRow { lossless, with_dashpot, .. } = row;
         answers.push(
-            Answer::to(&item(row, "numerics"))
+            ClaimResult::to(&item(row, "numerics"))
                 .or("half-rise", lossless.half_rise)
                 .or("peak to peak", lossless.peak)
                 .note("the paper names no estimator"),
         );
         answers.push(
-            Answer::to(&item(row, "experiment"))
+            ClaimResult::to(&item(row, "experiment"))
                 .or(&convention, with_dashpot.half_rise)
                 .or("half-rise, no losses", lossless.half_rise)
                 .note("the dashpot is the one that fits all eight measured speeds best"),
@@ -210,7 +214,7 @@ pub(super) fn answers(study: &SpeedStudy, answers: &mut Vec<Answer>) {
         sum / rows - 1.0
     };
     answers.push(
-        Answer::to("speed_up")
+        ClaimResult::to("speed_up")
             .plain("calculated, half-rise, mean of the four strikers", ratio(&|r| r.lossless.half_rise))
             .or("calculated, peak to peak", ratio(&|r| r.lossless.peak))
             .or("the paper's own measured speeds, mean of the four strikers", ratio(&|r| r.paper.experiment_m_per_s))

@@ -14,7 +14,7 @@ const ROUNDING: f64 = 1e-9;
 
 /// What became of a statement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
-pub enum Verdict {
+pub enum ClaimVerdict {
     /// It comes out as the paper words it.
     #[serde(rename = "agrees")]
     Agrees,
@@ -26,7 +26,7 @@ pub enum Verdict {
     DoesNotHold,
 }
 
-impl Verdict {
+impl ClaimVerdict {
     /// In words.
     pub fn words(self) -> &'static str {
         match self {
@@ -39,14 +39,14 @@ impl Verdict {
 
 /// What the paper prints.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Printed {
+pub enum PrintedValue {
     /// A number, in the unit of the finding (unit).
     Number(f64),
     /// Words, put into a bound.
     Words(String),
 }
 
-impl Serialize for Printed {
+impl Serialize for PrintedValue {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Number(number) => serializer.serialize_f64(*number),
@@ -57,7 +57,7 @@ impl Serialize for Printed {
 
 /// A statement with its verdict.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Finding {
+pub struct ClaimFinding {
     /// Name of the statement.
     pub item: String,
     /// Where the paper makes it.
@@ -65,7 +65,7 @@ pub struct Finding {
     /// What it says.
     pub says: String,
     /// What it prints.
-    pub paper: Printed,
+    pub paper: PrintedValue,
     /// What comes out here (unit).
     pub here: f64,
     /// Unit of both.
@@ -73,7 +73,7 @@ pub struct Finding {
     /// By which convention.
     pub convention: String,
     /// The verdict.
-    pub verdict: Verdict,
+    pub verdict: ClaimVerdict,
     /// Why.
     pub reason: String,
     /// The figure it belongs to.
@@ -83,7 +83,7 @@ pub struct Finding {
 
 /// What may have been meant.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Candidate {
+pub(super) struct Interpretation {
     /// In words.
     pub convention: String,
     /// What comes out, in SI units (unit).
@@ -94,16 +94,16 @@ pub(super) struct Candidate {
 
 /// What came out for a statement.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Answer {
+pub(super) struct ClaimResult {
     /// Name of the statement.
     pub item: String,
     /// What may have been meant, the most likely first.
-    pub candidates: Vec<Candidate>,
+    pub candidates: Vec<Interpretation>,
     /// What else is to be said.
     pub note: String,
 }
 
-impl Answer {
+impl ClaimResult {
     /// An answer without candidates yet.
     pub(super) fn to(item: &str) -> Self {
         Self { item: item.to_owned(), candidates: Vec::new(), note: String::new() }
@@ -120,7 +120,7 @@ impl Answer {
     }
 
     fn with(mut self, convention: &str, value: f64, plain: bool) -> Self {
-        self.candidates.push(Candidate { convention: convention.to_owned(), value, plain });
+        self.candidates.push(Interpretation { convention: convention.to_owned(), value, plain });
         self
     }
 
@@ -131,9 +131,9 @@ impl Answer {
 }
 
 /// The verdict on `claim` from the answer to it.
-pub(super) fn judge(claim: &Claim, answer: &Answer) -> Finding {
-    let here = |candidate: &Candidate| candidate.value / claim.scale;
-    let agrees = |candidate: &&Candidate| match claim.expected {
+pub(super) fn judge(claim: &Claim, answer: &ClaimResult) -> ClaimFinding {
+    let here = |candidate: &Interpretation| candidate.value / claim.scale;
+    let agrees = |candidate: &&Interpretation| match claim.expected {
         Expected::Printed { value, allowed } => {
             (here(candidate) - value).abs() <= allowed + ROUNDING * value.abs()
         }
@@ -142,19 +142,19 @@ pub(super) fn judge(claim: &Claim, answer: &Answer) -> Finding {
     };
     let found = answer.candidates.iter().find(agrees);
     let verdict = match found {
-        Some(candidate) if candidate.plain => Verdict::Agrees,
-        Some(_) => Verdict::AgreesUnder,
-        None => Verdict::DoesNotHold,
+        Some(candidate) if candidate.plain => ClaimVerdict::Agrees,
+        Some(_) => ClaimVerdict::AgreesUnder,
+        None => ClaimVerdict::DoesNotHold,
     };
     let chosen = found.or(answer.candidates.first());
-    Finding {
+    ClaimFinding {
         item: claim.item.clone(),
         place: claim.place.clone(),
         says: claim.says.clone(),
         paper: match claim.expected {
-            Expected::Printed { value, .. } => Printed::Number(value),
-            Expected::AtLeast(bound) => Printed::Words(format!("at least {bound}")),
-            Expected::AtMost(bound) => Printed::Words(format!("at most {bound}")),
+            Expected::Printed { value, .. } => PrintedValue::Number(value),
+            Expected::AtLeast(bound) => PrintedValue::Words(format!("at least {bound}")),
+            Expected::AtMost(bound) => PrintedValue::Words(format!("at most {bound}")),
         },
         here: chosen.map_or(f64::NAN, here),
         unit: claim.unit.clone(),
@@ -166,7 +166,7 @@ pub(super) fn judge(claim: &Claim, answer: &Answer) -> Finding {
 }
 
 /// What the verdict stands on: the bound or the digits, the other candidates, and what else is known.
-fn reason(claim: &Claim, answer: &Answer, chosen: Option<&Candidate>) -> String {
+fn reason(claim: &Claim, answer: &ClaimResult, chosen: Option<&Interpretation>) -> String {
     let deviation = |value: f64| match claim.expected {
         Expected::Printed { value: printed, .. } if printed != 0.0 => {
             format!(" ({:+.1} %)", 100.0 * (value / claim.scale / printed - 1.0))
@@ -175,7 +175,7 @@ fn reason(claim: &Claim, answer: &Answer, chosen: Option<&Candidate>) -> String 
     };
     let mut text = match claim.expected {
         Expected::Printed { allowed, .. } => {
-            format!("digits as printed allow {} either way", brief(allowed))
+            format!("digits as printed allow {} either way", summary_text(allowed))
         }
         Expected::AtLeast(_) | Expected::AtMost(_) => String::new(),
     };
@@ -190,7 +190,7 @@ fn reason(claim: &Claim, answer: &Answer, chosen: Option<&Candidate>) -> String 
         add(deviation(chosen.value).trim().trim_matches(['(', ')']));
     }
     for other in answer.candidates.iter().filter(|other| Some(*other) != chosen) {
-        let value = brief(other.value / claim.scale);
+        let value = summary_text(other.value / claim.scale);
         add(&format!("{}: {value}{}", other.convention, deviation(other.value)));
     }
     add(&answer.note);
@@ -198,7 +198,7 @@ fn reason(claim: &Claim, answer: &Answer, chosen: Option<&Candidate>) -> String 
 }
 
 /// A number with five significant digits, without zeros behind them.
-fn brief(value: f64) -> String {
+fn summary_text(value: f64) -> String {
     let rounded: f64 = format!("{value:.4e}").parse().unwrap_or(value);
     rounded.to_string()
 }
@@ -228,34 +228,35 @@ mod tests {
     #[test]
     fn what_rounds_to_the_printed_number_agrees() {
         let verdict =
-            |value| judge(&printed(), &Answer::to("item").plain("as worded", value)).verdict;
-        assert_eq!([170.5, 170.9, 171.5].map(verdict), [Verdict::Agrees; 3]);
-        assert_eq!([170.499, 171.501, f64::NAN].map(verdict), [Verdict::DoesNotHold; 3]);
+            |value| judge(&printed(), &ClaimResult::to("item").plain("as worded", value)).verdict;
+        assert_eq!([170.5, 170.9, 171.5].map(verdict), [ClaimVerdict::Agrees; 3]);
+        assert_eq!([170.499, 171.501, f64::NAN].map(verdict), [ClaimVerdict::DoesNotHold; 3]);
     }
 
     #[test]
     fn the_first_candidate_that_agrees_decides_and_the_others_are_told() {
-        let answer = Answer::to("item").plain("peak", 164.5).or("half-rise", 170.9).note("a note");
+        let answer =
+            ClaimResult::to("item").plain("peak", 164.5).or("half-rise", 170.9).note("a note");
         let found = judge(&printed(), &answer);
-        assert_eq!((found.verdict, found.here), (Verdict::AgreesUnder, 170.9));
+        assert_eq!((found.verdict, found.here), (ClaimVerdict::AgreesUnder, 170.9));
         assert_eq!(found.convention, "half-rise");
         for words in ["peak: 164.5 (-3.8 %)", "-0.1 %", "0.5 either way", "a note"] {
             assert!(found.reason.contains(words), "{words} in {}", found.reason);
         }
-        let answer = Answer::to("item").plain("peak", 164.5).or("10 %", 175.4);
+        let answer = ClaimResult::to("item").plain("peak", 164.5).or("10 %", 175.4);
         let found = judge(&printed(), &answer);
-        assert_eq!((found.verdict, found.here), (Verdict::DoesNotHold, 164.5));
+        assert_eq!((found.verdict, found.here), (ClaimVerdict::DoesNotHold, 164.5));
     }
 
     #[test]
     fn bounds_and_units() {
         let kilohertz = claim(Expected::Printed { value: 11.0, allowed: 0.5 }, "kHz", 1e3);
-        let found = judge(&kilohertz, &Answer::to("item").plain("line", 11213.0));
-        assert_eq!((found.verdict, found.here), (Verdict::Agrees, 11.213));
+        let found = judge(&kilohertz, &ClaimResult::to("item").plain("line", 11213.0));
+        assert_eq!((found.verdict, found.here), (ClaimVerdict::Agrees, 11.213));
         let verdict = |expected, value| {
-            judge(&claim(expected, "", 1.0), &Answer::to("item").plain("share", value)).verdict
+            judge(&claim(expected, "", 1.0), &ClaimResult::to("item").plain("share", value)).verdict
         };
-        assert_eq!(verdict(Expected::AtLeast(0.5), 0.4), Verdict::DoesNotHold);
-        assert_eq!(verdict(Expected::AtMost(0.5), 0.4), Verdict::Agrees);
+        assert_eq!(verdict(Expected::AtLeast(0.5), 0.4), ClaimVerdict::DoesNotHold);
+        assert_eq!(verdict(Expected::AtMost(0.5), 0.4), ClaimVerdict::Agrees);
     }
 }

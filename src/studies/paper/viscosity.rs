@@ -1,21 +1,21 @@
 //! What viscosity does to the incoming shock of Fig. 10: the text says that its oscillations get faster.
 
-use super::record::{Record, nothing};
-use super::strikers::PERIODS;
+use super::record::{ForceRecord, nothing};
+use super::strikers::SHOCK_PERIODS;
 use super::tables::with_dashpot;
-use super::verdict::Answer;
-use super::{Found, PaperError};
-use super::{Place, Viscous};
+use super::verdict::ClaimResult;
+use super::{ForceLocation, Viscous};
+use super::{IntermediateResults, PaperError};
 use crate::scene::Scene;
 
 /// Dashpots that are tried (N s/m).
 const DASHPOTS: [f64; 4] = [0.0, 0.5, 1.0, 2.0];
-const INCOMING: Place = Place::Inside(2);
+const INCOMING: ForceLocation = ForceLocation::Inside(2);
 /// What the paper says was measured (Hz).
-const MEASURED: f64 = 12e3;
+const MEASURED_FREQUENCY: f64 = 12e3;
 
 /// Answers of Fig. 10; `fitted` is the dashpot that was found for the measured speeds (N s/m).
-pub(super) fn answers(fitted: f64, found: &mut Found) -> Result<(), PaperError> {
+pub(super) fn answers(fitted: f64, found: &mut IntermediateResults) -> Result<(), PaperError> {
     let scene = Scene::load("magnet-17.81g")?;
     let with = |dashpot: f64| viscous(&scene, dashpot);
     let all: Result<Vec<Viscous>, PaperError> = DASHPOTS.into_iter().map(with).collect();
@@ -32,8 +32,8 @@ pub(super) fn answers(fitted: f64, found: &mut Found) -> Result<(), PaperError> 
         format!("; the measured 12 kHz would need {dashpot:.1} N s/m")
     });
     found.answers.extend([
-        Answer::to("entrance_frequency").plain(convention, lossless),
-        Answer::to("entrance_frequency_measured")
+        ClaimResult::to("entrance_frequency").plain(convention, lossless),
+        ClaimResult::to("entrance_frequency_measured")
             .plain(&format!("{convention}, without losses"), lossless)
             .or(
                 &format!(
@@ -42,7 +42,7 @@ pub(super) fn answers(fitted: f64, found: &mut Found) -> Result<(), PaperError> 
                 with_fitted,
             )
             .note(format!("{words} N s/m{needed}")),
-        Answer::to("entrance_frequency_rises")
+        ClaimResult::to("entrance_frequency_rises")
             .plain(convention, smallest)
             .note(format!("{words} N s/m")),
     ]);
@@ -52,21 +52,22 @@ pub(super) fn answers(fitted: f64, found: &mut Found) -> Result<(), PaperError> 
 
 /// The dashpot at which the measured frequency would come out, between two that were tried (N s/m).
 fn needed(all: &[Viscous]) -> Option<f64> {
-    let pair = all.windows(2).find(|p| (p[0].frequency..p[1].frequency).contains(&MEASURED))?;
-    let share = (MEASURED - pair[0].frequency) / (pair[1].frequency - pair[0].frequency);
+    let pair =
+        all.windows(2).find(|p| (p[0].frequency..p[1].frequency).contains(&MEASURED_FREQUENCY))?;
+    let share = (MEASURED_FREQUENCY - pair[0].frequency) / (pair[1].frequency - pair[0].frequency);
     Some(pair[0].dashpot + share * (pair[1].dashpot - pair[0].dashpot))
 }
 
 #[allow(clippy::cast_precision_loss, reason = "a handful")]
 fn viscous(scene: &Scene, dashpot: f64) -> Result<Viscous, PaperError> {
     let scene = with_dashpot(scene, dashpot)?;
-    let record = Record::of(&scene, &[INCOMING])?;
+    let record = ForceRecord::of(&scene, &[INCOMING])?;
     let peaks = record.peaks(INCOMING)?;
-    let ends = peaks.first().zip(peaks.get(PERIODS));
+    let ends = peaks.first().zip(peaks.get(SHOCK_PERIODS));
     let ((from, _), (to, _)) = ends.ok_or_else(|| nothing(&scene, "train of peaks"))?;
     Ok(Viscous {
         dashpot,
-        frequency: PERIODS as f64 / (to - from),
+        frequency: SHOCK_PERIODS as f64 / (to - from),
         signal: record.signal(INCOMING)?,
     })
 }

@@ -5,7 +5,7 @@ use crate::scene::{Scene, Site};
 
 /// What can be turned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Knob {
+pub enum TuningParameter {
     /// The static force.
     Preload,
     /// Mass of the heavier kind of particles.
@@ -20,7 +20,7 @@ pub enum Knob {
     StrikerSpeed,
 }
 
-impl Knob {
+impl TuningParameter {
     /// All knobs.
     pub const ALL: [Self; 6] = [
         Self::Preload,

@@ -7,17 +7,17 @@
 
 mod knob;
 
-pub use knob::Knob;
+pub use knob::TuningParameter;
 
 use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::gate::Gate;
-use crate::analysis::spectrum::{Analyser, Settings, Spectrum, SpectrumError};
+use crate::analysis::spectrum::{Analyser, Spectrum, SpectrumError, SpectrumSettings};
 use crate::analysis::window::Window;
 use crate::chain::{ChainError, ForceProbe};
 use crate::experiment::bench::{Bench, Grid};
 use crate::experiment::method_choice;
 use crate::experiment::parallel::{in_parallel, processors};
-use crate::experiment::pulse::{HALF_RISE, PulseRecorder};
+use crate::experiment::pulse::{HALF_RISE_SHARE, PulseRecorder};
 use crate::integrate::IntegrateError;
 use crate::measurement::metadata::cell;
 use crate::scene::{Scene, Site};
@@ -25,9 +25,9 @@ use crate::trace::Trace;
 use knob::sensed;
 
 /// Accuracy of the simulations: far below what a shade or a curve shows (1).
-const ACCURACY: f64 = 1e-5;
+const MAP_ACCURACY: f64 = 1e-5;
 /// Sample interval of the forces (s).
-const INTERVAL: f64 = 2e-6;
+const MAP_SAMPLE_INTERVAL: f64 = 2e-6;
 
 /// Why there is no map.
 #[derive(Debug, thiserror::Error)]
@@ -46,7 +46,7 @@ pub enum TuneError {
         /// The scene.
         scene: String,
         /// The knob.
-        knob: Knob,
+        knob: TuningParameter,
         /// The knobs that it has.
         known: String,
     },
@@ -80,7 +80,7 @@ pub struct TunedPoint {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tuning {
     /// The knob.
-    pub knob: Knob,
+    pub knob: TuningParameter,
     /// Where the scene has it (unit).
     pub now: f64,
     /// From lowest to highest.
@@ -94,7 +94,7 @@ pub struct Tuning {
 /// [`TuneError`] for a scene without two sensors in particles or without the knob.
 pub fn tune(
     scene: &Scene,
-    knobs: &[Knob],
+    knobs: &[TuningParameter],
     points: u32,
     span: f64,
     progress: &(dyn Fn(f64) + Sync),
@@ -109,7 +109,11 @@ pub fn tune(
         let now = knob.value(scene).ok_or_else(|| TuneError::NoKnob {
             scene: scene.name.clone(),
             knob: *knob,
-            known: Knob::of(scene).iter().map(|k| k.name()).collect::<Vec<_>>().join(", "),
+            known: TuningParameter::of(scene)
+                .iter()
+                .map(|k| k.name())
+                .collect::<Vec<_>>()
+                .join(", "),
         })?;
         turned.push((*knob, now));
         let steps = f64::from(points.saturating_sub(1).max(1));
@@ -118,7 +122,7 @@ pub fn tune(
             jobs.push((*knob, value));
         }
     }
-    let work = |(): &mut (), (knob, value): &(Knob, f64)| point(scene, *knob, *value);
+    let work = |(): &mut (), (knob, value): &(TuningParameter, f64)| point(scene, *knob, *value);
     #[allow(clippy::cast_precision_loss, reason = "a few hundred jobs")]
     let done = |finished: usize| progress(finished as f64 / jobs.len() as f64);
     let mut results = in_parallel(processors(), &jobs, &work, &done).into_iter();
@@ -130,7 +134,7 @@ pub fn tune(
     Ok(tunings)
 }
 
-fn point(scene: &Scene, knob: Knob, value: f64) -> Result<TunedPoint, TuneError> {
+fn point(scene: &Scene, knob: TuningParameter, value: f64) -> Result<TunedPoint, TuneError> {
     let turned = knob.turn(scene, value)?;
     let chain = &turned.chain;
     let sensed = sensed(scene);
@@ -138,8 +142,8 @@ fn point(scene: &Scene, knob: Knob, value: f64) -> Result<TunedPoint, TuneError>
     let probes: Vec<ForceProbe> =
         ends.iter().filter_map(|particle| ForceProbe::inside(chain, *particle, 0.0)).collect();
     let velocities = &turned.initial_velocities;
-    let method = method_choice::method_for(chain, velocities, ACCURACY);
-    let grid = Grid { start: 0.0, interval: INTERVAL };
+    let method = method_choice::method_for(chain, velocities, MAP_ACCURACY);
+    let grid = Grid { start: 0.0, interval: MAP_SAMPLE_INTERVAL };
     let never = Grid { start: f64::MAX, interval: 1.0 };
     let mut bench = Bench::new(chain, velocities, method, &probes, (grid, never));
     bench.run_until(turned.duration, true, &mut |_| ())?;
@@ -147,7 +151,7 @@ fn point(scene: &Scene, knob: Knob, value: f64) -> Result<TunedPoint, TuneError>
         return Err(TuneError::Sensors { scene: scene.name.clone(), found: bench.watches().len() });
     };
     let half_rise =
-        |pulse: &PulseRecorder| pulse.first_reach(HALF_RISE * pulse.first_peak()?.dynamic_n);
+        |pulse: &PulseRecorder| pulse.first_reach(HALF_RISE_SHARE * pulse.first_peak()?.dynamic_n);
     let times = half_rise(&first.pulse).zip(half_rise(&last.pulse));
     let distance = chain.distance(ends[0], ends[1]);
     let peaks = first.pulse.first_peak().zip(last.pulse.first_peak());
@@ -159,7 +163,7 @@ fn point(scene: &Scene, knob: Knob, value: f64) -> Result<TunedPoint, TuneError>
         values: last.samples.clone(),
     };
     let gate = Gate { from: 0.0, to: turned.duration };
-    let settings = Settings { gate, window: Window::Hann, ..Settings::default() };
+    let settings = SpectrumSettings { gate, window: Window::Hann, ..SpectrumSettings::default() };
     Ok(TunedPoint {
         value,
         chain: cell(&turned, Site::Particle(ends[0])),

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::sweep::plan::{Column, Kind};
+use crate::sweep::plan::{Column, ColumnKind};
 
 /// The object of a run. Numbers stand there with the digits that they have in the log; what is not known is null.
 pub(super) fn object(columns: &[Column], cells: &[Cow<'_, str>]) -> String {
@@ -15,8 +15,8 @@ pub(super) fn object(columns: &[Column], cells: &[Cow<'_, str>]) -> String {
         text.push(':');
         match column.kind {
             _ if cell.is_empty() => text.push_str("null"),
-            Kind::Number | Kind::Count => text.push_str(cell),
-            Kind::Text => text.push_str(&quoted(cell)),
+            ColumnKind::Number | ColumnKind::Count => text.push_str(cell),
+            ColumnKind::Text => text.push_str(&quoted(cell)),
         }
     }
     text.push('}');

@@ -5,24 +5,23 @@ mod json_lines;
 mod parquet_file;
 
 use std::borrow::Cow;
-use std::fs::File;
 use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 use super::plan::Column;
-use super::row::Row;
+use super::row::ResultRow;
 use super::{SweepError, at};
+use crate::files::{NewFile, Output as _};
 
 /// A table that is being written, under another name until it is whole.
-pub(super) struct Table {
+pub(super) struct TableWriter {
     file: PathBuf,
-    part: PathBuf,
     out: Out,
 }
 
 enum Out {
-    Csv(BufWriter<File>),
-    JsonLines(BufWriter<File>, Vec<Column>),
+    Csv(BufWriter<NewFile>),
+    JsonLines(BufWriter<NewFile>, Vec<Column>),
     #[cfg(feature = "parquet")]
     Parquet(parquet_file::ParquetFile),
 }
@@ -45,16 +44,10 @@ fn extension(file: &Path) -> Option<&str> {
     file.extension().and_then(|extension| extension.to_str())
 }
 
-impl Table {
+impl TableWriter {
     pub(super) fn create(file: &Path, columns: &[Column]) -> Result<Self, SweepError> {
         check(file)?;
-        let mut part = file.as_os_str().to_owned();
-        part.push(".part");
-        let part = PathBuf::from(part);
-        if let Some(folder) = file.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-            std::fs::create_dir_all(folder).map_err(at(folder))?;
-        }
-        let created = File::create(&part).map_err(at(&part))?;
+        let created = NewFile::replace(file).map_err(at(file))?;
         let out = match extension(file) {
             #[cfg(feature = "parquet")]
             Some("parquet") => {
@@ -62,25 +55,25 @@ impl Table {
             }
             Some("jsonl") => Out::JsonLines(BufWriter::new(created), columns.to_vec()),
             _ => {
-                let mut head = Row::default();
+                let mut head = ResultRow::default();
                 for column in columns {
                     head.text(&column.name);
                 }
                 let mut out = BufWriter::new(created);
-                writeln!(out, "{}", head.into_line()).map_err(at(&part))?;
+                writeln!(out, "{}", head.into_line()).map_err(at(file))?;
                 Out::Csv(out)
             }
         };
-        Ok(Self { file: file.to_owned(), part, out })
+        Ok(Self { file: file.to_owned(), out })
     }
 
     /// Adds a run: its `line`, and the `cells` of that.
     pub(super) fn row(&mut self, line: &str, cells: &[Cow<'_, str>]) -> Result<(), SweepError> {
         match &mut self.out {
-            Out::Csv(out) => writeln!(out, "{line}").map_err(at(&self.part)),
+            Out::Csv(out) => writeln!(out, "{line}").map_err(at(&self.file)),
             Out::JsonLines(out, columns) => {
                 let object = json_lines::object(columns, cells);
-                writeln!(out, "{object}").map_err(at(&self.part))
+                writeln!(out, "{object}").map_err(at(&self.file))
             }
             #[cfg(feature = "parquet")]
             Out::Parquet(out) => out.row(cells),
@@ -91,12 +84,11 @@ impl Table {
     pub(super) fn finish(self) -> Result<(), SweepError> {
         let file = match self.out {
             Out::Csv(out) | Out::JsonLines(out, _) => {
-                out.into_inner().map_err(|error| at(&self.part)(error.into_error()))?
+                out.into_inner().map_err(|error| at(&self.file)(error.into_error()))?
             }
             #[cfg(feature = "parquet")]
             Out::Parquet(out) => out.finish()?,
         };
-        file.sync_all().map_err(at(&self.part))?;
-        std::fs::rename(&self.part, &self.file).map_err(at(&self.file))
+        Box::new(file).complete().map(|_| ()).map_err(at(&self.file))
     }
 }

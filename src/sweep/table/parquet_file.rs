@@ -1,7 +1,6 @@
 //! Apache Parquet: columns of doubles, whole numbers and texts, each with the column's head as its name; what is not known is null.
 
 use std::borrow::Cow;
-use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -12,8 +11,9 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::Type;
 
+use crate::files::NewFile;
 use crate::sweep::SweepError;
-use crate::sweep::plan::{Column, Kind};
+use crate::sweep::plan::{Column, ColumnKind};
 
 /// Rows that are kept in memory and written together.
 const ROWS_OF_GROUP: usize = 65_536;
@@ -21,7 +21,7 @@ const ROWS_OF_GROUP: usize = 65_536;
 /// A file that is being written.
 pub(super) struct ParquetFile {
     name: String,
-    writer: SerializedFileWriter<File>,
+    writer: SerializedFileWriter<NewFile>,
     columns: Vec<Values>,
     rows: usize,
 }
@@ -34,7 +34,7 @@ enum Values {
 }
 
 impl ParquetFile {
-    pub(super) fn new(name: &Path, file: File, columns: &[Column]) -> Result<Self, SweepError> {
+    pub(super) fn new(name: &Path, file: NewFile, columns: &[Column]) -> Result<Self, SweepError> {
         let name = name.display().to_string();
         let began = begin(file, columns);
         let writer = began.map_err(|source| SweepError::Parquet { file: name.clone(), source })?;
@@ -54,7 +54,7 @@ impl ParquetFile {
         written.map_err(|source| SweepError::Parquet { file: self.name.clone(), source })
     }
 
-    pub(super) fn finish(mut self) -> Result<File, SweepError> {
+    pub(super) fn finish(mut self) -> Result<NewFile, SweepError> {
         if self.rows > 0 {
             self.write()?;
         }
@@ -63,13 +63,13 @@ impl ParquetFile {
     }
 }
 
-fn begin(file: File, columns: &[Column]) -> Result<SerializedFileWriter<File>, ParquetError> {
+fn begin(file: NewFile, columns: &[Column]) -> Result<SerializedFileWriter<NewFile>, ParquetError> {
     let mut fields = Vec::with_capacity(columns.len());
     for column in columns {
         let (physical, logical) = match column.kind {
-            Kind::Number => (Physical::DOUBLE, None),
-            Kind::Count => (Physical::INT64, None),
-            Kind::Text => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
+            ColumnKind::Number => (Physical::DOUBLE, None),
+            ColumnKind::Count => (Physical::INT64, None),
+            ColumnKind::Text => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
         };
         let field = Type::primitive_type_builder(&column.name, physical)
             .with_repetition(Repetition::OPTIONAL)
@@ -84,7 +84,7 @@ fn begin(file: File, columns: &[Column]) -> Result<SerializedFileWriter<File>, P
 }
 
 fn group(
-    writer: &mut SerializedFileWriter<File>,
+    writer: &mut SerializedFileWriter<NewFile>,
     columns: &mut [Values],
 ) -> Result<(), ParquetError> {
     let mut group = writer.next_row_group()?;
@@ -99,11 +99,11 @@ fn group(
 }
 
 impl Values {
-    fn of(kind: Kind) -> Self {
+    fn of(kind: ColumnKind) -> Self {
         match kind {
-            Kind::Number => Self::Numbers(Vec::new()),
-            Kind::Count => Self::Counts(Vec::new()),
-            Kind::Text => Self::Texts(Vec::new()),
+            ColumnKind::Number => Self::Numbers(Vec::new()),
+            ColumnKind::Count => Self::Counts(Vec::new()),
+            ColumnKind::Text => Self::Texts(Vec::new()),
         }
     }
 

@@ -6,7 +6,7 @@ use crate::tui::model::Action;
 
 /// A key with the modifiers that tell it from others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Key {
+pub struct KeyPress {
     /// The key; a letter carries its case.
     pub code: KeyCode,
     /// Control, Alt, and for keys without a case of their own Shift.
@@ -15,7 +15,7 @@ pub struct Key {
 
 /// Where a binding holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
+pub enum BindingScope {
     /// Everywhere.
     Everywhere,
     /// On the scope's screen.
@@ -28,11 +28,11 @@ pub enum Place {
 #[derive(Debug, Clone, Copy)]
 pub struct Binding {
     /// Where the keys hold.
-    pub place: Place,
+    pub place: BindingScope,
     /// The keys as people write them.
     pub label: &'static str,
     /// The keys and their actions.
-    pub keys: &'static [(Key, Action)],
+    pub keys: &'static [(KeyPress, Action)],
     /// What they do.
     pub help: &'static str,
     /// The same in a word for the line of hints; empty for keys that are not on it.

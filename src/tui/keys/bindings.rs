@@ -2,33 +2,33 @@
 
 use ratatui::crossterm::event::{KeyCode, KeyModifiers};
 
-use super::{Binding, Key, Place};
-use crate::tui::axis::Turn;
-use crate::tui::model::{Action, Page, Panel, Side};
+use super::{Binding, BindingScope, KeyPress};
+use crate::tui::axis::TurnDirection;
+use crate::tui::model::{Action, Page, Popup, SidePanel};
 
-const fn plain(code: KeyCode) -> Key {
-    Key { code, modifiers: KeyModifiers::NONE }
+const fn plain(code: KeyCode) -> KeyPress {
+    KeyPress { code, modifiers: KeyModifiers::NONE }
 }
 
-const fn letter(letter: char) -> Key {
+const fn letter(letter: char) -> KeyPress {
     plain(KeyCode::Char(letter))
 }
 
-const fn shift(code: KeyCode) -> Key {
-    Key { code, modifiers: KeyModifiers::SHIFT }
+const fn shift(code: KeyCode) -> KeyPress {
+    KeyPress { code, modifiers: KeyModifiers::SHIFT }
 }
 
-const fn control(letter: char) -> Key {
-    Key { code: KeyCode::Char(letter), modifiers: KeyModifiers::CONTROL }
+const fn control(letter: char) -> KeyPress {
+    KeyPress { code: KeyCode::Char(letter), modifiers: KeyModifiers::CONTROL }
 }
 
-const fn time_per_division(turn: Turn) -> Action {
+const fn time_per_division(turn: TurnDirection) -> Action {
     Action::TimePerDivision { turn, anchor: 0.0 }
 }
 
 const fn binding(
-    (place, label): (Place, &'static str),
-    keys: &'static [(Key, Action)],
+    (place, label): (BindingScope, &'static str),
+    keys: &'static [(KeyPress, Action)],
     help: &'static str,
     hint: &'static str,
 ) -> Binding {
@@ -38,13 +38,13 @@ const fn binding(
 /// All keys.
 pub const BINDINGS: &[Binding] = &[
     binding(
-        (Place::Everywhere, "?"),
-        &[(letter('?'), Action::Toggle(Panel::Help))],
+        (BindingScope::Everywhere, "?"),
+        &[(letter('?'), Action::Toggle(Popup::Help))],
         "this help, and away again",
         "help",
     ),
     binding(
-        (Place::Everywhere, "q Esc"),
+        (BindingScope::Everywhere, "q Esc"),
         &[
             (letter('q'), Action::Quit),
             (control('c'), Action::Quit),
@@ -54,7 +54,7 @@ pub const BINDINGS: &[Binding] = &[
         "quit",
     ),
     binding(
-        (Place::Scope, "1-4"),
+        (BindingScope::Scope, "1-4"),
         &[
             (letter('1'), Action::Channel(1)),
             (letter('2'), Action::Channel(2)),
@@ -65,112 +65,112 @@ pub const BINDINGS: &[Binding] = &[
         "channel",
     ),
     binding(
-        (Place::Scope, "Tab Shift+Tab"),
+        (BindingScope::Scope, "Tab Shift+Tab"),
         &[
-            (plain(KeyCode::Tab), Action::NextTrace(Turn::Up)),
-            (plain(KeyCode::BackTab), Action::NextTrace(Turn::Down)),
+            (plain(KeyCode::Tab), Action::NextTrace(TurnDirection::Up)),
+            (plain(KeyCode::BackTab), Action::NextTrace(TurnDirection::Down)),
         ],
         "select the next, previous trace (MATH, REF too)",
         "",
     ),
     binding(
-        (Place::Scope, "Enter"),
+        (BindingScope::Scope, "Enter"),
         &[(plain(KeyCode::Enter), Action::OnOff)],
         "selected trace off, on",
         "",
     ),
     binding(
-        (Place::Scope, "↑ ↓"),
+        (BindingScope::Scope, "↑ ↓"),
         &[
-            (plain(KeyCode::Up), Action::VoltsPerDivision(Turn::Down)),
-            (plain(KeyCode::Down), Action::VoltsPerDivision(Turn::Up)),
+            (plain(KeyCode::Up), Action::VoltsPerDivision(TurnDirection::Down)),
+            (plain(KeyCode::Down), Action::VoltsPerDivision(TurnDirection::Up)),
         ],
         "V/div: taller, flatter; Ctrl + mouse wheel",
         "V/div",
     ),
     binding(
-        (Place::Scope, "← →"),
+        (BindingScope::Scope, "← →"),
         &[
-            (plain(KeyCode::Left), time_per_division(Turn::Up)),
-            (plain(KeyCode::Right), time_per_division(Turn::Down)),
+            (plain(KeyCode::Left), time_per_division(TurnDirection::Up)),
+            (plain(KeyCode::Right), time_per_division(TurnDirection::Down)),
         ],
         "s/div, on spectra Hz/div: zoom out, in; mouse wheel",
         "s/div",
     ),
     binding(
-        (Place::Scope, "Shift+↑ ↓  K J"),
+        (BindingScope::Scope, "Shift+↑ ↓  K J"),
         &[
-            (shift(KeyCode::Up), Action::Position(Turn::Up)),
-            (letter('K'), Action::Position(Turn::Up)),
-            (shift(KeyCode::Down), Action::Position(Turn::Down)),
-            (letter('J'), Action::Position(Turn::Down)),
+            (shift(KeyCode::Up), Action::Position(TurnDirection::Up)),
+            (letter('K'), Action::Position(TurnDirection::Up)),
+            (shift(KeyCode::Down), Action::Position(TurnDirection::Down)),
+            (letter('J'), Action::Position(TurnDirection::Down)),
         ],
         "position: selected trace up, down; or drag it",
         "",
     ),
     binding(
-        (Place::Scope, "Shift+← →  H L"),
+        (BindingScope::Scope, "Shift+← →  H L"),
         &[
-            (shift(KeyCode::Left), Action::Pan(Turn::Down)),
-            (letter('H'), Action::Pan(Turn::Down)),
-            (shift(KeyCode::Right), Action::Pan(Turn::Up)),
-            (letter('L'), Action::Pan(Turn::Up)),
+            (shift(KeyCode::Left), Action::Pan(TurnDirection::Down)),
+            (letter('H'), Action::Pan(TurnDirection::Down)),
+            (shift(KeyCode::Right), Action::Pan(TurnDirection::Up)),
+            (letter('L'), Action::Pan(TurnDirection::Up)),
         ],
         "traces, spectra left, right; or drag them",
         "",
     ),
     binding(
-        (Place::Scope, "z a"),
+        (BindingScope::Scope, "z a"),
         &[(letter('z'), Action::Reset), (letter('a'), Action::Autoset)],
         "view as recorded; autoset: show everything",
         "reset, auto",
     ),
     binding(
-        (Place::Scope, ", . Home End"),
+        (BindingScope::Scope, ", . Home End"),
         &[
-            (letter(','), Action::Shot(Turn::Down)),
-            (letter('.'), Action::Shot(Turn::Up)),
-            (plain(KeyCode::Home), Action::Ends(Turn::Down)),
-            (plain(KeyCode::End), Action::Ends(Turn::Up)),
+            (letter(','), Action::Shot(TurnDirection::Down)),
+            (letter('.'), Action::Shot(TurnDirection::Up)),
+            (plain(KeyCode::Home), Action::Ends(TurnDirection::Down)),
+            (plain(KeyCode::End), Action::Ends(TurnDirection::Up)),
         ],
         "previous, next, first, last shot",
         "shot",
     ),
     binding(
-        (Place::Scope, "Space < >"),
+        (BindingScope::Scope, "Space < >"),
         &[
             (letter(' '), Action::RunStop),
-            (letter('<'), Action::Speed(Turn::Down)),
-            (letter('>'), Action::Speed(Turn::Up)),
+            (letter('<'), Action::Speed(TurnDirection::Down)),
+            (letter('>'), Action::Speed(TurnDirection::Up)),
         ],
         "recording: play, pause, slower, faster; bench: run, stop",
         "play",
     ),
     binding(
-        (Place::Scope, "c v"),
+        (BindingScope::Scope, "c v"),
         &[(letter('c'), Action::Cursors), (letter('v'), Action::OtherCursor)],
         "cursors: time, volts, off; v moves the other one",
         "cursors",
     ),
     binding(
-        (Place::Scope, "[ ]  { }"),
+        (BindingScope::Scope, "[ ]  { }"),
         &[
-            (letter('['), Action::MoveCursor(Turn::Down)),
-            (letter(']'), Action::MoveCursor(Turn::Up)),
-            (letter('{'), Action::Snap(Turn::Down)),
-            (letter('}'), Action::Snap(Turn::Up)),
+            (letter('['), Action::MoveCursor(TurnDirection::Down)),
+            (letter(']'), Action::MoveCursor(TurnDirection::Up)),
+            (letter('{'), Action::Snap(TurnDirection::Down)),
+            (letter('}'), Action::Snap(TurnDirection::Up)),
         ],
         "move cursor; snap to previous, next peak or edge",
         "",
     ),
     binding(
-        (Place::Scope, "M"),
-        &[(letter('M'), Action::Side(Side::Measurements))],
+        (BindingScope::Scope, "M"),
+        &[(letter('M'), Action::Side(SidePanel::Measurements))],
         "measurements, arrivals, speeds",
         "measure",
     ),
     binding(
-        (Place::Scope, "F S x"),
+        (BindingScope::Scope, "F S x"),
         &[
             (letter('F'), Action::Page(Page::Spectrum)),
             (letter('S'), Action::Page(Page::Map)),
@@ -180,25 +180,25 @@ pub const BINDINGS: &[Binding] = &[
         "FFT",
     ),
     binding(
-        (Place::Scope, "b"),
+        (BindingScope::Scope, "b"),
         &[(letter('b'), Action::Page(Page::Bench))],
         "the chain in motion; Space , . < > work on it",
         "bench",
     ),
     binding(
-        (Place::Scope, "d"),
+        (BindingScope::Scope, "d"),
         &[(letter('d'), Action::Compare)],
         "comparison: both, overlay, difference, away",
         "compare",
     ),
     binding(
-        (Place::Scope, "k"),
+        (BindingScope::Scope, "k"),
         &[(letter('k'), Action::Page(Page::Accuracy))],
         "accuracy: work against precision, effects",
         "accuracy",
     ),
     binding(
-        (Place::Scope, "m R T"),
+        (BindingScope::Scope, "m R T"),
         &[
             (letter('m'), Action::Math),
             (letter('R'), Action::Reference),
@@ -208,41 +208,41 @@ pub const BINDINGS: &[Binding] = &[
         "",
     ),
     binding(
-        (Place::Scope, "u p"),
+        (BindingScope::Scope, "u p"),
         &[(letter('u'), Action::Unit), (letter('p'), Action::Persistence)],
         "volts or newtons; persistence",
         "",
     ),
     binding(
-        (Place::Scope, "n N  - +  o"),
+        (BindingScope::Scope, "n N  - +  o"),
         &[
-            (letter('n'), Action::NextKnob(Turn::Up)),
-            (letter('N'), Action::NextKnob(Turn::Down)),
-            (letter('-'), Action::TurnKnob(Turn::Down)),
-            (letter('+'), Action::TurnKnob(Turn::Up)),
-            (letter('='), Action::TurnKnob(Turn::Up)),
+            (letter('n'), Action::NextKnob(TurnDirection::Up)),
+            (letter('N'), Action::NextKnob(TurnDirection::Down)),
+            (letter('-'), Action::TurnKnob(TurnDirection::Down)),
+            (letter('+'), Action::TurnKnob(TurnDirection::Up)),
+            (letter('='), Action::TurnKnob(TurnDirection::Up)),
             (letter('o'), Action::Switch),
         ],
         "bench: next knob, turn it, effect on/off",
         "knob",
     ),
     binding(
-        (Place::Scope, "B i"),
-        &[(letter('B'), Action::Side(Side::Knobs)), (letter('i'), Action::Impact)],
+        (BindingScope::Scope, "B i"),
+        &[(letter('B'), Action::Side(SidePanel::Knobs)), (letter('i'), Action::Impact)],
         "bench: show the knobs; strike the chain",
         "",
     ),
     binding(
-        (Place::Scope, "s f"),
+        (BindingScope::Scope, "s f"),
         &[(letter('s'), Action::Single), (letter('f'), Action::Force)],
         "bench: arm for one trigger; force one",
         "",
     ),
     binding(
-        (Place::Scope, "PgUp PgDn e t"),
+        (BindingScope::Scope, "PgUp PgDn e t"),
         &[
-            (plain(KeyCode::PageUp), Action::TriggerLevel(Turn::Up)),
-            (plain(KeyCode::PageDown), Action::TriggerLevel(Turn::Down)),
+            (plain(KeyCode::PageUp), Action::TriggerLevel(TurnDirection::Up)),
+            (plain(KeyCode::PageDown), Action::TriggerLevel(TurnDirection::Down)),
             (letter('e'), Action::TriggerSlope),
             (letter('t'), Action::TriggerMode),
         ],
@@ -250,28 +250,28 @@ pub const BINDINGS: &[Binding] = &[
         "",
     ),
     binding(
-        (Place::Scope, "C P"),
+        (BindingScope::Scope, "C P"),
         &[(letter('C'), Action::Coupling), (letter('P'), Action::Probe)],
         "bench: coupling (or click it), probe of the channel",
         "",
     ),
     binding(
-        (Place::Scope, "w :"),
+        (BindingScope::Scope, "w :"),
         &[(letter('w'), Action::Prompt("write ")), (letter(':'), Action::Prompt(""))],
         "save; command line, see below",
         "save",
     ),
     binding(
-        (Place::Everywhere, "l"),
-        &[(letter('l'), Action::Toggle(Panel::Log))],
+        (BindingScope::Everywhere, "l"),
+        &[(letter('l'), Action::Toggle(Popup::Log))],
         "problems of the file and its log",
         "",
     ),
     binding(
-        (Place::Panels, "↑ ↓"),
+        (BindingScope::Panels, "↑ ↓"),
         &[
-            (plain(KeyCode::Up), Action::Scroll(Turn::Up)),
-            (plain(KeyCode::Down), Action::Scroll(Turn::Down)),
+            (plain(KeyCode::Up), Action::Scroll(TurnDirection::Up)),
+            (plain(KeyCode::Down), Action::Scroll(TurnDirection::Down)),
         ],
         "in a panel: scroll",
         "",

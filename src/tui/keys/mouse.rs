@@ -4,19 +4,23 @@
 use ratatui::crossterm::event::{KeyModifiers, MouseButton, MouseEvent, MouseEventKind};
 use ratatui::layout::Position;
 
-use crate::tui::axis::{DIVISIONS_ACROSS, DIVISIONS_UP, Turn};
-use crate::tui::model::{Action, Panel};
-use crate::tui::view::layout::Layout;
+use crate::tui::axis::{DIVISIONS_ACROSS, DIVISIONS_UP, TurnDirection};
+use crate::tui::model::{Action, Popup};
+use crate::tui::view::layout::ScreenLayout;
 use crate::tui::view::target::Target;
 
 /// What the mouse asks for.
-pub fn mouse_action(event: MouseEvent, panel: Panel, layout: Option<&Layout>) -> Option<Action> {
+pub fn mouse_action(
+    event: MouseEvent,
+    panel: Popup,
+    layout: Option<&ScreenLayout>,
+) -> Option<Action> {
     let wheel = match event.kind {
-        MouseEventKind::ScrollUp => Some(Turn::Down),
-        MouseEventKind::ScrollDown => Some(Turn::Up),
+        MouseEventKind::ScrollUp => Some(TurnDirection::Down),
+        MouseEventKind::ScrollDown => Some(TurnDirection::Up),
         _ => None,
     };
-    if panel != Panel::Scope {
+    if panel != Popup::Scope {
         return wheel.map(|turn| Action::Scroll(turn.other()));
     }
     let layout = layout?;
@@ -37,8 +41,8 @@ pub fn mouse_action(event: MouseEvent, panel: Panel, layout: Option<&Layout>) ->
 /// What the mouse asks for on a reading.
 pub fn reading_action(event: MouseEvent, target: Target) -> Option<Action> {
     let wheel = match event.kind {
-        MouseEventKind::ScrollUp => Some(Turn::Up),
-        MouseEventKind::ScrollDown => Some(Turn::Down),
+        MouseEventKind::ScrollUp => Some(TurnDirection::Up),
+        MouseEventKind::ScrollDown => Some(TurnDirection::Down),
         _ => None,
     };
     let click = match event.kind {
@@ -61,7 +65,7 @@ pub fn reading_action(event: MouseEvent, target: Target) -> Option<Action> {
 }
 
 /// The pointer's place from the graticule's centre, right and up, in divisions.
-fn divisions(event: MouseEvent, layout: &Layout) -> (f64, f64) {
+fn divisions(event: MouseEvent, layout: &ScreenLayout) -> (f64, f64) {
     // The middle of a cell, two dots wide and four high.
     let dots = |cell: u16, first: u16, wide: f64| {
         (f64::from(cell) - f64::from(first)) * wide + 0.5 * (wide - 1.0)

@@ -1,15 +1,15 @@
 //! Read access to the model for the views.
 
 use super::state::{
-    Cursors, Overlay, Page, Palette, Panel, PersistedTraces, Play, Side, Visibility,
+    Cursors, Overlay, Page, Palette, PersistedTraces, Playback, Popup, SidePanel, Visibility,
 };
-use super::{MathMode, Model, Questions};
+use super::{BackgroundJobs, MathMode, ScreenState};
 use crate::recording::{Capture, Shot, TraceSet};
 use crate::scene::Scene;
 use crate::scope::{Source, Waveform};
-use crate::tui::axis::{Vertical, Window};
+use crate::tui::axis::{Vertical, ViewWindow};
 
-impl Model {
+impl ScreenState {
     /// The recording.
     pub fn set(&self) -> &TraceSet {
         &self.set
@@ -61,13 +61,13 @@ impl Model {
     }
 
     /// What of the abscissa is on screen; `None` without a trace.
-    pub fn window(&self) -> Option<Window> {
+    pub fn window(&self) -> Option<ViewWindow> {
         self.window.or_else(|| self.recorded_window())
     }
 
     /// The window of the selected trace's recording; `None` without a trace.
-    pub fn recorded_window(&self) -> Option<Window> {
-        self.selected().map(|capture| Window::recorded(&capture.waveform))
+    pub fn recorded_window(&self) -> Option<ViewWindow> {
+        self.selected().map(|capture| ViewWindow::recorded(&capture.waveform))
     }
 
     /// Whether another part of the abscissa is shown than was recorded.
@@ -110,12 +110,12 @@ impl Model {
     }
 
     /// What stands beside it.
-    pub fn side(&self) -> Side {
+    pub fn side(&self) -> SidePanel {
         self.side
     }
 
     /// What lies over the screen.
-    pub fn panel(&self) -> Panel {
+    pub fn panel(&self) -> Popup {
         self.panel
     }
 
@@ -130,7 +130,7 @@ impl Model {
     }
 
     /// How the recording is played.
-    pub fn play(&self) -> &Play {
+    pub fn play(&self) -> &Playback {
         &self.play
     }
 
@@ -140,7 +140,7 @@ impl Model {
     }
 
     /// Comparison, study and ledger.
-    pub fn questions(&self) -> &Questions {
+    pub fn questions(&self) -> &BackgroundJobs {
         &self.questions
     }
 

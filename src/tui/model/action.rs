@@ -1,9 +1,9 @@
 //! What the user can ask for.
 
-use super::Panel;
-use super::state::{Page, Side};
+use super::Popup;
+use super::state::{Page, SidePanel};
 use crate::scope::Source;
-use crate::tui::axis::Turn;
+use crate::tui::axis::TurnDirection;
 
 /// What a key or the mouse asks for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,46 +13,46 @@ pub enum Action {
     /// Close the open panel; without one, leave.
     Back,
     /// Open a panel, or close it when it is open.
-    Toggle(Panel),
+    Toggle(Popup),
     /// Move the text of a panel.
-    Scroll(Turn),
+    Scroll(TurnDirection),
     /// Press a channel's button, counted from 1: selects it and turns it on; if it is selected, turns it off or on.
     Channel(u8),
     /// The same with any trace.
     Trace(Source),
     /// Select the next trace, or the one before.
-    NextTrace(Turn),
+    NextTrace(TurnDirection),
     /// Turn the selected trace off or on.
     OnOff,
     /// Turn the selected trace's V/div knob.
-    VoltsPerDivision(Turn),
+    VoltsPerDivision(TurnDirection),
     /// Turn the s/div knob.
     TimePerDivision {
         /// Up is more seconds a division.
-        turn: Turn,
+        turn: TurnDirection,
         /// What stays in place, to the right of the screen's centre (div).
         anchor: f64,
     },
     /// Move the selected trace down or up.
-    Position(Turn),
+    Position(TurnDirection),
     /// Move the picture left or right.
-    Pan(Turn),
+    Pan(TurnDirection),
     /// Show another shot.
-    Shot(Turn),
+    Shot(TurnDirection),
     /// Back to how everything was recorded.
     Reset,
     /// The first shot, or the last.
-    Ends(Turn),
+    Ends(TurnDirection),
     /// Play or stop a recording, run or stop a bench.
     RunStop,
     /// Play twice as fast, or half.
-    Speed(Turn),
+    Speed(TurnDirection),
     /// So many seconds have passed (s).
     Tick(f64),
     /// Open a page, or close it when it is open.
     Page(Page),
     /// Open what stands beside the page, or close it.
-    Side(Side),
+    Side(SidePanel),
     /// The comparison: its page, its next view, away.
     Compare,
     /// The next kind of cursors.
@@ -60,9 +60,9 @@ pub enum Action {
     /// The other cursor moves now.
     OtherCursor,
     /// Move the active cursor.
-    MoveCursor(Turn),
+    MoveCursor(TurnDirection),
     /// Move it to the next peak or edge.
-    Snap(Turn),
+    Snap(TurnDirection),
     /// A mouse button goes down.
     Press {
         /// To the right of the graticule's centre (div).
@@ -96,7 +96,7 @@ pub enum Action {
     /// Strike the chain.
     Impact,
     /// Turn the trigger level.
-    TriggerLevel(Turn),
+    TriggerLevel(TurnDirection),
     /// The trigger's other edge.
     TriggerSlope,
     /// The trigger's other mode.
@@ -106,9 +106,9 @@ pub enum Action {
     /// The selected channel's next probe.
     Probe,
     /// Select the next knob or effect.
-    NextKnob(Turn),
+    NextKnob(TurnDirection),
     /// Turn the selected knob.
-    TurnKnob(Turn),
+    TurnKnob(TurnDirection),
     /// Switch the selected effect.
     Switch,
     /// Open the command line, with these words typed already.

@@ -1,56 +1,37 @@
 //! Background jobs: the comparison, the work-precision study, the ledger of effects. Requests start here; worker threads answer them.
 
-use super::Model;
-use super::state::{Job, Overlay, Page, Request};
+use super::ScreenState;
+use super::state::{JobState, Overlay, Page, Request};
 use crate::measurement::compare::Compared;
-use crate::studies::cost::Study;
+use crate::studies::cost::CostStudy;
 use crate::studies::effects::Ledger;
-use crate::tui::axis::Turn;
-
-/// The questions and how far their answers are.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Questions {
-    /// The shot on screen against a simulation.
-    pub comparison: Job<Box<Compared>>,
-    /// Work against precision.
-    pub study: Job<Box<Study>>,
-    /// What each effect costs and changes.
-    pub ledger: Job<Box<Ledger>>,
-    /// Place of the selected effect in the ledger.
-    pub effect: usize,
-}
-
-impl Default for Questions {
-    fn default() -> Self {
-        Self { comparison: Job::Idle, study: Job::Idle, ledger: Job::Idle, effect: 0 }
-    }
-}
+use crate::tui::axis::TurnDirection;
 
 /// The answer to a question, or how far it is.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Answer {
+pub enum JobAnswer {
     /// To [`Request::Compare`].
-    Comparison(Job<Box<Compared>>),
+    Comparison(JobState<Box<Compared>>),
     /// To [`Request::Study`].
-    Study(Job<Box<Study>>),
+    Study(JobState<Box<CostStudy>>),
     /// To [`Request::Ledger`].
-    Ledger(Job<Box<Ledger>>),
+    Ledger(JobState<Box<Ledger>>),
 }
 
-impl Model {
+impl ScreenState {
     /// Takes an answer.
-    pub fn answered(&mut self, answer: Answer) {
+    pub fn apply_answer(&mut self, answer: JobAnswer) {
         match answer {
-            Answer::Comparison(job) => self.questions.comparison = job,
-            Answer::Study(job) => self.questions.study = job,
-            Answer::Ledger(job) => self.questions.ledger = job,
+            JobAnswer::Comparison(job) => self.questions.comparison = job,
+            JobAnswer::Study(job) => self.questions.study = job,
+            JobAnswer::Ledger(job) => self.questions.ledger = job,
         }
     }
 
     /// Holds what is on screen against `other`: a recording, a folder, or a scene.
     pub fn compare_with(&mut self, other: String) {
         self.compared_with = Some(other);
-        self.questions.comparison = Job::Busy(0.0);
+        self.questions.comparison = JobState::Busy(0.0);
         self.page = Page::Compare;
         self.compare_again();
     }
@@ -94,22 +75,22 @@ impl Model {
             self.notice = Some("no scene is known: nothing can be run".to_owned());
             return;
         }
-        if matches!(self.questions.ledger, Job::Idle | Job::Failed(_)) {
-            self.questions.ledger = Job::Busy(0.0);
+        if matches!(self.questions.ledger, JobState::Idle | JobState::Failed(_)) {
+            self.questions.ledger = JobState::Busy(0.0);
             self.requests.push(Request::Ledger);
         }
-        if matches!(self.questions.study, Job::Idle | Job::Failed(_)) {
-            self.questions.study = Job::Busy(0.0);
+        if matches!(self.questions.study, JobState::Idle | JobState::Failed(_)) {
+            self.questions.study = JobState::Busy(0.0);
             self.requests.push(Request::Study);
         }
     }
 
     /// Another bench: what was found out about the last one is gone, and what is on screen is asked again.
-    pub(super) fn outdated(&mut self) {
-        self.questions.study = Job::Idle;
-        self.questions.ledger = Job::Idle;
+    pub(super) fn invalidate_studies(&mut self) {
+        self.questions.study = JobState::Idle;
+        self.questions.ledger = JobState::Idle;
         if self.page == Page::Accuracy {
-            self.questions.ledger = Job::Busy(0.0);
+            self.questions.ledger = JobState::Busy(0.0);
             self.requests.push(Request::Ledger);
         }
     }
@@ -121,16 +102,16 @@ impl Model {
     }
 
     /// Selects the next knob, or on the page of accuracy the next effect.
-    pub(super) fn next_knob(&mut self, turn: Turn) {
+    pub(super) fn next_knob(&mut self, turn: TurnDirection) {
         let step = |place: usize, count: usize| match turn {
-            Turn::Up => (place + 1) % count.max(1),
-            Turn::Down => place.checked_sub(1).unwrap_or(count.saturating_sub(1)),
+            TurnDirection::Up => (place + 1) % count.max(1),
+            TurnDirection::Down => place.checked_sub(1).unwrap_or(count.saturating_sub(1)),
         };
         if self.page == Page::Accuracy {
             let count = self.questions.ledger.done().map_or(0, |ledger| ledger.entries.len());
             self.questions.effect = step(self.questions.effect, count);
         } else if let Some(live) = self.bench() {
-            live.knob = step(live.knob, super::knobs::Knob::ALL.len());
+            live.knob = step(live.knob, super::knobs::BenchKnob::ALL.len());
         }
     }
 }

@@ -1,15 +1,15 @@
 //! Which frequencies the pages of spectra show.
 
-use super::{Model, Page};
+use super::{Page, ScreenState};
 use crate::analysis::spectrum::Spectrum;
-use crate::tui::axis::{DIVISIONS_ACROSS, Steps, Turn};
+use crate::tui::axis::{DIVISIONS_ACROSS, Steps, TurnDirection};
 
 /// Beyond the highest band edge so much more is shown (1).
-const BEYOND: f64 = 1.4;
+const BAND_MARGIN: f64 = 1.4;
 /// Without band edges this share of what was sampled (1).
-const SHOWN: f64 = 0.25;
+const SHOWN_SHARE: f64 = 0.25;
 
-impl Model {
+impl ScreenState {
     /// The spectrum on screen, or the first one of the map.
     fn spectrum(&self) -> Option<&Spectrum> {
         match self.page {
@@ -29,7 +29,8 @@ impl Model {
     pub fn band(&self) -> Option<(f64, f64)> {
         let sampled = self.highest()?;
         let chain = self.derived.chain.as_ref();
-        let whole = chain.map_or(SHOWN * sampled, |chain| (BEYOND * chain.cutoff()).min(sampled));
+        let whole = chain
+            .map_or(SHOWN_SHARE * sampled, |chain| (BAND_MARGIN * chain.cutoff()).min(sampled));
         // What was chosen for another trace may lie beyond this one's.
         let chosen = self.band.filter(|(_, high)| *high <= sampled * (1.0 + 1e-9));
         Some(chosen.unwrap_or((0.0, whole)))
@@ -41,7 +42,7 @@ impl Model {
     }
 
     /// The Hz/div knob; what stands `anchor` divisions right of the centre stays there.
-    pub(super) fn zoom_band(&mut self, turn: Turn, anchor: f64) {
+    pub(super) fn zoom_band(&mut self, turn: TurnDirection, anchor: f64) {
         let (Some((low, high)), Some(spectrum), Some(sampled)) =
             (self.band(), self.spectrum(), self.highest())
         else {

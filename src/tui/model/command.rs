@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::state::{Page, Request};
-use super::{Model, Panel};
+use super::{Popup, ScreenState};
 
 /// The commands, as the help shows them.
 pub const COMMANDS: &[(&str, &str)] = &[
@@ -15,16 +15,16 @@ pub const COMMANDS: &[(&str, &str)] = &[
     (":quit", "leave"),
 ];
 
-impl Model {
+impl ScreenState {
     /// Opens the command line with `start` typed already.
     pub(super) fn open_prompt(&mut self, start: &str) {
-        self.panel = Panel::Prompt;
+        self.panel = Popup::Prompt;
         start.clone_into(&mut self.prompt);
     }
 
     /// Does what was typed.
     pub(super) fn submit(&mut self) {
-        self.panel = Panel::Scope;
+        self.panel = Popup::Scope;
         let line = std::mem::take(&mut self.prompt);
         let line = line.trim();
         let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));

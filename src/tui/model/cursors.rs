@@ -1,17 +1,17 @@
 //! The pair of cursors: put, moved, snapped, and what they tell.
 
 use super::features::features;
-use super::state::{Cursor, CursorKind, value_at};
-use super::{Model, Page};
+use super::state::{CursorKind, PlacedCursor, value_at};
+use super::{Page, ScreenState};
 use crate::measurement::metadata;
-use crate::tui::axis::{DIVISIONS_ACROSS, DIVISIONS_UP, Turn};
+use crate::tui::axis::{DIVISIONS_ACROSS, DIVISIONS_UP, TurnDirection};
 
 /// A cursor's step (div).
-const STEP: f64 = 0.05;
+const CURSOR_STEP: f64 = 0.05;
 /// Where the pair stands at first, from the centre (div).
-const FIRST: f64 = 2.0;
+const FIRST_CURSOR_POSITION: f64 = 2.0;
 /// Two places nearer than this are one (div).
-const SAME: f64 = 1e-6;
+const POSITION_TOLERANCE: f64 = 1e-6;
 
 /// What the pair of cursors tells.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,7 +32,7 @@ pub struct CursorReading {
     pub speed: Option<f64>,
 }
 
-impl Model {
+impl ScreenState {
     /// The next kind of cursors.
     pub(super) fn next_cursors(&mut self) {
         self.cursors.kind = match self.cursors.kind {
@@ -47,8 +47,10 @@ impl Model {
     /// Puts both where they are seen, unless they stand somewhere.
     pub(super) fn place_cursors(&mut self) {
         let (Some(source), None) = (self.selected, self.cursors.pair) else { return };
-        let Some(place) = self.place_of([-FIRST, FIRST]) else { return };
-        self.cursors.pair = Some(place.map(|at| Cursor { at, source }));
+        let Some(place) = self.place_of([-FIRST_CURSOR_POSITION, FIRST_CURSOR_POSITION]) else {
+            return;
+        };
+        self.cursors.pair = Some(place.map(|at| PlacedCursor { at, source }));
     }
 
     /// Abscissae or ordinates of two places, counted in divisions from the centre.
@@ -73,26 +75,26 @@ impl Model {
         self.place_cursors();
         let (Some(pair), Some(source)) = (&mut self.cursors.pair, self.selected) else { return };
         if let Some(cursor) = pair.get_mut(self.cursors.active) {
-            *cursor = Cursor { at, source };
+            *cursor = PlacedCursor { at, source };
         }
     }
 
-    fn active_cursor(&self) -> Option<Cursor> {
+    fn active_cursor(&self) -> Option<PlacedCursor> {
         self.cursors.pair?.get(self.cursors.active).copied()
     }
 
     /// A step of the active cursor.
-    pub(super) fn move_cursor(&mut self, turn: Turn) {
+    pub(super) fn move_cursor(&mut self, turn: TurnDirection) {
         match (self.active_cursor(), self.cursor_division()) {
             (Some(cursor), Some(division)) => {
-                self.put_cursor(cursor.at + turn.sign() * STEP * division);
+                self.put_cursor(cursor.at + turn.sign() * CURSOR_STEP * division);
             }
             _ => self.notice = Some("no cursors on screen: c shows them".to_owned()),
         }
     }
 
     /// Moves the active cursor to the next peak or edge of the selected trace.
-    pub(super) fn snap_cursor(&mut self, turn: Turn) {
+    pub(super) fn snap_cursor(&mut self, turn: TurnDirection) {
         let (Some(cursor), Some(division)) = (self.active_cursor(), self.cursor_division()) else {
             self.notice = Some("no cursors on screen: c shows them".to_owned());
             return;
@@ -104,10 +106,10 @@ impl Model {
             places = places.into_iter().filter_map(|at| value_at(waveform, at)).collect();
             places.sort_by(f64::total_cmp);
         }
-        let apart = SAME * division;
+        let apart = POSITION_TOLERANCE * division;
         let next = match turn {
-            Turn::Up => places.into_iter().find(|at| *at > cursor.at + apart),
-            Turn::Down => places.into_iter().rev().find(|at| *at < cursor.at - apart),
+            TurnDirection::Up => places.into_iter().find(|at| *at > cursor.at + apart),
+            TurnDirection::Down => places.into_iter().rev().find(|at| *at < cursor.at - apart),
         };
         match next {
             Some(at) => self.put_cursor(at),
@@ -162,7 +164,7 @@ impl Model {
         let is_time = self.cursors.kind == CursorKind::Time;
         let ordinate = super::ordinate_unit(one).to_owned();
         let unit = if is_time { one.preamble.x_unit.clone() } else { ordinate.clone() };
-        let value = |cursor: Cursor| value_at(&self.find(cursor.source)?.waveform, cursor.at);
+        let value = |cursor: PlacedCursor| value_at(&self.find(cursor.source)?.waveform, cursor.at);
         let seconds = is_time && unit == "s" && difference != 0.0;
         let speed = || {
             let from = self.sensor(first.source)?.site?;

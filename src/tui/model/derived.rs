@@ -1,24 +1,24 @@
 //! What is worked out from the traces for the pages: spectra, measurements, arrivals. Only what is on screen is, and only when it
 //! has changed.
 
-use super::{Model, Page, Side};
-use crate::analysis::dispersion::DiatomicChain;
-use crate::analysis::spectrum::{Analyser, Settings, Spectrum};
+use super::ScreenState;
+use super::state::{Derived, DerivedKey, MeasurementReading, Page, SidePanel};
+use crate::analysis::spectrum::{Analyser, Spectrum, SpectrumSettings};
 use crate::analysis::time_frequency::{Pieces, Spectrogram};
 use crate::analysis::window::Window;
 use crate::instrument::measure::{measure, unit};
 use crate::instrument::panel::MeasurementType;
-use crate::measurement::arrivals::{Survey, survey};
+use crate::measurement::arrivals::survey;
 use crate::measurement::metadata::{self, RecordedSensor};
 use crate::scope::Source;
 use crate::trace::Trace;
 
 /// Pieces of the map are this part of the record.
-const SEGMENTS: usize = 16;
+const PIECES_PER_RECORD: usize = 16;
 /// They move on by this part of themselves.
-const OVERLAP: usize = 8;
+const HOPS_PER_PIECE: usize = 8;
 /// Spectra of records longer than this are made of every second, third, ... sample: a terminal shows no more.
-const MOST_SAMPLES: usize = 20_000;
+const MAX_SPECTRUM_SAMPLES: usize = 20_000;
 
 /// The measurements of the side panel with the names that the instrument's menu gives them.
 const MEASUREMENTS: [(&str, MeasurementType); 11] = [
@@ -35,43 +35,7 @@ const MEASUREMENTS: [(&str, MeasurementType); 11] = [
     ("-Width", MeasurementType::NegativeWidth),
 ];
 
-/// A measured number, none where the signal has no such thing.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Reading {
-    /// As the instrument's menu names it.
-    pub name: &'static str,
-    /// The number (unit).
-    pub value: Option<f64>,
-    /// Its unit.
-    pub unit: String,
-}
-
-/// What a piece of work was made of.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Key {
-    version: u64,
-    source: Option<Source>,
-    page: Page,
-    side: Side,
-}
-
-/// Everything that is worked out.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Derived {
-    made_of: Option<Key>,
-    /// The selected trace's spectrum, or why there is none.
-    pub spectrum: Option<Result<Spectrum, String>>,
-    /// Its spectrum over time, or why there is none.
-    pub map: Option<Result<Spectrogram, String>>,
-    /// The chain around its sensor, for the band edges.
-    pub chain: Option<DiatomicChain>,
-    /// Its measurements.
-    pub readings: Vec<Reading>,
-    /// Arrivals and speeds of the shot.
-    pub survey: Option<Survey>,
-}
-
-impl Model {
+impl ScreenState {
     /// What was worked out for the screen.
     pub fn derived(&self) -> &Derived {
         &self.derived
@@ -86,8 +50,12 @@ impl Model {
 
     /// Works out what the screen shows, unless it has.
     pub(super) fn derive(&mut self) {
-        let key =
-            Key { version: self.version, source: self.selected, page: self.page, side: self.side };
+        let key = DerivedKey {
+            version: self.version,
+            source: self.selected,
+            page: self.page,
+            side: self.side,
+        };
         if self.derived.made_of == Some(key) {
             return;
         }
@@ -106,20 +74,20 @@ impl Model {
         if self.page == Page::Map {
             derived.map = Some(trace.and_then(|trace| map(&trace)));
         }
-        if self.side == Side::Measurements {
+        if self.side == SidePanel::Measurements {
             derived.readings = self.readings();
             derived.survey = self.set_shot().map(|shot| survey(&self.set, shot));
         }
         self.derived = derived;
     }
 
-    fn readings(&self) -> Vec<Reading> {
+    fn readings(&self) -> Vec<MeasurementReading> {
         let Some(capture) = self.selected() else { return Vec::new() };
-        let reading = |(name, kind): (&'static str, MeasurementType)| Reading {
+        let reading = |(name, kind): (&'static str, MeasurementType)| MeasurementReading {
             name,
             value: measure(kind, &capture.waveform).ok(),
             unit: match unit(kind) {
-                "V" => super::ordinate_unit(&capture.waveform).to_owned(),
+                "V" => super::state::ordinate_unit(&capture.waveform).to_owned(),
                 other => other.to_owned(),
             },
         };
@@ -129,21 +97,25 @@ impl Model {
 
 /// Every so manieth sample of a long record.
 fn thinned(trace: Trace) -> Trace {
-    let step = trace.values.len().div_ceil(MOST_SAMPLES).max(1);
+    let step = trace.values.len().div_ceil(MAX_SPECTRUM_SAMPLES).max(1);
     #[expect(clippy::cast_precision_loss, reason = "a small whole number")]
     let interval = trace.interval * step as f64;
     Trace { interval, values: trace.values.into_iter().step_by(step).collect(), ..trace }
 }
 
 fn spectrum(trace: &Trace) -> Result<Spectrum, String> {
-    let settings = Settings { offset: mean(trace), ..Settings::default() };
+    let settings = SpectrumSettings { offset: mean(trace), ..SpectrumSettings::default() };
     Analyser::new().spectrum(trace, &settings).map_err(|error| error.to_string())
 }
 
 fn map(trace: &Trace) -> Result<Spectrogram, String> {
-    let segment = (trace.values.len() / SEGMENTS).max(2);
-    let pieces = Pieces { segment, hop: (segment / OVERLAP).max(1) };
-    let settings = Settings { offset: mean(trace), window: Window::Hann, ..Settings::default() };
+    let segment = (trace.values.len() / PIECES_PER_RECORD).max(2);
+    let pieces = Pieces { segment, hop: (segment / HOPS_PER_PIECE).max(1) };
+    let settings = SpectrumSettings {
+        offset: mean(trace),
+        window: Window::Hann,
+        ..SpectrumSettings::default()
+    };
     Spectrogram::of(&mut Analyser::new(), trace, &settings, pieces).map_err(|e| e.to_string())
 }
 

@@ -6,9 +6,9 @@
 use crate::scope::Waveform;
 
 /// Swings smaller than this share of the largest are no peaks (1).
-const BAND: f64 = 0.1;
+const MIN_SWING_SHARE: f64 = 0.1;
 /// A peak is half as high at its edge (1).
-const HALF: f64 = 0.5;
+const EDGE_SHARE: f64 = 0.5;
 
 /// Abscissae of all peaks and edges, in order (s; Hz for an FFT).
 pub fn features(waveform: &Waveform) -> Vec<f64> {
@@ -17,7 +17,7 @@ pub fn features(waveform: &Waveform) -> Vec<f64> {
     sorted.sort_by(f64::total_cmp);
     let Some(base) = sorted.get(sorted.len() / 2).copied() else { return Vec::new() };
     let swing = values.iter().map(|value| (value - base).abs()).fold(0.0, f64::max);
-    let band = BAND * swing;
+    let band = MIN_SWING_SHARE * swing;
     let mut places = Vec::new();
     let mut index = 0;
     while let Some(first) = next_outside(&values, index, base, band) {
@@ -26,7 +26,7 @@ pub fn features(waveform: &Waveform) -> Vec<f64> {
         let end = (first..values.len()).find(|at| height(*at) < band).unwrap_or(values.len());
         let peak =
             (first..end).fold(first, |best, at| if height(at) > height(best) { at } else { best });
-        let level = HALF * height(peak);
+        let level = EDGE_SHARE * height(peak);
         let from = first.saturating_sub(1);
         let rise = (from..peak).find(|at| height(*at) < level && height(at + 1) >= level);
         places.extend(rise.map(|at| {

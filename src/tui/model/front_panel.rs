@@ -1,20 +1,20 @@
 //! The scope's own knobs: on a recording they move the picture, on a running bench they set the scope.
 
-use super::Model;
+use super::ScreenState;
 use super::knobs::{pending, typed};
-use super::live::Settings;
-use super::state::{Acquisition, Page};
+use super::live_state::TunedSettings;
+use super::state::{Page, RunState};
 use crate::scope::{Slope, Source, TriggerMode, Waveform};
-use crate::tui::axis::{DIVISIONS_UP, Steps, Turn, Vertical, Window, is_spectrum};
+use crate::tui::axis::{DIVISIONS_UP, Steps, TurnDirection, Vertical, ViewWindow, is_spectrum};
 
 /// A division in so many presses of a position key (1).
 const PRESSES_PER_DIVISION: f64 = 2.0;
 /// A turn of the trigger level (div).
 const LEVEL_STEP: f64 = 0.1;
 /// Autoset leaves this share of the screen free (1).
-const FREE: f64 = 0.25;
+const AUTOSET_MARGIN: f64 = 0.25;
 
-impl Model {
+impl ScreenState {
     /// The other trigger mode.
     pub(super) fn other_mode(&mut self) {
         let mode = self.scope().map(|scope| scope.trigger.mode);
@@ -33,7 +33,7 @@ impl Model {
     }
 
     /// What was tuned in this session.
-    pub(super) fn tuned(&self) -> Settings {
+    pub(super) fn tuned(&self) -> TunedSettings {
         self.live.as_ref().map(|live| live.settings().clone()).unwrap_or_default()
     }
 
@@ -44,7 +44,7 @@ impl Model {
 
     /// Whether the knobs set the scope and not the picture.
     fn sets_the_scope(&self) -> bool {
-        let runs = |live: &super::Live| live.acquisition != Acquisition::Stopped;
+        let runs = |live: &super::LiveBench| live.acquisition != RunState::Stopped;
         self.live.as_ref().is_some_and(runs)
     }
 
@@ -56,7 +56,7 @@ impl Model {
     }
 
     /// The V/div knob.
-    pub(super) fn turn_volts(&mut self, turn: Turn) {
+    pub(super) fn turn_volts(&mut self, turn: TurnDirection) {
         let Some((path, vertical)) = self.scope_setting("scale") else {
             self.adjust(|waveform, vertical| Vertical {
                 scale: vertical.turned(waveform, turn),
@@ -75,7 +75,7 @@ impl Model {
     }
 
     /// The position knob.
-    pub(super) fn turn_position(&mut self, turn: Turn) {
+    pub(super) fn turn_position(&mut self, turn: TurnDirection) {
         let step = turn.sign() / PRESSES_PER_DIVISION;
         match self.scope_setting("position") {
             Some((path, vertical)) => {
@@ -89,7 +89,7 @@ impl Model {
     }
 
     /// The s/div knob; what stands `anchor` divisions right of the centre stays there.
-    pub(super) fn turn_time(&mut self, turn: Turn, anchor: f64) {
+    pub(super) fn turn_time(&mut self, turn: TurnDirection, anchor: f64) {
         if self.shows_frequencies() {
             return self.zoom_band(turn, anchor);
         }
@@ -107,7 +107,7 @@ impl Model {
     }
 
     /// The horizontal position knob.
-    pub(super) fn turn_pan(&mut self, turn: Turn) {
+    pub(super) fn turn_pan(&mut self, turn: TurnDirection) {
         let step = -turn.sign() / PRESSES_PER_DIVISION;
         if self.shows_frequencies() {
             return self.pan_band(step);
@@ -132,7 +132,7 @@ impl Model {
     }
 
     /// The trigger level knob.
-    pub(super) fn turn_level(&mut self, turn: Turn) {
+    pub(super) fn turn_level(&mut self, turn: TurnDirection) {
         if self.bench().is_none() {
             return;
         }
@@ -214,7 +214,7 @@ impl Model {
             if !(high - low).is_normal() {
                 continue;
             }
-            let room = band * (1.0 - FREE);
+            let room = band * (1.0 - AUTOSET_MARGIN);
             let scale = Steps::OneTwoFive.at_least((high - low) / room);
             let middle = f64::from(DIVISIONS_UP) / 2.0 - band * (f64::from(place) + 0.5);
             // Half divisions are easier to read.
@@ -241,7 +241,7 @@ impl Model {
     }
 
     /// Changes what of the abscissa is on screen; back at the recorded window, nothing is kept.
-    pub(super) fn look(&mut self, change: impl Fn(Window, &Waveform) -> Window) {
+    pub(super) fn look(&mut self, change: impl Fn(ViewWindow, &Waveform) -> ViewWindow) {
         if self.page != Page::Scope {
             self.notice =
                 Some("zoom works on traces and spectra: Esc goes to the traces".to_owned());
@@ -250,19 +250,19 @@ impl Model {
         let (Some(window), Some(capture)) = (self.window(), self.selected()) else {
             return;
         };
-        let recorded = Window::recorded(&capture.waveform);
+        let recorded = ViewWindow::recorded(&capture.waveform);
         let window = change(window, &capture.waveform);
         self.window = (!window.same_as(&recorded)).then_some(window);
     }
 }
 
 /// The step next to `value` among ascending ones.
-fn neighbour(steps: impl Iterator<Item = f64>, value: f64, turn: Turn) -> Option<f64> {
+fn neighbour(steps: impl Iterator<Item = f64>, value: f64, turn: TurnDirection) -> Option<f64> {
     const SAME: f64 = 1e-6;
     let mut steps: Vec<f64> = steps.collect();
     steps.sort_by(f64::total_cmp);
     match turn {
-        Turn::Up => steps.into_iter().find(|step| *step > value * (1.0 + SAME)),
-        Turn::Down => steps.into_iter().rev().find(|step| *step < value * (1.0 - SAME)),
+        TurnDirection::Up => steps.into_iter().find(|step| *step > value * (1.0 + SAME)),
+        TurnDirection::Down => steps.into_iter().rev().find(|step| *step < value * (1.0 - SAME)),
     }
 }

@@ -1,14 +1,14 @@
 //! Actions on the knobs of the bench: turning the selected one, and switching its effect.
 
-use super::knobs::{Knob, switched};
-use super::{Model, Page};
-use crate::tui::axis::Turn;
+use super::knobs::{BenchKnob, switched};
+use super::{Page, ScreenState};
+use crate::tui::axis::TurnDirection;
 
-impl Model {
+impl ScreenState {
     /// Turns the selected knob.
-    pub(super) fn turn_knob(&mut self, turn: Turn) {
+    pub(super) fn turn_knob(&mut self, turn: TurnDirection) {
         let Some(live) = self.bench() else { return };
-        let knob = Knob::ALL.get(live.knob).copied();
+        let knob = BenchKnob::ALL.get(live.knob).copied();
         let (Some(knob), Some(scene)) = (knob, self.scene.clone()) else { return };
         let (source, tuned) = (self.selected, self.tuned());
         match knob.turned(&scene, &tuned, source, turn) {
@@ -30,7 +30,7 @@ impl Model {
         let named = if self.page == Page::Accuracy {
             self.selected_effect()
         } else {
-            self.live.as_ref().and_then(|live| Knob::ALL.get(live.knob)?.effect)
+            self.live.as_ref().and_then(|live| BenchKnob::ALL.get(live.knob)?.effect)
         };
         let Some(scene) = self.scene.clone() else { return };
         let Some(effect) = named else {

@@ -1,25 +1,25 @@
 //! The bench's knobs: where each stands in a scene, how it reads, and how far a turn takes it.
 
-use super::live::Settings;
+use super::live_state::TunedSettings;
 use crate::chain::{LossSpec, MagnetForce};
 use crate::experiment::outcome::effects;
 use crate::quantity::{engineering, parse_any};
 use crate::scene::{LOOSEST_ACCURACY, Scene, TIGHTEST_ACCURACY};
 use crate::scope::Source;
-use crate::tui::axis::Turn;
+use crate::tui::axis::TurnDirection;
 
 /// Turns from one value to ten times as much, evenly by ratio.
-const TURNS_A_DECADE: f64 = 24.0;
+const TURNS_PER_DECADE: f64 = 24.0;
 /// Digits of a value that is typed.
-const DIGITS: usize = 3;
+const KNOB_DIGITS: usize = 3;
 /// Where a plate stops being inside its particle (1).
-const FARTHEST_OFFSET: f64 = 0.5;
+const MAX_OFFSET: f64 = 0.5;
 /// One turn of a plate's offset (1).
 const OFFSET_STEP: f64 = 0.05;
 
 /// How a turn changes a knob.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Turning {
+enum KnobStep {
     /// By an equal ratio.
     Ratio,
     /// To the next power of ten.
@@ -30,7 +30,7 @@ enum Turning {
 
 /// A knob of the bench.
 #[derive(Debug, Clone, Copy)]
-pub struct Knob {
+pub struct BenchKnob {
     /// What it says.
     pub label: &'static str,
     /// Where it stands in a scene; `{}` is the selected channel's sensor.
@@ -41,7 +41,7 @@ pub struct Knob {
     scale: f64,
     /// The effect that it belongs to, which can be switched.
     pub effect: Option<&'static str>,
-    turning: Turning,
+    turning: KnobStep,
     read: fn(&Scene, Option<Source>) -> Option<f64>,
 }
 
@@ -51,8 +51,8 @@ const fn knob(
     (unit, scale): (&'static str, f64),
     effect: Option<&'static str>,
     read: fn(&Scene, Option<Source>) -> Option<f64>,
-) -> Knob {
-    Knob { label, path, unit, scale, effect, turning: Turning::Ratio, read }
+) -> BenchKnob {
+    BenchKnob { label, path, unit, scale, effect, turning: KnobStep::Ratio, read }
 }
 
 fn loss(spec: Option<&LossSpec>) -> Option<f64> {
@@ -79,7 +79,7 @@ fn offset(scene: &Scene, source: Option<Source>) -> Option<f64> {
     scene.sensors.get(index).map(|sensor| sensor.offset)
 }
 
-impl Knob {
+impl BenchKnob {
     /// All knobs, in the order of the panel.
     pub const ALL: &'static [Self] = &[
         knob("striker mass", "striker.mass", ("g", 1e-3), None, |s, _| {
@@ -111,7 +111,7 @@ impl Knob {
             |s, _| loss(s.spec.effects.kuwabara_kono.as_ref().map(|kono| &kono.eta)),
         ),
         Self {
-            turning: Turning::Decade,
+            turning: KnobStep::Decade,
             ..knob("accuracy", "accuracy", ("", 1.0), None, |s, _| s.accuracy)
         },
         knob(
@@ -123,7 +123,7 @@ impl Knob {
         ),
         knob("sensitivity", "sensors.{}.sensitivity", ("mV/N", 1e-3), None, sensitivity),
         Self {
-            turning: Turning::Offset,
+            turning: KnobStep::Offset,
             ..knob("plate offset", "sensors.{}.offset", ("", 1.0), None, offset)
         },
     ];
@@ -132,14 +132,14 @@ impl Knob {
     pub fn reading(&self, scene: &Scene, source: Option<Source>) -> String {
         match (self.read)(scene, source) {
             None if self.effect.is_some() => "off".to_owned(),
-            None if self.turning == Turning::Decade => "auto".to_owned(),
+            None if self.turning == KnobStep::Decade => "auto".to_owned(),
             None => "-".to_owned(),
-            Some(value) if self.turning == Turning::Decade => format!("{value:.0e}"),
+            Some(value) if self.turning == KnobStep::Decade => format!("{value:.0e}"),
             Some(value) if self.unit == "div" => format!("{value:.3} div"),
-            Some(value) if self.turning == Turning::Offset => format!("{value:+.2}"),
+            Some(value) if self.turning == KnobStep::Offset => format!("{value:+.2}"),
             // Masses are told in grams, which are no SI unit.
-            Some(value) if self.unit == "g" => engineering(value / self.scale, "g", DIGITS),
-            Some(value) => engineering(value, self.si_unit(), DIGITS),
+            Some(value) if self.unit == "g" => engineering(value / self.scale, "g", KNOB_DIGITS),
+            Some(value) => engineering(value, self.si_unit(), KNOB_DIGITS),
         }
     }
 
@@ -158,9 +158,9 @@ impl Knob {
     pub fn turned(
         &self,
         scene: &Scene,
-        tuned: &Settings,
+        tuned: &TunedSettings,
         source: Option<Source>,
-        turn: Turn,
+        turn: TurnDirection,
     ) -> Result<(String, String), String> {
         let named = sensor_of(scene, source).map(|(_, name)| name);
         if self.path.contains("{}") && named.is_none() {
@@ -175,18 +175,16 @@ impl Knob {
         };
         let now = match (known, self.turning) {
             (Some(value), _) => value,
-            (None, Turning::Decade) => crate::scene::DEFAULT_ACCURACY,
+            (None, KnobStep::Decade) => crate::scene::DEFAULT_ACCURACY,
             (None, _) if self.effect.is_some() => {
                 return Err(format!("{} is off: o switches it on", self.label));
             }
             (None, _) => return Err(format!("this bench has no {}", self.label)),
         };
         let value = match self.turning {
-            Turning::Ratio => now * 10f64.powf(turn.sign() / TURNS_A_DECADE) / self.scale,
-            Turning::Offset => {
-                (now + turn.sign() * OFFSET_STEP).clamp(-FARTHEST_OFFSET, FARTHEST_OFFSET)
-            }
-            Turning::Decade => {
+            KnobStep::Ratio => now * 10f64.powf(turn.sign() / TURNS_PER_DECADE) / self.scale,
+            KnobStep::Offset => (now + turn.sign() * OFFSET_STEP).clamp(-MAX_OFFSET, MAX_OFFSET),
+            KnobStep::Decade => {
                 let decade = 10f64.powf(now.log10().round() + turn.sign());
                 decade.clamp(TIGHTEST_ACCURACY, LOOSEST_ACCURACY)
             }
@@ -196,7 +194,7 @@ impl Knob {
 }
 
 /// The value that was typed for `path` in this session (unit).
-pub fn pending(tuned: &Settings, path: &str) -> Option<f64> {
+pub fn pending(tuned: &TunedSettings, path: &str) -> Option<f64> {
     parse_any(tuned.get(path)?).ok().map(|(value, _)| value)
 }
 
@@ -223,7 +221,7 @@ fn first_settings(effect: &str) -> Option<&'static [(&'static str, &'static str)
 /// Why it cannot be switched, in words.
 pub fn switched(
     scene: &Scene,
-    tuned: &Settings,
+    tuned: &TunedSettings,
     effect: &str,
 ) -> Result<Vec<(String, String)>, String> {
     let path = |key: &str| format!("effects.{effect}.{key}");

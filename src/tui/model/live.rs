@@ -1,113 +1,17 @@
-//! The live bench: knobs that change a scene, and the scene they make.
-//!
-//! What is tuned is kept as it would be typed, `striker.speed = "0.46 m/s"`, on top of the scene that was opened; that text is
-//! simulated, and the same text is what is saved.
+//! The live bench: strikes it, and takes what a strike brought.
 
-use std::collections::BTreeMap;
-use std::fmt::Write as _;
+use super::ScreenState;
+use super::live_state::{LiveBench, StrikeResult};
+use super::state::{Request, RunState, StrikeRequest};
 
-use super::Model;
-use super::served::Served;
-use super::state::{Acquisition, Request, Strike};
-use crate::experiment::outcome::Summary;
-use crate::recording::TraceSet;
-use crate::scene::Scene;
-
-/// What was typed for each path, `striker.speed`.
-pub type Settings = BTreeMap<String, String>;
-
-/// An impact that was simulated.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Struck {
-    /// The bench.
-    pub scene: Scene,
-    /// The recording of this one shot.
-    pub set: TraceSet,
-    /// What happened, and what it cost.
-    pub summary: Summary,
-}
-
-/// The bench behind the screen.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Live {
-    /// The scene that was opened: a name that ships, or a whole path.
-    pub base: String,
-    pub(super) settings: Settings,
-    /// The settings that the bench took last.
-    pub(super) good: Settings,
-    /// Place of the selected knob in [`Knob::ALL`](super::knobs::Knob::ALL).
-    pub knob: usize,
-    /// What the scope is doing.
-    pub acquisition: Acquisition,
-    asked: u64,
-    shown: u64,
-    shot: u32,
-    /// What happened at the last impact.
-    pub summary: Option<Summary>,
-    /// The scope, where another process serves it; none where the bench is this one's.
-    pub served: Option<Served>,
-}
-
-impl Live {
-    /// The bench of scene `base`, running.
-    pub fn new(base: String) -> Self {
-        Self {
-            base,
-            settings: Settings::new(),
-            good: Settings::new(),
-            knob: 0,
-            acquisition: Acquisition::Running,
-            asked: 0,
-            shown: 0,
-            shot: 1,
-            summary: None,
-            served: None,
-        }
-    }
-
-    /// Whether a newer picture is on its way.
-    pub fn is_waiting(&self) -> bool {
-        self.asked > self.shown
-    }
-
-    /// What was tuned, in the order of the paths.
-    pub fn settings(&self) -> &Settings {
-        &self.settings
-    }
-
-    /// Sets a value without striking.
-    pub(super) fn set_quietly(&mut self, path: String, value: String) {
-        self.settings.insert(path, value);
-    }
-
-    /// The tuned scene as text.
-    pub fn text(&self) -> String {
-        let mut tables: BTreeMap<&str, Vec<(&str, &str)>> = BTreeMap::new();
-        for (path, value) in &self.settings {
-            let (table, key) = path.rsplit_once('.').unwrap_or(("", path));
-            tables.entry(table).or_default().push((key, value));
-        }
-        let mut text = format!("base = {:?}\n", self.base);
-        for (table, pairs) in tables {
-            if !table.is_empty() {
-                let _ = write!(text, "\n[{table}]\n");
-            }
-            for (key, value) in pairs {
-                let _ = writeln!(text, "{key} = {value:?}");
-            }
-        }
-        text
-    }
-}
-
-impl Model {
+impl ScreenState {
     /// The bench behind the screen; none behind a recording.
-    pub fn live(&self) -> Option<&Live> {
+    pub fn live(&self) -> Option<&LiveBench> {
         self.live.as_ref()
     }
 
     /// Takes out of the last impact what differs from machine to machine, so that pictures can be compared.
-    pub fn forget_wall_time(&mut self) {
+    pub fn clear_wall_time(&mut self) {
         if let Some(summary) = self.live.as_mut().and_then(|live| live.summary.as_mut()) {
             summary.wall_s = 0.0;
         }
@@ -115,12 +19,12 @@ impl Model {
 
     /// Opens the bench of scene `base` (a name that ships, or a whole path) and strikes it.
     pub fn open_bench(&mut self, base: String) {
-        self.live = Some(Live::new(base));
+        self.live = Some(LiveBench::new(base));
         self.strike();
     }
 
     /// The bench, or a word that there is none.
-    pub(super) fn bench(&mut self) -> Option<&mut Live> {
+    pub(super) fn bench(&mut self) -> Option<&mut LiveBench> {
         if self.live.is_none() {
             let word =
                 "a recording cannot be turned: `hertzscope view SCENE` opens a bench that can";
@@ -134,7 +38,7 @@ impl Model {
         let Some(live) = &mut self.live else { return };
         live.asked += 1;
         let name = self.title.clone();
-        let strike = Strike { name, text: live.text(), shot: live.shot, turn: live.asked };
+        let strike = StrikeRequest { name, text: live.text(), shot: live.shot, turn: live.asked };
         self.requests.retain(|request| !matches!(request, Request::Strike(_)));
         self.requests.push(Request::Strike(strike));
     }
@@ -153,7 +57,7 @@ impl Model {
         }
         let Some(live) = &mut self.live else { return };
         live.settings.insert(path, value);
-        if live.acquisition == Acquisition::Running {
+        if live.acquisition == RunState::Running {
             self.strike();
         } else {
             self.notice =
@@ -162,7 +66,7 @@ impl Model {
     }
 
     /// The answer to a strike; one that is older than what is on screen is let go.
-    pub fn struck(&mut self, turn: u64, answer: Result<Box<Struck>, String>) {
+    pub fn apply_strike_result(&mut self, turn: u64, answer: Result<Box<StrikeResult>, String>) {
         let Some(live) = &mut self.live else { return };
         if turn < live.shown {
             return;
@@ -182,14 +86,14 @@ impl Model {
             live.good = live.settings.clone();
         }
         let triggered = struck.summary.trigger.crossed;
-        if live.acquisition == Acquisition::Armed && triggered {
-            live.acquisition = Acquisition::Stopped;
+        if live.acquisition == RunState::Armed && triggered {
+            live.acquisition = RunState::Stopped;
         }
         live.summary = Some(struck.summary);
         let other = self.scene.as_ref().is_none_or(|scene| scene.texts != struck.scene.texts);
         self.scene = Some(struck.scene);
         if other {
-            self.outdated();
+            self.invalidate_studies();
         }
         let held = struck.set.shots.iter().all(|shot| shot.captures.is_empty());
         if held && !self.set.shots.is_empty() {
@@ -199,7 +103,7 @@ impl Model {
         self.persist_traces();
         self.set = struck.set;
         self.shot = 0;
-        self.fresh();
+        self.reload_traces();
         self.compare_again();
     }
 
@@ -210,10 +114,10 @@ impl Model {
         }
         let Some(live) = &mut self.live else { return };
         live.acquisition = match live.acquisition {
-            Acquisition::Stopped => Acquisition::Running,
-            Acquisition::Running | Acquisition::Armed => Acquisition::Stopped,
+            RunState::Stopped => RunState::Running,
+            RunState::Running | RunState::Armed => RunState::Stopped,
         };
-        if live.acquisition == Acquisition::Running {
+        if live.acquisition == RunState::Running {
             self.strike();
         }
     }
@@ -221,7 +125,7 @@ impl Model {
     /// Waits for one trigger.
     pub(super) fn arm(&mut self) {
         if let Some(live) = self.bench() {
-            live.acquisition = Acquisition::Armed;
+            live.acquisition = RunState::Armed;
             self.notice = Some("armed: i strikes the chain".to_owned());
             if self.is_served() {
                 self.send(":ACQ:STOPA SEQ;STATE RUN");
@@ -232,7 +136,7 @@ impl Model {
     /// Strikes the chain once, with noise and clock of their own; a scope that is stopped does not see it.
     pub(super) fn impact(&mut self) {
         let Some(live) = self.bench() else { return };
-        if live.acquisition == Acquisition::Stopped {
+        if live.acquisition == RunState::Stopped {
             self.notice =
                 Some("the scope is stopped: s arms it for one trigger, space runs it".to_owned());
             return;

@@ -1,38 +1,25 @@
 //! Going through a recording: shots in memory or on disk, playing, seeking, what stays behind.
 
-use super::state::{Page, PersistedTraces, Request};
-use super::{Model, Side};
+use super::ScreenState;
+use super::state::{Page, PartialRecording, PersistedTraces, Request, SidePanel};
 use crate::recording::{Shot, TraceSet};
-use crate::tui::axis::{Turn, Window};
+use crate::tui::axis::{TurnDirection, ViewWindow};
 
 /// So many shots stay on screen behind the present one.
 const PERSISTED_SHOTS_LIMIT: usize = 16;
 /// Slowest and fastest play (1).
-const SPEEDS: (f64, f64) = (1.0 / 64.0, 64.0);
+const PLAYBACK_SPEEDS: (f64, f64) = (1.0 / 64.0, 64.0);
 /// The bench's film runs so much slower than the bench, at speed 1 (1).
-const SLOW_MOTION: f64 = 1e-3;
+const PLAYBACK_TIME_SCALE: f64 = 1e-3;
 
-/// A recording of which one shot is in memory.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct OnTape {
-    /// Shots found so far.
-    count: usize,
-    /// Whether the file may still hold or get more.
-    open: bool,
-    /// Place of the shot in memory.
-    here: Option<usize>,
-    /// Whether the newest shot is to be shown whenever one comes.
-    follow: bool,
-}
-
-impl Model {
+impl ScreenState {
     /// A recording that is read as it is looked at; shots and facts come as answers. `follow` shows each new shot.
-    pub fn on_tape(&mut self, follow: bool) {
-        self.on_tape = Some(OnTape { count: 0, open: true, here: None, follow });
+    pub fn open_partial_recording(&mut self, follow: bool) {
+        self.on_tape = Some(PartialRecording { count: 0, open: true, here: None, follow });
     }
 
     /// What was found of the recording so far: how many shots, whether there may come more, and what holds for all of them.
-    pub fn tape_read(&mut self, count: usize, open: bool, facts: TraceSet) {
+    pub fn apply_index(&mut self, count: usize, open: bool, facts: TraceSet) {
         let Some(tape) = &mut self.on_tape else { return };
         let grown = count > tape.count;
         (tape.count, tape.open) = (count, open);
@@ -44,7 +31,7 @@ impl Model {
         self.set = TraceSet { shots, ..facts };
         if facts_changed {
             self.read_scene();
-            self.fresh();
+            self.reload_traces();
         }
         if follow && grown {
             self.go_to(count - 1);
@@ -54,7 +41,7 @@ impl Model {
     }
 
     /// The shot that was asked for.
-    pub fn tape_shot(&mut self, place: usize, shot: Shot) {
+    pub fn apply_shot(&mut self, place: usize, shot: Shot) {
         if place != self.shot {
             return;
         }
@@ -69,7 +56,7 @@ impl Model {
             tape.here = Some(place);
         }
         self.set.shots = vec![shot];
-        self.shown(before);
+        self.after_shot_change(before);
         if again {
             self.play.bench_time = time;
         }
@@ -110,14 +97,14 @@ impl Model {
         let before = self.recorded_window();
         self.persist_traces();
         self.shot = place;
-        self.shown(before);
+        self.after_shot_change(before);
     }
 
     /// Shows another shot, the same part of it where it was recorded alike.
-    pub(super) fn change_shot(&mut self, turn: Turn) {
+    pub(super) fn change_shot(&mut self, turn: TurnDirection) {
         let next = match turn {
-            Turn::Down => self.shot.checked_sub(1),
-            Turn::Up => Some(self.shot + 1).filter(|next| *next < self.shots()),
+            TurnDirection::Down => self.shot.checked_sub(1),
+            TurnDirection::Up => Some(self.shot + 1).filter(|next| *next < self.shots()),
         };
         if let Some(next) = next {
             self.go_to(next);
@@ -128,9 +115,9 @@ impl Model {
     }
 
     /// After another shot has come; the window stays where it was recorded alike.
-    pub(super) fn shown(&mut self, before: Option<Window>) {
+    pub(super) fn after_shot_change(&mut self, before: Option<ViewWindow>) {
         self.play.bench_time = 0.0;
-        self.fresh();
+        self.reload_traces();
         let alike = match (before, self.recorded_window()) {
             (Some(before), Some(now)) => before.same_as(&now),
             _ => false,
@@ -184,8 +171,9 @@ impl Model {
     }
 
     /// Twice as fast, or half.
-    pub(super) fn change_speed(&mut self, turn: Turn) {
-        self.play.speed = (self.play.speed * 2f64.powf(turn.sign())).clamp(SPEEDS.0, SPEEDS.1);
+    pub(super) fn change_speed(&mut self, turn: TurnDirection) {
+        self.play.speed =
+            (self.play.speed * 2f64.powf(turn.sign())).clamp(PLAYBACK_SPEEDS.0, PLAYBACK_SPEEDS.1);
         self.notice = Some(format!("speed {}x", self.play.speed));
     }
 
@@ -195,13 +183,13 @@ impl Model {
             return;
         }
         if self.page == Page::Bench {
-            self.seek(seconds * self.play.speed * SLOW_MOTION);
+            self.seek(seconds * self.play.speed * PLAYBACK_TIME_SCALE);
             return;
         }
         self.play.waited += seconds * self.play.speed;
         if self.play.waited >= 1.0 {
             self.play.waited = 0.0;
-            self.change_shot(Turn::Up);
+            self.change_shot(TurnDirection::Up);
         }
     }
 
@@ -232,8 +220,8 @@ impl Model {
     }
 
     /// Opens or closes what stands beside the page.
-    pub(super) fn open_side(&mut self, side: Side) {
-        self.side = if self.side == side { Side::Nothing } else { side };
+    pub(super) fn open_side(&mut self, side: SidePanel) {
+        self.side = if self.side == side { SidePanel::Nothing } else { side };
         self.derive();
     }
 }

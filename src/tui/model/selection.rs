@@ -1,14 +1,14 @@
 //! Which traces are on the screen, and as what.
 
-use super::{MathMode, Model};
+use super::{MathMode, ScreenState};
 use crate::scope::Source;
-use crate::tui::axis::Turn;
+use crate::tui::axis::TurnDirection;
 
-pub(super) fn next_math(model: &mut Model) {
+pub(super) fn next_math(model: &mut ScreenState) {
     // Pairs whose channels were not recorded are passed over.
     for _ in 0..7 {
         model.math = model.math.next();
-        model.fresh();
+        model.reload_traces();
         let shown = model.find(Source::Math).is_some();
         if shown || model.math == MathMode::Off {
             break;
@@ -17,7 +17,7 @@ pub(super) fn next_math(model: &mut Model) {
     model.notice = Some(format!("MATH {}", model.math.name()));
 }
 
-pub(super) fn truth(model: &mut Model) {
+pub(super) fn truth(model: &mut ScreenState) {
     model.truth = !model.truth;
     let has = model.shot().is_some_and(|shot| !shot.truth.is_empty());
     let words = match (model.truth, has) {
@@ -30,7 +30,7 @@ pub(super) fn truth(model: &mut Model) {
     model.notice = Some(words.to_owned());
 }
 
-pub(super) fn unit(model: &mut Model) {
+pub(super) fn unit(model: &mut ScreenState) {
     model.newtons = !model.newtons;
     for adjustment in model.adjustments.values_mut() {
         adjustment.scale = None;
@@ -39,11 +39,11 @@ pub(super) fn unit(model: &mut Model) {
     model.cursors.pair = None;
     let words = if model.newtons { "newtons: droop undone, baseline taken off" } else { "volts" };
     model.notice = Some(words.to_owned());
-    model.fresh();
+    model.reload_traces();
     model.place_cursors();
 }
 
-pub(super) fn reset(model: &mut Model) {
+pub(super) fn reset(model: &mut ScreenState) {
     if model.shows_frequencies() {
         model.band = None;
         return;
@@ -56,7 +56,7 @@ pub(super) fn reset(model: &mut Model) {
 }
 
 /// A press of a trace's button.
-pub(super) fn press(model: &mut Model, source: Source) {
+pub(super) fn press(model: &mut ScreenState, source: Source) {
     if model.find(source).is_none() {
         model.notice = Some(format!("{source} is not in this shot"));
         return;
@@ -68,8 +68,8 @@ pub(super) fn press(model: &mut Model, source: Source) {
 }
 
 /// Selects a trace; if it has another abscissa, the screen changes to that.
-fn select(model: &mut Model, source: Source) {
-    let unit = |model: &Model| model.selected().map(|c| c.waveform.preamble.x_unit.clone());
+fn select(model: &mut ScreenState, source: Source) {
+    let unit = |model: &ScreenState| model.selected().map(|c| c.waveform.preamble.x_unit.clone());
     let before = unit(model);
     model.selected = Some(source);
     if unit(model) != before {
@@ -77,16 +77,16 @@ fn select(model: &mut Model, source: Source) {
     }
 }
 
-pub(super) fn next_trace(model: &mut Model, turn: Turn) {
+pub(super) fn next_trace(model: &mut ScreenState, turn: TurnDirection) {
     let captures = model.captures();
     let Some(last) = captures.len().checked_sub(1) else {
         return;
     };
     let here = captures.iter().position(|c| model.is_selected(c.waveform.source)).unwrap_or(0);
     let next = match turn {
-        Turn::Up if here == last => 0,
-        Turn::Up => here + 1,
-        Turn::Down => here.checked_sub(1).unwrap_or(last),
+        TurnDirection::Up if here == last => 0,
+        TurnDirection::Up => here + 1,
+        TurnDirection::Down => here.checked_sub(1).unwrap_or(last),
     };
     if let Some(source) = captures.get(next).map(|c| c.waveform.source) {
         select(model, source);

@@ -1,51 +1,40 @@
 //! A scope that is served somewhere else: what it tells, and what is turned on it from here.
 
-use super::Model;
-use super::live::Settings;
-use super::state::{Acquisition, Request};
+use super::ScreenState;
+use super::live_state::{LiveBench, ServedScope, TunedSettings};
+use super::state::{Request, RunState};
 use crate::quantity::parse_any;
 use crate::recording::TraceSet;
 use crate::scene::Scene;
 use crate::scope::Setup;
 
-/// What is known of a served scope beside its traces.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Served {
-    /// What the acquisition is doing, as `TRIGger:STATE?` says; empty as long as nothing was told.
-    pub state: String,
-    /// The front panel.
-    pub scope: Option<Box<Setup>>,
-    /// Whether a bench stands behind it that can be struck.
-    pub bench: bool,
-}
-
 /// What a served scope told.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Heard {
+pub struct ServedUpdate {
     /// State and front panel.
-    pub served: Served,
+    pub served: ServedScope,
     /// Name of the scene behind it; empty where there is none.
     pub base: String,
     /// What the scope is doing.
-    pub acquisition: Acquisition,
+    pub acquisition: RunState,
     /// What a scene on top of `base` has to say to be this bench.
-    pub settings: Settings,
+    pub settings: TunedSettings,
     /// The bench, where it is known here.
     pub scene: Option<Scene>,
     /// New records with what is known about them, if there are some.
     pub set: Option<TraceSet>,
 }
 
-impl Model {
-    /// Shows a scope that is served somewhere else; what it tells comes as [`Heard`].
+impl ScreenState {
+    /// Shows a scope that is served somewhere else; what it tells comes as [`ServedUpdate`].
     pub fn open_served(&mut self) {
-        let mut live = super::Live::new(String::new());
-        live.served = Some(Served::default());
+        let mut live = LiveBench::new(String::new());
+        live.served = Some(ServedScope::default());
         self.live = Some(live);
     }
 
     /// Takes what the served scope told.
-    pub fn heard(&mut self, heard: Heard) {
+    pub fn apply_served_update(&mut self, heard: ServedUpdate) {
         let Some(live) = &mut self.live else { return };
         live.acquisition = heard.acquisition;
         live.settings.clone_from(&heard.settings);
@@ -56,21 +45,21 @@ impl Model {
         let other = self.scene.as_ref().map(bench) != heard.scene.as_ref().map(bench);
         self.scene = heard.scene;
         if other {
-            self.outdated();
+            self.invalidate_studies();
         }
         if let Some(set) = heard.set {
             let before = self.recorded_window();
             self.persist_traces();
             self.set = set;
             self.shot = 0;
-            self.shown(before);
+            self.after_shot_change(before);
         }
     }
 
     /// The connection to the served scope is gone; what is on screen stays.
-    pub fn lost(&mut self, why: String) {
+    pub fn connection_lost(&mut self, why: String) {
         if let Some(served) = self.live.as_mut().and_then(|live| live.served.as_mut()) {
-            *served = Served { state: "LOST".to_owned(), ..Served::default() };
+            *served = ServedScope { state: "LOST".to_owned(), ..ServedScope::default() };
         }
         self.notice = Some(why);
     }
@@ -111,13 +100,13 @@ impl Model {
 
     /// Runs or stops the served scope.
     pub(super) fn run_or_stop_served(&mut self) {
-        let stopped = self.live.as_ref().is_some_and(|l| l.acquisition == Acquisition::Stopped);
+        let stopped = self.live.as_ref().is_some_and(|l| l.acquisition == RunState::Stopped);
         self.send(if stopped { ":ACQ:STOPA RUNST;STATE RUN" } else { ":ACQ:STATE STOP" });
     }
 
     /// Strikes the chain behind the served scope.
     pub(super) fn strike_served(&mut self) {
-        let bench = |live: &super::Live| live.served.as_ref().is_some_and(|served| served.bench);
+        let bench = |live: &LiveBench| live.served.as_ref().is_some_and(|served| served.bench);
         if self.live.as_ref().is_some_and(bench) {
             self.send(":BENC:IMP");
             self.notice = Some("sent BENCh:IMPact: the chain is struck".to_owned());

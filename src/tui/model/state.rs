@@ -3,12 +3,19 @@
 use std::collections::VecDeque;
 use std::path::PathBuf;
 
+use crate::analysis::dispersion::DiatomicChain;
+use crate::analysis::spectrum::Spectrum;
+use crate::analysis::time_frequency::Spectrogram;
+use crate::measurement::arrivals::Survey;
+use crate::measurement::compare::Compared;
 use crate::recording::Capture;
 use crate::scope::{Source, Waveform};
+use crate::studies::cost::CostStudy;
+use crate::studies::effects::Ledger;
 
 /// What lies over the scope's screen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Panel {
+pub enum Popup {
     /// Nothing.
     Scope,
     /// The keys.
@@ -40,7 +47,7 @@ pub enum Page {
 
 /// What stands beside the page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Side {
+pub enum SidePanel {
     /// Nothing: the page has all columns.
     Nothing,
     /// Measurements of the selected trace, arrivals and speeds.
@@ -91,7 +98,7 @@ pub enum CursorKind {
 
 /// One cursor.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Cursor {
+pub struct PlacedCursor {
     /// Where it stands: abscissa or ordinate of its trace (unit).
     pub at: f64,
     /// The trace it was put on.
@@ -104,7 +111,7 @@ pub struct Cursors {
     /// Which way they measure.
     pub kind: CursorKind,
     /// Both, where they have been put.
-    pub pair: Option<[Cursor; 2]>,
+    pub pair: Option<[PlacedCursor; 2]>,
     /// Which of them moves: 0 or 1.
     pub active: usize,
 }
@@ -123,7 +130,7 @@ pub enum Overlay {
 
 /// How a recording is played.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Play {
+pub struct Playback {
     /// Whether it runs.
     pub running: bool,
     /// Shots a second, or on the page of the bench milliseconds of its time a second (1).
@@ -134,7 +141,7 @@ pub struct Play {
     pub bench_time: f64,
 }
 
-impl Default for Play {
+impl Default for Playback {
     fn default() -> Self {
         Self { running: false, speed: 1.0, waited: 0.0, bench_time: 0.0 }
     }
@@ -142,7 +149,7 @@ impl Default for Play {
 
 /// What the scope is doing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Acquisition {
+pub enum RunState {
     /// Each turn of a knob strikes the bench again.
     Running,
     /// One trigger is waited for.
@@ -160,7 +167,7 @@ pub enum Request {
     /// Read the shot at this place of the recording.
     Load(usize),
     /// Strike the bench of this text.
-    Strike(Strike),
+    Strike(StrikeRequest),
     /// Hold the shot on screen against this recording, folder or scene; none repeats the last one.
     Compare(Option<String>),
     /// Make the work-precision study.
@@ -175,7 +182,7 @@ pub enum Request {
 
 /// One impact to simulate.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Strike {
+pub struct StrikeRequest {
     /// Name of the scene.
     pub name: String,
     /// The scene.
@@ -188,7 +195,7 @@ pub struct Strike {
 
 /// How far a job on the worker's thread is.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Job<T> {
+pub enum JobState<T> {
     /// Not asked for.
     Idle,
     /// At work, with the share that is done (1).
@@ -199,13 +206,94 @@ pub enum Job<T> {
     Failed(String),
 }
 
-impl<T> Job<T> {
+impl<T> JobState<T> {
     /// The result, if it is there.
     pub fn done(&self) -> Option<&T> {
         match self {
             Self::Done(result) => Some(result),
             _ => None,
         }
+    }
+}
+
+/// The questions and how far their answers are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BackgroundJobs {
+    /// The shot on screen against a simulation.
+    pub comparison: JobState<Box<Compared>>,
+    /// Work against precision.
+    pub study: JobState<Box<CostStudy>>,
+    /// What each effect costs and changes.
+    pub ledger: JobState<Box<Ledger>>,
+    /// Place of the selected effect in the ledger.
+    pub effect: usize,
+}
+
+impl Default for BackgroundJobs {
+    fn default() -> Self {
+        Self {
+            comparison: JobState::Idle,
+            study: JobState::Idle,
+            ledger: JobState::Idle,
+            effect: 0,
+        }
+    }
+}
+
+/// A measured number, none where the signal has no such thing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasurementReading {
+    /// As the instrument's menu names it.
+    pub name: &'static str,
+    /// The number (unit).
+    pub value: Option<f64>,
+    /// Its unit.
+    pub unit: String,
+}
+
+/// What a piece of work was made of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct DerivedKey {
+    pub(super) version: u64,
+    pub(super) source: Option<Source>,
+    pub(super) page: Page,
+    pub(super) side: SidePanel,
+}
+
+/// Everything that is worked out.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Derived {
+    pub(super) made_of: Option<DerivedKey>,
+    /// The selected trace's spectrum, or why there is none.
+    pub spectrum: Option<Result<Spectrum, String>>,
+    /// Its spectrum over time, or why there is none.
+    pub map: Option<Result<Spectrogram, String>>,
+    /// The chain around its sensor, for the band edges.
+    pub chain: Option<DiatomicChain>,
+    /// Its measurements.
+    pub readings: Vec<MeasurementReading>,
+    /// Arrivals and speeds of the shot.
+    pub survey: Option<Survey>,
+}
+
+/// A recording of which one shot is in memory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct PartialRecording {
+    /// Shots found so far.
+    pub(super) count: usize,
+    /// Whether the file may still hold or get more.
+    pub(super) open: bool,
+    /// Place of the shot in memory.
+    pub(super) here: Option<usize>,
+    /// Whether the newest shot is to be shown whenever one comes.
+    pub(super) follow: bool,
+}
+
+/// Unit of a record's ordinate; some files write `Volts`.
+pub fn ordinate_unit(waveform: &Waveform) -> &str {
+    match waveform.preamble.y_unit.as_str() {
+        "Volts" => "V",
+        unit => unit,
     }
 }
 

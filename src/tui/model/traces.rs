@@ -1,7 +1,6 @@
 //! Which traces there are: those of the shot in volts or newtons, the math trace, the references.
 
-use super::Model;
-use crate::instrument::math::combine;
+use super::ScreenState;
 use crate::measurement::force::{Forces, forces};
 use crate::recording::Capture;
 use crate::scope::{Source, VerticalSetup, Waveform};
@@ -9,65 +8,13 @@ use crate::trace::Trace;
 use crate::tui::axis::Steps;
 
 /// Levels of a force that was turned into a record: as many as sixteen bits have on one side (1).
-const FINE_LEVELS: f64 = 32000.0;
-
-/// What the math trace shows, in the order of its key.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum MathMode {
-    /// Nothing.
-    #[default]
-    Off,
-    /// First channel of a pair less the second.
-    Difference(u8, u8),
-    /// The sum of a pair.
-    Sum(u8, u8),
-}
-
-/// The key's order: what the instrument's menu offers.
-const MODES: [MathMode; 7] = [
-    MathMode::Off,
-    MathMode::Difference(1, 2),
-    MathMode::Difference(2, 1),
-    MathMode::Sum(1, 2),
-    MathMode::Difference(3, 4),
-    MathMode::Difference(4, 3),
-    MathMode::Sum(3, 4),
-];
-
-impl MathMode {
-    /// The next one.
-    pub fn next(self) -> Self {
-        let here = MODES.iter().position(|mode| *mode == self).unwrap_or(0);
-        MODES.get(here + 1).copied().unwrap_or(Self::Off)
-    }
-
-    /// As the instrument writes it.
-    pub fn name(self) -> String {
-        match self {
-            Self::Off => "off".to_owned(),
-            Self::Difference(a, b) => format!("CH{a}-CH{b}"),
-            Self::Sum(a, b) => format!("CH{a}+CH{b}"),
-        }
-    }
-
-    fn trace(self, captures: &[Capture]) -> Option<Capture> {
-        let (a, b, sign) = match self {
-            Self::Off => return None,
-            Self::Difference(a, b) => (a, b, -1.0),
-            Self::Sum(a, b) => (a, b, 1.0),
-        };
-        let find = |number| captures.iter().find(|c| c.waveform.source == Source::Channel(number));
-        let first = find(a)?;
-        let waveform = combine(&first.waveform, &find(b)?.waveform, sign)?;
-        Some(Capture { waveform, ..first.clone() })
-    }
-}
+const FORCE_LEVELS: f64 = 32000.0;
 
 /// A force as a record: levels of sixteen bits, on a scale that leaves the trace where its volts stood.
 fn as_record(volts: &Capture, forces: &Forces) -> Capture {
     let force = &forces.force;
     let largest = force.values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
-    let level = if largest > 0.0 { largest / FINE_LEVELS } else { 1.0 };
+    let level = if largest > 0.0 { largest / FORCE_LEVELS } else { 1.0 };
     #[expect(clippy::cast_possible_truncation, reason = "at most the number of levels")]
     let codes = force.values.iter().map(|value| (value / level).round() as i16).collect();
     let recorded = &volts.waveform;
@@ -81,7 +28,7 @@ fn as_record(volts: &Capture, forces: &Forces) -> Capture {
     Capture { waveform, ..volts.clone() }
 }
 
-impl Model {
+impl ScreenState {
     /// Makes the list of traces again.
     pub(super) fn rebuild(&mut self) {
         let Some(shot) = self.set_shot() else {

@@ -3,14 +3,14 @@
 use super::action::Action;
 use super::command::COMMANDS;
 use super::selection::{next_math, next_trace, press, reset, truth, unit};
-use super::state::{Page, Side};
-use super::{Model, Panel};
+use super::state::{Page, SidePanel};
+use super::{Popup, ScreenState};
 use crate::scope::Source;
-use crate::tui::axis::Turn;
+use crate::tui::axis::TurnDirection;
 use crate::tui::keys::BINDINGS;
 
 /// Does what `action` asks.
-pub fn update(model: &mut Model, action: Action) {
+pub fn update(model: &mut ScreenState, action: Action) {
     if !matches!(action, Action::Tick(_)) {
         model.notice = None;
     }
@@ -49,16 +49,16 @@ pub fn update(model: &mut Model, action: Action) {
 }
 
 /// Pages, playing, the bench and the command line.
-fn more(model: &mut Model, action: Action) {
+fn more(model: &mut ScreenState, action: Action) {
     match action {
         Action::Page(Page::Accuracy) => model.open_accuracy(),
         Action::Page(page) => model.open_page(page),
-        Action::Side(Side::Knobs) if model.bench().is_none() => {}
+        Action::Side(SidePanel::Knobs) if model.bench().is_none() => {}
         Action::Side(side) => model.open_side(side),
         Action::Compare => model.next_overlay(),
         Action::Shot(turn) => step(model, turn),
-        Action::Ends(Turn::Down) => model.go_to(0),
-        Action::Ends(Turn::Up) => model.go_to(model.shots().saturating_sub(1)),
+        Action::Ends(TurnDirection::Down) => model.go_to(0),
+        Action::Ends(TurnDirection::Up) => model.go_to(model.shots().saturating_sub(1)),
         Action::RunStop if model.live.is_some() && model.page != Page::Bench => model.run_stop(),
         Action::RunStop => model.play_or_stop(),
         Action::Speed(turn) => model.change_speed(turn),
@@ -84,29 +84,29 @@ fn more(model: &mut Model, action: Action) {
 }
 
 /// Takes the last letter back; before the first one the command line closes.
-fn erase(model: &mut Model) {
+fn erase(model: &mut ScreenState) {
     if model.prompt.pop().is_none() {
-        model.panel = Panel::Scope;
+        model.panel = Popup::Scope;
     }
 }
 
 /// Closes what is open: a panel, then a page, then the side, then everything.
-fn back(model: &mut Model) {
-    if model.panel != Panel::Scope {
-        model.panel = Panel::Scope;
+fn back(model: &mut ScreenState) {
+    if model.panel != Popup::Scope {
+        model.panel = Popup::Scope;
         model.prompt.clear();
     } else if model.page != Page::Scope {
         model.page = Page::Scope;
         model.play.running = false;
-    } else if model.side != Side::Nothing {
-        model.side = Side::Nothing;
+    } else if model.side != SidePanel::Nothing {
+        model.side = SidePanel::Nothing;
     } else {
         model.running = false;
     }
 }
 
 /// The next shot; on the page of the moving bench its next frame.
-fn step(model: &mut Model, turn: Turn) {
+fn step(model: &mut ScreenState, turn: TurnDirection) {
     const FRAMES: f64 = 200.0;
     match model.film_span() {
         Some((start, end)) if model.page == Page::Bench => {
@@ -116,20 +116,20 @@ fn step(model: &mut Model, turn: Turn) {
     }
 }
 
-fn toggle(model: &mut Model, panel: Panel) {
+fn toggle(model: &mut ScreenState, panel: Popup) {
     model.scroll = 0;
-    model.panel = if model.panel == panel { Panel::Scope } else { panel };
+    model.panel = if model.panel == panel { Popup::Scope } else { panel };
 }
 
 /// Moves a panel's text by a line; there is always a line left to see.
-fn scroll(model: &mut Model, turn: Turn) {
+fn scroll(model: &mut ScreenState, turn: TurnDirection) {
     let last = match model.panel {
-        Panel::Scope | Panel::Prompt => 0,
-        Panel::Help => BINDINGS.len() + COMMANDS.len(),
-        Panel::Log => model.set.problems.len() + model.set.log.len(),
+        Popup::Scope | Popup::Prompt => 0,
+        Popup::Help => BINDINGS.len() + COMMANDS.len(),
+        Popup::Log => model.set.problems.len() + model.set.log.len(),
     };
     model.scroll = match turn {
-        Turn::Up => model.scroll.saturating_sub(1),
-        Turn::Down => (model.scroll + 1).min(last),
+        TurnDirection::Up => model.scroll.saturating_sub(1),
+        TurnDirection::Down => (model.scroll + 1).min(last),
     };
 }

@@ -7,24 +7,24 @@ use ratatui::text::Line;
 use ratatui::widgets::Paragraph;
 
 use super::axes::{put, whole};
-use super::layout::Layout;
-use super::sheet::{Axis, Sheet};
+use super::layout::ScreenLayout;
+use super::sheet::{Diagram, DiagramAxis};
 use super::{colour, message};
-use crate::studies::cost::{Chosen, Point, Study};
-use crate::studies::effects::{Entry, Ledger, State};
-use crate::tui::model::{Job, Model};
+use crate::studies::cost::{ChosenMethod, CostStudy, Point};
+use crate::studies::effects::{EffectState, Ledger, LedgerEntry};
+use crate::tui::model::{JobState, ScreenState};
 
 /// From this width on study and ledger stand side by side.
-const WIDE: u16 = 130;
+const SIDE_BY_SIDE_WIDTH: u16 = 130;
 /// Errors that the plot reaches from (1).
-const LOWEST_ERROR: f64 = 1e-14;
+const MIN_ERROR: f64 = 1e-14;
 /// Columns of the ledger.
 const LEDGER_WIDTH: u16 = 64;
 
 /// Draws the page.
-pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
+pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let area = layout.page;
-    let (plot, list) = if area.width >= WIDE {
+    let (plot, list) = if area.width >= SIDE_BY_SIDE_WIDTH {
         let left = Rect { width: area.width - LEDGER_WIDTH, ..area };
         (left, Rect { x: left.right(), width: LEDGER_WIDTH, ..area })
     } else {
@@ -32,16 +32,16 @@ pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
         (upper, Rect { y: upper.bottom(), height: area.height - upper.height, ..area })
     };
     match &model.questions().study {
-        Job::Done(study) => study_of(model, study, plot, frame),
-        Job::Busy(share) => busy("work-precision study", *share, plot, frame),
-        Job::Failed(problem) => message(problem, plot, frame),
-        Job::Idle => message("another bench than was studied: k, k asks again", plot, frame),
+        JobState::Done(study) => study_of(model, study, plot, frame),
+        JobState::Busy(share) => busy("work-precision study", *share, plot, frame),
+        JobState::Failed(problem) => message(problem, plot, frame),
+        JobState::Idle => message("another bench than was studied: k, k asks again", plot, frame),
     }
     match &model.questions().ledger {
-        Job::Done(ledger) => ledger_of(model, ledger, list, frame),
-        Job::Busy(share) => busy("effects, each with and without", *share, list, frame),
-        Job::Failed(problem) => message(problem, list, frame),
-        Job::Idle => message("another bench than was measured: k, k asks again", list, frame),
+        JobState::Done(ledger) => ledger_of(model, ledger, list, frame),
+        JobState::Busy(share) => busy("effects, each with and without", *share, list, frame),
+        JobState::Failed(problem) => message(problem, list, frame),
+        JobState::Idle => message("another bench than was measured: k, k asks again", list, frame),
     }
 }
 
@@ -74,35 +74,37 @@ fn method_style(index: usize) -> (char, Color) {
 fn place_of(point: &Point) -> Option<(f64, f64)> {
     let errors = [point.error_peak?, point.error_arrival?];
     let is_timed = !point.failed && point.wall_s_median > 0.0;
-    is_timed.then(|| (point.wall_s_median, errors.into_iter().fold(LOWEST_ERROR, f64::max)))
+    is_timed.then(|| (point.wall_s_median, errors.into_iter().fold(MIN_ERROR, f64::max)))
 }
 
 /// What `--accuracy` chooses nearest to the present setting.
-fn present<'a>(model: &Model, study: &'a Study) -> Option<&'a Chosen> {
+fn present<'a>(model: &ScreenState, study: &'a CostStudy) -> Option<&'a ChosenMethod> {
     let wanted = model
         .live()
         .and_then(|live| live.summary.as_ref()?.accuracy)
         .or_else(|| model.scene()?.accuracy)
         .unwrap_or(crate::scene::DEFAULT_ACCURACY);
-    let distance = |chosen: &Chosen| (chosen.accuracy.log10() - wanted.log10()).abs();
+    let distance = |chosen: &ChosenMethod| (chosen.accuracy.log10() - wanted.log10()).abs();
     study.chosen.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
-fn study_of(model: &Model, study: &Study, area: Rect, frame: &mut Frame) {
+fn study_of(model: &ScreenState, study: &CostStudy, area: Rect, frame: &mut Frame) {
     let times = study.points.iter().filter_map(place_of).map(|(time, _)| time);
     let (low, high) =
         times.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), t| (low.min(t), high.max(t)));
     let (low, high) = if low.is_finite() { (low, high) } else { (1e-6, 1.0) };
     let grid = colour(model.palette(), Color::DarkGray);
     let below = Rect { y: area.y + 1, height: area.height.saturating_sub(2), ..area };
-    let axes =
-        (Axis::logarithmic(low / 1.5, high * 1.5, "s"), Axis::logarithmic(LOWEST_ERROR, 1.0, ""));
-    let mut sheet = Sheet::new(below, axes.0, axes.1, grid);
+    let axes = (
+        DiagramAxis::logarithmic(low / 1.5, high * 1.5, "s"),
+        DiagramAxis::logarithmic(MIN_ERROR, 1.0, ""),
+    );
+    let mut sheet = Diagram::new(below, axes.0, axes.1, grid);
     for (index, rows) in study.points.chunk_by(|a, b| a.method == b.method).enumerate() {
         let points = rows.iter().filter_map(place_of);
         sheet.line(points, colour(model.palette(), method_style(index).1));
     }
-    sheet.level(study.reference.error.max(LOWEST_ERROR), colour(model.palette(), Color::Gray));
+    sheet.level(study.reference.error.max(MIN_ERROR), colour(model.palette(), Color::Gray));
     sheet.draw(colour(model.palette(), Color::Gray), frame);
     let mut legend = Vec::new();
     for (index, rows) in study.points.chunk_by(|a, b| a.method == b.method).enumerate() {
@@ -117,7 +119,7 @@ fn study_of(model: &Model, study: &Study, area: Rect, frame: &mut Frame) {
         legend.push(ratatui::text::Span::styled(format!("{letter} {name}  "), style));
     }
     if let Some(chosen) = present(model, study) {
-        let at = (chosen.wall_s_median, chosen.error.unwrap_or(1.0).max(LOWEST_ERROR));
+        let at = (chosen.wall_s_median, chosen.error.unwrap_or(1.0).max(MIN_ERROR));
         let style = Style::new().add_modifier(Modifier::REVERSED | Modifier::BOLD);
         let text = format!("◆ now: accuracy {:.0e}, {}", chosen.accuracy, chosen.method);
         sheet.write(at, &text, style, frame);
@@ -132,11 +134,11 @@ fn share(value: Option<f64>) -> String {
     value.map_or_else(|| "-".to_owned(), |value| format!("{:+.2}%", 100.0 * value))
 }
 
-fn entry_line(entry: &Entry) -> String {
+fn entry_line(entry: &LedgerEntry) -> String {
     let state = match entry.state {
-        State::On => "on",
-        State::Off => "off",
-        State::Auto => "auto",
+        EffectState::On => "on",
+        EffectState::Off => "off",
+        EffectState::Auto => "auto",
     };
     let change = entry.change;
     let lsb =
@@ -154,7 +156,7 @@ fn entry_line(entry: &Entry) -> String {
     )
 }
 
-fn ledger_of(model: &Model, ledger: &Ledger, area: Rect, frame: &mut Frame) {
+fn ledger_of(model: &ScreenState, ledger: &Ledger, area: Rect, frame: &mut Frame) {
     let bold = Style::new().add_modifier(Modifier::BOLD);
     let head = format!(
         "{:<20}{:<5}{:>5}{:>9}{:>9}{:>9}{:>7}",
@@ -166,9 +168,9 @@ fn ledger_of(model: &Model, ledger: &Ledger, area: Rect, frame: &mut Frame) {
     let mut lines = vec![Line::styled(head, bold)];
     for (index, entry) in ledger.entries.iter().enumerate().skip(first).take(rows) {
         let tint = match entry.state {
-            State::On => Color::LightGreen,
-            State::Auto => Color::Yellow,
-            State::Off => Color::Gray,
+            EffectState::On => Color::LightGreen,
+            EffectState::Auto => Color::Yellow,
+            EffectState::Off => Color::Gray,
         };
         let style = Style::new().fg(colour(model.palette(), tint));
         let style = if index == selected { style.add_modifier(Modifier::REVERSED) } else { style };

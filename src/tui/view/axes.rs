@@ -7,15 +7,15 @@ use ratatui::style::{Color, Modifier, Style};
 
 use super::divisions::dot_of_division;
 use super::graticule::shown;
-use super::layout::Layout;
+use super::layout::ScreenLayout;
 use super::readout::{compact, digits_for, ordinate_unit};
 use super::{colour, colour_of};
 use crate::scope::Source;
-use crate::tui::axis::{DIVISIONS_ACROSS, DIVISIONS_UP, Window, is_spectrum};
-use crate::tui::model::Model;
+use crate::tui::axis::{DIVISIONS_ACROSS, DIVISIONS_UP, ViewWindow, is_spectrum};
+use crate::tui::model::ScreenState;
 
 /// Draws markers and labels.
-pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
+pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let buffer = frame.buffer_mut();
     ground_markers(model, layout, buffer);
     ordinate_labels(model, layout, buffer);
@@ -27,7 +27,7 @@ pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
 }
 
 /// Where each trace's zero stands, at the left edge; an arrow where it is beyond the screen.
-fn ground_markers(model: &Model, layout: &Layout, buffer: &mut Buffer) {
+fn ground_markers(model: &ScreenState, layout: &ScreenLayout, buffer: &mut Buffer) {
     for waveform in shown(model) {
         let dot = dot_of_division(layout, model.vertical(waveform).position).round();
         let last = f64::from(layout.rows() - 1);
@@ -54,13 +54,13 @@ fn letter(source: Source) -> char {
     }
 }
 
-fn trace_style(model: &Model, source: Source) -> Style {
+fn trace_style(model: &ScreenState, source: Source) -> Style {
     let style = Style::new().fg(colour_of(model.palette(), source));
     if model.is_selected(source) { style.add_modifier(Modifier::BOLD) } else { style }
 }
 
 /// Values of the selected trace at the division lines.
-fn ordinate_labels(model: &Model, layout: &Layout, buffer: &mut Buffer) {
+fn ordinate_labels(model: &ScreenState, layout: &ScreenLayout, buffer: &mut Buffer) {
     let Some(waveform) = model.selected().map(|capture| &capture.waveform) else {
         return;
     };
@@ -90,7 +90,12 @@ fn label(value: f64, scale: f64, unit: &str) -> String {
 }
 
 /// The trigger's place above the graticule; an arrow to the side where it is beyond the screen.
-fn trigger_marker(model: &Model, layout: &Layout, window: Window, buffer: &mut Buffer) {
+fn trigger_marker(
+    model: &ScreenState,
+    layout: &ScreenLayout,
+    window: ViewWindow,
+    buffer: &mut Buffer,
+) {
     let Some(waveform) = model.selected().map(|capture| &capture.waveform) else {
         return;
     };
@@ -117,7 +122,7 @@ fn trigger_marker(model: &Model, layout: &Layout, window: Window, buffer: &mut B
 }
 
 /// The trigger's level at the right edge, where the scene tells it.
-fn level_marker(model: &Model, layout: &Layout, buffer: &mut Buffer) {
+fn level_marker(model: &ScreenState, layout: &ScreenLayout, buffer: &mut Buffer) {
     let Some(trigger) = model.scene().map(|scene| scene.scope.trigger) else { return };
     let source = trigger.source.channel().map(Source::Channel);
     let watched = shown(model).into_iter().find(|waveform| Some(waveform.source) == source);
@@ -131,7 +136,12 @@ fn level_marker(model: &Model, layout: &Layout, buffer: &mut Buffer) {
 }
 
 /// Values of the abscissa below the division lines, as many as there is room for.
-fn abscissa_labels(model: &Model, layout: &Layout, window: Window, buffer: &mut Buffer) {
+fn abscissa_labels(
+    model: &ScreenState,
+    layout: &ScreenLayout,
+    window: ViewWindow,
+    buffer: &mut Buffer,
+) {
     let unit = model.selected().map_or("s", |capture| capture.waveform.preamble.x_unit.as_str());
     let largest = window.left().abs().max(window.right().abs());
     let digits = digits_for(largest, window.scale);

@@ -9,23 +9,23 @@ use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
 
 use super::axes::put;
-use super::layout::Layout;
+use super::layout::ScreenLayout;
 use super::readout::compact;
 use super::{colour, message};
 use crate::scene::{Scene, Site};
 use crate::trace::Trace;
-use crate::tui::model::Model;
+use crate::tui::model::ScreenState;
 
 /// Eighths of a cell, from nothing to full.
 const EIGHTHS: [&str; 9] = [" ", "▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"];
 /// Tones of the stripes, from little to much force.
 const TONES: [&str; 5] = [" ", "·", "░", "▒", "█"];
 /// Rows of the page that are neither bars nor stripes.
-const OTHER_ROWS: u16 = 5;
+const FIXED_ROWS: u16 = 5;
 /// One contact in so many may go beyond the scale: the striker's own is far above the others.
-const CUT_OFF: usize = 10;
+const OUTLIER_DIVISOR: usize = 10;
 /// Columns left of the chain.
-const LABELS: u16 = 9;
+const LABEL_COLUMNS: u16 = 9;
 
 /// The film of a shot: contacts from the top, each with its place in the chain.
 struct Film<'a> {
@@ -36,7 +36,7 @@ struct Film<'a> {
 }
 
 /// Traces of one kind with their numbers, in order.
-fn numbered<'a>(model: &'a Model, kind: &str) -> Vec<(usize, &'a Trace)> {
+fn numbered<'a>(model: &'a ScreenState, kind: &str) -> Vec<(usize, &'a Trace)> {
     let shot = model.shot();
     let number = |trace: &Trace| {
         let name = trace.name.strip_prefix("/truth/").unwrap_or(&trace.name);
@@ -52,11 +52,11 @@ fn numbered<'a>(model: &'a Model, kind: &str) -> Vec<(usize, &'a Trace)> {
 }
 
 impl<'a> Film<'a> {
-    fn of(model: &'a Model) -> Option<Self> {
+    fn of(model: &'a ScreenState) -> Option<Self> {
         let contacts = numbered(model, "contact/");
         let mut dynamic: Vec<f64> = contacts.iter().map(|(_, trace)| largest(trace)).collect();
         dynamic.sort_by(f64::total_cmp);
-        let place = dynamic.len().saturating_sub(1 + dynamic.len() / CUT_OFF);
+        let place = dynamic.len().saturating_sub(1 + dynamic.len() / OUTLIER_DIVISOR);
         let strongest = dynamic.get(place).copied().unwrap_or(0.0);
         (!contacts.is_empty()).then(|| Self {
             contacts,
@@ -100,7 +100,7 @@ fn farthest_between(trace: &Trace, from: f64, to: f64) -> f64 {
 }
 
 /// Draws the page.
-pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
+pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let area = layout.page;
     let (Some(film), Some((start, end))) = (Film::of(model), model.film_span()) else {
         let words = "this shot has no truth topics: only simulations know how the beads moved";
@@ -108,7 +108,7 @@ pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
     };
     let now = model.play().bench_time.clamp(start, end);
     heading(model, &film, (now, end), frame, area);
-    let free = area.height.saturating_sub(OTHER_ROWS);
+    let free = area.height.saturating_sub(FIXED_ROWS);
     let bars = free.min((free / 2).max(3));
     let stripes = Rect { y: area.y + 1, height: free - bars, ..area };
     let chain = Rect { y: stripes.bottom(), height: bars, ..area };
@@ -118,7 +118,13 @@ pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
     time_line(model, (start, end, now), Rect { y: chain.bottom() + 3, height: 1, ..area }, frame);
 }
 
-fn heading(model: &Model, film: &Film, (now, end): (f64, f64), frame: &mut Frame, area: Rect) {
+fn heading(
+    model: &ScreenState,
+    film: &Film,
+    (now, end): (f64, f64),
+    frame: &mut Frame,
+    area: Rect,
+) {
     let bold = Style::new().add_modifier(Modifier::BOLD);
     let state = if model.is_playing() { "playing" } else { "paused (Space)" };
     let line = Line::from(vec![
@@ -140,13 +146,13 @@ fn contact_at(column: u16, width: u16, count: usize) -> usize {
 
 /// All of the film: time downward, the chain to the right, tones by the force that was added.
 fn stripes_of(
-    model: &Model,
+    model: &ScreenState,
     film: &Film,
     (start, end, now): (f64, f64, f64),
     area: Rect,
     frame: &mut Frame,
 ) {
-    let width = area.width.saturating_sub(LABELS);
+    let width = area.width.saturating_sub(LABEL_COLUMNS);
     let rows = f64::from(area.height.max(1));
     for row in 0..area.height {
         let from = start + (end - start) * f64::from(row) / rows;
@@ -157,7 +163,7 @@ fn stripes_of(
         let label = compact(from, "s", 3);
         put(
             frame.buffer_mut(),
-            Rect { width: LABELS - 1, ..area },
+            Rect { width: LABEL_COLUMNS - 1, ..area },
             area.y + row,
             &label,
             label_style,
@@ -170,14 +176,15 @@ fn stripes_of(
             };
             let added = farthest_between(trace, from, to);
             let (tone, style) = tone(model, added / film.strongest);
-            let place = Rect { x: area.x + LABELS + column, y: area.y + row, width: 1, height: 1 };
+            let place =
+                Rect { x: area.x + LABEL_COLUMNS + column, y: area.y + row, width: 1, height: 1 };
             put(frame.buffer_mut(), place, place.y, tone, style);
         }
     }
 }
 
 /// A tone for a share of the strongest force; what was taken away is blue.
-fn tone(model: &Model, share: f64) -> (&'static str, Style) {
+fn tone(model: &ScreenState, share: f64) -> (&'static str, Style) {
     const COLOURS: [Color; 5] =
         [Color::Reset, Color::DarkGray, Color::Yellow, Color::Yellow, Color::LightRed];
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
@@ -188,12 +195,12 @@ fn tone(model: &Model, share: f64) -> (&'static str, Style) {
 }
 
 /// The force in each contact now, upward, what pressed before included.
-fn bars_of(model: &Model, film: &Film, now: f64, area: Rect, frame: &mut Frame) {
-    let width = area.width.saturating_sub(LABELS);
+fn bars_of(model: &ScreenState, film: &Film, now: f64, area: Rect, frame: &mut Frame) {
+    let width = area.width.saturating_sub(LABEL_COLUMNS);
     let pressed = film.contacts.iter().map(|(_, trace)| rest(trace)).fold(0.0, f64::max);
     let top = film.strongest + pressed;
     let grey = Style::new().fg(colour(model.palette(), Color::Gray));
-    let labels = Rect { width: LABELS - 1, ..area };
+    let labels = Rect { width: LABEL_COLUMNS - 1, ..area };
     put(frame.buffer_mut(), labels, area.y, &compact(top, "N", 3), grey);
     put(frame.buffer_mut(), labels, area.bottom() - 1, "0N", grey);
     let style = Style::new().fg(colour(model.palette(), Color::Yellow));
@@ -208,7 +215,8 @@ fn bars_of(model: &Model, film: &Film, now: f64, area: Rect, frame: &mut Frame) 
             let below = f64::from(area.height - 1 - row) * 8.0;
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
             let eighths = (height - below).round().clamp(0.0, 8.0) as usize;
-            let place = Rect { x: area.x + LABELS + column, y: area.y + row, width: 1, height: 1 };
+            let place =
+                Rect { x: area.x + LABEL_COLUMNS + column, y: area.y + row, width: 1, height: 1 };
             put(
                 frame.buffer_mut(),
                 place,
@@ -221,17 +229,18 @@ fn bars_of(model: &Model, film: &Film, now: f64, area: Rect, frame: &mut Frame) 
 }
 
 /// The beads: light ones small, those with a sensor numbered below; shifted to where they have moved, a cell for the farthest.
-fn beads_of(model: &Model, film: &Film, now: f64, area: Rect, frame: &mut Frame) {
-    let width = area.width.saturating_sub(LABELS);
+fn beads_of(model: &ScreenState, film: &Film, now: f64, area: Rect, frame: &mut Frame) {
+    let width = area.width.saturating_sub(LABEL_COLUMNS);
     let count = film.beads.len();
     let farthest = film.beads.iter().skip(1).map(|(_, trace)| largest(trace)).fold(0.0, f64::max);
     let grey = Style::new().fg(colour(model.palette(), Color::Gray));
-    put(frame.buffer_mut(), Rect { width: LABELS - 1, ..area }, area.y, "beads", grey);
+    put(frame.buffer_mut(), Rect { width: LABEL_COLUMNS - 1, ..area }, area.y, "beads", grey);
     for (place, (body, trace)) in film.beads.iter().enumerate() {
         let moved = at(trace, now).unwrap_or(0.0) - rest(trace);
         let (sign, style) = bead(model, *body, moved, farthest);
-        let x =
-            area.x + LABELS + u16::try_from(place * usize::from(width) / count.max(1)).unwrap_or(0);
+        let x = area.x
+            + LABEL_COLUMNS
+            + u16::try_from(place * usize::from(width) / count.max(1)).unwrap_or(0);
         put(frame.buffer_mut(), Rect { x, width: 1, ..area }, area.y, sign, style);
     }
     let Some(scene) = model.scene() else { return };
@@ -240,8 +249,9 @@ fn beads_of(model: &Model, film: &Film, now: f64, area: Rect, frame: &mut Frame)
             Site::Particle(particle) => scene.chain.body_of(particle),
             Site::Wall => count.saturating_sub(1),
         };
-        let x =
-            area.x + LABELS + u16::try_from(body * usize::from(width) / count.max(1)).unwrap_or(0);
+        let x = area.x
+            + LABEL_COLUMNS
+            + u16::try_from(body * usize::from(width) / count.max(1)).unwrap_or(0);
         let name = format!("↑{}", sensor.name);
         let room = Rect { x, width: area.right().saturating_sub(x), ..area };
         put(frame.buffer_mut(), room, area.y + 1, &name, grey);
@@ -249,7 +259,7 @@ fn beads_of(model: &Model, film: &Film, now: f64, area: Rect, frame: &mut Frame)
 }
 
 /// A bead's sign: its size by its mass, its colour by which way it has moved and how far.
-fn bead(model: &Model, body: usize, moved: f64, farthest: f64) -> (&'static str, Style) {
+fn bead(model: &ScreenState, body: usize, moved: f64, farthest: f64) -> (&'static str, Style) {
     let heavy = |scene: &Scene| {
         let bodies = scene.chain.bodies();
         let heaviest = bodies.iter().skip(1).map(|body| body.mass).fold(0.0, f64::max);
@@ -268,8 +278,13 @@ fn bead(model: &Model, body: usize, moved: f64, farthest: f64) -> (&'static str,
     (sign, if share.abs() > 0.5 { style.add_modifier(Modifier::BOLD) } else { style })
 }
 
-fn time_line(model: &Model, (start, end, now): (f64, f64, f64), area: Rect, frame: &mut Frame) {
-    let width = area.width.saturating_sub(LABELS);
+fn time_line(
+    model: &ScreenState,
+    (start, end, now): (f64, f64, f64),
+    area: Rect,
+    frame: &mut Frame,
+) {
+    let width = area.width.saturating_sub(LABEL_COLUMNS);
     let done =
         super::axes::whole((now - start) / (end - start) * f64::from(width.saturating_sub(1)));
     let line: String = (0..width)
@@ -280,7 +295,13 @@ fn time_line(model: &Model, (start, end, now): (f64, f64, f64), area: Rect, fram
         })
         .collect();
     let style = Style::new().fg(colour(model.palette(), Color::Cyan));
-    put(frame.buffer_mut(), Rect { x: area.x + LABELS, width, ..area }, area.y, &line, style);
+    put(
+        frame.buffer_mut(),
+        Rect { x: area.x + LABEL_COLUMNS, width, ..area },
+        area.y,
+        &line,
+        style,
+    );
     let grey = Style::new().fg(colour(model.palette(), Color::Gray));
-    put(frame.buffer_mut(), Rect { width: LABELS - 1, ..area }, area.y, "time", grey);
+    put(frame.buffer_mut(), Rect { width: LABEL_COLUMNS - 1, ..area }, area.y, "time", grey);
 }

@@ -5,23 +5,25 @@ use ratatui::layout::Rect;
 use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
 
-use super::layout::Layout;
+use super::layout::ScreenLayout;
 use super::readout::compact;
-use super::sheet::{Axis, Sheet};
+use super::sheet::{Diagram, DiagramAxis};
 use super::{colour, colour_of, message};
 use crate::measurement::compare::{ChannelScore, Compared};
 use crate::scope::Source;
 use crate::trace::Trace;
-use crate::tui::model::{Job, Model, Overlay};
+use crate::tui::model::{JobState, Overlay, ScreenState};
 
 /// Draws the page.
-pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
+pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let area = layout.page;
     let compared = match &model.questions().comparison {
-        Job::Done(compared) => compared,
-        Job::Failed(problem) => return message(&format!("cannot compare: {problem}"), area, frame),
-        Job::Busy(_) => return message("comparing ...", area, frame),
-        Job::Idle => {
+        JobState::Done(compared) => compared,
+        JobState::Failed(problem) => {
+            return message(&format!("cannot compare: {problem}"), area, frame);
+        }
+        JobState::Busy(_) => return message("comparing ...", area, frame),
+        JobState::Idle => {
             let words = "nothing to compare with yet:  :compare FILE, FOLDER or SCENE";
             return message(words, area, frame);
         }
@@ -47,14 +49,14 @@ pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
 }
 
 /// The pair of the selected channel, or the first.
-fn chosen(model: &Model, compared: &Compared) -> usize {
+fn chosen(model: &ScreenState, compared: &Compared) -> usize {
     let name = model.selected().map(|capture| capture.waveform.source.to_string());
     let channels = &compared.comparison.channels;
     channels.iter().position(|c| Some(&c.name) == name.as_ref()).unwrap_or(0)
 }
 
 /// What was held against what, the shift, and the verdict.
-fn verdict(model: &Model, compared: &Compared) -> Line<'static> {
+fn verdict(model: &ScreenState, compared: &Compared) -> Line<'static> {
     let comparison = &compared.comparison;
     let bold = Style::new().add_modifier(Modifier::BOLD);
     let passed = comparison.failures.is_empty();
@@ -82,19 +84,24 @@ fn range<'a>(traces: impl Iterator<Item = &'a Trace>) -> (f64, f64) {
     if low < high { (low - 0.05 * (high - low), high + 0.05 * (high - low)) } else { (-1.0, 1.0) }
 }
 
-fn times(trace: &Trace) -> Axis {
-    Axis::linear(trace.start, trace.time(trace.values.len().saturating_sub(1)), "s")
+fn times(trace: &Trace) -> DiagramAxis {
+    DiagramAxis::linear(trace.start, trace.time(trace.values.len().saturating_sub(1)), "s")
 }
 
 fn points(trace: &Trace) -> impl Iterator<Item = (f64, f64)> + '_ {
     trace.values.iter().enumerate().map(|(index, value)| (trace.time(index), *value))
 }
 
-fn source_colour(model: &Model, name: &str) -> Color {
+fn source_colour(model: &ScreenState, name: &str) -> Color {
     Source::from_name(name).map_or(Color::White, |source| colour_of(model.palette(), source))
 }
 
-fn traces(model: &Model, (compared, place): (&Compared, usize), area: Rect, frame: &mut Frame) {
+fn traces(
+    model: &ScreenState,
+    (compared, place): (&Compared, usize),
+    area: Rect,
+    frame: &mut Frame,
+) {
     let (Some(pair), Some(score)) =
         (compared.pairs.get(place), compared.comparison.channels.get(place))
     else {
@@ -102,7 +109,8 @@ fn traces(model: &Model, (compared, place): (&Compared, usize), area: Rect, fram
     };
     let (low, high) = range([&pair.measured, &pair.simulated].into_iter());
     let grid = colour(model.palette(), Color::DarkGray);
-    let mut sheet = Sheet::new(area, times(&pair.measured), Axis::linear(low, high, "V"), grid);
+    let mut sheet =
+        Diagram::new(area, times(&pair.measured), DiagramAxis::linear(low, high, "V"), grid);
     sheet.line(points(&pair.simulated), colour(model.palette(), Color::White));
     sheet.line(points(&pair.measured), source_colour(model, &score.name));
     sheet.draw(colour(model.palette(), Color::Gray), frame);
@@ -110,7 +118,12 @@ fn traces(model: &Model, (compared, place): (&Compared, usize), area: Rect, fram
     sheet.write((pair.measured.start, high), &text, Style::new(), frame);
 }
 
-fn difference(model: &Model, (compared, place): (&Compared, usize), area: Rect, frame: &mut Frame) {
+fn difference(
+    model: &ScreenState,
+    (compared, place): (&Compared, usize),
+    area: Rect,
+    frame: &mut Frame,
+) {
     let (Some(pair), Some(score)) =
         (compared.pairs.get(place), compared.comparison.channels.get(place))
     else {
@@ -119,7 +132,7 @@ fn difference(model: &Model, (compared, place): (&Compared, usize), area: Rect, 
     let residual = pair.residual();
     let (low, high) = range(std::iter::once(&residual));
     let grid = colour(model.palette(), Color::DarkGray);
-    let mut sheet = Sheet::new(area, times(&residual), Axis::linear(low, high, "V"), grid);
+    let mut sheet = Diagram::new(area, times(&residual), DiagramAxis::linear(low, high, "V"), grid);
     sheet.level(0.0, colour(model.palette(), Color::Gray));
     sheet.line(points(&residual), colour(model.palette(), Color::LightRed));
     sheet.draw(colour(model.palette(), Color::Gray), frame);
@@ -160,7 +173,12 @@ fn row(score: &ChannelScore) -> String {
     )
 }
 
-fn table_of(model: &Model, (compared, place): (&Compared, usize), area: Rect, frame: &mut Frame) {
+fn table_of(
+    model: &ScreenState,
+    (compared, place): (&Compared, usize),
+    area: Rect,
+    frame: &mut Frame,
+) {
     let bold = Style::new().add_modifier(Modifier::BOLD);
     let head = format!(
         "{:<5}{:<7}{:>7}{:>15}{:>9}{:>9}{:>7}{:>8}{:>8}",

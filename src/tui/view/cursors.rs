@@ -6,14 +6,14 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::canvas::{Painter, Shape};
 
 use super::divisions::dot_of_division;
-use super::layout::Layout;
+use super::layout::ScreenLayout;
 use super::readout::{compact, spaced, width};
 use super::{colour, colour_of};
 use crate::tui::axis::DIVISIONS_ACROSS;
-use crate::tui::model::{CursorKind, Model, Page};
+use crate::tui::model::{CursorKind, Page, ScreenState};
 
 /// Digits of a cursor's reading.
-const DIGITS: usize = 4;
+const CURSOR_DIGITS: usize = 4;
 
 /// One cursor as a line of dots; the active one is denser.
 #[derive(Debug)]
@@ -35,7 +35,7 @@ impl Shape for Pointer {
 }
 
 /// Both cursors, as far as they are on the graticule.
-pub(super) fn pointers(model: &Model, layout: &Layout) -> Vec<Pointer> {
+pub(super) fn pointers(model: &ScreenState, layout: &ScreenLayout) -> Vec<Pointer> {
     let cursors = model.cursors();
     let Some(pair) = cursors.pair else { return Vec::new() };
     let upright = cursors.kind == CursorKind::Time;
@@ -52,7 +52,7 @@ pub(super) fn pointers(model: &Model, layout: &Layout) -> Vec<Pointer> {
     };
     let (across, length) =
         if upright { (layout.columns(), layout.rows()) } else { (layout.rows(), layout.columns()) };
-    let pointer = |(index, cursor): (usize, &crate::tui::model::state::Cursor)| {
+    let pointer = |(index, cursor): (usize, &crate::tui::model::state::PlacedCursor)| {
         let at = dot(cursor.at, cursor.source)?.round();
         #[expect(
             clippy::cast_possible_truncation,
@@ -68,7 +68,7 @@ pub(super) fn pointers(model: &Model, layout: &Layout) -> Vec<Pointer> {
 }
 
 /// Writes what the cursors tell in the place of the selected trace's details; whether there was something to tell.
-pub(super) fn readout(model: &Model, layout: &Layout, frame: &mut Frame) -> bool {
+pub(super) fn readout(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) -> bool {
     let Some(reading) = model.cursor_reading().filter(|_| model.page() == Page::Scope) else {
         return false;
     };
@@ -82,25 +82,28 @@ pub(super) fn readout(model: &Model, layout: &Layout, frame: &mut Frame) -> bool
     } else {
         "df"
     };
-    let mut parts =
-        vec![Span::styled(format!("{name} {}", compact(reading.difference, unit, DIGITS)), bold)];
+    let mut parts = vec![Span::styled(
+        format!("{name} {}", compact(reading.difference, unit, CURSOR_DIGITS)),
+        bold,
+    )];
     parts.extend(
-        reading.rate.map(|rate| Span::raw(format!("1/dt {}", compact(rate, "Hz", DIGITS)))),
+        reading.rate.map(|rate| Span::raw(format!("1/dt {}", compact(rate, "Hz", CURSOR_DIGITS)))),
     );
     if let [Some(first), Some(second)] = reading.values {
-        let difference = compact(second - first, &reading.value_unit, DIGITS);
+        let difference = compact(second - first, &reading.value_unit, CURSOR_DIGITS);
         parts.push(Span::styled(format!("dV {difference}"), bold));
     }
     parts.extend(reading.speed.map(|speed| {
         let style = bold.fg(colour(model.palette(), Color::LightGreen));
-        Span::styled(format!("speed {}", compact(speed, "m/s", DIGITS)), style)
+        Span::styled(format!("speed {}", compact(speed, "m/s", CURSOR_DIGITS)), style)
     }));
     let pair = model.cursors().pair.into_iter().flatten();
     for (index, (cursor, value)) in pair.zip(reading.values).enumerate() {
         let mark = if index == model.cursors().active { "▸" } else { "" };
         let value =
             value.map_or_else(String::new, |v| format!(" {}", compact(v, &reading.value_unit, 3)));
-        let text = format!("{mark}{} {}{value}", cursor.source, compact(cursor.at, unit, DIGITS));
+        let text =
+            format!("{mark}{} {}{value}", cursor.source, compact(cursor.at, unit, CURSOR_DIGITS));
         let style = Style::new().fg(colour_of(model.palette(), cursor.source));
         parts.push(Span::styled(text, style));
     }

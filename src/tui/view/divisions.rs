@@ -1,9 +1,9 @@
 //! From divisions of the graticule to dots of the terminal.
 
-use super::layout::Layout;
+use super::layout::ScreenLayout;
 use crate::tui::axis::DIVISIONS_UP;
 
 /// Row of dots, from the top, of a place counted in divisions upward from the centre (dots).
-pub(super) fn dot_of_division(layout: &Layout, division: f64) -> f64 {
+pub(super) fn dot_of_division(layout: &ScreenLayout, division: f64) -> f64 {
     (f64::from(DIVISIONS_UP) / 2.0 - division) * f64::from(layout.y_dots)
 }

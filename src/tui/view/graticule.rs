@@ -6,20 +6,20 @@ use ratatui::style::Color;
 use ratatui::symbols::Marker;
 use ratatui::widgets::canvas::{Canvas, Painter, Shape};
 
-use super::layout::Layout;
-use super::trace::{Line, Projection, Stroke, spans, spans_of_trace};
+use super::layout::ScreenLayout;
+use super::trace::{LineStyle, Projection, TraceLine, spans, spans_of_trace};
 use super::{colour, colour_of};
 use crate::scope::Waveform;
-use crate::tui::axis::{DIVISIONS_ACROSS, DIVISIONS_UP, Vertical, Window};
-use crate::tui::model::{Model, Palette, Visibility};
+use crate::tui::axis::{DIVISIONS_ACROSS, DIVISIONS_UP, Vertical, ViewWindow};
+use crate::tui::model::{Palette, ScreenState, Visibility};
 
 /// Dots between two of a division line's own, at least.
-const SPARSE: u16 = 3;
+const MIN_DOT_SPACING: u16 = 3;
 /// Marks of a division on axes and lines.
-const MARKS: u16 = 5;
+const TICKS_PER_DIVISION: u16 = 5;
 
 /// Draws divisions and traces.
-pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
+pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let window = model.window();
     let lines = window.map_or_else(Vec::new, |window| lines(model, layout, window));
     let behind = window.map_or_else(Vec::new, |window| behind(model, layout, window));
@@ -46,18 +46,18 @@ pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
 }
 
 /// The traces as lines; the last one lies on top.
-fn lines(model: &Model, layout: &Layout, window: Window) -> Vec<Line> {
+fn lines(model: &ScreenState, layout: &ScreenLayout, window: ViewWindow) -> Vec<TraceLine> {
     shown(model)
         .into_iter()
         .map(|waveform| {
             let plain = model.palette() == Palette::Plain;
             let stroke = if plain && !model.is_selected(waveform.source) {
-                Stroke::Dotted
+                LineStyle::Dotted
             } else {
-                Stroke::Solid
+                LineStyle::Solid
             };
             let projection = projection(layout, window, model.vertical(waveform));
-            Line {
+            TraceLine {
                 spans: spans(waveform, &projection),
                 rows: projection.rows,
                 colour: colour_of(model.palette(), waveform.source),
@@ -68,7 +68,7 @@ fn lines(model: &Model, layout: &Layout, window: Window) -> Vec<Line> {
 }
 
 /// What lies behind the traces: earlier shots, and what really happened at the sensors.
-fn behind(model: &Model, layout: &Layout, window: Window) -> Vec<Line> {
+fn behind(model: &ScreenState, layout: &ScreenLayout, window: ViewWindow) -> Vec<TraceLine> {
     let mut lines = Vec::new();
     let grey = colour(model.palette(), Color::DarkGray);
     for capture in model.persisted_traces().into_iter().flatten().flatten() {
@@ -79,16 +79,21 @@ fn behind(model: &Model, layout: &Layout, window: Window) -> Vec<Line> {
         }
         let projection = projection(layout, window, model.vertical(waveform));
         let spans = spans(waveform, &projection);
-        lines.push(Line { spans, rows: projection.rows, colour: grey, stroke: Stroke::Solid });
+        lines.push(TraceLine {
+            spans,
+            rows: projection.rows,
+            colour: grey,
+            stroke: LineStyle::Solid,
+        });
     }
     for waveform in shown(model) {
         if let Some(truth) = model.truth(waveform) {
             let projection = projection(layout, window, model.vertical(waveform));
-            lines.push(Line {
+            lines.push(TraceLine {
                 spans: spans_of_trace(&truth, &projection),
                 rows: projection.rows,
                 colour: colour(model.palette(), Color::White),
-                stroke: Stroke::Dotted,
+                stroke: LineStyle::Dotted,
             });
         }
     }
@@ -96,7 +101,7 @@ fn behind(model: &Model, layout: &Layout, window: Window) -> Vec<Line> {
 }
 
 /// What is on screen, the selected trace last.
-pub(super) fn shown(model: &Model) -> Vec<&Waveform> {
+pub(super) fn shown(model: &ScreenState) -> Vec<&Waveform> {
     let mut shown: Vec<&Waveform> = model
         .captures()
         .iter()
@@ -107,7 +112,7 @@ pub(super) fn shown(model: &Model) -> Vec<&Waveform> {
     shown
 }
 
-fn projection(layout: &Layout, window: Window, vertical: Vertical) -> Projection {
+fn projection(layout: &ScreenLayout, window: ViewWindow, vertical: Vertical) -> Projection {
     Projection {
         left: window.left(),
         x_density: f64::from(layout.x_dots) / window.scale,
@@ -172,6 +177,6 @@ impl Shape for Grid {
 
 /// Places of the marks along an axis: five a division as on the instrument, fewer where dots would touch.
 fn marks(dots: u16, divisions: u16) -> Vec<u16> {
-    let each = (dots / SPARSE).clamp(1, MARKS);
+    let each = (dots / MIN_DOT_SPACING).clamp(1, TICKS_PER_DIVISION);
     (0..=divisions * each).map(|mark| mark * dots / each).collect()
 }

@@ -6,11 +6,11 @@ use ratatui::text::{Line, Span};
 
 use super::panel;
 use crate::tui::keys::BINDINGS;
-use crate::tui::model::Model;
+use crate::tui::model::ScreenState;
 use crate::tui::model::command::COMMANDS;
 
 /// Draws the help over the screen.
-pub(super) fn draw(model: &Model, frame: &mut Frame) {
+pub(super) fn draw(model: &ScreenState, frame: &mut Frame) {
     let widest = BINDINGS.iter().map(|binding| Span::raw(binding.label).width()).max().unwrap_or(0);
     let bold = Style::new().add_modifier(Modifier::BOLD);
     let mut lines: Vec<Line> = BINDINGS

@@ -25,7 +25,7 @@ const WIDTH_WITH_LABELS: u16 = 60;
 
 /// The parts of the screen; a part that the terminal has no room for has no height or no width.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Layout {
+pub struct ScreenLayout {
     /// Title, state, shot and position of the centre.
     pub status: Rect,
     /// The trigger's marker, above the graticule or on its top row.
@@ -83,7 +83,7 @@ impl Rows {
     }
 }
 
-impl Layout {
+impl ScreenLayout {
     /// Divides `area`; `None` if it is too small.
     pub fn new(area: Rect) -> Option<Self> {
         Self::with_side(area, false)

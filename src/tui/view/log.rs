@@ -5,10 +5,10 @@ use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::Line;
 
 use super::{colour, panel};
-use crate::tui::model::Model;
+use crate::tui::model::ScreenState;
 
 /// Draws the list over the screen, problems first.
-pub(super) fn draw(model: &Model, frame: &mut Frame) {
+pub(super) fn draw(model: &ScreenState, frame: &mut Frame) {
     let bold = Style::new().add_modifier(Modifier::BOLD);
     let warning = Style::new().fg(colour(model.palette(), Color::LightRed));
     let set = model.set();

@@ -27,24 +27,24 @@ use ratatui::Frame;
 use ratatui::layout::{Alignment, Rect};
 use ratatui::widgets::{Clear, Paragraph, Wrap};
 
-use crate::tui::model::{Model, Page, Panel, Side};
+use crate::tui::model::{Page, Popup, ScreenState, SidePanel};
 use colours::{colour, colour_of};
-use layout::{Layout, SMALLEST_HEIGHT, SMALLEST_WIDTH};
+use layout::{SMALLEST_HEIGHT, SMALLEST_WIDTH, ScreenLayout};
 use panel::{message, panel};
 
 /// From this width on there is room for tables and something beside them.
 const WIDTH_WITH_TABLES: u16 = 112;
 
 /// Where everything stands for `model` on a terminal of `area`; `None` if it is too small.
-pub fn layout_of(model: &Model, area: Rect) -> Option<Layout> {
+pub fn layout_of(model: &ScreenState, area: Rect) -> Option<ScreenLayout> {
     // Tables need all columns of a small terminal.
     let tables = matches!(model.page(), Page::Compare | Page::Accuracy);
     let room = !tables || area.width >= WIDTH_WITH_TABLES;
-    Layout::with_side(area, model.side() != Side::Nothing && room)
+    ScreenLayout::with_side(area, model.side() != SidePanel::Nothing && room)
 }
 
 /// Draws the whole screen.
-pub fn draw(model: &Model, frame: &mut Frame) {
+pub fn draw(model: &ScreenState, frame: &mut Frame) {
     let area = frame.area();
     let Some(layout) = layout_of(model, area) else {
         too_small(area, frame);
@@ -69,7 +69,7 @@ pub fn draw(model: &Model, frame: &mut Frame) {
     }
     let zoomed = model.is_zoomed() && model.page() == Page::Scope;
     let shared = layout.overview == layout.hints;
-    let prompt = model.panel() == Panel::Prompt;
+    let prompt = model.panel() == Popup::Prompt;
     if !(shared && zoomed) || model.notice().is_some() || prompt {
         status::hints(model, &layout, frame);
     }
@@ -77,14 +77,14 @@ pub fn draw(model: &Model, frame: &mut Frame) {
         overview::draw(model, &layout, frame);
     }
     match model.panel() {
-        Panel::Scope | Panel::Prompt => {}
-        Panel::Help => help::draw(model, frame),
-        Panel::Log => log::draw(model, frame),
+        Popup::Scope | Popup::Prompt => {}
+        Popup::Help => help::draw(model, frame),
+        Popup::Log => log::draw(model, frame),
     }
 }
 
 /// The page of traces over time.
-fn scope(model: &Model, layout: &Layout, frame: &mut Frame) {
+fn scope(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     graticule::draw(model, layout, frame);
     axes::draw(model, layout, frame);
     if model.captures().is_empty() {
@@ -102,7 +102,7 @@ fn too_small(area: Rect, frame: &mut Frame) {
 }
 
 /// Says why there is no trace.
-fn nothing(model: &Model, layout: &Layout, frame: &mut Frame) {
+fn nothing(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let text = match model.shot() {
         None if model.live().is_some_and(|live| live.served.is_some()) => {
             "Waiting for the scope's first record: i strikes the chain"

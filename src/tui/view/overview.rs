@@ -8,25 +8,25 @@ use ratatui::text::Span;
 use ratatui::widgets::canvas::Canvas;
 
 use super::axes::{put, whole};
-use super::layout::Layout;
-use super::trace::{Line, Projection, Stroke, spans};
+use super::layout::ScreenLayout;
+use super::trace::{LineStyle, Projection, TraceLine, spans};
 use super::{colour, colour_of};
 use crate::scope::Waveform;
-use crate::tui::axis::{Window, extent};
-use crate::tui::model::Model;
+use crate::tui::axis::{ViewWindow, extent};
+use crate::tui::model::ScreenState;
 
 /// Draws the strip; without a trace there is none.
-pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
+pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let (Some(window), Some(capture)) = (model.window(), model.selected()) else {
         return;
     };
     let waveform = &capture.waveform;
     let strip = Rect { x: layout.graticule.x, width: layout.graticule.width, ..layout.overview };
-    let line = Line {
+    let line = TraceLine {
         spans: spans(waveform, &projection(waveform, strip)),
         rows: strip.height * 4,
         colour: colour(model.palette(), Color::DarkGray),
-        stroke: Stroke::Solid,
+        stroke: LineStyle::Solid,
     };
     let canvas = Canvas::default()
         .marker(Marker::Braille)
@@ -35,7 +35,7 @@ pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
         .paint(|context| context.draw(&line));
     frame.render_widget(canvas, strip);
 
-    let magnification = Window::recorded(waveform).scale / window.scale;
+    let magnification = ViewWindow::recorded(waveform).scale / window.scale;
     let zoom = if magnification < 10.0 {
         format!("{magnification:.1}x")
     } else {
@@ -73,7 +73,7 @@ fn projection(waveform: &Waveform, strip: Rect) -> Projection {
 }
 
 /// Brackets around what is on screen, and the trace's colour between them.
-fn mark(model: &Model, waveform: &Waveform, strip: Rect, frame: &mut Frame) {
+fn mark(model: &ScreenState, waveform: &Waveform, strip: Rect, frame: &mut Frame) {
     let Some(window) = model.window() else {
         return;
     };

@@ -5,7 +5,7 @@ use ratatui::layout::{Alignment, Constraint, Margin, Rect};
 use ratatui::text::Line;
 use ratatui::widgets::{Block, Clear, Paragraph, Wrap};
 
-use crate::tui::model::Model;
+use crate::tui::model::ScreenState;
 
 /// One sentence in the middle of `area`.
 pub(super) fn message(text: &str, area: Rect, frame: &mut Frame) {
@@ -15,7 +15,7 @@ pub(super) fn message(text: &str, area: Rect, frame: &mut Frame) {
 }
 
 /// Text in a frame over the screen, as large as it needs and the terminal allows.
-pub(super) fn panel(model: &Model, title: &str, lines: Vec<Line>, frame: &mut Frame) {
+pub(super) fn panel(model: &ScreenState, title: &str, lines: Vec<Line>, frame: &mut Frame) {
     let area = frame.area();
     let widest = lines.iter().map(Line::width).max().unwrap_or(0);
     let width = u16::try_from(widest + 4).unwrap_or(u16::MAX).min(area.width);

@@ -8,11 +8,11 @@ use ratatui::buffer::{Buffer, Cell};
 use ratatui::style::{Color, Modifier};
 
 /// Width of a cell (px).
-const WIDTH: u16 = 8;
+const CELL_WIDTH: u16 = 8;
 /// Height of a cell (px).
-const HEIGHT: u16 = 16;
+const CELL_HEIGHT: u16 = 16;
 /// The terminal's own colours: text and background.
-const OWN: (&str, &str) = ("#d0d0d0", "#101010");
+const DEFAULT_COLOURS: (&str, &str) = ("#d0d0d0", "#101010");
 
 /// The sixteen colours as most terminals show them.
 fn hexadecimal(colour: Color, own: &'static str) -> &'static str {
@@ -39,18 +39,21 @@ fn hexadecimal(colour: Color, own: &'static str) -> &'static str {
 
 /// Text and background of a cell.
 fn colours(cell: &Cell) -> (&'static str, &'static str) {
-    let (text, behind) = (hexadecimal(cell.fg, OWN.0), hexadecimal(cell.bg, OWN.1));
+    let (text, behind) =
+        (hexadecimal(cell.fg, DEFAULT_COLOURS.0), hexadecimal(cell.bg, DEFAULT_COLOURS.1));
     if cell.modifier.contains(Modifier::REVERSED) { (behind, text) } else { (text, behind) }
 }
 
 /// The picture of `buffer`.
 pub fn svg(buffer: &Buffer) -> String {
     let area = buffer.area;
-    let (width, height) =
-        (u32::from(area.width) * u32::from(WIDTH), u32::from(area.height) * u32::from(HEIGHT));
+    let (width, height) = (
+        u32::from(area.width) * u32::from(CELL_WIDTH),
+        u32::from(area.height) * u32::from(CELL_HEIGHT),
+    );
     let mut text = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" font-family=\"monospace\" font-size=\"13\">\n<rect width=\"{width}\" height=\"{height}\" fill=\"{}\"/>\n",
-        OWN.1
+        DEFAULT_COLOURS.1
     );
     for y in 0..area.height {
         row(buffer, y, &mut text);
@@ -60,16 +63,16 @@ pub fn svg(buffer: &Buffer) -> String {
 }
 
 fn row(buffer: &Buffer, y: u16, text: &mut String) {
-    let top = u32::from(y) * u32::from(HEIGHT);
+    let top = u32::from(y) * u32::from(CELL_HEIGHT);
     let mut run: Option<(u16, String, &Cell)> = None;
     for x in 0..buffer.area.width {
         let Some(cell) = buffer.cell((buffer.area.x + x, buffer.area.y + y)) else { continue };
         let (ink, behind) = colours(cell);
-        let left = u32::from(x) * u32::from(WIDTH);
-        if behind != OWN.1 {
+        let left = u32::from(x) * u32::from(CELL_WIDTH);
+        if behind != DEFAULT_COLOURS.1 {
             let _ = writeln!(
                 text,
-                "<rect x=\"{left}\" y=\"{top}\" width=\"{WIDTH}\" height=\"{HEIGHT}\" fill=\"{behind}\"/>"
+                "<rect x=\"{left}\" y=\"{top}\" width=\"{CELL_WIDTH}\" height=\"{CELL_HEIGHT}\" fill=\"{behind}\"/>"
             );
         }
         let symbol = cell.symbol();
@@ -93,12 +96,12 @@ fn flush(run: Option<(u16, String, &Cell)>, top: u32, text: &mut String) {
     let Some((x, words, cell)) = run else { return };
     let weight = if cell.modifier.contains(Modifier::BOLD) { " font-weight=\"bold\"" } else { "" };
     let words = words.trim_end();
-    let length = words.chars().count() * usize::from(WIDTH);
+    let length = words.chars().count() * usize::from(CELL_WIDTH);
     let escaped = words.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
     let _ = writeln!(
         text,
         "<text x=\"{}\" y=\"{}\" fill=\"{}\" textLength=\"{length}\" xml:space=\"preserve\"{weight}>{escaped}</text>",
-        u32::from(x) * u32::from(WIDTH),
+        u32::from(x) * u32::from(CELL_WIDTH),
         top + 12,
         colours(cell).0
     );
@@ -107,14 +110,14 @@ fn flush(run: Option<(u16, String, &Cell)>, top: u32, text: &mut String) {
 /// Draws a Braille or block character; whether it was one.
 fn drawn(symbol: &str, (left, top): (u32, u32), ink: &str, text: &mut String) -> bool {
     /// Column and row of each bit of a Braille pattern.
-    const PLACES: [(u32, u32); 8] =
+    const BRAILLE_POSITIONS: [(u32, u32); 8] =
         [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, 2), (0, 3), (1, 3)];
     let Some(letter) = symbol.chars().next() else { return false };
     let code = u32::from(letter);
     match code {
         0x2800..=0x28ff => {
             let mut path = String::new();
-            for (bit, (column, row)) in (0..).zip(PLACES) {
+            for (bit, (column, row)) in (0..).zip(BRAILLE_POSITIONS) {
                 if ((code - 0x2800) >> bit) & 1 == 1 {
                     let _ = write!(path, "M{} {}h3v3h-3z", left + column * 4, top + row * 4);
                 }

@@ -8,21 +8,21 @@ use ratatui::layout::Rect;
 use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
 
-use super::layout::Layout;
+use super::layout::ScreenLayout;
 use super::{colour, colour_of};
 use crate::quantity::engineering;
 use crate::recording::Capture;
 use crate::scope::{PointFormat, Slope, Source, Waveform};
 use crate::tui::axis::{Vertical, is_spectrum};
 pub(super) use crate::tui::model::ordinate_unit;
-use crate::tui::model::{MathMode, Model, Visibility};
+use crate::tui::model::{MathMode, ScreenState, Visibility};
 
 /// Digits of a reading, as on the instrument.
 const DIGITS: usize = 3;
 /// More digits than this no label has room for.
-const MOST_DIGITS: usize = 8;
+const MAX_DIGITS: usize = 8;
 /// Between two readings.
-pub(super) const GAP: &str = "  ";
+pub(super) const READING_GAP: &str = "  ";
 
 /// A number as the instrument writes it: `500mV`, `1.00ms`; decibels without a prefix.
 pub(super) fn compact(value: f64, unit: &str, digits: usize) -> String {
@@ -38,7 +38,7 @@ pub(super) fn compact(value: f64, unit: &str, digits: usize) -> String {
 /// How many digits tell `value` from `value + scale / 10`.
 pub(super) fn digits_for(value: f64, scale: f64) -> usize {
     let digits = exponent(value).saturating_sub(exponent(scale)) + 2;
-    usize::try_from(digits).unwrap_or(DIGITS).clamp(DIGITS, MOST_DIGITS)
+    usize::try_from(digits).unwrap_or(DIGITS).clamp(DIGITS, MAX_DIGITS)
 }
 
 /// Decimal exponent; 0 for zero.
@@ -48,14 +48,14 @@ fn exponent(value: f64) -> i32 {
 
 /// Columns of `parts` with gaps between and before them.
 pub(super) fn width(parts: &[Span]) -> usize {
-    parts.iter().map(|part| part.width() + GAP.len()).sum()
+    parts.iter().map(|part| part.width() + READING_GAP.len()).sum()
 }
 
 pub(super) fn spaced(parts: Vec<Span>) -> Vec<Span> {
     let mut line = Vec::new();
     for part in parts {
         if !line.is_empty() {
-            line.push(Span::raw(GAP));
+            line.push(Span::raw(READING_GAP));
         }
         line.push(part);
     }
@@ -64,7 +64,7 @@ pub(super) fn spaced(parts: Vec<Span>) -> Vec<Span> {
 
 /// How much a channel's reading says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Form {
+enum ReadingDetail {
     Words,
     Signs,
 }
@@ -77,7 +77,7 @@ pub(super) struct Readings {
 }
 
 impl Readings {
-    pub(super) fn of(model: &Model, layout: &Layout) -> Self {
+    pub(super) fn of(model: &ScreenState, layout: &ScreenLayout) -> Self {
         let base = model.window().zip(model.selected()).map(|(window, capture)| {
             let reading = compact(window.scale, &capture.waveform.preamble.x_unit, DIGITS);
             let star = if model.is_zoomed() { "*" } else { "" };
@@ -91,17 +91,17 @@ impl Readings {
         let mut readings = Self { traces: Vec::new(), base, trigger };
         let right = readings.right().chars().count();
         let room = usize::from(layout.channels.width).saturating_sub(right);
-        let all = |form: Form| -> Vec<(Source, Span)> {
+        let all = |form: ReadingDetail| -> Vec<(Source, Span)> {
             let reading = |c: &Capture| (c.waveform.source, reading(model, &c.waveform, form));
             model.captures().iter().map(reading).collect()
         };
         let fits = |parts: &Vec<(Source, Span)>| {
-            parts.iter().map(|(_, part)| part.width() + GAP.len()).sum::<usize>() <= room
+            parts.iter().map(|(_, part)| part.width() + READING_GAP.len()).sum::<usize>() <= room
         };
-        let fitting = [Form::Words, Form::Signs].into_iter().map(all).find(fits);
+        let fitting = [ReadingDetail::Words, ReadingDetail::Signs].into_iter().map(all).find(fits);
         // On a narrow terminal the selected trace's reading is worth more than all of them cut off.
         readings.traces = fitting.unwrap_or_else(|| {
-            let selected = all(Form::Words).into_iter();
+            let selected = all(ReadingDetail::Words).into_iter();
             selected.filter(|(source, _)| model.is_selected(*source)).collect()
         });
         readings
@@ -109,12 +109,12 @@ impl Readings {
 
     fn right(&self) -> String {
         let parts = [self.base.as_str(), self.trigger.as_str()];
-        parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(GAP)
+        parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(READING_GAP)
     }
 }
 
 /// One reading a trace, and the time base at the right.
-pub(super) fn channels(model: &Model, layout: &Layout, frame: &mut Frame) {
+pub(super) fn channels(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let area = layout.channels;
     let readings = Readings::of(model, layout);
     let bold = Style::new().add_modifier(Modifier::BOLD);
@@ -127,7 +127,7 @@ pub(super) fn channels(model: &Model, layout: &Layout, frame: &mut Frame) {
 }
 
 /// The trigger as the instrument writes it, `CH1 ↑ 500mV`; none where no scene tells it.
-fn trigger(model: &Model) -> Option<String> {
+fn trigger(model: &ScreenState) -> Option<String> {
     let trigger = model.scope()?.trigger;
     let edge = match trigger.slope {
         Slope::Rise => '↑',
@@ -137,7 +137,7 @@ fn trigger(model: &Model) -> Option<String> {
 }
 
 /// `CH1 500mV`, with a star where the scale is not the recorded one.
-fn reading(model: &Model, waveform: &Waveform, form: Form) -> Span<'static> {
+fn reading(model: &ScreenState, waveform: &Waveform, form: ReadingDetail) -> Span<'static> {
     let source = waveform.source;
     let visibility = model.visibility(waveform);
     let text = match visibility {
@@ -150,8 +150,8 @@ fn reading(model: &Model, waveform: &Waveform, form: Form) -> Span<'static> {
             let star = if vertical.same_as(&Vertical::recorded(waveform)) { "" } else { "*" };
             let flag = match (flag(waveform), form) {
                 (None, _) => String::new(),
-                (Some(word), Form::Words) => format!(" {word}"),
-                (Some(_), Form::Signs) => "!".to_owned(),
+                (Some(word), ReadingDetail::Words) => format!(" {word}"),
+                (Some(_), ReadingDetail::Signs) => "!".to_owned(),
             };
             format!("{source} {scale}{star}{flag}")
         }
@@ -184,18 +184,18 @@ fn clipped(waveform: &Waveform) -> usize {
 }
 
 /// Everything about the selected trace that there is room for.
-pub(super) fn detail(model: &Model, layout: &Layout, frame: &mut Frame) {
+pub(super) fn detail(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     frame.render_widget(Line::from(spaced(detail_parts(model, layout))), layout.detail);
 }
 
 /// Everything that there is room for, part by part.
-pub(super) fn detail_parts(model: &Model, layout: &Layout) -> Vec<Span<'static>> {
+pub(super) fn detail_parts(model: &ScreenState, layout: &ScreenLayout) -> Vec<Span<'static>> {
     let mut parts: Vec<Span> = Vec::new();
     let Some(capture) = model.selected() else { return parts };
     let room = usize::from(layout.detail.width);
     for text in details(model, capture) {
         parts.push(Span::raw(text));
-        if width(&parts) > room + GAP.len() {
+        if width(&parts) > room + READING_GAP.len() {
             parts.pop();
         }
     }
@@ -208,7 +208,7 @@ pub(super) fn detail_parts(model: &Model, layout: &Layout) -> Vec<Span<'static>>
 }
 
 /// What is known about a trace, the most important first.
-fn details(model: &Model, capture: &Capture) -> Vec<String> {
+fn details(model: &ScreenState, capture: &Capture) -> Vec<String> {
     let waveform = &capture.waveform;
     let setup = &waveform.vertical;
     let unit = ordinate_unit(waveform);

@@ -11,17 +11,17 @@ use super::readout::{compact, digits_for};
 use crate::tui::axis::Steps;
 
 /// Columns for the labels of the ordinate.
-const LABELS: u16 = 9;
+const LABEL_COLUMNS: u16 = 9;
 /// Columns from one label of the abscissa to the next, at least.
-const APART: u16 = 11;
+const MIN_LABEL_SPACING: u16 = 11;
 /// Rows from one label of the ordinate to the next, at least.
-const ROWS_APART: u16 = 2;
+const MIN_LABEL_ROWS: u16 = 2;
 /// Most divisions between two labels' marks (1).
-const MOST_MARKS: usize = 64;
+const MAX_MARKS: usize = 64;
 
 /// One axis: from where to where, and in what.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Axis {
+pub(super) struct DiagramAxis {
     /// Value at the left or at the bottom (unit).
     pub(super) low: f64,
     /// Value at the right or at the top (unit).
@@ -32,7 +32,7 @@ pub(super) struct Axis {
     pub(super) logarithmic: bool,
 }
 
-impl Axis {
+impl DiagramAxis {
     pub(super) fn linear(low: f64, high: f64, unit: &str) -> Self {
         let (low, high) = if high > low { (low, high) } else { (low - 0.5, low + 0.5) };
         Self { low, high, unit: unit.to_owned(), logarithmic: false }
@@ -63,7 +63,7 @@ impl Axis {
         }
         let step = Steps::OneTwoFive.at_least((self.high - self.low) / f64::from(count.max(1)));
         let first = (self.low / step - 1e-9).ceil();
-        let marks = (0..).map(|i: u32| (first + f64::from(i)) * step).take(MOST_MARKS);
+        let marks = (0..).map(|i: u32| (first + f64::from(i)) * step).take(MAX_MARKS);
         marks.take_while(|mark| *mark <= self.high + 1e-9 * step).collect()
     }
 
@@ -85,22 +85,22 @@ type Dot = (usize, usize, Color);
 
 /// The diagram, filled dot by dot and drawn at the end.
 #[derive(Debug)]
-pub(super) struct Sheet {
+pub(super) struct Diagram {
     area: Rect,
     inner: Rect,
-    x: Axis,
-    y: Axis,
+    x: DiagramAxis,
+    y: DiagramAxis,
     grid: Vec<Dot>,
     dots: Vec<Dot>,
     grid_colour: Color,
 }
 
-impl Sheet {
+impl Diagram {
     /// An empty diagram in `area`, with a grid of `grid_colour`.
-    pub(super) fn new(area: Rect, x: Axis, y: Axis, grid_colour: Color) -> Self {
+    pub(super) fn new(area: Rect, x: DiagramAxis, y: DiagramAxis, grid_colour: Color) -> Self {
         let inner = Rect {
-            x: area.x + LABELS,
-            width: area.width.saturating_sub(LABELS),
+            x: area.x + LABEL_COLUMNS,
+            width: area.width.saturating_sub(LABEL_COLUMNS),
             height: area.height.saturating_sub(1),
             ..area
         };
@@ -120,11 +120,11 @@ impl Sheet {
     }
 
     fn x_marks(&self) -> Vec<f64> {
-        self.x.marks(self.inner.width / APART)
+        self.x.marks(self.inner.width / MIN_LABEL_SPACING)
     }
 
     fn y_marks(&self) -> Vec<f64> {
-        self.y.marks(self.inner.height / ROWS_APART)
+        self.y.marks(self.inner.height / MIN_LABEL_ROWS)
     }
 
     fn size(&self) -> (usize, usize) {
@@ -247,7 +247,7 @@ impl Sheet {
         for value in self.y_marks() {
             if let Some((_, y)) = self.cell(self.x.low, value) {
                 let text = self.y.label(value);
-                let place = Rect { width: LABELS, ..self.area };
+                let place = Rect { width: LABEL_COLUMNS, ..self.area };
                 put(buffer, place, y, &text, style);
             }
         }

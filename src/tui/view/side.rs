@@ -1,29 +1,30 @@
 //! What stands beside the page: measurements and speeds, or the bench's knobs with what the last impact cost.
 
+use crate::quantity::Uncertain;
 use ratatui::Frame;
 use ratatui::layout::{Margin, Rect};
 use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::Line;
 use ratatui::widgets::{Block, Borders, Clear, Paragraph};
 
-use super::layout::Layout;
+use super::layout::ScreenLayout;
 use super::readout::compact;
 use super::{colour, colour_of};
-use crate::measurement::arrivals::{SpeedBetween, Survey, Uncertain};
-use crate::tui::model::knobs::Knob;
-use crate::tui::model::{Live, Model, Side};
+use crate::measurement::arrivals::{SpeedBetween, Survey};
+use crate::tui::model::knobs::BenchKnob;
+use crate::tui::model::{LiveBench, ScreenState, SidePanel};
 
 /// Columns of a name.
-const NAME: usize = 14;
+const NAME_WIDTH: usize = 14;
 /// Columns of a pair of channels.
-const SHORT: usize = 9;
+const PAIR_WIDTH: usize = 9;
 
 /// Draws the column.
-pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
+pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let (title, lines) = match model.side() {
-        Side::Nothing => return,
-        Side::Measurements => (" Measure (M) ", measurements(model)),
-        Side::Knobs => (" Bench (B) ", knobs(model)),
+        SidePanel::Nothing => return,
+        SidePanel::Measurements => (" Measure (M) ", measurements(model)),
+        SidePanel::Knobs => (" Bench (B) ", knobs(model)),
     };
     // Without room beside the page it lies over it.
     let area = if layout.side.width > 0 {
@@ -44,16 +45,16 @@ pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
 }
 
 fn pair(name: &str, value: &str) -> Line<'static> {
-    Line::raw(format!("{name:<NAME$}{value}"))
+    Line::raw(format!("{name:<NAME_WIDTH$}{value}"))
 }
 
-fn heading(model: &Model, text: String) -> Line<'static> {
+fn heading(model: &ScreenState, text: String) -> Line<'static> {
     let tint =
         model.selected().map_or(Color::Reset, |c| colour_of(model.palette(), c.waveform.source));
     Line::styled(text, Style::new().fg(tint).add_modifier(Modifier::BOLD))
 }
 
-fn measurements(model: &Model) -> Vec<Line<'static>> {
+fn measurements(model: &ScreenState) -> Vec<Line<'static>> {
     let derived = model.derived();
     let name =
         model.selected().map_or_else(|| "no trace".to_owned(), |c| c.waveform.source.to_string());
@@ -73,7 +74,7 @@ fn with_u(value: Uncertain, unit: &str) -> String {
 }
 
 /// The selected channel's first pulse, and the speeds between all.
-fn arrivals(model: &Model, survey: &Survey, lines: &mut Vec<Line<'static>>) {
+fn arrivals(model: &ScreenState, survey: &Survey, lines: &mut Vec<Line<'static>>) {
     let name = model.selected().map(|c| c.waveform.source.to_string());
     if let Some(channel) = survey.channels.iter().find(|c| Some(&c.channel) == name.as_ref()) {
         let half = channel.arrivals.iter().find(|a| a.estimator == "half_rise");
@@ -88,11 +89,11 @@ fn arrivals(model: &Model, survey: &Survey, lines: &mut Vec<Line<'static>>) {
     for speed in speeds {
         let value = format!("{:.2} ±{:.2} m/s", speed.m_per_s.value, speed.m_per_s.u);
         let ends = format!("{}-{}", speed.from, speed.to);
-        lines.push(Line::raw(format!("{ends:<SHORT$}{value}")));
+        lines.push(Line::raw(format!("{ends:<PAIR_WIDTH$}{value}")));
     }
 }
 
-fn knobs(model: &Model) -> Vec<Line<'static>> {
+fn knobs(model: &ScreenState) -> Vec<Line<'static>> {
     let (Some(live), Some(scene)) = (model.live(), model.scene()) else {
         let served = model.live().is_some_and(|live| live.served.is_some());
         let words = if served {
@@ -104,7 +105,7 @@ fn knobs(model: &Model) -> Vec<Line<'static>> {
     };
     let source = model.selected().map(|capture| capture.waveform.source);
     let mut lines = Vec::new();
-    for (index, knob) in Knob::ALL.iter().enumerate() {
+    for (index, knob) in BenchKnob::ALL.iter().enumerate() {
         let row = pair(knob.label, &knob.reading(scene, source));
         let style = if index == live.knob {
             Style::new().add_modifier(Modifier::REVERSED)
@@ -117,12 +118,12 @@ fn knobs(model: &Model) -> Vec<Line<'static>> {
         "n N choose - + turn o on/off",
         Style::new().fg(colour(model.palette(), Color::Gray)),
     ));
-    lines.extend(bill(live));
+    lines.extend(cost_text(live));
     lines
 }
 
 /// What the last impact cost, at what accuracy, with which effects.
-fn bill(live: &Live) -> Vec<Line<'static>> {
+fn cost_text(live: &LiveBench) -> Vec<Line<'static>> {
     let bold = Style::new().add_modifier(Modifier::BOLD);
     let Some(summary) = &live.summary else { return Vec::new() };
     let accuracy = summary.accuracy.map_or_else(|| "-".to_owned(), |a| format!("{a:.0e}"));

@@ -6,18 +6,18 @@ use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
 
 use super::axes::put;
-use super::layout::Layout;
+use super::layout::ScreenLayout;
 use super::readout::compact;
-use super::sheet::{Axis, Sheet};
+use super::sheet::{Diagram, DiagramAxis};
 use super::{colour, colour_of, message};
 use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::spectrum::Spectrum;
-use crate::tui::model::{Model, Palette};
+use crate::tui::model::{Palette, ScreenState};
 
 /// Decibels from the top of the page to its bottom (dB).
-const RANGE: f64 = 80.0;
+const DECIBEL_RANGE: f64 = 80.0;
 /// Decibels from one tone of the map to the next (dB).
-const TONE: f64 = 10.0;
+const DECIBELS_PER_TONE: f64 = 10.0;
 /// Tones of the map, from little to much.
 const TONES: [&str; 5] = [" ", "░", "▒", "▓", "█"];
 
@@ -27,7 +27,7 @@ fn edges(chain: &DiatomicChain) -> [(&'static str, f64); 3] {
 }
 
 /// What was transformed, and what the edges are.
-fn heading(model: &Model, what: &str) -> Line<'static> {
+fn heading(model: &ScreenState, what: &str) -> Line<'static> {
     let bold = Style::new().add_modifier(Modifier::BOLD);
     let name = model.selected().map_or_else(String::new, |c| c.waveform.source.to_string());
     let sensor = model.selected().and_then(|c| model.sensor(c.waveform.source));
@@ -48,7 +48,7 @@ fn heading(model: &Model, what: &str) -> Line<'static> {
 }
 
 /// The spectrum in decibels below its highest line.
-pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
+pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let area = layout.page;
     let spectrum = match &model.derived().spectrum {
         Some(Ok(spectrum)) => spectrum,
@@ -65,9 +65,10 @@ pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
     let high = (level / 10.0).ceil() * 10.0;
     let below = Rect { y: area.y + 1, height: area.height - 1, ..area };
     let (lowest, highest) = model.band().unwrap_or_default();
-    let frequency = Axis::linear(lowest, highest, "Hz");
+    let frequency = DiagramAxis::linear(lowest, highest, "Hz");
     let grid = colour(palette, Color::DarkGray);
-    let mut sheet = Sheet::new(below, frequency, Axis::linear(high - RANGE, high, "dB"), grid);
+    let mut sheet =
+        Diagram::new(below, frequency, DiagramAxis::linear(high - DECIBEL_RANGE, high, "dB"), grid);
     let edge_colour = colour(palette, Color::LightRed);
     if let Some(chain) = chain {
         sheet.shade(chain.gap_bottom(), chain.gap_top(), colour(palette, Color::Red));
@@ -94,7 +95,7 @@ pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
 }
 
 /// Frequency upward, time to the right, tones by 10 dB.
-pub(super) fn map(model: &Model, layout: &Layout, frame: &mut Frame) {
+pub(super) fn map(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let area = layout.page;
     let map = match &model.derived().map {
         Some(Ok(map)) => map,
@@ -108,8 +109,8 @@ pub(super) fn map(model: &Model, layout: &Layout, frame: &mut Frame) {
     let chain = model.derived().chain.as_ref();
     let below = Rect { y: area.y + 1, height: area.height - 1, ..area };
     let (shown, grid) = (model.band().unwrap_or_default(), colour(palette, Color::DarkGray));
-    let frequency = Axis::linear(shown.0, shown.1, "Hz");
-    let sheet = Sheet::new(below, Axis::linear(*start, *end, "s"), frequency, grid);
+    let frequency = DiagramAxis::linear(shown.0, shown.1, "Hz");
+    let sheet = Diagram::new(below, DiagramAxis::linear(*start, *end, "s"), frequency, grid);
     sheet.draw(colour(palette, Color::Gray), frame);
     let top =
         map.columns.iter().flat_map(|c| c.amplitude.iter().skip(1)).copied().fold(0.0, f64::max);
@@ -119,7 +120,7 @@ pub(super) fn map(model: &Model, layout: &Layout, frame: &mut Frame) {
         let Some(spectrum) = map.columns.get(place) else { continue };
         for row in 0..inner.height {
             let (low, high) = band(row, inner.height, shown);
-            let amplitude = loudest(spectrum, low, high);
+            let amplitude = largest_amplitude(spectrum, low, high);
             let (tone, style) = tone(20.0 * (amplitude / top).log10(), palette);
             let at = Rect { x: inner.x + column, y: inner.y + row, width: 1, height: 1 };
             put(frame.buffer_mut(), at, at.y, tone, style);
@@ -149,7 +150,7 @@ fn band(row: u16, rows: u16, (low, high): (f64, f64)) -> (f64, f64) {
     clippy::cast_sign_loss,
     reason = "bins are counted from zero upward"
 )]
-fn loudest(spectrum: &Spectrum, low: f64, high: f64) -> f64 {
+fn largest_amplitude(spectrum: &Spectrum, low: f64, high: f64) -> f64 {
     let bin = |frequency: f64| (frequency / spectrum.step).round() as usize;
     let (first, last) = (bin(low).max(1), bin(high).max(bin(low) + 1));
     let inside = spectrum.amplitude.iter().take(last + 1).skip(first);
@@ -162,7 +163,7 @@ fn tone(decibels: f64, palette: Palette) -> (&'static str, Style) {
         [Color::Reset, Color::Blue, Color::Cyan, Color::Yellow, Color::LightRed];
     let steps = TONES.len() - 1;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
-    let below = (-decibels / TONE).clamp(0.0, 4.0) as usize;
+    let below = (-decibels / DECIBELS_PER_TONE).clamp(0.0, 4.0) as usize;
     let place = steps - below.min(steps);
     let shade = TONES.get(place).copied().unwrap_or(" ");
     let wanted = COLOURS.get(place).copied().unwrap_or(Color::Reset);

@@ -7,20 +7,20 @@ use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
 
 use super::colour;
-use super::layout::Layout;
-use super::readout::{GAP, compact, digits_for, spaced, width};
+use super::layout::ScreenLayout;
+use super::readout::{READING_GAP, compact, digits_for, spaced, width};
 use crate::recording::Origin;
 use crate::scope::Waveform;
-use crate::tui::axis::{Window, is_spectrum};
-use crate::tui::keys::{BINDINGS, Place};
+use crate::tui::axis::{ViewWindow, is_spectrum};
+use crate::tui::keys::{BINDINGS, BindingScope};
 use crate::tui::model::command::COMMANDS;
-use crate::tui::model::{Acquisition, Model, Panel};
+use crate::tui::model::{Popup, RunState, ScreenState};
 
 /// Columns that the title keeps at least while the line drops other things.
 const TITLE_WIDTH: usize = 12;
 
 /// Title, state, origin, problems, shot and position of the screen's centre.
-pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
+pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let bold = Style::new().add_modifier(Modifier::BOLD);
     let warning = bold.fg(colour(model.palette(), Color::LightRed));
     let mut parts: Vec<Span> = Vec::new();
@@ -60,14 +60,14 @@ pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
         parts.remove(0);
     }
     let right = Line::from(spaced(parts)).right_aligned();
-    let left = room.saturating_sub(right.width() + GAP.len());
+    let left = room.saturating_sub(right.width() + READING_GAP.len());
     let title = Span::styled(shortened(model.title(), left), bold);
     frame.render_widget(title, area);
     frame.render_widget(right, area);
 }
 
 /// What the scope is doing, in the instrument's words.
-fn state(model: &Model) -> String {
+fn state(model: &ScreenState) -> String {
     let Some(live) = model.live() else {
         return if model.is_playing() {
             format!("Play {}x", model.play().speed)
@@ -89,16 +89,16 @@ fn state(model: &Model) -> String {
     }
     let crossed = live.summary.as_ref().is_some_and(|summary| summary.trigger.crossed);
     match live.acquisition {
-        Acquisition::Stopped => "Stop",
-        Acquisition::Armed => "Armed",
-        Acquisition::Running if crossed => "Trig'd",
-        Acquisition::Running => "Auto",
+        RunState::Stopped => "Stop",
+        RunState::Armed => "Armed",
+        RunState::Running if crossed => "Trig'd",
+        RunState::Running => "Auto",
     }
     .to_owned()
 }
 
 /// Where the screen's centre stands after the trigger, or in the spectrum.
-fn centre(window: Window, waveform: &Waveform) -> String {
+fn centre(window: ViewWindow, waveform: &Waveform) -> String {
     let digits = digits_for(window.centre, window.scale);
     let position = compact(window.centre, &waveform.preamble.x_unit, digits);
     let name = if is_spectrum(waveform) { "Pos" } else { "M Pos" };
@@ -125,7 +125,7 @@ fn shortened(text: &str, room: usize) -> String {
 }
 
 /// What the command that is being typed does, or how to leave.
-fn meant(typed: &str) -> String {
+fn command_matches(typed: &str) -> String {
     let word = typed.split(' ').next().unwrap_or_default();
     let is = |command: &str| !word.is_empty() && command.trim_start_matches(':').starts_with(word);
     match COMMANDS.iter().find(|(command, _)| is(command)) {
@@ -135,14 +135,14 @@ fn meant(typed: &str) -> String {
 }
 
 /// What the last action came to, or else the most important keys.
-pub(super) fn hints(model: &Model, layout: &Layout, frame: &mut Frame) {
+pub(super) fn hints(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let area = layout.hints;
-    if model.panel() == Panel::Prompt {
+    if model.panel() == Popup::Prompt {
         let bold = Style::new().add_modifier(Modifier::BOLD);
         let line = Line::from(vec![
             Span::styled(format!(":{}", model.prompt()), bold),
             Span::styled(" ", bold.add_modifier(Modifier::REVERSED)),
-            Span::raw(format!("  {}", meant(model.prompt()))),
+            Span::raw(format!("  {}", command_matches(model.prompt()))),
         ]);
         frame.render_widget(line, area);
         return;
@@ -156,12 +156,12 @@ pub(super) fn hints(model: &Model, layout: &Layout, frame: &mut Frame) {
     let grey = Style::new().fg(colour(model.palette(), Color::Gray));
     let mut parts: Vec<Span> = Vec::new();
     for binding in BINDINGS {
-        if binding.place == Place::Panels || binding.hint.is_empty() {
+        if binding.place == BindingScope::Panels || binding.hint.is_empty() {
             continue;
         }
         let text = format!("{} {}", binding.label, binding.hint);
         parts.push(Span::styled(text, grey));
-        if width(&parts) > room + GAP.len() {
+        if width(&parts) > room + READING_GAP.len() {
             parts.pop();
         }
     }

@@ -2,10 +2,10 @@
 
 use ratatui::layout::Position;
 
-use super::layout::Layout;
-use super::readout::{GAP, Readings, detail_parts, width};
+use super::layout::ScreenLayout;
+use super::readout::{READING_GAP, Readings, detail_parts, width};
 use crate::scope::Source;
-use crate::tui::model::Model;
+use crate::tui::model::ScreenState;
 
 /// A reading that the mouse can turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,7 +21,7 @@ pub enum Target {
 }
 
 /// What stands at a place of the lines of readings; none beside them.
-pub fn target(model: &Model, layout: &Layout, at: Position) -> Option<Target> {
+pub fn target(model: &ScreenState, layout: &ScreenLayout, at: Position) -> Option<Target> {
     if layout.detail.contains(at) {
         let coupling = model.selected()?.waveform.vertical.coupling?.to_string();
         let mut parts = detail_parts(model, layout);
@@ -42,13 +42,13 @@ pub fn target(model: &Model, layout: &Layout, at: Position) -> Option<Target> {
     if from_right <= trigger {
         return Some(Target::Trigger);
     }
-    if from_right <= trigger + GAP.len() + base {
+    if from_right <= trigger + READING_GAP.len() + base {
         return Some(Target::TimeBase);
     }
     let mut left = 0;
     readings.traces.iter().find_map(|(source, part)| {
         let inside = (left..left + part.width()).contains(&x);
-        left += part.width() + GAP.len();
+        left += part.width() + READING_GAP.len();
         inside.then(|| Target::Trace(*source, model.is_selected(*source)))
     })
 }

@@ -131,7 +131,7 @@ fn join(spans: &mut [Span], from: (f64, f64), to: (f64, f64)) {
 
 /// How a trace is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Stroke {
+pub(super) enum LineStyle {
     /// Every dot.
     Solid,
     /// Every other dot, where colours cannot tell traces apart.
@@ -140,14 +140,14 @@ pub(super) enum Stroke {
 
 /// A trace on a canvas of `rows` rows of dots.
 #[derive(Debug)]
-pub(super) struct Line {
+pub(super) struct TraceLine {
     pub(super) spans: Vec<Span>,
     pub(super) rows: u16,
     pub(super) colour: Color,
-    pub(super) stroke: Stroke,
+    pub(super) stroke: LineStyle,
 }
 
-impl Shape for Line {
+impl Shape for TraceLine {
     fn draw(&self, painter: &mut Painter) {
         let below = i64::from(self.rows);
         for (x, span) in self.spans.iter().enumerate() {
@@ -158,7 +158,7 @@ impl Shape for Line {
             let bottom = column(span.bottom).min(below - 1);
             for y in top..=bottom {
                 let Ok(y) = usize::try_from(y) else { continue };
-                if self.stroke == Stroke::Solid || (x + y) % 2 == 0 {
+                if self.stroke == LineStyle::Solid || (x + y) % 2 == 0 {
                     painter.paint(x, y, self.colour);
                 }
             }

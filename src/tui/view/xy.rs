@@ -5,11 +5,11 @@ use ratatui::layout::Rect;
 use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::Span;
 
-use super::layout::Layout;
-use super::sheet::{Axis, Sheet};
+use super::layout::ScreenLayout;
+use super::sheet::{Diagram, DiagramAxis};
 use super::{colour, colour_of, message};
 use crate::scope::Waveform;
-use crate::tui::model::{Model, Visibility, ordinate_unit};
+use crate::tui::model::{ScreenState, Visibility, ordinate_unit};
 
 /// Lowest and highest value with a little room (unit).
 fn range(waveform: &Waveform) -> (f64, f64) {
@@ -20,7 +20,7 @@ fn range(waveform: &Waveform) -> (f64, f64) {
 }
 
 /// Draws the page.
-pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
+pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let area = layout.page;
     let Some(y) = model.selected().map(|capture| &capture.waveform) else {
         return message("there is no trace", area, frame);
@@ -36,9 +36,11 @@ pub(super) fn draw(model: &Model, layout: &Layout, frame: &mut Frame) {
     let ((left, right), (low, high)) = (range(x), range(y));
     let below = Rect { y: area.y + 1, height: area.height - 1, ..area };
     let grid = colour(palette, Color::DarkGray);
-    let axes =
-        (Axis::linear(left, right, ordinate_unit(x)), Axis::linear(low, high, ordinate_unit(y)));
-    let mut sheet = Sheet::new(below, axes.0, axes.1, grid);
+    let axes = (
+        DiagramAxis::linear(left, right, ordinate_unit(x)),
+        DiagramAxis::linear(low, high, ordinate_unit(y)),
+    );
+    let mut sheet = Diagram::new(below, axes.0, axes.1, grid);
     let points = x.codes.iter().zip(&y.codes).map(|(a, b)| (x.volts_of(*a), y.volts_of(*b)));
     sheet.line(points, colour_of(palette, y.source));
     sheet.draw(colour(palette, Color::Gray), frame);

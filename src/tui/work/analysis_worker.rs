@@ -3,25 +3,25 @@
 use std::path::Path;
 use std::sync::mpsc::{Receiver, Sender};
 
-use super::{News, guarded};
+use super::{ScreenEvent, guarded};
 use crate::experiment::accuracy::of_scene;
 use crate::experiment::{Integration, facts, run};
-use crate::measurement::compare::tolerance::Tolerance;
-use crate::measurement::compare::{Align, Compared, Side, compare};
+use crate::measurement::compare::score_limits::ScoreLimits;
+use crate::measurement::compare::{Align, Compared, ComparedShot, compare};
 use crate::recording::format::{Format, open};
 use crate::recording::{Origin, Shot, TraceSet};
 use crate::scene::Scene;
 use crate::studies::{cost, effects};
-use crate::tui::model::background_jobs::Answer;
-use crate::tui::model::{Job, Model};
+use crate::tui::model::background_jobs::JobAnswer;
+use crate::tui::model::{JobState, ScreenState};
 
 /// What a comparison is judged by.
-const TOLERANCE: &str = "rms=1lsb";
+const SCORE_LIMITS: &str = "rms=1lsb";
 /// Share of progress from one report to the next (1).
-const STEP: f64 = 0.01;
+const PROGRESS_STEP: f64 = 0.01;
 
 /// A shot to hold against another one.
-pub struct Comparison {
+pub struct ComparisonRequest {
     /// A recording, a folder or a scene; none takes the last one.
     other: Option<String>,
     name: String,
@@ -29,9 +29,9 @@ pub struct Comparison {
     live: bool,
 }
 
-impl Comparison {
+impl ComparisonRequest {
     /// The shot on screen; none where there is none.
-    pub fn of(model: &Model, other: Option<String>) -> Option<Self> {
+    pub fn of(model: &ScreenState, other: Option<String>) -> Option<Self> {
         let shot = model.shot()?.clone();
         let set = model.set();
         let set = TraceSet {
@@ -70,11 +70,12 @@ impl Other {
 }
 
 /// Compares, and remembers what with.
-pub fn comparer() -> impl FnMut(Comparison, &Receiver<Comparison>, &Sender<News>) + Send {
+pub fn comparer()
+-> impl FnMut(ComparisonRequest, &Receiver<ComparisonRequest>, &Sender<ScreenEvent>) + Send {
     let mut other: Option<Other> = None;
     move |mut asked, waiting, news| {
         while let Ok(newer) = waiting.try_recv() {
-            asked = Comparison { other: newer.other.or(asked.other), ..newer };
+            asked = ComparisonRequest { other: newer.other.or(asked.other), ..newer };
         }
         let answer = guarded(|| {
             if let Some(name) = &asked.other {
@@ -82,32 +83,33 @@ pub fn comparer() -> impl FnMut(Comparison, &Receiver<Comparison>, &Sender<News>
             }
             compared(&asked, other.as_ref().ok_or("there is nothing to compare with")?)
         });
-        let job = answer.map_or_else(Job::Failed, |compared| Job::Done(Box::new(compared)));
+        let job =
+            answer.map_or_else(JobState::Failed, |compared| JobState::Done(Box::new(compared)));
         // Without a screen there is nobody to hear it.
-        let _ = news.send(News::Answer(Answer::Comparison(job)));
+        let _ = news.send(ScreenEvent::Answer(JobAnswer::Comparison(job)));
     }
 }
 
 /// The measurement is the one that was measured; of two of a kind, the one on screen, unless that is a bench.
-fn compared(asked: &Comparison, other: &Other) -> Result<Compared, String> {
+fn compared(asked: &ComparisonRequest, other: &Other) -> Result<Compared, String> {
     let first = |set: &TraceSet, name: &str| -> Result<Shot, String> {
         set.shots.first().cloned().ok_or_else(|| format!("{name}: found no shots"))
     };
     let (here, there) = (first(&asked.set, &asked.name)?, first(&other.set, &other.name)?);
-    let here_side = Side { name: &asked.name, set: &asked.set, shot: &here, scene: None };
-    let there_side = Side { name: &other.name, set: &other.set, shot: &there, scene: None };
+    let here_side = ComparedShot { name: &asked.name, set: &asked.set, shot: &here, scene: None };
+    let there_side = ComparedShot { name: &other.name, set: &other.set, shot: &there, scene: None };
     let simulated_here = here.origin == Origin::Simulated && there.origin == Origin::Measured;
     let (measured, simulated) = if asked.live || simulated_here {
         (there_side, here_side)
     } else {
         (here_side, there_side)
     };
-    let tolerance = Tolerance::parse(TOLERANCE)?;
+    let tolerance = ScoreLimits::parse(SCORE_LIMITS)?;
     compare(measured, simulated, (Align::default(), &[]), &tolerance).map_err(|e| e.to_string())
 }
 
 /// A question to a scene that is run many times.
-pub enum Research {
+pub enum StudyRequest {
     /// Work against precision.
     Study(Box<Scene>),
     /// Every effect with and without.
@@ -115,34 +117,38 @@ pub enum Research {
 }
 
 /// Answers one question, and tells how far it is meanwhile.
-pub fn research(order: Research, _: &Receiver<Research>, news: &Sender<News>) {
+pub fn research(order: StudyRequest, _: &Receiver<StudyRequest>, news: &Sender<ScreenEvent>) {
     let mut told = 0.0;
-    let mut tell = |share: f64, answer: fn(f64) -> Answer| {
-        if share - told >= STEP {
+    let mut tell = |share: f64, answer: fn(f64) -> JobAnswer| {
+        if share - told >= PROGRESS_STEP {
             told = share;
             // Without a screen there is nobody to hear it.
-            let _ = news.send(News::Answer(answer(share)));
+            let _ = news.send(ScreenEvent::Answer(answer(share)));
         }
     };
     let answer = match order {
-        Research::Study(scene) => {
+        StudyRequest::Study(scene) => {
             let found = guarded(|| {
                 cost::study(&scene, cost::TIMED_RUNS, &mut |s| {
-                    tell(s, |s| Answer::Study(Job::Busy(s)));
+                    tell(s, |s| JobAnswer::Study(JobState::Busy(s)));
                 })
             });
-            Answer::Study(found.map_or_else(Job::Failed, |study| Job::Done(Box::new(study))))
+            JobAnswer::Study(
+                found.map_or_else(JobState::Failed, |study| JobState::Done(Box::new(study))),
+            )
         }
-        Research::Ledger(scene) => {
+        StudyRequest::Ledger(scene) => {
             let found = guarded(|| {
                 let accuracy = of_scene(&scene).map_err(|error| error.to_string())?.value;
                 effects::ledger(&scene, accuracy, &mut |s| {
-                    tell(s, |s| Answer::Ledger(Job::Busy(s)));
+                    tell(s, |s| JobAnswer::Ledger(JobState::Busy(s)));
                 })
                 .map_err(|error| error.to_string())
             });
-            Answer::Ledger(found.map_or_else(Job::Failed, |ledger| Job::Done(Box::new(ledger))))
+            JobAnswer::Ledger(
+                found.map_or_else(JobState::Failed, |ledger| JobState::Done(Box::new(ledger))),
+            )
         }
     };
-    let _ = news.send(News::Answer(answer));
+    let _ = news.send(ScreenEvent::Answer(answer));
 }

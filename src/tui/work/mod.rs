@@ -8,7 +8,7 @@ mod save;
 pub mod served;
 mod simulation_worker;
 
-pub use news::{News, guarded, provoked};
+pub use news::{ScreenEvent, guarded, provoked};
 
 use std::io::IsTerminal as _;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -18,17 +18,17 @@ use std::time::Duration;
 use ratatui::crossterm::event;
 use ratatui::layout::Size;
 
-use super::model::{Model, Request, Strike};
+use super::model::{Request, ScreenState, StrikeRequest};
 use crate::recording::mcap::indexed_recording::IndexedRecording;
-use analysis_worker::{Comparison, Research};
+use analysis_worker::{ComparisonRequest, StudyRequest};
 
 /// How often it is looked whether the terminal is still there.
-const LOOK: Duration = Duration::from_millis(500);
+const TERMINAL_POLL_INTERVAL: Duration = Duration::from_millis(500);
 
 /// Starts a thread that does `work` for each order, with a way to send news; it ends when nobody can order any more.
 fn worker<Order: Send + 'static>(
-    news: &Sender<News>,
-    mut work: impl FnMut(Order, &Receiver<Order>, &Sender<News>) + Send + 'static,
+    news: &Sender<ScreenEvent>,
+    mut work: impl FnMut(Order, &Receiver<Order>, &Sender<ScreenEvent>) + Send + 'static,
 ) -> Sender<Order> {
     let (orders, received) = channel::<Order>();
     let news = news.clone();
@@ -42,17 +42,20 @@ fn worker<Order: Send + 'static>(
 
 /// The worker threads of the screen.
 pub struct Workers {
-    news: Sender<News>,
+    news: Sender<ScreenEvent>,
     recording_worker: Option<Sender<usize>>,
     served: Option<Sender<String>>,
-    bench: Sender<Strike>,
-    comparison: Sender<Comparison>,
-    research: Sender<Research>,
+    bench: Sender<StrikeRequest>,
+    comparison: Sender<ComparisonRequest>,
+    research: Sender<StudyRequest>,
 }
 
 impl Workers {
     /// Starts the threads; a recording that is read as it is looked at comes as `recording`, and may be followed.
-    pub fn start(recording: Option<IndexedRecording>, follow: bool) -> (Self, Receiver<News>) {
+    pub fn start(
+        recording: Option<IndexedRecording>,
+        follow: bool,
+    ) -> (Self, Receiver<ScreenEvent>) {
         let (news, receiver) = channel();
         let recording_worker =
             recording.map(|recording| recording_worker::start(recording, follow, &news));
@@ -68,7 +71,7 @@ impl Workers {
     }
 
     /// Watches a scope that is served somewhere else.
-    pub fn watch(&mut self, scope: served::Scope) {
+    pub fn watch(&mut self, scope: served::ServedConnection) {
         self.served = Some(served::start(scope, &self.news));
     }
 
@@ -78,24 +81,24 @@ impl Workers {
         let end = news.clone();
         thread::spawn(move || {
             while let Ok(event) = event::read() {
-                if news.send(News::Terminal(event)).is_err() {
+                if news.send(ScreenEvent::Terminal(event)).is_err() {
                     return;
                 }
             }
             // Nobody is left to hear it if this fails.
-            let _ = news.send(News::Closed);
+            let _ = news.send(ScreenEvent::Closed);
         });
         // Reading from a terminal that has gone never ends, and a hang-up signal need not come.
         thread::spawn(move || {
             while std::io::stdout().is_terminal() {
-                thread::sleep(LOOK);
+                thread::sleep(TERMINAL_POLL_INTERVAL);
             }
-            let _ = end.send(News::Closed);
+            let _ = end.send(ScreenEvent::Closed);
         });
     }
 
     /// Has everything done that the model asks for.
-    pub fn serve(&self, model: &mut Model, size: Size) {
+    pub fn serve(&self, model: &mut ScreenState, size: Size) {
         for request in model.take_requests() {
             // A worker that is gone has panicked; the screen's hook has told why.
             let sent = match request {
@@ -107,24 +110,27 @@ impl Workers {
                 Request::Send(command) => {
                     self.served.as_ref().is_none_or(|scope| scope.send(command).is_ok())
                 }
-                Request::Compare(other) => {
-                    Comparison::of(model, other).is_none_or(|c| self.comparison.send(c).is_ok())
-                }
+                Request::Compare(other) => ComparisonRequest::of(model, other)
+                    .is_none_or(|c| self.comparison.send(c).is_ok()),
                 Request::Study => {
                     let scene = model.scene().cloned().map(Box::new);
-                    scene.is_none_or(|scene| self.research.send(Research::Study(scene)).is_ok())
+                    scene.is_none_or(|scene| self.research.send(StudyRequest::Study(scene)).is_ok())
                 }
                 Request::Ledger => {
                     let scene = model.scene().cloned().map(Box::new);
-                    scene.is_none_or(|scene| self.research.send(Research::Ledger(scene)).is_ok())
+                    scene
+                        .is_none_or(|scene| self.research.send(StudyRequest::Ledger(scene)).is_ok())
                 }
                 Request::Save(file) => {
-                    model.tell(save::save(model, size, &file).unwrap_or_else(|problem| problem));
+                    model.set_notice(
+                        save::save(model, size, &file).unwrap_or_else(|problem| problem),
+                    );
                     true
                 }
             };
             if !sent {
-                model.tell("the thread that does this has stopped; please restart".to_owned());
+                model
+                    .set_notice("the thread that does this has stopped; please restart".to_owned());
             }
         }
     }

@@ -5,13 +5,13 @@ use std::panic::{self, AssertUnwindSafe};
 use ratatui::crossterm::event::Event;
 
 use crate::recording::{Shot, TraceSet};
-use crate::tui::model::background_jobs::Answer;
-use crate::tui::model::served::Heard;
-use crate::tui::model::{Model, Struck};
+use crate::tui::model::background_jobs::JobAnswer;
+use crate::tui::model::served::ServedUpdate;
+use crate::tui::model::{ScreenState, StrikeResult};
 
 /// What reaches the screen's loop.
 #[derive(Debug)]
-pub enum News {
+pub enum ScreenEvent {
     /// A key, the mouse, another size.
     Terminal(Event),
     /// The terminal is gone.
@@ -21,29 +21,29 @@ pub enum News {
     /// A shot, with its place.
     Shot(usize, Box<Shot>),
     /// The answer to a strike, with its number.
-    Struck(u64, Result<Box<Struck>, String>),
+    Struck(u64, Result<Box<StrikeResult>, String>),
     /// The answer to a question.
-    Answer(Answer),
+    Answer(JobAnswer),
     /// What a served scope told.
-    Heard(Box<Heard>),
+    Heard(Box<ServedUpdate>),
     /// The served scope is gone, and why.
     Lost(String),
     /// Something went wrong that the user should know.
     Told(String),
 }
 
-impl News {
+impl ScreenEvent {
     /// Applies this to the model; terminal events are handled by the keys.
-    pub fn apply(self, model: &mut Model) {
+    pub fn apply(self, model: &mut ScreenState) {
         match self {
             Self::Terminal(_) | Self::Closed => {}
-            Self::Read(count, open, facts) => model.tape_read(count, open, *facts),
-            Self::Shot(place, shot) => model.tape_shot(place, *shot),
-            Self::Struck(turn, answer) => model.struck(turn, answer),
-            Self::Answer(answer) => model.answered(answer),
-            Self::Heard(heard) => model.heard(*heard),
-            Self::Lost(why) => model.lost(why),
-            Self::Told(words) => model.tell(words),
+            Self::Read(count, open, facts) => model.apply_index(count, open, *facts),
+            Self::Shot(place, shot) => model.apply_shot(place, *shot),
+            Self::Struck(turn, answer) => model.apply_strike_result(turn, answer),
+            Self::Answer(answer) => model.apply_answer(answer),
+            Self::Heard(heard) => model.apply_served_update(*heard),
+            Self::Lost(why) => model.connection_lost(why),
+            Self::Told(words) => model.set_notice(words),
         }
     }
 }

@@ -4,16 +4,16 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel}
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::{News, guarded};
-use crate::recording::mcap::indexed_recording::{End, IndexedRecording};
+use super::{ScreenEvent, guarded};
+use crate::recording::mcap::indexed_recording::{IndexedRecording, ReadState};
 
 /// A file that may grow is looked at so often.
-const LOOK: Duration = Duration::from_millis(50);
+const FILE_POLL_INTERVAL: Duration = Duration::from_millis(50);
 /// How much is found is told so often.
-const TELL: Duration = Duration::from_millis(100);
+const REPORT_INTERVAL: Duration = Duration::from_millis(100);
 
 /// Starts the thread; it takes places of shots.
-pub fn start(tape: IndexedRecording, follow: bool, news: &Sender<News>) -> Sender<usize> {
+pub fn start(tape: IndexedRecording, follow: bool, news: &Sender<ScreenEvent>) -> Sender<usize> {
     let (orders, received) = channel();
     let news = news.clone();
     thread::spawn(move || {
@@ -21,7 +21,7 @@ pub fn start(tape: IndexedRecording, follow: bool, news: &Sender<News>) -> Sende
         let player = Player { tape, follow, news, told: None, brought: None };
         // An error means that the screen is gone.
         if let Err(words) = guarded(|| Ok(player.play(&received))) {
-            let _ = last.send(News::Told(words));
+            let _ = last.send(ScreenEvent::Told(words));
         }
     });
     orders
@@ -30,18 +30,18 @@ pub fn start(tape: IndexedRecording, follow: bool, news: &Sender<News>) -> Sende
 struct Player {
     tape: IndexedRecording,
     follow: bool,
-    news: Sender<News>,
+    news: Sender<ScreenEvent>,
     /// When it was last told how much there is, and what.
-    told: Option<(Instant, usize, End)>,
+    told: Option<(Instant, usize, ReadState)>,
     /// The shot that was brought last, and of how many pieces of the file it was made.
     brought: Option<(usize, usize)>,
 }
 
 /// The other end is gone.
-struct Gone;
+struct Disconnected;
 
 impl Player {
-    fn play(mut self, orders: &Receiver<usize>) -> Result<(), Gone> {
+    fn play(mut self, orders: &Receiver<usize>) -> Result<(), Disconnected> {
         loop {
             if let Some(place) = latest(orders)? {
                 self.apply(place)?;
@@ -50,20 +50,22 @@ impl Player {
             let end = match end {
                 Ok(end) => end,
                 Err(error) => {
-                    self.say(News::Told(error.to_string()))?;
-                    End::Finished
+                    self.send(ScreenEvent::Told(error.to_string()))?;
+                    ReadState::Finished
                 }
             };
-            self.tell(end)?;
-            self.bring_rest()?;
+            self.report_progress(end)?;
+            self.load_rest()?;
             let place = match end {
-                End::More => None,
-                End::Open if self.follow => match orders.recv_timeout(LOOK) {
+                ReadState::More => None,
+                ReadState::Open if self.follow => match orders.recv_timeout(FILE_POLL_INTERVAL) {
                     Ok(place) => Some(place),
                     Err(RecvTimeoutError::Timeout) => None,
-                    Err(RecvTimeoutError::Disconnected) => return Err(Gone),
+                    Err(RecvTimeoutError::Disconnected) => return Err(Disconnected),
                 },
-                End::Open | End::Finished => Some(orders.recv().map_err(|_| Gone)?),
+                ReadState::Open | ReadState::Finished => {
+                    Some(orders.recv().map_err(|_| Disconnected)?)
+                }
             };
             if let Some(place) = place {
                 let place = latest(orders)?.unwrap_or(place);
@@ -72,34 +74,35 @@ impl Player {
         }
     }
 
-    fn say(&self, news: News) -> Result<(), Gone> {
-        self.news.send(news).map_err(|_| Gone)
+    fn send(&self, news: ScreenEvent) -> Result<(), Disconnected> {
+        self.news.send(news).map_err(|_| Disconnected)
     }
 
     /// The shot on screen again, where more of it has come since: its last pieces may not have been written yet.
-    fn bring_rest(&mut self) -> Result<(), Gone> {
+    fn load_rest(&mut self) -> Result<(), Disconnected> {
         match self.brought {
             Some((place, pieces)) if self.tape.pieces(place) > pieces => self.apply(place),
             _ => Ok(()),
         }
     }
 
-    fn apply(&mut self, place: usize) -> Result<(), Gone> {
+    fn apply(&mut self, place: usize) -> Result<(), Disconnected> {
         self.brought = Some((place, self.tape.pieces(place)));
         match self.tape.shot(place) {
-            Ok(Some(shot)) => self.say(News::Shot(place, Box::new(shot))),
-            Ok(None) => self.say(News::Told(format!("shot {} cannot be read", place + 1))),
-            Err(error) => self.say(News::Told(error.to_string())),
+            Ok(Some(shot)) => self.send(ScreenEvent::Shot(place, Box::new(shot))),
+            Ok(None) => self.send(ScreenEvent::Told(format!("shot {} cannot be read", place + 1))),
+            Err(error) => self.send(ScreenEvent::Told(error.to_string())),
         }
     }
 
     /// Tells how much there is: the first shot at once, then now and then, and whenever an end is reached.
-    fn tell(&mut self, end: End) -> Result<(), Gone> {
+    fn report_progress(&mut self, end: ReadState) -> Result<(), Disconnected> {
         let count = self.tape.shots();
         let due = match self.told {
-            None => count > 0 || end != End::More,
+            None => count > 0 || end != ReadState::More,
             Some((at, told, before)) => {
-                (told, before) != (count, end) && (end != End::More || at.elapsed() >= TELL)
+                (told, before) != (count, end)
+                    && (end != ReadState::More || at.elapsed() >= REPORT_INTERVAL)
             }
         };
         if !due {
@@ -107,22 +110,22 @@ impl Player {
         }
         self.told = Some((Instant::now(), count, end));
         let mut facts = self.tape.facts();
-        if end == End::Open && !self.follow {
+        if end == ReadState::Open && !self.follow {
             facts.problems.push("the file has no end: it was not finished, or cut".to_owned());
         }
-        let open = end == End::More || (end == End::Open && self.follow);
-        self.say(News::Read(count, open, Box::new(facts)))
+        let open = end == ReadState::More || (end == ReadState::Open && self.follow);
+        self.send(ScreenEvent::Read(count, open, Box::new(facts)))
     }
 }
 
 /// The newest order, the others are stale.
-fn latest(orders: &Receiver<usize>) -> Result<Option<usize>, Gone> {
+fn latest(orders: &Receiver<usize>) -> Result<Option<usize>, Disconnected> {
     let mut latest = None;
     loop {
         match orders.try_recv() {
             Ok(place) => latest = Some(place),
             Err(TryRecvError::Empty) => return Ok(latest),
-            Err(TryRecvError::Disconnected) => return Err(Gone),
+            Err(TryRecvError::Disconnected) => return Err(Disconnected),
         }
     }
 }

@@ -12,36 +12,36 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::{News, guarded};
+use super::{ScreenEvent, guarded};
 use crate::recording::set_file::SetFile;
-use crate::recording::{Capture, Instrument, isf};
+use crate::recording::{Capture, InstrumentIdentity, isf};
 use crate::scope::{Model, Source};
-use crate::tui::model::served::Heard;
-use snapshot::Look;
+use crate::tui::model::served::ServedUpdate;
+use snapshot::ServedSnapshot;
 use socket::Socket;
 
 /// How often it is asked whether there is something new.
-const OFTEN: Duration = Duration::from_millis(100);
+const RECORD_POLL_INTERVAL: Duration = Duration::from_millis(100);
 /// How often it is asked for everything, since another client may have turned something.
-const SELDOM: Duration = Duration::from_secs(1);
+const SNAPSHOT_INTERVAL: Duration = Duration::from_secs(1);
 /// What says that there is a new record.
-const SHORT: &str = ":ACQ:NUMAC?;STATE?;STOPA?;:TRIG:STATE?";
+const STATE_QUERY: &str = ":ACQ:NUMAC?;STATE?;STOPA?;:TRIG:STATE?";
 /// Settings of the transfer, in the order of the reply.
-const TRANSFER: [&str; 5] = ["ENC", "WID", "STAR", "STOP", "SOU"];
+const TRANSFER_FIELDS: [&str; 5] = ["ENC", "WID", "STAR", "STOP", "SOU"];
 
 /// A connection to a served scope, or to a real one behind a socket.
 #[derive(Debug)]
-pub struct Scope {
+pub struct ServedConnection {
     socket: Socket,
     /// Where it is, `HOST:PORT`.
     address: String,
-    instrument: Instrument,
+    instrument: InstrumentIdentity,
     model: Model,
     /// Whether a bench stands behind it that can be struck.
     bench: bool,
 }
 
-impl Scope {
+impl ServedConnection {
     /// Connects to `address`, `HOST:PORT`, and asks who is there.
     ///
     /// # Errors
@@ -49,26 +49,30 @@ impl Scope {
     pub fn connect(address: &str) -> Result<Self, String> {
         let failed = |error: io::Error| format!("{address}: {error}");
         let mut socket = Socket::connect(address).map_err(failed)?;
-        let identity = socket.ask(":HEAD OFF;:VERB ON;*IDN?").map_err(|error| {
+        let identity = socket.query(":HEAD OFF;:VERB ON;*IDN?").map_err(|error| {
             format!("{address}: found no answer to *IDN? ({error}), expected an oscilloscope")
         })?;
         let (instrument, model) =
             snapshot::instrument(&identity).map_err(|problem| format!("{address}: {problem}"))?;
         // A scope without a bench answers the second query alone.
-        let bench = socket.ask(":BENC:IMP?;:HEAD?").map_err(failed)?.contains(';');
+        let bench = socket.query(":BENC:IMP?;:HEAD?").map_err(failed)?.contains(';');
         Ok(Self { socket, address: address.to_owned(), instrument, model, bench })
     }
 
     /// Everything but the records.
-    fn look(&mut self, short: String, before: Option<&Look>) -> io::Result<Look> {
-        let panel = self.socket.ask("SET?")?;
+    fn poll(
+        &mut self,
+        short: String,
+        before: Option<&ServedSnapshot>,
+    ) -> io::Result<ServedSnapshot> {
+        let panel = self.socket.query("SET?")?;
         let panel = SetFile::read(panel.as_bytes(), &self.address).map_err(io::Error::other)?;
-        let mut look = Look::new(short, panel, self.model.clone());
+        let mut look = ServedSnapshot::new(short, panel, self.model.clone());
         if self.bench {
-            let named = self.socket.ask(":BENC:IMP?;SCEN?")?;
+            let named = self.socket.query(":BENC:IMP?;SCEN?")?;
             look.on_bench(&named, before);
             if let Some(query) = look.knobs_query() {
-                let knobs = self.socket.ask(&query)?;
+                let knobs = self.socket.query(&query)?;
                 look.turned(&knobs);
             }
         }
@@ -76,14 +80,14 @@ impl Scope {
     }
 
     /// The records of the displayed traces; none where what is displayed has changed meanwhile.
-    fn records(&mut self, look: &Look) -> io::Result<Option<Vec<Capture>>> {
+    fn records(&mut self, look: &ServedSnapshot) -> io::Result<Option<Vec<Capture>>> {
         let sources = look.displayed();
-        let asked = TRANSFER.map(|word| format!("{word}?")).join(";");
-        let before = self.socket.ask(&format!(":DAT:{asked}"))?;
+        let asked = TRANSFER_FIELDS.map(|word| format!("{word}?")).join(";");
+        let before = self.socket.query(&format!(":DAT:{asked}"))?;
         let (found, records) = self.socket.ask_for_records(&message(&sources, &before, &asked))?;
         if found != before {
             // Somebody has turned it between the two messages.
-            self.socket.say(&format!(":DAT:{}", restored(&found)))?;
+            self.socket.send_line(&format!(":DAT:{}", restored(&found)))?;
         }
         let captures = records.iter().map(|record| self.capture(record, look));
         let captures: Option<Vec<Capture>> = captures.collect();
@@ -91,7 +95,7 @@ impl Scope {
     }
 
     /// A preamble and its block are what an ISF file holds.
-    fn capture(&self, record: &[u8], look: &Look) -> Option<Capture> {
+    fn capture(&self, record: &[u8], look: &ServedSnapshot) -> Option<Capture> {
         let mut capture = isf::read(record, &self.address).ok()?;
         // What a file does not tell and has to be guessed, the set-up tells.
         capture.notes.clear();
@@ -114,44 +118,45 @@ fn message(sources: &[Source], before: &str, asked: &str) -> String {
 
 /// The commands that set the transfer to what a query of it told.
 fn restored(told: &str) -> String {
-    let pairs = TRANSFER.iter().zip(told.split(';')).map(|(word, value)| format!("{word} {value}"));
+    let pairs =
+        TRANSFER_FIELDS.iter().zip(told.split(';')).map(|(word, value)| format!("{word} {value}"));
     pairs.collect::<Vec<_>>().join(";")
 }
 
 /// Starts the thread that watches; it takes commands.
-pub fn start(scope: Scope, news: &Sender<News>) -> Sender<String> {
+pub fn start(scope: ServedConnection, news: &Sender<ScreenEvent>) -> Sender<String> {
     let (orders, received) = channel();
     let news = news.clone();
     thread::spawn(move || {
         let address = scope.address.clone();
-        let mut watch = Watch { scope, news: news.clone(), last: None, records: None };
+        let mut watch = ServedWorker { scope, news: news.clone(), last: None, records: None };
         let watched = guarded(|| watch.go(&received).map_err(|error| error.to_string()));
         if let Err(words) = watched {
             // Without a screen there is nobody to hear it.
-            let _ = news.send(News::Lost(format!("{address}: the scope is gone: {words}")));
+            let _ = news.send(ScreenEvent::Lost(format!("{address}: the scope is gone: {words}")));
         }
     });
     orders
 }
 
-struct Watch {
-    scope: Scope,
-    news: Sender<News>,
-    last: Option<(Instant, Look)>,
+struct ServedWorker {
+    scope: ServedConnection,
+    news: Sender<ScreenEvent>,
+    last: Option<(Instant, ServedSnapshot)>,
     records: Option<Vec<Capture>>,
 }
 
-impl Watch {
+impl ServedWorker {
     /// Looks and passes commands on until the screen is gone.
     fn go(&mut self, orders: &Receiver<String>) -> io::Result<()> {
         loop {
             let mut commanded = false;
             if self.last.is_some() {
-                match orders.recv_timeout(OFTEN) {
+                match orders.recv_timeout(RECORD_POLL_INTERVAL) {
                     Ok(command) => {
-                        self.scope.socket.say(&command)?;
+                        self.scope.socket.send_line(&command)?;
                         for more in orders.try_iter() {
-                            self.scope.socket.say(&more)?;
+                            self.scope.socket.send_line(&more)?;
                         }
                         commanded = true;
                     }
@@ -160,32 +165,34 @@ impl Watch {
                 }
             }
             let Some(heard) = self.listen(commanded)? else { continue };
-            if self.news.send(News::Heard(Box::new(heard))).is_err() {
+            if self.news.send(ScreenEvent::Heard(Box::new(heard))).is_err() {
                 return Ok(());
             }
         }
     }
 
     /// What is new, if anything is.
-    fn listen(&mut self, commanded: bool) -> io::Result<Option<Heard>> {
-        let short = self.scope.socket.ask(SHORT)?;
-        let quiet = |(at, look): &(Instant, Look)| look.short() == short && at.elapsed() < SELDOM;
+    fn listen(&mut self, commanded: bool) -> io::Result<Option<ServedUpdate>> {
+        let short = self.scope.socket.query(STATE_QUERY)?;
+        let quiet = |(at, look): &(Instant, ServedSnapshot)| {
+            look.short() == short && at.elapsed() < SNAPSHOT_INTERVAL
+        };
         if !commanded && self.last.as_ref().is_some_and(quiet) {
             return Ok(None);
         }
         let before = self.last.take().map(|(_, look)| look);
-        let mut look = self.scope.look(short, before.as_ref())?;
+        let mut look = self.scope.poll(short, before.as_ref())?;
         let same = before.as_ref() == Some(&look);
         let wanted = !same && look.has_records() && !look.displayed().is_empty();
         let records = if wanted { self.scope.records(&look)? } else { None };
         if wanted && records.is_none() {
-            look.forget();
+            look.clear();
         }
         let new = records.filter(|records| self.records.as_ref() != Some(records));
         if let Some(records) = &new {
             self.records = Some(records.clone());
         }
-        let heard = look.heard(self.scope.bench, new);
+        let heard = look.update(self.scope.bench, new);
         self.last = Some((Instant::now(), look));
         Ok((!same).then_some(heard))
     }

@@ -2,25 +2,29 @@
 
 use std::sync::mpsc::{Receiver, Sender};
 
-use super::{News, guarded, provoked};
+use super::{ScreenEvent, guarded, provoked};
 use crate::experiment::accuracy::of_scene;
-use crate::experiment::auto_effects::settle;
+use crate::experiment::auto_effects::resolve_auto_effects;
 use crate::experiment::{Integration, facts, run};
 use crate::recording::TraceSet;
 use crate::scene::Scene;
-use crate::tui::model::{Strike, Struck};
+use crate::tui::model::{StrikeRequest, StrikeResult};
 
 /// Does the newest of the strikes that are waiting; the older ones are stale.
-pub fn strike(mut strike: Strike, waiting: &Receiver<Strike>, news: &Sender<News>) {
+pub fn strike(
+    mut strike: StrikeRequest,
+    waiting: &Receiver<StrikeRequest>,
+    news: &Sender<ScreenEvent>,
+) {
     while let Ok(newer) = waiting.try_recv() {
         strike = newer;
     }
     let answer = guarded(|| struck(&strike)).map(Box::new);
     // Without a screen there is nobody to hear it.
-    let _ = news.send(News::Struck(strike.turn, answer));
+    let _ = news.send(ScreenEvent::Struck(strike.turn, answer));
 }
 
-fn struck(strike: &Strike) -> Result<Struck, String> {
+fn struck(strike: &StrikeRequest) -> Result<StrikeResult, String> {
     if strike.shot > 1 {
         provoked("bench");
     }
@@ -31,7 +35,7 @@ fn struck(strike: &Strike) -> Result<Struck, String> {
     let scene = scene.map_err(|error| told(&error))?;
     let accuracy = of_scene(&scene).map_err(|error| told(&error))?.value;
     let integration = Integration::Accuracy(accuracy);
-    let scene = settle(&scene, integration).into_owned();
+    let scene = resolve_auto_effects(&scene, integration).into_owned();
     let outcome = run(&scene, integration, strike.shot, &mut |_| ()).map_err(|e| told(&e))?;
     let metadata = facts::facts(&scene, integration).map_err(|error| told(&error))?;
     let notes = facts::shot_notes(&scene, &outcome);
@@ -44,5 +48,5 @@ fn struck(strike: &Strike) -> Result<Struck, String> {
         shots: vec![outcome.shot],
         ..TraceSet::default()
     };
-    Ok(Struck { scene, set, summary: outcome.summary })
+    Ok(StrikeResult { scene, set, summary: outcome.summary })
 }

@@ -4,8 +4,9 @@ use hertzscope::analysis::arrival::Estimator;
 use hertzscope::analysis::correlation::delay;
 use hertzscope::analysis::droop::undo_droop;
 use hertzscope::analysis::gate::Gate;
-use hertzscope::analysis::pulse::{Conditions, Measure, Pulse, PulseError};
+use hertzscope::analysis::pulse::{Conditions, Pulse, PulseError};
 use hertzscope::analysis::speed::{decay, speed, speed_over};
+use hertzscope::quantity::Uncertain;
 use hertzscope::trace::Trace;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
@@ -30,7 +31,7 @@ fn exact(estimator: Estimator, centre: f64) -> f64 {
     centre - before * SIGMA
 }
 
-fn found(pulse: &Pulse, estimator: Estimator) -> Measure {
+fn found(pulse: &Pulse, estimator: Estimator) -> Uncertain {
     pulse.arrival(estimator).expect("an arrival")
 }
 
@@ -100,10 +101,10 @@ struct Coverage {
 }
 
 impl Coverage {
-    fn of(pairs: impl Iterator<Item = (Measure, f64)>) -> Self {
+    fn of(pairs: impl Iterator<Item = (Uncertain, f64)>) -> Self {
         let mut coverage = Self { inside: 0, squares: 0.0, count: 0 };
         for (measure, truth) in pairs {
-            let error = (measure.value - truth) / measure.standard_uncertainty;
+            let error = (measure.value - truth) / measure.u;
             coverage.inside += usize::from(error.abs() <= 2.0);
             coverage.squares += error * error;
             coverage.count += 1;
@@ -208,18 +209,18 @@ fn first_peak_and_count() {
 
 #[test]
 fn speeds_and_decay() {
-    let sure = |value: f64, standard_uncertainty: f64| Measure { value, standard_uncertainty };
+    let sure = |value: f64, standard_uncertainty: f64| Uncertain { value, u: standard_uncertainty };
     let found = speed(sure(0.05, 1e-5), sure(1e-4, 1e-6), sure(4e-4, 1e-6)).expect("a speed");
     assert!((found.value - 166.666_666_666_666_67).abs() < 1e-10);
     // (1e-5/0.05)^2 + 2 (1e-6/3e-4)^2.
     let relative = (4e-8 + 2.0 / 9e4_f64).sqrt();
-    assert!((found.standard_uncertainty / found.value / relative - 1.0).abs() < 1e-12);
+    assert!((found.u / found.value / relative - 1.0).abs() < 1e-12);
     assert_eq!(speed_over(sure(0.05, 1e-5), sure(0.0, 1e-6)), None);
     // Uncertainties of 1 % at x = 0, 1, 2 m: the slope's is 0.01/sqrt(2).
     let amplitude = |x: f64| (x, sure(3.0 * (-0.4 * x).exp(), 0.03 * (-0.4 * x).exp()));
     let found = decay(&[amplitude(0.0), amplitude(1.0), amplitude(2.0)]).expect("a decay");
     assert!((found.value - 0.4).abs() < 1e-14);
-    assert!((found.standard_uncertainty - 0.01 / 2f64.sqrt()).abs() < 1e-14);
+    assert!((found.u - 0.01 / 2f64.sqrt()).abs() < 1e-14);
     assert_eq!(decay(&[amplitude(1.0)]), None);
     assert_eq!(decay(&[amplitude(1.0), (2.0, sure(-1.0, 0.1))]), None);
 }

@@ -52,7 +52,7 @@ fn errors(scene: &Scene, outcome: &Outcome) -> Vec<Deviation> {
                 place: reading.name.clone(),
                 estimator,
                 time: found.value + trigger - exact,
-                stated: found.standard_uncertainty,
+                stated: found.u,
             });
         }
     }

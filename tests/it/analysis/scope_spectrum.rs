@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use hertzscope::analysis::droop::undo_droop;
 use hertzscope::analysis::gate::Gate;
-use hertzscope::analysis::spectrum::{Analyser, Settings, Spectrum};
+use hertzscope::analysis::spectrum::{Analyser, Spectrum, SpectrumSettings};
 use hertzscope::experiment::{Integration, run};
 use hertzscope::scene::Scene;
 use hertzscope::trace::Trace;
@@ -39,7 +39,9 @@ fn signals(name: &str, place: usize) -> (Trace, Trace, Trace, [f64; 2]) {
 
 fn spectrum(trace: &Trace) -> Spectrum {
     let gate = Gate { from: -100e-6, to: 1400e-6 };
-    Analyser::new().spectrum(trace, &Settings { gate, ..Settings::default() }).expect("a spectrum")
+    Analyser::new()
+        .spectrum(trace, &SpectrumSettings { gate, ..SpectrumSettings::default() })
+        .expect("a spectrum")
 }
 
 /// What droop and digitising may change in the coefficient at `frequency`: droop takes away `d(t)`, slow, whose transform is at most

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use hertzscope::analysis::gate::Gate;
-use hertzscope::analysis::spectrum::{Analyser, Convention, Settings, SpectrumError};
+use hertzscope::analysis::spectrum::{Analyser, Convention, SpectrumError, SpectrumSettings};
 use hertzscope::analysis::window::Window;
 use hertzscope::trace::Trace;
 use rand_distr::{Distribution, StandardNormal};
@@ -38,7 +38,7 @@ fn sines_between_bins() {
         for fraction in [0.0, 0.13, 0.31, 0.5, 0.77] {
             let frequency = (50.0 + fraction) / (samples as f64 * interval);
             let trace = sampled(samples, interval, |t| 3.0 * (TAU * frequency * t + 0.7).sin());
-            let settings = Settings { window, ..Settings::default() };
+            let settings = SpectrumSettings { window, ..SpectrumSettings::default() };
             let spectrum = analyser.spectrum(&trace, &settings).expect("a spectrum");
             let peaks = spectrum.peaks(0.3);
             assert_eq!(peaks.len(), 1, "{window}: side lobes are no lines of their own");
@@ -55,7 +55,8 @@ fn sines_between_bins() {
 #[test]
 fn a_sine_on_a_bin_has_half_its_amplitude() {
     let trace = sampled(1000, 1e-3, |t| 2.0 * (TAU * 40.0 * t).cos() + 0.25);
-    let spectrum = Analyser::new().spectrum(&trace, &Settings::default()).expect("a spectrum");
+    let spectrum =
+        Analyser::new().spectrum(&trace, &SpectrumSettings::default()).expect("a spectrum");
     assert_eq!((spectrum.samples, spectrum.padded), (1000, 5000));
     assert!((spectrum.step - 0.2).abs() < 1e-15 && (spectrum.resolution - 1.0).abs() < 1e-15);
     for hertz in 0..500 {
@@ -73,7 +74,8 @@ fn a_sine_on_a_bin_has_half_its_amplitude() {
 #[test]
 fn coefficients_are_the_papers_sum() {
     let trace = sampled(7, 0.1, |t| 1.0 + 3.0 * t - 20.0 * t * t * t);
-    let spectrum = Analyser::new().spectrum(&trace, &Settings::default()).expect("a spectrum");
+    let spectrum =
+        Analyser::new().spectrum(&trace, &SpectrumSettings::default()).expect("a spectrum");
     for (k, found) in spectrum.amplitude.iter().enumerate() {
         let (mut re, mut im) = (0.0, 0.0);
         for (j, x) in trace.values.iter().enumerate() {
@@ -92,7 +94,8 @@ fn coefficients_are_the_papers_sum() {
 fn exponential_pulse() {
     let (samples, interval, tau) = (40_000, 1e-6, 1e-3);
     let trace = sampled(samples, interval, |t| 2.0 * (-t / tau).exp());
-    let spectrum = Analyser::new().spectrum(&trace, &Settings::default()).expect("a spectrum");
+    let spectrum =
+        Analyser::new().spectrum(&trace, &SpectrumSettings::default()).expect("a spectrum");
     let ratio = (-interval / tau).exp();
     let rest = (-(samples as f64) * interval / tau).exp();
     for bin in [0, 10, 77, 500, 3000, 60_000] {
@@ -116,7 +119,8 @@ fn gaussian_pulse() {
     let (samples, interval, sigma) = (2000, 1e-6, 40e-6_f64);
     let centre = 1e-3;
     let trace = sampled(samples, interval, |t| 5.0 * (-0.5 * ((t - centre) / sigma).powi(2)).exp());
-    let spectrum = Analyser::new().spectrum(&trace, &Settings::default()).expect("a spectrum");
+    let spectrum =
+        Analyser::new().spectrum(&trace, &SpectrumSettings::default()).expect("a spectrum");
     for (bin, found) in spectrum.amplitude.iter().enumerate() {
         let exponent = -0.5 * (TAU * spectrum.frequency(bin) * sigma).powi(2);
         let exact = 5.0 * sigma * (2.0 * PI).sqrt() * exponent.exp() / (samples as f64 * interval);
@@ -137,11 +141,11 @@ fn density_keeps_the_mean_square() {
         for padding in [1, 2, 5] {
             for window in Window::ALL {
                 let trace = noise(samples);
-                let settings = Settings {
+                let settings = SpectrumSettings {
                     convention: Convention::Density,
                     window,
                     padding,
-                    ..Settings::default()
+                    ..SpectrumSettings::default()
                 };
                 let spectrum = Analyser::new().spectrum(&trace, &settings).expect("a spectrum");
                 assert_eq!(spectrum.unit, "V/sqrt(Hz)");
@@ -164,8 +168,12 @@ fn density_keeps_the_mean_square() {
 fn density_of_white_noise() {
     let trace = noise(40_000);
     for window in Window::ALL {
-        let settings =
-            Settings { convention: Convention::Density, window, padding: 1, ..Settings::default() };
+        let settings = SpectrumSettings {
+            convention: Convention::Density,
+            window,
+            padding: 1,
+            ..SpectrumSettings::default()
+        };
         let spectrum = Analyser::new().spectrum(&trace, &settings).expect("a spectrum");
         let bins = &spectrum.amplitude[10..19_990];
         let mean: f64 = bins.iter().map(|s| s * s).sum::<f64>() / bins.len() as f64;
@@ -193,16 +201,17 @@ fn gates_follow_on_one_another() {
 fn what_cannot_be_transformed_is_named() {
     let mut analyser = Analyser::new();
     let trace = sampled(100, 1e-6, |t| t);
-    let empty = Settings { gate: Gate { from: 1.0, to: 2.0 }, ..Settings::default() };
+    let empty =
+        SpectrumSettings { gate: Gate { from: 1.0, to: 2.0 }, ..SpectrumSettings::default() };
     let error = analyser.spectrum(&trace, &empty).expect_err("no samples");
     assert_eq!(error, SpectrumError::TooShort { trace: "test".into(), samples: 0 });
-    let unpadded = Settings { padding: 0, ..Settings::default() };
+    let unpadded = SpectrumSettings { padding: 0, ..SpectrumSettings::default() };
     assert!(matches!(analyser.spectrum(&trace, &unpadded), Err(SpectrumError::Padding { .. })));
     let mut holed = trace.clone();
     holed.values[3] = f64::NAN;
-    let error = analyser.spectrum(&holed, &Settings::default()).expect_err("no number");
+    let error = analyser.spectrum(&holed, &SpectrumSettings::default()).expect_err("no number");
     assert!(error.to_string().contains("3e-6 s"), "{error}");
     let still = Trace { interval: 0.0, ..trace };
-    let error = analyser.spectrum(&still, &Settings::default()).expect_err("no interval");
+    let error = analyser.spectrum(&still, &SpectrumSettings::default()).expect_err("no interval");
     assert!(matches!(error, SpectrumError::Interval { .. }));
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use hertzscope::analysis::gate::Gate;
-use hertzscope::analysis::spectrum::{Analyser, Settings, Spectrum};
+use hertzscope::analysis::spectrum::{Analyser, Spectrum, SpectrumSettings};
 use hertzscope::chain::ForceProbe;
 use hertzscope::experiment::bench::{Bench, Grid};
 use hertzscope::integrate::Method;
@@ -36,7 +36,7 @@ fn forces(scene: &Scene, places: &[(usize, f64)], length: f64) -> Vec<Trace> {
 }
 
 fn spectrum(trace: &Trace, from: f64, to: f64) -> Spectrum {
-    let settings = Settings { gate: Gate { from, to }, ..Settings::default() };
+    let settings = SpectrumSettings { gate: Gate { from, to }, ..SpectrumSettings::default() };
     Analyser::new().spectrum(trace, &settings).expect("a spectrum")
 }
 

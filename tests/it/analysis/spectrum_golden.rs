@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use hertzscope::analysis::gate::Gate;
-use hertzscope::analysis::spectrum::{Analyser, Settings, Spectrum};
+use hertzscope::analysis::spectrum::{Analyser, Spectrum, SpectrumSettings};
 use hertzscope::chain::ForceProbe;
 use hertzscope::experiment::bench::{Bench, Grid};
 use hertzscope::integrate::Method;
@@ -62,7 +62,7 @@ fn golden() -> Value {
 }
 
 fn spectrum(name: &str, from: f64, to: f64) -> Spectrum {
-    let settings = Settings { gate: Gate { from, to }, ..Settings::default() };
+    let settings = SpectrumSettings { gate: Gate { from, to }, ..SpectrumSettings::default() };
     Analyser::new().spectrum(&FORCES[name], &settings).expect("a spectrum")
 }
 

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use hertzscope::analysis::gate::Gate;
-use hertzscope::analysis::spectrum::{Analyser, Settings};
+use hertzscope::analysis::spectrum::{Analyser, SpectrumSettings};
 use hertzscope::analysis::time_frequency::{Pieces, Spectrogram, SpectrogramError};
 use hertzscope::analysis::window::Window;
 
@@ -14,7 +14,7 @@ use super::spectrum::sampled;
 fn a_chirps_ridge_is_its_frequency() {
     let (start, rate) = (5e3, 2e6);
     let trace = sampled(10_000, 1e-6, |t| (TAU * (start + 0.5 * rate * t) * t).sin());
-    let settings = Settings { window: Window::Hann, ..Settings::default() };
+    let settings = SpectrumSettings { window: Window::Hann, ..SpectrumSettings::default() };
     let pieces = Pieces { segment: 1000, hop: 250 };
     let found = Spectrogram::of(&mut Analyser::new(), &trace, &settings, pieces).expect("one");
     assert_eq!(found.columns.len(), 37);
@@ -32,10 +32,10 @@ fn tones_are_where_they_sound() {
         (TAU * frequency * t).sin()
     });
     let pieces = Pieces { segment: 1000, hop: 1000 };
-    let settings = Settings {
+    let settings = SpectrumSettings {
         gate: Gate { from: 1e-3, to: 7e-3 },
         window: Window::Hann,
-        ..Settings::default()
+        ..SpectrumSettings::default()
     };
     let found = Spectrogram::of(&mut Analyser::new(), &trace, &settings, pieces).expect("one");
     assert_eq!(found.times.len(), 6);
@@ -52,7 +52,7 @@ fn pieces_that_do_not_fit_are_named() {
     let trace = sampled(100, 1e-6, |t| t);
     let of = |segment, hop| {
         let pieces = Pieces { segment, hop };
-        Spectrogram::of(&mut Analyser::new(), &trace, &Settings::default(), pieces)
+        Spectrogram::of(&mut Analyser::new(), &trace, &SpectrumSettings::default(), pieces)
     };
     assert_eq!(of(101, 1), Err(SpectrogramError::Segment { segment: 101, samples: 100 }));
     assert_eq!(of(10, 0), Err(SpectrogramError::Hop));

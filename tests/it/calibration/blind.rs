@@ -1,7 +1,7 @@
 //! A thousand calibrations that do not know the truth. The same at will: `hertzscope calibrate --simulate SENSOR --repeat 1000`.
 
 use hertzscope::studies::momentum_test::coverage::coverage;
-use hertzscope::studies::momentum_test::design::Lab;
+use hertzscope::studies::momentum_test::design::LabUncertainties;
 
 use super::{BENCH, bench_with};
 
@@ -24,7 +24,7 @@ fn stated_intervals_hold_the_truth() {
 /// A gain known to 3 % is one input for all impacts: it does not average out.
 #[test]
 fn a_gain_does_not_average_out() {
-    let lab = Lab { gain_u: Some(0.03), ..Lab::default() };
+    let lab = LabUncertainties { gain_u: Some(0.03), ..LabUncertainties::default() };
     let bench = bench_with(lab, 2.0, 3);
     let found = bench.blind(1).calibrate().expect("a calibration");
     let relative = found.u / found.sensitivity;

@@ -4,17 +4,17 @@ use hertzscope::analysis::calibration::{
     Calibration, CalibrationError, Draws, Exclusion, calibrate,
 };
 use hertzscope::analysis::gate::Gate;
-use hertzscope::studies::momentum_test::Blind;
-use hertzscope::studies::momentum_test::design::Lab;
+use hertzscope::studies::momentum_test::BlindCalibration;
+use hertzscope::studies::momentum_test::design::LabUncertainties;
 
 use super::{BENCH, bench_with};
 
-fn calibrated(blind: &Blind) -> Calibration {
+fn calibrated(blind: &BlindCalibration) -> Calibration {
     calibrate(&blind.strikes, &blind.common, Draws { seed: 0, count: 0 }).expect("a calibration")
 }
 
 /// Spoils the first impact, and looks what is said about it.
-fn why(spoil: impl FnOnce(&mut Blind)) -> Exclusion {
+fn why(spoil: impl FnOnce(&mut BlindCalibration)) -> Exclusion {
     let mut blind = BENCH.blind(20);
     spoil(&mut blind);
     let found = calibrated(&blind);
@@ -31,7 +31,7 @@ fn why(spoil: impl FnOnce(&mut Blind)) -> Exclusion {
 
 #[test]
 fn each_kind_of_bad_record_has_a_name() {
-    let loud = bench_with(Lab::default(), 0.5, 1).blind(20);
+    let loud = bench_with(LabUncertainties::default(), 0.5, 1).blind(20);
     let saturated = why(|blind| blind.strikes[0].record = loud.strikes[0].record.clone());
     assert!(matches!(saturated, Exclusion::Saturated { samples } if samples > 10), "{saturated}");
     let late = why(|blind| {

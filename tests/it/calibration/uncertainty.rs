@@ -1,7 +1,8 @@
 //! The budget and the Monte-Carlo part.
 
-use hertzscope::analysis::calibration::model::{Kind, Quantity, Speed};
+use hertzscope::analysis::calibration::model::{InputKind, SpeedSource};
 use hertzscope::analysis::calibration::{Draws, calibrate};
+use hertzscope::quantity::Uncertain;
 
 use super::BENCH;
 
@@ -21,14 +22,14 @@ fn the_budget_is_complete_and_monte_carlo_confirms_it() {
     let again = calibrate(&blind.strikes, &blind.common, DRAWS).expect("a calibration");
     assert_eq!(again, found, "the same seed gives the same");
     // Masses act in full, by their relative uncertainty.
-    let mass = found.budget.iter().find(|line| line.kind == Kind::Mass).expect("a mass");
+    let mass = found.budget.iter().find(|line| line.kind == InputKind::Mass).expect("a mass");
     assert!(
         (mass.contribution.abs() / found.sensitivity / (mass.u / mass.value) - 1.0).abs() < 1e-6
     );
     let rebounds: Vec<f64> = found
         .budget
         .iter()
-        .filter(|line| line.kind == Kind::Rebound)
+        .filter(|line| line.kind == InputKind::Rebound)
         .map(|line| line.contribution.abs() / found.sensitivity)
         .collect();
     // 1 % of half the momentum in each, by weights that add up to 1 and are close to even.
@@ -42,20 +43,21 @@ fn the_budget_is_complete_and_monte_carlo_confirms_it() {
 #[test]
 fn ways_to_tell_a_speed_agree() {
     let mut blind = BENCH.blind(8);
-    blind.common.gate_distance = Some(Quantity { value: 20e-3, u: 20e-6 });
+    blind.common.gate_distance = Some(Uncertain { value: 20e-3, u: 20e-6 });
     let plain = blind.calibrate().expect("a calibration").sensitivity;
     for strike in &mut blind.strikes {
-        let Speed::Speed(rebound) = strike.motion.rebound else { panic!("a speed") };
-        let Speed::Height(height) = strike.motion.incoming else { panic!("a height") };
+        let SpeedSource::Speed(rebound) = strike.motion.rebound else { panic!("a speed") };
+        let SpeedSource::Height(height) = strike.motion.incoming else { panic!("a height") };
         let incoming = (2.0 * 9.81 * height.value).sqrt();
-        strike.motion.incoming = Speed::GateTime(Quantity { value: 20e-3 / incoming, u: 1e-6 });
+        strike.motion.incoming =
+            SpeedSource::GateTime(Uncertain { value: 20e-3 / incoming, u: 1e-6 });
         strike.motion.rebound =
-            Speed::FlightTime(Quantity { value: 2.0 * rebound.value / 9.81, u: 1e-4 });
+            SpeedSource::FlightTime(Uncertain { value: 2.0 * rebound.value / 9.81, u: 1e-4 });
     }
     let other = blind.calibrate().expect("a calibration");
     // Weights differ with the uncertainties: a little of the scatter remains.
     assert!((other.sensitivity / plain - 1.0).abs() < 2e-3, "{} {plain}", other.sensitivity);
-    let gates = other.budget.iter().filter(|line| line.kind == Kind::GateDistance);
+    let gates = other.budget.iter().filter(|line| line.kind == InputKind::GateDistance);
     assert_eq!(gates.count(), 1, "one distance for all");
 }
 

@@ -1,32 +1,32 @@
 //! Locks: who may act, who waits, who is told what.
 
-use hertzscope::hislip::message::Kind;
+use hertzscope::hislip::message::MessageType;
 
 use super::partner::{Client, Lab, identifier};
 
 const EXCLUSIVE: &[u8] = b"";
 
 fn request(lab: &mut Lab, client: Client, key: &[u8], milliseconds: u32) {
-    lab.send(client.asynchronous, Kind::AsyncLock, (1, milliseconds), key);
+    lab.send(client.asynchronous, MessageType::AsyncLock, (1, milliseconds), key);
 }
 
 fn release(lab: &mut Lab, client: Client, after: u32) {
-    lab.send(client.asynchronous, Kind::AsyncLock, (0, after), b"");
+    lab.send(client.asynchronous, MessageType::AsyncLock, (0, after), b"");
 }
 
 /// The answer to a request or release: 0 failed, 1 granted or released, 2 shared lock released, 3 an error.
 #[track_caller]
 fn answer(lab: &mut Lab, client: Client) -> u8 {
     let (kind, control, parameter, payload) = lab.next(client.asynchronous);
-    assert_eq!((kind, parameter, payload), (Kind::AsyncLockResponse, 0, Vec::new()));
+    assert_eq!((kind, parameter, payload), (MessageType::AsyncLockResponse, 0, Vec::new()));
     control
 }
 
 /// Whether there is an exclusive lock, and how many sessions have one of either kind.
 fn info(lab: &mut Lab, client: Client) -> (u8, u32) {
-    lab.send(client.asynchronous, Kind::AsyncLockInfo, (0, 0), b"");
+    lab.send(client.asynchronous, MessageType::AsyncLockInfo, (0, 0), b"");
     let (kind, control, parameter, _) = lab.next(client.asynchronous);
-    assert_eq!(kind, Kind::AsyncLockInfoResponse);
+    assert_eq!(kind, MessageType::AsyncLockInfoResponse);
     (control, parameter)
 }
 
@@ -137,10 +137,10 @@ fn a_device_clear_needs_no_lock() {
     let (one, two) = (lab.client(), lab.client());
     request(&mut lab, one, EXCLUSIVE, 0);
     lab.say(two, 0, false, "two?");
-    lab.send(two.asynchronous, Kind::AsyncDeviceClear, (0, 0), b"");
-    assert_eq!(lab.next(two.asynchronous).0, Kind::AsyncDeviceClearAcknowledge);
-    lab.send(two.synchronous, Kind::DeviceClearComplete, (0, 0), b"");
-    assert_eq!(lab.next(two.synchronous).0, Kind::DeviceClearAcknowledge);
+    lab.send(two.asynchronous, MessageType::AsyncDeviceClear, (0, 0), b"");
+    assert_eq!(lab.next(two.asynchronous).0, MessageType::AsyncDeviceClearAcknowledge);
+    lab.send(two.synchronous, MessageType::DeviceClearComplete, (0, 0), b"");
+    assert_eq!(lab.next(two.synchronous).0, MessageType::DeviceClearAcknowledge);
     assert!(!lab.server.is_held(two.synchronous));
     release(&mut lab, one, 0);
     assert_eq!(lab.try_next(two.synchronous), None);

@@ -1,71 +1,73 @@
 //! Messages on the wire.
 
-use hertzscope::hislip::message::{Decoder, HEADER_BYTES, Header, Kind, LARGEST_PAYLOAD, Piece};
+use hertzscope::hislip::message::{
+    DecodedPiece, Decoder, HEADER_BYTES, MAX_PAYLOAD, MessageHeader, MessageType,
+};
 use proptest::prelude::*;
 
 /// IVI-6.1, table 2: the number of every type that this protocol version has.
 #[test]
 fn types_have_the_standards_numbers() {
     let named = [
-        (0, Kind::Initialize),
-        (2, Kind::FatalError),
-        (3, Kind::Error),
-        (4, Kind::AsyncLock),
-        (6, Kind::Data),
-        (7, Kind::DataEnd),
-        (8, Kind::DeviceClearComplete),
-        (9, Kind::DeviceClearAcknowledge),
-        (10, Kind::AsyncRemoteLocalControl),
-        (12, Kind::Trigger),
-        (13, Kind::Interrupted),
-        (14, Kind::AsyncInterrupted),
-        (15, Kind::AsyncMaximumMessageSize),
-        (17, Kind::AsyncInitialize),
-        (19, Kind::AsyncDeviceClear),
-        (20, Kind::AsyncServiceRequest),
-        (21, Kind::AsyncStatusQuery),
-        (23, Kind::AsyncDeviceClearAcknowledge),
-        (24, Kind::AsyncLockInfo),
+        (0, MessageType::Initialize),
+        (2, MessageType::FatalError),
+        (3, MessageType::Error),
+        (4, MessageType::AsyncLock),
+        (6, MessageType::Data),
+        (7, MessageType::DataEnd),
+        (8, MessageType::DeviceClearComplete),
+        (9, MessageType::DeviceClearAcknowledge),
+        (10, MessageType::AsyncRemoteLocalControl),
+        (12, MessageType::Trigger),
+        (13, MessageType::Interrupted),
+        (14, MessageType::AsyncInterrupted),
+        (15, MessageType::AsyncMaximumMessageSize),
+        (17, MessageType::AsyncInitialize),
+        (19, MessageType::AsyncDeviceClear),
+        (20, MessageType::AsyncServiceRequest),
+        (21, MessageType::AsyncStatusQuery),
+        (23, MessageType::AsyncDeviceClearAcknowledge),
+        (24, MessageType::AsyncLockInfo),
     ];
     for (code, kind) in named {
-        assert_eq!((Kind::from_code(code), kind.code()), (Some(kind), code));
+        assert_eq!((MessageType::from_code(code), kind.code()), (Some(kind), code));
     }
-    assert_eq!(Kind::from_code(26), None);
+    assert_eq!(MessageType::from_code(26), None);
 }
 
 /// A header as pyvisa-py packs it: `!2sBBIQ`.
 #[test]
 fn a_header_byte_for_byte() {
-    let header = Header { code: 7, control: 1, parameter: 0xFFFF_FF02, length: 5 };
+    let header = MessageHeader { code: 7, control: 1, parameter: 0xFFFF_FF02, length: 5 };
     let bytes = *b"HS\x07\x01\xff\xff\xff\x02\0\0\0\0\0\0\0\x05";
     assert_eq!(header.bytes(), bytes);
-    assert_eq!(Header::parse(&bytes), Some(header));
-    assert_eq!(Header::parse(b"hs\x07\x01\xff\xff\xff\x02\0\0\0\0\0\0\0\x05"), None);
+    assert_eq!(MessageHeader::parse(&bytes), Some(header));
+    assert_eq!(MessageHeader::parse(b"hs\x07\x01\xff\xff\xff\x02\0\0\0\0\0\0\0\x05"), None);
 }
 
 /// A long payload is passed over without being kept, and what follows is understood.
 #[test]
 fn what_is_too_long_is_passed_over() {
     let mut decoder = Decoder::default();
-    let long = Header { code: 6, control: 0, parameter: 1, length: LARGEST_PAYLOAD as u64 + 1 };
+    let long = MessageHeader { code: 6, control: 0, parameter: 1, length: MAX_PAYLOAD as u64 + 1 };
     decoder.push(&long.bytes());
-    assert_eq!(decoder.next_piece(), Some(Piece::TooLarge(long)));
-    for chunk in vec![b'x'; LARGEST_PAYLOAD + 1].chunks(1000) {
+    assert_eq!(decoder.next_piece(), Some(DecodedPiece::TooLarge(long)));
+    for chunk in vec![b'x'; MAX_PAYLOAD + 1].chunks(1000) {
         decoder.push(chunk);
         assert_eq!((decoder.waiting(), decoder.next_piece()), (0, None));
     }
-    let next = Header { code: 7, control: 0, parameter: 3, length: 1 };
+    let next = MessageHeader { code: 7, control: 0, parameter: 3, length: 1 };
     decoder.push(&next.bytes());
     decoder.push(b"y");
-    assert_eq!(decoder.next_piece(), Some(Piece::Message(next, b"y".to_vec())));
+    assert_eq!(decoder.next_piece(), Some(DecodedPiece::Message(next, b"y".to_vec())));
 }
 
 #[test]
 fn nothing_follows_what_is_no_header() {
     let mut decoder = Decoder::default();
     decoder.push(b"GET / HTTP/1.1\r\n");
-    assert_eq!(decoder.next_piece(), Some(Piece::Malformed));
-    decoder.push(&Header { code: 7, control: 0, parameter: 0, length: 0 }.bytes());
+    assert_eq!(decoder.next_piece(), Some(DecodedPiece::Malformed));
+    decoder.push(&MessageHeader { code: 7, control: 0, parameter: 0, length: 0 }.bytes());
     assert_eq!(decoder.next_piece(), None);
     assert_eq!(decoder.waiting(), 0);
 }
@@ -83,10 +85,10 @@ proptest! {
         let mut wire = Vec::new();
         let mut sent = Vec::new();
         for (code, control, parameter, payload) in messages {
-            let header = Header { code, control, parameter, length: payload.len() as u64 };
+            let header = MessageHeader { code, control, parameter, length: payload.len() as u64 };
             wire.extend_from_slice(&header.bytes());
             wire.extend_from_slice(&payload);
-            sent.push(Piece::Message(header, payload));
+            sent.push(DecodedPiece::Message(header, payload));
         }
         let mut decoder = Decoder::default();
         let mut found = Vec::new();
@@ -114,11 +116,11 @@ proptest! {
         for bytes in pieces {
             decoder.push(&bytes);
             while let Some(piece) = decoder.next_piece() {
-                if let Piece::Message(header, payload) = piece {
+                if let DecodedPiece::Message(header, payload) = piece {
                     prop_assert_eq!(header.length, payload.len() as u64);
                 }
             }
-            prop_assert!(decoder.waiting() <= HEADER_BYTES + LARGEST_PAYLOAD);
+            prop_assert!(decoder.waiting() <= HEADER_BYTES + MAX_PAYLOAD);
         }
     }
 }

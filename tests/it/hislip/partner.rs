@@ -2,8 +2,8 @@
 
 use std::collections::VecDeque;
 
-use hertzscope::hislip::message::{Decoder, Kind, Piece, write};
-use hertzscope::hislip::{Instrument, Server};
+use hertzscope::hislip::message::{DecodedPiece, Decoder, MessageType, write};
+use hertzscope::hislip::{Device, Server};
 
 /// An instrument that answers what ends with a question mark: the text before it.
 #[derive(Default)]
@@ -15,7 +15,7 @@ pub struct Fake {
     text: Vec<u8>,
 }
 
-impl Instrument for Fake {
+impl Device for Fake {
     fn open(&mut self, session: u16, _: u64) {
         self.log.push(format!("open {session}"));
     }
@@ -69,7 +69,7 @@ impl Instrument for Fake {
 }
 
 /// A message as a client sees it: kind, control code, parameter, payload.
-pub type Seen = (Kind, u8, u32, Vec<u8>);
+pub type Seen = (MessageType, u8, u32, Vec<u8>);
 
 /// A server with its connections, each with what it has been sent.
 #[derive(Default)]
@@ -97,18 +97,21 @@ impl Lab {
 
     pub fn client(&mut self) -> Client {
         let synchronous = self.connection();
-        self.send(synchronous, Kind::Initialize, (0, 0x0100_7878), b"hislip0");
+        self.send(synchronous, MessageType::Initialize, (0, 0x0100_7878), b"hislip0");
         let (kind, control, parameter, payload) = self.next(synchronous);
-        assert_eq!((kind, control, payload), (Kind::InitializeResponse, 0, Vec::new()));
+        assert_eq!((kind, control, payload), (MessageType::InitializeResponse, 0, Vec::new()));
         assert_eq!(parameter >> 16, 0x0100, "version 1.0");
         let asynchronous = self.connection();
-        self.send(asynchronous, Kind::AsyncInitialize, (0, parameter & 0xFFFF), b"");
-        assert_eq!(self.next(asynchronous), (Kind::AsyncInitializeResponse, 0, 0, Vec::new()));
+        self.send(asynchronous, MessageType::AsyncInitialize, (0, parameter & 0xFFFF), b"");
+        assert_eq!(
+            self.next(asynchronous),
+            (MessageType::AsyncInitializeResponse, 0, 0, Vec::new())
+        );
         let session = u16::try_from(parameter & 0xFFFF).expect("a number");
         Client { synchronous, asynchronous, session }
     }
 
-    pub fn send(&mut self, at: u64, kind: Kind, codes: (u8, u32), payload: &[u8]) {
+    pub fn send(&mut self, at: u64, kind: MessageType, codes: (u8, u32), payload: &[u8]) {
         let mut bytes = Vec::new();
         write(kind, codes.0, codes.1, payload, &mut bytes);
         self.bytes(at, &bytes);
@@ -135,8 +138,8 @@ impl Lab {
             let (decoder, inbox, closed) = &mut self.inboxes[index];
             decoder.push(&output.bytes);
             while let Some(piece) = decoder.next_piece() {
-                let Piece::Message(header, payload) = piece else { panic!("{piece:?}") };
-                let kind = Kind::from_code(header.code).expect("a known kind");
+                let DecodedPiece::Message(header, payload) = piece else { panic!("{piece:?}") };
+                let kind = MessageType::from_code(header.code).expect("a known kind");
                 inbox.push_back((kind, header.control, header.parameter, payload));
             }
             *closed |= output.close;
@@ -161,7 +164,7 @@ impl Lab {
     pub fn say(&mut self, client: Client, number: u32, delivered: bool, text: &str) {
         let identifier = identifier(number);
         let control = u8::from(delivered);
-        self.send(client.synchronous, Kind::DataEnd, (control, identifier), text.as_bytes());
+        self.send(client.synchronous, MessageType::DataEnd, (control, identifier), text.as_bytes());
     }
 }
 

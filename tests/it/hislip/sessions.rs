@@ -1,6 +1,6 @@
 //! Sessions: beginning, messages and replies, interruption, device clear, status, errors.
 
-use hertzscope::hislip::message::Kind;
+use hertzscope::hislip::message::MessageType;
 use proptest::prelude::*;
 
 use super::partner::{Client, Lab, identifier};
@@ -9,9 +9,9 @@ use super::partner::{Client, Lab, identifier};
 fn a_reply_carries_its_messages_identifier() {
     let mut lab = Lab::default();
     let client = lab.client();
-    lab.send(client.synchronous, Kind::Data, (0, identifier(0)), b"he");
-    lab.send(client.synchronous, Kind::DataEnd, (0, identifier(1)), b"llo?");
-    let reply = (Kind::DataEnd, 0, identifier(1), b"hello\n".to_vec());
+    lab.send(client.synchronous, MessageType::Data, (0, identifier(0)), b"he");
+    lab.send(client.synchronous, MessageType::DataEnd, (0, identifier(1)), b"llo?");
+    let reply = (MessageType::DataEnd, 0, identifier(1), b"hello\n".to_vec());
     assert_eq!(lab.next(client.synchronous), reply);
     assert_eq!(lab.fake.log, ["open 1", "1: hello?"]);
 }
@@ -36,21 +36,29 @@ fn sessions_stand_beside_each_other() {
 fn the_largest_message_is_agreed_on() {
     let mut lab = Lab::default();
     let client = lab.client();
-    lab.send(client.asynchronous, Kind::AsyncMaximumMessageSize, (0, 0), &100_u64.to_be_bytes());
+    lab.send(
+        client.asynchronous,
+        MessageType::AsyncMaximumMessageSize,
+        (0, 0),
+        &100_u64.to_be_bytes(),
+    );
     let (kind, _, _, payload) = lab.next(client.asynchronous);
-    assert_eq!(kind, Kind::AsyncMaximumMessageSizeResponse);
+    assert_eq!(kind, MessageType::AsyncMaximumMessageSizeResponse);
     assert_eq!(payload, 65536_u64.to_be_bytes());
     lab.say(client, 0, false, &format!("{}?", "x".repeat(200)));
-    let parts: Vec<(Kind, usize)> = (0..3)
+    let parts: Vec<(MessageType, usize)> = (0..3)
         .map(|_| {
             let (kind, _, parameter, payload) = lab.next(client.synchronous);
             assert_eq!(parameter, identifier(0));
             (kind, payload.len())
         })
         .collect();
-    assert_eq!(parts, [(Kind::Data, 84), (Kind::Data, 84), (Kind::DataEnd, 33)]);
-    lab.send(client.asynchronous, Kind::AsyncMaximumMessageSize, (0, 0), b"short");
-    assert_eq!(lab.next(client.asynchronous).0, Kind::Error);
+    assert_eq!(
+        parts,
+        [(MessageType::Data, 84), (MessageType::Data, 84), (MessageType::DataEnd, 33)]
+    );
+    lab.send(client.asynchronous, MessageType::AsyncMaximumMessageSize, (0, 0), b"short");
+    assert_eq!(lab.next(client.asynchronous).0, MessageType::Error);
 }
 
 /// A message before the reply was read throws the reply away, and both connections hear of it.
@@ -61,10 +69,13 @@ fn an_unread_reply_is_interrupted() {
     lab.say(client, 0, false, "first?");
     lab.say(client, 1, false, "second?");
     assert_eq!(lab.next(client.synchronous).3, b"first\n");
-    let interrupted = (Kind::Interrupted, 0, identifier(1), Vec::new());
+    let interrupted = (MessageType::Interrupted, 0, identifier(1), Vec::new());
     assert_eq!(lab.next(client.synchronous), interrupted);
     assert_eq!(lab.next(client.synchronous).3, b"second\n");
-    assert_eq!(lab.next(client.asynchronous), (Kind::AsyncInterrupted, 0, identifier(1), vec![]));
+    assert_eq!(
+        lab.next(client.asynchronous),
+        (MessageType::AsyncInterrupted, 0, identifier(1), vec![])
+    );
     // Delivered is not interrupted, and neither is a message after one without reply.
     lab.say(client, 2, true, "third");
     lab.say(client, 3, false, "fourth?");
@@ -82,13 +93,13 @@ fn an_owed_reply_is_interrupted() {
     lab.say(client, 0, false, "later?");
     assert_eq!(lab.try_next(client.synchronous), None);
     lab.say(client, 1, false, "now");
-    assert_eq!(lab.next(client.synchronous).0, Kind::Interrupted);
+    assert_eq!(lab.next(client.synchronous).0, MessageType::Interrupted);
     lab.fake.log.clear();
     lab.say(client, 2, false, "later?");
     lab.fake.owes = false;
     lab.server.reply(client.session, b"at last\n");
     lab.deliver();
-    let reply = (Kind::DataEnd, 0, identifier(2), b"at last\n".to_vec());
+    let reply = (MessageType::DataEnd, 0, identifier(2), b"at last\n".to_vec());
     assert_eq!(lab.next(client.synchronous), reply);
 }
 
@@ -97,31 +108,31 @@ fn a_device_clear_step_by_step() {
     let mut lab = Lab::default();
     let client = lab.client();
     lab.say(client, 0, false, "later?");
-    lab.send(client.synchronous, Kind::Data, (0, identifier(1)), b"half a mess");
-    lab.send(client.asynchronous, Kind::AsyncDeviceClear, (0, 0), b"");
-    assert_eq!(lab.next(client.asynchronous).0, Kind::AsyncInterrupted);
+    lab.send(client.synchronous, MessageType::Data, (0, identifier(1)), b"half a mess");
+    lab.send(client.asynchronous, MessageType::AsyncDeviceClear, (0, 0), b"");
+    assert_eq!(lab.next(client.asynchronous).0, MessageType::AsyncInterrupted);
     let acknowledged = lab.next(client.asynchronous);
-    assert_eq!(acknowledged, (Kind::AsyncDeviceClearAcknowledge, 0, 0, Vec::new()));
+    assert_eq!(acknowledged, (MessageType::AsyncDeviceClearAcknowledge, 0, 0, Vec::new()));
     // What was on its way is thrown away.
     lab.say(client, 2, false, "lost?");
     assert_eq!(lab.fake.log.iter().filter(|line| line.contains("lost")).count(), 0);
     // A client that prefers overlap mode is told that this is synchronised.
-    lab.send(client.synchronous, Kind::DeviceClearComplete, (1, 0), b"");
+    lab.send(client.synchronous, MessageType::DeviceClearComplete, (1, 0), b"");
     let seen: Vec<_> = std::iter::from_fn(|| lab.try_next(client.synchronous)).collect();
     let last = seen.last().expect("an acknowledgement");
-    assert_eq!(*last, (Kind::DeviceClearAcknowledge, 0, 0, Vec::new()));
+    assert_eq!(*last, (MessageType::DeviceClearAcknowledge, 0, 0, Vec::new()));
     // Identifiers begin anew, and nothing of before is left.
     lab.say(client, 0, false, "fresh?");
-    let reply = (Kind::DataEnd, 0, identifier(0), b"fresh\n".to_vec());
+    let reply = (MessageType::DataEnd, 0, identifier(0), b"fresh\n".to_vec());
     assert_eq!(lab.next(client.synchronous), reply);
     assert_eq!(lab.fake.log.last().expect("a line"), "1: fresh?");
 }
 
 fn status(lab: &mut Lab, client: Client, delivered: bool) -> u8 {
     let control = u8::from(delivered);
-    lab.send(client.asynchronous, Kind::AsyncStatusQuery, (control, identifier(0)), b"");
+    lab.send(client.asynchronous, MessageType::AsyncStatusQuery, (control, identifier(0)), b"");
     let (kind, byte, parameter, payload) = lab.next(client.asynchronous);
-    assert_eq!((kind, parameter, payload), (Kind::AsyncStatusResponse, 0, Vec::new()));
+    assert_eq!((kind, parameter, payload), (MessageType::AsyncStatusResponse, 0, Vec::new()));
     byte
 }
 
@@ -148,7 +159,10 @@ fn service_is_asked_for_once_a_reason() {
     lab.fake.event = true;
     lab.wait_until(2.0);
     lab.wait_until(3.0);
-    assert_eq!(lab.next(client.asynchronous), (Kind::AsyncServiceRequest, 96, 0, Vec::new()));
+    assert_eq!(
+        lab.next(client.asynchronous),
+        (MessageType::AsyncServiceRequest, 96, 0, Vec::new())
+    );
     assert_eq!(lab.try_next(client.asynchronous), None);
     assert_eq!(status(&mut lab, client, false), 96);
     assert_eq!(status(&mut lab, client, false), 32);
@@ -156,25 +170,25 @@ fn service_is_asked_for_once_a_reason() {
     lab.wait_until(4.0);
     lab.fake.event = true;
     lab.wait_until(5.0);
-    assert_eq!(lab.next(client.asynchronous).0, Kind::AsyncServiceRequest);
+    assert_eq!(lab.next(client.asynchronous).0, MessageType::AsyncServiceRequest);
 }
 
 #[test]
 fn triggers_and_keys() {
     let mut lab = Lab::default();
     let client = lab.client();
-    lab.send(client.synchronous, Kind::Trigger, (0, identifier(0)), b"");
+    lab.send(client.synchronous, MessageType::Trigger, (0, identifier(0)), b"");
     for (control, line) in
         [(5, "keys true"), (6, "keys false"), (4, "keys true"), (2, "keys false")]
     {
-        lab.send(client.asynchronous, Kind::AsyncRemoteLocalControl, (control, 0), b"");
+        lab.send(client.asynchronous, MessageType::AsyncRemoteLocalControl, (control, 0), b"");
         let seen = lab.next(client.asynchronous);
-        assert_eq!(seen, (Kind::AsyncRemoteLocalResponse, 0, 0, Vec::new()));
+        assert_eq!(seen, (MessageType::AsyncRemoteLocalResponse, 0, 0, Vec::new()));
         assert_eq!(lab.fake.log.last().expect("a line"), line);
     }
-    lab.send(client.asynchronous, Kind::AsyncRemoteLocalControl, (7, 0), b"");
+    lab.send(client.asynchronous, MessageType::AsyncRemoteLocalControl, (7, 0), b"");
     let (kind, code, ..) = lab.next(client.asynchronous);
-    assert_eq!((kind, code), (Kind::Error, 2));
+    assert_eq!((kind, code), (MessageType::Error, 2));
     assert_eq!(lab.fake.log[1], "1 triggers");
 }
 
@@ -184,7 +198,7 @@ fn errors_have_the_standards_codes() {
     let mut lab = Lab::default();
     let fatal = |lab: &mut Lab, connection: u64, code: u8| {
         let (kind, control, parameter, text) = lab.next(connection);
-        assert_eq!((kind, control, parameter), (Kind::FatalError, code, 0));
+        assert_eq!((kind, control, parameter), (MessageType::FatalError, code, 0));
         assert!(!text.is_empty() && text.is_ascii());
         assert!(lab.is_closed(connection));
     };
@@ -192,18 +206,18 @@ fn errors_have_the_standards_codes() {
     lab.bytes(connection, b"*IDN?\n and more bytes");
     fatal(&mut lab, connection, 1);
     let connection = lab.connection();
-    lab.send(connection, Kind::Initialize, (0, 0x0100_0000), b"inst7");
+    lab.send(connection, MessageType::Initialize, (0, 0x0100_0000), b"inst7");
     fatal(&mut lab, connection, 3);
     let connection = lab.connection();
-    lab.send(connection, Kind::DataEnd, (0, 0), b"*IDN?");
+    lab.send(connection, MessageType::DataEnd, (0, 0), b"*IDN?");
     fatal(&mut lab, connection, 3);
     let connection = lab.connection();
-    lab.send(connection, Kind::AsyncInitialize, (0, 9), b"");
+    lab.send(connection, MessageType::AsyncInitialize, (0, 9), b"");
     fatal(&mut lab, connection, 3);
     let connection = lab.connection();
-    lab.send(connection, Kind::Initialize, (0, 0x0100_0000), b"HiSLIP0");
+    lab.send(connection, MessageType::Initialize, (0, 0x0100_0000), b"HiSLIP0");
     let _ = lab.next(connection);
-    lab.send(connection, Kind::DataEnd, (0, identifier(0)), b"too early?");
+    lab.send(connection, MessageType::DataEnd, (0, identifier(0)), b"too early?");
     fatal(&mut lab, connection, 2);
     let client = lab.client();
     for (at, code, error) in
@@ -211,16 +225,16 @@ fn errors_have_the_standards_codes() {
     {
         lab.bytes(at, &[b'H', b'S', code, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]);
         let (kind, control, ..) = lab.next(at);
-        assert_eq!((kind, control), (Kind::Error, error), "type {code}");
+        assert_eq!((kind, control), (MessageType::Error, error), "type {code}");
     }
     let mut long = vec![b'H', b'S', 7, 0, 0xFF, 0xFF, 0xFF, 0, 0, 0, 0, 0, 0, 1, 0, 1];
     long.extend(vec![b'x'; 65537]);
     lab.bytes(client.synchronous, &long);
     let (kind, control, ..) = lab.next(client.synchronous);
-    assert_eq!((kind, control), (Kind::Error, 4));
+    assert_eq!((kind, control), (MessageType::Error, 4));
     lab.say(client, 1, false, "still there?");
     assert_eq!(lab.next(client.synchronous).3, b"still there\n");
-    lab.send(client.synchronous, Kind::Initialize, (0, 0x0100_0000), b"hislip0");
+    lab.send(client.synchronous, MessageType::Initialize, (0, 0x0100_0000), b"hislip0");
     fatal(&mut lab, client.synchronous, 3);
     assert!(lab.is_closed(client.asynchronous));
 }
@@ -250,7 +264,7 @@ proptest! {
         let good = lab.client();
         lab.say(good, 0, false, "well?");
         let (kind, _, _, payload) = lab.next(good.synchronous);
-        prop_assert_eq!(kind, Kind::DataEnd);
+        prop_assert_eq!(kind, MessageType::DataEnd);
         prop_assert!(payload.ends_with(b"well\n"));
     }
 }

@@ -36,7 +36,7 @@ fn channel(number: u8, scale: f64, position_levels: i16) -> Capture {
             horizontal_scale: 2.5e-5,
             trigger_point: 1250.0,
         },
-        instrument: Some(hertzscope::recording::Instrument {
+        instrument: Some(hertzscope::recording::InstrumentIdentity {
             model: "TDS2014C".to_owned(),
             serial: "C031611".to_owned(),
             firmware: "FV:v24.26".to_owned(),

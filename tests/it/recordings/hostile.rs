@@ -1,6 +1,6 @@
 //! Files made to do harm: lengths that lie, bombs, numbers that are none.
 
-use hertzscope::recording::mcap::message::{Capture, Energy, Series};
+use hertzscope::recording::mcap::message::{CaptureMessage, EnergyMessage, SeriesMessage};
 use hertzscope::recording::{TraceSet, mcap::ReadError};
 use prost::Message as _;
 
@@ -225,8 +225,8 @@ fn a_file_of_someone_else_is_refused_with_the_reason() {
     }
 }
 
-fn good_capture() -> Capture {
-    Capture {
+fn good_capture() -> CaptureMessage {
+    CaptureMessage {
         shot: 1,
         source: "CH1".to_owned(),
         dt_s: 1e-6,
@@ -234,11 +234,11 @@ fn good_capture() -> Capture {
         codes: vec![1, 2, 3],
         volts: vec![0.0; 3],
         probe: 1.0,
-        ..Capture::default()
+        ..CaptureMessage::default()
     }
 }
 
-fn with_capture(capture: &Capture) -> Vec<Vec<u8>> {
+fn with_capture(capture: &CaptureMessage) -> Vec<Vec<u8>> {
     vec![
         schema(1, "hertzscope.Capture"),
         channel(1, 1, "/scope/ch1", "protobuf"),
@@ -253,7 +253,7 @@ type Change<T> = fn(&mut T, f64);
 fn captures_with_numbers_that_are_none() {
     let sound: TraceSet = read(&file(&with_capture(&good_capture()))).expect("sound");
     assert_eq!(sound.shots[0].captures[0].waveform.codes, [1, 2, 3]);
-    let changes: [(&str, Change<Capture>); 11] = [
+    let changes: [(&str, Change<CaptureMessage>); 11] = [
         ("t0_s", |c, x| c.t0_s = Some(x)),
         ("dt_s", |c, x| c.dt_s = x),
         ("y_mult", |c, x| c.y_mult = x),
@@ -274,18 +274,21 @@ fn captures_with_numbers_that_are_none() {
         }
     }
     for dt_s in [0.0, -1e-6] {
-        says(&with_capture(&Capture { dt_s, ..good_capture() }), &["dt_s", "above zero"]);
+        says(&with_capture(&CaptureMessage { dt_s, ..good_capture() }), &["dt_s", "above zero"]);
     }
 }
 
 #[test]
 fn captures_that_contradict_themselves() {
-    let short = Capture { codes: vec![1, 2, 3, 4], ..good_capture() };
+    let short = CaptureMessage { codes: vec![1, 2, 3, 4], ..good_capture() };
     says(&with_capture(&short), &["4 bytes of levels", "3 points"]);
-    says(&with_capture(&Capture { codes: vec![], ..good_capture() }), &["0 bytes of levels"]);
-    for source in ["CH0", "CH5", "REFE", "", "CH1x"] {
-        let capture = Capture { source: source.to_owned(), ..good_capture() };
-        says(&with_capture(&capture), &["source", "CH1 to CH4"]);
+    says(
+        &with_capture(&CaptureMessage { codes: vec![], ..good_capture() }),
+        &["0 bytes of levels"],
+    );
+    for source in ["CH0", "CH9", "REFE", "", "CH1x"] {
+        let capture = CaptureMessage { source: source.to_owned(), ..good_capture() };
+        says(&with_capture(&capture), &["source", "CH1 to CH8"]);
     }
     let mut twice = with_capture(&good_capture());
     twice.push(message(1, &good_capture().encode_to_vec()));
@@ -294,14 +297,14 @@ fn captures_that_contradict_themselves() {
 
 #[test]
 fn series_and_energies_with_numbers_that_are_none() {
-    let good = Series {
+    let good = SeriesMessage {
         shot: 1,
         name: "x".to_owned(),
         dt_s: 1e-6,
         values: vec![1.0, 2.0],
-        ..Series::default()
+        ..SeriesMessage::default()
     };
-    let with = |series: &Series| {
+    let with = |series: &SeriesMessage| {
         vec![
             schema(1, "hertzscope.Series"),
             channel(1, 1, "/truth/x", "protobuf"),
@@ -310,11 +313,11 @@ fn series_and_energies_with_numbers_that_are_none() {
     };
     assert_eq!(read(&file(&with(&good))).expect("sound").shots[0].truth[0].values, [1.0, 2.0]);
     for dt_s in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        says(&with(&Series { dt_s, ..good.clone() }), &["/truth/x", "increasing"]);
+        says(&with(&SeriesMessage { dt_s, ..good.clone() }), &["/truth/x", "increasing"]);
     }
-    says(&with(&Series { t0_s: f64::NAN, ..good.clone() }), &["finite"]);
-    says(&with(&Series { values: vec![0.0, f64::NAN], ..good.clone() }), &["value 1"]);
-    let energy = Energy { shot: 1, drift: f64::NAN, ..Energy::default() };
+    says(&with(&SeriesMessage { t0_s: f64::NAN, ..good.clone() }), &["finite"]);
+    says(&with(&SeriesMessage { values: vec![0.0, f64::NAN], ..good.clone() }), &["value 1"]);
+    let energy = EnergyMessage { shot: 1, drift: f64::NAN, ..EnergyMessage::default() };
     let records = [
         schema(1, "hertzscope.Energy"),
         channel(1, 1, "/energy", "protobuf"),

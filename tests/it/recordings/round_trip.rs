@@ -141,7 +141,7 @@ fn an_abort_loses_no_shot() {
     let file = folder.path().join("aborted.mcap");
     let whole = set(3);
     let mut writer =
-        RecordingWriter::create(&file, &whole.metadata, &whole.attachments).expect("writable");
+        RecordingWriter::create_live(&file, &whole.metadata, &whole.attachments).expect("writable");
     let so_far = read_file(&file).expect("facts before the first shot");
     assert_eq!(so_far.metadata, whole.metadata);
     assert_eq!(so_far.shots, [] as [Shot; 0]);

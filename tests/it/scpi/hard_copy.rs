@@ -214,7 +214,7 @@ fn pictures_of_one_message_are_limited() {
 /// Every source that the instrument saves: channel, math, spectrum, reference; as files and back, byte for byte.
 #[test]
 fn every_source_is_saved_as_a_native_file() {
-    use hertzscope::recording::{Capture, Instrument as Maker, tek_csv};
+    use hertzscope::recording::{Capture, InstrumentIdentity as Maker, tek_csv};
     let mut bench = Bench::new();
     bench.record("HOR:SCA 1E-3;:CH2:SCA 2;:SEL:CH2 ON;MATH ON", |t| (t * 2000.0).sin());
     bench.tell("SAV:WAVE CH1,REFC;:SEL:REFC ON");

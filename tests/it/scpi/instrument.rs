@@ -445,8 +445,8 @@ fn no_code_knows_a_model() {
 /// drives one input only.
 #[test]
 fn a_scene_wires_the_external_input() {
-    use hertzscope::experiment::inputs::{Window, inputs};
-    let window = Window { interval: 1e-6, before: 0.0, after: 1e-4 };
+    use hertzscope::experiment::inputs::{InputWindow, inputs};
+    let window = InputWindow { interval: 1e-6, before: 0.0, after: 1e-4 };
     let wired =
         scene("duration = \"100 us\"\n[scope]\nposition = \"0 s\"\ntime_base = \"25 us/div\"\n");
     let mut other = wired.clone();

@@ -3,7 +3,7 @@
 use std::io::{Read as _, Write as _};
 use std::net::{SocketAddr, TcpStream};
 
-use hertzscope::hislip::message::{Decoder, Kind, Piece, write};
+use hertzscope::hislip::message::{DecodedPiece, Decoder, MessageType, write};
 
 use super::{IDENTITY, LIMIT, Server};
 
@@ -20,18 +20,18 @@ impl Link {
         Self { stream, decoder: Decoder::default() }
     }
 
-    fn send(&mut self, kind: Kind, control: u8, parameter: u32, payload: &[u8]) {
+    fn send(&mut self, kind: MessageType, control: u8, parameter: u32, payload: &[u8]) {
         let mut bytes = Vec::new();
         write(kind, control, parameter, payload, &mut bytes);
         self.stream.write_all(&bytes).expect("a server that listens");
     }
 
     /// The next message; none when the server has closed the connection.
-    fn next(&mut self) -> Option<(Kind, u8, u32, Vec<u8>)> {
+    fn next(&mut self) -> Option<(MessageType, u8, u32, Vec<u8>)> {
         loop {
             match self.decoder.next_piece() {
-                Some(Piece::Message(header, payload)) => {
-                    let kind = Kind::from_code(header.code).expect("a known kind");
+                Some(DecodedPiece::Message(header, payload)) => {
+                    let kind = MessageType::from_code(header.code).expect("a known kind");
                     return Some((kind, header.control, header.parameter, payload));
                 }
                 Some(piece) => panic!("{piece:?}"),
@@ -47,7 +47,7 @@ impl Link {
 
     /// A message of this kind.
     #[track_caller]
-    fn expect(&mut self, kind: Kind) -> (u8, u32, Vec<u8>) {
+    fn expect(&mut self, kind: MessageType) -> (u8, u32, Vec<u8>) {
         let (found, control, parameter, payload) = self.next().expect("a message");
         assert_eq!(found, kind);
         (control, parameter, payload)
@@ -64,17 +64,17 @@ struct Client {
 impl Client {
     fn to(address: SocketAddr) -> Self {
         let mut sync = Link::to(address);
-        sync.send(Kind::Initialize, 0, 0x0100_7878, b"hislip0");
-        let (_, parameter, _) = sync.expect(Kind::InitializeResponse);
+        sync.send(MessageType::Initialize, 0, 0x0100_7878, b"hislip0");
+        let (_, parameter, _) = sync.expect(MessageType::InitializeResponse);
         let mut asynchronous = Link::to(address);
-        asynchronous.send(Kind::AsyncInitialize, 0, parameter & 0xFFFF, b"");
-        asynchronous.expect(Kind::AsyncInitializeResponse);
+        asynchronous.send(MessageType::AsyncInitialize, 0, parameter & 0xFFFF, b"");
+        asynchronous.expect(MessageType::AsyncInitializeResponse);
         Self { sync, asynchronous, identifier: 0xFFFF_FF00, delivered: 0 }
     }
 
     fn tell(&mut self, text: &str) -> u32 {
         let identifier = self.identifier;
-        self.sync.send(Kind::DataEnd, self.delivered, identifier, text.as_bytes());
+        self.sync.send(MessageType::DataEnd, self.delivered, identifier, text.as_bytes());
         self.identifier = identifier.wrapping_add(2);
         self.delivered = 0;
         identifier
@@ -83,7 +83,7 @@ impl Client {
     /// The reply to a query, which carries the query's identifier.
     fn ask(&mut self, text: &str) -> String {
         let identifier = self.tell(text);
-        let (_, parameter, payload) = self.sync.expect(Kind::DataEnd);
+        let (_, parameter, payload) = self.sync.expect(MessageType::DataEnd);
         assert_eq!(parameter, identifier);
         self.delivered = 1;
         String::from_utf8(payload).expect("text")
@@ -109,10 +109,10 @@ fn a_device_clear_ends_a_wait() {
     let server = Server::at_rest();
     let mut client = Client::to(server.hislip);
     client.tell("ACQ:STOPA SEQ;STATE ON;*OPC?");
-    client.asynchronous.send(Kind::AsyncDeviceClear, 0, 0, b"");
-    client.asynchronous.expect(Kind::AsyncDeviceClearAcknowledge);
-    client.sync.send(Kind::DeviceClearComplete, 0, 0, b"");
-    client.sync.expect(Kind::DeviceClearAcknowledge);
+    client.asynchronous.send(MessageType::AsyncDeviceClear, 0, 0, b"");
+    client.asynchronous.expect(MessageType::AsyncDeviceClearAcknowledge);
+    client.sync.send(MessageType::DeviceClearComplete, 0, 0, b"");
+    client.sync.expect(MessageType::DeviceClearAcknowledge);
     client.identifier = 0xFFFF_FF00;
     assert_eq!(client.ask("BUSY?"), "1\n");
 }
@@ -123,10 +123,10 @@ fn an_impact_asks_for_service() {
     let server = Server::at_rest();
     let mut client = Client::to(server.hislip);
     client.tell("*CLS;*ESE 1;*SRE 32;:ACQ:STOPA SEQ;STATE ON;*OPC;:BENC:IMP");
-    let (byte, ..) = client.asynchronous.expect(Kind::AsyncServiceRequest);
+    let (byte, ..) = client.asynchronous.expect(MessageType::AsyncServiceRequest);
     assert_eq!(byte, 32 | 64);
-    client.asynchronous.send(Kind::AsyncStatusQuery, 0, 0, b"");
-    let (byte, ..) = client.asynchronous.expect(Kind::AsyncStatusResponse);
+    client.asynchronous.send(MessageType::AsyncStatusQuery, 0, 0, b"");
+    let (byte, ..) = client.asynchronous.expect(MessageType::AsyncStatusResponse);
     assert_eq!(byte, 32 | 64);
     assert_eq!(client.ask("*ESR?;:ACQ:STATE?;:BENC:IMP?"), "1;0;1\n");
 }
@@ -137,14 +137,14 @@ fn a_lock_ends_with_its_holder() {
     let server = Server::at_rest();
     let mut one = Client::to(server.hislip);
     let mut two = Client::to(server.hislip);
-    one.asynchronous.send(Kind::AsyncLock, 1, 0, b"");
-    assert_eq!(one.asynchronous.expect(Kind::AsyncLockResponse).0, 1);
+    one.asynchronous.send(MessageType::AsyncLock, 1, 0, b"");
+    assert_eq!(one.asynchronous.expect(MessageType::AsyncLockResponse).0, 1);
     two.tell("*IDN?");
-    two.asynchronous.send(Kind::AsyncLock, 1, 60_000, b"");
+    two.asynchronous.send(MessageType::AsyncLock, 1, 60_000, b"");
     assert_eq!(one.ask("CH1:SCALE 2;SCALE?"), "2.0E0\n");
     drop(one);
-    assert_eq!(two.asynchronous.expect(Kind::AsyncLockResponse).0, 1);
-    assert_eq!(two.sync.expect(Kind::DataEnd).2, IDENTITY.as_bytes());
+    assert_eq!(two.asynchronous.expect(MessageType::AsyncLockResponse).0, 1);
+    assert_eq!(two.sync.expect(MessageType::DataEnd).2, IDENTITY.as_bytes());
 }
 
 /// What is no HiSLIP is told so and closed; a session beside it goes on.
@@ -154,7 +154,7 @@ fn garbage_ends_its_own_connection() {
     let mut good = Client::to(server.hislip);
     let mut bad = Link::to(server.hislip);
     bad.stream.write_all(b"GET / HTTP/1.1\r\n\r\n").expect("a server that listens");
-    let (code, ..) = bad.expect(Kind::FatalError);
+    let (code, ..) = bad.expect(MessageType::FatalError);
     assert_eq!(code, 1);
     assert_eq!(bad.next(), None);
     // Half a message, and gone.

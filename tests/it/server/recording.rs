@@ -8,7 +8,7 @@ use hertzscope::measurement::metadata;
 use hertzscope::recording::mcap::{RecordingWriter, read};
 use hertzscope::recording::{Direction, TraceSet, tek_csv};
 use hertzscope::scene::Scene;
-use hertzscope::server::Options;
+use hertzscope::server::ServerOptions;
 
 use super::process::Process;
 use super::{Client, IDENTITY, Server, connect, scene};
@@ -17,8 +17,8 @@ fn recorded(file: &Path) -> Server {
     let scene = scene();
     let known = facts::facts(&scene, Integration::Accuracy(scene.accuracy.expect("an accuracy")))
         .expect("stable");
-    let writer = RecordingWriter::create(file, &known, &[facts::scene_attachment(&scene)]);
-    Server::serving(scene, Options::default(), Some(writer.expect("writable")))
+    let writer = RecordingWriter::create_live(file, &known, &[facts::scene_attachment(&scene)]);
+    Server::serving(scene, ServerOptions::default(), Some(writer.expect("writable")))
 }
 
 /// The levels of channel 1 as a client reads them after an impact.

@@ -296,8 +296,8 @@ fn refusals_tell_line_and_reason() {
             "F.CSV, line 100, column 4: found `-0.002404`, expected a number with a decimal comma, as elsewhere in the file",
         ),
         (
-            sheet.replace("Source,CH1", "Source,CH7"),
-            "F.CSV, line 7, column 8: `Source` is `CH7`, expected CH1 to CH4, MATH or REFA to REFD",
+            sheet.replace("Source,CH1", "Source,CH9"),
+            "F.CSV, line 7, column 8: `Source` is `CH9`, expected CH1 to CH8, MATH or REFA to REFD",
         ),
         (
             sheet.replace("Vertical Scale,1.00E-01", "Vertical Scale,much"),
@@ -305,7 +305,8 @@ fn refusals_tell_line_and_reason() {
         ),
         (
             "Model,TBS1102C\nRecord Length,2000\n".to_owned(),
-            "F.CSV, line 3, column 1: found the end of the file, expected `TIME,CH1`",
+            "F.CSV: this is nearest to a Tektronix header beside samples (TDS1000/2000, OpenChoice), but lacks a column of times \
+             beside the values; say what its columns are, e.g. --columns time=1:ms,CH1=2:V,p14=4:N",
         ),
         (
             "Model,TBS1102C\nTIME,CH1\n0,1\n1,one\n".to_owned(),
@@ -313,9 +314,10 @@ fn refusals_tell_line_and_reason() {
         ),
         (
             "Model,TBS1102C\nTIME,BUS1\n0,1\n1,2\n".to_owned(),
-            "F.CSV, line 2, column 6: found `BUS1`, expected CH1 to CH4, MATH or REFA to REFD",
+            "F.CSV: this is nearest to a table with a column of times and one for each channel (`Time (s),CH1 (V)`), but lacks \
+             1 to 8 channels; say what its columns are, e.g. --columns time=1:ms,CH1=2:V,p14=4:N",
         ),
-        ("0,1\n".to_owned(), "F.CSV: found 1 rows, expected 2 to 1000064 with samples"),
+        ("0,1\n".to_owned(), "F.CSV: found 1 rows, expected 2 to 2000000 with samples"),
         (
             "1,1\n0,1\n".to_owned(),
             "F.CSV, line 2, column 1: found 0 s, expected more than 1e0 s by even spacing",

@@ -1,11 +1,15 @@
 //! Captures made up for the tests of this folder.
 
 use hertzscope::recording::tek_csv::{read, write};
-use hertzscope::recording::{Capture, Instrument};
+use hertzscope::recording::{Capture, InstrumentIdentity};
 use hertzscope::scope::{PointFormat, Preamble, Source, VerticalSetup, Waveform};
 
-pub(super) fn instrument(model: &str, serial: &str, firmware: &str) -> Instrument {
-    Instrument { model: model.to_owned(), serial: serial.to_owned(), firmware: firmware.to_owned() }
+pub(super) fn instrument(model: &str, serial: &str, firmware: &str) -> InstrumentIdentity {
+    InstrumentIdentity {
+        model: model.to_owned(),
+        serial: serial.to_owned(),
+        firmware: firmware.to_owned(),
+    }
 }
 
 /// Settings of a made-up record.

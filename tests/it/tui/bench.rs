@@ -1,8 +1,8 @@
 //! Recordings made up for the screen, and a terminal to show them on.
 
-use hertzscope::recording::{Capture, Instrument, Origin, Shot, TraceSet};
+use hertzscope::recording::{Capture, InstrumentIdentity, Origin, Shot, TraceSet};
 use hertzscope::scope::{Coupling, PointFormat, Preamble, Source, VerticalSetup, Waveform};
-use hertzscope::tui::model::{Action, Model, Palette, update};
+use hertzscope::tui::model::{Action, Palette, ScreenState, update};
 use hertzscope::tui::view;
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
@@ -45,7 +45,7 @@ pub fn channel(number: u8, scale: f64, position: f64, volts: impl Fn(f64) -> f64
             horizontal_scale: 250e-6,
             trigger_point: 250.0,
         },
-        instrument: Some(Instrument {
+        instrument: Some(InstrumentIdentity {
             model: "TDS2014".to_owned(),
             serial: "0".to_owned(),
             firmware: "FV:v4.12".to_owned(),
@@ -94,12 +94,12 @@ pub fn recording(shots: Vec<Vec<Capture>>) -> TraceSet {
     }
 }
 
-pub fn model(set: TraceSet) -> Model {
-    Model::new(set, "steel chain".to_owned(), Palette::Colour)
+pub fn model(set: TraceSet) -> ScreenState {
+    ScreenState::new(set, "steel chain".to_owned(), Palette::Colour)
 }
 
 /// Four channels: a step, two flat lines, one flat line above the screen's top.
-pub fn four_channels() -> Model {
+pub fn four_channels() -> ScreenState {
     let captures = vec![
         step(),
         channel(2, 1.0, -1.0, |_| 0.0),
@@ -110,7 +110,7 @@ pub fn four_channels() -> Model {
 }
 
 /// `model` after `actions`.
-pub fn after(mut model: Model, actions: &[Action]) -> Model {
+pub fn after(mut model: ScreenState, actions: &[Action]) -> ScreenState {
     for action in actions {
         update(&mut model, *action);
     }
@@ -121,7 +121,7 @@ pub fn after(mut model: Model, actions: &[Action]) -> Model {
 pub struct Screen(Buffer);
 
 /// Draws `model` on a terminal of `width` x `height`.
-pub fn draw(model: &Model, width: u16, height: u16) -> Screen {
+pub fn draw(model: &ScreenState, width: u16, height: u16) -> Screen {
     let mut terminal = Terminal::new(TestBackend::new(width, height)).expect("a test terminal");
     terminal.draw(|frame| view::draw(model, frame)).expect("drawing in memory");
     Screen(terminal.backend().buffer().clone())

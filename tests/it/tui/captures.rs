@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use super::bench::{after, draw, model};
 use super::live::Session;
-use hertzscope::measurement::compare::tolerance::Tolerance;
-use hertzscope::measurement::compare::{Align, Side, compare};
+use hertzscope::measurement::compare::score_limits::ScoreLimits;
+use hertzscope::measurement::compare::{Align, ComparedShot, compare};
 use hertzscope::recording::format::open;
 use hertzscope::recording::{Origin, TraceSet};
-use hertzscope::tui::axis::Turn;
-use hertzscope::tui::model::{Action, Job, Page, Side as Beside};
+use hertzscope::tui::axis::TurnDirection;
+use hertzscope::tui::model::{Action, JobState, Page, SidePanel as Beside};
 
 /// The captures and their names, without those that no reader takes; none where they are not there.
 fn captures() -> Option<Vec<(String, TraceSet)>> {
@@ -41,9 +41,14 @@ fn look_at(name: &str, set: &TraceSet) {
     let source = set.shots[0].captures[0].waveform.source.to_string();
     let ways: [&[Action]; 9] = [
         &[],
-        &[Action::TimePerDivision { turn: Turn::Down, anchor: 0.0 }, Action::Autoset],
+        &[Action::TimePerDivision { turn: TurnDirection::Down, anchor: 0.0 }, Action::Autoset],
         &[Action::Side(Beside::Measurements)],
-        &[Action::Cursors, Action::Snap(Turn::Up), Action::OtherCursor, Action::Snap(Turn::Up)],
+        &[
+            Action::Cursors,
+            Action::Snap(TurnDirection::Up),
+            Action::OtherCursor,
+            Action::Snap(TurnDirection::Up),
+        ],
         &[Action::Page(Page::Spectrum)],
         &[Action::Page(Page::Map)],
         &[Action::Page(Page::Xy)],
@@ -102,8 +107,8 @@ fn every_capture_folder_is_opened() {
     }
 }
 
-fn side<'a>(name: &'a str, set: &'a TraceSet) -> Side<'a> {
-    Side { name, set, shot: &set.shots[0], scene: None }
+fn side<'a>(name: &'a str, set: &'a TraceSet) -> ComparedShot<'a> {
+    ComparedShot { name, set, shot: &set.shots[0], scene: None }
 }
 
 /// Itself is itself; another one is scored with numbers that are numbers, or refused with a reason.
@@ -113,7 +118,7 @@ fn every_capture_is_held_against_itself_and_another() {
     let (mut scored, mut refused) = (0, 0);
     for (place, (name, set)) in sets.iter().enumerate() {
         let (other_name, other) = &sets[(place + 1) % sets.len()];
-        let tolerance = Tolerance::parse("rms=1lsb").expect("a tolerance");
+        let tolerance = ScoreLimits::parse("rms=1lsb").expect("a tolerance");
         for (against, held) in [(name, set), (other_name, other)] {
             match compare(side(name, set), side(against, held), (Align::default(), &[]), &tolerance)
             {
@@ -147,16 +152,16 @@ fn a_bench_is_held_against_every_capture() {
     let mut session = Session::bench("magnet-0.61g");
     for (name, _) in sets {
         session.command(&format!("compare {name}"));
-        while matches!(session.model.questions().comparison, Job::Busy(_)) {
+        while matches!(session.model.questions().comparison, JobState::Busy(_)) {
             session.next();
         }
         let screen = draw(&session.model, 80, 24);
         match &session.model.questions().comparison {
-            Job::Done(found) => {
+            JobState::Done(found) => {
                 assert_eq!(found.comparison.verdict, "fail", "{name}");
                 assert!(screen.has("FAIL") && screen.has("corr"), "{name}");
             }
-            Job::Failed(reason) => {
+            JobState::Failed(reason) => {
                 assert!(reason.contains("expected"), "{name}: {reason}");
                 assert!(screen.has("cannot compare"), "{name}");
             }

@@ -2,23 +2,23 @@
 
 use super::bench::{after, draw, four_channels, model, recording, step};
 use hertzscope::recording::{Capture, TraceSet};
-use hertzscope::tui::axis::Turn;
-use hertzscope::tui::model::{Action, Panel};
+use hertzscope::tui::axis::TurnDirection;
+use hertzscope::tui::model::{Action, Popup};
 use ratatui::style::Color;
 
 /// Everything that can be done to a trace, twice.
 fn handled() -> Vec<Action> {
     let zoom = |turn, anchor| Action::TimePerDivision { turn, anchor };
     let once = [
-        zoom(Turn::Down, 0.0),
-        zoom(Turn::Down, 4.9),
-        Action::Pan(Turn::Down),
-        Action::Pan(Turn::Up),
-        Action::VoltsPerDivision(Turn::Down),
-        Action::VoltsPerDivision(Turn::Up),
-        Action::VoltsPerDivision(Turn::Up),
-        Action::Position(Turn::Up),
-        zoom(Turn::Up, -4.9),
+        zoom(TurnDirection::Down, 0.0),
+        zoom(TurnDirection::Down, 4.9),
+        Action::Pan(TurnDirection::Down),
+        Action::Pan(TurnDirection::Up),
+        Action::VoltsPerDivision(TurnDirection::Down),
+        Action::VoltsPerDivision(TurnDirection::Up),
+        Action::VoltsPerDivision(TurnDirection::Up),
+        Action::Position(TurnDirection::Up),
+        zoom(TurnDirection::Up, -4.9),
     ];
     [once, once].concat()
 }
@@ -112,7 +112,7 @@ fn a_small_terminal_is_told_what_is_missing() {
 #[test]
 fn every_size_of_terminal_can_be_drawn() {
     let zoomed = after(four_channels(), &handled());
-    let help = after(four_channels(), &[Action::Toggle(Panel::Help)]);
+    let help = after(four_channels(), &[Action::Toggle(Popup::Help)]);
     for model in [four_channels(), zoomed, help, model(TraceSet::default())] {
         for width in (1..100).step_by(3) {
             for height in 1..46 {
@@ -128,7 +128,7 @@ fn every_size_of_terminal_can_be_drawn() {
 #[test]
 fn a_title_of_any_length_leaves_room_for_the_rest() {
     let set = recording(vec![vec![step()]]);
-    let long = hertzscope::tui::model::Model::new(
+    let long = hertzscope::tui::model::ScreenState::new(
         set,
         "gemessen am Mittwoch – 鎖".repeat(20),
         hertzscope::tui::model::Palette::Colour,

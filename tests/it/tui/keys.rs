@@ -3,38 +3,38 @@
 use super::bench::draw;
 use super::live::Session;
 use hertzscope::scope::Source;
-use hertzscope::tui::axis::Turn;
-use hertzscope::tui::keys::{BINDINGS, Place, action, key_action, mouse_action};
-use hertzscope::tui::model::{Action, Panel};
-use hertzscope::tui::view::{self, layout::Layout};
+use hertzscope::tui::axis::TurnDirection;
+use hertzscope::tui::keys::{BINDINGS, BindingScope, action, key_action, mouse_action};
+use hertzscope::tui::model::{Action, Popup};
+use hertzscope::tui::view::{self, layout::ScreenLayout};
 use ratatui::crossterm::event::{
     Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers, MouseButton, MouseEvent, MouseEventKind,
 };
 use ratatui::layout::Rect;
 
 fn press(code: KeyCode, modifiers: KeyModifiers) -> Option<Action> {
-    key_action(KeyEvent::new(code, modifiers), Panel::Scope)
+    key_action(KeyEvent::new(code, modifiers), Popup::Scope)
 }
 
 #[test]
 fn keys_ask_for_what_their_labels_say() {
     let none = KeyModifiers::NONE;
     let shift = KeyModifiers::SHIFT;
-    let zoom_in = Action::TimePerDivision { turn: Turn::Down, anchor: 0.0 };
+    let zoom_in = Action::TimePerDivision { turn: TurnDirection::Down, anchor: 0.0 };
     for (code, modifiers, action) in [
         (KeyCode::Char('q'), none, Action::Quit),
         (KeyCode::Char('c'), KeyModifiers::CONTROL, Action::Quit),
         (KeyCode::Esc, none, Action::Back),
         (KeyCode::Char('3'), none, Action::Channel(3)),
-        (KeyCode::Up, none, Action::VoltsPerDivision(Turn::Down)),
-        (KeyCode::Down, none, Action::VoltsPerDivision(Turn::Up)),
+        (KeyCode::Up, none, Action::VoltsPerDivision(TurnDirection::Down)),
+        (KeyCode::Down, none, Action::VoltsPerDivision(TurnDirection::Up)),
         (KeyCode::Right, none, zoom_in),
-        (KeyCode::Up, shift, Action::Position(Turn::Up)),
-        (KeyCode::Left, shift, Action::Pan(Turn::Down)),
-        (KeyCode::Char('.'), none, Action::Shot(Turn::Up)),
-        (KeyCode::Tab, none, Action::NextTrace(Turn::Up)),
+        (KeyCode::Up, shift, Action::Position(TurnDirection::Up)),
+        (KeyCode::Left, shift, Action::Pan(TurnDirection::Down)),
+        (KeyCode::Char('.'), none, Action::Shot(TurnDirection::Up)),
+        (KeyCode::Tab, none, Action::NextTrace(TurnDirection::Up)),
         (KeyCode::Char('z'), none, Action::Reset),
-        (KeyCode::Char('l'), none, Action::Toggle(Panel::Log)),
+        (KeyCode::Char('l'), none, Action::Toggle(Popup::Log)),
     ] {
         assert_eq!(press(code, modifiers), Some(action), "{code:?} {modifiers:?}");
     }
@@ -47,11 +47,11 @@ fn keys_ask_for_what_their_labels_say() {
 #[test]
 fn shift_on_a_letter_makes_no_difference() {
     for modifiers in [KeyModifiers::NONE, KeyModifiers::SHIFT] {
-        let help = Some(Action::Toggle(Panel::Help));
+        let help = Some(Action::Toggle(Popup::Help));
         assert_eq!(press(KeyCode::Char('?'), modifiers), help);
-        let up = Some(Action::Position(Turn::Up));
+        let up = Some(Action::Position(TurnDirection::Up));
         assert_eq!(press(KeyCode::Char('K'), modifiers), up);
-        let back = Some(Action::NextTrace(Turn::Down));
+        let back = Some(Action::NextTrace(TurnDirection::Down));
         assert_eq!(press(KeyCode::BackTab, modifiers), back);
     }
 }
@@ -60,13 +60,13 @@ fn shift_on_a_letter_makes_no_difference() {
 fn letting_go_of_a_key_does_nothing() {
     let mut event = KeyEvent::new(KeyCode::Char('q'), KeyModifiers::NONE);
     event.kind = KeyEventKind::Release;
-    assert_eq!(key_action(event, Panel::Scope), None);
+    assert_eq!(key_action(event, Popup::Scope), None);
 }
 
 #[test]
 fn in_a_panel_arrows_scroll_and_scope_keys_rest() {
-    let key = |code| key_action(KeyEvent::new(code, KeyModifiers::NONE), Panel::Log);
-    assert_eq!(key(KeyCode::Down), Some(Action::Scroll(Turn::Down)));
+    let key = |code| key_action(KeyEvent::new(code, KeyModifiers::NONE), Popup::Log);
+    assert_eq!(key(KeyCode::Down), Some(Action::Scroll(TurnDirection::Down)));
     assert_eq!(key(KeyCode::Char('1')), None);
     assert_eq!(key(KeyCode::Char('q')), Some(Action::Quit));
 }
@@ -80,8 +80,8 @@ fn no_key_has_two_meanings_in_one_place() {
     for (index, (place, key)) in keys.iter().enumerate() {
         for (other_place, other_key) in &keys[index + 1..] {
             let together = place == other_place
-                || *place == Place::Everywhere
-                || *other_place == Place::Everywhere;
+                || *place == BindingScope::Everywhere
+                || *other_place == BindingScope::Everywhere;
             assert!(!(together && key == other_key), "{key:?} is bound twice");
         }
     }
@@ -89,24 +89,24 @@ fn no_key_has_two_meanings_in_one_place() {
 
 #[test]
 fn the_wheel_zooms_around_the_pointer() {
-    let layout = Layout::new(Rect::new(0, 0, 80, 24)).expect("room for the scope");
+    let layout = ScreenLayout::new(Rect::new(0, 0, 80, 24)).expect("room for the scope");
     let wheel = |column, row| MouseEvent {
         kind: MouseEventKind::ScrollUp,
         column,
         row,
         modifiers: KeyModifiers::NONE,
     };
-    let action = |column, row| mouse_action(wheel(column, row), Panel::Scope, Some(&layout));
+    let action = |column, row| mouse_action(wheel(column, row), Popup::Scope, Some(&layout));
     // Three divisions right of the left edge, which is 2 left of the centre; half a cell is 1/14 division.
     let Some(Action::TimePerDivision { turn, anchor }) = action(9 + 21, 10) else {
         panic!("no zoom");
     };
-    assert_eq!(turn, Turn::Down);
+    assert_eq!(turn, TurnDirection::Down);
     assert!((anchor + 2.0).abs() < 1.0 / 14.0, "{anchor}");
     assert_eq!(action(3, 10), None, "left of the graticule");
     assert_eq!(
-        mouse_action(wheel(3, 10), Panel::Help, Some(&layout)),
-        Some(Action::Scroll(Turn::Up))
+        mouse_action(wheel(3, 10), Popup::Help, Some(&layout)),
+        Some(Action::Scroll(TurnDirection::Up))
     );
 }
 
@@ -127,13 +127,13 @@ fn readings_are_turned_with_the_mouse() {
     let left = MouseEventKind::Down(MouseButton::Left);
     let right = MouseEventKind::Down(MouseButton::Right);
     for (text, kind, expected) in [
-        ("CH1 1.00V  ", up, Some(Action::VoltsPerDivision(Turn::Down))),
+        ("CH1 1.00V  ", up, Some(Action::VoltsPerDivision(TurnDirection::Down))),
         ("CH1 1.00V  ", left, Some(Action::Trace(Source::Channel(1)))),
         ("CH3 1.00V  ", left, Some(Action::Trace(Source::Channel(3)))),
         ("CH3 1.00V  ", up, None),
         ("CH4 2.00V", left, Some(Action::Trace(Source::Channel(4)))),
-        ("M 250", down, Some(Action::TimePerDivision { turn: Turn::Up, anchor: 0.0 })),
-        ("CH1↑500mV", up, Some(Action::TriggerLevel(Turn::Up))),
+        ("M 250", down, Some(Action::TimePerDivision { turn: TurnDirection::Up, anchor: 0.0 })),
+        ("CH1↑500mV", up, Some(Action::TriggerLevel(TurnDirection::Up))),
         ("CH1↑500mV", left, Some(Action::TriggerSlope)),
         ("CH1↑500mV", right, Some(Action::TriggerMode)),
         ("DC", left, Some(Action::Coupling)),

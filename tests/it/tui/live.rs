@@ -7,10 +7,12 @@ use super::bench::{after, draw};
 use hertzscope::recording::TraceSet;
 use hertzscope::scene::Scene;
 use hertzscope::scope::{Coupling, Source};
-use hertzscope::tui::axis::Turn;
-use hertzscope::tui::model::knobs::Knob;
-use hertzscope::tui::model::{Acquisition, Action, Model, Page, Palette, Request, Side, update};
-use hertzscope::tui::work::{News, Workers};
+use hertzscope::tui::axis::TurnDirection;
+use hertzscope::tui::model::knobs::BenchKnob;
+use hertzscope::tui::model::{
+    Action, Page, Palette, Request, RunState, ScreenState, SidePanel, update,
+};
+use hertzscope::tui::work::{ScreenEvent, Workers};
 use ratatui::layout::Size;
 
 /// Far longer than any strike takes.
@@ -19,14 +21,14 @@ const SIZE: Size = Size { width: 80, height: 24 };
 
 /// A bench with its threads.
 pub struct Session {
-    pub model: Model,
+    pub model: ScreenState,
     staff: Workers,
-    news: Receiver<News>,
+    news: Receiver<ScreenEvent>,
 }
 
 impl Session {
     pub fn bench(scene: &str) -> Self {
-        let mut model = Model::new(TraceSet::default(), scene.to_owned(), Palette::Colour);
+        let mut model = ScreenState::new(TraceSet::default(), scene.to_owned(), Palette::Colour);
         model.open_bench(scene.to_owned());
         let (staff, news) = Workers::start(None, false);
         let mut session = Self { model, staff, news };
@@ -53,7 +55,7 @@ impl Session {
     /// Waits until everything that was asked for has come.
     fn settle(&mut self) {
         self.staff.serve(&mut self.model, SIZE);
-        while self.model.live().is_some_and(hertzscope::tui::model::Live::is_waiting) {
+        while self.model.live().is_some_and(hertzscope::tui::model::LiveBench::is_waiting) {
             self.next();
         }
     }
@@ -67,13 +69,13 @@ impl Session {
 }
 
 fn knob(label: &str) -> usize {
-    Knob::ALL.iter().position(|knob| knob.label == label).expect("a knob")
+    BenchKnob::ALL.iter().position(|knob| knob.label == label).expect("a knob")
 }
 
 /// Selects a knob.
 fn choose(session: &mut Session, label: &str) {
     for _ in 0..knob(label) {
-        session.act(&[Action::NextKnob(Turn::Up)]);
+        session.act(&[Action::NextKnob(TurnDirection::Up)]);
     }
 }
 
@@ -102,7 +104,7 @@ fn a_faster_striker_makes_a_higher_pulse_and_the_tuned_scene_says_so() {
     let mut session = Session::bench("magnet-0.61g");
     let (speed, force) = (scene(&session).striker_speed().expect("a striker"), peak(&session));
     choose(&mut session, "striker speed");
-    session.act(&[Action::TurnKnob(Turn::Up); 8]);
+    session.act(&[Action::TurnKnob(TurnDirection::Up); 8]);
     // Eight of twenty-four turns a decade, each rounded to three digits.
     let faster = scene(&session).striker_speed().expect("a striker");
     assert!((faster / speed / 10f64.cbrt() - 1.0).abs() < 0.02, "{faster} from {speed}");
@@ -118,7 +120,7 @@ fn a_faster_striker_makes_a_higher_pulse_and_the_tuned_scene_says_so() {
 fn knobs_read_what_the_scene_says() {
     let session = Session::bench("magnet-0.61g");
     let reading = |label: &str| {
-        let knob = Knob::ALL[knob(label)];
+        let knob = BenchKnob::ALL[knob(label)];
         knob.reading(scene(&session), Some(Source::Channel(1)))
     };
     for (label, expected) in [
@@ -139,19 +141,19 @@ fn knobs_read_what_the_scene_says() {
 #[test]
 fn the_scopes_knobs_set_the_scope_while_it_runs() {
     let mut session = Session::bench("magnet-0.61g");
-    session.act(&[Action::VoltsPerDivision(Turn::Up)]);
+    session.act(&[Action::VoltsPerDivision(TurnDirection::Up)]);
     let scale = |session: &Session| session.model.captures()[0].waveform.vertical.scale;
     assert_eq!(scale(&session), 2.0);
-    session.act(&[Action::TimePerDivision { turn: Turn::Down, anchor: 0.0 }]);
+    session.act(&[Action::TimePerDivision { turn: TurnDirection::Down, anchor: 0.0 }]);
     assert_eq!(scene(&session).scope.time_base, 100e-6);
     session.act(&[Action::Coupling]);
     let coupling = session.model.captures()[0].waveform.vertical.coupling;
     assert_eq!(coupling, Some(Coupling::Ac));
-    session.act(&[Action::TriggerLevel(Turn::Up)]);
+    session.act(&[Action::TriggerLevel(TurnDirection::Up)]);
     // A tenth of a division of 2 V.
     assert!((scene(&session).scope.trigger.level - 0.7).abs() < 1e-12);
     // Stopped, the same key moves the picture, and a star says so.
-    session.act(&[Action::RunStop, Action::VoltsPerDivision(Turn::Up)]);
+    session.act(&[Action::RunStop, Action::VoltsPerDivision(TurnDirection::Up)]);
     assert_eq!(scale(&session), 2.0);
     draw(&session.model, 80, 24).find("CH1 5.00V*");
 }
@@ -177,7 +179,7 @@ fn effects_are_switched_and_come_back_as_they_were() {
     let gravity = scene(&session).spec.effects.gravity.as_ref().expect("gravity");
     assert_eq!(gravity.acceleration, 9.81);
     // A loss that the scene does not name comes with numbers of its own.
-    session.act(&[Action::NextKnob(Turn::Up), Action::Switch]);
+    session.act(&[Action::NextKnob(TurnDirection::Up), Action::Switch]);
     assert!(scene(&session).spec.effects.dashpot.is_some(), "{:?}", session.model.notice());
 }
 
@@ -186,10 +188,10 @@ fn an_armed_scope_takes_one_trigger_and_stops() {
     let mut session = Session::bench("magnet-0.61g");
     session.act(&[Action::Single]);
     let acquisition = |session: &Session| session.model.live().expect("a bench").acquisition;
-    assert_eq!(acquisition(&session), Acquisition::Armed);
+    assert_eq!(acquisition(&session), RunState::Armed);
     draw(&session.model, 80, 24).find("Armed");
     session.act(&[Action::Impact]);
-    assert_eq!(acquisition(&session), Acquisition::Stopped);
+    assert_eq!(acquisition(&session), RunState::Stopped);
     assert_eq!(session.model.shot().expect("a shot").number, 2);
     session.act(&[Action::Impact]);
     assert_eq!(session.model.shot().expect("a shot").number, 2, "a stopped scope sees nothing");
@@ -199,7 +201,7 @@ fn an_armed_scope_takes_one_trigger_and_stops() {
 fn a_stale_answer_is_let_go() {
     let mut session = Session::bench("magnet-0.61g");
     // The strikes of two turns are answered in the wrong order.
-    update(&mut session.model, Action::TurnKnob(Turn::Up));
+    update(&mut session.model, Action::TurnKnob(TurnDirection::Up));
     let first = session.model.take_requests();
     update(&mut session.model, Action::Impact);
     let second = session.model.take_requests();
@@ -208,8 +210,8 @@ fn a_stale_answer_is_let_go() {
         other => panic!("{other:?}"),
     };
     let shot = session.model.shot().cloned();
-    session.model.struck(turn(&second), Err("the newest".to_owned()));
-    session.model.struck(turn(&first), Err("stale".to_owned()));
+    session.model.apply_strike_result(turn(&second), Err("the newest".to_owned()));
+    session.model.apply_strike_result(turn(&first), Err("stale".to_owned()));
     assert_eq!(session.model.notice(), Some("the newest"));
     assert_eq!(session.model.shot().cloned(), shot);
 }
@@ -218,7 +220,7 @@ fn a_stale_answer_is_let_go() {
 fn only_the_newest_of_waiting_strikes_is_asked_for() {
     let mut session = Session::bench("magnet-0.61g");
     for _ in 0..5 {
-        update(&mut session.model, Action::TurnKnob(Turn::Up));
+        update(&mut session.model, Action::TurnKnob(TurnDirection::Up));
     }
     assert_eq!(session.model.take_requests().len(), 1);
 }
@@ -245,7 +247,9 @@ fn what_was_seen_is_saved_and_opens_again() {
     let picture = std::fs::read_to_string(file("screen.svg")).expect("a picture");
     assert!(picture.starts_with("<svg") && picture.contains(">Trig'd"), "no picture");
     session.command(&format!("write {}", file("shot.mcap")));
-    assert!(session.model.notice().expect("a word").contains("exists already"));
+    // Nothing is replaced: the next number is taken.
+    assert!(session.model.notice().expect("a word").ends_with("shot-2.mcap"));
+    assert_eq!(open("shot.mcap").expect("a recording"), recording);
 }
 
 #[test]
@@ -276,14 +280,14 @@ fn knobs_on_a_recording_say_that_there_is_nothing_to_turn() {
         Action::Impact,
         Action::Single,
         Action::Force,
-        Action::TurnKnob(Turn::Up),
+        Action::TurnKnob(TurnDirection::Up),
         Action::Switch,
-        Action::TriggerLevel(Turn::Up),
+        Action::TriggerLevel(TurnDirection::Up),
         Action::TriggerSlope,
         Action::TriggerMode,
         Action::Coupling,
         Action::Probe,
-        Action::Side(Side::Knobs),
+        Action::Side(SidePanel::Knobs),
     ] {
         let model = after(super::bench::four_channels(), &[action]);
         let notice = model.notice().unwrap_or_default();

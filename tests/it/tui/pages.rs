@@ -3,8 +3,8 @@
 use super::bench::{after, channel, draw, four_channels, model, recording, step};
 use super::live::Session;
 use hertzscope::scope::Source;
-use hertzscope::tui::axis::Turn;
-use hertzscope::tui::model::{Action, CursorKind, Model, Page, Side, update};
+use hertzscope::tui::axis::TurnDirection;
+use hertzscope::tui::model::{Action, CursorKind, Page, ScreenState, SidePanel, update};
 use ratatui::style::Color;
 
 /// One pulse: a half sine of a volt from `start` (s), 100 µs long.
@@ -15,21 +15,21 @@ fn pulse(number: u8, start: f64) -> hertzscope::recording::Capture {
     })
 }
 
-fn two_pulses() -> Model {
+fn two_pulses() -> ScreenState {
     model(recording(vec![vec![pulse(1, 0.0), pulse(2, 500e-6)]]))
 }
 
 #[test]
 fn cursors_snapped_to_two_peaks_tell_the_time_between() {
-    let up = Action::Snap(Turn::Up);
+    let up = Action::Snap(TurnDirection::Up);
     let mut model = after(two_pulses(), &[Action::Cursors]);
     assert_eq!(model.cursors().kind, CursorKind::Time);
     // From the left edge: the edge, then the peak.
     for _ in 0..80 {
-        update(&mut model, Action::MoveCursor(Turn::Down));
+        update(&mut model, Action::MoveCursor(TurnDirection::Down));
     }
     let model = after(model, &[up, up, Action::OtherCursor, Action::Channel(2)]);
-    let model = after(model, &[Action::Snap(Turn::Down)]);
+    let model = after(model, &[Action::Snap(TurnDirection::Down)]);
     let reading = model.cursor_reading().expect("cursors");
     // Peaks stand 50 µs behind their starts, within a sample and its neighbours of the same level.
     assert!((reading.at[0] - 50e-6).abs() < 5e-6, "{reading:?}");
@@ -47,9 +47,9 @@ fn cursors_snapped_to_two_peaks_tell_the_time_between() {
 fn a_cursor_snaps_to_an_edge_at_half_of_the_peak() {
     let mut model = after(model(recording(vec![vec![pulse(1, 0.0)]])), &[Action::Cursors]);
     for _ in 0..80 {
-        update(&mut model, Action::MoveCursor(Turn::Down));
+        update(&mut model, Action::MoveCursor(TurnDirection::Down));
     }
-    let model = after(model, &[Action::Snap(Turn::Up)]);
+    let model = after(model, &[Action::Snap(TurnDirection::Up)]);
     let at = model.cursor_reading().expect("cursors").at[0];
     // sin(pi x) is 1/2 at x = 1/6; a level is 20 mV of a slope of 27 mV/µs.
     assert!((at - 100e-6 / 6.0).abs() < 1e-6, "{at:e}");
@@ -78,7 +78,7 @@ fn the_mouse_takes_the_nearer_cursor_along() {
 
 #[test]
 fn the_mouse_drags_the_picture() {
-    let zoom = Action::TimePerDivision { turn: Turn::Down, anchor: 0.0 };
+    let zoom = Action::TimePerDivision { turn: TurnDirection::Down, anchor: 0.0 };
     let model = after(four_channels(), &[zoom]);
     let model = after(model, &[Action::Press { x: 0.0, y: 0.0 }, Action::Drag { x: 1.0, y: 2.0 }]);
     // A division of 100 µs to the right shows what is 100 µs earlier.
@@ -92,11 +92,11 @@ fn the_cursor_pair_on_two_sensors_tells_a_speed() {
     let mut session = Session::bench("magnet-0.61g");
     // CH2 is particle 14, CH3 particle 27: their first edges.
     session.act(&[Action::Channel(2), Action::Cursors]);
-    let left = |session: &mut Session| session.act(&[Action::MoveCursor(Turn::Down); 80]);
+    let left = |session: &mut Session| session.act(&[Action::MoveCursor(TurnDirection::Down); 80]);
     left(&mut session);
-    session.act(&[Action::Snap(Turn::Up), Action::OtherCursor, Action::Channel(3)]);
-    session.act(&[Action::MoveCursor(Turn::Down); 160]);
-    session.act(&[Action::Snap(Turn::Up)]);
+    session.act(&[Action::Snap(TurnDirection::Up), Action::OtherCursor, Action::Channel(3)]);
+    session.act(&[Action::MoveCursor(TurnDirection::Down); 160]);
+    session.act(&[Action::Snap(TurnDirection::Up)]);
     let speed = session.model.cursor_reading().expect("cursors").speed.expect("a speed");
     let live = session.model.live().expect("a bench");
     let summary = live.summary.as_ref().expect("an impact");
@@ -140,13 +140,13 @@ fn spectra_are_zoomed_and_moved() {
             after(model(recording(vec![vec![tone.clone()]])), &[Action::Page(Page::Spectrum)]);
         after(model, actions)
     };
-    let band = |model: &Model| model.band().expect("frequencies");
+    let band = |model: &ScreenState| model.band().expect("frequencies");
     // A microsecond between samples: up to 500 kHz, of which a quarter is shown.
     let whole = band(&spectra(&[]));
     assert!(whole.0 == 0.0 && (whole.1 / 125e3 - 1.0).abs() < 0.01, "{whole:?}");
     let anchor = 10.0 * 20e3 / whole.1 - 5.0;
     let zoom = |turn| Action::TimePerDivision { turn, anchor };
-    let closer = spectra(&[zoom(Turn::Down); 4]);
+    let closer = spectra(&[zoom(TurnDirection::Down); 4]);
     let (low, high) = band(&closer);
     assert!((0.5e3..1.1e3).contains(&((high - low) / 10.0)), "{low} to {high}");
     assert!(((20e3 - low) / (high - low) * 10.0 - 5.0 - anchor).abs() < 1e-9, "{low} to {high}");
@@ -160,21 +160,21 @@ fn spectra_are_zoomed_and_moved() {
         columns.iter().all(|x| x.abs_diff(label + 3) <= 2) && !columns.is_empty(),
         "{columns:?}"
     );
-    let right = band(&after(closer.clone(), &[Action::Pan(Turn::Down)]));
+    let right = band(&after(closer.clone(), &[Action::Pan(TurnDirection::Down)]));
     assert!((right.0 - low - (high - low) / 20.0).abs() < 1e-6, "half a division higher");
     assert_eq!(band(&after(closer, &[Action::Reset])), whole);
-    let (low, high) = band(&spectra(&[zoom(Turn::Up); 20]));
+    let (low, high) = band(&spectra(&[zoom(TurnDirection::Up); 20]));
     assert!(low == 0.0 && (high / 500e3 - 1.0).abs() < 0.01, "{low} to {high}");
-    let (low, high) = band(&spectra(&[zoom(Turn::Down); 40]));
+    let (low, high) = band(&spectra(&[zoom(TurnDirection::Down); 40]));
     assert!(high > low && low >= 0.0, "{low} to {high}");
     // The map shows the same band upward.
-    let map = spectra(&[zoom(Turn::Down), Action::Page(Page::Map)]);
-    assert_eq!(band(&map), band(&spectra(&[zoom(Turn::Down)])));
+    let map = spectra(&[zoom(TurnDirection::Down), Action::Page(Page::Map)]);
+    assert_eq!(band(&map), band(&spectra(&[zoom(TurnDirection::Down)])));
 }
 
 #[test]
 fn measurements_say_what_the_trace_is() {
-    let model = after(four_channels(), &[Action::Side(Side::Measurements)]);
+    let model = after(four_channels(), &[Action::Side(SidePanel::Measurements)]);
     let value = |name: &str| {
         let reading = model.derived().readings.iter().find(|r| r.name == name).expect("a reading");
         reading.value
@@ -193,7 +193,7 @@ fn measurements_say_what_the_trace_is() {
 fn math_adds_and_subtracts() {
     let flat = |number, volts: f64| channel(number, 0.5, 0.0, move |_| volts);
     let two = || model(recording(vec![vec![flat(1, 1.0), flat(2, 0.4)]]));
-    let volts = |model: &Model| {
+    let volts = |model: &ScreenState| {
         let math = model.captures().iter().find(|c| c.waveform.source == Source::Math)?;
         math.waveform.volts(7)
     };
@@ -211,12 +211,12 @@ fn math_adds_and_subtracts() {
 fn a_reference_stays_while_shots_change() {
     let flat = |volts: f64| vec![channel(1, 0.5, 0.0, move |_| volts)];
     let model = model(recording(vec![flat(0.5), flat(1.5)]));
-    let model = after(model, &[Action::Reference, Action::Shot(Turn::Up)]);
+    let model = after(model, &[Action::Reference, Action::Shot(TurnDirection::Up)]);
     let kept = model.captures().iter().find(|c| c.waveform.source == Source::Reference('A'));
     assert_eq!(kept.expect("REFA").waveform.volts(0), Some(0.5));
     assert_eq!(model.captures()[0].waveform.volts(0), Some(1.5));
     // Selected and pressed again, it goes.
-    let model = after(model, &[Action::NextTrace(Turn::Up), Action::Reference]);
+    let model = after(model, &[Action::NextTrace(TurnDirection::Up), Action::Reference]);
     assert_eq!(model.captures().len(), 1);
 }
 
@@ -258,7 +258,7 @@ fn truth_lies_over_the_trace_of_its_sensor() {
 fn persistence_keeps_earlier_shots_behind_the_present_one() {
     let flat = |volts: f64| vec![channel(1, 0.5, 0.0, move |_| volts)];
     let model = model(recording(vec![flat(1.0), flat(-1.0)]));
-    let model = after(model, &[Action::Persistence, Action::Shot(Turn::Up)]);
+    let model = after(model, &[Action::Persistence, Action::Shot(TurnDirection::Up)]);
     let screen = draw(&model, 80, 24);
     // Present: two divisions down, row 14; before: two up, row 6.
     assert_eq!(screen.rows_of(20, Color::Yellow), [14]);
@@ -283,16 +283,16 @@ fn autoset_shows_all_of_every_trace() {
 fn escape_closes_one_thing_after_the_other_and_then_leaves() {
     let model = after(
         four_channels(),
-        &[Action::Side(Side::Measurements), Action::Page(Page::Xy), Action::Prompt("")],
+        &[Action::Side(SidePanel::Measurements), Action::Page(Page::Xy), Action::Prompt("")],
     );
-    let steps: Vec<(Page, Side, bool)> = (0..4)
+    let steps: Vec<(Page, SidePanel, bool)> = (0..4)
         .scan(model, |model, _| {
             update(model, Action::Back);
             Some((model.page(), model.side(), model.is_running()))
         })
         .collect();
     let (xy, scope) = (Page::Xy, Page::Scope);
-    let (measure, nothing) = (Side::Measurements, Side::Nothing);
+    let (measure, nothing) = (SidePanel::Measurements, SidePanel::Nothing);
     let expected = [
         (xy, measure, true),
         (scope, measure, true),

@@ -5,12 +5,12 @@ use std::path::Path;
 use std::time::Duration;
 
 use super::bench::{after, channel, model, recording, shot};
-use hertzscope::recording::mcap::indexed_recording::{End, IndexedRecording};
+use hertzscope::recording::mcap::indexed_recording::{IndexedRecording, ReadState};
 use hertzscope::recording::mcap::{self, RecordingWriter, ShotNotes};
 use hertzscope::recording::{Shot, TraceSet};
 use hertzscope::trace::Trace;
-use hertzscope::tui::axis::Turn;
-use hertzscope::tui::model::{Action, Model, Palette, Request, update};
+use hertzscope::tui::axis::TurnDirection;
+use hertzscope::tui::model::{Action, Palette, Request, ScreenState, update};
 use hertzscope::tui::work::Workers;
 use ratatui::layout::Size;
 
@@ -32,10 +32,10 @@ fn write(file: &Path, count: u32) -> TraceSet {
     set
 }
 
-fn read_to_end(tape: &mut IndexedRecording) -> End {
+fn read_to_end(tape: &mut IndexedRecording) -> ReadState {
     loop {
         match tape.read_on().expect("a readable file") {
-            End::More => {}
+            ReadState::More => {}
             end => return end,
         }
     }
@@ -48,7 +48,7 @@ fn a_tape_holds_what_reading_all_of_it_finds() {
     write(&file, 5);
     let whole = mcap::read(&file).expect("a recording");
     let mut tape = IndexedRecording::open(&file).expect("a tape");
-    assert_eq!(read_to_end(&mut tape), End::Finished);
+    assert_eq!(read_to_end(&mut tape), ReadState::Finished);
     assert_eq!(tape.shots(), 5);
     // In any order.
     for place in [4, 0, 2, 1, 3] {
@@ -65,7 +65,7 @@ fn a_shipped_recording_with_truth_is_read_shot_by_shot_alike() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("recordings/gravity-0.61g.mcap");
     let whole = mcap::read(&file).expect("a recording");
     let mut tape = IndexedRecording::open(&file).expect("a tape");
-    assert_eq!(read_to_end(&mut tape), End::Finished);
+    assert_eq!(read_to_end(&mut tape), ReadState::Finished);
     assert_eq!(tape.shot(0).expect("readable").as_ref(), whole.shots.first());
 }
 
@@ -74,17 +74,17 @@ fn a_growing_tape_gets_each_shot_once_it_is_whole() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("lab.mcap");
     let none = std::collections::BTreeMap::new();
-    let mut writer = RecordingWriter::create(&file, &none, &[]).expect("a recording");
+    let mut writer = RecordingWriter::create_live(&file, &none, &[]).expect("a recording");
     let mut tape = IndexedRecording::open(&file).expect("a tape");
-    assert_eq!(read_to_end(&mut tape), End::Open);
+    assert_eq!(read_to_end(&mut tape), ReadState::Open);
     for (number, shot) in (1..).zip(&shots(3)) {
         writer.add(shot, &ShotNotes::default()).expect("written");
-        assert_eq!(read_to_end(&mut tape), End::Open);
+        assert_eq!(read_to_end(&mut tape), ReadState::Open);
         assert_eq!(tape.shots(), number);
         assert_eq!(tape.shot(number - 1).expect("readable").as_ref(), Some(shot));
     }
     writer.finish().expect("finished");
-    assert_eq!(read_to_end(&mut tape), End::Finished);
+    assert_eq!(read_to_end(&mut tape), ReadState::Finished);
     assert_eq!(tape.shots(), 3);
 }
 
@@ -120,26 +120,26 @@ fn what_is_no_recording_is_no_tape() {
 }
 
 /// A model on a tape of three shots, with the first on screen.
-fn on_tape(follow: bool) -> Model {
-    let mut model = Model::new(TraceSet::default(), "lab".to_owned(), Palette::Colour);
-    model.on_tape(follow);
-    model.tape_read(3, true, TraceSet::default());
+fn on_tape(follow: bool) -> ScreenState {
+    let mut model = ScreenState::new(TraceSet::default(), "lab".to_owned(), Palette::Colour);
+    model.open_partial_recording(follow);
+    model.apply_index(3, true, TraceSet::default());
     deliver(&mut model);
     model
 }
 
 /// Brings the shot that was asked for.
-fn deliver(model: &mut Model) -> Vec<usize> {
+fn deliver(model: &mut ScreenState) -> Vec<usize> {
     let mut places = Vec::new();
     for request in model.take_requests() {
         let Request::Load(place) = request else { panic!("{request:?}") };
-        model.tape_shot(place, shots(9).swap_remove(place));
+        model.apply_shot(place, shots(9).swap_remove(place));
         places.push(place);
     }
     places
 }
 
-fn number(model: &Model) -> u32 {
+fn number(model: &ScreenState) -> u32 {
     model.shot().expect("a shot").number
 }
 
@@ -147,15 +147,17 @@ fn number(model: &Model) -> u32 {
 fn a_shot_is_read_when_it_is_looked_at() {
     let mut model = on_tape(false);
     assert_eq!(number(&model), 1);
-    for (action, place) in
-        [(Action::Shot(Turn::Up), 1), (Action::Ends(Turn::Up), 2), (Action::Ends(Turn::Down), 0)]
-    {
+    for (action, place) in [
+        (Action::Shot(TurnDirection::Up), 1),
+        (Action::Ends(TurnDirection::Up), 2),
+        (Action::Ends(TurnDirection::Down), 0),
+    ] {
         update(&mut model, action);
         assert_eq!(deliver(&mut model), [place], "{action:?}");
     }
     // Of many steps only the last is read.
-    update(&mut model, Action::Shot(Turn::Up));
-    update(&mut model, Action::Shot(Turn::Up));
+    update(&mut model, Action::Shot(TurnDirection::Up));
+    update(&mut model, Action::Shot(TurnDirection::Up));
     assert_eq!(deliver(&mut model), [2]);
     assert_eq!(number(&model), 3);
 }
@@ -163,10 +165,10 @@ fn a_shot_is_read_when_it_is_looked_at() {
 #[test]
 fn followed_the_newest_shot_is_shown_and_else_the_one_that_was() {
     let mut followed = on_tape(true);
-    followed.tape_read(5, true, TraceSet::default());
+    followed.apply_index(5, true, TraceSet::default());
     assert_eq!(deliver(&mut followed), [4]);
     let mut left_alone = on_tape(false);
-    left_alone.tape_read(5, true, TraceSet::default());
+    left_alone.apply_index(5, true, TraceSet::default());
     assert!(deliver(&mut left_alone).is_empty());
     assert_eq!((left_alone.shots(), number(&left_alone)), (5, 1));
 }
@@ -176,16 +178,16 @@ fn playing_shows_a_shot_a_second_at_speed_one_and_stops_at_the_end() {
     let flat = || vec![channel(1, 0.5, 0.0, |_| 0.0)];
     let model = model(recording(vec![flat(), flat(), flat()]));
     let mut model = after(model, &[Action::RunStop]);
-    let seconds = |model: &mut Model, count: usize| {
+    let seconds = |model: &mut ScreenState, count: usize| {
         for _ in 0..10 * count {
             update(model, Action::Tick(0.1001));
         }
     };
     seconds(&mut model, 1);
     assert_eq!(number(&model), 2);
-    update(&mut model, Action::Speed(Turn::Up));
-    update(&mut model, Action::Speed(Turn::Down));
-    update(&mut model, Action::Speed(Turn::Down));
+    update(&mut model, Action::Speed(TurnDirection::Up));
+    update(&mut model, Action::Speed(TurnDirection::Down));
+    update(&mut model, Action::Speed(TurnDirection::Down));
     // At half the speed the third takes two seconds.
     seconds(&mut model, 1);
     assert_eq!(number(&model), 2);
@@ -200,13 +202,13 @@ fn playing_shows_a_shot_a_second_at_speed_one_and_stops_at_the_end() {
 /// `--against` on a recording asked before there was a shot, and the question was lost.
 #[test]
 fn a_comparison_waits_for_the_first_shot() {
-    let mut model = Model::new(TraceSet::default(), "lab".to_owned(), Palette::Colour);
-    model.on_tape(false);
+    let mut model = ScreenState::new(TraceSet::default(), "lab".to_owned(), Palette::Colour);
+    model.open_partial_recording(false);
     model.compare_with("magnet-0.61g".to_owned());
     assert!(model.take_requests().is_empty());
-    model.tape_read(3, true, TraceSet::default());
+    model.apply_index(3, true, TraceSet::default());
     assert_eq!(model.take_requests(), [Request::Load(0)]);
-    model.tape_shot(0, shots(1).remove(0));
+    model.apply_shot(0, shots(1).remove(0));
     let asked = Request::Compare(Some("magnet-0.61g".to_owned()));
     assert_eq!(model.take_requests(), [asked]);
 }
@@ -238,8 +240,8 @@ fn a_followed_shot_is_shown_whole_in_the_end() {
     let (first, rest) = bytes.split_at(bytes.len() / 2);
     std::fs::write(&grown, first).expect("half a recording");
 
-    let mut model = Model::new(TraceSet::default(), "lab".to_owned(), Palette::Colour);
-    model.on_tape(true);
+    let mut model = ScreenState::new(TraceSet::default(), "lab".to_owned(), Palette::Colour);
+    model.open_partial_recording(true);
     let (staff, news) = Workers::start(Some(IndexedRecording::open(&grown).expect("a tape")), true);
     let mut wait_for = |wanted: &dyn Fn(&Shot) -> bool| {
         while !model.shot().is_some_and(wanted) {

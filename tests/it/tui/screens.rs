@@ -2,10 +2,10 @@
 
 use super::bench::{after, channel, draw, four_channels, model, recording, spectrum, step};
 use hertzscope::recording::Origin;
-use hertzscope::tui::axis::Turn;
+use hertzscope::tui::axis::TurnDirection;
 use hertzscope::tui::keys::BINDINGS;
 use hertzscope::tui::model::command::COMMANDS;
-use hertzscope::tui::model::{Action, Model, Palette, Panel};
+use hertzscope::tui::model::{Action, Palette, Popup, ScreenState};
 use ratatui::style::{Color, Modifier};
 
 /// Column of division line `line`, counted from the left.
@@ -18,7 +18,7 @@ const fn down(line: u16) -> u16 {
     2 + 2 * line
 }
 
-const ZOOM_IN: Action = Action::TimePerDivision { turn: Turn::Down, anchor: 0.0 };
+const ZOOM_IN: Action = Action::TimePerDivision { turn: TurnDirection::Down, anchor: 0.0 };
 
 #[test]
 fn a_step_of_1_v_at_500_mv_per_division_rises_by_two_divisions() {
@@ -96,7 +96,7 @@ fn the_status_line_says_what_is_on_screen() {
     for part in ["steel chain", "Stop", "Shot 1/3", "simulated", "M Pos: 1.00ms", "1 problem"] {
         assert!(first.contains(part), "{part} in {first}");
     }
-    let second = draw(&after(model, &[Action::Shot(Turn::Up)]), 80, 24).row(0);
+    let second = draw(&after(model, &[Action::Shot(TurnDirection::Up)]), 80, 24).row(0);
     assert!(second.contains("Shot 2/3") && second.contains("measured"), "{second}");
 }
 
@@ -127,7 +127,7 @@ fn labels_have_the_digits_that_a_zoom_needs() {
 
 #[test]
 fn the_selected_channel_is_highlighted() {
-    let highlighted = |model: &Model, text: &str| {
+    let highlighted = |model: &ScreenState, text: &str| {
         let screen = draw(model, 80, 24);
         let (x, y) = screen.find(text);
         screen.cell(x, y).modifier.contains(Modifier::REVERSED)
@@ -151,7 +151,7 @@ fn the_selected_trace_lies_on_top() {
 
 #[test]
 fn a_scale_that_was_not_recorded_has_a_star() {
-    let model = after(four_channels(), &[Action::VoltsPerDivision(Turn::Up)]);
+    let model = after(four_channels(), &[Action::VoltsPerDivision(TurnDirection::Up)]);
     let screen = draw(&model, 80, 24);
     screen.find("CH1 1.00V* ");
     screen.find("CH1 1.00V/div  *recorded 500mV/div");
@@ -161,7 +161,7 @@ fn a_scale_that_was_not_recorded_has_a_star() {
 
 #[test]
 fn a_moved_trace_takes_its_ground_marker_along() {
-    let up = Action::Position(Turn::Up);
+    let up = Action::Position(TurnDirection::Up);
     let screen = draw(&after(four_channels(), &[up, up]), 80, 24);
     assert_eq!(screen.find("1▸"), (7, down(3)));
     assert_eq!(screen.rows_of(across(5), Color::Yellow), [down(1)]);
@@ -215,11 +215,11 @@ fn a_spectrum_has_its_own_units() {
 
 #[test]
 fn help_lists_every_key_and_command() {
-    let mut model = after(four_channels(), &[Action::Toggle(Panel::Help)]);
+    let mut model = after(four_channels(), &[Action::Toggle(Popup::Help)]);
     let mut all = String::new();
     for _ in 0..40 {
         all += &draw(&model, 80, 24).text();
-        model = after(model, &[Action::Scroll(Turn::Down)]);
+        model = after(model, &[Action::Scroll(TurnDirection::Down)]);
     }
     for (label, help) in BINDINGS.iter().map(|b| (b.label, b.help)).chain(COMMANDS.iter().copied())
     {
@@ -233,7 +233,7 @@ fn problems_and_log_have_a_panel() {
     let mut set = recording(vec![vec![step()]]);
     set.problems = vec!["chunk 3 is damaged".to_owned()];
     set.log = vec!["shot 1 taken".to_owned()];
-    let screen = draw(&after(model(set), &[Action::Toggle(Panel::Log)]), 80, 24);
+    let screen = draw(&after(model(set), &[Action::Toggle(Popup::Log)]), 80, 24);
     screen.find("chunk 3 is damaged");
     screen.find("shot 1 taken");
 }
@@ -242,9 +242,9 @@ fn problems_and_log_have_a_panel() {
 fn a_long_log_is_scrolled() {
     let mut set = recording(vec![vec![step()]]);
     set.log = (0..100).map(|line| format!("line {line}.")).collect();
-    let model = after(model(set), &[Action::Toggle(Panel::Log)]);
+    let model = after(model(set), &[Action::Toggle(Popup::Log)]);
     assert!(!draw(&model, 80, 24).has("line 30."));
-    let model = after(model, &[Action::Scroll(Turn::Down); 20]);
+    let model = after(model, &[Action::Scroll(TurnDirection::Down); 20]);
     let screen = draw(&model, 80, 24);
     assert!(screen.has("line 30.") && !screen.has("line 1."));
 }
@@ -252,7 +252,7 @@ fn a_long_log_is_scrolled() {
 #[test]
 fn without_colours_no_cell_has_one() {
     let set = four_channels().set().clone();
-    let plain = Model::new(set, "plain".to_owned(), Palette::Plain);
+    let plain = ScreenState::new(set, "plain".to_owned(), Palette::Plain);
     let plain = after(plain, &[ZOOM_IN]);
     let screen = draw(&plain, 80, 24);
     for y in 0..24 {

@@ -9,11 +9,11 @@ use super::bench::draw;
 use crate::server::Server;
 use hertzscope::recording::{Origin, TraceSet};
 use hertzscope::scope::{Coupling, Source};
-use hertzscope::server::Options;
-use hertzscope::tui::axis::Turn;
-use hertzscope::tui::model::{Acquisition, Action, Model, Palette, Side, update};
-use hertzscope::tui::work::served::Scope;
-use hertzscope::tui::work::{News, Workers};
+use hertzscope::server::ServerOptions;
+use hertzscope::tui::axis::TurnDirection;
+use hertzscope::tui::model::{Action, Palette, RunState, ScreenState, SidePanel, update};
+use hertzscope::tui::work::served::ServedConnection;
+use hertzscope::tui::work::{ScreenEvent, Workers};
 use ratatui::layout::Size;
 
 /// Far longer than anything takes.
@@ -22,16 +22,16 @@ const SIZE: Size = Size { width: 80, height: 24 };
 
 /// A screen on a served scope.
 struct Session {
-    model: Model,
+    model: ScreenState,
     staff: Workers,
-    news: Receiver<News>,
+    news: Receiver<ScreenEvent>,
 }
 
 impl Session {
     fn on(server: &Server) -> Self {
         let address = server.address.to_string();
-        let scope = Scope::connect(&address).expect("a scope");
-        let mut model = Model::new(TraceSet::default(), address, Palette::Colour);
+        let scope = ServedConnection::connect(&address).expect("a scope");
+        let mut model = ScreenState::new(TraceSet::default(), address, Palette::Colour);
         model.open_served();
         let (mut staff, news) = Workers::start(None, false);
         staff.watch(scope);
@@ -40,7 +40,7 @@ impl Session {
         session
     }
 
-    fn wait_for(&mut self, wanted: impl Fn(&Model) -> bool) {
+    fn wait_for(&mut self, wanted: impl Fn(&ScreenState) -> bool) {
         while !wanted(&self.model) {
             let news = self.news.recv_timeout(TIMEOUT).expect("news");
             news.apply(&mut self.model);
@@ -58,7 +58,7 @@ impl Session {
     }
 }
 
-fn peak(model: &Model) -> f64 {
+fn peak(model: &ScreenState) -> f64 {
     let capture = model.captures().first().expect("a trace");
     let levels = capture.waveform.codes.iter();
     levels.map(|code| capture.waveform.volts_of(*code)).fold(0.0, f64::max)
@@ -69,7 +69,7 @@ fn it_shows_what_the_scope_shows_and_its_keys_turn_the_scope() {
     let server = Server::at_rest();
     let mut lab = server.connect();
     let mut session = Session::on(&server);
-    session.wait_for(|model| model.live().is_some_and(|l| l.acquisition == Acquisition::Running));
+    session.wait_for(|model| model.live().is_some_and(|l| l.acquisition == RunState::Running));
     draw(&session.model, 80, 24).find("i strikes the chain");
     session.wait_for(|model| draw(model, 80, 24).text().contains("Ready"));
     session.act(Action::Impact);
@@ -82,17 +82,25 @@ fn it_shows_what_the_scope_shows_and_its_keys_turn_the_scope() {
     let shot = session.model.shot().expect("a shot");
     assert_eq!((shot.number, shot.origin), (1, Origin::Simulated));
     // Sensors and speeds are known, since the scene ships.
-    session.act(Action::Side(Side::Measurements));
+    session.act(Action::Side(SidePanel::Measurements));
     draw(&session.model, 80, 24).find("CH1-CH2");
     let vertical = session.model.captures()[0].waveform.vertical;
     assert_eq!((vertical.coupling, vertical.probe), (Some(Coupling::Dc), 1.0));
     let slow = peak(&session.model);
 
     for (action, query, expected) in [
-        (Action::VoltsPerDivision(Turn::Up), "CH1:SCA?", "2.0E0\n"),
-        (Action::Position(Turn::Up), "CH1:POS?", "2.52E0\n"),
-        (Action::TimePerDivision { turn: Turn::Down, anchor: 0.0 }, "HOR:MAI:SCA?", "1.0E-4\n"),
-        (Action::TimePerDivision { turn: Turn::Up, anchor: 0.0 }, "HOR:MAI:SCA?", "2.5E-4\n"),
+        (Action::VoltsPerDivision(TurnDirection::Up), "CH1:SCA?", "2.0E0\n"),
+        (Action::Position(TurnDirection::Up), "CH1:POS?", "2.52E0\n"),
+        (
+            Action::TimePerDivision { turn: TurnDirection::Down, anchor: 0.0 },
+            "HOR:MAI:SCA?",
+            "1.0E-4\n",
+        ),
+        (
+            Action::TimePerDivision { turn: TurnDirection::Up, anchor: 0.0 },
+            "HOR:MAI:SCA?",
+            "2.5E-4\n",
+        ),
         (Action::TriggerSlope, "TRIG:MAI:EDGE:SLO?", "FALL\n"),
         (Action::TriggerSlope, "TRIG:MAI:EDGE:SLO?", "RISE\n"),
         (Action::Coupling, "CH1:COUP?", "AC\n"),
@@ -114,14 +122,14 @@ fn it_shows_what_the_scope_shows_and_its_keys_turn_the_scope() {
         }
     }
     // The second knob is the striker's speed.
-    session.act(Action::NextKnob(Turn::Up));
-    session.act(Action::TurnKnob(Turn::Up));
-    session.act(Action::TurnKnob(Turn::Up));
-    session.act(Action::TurnKnob(Turn::Up));
+    session.act(Action::NextKnob(TurnDirection::Up));
+    session.act(Action::TurnKnob(TurnDirection::Up));
+    session.act(Action::TurnKnob(TurnDirection::Up));
+    session.act(Action::TurnKnob(TurnDirection::Up));
     let before = session.number();
     session.act(Action::Impact);
     session.wait_for(|model| model.shot().is_some_and(|shot| shot.number > before));
-    session.wait_for(|model| model.live().is_some_and(|l| l.acquisition == Acquisition::Stopped));
+    session.wait_for(|model| model.live().is_some_and(|l| l.acquisition == RunState::Stopped));
     assert_eq!(lab.ask("BENC:STRI:SPE?"), "5.87E-1\n");
     // 0.587 m/s for 0.44 m/s: a force between the speed's power 1 of a preloaded chain and 6/5 of an unloaded one.
     let ratio = peak(&session.model) / slow;
@@ -139,7 +147,7 @@ fn it_shows_what_the_scope_shows_and_its_keys_turn_the_scope() {
 #[test]
 fn nobody_else_notices() {
     let impact_every = Some(Duration::from_millis(20));
-    let server = Server::with(Options { impact_every, ..Options::default() });
+    let server = Server::with(ServerOptions { impact_every, ..ServerOptions::default() });
     let mut lab = server.connect();
     lab.send(b"*CLS;:DAT:SOU CH2;ENC ASCI;WID 2;STAR 5;STOP 14\n");
     let mut session = Session::on(&server);
@@ -168,7 +176,7 @@ fn a_scope_that_is_gone_is_told() {
     session.wait_for(|model| draw(model, 80, 24).text().contains("Lost"));
     assert!(session.model.notice().expect("a word").contains("the scope is gone"));
     // What was seen stays, and keys harm nothing.
-    for action in [Action::Impact, Action::VoltsPerDivision(Turn::Up), Action::RunStop] {
+    for action in [Action::Impact, Action::VoltsPerDivision(TurnDirection::Up), Action::RunStop] {
         session.act(action);
     }
     assert!(session.model.captures().iter().any(|c| c.waveform.source == Source::Channel(4)));
@@ -184,10 +192,10 @@ fn somebody_else_is_refused() {
         BufReader::new(stream.try_clone().expect("a stream")).read_line(&mut line).expect("a line");
         stream.write_all(b"220 mail.example.org ESMTP\n").expect("a greeting");
     });
-    let refused = Scope::connect(&address).expect_err("no scope");
+    let refused = ServedConnection::connect(&address).expect_err("no scope");
     assert!(refused.contains("220 mail.example.org"), "{refused}");
     assert!(refused.contains("expected a Tektronix oscilloscope"), "{refused}");
     stranger.join().expect("no panic");
-    let nobody = Scope::connect(&address).expect_err("nobody there");
+    let nobody = ServedConnection::connect(&address).expect_err("nobody there");
     assert!(nobody.contains(&address), "{nobody}");
 }

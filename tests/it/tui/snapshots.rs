@@ -9,13 +9,15 @@ use std::path::Path;
 
 use super::bench::{Screen, after, draw, four_channels};
 use super::live::Session;
-use hertzscope::measurement::compare::tolerance::Tolerance;
-use hertzscope::measurement::compare::{Align, Side as Against, compare};
-use hertzscope::studies::cost::{Chosen, Point, Reference, Study};
-use hertzscope::studies::effects::{Change, Entry, Ledger, State};
-use hertzscope::tui::axis::Turn;
-use hertzscope::tui::model::background_jobs::Answer;
-use hertzscope::tui::model::{Action, Job, Model, Page, Palette, Panel, Side, update};
+use hertzscope::measurement::compare::score_limits::ScoreLimits;
+use hertzscope::measurement::compare::{Align, ComparedShot as Against, compare};
+use hertzscope::studies::cost::{ChosenMethod, CostStudy, Point, Reference};
+use hertzscope::studies::effects::{Change, EffectState, Ledger, LedgerEntry};
+use hertzscope::tui::axis::TurnDirection;
+use hertzscope::tui::model::background_jobs::JobAnswer;
+use hertzscope::tui::model::{
+    Action, JobState, Page, Palette, Popup, ScreenState, SidePanel, update,
+};
 use ratatui::style::{Color, Modifier};
 
 fn letter(colour: Color, reversed: bool) -> char {
@@ -56,7 +58,7 @@ fn written(screen: &Screen, (width, height): (u16, u16)) -> String {
     text
 }
 
-fn check(name: &str, model: &Model) {
+fn check(name: &str, model: &ScreenState) {
     for size in [(80, 24), (200, 60)] {
         let found = written(&draw(model, size.0, size.1), size);
         let file = format!("tests/it/tui/snapshots/{name}-{}x{}.txt", size.0, size.1);
@@ -72,16 +74,16 @@ fn check(name: &str, model: &Model) {
 /// A bench without what differs from machine to machine.
 fn bench() -> Session {
     let mut session = Session::bench("magnet-0.61g");
-    session.model.forget_wall_time();
+    session.model.clear_wall_time();
     session
 }
 
 #[test]
 fn made_up_traces() {
     check("scope", &four_channels());
-    let zoom = Action::TimePerDivision { turn: Turn::Down, anchor: 0.0 };
+    let zoom = Action::TimePerDivision { turn: TurnDirection::Down, anchor: 0.0 };
     check("zoomed", &after(four_channels(), &[zoom, zoom]));
-    check("help", &after(four_channels(), &[Action::Toggle(Panel::Help)]));
+    check("help", &after(four_channels(), &[Action::Toggle(Popup::Help)]));
     let prompt = [Action::Prompt("write "), Action::Type('x')];
     check("prompt", &after(four_channels(), &prompt));
 }
@@ -89,8 +91,8 @@ fn made_up_traces() {
 #[test]
 fn without_colours() {
     let set = four_channels().set().clone();
-    let plain = Model::new(set, "steel chain".to_owned(), Palette::Plain);
-    check("plain", &after(plain, &[Action::Cursors, Action::Side(Side::Measurements)]));
+    let plain = ScreenState::new(set, "steel chain".to_owned(), Palette::Plain);
+    check("plain", &after(plain, &[Action::Cursors, Action::Side(SidePanel::Measurements)]));
 }
 
 #[test]
@@ -98,19 +100,26 @@ fn the_bench_and_its_traces() {
     let shown = |actions: &[Action]| {
         let mut session = bench();
         session.act(actions);
-        session.model.forget_wall_time();
+        session.model.clear_wall_time();
         session.model
     };
-    check("bench-knobs", &shown(&[Action::Side(Side::Knobs)]));
+    check("bench-knobs", &shown(&[Action::Side(SidePanel::Knobs)]));
     check("bench-truth", &shown(&[Action::Truth]));
-    let snap =
-        [Action::Snap(Turn::Up), Action::OtherCursor, Action::Channel(2), Action::Snap(Turn::Up)];
+    let snap = [
+        Action::Snap(TurnDirection::Up),
+        Action::OtherCursor,
+        Action::Channel(2),
+        Action::Snap(TurnDirection::Up),
+    ];
     check("bench-cursors", &shown(&[&[Action::Cursors], &snap[..]].concat()));
     check("bench-volts", &shown(&[Action::Cursors, Action::Cursors]));
-    check("measurements", &shown(&[Action::Side(Side::Measurements)]));
-    check("newtons", &shown(&[Action::Unit, Action::Side(Side::Measurements)]));
+    check("measurements", &shown(&[Action::Side(SidePanel::Measurements)]));
+    check("newtons", &shown(&[Action::Unit, Action::Side(SidePanel::Measurements)]));
     check("math-reference", &shown(&[Action::Math, Action::Reference]));
-    check("persistence", &shown(&[Action::Persistence, Action::VoltsPerDivision(Turn::Up)]));
+    check(
+        "persistence",
+        &shown(&[Action::Persistence, Action::VoltsPerDivision(TurnDirection::Up)]),
+    );
     check("autoset", &shown(&[Action::RunStop, Action::Autoset]));
 }
 
@@ -147,10 +156,10 @@ fn the_comparison() {
     let (here, there) = (side("lab", &session), side("bench", &other));
     let measured = Against { name: here.0, set: &here.1, shot: &here.2, scene: None };
     let simulated = Against { name: there.0, set: &there.1, shot: &there.2, scene: None };
-    let tolerance = Tolerance::parse("rms=1lsb").expect("a tolerance");
+    let tolerance = ScoreLimits::parse("rms=1lsb").expect("a tolerance");
     let compared = compare(measured, simulated, (Align::Arrival, &[]), &tolerance).expect("scores");
-    let answer = Answer::Comparison(Job::Done(Box::new(compared)));
-    session.model.answered(answer);
+    let answer = JobAnswer::Comparison(JobState::Done(Box::new(compared)));
+    session.model.apply_answer(answer);
     check("compare", &session.model);
     session.act(&[Action::Channel(3), Action::Compare]);
     check("compare-overlay", &session.model);
@@ -176,7 +185,7 @@ fn point(method: &'static str, setting: f64, error: f64, count: u64) -> Point {
     }
 }
 
-fn entry(effect: &'static str, state: State, peak: f64) -> Entry {
+fn entry(effect: &'static str, state: EffectState, peak: f64) -> LedgerEntry {
     let change = Change {
         speed: Some(0.5 * peak),
         peak: Some(peak),
@@ -184,10 +193,10 @@ fn entry(effect: &'static str, state: State, peak: f64) -> Entry {
         peak_lsb: Some(10.0 * peak),
         arrival_samples: None,
     };
-    Entry {
+    LedgerEntry {
         effect,
         state,
-        active: state == State::On,
+        active: state == EffectState::On,
         criterion: "made up",
         value: Some(1.0),
         reason: format!("{effect} is in this list to be seen"),
@@ -201,12 +210,12 @@ fn entry(effect: &'static str, state: State, peak: f64) -> Entry {
 #[test]
 fn accuracy() {
     let mut session = bench();
-    session.model.answered(Answer::Study(Job::Busy(0.4)));
-    session.model.answered(Answer::Ledger(Job::Failed("it cannot be run".to_owned())));
+    session.model.apply_answer(JobAnswer::Study(JobState::Busy(0.4)));
+    session.model.apply_answer(JobAnswer::Ledger(JobState::Failed("it cannot be run".to_owned())));
     update(&mut session.model, Action::Page(Page::Accuracy));
     session.model.take_requests();
     check("accuracy-busy", &session.model);
-    let study = Study {
+    let study = CostStudy {
         scene: "magnet-0.61g".to_owned(),
         reference: Reference {
             method: "made up".to_owned(),
@@ -223,7 +232,7 @@ fn accuracy() {
             point("rkn-8(6)", 1e-9, 1e-9, 5200),
         ],
         orders: Vec::new(),
-        chosen: vec![Chosen {
+        chosen: vec![ChosenMethod {
             accuracy: 1e-6,
             method: "rkn-8(6)",
             setting: 1e-6,
@@ -245,13 +254,13 @@ fn accuracy() {
         scene: "magnet-0.61g".to_owned(),
         accuracy: 1e-6,
         entries: vec![
-            entry("gravity", State::On, 0.0032),
-            entry("dashpot", State::Off, -0.12),
-            entry("plasticity", State::Auto, 0.0),
+            entry("gravity", EffectState::On, 0.0032),
+            entry("dashpot", EffectState::Off, -0.12),
+            entry("plasticity", EffectState::Auto, 0.0),
         ],
     };
-    session.model.answered(Answer::Study(Job::Done(Box::new(study))));
-    session.model.answered(Answer::Ledger(Job::Done(Box::new(ledger))));
-    update(&mut session.model, Action::NextKnob(Turn::Up));
+    session.model.apply_answer(JobAnswer::Study(JobState::Done(Box::new(study))));
+    session.model.apply_answer(JobAnswer::Ledger(JobState::Done(Box::new(ledger))));
+    update(&mut session.model, Action::NextKnob(TurnDirection::Up));
     check("accuracy", &session.model);
 }

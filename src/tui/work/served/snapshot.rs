@@ -3,21 +3,21 @@
 use crate::experiment::accuracy::of_scene;
 use crate::experiment::{Integration, facts};
 use crate::recording::set_file::SetFile;
-use crate::recording::{Capture, Instrument, Origin, Shot, TraceSet};
+use crate::recording::{Capture, InstrumentIdentity, Origin, Shot, TraceSet};
 use crate::scene::{Scene, oscilloscope};
 use crate::scope::{
     ChannelSetup, Deviation, Model, Setup, Source, Trigger, TriggerMode, TriggerSource,
     VerticalSetup,
 };
-use crate::tui::model::Acquisition;
-use crate::tui::model::live::Settings;
-use crate::tui::model::served::{Heard, Served};
+use crate::tui::model::RunState;
+use crate::tui::model::live_state::{ServedScope, TunedSettings};
+use crate::tui::model::served::ServedUpdate;
 
 /// Who answers to `*IDN?`, and what its knobs can do.
 ///
 /// # Errors
 /// In words: somebody else.
-pub fn instrument(identity: &str) -> Result<(Instrument, Model), String> {
+pub fn instrument(identity: &str) -> Result<(InstrumentIdentity, Model), String> {
     let stranger =
         || format!("found {identity}, expected a Tektronix oscilloscope of the TDS2000 family");
     let mut fields = identity.split(',');
@@ -34,12 +34,12 @@ pub fn instrument(identity: &str) -> Result<(Instrument, Model), String> {
     let shipped = || Some(Scene::load(Scene::names().first()?).ok()?.scope.model);
     let described = oscilloscope(&name.to_lowercase()).ok().or_else(shipped);
     let model = described.ok_or_else(stranger)?;
-    Ok((Instrument { model: name, serial, firmware }, model))
+    Ok((InstrumentIdentity { model: name, serial, firmware }, model))
 }
 
 /// Everything but the records, as it was told at one time.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Look {
+pub struct ServedSnapshot {
     short: String,
     panel: SetFile,
     model: Model,
@@ -51,7 +51,7 @@ pub struct Look {
     knobs: Vec<f64>,
 }
 
-impl Look {
+impl ServedSnapshot {
     /// The acquisition as `short` tells it, and the front panel.
     pub fn new(short: String, panel: SetFile, model: Model) -> Self {
         let (named, name, knobs) = (None, String::new(), Vec::new());
@@ -90,7 +90,7 @@ impl Look {
     }
 
     /// Forgets that, so that the next look is a long one.
-    pub fn forget(&mut self) {
+    pub fn clear(&mut self) {
         self.short.clear();
     }
 
@@ -182,8 +182,8 @@ impl Look {
     }
 
     /// What stands in a scene file for all of it.
-    fn settings(&self) -> Settings {
-        let mut settings = Settings::new();
+    fn settings(&self) -> TunedSettings {
+        let mut settings = TunedSettings::new();
         let mut set = |path: &str, value: String| settings.insert(path.to_owned(), value);
         let knobs = [
             ("striker.mass", "kg"),
@@ -222,16 +222,16 @@ impl Look {
     }
 
     /// All of it for the screen, with new records if there are some.
-    pub fn heard(&self, bench: bool, records: Option<Vec<Capture>>) -> Heard {
+    pub fn update(&self, bench: bool, records: Option<Vec<Capture>>) -> ServedUpdate {
         let acquisition = match (self.field(1), self.field(2)) {
-            ("1", "SEQUENCE") => Acquisition::Armed,
-            ("1", _) => Acquisition::Running,
-            _ => Acquisition::Stopped,
+            ("1", "SEQUENCE") => RunState::Armed,
+            ("1", _) => RunState::Running,
+            _ => RunState::Stopped,
         };
         let scene = self.scene();
         let set = records.map(|captures| self.recording(scene.as_ref(), bench, captures));
-        Heard {
-            served: Served {
+        ServedUpdate {
+            served: ServedScope {
                 state: self.field(3).to_owned(),
                 scope: Some(Box::new(self.scope())),
                 bench,

@@ -7,9 +7,9 @@ use std::time::Duration;
 /// Longest time until somebody is there, and until an answer is.
 const SOCKET_TIMEOUT: Duration = Duration::from_secs(5);
 /// A longer reply is none of an oscilloscope's (bytes).
-const LONGEST: usize = 1 << 20;
+const MAX_REPLY_LENGTH: usize = 1 << 20;
 /// What stands before the block in a record.
-const RECORD: &str = ":WFMP";
+const RECORD_PREFIX: &str = ":WFMP";
 
 /// A connection on which messages are lines.
 #[derive(Debug)]
@@ -42,7 +42,7 @@ impl Socket {
     ///
     /// # Errors
     /// What the system says.
-    pub fn say(&mut self, message: &str) -> io::Result<()> {
+    pub fn send_line(&mut self, message: &str) -> io::Result<()> {
         self.stream.get_mut().write_all(format!("{message}\n").as_bytes())
     }
 
@@ -50,14 +50,14 @@ impl Socket {
     ///
     /// # Errors
     /// What the system says; also for a reply that is no text.
-    pub fn ask(&mut self, message: &str) -> io::Result<String> {
-        self.say(message)?;
+    pub fn query(&mut self, message: &str) -> io::Result<String> {
+        self.send_line(message)?;
         let mut line = Vec::new();
-        self.stream.by_ref().take(LONGEST as u64).read_until(b'\n', &mut line)?;
+        self.stream.by_ref().take(MAX_REPLY_LENGTH as u64).read_until(b'\n', &mut line)?;
         if line.pop() != Some(b'\n') {
-            return Err(gone());
+            return Err(connection_closed());
         }
-        let text = String::from_utf8(line).map_err(|_| nonsense("a reply that is no text"))?;
+        let text = String::from_utf8(line).map_err(|_| invalid_reply("a reply that is no text"))?;
         Ok(text.trim_end_matches('\r').to_owned())
     }
 
@@ -66,20 +66,20 @@ impl Socket {
     /// # Errors
     /// What the system says; also for a block that is none.
     pub fn ask_for_records(&mut self, message: &str) -> io::Result<(String, Vec<Vec<u8>>)> {
-        self.say(message)?;
+        self.send_line(message)?;
         let (mut head, mut records, mut part) = (None, Vec::new(), Vec::new());
         loop {
             let byte = self.byte()?;
             if byte == b'\n' {
                 break;
             }
-            if part.len() > LONGEST {
-                return Err(nonsense("a reply without end"));
+            if part.len() > MAX_REPLY_LENGTH {
+                return Err(invalid_reply("a reply without end"));
             }
             part.push(byte);
             // Between an answer and the next record stands a semicolon.
-            if part.ends_with(RECORD.as_bytes()) {
-                let before = part.len() - RECORD.len();
+            if part.ends_with(RECORD_PREFIX.as_bytes()) {
+                let before = part.len() - RECORD_PREFIX.len();
                 let text = String::from_utf8_lossy(part.get(..before).unwrap_or_default());
                 head.get_or_insert(text.trim_end_matches(';').to_owned());
                 part.drain(..before);
@@ -96,7 +96,7 @@ impl Socket {
     fn byte(&mut self) -> io::Result<u8> {
         let mut byte = [0];
         self.stream.read_exact(&mut byte).map_err(|error| match error.kind() {
-            io::ErrorKind::UnexpectedEof => gone(),
+            io::ErrorKind::UnexpectedEof => connection_closed(),
             _ => error,
         })?;
         Ok(byte[0])
@@ -111,12 +111,12 @@ impl Socket {
             let digit = self.byte()?;
             part.push(digit);
             let Some(digit) = char::from(digit).to_digit(10) else {
-                return Err(nonsense("a block without a length"));
+                return Err(invalid_reply("a block without a length"));
             };
             length = length * 10 + digit as usize;
         }
-        if length > LONGEST {
-            return Err(nonsense("a block without end"));
+        if length > MAX_REPLY_LENGTH {
+            return Err(invalid_reply("a block without end"));
         }
         let start = part.len();
         part.resize(start + length, 0);
@@ -124,10 +124,10 @@ impl Socket {
     }
 }
 
-fn gone() -> io::Error {
+fn connection_closed() -> io::Error {
     io::Error::new(io::ErrorKind::UnexpectedEof, "it has closed the connection")
 }
 
-fn nonsense(found: &str) -> io::Error {
+fn invalid_reply(found: &str) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, format!("found {found}"))
 }

@@ -1,13 +1,13 @@
 //! The whole chain at coarse, even times.
 
-use super::bench::Grid;
+use super::grid::Grid;
 use crate::chain::Chain;
 use crate::chain::simd::VectorStepper;
 use crate::integrate::{Integrator, Interpolant, State};
 
 /// Contact forces at coarse, even times: the whole chain as a film.
 #[derive(Debug, Clone)]
-pub struct Film {
+pub struct Frames {
     /// When the frames were taken.
     pub grid: Grid,
     /// Force in each contact at each time, static part included; nothing before the first frame (N).
@@ -17,7 +17,7 @@ pub struct Film {
     frames: usize,
 }
 
-impl Film {
+impl Frames {
     /// A film that begins with the chain at rest but for these velocities (m/s), if a frame is due at the start.
     pub fn new(chain: &Chain, grid: Grid, velocities: &[f64]) -> Self {
         let mut film =

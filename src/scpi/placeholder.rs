@@ -4,14 +4,14 @@ use crate::scope::Source;
 
 /// What the placeholder in a header stood for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Place {
+pub struct Placeholder {
     /// The number of `CH<x>`, `MEAS<x>`, `POSITION<x>`; 1 without placeholder.
     pub number: u8,
     /// The waveform of `CH<x>`, `REF<x>`, `<wfm>`; channel 1 without placeholder.
     pub source: Source,
 }
 
-impl Default for Place {
+impl Default for Placeholder {
     fn default() -> Self {
         Self { number: 1, source: Source::Channel(1) }
     }

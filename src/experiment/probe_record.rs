@@ -1,6 +1,6 @@
 //! Watched forces: their samples, and their pulses.
 
-use super::bench::Grid;
+use super::grid::Grid;
 use super::pulse::PulseRecorder;
 use crate::chain::ForceProbe;
 use crate::chain::probe_step::ProbeTracker;
@@ -9,7 +9,7 @@ use crate::integrate::Integrator;
 
 /// One watched force.
 #[derive(Debug, Clone)]
-pub struct Watch {
+pub struct ProbeRecord {
     /// Where.
     pub probe: ForceProbe,
     /// Its peaks and arrivals, up to the end of the scene's duration.
@@ -18,7 +18,7 @@ pub struct Watch {
     pub samples: Vec<f64>,
 }
 
-impl Watch {
+impl ProbeRecord {
     /// Takes in the last step of the vector path, which ended at `end` (s): samples that fall into it, and its pulses if `pulses`.
     pub(super) fn take_step(
         &mut self,
@@ -56,7 +56,7 @@ impl Watch {
             time = grid.time(self.samples.len());
         }
         if pulses {
-            self.pulse.take(segment);
+            self.pulse.process_step(segment);
         }
     }
 }

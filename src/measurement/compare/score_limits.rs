@@ -26,9 +26,9 @@ enum Limit {
 
 /// Limits on the scores; every one that is named has to hold for every channel.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Tolerance(Vec<Limit>);
+pub struct ScoreLimits(Vec<Limit>);
 
-impl Default for Tolerance {
+impl Default for ScoreLimits {
     /// What the scope can tell apart: residuals of one level.
     fn default() -> Self {
         Self(vec![Limit::Rms(Amount::Levels(1.0))])
@@ -37,7 +37,7 @@ impl Default for Tolerance {
 
 const KEYS: &str = "peak, speed, gain, spectrum (each a share, 5%), arrival (2us), rms, max (each 2lsb, 10mV or 0.1N), or correlation (0.99)";
 
-impl Tolerance {
+impl ScoreLimits {
     /// Reads `peak=5%,arrival=2us`.
     ///
     /// # Errors
@@ -194,7 +194,8 @@ mod tests {
 
     #[test]
     fn limits_are_read_with_their_units_and_refused_by_name() {
-        let found = Tolerance::parse("peak=5%, arrival=2us,rms=1.5 lsb,max=0.2N,correlation=0.99");
+        let found =
+            ScoreLimits::parse("peak=5%, arrival=2us,rms=1.5 lsb,max=0.2N,correlation=0.99");
         let expected = vec![
             Limit::Peak(0.05),
             Limit::Arrival(2e-6),
@@ -202,7 +203,7 @@ mod tests {
             Limit::Max(Amount::Newtons(0.2)),
             Limit::Correlation(0.99),
         ];
-        assert_eq!(found, Ok(Tolerance(expected)));
+        assert_eq!(found, Ok(ScoreLimits(expected)));
         for (wrong, told) in [
             ("", "no limit"),
             ("peak", "expected peak"),
@@ -213,7 +214,7 @@ mod tests {
             ("speed=-1%", "zero or more"),
             ("colour=1", "found colour"),
         ] {
-            let error = Tolerance::parse(wrong).expect_err(wrong);
+            let error = ScoreLimits::parse(wrong).expect_err(wrong);
             assert!(error.contains(told), "{wrong}: {error}");
         }
     }

@@ -6,7 +6,7 @@ use crate::scene::Scene;
 
 /// One shot with what is known of the bench it was taken on.
 #[derive(Debug, Clone, Copy)]
-pub struct Side<'a> {
+pub struct ComparedShot<'a> {
     /// What it is called in reports.
     pub name: &'a str,
     /// The recording.
@@ -18,6 +18,6 @@ pub struct Side<'a> {
 }
 
 /// The scene behind a side: its own, or the one that travels with its recording.
-pub(super) fn scene_of(side: Side<'_>) -> Option<Scene> {
+pub(super) fn scene_of(side: ComparedShot<'_>) -> Option<Scene> {
     side.scene.cloned().or_else(|| metadata::scene_of(side.set, side.shot.number)?.ok())
 }

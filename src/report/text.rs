@@ -1,7 +1,7 @@
 //! Text that fits a terminal which nobody has widened.
 
 /// Columns of such a terminal.
-pub const COLUMNS: usize = 80;
+pub const TERMINAL_WIDTH: usize = 80;
 
 /// Lines of whole words, `width` characters at most where words allow.
 pub fn wrapped(text: &str, width: usize) -> Vec<String> {
@@ -21,9 +21,9 @@ pub fn wrapped(text: &str, width: usize) -> Vec<String> {
 }
 
 /// The same as lines of a page: what comes first stands before the first of them, and the others as far in.
-pub fn hanging(first: &str, text: &str) -> Vec<String> {
+pub fn hanging_indent(first: &str, text: &str) -> Vec<String> {
     let indent = first.chars().count();
-    let lines = wrapped(text, COLUMNS.saturating_sub(indent));
+    let lines = wrapped(text, TERMINAL_WIDTH.saturating_sub(indent));
     let before = |number: usize| if number == 0 { first } else { "" };
     lines.iter().enumerate().map(|(i, line)| format!("{:indent$}{line}", before(i))).collect()
 }

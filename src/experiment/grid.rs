@@ -1,0 +1,33 @@
+//! Evenly spaced times.
+
+/// Evenly spaced times at which something is sampled: `start + i * interval`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grid {
+    /// Time of sample 0 (s).
+    pub start: f64,
+    /// From one sample to the next (s).
+    pub interval: f64,
+}
+
+impl Grid {
+    /// Time of sample `index` (s).
+    #[allow(clippy::cast_precision_loss, reason = "runs have far fewer than 2^53 samples")]
+    pub fn time(&self, index: usize) -> f64 {
+        self.start + index as f64 * self.interval
+    }
+
+    /// Number of samples at or before `time` (s).
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "`as` cuts off, takes negative numbers to zero, and runs have far fewer than 2^53 samples"
+    )]
+    pub fn samples_until(&self, time: f64) -> usize {
+        let mut count = ((time - self.start) / self.interval) as usize;
+        // The quotient may be off by its rounding; the samples' own times decide.
+        while self.time(count) <= time {
+            count += 1;
+        }
+        count
+    }
+}

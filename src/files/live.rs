@@ -1,0 +1,72 @@
+//! A file that others read while it grows.
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use super::step::step;
+use super::{Output, after_failure, folder_of, numbered};
+
+/// A file that others read while it grows: it has its name from the beginning, and a lock until it is complete.
+#[derive(Debug)]
+pub struct LiveFile {
+    path: PathBuf,
+    file: File,
+    failed: bool,
+}
+
+impl LiveFile {
+    /// Creates `target` or, if that exists, the first free name of [`numbered`]; missing folders are made.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn numbered(target: &Path) -> io::Result<Self> {
+        std::fs::create_dir_all(folder_of(target))?;
+        for path in numbered(target) {
+            step();
+            match OpenOptions::new().read(true).write(true).create_new(true).open(&path) {
+                Ok(file) => {
+                    // Without locks others do not know that this one is being written.
+                    let _ = file.try_lock();
+                    return Ok(Self { path, file, failed: false });
+                }
+                Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Err(ErrorKind::AlreadyExists.into())
+    }
+
+    /// Its name.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+impl Write for LiveFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        // Who goes on after an error, as destructors do, must not complete what has a gap.
+        if self.failed {
+            return Err(after_failure());
+        }
+        step();
+        let written = self.file.write(bytes);
+        self.failed |= written.as_ref().is_err_and(|error| error.kind() != ErrorKind::Interrupted);
+        written
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+impl Output for LiveFile {
+    fn complete(self: Box<Self>) -> io::Result<PathBuf> {
+        if self.failed {
+            return Err(after_failure());
+        }
+        step();
+        self.file.sync_all()?;
+        Ok(self.path)
+    }
+}

@@ -1,0 +1,111 @@
+//! The live bench: knobs that change a scene, and the scene they make.
+//!
+//! What is tuned is kept as it would be typed, `striker.speed = "0.46 m/s"`, on top of the scene that was opened; that text is
+//! simulated, and the same text is what is saved.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use super::state::RunState;
+use crate::experiment::outcome::Summary;
+use crate::recording::TraceSet;
+use crate::scene::Scene;
+use crate::scope::Setup;
+
+/// What was typed for each path, `striker.speed`.
+pub type TunedSettings = BTreeMap<String, String>;
+
+/// An impact that was simulated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StrikeResult {
+    /// The bench.
+    pub scene: Scene,
+    /// The recording of this one shot.
+    pub set: TraceSet,
+    /// What happened, and what it cost.
+    pub summary: Summary,
+}
+
+/// The bench behind the screen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LiveBench {
+    /// The scene that was opened: a name that ships, or a whole path.
+    pub base: String,
+    pub(super) settings: TunedSettings,
+    /// The settings that the bench took last.
+    pub(super) good: TunedSettings,
+    /// Place of the selected knob in [`BenchKnob::ALL`](super::knobs::BenchKnob::ALL).
+    pub knob: usize,
+    /// What the scope is doing.
+    pub acquisition: RunState,
+    pub(super) asked: u64,
+    pub(super) shown: u64,
+    pub(super) shot: u32,
+    /// What happened at the last impact.
+    pub summary: Option<Summary>,
+    /// The scope, where another process serves it; none where the bench is this one's.
+    pub served: Option<ServedScope>,
+}
+
+impl LiveBench {
+    /// The bench of scene `base`, running.
+    pub fn new(base: String) -> Self {
+        Self {
+            base,
+            settings: TunedSettings::new(),
+            good: TunedSettings::new(),
+            knob: 0,
+            acquisition: RunState::Running,
+            asked: 0,
+            shown: 0,
+            shot: 1,
+            summary: None,
+            served: None,
+        }
+    }
+
+    /// Whether a newer picture is on its way.
+    pub fn is_waiting(&self) -> bool {
+        self.asked > self.shown
+    }
+
+    /// What was tuned, in the order of the paths.
+    pub fn settings(&self) -> &TunedSettings {
+        &self.settings
+    }
+
+    /// Sets a value without striking.
+    pub(super) fn set_quietly(&mut self, path: String, value: String) {
+        self.settings.insert(path, value);
+    }
+
+    /// The tuned scene as text.
+    pub fn text(&self) -> String {
+        let mut tables: BTreeMap<&str, Vec<(&str, &str)>> = BTreeMap::new();
+        for (path, value) in &self.settings {
+            let (table, key) = path.rsplit_once('.').unwrap_or(("", path));
+            tables.entry(table).or_default().push((key, value));
+        }
+        let mut text = format!("base = {:?}\n", self.base);
+        for (table, pairs) in tables {
+            if !table.is_empty() {
+                let _ = write!(text, "\n[{table}]\n");
+            }
+            for (key, value) in pairs {
+                let _ = writeln!(text, "{key} = {value:?}");
+            }
+        }
+        text
+    }
+}
+
+/// What is known of a served scope beside its traces.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ServedScope {
+    /// What the acquisition is doing, as `TRIGger:STATE?` says; empty as long as nothing was told.
+    pub state: String,
+    /// The front panel.
+    pub scope: Option<Box<Setup>>,
+    /// Whether a bench stands behind it that can be struck.
+    pub bench: bool,
+}
