@@ -20,7 +20,7 @@ const COARSE: f64 = 1e-3;
 const SHARE: f64 = 0.1;
 /// A run is repeated with tighter steps as often as this has entries. Errors go about as the tolerance does; steps aim at this share of what is allowed, the last ones
 /// so that little is left to chance (1).
-const AIMS: [f64; 2] = [0.5, 0.1];
+const AIMS: [f64; 2] = [0.3, 0.05];
 /// Where it is not known by how much errors are too large, steps are made for this share (1).
 const UNKNOWN_ERROR_SHARE: f64 = 0.02;
 

@@ -7,7 +7,7 @@
 
 #![allow(clippy::unreadable_literal, reason = "digits as published")]
 
-use super::runge_kutta::{Dense, ErrorEstimate, RungeKutta};
+use super::runge_kutta::{Dense, RungeKutta, StepError};
 use super::stages::Row;
 
 /// The pair's coefficients.
@@ -16,7 +16,7 @@ pub static DORMAND_PRINCE_853: RungeKutta = RungeKutta {
     source: "Hairer, Norsett, Wanner, Solving ODEs I, 2nd ed. (1993), II.5-II.6",
     order: 8,
     stages: STAGE_WEIGHTS.split_at(STAGES).0,
-    error: ErrorEstimate::Blended([ERROR_5, ERROR_3]),
+    error: StepError::Blended([ERROR_5, ERROR_3]),
     dense: Some(Dense { stages: STAGE_WEIGHTS.split_at(STAGES).1, weights: &DENSE }),
     oscillation_reach: 1.0,
     decay_reach: 6.39,

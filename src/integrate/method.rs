@@ -8,7 +8,7 @@ use super::dormand_prince_853::DORMAND_PRINCE_853;
 use super::force_gradient::FORCE_GRADIENT;
 use super::nystrom::NystromIntegrator;
 use super::rodas::{self, Rodas};
-use super::runge_kutta::{ErrorEstimate, RungeKutta, RungeKuttaIntegrator};
+use super::runge_kutta::{RungeKutta, RungeKuttaIntegrator, StepError};
 use super::runge_kutta_4::RUNGE_KUTTA_4;
 use super::scheme::Scheme;
 use super::splitting::{Splitting, SplittingIntegrator};
@@ -124,7 +124,7 @@ impl Method {
     pub fn fixed_step(&self) -> Option<(f64, f64)> {
         match self.kind() {
             Kind::Splitting(method, step) => Some((step, method.stability)),
-            Kind::RungeKutta(method @ RungeKutta { error: ErrorEstimate::None, .. }, step) => {
+            Kind::RungeKutta(method @ RungeKutta { error: StepError::None, .. }, step) => {
                 Some((step, method.oscillation_reach))
             }
             _ => None,
@@ -155,7 +155,7 @@ impl Method {
     pub fn tolerance(&self) -> Option<f64> {
         match self.kind() {
             Kind::Splitting(..)
-            | Kind::RungeKutta(RungeKutta { error: ErrorEstimate::None, .. }, _) => None,
+            | Kind::RungeKutta(RungeKutta { error: StepError::None, .. }, _) => None,
             Kind::TwoStep(_, tolerance)
             | Kind::Nystrom(tolerance)
             | Kind::RungeKutta(_, tolerance)
@@ -222,7 +222,7 @@ impl fmt::Display for Method {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.kind() {
             Kind::Splitting(method, step) => write!(f, "{} (step {step:e} s)", method.name),
-            Kind::RungeKutta(RungeKutta { error: ErrorEstimate::None, name, .. }, step) => {
+            Kind::RungeKutta(RungeKutta { error: StepError::None, name, .. }, step) => {
                 write!(f, "{name} (step {step:e} s)")
             }
             Kind::TwoStep(_, tolerance) => write!(f, "{} (tolerance {tolerance:.1e})", self.name()),

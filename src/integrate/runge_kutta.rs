@@ -23,7 +23,7 @@ const THIRD_ORDER_SHARE_AT_KINKS: f64 = 0.1;
 
 /// How a method estimates the error of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum ErrorEstimate {
+pub enum StepError {
     /// Not at all: its steps are fixed.
     None,
     /// By weights of the stages, and the order of the embedded solution.
@@ -53,7 +53,7 @@ pub struct RungeKutta {
     /// Weights of each stage's argument; those of the last are the solution's.
     pub stages: &'static [Row],
     /// How it estimates its error.
-    pub error: ErrorEstimate,
+    pub error: StepError,
     /// How steps are interpolated; none for quintic Hermite.
     pub dense: Option<Dense>,
     /// Longest stable step times the highest angular frequency (1).
@@ -106,11 +106,9 @@ impl<'a> RungeKuttaIntegrator<'a> {
         let zero = [vec![0.0; n], vec![0.0; n]];
         let scales = system.scales(&state.position, &state.velocity);
         let pace = match method.error {
-            ErrorEstimate::None => Pace::Fixed { step: setting, origin: state.time, count: 0 },
-            ErrorEstimate::Embedded(_, order) => {
-                controlled(system.as_ref(), &state, order, setting)
-            }
-            ErrorEstimate::Blended(_) => controlled(system.as_ref(), &state, 7, setting),
+            StepError::None => Pace::Fixed { step: setting, origin: state.time, count: 0 },
+            StepError::Embedded(_, order) => controlled(system.as_ref(), &state, order, setting),
+            StepError::Blended(_) => controlled(system.as_ref(), &state, 7, setting),
         };
         let further = method.dense.map_or(0, |dense| dense.stages.len());
         let mut started = Self {
@@ -181,9 +179,9 @@ impl<'a> RungeKuttaIntegrator<'a> {
             relative_error([position, velocity], self.scales) / tolerance
         };
         let [fifth, third] = match self.method.error {
-            ErrorEstimate::None => return 0.0,
-            ErrorEstimate::Embedded(weights, _) => return error(weights),
-            ErrorEstimate::Blended(weights) => weights.map(&mut error),
+            StepError::None => return 0.0,
+            StepError::Embedded(weights, _) => return error(weights),
+            StepError::Blended(weights) => weights.map(&mut error),
         };
         if !(fifth.is_finite() && third.is_finite()) {
             f64::INFINITY
