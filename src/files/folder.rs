@@ -4,8 +4,10 @@ use std::fs::File;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
+use super::output::{folder_of, sync_folder};
+use super::part;
 use super::step::step;
-use super::{folder_of, part, sync_folder};
+use super::whole::write;
 
 /// A folder that gets its name when it is complete; dropped before that, it leaves no trace.
 #[derive(Debug)]
@@ -76,7 +78,7 @@ impl NewFolder {
         }
         for entry in std::fs::read_dir(&self.part)? {
             let entry = entry?;
-            super::write(&self.target.join(entry.file_name()), std::fs::read(entry.path())?)?;
+            write(&self.target.join(entry.file_name()), std::fs::read(entry.path())?)?;
         }
         Ok(())
     }
@@ -153,7 +155,7 @@ pub fn write_numbered_folder(
         let new = NewFolder::begun(target.clone(), part);
         let files = files(number);
         for (name, bytes) in &files {
-            super::write(&new.join(name), bytes)?;
+            write(&new.join(name), bytes)?;
         }
         step();
         // A folder that holds something is never replaced by this.

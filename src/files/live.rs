@@ -4,8 +4,8 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
+use super::output::{Output, after_failure, folder_of, numbered};
 use super::step::step;
-use super::{Output, after_failure, folder_of, numbered};
 
 /// A file that others read while it grows: it has its name from the beginning, and a lock until it is complete.
 #[derive(Debug)]

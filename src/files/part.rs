@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 
+use super::output::{busy, folder_of};
 use super::step::step;
-use super::{busy, folder_of};
 
 /// Ending of temporary names.
 const ENDING: &str = ".part";

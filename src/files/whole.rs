@@ -4,8 +4,9 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
+use super::output::{Output, after_failure, folder_of, numbered, sync_folder};
+use super::part;
 use super::step::step;
-use super::{Output, after_failure, folder_of, numbered, part, sync_folder};
 
 /// A file that gets its name when it is complete; dropped before that, it leaves no trace.
 #[derive(Debug)]
@@ -135,4 +136,33 @@ impl Drop for NewFile {
             let _ = std::fs::remove_file(part);
         }
     }
+}
+
+/// Writes `bytes` to `file`, replacing it in one step.
+///
+/// # Errors
+/// What the system says; `file` then is as it was.
+pub fn write(file: &Path, bytes: impl AsRef<[u8]>) -> io::Result<()> {
+    let mut new = NewFile::replace(file)?;
+    new.write_all(bytes.as_ref())?;
+    Box::new(new).complete().map(|_| ())
+}
+
+/// Writes several files, each replaced in one step; all are on the disk before the first is renamed, in the order given.
+///
+/// # Errors
+/// The file with which it failed, and what the system says.
+pub fn write_together(files: &[(PathBuf, &str)]) -> Result<(), (PathBuf, io::Error)> {
+    let mut written = Vec::new();
+    for (file, text) in files {
+        let begun = NewFile::replace(file).and_then(|mut new| {
+            new.write_all(text.as_bytes())?;
+            Ok(new)
+        });
+        written.push((file, begun.map_err(|error| (file.clone(), error))?));
+    }
+    for (file, new) in written {
+        Box::new(new).complete().map_err(|error| (file.clone(), error))?;
+    }
+    Ok(())
 }

@@ -57,7 +57,7 @@ pub trait Device {
 
 /// What is to be sent.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Output {
+pub struct Outgoing {
     /// Number of the connection.
     pub connection: u64,
     /// The bytes.
@@ -81,7 +81,7 @@ pub struct Server {
     pub(super) sessions: BTreeMap<u16, HislipSession>,
     pub(super) locks: Locks,
     pub(super) queue: Queue,
-    output: Vec<Output>,
+    output: Vec<Outgoing>,
     pub(super) now: f64,
 }
 
@@ -101,7 +101,7 @@ impl Server {
         instrument.close(number);
         for other in [Some(session.synchronous), session.asynchronous].into_iter().flatten() {
             if other != connection && self.connections.remove(&other).is_some() {
-                self.output.push(Output { connection: other, bytes: Vec::new(), close: true });
+                self.output.push(Outgoing { connection: other, bytes: Vec::new(), close: true });
             }
         }
         self.settle(instrument);
@@ -136,7 +136,7 @@ impl Server {
         }
         if let Some(session) = self.sessions.get_mut(&number) {
             let bytes = session.reply(bytes);
-            self.output.push(Output { connection: session.synchronous, bytes, close: false });
+            self.output.push(Outgoing { connection: session.synchronous, bytes, close: false });
         }
     }
 
@@ -151,12 +151,12 @@ impl Server {
             let Some(connection) = session.asynchronous.filter(|_| asks) else { continue };
             let mut bytes = Vec::new();
             write(MessageType::AsyncServiceRequest, byte, 0, &[], &mut bytes);
-            self.output.push(Output { connection, bytes, close: false });
+            self.output.push(Outgoing { connection, bytes, close: false });
         }
     }
 
     /// What is to be sent since the last call, in this order.
-    pub fn take_output(&mut self) -> Vec<Output> {
+    pub fn take_output(&mut self) -> Vec<Outgoing> {
         std::mem::take(&mut self.output)
     }
 
@@ -169,7 +169,7 @@ impl Server {
     ) {
         let mut bytes = Vec::new();
         write(kind, codes.0, codes.1, payload, &mut bytes);
-        self.output.push(Output { connection, bytes, close: false });
+        self.output.push(Outgoing { connection, bytes, close: false });
     }
 
     pub(super) fn refuse(
@@ -181,7 +181,7 @@ impl Server {
     ) {
         let mut bytes = Vec::new();
         write(MessageType::FatalError, code, 0, reason.as_bytes(), &mut bytes);
-        self.output.push(Output { connection, bytes, close: true });
+        self.output.push(Outgoing { connection, bytes, close: true });
         self.closed(connection, instrument);
     }
 
