@@ -1,4 +1,4 @@
-//! What a pulse must fulfil, and why there is none.
+//! Conditions on a pulse, and the errors where one fails.
 
 use super::gate::Gate;
 
@@ -41,7 +41,7 @@ pub enum PulseError {
         /// Standard uncertainty of one sample (unit).
         noise: f64,
     },
-    /// A value or interval that is no number.
+    /// A value or interval is not a number.
     #[error(
         "found a value or interval of {trace} that is not finite or not above zero, expected numbers"
     )]

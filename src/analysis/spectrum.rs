@@ -85,7 +85,7 @@ pub enum SpectrumError {
         /// Samples inside the gate.
         samples: usize,
     },
-    /// A value that is no number.
+    /// A value is not a number.
     #[error("found a value that is not finite in {trace} at {time:e} s, expected numbers only")]
     NotFinite {
         /// The trace's name.

@@ -119,7 +119,7 @@ fn advised(error: RunError, scene: &Scene, integration: Integration) -> anyhow::
     }
 }
 
-/// Refuses the name of a file that is no recording.
+/// Refuses file names without the ending of a recording.
 fn is_recording(file: &Path) -> anyhow::Result<&Path> {
     if file.extension().is_none_or(|extension| extension != "mcap") {
         bail!(

@@ -78,7 +78,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
 }
 
-/// The chain around the sensor, and why there is none if there is none.
+/// The chain around the sensor, or why it is not known.
 fn chain(
     set: &TraceSet,
     shot: u32,

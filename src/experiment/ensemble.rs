@@ -63,7 +63,7 @@ impl Ensemble {
         Self { set, ..self }
     }
 
-    /// Runs all `cases`; results stand in their order. `done` hears how many more are finished, from any thread.
+    /// Runs all `cases`; results stand in their order. `done` is called with how many more are finished, from any thread.
     pub fn run<C: Borrow<Case>>(
         &self,
         cases: &[C],

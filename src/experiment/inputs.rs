@@ -1,4 +1,4 @@
-//! What an impact puts at the scope's inputs, for a scope that is set by somebody else than the scene.
+//! Signals of an impact at the scope's inputs, for a scope whose settings are not the scene's.
 
 use super::accuracy::of_scene;
 use super::acquisition::{external, truth, volts};

@@ -21,7 +21,7 @@ fn set_heap_thresholds() {
 }
 
 /// What `work` makes of each of `jobs`, in their order, on up to `threads` threads, this one among them. Each thread has a room of its own to work
-/// in, where it finds what it has left there. `done` hears how many are finished, from any of them.
+/// in, where it finds what it has left there. `done` is called with how many are finished, from any of them.
 pub fn in_parallel<S: Default, J: Sync, R: Send>(
     threads: usize,
     jobs: &[J],

@@ -64,12 +64,12 @@ impl NewFolder {
                     sync_folder(folder_of(&self.target));
                     return Ok(());
                 }
-                // Somebody else was faster.
+                // Another process was faster.
                 Err(_) if self.target.is_dir() => {}
                 Err(error) => return Err(error),
             }
         }
-        // Whoever works inside the folder would find themselves in the old one.
+        // A process with this working directory would stay in the old folder.
         let inside = std::env::current_dir()
             .and_then(std::fs::canonicalize)
             .is_ok_and(|here| here.starts_with(&self.target));

@@ -92,7 +92,7 @@ impl NewFile {
 
 fn create_new(path: &Path) -> io::Result<File> {
     let file = OpenOptions::new().read(true).write(true).create_new(true).open(path)?;
-    // Waits for whoever looks whether there is a lock. Without locks others do not know that this one is being written.
+    // Waits for processes that test the lock. Without locks others do not know that this file is being written.
     let _ = file.lock();
     Ok(file)
 }

@@ -45,7 +45,7 @@ pub struct Fit {
     pub shown: Vec<Vec<f64>>,
 }
 
-/// Fits `knobs` of `scene` to `measured`; `progress` hears the share of the work done, as far as it can be foreseen.
+/// Fits `knobs` of `scene` to `measured`; `progress` is called with the share of the work done, as far as it can be foreseen.
 ///
 /// # Errors
 /// [`FitError`] where measurement and scene do not belong together, and where the traces do not tell the numbers.

@@ -13,9 +13,9 @@ pub const MAX_KEY_LENGTH: usize = 256;
 pub enum Grant {
     /// The lock is there.
     Granted,
-    /// Somebody else has it.
+    /// Another session holds it.
     Busy,
-    /// The session has it already, or the key is none.
+    /// The session holds it already, or the key is invalid.
     Invalid,
 }
 
@@ -86,7 +86,7 @@ impl Locks {
         self.exclusive.is_none_or(|holder| holder == session) && self.may_share(session)
     }
 
-    /// Whether somebody has the exclusive lock.
+    /// Whether a session holds the exclusive lock.
     pub fn is_exclusive(&self) -> bool {
         self.exclusive.is_some()
     }

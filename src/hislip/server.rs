@@ -11,25 +11,25 @@ const PROTOCOL_VERSION: u32 = 0x0100 << 16;
 
 /// Codes of errors after which a connection is closed (IVI-6.1, table 14).
 pub(super) mod fatal {
-    /// A header that is none.
+    /// Invalid header.
     pub const INVALID_HEADER: u8 = 1;
-    /// One connection was used before both were there.
+    /// One channel was used before both were established.
     pub const CHANNEL_NOT_ESTABLISHED: u8 = 2;
-    /// A session that does not begin as one begins.
+    /// Invalid initialisation sequence.
     pub const INVALID_INITIALISATION: u8 = 3;
 }
 
 /// Codes of errors after which a connection goes on (IVI-6.1, table 16).
 pub(super) mod error {
-    /// No other code fits.
+    /// Error without a code of its own.
     pub const OTHER_ERROR: u8 = 0;
-    /// A type that is none, or has no place on this connection.
+    /// Message type that is unknown, or not allowed on this channel.
     pub const UNKNOWN_MESSAGE_TYPE: u8 = 1;
-    /// A control code that the type does not know.
+    /// Unknown control code.
     pub const UNKNOWN_CONTROL_CODE: u8 = 2;
-    /// A type of some vendor's.
+    /// Vendor-defined message type.
     pub const UNKNOWN_VENDOR_TYPE: u8 = 3;
-    /// A longer payload than was agreed on.
+    /// Payload longer than the agreed maximum.
     pub const MESSAGE_TOO_LARGE: u8 = 4;
 }
 
@@ -122,7 +122,7 @@ impl Server {
         self.settle(instrument);
     }
 
-    /// Whether what came on a connection waits for somebody else's lock: it is not to be read from.
+    /// Whether the input of a connection waits for another session's lock; such a connection is not read.
     pub fn is_held(&self, connection: u64) -> bool {
         let session = self.connections.get(&connection).and_then(|link| link.session);
         let session = session.and_then(|number| self.sessions.get(&number));
@@ -141,7 +141,7 @@ impl Server {
     }
 
     /// Time has passed: it is `now` (s), on a clock that does not run backwards. Requests for locks run out, and those who asked
-    /// for service are heard.
+    /// for service are sent.
     pub fn advance(&mut self, now: f64, instrument: &mut dyn Device) {
         self.now = self.now.max(now);
         self.settle(instrument);

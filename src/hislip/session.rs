@@ -31,7 +31,7 @@ pub struct HislipSession {
     pub asynchronous: Option<u64>,
     /// A device clear has begun: what comes on the synchronous connection is thrown away until it is complete.
     pub clearing: bool,
-    /// Messages that wait for somebody else's lock.
+    /// Messages that wait for another session's lock.
     pub held: Vec<DecodedPiece>,
     /// A release that waits.
     pub release: Option<Release>,

@@ -3,7 +3,7 @@
 //! Stands between the bench and the remote interface. The bench asks [`Instrument::sample_window`] for the sample grid, passes
 //! time in with [`Instrument::advance`], and hands over what happens at the inputs with [`Instrument::accept_signals`],
 //! or finished captures with [`Instrument::store`]; `scpi` turns messages into changes of the front panel and answers
-//! from here. No I/O, no clock, no threads: whoever owns the instrument decides when time passes.
+//! from here. No I/O, no clock, no threads: its owner advances the time.
 
 pub mod acquisition;
 mod autoset;
@@ -175,7 +175,7 @@ impl Instrument {
         setup
     }
 
-    /// The records of the last acquisition that was triggered, or that ended a single sequence, if nobody has asked since.
+    /// The records of the last acquisition that was triggered, or that ended a single sequence, if they have not been read since.
     pub fn take_finished(&mut self) -> Option<Finished> {
         self.acquisition.take_finished()
     }

@@ -150,7 +150,7 @@ impl Acquirer<'_> {
         }
     }
 
-    /// The source as the edge trigger hears it.
+    /// The trigger source's signal after the trigger coupling.
     fn coupled<'s>(&self, signal: &'s [f64]) -> Cow<'s, [f64]> {
         let model = &self.setup.model;
         let ratio = |corner: f64| TAU * corner * self.sample_interval();

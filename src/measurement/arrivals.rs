@@ -47,7 +47,7 @@ pub struct ChannelArrivals {
     pub pulses: Option<usize>,
     /// Arrivals by each estimator.
     pub arrivals: Vec<Arrival>,
-    /// Why there is no pulse, where there is none.
+    /// Why no pulse was found.
     pub problem: Option<String>,
 }
 

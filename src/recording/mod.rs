@@ -87,7 +87,7 @@ pub enum Direction {
     Reply,
 }
 
-/// What the remote interface heard or said.
+/// A message of the remote interface, received or sent.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ScpiLine {
     /// When, nanoseconds since 1970.
@@ -123,7 +123,7 @@ pub struct TraceSet {
     pub attachments: Vec<Attachment>,
     /// Lines of the log, in order of time.
     pub log: Vec<String>,
-    /// What the remote interface heard and said, in order of time.
+    /// Messages of the remote interface, in order of time.
     pub lines: Vec<ScpiLine>,
     /// What a recording keeps of each shot beside captures and truth, by the shot's number; its lines stand in `log` too.
     pub notes: BTreeMap<u32, mcap::ShotNotes>,

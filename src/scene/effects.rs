@@ -20,7 +20,7 @@ pub enum EffectSwitch {
     Auto,
 }
 
-/// Effects whose change can be foretold.
+/// Effects with an upper bound on what they change.
 const BOUNDED_EFFECTS: [&str; 5] =
     ["gravity", "magnet_law", "dashpot", "kuwabara_kono", "power_law_loss"];
 /// The others.

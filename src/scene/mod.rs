@@ -268,7 +268,7 @@ fn moving<'a>(root: &TableReader<'a>, problems: &Problems) -> Moving<'a> {
     for table in table.into_iter().chain(effects) {
         table.finish();
     }
-    // An end that could not be read has left its problem; a sensor at it is none.
+    // An end that could not be read is a problem already; a sensor at it adds no other.
     let wall = bottom.is_none_or(|(bottom, _)| matches!(bottom, End::Wall(_)));
     Moving {
         kinds: particles.kinds,

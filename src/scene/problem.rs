@@ -53,7 +53,7 @@ pub enum SceneError {
         /// What the system says.
         source: std::io::Error,
     },
-    /// The file is no scene: nobody types that much.
+    /// The file is too large for a scene.
     #[error("{file}: found more than {limit} bytes, expected a scene")]
     TooLarge {
         /// The file.

@@ -86,7 +86,7 @@ impl TriggerSource {
         }
     }
 
-    /// Farthest level of a source that is no channel; the mains have none to set (V).
+    /// Farthest level of a source other than a channel; that of the mains is fixed (V).
     pub fn reach(self, model: &Model) -> f64 {
         match self {
             Self::External => model.external_trigger_range,

@@ -12,7 +12,7 @@ use crate::scope::{Slope, Source, TriggerSource, Waveform};
 /// Everything that a picture of the screen shows.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Screen {
-    /// What the acquisition is doing, and how; empty where nobody tells.
+    /// State and mode of the acquisition; empty if unknown.
     pub status: String,
     /// Waveforms in the order in which they are drawn.
     pub traces: Vec<Waveform>,

@@ -87,7 +87,7 @@ impl Connection {
         let Self { number, protocol, peer, stream } = self;
         let (answers, inbox) = mpsc::channel(ANSWERS);
         if news.send(ConnectionEvent::Opened { number, protocol, peer, answers }).await.is_ok() {
-            // However the connection ends, the client knows; nobody else has to.
+            // The client notices how the connection ends; nothing else depends on it.
             let _ = exchange(stream, number, &news, inbox).await;
             let _ = news.send(ConnectionEvent::Closed { number }).await;
         }

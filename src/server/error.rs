@@ -8,7 +8,7 @@ use crate::recording::mcap::WriteError;
 /// Why a server ended by itself.
 #[derive(Debug, thiserror::Error)]
 pub enum ServeError {
-    /// No runtime, no thread, or a listener that is none.
+    /// The runtime, a thread or the listener could not be set up.
     #[error("the server could not start: {reason}")]
     Start {
         /// What the system says.

@@ -60,7 +60,7 @@ impl Recorder {
         }
     }
 
-    /// Writes down what a connection heard and said.
+    /// Records the messages that a connection received and sent.
     pub fn lines(&mut self, peer: &str, lines: Vec<TranscriptLine>) {
         let timestamp_ns = self.wall_clock_time();
         for line in lines {

@@ -114,7 +114,7 @@ impl GatheredLogs {
         gaps
     }
 
-    /// Writes what there is into each of `tables`, in the order of runs; `progress` hears the share that is written.
+    /// Writes what there is into each of `tables`, in the order of runs; `progress` is called with the share that is written.
     ///
     /// # Errors
     /// [`SweepError`] where a log or a table cannot be read or written.

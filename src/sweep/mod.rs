@@ -3,7 +3,7 @@
 //! Stands between `experiment`, which runs scenes, and the command line. [`plan`] makes runs out of a file, `work` runs them in blocks and
 //! [`log`](mod@log) keeps every finished one, so that a sweep that is killed goes on where it was. [`shard`] is the part of one process out of
 //! many, [`gather`] joins their logs and says what is missing, [`table`] writes the results. Values, seed and results of a run follow from
-//! its number alone: whoever runs it, and in which company, the bytes are the same on processors with the same instructions.
+//! its number alone: in every process, and beside any other runs, the bytes are the same on processors with the same instructions.
 
 pub mod gather;
 pub mod log;
@@ -100,7 +100,7 @@ pub enum SweepError {
         /// What there is.
         known: Vec<&'static str>,
     },
-    /// A shard that is none.
+    /// Invalid shard number.
     #[error("found {found}, expected {expected}")]
     Shard {
         /// What was found.

@@ -9,7 +9,7 @@ use super::monte_carlo::MonteCarlo;
 /// One impact as the plan tells it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlannedStrike {
-    /// The record; or why there is none.
+    /// The record, or why it cannot be used.
     pub record: RawRecord,
     /// What the striker did.
     pub motion: StrikerMotion,

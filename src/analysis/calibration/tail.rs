@@ -61,7 +61,7 @@ pub fn fit(record: &RawRecord) -> Option<Tail> {
         per_baseline: (inverse(higher) - inverse(lower)) / (2.0 * steps),
         baseline_u: prepared.baseline.uncertainty,
     };
-    // Two thousand time constants in a record or none at all: that is no droop.
+    // Two thousand time constants in a record or none at all: that is not a droop.
     (tail.inverse_tau > 3.0 * tail.weight().powf(-0.5)).then_some(tail)
 }
 

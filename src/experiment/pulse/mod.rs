@@ -147,7 +147,7 @@ impl PulseRecorder {
 
     /// A maximum up to the first counts for nothing, nor does any other force up to the second (N).
     pub fn asks(&self) -> [f64; 2] {
-        // Levels that anybody asks for are shares of a peak that is no rounding.
+        // Levels are shares of a peak above rounding.
         [self.first_exceeds().max(FOOT_SHARE * self.quietest), self.largest]
     }
 
@@ -174,7 +174,7 @@ impl PulseRecorder {
         self.rises.push(rise);
     }
 
-    /// Makes room by what nobody asks for: maxima below the threshold of the first peak, which only rises, and rises to levels far below it.
+    /// Frees memory of what is not read: maxima below the threshold of the first peak, which only rises, and rises to levels far below it.
     fn clear_history(&mut self) {
         let threshold = PEAK_SHARE * self.largest;
         // What exceeds all before is higher than what did so earlier.

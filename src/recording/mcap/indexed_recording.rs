@@ -152,7 +152,7 @@ impl IndexedRecording {
         self.reader.facts()
     }
 
-    /// Reads the shot at `place`, counted from 0; none where there is none.
+    /// Reads the shot at `place`, counted from 0; none beyond the last.
     ///
     /// # Errors
     /// [`ReadError::File`] where the file cannot be read any more.

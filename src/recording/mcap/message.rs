@@ -221,7 +221,7 @@ pub struct LogMessage {
 /// A command to the instrument or a reply from it.
 #[derive(Clone, PartialEq, Message)]
 pub struct ScpiLineMessage {
-    /// When it was heard or said.
+    /// When it was received or sent.
     #[prost(message, optional, tag = "1")]
     pub timestamp: Option<Timestamp>,
     /// Protocol and address of the client.

@@ -13,7 +13,7 @@ pub enum SetFileError {
         /// The largest size that is read, in bytes.
         limit: usize,
     },
-    /// Something that is no setting.
+    /// Not a setting.
     #[error(
         "{file}, line {line}, byte {offset}: found `{found}`, expected a setting such as `:CH1:SCALE 1.0E0`"
     )]

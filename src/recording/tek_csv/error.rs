@@ -43,7 +43,7 @@ pub enum TekCsvError {
         /// The file's name.
         file: String,
     },
-    /// A byte that is no text.
+    /// Not text.
     #[error("{place}: found byte 0x{found:02X}, expected UTF-8 text")]
     NotText {
         /// Where.

@@ -51,7 +51,7 @@ pub struct Point {
     pub wall_s_min: f64,
 }
 
-/// A time, unless it is none.
+/// A time; none if not finite.
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
 pub(super) fn measured<S: serde::Serializer>(
     seconds: &f64,

@@ -14,7 +14,7 @@ pub const STEEL: Elasticity = Elasticity { youngs_modulus: 193e9, poissons_ratio
 pub const LIGHT: f64 = 0.1226e-3;
 /// Mass of a steel cylinder of the bench (kg).
 pub const HEAVY: f64 = 0.485e-3;
-/// Within no run's time: for grids that nobody reads.
+/// Later than any run: for grids without samples.
 const NEVER: Grid = Grid { start: f64::MAX, interval: 1.0 };
 /// Tolerance of the steps of a reference by another family of methods (1).
 const REFERENCE: f64 = 1e-13;
@@ -60,7 +60,7 @@ pub fn pressed(particles: Vec<Body>, force: f64) -> Result<Chain, String> {
     between(particles, (end, end))
 }
 
-/// A chain, or why there is none.
+/// A chain, or why it could not be made.
 pub fn assemble(spec: &ChainSpec) -> Result<Chain, String> {
     Chain::new(spec).map_err(|error| error.to_string())
 }

@@ -36,7 +36,7 @@ pub struct HardCase {
     pub why: &'static str,
     /// What is demanded, and where that comes from.
     pub bound: &'static str,
-    /// Computes it: the figures against their bounds, or the cause why there are none.
+    /// Computes it: the figures against their bounds, or why they could not be computed.
     pub(super) compute: fn(&mut CaseChecks) -> Result<(), String>,
 }
 

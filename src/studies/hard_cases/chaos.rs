@@ -1,4 +1,4 @@
-//! A chain that nobody can predict for long.
+//! A chain whose motion is chaotic.
 
 use super::HardCase;
 use super::benches::{

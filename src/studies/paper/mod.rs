@@ -43,7 +43,7 @@ pub struct PaperStudy {
     pub viscosity: Vec<Viscous>,
 }
 
-/// Computes the paper, or one `figure` of it; `progress` hears the share of the work done, 0 to 1.
+/// Computes the paper, or one `figure` of it; `progress` is called with the share of the work done, 0 to 1.
 ///
 /// # Errors
 /// [`PaperError`], which would be this program's own mistake.

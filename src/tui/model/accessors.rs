@@ -50,7 +50,7 @@ impl ScreenState {
         self.math
     }
 
-    /// The selected capture; `None` where there is none.
+    /// The selected capture.
     pub fn selected(&self) -> Option<&Capture> {
         self.find(self.selected?)
     }

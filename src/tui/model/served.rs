@@ -13,7 +13,7 @@ use crate::scope::Setup;
 pub struct ServedUpdate {
     /// State and front panel.
     pub served: ServedScope,
-    /// Name of the scene behind it; empty where there is none.
+    /// Name of its scene; empty without one.
     pub base: String,
     /// What the scope is doing.
     pub acquisition: RunState,
@@ -117,7 +117,7 @@ impl ScreenState {
     }
 }
 
-/// The command of the remote interface that sets what stands at `path` in a scene; none where there is none.
+/// The remote command that sets the key `path` of a scene; none for keys without a command.
 fn command(path: &str, value: &str) -> Option<String> {
     let header = match path {
         "scope.time_base" => "HOR:MAI:SCA".to_owned(),

@@ -87,7 +87,7 @@ pub(super) struct Adjustment {
 /// Which way the cursors measure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum CursorKind {
-    /// There are none.
+    /// No cursors.
     #[default]
     Off,
     /// Along the abscissa.

@@ -30,7 +30,7 @@ pub struct ComparisonRequest {
 }
 
 impl ComparisonRequest {
-    /// The shot on screen; none where there is none.
+    /// The shot on screen, if any.
     pub fn of(model: &ScreenState, other: Option<String>) -> Option<Self> {
         let shot = model.shot()?.clone();
         let set = model.set();
@@ -85,7 +85,7 @@ pub fn comparer()
         });
         let job =
             answer.map_or_else(JobState::Failed, |compared| JobState::Done(Box::new(compared)));
-        // Without a screen there is nobody to hear it.
+        // The screen may be closed already.
         let _ = news.send(ScreenEvent::Answer(JobAnswer::Comparison(job)));
     }
 }
@@ -122,7 +122,7 @@ pub fn research(order: StudyRequest, _: &Receiver<StudyRequest>, news: &Sender<S
     let mut tell = |share: f64, answer: fn(f64) -> JobAnswer| {
         if share - told >= PROGRESS_STEP {
             told = share;
-            // Without a screen there is nobody to hear it.
+            // The screen may be closed already.
             let _ = news.send(ScreenEvent::Answer(answer(share)));
         }
     };

@@ -45,7 +45,7 @@ impl ServedConnection {
     /// Connects to `address`, `HOST:PORT`, and asks who is there.
     ///
     /// # Errors
-    /// In words for the user: nobody there, or somebody else.
+    /// A message for the user: no connection, or no oscilloscope of this family.
     pub fn connect(address: &str) -> Result<Self, String> {
         let failed = |error: io::Error| format!("{address}: {error}");
         let mut socket = Socket::connect(address).map_err(failed)?;
@@ -86,7 +86,7 @@ impl ServedConnection {
         let before = self.socket.query(&format!(":DAT:{asked}"))?;
         let (found, records) = self.socket.ask_for_records(&message(&sources, &before, &asked))?;
         if found != before {
-            // Somebody has turned it between the two messages.
+            // Another client changed the setting between the two messages.
             self.socket.send_line(&format!(":DAT:{}", restored(&found)))?;
         }
         let captures = records.iter().map(|record| self.capture(record, look));
@@ -132,7 +132,7 @@ pub fn start(scope: ServedConnection, news: &Sender<ScreenEvent>) -> Sender<Stri
         let mut watch = ServedWorker { scope, news: news.clone(), last: None, records: None };
         let watched = guarded(|| watch.go(&received).map_err(|error| error.to_string()));
         if let Err(words) = watched {
-            // Without a screen there is nobody to hear it.
+            // The screen may be closed already.
             let _ = news.send(ScreenEvent::Lost(format!("{address}: the scope is gone: {words}")));
         }
     });

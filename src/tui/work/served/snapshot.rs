@@ -16,7 +16,7 @@ use crate::tui::model::served::ServedUpdate;
 /// Who answers to `*IDN?`, and what its knobs can do.
 ///
 /// # Errors
-/// In words: somebody else.
+/// A message for the user: no oscilloscope of this family.
 pub fn instrument(identity: &str) -> Result<(InstrumentIdentity, Model), String> {
     let stranger =
         || format!("found {identity}, expected a Tektronix oscilloscope of the TDS2000 family");

@@ -4,9 +4,9 @@ use std::io::{self, BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{TcpStream, ToSocketAddrs as _};
 use std::time::Duration;
 
-/// Longest time until somebody is there, and until an answer is.
+/// Time limit for connecting and for each reply.
 const SOCKET_TIMEOUT: Duration = Duration::from_secs(5);
-/// A longer reply is none of an oscilloscope's (bytes).
+/// Longest line of a reply; an oscilloscope sends less (bytes).
 const MAX_REPLY_LENGTH: usize = 1 << 20;
 /// What stands before the block in a record.
 const RECORD_PREFIX: &str = ":WFMP";
@@ -49,7 +49,7 @@ impl Socket {
     /// Sends a message and waits for its reply, without the line's end.
     ///
     /// # Errors
-    /// What the system says; also for a reply that is no text.
+    /// What the system says; also for a reply that is not a text.
     pub fn query(&mut self, message: &str) -> io::Result<String> {
         self.send_line(message)?;
         let mut line = Vec::new();
@@ -64,7 +64,7 @@ impl Socket {
     /// Sends a message that asks for records, too: what is answered before the first, and each with preamble and block.
     ///
     /// # Errors
-    /// What the system says; also for a block that is none.
+    /// What the system says; also for an invalid block.
     pub fn ask_for_records(&mut self, message: &str) -> io::Result<(String, Vec<Vec<u8>>)> {
         self.send_line(message)?;
         let (mut head, mut records, mut part) = (None, Vec::new(), Vec::new());
