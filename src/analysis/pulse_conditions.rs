@@ -5,7 +5,7 @@ use super::gate::Gate;
 /// A peak counts when it exceeds this share of the trace's largest value (1).
 pub const PEAK_SHARE: f64 = 0.25;
 
-/// What is known about how a trace was taken.
+/// Conditions under which a trace was taken.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Conditions {
     /// Distance of the digitiser's levels; 0 for a trace that was never digitised (unit).

@@ -100,7 +100,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// What is wrong with a step or a tolerance by hand, and one that would do.
+/// The problem with a step or tolerance by hand, and a working one.
 fn advised(error: RunError, scene: &Scene, integration: Integration) -> anyhow::Error {
     let is_too_long = !matches!(
         error,

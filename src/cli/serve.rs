@@ -146,7 +146,7 @@ fn lines() -> mpsc::Receiver<()> {
     receiver
 }
 
-/// What waits for Ctrl-C, or for what ends a service; both are listened to from now on. Where they cannot be, the system ends the program by
+/// A future that waits for Ctrl-C or the signal that ends a service; both are handled from now on. Where they cannot be, the system ends the program by
 /// itself.
 #[cfg(unix)]
 fn stopped() -> impl Future<Output = ()> {

@@ -20,7 +20,7 @@ pub struct Run {
     pub traces: Vec<Vec<f64>>,
     /// Where the energy went.
     pub energy: EnergyLedger,
-    /// What it cost.
+    /// Its cost.
     pub work: Work,
     /// Steps tried in which contacts opened or closed; none where the method does not ask.
     pub contact_changes: Option<u64>,
@@ -89,7 +89,7 @@ pub fn worst(found: &Run, exact: &Run) -> Option<f64> {
     Some(peak.max(compare(found, exact, arrival_error)?))
 }
 
-/// What all places read, the wall last, when `scene` is run by `method`: nothing is sampled, nothing kept.
+/// Readings of all probes, the wall last, in a run of `scene` by `method` without samples.
 ///
 /// # Errors
 /// The integrator's.

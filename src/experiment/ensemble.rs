@@ -25,12 +25,12 @@ pub struct Case {
     pub duration: f64,
 }
 
-/// What came of a case.
+/// Result of a case.
 #[derive(Debug, Clone)]
 pub struct Readout {
-    /// What each probe felt.
+    /// Readings of each probe.
     pub pulses: Vec<PulseRecorder>,
-    /// What it cost.
+    /// Its cost.
     pub work: Work,
 }
 

@@ -15,7 +15,7 @@ pub enum RunError {
     Unstable {
         /// The step (s).
         step: f64,
-        /// What limits it.
+        /// The limit.
         limit: StabilityLimit,
     },
     /// A step chosen by hand would take too long.

@@ -39,7 +39,7 @@ pub struct Inputs {
     pub volts: Vec<Vec<f64>>,
     /// Signal at the external trigger input; empty if the scene leaves it open (V).
     pub external: Vec<f64>,
-    /// What no scope saw: forces and the film, thinned to fifty thousand samples a trace.
+    /// Ground truth: forces and frames, thinned to fifty thousand samples a trace.
     pub truth: Vec<Trace>,
 }
 

@@ -54,7 +54,7 @@ impl NewFolder {
     /// Gives the folder its name.
     ///
     /// # Errors
-    /// What the system says; what was there before then is as it was.
+    /// The system's error; what was there before then is as it was.
     pub fn complete(self) -> io::Result<()> {
         sync_folder(&self.part);
         if !self.target.exists() {
@@ -138,7 +138,7 @@ fn link_others(from: &Path, to: &Path) -> io::Result<()> {
 /// Makes the first folder `parent/name(N)`, from N = 0, that does not exist, complete with `files(N)`. Returns the names of these.
 ///
 /// # Errors
-/// What the system says; there is no part of the folder then.
+/// The system's error; there is no part of the folder then.
 pub fn write_numbered_folder(
     parent: &Path,
     name: impl Fn(u32) -> String,

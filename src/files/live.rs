@@ -19,7 +19,7 @@ impl LiveFile {
     /// Creates `target` or, if that exists, the first free name of [`numbered`]; missing folders are made.
     ///
     /// # Errors
-    /// What the system says.
+    /// The system's error.
     pub fn numbered(target: &Path) -> io::Result<Self> {
         std::fs::create_dir_all(folder_of(target))?;
         for path in numbered(target) {

@@ -9,7 +9,7 @@ pub trait Output: Write + Send {
     /// Completes the file: everything is on the disk and has its name when this returns. Returns that name.
     ///
     /// # Errors
-    /// What the system says; a [`NewFile`](super::NewFile) then leaves what was there before.
+    /// The system's error; a [`NewFile`](super::NewFile) then leaves what was there before.
     fn complete(self: Box<Self>) -> io::Result<PathBuf>;
 }
 

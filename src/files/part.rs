@@ -32,7 +32,7 @@ pub(super) fn create<T>(
 /// Creates something under a temporary name beside `target` that no other process uses.
 ///
 /// # Errors
-/// What the system says.
+/// The system's error.
 pub(super) fn create_beside<T>(
     target: &Path,
     make: impl Fn(&Path) -> io::Result<T>,

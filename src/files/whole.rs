@@ -52,7 +52,7 @@ impl NewFile {
     /// Begins a file that is called `target` or, if there is one already when it is complete, by the first free name of [`numbered`].
     ///
     /// # Errors
-    /// What the system says.
+    /// The system's error.
     pub fn numbered(target: &Path) -> io::Result<Self> {
         // Several may be written at a time, each gets a name of its own.
         let (part, file) = part::create_beside(target, create_new)?;
@@ -141,7 +141,7 @@ impl Drop for NewFile {
 /// Writes `bytes` to `file`, replacing it in one step.
 ///
 /// # Errors
-/// What the system says; `file` then is as it was.
+/// The system's error; `file` then is as it was.
 pub fn write(file: &Path, bytes: impl AsRef<[u8]>) -> io::Result<()> {
     let mut new = NewFile::replace(file)?;
     new.write_all(bytes.as_ref())?;

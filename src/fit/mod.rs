@@ -39,9 +39,9 @@ use options::{EXPECTED_STEPS, MAX_DURATIONS, SAMPLE_RANGE, STOP_CRITERIA};
 pub struct Fit {
     /// Numbers for people and scripts.
     pub report: FitReport,
-    /// What was measured.
+    /// The measured traces.
     pub records: Records,
-    /// What the fitted scene shows, one trace a channel (V).
+    /// Traces of the fitted scene, one a channel (V).
     pub shown: Vec<Vec<f64>>,
 }
 

@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Longest key of a shared lock (bytes).
 pub const MAX_KEY_LENGTH: usize = 256;
 
-/// What became of a request.
+/// The outcome of a lock request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Grant {
     /// The lock is there.
@@ -19,7 +19,7 @@ pub enum Grant {
     Invalid,
 }
 
-/// What was given back.
+/// The kind of lock that was released.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Released {
     /// The exclusive lock.

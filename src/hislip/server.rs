@@ -33,7 +33,7 @@ pub(super) mod error {
     pub const MESSAGE_TOO_LARGE: u8 = 4;
 }
 
-/// What stands behind the sessions.
+/// The device that executes the sessions' messages.
 pub trait Device {
     /// A session begins on this connection.
     fn open(&mut self, session: u16, connection: u64);
@@ -55,7 +55,7 @@ pub trait Device {
     fn status(&self, message_available: bool) -> (u8, u8);
 }
 
-/// What is to be sent.
+/// Bytes to be sent on a connection.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Outgoing {
     /// Number of the connection.
@@ -155,7 +155,7 @@ impl Server {
         }
     }
 
-    /// What is to be sent since the last call, in this order.
+    /// Output since the last call, in order.
     pub fn take_output(&mut self) -> Vec<Outgoing> {
         std::mem::take(&mut self.output)
     }

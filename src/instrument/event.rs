@@ -30,7 +30,7 @@ pub enum Event {
     OutOfRange,
     /// Not one of the choices.
     IllegalParameter,
-    /// What the command needs is not built in.
+    /// The command needs a missing option.
     HardwareMissing,
     /// Something behind the front panel failed.
     SystemError,

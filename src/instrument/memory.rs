@@ -16,7 +16,7 @@ impl Instrument {
         self.memory(source).ok_or(Event::NotActive)
     }
 
-    /// What stands in memory, displayed or not; the math trace is computed from its channels.
+    /// The waveform in memory, displayed or not; the math trace is computed from its channels.
     fn memory(&self, source: Source) -> Option<Waveform> {
         match source {
             Source::Channel(number) => self.acquisition.memory(number).cloned(),

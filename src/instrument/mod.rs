@@ -44,7 +44,7 @@ pub const SETUP_MEMORIES: usize = 10;
 pub struct Service {
     /// Whether the front panel's keys are locked.
     pub locked: bool,
-    /// What `*TRG` does (`*DDT`).
+    /// Commands of `*TRG` (`*DDT`).
     pub device_trigger: String,
 }
 
@@ -63,7 +63,7 @@ pub struct Instrument {
     pub status: Status,
     /// Lock and device trigger.
     pub service: Service,
-    /// What the remote interface wants of the bench.
+    /// The remote interface's requests to the bench.
     pub bench: RemoteBench,
     settled: Panel,
     acquisition: Acquisition,
@@ -73,12 +73,12 @@ pub struct Instrument {
     seed: u64,
 }
 
-/// What no knob of the instrument changes.
+/// Properties that no knob changes.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct FrontEnd {
     /// Root mean square (div).
     noise: f64,
-    /// What each channel's amplifier adds to the voltage at the probe's tip (V), and its deviation.
+    /// Offset error of each channel's amplifier at the probe's tip (V), and its deviation.
     errors: Vec<(f64, Deviation)>,
 }
 
@@ -201,7 +201,7 @@ impl Instrument {
         self.acquisition.is_pending(&self.panel)
     }
 
-    /// What the acquisition is doing.
+    /// State of the acquisition.
     pub fn state(&self) -> State {
         self.acquisition.state(&self.panel, &self.setup())
     }

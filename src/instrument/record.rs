@@ -9,7 +9,7 @@ use crate::scope::acquire::{TriggerPosition, digitise, find_trigger, level};
 use crate::scope::front_end::{condition, high_pass, low_pass, noise_stream};
 use crate::scope::{PointFormat, Setup, Source, TriggerMode, TriggerSource, Waveform};
 
-/// What the bench puts at the inputs: volts at the probes' tips on one sample grid.
+/// Signals at the inputs: volts at the probes' tips on one sample grid.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Signals {
     /// From one sample to the next (s).

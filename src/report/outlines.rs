@@ -16,7 +16,7 @@ const DEFAULT_SIZE: f32 = 16.0;
 /// The picture `svg` with a `<path>` in place of every `<text>`.
 ///
 /// # Errors
-/// What is wrong with the built-in font.
+/// The problem with the built-in font.
 pub fn outline_text(svg: &str) -> Result<String, ttf_parser::FaceParsingError> {
     let face = Face::parse(FONT, 0)?;
     let picture_size = svg

@@ -1,6 +1,6 @@
-//! What a number must be beyond having the right unit.
+//! Limits of numbers, in addition to their dimension.
 
-/// What a number must be beyond having the right unit.
+/// Limits of numbers, in addition to their dimension.
 #[derive(Debug, Clone, Copy)]
 pub enum Bound {
     /// Any finite number.

@@ -25,7 +25,7 @@ pub struct MessageUnit {
     pub header: Vec<String>,
     /// Whether it asks.
     pub is_query: bool,
-    /// What follows the header.
+    /// The arguments.
     pub arguments: Vec<Argument>,
 }
 

@@ -11,7 +11,7 @@ use super::setting::{Context, Stop};
 use super::tree;
 use crate::instrument::{Event, Instrument};
 
-/// What is to be sent.
+/// A reply to be sent.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Reply {
     /// Nothing.

@@ -1,4 +1,4 @@
-//! What the screen shows, as data.
+//! Contents of the screen, as data.
 
 use crate::instrument::acquisition::State;
 use crate::instrument::panel::{
@@ -93,7 +93,7 @@ pub(super) const SOURCES: [Source; 9] = [
 ];
 
 impl Screen {
-    /// What an instrument shows.
+    /// The screen of an instrument.
     pub fn of(instrument: &Instrument) -> Self {
         let panel = &instrument.panel;
         let setup = instrument.setup();
@@ -128,7 +128,7 @@ impl Screen {
         }
     }
 
-    /// What captures alone tell: traces and scales.
+    /// The screen of captures alone: traces and scales.
     pub fn of_captures(captures: &[Capture]) -> Self {
         let find = |source| captures.iter().find(|capture| capture.waveform.source == source);
         let traces: Vec<Waveform> =

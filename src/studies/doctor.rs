@@ -36,7 +36,7 @@ pub struct Check {
     pub what: String,
     /// Whether it is as it should be.
     pub good: bool,
-    /// What was found.
+    /// The result.
     pub found: String,
 }
 

@@ -33,7 +33,7 @@ pub struct SweepOptions {
     pub threads: usize,
 }
 
-/// What came of runs.
+/// Counts of finished runs.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct RunCounts {
     /// Runs that have a line now.

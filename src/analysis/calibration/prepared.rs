@@ -27,7 +27,7 @@ pub struct PreparedRecord {
     pub signal: Trace,
     /// Sample of the highest value.
     pub peak: usize,
-    /// What the contact begins and ends at (V).
+    /// Threshold of the contact's begin and end (V).
     pub threshold: f64,
 }
 

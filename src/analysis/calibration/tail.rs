@@ -11,7 +11,7 @@ const TAIL_DELAY_SHARE: f64 = 0.3;
 /// Fewer samples behind the contact than this tell nothing.
 const MIN_TAIL_SAMPLES: usize = 100;
 
-/// What one record tells of `1/tau`.
+/// `1/tau` from one record.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tail {
     /// `1/tau` (1/s).

@@ -147,7 +147,7 @@ impl IndexedRecording {
         self.shots.get(place).map_or(0, |(_, stretches)| stretches.len())
     }
 
-    /// What was found so far beside the shots: facts, attachments, log, problems.
+    /// Contents found so far beside the shots: facts, attachments, log, problems.
     pub fn facts(&self) -> TraceSet {
         self.reader.facts()
     }

@@ -27,13 +27,13 @@ const ABOVE_REFERENCE: f64 = 100.0;
 pub struct CostStudy {
     /// Scene name.
     pub scene: String,
-    /// What errors are measured against.
+    /// The reference of the errors.
     pub reference: Reference,
     /// One row a method and setting.
     pub points: Vec<Point>,
     /// Observed order of each method on this scene, contact openings included.
     pub orders: Vec<Order>,
-    /// What `--accuracy` chooses at each decade, and what it reaches.
+    /// Choices of `--accuracy` at each decade, with the errors reached.
     pub chosen: Vec<ChosenMethod>,
     /// One digitiser level of the most sensitive channel, relative to its first peak; none without a wired sensor (1).
     pub level: Option<f64>,

@@ -150,7 +150,7 @@ pub fn point(scene: &Scene, treated: Treated, (exact, runs): (&Run, u16)) -> Poi
     point
 }
 
-/// What `--accuracy` comes to: the run as it is made, with its check runs, so many times or as often as [`TIMING_BUDGET`] allows.
+/// Result of `--accuracy`: the complete run, with its check runs, so many times or as often as [`TIMING_BUDGET`] allows.
 ///
 /// # Errors
 /// [`RunError`] where the scene cannot be run.

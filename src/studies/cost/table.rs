@@ -75,7 +75,7 @@ pub struct Order {
     pub observed_u: Option<f64>,
 }
 
-/// What an accuracy leads to.
+/// Method, cost and error of an accuracy.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ChosenMethod {
     /// Accuracy asked for (1).

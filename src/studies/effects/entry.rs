@@ -38,11 +38,11 @@ pub struct LedgerEntry {
     pub cost_u_ns_per_step: Option<f64>,
     /// That time as a share of the run with it (1).
     pub cost_share: Option<f64>,
-    /// What it changes, or would change; none where that was not to be measured.
+    /// Its change, or the change if it were on; none where that was not measured.
     pub change: Option<Change>,
 }
 
-/// What was found out about one effect, before it is written down.
+/// Findings on one effect, before they become an entry.
 pub(super) struct EffectFinding {
     pub(super) state: EffectState,
     pub(super) value: Option<f64>,

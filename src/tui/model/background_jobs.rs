@@ -45,7 +45,7 @@ impl ScreenState {
         }
     }
 
-    /// What the shot is held against, if anything.
+    /// The other side of the comparison, if any.
     pub fn compared_with(&self) -> Option<&str> {
         self.compared_with.as_deref()
     }

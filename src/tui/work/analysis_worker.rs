@@ -15,7 +15,7 @@ use crate::studies::{cost, effects};
 use crate::tui::model::background_jobs::JobAnswer;
 use crate::tui::model::{JobState, ScreenState};
 
-/// What a comparison is judged by.
+/// Limits of the comparison's scores.
 const SCORE_LIMITS: &str = "rms=1lsb";
 /// Share of progress from one report to the next (1).
 const PROGRESS_STEP: f64 = 0.01;
@@ -44,7 +44,7 @@ impl ComparisonRequest {
     }
 }
 
-/// What a shot is held against.
+/// The other side of a comparison.
 struct Other {
     name: String,
     set: TraceSet,

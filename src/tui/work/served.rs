@@ -24,7 +24,7 @@ use socket::Socket;
 const RECORD_POLL_INTERVAL: Duration = Duration::from_millis(100);
 /// How often it is asked for everything, since another client may have turned something.
 const SNAPSHOT_INTERVAL: Duration = Duration::from_secs(1);
-/// What says that there is a new record.
+/// Query for a new record.
 const STATE_QUERY: &str = ":ACQ:NUMAC?;STATE?;STOPA?;:TRIG:STATE?";
 /// Settings of the transfer, in the order of the reply.
 const TRANSFER_FIELDS: [&str; 5] = ["ENC", "WID", "STAR", "STOP", "SOU"];
@@ -171,7 +171,7 @@ impl ServedWorker {
         }
     }
 
-    /// What is new, if anything is.
+    /// Changes since the last call, if any.
     fn listen(&mut self, commanded: bool) -> io::Result<Option<ServedUpdate>> {
         let short = self.scope.socket.query(STATE_QUERY)?;
         let quiet = |(at, look): &(Instant, ServedSnapshot)| {
