@@ -27,7 +27,7 @@ pub struct Arguments {
     measured: PathBuf,
     /// The same of a simulation, or a scene, which is run: one that ships with the program, or a .toml file
     simulated: String,
-    /// What scores may be off at most: peak, speed, gain, spectrum (5%), arrival (2us), rms, max (2lsb, 10mV, 0.1N), correlation (0.99)
+    /// Limits of the scores: peak, speed, gain, spectrum (5%), arrival (2us), rms, max (2lsb, 10mV, 0.1N), correlation (0.99)
     #[arg(long, value_name = "LIST", value_parser = ScoreLimits::parse, default_value = "rms=1lsb")]
     tolerance: ScoreLimits,
     /// How both are brought onto one time axis

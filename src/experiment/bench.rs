@@ -194,7 +194,7 @@ impl<'a> Bench<'a> {
         (before, self.chain.free_energy(&integrator.state(), &held))
     }
 
-    /// What the losses have taken so far.
+    /// Energy dissipated so far.
     pub fn dissipated(&self) -> Dissipated {
         self.chain.dissipated(&self.engine.integrator().state(), &self.initial_velocities)
     }
@@ -217,7 +217,7 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// What the integration has cost so far.
+    /// Cost of the integration so far.
     pub fn work(&self) -> Work {
         self.engine.integrator().work()
     }
