@@ -6,7 +6,7 @@
 /// An evenly sampled signal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trace {
-    /// What the signal is, e.g. `force inside particle 14`.
+    /// Name of the signal, e.g. `force inside particle 14`.
     pub name: String,
     /// SI unit of the values, e.g. `N` or `V`.
     pub unit: String,

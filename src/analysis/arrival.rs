@@ -23,7 +23,7 @@ use std::fmt;
 use super::local_fit::{LocalFit, nearest_fall};
 use super::pulse::Pulse;
 
-/// What is called the arrival.
+/// Definition of the arrival.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Estimator {
     /// The signal first reaches half of its first peak.

@@ -1,4 +1,4 @@
-//! What a trace says before anything arrives: where its zero is, and how noisy it is.
+//! Zero and noise of a trace, from its samples before the pulse.
 //!
 //! Noise of one sample: the baseline's root mean square about its mean, but no less than `q/sqrt(12)`, what the rounding to
 //! levels `q` apart leaves (JCGM 100:2008, F.2.2.1). Where noise is below 0.3 levels, rounding errors of neighbouring samples go
@@ -15,7 +15,7 @@ const BASELINE_SHARE: f64 = 2.0 / 3.0;
 /// Noise below this many levels leaves rounding errors that go together (1).
 const DITHER_NOISE: f64 = 0.3;
 
-/// What the trace says before anything arrives.
+/// Zero and noise of a trace before the pulse.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Baseline {
     /// Mean (unit).

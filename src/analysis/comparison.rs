@@ -259,7 +259,7 @@ mod tests {
         assert!((distance.correlation.expect("a number") - 1.0).abs() < 1e-12);
     }
 
-    /// A shift that is no whole number of samples comes back, and a trace is at no distance from itself.
+    /// A shift that is not a whole number of samples comes back, and a trace is at no distance from itself.
     #[test]
     fn shifts_come_back() {
         let base = packet(1.0, 0);

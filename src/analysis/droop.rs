@@ -8,7 +8,7 @@
 
 use crate::trace::Trace;
 
-/// What the inverse makes of errors in the voltage.
+/// Gain of voltage errors by the inverse.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorGain {
     /// Standard deviation of `S N` over that of independent noise in each sample (1).

@@ -15,7 +15,7 @@ const FIRST_DAMPING: f64 = 1e-3;
 /// Damping beyond which no step is left that could help (1).
 const LAST_DAMPING: f64 = 1e12;
 
-/// What is to be minimised.
+/// A least-squares problem.
 pub trait LeastSquaresProblem {
     /// Residuals at `x` in their standard deviations; none where there is no value (1).
     fn residuals(&mut self, x: &[f64]) -> Option<Vec<f64>>;

@@ -25,7 +25,7 @@ fn factor(matrix: &[Vec<f64>], least: f64) -> Result<Vec<Vec<f64>>, Undetermined
             new.push((row[j] - known) / before[j]);
         }
         let pivot = row[i] - new.iter().map(|a| a * a).sum::<f64>();
-        // A pivot that is no number is no larger, either.
+        // A pivot that is not a number is no larger, either.
         if pivot.is_nan() || pivot <= least {
             return Err(Undetermined { parameter: i });
         }

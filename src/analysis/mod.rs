@@ -1,4 +1,4 @@
-//! What signals and chains mean: numbers that a physicist would read off.
+//! Analyses of signals and chains.
 
 pub mod arrival;
 pub mod baseline;

@@ -1,11 +1,11 @@
-//! What a pulse must fulfil, and why there is none.
+//! Conditions on a pulse, and the errors where one fails.
 
 use super::gate::Gate;
 
 /// A peak counts when it exceeds this share of the trace's largest value (1).
 pub const PEAK_SHARE: f64 = 0.25;
 
-/// What is known about how a trace was taken.
+/// Conditions under which a trace was taken.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Conditions {
     /// Distance of the digitiser's levels; 0 for a trace that was never digitised (unit).
@@ -41,7 +41,7 @@ pub enum PulseError {
         /// Standard uncertainty of one sample (unit).
         noise: f64,
     },
-    /// A value or interval that is no number.
+    /// A value or interval is not a number.
     #[error(
         "found a value or interval of {trace} that is not finite or not above zero, expected numbers"
     )]

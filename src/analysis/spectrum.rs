@@ -1,4 +1,4 @@
-//! What frequencies a signal holds.
+//! Amplitude spectra.
 //!
 //! Stands behind `recording` and `experiment`: a [`Trace`] in, amplitudes over frequency out. Two conventions:
 //!
@@ -27,7 +27,7 @@ use crate::trace::Trace;
 /// Ratio `N/M` of the paper.
 pub const PAPER_PADDING: usize = 5;
 
-/// What a spectrum's ordinate is.
+/// Convention of a spectrum's ordinate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Convention {
     /// `|X[k]|/M`, as in the paper.
@@ -49,9 +49,9 @@ impl fmt::Display for Convention {
 /// How a spectrum is made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpectrumSettings {
-    /// What the ordinate is.
+    /// Convention of the ordinate.
     pub convention: Convention,
-    /// What the record is multiplied with.
+    /// The window function.
     pub window: Window,
     /// `N/M`: how many times as long the record is made with zeros.
     pub padding: usize,
@@ -85,7 +85,7 @@ pub enum SpectrumError {
         /// Samples inside the gate.
         samples: usize,
     },
-    /// A value that is no number.
+    /// A value is not a number.
     #[error("found a value that is not finite in {trace} at {time:e} s, expected numbers only")]
     NotFinite {
         /// The trace's name.
@@ -114,13 +114,13 @@ pub enum SpectrumError {
 pub struct Spectrum {
     /// Unit of the amplitudes, `N` or `N/sqrt(Hz)`.
     pub unit: String,
-    /// What the amplitudes are.
+    /// Convention of the amplitudes.
     pub convention: Convention,
     /// Window of the record.
     pub window: Window,
     /// From one bin to the next, `1/(N dt)` (Hz).
     pub step: f64,
-    /// What two lines must be apart to be told from each other, `1/(M dt)` (Hz).
+    /// Resolution, the least distance of two separate lines, `1/(M dt)` (Hz).
     pub resolution: f64,
     /// Samples of the record, `M`.
     pub samples: usize,

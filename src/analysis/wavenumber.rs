@@ -38,7 +38,7 @@ pub enum WavenumberError {
         /// Of the shortest row.
         samples: usize,
     },
-    /// A value that is no number.
+    /// A value is not a number.
     #[error("found a value that is not finite, expected numbers only")]
     NotFinite,
 }

@@ -99,8 +99,8 @@ pub fn force_change(stiffness: f64, static_root: f64, change: f64) -> f64 {
 #[inline]
 pub fn force_and_tangent(stiffness: f64, static_root: f64, change: f64) -> (f64, f64) {
     let static_overlap = static_root * static_root;
-    // An open contact has lost its whole static force, whatever the gap.
-    let change = change.max(-static_overlap);
+    // An open contact has lost its whole static force, whatever the gap. A comparison, for `max` would turn what is not a number into a gap.
+    let change = if change < -static_overlap { -static_overlap } else { change };
     let root = (static_overlap + change).max(0.0).sqrt();
     let sum = root + static_root;
     let force = stiffness * change * (sum - root * static_root / sum.max(f64::MIN_POSITIVE));

@@ -1,10 +1,9 @@
-//! What the losses have taken, read from the accounts of a [`super::DissipativeSystem`].
+//! What the losses have taken, read from the accounts of a [`super::ChainSystem`].
 
 use serde::Serialize;
 
-use super::dissipative::ACCOUNTS;
-use super::{Chain, ChainSystem, DissipativeSystem, Energy, PulledSystem};
-use crate::integrate::{State, System};
+use super::{ACCOUNTS, Chain, Energy};
+use crate::integrate::State;
 
 /// Names of the kinds of loss, in the order of a contact's terms.
 const NAMES: [&str; 3] = ["dashpot", "kuwabara_kono", "power_law_loss"];
@@ -38,19 +37,6 @@ impl Chain {
     /// Whether a contact has a loss: forces then depend on velocities.
     pub fn is_dissipative(&self) -> bool {
         self.contacts.iter().any(|contact| contact.loss.is_some())
-    }
-
-    /// The chain as what it is to be integrated as: a lossless chain pays nothing for losses, and one without
-    /// [`super::MagnetLaw`] nothing for that.
-    pub fn system(&self, initial_velocity: &[f64]) -> Box<dyn System> {
-        let system: Box<dyn System> = if self.is_dissipative() {
-            Box::new(DissipativeSystem::new(self, initial_velocity))
-        } else {
-            Box::new(ChainSystem::new(self, initial_velocity))
-        };
-        let Some((body, pull)) = self.pull() else { return system };
-        let masses = self.bodies.iter().map(|body| body.mass).collect();
-        Box::new(PulledSystem::new(system, pull.clone(), body, masses))
     }
 
     /// The state at rest in static equilibrium but for `initial_velocity` (m/s), with room for the accounts.

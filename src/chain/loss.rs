@@ -86,17 +86,7 @@ impl ContactLoss {
         self.jumps() || self.relaxation > 0.0
     }
 
-    /// What of it is at work in a contact that is `closed` or `held` at zero force, or not: what makes forces jump is in closed ones alone.
-    pub(super) fn at_work(&self, closed: bool, held: bool) -> Self {
-        let [jumping, smooth] = [closed && !held, !held].map(|works| if works { 1.0 } else { 0.0 });
-        Self {
-            dashpot: jumping * self.dashpot,
-            relaxation: smooth * self.relaxation,
-            power_force: jumping * self.power_force,
-            ..*self
-        }
-    }
-
+    /// Force of each kind, nothing held (N).
     pub(super) fn terms(&self, stiffness: f64, touch: Touch) -> LossTerms {
         let Touch { overlap, closing, closed, .. } = touch;
         let viscous = if self.relaxation > 0.0 {
@@ -190,6 +180,6 @@ impl ContactLoss {
 }
 
 /// Force of a power law of `at_one` (N) at 1 m/s and an exponent (1) where bodies close at `closing` (m/s) (N).
-pub(super) fn power_law(at_one: f64, exponent: f64, closing: f64) -> f64 {
+fn power_law(at_one: f64, exponent: f64, closing: f64) -> f64 {
     if at_one > 0.0 { at_one * closing.abs().powf(exponent).copysign(closing) } else { 0.0 }
 }

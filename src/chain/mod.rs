@@ -9,28 +9,21 @@
 //! overlap follows from its force in closed form.
 
 mod contact;
-mod damping;
-mod dissipative;
 pub mod effects;
 mod energy;
 mod error;
 pub mod hertz;
-mod impact;
-mod kernel;
 mod ledger;
 pub mod loss;
-mod loss_plan;
 mod magnet;
-mod pacing;
 mod probe;
 pub mod probe_step;
-mod pulled;
 pub mod simd;
+mod stability;
 mod statics;
 mod system;
 
 pub use contact::{Contact, Law};
-pub use dissipative::{ACCOUNTS, DissipativeSystem};
 pub use effects::{
     ContactOverride, Dashpot, Effect, EffectsSpec, Gravity, KuwabaraKono, LinearisedContacts,
     LossSpec, MagnetForce, MagnetLaw, MagnetPreload, PlacedAt, PlacedMagnet, PowerLawLoss,
@@ -38,13 +31,12 @@ pub use effects::{
 pub use energy::Energy;
 pub use error::ChainError;
 pub use hertz::Elasticity;
-pub use impact::StabilityLimit;
 pub use ledger::Dissipated;
 pub use loss::{ContactLoss, EndOfContact};
 pub use magnet::{ChainMagnet, Pull};
 pub use probe::{ForceProbe, ForceSegment};
-pub use pulled::PulledSystem;
-pub use system::ChainSystem;
+pub use stability::StabilityLimit;
+pub use system::{ACCOUNTS, ChainSystem};
 
 use std::sync::Arc;
 

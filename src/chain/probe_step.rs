@@ -11,9 +11,6 @@ use crate::integrate::{COEFFICIENTS, Integrator};
 
 /// Times in a step at which a force is evaluated, as fractions of the step; its end is the last (1).
 pub const SAMPLE_TIMES: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
-/// A maximum within a step is no more than this factor above the larger force at the ends: half a step from it, the force is still
-/// `cos(4 pi/15)^1.5 = 0.55` of it in steps that error control accepts (1).
-const MAX_RATIO_WITHIN_STEP: f64 = 2.0;
 /// Where a force rises or falls at both ends of a step, and the least rate of their cubic is below this share of both, it may turn in
 /// between (1).
 const DOUBTFUL_RATE_SHARE: f64 = 0.6;
@@ -149,6 +146,14 @@ pub struct ProbeTracker {
     forces: [[f64; 2]; 2],
     /// Start and length of the last step (s).
     step: (f64, f64),
+    /// A maximum within a step is no more than this factor above the larger force at its ends (1).
+    max_ratio: f64,
+}
+
+/// Largest ratio of a force's maximum within a step of `phase` (rad) of its fastest oscillation to the larger force at the ends: the overlap is
+/// `cos(phase/2)` of its maximum there, the force goes as its power 1.5; unlimited from half an oscillation on (1).
+fn max_ratio_within_step(phase: f64) -> f64 {
+    if phase < std::f64::consts::PI { (0.5 * phase).cos().powf(-1.5) } else { f64::INFINITY }
 }
 
 impl ProbeTracker {
@@ -166,6 +171,7 @@ impl ProbeTracker {
             ends: Default::default(),
             forces: Default::default(),
             step: (stepper.time(), 0.0),
+            max_ratio: max_ratio_within_step(stepper.max_phase()),
         };
         tracker.advance(stepper);
         tracker
@@ -232,12 +238,16 @@ impl ProbeTracker {
     ///
     /// A force that changes its curvature at most once in a step is below its tangents at both ends: below the one where it is concave there,
     /// and where it is convex below the larger of that part's ends. A maximum of one that falls at the start and rises at the end is not looked
-    /// for: it would have turned three times.
+    /// for: it would have turned three times. In steps of half an oscillation and more nothing is ruled out: the places in
+    /// [`SAMPLE_TIMES`] are closer than two turns up to steps of two oscillations.
     pub fn may_exceed(&self, [maximum, level]: [f64; 2]) -> bool {
+        if self.max_ratio.is_infinite() {
+            return true;
+        }
         let ([[first, first_rate], [last, last_rate]], length) = (self.forces, self.step.1);
         let (climb, slope) = (first_rate * length, last_rate * length);
         let bound = (first + climb.max(0.0)).max(last - slope.min(0.0));
-        if bound.max(MAX_RATIO_WITHIN_STEP * first.max(last)) <= maximum {
+        if bound.max(self.max_ratio * first.max(last)) <= maximum {
             return false;
         }
         let (rose, rises) = (climb > 0.0, slope > 0.0);
@@ -268,6 +278,7 @@ mod tests {
             ends: Default::default(),
             forces,
             step: (0.0, 1.0),
+            max_ratio: max_ratio_within_step(8.0 * std::f64::consts::PI / 15.0),
         }
     }
 

@@ -5,13 +5,13 @@ use crate::experiment::accuracy::{ChosenAccuracy, of_scene, of_scope};
 use crate::quantity::{Dimension, parse};
 use crate::scene::{LOOSEST_ACCURACY, Scene, TIGHTEST_ACCURACY};
 
-/// What stands for the accuracy that the scope calls for, in scenes too.
+/// Keyword for the accuracy derived from the scope, in scenes too.
 const AUTO: &str = "auto";
 
-/// What is asked for.
+/// Options of accuracy.
 #[derive(Debug, Clone, Copy)]
 pub enum AccuracyArguments {
-    /// What the scene's scope calls for, whatever the scene says.
+    /// The accuracy derived from the scope; the scene's own does not count.
     Auto,
     /// This relative error (1).
     Value(f64),
@@ -26,7 +26,7 @@ impl AccuracyArguments {
         accuracy(text).map(Self::Value).map_err(|error| format!("{error}, or {AUTO}"))
     }
 
-    /// What `asked` comes to for `scene`: without it the scene's own.
+    /// The accuracy for `scene`: `asked`, or else the scene's own.
     pub fn of(asked: Option<Self>, scene: &Scene) -> Result<ChosenAccuracy, RunError> {
         match asked {
             Some(Self::Value(value)) => {

@@ -30,7 +30,7 @@ pub struct Arguments {
     simulated: String,
     #[command(flatten)]
     table: TableArguments,
-    /// What scores may be off at most: peak, speed, gain, spectrum (5%), arrival (2us), rms, max (2lsb, 10mV, 0.1N), correlation (0.99)
+    /// Limits of the scores: peak, speed, gain, spectrum (5%), arrival (2us), rms, max (2lsb, 10mV, 0.1N), correlation (0.99)
     #[arg(long, value_name = "LIST", value_parser = ScoreLimits::parse, default_value = "rms=1lsb")]
     tolerance: ScoreLimits,
     /// How both are brought onto one time axis

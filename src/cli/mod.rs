@@ -135,7 +135,7 @@ pub fn main() -> ExitCode {
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
-        // Whoever reads our output through `head` has seen enough: no error, and no noise.
+        // `head` closes the pipe once it has its lines: not an error.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) if error.is::<AnswerIsNo>() => ExitCode::FAILURE,
         Err(error) => {

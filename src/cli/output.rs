@@ -2,7 +2,7 @@
 
 use std::io::{ErrorKind, IsTerminal as _, Write as _};
 
-/// What was asked has been answered, and the answer, already printed, is no.
+/// Error for an answer of no that has been printed already.
 #[derive(Debug, thiserror::Error)]
 #[error("the answer is no")]
 pub(super) struct AnswerIsNo;

@@ -6,7 +6,7 @@ use anyhow::Context as _;
 
 use crate::files;
 
-/// What `--plot` takes.
+/// Endings that `--plot` takes.
 pub const PICTURE_ENDINGS: &str = "FILE.svg|FILE.png";
 
 /// The name of a picture's file.

@@ -23,7 +23,7 @@ impl JobProgress {
         Self { started: Instant::now(), bar: None, quiet, what: what.to_owned() }
     }
 
-    /// Hears that `share` of the work is done, 0 to 1.
+    /// Shows that `share` of the work is done, 0 to 1.
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

@@ -100,7 +100,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// What is wrong with a step or a tolerance by hand, and one that would do.
+/// The problem with a step or tolerance by hand, and a working one.
 fn advised(error: RunError, scene: &Scene, integration: Integration) -> anyhow::Error {
     let is_too_long = !matches!(
         error,
@@ -119,7 +119,7 @@ fn advised(error: RunError, scene: &Scene, integration: Integration) -> anyhow::
     }
 }
 
-/// Refuses the name of a file that is no recording.
+/// Refuses file names without the ending of a recording.
 fn is_recording(file: &Path) -> anyhow::Result<&Path> {
     if file.extension().is_none_or(|extension| extension != "mcap") {
         bail!(

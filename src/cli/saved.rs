@@ -1,4 +1,4 @@
-//! What a scope saves beside its curves: the set-up and the screen.
+//! Set-up and screen that a scope saves beside its curves.
 
 use crate::data;
 use crate::instrument::Instrument;
@@ -13,7 +13,7 @@ use crate::screen::Screen;
 pub struct Saved {
     /// Content of the `.SET` file; none where the whole front panel is not known.
     pub set_up: Option<Vec<u8>>,
-    /// What the screen showed.
+    /// The screen.
     pub screen: Screen,
 }
 

@@ -106,7 +106,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut announced = Ok(());
     let shutdown = async {
         let stopped = stopped();
-        // Not before signals are listened to: whoever reads it may end the program at once, and the recording is finished.
+        // Only after signals are handled: a reader of this line may end the program at once, and the recording must be complete.
         announced = super::print(&told);
         if announced.is_ok() {
             stopped.await;
@@ -146,7 +146,7 @@ fn lines() -> mpsc::Receiver<()> {
     receiver
 }
 
-/// What waits for Ctrl-C, or for what ends a service; both are listened to from now on. Where they cannot be, the system ends the program by
+/// A future that waits for Ctrl-C or the signal that ends a service; both are handled from now on. Where they cannot be, the system ends the program by
 /// itself.
 #[cfg(unix)]
 fn stopped() -> impl Future<Output = ()> {

@@ -14,7 +14,7 @@ use crate::recording::{Shot, TraceSet};
 use crate::scene::Site;
 use crate::trace::Trace;
 
-/// What a record is multiplied with.
+/// The window function of a record.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum WindowChoice {
     /// None: for pulses that end within the record
@@ -53,7 +53,7 @@ pub struct SignalArguments {
     /// Channel to transform, e.g. CH2 [default: the first]
     #[arg(long, value_name = "CH", conflicts_with = "truth")]
     channel: Option<String>,
-    /// What no sensor saw, less its static part: a sensor's name, contact/3, bead/7
+    /// A simulated signal, less its static part: a sensor's name, contact/3, bead/7
     #[arg(long, value_name = "NAME")]
     truth: Option<String>,
     /// Shot to look at

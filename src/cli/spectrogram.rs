@@ -32,7 +32,7 @@ pub struct Arguments {
     /// From one piece to the next [default: an eighth of a piece]
     #[arg(long, value_name = "T", value_parser = time)]
     hop: Option<f64>,
-    /// What each piece is multiplied with
+    /// The window function of each piece
     #[arg(long, value_enum, default_value_t = WindowChoice::Hann)]
     window: WindowChoice,
     /// Print as JSON, the whole map included

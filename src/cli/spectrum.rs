@@ -27,10 +27,10 @@ const MAX_LISTED: usize = 12;
 pub struct Arguments {
     #[command(flatten)]
     signal: SignalArguments,
-    /// What the ordinate is
+    /// The ordinate
     #[arg(long, value_enum, default_value_t = ConventionChoice::Paper)]
     convention: ConventionChoice,
-    /// What the record is multiplied with
+    /// The window function
     #[arg(long, value_enum, default_value_t = WindowChoice::Rectangular)]
     window: WindowChoice,
     /// Print as JSON, all bins included
@@ -79,7 +79,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
 }
 
-/// The chain around the sensor, and why there is none if there is none.
+/// The chain around the sensor, or why it is not known.
 fn chain(
     set: &TraceSet,
     shot: u32,

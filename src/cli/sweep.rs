@@ -131,7 +131,7 @@ fn instructions(name: &str) -> Result<InstructionSet, SweepError> {
         .ok_or_else(|| SweepError::Instructions { wanted: name.to_owned(), known: known() })
 }
 
-/// Runs that the folder's other logs hold: whoever has done them, they need not be done again.
+/// Runs that the folder's other logs hold; they are not repeated.
 fn finished_elsewhere(folder: &Path, own: &Scan) -> Result<HashSet<u64>, SweepError> {
     let mut finished = HashSet::new();
     for file in logs(folder)?.into_iter().filter(|file| *file != own.file) {

@@ -25,7 +25,7 @@ pub struct Arguments {
     /// A scene that ships with the program, or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
     scene: String,
-    /// What to turn [default: all that the scene has]
+    /// Parameter to tune [default: all that the scene has]
     #[arg(long, value_name = "KNOB", value_delimiter = ',', value_parser = PossibleValuesParser::new(TuningParameter::ALL.map(TuningParameter::name)))]
     knob: Vec<String>,
     /// Values of each knob

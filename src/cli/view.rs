@@ -78,7 +78,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Refuses to draw where nobody would see it.
+/// Refuses to draw where the output is not a terminal.
 fn terminal() -> anyhow::Result<()> {
     if !std::io::stdout().is_terminal() {
         bail!(

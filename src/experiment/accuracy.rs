@@ -3,31 +3,26 @@
 use std::cell::{Cell, LazyCell};
 use std::time::Instant;
 
-use super::attempts::{Attempt, Attempts, has_two_lengths, reference_tolerance};
-use super::bench::Grid;
-use super::comparison::{
-    Run, arrival_error, compare_readings, deviation, level_of, peak_error, readings, sampled,
-};
+use super::comparison::{level_of, readings};
 use super::energy::MOST;
 use super::horizon::horizon;
-use super::method_choice::controlled_for;
-pub use super::outcome::ErrorEstimate;
-use super::outcome::Reading;
-use super::{Integration, Outcome, RunError, method, run, sample_grid};
-use crate::integrate::IntegrateError;
+use super::method_choice::{Attempt, controlled, first_attempt_at, first_controlled};
+use super::outcome::ErrorEstimate;
+use super::reference::{MIN_TOLERANCE, ReferenceRun, reference_tolerance};
+use super::{Integration, Outcome, RunError, method, run};
+use crate::integrate::{IntegrateError, Method};
 use crate::quantity::engineering;
-use crate::scene::{DEFAULT_ACCURACY, LOOSEST_ACCURACY, Scene, Site, TIGHTEST_ACCURACY};
+use crate::scene::{DEFAULT_ACCURACY, LOOSEST_ACCURACY, Scene, TIGHTEST_ACCURACY};
 
 /// Accuracy of the run that finds out how large peaks are and when they come (1).
 const COARSE: f64 = 1e-3;
 /// Share of a digitiser level and of a sample interval that may be wrong where nobody names an accuracy (1).
 const SHARE: f64 = 0.1;
-/// Safety factor on the reference run's own accuracy: with 3, estimates of extreme scenes came out too small by up to a factor of 2.4, held against
-/// a solver of another kind (`tests/it/fifty_scenes`) (1).
-pub const REFERENCE_MARGIN: f64 = 10.0;
-/// Differences between traces count so many times: what amplifies the first run's errors amplifies the second's, too, which has come to a
-/// fourteenth of the first's in the shipped scenes, and near rounding to more (1).
-pub const TRACES: f64 = 2.0;
+/// A run is repeated with tighter steps as often as this has entries. Errors go about as the tolerance does; steps aim at this share of what is allowed, the last ones
+/// so that little is left to chance (1).
+const AIMS: [f64; 2] = [0.3, 0.05];
+/// Where it is not known by how much errors are too large, steps are made for this share (1).
+const UNKNOWN_ERROR_SHARE: f64 = 0.02;
 
 /// An accuracy and where it is from.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,10 +77,10 @@ pub fn of_scene(scene: &Scene) -> Result<ChosenAccuracy, RunError> {
     }
 }
 
-/// Runs `scene` so that first peaks and arrivals are as accurate as asked (1), estimate included: the steps of a run are held to an
-/// accuracy, which says nothing of what the chain makes of their errors. So each run is held against a tighter one
-/// ([`estimate`]), and taken again with tighter steps where they differ by too much ([`attempted_methods`](super::attempted_methods)), or where it has made or lost more than [`MOST`] of
-/// the energy in motion. Traces are held to half of the digits, an error of `sqrt(accuracy)`, unless it is told from when on they are not. `progress` hears the share of the work, 0 to 1: the first run is taken for half of it, the next for half of the rest, and so on.
+/// Runs `scene` so that first peaks and arrivals are as accurate as asked (1), by the error estimate: a run is compared with a tighter reference run, and repeated with
+/// tighter steps, twice at most, where its errors may exceed the accuracy, those of traces `sqrt(accuracy)` before the time from which they are said to be chaotic, or
+/// where it has made or lost more than [`MOST`] of the energy in motion. What the last run lacks is noted. `progress` is called with the share of the work done, 0 to 1:
+/// the first run counts as half of it, the next as half of the rest, and so on.
 ///
 /// # Errors
 /// [`RunError`] where the chain cannot be followed.
@@ -96,47 +91,58 @@ pub fn run_to_accuracy(
     progress: &mut dyn FnMut(f64),
 ) -> Result<Outcome, RunError> {
     let (own, started) = (&*scene.of_shot(shot), Instant::now());
-    let mut tries = Attempts::of(own, accuracy);
-    let mut second: Option<ReferenceRun> = None;
+    let remaining = Cell::new(1.0);
+    let next = || remaining.set(0.5 * remaining.get());
+    let mut progress = |share: f64| progress(1.0 - remaining.get() * (2.0 - share));
+    let mut attempt = first_attempt_at(own, accuracy);
+    let mut aims = AIMS.into_iter();
+    let mut reference: Option<ReferenceRun> = None;
     let mut makes_energy = false;
-    let left = Cell::new(1.0);
-    let next = || left.set(0.5 * left.get());
-    let mut progress = |share: f64| progress(1.0 - left.get() * (2.0 - share));
     loop {
-        let Some(attempt @ Attempt { method, steps }) = tries.next() else {
-            unreachable!("the last that is tried is taken as it is")
-        };
         next();
-        let by = Integration::Attempt { method, accuracy };
-        let mut outcome = match run(scene, by, shot, &mut progress) {
-            Err(RunError::Integrate(IntegrateError::NotFinite { .. }))
-                if has_two_lengths(method) =>
-            {
-                continue;
+        let Attempt { method, steps } = attempt;
+        let has_two_lengths = matches!(method, Method::TwoStepForceGradient { .. });
+        let is_last = !has_two_lengths && (aims.len() == 0 || steps <= MIN_TOLERANCE);
+        let mut outcome =
+            match run(scene, Integration::Attempt { method, accuracy }, shot, &mut progress) {
+                Err(RunError::Integrate(IntegrateError::NotFinite { .. })) if has_two_lengths => {
+                    attempt = first_controlled(own, accuracy);
+                    continue;
+                }
+                found => found?,
+            };
+        let keeps_energy = outcome.summary.energy.is_kept(MOST);
+        makes_energy |= !keeps_energy;
+        let (mut estimate, mut share) = (None, UNKNOWN_ERROR_SHARE);
+        let changes = outcome.summary.contact_changes;
+        let chaotic_from = LazyCell::new(|| known_until(own, steps, changes));
+        if keeps_energy || is_last {
+            let tolerance = reference_tolerance(steps.min(accuracy));
+            let against = match reference.take() {
+                Some(reference) if reference.tolerance <= tolerance => reference,
+                _ => {
+                    next();
+                    ReferenceRun::run(own, tolerance, shot, &mut progress)?
+                }
+            };
+            estimate = reference.insert(against).compare(&outcome, accuracy);
+            if let Some(estimate) = &estimate {
+                share = accuracy / estimate.worst();
+                let of_traces = accuracy.sqrt() / estimate.trace.unwrap_or(0.0);
+                if of_traces < share.min(1.0) && chaotic_from.is_none() {
+                    share = of_traces;
+                }
             }
-            found => found?,
-        };
-        if !tries.is_over() && !outcome.summary.energy.is_kept(MOST) {
-            makes_energy = true;
+        }
+        if share < 1.0 && !is_last {
+            attempt = if has_two_lengths {
+                first_controlled(own, accuracy)
+            } else {
+                let aim = aims.next().unwrap_or(1.0);
+                controlled(own, (aim * share * steps).max(MIN_TOLERANCE))
+            };
             continue;
         }
-        let against = match second.take() {
-            Some(second) if second.tighter <= reference_tolerance(steps) => second,
-            _ => {
-                next();
-                ReferenceRun::run(own, steps.min(accuracy), shot, &mut progress)?
-            }
-        };
-        let estimate = second.insert(against).holds(&outcome, accuracy);
-        let late = LazyCell::new(|| known_until(own, steps, outcome.summary.contact_changes));
-        let held = estimate.as_ref().is_some_and(|estimate| {
-            let traces = tries.holds_traces(attempt, estimate.trace, || late.is_some());
-            estimate.worst() <= accuracy && traces
-        });
-        if !held && !tries.is_over() {
-            continue;
-        }
-        let late = *late;
         let summary = &mut outcome.summary;
         if steps < accuracy {
             let why = if makes_energy {
@@ -144,12 +150,12 @@ pub fn run_to_accuracy(
             } else {
                 "longer ones left it uncertain whether readings are as accurate as asked, and traces to half of the digits"
             };
-            summary.notes.push(format!("steps are held to {steps:.0e}: {why}"));
+            summary.notes.push(format!("steps are made for {steps:.0e}: {why}"));
         }
         summary.notes.extend(doubt(estimate.as_ref(), accuracy));
         summary.error_estimate = estimate.filter(|_| summary.has_pulse());
         summary.note_energy("a tighter accuracy keeps it better");
-        if let Some(time) = late {
+        if let Some(time) = *chaotic_from {
             summary.note_horizon(time, steps);
             summary.note_undecided();
         }
@@ -166,118 +172,11 @@ pub(crate) fn known_until(scene: &Scene, accuracy: f64, changes: Option<u64>) ->
     amplifies.then(|| horizon(&scene.chain, &scene.initial_velocities, setting).ok())??
 }
 
-/// Compares shot `shot` of `scene` with its reference run, at the [`reference_tolerance`] of `accuracy` (1). By the triangle inequality the error is at
-/// most their difference and what the second run is off itself: [`REFERENCE_MARGIN`] times its own accuracy are added. Late in rattling chains traces of the second are
-/// off by more than that, too: theirs is twice the difference.
-///
-/// None where the second run feels other pulses than the first, or none that are louder than what it may be off itself: where steps are held to
-/// the stiffest contact both runs may take the same ones, and err the same way.
-///
-/// # Errors
-/// [`RunError`] where the second run cannot go on.
-pub fn estimate(
-    scene: &Scene,
-    accuracy: f64,
-    outcome: &Outcome,
-) -> Result<Option<ErrorEstimate>, RunError> {
-    let second = ReferenceRun::run(scene, accuracy, outcome.shot.number, &mut |_| ())?;
-    Ok(second.holds(outcome, accuracy))
-}
-
-/// Errors of a run of shot 1 of `scene` against an `exact` one: of peaks, arrivals and traces, as an estimate gives them; none where it has other pulses.
-pub fn errors(scene: &Scene, exact: &Run, outcome: &Outcome) -> Option<ErrorEstimate> {
-    let exact =
-        ReferenceRun::of(scene, exact.clone(), 0.0, sample_grid(scene, outcome.shot.number));
-    let found = exact.holds(outcome, f64::INFINITY)?;
-    Some(ErrorEstimate { trace: found.trace.map(|trace| trace / TRACES), ..found })
-}
-
-/// What runs are held against.
-struct ReferenceRun {
-    /// Its accuracy (1).
-    tighter: f64,
-    /// At the sensors inside, then at the wall.
-    readings: Vec<Reading>,
-    /// What it may be off itself (N).
-    faintest: f64,
-    /// Static forces (N) and dynamic ones at the times of `grid` (N), of all sensors; none where no pulse was felt.
-    traces: Vec<Option<(f64, Vec<f64>)>>,
-    grid: Grid,
-}
-
-impl ReferenceRun {
-    fn run(
-        scene: &Scene,
-        accuracy: f64,
-        shot: u32,
-        progress: &mut dyn FnMut(f64),
-    ) -> Result<Self, RunError> {
-        let tighter = reference_tolerance(accuracy);
-        let method = controlled_for(&scene.chain, &scene.initial_velocities, tighter);
-        let grid = sample_grid(scene, shot);
-        let mut share = |time: f64| progress(time / scene.duration);
-        let found = sampled(scene, (method, None), (u64::MAX, grid), &mut share)?;
-        Ok(Self::of(scene, found, tighter, grid))
-    }
-
-    /// A run of `scene` to an accuracy of `tighter` (1), its traces sampled on `grid`.
-    fn of(scene: &Scene, run: Run, tighter: f64, grid: Grid) -> Self {
-        let Run { readings: found, traces, .. } = run;
-        let inside = scene.sensors.iter().zip(&found).filter(|(s, _)| s.site != Site::Wall);
-        let wall = scene.chain.wall_contact().and_then(|_| found.last());
-        let readings = inside.map(|(_, reading)| reading).chain(wall).cloned().collect();
-        let faintest =
-            REFERENCE_MARGIN * tighter * scene.chain.impact_force(&scene.initial_velocities);
-        let felt = |(reading, trace): (&Reading, Vec<f64>)| {
-            reading.first_peak.map(|_| (reading.static_n, trace))
-        };
-        let traces = found.iter().zip(traces).map(felt).take(scene.sensors.len()).collect();
-        Self { tighter, readings, faintest, traces, grid }
-    }
-
-    /// How far off the run is, as [`estimate`] has it, whose traces are to deviate by no more than `limit` (1).
-    fn holds(&self, outcome: &Outcome, limit: f64) -> Option<ErrorEstimate> {
-        let Self { tighter, readings: second, faintest, .. } = self;
-        let summary = &outcome.summary;
-        let first: Vec<Reading> = summary.sensors.iter().chain(&summary.wall).cloned().collect();
-        let felt =
-            |readings: &[Reading]| readings.iter().filter(|r| r.first_peak.is_some()).count();
-        let mut peaks = second.iter().filter_map(|reading| reading.first_peak);
-        if felt(&first) != felt(second) || peaks.any(|peak| peak.dynamic_n < *faintest) {
-            return None;
-        }
-        let off = |error| {
-            compare_readings(&first, second, error).map(|off| off + REFERENCE_MARGIN * tighter)
-        };
-        let (peak, arrival) = (off(peak_error)?, off(arrival_error)?);
-        let (trace, trace_holds_s) = self.trace(outcome, limit).unzip();
-        let how = format!("estimated from a second run at accuracy {tighter:.0e}");
-        Some(ErrorEstimate { peak, arrival, trace, trace_holds_s: trace_holds_s.flatten(), how })
-    }
-
-    /// How far off traces are (1), and up to when by no more than `limit` (1, s).
-    fn trace(&self, outcome: &Outcome, limit: f64) -> Option<(f64, Option<f64>)> {
-        let Self { tighter, traces, grid, .. } = self;
-        let recorded = outcome.shot.truth.iter().filter(|trace| trace.name.starts_with("sensor/"));
-        let pairs = recorded.zip(traces).filter_map(|(trace, second)| {
-            let (at_rest, exact) = second.as_ref()?;
-            let dynamic: Vec<f64> = trace.values.iter().map(|force| force - at_rest).collect();
-            Some((dynamic, exact.clone()))
-        });
-        let (found, exact): (Vec<_>, Vec<_>) = pairs.unzip();
-        let own = REFERENCE_MARGIN * tighter;
-        let (off, first) = deviation(&found, &exact, (limit - own) / TRACES);
-        let holds = |sample: usize| grid.time(sample.saturating_sub(1)).max(0.0);
-        (!found.is_empty()).then(|| (TRACES * off + own, first.map(holds)))
-    }
-}
-
-/// What the user has to hear of an estimate that is missing, or beyond the `accuracy` (1) that was asked for.
+/// The note on an estimate that is missing, or beyond the `accuracy` (1) that was asked for.
 pub fn doubt(estimate: Option<&ErrorEstimate>, accuracy: f64) -> Option<String> {
     let Some(estimate) = estimate else {
         return Some(
-            "a tighter run feels other pulses than this one, or some too faint to tell: how far off these readings are is not known"
-                .to_owned(),
+            "no error estimate: the reference run detects different pulses, or pulses below its own error".to_owned(),
         );
     };
     let worst = estimate.worst();

@@ -38,7 +38,7 @@ pub fn external(scene: &Scene, bench: &Bench<'_>, grid: Grid) -> Vec<f64> {
     sensor_voltages(scene, bench, grid, (name, load)).unwrap_or_default()
 }
 
-/// What a sensor, by its name, delivers into a load (V).
+/// Voltage of the sensor `name` into a load (V).
 fn sensor_voltages(
     scene: &Scene,
     bench: &Bench<'_>,
@@ -58,7 +58,7 @@ fn sensor_voltages(
     Some(circuit.respond(&force).values)
 }
 
-/// What the sensitivity of the trigger's source counts in: a channel's vertical scale (V/div).
+/// Scale of the trigger's source: a channel's vertical scale (V/div).
 pub fn trigger_scale(scene: &Scene) -> Option<f64> {
     let setup = &scene.scope;
     match setup.trigger.source {
@@ -129,7 +129,7 @@ pub fn record(
     }
 }
 
-/// What no scope saw: the force at each sensor on the sample grid, and the film.
+/// Ground truth: the force at each sensor on the sample grid, and the frames.
 pub fn truth(scene: &Scene, bench: &Bench<'_>, grid: Grid) -> Vec<Trace> {
     let trace = |name: String, unit: &str, grid: Grid, values: Vec<f64>| Trace {
         name,

@@ -54,7 +54,7 @@ pub fn resolve_auto_effects(scene: &Scene, integration: Integration) -> Cow<'_, 
     Cow::Owned(settled)
 }
 
-/// What was decided, in words.
+/// The decision, as a note.
 fn describe_decision(name: &str, change: f64, limit: f64) -> String {
     if change.is_infinite() {
         format!("{name} is on: how much it changes cannot be told beforehand")

@@ -2,7 +2,7 @@
 
 use crate::chain::probe_step::ProbeTracker;
 use crate::chain::simd::{InstructionSet, Refinement, VectorStepper};
-use crate::chain::{Chain, Dissipated, Energy, ForceProbe};
+use crate::chain::{Chain, ChainSystem, Dissipated, Energy, ForceProbe};
 use crate::integrate::{IntegrateError, Integrator, Method, State, Work};
 
 use super::frames::Frames;
@@ -27,7 +27,7 @@ pub fn start(chain: &Chain, method: Method, state: State) -> Box<dyn Integrator>
         Some(scheme) if chain.runs_on_vectors() => {
             Box::new(VectorStepper::new(chain, &state, scheme, InstructionSet::best()))
         }
-        _ => method.start(chain.system(&state.velocity), state),
+        _ => method.start(Box::new(ChainSystem::new(chain, &state.velocity)), state),
     }
 }
 
@@ -47,7 +47,7 @@ impl<'a> Engine<'a> {
                 let trackers = probes.iter().map(tracker).collect();
                 Self::Vectors(Box::new(stepper), trackers)
             }
-            _ => Self::General(method.start(chain.system(velocities), state)),
+            _ => Self::General(method.start(Box::new(ChainSystem::new(chain, velocities)), state)),
         }
     }
 
@@ -194,7 +194,7 @@ impl<'a> Bench<'a> {
         (before, self.chain.free_energy(&integrator.state(), &held))
     }
 
-    /// What the losses have taken so far.
+    /// Energy dissipated so far.
     pub fn dissipated(&self) -> Dissipated {
         self.chain.dissipated(&self.engine.integrator().state(), &self.initial_velocities)
     }
@@ -217,7 +217,7 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// What the integration has cost so far.
+    /// Cost of the integration so far.
     pub fn work(&self) -> Work {
         self.engine.integrator().work()
     }

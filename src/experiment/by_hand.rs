@@ -1,31 +1,29 @@
-//! Runs with a step or a tolerance by hand: nothing holds them to an accuracy, so what they are off is found out and told.
+//! Runs with a step or a tolerance by hand: nothing limits their errors, so these are estimated and noted.
 
-use super::accuracy::{ErrorEstimate, estimate, known_until};
+use super::accuracy::known_until;
 use super::error::rounded_down;
-use super::{Integration, Outcome, RunError, reference_tolerance, run};
+use super::outcome::ErrorEstimate;
+use super::reference::{REFERENCE_MARGIN, estimate, reference_tolerance};
+use super::{Integration, Outcome, RunError, run};
 use crate::integrate::Method;
 use crate::quantity::engineering;
 use crate::scene::{Scene, TIGHTEST_ACCURACY};
 
-/// Readings that are off by more are not taken for what the bench would show without a word (1).
+/// Readings with larger errors are noted (1).
 const TOLERABLE: f64 = 0.01;
-/// The first run that one by hand is held against is tighter than this (1).
-const FIRST: f64 = 0.01;
-/// The next is so much tighter, where the first could not tell (1).
-const NEXT: f64 = 1e-4;
-/// An estimate that exceeds what it adds for the second run by this factor is of the first (1).
-const TELLING: f64 = 10.0;
-/// Two estimates of the same run agree where the later one is at least this share of the one before (1).
-const AGREE: f64 = 0.5;
+/// Accuracies of the reference runs, until an estimate is clearly above what the reference run adds to it (1).
+const REFERENCE_ACCURACIES: [f64; 3] = [0.01, 1e-6, TIGHTEST_ACCURACY];
+/// A reference run whose own error is less than the estimate by this factor changes it by a hundredth at most (1).
+const CLEAR_FACTOR: f64 = 100.0;
 /// Settings that are tried for advice. Steps: half of the one that does not do, or a quarter of the longest stable one, and halves from there on.
-const TRIES: i32 = 6;
+const MAX_SETTINGS: i32 = 6;
 /// Tolerances: each so many times the one before (1).
-const TIGHTER_BY: f64 = 0.1;
+const TIGHTENING: f64 = 0.1;
 /// Contact forces that finding advice may take: seconds (1).
-const MOST_FORCES: f64 = 1e9;
+const MAX_CONTACT_FORCES: f64 = 1e9;
 
-/// Runs `scene` by `method`, with its setting by hand, error estimate included; notes tell where readings are far off, where the method has made
-/// energy, and how far ahead the motion is known.
+/// Runs `scene` by `method`, with its setting by hand, error estimate included; notes say where readings are far off, where the method has made
+/// energy, and up to when the motion is known.
 ///
 /// # Errors
 /// Those of [`run`](fn@run).
@@ -37,15 +35,13 @@ pub fn run_by_hand(
 ) -> Result<Outcome, RunError> {
     let mut outcome = run(scene, Integration::Method(method), shot, progress)?;
     let own = &*scene.of_shot(shot);
-    // Nobody has asked for the accuracy that second runs go by.
-    let told = told(own, &outcome)
-        .map(|found| found.map(|found| ErrorEstimate { trace_holds_s: None, ..found }));
+    let found = estimate_by_hand(own, &outcome);
     let summary = &mut outcome.summary;
-    let found = match told {
+    let found = match found {
         Ok(found) => found,
         Err(error) => {
-            // This run came to its end: what it has found is not thrown away.
-            summary.notes.push(format!("how far off readings are is not known: {error}"));
+            // This run came to its end: its readings are kept.
+            summary.notes.push(format!("no error estimate: {error}"));
             return Ok(outcome);
         }
     };
@@ -53,7 +49,7 @@ pub fn run_by_hand(
     if worst > TOLERABLE {
         let far = match found {
             Some(_) => format!("readings may be off by {worst:.1e}"),
-            None => "an accurate run feels other pulses than this one".to_owned(),
+            None => "an accurate run detects other pulses than this one".to_owned(),
         };
         let advice = advice(own, method).map_or(String::new(), |advice| format!("; {advice}"));
         summary.notes.push(format!("{}: {far}{advice}", too_much(method)));
@@ -71,20 +67,18 @@ pub fn run_by_hand(
     Ok(outcome)
 }
 
-/// How far off the run is of which `summary` tells, by ever tighter second runs until two in turn say the same: one that is itself off by
-/// more than it should be would be taken for the first run's fault.
-fn told(scene: &Scene, outcome: &Outcome) -> Result<Option<ErrorEstimate>, RunError> {
-    let (mut accuracy, mut before) = (FIRST, f64::INFINITY);
-    loop {
-        let found = estimate(scene, accuracy, outcome)?;
-        let worst = found.as_ref().map_or(f64::INFINITY, ErrorEstimate::worst);
-        let tells = worst > TELLING * reference_tolerance(accuracy) && worst > AGREE * before;
-        if accuracy <= TIGHTEST_ACCURACY || tells {
-            return Ok(found);
+/// The error estimate of the run, from ever tighter reference runs until one has clearly smaller errors.
+fn estimate_by_hand(scene: &Scene, outcome: &Outcome) -> Result<Option<ErrorEstimate>, RunError> {
+    let mut found = None;
+    for accuracy in REFERENCE_ACCURACIES {
+        found = estimate(scene, accuracy, outcome)?;
+        let of_reference = REFERENCE_MARGIN * reference_tolerance(accuracy);
+        if found.as_ref().is_some_and(|found| found.worst() > CLEAR_FACTOR * of_reference) {
+            break;
         }
-        before = worst;
-        accuracy = (NEXT * accuracy).max(TIGHTEST_ACCURACY);
     }
+    // No accuracy was asked for up to which traces could hold.
+    Ok(found.map(|found| ErrorEstimate { trace_holds_s: None, ..found }))
 }
 
 /// What is wrong with a setting, in words.
@@ -99,7 +93,7 @@ fn too_much(method: Method) -> &'static str {
 /// A step or a tolerance with which `method` would read `scene` well, in words; none where none was found in reasonable time.
 pub fn advice(scene: &Scene, method: Method) -> Option<String> {
     let Some((step, reach)) = method.fixed_step() else {
-        let tighter = (1..=TRIES).map(|tries| TIGHTER_BY.powi(tries));
+        let tighter = (1..=MAX_SETTINGS).map(|tries| TIGHTENING.powi(tries));
         // What is named is what was tried.
         let tolerances =
             tighter.filter_map(|share| Some(rounded_down(share * method.tolerance()?, 1)));
@@ -112,12 +106,12 @@ pub fn advice(scene: &Scene, method: Method) -> Option<String> {
     };
     let limit = scene.chain.stability_limit(&scene.initial_velocities, reach)?;
     let longest = 0.5 * step.min(0.5 * limit.step);
-    (0..TRIES).find_map(|halvings| {
+    (0..MAX_SETTINGS).find_map(|halvings| {
         let step = rounded_down(longest * 0.5_f64.powi(halvings), 2);
         let steps = scene.duration / step * f64::from(method.stages());
         #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^53 contacts")]
         let contacts = scene.chain.contacts().len() as f64;
-        if steps * contacts > MOST_FORCES {
+        if steps * contacts > MAX_CONTACT_FORCES {
             return None;
         }
         let words = reads_within(scene, with_setting(method, step))?;
@@ -128,7 +122,7 @@ pub fn advice(scene: &Scene, method: Method) -> Option<String> {
 /// How well `method` reads `scene`, in words, if it does.
 fn reads_within(scene: &Scene, method: Method) -> Option<String> {
     let found = run(scene, Integration::Method(method), 1, &mut |_| ()).ok()?;
-    let worst = estimate(scene, FIRST, &found).ok()??.worst();
+    let worst = estimate(scene, TOLERABLE, &found).ok()??.worst();
     let words = || {
         let worst = -rounded_down(-worst, 2);
         format!("reads first peaks and arrivals within {worst:.1e}")

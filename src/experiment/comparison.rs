@@ -20,7 +20,7 @@ pub struct Run {
     pub traces: Vec<Vec<f64>>,
     /// Where the energy went.
     pub energy: EnergyLedger,
-    /// What it cost.
+    /// Its cost.
     pub work: Work,
     /// Steps tried in which contacts opened or closed; none where the method does not ask.
     pub contact_changes: Option<u64>,
@@ -51,7 +51,7 @@ pub fn run_without(
     sampled(scene, (method, refinement), (most, sample_grid(scene, 1)), &mut |_| ())
 }
 
-/// The same with samples at the times of `grid`; `progress` hears the time that is reached (s).
+/// The same with samples at the times of `grid`; `progress` is called with the time that is reached (s).
 ///
 /// # Errors
 /// The integrator's.
@@ -89,7 +89,7 @@ pub fn worst(found: &Run, exact: &Run) -> Option<f64> {
     Some(peak.max(compare(found, exact, arrival_error)?))
 }
 
-/// What all places read, the wall last, when `scene` is run by `method`: nothing is sampled, nothing kept.
+/// Readings of all probes, the wall last, in a run of `scene` by `method` without samples.
 ///
 /// # Errors
 /// The integrator's.
@@ -142,7 +142,7 @@ pub fn arrival_error(found: &Reading, exact: &Reading) -> Option<f64> {
     Some(peak.max(rise).max(foot))
 }
 
-/// Largest deviation of the force at any of the first `places` that felt a pulse, relative to its largest; none where nobody did (1).
+/// Largest deviation of the force at any of the first `places` that felt a pulse, relative to its largest; none where no place did (1).
 pub fn trace_error(found: &Run, exact: &Run, places: usize) -> Option<f64> {
     let felt = exact.readings.iter().take(places).map(|reading| reading.first_peak.is_some());
     let of = |run: &Run| -> Vec<Vec<f64>> {
@@ -154,7 +154,7 @@ pub fn trace_error(found: &Run, exact: &Run, places: usize) -> Option<f64> {
 }
 
 /// Largest deviation of any trace from its `exact` one, relative to the largest force in that (1), and the first sample in which one deviates by more
-/// than `limit` (1). A trace that is no number deviates infinitely, for it compares with nothing.
+/// than `limit` (1). A trace that is not a number deviates infinitely, for it compares with nothing.
 pub fn deviation(found: &[Vec<f64>], exact: &[Vec<f64>], limit: f64) -> (f64, Option<usize>) {
     let (mut largest, mut first) = (0.0_f64, None::<usize>);
     for (found, exact) in found.iter().zip(exact) {

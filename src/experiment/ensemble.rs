@@ -25,12 +25,12 @@ pub struct Case {
     pub duration: f64,
 }
 
-/// What came of a case.
+/// Result of a case.
 #[derive(Debug, Clone)]
 pub struct Readout {
-    /// What each probe felt.
+    /// Readings of each probe.
     pub pulses: Vec<PulseRecorder>,
-    /// What it cost.
+    /// Its cost.
     pub work: Work,
 }
 
@@ -63,7 +63,7 @@ impl Ensemble {
         Self { set, ..self }
     }
 
-    /// Runs all `cases`; results stand in their order. `done` hears how many more are finished, from any thread.
+    /// Runs all `cases`; results stand in their order. `done` is called with how many more are finished, from any thread.
     pub fn run<C: Borrow<Case>>(
         &self,
         cases: &[C],

@@ -15,10 +15,10 @@ pub enum RunError {
     Unstable {
         /// The step (s).
         step: f64,
-        /// What limits it.
+        /// The limit.
         limit: StabilityLimit,
     },
-    /// A step chosen by hand would take longer than anyone waits.
+    /// A step chosen by hand would take too long.
     #[error(
         "found a step of {}, which takes {steps:.1e} steps, expected at most {MAX_STEPS:.0e} steps", seconds(*step)
     )]

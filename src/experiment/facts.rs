@@ -1,4 +1,4 @@
-//! What a recording says about itself before the first sample: everything needed to make it again.
+//! Metadata of a recording before the first sample: everything needed to make it again.
 
 use std::collections::BTreeMap;
 
@@ -144,7 +144,7 @@ pub fn scene_attachment(scene: &Scene) -> Attachment {
     }
 }
 
-/// What goes into the recording beside a shot's traces.
+/// Records of a shot beside its traces.
 pub fn shot_notes(scene: &Scene, outcome: &Outcome) -> ShotNotes {
     let energy = &outcome.summary.energy;
     let summary = &outcome.summary;

@@ -1,4 +1,4 @@
-//! What an impact puts at the scope's inputs, for a scope that is set by somebody else than the scene.
+//! Signals of an impact at the scope's inputs, for a scope whose settings are not the scene's.
 
 use super::accuracy::of_scene;
 use super::acquisition::{external, truth, volts};
@@ -39,7 +39,7 @@ pub struct Inputs {
     pub volts: Vec<Vec<f64>>,
     /// Signal at the external trigger input; empty if the scene leaves it open (V).
     pub external: Vec<f64>,
-    /// What no scope saw: forces and the film, thinned to fifty thousand samples a trace.
+    /// Ground truth: forces and frames, thinned to fifty thousand samples a trace.
     pub truth: Vec<Trace>,
 }
 

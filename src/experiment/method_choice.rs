@@ -1,6 +1,6 @@
 //! The choice of method and tolerance for an accuracy, and which methods a scene allows.
 
-use super::RunError;
+use super::{Integration, RunError};
 use crate::chain::{Chain, Contact, Effect};
 use crate::integrate::Method;
 use crate::scene::Scene;
@@ -8,47 +8,68 @@ use crate::scene::Scene;
 /// Methods for losses.
 const FOR_LOSSES: &str =
     "runge-kutta-4, dormand-prince-54, dormand-prince-853 or rodas, or --accuracy instead";
-/// Losses are stiff where a contact's decay, in units of its own angular frequency, exceeds this. Stability and not accuracy limits the explicit pair there, and
-/// its interpolant is no longer what its steps are: with dashpots of 8 N s/m on the bench, where this is 1.3, errors of first peaks and their times were up to 130 times
-/// the error tolerated in a step, of 10 N s/m up to 7700 times (100 tolerances of four scenes each) (1).
-const STIFF: f64 = 1.25;
-/// Nearly stiff from here on: the same 130 times, but no more than 38 where steps are held to less than 3e-8; below, 10 times at most (the same runs, and 100 of
-/// six scenes from 5 to 9 N s/m); at 0.81 once 19 times (1).
-const NEARLY_STIFF: f64 = 0.75;
-/// Up to this accuracy the pair serves what is nearly stiff: the implicit method took up to seven times as long (`hertzscope cost`) (1).
-const NEARLY_STIFF_UP_TO: f64 = 1e-6;
-/// What [`STEP_MARGIN`] is there (1).
-const NEARLY_STIFF_MARGIN: f64 = 100.0;
-/// Where steps are held to this or less, the implicit method pays for stiff losses only: on the bench it took from 0.9 to 1.2 times the pair's time at 1e-4, for
-/// which steps are held to this, and up to six times as long at 1e-9 (`hertzscope cost`, dashpots of 1 to 10 N s/m) (1).
-const LOOSE: f64 = 1e-3;
-/// Where steps are looser, or contacts are left with a loss and hardly any overlap, it pays from where a contact's decay times `tolerance^(1/8)` exceeds this: the
-/// power is what the pair's steps go with. On the bench that is from dashpots of 0.6 N s/m on at 1e-3, where both take the same time (1).
-const DAMPED: f64 = 0.051;
-/// With losses a step is held to the accuracy asked for divided by this: errors of first peaks and their times stayed below 10 times the
-/// error tolerated in a step, in chains whose losses are not stiff (150 tolerances up to 6e-5 of 20 scenes; `tests/it/losses/tolerances.rs` holds
-/// runs to it) (1).
-const STEP_MARGIN: f64 = 16.0;
-/// The same for lossless chains under a magnet that follows its particle, where openings are not corrected: and errors were up to 23 times what a step tolerates (600 accuracies of two scenes) (1).
+/// Losses are stiff where the decay of a contact, in units of its own angular frequency, exceeds this. Stability and not accuracy limits the explicit pair beyond, and
+/// errors of first peaks are many times what its steps tolerate: 19 times at 0.81, 130 times at 1.3 (hundreds of tolerances of ten scenes of the bench, 5 to 10 N s/m) (1).
+const STIFF_DAMPING: f64 = 0.75;
+/// From this accuracy on losses of any size are left to the implicit method: as long steps of the explicit pair are at the limit of its stability, and no faster
+/// (`hertzscope cost`, dashpots of 1 to 10 N s/m) (1).
+const LOOSE_ACCURACY: f64 = 1e-3;
+/// With losses a step tolerates the accuracy asked for divided by this: errors of first peaks and their times stayed below 10 times the
+/// error tolerated in a step (150 tolerances up to 6e-5 of 20 scenes that the tests do not use; `tests/it/losses/tolerances.rs`) (1).
+const LOSS_MARGIN: f64 = 16.0;
+/// The same for the implicit method: errors were up to 5.8 times what a step tolerates (Kuwabara and Kono's losses at 2e-3, 400 accuracies) (1).
+const STIFF_LOSS_MARGIN: f64 = 8.0;
+/// The same for lossless chains under a magnet that follows its particle, where openings are not corrected: errors were up to 23 times what
+/// a step tolerates (600 accuracies of two scenes) (1).
 const UNCORRECTED_MARGIN: f64 = 48.0;
-/// Up to this accuracy the pair's steps are far better than they must be (1).
-const EIGHTH_ORDER_UP_TO: f64 = 6e-4;
 /// Steps of two lengths are made for the accuracy asked divided by this: first peaks were off by up to 1.13 times what they are made for, in 256 scenes
 /// from 2e-4 to 1e-3 (`tests/it/vector_path.rs`) (1).
 const TWO_STEP_MARGIN: f64 = 2.0;
-/// From this accuracy on they are the cheapest: at 1e-3 they are, at 1e-4 pairs are as cheap or cheaper (`hertzscope cost` of the
-/// shipped scenes) (1).
+/// From this accuracy on they are the cheapest (`hertzscope cost` of the shipped scenes) (1).
 const TWO_STEP_FROM: f64 = 2e-4;
-/// A contact is loaded whose static overlap is this share of the coming impact's, or more: its frequency, which steps of two lengths go by, goes as the
-/// fourth root of the overlap (1).
-const LOADED: f64 = 1e-3;
-/// So many contacts may not be: a striker's.
-const MOST_UNLOADED: usize = 1;
-/// There, they are held to so many times the accuracy (1).
-const EIGHTH_ORDER_MARGIN: f64 = 3.0;
-/// What [`STEP_MARGIN`] is for the implicit method: errors were up to 5.8 times what a step tolerates (Kuwabara and Kono's losses at 2e-3, 400 accuracies; overdamped
-/// pulses have flat peaks, whose times were 3.2 times as far off, from 10 to 1000 N s/m) (1).
-const STIFF_MARGIN: f64 = 8.0;
+/// A contact is preloaded whose static overlap is this share of the coming impact's, or more: its frequency goes as the fourth root of the overlap (1).
+const PRELOADED_SHARE: f64 = 1e-3;
+/// Tolerance of the first attempt under error control, in terms of the accuracy asked: most runs are accurate enough then (1).
+const FIRST_TOLERANCE_FACTOR: f64 = 10.0;
+/// Largest tolerance of the first attempt (1).
+const MAX_FIRST_TOLERANCE: f64 = 0.01;
+
+/// A method, and the accuracy that its steps are made for (1).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Attempt {
+    /// The method.
+    pub method: Method,
+    /// The accuracy that its steps are made for (1).
+    pub steps: f64,
+}
+
+/// The first attempt at `accuracy` (1): steps of two lengths where they may serve, else error control. A run is compared with a reference run, so the steps are made
+/// for less than the accuracy.
+pub fn first_attempt_at(scene: &Scene, accuracy: f64) -> Attempt {
+    match two_step(&scene.chain, accuracy) {
+        Some(method) => Attempt { method, steps: accuracy },
+        None => first_controlled(scene, accuracy),
+    }
+}
+
+/// The first attempt at `accuracy` (1) under error control.
+pub fn first_controlled(scene: &Scene, accuracy: f64) -> Attempt {
+    controlled(scene, (FIRST_TOLERANCE_FACTOR * accuracy).min(MAX_FIRST_TOLERANCE).max(accuracy))
+}
+
+/// An attempt under error control whose steps are made for an accuracy of `steps` (1).
+pub fn controlled(scene: &Scene, steps: f64) -> Attempt {
+    let method = controlled_for(&scene.chain, &scene.initial_velocities, steps);
+    Attempt { method, steps }
+}
+
+/// The first attempt of `integration`, where it is an accuracy. A recording names it before the work is done; the attempt that was accurate enough
+/// is written beside each shot.
+pub fn first_attempt(scene: &Scene, integration: Integration) -> Integration {
+    let Integration::Accuracy(accuracy) = integration else { return integration };
+    let Attempt { method, .. } = first_attempt_at(scene, accuracy);
+    Integration::Attempt { method, accuracy }
+}
 
 /// The method that serves `accuracy` (1).
 pub fn method(scene: &Scene, accuracy: f64) -> Method {
@@ -62,47 +83,36 @@ pub fn method_for(chain: &Chain, velocities: &[f64], accuracy: f64) -> Method {
     two_lengths.unwrap_or_else(|| controlled_for(chain, velocities, accuracy))
 }
 
-/// Steps of two lengths for `accuracy` (1), where they are the cheapest; none elsewhere. In a chain that is not preloaded only a reference run shows
+/// Steps of two lengths for `accuracy` (1), where they are the cheapest. In a chain that is not preloaded only a reference run shows
 /// whether they are as accurate.
-pub fn two_step(chain: &Chain, accuracy: f64) -> Option<Method> {
-    let serves = accuracy >= TWO_STEP_FROM && !chain.is_dissipative() && chain.is_plain();
+fn two_step(chain: &Chain, accuracy: f64) -> Option<Method> {
+    let serves = accuracy >= TWO_STEP_FROM && chain.is_plain();
     serves.then_some(Method::TwoStepForceGradient { tolerance: accuracy })
 }
 
 /// The method with error control that serves `accuracy` (1).
 pub fn controlled_for(chain: &Chain, velocities: &[f64], accuracy: f64) -> Method {
-    if !chain.is_dissipative() {
-        return for_accuracy(if chain.is_plain() {
-            accuracy
-        } else {
-            accuracy / UNCORRECTED_MARGIN
-        });
-    }
-    let damping = chain.largest_damping(velocities);
-    let nearly_stiff = damping > NEARLY_STIFF;
-    let tolerance = accuracy / if nearly_stiff { NEARLY_STIFF_MARGIN } else { STEP_MARGIN };
-    let damped = damping * tolerance.powf(0.125) > DAMPED;
-    let stiff = damping > STIFF
-        || (nearly_stiff && accuracy > NEARLY_STIFF_UP_TO)
-        || (damped && (accuracy > LOOSE || !is_preloaded(chain, velocities)));
-    if stiff {
-        Method::Rodas { tolerance: accuracy / STIFF_MARGIN }
+    if chain.is_plain() {
+        for_accuracy(accuracy)
+    } else if !chain.is_dissipative() {
+        for_accuracy(accuracy / UNCORRECTED_MARGIN)
+    } else if accuracy > LOOSE_ACCURACY || chain.largest_damping(velocities) > STIFF_DAMPING {
+        Method::Rodas { tolerance: accuracy / STIFF_LOSS_MARGIN }
     } else {
-        Method::DormandPrince853 { tolerance }
+        Method::DormandPrince853 { tolerance: accuracy / LOSS_MARGIN }
     }
 }
 
 /// The pair that serves `accuracy` without losses (1).
 pub fn for_accuracy(accuracy: f64) -> Method {
-    let margin = if accuracy > EIGHTH_ORDER_UP_TO { 1.0 } else { EIGHTH_ORDER_MARGIN };
-    Method::DormandElMikkawyPrince86 { tolerance: margin * accuracy }
+    Method::DormandElMikkawyPrince86 { tolerance: accuracy }
 }
 
 /// Whether contacts are preloaded, all but a striker's: they stay about as stiff as they will be at most.
 fn is_preloaded(chain: &Chain, velocities: &[f64]) -> bool {
-    let least = LOADED * chain.impact_overlap(velocities);
+    let least = PRELOADED_SHARE * chain.impact_overlap(velocities);
     let unloaded = |c: &&Contact| c.stiffness > 0.0 && c.static_overlap < least;
-    chain.contacts().iter().filter(unloaded).nth(MOST_UNLOADED).is_none()
+    chain.contacts().iter().filter(unloaded).nth(1).is_none()
 }
 
 /// Refuses a method by hand that losses rule out, or that is for losses only.

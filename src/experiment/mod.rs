@@ -1,12 +1,11 @@
 //! Runs a scene from the striker's first contact to the scope's records.
 //!
-//! The chain moves under an integrator; at every place where somebody looks the force is read from the interpolant, at
+//! The chain moves under an integrator; at every probe the force is read from the interpolant, at
 //! the scope's own sample times; sensors turn it into volts; the scope conditions, triggers and digitises. Where the
 //! scope's record ends after the scene's duration, the chain simply moves on until the record is full.
 
 pub mod accuracy;
 pub(crate) mod acquisition;
-pub(crate) mod attempts;
 pub mod auto_effects;
 pub mod bench;
 pub mod by_hand;
@@ -27,16 +26,17 @@ pub mod paper_speeds;
 pub mod parallel;
 mod probe_record;
 pub mod pulse;
+pub mod reference;
 mod roots;
 mod run;
 mod segment;
 mod yielding;
 
-pub use attempts::{Attempt, attempted_methods, first_attempt, reference_tolerance};
 pub use error::RunError;
 pub use integration::Integration;
-pub use method_choice::for_accuracy;
+pub use method_choice::{first_attempt, for_accuracy};
 pub use outcome::Outcome;
+pub use reference::reference_tolerance;
 use run::free_grid;
 pub use run::run;
 pub(crate) use run::{FRAMES_PER_RUN, method, probes, sample_grid};

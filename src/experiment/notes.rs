@@ -1,4 +1,4 @@
-//! What a user would otherwise find out late.
+//! Notes of a run for the user.
 
 use super::acquisition::trigger_scale;
 use super::frames::Frames;

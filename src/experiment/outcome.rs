@@ -1,4 +1,4 @@
-//! What a run found, in the words of `run --json`: names and units are part of the interface.
+//! Results of a run, as in `run --json`: names and units are part of the interface.
 
 use std::fmt::Write as _;
 
@@ -71,17 +71,17 @@ pub struct Summary {
     pub effect_settings: Vec<String>,
     /// The energy ledger.
     pub energy: EnergyLedger,
-    /// What each particle with a sensor felt, before any electronics.
+    /// Readings of the force at each sensor, before any electronics.
     pub sensors: Vec<Reading>,
-    /// What the wall felt; none without a wall.
+    /// Readings of the force at the wall; none without a wall.
     pub wall: Option<Reading>,
     /// Speeds between pairs of particles with sensors, by every estimator.
     pub speeds: Vec<Speed>,
-    /// What the paper prints for this scene, from particle 14 to 27.
+    /// The paper's speeds for this scene, from particle 14 to 27.
     pub paper: Option<PaperSpeed>,
     /// Whether the scope triggered, and when.
     pub trigger: TriggerReport,
-    /// What the user should know about this run.
+    /// Notes for the user about this run.
     pub notes: Vec<String>,
 }
 
@@ -156,12 +156,12 @@ impl Summary {
         let (words, left) = (engineering(time, "s", 2), accuracy.sqrt());
         self.horizon_s = Some(time);
         self.notes.push(format!(
-            "from {words} on errors may exceed {left:.0e} of the largest overlap or speed somewhere in the chain, half of the digits that its steps are held to: a tighter accuracy, or a shorter step, mostly reaches further"
+            "after {words} the motion is chaotic and not reliable in detail (errors may exceed {left:.0e} of the largest overlap or speed); a tighter --accuracy or a shorter step extends this"
         ));
     }
 }
 
-/// What one watched place felt.
+/// Readings of the force at one probe.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Reading {
     /// Name of the sensor, or `wall`.
@@ -256,7 +256,7 @@ pub fn speeds(chain: &Chain, readings: &[Reading]) -> Vec<Speed> {
     speeds
 }
 
-/// What the scope's trigger did.
+/// The scope's trigger.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct TriggerReport {
     /// Whether a record was taken.

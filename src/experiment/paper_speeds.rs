@@ -23,7 +23,7 @@ pub struct PaperSpeed {
     pub numerics_m_per_s: f64,
 }
 
-/// What the paper prints for `scene`, if it is one of the paper's, unchanged.
+/// The printed speed for `scene`, if it is one of the paper's, unchanged.
 pub fn speed_of(scene: &Scene) -> Option<PaperSpeed> {
     let row = speeds().ok()?.into_iter().find(|row| row.scene == scene.name)?;
     // A file of the same name may say something else.

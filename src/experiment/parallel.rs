@@ -20,8 +20,8 @@ fn set_heap_thresholds() {
     FREED.call_once(|| drop(std::hint::black_box(Vec::<u8>::with_capacity(HEAP_BLOCK_SIZE))));
 }
 
-/// What `work` makes of each of `jobs`, in their order, on up to `threads` threads, this one among them. Each thread has a room of its own to work
-/// in, where it finds what it has left there. `done` hears how many are finished, from any of them.
+/// Results of `work` for each of `jobs`, in their order, on up to `threads` threads, this one among them. Each thread has a workspace to work
+/// in, where it finds what it has left there. `done` is called with how many are finished, from any of them.
 pub fn in_parallel<S: Default, J: Sync, R: Send>(
     threads: usize,
     jobs: &[J],

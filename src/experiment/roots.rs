@@ -16,7 +16,7 @@ pub fn may_decrease((first, second): (f64, f64), mean: f64, doubtful: f64) -> bo
     bend > 0.0 && turn > 0.0 && turn < bend && least < doubtful * first.min(second)
 }
 
-/// What a force stays below between two looks where it bends the other way at most once in between, from its values and what its rates of
+/// Upper bound of a force between two samples where it bends the other way at most once in between, from its values and what its rates of
 /// change would come to from one look to the other: where it is concave it is below its tangent at the end that is concave, and where it is
 /// convex below the larger of that part's ends (N).
 pub fn highest([first, last]: [f64; 2], [rise, slope]: [f64; 2]) -> f64 {

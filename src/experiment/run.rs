@@ -25,7 +25,7 @@ const SPARE_SAMPLES: f64 = 20.0;
 /// Stream of the sample clock's phase; channels use 1 to 4.
 const CLOCK_STREAM: u8 = 0;
 
-/// Runs `scene`; `progress` hears the share of the work done, 0 to 1.
+/// Runs `scene`; `progress` is called with the share of the work done, 0 to 1.
 ///
 /// # Errors
 /// [`RunError`] for a step that cannot be stable and for states that stop being numbers.

@@ -29,7 +29,7 @@ pub struct Bracket {
     pub between: [f64; 2],
     /// Rates of change there: it rises, and falls or turns (N/s).
     pub rates: [f64; 2],
-    /// What it reaches at most (N).
+    /// Upper bound of its value (N).
     pub most: f64,
     /// Whether no force before was as large: others are not the first peak, for the force that exceeded them came down from a maximum.
     pub exceeds_all: bool,

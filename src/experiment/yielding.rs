@@ -4,7 +4,7 @@ use super::frames::Frames;
 use crate::chain::Chain;
 use crate::quantity::engineering;
 
-/// Hertz's law is for overlaps far below the bodies' sizes: beyond this share of a particle's length nobody would trust it (1).
+/// Hertz's law is for overlaps far below the bodies' sizes: beyond this share of a particle's length it does not hold (1).
 const MAX_OVERLAP_SHARE: f64 = 0.1;
 
 /// A note on overlaps that are no longer small beside the particles, as far as the film's frames show.

@@ -4,8 +4,10 @@ use std::fs::File;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
+use super::output::{folder_of, sync_folder};
+use super::part;
 use super::step::step;
-use super::{folder_of, part, sync_folder};
+use super::whole::write;
 
 /// A folder that gets its name when it is complete; dropped before that, it leaves no trace.
 #[derive(Debug)]
@@ -52,7 +54,7 @@ impl NewFolder {
     /// Gives the folder its name.
     ///
     /// # Errors
-    /// What the system says; what was there before then is as it was.
+    /// The system's error; what was there before then is as it was.
     pub fn complete(self) -> io::Result<()> {
         sync_folder(&self.part);
         if !self.target.exists() {
@@ -62,12 +64,12 @@ impl NewFolder {
                     sync_folder(folder_of(&self.target));
                     return Ok(());
                 }
-                // Somebody else was faster.
+                // Another process was faster.
                 Err(_) if self.target.is_dir() => {}
                 Err(error) => return Err(error),
             }
         }
-        // Whoever works inside the folder would find themselves in the old one.
+        // A process with this working directory would stay in the old folder.
         let inside = std::env::current_dir()
             .and_then(std::fs::canonicalize)
             .is_ok_and(|here| here.starts_with(&self.target));
@@ -76,7 +78,7 @@ impl NewFolder {
         }
         for entry in std::fs::read_dir(&self.part)? {
             let entry = entry?;
-            super::write(&self.target.join(entry.file_name()), std::fs::read(entry.path())?)?;
+            write(&self.target.join(entry.file_name()), std::fs::read(entry.path())?)?;
         }
         Ok(())
     }
@@ -136,7 +138,7 @@ fn link_others(from: &Path, to: &Path) -> io::Result<()> {
 /// Makes the first folder `parent/name(N)`, from N = 0, that does not exist, complete with `files(N)`. Returns the names of these.
 ///
 /// # Errors
-/// What the system says; there is no part of the folder then.
+/// The system's error; there is no part of the folder then.
 pub fn write_numbered_folder(
     parent: &Path,
     name: impl Fn(u32) -> String,
@@ -153,7 +155,7 @@ pub fn write_numbered_folder(
         let new = NewFolder::begun(target.clone(), part);
         let files = files(number);
         for (name, bytes) in &files {
-            super::write(&new.join(name), bytes)?;
+            write(&new.join(name), bytes)?;
         }
         step();
         // A folder that holds something is never replaced by this.

@@ -4,8 +4,8 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
+use super::output::{Output, after_failure, folder_of, numbered};
 use super::step::step;
-use super::{Output, after_failure, folder_of, numbered};
 
 /// A file that others read while it grows: it has its name from the beginning, and a lock until it is complete.
 #[derive(Debug)]
@@ -19,7 +19,7 @@ impl LiveFile {
     /// Creates `target` or, if that exists, the first free name of [`numbered`]; missing folders are made.
     ///
     /// # Errors
-    /// What the system says.
+    /// The system's error.
     pub fn numbered(target: &Path) -> io::Result<Self> {
         std::fs::create_dir_all(folder_of(target))?;
         for path in numbered(target) {

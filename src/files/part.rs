@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 
+use super::output::{busy, folder_of};
 use super::step::step;
-use super::{busy, folder_of};
 
 /// Ending of temporary names.
 const ENDING: &str = ".part";
-/// Age from which a temporary file that nobody has locked is removed: a new one is not locked yet for an instant.
+/// Age from which an unlocked temporary file is removed: a new one is not locked yet for an instant.
 const STALE_AGE: Duration = Duration::from_secs(60);
 
 /// Creates something under a temporary name beside `target`; other writers of the same name are refused.
@@ -29,10 +29,10 @@ pub(super) fn create<T>(
     create_beside(target, make)
 }
 
-/// Creates something under a temporary name beside `target`, whoever else does.
+/// Creates something under a temporary name beside `target` that no other process uses.
 ///
 /// # Errors
-/// What the system says.
+/// The system's error.
 pub(super) fn create_beside<T>(
     target: &Path,
     make: impl Fn(&Path) -> io::Result<T>,
@@ -88,7 +88,7 @@ fn has_live_writer(target: &Path) -> io::Result<bool> {
                 is_alive = true;
                 continue;
             }
-            // Without locks nobody knows whether its writer is alive.
+            // Without locks it is unknown whether its writer is alive.
             Err(TryLockError::Error(_)) => continue,
             Ok(()) => {}
         }

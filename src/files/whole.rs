@@ -4,8 +4,9 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
+use super::output::{Output, after_failure, folder_of, numbered, sync_folder};
+use super::part;
 use super::step::step;
-use super::{Output, after_failure, folder_of, numbered, part, sync_folder};
 
 /// A file that gets its name when it is complete; dropped before that, it leaves no trace.
 #[derive(Debug)]
@@ -51,7 +52,7 @@ impl NewFile {
     /// Begins a file that is called `target` or, if there is one already when it is complete, by the first free name of [`numbered`].
     ///
     /// # Errors
-    /// What the system says.
+    /// The system's error.
     pub fn numbered(target: &Path) -> io::Result<Self> {
         // Several may be written at a time, each gets a name of its own.
         let (part, file) = part::create_beside(target, create_new)?;
@@ -91,7 +92,7 @@ impl NewFile {
 
 fn create_new(path: &Path) -> io::Result<File> {
     let file = OpenOptions::new().read(true).write(true).create_new(true).open(path)?;
-    // Waits for whoever looks whether there is a lock. Without locks others do not know that this one is being written.
+    // Waits for processes that test the lock. Without locks others do not know that this file is being written.
     let _ = file.lock();
     Ok(file)
 }
@@ -135,4 +136,33 @@ impl Drop for NewFile {
             let _ = std::fs::remove_file(part);
         }
     }
+}
+
+/// Writes `bytes` to `file`, replacing it in one step.
+///
+/// # Errors
+/// The system's error; `file` then is as it was.
+pub fn write(file: &Path, bytes: impl AsRef<[u8]>) -> io::Result<()> {
+    let mut new = NewFile::replace(file)?;
+    new.write_all(bytes.as_ref())?;
+    Box::new(new).complete().map(|_| ())
+}
+
+/// Writes several files, each replaced in one step; all are on the disk before the first is renamed, in the order given.
+///
+/// # Errors
+/// The file with which it failed, and what the system says.
+pub fn write_together(files: &[(PathBuf, &str)]) -> Result<(), (PathBuf, io::Error)> {
+    let mut written = Vec::new();
+    for (file, text) in files {
+        let begun = NewFile::replace(file).and_then(|mut new| {
+            new.write_all(text.as_bytes())?;
+            Ok(new)
+        });
+        written.push((file, begun.map_err(|error| (file.clone(), error))?));
+    }
+    for (file, new) in written {
+        Box::new(new).complete().map_err(|error| (file.clone(), error))?;
+    }
+    Ok(())
 }

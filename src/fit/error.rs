@@ -67,7 +67,7 @@ pub enum FitError {
     Undetermined {
         /// The parameter.
         parameter: String,
-        /// What it cannot be told from.
+        /// The parameters that it depends on.
         with: String,
     },
 }

@@ -1,4 +1,4 @@
-//! What a scope would show of a scene, without noise and without rounding: forces through sensor, input and front end, at given times.
+//! Computes a scope's traces of a scene, without noise and without rounding: forces through sensor, input and front end, at given times.
 
 use crate::experiment::acquisition::volts;
 use crate::experiment::bench::{Bench, Grid};

@@ -39,13 +39,13 @@ use options::{EXPECTED_STEPS, MAX_DURATIONS, SAMPLE_RANGE, STOP_CRITERIA};
 pub struct Fit {
     /// Numbers for people and scripts.
     pub report: FitReport,
-    /// What was measured.
+    /// The measured traces.
     pub records: Records,
-    /// What the fitted scene shows, one trace a channel (V).
+    /// Traces of the fitted scene, one a channel (V).
     pub shown: Vec<Vec<f64>>,
 }
 
-/// Fits `knobs` of `scene` to `measured`; `progress` hears the share of the work done, as far as it can be foreseen.
+/// Fits `knobs` of `scene` to `measured`; `progress` is called with the share of the work done, as far as it can be foreseen.
 ///
 /// # Errors
 /// [`FitError`] where measurement and scene do not belong together, and where the traces do not tell the numbers.

@@ -23,9 +23,9 @@ const TRIGGER_ACCURACY: f64 = 1e-4;
 pub struct TraceModel<'a> {
     /// The scene.
     pub scene: &'a Adjustable,
-    /// What is freed of it.
+    /// The freed parameters.
     pub knobs: &'a [AdjustableNumber],
-    /// What was measured.
+    /// The measured records.
     pub records: &'a Records,
     /// Whether each channel has a gain and an offset of its own.
     pub free: (bool, bool),
@@ -175,7 +175,7 @@ impl<'a> TraceModel<'a> {
         gains.into_iter().zip(offsets).collect()
     }
 
-    /// What the scope would show, one trace a channel (V).
+    /// The modelled traces, one a channel (V).
     pub fn shown(&mut self, x: &[f64]) -> Option<Vec<Vec<f64>>> {
         let traces = self.at(x)?;
         let line = |(trace, (gain, offset)): (&Vec<f64>, &(f64, f64))| {

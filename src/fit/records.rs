@@ -32,7 +32,7 @@ pub struct ChannelRecord {
     pub vertical: VerticalSetup,
     /// The samples (V).
     pub volts: Vec<f64>,
-    /// What they read before anything arrives (V).
+    /// Baselines (V).
     pub baseline: f64,
     /// Standard deviation of a sample (V).
     pub sigma: f64,
@@ -49,7 +49,7 @@ pub struct Records {
     pub axis: TimeAxis,
     /// The channels.
     pub list: Vec<ChannelRecord>,
-    /// What was guessed, and what is left out.
+    /// Notes on guesses and on omitted records.
     pub notes: Vec<String>,
 }
 

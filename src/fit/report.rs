@@ -1,4 +1,4 @@
-//! What a fit found, in the words of `fit --json`: names and units are part of the interface.
+//! Results of a fit, as in `fit --json`: names and units are part of the interface.
 
 use crate::quantity::Uncertain;
 use std::time::Instant;
@@ -29,7 +29,7 @@ pub struct Parameter {
     pub unit_in_si: f64,
     /// Where the fit started, in SI units (unit).
     pub start: f64,
-    /// What was found, in SI units (unit).
+    /// The fitted value, in SI units (unit).
     pub value: f64,
     /// Its standard uncertainty, in SI units (unit).
     pub u: f64,
@@ -39,12 +39,12 @@ pub struct Parameter {
     pub interval_95: [f64; 2],
 }
 
-/// What was found along with the scene's numbers.
+/// A nuisance parameter of the fit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Nuisance {
     /// `trigger time`, `gain of CH1`, `offset of CH1`.
     pub name: String,
-    /// What was found: seconds, a plain number, volts (unit).
+    /// The fitted value: seconds, a plain number, volts (unit).
     pub value: f64,
     /// Its standard uncertainty (unit).
     pub u: f64,
@@ -69,16 +69,16 @@ pub struct ChannelResult {
     pub lag_one: f64,
 }
 
-/// What a fit found.
+/// Results of a fit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FitReport {
-    /// What was fitted to.
+    /// The measured recording.
     pub measured: String,
-    /// What was fitted.
+    /// The fitted parameters.
     pub scene: String,
     /// The freed numbers.
     pub parameters: Vec<Parameter>,
-    /// What was found along.
+    /// The nuisance parameters.
     pub nuisances: Vec<Nuisance>,
     /// Names of all parameters, in the order of the correlations.
     pub names: Vec<String>,
@@ -102,11 +102,11 @@ pub struct FitReport {
     pub runs: u64,
     /// Wall time (s).
     pub wall_s: f64,
-    /// What was guessed, and what to be careful about.
+    /// Notes on guesses and warnings.
     pub notes: Vec<String>,
 }
 
-/// What a minimum has to tell.
+/// A minimum with what the report needs.
 pub struct FittedMinimum<'a> {
     /// The minimum.
     pub minimum: &'a Minimum,

@@ -1,4 +1,4 @@
-//! What each message of a session does.
+//! Executes the messages of a session.
 
 use super::lock::{Grant, LockRequest, Released};
 use super::message::{DecodedPiece, FIRST_VENDOR_TYPE, MAX_PAYLOAD, MessageHeader, MessageType};

@@ -8,18 +8,18 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Longest key of a shared lock (bytes).
 pub const MAX_KEY_LENGTH: usize = 256;
 
-/// What became of a request.
+/// The outcome of a lock request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Grant {
     /// The lock is there.
     Granted,
-    /// Somebody else has it.
+    /// Another session holds it.
     Busy,
-    /// The session has it already, or the key is none.
+    /// The session holds it already, or the key is invalid.
     Invalid,
 }
 
-/// What was given back.
+/// The kind of lock that was released.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Released {
     /// The exclusive lock.
@@ -86,7 +86,7 @@ impl Locks {
         self.exclusive.is_none_or(|holder| holder == session) && self.may_share(session)
     }
 
-    /// Whether somebody has the exclusive lock.
+    /// Whether a session holds the exclusive lock.
     pub fn is_exclusive(&self) -> bool {
         self.exclusive.is_some()
     }

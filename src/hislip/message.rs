@@ -12,7 +12,7 @@ pub const FIRST_VENDOR_TYPE: u8 = 128;
 
 macro_rules! kinds {
     ($($(#[$meta:meta])* $name:ident = $code:literal),+ $(,)?) => {
-        /// What a message is.
+        /// The type of a message.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub enum MessageType { $($(#[$meta])* $name = $code),+ }
 
@@ -34,7 +34,7 @@ kinds! {
     Error = 3,
     /// A client wants a lock, or gives one back.
     AsyncLock = 4,
-    /// What became of it.
+    /// Its state.
     AsyncLockResponse = 5,
     /// Part of a message or reply.
     Data = 6,
@@ -90,7 +90,7 @@ impl MessageType {
     }
 }
 
-/// What stands before a payload.
+/// The header of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MessageHeader {
     /// Number of the message's kind, known or not.
@@ -129,7 +129,7 @@ pub fn write(kind: MessageType, control: u8, parameter: u32, payload: &[u8], out
     out.extend_from_slice(payload);
 }
 
-/// What a connection has brought.
+/// A decoded part of a connection's input.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum DecodedPiece {
     /// A message.

@@ -15,4 +15,4 @@ mod server;
 mod session;
 
 pub use remote::RemoteControl;
-pub use server::{Device, Output, Server};
+pub use server::{Device, Outgoing, Server};

@@ -1,18 +1,18 @@
 //! Remote and local control: what the control codes of `AsyncRemoteLocalControl` ask for. Source: IVI-6.1, table 17.
 
-/// What becomes of the front panel.
+/// Remote and local state of the front panel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RemoteControl {
     /// Its keys are free.
     Free,
     /// Its keys are locked out.
     LockedOut,
-    /// Whatever it was before: a virtual panel is remote and local at once.
+    /// Any state: a virtual panel is remote and local at once.
     Unchanged,
 }
 
 impl RemoteControl {
-    /// What a control code asks for; none for one that the standard does not know.
+    /// The request of a control code; none for an unknown code.
     pub fn from_code(code: u8) -> Option<Self> {
         match code {
             // Remote disabled, the same with going to local, go to local.

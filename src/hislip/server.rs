@@ -11,29 +11,29 @@ const PROTOCOL_VERSION: u32 = 0x0100 << 16;
 
 /// Codes of errors after which a connection is closed (IVI-6.1, table 14).
 pub(super) mod fatal {
-    /// A header that is none.
+    /// Invalid header.
     pub const INVALID_HEADER: u8 = 1;
-    /// One connection was used before both were there.
+    /// One channel was used before both were established.
     pub const CHANNEL_NOT_ESTABLISHED: u8 = 2;
-    /// A session that does not begin as one begins.
+    /// Invalid initialisation sequence.
     pub const INVALID_INITIALISATION: u8 = 3;
 }
 
 /// Codes of errors after which a connection goes on (IVI-6.1, table 16).
 pub(super) mod error {
-    /// No other code fits.
+    /// Error without a code of its own.
     pub const OTHER_ERROR: u8 = 0;
-    /// A type that is none, or has no place on this connection.
+    /// Message type that is unknown, or not allowed on this channel.
     pub const UNKNOWN_MESSAGE_TYPE: u8 = 1;
-    /// A control code that the type does not know.
+    /// Unknown control code.
     pub const UNKNOWN_CONTROL_CODE: u8 = 2;
-    /// A type of some vendor's.
+    /// Vendor-defined message type.
     pub const UNKNOWN_VENDOR_TYPE: u8 = 3;
-    /// A longer payload than was agreed on.
+    /// Payload longer than the agreed maximum.
     pub const MESSAGE_TOO_LARGE: u8 = 4;
 }
 
-/// What stands behind the sessions.
+/// The device that executes the sessions' messages.
 pub trait Device {
     /// A session begins on this connection.
     fn open(&mut self, session: u16, connection: u64);
@@ -55,9 +55,9 @@ pub trait Device {
     fn status(&self, message_available: bool) -> (u8, u8);
 }
 
-/// What is to be sent.
+/// Bytes to be sent on a connection.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Output {
+pub struct Outgoing {
     /// Number of the connection.
     pub connection: u64,
     /// The bytes.
@@ -81,7 +81,7 @@ pub struct Server {
     pub(super) sessions: BTreeMap<u16, HislipSession>,
     pub(super) locks: Locks,
     pub(super) queue: Queue,
-    output: Vec<Output>,
+    output: Vec<Outgoing>,
     pub(super) now: f64,
 }
 
@@ -101,7 +101,7 @@ impl Server {
         instrument.close(number);
         for other in [Some(session.synchronous), session.asynchronous].into_iter().flatten() {
             if other != connection && self.connections.remove(&other).is_some() {
-                self.output.push(Output { connection: other, bytes: Vec::new(), close: true });
+                self.output.push(Outgoing { connection: other, bytes: Vec::new(), close: true });
             }
         }
         self.settle(instrument);
@@ -122,7 +122,7 @@ impl Server {
         self.settle(instrument);
     }
 
-    /// Whether what came on a connection waits for somebody else's lock: it is not to be read from.
+    /// Whether the input of a connection waits for another session's lock; such a connection is not read.
     pub fn is_held(&self, connection: u64) -> bool {
         let session = self.connections.get(&connection).and_then(|link| link.session);
         let session = session.and_then(|number| self.sessions.get(&number));
@@ -136,12 +136,12 @@ impl Server {
         }
         if let Some(session) = self.sessions.get_mut(&number) {
             let bytes = session.reply(bytes);
-            self.output.push(Output { connection: session.synchronous, bytes, close: false });
+            self.output.push(Outgoing { connection: session.synchronous, bytes, close: false });
         }
     }
 
     /// Time has passed: it is `now` (s), on a clock that does not run backwards. Requests for locks run out, and those who asked
-    /// for service are heard.
+    /// for service are sent.
     pub fn advance(&mut self, now: f64, instrument: &mut dyn Device) {
         self.now = self.now.max(now);
         self.settle(instrument);
@@ -151,12 +151,12 @@ impl Server {
             let Some(connection) = session.asynchronous.filter(|_| asks) else { continue };
             let mut bytes = Vec::new();
             write(MessageType::AsyncServiceRequest, byte, 0, &[], &mut bytes);
-            self.output.push(Output { connection, bytes, close: false });
+            self.output.push(Outgoing { connection, bytes, close: false });
         }
     }
 
-    /// What is to be sent since the last call, in this order.
-    pub fn take_output(&mut self) -> Vec<Output> {
+    /// Output since the last call, in order.
+    pub fn take_output(&mut self) -> Vec<Outgoing> {
         std::mem::take(&mut self.output)
     }
 
@@ -169,7 +169,7 @@ impl Server {
     ) {
         let mut bytes = Vec::new();
         write(kind, codes.0, codes.1, payload, &mut bytes);
-        self.output.push(Output { connection, bytes, close: false });
+        self.output.push(Outgoing { connection, bytes, close: false });
     }
 
     pub(super) fn refuse(
@@ -181,7 +181,7 @@ impl Server {
     ) {
         let mut bytes = Vec::new();
         write(MessageType::FatalError, code, 0, reason.as_bytes(), &mut bytes);
-        self.output.push(Output { connection, bytes, close: true });
+        self.output.push(Outgoing { connection, bytes, close: true });
         self.closed(connection, instrument);
     }
 

@@ -22,7 +22,7 @@ pub struct Release {
     pub until: f64,
 }
 
-/// What a session remembers.
+/// The state of a session.
 #[derive(Debug, Clone)]
 pub struct HislipSession {
     /// Number of its synchronous connection.
@@ -31,7 +31,7 @@ pub struct HislipSession {
     pub asynchronous: Option<u64>,
     /// A device clear has begun: what comes on the synchronous connection is thrown away until it is complete.
     pub clearing: bool,
-    /// Messages that wait for somebody else's lock.
+    /// Messages that wait for another session's lock.
     pub held: Vec<DecodedPiece>,
     /// A release that waits.
     pub release: Option<Release>,
@@ -46,7 +46,7 @@ pub struct HislipSession {
     service: Service,
 }
 
-/// What the client knows of requests for service.
+/// Whether the client has been told of a service request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 struct Service {
     /// Reasons that were told.

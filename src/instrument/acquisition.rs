@@ -17,7 +17,7 @@ use crate::scope::{Setup, Source, TriggerMode, TriggerSource, Waveform};
 const AUTO_TRIGGER_TIMEOUT: f64 = 0.05;
 
 words! {
-    /// What the acquisition is doing.
+    /// State of the acquisition.
     State {
         /// Taking what comes before the trigger.
         Armed = "ARMED",
@@ -80,7 +80,7 @@ impl Acquisition {
         self.count = 0;
     }
 
-    /// What was finished since the last call and is worth keeping; of several, the last.
+    /// The last record worth keeping since the last call.
     pub fn take_finished(&mut self) -> Option<Finished> {
         self.finished.take()
     }

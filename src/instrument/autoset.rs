@@ -1,6 +1,6 @@
 //! AUTOSET: finds settings that show what is at the inputs.
 //!
-//! What is set follows the table "Autoset settings" of the TDS1000/2000 user manual (071-1064); how large and how many
+//! The settings follow the table "Autoset settings" of the TDS1000/2000 user manual (071-1064); how large and how many
 //! cycles a signal becomes is this program's choice, within what the manual describes.
 
 use super::limits;

@@ -1,4 +1,4 @@
-//! What the remote interface may turn on the bench behind the instrument: wishes, which the owner of both carries out.
+//! The bench behind the instrument as the remote interface controls it: requests, which the owner of both carries out.
 //!
 //! Numbers are clamped into what can be simulated in reasonable time. An instrument without a bench has none of this.
 

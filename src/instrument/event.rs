@@ -6,11 +6,11 @@
 /// Something that the instrument has to report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Event {
-    /// A message that is no sequence of commands.
+    /// Not a sequence of commands.
     Command,
     /// A character that cannot stand where it stands.
     InvalidCharacter,
-    /// Text that is no command.
+    /// Not a command.
     Syntax,
     /// An argument of the wrong kind.
     DataType,
@@ -28,9 +28,9 @@ pub enum Event {
     SettingsConflict,
     /// A number that no neighbouring setting stands for.
     OutOfRange,
-    /// A word that is none of the choices.
+    /// Not one of the choices.
     IllegalParameter,
-    /// What the command needs is not built in.
+    /// The command needs a missing option.
     HardwareMissing,
     /// Something behind the front panel failed.
     SystemError,
@@ -44,7 +44,7 @@ pub enum Event {
     OperationComplete,
     /// A reply was thrown away because another message came.
     QueryInterrupted,
-    /// A reply was asked for where there is none.
+    /// A reply was read without a query.
     QueryUnterminated,
     /// Replies grew beyond the output buffer.
     QueryDeadlocked,
@@ -56,9 +56,9 @@ pub enum Event {
     NoCrossing,
     /// The waveform is not there.
     NoWaveform,
-    /// The measurement's type is none.
+    /// The measurement's type is `NONE`.
     NoMeasurementType,
-    /// A waveform that is no reference memory cannot be written.
+    /// Only reference memories can be written.
     NotAReference,
     /// The waveform is not displayed.
     NotActive,

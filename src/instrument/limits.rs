@@ -1,4 +1,4 @@
-//! What a typed number becomes: the nearest setting that the instrument has.
+//! Rounds typed numbers to the nearest setting of the instrument.
 //!
 //! Numbers are clamped and snapped, never refused. How far each knob turns is the model's data file's to say.
 

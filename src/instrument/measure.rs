@@ -8,7 +8,7 @@ use super::event::Event;
 use super::panel::MeasurementType;
 use crate::scope::Waveform;
 
-/// What the instrument answers when there is no result (unit).
+/// The reply without a result (unit).
 pub const INVALID: f64 = 9.9e37;
 /// Half width of the band around a reference, in parts of the swing (1).
 const BAND_HALF_WIDTH: f64 = 0.05;

@@ -16,7 +16,7 @@ impl Instrument {
         self.memory(source).ok_or(Event::NotActive)
     }
 
-    /// What stands in memory, displayed or not; the math trace is computed from its channels.
+    /// The waveform in memory, displayed or not; the math trace is computed from its channels.
     fn memory(&self, source: Source) -> Option<Waveform> {
         match source {
             Source::Channel(number) => self.acquisition.memory(number).cloned(),
@@ -30,7 +30,7 @@ impl Instrument {
     /// Copies a displayed waveform into reference memory `letter`.
     ///
     /// # Errors
-    /// [`Event::NotActive`] for a waveform that is not displayed, [`Event::NotAReference`] for a memory that is none.
+    /// [`Event::NotActive`] for a waveform that is not displayed, [`Event::NotAReference`] for an unknown memory.
     pub fn save_waveform(&mut self, source: Source, letter: char) -> Result<(), Event> {
         let waveform = self.waveform(source)?;
         self.put_reference(waveform, letter)
@@ -39,7 +39,7 @@ impl Instrument {
     /// Puts a waveform into reference memory `letter`.
     ///
     /// # Errors
-    /// [`Event::NotAReference`] for a memory that is none.
+    /// [`Event::NotAReference`] for an unknown memory.
     pub fn put_reference(&mut self, waveform: Waveform, letter: char) -> Result<(), Event> {
         let index = reference_index(letter).ok_or(Event::NotAReference)?;
         let memory = self.references.get_mut(index).ok_or(Event::NotAReference)?;
@@ -50,7 +50,7 @@ impl Instrument {
     /// Keeps the front panel in set-up memory `number`, counted from 1.
     ///
     /// # Errors
-    /// [`Event::OutOfRange`] for a memory that is none.
+    /// [`Event::OutOfRange`] for an unknown memory.
     pub fn save_setup(&mut self, number: usize) -> Result<(), Event> {
         let index = number.checked_sub(1).ok_or(Event::OutOfRange)?;
         *self.setups.get_mut(index).ok_or(Event::OutOfRange)? = self.panel.clone();
@@ -60,7 +60,7 @@ impl Instrument {
     /// Sets the front panel as in set-up memory `number`, counted from 1.
     ///
     /// # Errors
-    /// [`Event::OutOfRange`] for a memory that is none.
+    /// [`Event::OutOfRange`] for an unknown memory.
     pub fn recall_setup(&mut self, number: usize) -> Result<(), Event> {
         let index = number.checked_sub(1).ok_or(Event::OutOfRange)?;
         self.panel = self.setups.get(index).ok_or(Event::OutOfRange)?.clone();

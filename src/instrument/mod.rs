@@ -3,7 +3,7 @@
 //! Stands between the bench and the remote interface. The bench asks [`Instrument::sample_window`] for the sample grid, passes
 //! time in with [`Instrument::advance`], and hands over what happens at the inputs with [`Instrument::accept_signals`],
 //! or finished captures with [`Instrument::store`]; `scpi` turns messages into changes of the front panel and answers
-//! from here. No I/O, no clock, no threads: whoever owns the instrument decides when time passes.
+//! from here. No I/O, no clock, no threads: its owner advances the time.
 
 pub mod acquisition;
 mod autoset;
@@ -44,7 +44,7 @@ pub const SETUP_MEMORIES: usize = 10;
 pub struct Service {
     /// Whether the front panel's keys are locked.
     pub locked: bool,
-    /// What `*TRG` does (`*DDT`).
+    /// Commands of `*TRG` (`*DDT`).
     pub device_trigger: String,
 }
 
@@ -63,7 +63,7 @@ pub struct Instrument {
     pub status: Status,
     /// Lock and device trigger.
     pub service: Service,
-    /// What the remote interface wants of the bench.
+    /// The remote interface's requests to the bench.
     pub bench: RemoteBench,
     settled: Panel,
     acquisition: Acquisition,
@@ -73,12 +73,12 @@ pub struct Instrument {
     seed: u64,
 }
 
-/// What no knob of the instrument changes.
+/// Properties that no knob changes.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct FrontEnd {
     /// Root mean square (div).
     noise: f64,
-    /// What each channel's amplifier adds to the voltage at the probe's tip (V), and its deviation.
+    /// Offset error of each channel's amplifier at the probe's tip (V), and its deviation.
     errors: Vec<(f64, Deviation)>,
 }
 
@@ -175,7 +175,7 @@ impl Instrument {
         setup
     }
 
-    /// The records of the last acquisition that was triggered, or that ended a single sequence, if nobody has asked since.
+    /// The records of the last acquisition that was triggered, or that ended a single sequence, if they have not been read since.
     pub fn take_finished(&mut self) -> Option<Finished> {
         self.acquisition.take_finished()
     }
@@ -201,7 +201,7 @@ impl Instrument {
         self.acquisition.is_pending(&self.panel)
     }
 
-    /// What the acquisition is doing.
+    /// State of the acquisition.
     pub fn state(&self) -> State {
         self.acquisition.state(&self.panel, &self.setup())
     }

@@ -1,8 +1,8 @@
-//! What comes of signals at the inputs, and of an acquisition.
+//! Results of signals at the inputs, and of an acquisition.
 
 use crate::scope::Waveform;
 
-/// What became of signals.
+/// Result of signals at the inputs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Accepted {
     /// The scope triggered; the record will be complete at this time (s).
@@ -36,7 +36,7 @@ pub struct InFlight {
     pub complete_at: f64,
     /// One record a displayed channel.
     pub records: Vec<Waveform>,
-    /// What they were triggered by; none where it was no signal of the bench.
+    /// The trigger; none if it was not a signal of the bench.
     pub trigger: Option<TriggerInstant>,
 }
 
@@ -45,6 +45,6 @@ pub struct InFlight {
 pub struct Finished {
     /// One record a displayed channel, as in memory.
     pub records: Vec<Waveform>,
-    /// What they were triggered by; none where it was no signal of the bench.
+    /// The trigger; none if it was not a signal of the bench.
     pub trigger: Option<TriggerInstant>,
 }

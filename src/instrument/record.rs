@@ -9,7 +9,7 @@ use crate::scope::acquire::{TriggerPosition, digitise, find_trigger, level};
 use crate::scope::front_end::{condition, high_pass, low_pass, noise_stream};
 use crate::scope::{PointFormat, Setup, Source, TriggerMode, TriggerSource, Waveform};
 
-/// What the bench puts at the inputs: volts at the probes' tips on one sample grid.
+/// Signals at the inputs: volts at the probes' tips on one sample grid.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Signals {
     /// From one sample to the next (s).
@@ -150,7 +150,7 @@ impl Acquirer<'_> {
         }
     }
 
-    /// The source as the edge trigger hears it.
+    /// The trigger source's signal after the trigger coupling.
     fn coupled<'s>(&self, signal: &'s [f64]) -> Cow<'s, [f64]> {
         let model = &self.setup.model;
         let ratio = |corner: f64| TAU * corner * self.sample_interval();

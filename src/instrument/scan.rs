@@ -34,7 +34,7 @@ struct ScanChannel {
     ahead: VecDeque<i16>,
 }
 
-/// What became of a sweep as time passed.
+/// Progress of a sweep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ScanProgress {
     /// Points were written.
@@ -116,7 +116,7 @@ impl Sweep {
         ScanProgress { moved: true, sweeps }
     }
 
-    /// What the screen shows of each channel that is recorded; a sweep that goes on has a blank ahead of it.
+    /// The shown part of each recorded channel; a sweep that goes on has a blank ahead of it.
     pub fn records(&self, by: &Acquirer<'_>, goes_on: bool) -> Vec<Waveform> {
         let points = by.setup.model.record_length.max(1);
         let gap = gap(by);

@@ -41,7 +41,7 @@ pub struct SampleWindow {
 }
 
 impl SampleWindow {
-    /// What a scope with these settings wants.
+    /// The window for a scope with these settings.
     pub fn of(panel: &Panel, setup: &Setup) -> Self {
         Self {
             interval: sample_interval(panel, setup),

@@ -42,7 +42,7 @@ words! {
         LowFirst = "LSB",
     }
 
-    /// What the points of a waveform are.
+    /// Encoding of a waveform's points.
     Points {
         /// One sample each.
         Samples = "Y",
@@ -132,7 +132,7 @@ impl Transfer {
         if self.width == 2 { STEPS_PER_LEVEL } else { 1.0 }
     }
 
-    /// What is added to levels before they are sent: positive numbers begin at the lowest level, text is signed (1).
+    /// Offset added to levels before they are sent: positive numbers begin at the lowest level, text is signed (1).
     pub fn shift(&self) -> f64 {
         match (self.format, self.numbers) {
             (CurveFormat::Binary, NumberFormat::Positive) => LEVELS_BELOW_ZERO,

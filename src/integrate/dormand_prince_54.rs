@@ -1,6 +1,6 @@
 //! Dormand and Prince's explicit Runge-Kutta pair of orders 5(4): six force evaluations a step.
 
-use super::runge_kutta::RungeKutta;
+use super::runge_kutta::{RungeKutta, StepError};
 
 /// The pair's coefficients.
 pub static DORMAND_PRINCE_54: RungeKutta = RungeKutta {
@@ -18,10 +18,11 @@ pub static DORMAND_PRINCE_54: RungeKutta = RungeKutta {
         &[(0, 35.0 / 384.0), (2, 500.0 / 1113.0), (3, 125.0 / 192.0), (4, -2187.0 / 6784.0), (5, 11.0 / 84.0)],
     ],
     #[rustfmt::skip]
-    error: Some((
+    error: StepError::Embedded(
         &[(0, 71.0 / 57600.0), (2, -71.0 / 16695.0), (3, 71.0 / 1920.0), (4, -17253.0 / 339_200.0), (5, 22.0 / 525.0), (6, -1.0 / 40.0)],
         4,
-    )),
+    ),
+    dense: None,
     oscillation_reach: 1.0,
     decay_reach: 3.306,
 };

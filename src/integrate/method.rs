@@ -4,10 +4,11 @@ use std::fmt;
 
 use super::dormand_el_mikkawy_prince_86::DORMAND_EL_MIKKAWY_PRINCE_86;
 use super::dormand_prince_54::DORMAND_PRINCE_54;
+use super::dormand_prince_853::DORMAND_PRINCE_853;
 use super::force_gradient::FORCE_GRADIENT;
 use super::nystrom::NystromIntegrator;
 use super::rodas::{self, Rodas};
-use super::runge_kutta::{RungeKutta, RungeKuttaIntegrator};
+use super::runge_kutta::{RungeKutta, RungeKuttaIntegrator, StepError};
 use super::runge_kutta_4::RUNGE_KUTTA_4;
 use super::scheme::Scheme;
 use super::splitting::{Splitting, SplittingIntegrator};
@@ -15,7 +16,7 @@ use super::switches::Restart;
 use super::switching::Switched;
 use super::two_step;
 use super::velocity_verlet::VELOCITY_VERLET;
-use super::{DormandPrince853, Integrator, State, System};
+use super::{Integrator, State, System};
 
 /// A method and its setting.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,7 +68,6 @@ enum Kind {
     Splitting(&'static Splitting, f64),
     TwoStep(&'static Splitting, f64),
     Nystrom(f64),
-    DormandPrince853(f64),
     RungeKutta(&'static RungeKutta, f64),
     Rodas(f64),
 }
@@ -80,7 +80,9 @@ impl Method {
             Self::TwoStepForceGradient { tolerance } => Kind::TwoStep(&FORCE_GRADIENT, tolerance),
             Self::DormandElMikkawyPrince86 { tolerance } => Kind::Nystrom(tolerance),
             Self::DormandPrince54 { tolerance } => Kind::RungeKutta(&DORMAND_PRINCE_54, tolerance),
-            Self::DormandPrince853 { tolerance } => Kind::DormandPrince853(tolerance),
+            Self::DormandPrince853 { tolerance } => {
+                Kind::RungeKutta(&DORMAND_PRINCE_853, tolerance)
+            }
             Self::RungeKutta4 { step } => Kind::RungeKutta(&RUNGE_KUTTA_4, step),
             Self::Rodas { tolerance } => Kind::Rodas(tolerance),
         }
@@ -92,7 +94,6 @@ impl Method {
             Kind::Splitting(method, _) => method.name,
             Kind::TwoStep(..) => two_step::NAME,
             Kind::Nystrom(_) => DORMAND_EL_MIKKAWY_PRINCE_86.name,
-            Kind::DormandPrince853(_) => DormandPrince853::NAME,
             Kind::RungeKutta(method, _) => method.name,
             Kind::Rodas(_) => Rodas::NAME,
         }
@@ -103,7 +104,6 @@ impl Method {
         match self.kind() {
             Kind::Splitting(method, _) | Kind::TwoStep(method, _) => method.source,
             Kind::Nystrom(_) => DORMAND_EL_MIKKAWY_PRINCE_86.source,
-            Kind::DormandPrince853(_) => DormandPrince853::SOURCE,
             Kind::RungeKutta(method, _) => method.source,
             Kind::Rodas(_) => Rodas::SOURCE,
         }
@@ -114,7 +114,6 @@ impl Method {
         match self.kind() {
             Kind::Splitting(method, _) | Kind::TwoStep(method, _) => method.order,
             Kind::Nystrom(_) => DORMAND_EL_MIKKAWY_PRINCE_86.order,
-            Kind::DormandPrince853(_) => 8,
             Kind::RungeKutta(method, _) => method.order,
             Kind::Rodas(_) => Rodas::ORDER,
         }
@@ -125,7 +124,7 @@ impl Method {
     pub fn fixed_step(&self) -> Option<(f64, f64)> {
         match self.kind() {
             Kind::Splitting(method, step) => Some((step, method.stability)),
-            Kind::RungeKutta(method @ RungeKutta { error: None, .. }, step) => {
+            Kind::RungeKutta(method @ RungeKutta { error: StepError::None, .. }, step) => {
                 Some((step, method.oscillation_reach))
             }
             _ => None,
@@ -148,7 +147,6 @@ impl Method {
     pub fn decay_reach(&self) -> Option<f64> {
         match self.kind() {
             Kind::RungeKutta(method, _) => Some(method.decay_reach),
-            Kind::DormandPrince853(_) => Some(DormandPrince853::DECAY_REACH),
             Kind::Splitting(..) | Kind::TwoStep(..) | Kind::Nystrom(_) | Kind::Rodas(_) => None,
         }
     }
@@ -156,10 +154,10 @@ impl Method {
     /// The tolerated error of a step, or of what is read; none for fixed steps (1).
     pub fn tolerance(&self) -> Option<f64> {
         match self.kind() {
-            Kind::Splitting(..) | Kind::RungeKutta(RungeKutta { error: None, .. }, _) => None,
+            Kind::Splitting(..)
+            | Kind::RungeKutta(RungeKutta { error: StepError::None, .. }, _) => None,
             Kind::TwoStep(_, tolerance)
             | Kind::Nystrom(tolerance)
-            | Kind::DormandPrince853(tolerance)
             | Kind::RungeKutta(_, tolerance)
             | Kind::Rodas(tolerance) => Some(tolerance),
         }
@@ -180,7 +178,6 @@ impl Method {
         let count = match self.kind() {
             Kind::Splitting(method, _) | Kind::TwoStep(method, _) => method.drifts.len(),
             Kind::Nystrom(_) => DORMAND_EL_MIKKAWY_PRINCE_86.nodes.len() - 1,
-            Kind::DormandPrince853(_) => 12,
             Kind::RungeKutta(method, _) => method.stages.len() - 1,
             Kind::Rodas(_) => rodas::STAGES,
         };
@@ -204,9 +201,6 @@ impl Method {
                 let pair = &DORMAND_EL_MIKKAWY_PRINCE_86;
                 Box::new(NystromIntegrator::new(pair, system, state, tolerance))
             }
-            Kind::DormandPrince853(tolerance) => {
-                watched(DormandPrince853::new(system, state, tolerance))
-            }
             Kind::RungeKutta(method, setting) => {
                 watched(RungeKuttaIntegrator::new(method, system, state, setting))
             }
@@ -228,14 +222,11 @@ impl fmt::Display for Method {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.kind() {
             Kind::Splitting(method, step) => write!(f, "{} (step {step:e} s)", method.name),
-            Kind::RungeKutta(RungeKutta { error: None, name, .. }, step) => {
+            Kind::RungeKutta(RungeKutta { error: StepError::None, name, .. }, step) => {
                 write!(f, "{name} (step {step:e} s)")
             }
             Kind::TwoStep(_, tolerance) => write!(f, "{} (tolerance {tolerance:.1e})", self.name()),
-            Kind::Nystrom(tolerance)
-            | Kind::DormandPrince853(tolerance)
-            | Kind::RungeKutta(_, tolerance)
-            | Kind::Rodas(tolerance) => {
+            Kind::Nystrom(tolerance) | Kind::RungeKutta(_, tolerance) | Kind::Rodas(tolerance) => {
                 write!(f, "{} (step tolerance {tolerance:.1e})", self.name())
             }
         }

@@ -14,7 +14,6 @@ pub mod interpolant;
 mod linearised;
 mod method;
 pub mod nystrom;
-
 pub mod rodas;
 pub mod runge_kutta;
 pub mod runge_kutta_4;
@@ -26,7 +25,6 @@ pub mod switching;
 pub mod two_step;
 pub mod velocity_verlet;
 
-pub use dormand_prince_853::DormandPrince853;
 pub use interpolant::{COEFFICIENTS, Interpolant};
 pub use linearised::{Linearised, Tridiagonal};
 pub use method::Method;

@@ -1,6 +1,6 @@
 //! The classical Runge-Kutta method: order 4, four force evaluations a step, which is fixed.
 
-use super::runge_kutta::RungeKutta;
+use super::runge_kutta::{RungeKutta, StepError};
 
 /// The method's coefficients.
 pub static RUNGE_KUTTA_4: RungeKutta = RungeKutta {
@@ -14,7 +14,8 @@ pub static RUNGE_KUTTA_4: RungeKutta = RungeKutta {
         &[(2, 1.0)],
         &[(0, 1.0 / 6.0), (1, 1.0 / 3.0), (2, 1.0 / 3.0), (3, 1.0 / 6.0)],
     ],
-    error: None,
+    error: StepError::None,
+    dense: None,
     oscillation_reach: 2.828,
     decay_reach: 2.785,
 };

@@ -13,8 +13,8 @@ pub const NAME: &str = "two-step-force-gradient";
 
 /// `T`: over the paper's eight scenes first peaks and arrivals are off by less than that. Tolerances beyond it make the same steps (1).
 pub const LOOSEST_TOLERANCE: f64 = 1e-3;
-/// `L` (rad).
-const LONG: f64 = 2.7;
+/// `L`: a long step in terms of the highest frequency (rad).
+pub const LONG: f64 = 2.7;
 /// `S` (rad).
 const SHORT: f64 = 1.2;
 /// The least step where the stiff contact closes or opens, as a share of those while it is closed (1).

@@ -27,7 +27,7 @@ pub struct Arrival {
     pub time_s: Option<Uncertain>,
 }
 
-/// What one channel saw.
+/// Arrivals at one channel.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ChannelArrivals {
     /// `CH1`.
@@ -50,7 +50,7 @@ pub struct ChannelArrivals {
     pub pulses: Option<usize>,
     /// Arrivals by each estimator.
     pub arrivals: Vec<Arrival>,
-    /// Why there is no pulse, where there is none.
+    /// Why no pulse was found.
     pub problem: Option<String>,
 }
 
@@ -84,7 +84,7 @@ pub struct Decay {
     pub per_metre: Option<f64>,
 }
 
-/// What a shot tells about arrivals.
+/// Arrivals, speeds and decay of a shot.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Survey {
     /// Number of the shot.
@@ -95,7 +95,7 @@ pub struct Survey {
     pub speeds: Vec<SpeedBetween>,
     /// Decay of the first peak between neighbouring sensors, from the top.
     pub decays: Vec<Decay>,
-    /// What could not be told, and why.
+    /// Notes on missing values.
     pub notes: Vec<String>,
 }
 

@@ -113,7 +113,7 @@ pub fn wire(set: &mut TraceSet, channel: &str, sensor: &Sensor) -> Result<(), Sc
     Ok(())
 }
 
-/// Forces of all channels of `shot`, or why there are none.
+/// Forces of all channels of `shot`, or why they cannot be computed.
 pub fn forces(set: &TraceSet, shot: &Shot) -> Vec<Result<Forces, ForcesError>> {
     let sensors = metadata::sensors_of(set, shot.number);
     shot.captures.iter().map(|capture| of_channel(capture, &sensors)).collect()

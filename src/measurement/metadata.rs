@@ -1,4 +1,4 @@
-//! What a recording remembers of the bench it was taken on: its scene, its sensors, and what its chain lets pass.
+//! Metadata of a recording: its scene, its sensors, and its chain's pass bands.
 
 use std::collections::BTreeMap;
 

@@ -72,7 +72,7 @@ impl Dimension {
     /// s/div.
     pub const TIME_PER_DIVISION: Self = whole([0, 0, 1, 0, 0, -1]);
 
-    /// What the field calls a quantity of this dimension, with its unit: `a mass (kg)`.
+    /// Name of a quantity of this dimension, with its unit: `a mass (kg)`.
     pub fn name(self) -> Option<&'static str> {
         const NAMES: [(Dimension, &str); 26] = [
             (Dimension::NONE, "a plain number"),

@@ -28,7 +28,7 @@ pub enum QuantityError {
     WrongDimension {
         /// The text as typed.
         text: String,
-        /// What the text's unit measures.
+        /// Dimension of the text's unit.
         found: Dimension,
     },
 }

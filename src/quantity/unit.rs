@@ -67,7 +67,7 @@ fn symbol_of(name: &str) -> Option<Symbol> {
     })
 }
 
-/// What a prefix stands for, as a power of ten (1).
+/// Power of ten of a prefix (1).
 fn power_of(prefix: char) -> Option<f64> {
     Some(match prefix {
         'f' => -15.0,

@@ -10,7 +10,7 @@
 pub(super) struct SettingCommand<'a> {
     /// Header as written.
     pub(super) header: &'a [u8],
-    /// What follows it, without white space at the ends.
+    /// Its value, without white space at the ends.
     pub(super) value: &'a [u8],
     /// Where the header begins in the text, in bytes.
     pub(super) offset: usize,

@@ -41,7 +41,7 @@ pub enum OpenError {
     File {
         /// The file or folder.
         file: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: std::io::Error,
     },
     /// The name tells no format.
@@ -113,7 +113,7 @@ pub fn open_with(path: &Path, columns: &TableColumns) -> Result<TraceSet, OpenEr
     }
 }
 
-/// What lies in a folder, each list in order of names.
+/// Contents of a folder, each list in order of names.
 #[derive(Default)]
 struct Content {
     files: Vec<PathBuf>,

@@ -33,7 +33,7 @@ pub struct Capture {
     pub waveform: Waveform,
     /// The instrument; `None` where a file does not tell.
     pub instrument: Option<InstrumentIdentity>,
-    /// What the file did not tell and had to be guessed, and what in it is suspicious; empty where there is nothing to say.
+    /// Notes on guesses and on suspicious values; empty for a file without any.
     pub notes: Vec<String>,
 }
 
@@ -71,7 +71,7 @@ pub struct Shot {
     pub timestamp_ns: u64,
     /// One capture a channel that was on, in channel order.
     pub captures: Vec<Capture>,
-    /// What really happened, on the simulation's clock (0 is the striker's first contact). Names are topics:
+    /// Ground truth, on the simulation's clock (0 is the striker's first contact). Names are topics:
     /// `/truth/sensor/<name>`, `/truth/contact/<j>`, `/truth/bead/<i>`.
     pub truth: Vec<Trace>,
     /// Time of the captures' trigger on the simulation's clock (s).
@@ -87,7 +87,7 @@ pub enum Direction {
     Reply,
 }
 
-/// What the remote interface heard or said.
+/// A message of the remote interface, received or sent.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ScpiLine {
     /// When, nanoseconds since 1970.
@@ -123,10 +123,10 @@ pub struct TraceSet {
     pub attachments: Vec<Attachment>,
     /// Lines of the log, in order of time.
     pub log: Vec<String>,
-    /// What the remote interface heard and said, in order of time.
+    /// Messages of the remote interface, in order of time.
     pub lines: Vec<ScpiLine>,
-    /// What a recording keeps of each shot beside captures and truth, by the shot's number; its lines stand in `log` too.
+    /// Notes of each shot beside captures and truth, by the shot's number; its lines are in `log` too.
     pub notes: BTreeMap<u32, mcap::ShotNotes>,
-    /// What a reader could not make sense of, and passed over; empty for a sound file.
+    /// Problems: parts that the reader skipped; empty for a sound file.
     pub problems: Vec<String>,
 }

@@ -9,7 +9,7 @@ use crate::measurement::calibration::CalibrationReport;
 use crate::measurement::calibration::words::ImpactReport;
 use crate::quantity::engineering;
 
-/// What a temperature in kelvin is above one in degrees Celsius.
+/// Zero degrees Celsius (K).
 const ZERO_CELSIUS: f64 = 273.15;
 
 /// A certificate: contents as in ISO/IEC 17025, 7.8.

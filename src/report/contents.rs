@@ -1,4 +1,4 @@
-//! What is in a recording, as a page of text.
+//! Contents of a recording, as a page of text.
 
 use std::collections::BTreeSet;
 

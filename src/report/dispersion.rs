@@ -11,10 +11,10 @@ use crate::quantity::engineering;
 /// Points of each branch.
 const BRANCH_POINTS: u32 = 200;
 
-/// What `dispersion` shows.
+/// Page of `dispersion`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DispersionPage {
-    /// What was measured, and where.
+    /// Names of the signals.
     pub title: String,
     /// The linear chain there.
     pub chain: DiatomicChain,

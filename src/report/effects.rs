@@ -4,7 +4,7 @@ use super::table;
 use super::text::{TERMINAL_WIDTH, hanging_indent, wrapped};
 use crate::studies::effects::{EffectState, Ledger, LedgerEntry};
 
-/// What the table means.
+/// Legend of the table.
 const TABLE_LEGEND: &str = "Cost: wall time of a step with it less that without it, openings and tries included, 0 within what timing tells. \
     Change: with it over without it, in first peaks, half-rises and speeds, the largest of all places, < where the accuracy is all that is known. \
     What is off: if it were on. * by auto.";

@@ -7,10 +7,10 @@ use crate::quantity::engineering;
 
 /// Points of the curve.
 const CURVE_POINTS: u32 = 600;
-/// What a temperature in kelvin is above one in degrees Celsius.
+/// Zero degrees Celsius (K).
 const ZERO_CELSIUS: f64 = 273.15;
 
-/// What the magnet does at one distance.
+/// Force and field of the magnet at one distance.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MagnetPoint {
     /// From the face to the sphere's centre (m).
@@ -41,7 +41,7 @@ pub struct MagnetPage {
 }
 
 impl MagnetPoint {
-    /// What `magnet` does at `distance` (m); none beyond a table.
+    /// Force and field of `magnet` at `distance` (m); none beyond a table.
     pub fn of(magnet: &Magnet, distance: f64, temperature: f64) -> Option<Self> {
         let ring = match &magnet.law {
             ForceLaw::Ring(ring, sphere) => {

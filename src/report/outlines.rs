@@ -1,4 +1,4 @@
-//! Text of an SVG picture as outlines of its letters, so that whoever draws the picture needs no font.
+//! Text of an SVG picture as outlines of its letters, so that the renderer needs no font.
 //!
 //! It reads the pictures that this program writes: a `<text>` holds words and no further elements, has one `x`, one `y` and a font size of
 //! its own or the picture's, and `text-anchor` is an attribute of the `<text>` itself. Letters are set side by side, by the advance widths of the
@@ -16,7 +16,7 @@ const DEFAULT_SIZE: f32 = 16.0;
 /// The picture `svg` with a `<path>` in place of every `<text>`.
 ///
 /// # Errors
-/// What is wrong with the built-in font.
+/// The problem with the built-in font.
 pub fn outline_text(svg: &str) -> Result<String, ttf_parser::FaceParsingError> {
     let face = Face::parse(FONT, 0)?;
     let picture_size = svg

@@ -18,9 +18,9 @@ pub struct Curve {
     pub points: Vec<(f64, f64)>,
     /// Places to mark, each with its name.
     pub marks: Vec<(f64, String)>,
-    /// What the abscissa is, with its unit in words.
+    /// Label of the abscissa with unit.
     pub x_label: String,
-    /// What the ordinate is.
+    /// Label of the ordinate.
     pub y_label: String,
 }
 
@@ -98,7 +98,7 @@ fn share(value: f64, low: f64, high: f64, dots: usize) -> usize {
 pub struct PointSet<'a> {
     /// The points (unit).
     pub points: Vec<(f64, f64)>,
-    /// What they are.
+    /// Their label.
     pub name: &'a str,
     /// Their colour, as SVG writes it.
     pub colour: &'a str,

@@ -11,7 +11,7 @@ const PIXELS_PER_UNIT: f32 = 2.0;
 /// Why a picture could not be drawn: mistakes of whatever made the SVG.
 #[derive(Debug, thiserror::Error)]
 pub enum PngError {
-    /// The SVG is none.
+    /// Invalid SVG.
     #[error("found no SVG: {0}")]
     Svg(#[from] resvg::usvg::Error),
     /// The built-in font cannot be read.

@@ -6,7 +6,7 @@ use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::time_frequency::Spectrogram;
 use crate::quantity::engineering;
 
-/// What is this far below the highest is shown as nothing (dB).
+/// Range of the shades below the highest amplitude (dB).
 const DYNAMIC_RANGE: f64 = 60.0;
 /// Characters across and down.
 const MAP_SIZE: (usize, usize) = (72, 20);
@@ -20,7 +20,7 @@ const PICTURE_SIZE: (f64, f64) = (760.0, 360.0);
 /// A map with what is known about the chain it comes from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpectrogramPage {
-    /// What was transformed.
+    /// The name of the transformed signal.
     pub title: String,
     /// The map.
     pub map: Spectrogram,

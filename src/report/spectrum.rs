@@ -15,7 +15,7 @@ const BAND_MARGIN: f64 = 1.5;
 /// A spectrum with what is known about the chain it comes from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpectrumPage {
-    /// What was transformed.
+    /// The name of the transformed signal.
     pub title: String,
     /// Its spectrum.
     pub spectrum: Spectrum,
@@ -23,9 +23,9 @@ pub struct SpectrumPage {
     pub peaks: Vec<SpectralPeak>,
     /// The chain around the sensor, where the recording tells.
     pub chain: Option<DiatomicChain>,
-    /// What was subtracted from every sample before (unit).
+    /// The offset subtracted from every sample (unit).
     pub offset: f64,
-    /// What the reader should know.
+    /// Notes for the reader.
     pub notes: Vec<String>,
 }
 

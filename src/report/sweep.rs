@@ -1,4 +1,4 @@
-//! What a sweep did, as text.
+//! Text about a sweep.
 
 use crate::quantity::engineering;
 use crate::sweep::gather::Gap;
@@ -7,7 +7,7 @@ use crate::sweep::summary::{Failure, GatherSummary, SweepSummary};
 /// Gaps that are named one by one.
 const NAMED_GAPS: usize = 10;
 
-/// What `sweep` prints.
+/// Output of `sweep`.
 pub fn sweep(summary: &SweepSummary) -> String {
     let SweepSummary { sweep, scene, runs, of_shard, finished_before, done, .. } = summary;
     let part = summary.shard.as_ref().map_or(String::new(), |s| format!(", {s}: {of_shard} runs"));
@@ -39,7 +39,7 @@ pub fn sweep(summary: &SweepSummary) -> String {
     lines.join("\n")
 }
 
-/// What `gather` prints.
+/// Output of `gather`.
 pub fn gathering(gathering: &GatherSummary) -> String {
     let GatherSummary { folder, logs, runs, finished, .. } = gathering;
     let files = if *logs == 1 { "log" } else { "logs" };

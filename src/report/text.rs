@@ -1,4 +1,4 @@
-//! Text that fits a terminal which nobody has widened.
+//! Text wrapped to the width of a terminal.
 
 /// Columns of such a terminal.
 pub const TERMINAL_WIDTH: usize = 80;

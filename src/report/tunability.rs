@@ -8,7 +8,7 @@ use crate::studies::tunability::{TunedPoint, Tuning};
 
 /// Highest frequency that is shown (Hz).
 const MAX_FREQUENCY: f64 = 20e3;
-/// What is this far below the highest of its column is shown as nothing (dB).
+/// Range of the shades below the highest of each column (dB).
 const DYNAMIC_RANGE: f64 = 60.0;
 /// Rows of the map in a terminal and in a picture.
 const MAP_ROWS: (usize, usize) = (16, 100);
@@ -26,7 +26,7 @@ const EDGES: [Edge; 3] = [
     ("f3", DiatomicChain::cutoff),
 ];
 
-/// What arrives, in decibels below its highest line, the highest of each of `rows` bands of frequency up to 20 kHz (dB).
+/// The spectrum in decibels below its highest line, the highest of each of `rows` bands of frequency up to 20 kHz (dB).
 #[allow(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,

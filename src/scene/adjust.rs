@@ -47,7 +47,7 @@ pub enum AdjustError {
     Nothing {
         /// The path as typed.
         path: String,
-        /// What stands where the path ends.
+        /// The value at the end of the path.
         known: Vec<String>,
     },
     /// No number with a unit.
@@ -57,7 +57,7 @@ pub enum AdjustError {
     NoNumber {
         /// The path.
         path: String,
-        /// What stands there.
+        /// The value there.
         found: String,
     },
     /// The scene itself is wrong.
@@ -266,7 +266,7 @@ fn knob(path: String, node: &Node) -> Result<AdjustableNumber, AdjustError> {
     }
 }
 
-/// What stands behind the number at the start of `text`.
+/// The rest of `text` behind its number.
 fn unit_of(text: &str) -> &str {
     let number = |end: &usize| {
         let digits: Option<String> = text.get(..*end).map(|start| start.trim().replace('_', ""));

@@ -258,7 +258,7 @@ fn trigger_setup(
     Some(Trigger { source, level, slope, mode })
 }
 
-/// What a sensor at this channel's input is loaded with.
+/// The load of a sensor at this channel's input.
 pub fn load(model: &Model, channel: &ChannelSetup) -> Load {
     if channel.vertical.probe > 1.0 {
         Load { resistance: model.probe_resistance, capacitance: model.probe_capacitance }

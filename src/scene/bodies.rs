@@ -16,7 +16,7 @@ pub struct Materials<'a> {
     own: BTreeMap<String, Option<Material>>,
 }
 
-/// What a body is made of.
+/// The material of a body.
 #[derive(Clone, Copy)]
 struct Material {
     elasticity: Elasticity,
@@ -177,7 +177,7 @@ pub fn particles<'a>(
     particles
 }
 
-/// What stands at an end: `"free"`, `{ wall = "steel" }` or `{ force = "2 N" }`; a wall may press with a `preload`.
+/// The end of a chain: `"free"`, `{ wall = "steel" }` or `{ force = "2 N" }`; a wall may press with a `preload`.
 pub fn end(
     chain: &TableReader<'_>,
     key: &'static str,

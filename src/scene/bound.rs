@@ -1,6 +1,6 @@
-//! What a number must be beyond having the right unit.
+//! Limits of numbers, in addition to their dimension.
 
-/// What a number must be beyond having the right unit.
+/// Limits of numbers, in addition to their dimension.
 #[derive(Debug, Clone, Copy)]
 pub enum Bound {
     /// Any finite number.
@@ -9,7 +9,7 @@ pub enum Bound {
     Positive,
     /// Zero or above.
     NotNegative,
-    /// Above zero, and within what anybody lays on a bench: a slip of the unit gets an answer that names its line.
+    /// Above zero, and within what fits on a bench: a wrong unit becomes an error that names its line.
     Bench(
         /// Lower limit, in the unit of what it bounds (unit).
         f64,

@@ -93,7 +93,7 @@ pub struct Entry {
 pub struct Node {
     /// Where it was typed.
     pub place: SourceLocation,
-    /// What was typed.
+    /// The source text.
     pub value: Value,
 }
 
@@ -119,7 +119,7 @@ impl Node {
         Ok(Self { place, value: table_of(&source, table.get_ref()) })
     }
 
-    /// What stands here, in words for a message.
+    /// The value's kind, for messages.
     pub fn describe(&self) -> String {
         match &self.value {
             Value::Text(text) => format!("\"{text}\""),

@@ -9,7 +9,7 @@ use crate::chain::{EffectsSpec, Gravity, LinearisedContacts};
 use crate::quantity::Dimension;
 use crate::sensor::SensorTolerance;
 
-/// What `state` says of an effect whose table is there; its other keys stay as they are.
+/// The value of an effect's key `state`; its other keys stay as they are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EffectSwitch {
     /// On; so is a table without the key.
@@ -20,7 +20,7 @@ pub enum EffectSwitch {
     Auto,
 }
 
-/// Effects whose change can be foretold.
+/// Effects with an upper bound on what they change.
 const BOUNDED_EFFECTS: [&str; 5] =
     ["gravity", "magnet_law", "dashpot", "kuwabara_kono", "power_law_loss"];
 /// The others.

@@ -174,7 +174,7 @@ impl Library {
         };
         for (key, kind) in CONSTANTS {
             let Some((name, place)) = node.text(key) else { continue };
-            // What cannot be read is told by whoever needs its numbers.
+            // The reader of the numbers reports files that cannot be read.
             if let Ok(file) = instrument(kind, name, place, key) {
                 self.texts.add(file.place.text());
             }

@@ -9,7 +9,7 @@ use crate::chain::{EffectsSpec, MagnetForce, MagnetLaw, MagnetPreload, PlacedAt,
 use crate::magnet::Magnet;
 use crate::quantity::{Dimension, engineering};
 
-/// What says where a ring or a table stands.
+/// Keys of the position of a ring or table.
 const PLACES: [&str; 3] = ["distance", "distance_unloaded", "force"];
 
 /// Reads both tables into `spec`. A described magnet's force follows the particle unless the scene says otherwise.

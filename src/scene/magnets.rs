@@ -7,7 +7,7 @@ use super::reader::{Bound, Problems, TableReader};
 use crate::magnet::{ForceLaw, ForceTable, Magnet, RingMagnet, Sphere};
 use crate::quantity::Dimension;
 
-/// What describes a magnet, by the key that each kind cannot do without.
+/// The required key of each kind of magnet.
 const KINDS: [&str; 3] = ["force", "outer_diameter", "measured"];
 
 /// Why there is no magnet.
@@ -16,7 +16,7 @@ pub enum MagnetError {
     /// Neither a shipped magnet nor a file.
     #[error("found `{name}`, which is neither a file nor one of the magnets shipped, expected one of: {}", shipped.join(", "))]
     Unknown {
-        /// What was asked for.
+        /// The requested name.
         name: String,
         /// The magnets there are.
         shipped: Vec<&'static str>,

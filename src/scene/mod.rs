@@ -83,7 +83,7 @@ pub struct Scene {
     pub seed: u64,
     /// Effects that are switched off where nothing would be seen of them (`state = "auto"`), as long as that is not decided.
     pub auto: Vec<&'static str>,
-    /// What was decided of them, in words.
+    /// The decisions, as notes.
     pub decided: Vec<String>,
     /// How far the sensors' plates may be from their data; drawn from the seed.
     pub sensor_tolerance: Option<SensorTolerance>,
@@ -200,7 +200,7 @@ fn accuracy(root: &TableReader<'_>) -> Option<f64> {
     root.quantity("accuracy", Dimension::NONE, bound)
 }
 
-/// What moves, as far as it could be read.
+/// The bodies, as far as they could be read.
 struct Moving<'a> {
     kinds: Vec<&'a str>,
     wall: bool,
@@ -268,7 +268,7 @@ fn moving<'a>(root: &TableReader<'a>, problems: &Problems) -> Moving<'a> {
     for table in table.into_iter().chain(effects) {
         table.finish();
     }
-    // An end that could not be read has left its problem; a sensor at it is none.
+    // An end that could not be read is a problem already; a sensor at it adds no other.
     let wall = bottom.is_none_or(|(bottom, _)| matches!(bottom, End::Wall(_)));
     Moving {
         kinds: particles.kinds,

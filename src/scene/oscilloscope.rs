@@ -11,7 +11,7 @@ const MAX_QUEUE_LENGTH: u64 = 1000;
 const MIN_SAMPLES: f64 = 20.0;
 /// Most samples on the scene's duration: each place that is watched keeps them all, 160 MB (1).
 const MAX_SAMPLES: f64 = 2e7;
-/// What dividing by a probe's attenuation may cost (1).
+/// Rounding error of a division by the probe's attenuation (1).
 const ROUND_OFF: f64 = 1e-12;
 
 /// Reads the keys of an oscilloscope's data file. Every key is asked for before anything is given up, so that all that is
@@ -140,7 +140,7 @@ pub fn check_window(
     }
 }
 
-/// What a channel's knobs can be turned to: probe (1), scale (V/div) if read, position (div).
+/// Limits of a channel's knobs: probe (1), scale (V/div) if read, position (div).
 pub fn check_vertical(table: &TableReader<'_>, model: &Model, knobs: (f64, Option<f64>, f64)) {
     let (probe, scale, position) = knobs;
     if !is_one_of(probe, &model.probes) {

@@ -79,7 +79,7 @@ pub fn plate(name: &str, table: &TableReader<'_>, problems: &Problems) -> Option
     })
 }
 
-/// What is known of the circuit from measurement; none where that is wrong.
+/// The measured circuit; none where it is invalid.
 fn measured(table: &TableReader<'_>) -> Option<SensorMeasurement> {
     let number = |key, dimension| table.quantity(key, dimension, Bound::Positive);
     let uncertainty = |key| table.quantity(key, Dimension::NONE, Bound::NotNegative);

@@ -1,4 +1,4 @@
-//! What is wrong with a scene, each with its place: all of it is reported at once.
+//! Problems of a scene with their places, all reported at once.
 
 use std::cell::RefCell;
 use std::fmt;
@@ -14,9 +14,9 @@ pub struct Problem {
     pub column: usize,
     /// Where in the table tree, e.g. `striker.mass`.
     pub key: String,
-    /// What stands there.
+    /// The text found.
     pub found: String,
-    /// What should stand there.
+    /// The text expected.
     pub expected: String,
 }
 
@@ -50,10 +50,10 @@ pub enum SceneError {
     Read {
         /// The file.
         file: String,
-        /// What the system says.
+        /// The system's error.
         source: std::io::Error,
     },
-    /// The file is no scene: nobody types that much.
+    /// The file is too large for a scene.
     #[error("{file}: found more than {limit} bytes, expected a scene")]
     TooLarge {
         /// The file.
@@ -64,7 +64,7 @@ pub enum SceneError {
     /// Neither an embedded scene nor a file.
     #[error("found `{name}`, which is neither a file nor one of the scenes shipped, expected one of: {}", shipped.join(", "))]
     Unknown {
-        /// What was asked for.
+        /// The requested name.
         name: String,
         /// The scenes there are.
         shipped: Vec<&'static str>,

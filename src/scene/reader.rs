@@ -1,7 +1,7 @@
 //! Reads typed values out of a table, collecting every problem instead of stopping at the first.
 //!
 //! Each getter returns `None` where the key is absent or wrong; wrong ones leave a [`Problem`](super::Problem). A table that is done
-//! reports the keys that nobody asked for.
+//! reports keys that were not read.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -22,7 +22,7 @@ pub struct TableReader<'a> {
 }
 
 impl<'a> TableReader<'a> {
-    /// The table in `node`, whose keys are named behind `path`; a problem if it is none.
+    /// The table in `node`, with its keys' full names behind `path`; anything else is a problem.
     pub fn of(node: &'a Node, path: &str, problems: &'a Problems) -> Option<Self> {
         let Value::Table(entries) = &node.value else {
             problems.push(node.place.problem(path, node.describe(), "a table".to_owned()));

@@ -28,7 +28,7 @@ pub struct PlacedSensor {
     pub sensor: Sensor,
 }
 
-/// What the checks need to know of the chain.
+/// Data of the chain for the checks.
 pub struct SensorHosts<'a> {
     /// Kind of each particle, from the top; empty where that is not known.
     pub kinds: &'a [&'a str],

@@ -1,4 +1,4 @@
-//! What a shot takes from its scene: circuits, velocities, and the scene with other knobs.
+//! A shot's data from its scene: circuits, velocities, and the scene with other knobs.
 
 use std::borrow::Cow;
 

@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 #[derive(Debug, Clone, Default)]
 pub struct Texts {
     all: Vec<Arc<str>>,
-    /// What they hash to, once somebody has asked.
+    /// Their hash, computed on first use.
     hash: OnceLock<String>,
 }
 

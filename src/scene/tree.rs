@@ -30,13 +30,13 @@ pub(super) fn at_mut<'a>(node: &'a mut Node, keys: &[&str]) -> Option<&'a mut No
     }
 }
 
-/// Puts `value` at the path, with tables on the way where there are none.
+/// Puts `value` at the path, creating the tables on the way.
 pub(super) fn insert(node: &mut Node, keys: &[&str], value: Value) {
     let place = node.place.clone();
     put(node, keys, Node { place, value });
 }
 
-/// Puts `new` at the path, with tables on the way where there are none; tells whether it could: a list is not made longer, and what is
+/// Puts `new` at the path, creating the tables on the way; false where it cannot: a list is not made longer, and what is
 /// no table has nothing in it.
 pub(super) fn put(node: &mut Node, keys: &[&str], new: Node) -> bool {
     let Some((first, rest)) = keys.split_first() else {

@@ -8,12 +8,12 @@ use super::library::remove_model;
 use super::problem::{Problem, SceneError};
 use super::tree::{ANY, at_mut, expand, known, put};
 
-/// What is to stand where.
+/// A path and its new value.
 #[derive(Debug, Clone)]
 pub struct SceneOverride<'a> {
     /// Paths in the scene, `striker.speed`; a number is a place in a list, counted from 1.
     pub paths: &'a [String],
-    /// What is to stand there.
+    /// The new value.
     pub node: Node,
 }
 

@@ -1,4 +1,4 @@
-//! What one oscilloscope model can do: the content of `instruments/<model>.toml`.
+//! Limits of an oscilloscope model: the content of `instruments/<model>.toml`.
 
 /// Limits of an oscilloscope model, all from its data file.
 #[derive(Debug, Clone, PartialEq)]

@@ -15,7 +15,7 @@ pub struct ChannelSetup {
     pub vertical: VerticalSetup,
     /// Name of the sensor at its input; none leaves the input open, at zero volts.
     pub input: Option<String>,
-    /// What the channel's amplifier adds to every voltage: its offset error, at the probe's tip (V).
+    /// Offset error of the channel's amplifier, at the probe's tip (V).
     pub offset: f64,
     /// Errors of this amplifier within its data sheet.
     pub deviation: Deviation,
@@ -52,7 +52,7 @@ pub enum Slope {
     Fall,
 }
 
-/// What happens when no trigger comes.
+/// Behaviour without a trigger.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum TriggerMode {
     /// The scope takes a record anyway.
@@ -86,7 +86,7 @@ impl TriggerSource {
         }
     }
 
-    /// Farthest level of a source that is no channel; the mains have none to set (V).
+    /// Farthest level of a source other than a channel; that of the mains is fixed (V).
     pub fn reach(self, model: &Model) -> f64 {
         match self {
             Self::External => model.external_trigger_range,
@@ -95,7 +95,7 @@ impl TriggerSource {
         }
     }
 
-    /// What the sensitivity of the external input counts in, as a channel's does in its scale (V/div).
+    /// Scale of the external input, by which its sensitivity is stated (V/div).
     pub fn external_scale(self, model: &Model) -> f64 {
         self.reach(model) / model.trigger_range
     }
@@ -115,7 +115,7 @@ impl fmt::Display for TriggerSource {
 /// The edge trigger.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trigger {
-    /// What is watched.
+    /// The trigger source.
     pub source: TriggerSource,
     /// Level to cross (V).
     pub level: f64,

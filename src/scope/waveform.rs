@@ -1,4 +1,4 @@
-//! What an acquisition leaves in the scope's memory: digitiser levels and the preamble that gives them
+//! A record in the scope's memory: digitiser levels and the preamble that gives them
 //! meaning. The two never part.
 
 use std::fmt;
@@ -79,7 +79,7 @@ pub struct VerticalSetup {
     pub probe: f64,
 }
 
-/// What each point of a record is.
+/// Kind of a record's points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum PointFormat {
     /// One sample a point, `Y` in files.
@@ -130,7 +130,7 @@ pub struct Waveform {
     pub source: Source,
     /// Digitiser levels; 25 to a division, -128 to 127 from the 8-bit converter.
     pub codes: Vec<i16>,
-    /// What the levels and indices mean.
+    /// Scaling of levels and indices.
     pub preamble: Preamble,
     /// Channel settings.
     pub vertical: VerticalSetup,
@@ -160,7 +160,7 @@ impl Waveform {
         self.codes.get(index).map(|code| self.volts_of(*code))
     }
 
-    /// What a digitiser level stands for (V, or dB for an FFT).
+    /// Size of a digitiser level (V, or dB for an FFT).
     pub fn volts_of(&self, code: i16) -> f64 {
         let p = &self.preamble;
         (f64::from(code) - p.y_off) * p.y_mult + p.y_zero

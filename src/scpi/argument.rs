@@ -38,7 +38,7 @@ pub fn none(arguments: &[Argument]) -> Result<(), Event> {
 /// The only argument as one of several words.
 ///
 /// # Errors
-/// For another count of arguments, and for a word that is none of the choices.
+/// For another count of arguments, and for a word that is not one of the choices.
 pub fn word<T: Word>(arguments: &[Argument]) -> Result<T, Event> {
     match only(arguments)? {
         Argument::Word(typed) => T::from_word(typed).ok_or(Event::IllegalParameter),

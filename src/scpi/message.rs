@@ -25,11 +25,11 @@ pub struct MessageUnit {
     pub header: Vec<String>,
     /// Whether it asks.
     pub is_query: bool,
-    /// What follows the header.
+    /// The arguments.
     pub arguments: Vec<Argument>,
 }
 
-/// Cuts a message into units; each is a unit or the event that tells why it is none.
+/// Splits a message into units; each is a unit, or the event of its syntax error.
 pub fn units(message: &[u8]) -> Vec<Result<MessageUnit, Event>> {
     let mut cursor = Cursor { bytes: message, at: 0 };
     let mut units = Vec::new();

@@ -2,7 +2,7 @@
 
 use crate::scope::Source;
 
-/// What the placeholder in a header stood for.
+/// Value of the placeholder in a header.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Placeholder {
     /// The number of `CH<x>`, `MEAS<x>`, `POSITION<x>`; 1 without placeholder.

@@ -3,7 +3,7 @@
 use crate::instrument::word::words;
 
 words! {
-    /// What ends a reply.
+    /// Terminator of replies.
     Terminator {
         /// Carriage return.
         Cr = "CR",
@@ -35,9 +35,9 @@ pub struct Preferences {
     pub header: bool,
     /// Whether words are written in full (`VERBose`).
     pub verbose: bool,
-    /// What ends a reply (`RS232:TRANsmit:TERMinator`).
+    /// Terminator of replies (`RS232:TRANsmit:TERMinator`).
     pub terminator: Terminator,
-    /// What `header` is after `FACtory`.
+    /// Value of `header` after `FACtory`.
     pub initial_header: bool,
 }
 

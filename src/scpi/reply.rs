@@ -3,7 +3,7 @@
 use super::preferences::Preferences;
 use super::value::{ReplyValue, abbreviated};
 
-/// What one row answers.
+/// The reply of one row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ResponseUnit {
     /// The header's words, short forms in capitals.

@@ -2,7 +2,7 @@
 
 use super::setting::Setting;
 
-/// What a command does in this program.
+/// How far a command is supported.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Support {
     /// Implemented as in the manual.
@@ -21,9 +21,9 @@ pub enum Support {
 pub struct CommandRow {
     /// Header as in the manual: short forms in capitals, `<x>` for a number, `<wfm>` for a waveform.
     pub header: &'static str,
-    /// What is set and told.
+    /// The setting behind the command.
     pub setting: &'static dyn Setting,
-    /// What it does here.
+    /// How far it is supported.
     pub support: Support,
     /// Whether queries of the group that it is in tell it.
     pub in_group: bool,

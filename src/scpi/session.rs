@@ -11,7 +11,7 @@ use super::setting::{Context, Stop};
 use super::tree;
 use crate::instrument::{Event, Instrument};
 
-/// What is to be sent.
+/// A reply to be sent.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Reply {
     /// Nothing.
@@ -35,7 +35,7 @@ struct Progress {
 /// Longest reply to one message. Where replies outgrow it, all of them and the rest of the message are lost.
 pub const MAXIMUM_REPLY: usize = 1 << 20;
 
-/// What a connection heard or said.
+/// A message that a connection received or sent.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum TranscriptLine {
     /// A message without its end.
@@ -66,12 +66,12 @@ impl Session {
         }
     }
 
-    /// The same, remembering what it hears and says until [`Self::take_transcript`].
+    /// The same, recording its messages until [`Self::take_transcript`].
     pub fn with_transcript(self) -> Self {
         Self { transcript: Some(Vec::new()), ..self }
     }
 
-    /// What was heard and said since the last call.
+    /// The messages received and sent since the last call.
     pub fn take_transcript(&mut self) -> Vec<TranscriptLine> {
         self.transcript.as_mut().map(std::mem::take).unwrap_or_default()
     }

@@ -29,7 +29,7 @@ pub struct Context<'a> {
     pub instrument: &'a mut Instrument,
     /// The connection's headers and terminator.
     pub preferences: &'a mut Preferences,
-    /// What the header's placeholder stands for.
+    /// Value of the header's placeholder.
     pub place: Placeholder,
     /// Whether a reply of the same message waits.
     pub message_available: bool,
@@ -37,7 +37,7 @@ pub struct Context<'a> {
     pub raw: &'a mut Vec<u8>,
 }
 
-/// What can be done with a setting.
+/// Directions of a setting: set, query.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Access {
     /// It can be set.
@@ -46,7 +46,7 @@ pub struct Access {
     pub asks: bool,
 }
 
-/// What a group's query tells.
+/// Parts of the reply to a group's query.
 #[derive(Debug, Clone, Copy)]
 pub enum Parts {
     /// The rows below the group.
@@ -55,7 +55,7 @@ pub enum Parts {
     Of(&'static [&'static str]),
 }
 
-/// What a row of the table sets and tells. Without a body of its own a direction does not exist.
+/// The setting behind a row of the table. A direction without a body of its own does not exist.
 pub trait Setting: Sync {
     /// Which directions exist.
     fn access(&self) -> Access;
@@ -76,7 +76,7 @@ pub trait Setting: Sync {
         Err(Event::UndefinedHeader.into())
     }
 
-    /// What a query tells that is answered by other rows.
+    /// Reply to a query that other rows answer.
     fn parts(&self) -> Option<Parts> {
         None
     }

@@ -17,7 +17,7 @@ const MAX_GROUP_DEPTH: u8 = 3;
 pub struct MatchedRow {
     /// The row.
     pub row: &'static CommandRow,
-    /// What its placeholder stood for.
+    /// Value of its placeholder.
     pub place: Placeholder,
 }
 

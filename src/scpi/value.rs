@@ -1,4 +1,4 @@
-//! What a query answers, before headers are put in front.
+//! Values of replies, before headers are added.
 
 use super::number;
 use crate::instrument::word::short_form;

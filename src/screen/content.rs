@@ -1,4 +1,4 @@
-//! What the screen shows, as data.
+//! Contents of the screen, as data.
 
 use crate::instrument::acquisition::State;
 use crate::instrument::panel::{
@@ -12,7 +12,7 @@ use crate::scope::{Slope, Source, TriggerSource, Waveform};
 /// Everything that a picture of the screen shows.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Screen {
-    /// What the acquisition is doing, and how; empty where nobody tells.
+    /// State and mode of the acquisition; empty if unknown.
     pub status: String,
     /// Waveforms in the order in which they are drawn.
     pub traces: Vec<Waveform>,
@@ -93,7 +93,7 @@ pub(super) const SOURCES: [Source; 9] = [
 ];
 
 impl Screen {
-    /// What an instrument shows.
+    /// The screen of an instrument.
     pub fn of(instrument: &Instrument) -> Self {
         let panel = &instrument.panel;
         let setup = instrument.setup();
@@ -128,7 +128,7 @@ impl Screen {
         }
     }
 
-    /// What captures alone tell: traces and scales.
+    /// The screen of captures alone: traces and scales.
     pub fn of_captures(captures: &[Capture]) -> Self {
         let find = |source| captures.iter().find(|capture| capture.waveform.source == source);
         let traces: Vec<Waveform> =

@@ -76,7 +76,7 @@ fn dashes(picture: &mut Picture, bar: Bar) {
     }
 }
 
-/// What each column of dots shows of a waveform: lowest, highest, last level.
+/// Lowest, highest and last level of a waveform in each column of dots.
 type Column = Option<(i32, i32, i32)>;
 
 fn trace(picture: &mut Picture, waveform: &Waveform, screen: &Screen) {

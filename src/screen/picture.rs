@@ -13,7 +13,7 @@ pub const WIDTH: usize = 320;
 /// Dots down.
 pub const HEIGHT: usize = 240;
 
-/// What a dot belongs to.
+/// The part of the screen that a dot belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Ink {
     /// Nothing.

@@ -1,4 +1,4 @@
-//! What stands around the graticule: status above, scales below, the menu beside it.
+//! Draws the surroundings of the graticule: status above, scales below, the menu beside it.
 
 use embedded_graphics::Drawable as _;
 use embedded_graphics::geometry::{Point, Size};

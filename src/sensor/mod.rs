@@ -31,7 +31,7 @@ pub enum Wiring {
     Series,
 }
 
-/// What a measurement of the sensor with its wiring found, such as a calibration.
+/// Sensitivity and circuit as measured, for example by a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct SensorMeasurement {
     /// Voltage per force before any droop (V/N).
@@ -49,7 +49,7 @@ pub struct SensorMeasurement {
 /// A stack of equal piezo plates, mostly one, with its wiring.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Sensor {
-    /// What the instrument file calls it.
+    /// Name of the instrument file.
     pub model: String,
     /// Charge per force along the poling axis (C/N).
     pub d33: f64,
@@ -67,11 +67,11 @@ pub struct Sensor {
     pub cable_capacitance: f64,
     /// Leakage of plate and wiring; infinite where none is stated (Ohm).
     pub leak_resistance: f64,
-    /// What is known from measurement.
+    /// Measured values, where there are some.
     pub measured: SensorMeasurement,
 }
 
-/// What the sensor is connected to: a scope input, seen through its probe.
+/// The sensor's load: a scope input, seen through its probe.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Load {
     /// Input resistance (Ohm).
@@ -114,7 +114,7 @@ impl Sensor {
 
     /// The circuit that this sensor forms with `load`.
     ///
-    /// What was measured with another load is taken over: charge and own capacitance stay, those of the inputs are exchanged.
+    /// A measurement with another load is converted: charge and the sensor's capacitance stay, those of the inputs are exchanged.
     pub fn connect(&self, load: Load) -> Circuit {
         let with = self.measured.load.unwrap_or(load);
         let derived = self.stack_capacitance() + self.cable_capacitance + with.capacitance;

@@ -1,4 +1,4 @@
-//! What piezo ceramics are delivered with: constants that differ from the data sheet, and that move with temperature.
+//! Tolerances of piezo ceramics: constants that differ from the data sheet, and that move with temperature.
 //!
 //! For what-if runs: each plate's `d33` and permittivity are drawn evenly within the tolerance, apart from each other, and the
 //! room's temperature, one for all plates, evenly within its own; constants follow it in proportion.

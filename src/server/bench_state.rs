@@ -57,7 +57,7 @@ impl BenchState {
     }
 }
 
-/// What there is to turn in a scene, as it stands.
+/// The adjustable numbers of a scene with their present values.
 fn knobs(scene: &Scene) -> bench::BenchScene {
     bench::BenchScene {
         name: scene.name.clone(),

@@ -53,7 +53,7 @@ impl BenchHandle {
     /// Starts the thread; it ends when the handle is dropped, after the simulation that is under way.
     ///
     /// # Errors
-    /// What the system says when there is no thread to be had.
+    /// The system's error if no thread can be started.
     pub fn start() -> io::Result<Self> {
         let (orders, inbox) = sync_channel::<StrikeOrder>(1);
         let (sender, signals) = mpsc::channel(1);

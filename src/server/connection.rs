@@ -18,7 +18,7 @@ const WRITE_TIMEOUT: Duration = Duration::from_secs(10);
 /// Answers that wait for the socket. One belongs to the last piece, others come from acquisitions that ended.
 const ANSWERS: usize = 64;
 
-/// What is spoken on a connection.
+/// The protocol of a connection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Protocol {
     /// Lines.
@@ -34,7 +34,7 @@ pub enum ConnectionEvent {
     Opened {
         /// Number of the connection.
         number: u64,
-        /// What is spoken on it.
+        /// Its protocol.
         protocol: Protocol,
         /// The client's address.
         peer: SocketAddr,
@@ -73,7 +73,7 @@ pub struct OutgoingBytes {
 pub struct Connection {
     /// Its number.
     pub number: u64,
-    /// What is spoken on it.
+    /// Its protocol.
     pub protocol: Protocol,
     /// The client's address.
     pub peer: SocketAddr,
@@ -87,7 +87,7 @@ impl Connection {
         let Self { number, protocol, peer, stream } = self;
         let (answers, inbox) = mpsc::channel(ANSWERS);
         if news.send(ConnectionEvent::Opened { number, protocol, peer, answers }).await.is_ok() {
-            // However the connection ends, the client knows; nobody else has to.
+            // The client notices how the connection ends; nothing else depends on it.
             let _ = exchange(stream, number, &news, inbox).await;
             let _ = news.send(ConnectionEvent::Closed { number }).await;
         }

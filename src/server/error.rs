@@ -8,10 +8,10 @@ use crate::recording::mcap::WriteError;
 /// Why a server ended by itself.
 #[derive(Debug, thiserror::Error)]
 pub enum ServeError {
-    /// No runtime, no thread, or a listener that is none.
+    /// The runtime, a thread or the listener could not be set up.
     #[error("the server could not start: {reason}")]
     Start {
-        /// What the system says.
+        /// The system's error.
         reason: io::Error,
     },
     /// The chain could not be followed.
@@ -19,7 +19,7 @@ pub enum ServeError {
     Impact {
         /// Number of the shot.
         shot: u32,
-        /// What went wrong.
+        /// The cause.
         reason: RunError,
     },
     /// The bench's thread ended.
@@ -28,7 +28,7 @@ pub enum ServeError {
     /// The recording could not be written.
     #[error("the recording could not be written")]
     Record {
-        /// What went wrong.
+        /// The cause.
         #[source]
         reason: WriteError,
     },

@@ -181,7 +181,7 @@ impl InstrumentTask {
             Err(reason) if self.bench_state.is_as_served() => {
                 Err(ServeError::Impact { shot, reason })
             }
-            // What clients have set up is theirs to put right, and ends nobody's work.
+            // A set-up that cannot be struck is the clients' to correct; the server goes on.
             Err(_) => {
                 instrument.status.report(Event::SystemError);
                 Ok(())
@@ -285,7 +285,7 @@ fn every(period: Duration) -> Interval {
     ticks
 }
 
-/// The next strike that somebody beside the bench asks for; never where nobody does any more.
+/// The next strike requested at the bench; pending for ever once the sender is closed.
 async fn order(orders: Option<&mut mpsc::Receiver<()>>) {
     if let Some(orders) = orders
         && orders.recv().await.is_some()
@@ -295,7 +295,7 @@ async fn order(orders: Option<&mut mpsc::Receiver<()>>) {
     pending::<()>().await;
 }
 
-/// The next strike's time; never where nobody strikes.
+/// The time of the next timed strike; pending for ever without an interval.
 async fn tick(strikes: Option<&mut Interval>) {
     match strikes {
         Some(strikes) => {

@@ -11,6 +11,6 @@ pub struct ServerOptions {
     pub header: bool,
     /// From one strike to the next; none leaves the chain at rest until a client strikes it.
     pub impact_every: Option<Duration>,
-    /// Strikes that somebody beside the bench asks for, one a message.
+    /// Strikes requested at the bench, one a message.
     pub strikes: Option<mpsc::Receiver<()>>,
 }

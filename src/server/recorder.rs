@@ -1,4 +1,4 @@
-//! What goes into the recording: every command and reply, and the records of triggered acquisitions, with their times.
+//! Writes the recording of a served session: every command and reply, and the records of triggered acquisitions, with their times.
 
 use std::time::{Duration, Instant, SystemTime};
 
@@ -60,7 +60,7 @@ impl Recorder {
         }
     }
 
-    /// Writes down what a connection heard and said.
+    /// Records the messages that a connection received and sent.
     pub fn lines(&mut self, peer: &str, lines: Vec<TranscriptLine>) {
         let timestamp_ns = self.wall_clock_time();
         for line in lines {

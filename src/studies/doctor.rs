@@ -36,7 +36,7 @@ pub struct Check {
     pub what: String,
     /// Whether it is as it should be.
     pub good: bool,
-    /// What was found.
+    /// The result.
     pub found: String,
 }
 
@@ -119,7 +119,7 @@ fn round_trip(scene: &Scene) -> Result<(u64, bool), String> {
         let same = read.shots.first().map(waveforms) == Some(waveforms(&outcome.shot));
         Ok((bytes, same && !outcome.shot.captures.is_empty()))
     });
-    // What was tried here is of no use to anybody.
+    // The trial's files are of no further use.
     let _ = std::fs::remove_file(&file);
     read
 }

@@ -14,14 +14,14 @@ use super::table::TableWriter;
 use super::work::RunCounts;
 use super::{SweepError, at};
 
-/// What the logs of a sweep hold together.
+/// The joined logs of a sweep.
 #[derive(Debug)]
 pub struct GatheredLogs {
     header: LogHeader,
     files: Vec<PathBuf>,
     /// For each finished run the log that it stands in, and where.
     found: BTreeMap<u64, (u32, LoggedRun)>,
-    /// What the user should know.
+    /// Notes for the user.
     pub notices: Vec<String>,
 }
 
@@ -101,7 +101,7 @@ impl GatheredLogs {
         &self.files
     }
 
-    /// What is missing, in the order of runs.
+    /// Missing runs, in order.
     pub fn missing(&self) -> Vec<Gap> {
         let mut gaps = Vec::new();
         let mut next = 0;
@@ -114,7 +114,7 @@ impl GatheredLogs {
         gaps
     }
 
-    /// Writes what there is into each of `tables`, in the order of runs; `progress` hears the share that is written.
+    /// Writes what there is into each of `tables`, in the order of runs; `progress` is called with the share that is written.
     ///
     /// # Errors
     /// [`SweepError`] where a log or a table cannot be read or written.

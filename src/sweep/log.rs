@@ -18,12 +18,12 @@ const LOG_VERSION: u32 = 1;
 /// Characters of a checksum with the blank behind it.
 const CHECKSUM_LENGTH: usize = 9;
 
-/// What the first line says.
+/// The first line of a log.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LogHeader {
     /// Version of the format.
     pub hertzscope_sweep_log: u32,
-    /// What tells the sweep from every other.
+    /// Hash that identifies the sweep.
     pub sweep: String,
     /// Runs of the whole sweep.
     pub runs: u64,
@@ -57,7 +57,7 @@ pub(super) struct LoggedRun {
     pub(super) checksum: u32,
 }
 
-/// What a log holds.
+/// Contents of a log.
 #[derive(Debug)]
 pub struct Scan {
     /// The file.
@@ -79,7 +79,7 @@ impl Scan {
         self.entries.iter().map(|entry| entry.run)
     }
 
-    /// What is wrong with the log, in words.
+    /// The log's problem, as a message.
     pub fn notices(&self) -> Vec<String> {
         let file = self.file.display();
         let mut notices = Vec::new();
@@ -147,7 +147,7 @@ pub fn scan(file: &Path) -> Result<Option<Scan>, SweepError> {
     Ok(header.map(|header| Scan { file, header, entries, sound: offset, torn, damaged }))
 }
 
-/// What a whole line says, if it agrees with its checksum.
+/// Contents of a line, if its checksum is right.
 fn sound_text(line: &[u8]) -> Option<&str> {
     let text = std::str::from_utf8(line).ok()?.strip_suffix('\n')?;
     let (checksum, text) = (text.get(..CHECKSUM_LENGTH)?, text.get(CHECKSUM_LENGTH..)?);

@@ -3,7 +3,7 @@
 //! Stands between `experiment`, which runs scenes, and the command line. [`plan`] makes runs out of a file, `work` runs them in blocks and
 //! [`log`](mod@log) keeps every finished one, so that a sweep that is killed goes on where it was. [`shard`] is the part of one process out of
 //! many, [`gather`] joins their logs and says what is missing, [`table`] writes the results. Values, seed and results of a run follow from
-//! its number alone: whoever runs it, and in which company, the bytes are the same on processors with the same instructions.
+//! its number alone: in every process, and beside any other runs, the bytes are the same on processors with the same instructions.
 
 pub mod gather;
 pub mod log;
@@ -37,7 +37,7 @@ pub enum SweepError {
     Watch {
         /// The name as typed.
         name: String,
-        /// What there is.
+        /// The present state.
         known: Vec<String>,
     },
     /// Not one scene of the sweep is sound.
@@ -45,7 +45,7 @@ pub enum SweepError {
     AllRefused {
         /// How many runs were tried.
         tried: u64,
-        /// What is wrong with the first.
+        /// The first problem.
         first: SceneError,
     },
     /// A file or folder could not be read or written.
@@ -53,7 +53,7 @@ pub enum SweepError {
     File {
         /// The file.
         file: String,
-        /// What the system says.
+        /// The system's error.
         source: std::io::Error,
     },
     /// No log, or one of another version.
@@ -95,17 +95,17 @@ pub enum SweepError {
     /// Instructions that this machine lacks.
     #[error("found no {wanted} on this processor, expected one of {}", known.join(", "))]
     Instructions {
-        /// What was asked for, or what a log was begun with.
+        /// The requested setting, or that of the log.
         wanted: String,
-        /// What there is.
+        /// The present state.
         known: Vec<&'static str>,
     },
-    /// A shard that is none.
+    /// Invalid shard number.
     #[error("found {found}, expected {expected}")]
     Shard {
-        /// What was found.
+        /// The value found.
         found: String,
-        /// What was expected.
+        /// The value expected.
         expected: &'static str,
     },
     /// A table's file whose name does not tell its format.
@@ -128,7 +128,7 @@ pub enum SweepError {
     Parquet {
         /// The file.
         file: String,
-        /// What the format's library says.
+        /// The format library's error.
         source: parquet::errors::ParquetError,
     },
 }

@@ -17,7 +17,7 @@ use crate::scene::{Problem, Scene, SceneError, hexadecimal};
 
 /// Runs that are tried before a sweep begins: where none makes a scene, the sweep is mistaken.
 const TRIAL_RUNS: u64 = 16;
-/// What is read at each place, with its unit.
+/// Readings of each probe, with their units.
 const READINGS: [(&str, &str); 6] = [
     ("static", "N"),
     ("peak", "N"),
@@ -84,7 +84,7 @@ impl SweepPlan {
         &self.columns
     }
 
-    /// What tells it from every other sweep, in hexadecimal.
+    /// Hash that identifies the sweep, in hexadecimal.
     pub fn hash(&self) -> &str {
         &self.hash
     }
@@ -260,7 +260,7 @@ fn hash(design: &Design, scene: &Scene, accuracy: Option<f64>) -> String {
     hexadecimal(&hash.finalize())
 }
 
-/// What is wrong with a scene, on one line. Files stand there without their folders, which may differ from process to process.
+/// A scene's problem, on one line. Files are named without their folders, which may differ from process to process.
 fn reason(error: &SceneError) -> String {
     let SceneError::Problems(problems) = error else { return error.to_string() };
     let short = |problem: &Problem| {

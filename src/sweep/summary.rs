@@ -1,4 +1,4 @@
-//! What a sweep or a gathering did, in the words of `--json`: names are part of the interface.
+//! Summaries of a sweep and of a gathering, as in `--json`: names are part of the interface.
 
 use serde::Serialize;
 
@@ -14,7 +14,7 @@ pub struct Failure {
     pub reason: String,
 }
 
-/// What a sweep, or a shard of it, did.
+/// Summary of a sweep, or of a shard of it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SweepSummary {
     /// The sweep's file.
@@ -45,11 +45,11 @@ pub struct SweepSummary {
     pub first_failed: Option<Failure>,
     /// The shard's log.
     pub log: String,
-    /// What all logs hold together, where the sweep was run as a whole.
+    /// Summary of all logs, where the sweep was run as a whole.
     pub gathered: Option<GatherSummary>,
 }
 
-/// What the logs of a sweep held together.
+/// Summary of a sweep's joined logs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct GatherSummary {
     /// Folder of the logs.
@@ -68,7 +68,7 @@ pub struct GatherSummary {
     pub first_failed: Option<Failure>,
     /// Tables that were written.
     pub tables: Vec<String>,
-    /// What the user should know.
+    /// Notes for the user.
     pub notices: Vec<String>,
 }
 

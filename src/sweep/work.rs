@@ -33,7 +33,7 @@ pub struct SweepOptions {
     pub threads: usize,
 }
 
-/// What came of runs.
+/// Counts of finished runs.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct RunCounts {
     /// Runs that have a line now.
@@ -44,7 +44,7 @@ pub struct RunCounts {
     pub first_failed: Option<(u64, String)>,
 }
 
-/// Runs those `pending` of `plan`, which is that of `job`, and adds each to `log` as soon as its block is finished; `done` hears how many
+/// Runs those `pending` of `plan`, which is that of `job`, and adds each to `log` as soon as its block is finished; `done` is called with how many
 /// more are.
 ///
 /// # Errors
@@ -89,7 +89,7 @@ pub fn work(
 struct Shared<'a> {
     job: &'a SweepOptions,
     done: &'a (dyn Fn(u64) + Sync),
-    /// Runs that nobody has taken yet.
+    /// Runs that no thread has taken yet.
     rest: Mutex<&'a [u64]>,
     written: Mutex<(&'a mut SweepLog, RunCounts)>,
     failed: Mutex<Option<SweepError>>,

@@ -1,4 +1,4 @@
-//! What the screen's axes show: the window in time, the vertical scale of a trace, and the steps of the knobs.
+//! The screen's axes: the window in time, the vertical scale of a trace, and the steps of the knobs.
 //!
 //! Pure arithmetic, no terminal. A screen has 10 divisions across and 8 up, as on the instrument; positions are
 //! counted in divisions from the screen's centre, so that volts become divisions by

@@ -16,7 +16,7 @@ use crate::tui::view::target::target;
 pub use bindings::BINDINGS;
 pub use mouse::{mouse_action, reading_action};
 
-/// What a key press asks for under `panel`; `None` for keys that mean nothing there.
+/// The action of a key press under `panel`; `None` for unbound keys.
 pub fn key_action(event: KeyEvent, panel: Popup) -> Option<Action> {
     if event.kind == KeyEventKind::Release {
         return None;
@@ -45,7 +45,7 @@ fn pressed(event: KeyEvent) -> KeyPress {
     KeyPress { code: event.code, modifiers: event.modifiers & told_apart }
 }
 
-/// What a key does on the command line.
+/// The action of a key on the command line.
 fn typed(event: KeyEvent) -> Option<Action> {
     let control = event.modifiers.contains(KeyModifiers::CONTROL);
     match event.code {
@@ -58,7 +58,7 @@ fn typed(event: KeyEvent) -> Option<Action> {
     }
 }
 
-/// What an event of the terminal asks for; `None` for what needs no more than a redraw.
+/// The action of a terminal event; `None` for a mere redraw.
 pub fn action(event: &Event, model: &ScreenState, layout: Option<&ScreenLayout>) -> Option<Action> {
     let panel = model.panel();
     match event {

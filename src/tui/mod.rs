@@ -35,7 +35,7 @@ use work::{ScreenEvent, Workers};
 /// A picture is at most so much older than the first event that changed it.
 const MAX_FRAME_DELAY: Duration = Duration::from_millis(33);
 
-/// What is shown.
+/// The source of the shown data.
 pub enum ViewSource {
     /// A recording that is in memory.
     Set(Box<TraceSet>),

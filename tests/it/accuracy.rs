@@ -1,9 +1,11 @@
 //! The accuracy that is asked for: held, estimated, and chosen from the scope where nobody names one.
 
-use hertzscope::experiment::accuracy::{ErrorEstimate, doubt, estimate, of_scene, run_to_accuracy};
+use hertzscope::experiment::accuracy::{doubt, of_scene, run_to_accuracy};
 use hertzscope::experiment::bench::{Bench, Grid};
 use hertzscope::experiment::by_hand::run_by_hand;
+use hertzscope::experiment::outcome::ErrorEstimate;
 use hertzscope::experiment::outcome::{Reading, Summary};
+use hertzscope::experiment::reference::estimate;
 use hertzscope::experiment::{Integration, Outcome, run};
 use hertzscope::integrate::{IntegrateError, Method};
 use hertzscope::scene::{DEFAULT_ACCURACY, Scene};
@@ -165,7 +167,7 @@ fn an_error_beyond_the_accuracy_is_told() {
     let told = doubt(Some(&said), 1e-9);
     assert_eq!(told.is_some(), said.peak.max(said.arrival) > 1e-9, "{told:?}");
     assert!(doubt(Some(&said), 2.0 * said.peak.max(said.arrival)).is_none());
-    assert!(doubt(None, 1e-9).is_some_and(|told| told.contains("other pulses")));
+    assert!(doubt(None, 1e-9).is_some_and(|told| told.contains("different pulses")));
 }
 
 #[test]

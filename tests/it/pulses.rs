@@ -55,17 +55,20 @@ fn steps_that_are_not_sampled_hold_nothing() {
         let bodies = chain.bodies().len();
         let inside = |particle| ForceProbe::inside(chain, particle, 0.0);
         let probes: Vec<ForceProbe> = (1..bodies).filter_map(inside).collect();
-        let fixed = |make: fn(f64) -> Method| {
+        let fixed = |share: f64, make: fn(f64) -> Method| {
             let (_, reach) = make(1.0).fixed_step().expect("a method with a fixed step");
             let limit = chain.stability_limit(velocities, reach).expect("contacts").step;
-            make(0.2 * limit)
+            make(share * limit)
         };
         for method in [
             Method::DormandElMikkawyPrince86 { tolerance: 1e-3 },
             Method::DormandElMikkawyPrince86 { tolerance: 1e-5 },
             Method::TwoStepForceGradient { tolerance: 1e-3 },
-            fixed(|step| Method::ForceGradient { step }),
-            fixed(|step| Method::VelocityVerlet { step }),
+            fixed(0.2, |step| Method::ForceGradient { step }),
+            // Steps of more than half an oscillation.
+            fixed(0.35, |step| Method::ForceGradient { step }),
+            fixed(0.55, |step| Method::ForceGradient { step }),
+            fixed(0.2, |step| Method::VelocityVerlet { step }),
         ] {
             let impact = chain.impact_force(velocities);
             let recorder = |probe: &ForceProbe| PulseRecorder::new(probe, impact, velocities);
@@ -77,7 +80,10 @@ fn steps_that_are_not_sampled_hold_nothing() {
             let tracker = |probe| ProbeTracker::new(probe, &stepper, bodies);
             let mut trackers: Vec<ProbeTracker> = probes.iter().map(tracker).collect();
             while stepper.time() < scene.duration {
-                stepper.step(scene.duration).expect("a step");
+                // Steps beyond stability may lose the motion.
+                if stepper.step(scene.duration).is_err() {
+                    break;
+                }
                 for (index, probe) in probes.iter().enumerate() {
                     trackers[index].advance(&stepper);
                     found[index].take_step(&trackers[index]);

@@ -1,8 +1,8 @@
 //! The vector path: step by step the same as the general one, on every instruction set; what it does beside its methods; and how accurate its
 //! two-length steps are.
 
-use hertzscope::chain::Chain;
 use hertzscope::chain::simd::{InstructionSet, Refinement, VectorStepper};
+use hertzscope::chain::{Chain, ChainSystem};
 use hertzscope::experiment::Integration;
 use hertzscope::experiment::bench::Bench;
 use hertzscope::experiment::ensemble::{Case, Ensemble, Readout, places};
@@ -45,7 +45,7 @@ fn compare(chain: &Chain, velocities: &[f64], method: Method, ends: &[f64], boun
     for set in InstructionSet::available() {
         let mut vectors = stepper(chain, velocities, method, set);
         let state = chain.initial_state(velocities);
-        let mut general = method.start(chain.system(velocities), state);
+        let mut general = method.start(Box::new(ChainSystem::new(chain, velocities)), state);
         for end in ends {
             while vectors.time() < *end {
                 vectors.step(*end).expect("a step");
@@ -227,8 +227,8 @@ fn corrections_keep_the_tolerance_and_save_evaluations() {
     let (end, scene) = (1e-3, Scene::load("gravity-0.61g").expect("a shipped scene"));
     let (chain, velocities) = (&scene.chain, &scene.initial_velocities);
     let general = |method: Method| {
-        let mut integrator =
-            method.start(chain.system(velocities), chain.initial_state(velocities));
+        let mut integrator = method
+            .start(Box::new(ChainSystem::new(chain, velocities)), chain.initial_state(velocities));
         integrator.advance(end).expect("a run");
         (integrator.state(), integrator.work().force_evaluations)
     };
@@ -266,7 +266,10 @@ fn a_contact_within_one_step_is_not_missed() {
     let velocities = [1.0, 0.0, 0.0];
     let exact = {
         let method = Method::DormandPrince853 { tolerance: 1e-13 };
-        let mut general = method.start(chain.system(&velocities), chain.initial_state(&velocities));
+        let mut general = method.start(
+            Box::new(ChainSystem::new(&chain, &velocities)),
+            chain.initial_state(&velocities),
+        );
         general.advance(1e-3).expect("a run");
         general.state()
     };
@@ -290,7 +293,8 @@ fn errors_of_two_length_steps_go_as_the_tolerance() {
     let chain = diatomic(19, 50.0, false);
     let velocities = kick(&chain, 0.5);
     let exact = Method::DormandPrince853 { tolerance: 1e-16 };
-    let mut exact = exact.start(chain.system(&velocities), chain.initial_state(&velocities));
+    let mut exact = exact
+        .start(Box::new(ChainSystem::new(&chain, &velocities)), chain.initial_state(&velocities));
     exact.advance(0.5e-3).expect("steps");
     let error = |tolerance: f64| {
         let method = Method::TwoStepForceGradient { tolerance };

@@ -9,7 +9,7 @@ use super::model::{InputKind, MeasurementEquation};
 /// One input's part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BudgetLine {
-    /// What it is.
+    /// Its name.
     pub kind: InputKind,
     /// Which one; empty where there is one only.
     pub which: String,

@@ -9,9 +9,9 @@ use super::monte_carlo::MonteCarlo;
 /// One impact as the plan tells it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlannedStrike {
-    /// The record; or why there is none.
+    /// The record, or why it cannot be used.
     pub record: RawRecord,
-    /// What the striker did.
+    /// The striker's mass and speeds.
     pub motion: StrikerMotion,
 }
 
@@ -40,10 +40,10 @@ pub(super) fn listed(reasons: &[(usize, Exclusion)]) -> String {
     reasons.iter().map(line).collect::<Vec<_>>().concat()
 }
 
-/// What one impact gave.
+/// Result of one impact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImpactResult {
-    /// What was read off the record; none where it could not be read.
+    /// Numbers from the record; none where it could not be evaluated.
     pub impact: Option<Impact>,
     /// Momentum handed over (N s).
     pub momentum: Option<f64>,
@@ -53,7 +53,7 @@ pub struct ImpactResult {
     pub sensitivity: Option<f64>,
     /// Its standard uncertainty from this impact's own inputs (V/N).
     pub own_uncertainty: Option<f64>,
-    /// What the raw voltage's integral would have given: it ignores the droop (V/N).
+    /// Sensitivity by the raw voltage's integral, without the droop correction (V/N).
     pub naive: Option<f64>,
     /// Largest force (N).
     pub peak_force: Option<f64>,
@@ -70,7 +70,7 @@ pub struct NonLinearity {
     pub u: f64,
 }
 
-/// What a calibration found.
+/// Result of a calibration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Calibration {
     /// Voltage per force before any droop (V/N).
@@ -83,7 +83,7 @@ pub struct Calibration {
     pub tau_u: f64,
     /// Whether tau was read off the records, instead of given.
     pub tau_fitted: bool,
-    /// What the raw voltages' integrals would have given (V/N).
+    /// Sensitivity by the raw voltages' integrals (V/N).
     pub naive: f64,
     /// Whether all pulses were negative.
     pub negative: bool,
@@ -101,6 +101,6 @@ pub struct Calibration {
     pub force_range: [f64; 2],
     /// Scatter of the impacts over what their own inputs explain; 1 is as expected (1).
     pub birge_ratio: f64,
-    /// What the user should know.
+    /// Notes for the user.
     pub notes: Vec<String>,
 }

@@ -29,7 +29,7 @@ pub struct Sums {
     pub count_before: f64,
 }
 
-/// What one record tells.
+/// Numbers from one record.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Impact {
     /// Its baseline.

@@ -15,7 +15,7 @@ pub enum SpeedSource {
     FlightTime(Uncertain),
 }
 
-/// What the striker of one impact did.
+/// Mass and speeds of the striker of one impact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StrikerMotion {
     /// Which of the strikers, from 0.
@@ -26,7 +26,7 @@ pub struct StrikerMotion {
     pub rebound: SpeedSource,
 }
 
-/// What all impacts share.
+/// Inputs common to all impacts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Common {
     /// Name and mass of each striker (kg).
@@ -43,7 +43,7 @@ pub struct Common {
     pub tau: Option<Uncertain>,
 }
 
-/// What an input is.
+/// Kind of an input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum InputKind {
     /// The scope's gain.
@@ -70,7 +70,7 @@ pub enum InputKind {
     Duration,
     /// Noise in the time constant's fit.
     Tail,
-    /// What the impacts differ more than all this explains.
+    /// Scatter of the impacts beyond all this.
     Scatter,
 }
 
@@ -98,7 +98,7 @@ impl InputKind {
 /// An input of the measurement equation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InputQuantity {
-    /// What it is.
+    /// Its kind.
     pub kind: InputKind,
     /// Which one, e.g. a striker's name or `impact 3`; empty where there is one only.
     pub which: String,

@@ -242,7 +242,7 @@ impl MeasurementEquation {
         self.changes(&|values| self.evaluate_tau(values)).map(|c| c * c).sum::<f64>().sqrt()
     }
 
-    /// What the records' ends tell of the time constant, and its standard uncertainty, used or not (s).
+    /// The time constant from the records' ends, with its standard uncertainty, used or not (s).
     pub fn tail_tau(&self) -> Option<(f64, f64)> {
         let tails: Vec<&Tail> = self.parts.iter().filter_map(|part| part.tail.as_ref()).collect();
         let weights: f64 = tails.iter().map(|tail| tail.weight()).sum();

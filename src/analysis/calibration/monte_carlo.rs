@@ -16,7 +16,7 @@ const DIGITS: i32 = 1;
 /// Stream of the draws.
 const MONTE_CARLO_STREAM: u128 = 101;
 
-/// What the draws gave.
+/// Result of the draws.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MonteCarlo {
     /// Number of draws.

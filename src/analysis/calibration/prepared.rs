@@ -10,7 +10,7 @@ use crate::trace::Trace;
 const CONTACT_SHARE: f64 = 0.01;
 /// A pulse must stand out of the noise this many times (1).
 const MIN_PEAK_TO_NOISE: f64 = 20.0;
-/// Fewer samples of baseline than this are none.
+/// Least samples of a baseline.
 const MIN_BASELINE_SAMPLES: usize = 50;
 /// The sum of the voltage begins this part of the rise before the contact is seen.
 const LEAD_DIVISOR: usize = 3;
@@ -27,7 +27,7 @@ pub struct PreparedRecord {
     pub signal: Trace,
     /// Sample of the highest value.
     pub peak: usize,
-    /// What the contact begins and ends at (V).
+    /// Threshold of the contact's begin and end (V).
     pub threshold: f64,
 }
 

@@ -3,7 +3,7 @@
 use crate::analysis::gate::Gate;
 use crate::trace::Trace;
 
-/// What the noise is taken times there: thousands of samples, none of which may pass by chance (1).
+/// Safety factor on the noise: thousands of samples, none of which may pass by chance (1).
 pub(super) const NOISE_TIMES: f64 = 4.0;
 
 /// A record as it came from the scope.

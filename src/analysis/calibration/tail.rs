@@ -11,7 +11,7 @@ const TAIL_DELAY_SHARE: f64 = 0.3;
 /// Fewer samples behind the contact than this tell nothing.
 const MIN_TAIL_SAMPLES: usize = 100;
 
-/// What one record tells of `1/tau`.
+/// `1/tau` from one record.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tail {
     /// `1/tau` (1/s).
@@ -61,7 +61,7 @@ pub fn fit(record: &RawRecord) -> Option<Tail> {
         per_baseline: (inverse(higher) - inverse(lower)) / (2.0 * steps),
         baseline_u: prepared.baseline.uncertainty,
     };
-    // Two thousand time constants in a record or none at all: that is no droop.
+    // Two thousand time constants in a record or none at all: that is not a droop.
     (tail.inverse_tau > 3.0 * tail.weight().powf(-0.5)).then_some(tail)
 }
 

@@ -8,9 +8,10 @@ use super::splitting::Step;
 use super::vector::{InstructionSet, Row, WIDTH};
 use crate::chain::Chain;
 use crate::integrate::control::{StepControl, first_step, relative_error};
+use crate::integrate::force_gradient::FORCE_GRADIENT;
 use crate::integrate::hermite::{End, septic};
 use crate::integrate::splitting::{Clock, Splitting};
-use crate::integrate::two_step::{ContactMotion, NO_CONTACT, StiffContact, TwoStep};
+use crate::integrate::two_step::{self, ContactMotion, NO_CONTACT, StiffContact, TwoStep};
 use crate::integrate::{IntegrateError, Integrator, Interpolant, Scales, Scheme, State, Work};
 
 /// Rows at rest that are kept in the sweep behind the last one that moves: within a step motion spreads by a contact a stage, of which there
@@ -24,6 +25,9 @@ const MOVING_SHARE: f64 = 1e-30;
 const MAX_GROWTH: f64 = 3.0;
 /// A correction that moves positions by less than this share of the tolerance leaves the accelerations as they are (1).
 const UNMOVED_SHARE: f64 = 0.03;
+
+/// Longest step that error control accepts, in terms of the fastest oscillation (rad).
+const CONTROLLED_PHASE: f64 = 8.0 * std::f64::consts::PI / 15.0;
 
 /// What the stepper does beside its method; to be left out for comparison only.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -62,6 +66,8 @@ pub struct VectorStepper {
     now: Motion,
     previous: Motion,
     gradient: Vec<Row>,
+    /// Length of the longest steps in terms of the fastest oscillation (rad).
+    max_phase: f64,
     /// Rows in the sweep.
     live: usize,
     /// Rows in which nothing is faster are ahead of the wave (m/s).
@@ -98,6 +104,12 @@ impl VectorStepper {
         let last = (0..live).rev().find(|row| is_moving(*row)).unwrap_or(0);
         let speed = state.velocity.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
         let pacing = chain.pacing(&state.velocity);
+        let fastest = pacing.stiff.map_or(0.0, |stiff| stiff.frequency).max(pacing.frequency);
+        let max_phase = match scheme {
+            Scheme::Nystrom(_) => CONTROLLED_PHASE,
+            Scheme::Splitting(_, step) => step * fastest,
+            Scheme::TwoStep(..) => two_step::LONG,
+        };
         let (drive, method) = match scheme {
             Scheme::Nystrom(tolerance) => {
                 let position = chain.impact_overlap(&state.velocity).max(overlap);
@@ -106,10 +118,7 @@ impl VectorStepper {
                 let control = StepControl::new(first, 6).growing(MAX_GROWTH);
                 let trial = Trial::new(live);
                 let nystrom = Nystrom { control, tolerance, scales, trial, corrects: true };
-                (
-                    Drive::Nystrom(Box::new(nystrom)),
-                    &crate::integrate::force_gradient::FORCE_GRADIENT,
-                )
+                (Drive::Nystrom(Box::new(nystrom)), &FORCE_GRADIENT)
             }
             Scheme::Splitting(method, step) => {
                 (Drive::Fixed(Clock::new(method, step, state.time)), method)
@@ -126,6 +135,7 @@ impl VectorStepper {
             lightest: chain.lightest(),
             drive,
             method,
+            max_phase,
             previous: now.clone(),
             now,
             gradient: vec![Row::default(); live],
@@ -153,6 +163,11 @@ impl VectorStepper {
     /// The instructions that it runs with.
     pub fn instructions(&self) -> InstructionSet {
         self.set
+    }
+
+    /// Length of the longest steps in terms of the chain's fastest oscillation (rad).
+    pub fn max_phase(&self) -> f64 {
+        self.max_phase
     }
 
     /// Steps in which contacts opened or closed.

@@ -1,4 +1,4 @@
-//! What a force probe has felt: samples, local maxima, and the first time a level was reached, all from the
+//! Records a probe's force: samples, local maxima, and the first time a level was reached, all from the
 //! interpolant and none from the integrator's grid.
 
 mod read;
@@ -19,9 +19,9 @@ const MIN_RATE_SHARE: f64 = 0.3;
 pub const PEAK_SHARE: f64 = 0.25;
 /// Lowest level that is remembered for certain, as a share of the first peak (1).
 pub const MIN_LEVEL_SHARE: f64 = 1e-3;
-/// What does not exceed this share of the static force, or of the impact's, is rounding, and no pulse (1).
+/// Forces up to this share of the static force, or of the impact's, are rounding and not a pulse (1).
 const ROUNDING_SHARE: f64 = 1e-13;
-/// What two steps' interpolants may differ by where they meet is no jump, as a share of the largest force (1).
+/// Least jump between the interpolants of two steps, as a share of the largest force (1).
 const MIN_JUMP_SHARE: f64 = 1e-6;
 /// Steps to the first peak that there is room for from the start: mostly there are no more.
 const RISES_CAPACITY: usize = 8;
@@ -69,7 +69,7 @@ pub struct PulseRecorder {
     /// Levels up to here are no longer remembered (N).
     forgotten: f64,
     largest: f64,
-    /// What the highest of the maxima reaches at least (N).
+    /// Lower bound of the highest maximum (N).
     highest: f64,
     /// The highest of those that were the first and are forgotten: a force that has exceeded a maximum before it has been at another.
     passed_over: Option<Bracket>,
@@ -147,11 +147,11 @@ impl PulseRecorder {
 
     /// A maximum up to the first counts for nothing, nor does any other force up to the second (N).
     pub fn asks(&self) -> [f64; 2] {
-        // Levels that anybody asks for are shares of a peak that is no rounding.
+        // Levels are shares of a peak above rounding.
         [self.first_exceeds().max(FOOT_SHARE * self.quietest), self.largest]
     }
 
-    /// What a first peak that is yet to come exceeds: a share of the largest force, and all maxima before it, or one of them were first (N).
+    /// Lower bound of a first peak that is yet to come: a share of the largest force, and all maxima before it, or one of them were first (N).
     fn first_exceeds(&self) -> f64 {
         self.highest.max(PEAK_SHARE * self.largest)
     }
@@ -174,7 +174,7 @@ impl PulseRecorder {
         self.rises.push(rise);
     }
 
-    /// Makes room by what nobody asks for: maxima below the threshold of the first peak, which only rises, and rises to levels far below it.
+    /// Frees memory of what is not read: maxima below the threshold of the first peak, which only rises, and rises to levels far below it.
     fn clear_history(&mut self) {
         let threshold = PEAK_SHARE * self.largest;
         // What exceeds all before is higher than what did so earlier.

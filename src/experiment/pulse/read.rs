@@ -1,4 +1,4 @@
-//! What a recorder is asked for once it has felt everything.
+//! Readings of a recorder at the end of a run.
 
 use super::{PEAK_SHARE, PassedOver, Peak, PulseRecorder};
 use crate::chain::probe_step::SAMPLE_TIMES;

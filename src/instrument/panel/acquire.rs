@@ -3,7 +3,7 @@
 use crate::instrument::word::words;
 
 words! {
-    /// What a point of the record is made of.
+    /// Acquisition mode.
     AcquireMode {
         /// The first sample of each interval.
         Sample = "SAMple",
@@ -13,7 +13,7 @@ words! {
         Average = "AVErage",
     }
 
-    /// What ends an acquisition.
+    /// Condition that ends an acquisition.
     StopAfter {
         /// The RUN/STOP key.
         RunStop = "RUNSTop",
@@ -29,7 +29,7 @@ pub struct Acquire {
     pub mode: AcquireMode,
     /// Records in an average, one of the model's numbers.
     pub averages: u32,
-    /// What ends an acquisition.
+    /// Condition that ends an acquisition.
     pub stop_after: StopAfter,
 }
 

@@ -3,7 +3,7 @@
 use crate::instrument::word::words;
 
 words! {
-    /// What is drawn against what.
+    /// Display format: YT or XY.
     DisplayFormat {
         /// Volts against time.
         Yt = "YT",
@@ -75,7 +75,7 @@ words! {
 /// The screen's part of the front panel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Display {
-    /// What is drawn against what.
+    /// Display format: YT or XY.
     pub format: DisplayFormat,
     /// How points are drawn.
     pub style: DisplayStyle,

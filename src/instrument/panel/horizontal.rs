@@ -3,7 +3,7 @@
 use crate::instrument::word::words;
 
 words! {
-    /// What of the record the screen shows.
+    /// The part of the record on the screen.
     View {
         /// The main time base.
         Main = "MAIn",

@@ -15,7 +15,7 @@ words! {
     }
 }
 
-/// What the math trace shows.
+/// Function of the math trace.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MathFunction {
     /// Sum of two channels.
@@ -82,7 +82,7 @@ impl MathFunction {
 pub struct Math {
     /// Whether it is displayed.
     pub displayed: bool,
-    /// What it shows.
+    /// Its function.
     pub function: MathFunction,
     /// Screen's centre in the spectrum, percent of it (1).
     pub fft_horizontal_position: f64,

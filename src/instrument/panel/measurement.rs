@@ -1,4 +1,4 @@
-//! What is measured, and on which waveform.
+//! Type and source of a measurement.
 
 use crate::instrument::word::words;
 use crate::scope::Source;
@@ -36,7 +36,7 @@ words! {
 /// One measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Measurement {
-    /// What is measured.
+    /// Type of the measurement.
     pub kind: MeasurementType,
     /// On which waveform.
     pub source: Source,

@@ -179,7 +179,7 @@ impl Panel {
         limits::rounded(level.clamp(low, high), 7)
     }
 
-    /// What the front end and the digitiser need: channels that are recorded or trigger are on. Free of errors and noise.
+    /// The settings of front end and digitiser: channels that are recorded or trigger are on. Free of errors and noise.
     pub fn setup(&self, model: &Model) -> Setup {
         let trigger_source = self.trigger.source.channel();
         let channel = |number: u8| {

@@ -4,7 +4,7 @@ use crate::instrument::word::words;
 use crate::scope::{Slope, TriggerMode, TriggerSource};
 
 words! {
-    /// What kind of event triggers.
+    /// Type of the trigger.
     TriggerType {
         /// The source crosses the level.
         Edge = "EDGE",
@@ -14,7 +14,7 @@ words! {
         Pulse = "PULse",
     }
 
-    /// What the edge trigger is deaf to.
+    /// Coupling of the edge trigger.
     EdgeCoupling {
         /// Nothing.
         Dc = "DC",
@@ -94,7 +94,7 @@ pub struct TriggerPanel {
     pub level: f64,
     /// Direction of the crossing.
     pub slope: Slope,
-    /// What the edge trigger is deaf to.
+    /// Coupling of the edge trigger.
     pub coupling: EdgeCoupling,
     /// Part of the video signal.
     pub video_sync: VideoSync,

@@ -36,7 +36,7 @@ pub enum PlanRunError {
 /// A calibration with all that goes into its certificate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Calibrated {
-    /// What was found, with the signals.
+    /// The calibration, with the signals.
     pub calibration: Calibration,
     /// The same in words and numbers.
     pub report: CalibrationReport,
@@ -67,7 +67,7 @@ pub fn run(plan: &CalibrationPlan) -> Result<Calibrated, PlanRunError> {
     Ok(Calibrated { calibration: found, report })
 }
 
-/// What the impacts of `plan` share.
+/// Inputs common to the impacts of `plan`.
 pub fn common(plan: &CalibrationPlan) -> Common {
     let number = |u: f64| Uncertain { value: 1.0, u };
     Common {

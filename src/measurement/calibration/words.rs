@@ -1,4 +1,4 @@
-//! What a calibration tells, in the words of `calibrate --json`: names and units are part of the interface.
+//! Report of a calibration, as in `calibrate --json`: names and units are part of the interface.
 
 use serde::Serialize;
 
@@ -45,7 +45,7 @@ pub struct ImpactReport {
     pub sensitivity_v_per_n: Option<f64>,
     /// Its standard uncertainty from this impact's own inputs (V/N).
     pub own_u_v_per_n: Option<f64>,
-    /// What the raw voltage's integral would give (V/N).
+    /// Sensitivity by the raw voltage's integral (V/N).
     pub naive_v_per_n: Option<f64>,
     /// Largest force (N).
     pub peak_force_n: Option<f64>,
@@ -68,7 +68,7 @@ pub struct ImpactReport {
 /// One line of the budget.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BudgetReport {
-    /// What it is.
+    /// Its name.
     pub input: String,
     /// Its estimate (unit).
     pub value: f64,
@@ -76,7 +76,7 @@ pub struct BudgetReport {
     pub unit: String,
     /// Its standard uncertainty (unit).
     pub standard_uncertainty: f64,
-    /// What that does to the sensitivity (V/N).
+    /// Its contribution to the sensitivity's uncertainty (V/N).
     pub contribution_v_per_n: f64,
     /// Its share of the variance (1).
     pub share: f64,
@@ -108,7 +108,7 @@ pub struct MonteCarloReport {
 pub struct CalibrationReport {
     /// One line about it.
     pub title: String,
-    /// What was calibrated.
+    /// The calibrated sensor.
     pub item: String,
     /// Name of the sensor's file.
     pub sensor: String,
@@ -132,11 +132,11 @@ pub struct CalibrationReport {
     pub input_capacitance_f: f64,
     /// Whether sensor and scope were calibrated as one: then the result holds for both together.
     pub in_chain: bool,
-    /// What masses are traced to.
+    /// Traceability of masses.
     pub traceability_mass: Option<String>,
-    /// What speeds are traced to.
+    /// Traceability of speeds.
     pub traceability_speed: Option<String>,
-    /// What voltages are traced to.
+    /// Traceability of voltages.
     pub traceability_voltage: Option<String>,
     /// Sensitivity before any droop (V/N).
     pub sensitivity_v_per_n: f64,
@@ -160,7 +160,7 @@ pub struct CalibrationReport {
     pub nonlinearity: Option<f64>,
     /// Its standard uncertainty (1).
     pub nonlinearity_u: Option<f64>,
-    /// What integrating the raw voltage would have given (V/N).
+    /// Sensitivity by the raw voltage's integral (V/N).
     pub naive_v_per_n: f64,
     /// Whether pulses are negative.
     pub negative_polarity: bool,
@@ -172,6 +172,6 @@ pub struct CalibrationReport {
     pub budget: Vec<BudgetReport>,
     /// The Monte-Carlo part.
     pub monte_carlo: Option<MonteCarloReport>,
-    /// What the user should know.
+    /// Notes for the user.
     pub notes: Vec<String>,
 }

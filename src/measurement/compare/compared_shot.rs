@@ -7,7 +7,7 @@ use crate::scene::Scene;
 /// One shot with what is known of the bench it was taken on.
 #[derive(Debug, Clone, Copy)]
 pub struct ComparedShot<'a> {
-    /// What it is called in reports.
+    /// Its name in reports.
     pub name: &'a str,
     /// The recording.
     pub set: &'a TraceSet,

@@ -65,7 +65,7 @@ pub enum MappingError {
         simulated: String,
         /// A measured channel.
         first: String,
-        /// What it could be.
+        /// The candidates.
         known: Vec<String>,
     },
     /// A side without a capture over time.
@@ -80,7 +80,7 @@ pub enum MappingError {
     },
 }
 
-/// What channels there are on one side.
+/// Channels of one side.
 pub struct ChannelNames {
     side: String,
     /// Place, channel and sensor.

@@ -50,9 +50,9 @@ impl Align {
 /// All scores of one comparison.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
-    /// What was measured.
+    /// The measured recording.
     pub measured: String,
-    /// What it was held against.
+    /// The simulated recording.
     pub simulated: String,
     /// `trigger`, `arrival` or `least-squares`.
     pub align: &'static str,
@@ -64,13 +64,13 @@ pub struct Comparison {
     pub channels: Vec<ChannelScore>,
     /// Speeds between neighbouring sensors, from the top.
     pub speeds: Vec<SpeedScore>,
-    /// What was asked for.
+    /// The requested limits.
     pub tolerance: Vec<String>,
-    /// What is beyond it.
+    /// Scores beyond the limits.
     pub failures: Vec<String>,
     /// `pass` or `fail`.
     pub verdict: &'static str,
-    /// What had to be guessed, and what could not be told.
+    /// Notes on guesses and missing values.
     pub notes: Vec<String>,
 }
 

@@ -20,7 +20,7 @@ pub struct ChannelScore {
     pub gain: f64,
     /// Its standard uncertainty from the residuals (1).
     pub gain_u: f64,
-    /// What the measured trace reads where the simulated one is zero; not taken out (V).
+    /// Offset: the measured trace where the simulated one is zero; not removed (V).
     pub offset_v: f64,
     /// First peak of the measured trace, volts.
     pub peak_measured_v: Option<Uncertain>,

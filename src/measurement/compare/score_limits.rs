@@ -1,4 +1,4 @@
-//! What a comparison may be off: `peak=5%, arrival=2us, rms=1lsb`.
+//! Limits of a comparison's scores: `peak=5%, arrival=2us, rms=1lsb`.
 
 use super::{ChannelScore, SpeedScore};
 use crate::quantity::{Dimension, engineering, parse, parse_any};
@@ -29,7 +29,7 @@ enum Limit {
 pub struct ScoreLimits(Vec<Limit>);
 
 impl Default for ScoreLimits {
-    /// What the scope can tell apart: residuals of one level.
+    /// The scope's resolution: residuals of one level.
     fn default() -> Self {
         Self(vec![Limit::Rms(Amount::Levels(1.0))])
     }
@@ -56,7 +56,7 @@ impl ScoreLimits {
         self.0.iter().map(words).collect()
     }
 
-    /// What is beyond the limits, in words; a score that could not be told is beyond any.
+    /// Scores beyond the limits, as text; a missing score is beyond any.
     pub fn failures(&self, channels: &[ChannelScore], speeds: &[SpeedScore]) -> Vec<String> {
         let mut failures = Vec::new();
         for limit in &self.0 {
@@ -148,7 +148,7 @@ fn in_words(amount: Amount) -> String {
     }
 }
 
-/// What is beyond a limit, in words.
+/// A score beyond its limit, as text.
 fn beyond(channel: &ChannelScore, limit: Limit) -> Option<String> {
     let share = |error: f64| percent(error);
     let seconds = |error: f64| engineering(error, "s", 3);

@@ -34,7 +34,7 @@ pub(super) struct Encoding {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Levels {
     pub(super) codes: Vec<i16>,
-    /// What was taken from every level to make it signed.
+    /// The offset subtracted from every level to make it signed.
     pub(super) centre: i32,
     pub(super) two_bytes: bool,
 }

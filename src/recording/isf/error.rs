@@ -1,4 +1,4 @@
-//! What can be wrong with an ISF file, or with a capture that is to become one.
+//! Errors of reading and writing ISF files.
 
 /// Why a file could not be read, or a capture not be written.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -26,7 +26,7 @@ pub enum IsfError {
     Missing {
         /// The file's name.
         file: String,
-        /// What is missing.
+        /// The missing part.
         key: &'static str,
     },
     /// A value of the preamble is not what it can be.
@@ -40,7 +40,7 @@ pub enum IsfError {
         key: &'static str,
         /// The value.
         found: String,
-        /// What it may be.
+        /// The allowed values.
         expected: String,
     },
     /// The block does not begin, go on or divide as a block does.
@@ -50,9 +50,9 @@ pub enum IsfError {
         file: String,
         /// Where, counted from 0.
         offset: usize,
-        /// What stands there.
+        /// The text found.
         found: String,
-        /// What belongs there.
+        /// The text expected.
         expected: String,
     },
     /// The file ends inside the block.
@@ -72,11 +72,11 @@ pub enum IsfError {
     /// The capture holds something that this format cannot say.
     #[error("cannot write: {what} is {found}, expected {expected}")]
     Unwritable {
-        /// What part of the capture.
+        /// The part of the capture.
         what: &'static str,
         /// Its value.
         found: String,
-        /// What the format can say.
+        /// The values that the format can hold.
         expected: String,
     },
 }

@@ -6,7 +6,7 @@ use crate::recording::command_text::{command, unquoted};
 /// The preamble's words take a few hundred bytes; a block not found after this many is not there.
 const MAX_PREAMBLE_BYTES: usize = 64 * 1024;
 
-/// What a preamble's value is about: the full key, and how much of it is the least that names it.
+/// A key of the preamble: its full form, and the length of its shortest form.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct PreambleKey(&'static str, usize);
 

@@ -101,7 +101,7 @@ fn note_points(
     Ok(())
 }
 
-/// What `WFID` says: `Ch1, DC coupling, 5.0E-1 V/div, 5.0E-2 s/div, 2500 points, Sample mode`.
+/// Value of `WFID`: `Ch1, DC coupling, 5.0E-1 V/div, 5.0E-2 s/div, 2500 points, Sample mode`.
 #[derive(Debug, Default)]
 struct Name {
     source: Option<Source>,

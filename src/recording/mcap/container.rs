@@ -99,7 +99,7 @@ pub fn body_length(head: &[u8; RECORD_HEADER_BYTES]) -> u64 {
 /// Takes the record at the start of `bytes`; returns its opcode, body and what follows.
 ///
 /// # Errors
-/// What is missing, where the record is not whole.
+/// The missing part of an incomplete record.
 pub fn split(bytes: &[u8]) -> Result<(u8, &[u8], &[u8]), String> {
     let mut cursor = Cursor { rest: bytes };
     let [opcode] = cursor.number::<1>()?;
@@ -111,7 +111,7 @@ pub fn split(bytes: &[u8]) -> Result<(u8, &[u8], &[u8]), String> {
 /// Reads one record's body.
 ///
 /// # Errors
-/// What is wrong with it, in words.
+/// The problem, as a message.
 pub fn parse(opcode: u8, body: &[u8]) -> Result<McapRecord<'_>, String> {
     let mut cursor = Cursor { rest: body };
     match opcode {

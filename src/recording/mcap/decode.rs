@@ -8,7 +8,7 @@ use crate::trace::Trace;
 /// The trace in `message`.
 ///
 /// # Errors
-/// What is wrong with it: numbers that are none, time that stands still.
+/// Problems: values that are not numbers, an interval that is not above zero.
 pub fn series(message: message::SeriesMessage) -> Result<Trace, String> {
     if !(message.t0_s.is_finite() && message.dt_s.is_finite() && message.dt_s > 0.0) {
         return Err(format!(
@@ -31,7 +31,7 @@ pub fn series(message: message::SeriesMessage) -> Result<Trace, String> {
 /// The line in `message`, which was written down at `timestamp_ns`.
 ///
 /// # Errors
-/// What is wrong with it: a direction that is none.
+/// Problems: an unknown direction.
 pub fn line(message: message::ScpiLineMessage, timestamp_ns: u64) -> Result<ScpiLine, String> {
     let direction = match message.direction.as_str() {
         "command" => Direction::Command,
@@ -44,7 +44,7 @@ pub fn line(message: message::ScpiLineMessage, timestamp_ns: u64) -> Result<Scpi
 /// The capture in `message`.
 ///
 /// # Errors
-/// What is wrong with it: an unknown source, levels without points, numbers that are none.
+/// Problems: an unknown source, levels without points, values that are not numbers.
 pub fn capture(message: &message::CaptureMessage) -> Result<Capture, String> {
     let source = Source::from_name(&message.source).ok_or_else(|| {
         format!("found source `{}`, expected CH1 to CH8, MATH or REFA to REFD", message.source)

@@ -12,7 +12,7 @@ pub enum ReadError {
     File {
         /// The file.
         file: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: std::io::Error,
     },
     /// The file is too large to be held in memory.

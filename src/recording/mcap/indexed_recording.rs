@@ -147,12 +147,12 @@ impl IndexedRecording {
         self.shots.get(place).map_or(0, |(_, stretches)| stretches.len())
     }
 
-    /// What was found so far beside the shots: facts, attachments, log, problems.
+    /// Contents found so far beside the shots: facts, attachments, log, problems.
     pub fn facts(&self) -> TraceSet {
         self.reader.facts()
     }
 
-    /// Reads the shot at `place`, counted from 0; none where there is none.
+    /// Reads the shot at `place`, counted from 0; none beyond the last.
     ///
     /// # Errors
     /// [`ReadError::File`] where the file cannot be read any more.

@@ -88,7 +88,7 @@ pub struct CaptureMessage {
     /// Time of the trigger on the simulation's clock; absent for measurements (s).
     #[prost(double, optional, tag = "26")]
     pub trigger_time_s: Option<f64>,
-    /// What had to be guessed in the import, and what is suspicious.
+    /// Notes on guesses of the import, and on suspicious values.
     #[prost(string, repeated, tag = "27")]
     pub notes: Vec<String>,
 }
@@ -107,7 +107,7 @@ pub struct SetupMessage {
     pub set: String,
 }
 
-/// What no sensor saw: an evenly sampled series of a simulation.
+/// Ground truth of a simulation: an evenly sampled series.
 #[derive(Clone, PartialEq, Message)]
 pub struct SeriesMessage {
     /// Time of the trigger.
@@ -116,7 +116,7 @@ pub struct SeriesMessage {
     /// Counted from 1.
     #[prost(uint32, tag = "2")]
     pub shot: u32,
-    /// What it is.
+    /// Its name.
     #[prost(string, tag = "3")]
     pub name: String,
     /// Unit of the values.
@@ -221,7 +221,7 @@ pub struct LogMessage {
 /// A command to the instrument or a reply from it.
 #[derive(Clone, PartialEq, Message)]
 pub struct ScpiLineMessage {
-    /// When it was heard or said.
+    /// When it was received or sent.
     #[prost(message, optional, tag = "1")]
     pub timestamp: Option<Timestamp>,
     /// Protocol and address of the client.

@@ -1,8 +1,8 @@
-//! What is recorded of a shot beside its traces.
+//! Records of a shot beside its traces.
 
 use super::message;
 
-/// What a shot leaves beside its captures and truth.
+/// Records of a shot beside its captures and truth.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ShotNotes {
     /// The front panel as `SET?` would tell it.

@@ -29,7 +29,7 @@ pub enum WriteError {
     File {
         /// The file.
         file: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: std::io::Error,
     },
     /// The container could not be written.
@@ -37,7 +37,7 @@ pub enum WriteError {
     Container {
         /// The file.
         file: PathBuf,
-        /// What the container's writer says.
+        /// The container writer's error.
         source: mcap::McapError,
     },
 }

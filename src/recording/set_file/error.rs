@@ -1,4 +1,4 @@
-//! What can be wrong with a `.SET` file.
+//! Errors of reading a `.SET` file.
 
 /// Why a file is no `.SET` file.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -13,7 +13,7 @@ pub enum SetFileError {
         /// The largest size that is read, in bytes.
         limit: usize,
     },
-    /// Something that is no setting.
+    /// Not a setting.
     #[error(
         "{file}, line {line}, byte {offset}: found `{found}`, expected a setting such as `:CH1:SCALE 1.0E0`"
     )]
@@ -24,7 +24,7 @@ pub enum SetFileError {
         line: usize,
         /// Where in the file, counted from 0.
         offset: usize,
-        /// What stands there.
+        /// The text found.
         found: String,
     },
     /// Not one setting.

@@ -158,7 +158,7 @@ impl SetFile {
         self.number("HORIZONTAL:MAIN:POSITION")
     }
 
-    /// What the edge trigger looks at; `None` for the external inputs and the mains too.
+    /// Source of the edge trigger; `None` for the external inputs and the mains too.
     pub fn trigger_source(&self) -> Option<Source> {
         self.value("TRIGGER:MAIN:EDGE:SOURCE").and_then(Source::from_name)
     }

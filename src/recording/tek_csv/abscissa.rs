@@ -40,7 +40,7 @@ pub(super) struct Abscissa {
 }
 
 impl Abscissa {
-    /// What stands in row `index`, counted from 0 (s; Hz for an FFT).
+    /// Abscissa of row `index`, counted from 0 (s; Hz for an FFT).
     pub(super) fn value(&self, index: u32) -> f64 {
         let beside = self.layout.rows();
         if self.domain == Domain::Time || index < beside {
@@ -50,7 +50,7 @@ impl Abscissa {
         five_decimals(last_beside) + f64::from(index + 1 - beside) * five_decimals(self.interval)
     }
 
-    /// What stands in row `index`, counted from 0, as the instrument prints it.
+    /// Abscissa of row `index`, counted from 0, as the instrument prints it.
     pub(super) fn text(&self, index: u32) -> String {
         let value = self.value(index);
         let beside = self.layout.rows();

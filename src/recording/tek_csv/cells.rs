@@ -205,7 +205,7 @@ pub(super) struct RowFields<'a> {
     rest: Option<&'a str>,
     column: usize,
     separator: char,
-    /// Whether a separator between quotes is none.
+    /// Whether separators between quotes belong to the cell.
     quotes: bool,
 }
 

@@ -1,4 +1,4 @@
-//! What can be wrong with a native CSV file, or with a capture that is to become one. Used by the reader
+//! Errors of reading and writing native CSV files. Used by the reader
 //! and the writer of this folder; source of the rules: the module above.
 
 use std::fmt;
@@ -43,7 +43,7 @@ pub enum TekCsvError {
         /// The file's name.
         file: String,
     },
-    /// A byte that is no text.
+    /// Not text.
     #[error("{place}: found byte 0x{found:02X}, expected UTF-8 text")]
     NotText {
         /// Where.
@@ -59,7 +59,7 @@ pub enum TekCsvError {
     UnsupportedDialect {
         /// The file's name.
         file: String,
-        /// What it looks like.
+        /// The dialect.
         dialect: Dialect,
         /// The line that tells, counted from 1.
         line: usize,
@@ -81,7 +81,7 @@ pub enum TekCsvError {
     Header {
         /// Where the key should stand.
         place: FileLocation,
-        /// What stands there.
+        /// The text found.
         found: String,
         /// The key that belongs there.
         expected: String,
@@ -95,7 +95,7 @@ pub enum TekCsvError {
         key: String,
         /// The value.
         found: String,
-        /// What it may be.
+        /// The allowed values.
         expected: String,
     },
     /// A field that should be empty or a number is not.
@@ -103,9 +103,9 @@ pub enum TekCsvError {
     Field {
         /// Where.
         place: FileLocation,
-        /// What stands there.
+        /// The text found.
         found: String,
-        /// What belongs there.
+        /// The text expected.
         expected: &'static str,
     },
     /// A row's time or frequency disagrees with sample interval and trigger point.
@@ -115,9 +115,9 @@ pub enum TekCsvError {
     Abscissa {
         /// Where.
         place: FileLocation,
-        /// What stands there.
+        /// The text found.
         found: String,
-        /// What belongs there.
+        /// The text expected.
         expected: String,
         /// Its unit.
         unit: &'static str,
@@ -127,7 +127,7 @@ pub enum TekCsvError {
     Level {
         /// Where.
         place: FileLocation,
-        /// What stands there.
+        /// The text found.
         found: String,
         /// The nearest level from -128 to 127.
         expected: String,
@@ -155,9 +155,9 @@ pub enum TekCsvError {
     Uneven {
         /// Where.
         place: FileLocation,
-        /// What stands there (unit).
+        /// The number found (unit).
         found: f64,
-        /// What belongs there.
+        /// The text expected.
         expected: String,
         /// Its unit.
         unit: &'static str,
@@ -206,11 +206,11 @@ pub enum TekCsvError {
     /// The capture holds something that this format cannot say.
     #[error("cannot write: {what} is {found}, expected {expected}")]
     Unwritable {
-        /// What part of the capture.
+        /// The part of the capture.
         what: String,
         /// Its value.
         found: String,
-        /// What the format can say.
+        /// The values that the format can hold.
         expected: String,
     },
 }

@@ -75,7 +75,7 @@ impl<'a> HeaderRow<'a> {
     }
 }
 
-/// What a header says.
+/// The values of a header.
 #[derive(Debug, Clone)]
 pub(super) struct CsvHeader {
     pub(super) layout: HeaderLayout,

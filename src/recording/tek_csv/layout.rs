@@ -1,4 +1,4 @@
-//! What reader and writer agree on: header rows, the two domains, and the rules that the header's
+//! The layout for reader and writer: header rows, the two domains, and the rules that the header's
 //! numbers obey. Equations and sources: the module above.
 
 use crate::quantity::c_exponential;
@@ -134,7 +134,7 @@ impl HeaderLayout {
     }
 }
 
-/// What the columns hold.
+/// Domain of the columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Domain {
     /// Volts over seconds.
@@ -209,7 +209,7 @@ pub(super) struct Violation {
     pub(super) key: &'static str,
     /// Its number.
     pub(super) found: f64,
-    /// What the number may be.
+    /// The allowed values.
     pub(super) expected: String,
 }
 

@@ -19,7 +19,7 @@ const MAX_LEVELS: f64 = 65_000.0;
 const DIGIT_TOLERANCE: f64 = 0.25;
 /// The same for a first guess, which `on_grid` judges: half a last digit of a level of two is just a quarter.
 const GUESS_TOLERANCE: f64 = 0.3;
-/// What of a level means nothing.
+/// Rounding error of a level, as a share of it.
 const LEVEL_ROUND_OFF: f64 = 1e-6;
 /// A gap between neighbouring values is searched for levels up to this many.
 const MAX_LEVELS_IN_GAP: u32 = 8;

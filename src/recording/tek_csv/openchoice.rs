@@ -49,7 +49,7 @@ fn capture(
     draft.capture(table.file, channel)
 }
 
-/// What the program wrote down about instrument and time.
+/// Instrument and time as the program wrote them.
 fn note(draft: &mut UnscaledImport, block: &Block<'_, '_>) {
     let Some((text, _)) = block.text(NOTE).filter(|(text, _)| !text.is_empty()) else { return };
     let model = text.split(" - ").next().unwrap_or_default().replace(' ', "");

@@ -138,7 +138,7 @@ fn check_end(text: &str, file_name: &str, domain: Domain) -> Result<(), TekCsvEr
     Ok(())
 }
 
-/// What it takes to find the level behind a row.
+/// Conversion of a row's number to its level.
 struct Samples<'a> {
     file: &'a str,
     abscissa: Abscissa,

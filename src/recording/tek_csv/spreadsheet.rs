@@ -1,4 +1,4 @@
-//! Reads a native file that a spreadsheet saved again, or above which somebody put column names. Numbers have
+//! Reads a native file that a spreadsheet saved again, or to which column names were added. Numbers have
 //! lost digits, not places; the zero level stands in `Vertical Offset` (V), of an FFT in `Yzero` (dB).
 
 use super::cells::CsvRows;

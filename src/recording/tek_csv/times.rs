@@ -13,7 +13,7 @@ use crate::quantity::engineering;
 
 /// How much of an interval a time near zero may be off, if times elsewhere are as coarse.
 const MAX_TIME_DRIFT: f64 = 0.01;
-/// What of an interval means nothing.
+/// Rounding error of a time, as a share of the interval.
 const TIME_ROUND_OFF: f64 = 1e-6;
 /// An interval that is known worse than this is told with its bounds (1).
 const COARSE: f64 = 1e-3;
@@ -24,7 +24,7 @@ const MOST_CUTS: usize = 60;
 /// Most digits of a number (1).
 const MAX_DIGITS: usize = 15;
 
-/// What a header says of the time base.
+/// The time base as the header states it.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct StatedTimeBase {
     /// Sample interval (s; Hz for an FFT).
@@ -122,7 +122,7 @@ struct Rows<'a> {
     tolerances: Vec<f64>,
 }
 
-/// What an interval leaves: how far the rows miss it, and the slope of that over the interval.
+/// Residuals of an interval: how far the rows miss it, and the slope of that over the interval.
 #[derive(Clone, Copy)]
 struct Miss {
     /// Above zero where no start explains all rows (s; Hz for an FFT).

@@ -19,7 +19,7 @@ const ZERO_LEVEL_TOLERANCE: f64 = 0.02;
 /// With fewer levels than this, their spacing is weak evidence.
 const MIN_LEVELS: usize = 8;
 
-/// What a foreign file tells of one channel.
+/// One channel of a foreign file, before its vertical scale is known.
 #[derive(Debug, Clone, Default)]
 pub(super) struct UnscaledImport {
     pub(super) times: SampleColumn,
@@ -220,7 +220,7 @@ impl UnscaledImport {
         scale
     }
 
-    /// What to add to an index to make it the level that the digitiser had.
+    /// Offset from an index to the digitiser's level.
     fn shift(&mut self, grid: &ValueGrid, unit: &str) -> i64 {
         let (low, high) = grid.range();
         let middle = i64::midpoint(low, high);

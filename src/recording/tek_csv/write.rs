@@ -181,7 +181,7 @@ fn check_agreement(waveform: &Waveform, numbers: &Numbers) -> Result<(), TekCsvE
     Ok(())
 }
 
-/// The numbers as they will be read back, without the round-off of whoever computed them; refuses those
+/// The numbers as they will be read back, without the round-off of the program that computed them; refuses those
 /// that the header's digits would change by more.
 fn as_printed(numbers: &Numbers, domain: Domain) -> Result<Numbers, TekCsvError> {
     let read = |value: f64, decimals| c_exponential(value, decimals).parse().unwrap_or(f64::NAN);

@@ -16,7 +16,7 @@ const NEAR_SPAN: f64 = 2e-3;
 const FAR_SPAN: f64 = 12e-3;
 /// Where the inset of the far figures starts (s).
 const INSET_START: f64 = 6e-3;
-/// What the inset shows: the middle one of three places.
+/// Signal of the inset: the middle one of three places.
 const INSET_SIGNAL: usize = 1;
 /// Width of panels, and heights of low and tall ones (pixels).
 const PLOT_WIDTH: f64 = 430.0;

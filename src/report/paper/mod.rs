@@ -14,7 +14,7 @@ use crate::studies::paper::{Arrangement, Figure, ForceSignal, PaperStudy};
 pub struct PaperPicture {
     /// Stem of its files, `figure-04`.
     pub stem: String,
-    /// What it shows.
+    /// Caption.
     pub caption: String,
     /// The picture.
     pub svg: String,

@@ -13,7 +13,7 @@ pub const COLOURS: [&str; 7] =
 /// An axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
-    /// What it is, with its unit.
+    /// Label with unit.
     pub label: String,
     /// First value (unit).
     pub from: f64,
@@ -88,7 +88,7 @@ pub struct Polyline {
 pub struct ShadedMap {
     /// Columns of shares from 0 (white) to 1 (dark) (1).
     pub columns: Vec<Vec<f64>>,
-    /// What white and dark stand for.
+    /// Values of white and dark.
     pub shades: String,
 }
 
@@ -107,7 +107,7 @@ pub struct Plot {
     pub bands: Vec<(f64, f64, String)>,
     /// Words at places in the plot (unit).
     pub words: Vec<(f64, f64, String)>,
-    /// What lies below the lines.
+    /// Shades below the lines.
     pub map: Option<ShadedMap>,
 }
 

@@ -22,7 +22,7 @@ pub(super) const MIN_ERROR: f64 = 1e-16;
 /// A method with its letter and colours.
 pub(super) type MethodMark = (&'static str, char, &'static str, u8);
 
-/// What errors are drawn against.
+/// The abscissa: work or time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum WorkMeasure {
     /// Median wall time of a run.
@@ -68,13 +68,13 @@ impl WorkMeasure {
     }
 }
 
-/// What is plotted against work.
+/// The ordinate: peaks, arrivals, energy or momentum.
 pub(super) struct PlottedQuantity {
     /// Of what the errors are.
     pub(super) of: &'static str,
     pub(super) error: fn(&Point) -> Option<f64>,
     pub(super) chosen: fn(&ChosenMethod) -> Option<f64>,
-    /// What the scope can tell apart, and its name.
+    /// The scope's resolution, and its name.
     pub(super) limit: fn(&CostStudy) -> Option<f64>,
     pub(super) limit_name: &'static str,
 }
@@ -123,7 +123,7 @@ impl PlottedQuantity {
         points.filter_map(move |p| Some((work.of(p)?, (self.error)(p)?)))
     }
 
-    /// What `--accuracy` chooses: accuracy, work and error.
+    /// Choice of `--accuracy`: accuracy, work and error.
     pub(super) fn choices<'a>(
         &'a self,
         study: &'a CostStudy,

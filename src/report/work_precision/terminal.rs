@@ -5,7 +5,7 @@ use crate::studies::cost::CostStudy;
 
 /// Columns and rows of a plot: with its scale and its legend it is 80 columns wide.
 const PLOT_CELLS: (usize, usize) = (39, 17);
-/// What `--accuracy` chooses.
+/// Mark of the choice of `--accuracy`.
 const CHOSEN_MARK: char = '●';
 /// Most methods of a plot: more cannot be told apart.
 const MAX_METHODS: usize = 7;

@@ -89,7 +89,7 @@ impl Design {
         self.points().map_or(0, |points| points * self.repeat)
     }
 
-    /// How many points; none if nobody could count them.
+    /// How many points; none if too many for the number's type.
     fn points(&self) -> Option<u64> {
         let grid = self
             .factors

@@ -12,7 +12,7 @@ use crate::scene::document::Node;
 /// One run.
 #[derive(Debug, Clone)]
 pub struct PlannedRun {
-    /// What stands at each path, in the order of [`Design::paths`].
+    /// Values of all paths, in the order of [`Design::paths`].
     pub values: Vec<Node>,
     /// Which of the repetitions of the same values, from 1.
     pub repeat: u64,
@@ -52,7 +52,7 @@ impl Design {
         digest.iter().take(8).fold(0_u64, |seed, byte| seed << 8 | u64::from(*byte)) >> 11
     }
 
-    /// What point number `point` of the sample has at path number `place`.
+    /// The value of path number `place` at point number `point` of the sample.
     fn drawn(&self, sample: &Sample, place: usize, point: u64) -> Node {
         let (path, range) = &sample.over[place];
         let mut stream = stream(&format!("{}\n{path}\n{point}", self.seed));

@@ -40,12 +40,12 @@ pub struct PlannedImpact {
     pub window: Option<[f64; 2]>,
 }
 
-/// What a certificate names and nothing is calculated from.
+/// Entries of the certificate that do not enter the calculation.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Particulars {
     /// One line about the calibration.
     pub title: String,
-    /// What is calibrated.
+    /// The calibrated sensor.
     pub item: String,
     /// Name of the sensor's file.
     pub sensor: String,
@@ -57,11 +57,11 @@ pub struct Particulars {
     pub customer: Option<String>,
     /// Temperature of the room (K).
     pub temperature: Option<f64>,
-    /// What the mass is traced to.
+    /// Traceability of the mass.
     pub mass_traceability: Option<String>,
-    /// What the speed is traced to.
+    /// Traceability of the speed.
     pub speed_traceability: Option<String>,
-    /// What the voltage is traced to.
+    /// Traceability of the voltage.
     pub voltage_traceability: Option<String>,
 }
 
@@ -76,7 +76,7 @@ pub struct CalibrationPlan {
     pub particulars: Particulars,
     /// Relative standard uncertainty of the scope's gain; none where sensor and scope are calibrated as one chain (1).
     pub gain_u: Option<f64>,
-    /// What the sensor was connected to.
+    /// The sensor's load.
     pub load: Load,
     /// Relative standard uncertainty that all speeds share (1).
     pub speed_scale_u: f64,

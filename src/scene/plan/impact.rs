@@ -20,7 +20,7 @@ const REBOUND: [(&str, &str, SpeedMethod); 4] = [
     ("flight_time", "flight_time_u", SpeedMethod::FlightTime),
 ];
 
-/// What impacts are checked against.
+/// The plan's data that impacts refer to.
 pub struct ImpactContext<'a> {
     /// The plan's file.
     pub file: &'a Path,

@@ -19,7 +19,7 @@ use crate::sensor::Load;
 
 /// Standard acceleration of free fall (m/s^2).
 const FREE_FALL: f64 = 9.81;
-/// What a scope of this family has at its input.
+/// The input of a scope of this family.
 const INPUT: Load = Load { resistance: 1e6, capacitance: 20e-12 };
 /// Draws of the Monte-Carlo part.
 const DRAWS: u64 = 200_000;

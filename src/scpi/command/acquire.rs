@@ -8,7 +8,7 @@ use crate::scpi::setting::{Both, Context, GroupQuery, Parts, Query, Stop, WordSe
 use crate::scpi::value::ReplyValue;
 
 words! {
-    /// What the RUN/STOP key does.
+    /// Runs or stops, as the RUN/STOP key.
     RunStop {
         /// Start.
         On = "ON",

@@ -64,7 +64,7 @@ fn number(at: &Context<'_>, setting: Option<f64>) -> Result<ReplyValue, Stop> {
     Ok(ReplyValue::Number(setting.ok_or(Event::SettingsConflict)?))
 }
 
-/// What comes of setting something that this bench may not have.
+/// The result of a setting that this bench may not have.
 fn set(at: &Context<'_>, is_there: bool) -> Result<(), Stop> {
     present(at)?;
     if is_there { Ok(()) } else { Err(Event::SettingsConflict.into()) }

@@ -11,7 +11,7 @@ use crate::scpi::setting::{Both, Context, GroupQueryAndCommand, Parts, Stop, Wor
 use crate::scpi::value::ReplyValue;
 
 words! {
-    /// What `DATa` does.
+    /// Argument of `DATa`.
     Initialise {
         /// Set everything as at power on.
         Everything = "INIT",

@@ -8,7 +8,7 @@ use crate::scpi::setting::{Both, Context, GroupQuery, Parts, Stop, WordSetting};
 use crate::scpi::value::ReplyValue;
 
 words! {
-    /// Persistence that is no time.
+    /// Persistence that is not a time.
     Persistence {
         /// For good.
         Infinite = "INFinite",

@@ -10,7 +10,7 @@ use crate::scpi::setting::{Context, GroupQueryAndCommand, OnOff, Parts, Stop, Wo
 use crate::screen::{PictureFormat, Screen, draw, file};
 
 words! {
-    /// What `HARDCopy` does.
+    /// Argument of `HARDCopy`.
     Order {
         /// Print.
         Start = "STARt",

@@ -9,7 +9,7 @@ use crate::scpi::setting::{Both, Command, Context, GroupQuery, Parts, Query, Sto
 use crate::scpi::value::ReplyValue;
 
 words! {
-    /// What is locked.
+    /// Lock state.
     Lock {
         /// The keys.
         All = "ALL",
@@ -17,7 +17,7 @@ words! {
         None = "NONe",
     }
 
-    /// What `AUTOSet` does.
+    /// Argument of `AUTOSet`.
     Execute {
         /// Set everything up.
         Everything = "EXECute",

@@ -15,13 +15,13 @@ use crate::scpi::setting::{
 use crate::scpi::value::ReplyValue;
 
 words! {
-    /// What `TRIGger` does.
+    /// Argument of `TRIGger`.
     Force {
         /// Trigger now.
         Now = "FORCe",
     }
 
-    /// What `TRIGger:MAIn` does.
+    /// Argument of `TRIGger:MAIn`.
     SetLevel {
         /// Set the level to half height.
         HalfHeight = "SETLevel",

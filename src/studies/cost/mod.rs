@@ -15,7 +15,7 @@ use crate::experiment::comparison::level;
 use crate::scene::Scene;
 use points::{choice, name, point, reference, settings};
 
-/// Runs of each point that are timed where nobody says otherwise.
+/// Default number of timed runs of each point.
 pub const TIMED_RUNS: u16 = 10;
 /// Orders are fitted where the most work is at least so many times the least (1).
 const APART: f64 = 2.0;
@@ -27,13 +27,13 @@ const ABOVE_REFERENCE: f64 = 100.0;
 pub struct CostStudy {
     /// Scene name.
     pub scene: String,
-    /// What errors are measured against.
+    /// The reference of the errors.
     pub reference: Reference,
     /// One row a method and setting.
     pub points: Vec<Point>,
-    /// Observed order of each method on this scene, kinks and all.
+    /// Observed order of each method on this scene, contact openings included.
     pub orders: Vec<Order>,
-    /// What `--accuracy` chooses at each decade, and what it reaches.
+    /// Choices of `--accuracy` at each decade, with the errors reached.
     pub chosen: Vec<ChosenMethod>,
     /// One digitiser level of the most sensitive channel, relative to its first peak; none without a wired sensor (1).
     pub level: Option<f64>,
@@ -62,7 +62,7 @@ impl CostStudy {
     }
 }
 
-/// Makes the study with `runs` timed runs of each point; `progress` hears the share of the work done.
+/// Makes the study with `runs` timed runs of each point; `progress` is called with the share of the work done.
 ///
 /// # Errors
 /// The integrator's error where even the reference fails, in words.

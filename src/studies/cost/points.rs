@@ -4,10 +4,12 @@ use std::time::{Duration, Instant};
 
 use super::{ChosenMethod, Point, Reference};
 use crate::chain::simd::Refinement;
-use crate::experiment::accuracy::{ErrorEstimate, errors, run_to_accuracy};
+use crate::experiment::accuracy::run_to_accuracy;
 use crate::experiment::comparison::{
     Run, Treated, arrival_error, compare, peak_error, run_without, trace_error, worst,
 };
+use crate::experiment::outcome::ErrorEstimate;
+use crate::experiment::reference::errors;
 use crate::experiment::{Integration, RunError, method};
 use crate::integrate::{IntegrateError, Method, Scheme};
 use crate::scene::Scene;
@@ -19,7 +21,7 @@ const MOST_EVALUATIONS: f64 = 60_000.0;
 /// A point under error control that takes more is given up; the lossless methods take shorter.
 const MOST_CONTROLLED: u64 = 120_000;
 const MOST_OWN: u64 = 1_000_000;
-/// A reference that takes more is none.
+/// Most evaluations of a reference run.
 const MOST_REFERENCE: u64 = 2_000_000;
 /// Tolerance of the reference's steps (1).
 const REFERENCE_TOLERANCE: f64 = 1e-15;
@@ -150,7 +152,7 @@ pub fn point(scene: &Scene, treated: Treated, (exact, runs): (&Run, u16)) -> Poi
     point
 }
 
-/// What `--accuracy` comes to: the run as it is made, with its check runs, so many times or as often as [`TIMING_BUDGET`] allows.
+/// Result of `--accuracy`: the complete run, with its check runs, so many times or as often as [`TIMING_BUDGET`] allows.
 ///
 /// # Errors
 /// [`RunError`] where the scene cannot be run.

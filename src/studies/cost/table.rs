@@ -51,7 +51,7 @@ pub struct Point {
     pub wall_s_min: f64,
 }
 
-/// A time, unless it is none.
+/// A time; none if not finite.
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
 pub(super) fn measured<S: serde::Serializer>(
     seconds: &f64,
@@ -75,7 +75,7 @@ pub struct Order {
     pub observed_u: Option<f64>,
 }
 
-/// What an accuracy leads to.
+/// Method, cost and error of an accuracy.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ChosenMethod {
     /// Accuracy asked for (1).

@@ -14,7 +14,7 @@ use crate::sensor::{SensorMeasurement, SensorTolerance};
 const FOREVER: f64 = 1e6;
 /// Why the bandwidth goes by that.
 const JUDGED: &str = "a tenth of the accuracy that a record calls for; forces have no part in it";
-/// What makers of piezo ceramics state for both constants (1).
+/// Tolerance of both constants as stated by makers of piezo ceramics (1).
 const MAKERS_TOLERANCE: f64 = 0.2;
 
 /// The line of an effect that is either in the scene or in `other`.

@@ -23,26 +23,26 @@ pub struct LedgerEntry {
     pub effect: &'static str,
     /// On, off, or decided by the program.
     pub state: EffectState,
-    /// Whether it is part of this run, whoever decided that.
+    /// Whether it is part of this run.
     pub active: bool,
     /// The dimensionless number that tells whether it matters.
     pub criterion: &'static str,
-    /// Its value; none where it needs a setting that nobody has made (1).
+    /// Its value; none where the scene does not set what it needs (1).
     pub value: Option<f64>,
     /// Why it is on or off.
     pub reason: String,
     /// Wall time it adds to a step, the median of runs in turn; for effects of sensors and scope, what they add to the whole over the
     /// steps (ns).
     pub cost_ns_per_step: Option<f64>,
-    /// Its standard uncertainty, from the scatter of the runs; a cost below twice this is none that was seen (ns).
+    /// Its standard uncertainty, from the scatter of the runs; a cost below twice this is not resolved (ns).
     pub cost_u_ns_per_step: Option<f64>,
     /// That time as a share of the run with it (1).
     pub cost_share: Option<f64>,
-    /// What it changes, or would change; none where that was not to be measured.
+    /// Its change, or the change if it were on; none where that was not measured.
     pub change: Option<Change>,
 }
 
-/// What was found out about one effect, before it is written down.
+/// Findings on one effect, before they become an entry.
 pub(super) struct EffectFinding {
     pub(super) state: EffectState,
     pub(super) value: Option<f64>,

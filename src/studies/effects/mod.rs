@@ -35,7 +35,7 @@ pub struct Ledger {
     pub entries: Vec<LedgerEntry>,
 }
 
-/// Makes the ledger of `scene`, with all runs held to `accuracy` (1); `progress` hears the share of the work done.
+/// Makes the ledger of `scene`, with all runs held to `accuracy` (1); `progress` is called with the share of the work done.
 ///
 /// # Errors
 /// [`RunError`] where the scene itself cannot be run.

@@ -51,7 +51,7 @@ pub fn active_window(subject: &BaselineRun<'_>) -> LedgerEntry {
     }
 }
 
-/// What a refinement costs and changes where there is one.
+/// Cost and change of a refinement.
 fn measured(
     subject: &BaselineRun<'_>,
     refinement: Refinement,

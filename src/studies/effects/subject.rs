@@ -5,7 +5,7 @@ use crate::experiment::bench::{Bench, Grid};
 use crate::experiment::{FRAMES_PER_RUN, Integration, RunError, method, probes, sample_grid};
 use crate::scene::Scene;
 
-/// What all entries look at: the scene as it is run, and that run.
+/// The reference of all entries: the scene as it is run, and that run.
 pub(super) struct BaselineRun<'a> {
     /// The scene with `auto` decided.
     pub(super) scene: &'a Scene,

@@ -38,14 +38,14 @@ pub struct Change {
     pub arrival_samples: Option<f64>,
 }
 
-/// What an effect costs.
+/// Cost of an effect.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Cost {
     /// The bill, where it was measured.
     pub measured: Option<CostMeasurement>,
 }
 
-/// What was measured of a cost.
+/// Measurement of a cost.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CostMeasurement {
     /// Time added to a step (ns).
@@ -229,7 +229,7 @@ fn pulse_reading(signal: &[f64], (first, last): (usize, usize)) -> Option<PulseR
     Some(PulseReading { peak, half_rise })
 }
 
-/// What two treatments of the same signals show (V).
+/// Results of two treatments of the same signals (V).
 pub fn of_signals(subject: &BaselineRun<'_>, on: &ChannelVolts, off: &ChannelVolts) -> Change {
     let BaselineRun { scene, grid, .. } = subject;
     let places = windows(subject);

@@ -14,7 +14,7 @@ pub const STEEL: Elasticity = Elasticity { youngs_modulus: 193e9, poissons_ratio
 pub const LIGHT: f64 = 0.1226e-3;
 /// Mass of a steel cylinder of the bench (kg).
 pub const HEAVY: f64 = 0.485e-3;
-/// Within no run's time: for grids that nobody reads.
+/// Later than any run: for grids without samples.
 const NEVER: Grid = Grid { start: f64::MAX, interval: 1.0 };
 /// Tolerance of the steps of a reference by another family of methods (1).
 const REFERENCE: f64 = 1e-13;
@@ -60,7 +60,7 @@ pub fn pressed(particles: Vec<Body>, force: f64) -> Result<Chain, String> {
     between(particles, (end, end))
 }
 
-/// A chain, or why there is none.
+/// A chain, or why it could not be made.
 pub fn assemble(spec: &ChainSpec) -> Result<Chain, String> {
     Chain::new(spec).map_err(|error| error.to_string())
 }
@@ -233,7 +233,7 @@ fn check_readings(
     }
 }
 
-/// What the energy may drift: each step may be off by the accuracy in speed, twice that in energy, as often one way as the other, or a method would
+/// Bound of the energy drift: each step may be off by the accuracy in speed, twice that in energy, as often one way as the other, or a method would
 /// make energy (1).
 #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^53 steps")]
 pub fn drift_bound(work: Work, accuracy: f64) -> f64 {

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::tally::CaseChecks;
 
-/// What became of a case.
+/// Result of a case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum CaseVerdict {
@@ -32,26 +32,26 @@ impl CaseVerdict {
 pub struct HardCase {
     /// Its name.
     pub name: &'static str,
-    /// What makes it hard.
+    /// The difficulty.
     pub why: &'static str,
-    /// What is demanded, and where that comes from.
+    /// The bound, and its source.
     pub bound: &'static str,
-    /// Computes it: the figures against their bounds, or the cause why there are none.
+    /// Computes it: the figures against their bounds, or why they could not be computed.
     pub(super) compute: fn(&mut CaseChecks) -> Result<(), String>,
 }
 
-/// What a case came to.
+/// Result of a case, with its text.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CaseResult {
     /// Name of the case.
     pub case: &'static str,
-    /// What makes it hard.
+    /// The difficulty.
     pub why: &'static str,
-    /// What is demanded, and where that comes from.
+    /// The bound, and its source.
     pub bound: &'static str,
-    /// What was reached, next to its bound, in words.
+    /// The tightest figure next to its bound, as text.
     pub figure: String,
-    /// What became of it.
+    /// The result.
     pub verdict: CaseVerdict,
 }
 

@@ -1,4 +1,4 @@
-//! A chain that nobody can predict for long.
+//! A chain whose motion is chaotic.
 
 use super::HardCase;
 use super::benches::{
@@ -61,7 +61,7 @@ fn chaos(tally: &mut CaseChecks) -> Result<(), String> {
     beyond(tally, &motion)
 }
 
-/// What can be said of the end: energy, and the share of it that is in motion.
+/// Bounds at the end: energy, and the share of it that is in motion.
 fn beyond(tally: &mut CaseChecks, motion: &MovingChain<'_>) -> Result<(), String> {
     let end = motion.after(TIME, ACCURACY)?;
     tally.check("energy", motion.drift(&end.state), drift_bound(end.work, ACCURACY));

@@ -103,7 +103,7 @@ fn edge_of_losses(tally: &mut CaseChecks) -> Result<(), String> {
     Ok(())
 }
 
-/// What a sum of all that is stored may be off, relative to the energy in motion at first (1).
+/// Rounding error of a sum of energies, relative to the initial energy in motion (1).
 fn drift_rounding(energy: &EnergyLedger) -> f64 {
     1e-12 * energy.initial / energy.initial_by_kind.kinetic
 }

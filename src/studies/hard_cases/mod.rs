@@ -32,7 +32,7 @@ pub fn catalogue() -> Vec<HardCase> {
     .concat()
 }
 
-/// Judges the whole catalogue; `progress` hears the share of the work done, 0 to 1.
+/// Runs the whole catalogue; `progress` is called with the share of the work done, 0 to 1.
 pub fn run_all(progress: &mut dyn FnMut(f64)) -> Vec<CaseResult> {
     let cases = catalogue();
     #[allow(clippy::cast_precision_loss, reason = "a dozen cases")]

@@ -10,13 +10,13 @@ use crate::sensor::Circuit;
 /// One blind calibration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BlindCalibration {
-    /// What the calibration is told.
+    /// The plan and recordings given to the calibration.
     pub strikes: Vec<PlannedStrike>,
     /// And what its inputs share.
     pub common: Common,
     /// The captures that records were taken from.
     pub captures: Vec<Capture>,
-    /// What it is not told.
+    /// The hidden values.
     pub circuit: Circuit,
 }
 

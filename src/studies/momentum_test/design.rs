@@ -41,7 +41,7 @@ const MIN_CONTACT_SAMPLES: f64 = 100.0;
 /// Stream of what a lab's readings are off.
 const READING_STREAM: u128 = 1 << 70;
 
-/// What a lab knows how well: standard uncertainties.
+/// Standard uncertainties of a lab's readings.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LabUncertainties {
     /// Of a mass (kg).

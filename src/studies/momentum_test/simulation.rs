@@ -31,7 +31,7 @@ const TRIGGER_LEVEL: f64 = 0.5;
 /// Share of the record before the trigger (1).
 const PRE_TRIGGER: f64 = 0.25;
 
-/// What drops.
+/// The dropped striker.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DroppedStriker {
     /// Its name.
@@ -44,7 +44,7 @@ pub struct DroppedStriker {
     pub mass: f64,
 }
 
-/// What one impact really was.
+/// Ground truth of one impact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImpactTruth {
     /// Force on the sensor.
@@ -154,7 +154,7 @@ pub fn room() -> f64 {
     f64::from(HIGHEST_CODE) / LEVELS_PER_DIVISION - ZERO_POSITION
 }
 
-/// What the scope keeps of `truth` through `circuit`; phase of its clock and noise come from `seed` and `shot`. None where it is
+/// The scope's record of `truth` through `circuit`; phase of its clock and noise come from `seed` and `shot`. None where it is
 /// not triggered.
 pub fn capture(
     truth: &ImpactTruth,

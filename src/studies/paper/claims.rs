@@ -1,4 +1,4 @@
-//! What the paper prints, read from `recordings/herbold-2009-claims.toml`.
+//! The paper's statements and numbers, read from `recordings/herbold-2009-claims.toml`.
 
 use crate::data;
 use crate::quantity::{Dimension, parse_any};
@@ -10,7 +10,7 @@ const FILE: &str = "herbold-2009-claims.toml";
 /// Figures that the paper has.
 const LAST_FIGURE: u64 = 13;
 
-/// What a statement expects.
+/// The expected value of a statement.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Expected {
     /// A number as printed.
@@ -35,9 +35,9 @@ pub struct Claim {
     pub place: String,
     /// The figure it belongs to, if any.
     pub figure: Option<u8>,
-    /// What it says.
+    /// Its text.
     pub says: String,
-    /// What it expects.
+    /// Its expected value.
     pub expected: Expected,
     /// Its unit, `kHz`; empty for a plain number.
     pub unit: String,
@@ -47,7 +47,7 @@ pub struct Claim {
     pub because: String,
 }
 
-/// What contradicts itself in print.
+/// A contradiction in the paper.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Slip {
     /// Where.
@@ -120,9 +120,9 @@ fn claim(row: TableReader<'_>) -> Option<Claim> {
 pub(super) struct Typed<'a> {
     /// The number (unit).
     pub value: f64,
-    /// What its last digit stands for (unit).
+    /// Value of one unit of its last digit (unit).
     pub last_digit: f64,
-    /// What stands behind it.
+    /// Its cause.
     pub unit: &'a str,
 }
 

@@ -33,7 +33,7 @@ pub enum PaperError {
     Nothing {
         /// The scene's name.
         scene: String,
-        /// What was looked for.
+        /// The value sought.
         what: String,
     },
     /// A statement without an answer, or an answer without a statement.

@@ -32,12 +32,12 @@ pub enum Arrangement {
     Sensors,
 }
 
-/// What a figure shows.
+/// Contents of a figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
     /// Its number in the paper.
     pub number: u8,
-    /// What it is about.
+    /// Its subject.
     pub title: String,
     /// How it is arranged.
     pub arrangement: Arrangement,
@@ -47,7 +47,7 @@ pub struct Figure {
     pub signals: Vec<ForceSignal>,
     /// Spectra of parts of the record, each with its name.
     pub parts: Vec<(String, Spectrum)>,
-    /// What was run, with everything that belongs into a recording; none for the dispersion relation.
+    /// The run behind the figure, with everything for a recording; none for the dispersion relation.
     pub run: Option<FigureRun>,
 }
 
@@ -62,7 +62,7 @@ pub struct FigureRun {
     pub outcome: Outcome,
 }
 
-/// What is found on the way.
+/// Intermediate results.
 #[derive(Default)]
 pub(super) struct IntermediateResults {
     pub(super) answers: Vec<ClaimResult>,

@@ -1,6 +1,6 @@
 //! Herbold et al. (2009), computed again: every figure and number of the paper that a calculation can give, held against what is printed.
 //!
-//! What the paper prints is data, `recordings/herbold-2009-claims.toml` and `herbold-2009-tables.toml`. Each statement gets one or more
+//! The paper's statements are data, `recordings/herbold-2009-claims.toml` and `herbold-2009-tables.toml`. Each statement gets one or more
 //! candidates from the simulations, by conventions that the paper leaves open, and [`verdict`] holds them against the digits as printed.
 //! Nothing is fitted but the one dashpot of [`tables`], and no verdict uses it but those on the paper's measured columns.
 
@@ -31,7 +31,7 @@ pub const FIGURES: std::ops::RangeInclusive<u8> = 3..=13;
 /// The paper, computed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PaperStudy {
-    /// What became of each statement, in the paper's order.
+    /// Results of all statements, in the paper's order.
     pub findings: Vec<ClaimFinding>,
     /// Misprints.
     pub slips: Vec<Slip>,
@@ -39,11 +39,11 @@ pub struct PaperStudy {
     pub figures: Vec<Figure>,
     /// Tables 1 and 2 with the best single dashpot, unless one figure alone was asked for.
     pub tables: Option<SpeedStudy>,
-    /// What viscosity does to the incoming shock of Fig. 10.
+    /// Effect of viscosity on the incoming shock of Fig. 10.
     pub viscosity: Vec<Viscous>,
 }
 
-/// Computes the paper, or one `figure` of it; `progress` hears the share of the work done, 0 to 1.
+/// Computes the paper, or one `figure` of it; `progress` is called with the share of the work done, 0 to 1.
 ///
 /// # Errors
 /// [`PaperError`], which would be this program's own mistake.

@@ -25,7 +25,7 @@ pub(super) fn accuracy(scene: &Scene) -> f64 {
     scene.accuracy.unwrap_or(DEFAULT_ACCURACY)
 }
 
-/// What was felt at several places of a scene.
+/// Forces at several places of a scene.
 pub(super) struct ForceRecord {
     pub scene: Scene,
     felt: Vec<(ForceLocation, Trace, PulseRecorder)>,

@@ -66,7 +66,7 @@ fn figure(record: &ForceRecord, number: u8) -> Result<Figure, PaperError> {
     })
 }
 
-/// What is said of each scene, by the kind of its preload and its striker.
+/// Statements about each scene, by preload and striker.
 fn answers(
     record: &ForceRecord,
     kind: &str,

@@ -12,7 +12,7 @@ use super::claims::{Claim, Expected};
 /// Rounding of the comparison itself, in units of the printed number (1).
 const ROUNDING: f64 = 1e-9;
 
-/// What became of a statement.
+/// Result for a statement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 pub enum ClaimVerdict {
     /// It comes out as the paper words it.
@@ -37,7 +37,7 @@ impl ClaimVerdict {
     }
 }
 
-/// What the paper prints.
+/// The value that the paper prints.
 #[derive(Debug, Clone, PartialEq)]
 pub enum PrintedValue {
     /// A number, in the unit of the finding (unit).
@@ -62,11 +62,11 @@ pub struct ClaimFinding {
     pub item: String,
     /// Where the paper makes it.
     pub place: String,
-    /// What it says.
+    /// Its text.
     pub says: String,
-    /// What it prints.
+    /// The printed value.
     pub paper: PrintedValue,
-    /// What comes out here (unit).
+    /// The computed value (unit).
     pub here: f64,
     /// Unit of both.
     pub unit: String,
@@ -81,25 +81,25 @@ pub struct ClaimFinding {
     pub figure: Option<u8>,
 }
 
-/// What may have been meant.
+/// A reading of the statement.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Interpretation {
     /// In words.
     pub convention: String,
-    /// What comes out, in SI units (unit).
+    /// The computed value, in SI units (unit).
     pub value: f64,
     /// Whether the paper's own words describe it.
     pub plain: bool,
 }
 
-/// What came out for a statement.
+/// Computed values for a statement.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ClaimResult {
     /// Name of the statement.
     pub item: String,
-    /// What may have been meant, the most likely first.
+    /// Readings of the statement, the most likely first.
     pub candidates: Vec<Interpretation>,
-    /// What else is to be said.
+    /// Remarks.
     pub note: String,
 }
 
@@ -109,12 +109,12 @@ impl ClaimResult {
         Self { item: item.to_owned(), candidates: Vec::new(), note: String::new() }
     }
 
-    /// What the paper's words describe.
+    /// The value that the statement's text describes.
     pub(super) fn plain(self, convention: &str, value: f64) -> Self {
         self.with(convention, value, true)
     }
 
-    /// What a convention makes of it that the paper does not name.
+    /// The value under a convention that the paper does not name.
     pub(super) fn or(self, convention: &str, value: f64) -> Self {
         self.with(convention, value, false)
     }
@@ -165,7 +165,7 @@ pub(super) fn judge(claim: &Claim, answer: &ClaimResult) -> ClaimFinding {
     }
 }
 
-/// What the verdict stands on: the bound or the digits, the other candidates, and what else is known.
+/// Reasons for the result: the bound or the digits, the other candidates, and what else is known.
 fn reason(claim: &Claim, answer: &ClaimResult, chosen: Option<&Interpretation>) -> String {
     let deviation = |value: f64| match claim.expected {
         Expected::Printed { value: printed, .. } if printed != 0.0 => {

@@ -1,4 +1,4 @@
-//! What viscosity does to the incoming shock of Fig. 10: the text says that its oscillations get faster.
+//! Effect of viscosity on the incoming shock of Fig. 10: the text says that its oscillations get faster.
 
 use super::record::{ForceRecord, nothing};
 use super::strikers::SHOCK_PERIODS;
@@ -11,7 +11,7 @@ use crate::scene::Scene;
 /// Dashpots that are tried (N s/m).
 const DASHPOTS: [f64; 4] = [0.0, 0.5, 1.0, 2.0];
 const INCOMING: ForceLocation = ForceLocation::Inside(2);
-/// What the paper says was measured (Hz).
+/// The paper's measured frequency (Hz).
 const MEASURED_FREQUENCY: f64 = 12e3;
 
 /// Answers of Fig. 10; `fitted` is the dashpot that was found for the measured speeds (N s/m).

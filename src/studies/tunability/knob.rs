@@ -1,9 +1,9 @@
-//! What can be turned in a scene.
+//! Parameters of a scene that can be tuned.
 
 use crate::chain::{Body, Chain, ChainError, End};
 use crate::scene::{Scene, Site};
 
-/// What can be turned.
+/// A parameter of a scene that can be tuned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum TuningParameter {
     /// The static force.

@@ -87,7 +87,7 @@ pub struct Tuning {
     pub points: Vec<TunedPoint>,
 }
 
-/// Turns each of `knobs` from its value divided by `span` to `span` times it, in `points` equal ratios; `progress` hears the share of
+/// Turns each of `knobs` from its value divided by `span` to `span` times it, in `points` equal ratios; `progress` is called with the share of
 /// the work done, 0 to 1.
 ///
 /// # Errors

@@ -33,7 +33,7 @@ pub struct Binding {
     pub label: &'static str,
     /// The keys and their actions.
     pub keys: &'static [(KeyPress, Action)],
-    /// What they do.
+    /// Help text.
     pub help: &'static str,
     /// The same in a word for the line of hints; empty for keys that are not on it.
     pub hint: &'static str,

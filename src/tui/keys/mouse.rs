@@ -9,7 +9,7 @@ use crate::tui::model::{Action, Popup};
 use crate::tui::view::layout::ScreenLayout;
 use crate::tui::view::target::Target;
 
-/// What the mouse asks for.
+/// The action of a mouse event.
 pub fn mouse_action(
     event: MouseEvent,
     panel: Popup,
@@ -38,7 +38,7 @@ pub fn mouse_action(
     }
 }
 
-/// What the mouse asks for on a reading.
+/// The action of a mouse event on a reading.
 pub fn reading_action(event: MouseEvent, target: Target) -> Option<Action> {
     let wheel = match event.kind {
         MouseEventKind::ScrollUp => Some(TurnDirection::Up),

@@ -35,7 +35,7 @@ impl ScreenState {
         self.set_shot()
     }
 
-    /// What can be on the screen: the shot's captures in channel order, math and references.
+    /// The traces that can be shown: the shot's captures in channel order, math and references.
     pub fn captures(&self) -> &[Capture] {
         &self.traces
     }
@@ -45,12 +45,12 @@ impl ScreenState {
         self.persisted_traces.as_ref()
     }
 
-    /// What the math trace shows.
+    /// Mode of the math trace.
     pub fn math(&self) -> MathMode {
         self.math
     }
 
-    /// The selected capture; `None` where there is none.
+    /// The selected capture.
     pub fn selected(&self) -> Option<&Capture> {
         self.find(self.selected?)
     }
@@ -60,7 +60,7 @@ impl ScreenState {
         self.selected == Some(source)
     }
 
-    /// What of the abscissa is on screen; `None` without a trace.
+    /// The visible part of the abscissa; `None` without a trace.
     pub fn window(&self) -> Option<ViewWindow> {
         self.window.or_else(|| self.recorded_window())
     }
@@ -104,17 +104,17 @@ impl ScreenState {
         &self.cursors
     }
 
-    /// What stands in the place of the graticule.
+    /// The open page.
     pub fn page(&self) -> Page {
         self.page
     }
 
-    /// What stands beside it.
+    /// The open side panel.
     pub fn side(&self) -> SidePanel {
         self.side
     }
 
-    /// What lies over the screen.
+    /// The open popup.
     pub fn panel(&self) -> Popup {
         self.panel
     }
@@ -144,7 +144,7 @@ impl ScreenState {
         &self.questions
     }
 
-    /// What to tell about the last action, if anything.
+    /// The notice about the last action, if any.
     pub fn notice(&self) -> Option<&str> {
         self.notice.as_deref()
     }

@@ -1,11 +1,11 @@
-//! What the user can ask for.
+//! The actions of the user.
 
 use super::Popup;
 use super::state::{Page, SidePanel};
 use crate::scope::Source;
 use crate::tui::axis::TurnDirection;
 
-/// What a key or the mouse asks for.
+/// An action of a key or the mouse.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Action {
     /// Leave the screen.
@@ -30,7 +30,7 @@ pub enum Action {
     TimePerDivision {
         /// Up is more seconds a division.
         turn: TurnDirection,
-        /// What stays in place, to the right of the screen's centre (div).
+        /// The fixed point of the zoom, to the right of the screen's centre (div).
         anchor: f64,
     },
     /// Move the selected trace down or up.
@@ -81,7 +81,7 @@ pub enum Action {
     Math,
     /// Keep the selected trace as a reference, or empty the selected reference.
     Reference,
-    /// What really happened at the sensors, over the traces.
+    /// Shows or hides the simulated forces at the sensors.
     Truth,
     /// Volts or newtons.
     Unit,

@@ -39,13 +39,13 @@ impl ScreenState {
     /// Holds another shot against what the last one was held against; without a shot that waits for one.
     pub(super) fn compare_again(&mut self) {
         if let (Some(other), Some(_)) = (self.compared_with.clone(), self.shot()) {
-            // Until there is an answer, nobody may know the other side.
+            // The other side is sent again until the first answer.
             let unknown = self.questions.comparison.done().is_none();
             self.requests.push(Request::Compare(unknown.then_some(other)));
         }
     }
 
-    /// What the shot is held against, if anything.
+    /// The other side of the comparison, if any.
     pub fn compared_with(&self) -> Option<&str> {
         self.compared_with.as_deref()
     }

@@ -13,7 +13,7 @@ const FIRST_CURSOR_POSITION: f64 = 2.0;
 /// Two places nearer than this are one (div).
 const POSITION_TOLERANCE: f64 = 1e-6;
 
-/// What the pair of cursors tells.
+/// Readings of the pair of cursors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CursorReading {
     /// Where they stand: abscissae, or ordinates (unit).
@@ -155,7 +155,7 @@ impl ScreenState {
         }
     }
 
-    /// What the cursors tell; none without them.
+    /// The cursors' readings; none without cursors.
     pub fn cursor_reading(&self) -> Option<CursorReading> {
         let [first, second] = self.cursors.pair?;
         let waveforms = [first, second].map(|cursor| self.find(cursor.source).map(|c| &c.waveform));

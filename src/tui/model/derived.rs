@@ -1,4 +1,4 @@
-//! What is worked out from the traces for the pages: spectra, measurements, arrivals. Only what is on screen is, and only when it
+//! Computes spectra, measurements and arrivals for the pages; only those on screen, and only when the input
 //! has changed.
 
 use super::ScreenState;
@@ -36,7 +36,7 @@ const MEASUREMENTS: [(&str, MeasurementType); 11] = [
 ];
 
 impl ScreenState {
-    /// What was worked out for the screen.
+    /// The computed data of the screen.
     pub fn derived(&self) -> &Derived {
         &self.derived
     }

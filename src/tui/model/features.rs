@@ -1,4 +1,4 @@
-//! What a cursor snaps to: peaks and edges of a trace.
+//! Peaks and edges of a trace, for cursors to snap to.
 //!
 //! A peak is the farthest point between two crossings of a band of a tenth of the swing around the baseline, which is the value most
 //! of the record is nearest to, its median; an edge is where the line to such a peak passes half of its height.

@@ -32,12 +32,12 @@ impl ScreenState {
         }
     }
 
-    /// What was tuned in this session.
+    /// Settings changed in this session.
     pub(super) fn tuned(&self) -> TunedSettings {
         self.live.as_ref().map(|live| live.settings().clone()).unwrap_or_default()
     }
 
-    /// What was set for `path` and may not be struck yet (unit).
+    /// The value set for `path`, before or after the next strike (unit).
     fn set_for(&self, path: &str) -> Option<f64> {
         pending(self.live.as_ref()?.settings(), path)
     }

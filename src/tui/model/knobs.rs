@@ -31,7 +31,7 @@ enum KnobStep {
 /// A knob of the bench.
 #[derive(Debug, Clone, Copy)]
 pub struct BenchKnob {
-    /// What it says.
+    /// Its label.
     pub label: &'static str,
     /// Where it stands in a scene; `{}` is the selected channel's sensor.
     path: &'static str,
@@ -128,7 +128,7 @@ impl BenchKnob {
         },
     ];
 
-    /// What the knob reads on `scene`, for the sensor at `source`.
+    /// The knob's reading on `scene`, for the sensor at `source`.
     pub fn reading(&self, scene: &Scene, source: Option<Source>) -> String {
         match (self.read)(scene, source) {
             None if self.effect.is_some() => "off".to_owned(),
@@ -204,7 +204,7 @@ pub fn typed(value: f64, unit: &str) -> String {
     format!("{rounded} {unit}").trim_end().to_owned()
 }
 
-/// What stands in a scene for an effect that it does not name; none for effects that need more than a number.
+/// Default settings of an effect that the scene does not name; none for effects that need more than a number.
 fn first_settings(effect: &str) -> Option<&'static [(&'static str, &'static str)]> {
     match effect {
         "gravity" => Some(&[("acceleration", "9.81 m/s^2")]),

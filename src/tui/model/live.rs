@@ -23,7 +23,7 @@ impl ScreenState {
         self.strike();
     }
 
-    /// The bench, or a word that there is none.
+    /// The bench; sets a notice where there is none.
     pub(super) fn bench(&mut self) -> Option<&mut LiveBench> {
         if self.live.is_none() {
             let word =

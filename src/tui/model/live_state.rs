@@ -1,6 +1,6 @@
 //! The live bench: knobs that change a scene, and the scene they make.
 //!
-//! What is tuned is kept as it would be typed, `striker.speed = "0.46 m/s"`, on top of the scene that was opened; that text is
+//! Changed settings are kept as text, `striker.speed = "0.46 m/s"`, on top of the scene that was opened; that text is
 //! simulated, and the same text is what is saved.
 
 use std::collections::BTreeMap;
@@ -12,7 +12,7 @@ use crate::recording::TraceSet;
 use crate::scene::Scene;
 use crate::scope::Setup;
 
-/// What was typed for each path, `striker.speed`.
+/// Settings by path, `striker.speed`, as text.
 pub type TunedSettings = BTreeMap<String, String>;
 
 /// An impact that was simulated.
@@ -22,7 +22,7 @@ pub struct StrikeResult {
     pub scene: Scene,
     /// The recording of this one shot.
     pub set: TraceSet,
-    /// What happened, and what it cost.
+    /// The run's summary.
     pub summary: Summary,
 }
 
@@ -36,12 +36,12 @@ pub struct LiveBench {
     pub(super) good: TunedSettings,
     /// Place of the selected knob in [`BenchKnob::ALL`](super::knobs::BenchKnob::ALL).
     pub knob: usize,
-    /// What the scope is doing.
+    /// State of the acquisition.
     pub acquisition: RunState,
     pub(super) asked: u64,
     pub(super) shown: u64,
     pub(super) shot: u32,
-    /// What happened at the last impact.
+    /// Summary of the last impact.
     pub summary: Option<Summary>,
     /// The scope, where another process serves it; none where the bench is this one's.
     pub served: Option<ServedScope>,
@@ -69,7 +69,7 @@ impl LiveBench {
         self.asked > self.shown
     }
 
-    /// What was tuned, in the order of the paths.
+    /// The changed settings, in the order of the paths.
     pub fn settings(&self) -> &TunedSettings {
         &self.settings
     }
@@ -99,10 +99,10 @@ impl LiveBench {
     }
 }
 
-/// What is known of a served scope beside its traces.
+/// State of a served scope, without its traces.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ServedScope {
-    /// What the acquisition is doing, as `TRIGger:STATE?` says; empty as long as nothing was told.
+    /// State of the acquisition, as of `TRIGger:STATE?`; empty before the first reply.
     pub state: String,
     /// The front panel.
     pub scope: Option<Box<Setup>>,

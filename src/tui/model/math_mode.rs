@@ -1,10 +1,10 @@
-//! What the math trace shows.
+//! Modes of the math trace.
 
 use crate::instrument::math::combine;
 use crate::recording::Capture;
 use crate::scope::Source;
 
-/// What the math trace shows, in the order of its key.
+/// Mode of the math trace, in the order of its key.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum MathMode {
     /// Nothing.

@@ -1,4 +1,4 @@
-//! What the screen knows, and how actions change it; the views read it and change nothing.
+//! The state of the screen and its changes by actions; the views read it and change nothing.
 //!
 //! The recording is never touched: scales and positions that the user turns are kept beside it, for each trace,
 //! and shown as different from the recorded ones. The model does no input and no output: what it needs done it leaves as

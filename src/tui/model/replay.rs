@@ -18,7 +18,7 @@ impl ScreenState {
         self.on_tape = Some(PartialRecording { count: 0, open: true, here: None, follow });
     }
 
-    /// What was found of the recording so far: how many shots, whether there may come more, and what holds for all of them.
+    /// Takes the index of the recording so far: number of shots, whether it may grow, and its facts.
     pub fn apply_index(&mut self, count: usize, open: bool, facts: TraceSet) {
         let Some(tape) = &mut self.on_tape else { return };
         let grown = count > tape.count;

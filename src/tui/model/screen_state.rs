@@ -104,7 +104,7 @@ impl ScreenState {
         self.notice = Some(notice);
     }
 
-    /// What is to be done outside; each is handed out once.
+    /// Takes the pending requests.
     pub fn take_requests(&mut self) -> Vec<Request> {
         std::mem::take(&mut self.requests)
     }

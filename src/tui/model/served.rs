@@ -8,16 +8,16 @@ use crate::recording::TraceSet;
 use crate::scene::Scene;
 use crate::scope::Setup;
 
-/// What a served scope told.
+/// State and records received from a served scope.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ServedUpdate {
     /// State and front panel.
     pub served: ServedScope,
-    /// Name of the scene behind it; empty where there is none.
+    /// Name of its scene; empty without one.
     pub base: String,
-    /// What the scope is doing.
+    /// State of the acquisition.
     pub acquisition: RunState,
-    /// What a scene on top of `base` has to say to be this bench.
+    /// Settings on top of `base` that describe this bench.
     pub settings: TunedSettings,
     /// The bench, where it is known here.
     pub scene: Option<Scene>,
@@ -117,7 +117,7 @@ impl ScreenState {
     }
 }
 
-/// The command of the remote interface that sets what stands at `path` in a scene; none where there is none.
+/// The remote command that sets the key `path` of a scene; none for keys without a command.
 fn command(path: &str, value: &str) -> Option<String> {
     let header = match path {
         "scope.time_base" => "HOR:MAI:SCA".to_owned(),

@@ -13,7 +13,7 @@ use crate::scope::{Source, Waveform};
 use crate::studies::cost::CostStudy;
 use crate::studies::effects::Ledger;
 
-/// What lies over the scope's screen.
+/// A popup over the scope's screen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Popup {
     /// Nothing.
@@ -26,7 +26,7 @@ pub enum Popup {
     Prompt,
 }
 
-/// What stands in the place of the graticule.
+/// A page in place of the graticule.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Page {
     /// The traces over time.
@@ -45,7 +45,7 @@ pub enum Page {
     Accuracy,
 }
 
-/// What stands beside the page.
+/// A panel beside the page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SidePanel {
     /// Nothing: the page has all columns.
@@ -87,7 +87,7 @@ pub(super) struct Adjustment {
 /// Which way the cursors measure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum CursorKind {
-    /// There are none.
+    /// No cursors.
     #[default]
     Off,
     /// Along the abscissa.
@@ -137,7 +137,7 @@ pub struct Playback {
     pub speed: f64,
     /// Since the shot on screen came (s).
     pub(super) waited: f64,
-    /// What the page of the bench shows, on the bench's own clock (s).
+    /// Time of the bench's page, on the bench's own clock (s).
     pub bench_time: f64,
 }
 
@@ -147,7 +147,7 @@ impl Default for Playback {
     }
 }
 
-/// What the scope is doing.
+/// State of the acquisition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RunState {
     /// Each turn of a knob strikes the bench again.
@@ -161,7 +161,7 @@ pub enum RunState {
 /// Traces of earlier shots that stay on screen.
 pub type PersistedTraces = VecDeque<Vec<Capture>>;
 
-/// What the model wants done outside; it does no input and no output itself.
+/// A request of the model to the workers; it does no input and no output itself.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Request {
     /// Read the shot at this place of the recording.
@@ -223,7 +223,7 @@ pub struct BackgroundJobs {
     pub comparison: JobState<Box<Compared>>,
     /// Work against precision.
     pub study: JobState<Box<CostStudy>>,
-    /// What each effect costs and changes.
+    /// Cost and change of each effect.
     pub ledger: JobState<Box<Ledger>>,
     /// Place of the selected effect in the ledger.
     pub effect: usize,
@@ -251,7 +251,7 @@ pub struct MeasurementReading {
     pub unit: String,
 }
 
-/// What a piece of work was made of.
+/// The inputs of derived data.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct DerivedKey {
     pub(super) version: u64,

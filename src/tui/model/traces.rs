@@ -62,7 +62,7 @@ impl ScreenState {
         self.derive();
     }
 
-    /// What really happened at the sensor behind `waveform`, on the trace's own axis: as volts by the sensor's sensitivity, or newtons,
+    /// The simulated force at the sensor of `waveform`, on the trace's own axis: as volts by the sensor's sensitivity, or newtons,
     /// without what pressed before.
     pub fn truth(&self, waveform: &Waveform) -> Option<Trace> {
         if !self.truth {

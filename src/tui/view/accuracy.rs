@@ -1,4 +1,4 @@
-//! What accuracy costs on this scene, where the present setting stands, and what each effect changes.
+//! Time against accuracy on this scene, the present setting, and the change by each effect.
 
 use ratatui::Frame;
 use ratatui::layout::Rect;
@@ -45,7 +45,7 @@ pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame
     }
 }
 
-/// What is at work, and how far it is.
+/// The running jobs with their progress.
 fn busy(what: &str, share: f64, area: Rect, frame: &mut Frame) {
     const WIDTH: usize = 20;
     let done = usize::from(whole(share.clamp(0.0, 1.0) * 20.0));
@@ -77,7 +77,7 @@ fn place_of(point: &Point) -> Option<(f64, f64)> {
     is_timed.then(|| (point.wall_s_median, errors.into_iter().fold(MIN_ERROR, f64::max)))
 }
 
-/// What `--accuracy` chooses nearest to the present setting.
+/// The choice of `--accuracy` nearest to the present setting.
 fn present<'a>(model: &ScreenState, study: &'a CostStudy) -> Option<&'a ChosenMethod> {
     let wanted = model
         .live()

@@ -1,4 +1,4 @@
-//! What stands around the graticule: ground and trigger markers, labels of both axes.
+//! The surroundings of the graticule: ground and trigger markers, labels of both axes.
 
 use ratatui::Frame;
 use ratatui::buffer::Buffer;

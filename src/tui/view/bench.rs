@@ -31,7 +31,7 @@ const LABEL_COLUMNS: u16 = 9;
 struct Film<'a> {
     contacts: Vec<(usize, &'a Trace)>,
     beads: Vec<(usize, &'a Trace)>,
-    /// What the scale ends at, added to the static force (N).
+    /// Top of the scale, above the static force (N).
     strongest: f64,
 }
 
@@ -66,7 +66,7 @@ impl<'a> Film<'a> {
     }
 }
 
-/// What presses before the pulse comes (N).
+/// The static force (N).
 fn rest(trace: &Trace) -> f64 {
     trace.values.first().copied().unwrap_or(0.0)
 }

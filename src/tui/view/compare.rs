@@ -55,7 +55,7 @@ fn chosen(model: &ScreenState, compared: &Compared) -> usize {
     channels.iter().position(|c| Some(&c.name) == name.as_ref()).unwrap_or(0)
 }
 
-/// What was held against what, the shift, and the verdict.
+/// Both sides' names, the shift, and the result.
 fn verdict(model: &ScreenState, compared: &Compared) -> Line<'static> {
     let comparison = &compared.comparison;
     let bold = Style::new().add_modifier(Modifier::BOLD);

@@ -67,7 +67,7 @@ fn lines(model: &ScreenState, layout: &ScreenLayout, window: ViewWindow) -> Vec<
         .collect()
 }
 
-/// What lies behind the traces: earlier shots, and what really happened at the sensors.
+/// The background of the traces: earlier shots, and simulated forces.
 fn behind(model: &ScreenState, layout: &ScreenLayout, window: ViewWindow) -> Vec<TraceLine> {
     let mut lines = Vec::new();
     let grey = colour(model.palette(), Color::DarkGray);
@@ -100,7 +100,7 @@ fn behind(model: &ScreenState, layout: &ScreenLayout, window: ViewWindow) -> Vec
     lines
 }
 
-/// What is on screen, the selected trace last.
+/// The visible traces, the selected one last.
 pub(super) fn shown(model: &ScreenState) -> Vec<&Waveform> {
     let mut shown: Vec<&Waveform> = model
         .captures()

@@ -40,7 +40,7 @@ pub struct ScreenLayout {
     pub abscissa: Rect,
     /// Everything between status line and readings, for pages that are no graticule.
     pub page: Rect,
-    /// What stands beside the page; without width where there is nothing, or no room.
+    /// The side panel; without width where it is closed or does not fit.
     pub side: Rect,
     /// One reading a channel, and the time base.
     pub channels: Rect,
@@ -65,7 +65,7 @@ struct Rows {
 }
 
 impl Rows {
-    /// What there is room for on `height` rows; the graticule comes first.
+    /// The parts that fit on `height` rows; the graticule comes first.
     fn new(height: u16) -> Self {
         let (trigger, detail, overview, hints) = match height {
             40.. => (1, 1, 2, 1),

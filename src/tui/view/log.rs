@@ -1,4 +1,4 @@
-//! What is wrong with the file, and the lines of its log.
+//! Problems of the file, and the lines of its log.
 
 use ratatui::Frame;
 use ratatui::style::{Color, Modifier, Style};

@@ -15,7 +15,7 @@ use crate::scope::Waveform;
 use crate::tui::axis::{ViewWindow, extent};
 use crate::tui::model::ScreenState;
 
-/// Draws the strip; without a trace there is none.
+/// Draws the strip, if there is a trace.
 pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let (Some(window), Some(capture)) = (model.window(), model.selected()) else {
         return;

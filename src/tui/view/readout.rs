@@ -167,7 +167,7 @@ fn reading(model: &ScreenState, waveform: &Waveform, form: ReadingDetail) -> Spa
     Span::styled(text, style)
 }
 
-/// What a reading warns of.
+/// A reading's warning.
 fn flag(waveform: &Waveform) -> Option<&'static str> {
     if waveform.codes.is_empty() {
         Some("no data")
@@ -207,7 +207,7 @@ pub(super) fn detail_parts(model: &ScreenState, layout: &ScreenLayout) -> Vec<Sp
     parts
 }
 
-/// What is known about a trace, the most important first.
+/// Facts about a trace, the most important first.
 fn details(model: &ScreenState, capture: &Capture) -> Vec<String> {
     let waveform = &capture.waveform;
     let setup = &waveform.vertical;

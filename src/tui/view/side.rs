@@ -1,4 +1,4 @@
-//! What stands beside the page: measurements and speeds, or the bench's knobs with what the last impact cost.
+//! The side panel: measurements and speeds, or the bench's knobs with the cost of the last impact.
 
 use crate::quantity::Uncertain;
 use ratatui::Frame;
@@ -122,7 +122,7 @@ fn knobs(model: &ScreenState) -> Vec<Line<'static>> {
     lines
 }
 
-/// What the last impact cost, at what accuracy, with which effects.
+/// Cost, accuracy and effects of the last impact.
 fn cost_text(live: &LiveBench) -> Vec<Line<'static>> {
     let bold = Style::new().add_modifier(Modifier::BOLD);
     let Some(summary) = &live.summary else { return Vec::new() };

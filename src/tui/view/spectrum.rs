@@ -26,7 +26,7 @@ fn edges(chain: &DiatomicChain) -> [(&'static str, f64); 3] {
     [("f1", chain.gap_bottom()), ("f2", chain.gap_top()), ("f3", chain.cutoff())]
 }
 
-/// What was transformed, and what the edges are.
+/// The name of the signal, and the band edges.
 fn heading(model: &ScreenState, what: &str) -> Line<'static> {
     let bold = Style::new().add_modifier(Modifier::BOLD);
     let name = model.selected().map_or_else(String::new, |c| c.waveform.source.to_string());

@@ -1,6 +1,6 @@
 //! The line above the picture, and the line of hints below everything.
 //!
-//! What is too long for the terminal leaves out what matters least.
+//! Lines too long for the terminal are shortened, the least important parts first.
 
 use ratatui::Frame;
 use ratatui::style::{Color, Modifier, Style};
@@ -66,7 +66,7 @@ pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame
     frame.render_widget(right, area);
 }
 
-/// What the scope is doing, in the instrument's words.
+/// State of the acquisition, as the instrument names it.
 fn state(model: &ScreenState) -> String {
     let Some(live) = model.live() else {
         return if model.is_playing() {
@@ -124,7 +124,7 @@ fn shortened(text: &str, room: usize) -> String {
     short
 }
 
-/// What the command that is being typed does, or how to leave.
+/// Help for the command being typed, or how to leave.
 fn command_matches(typed: &str) -> String {
     let word = typed.split(' ').next().unwrap_or_default();
     let is = |command: &str| !word.is_empty() && command.trim_start_matches(':').starts_with(word);
@@ -134,7 +134,7 @@ fn command_matches(typed: &str) -> String {
     }
 }
 
-/// What the last action came to, or else the most important keys.
+/// The notice of the last action, or else the most important keys.
 pub(super) fn hints(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let area = layout.hints;
     if model.panel() == Popup::Prompt {

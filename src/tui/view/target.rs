@@ -1,4 +1,4 @@
-//! What the mouse points at on the lines of readings.
+//! Readings under the mouse.
 
 use ratatui::layout::Position;
 
@@ -20,7 +20,7 @@ pub enum Target {
     Coupling,
 }
 
-/// What stands at a place of the lines of readings; none beside them.
+/// The reading at a position; none beside the readings.
 pub fn target(model: &ScreenState, layout: &ScreenLayout, at: Position) -> Option<Target> {
     if layout.detail.contains(at) {
         let coupling = model.selected()?.waveform.vertical.coupling?.to_string();

@@ -28,7 +28,7 @@ pub(super) struct Projection {
     pub(super) rows: u16,
 }
 
-/// What a trace passes within one column of dots, as rows from the top; empty if `top > bottom`.
+/// Rows that a trace covers in one column of dots, from the top; empty if `top > bottom`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Span {
     top: f64,

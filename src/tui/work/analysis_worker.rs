@@ -15,7 +15,7 @@ use crate::studies::{cost, effects};
 use crate::tui::model::background_jobs::JobAnswer;
 use crate::tui::model::{JobState, ScreenState};
 
-/// What a comparison is judged by.
+/// Limits of the comparison's scores.
 const SCORE_LIMITS: &str = "rms=1lsb";
 /// Share of progress from one report to the next (1).
 const PROGRESS_STEP: f64 = 0.01;
@@ -30,7 +30,7 @@ pub struct ComparisonRequest {
 }
 
 impl ComparisonRequest {
-    /// The shot on screen; none where there is none.
+    /// The shot on screen, if any.
     pub fn of(model: &ScreenState, other: Option<String>) -> Option<Self> {
         let shot = model.shot()?.clone();
         let set = model.set();
@@ -44,7 +44,7 @@ impl ComparisonRequest {
     }
 }
 
-/// What a shot is held against.
+/// The other side of a comparison.
 struct Other {
     name: String,
     set: TraceSet,
@@ -85,7 +85,7 @@ pub fn comparer()
         });
         let job =
             answer.map_or_else(JobState::Failed, |compared| JobState::Done(Box::new(compared)));
-        // Without a screen there is nobody to hear it.
+        // The screen may be closed already.
         let _ = news.send(ScreenEvent::Answer(JobAnswer::Comparison(job)));
     }
 }
@@ -122,7 +122,7 @@ pub fn research(order: StudyRequest, _: &Receiver<StudyRequest>, news: &Sender<S
     let mut tell = |share: f64, answer: fn(f64) -> JobAnswer| {
         if share - told >= PROGRESS_STEP {
             told = share;
-            // Without a screen there is nobody to hear it.
+            // The screen may be closed already.
             let _ = news.send(ScreenEvent::Answer(answer(share)));
         }
     };

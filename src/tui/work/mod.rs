@@ -25,7 +25,7 @@ use analysis_worker::{ComparisonRequest, StudyRequest};
 /// How often it is looked whether the terminal is still there.
 const TERMINAL_POLL_INTERVAL: Duration = Duration::from_millis(500);
 
-/// Starts a thread that does `work` for each order, with a way to send news; it ends when nobody can order any more.
+/// Starts a thread that does `work` for each order and sends events; it ends when all senders of orders are dropped.
 fn worker<Order: Send + 'static>(
     news: &Sender<ScreenEvent>,
     mut work: impl FnMut(Order, &Receiver<Order>, &Sender<ScreenEvent>) + Send + 'static,
@@ -85,7 +85,7 @@ impl Workers {
                     return;
                 }
             }
-            // Nobody is left to hear it if this fails.
+            // A failure means that the screen is closed.
             let _ = news.send(ScreenEvent::Closed);
         });
         // Reading from a terminal that has gone never ends, and a hang-up signal need not come.

@@ -1,4 +1,4 @@
-//! What worker threads report, and how their failures are caught.
+//! Events of the worker threads, and how their panics are caught.
 
 use std::panic::{self, AssertUnwindSafe};
 
@@ -9,7 +9,7 @@ use crate::tui::model::background_jobs::JobAnswer;
 use crate::tui::model::served::ServedUpdate;
 use crate::tui::model::{ScreenState, StrikeResult};
 
-/// What reaches the screen's loop.
+/// An event for the screen's loop.
 #[derive(Debug)]
 pub enum ScreenEvent {
     /// A key, the mouse, another size.
@@ -24,7 +24,7 @@ pub enum ScreenEvent {
     Struck(u64, Result<Box<StrikeResult>, String>),
     /// The answer to a question.
     Answer(JobAnswer),
-    /// What a served scope told.
+    /// An update from a served scope.
     Heard(Box<ServedUpdate>),
     /// The served scope is gone, and why.
     Lost(String),
@@ -51,7 +51,7 @@ impl ScreenEvent {
 /// Does a piece of work; a panic in it becomes words, and the thread goes on with the next.
 ///
 /// # Errors
-/// What the work says, or the panic.
+/// The worker's error, or its panic.
 pub fn guarded<T>(work: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
     panic::catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
         let words = panic.downcast_ref::<&str>().map(|words| (*words).to_owned());

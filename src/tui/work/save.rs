@@ -15,7 +15,7 @@ use crate::tui::view::{self, picture};
 /// Writes the model to `file` by its ending, or to the next free number where that exists; tells what was written, or why nothing was.
 ///
 /// # Errors
-/// What is in the way, in words for the user.
+/// Why it cannot be saved, as a message.
 pub fn save(model: &ScreenState, size: Size, file: &Path) -> Result<String, String> {
     let ending = file.extension().and_then(|e| e.to_str()).unwrap_or_default();
     match ending.to_ascii_lowercase().as_str() {

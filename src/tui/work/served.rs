@@ -24,7 +24,7 @@ use socket::Socket;
 const RECORD_POLL_INTERVAL: Duration = Duration::from_millis(100);
 /// How often it is asked for everything, since another client may have turned something.
 const SNAPSHOT_INTERVAL: Duration = Duration::from_secs(1);
-/// What says that there is a new record.
+/// Query for a new record.
 const STATE_QUERY: &str = ":ACQ:NUMAC?;STATE?;STOPA?;:TRIG:STATE?";
 /// Settings of the transfer, in the order of the reply.
 const TRANSFER_FIELDS: [&str; 5] = ["ENC", "WID", "STAR", "STOP", "SOU"];
@@ -45,7 +45,7 @@ impl ServedConnection {
     /// Connects to `address`, `HOST:PORT`, and asks who is there.
     ///
     /// # Errors
-    /// In words for the user: nobody there, or somebody else.
+    /// A message for the user: no connection, or no oscilloscope of this family.
     pub fn connect(address: &str) -> Result<Self, String> {
         let failed = |error: io::Error| format!("{address}: {error}");
         let mut socket = Socket::connect(address).map_err(failed)?;
@@ -86,7 +86,7 @@ impl ServedConnection {
         let before = self.socket.query(&format!(":DAT:{asked}"))?;
         let (found, records) = self.socket.ask_for_records(&message(&sources, &before, &asked))?;
         if found != before {
-            // Somebody has turned it between the two messages.
+            // Another client changed the setting between the two messages.
             self.socket.send_line(&format!(":DAT:{}", restored(&found)))?;
         }
         let captures = records.iter().map(|record| self.capture(record, look));
@@ -132,7 +132,7 @@ pub fn start(scope: ServedConnection, news: &Sender<ScreenEvent>) -> Sender<Stri
         let mut watch = ServedWorker { scope, news: news.clone(), last: None, records: None };
         let watched = guarded(|| watch.go(&received).map_err(|error| error.to_string()));
         if let Err(words) = watched {
-            // Without a screen there is nobody to hear it.
+            // The screen may be closed already.
             let _ = news.send(ScreenEvent::Lost(format!("{address}: the scope is gone: {words}")));
         }
     });
@@ -171,7 +171,7 @@ impl ServedWorker {
         }
     }
 
-    /// What is new, if anything is.
+    /// Changes since the last call, if any.
     fn listen(&mut self, commanded: bool) -> io::Result<Option<ServedUpdate>> {
         let short = self.scope.socket.query(STATE_QUERY)?;
         let quiet = |(at, look): &(Instant, ServedSnapshot)| {

@@ -20,7 +20,7 @@ pub fn strike(
         strike = newer;
     }
     let answer = guarded(|| struck(&strike)).map(Box::new);
-    // Without a screen there is nobody to hear it.
+    // The screen may be closed already.
     let _ = news.send(ScreenEvent::Struck(strike.turn, answer));
 }
 

@@ -49,12 +49,11 @@ struct Known {
 
 /// Scenes in which readings miss the accuracy, or the estimate misses the error, each with what was measured. Entries go when the code
 /// is mended; their figures must not grow.
-const KNOWN: [Known; 8] = [
+const KNOWN: [Known; 7] = [
     known("feather-light striker of 0.05 mg", 1e-6, 0.02, 1.01),
     known("feather-light striker of 0.05 mg", 1e-9, 0.02, 1.72),
     known("bead of 1.6 mg with a magnet and a strong dashpot", 1e-3, 0.653, 1.149),
     known("bead of 1.6 mg with a magnet and a strong dashpot", 1e-9, 0.209, 2.153),
-    known("bead of 0.8 mg, dashpot with strong Kuwabara-Kono, free end", 1e-9, 291.318, 2.367),
     known("bead of 50 ug among strong dashpots", 1e-3, 0.125, 1.034),
     known("faint dashpot that never pulls", 1e-6, 0.208, 1.008),
     known("faint dashpot that never pulls", 1e-9, 0.258, 1.003),

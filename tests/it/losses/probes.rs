@@ -1,7 +1,7 @@
 //! What a probe feels of contacts with losses within a step: the force at its end by the chain's own formula, and a rate of change that is the
 //! force's slope.
 
-use hertzscope::chain::{Chain, DissipativeSystem, ForceProbe};
+use hertzscope::chain::{Chain, ChainSystem, ForceProbe};
 use hertzscope::integrate::{Method, State};
 use hertzscope::scene::Scene;
 
@@ -38,7 +38,7 @@ fn check(name: &str, scene: &Scene) {
     let mut velocity = velocities.clone();
     velocity.resize(bodies + hertzscope::chain::ACCOUNTS, 0.0);
     let start = State { time: 0.0, position: vec![0.0; velocity.len()], velocity };
-    let system = DissipativeSystem::new(chain, velocities);
+    let system = ChainSystem::new(chain, velocities);
     let method = Method::DormandPrince853 { tolerance: TOLERANCE };
     let mut integrator = method.start(Box::new(system), start);
     let probes: Vec<(usize, ForceProbe)> = [1_usize, 2, 14]

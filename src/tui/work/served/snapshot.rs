@@ -16,7 +16,7 @@ use crate::tui::model::served::ServedUpdate;
 /// Who answers to `*IDN?`, and what its knobs can do.
 ///
 /// # Errors
-/// In words: somebody else.
+/// A message for the user: no oscilloscope of this family.
 pub fn instrument(identity: &str) -> Result<(InstrumentIdentity, Model), String> {
     let stranger =
         || format!("found {identity}, expected a Tektronix oscilloscope of the TDS2000 family");
@@ -46,7 +46,7 @@ pub struct ServedSnapshot {
     impacts: u32,
     /// The bench's scene by name, as it ships.
     named: Option<Scene>,
-    /// What the bench is called.
+    /// Name of the bench's scene.
     name: String,
     knobs: Vec<f64>,
 }
@@ -70,7 +70,7 @@ impl ServedSnapshot {
         };
     }
 
-    /// What asks for the knobs that the scene has; others would be errors, which all clients share.
+    /// Query of the knobs that the scene has; others would put errors into the queue that all clients share.
     pub fn knobs_query(&self) -> Option<String> {
         let scene = self.named.as_ref()?;
         let striker = scene.striker_speed().map(|_| ":BENC:STRI:MASS?;SPE?");
@@ -84,7 +84,7 @@ impl ServedSnapshot {
         self.knobs = told.split(';').filter_map(|value| value.parse().ok()).collect();
     }
 
-    /// What tells whether there is a new record.
+    /// Counter of acquisitions, for detecting a new record.
     pub fn short(&self) -> &str {
         &self.short
     }
@@ -181,7 +181,7 @@ impl ServedSnapshot {
         Some(Scene { scope: self.scope(), ..scene })
     }
 
-    /// What stands in a scene file for all of it.
+    /// The scene settings equivalent to the snapshot.
     fn settings(&self) -> TunedSettings {
         let mut settings = TunedSettings::new();
         let mut set = |path: &str, value: String| settings.insert(path.to_owned(), value);

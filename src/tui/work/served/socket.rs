@@ -4,11 +4,11 @@ use std::io::{self, BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{TcpStream, ToSocketAddrs as _};
 use std::time::Duration;
 
-/// Longest time until somebody is there, and until an answer is.
+/// Time limit for connecting and for each reply.
 const SOCKET_TIMEOUT: Duration = Duration::from_secs(5);
-/// A longer reply is none of an oscilloscope's (bytes).
+/// Longest line of a reply; an oscilloscope sends less (bytes).
 const MAX_REPLY_LENGTH: usize = 1 << 20;
-/// What stands before the block in a record.
+/// Prefix of the block in a record.
 const RECORD_PREFIX: &str = ":WFMP";
 
 /// A connection on which messages are lines.
@@ -21,7 +21,7 @@ impl Socket {
     /// Connects to `address`, `HOST:PORT`.
     ///
     /// # Errors
-    /// What the system says.
+    /// The system's error.
     pub fn connect(address: &str) -> io::Result<Self> {
         let mut last = io::Error::new(io::ErrorKind::NotFound, "found no such host");
         for at in address.to_socket_addrs()? {
@@ -41,7 +41,7 @@ impl Socket {
     /// Sends a message.
     ///
     /// # Errors
-    /// What the system says.
+    /// The system's error.
     pub fn send_line(&mut self, message: &str) -> io::Result<()> {
         self.stream.get_mut().write_all(format!("{message}\n").as_bytes())
     }
@@ -49,7 +49,7 @@ impl Socket {
     /// Sends a message and waits for its reply, without the line's end.
     ///
     /// # Errors
-    /// What the system says; also for a reply that is no text.
+    /// The system's error; also for a reply that is not a text.
     pub fn query(&mut self, message: &str) -> io::Result<String> {
         self.send_line(message)?;
         let mut line = Vec::new();
@@ -64,7 +64,7 @@ impl Socket {
     /// Sends a message that asks for records, too: what is answered before the first, and each with preamble and block.
     ///
     /// # Errors
-    /// What the system says; also for a block that is none.
+    /// The system's error; also for an invalid block.
     pub fn ask_for_records(&mut self, message: &str) -> io::Result<(String, Vec<Vec<u8>>)> {
         self.send_line(message)?;
         let (mut head, mut records, mut part) = (None, Vec::new(), Vec::new());

@@ -1,4 +1,4 @@
-//! The coefficients of Dormand and Prince's pair of orders 8(5,3), rounded to `f64`.
+//! Dormand and Prince's explicit Runge-Kutta pair of orders 8(5,3): twelve force evaluations a step, three more where a step is interpolated.
 //!
 //! Source: E. Hairer, S. P. Norsett, G. Wanner, "Solving Ordinary Differential Equations I", 2nd ed.
 //! (Springer, 1993), section II.5 and the appendix; the authors' `DOP853` gives them to 30 digits. Rows
@@ -7,17 +7,30 @@
 
 #![allow(clippy::unreadable_literal, reason = "digits as published")]
 
-use crate::integrate::stages::Row;
+use super::runge_kutta::{Dense, RungeKutta, StepError};
+use super::stages::Row;
+
+/// The pair's coefficients.
+pub static DORMAND_PRINCE_853: RungeKutta = RungeKutta {
+    name: "dormand-prince-853",
+    source: "Hairer, Norsett, Wanner, Solving ODEs I, 2nd ed. (1993), II.5-II.6",
+    order: 8,
+    stages: STAGE_WEIGHTS.split_at(STAGES).0,
+    error: StepError::Blended([ERROR_5, ERROR_3]),
+    dense: Some(Dense { stages: STAGE_WEIGHTS.split_at(STAGES).1, weights: &DENSE }),
+    oscillation_reach: 1.0,
+    decay_reach: 6.39,
+};
 
 /// Stages of a step; the last is the first of the next.
-pub(super) const STAGES: usize = 13;
+const STAGES: usize = 13;
 
 /// Stages including the three that only dense output needs.
-pub(super) const DENSE_STAGES: usize = 16;
+const DENSE_STAGES: usize = 16;
 
 /// Weights of each stage's argument: row `s` uses stages before `s`. Row 12 is the solution itself.
 #[rustfmt::skip]
-pub(super) const STAGE_WEIGHTS: [Row; DENSE_STAGES] = [
+static STAGE_WEIGHTS: [Row; DENSE_STAGES] = [
     &[],
     &[(0, 0.05260015195876773)],
     &[(0, 0.0197250569845379), (1, 0.0591751709536137)],
@@ -38,15 +51,15 @@ pub(super) const STAGE_WEIGHTS: [Row; DENSE_STAGES] = [
 
 /// Error weights of the embedded solution of order 5.
 #[rustfmt::skip]
-pub(super) const ERROR_5: Row = &[(0, 0.01312004499419488), (5, -1.2251564463762044), (6, -0.4957589496572502), (7, 1.6643771824549864), (8, -0.35032884874997366), (9, 0.3341791187130175), (10, 0.08192320648511571), (11, -0.022355307863886294)];
+const ERROR_5: Row = &[(0, 0.01312004499419488), (5, -1.2251564463762044), (6, -0.4957589496572502), (7, 1.6643771824549864), (8, -0.35032884874997366), (9, 0.3341791187130175), (10, 0.08192320648511571), (11, -0.022355307863886294)];
 
 /// Error weights of the embedded solution of order 3.
 #[rustfmt::skip]
-pub(super) const ERROR_3: Row = &[(0, -0.18980075407240762), (5, 4.450312892752409), (6, 1.8915178993145003), (7, -5.801203960010585), (8, -0.4226823213237919), (9, -0.1521609496625161), (10, 0.20136540080403034), (11, 0.02265179219836082)];
+const ERROR_3: Row = &[(0, -0.18980075407240762), (5, 4.450312892752409), (6, 1.8915178993145003), (7, -5.801203960010585), (8, -0.4226823213237919), (9, -0.1521609496625161), (10, 0.20136540080403034), (11, 0.02265179219836082)];
 
 /// Weights of the last four coefficients of the interpolant of order 7.
 #[rustfmt::skip]
-pub(super) const DENSE: [Row; 4] = [
+static DENSE: [Row; 4] = [
     &[(0, -8.428938276109013), (5, 0.5667149535193777), (6, -3.0689499459498917), (7, 2.38466765651207), (8, 2.117034582445028), (9, -0.871391583777973), (10, 2.2404374302607883), (11, 0.6315787787694688), (12, -0.08899033645133331), (13, 18.148505520854727), (14, -9.194632392478356), (15, -4.436036387594894)],
     &[(0, 10.427508642579134), (5, 242.28349177525817), (6, 165.20045171727028), (7, -374.5467547226902), (8, -22.113666853125306), (9, 7.733432668472264), (10, -30.674084731089398), (11, -9.332130526430229), (12, 15.697238121770845), (13, -31.139403219565178), (14, -9.35292435884448), (15, 35.81684148639408)],
     &[(0, 19.985053242002433), (5, -387.0373087493518), (6, -189.17813819516758), (7, 527.8081592054236), (8, -11.57390253995963), (9, 6.8812326946963), (10, -1.0006050966910838), (11, 0.7777137798053443), (12, -2.778205752353508), (13, -60.19669523126412), (14, 84.32040550667716), (15, 11.99229113618279)],
@@ -56,4 +69,24 @@ pub(super) const DENSE: [Row; 4] = [
 /// Abscissae of the stages, fractions of a step (1); the equations have no explicit time, so only the tests use them.
 #[cfg(test)]
 #[rustfmt::skip]
-pub(super) const ABSCISSAE: [f64; DENSE_STAGES] = [0.0, 0.05260015195876773, 0.0789002279381516, 0.1183503419072274, 0.2816496580927726, 0.3333333333333333, 0.25, 0.3076923076923077, 0.6512820512820513, 0.6, 0.8571428571428571, 1.0, 1.0, 0.1, 0.2, 0.7777777777777778];
+const ABSCISSAE: [f64; DENSE_STAGES] = [0.0, 0.05260015195876773, 0.0789002279381516, 0.1183503419072274, 0.2816496580927726, 0.3333333333333333, 0.25, 0.3076923076923077, 0.6512820512820513, 0.6, 0.8571428571428571, 1.0, 1.0, 0.1, 0.2, 0.7777777777777778];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Row sums are the abscissae, and the solution integrates polynomials up to degree 7 exactly: the quadrature
+    /// conditions `sum b c^k = 1/(k+1)`.
+    #[test]
+    fn coefficients_meet_their_conditions() {
+        for stage in 1..DENSE_STAGES {
+            let sum: f64 = STAGE_WEIGHTS[stage].iter().map(|(_, weight)| weight).sum();
+            assert!((sum - ABSCISSAE[stage]).abs() < 1e-13, "stage {stage}: {sum}");
+        }
+        for power in 0..8 {
+            let sum: f64 =
+                STAGE_WEIGHTS[12].iter().map(|(s, b)| b * ABSCISSAE[*s].powi(power)).sum();
+            assert!((sum - 1.0 / f64::from(power + 1)).abs() < 1e-14, "degree {power}: {sum}");
+        }
+    }
+}

@@ -1,0 +1,220 @@
+//! What an impact will do, estimated before the first step: the scale of overlaps, and the longest steps that methods survive.
+//!
+//! Steps are limited by the highest angular frequency of the chain and by the fastest decay of velocities. Both follow from the largest eigenvalue
+//! of `M^-1 S`, `S` tridiagonal with `s[i] + s[i+1]` on the diagonal and `-s[i]` beside it: stiffnesses `s = k` give the square of the frequency, slopes of the
+//! losses against the closing speed `s = c` the decay. For a diatomic chain of dashpots the decay is `2 gamma (1/m + 1/M)`. It is found by bisection on the count
+//! of negative pivots. Source: W. Givens, J. ACM 4, 298 (1957), on Sturm sequences of tridiagonal matrices.
+
+use super::{Chain, Contact, hertz};
+use crate::integrate::Pacing;
+use crate::integrate::two_step::StiffContact;
+
+/// Relative width at which the bisection for an eigenvalue ends (1).
+const EIGENVALUE_TOLERANCE: f64 = 1e-12;
+
+/// A step beyond which a method cannot be stable.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StabilityLimit {
+    /// The longest step (s).
+    pub step: f64,
+    /// The body above that contact.
+    pub upper: String,
+    /// The body below it, or the wall.
+    pub lower: String,
+}
+
+/// Largest speed (m/s).
+fn fastest(velocity: &[f64]) -> f64 {
+    velocity.iter().fold(0.0_f64, |most, v| most.max(v.abs()))
+}
+
+impl Chain {
+    /// The overlap that bodies with these velocities (m/s) will reach, by which errors are measured. 0 where nothing moves (m).
+    ///
+    /// For each moving body the larger of two closed forms: `v/omega` on its static contacts, and the two-body
+    /// collision for contacts without preload.
+    pub fn impact_overlap(&self, velocity: &[f64]) -> f64 {
+        self.impacts(velocity).map(|(_, overlap)| overlap).fold(0.0, f64::max)
+    }
+
+    /// By how much that impact raises the force of a contact, at most: [`Self::impact_overlap`] in newtons. 0 where nothing moves (N).
+    pub fn impact_force(&self, velocity: &[f64]) -> f64 {
+        let forces = self.impacts(velocity).map(|(contact, overlap)| contact.force_change(overlap));
+        forces.fold(0.0, f64::max)
+    }
+
+    /// Contacts beside moving bodies, and the overlap (m) that they will reach.
+    fn impacts<'a>(&'a self, velocity: &'a [f64]) -> impl Iterator<Item = (&'a Contact, f64)> {
+        let moving = self.bodies.iter().zip(velocity).enumerate().filter(|(_, (_, v))| **v != 0.0);
+        moving.flat_map(|(index, (body, speed))| {
+            let sides = self.contacts[index..index + 2].iter().filter(|c| c.stiffness > 0.0);
+            sides.map(|contact| (contact, overlap_with_neighbour(contact, body.mass, *speed)))
+        })
+    }
+
+    /// Names of what is above and below contact `j`.
+    pub(crate) fn beside(&self, j: usize) -> (String, String) {
+        let name = |index: Option<usize>| {
+            let body = index.and_then(|index| self.bodies.get(index));
+            body.map_or("the wall", |body| &*body.name).to_owned()
+        };
+        (name(j.checked_sub(1)), name(Some(j)))
+    }
+
+    /// Inverse masses of the bodies above and below contact `j`; zero for walls (1/kg).
+    fn inverse_masses(&self, j: usize) -> [f64; 2] {
+        [j.checked_sub(1), Some(j)]
+            .map(|i| i.and_then(|i| self.bodies.get(i)).map_or(0.0, |body| 1.0 / body.mass))
+    }
+
+    /// The longest step that a method survives whose longest stable step times angular frequency is `reach` (1).
+    ///
+    /// The frequency is the highest of the whole chain, linearised: each contact at its static overlap or, next to a moving body,
+    /// at the overlap of the coming collision. The contact that is named would be fastest with its two bodies alone.
+    pub fn stability_limit(&self, velocity: &[f64], reach: f64) -> Option<StabilityLimit> {
+        let stiffness = |(j, contact): (usize, &Contact)| {
+            if contact.stiffness == 0.0 {
+                return 0.0;
+            }
+            let speed = |i: Option<usize>| i.and_then(|i| velocity.get(i)).map_or(0.0, |v| v.abs());
+            let closing = speed(j.checked_sub(1)).max(speed(Some(j)));
+            let mobility: f64 = self.inverse_masses(j).iter().sum();
+            let dynamic = hertz::collision_overlap(contact.stiffness, 1.0 / mobility, closing);
+            hertz::tangent_stiffness(contact.stiffness, contact.static_overlap.max(dynamic))
+        };
+        let stiffnesses: Vec<f64> = self.contacts.iter().enumerate().map(stiffness).collect();
+        self.limit(&stiffnesses, |square| reach / square.sqrt())
+    }
+
+    /// The longest step that a method survives whose longest stable step times decay is `reach` (1), by [`Self::fastest_decay`];
+    /// none without losses.
+    pub fn decay_limit(&self, velocity: &[f64], reach: f64) -> Option<StabilityLimit> {
+        self.limit(&self.dampings(velocity), |decay| reach / decay)
+    }
+
+    /// The `step` that follows from the largest eigenvalue with these `coefficients` of the contacts, and the contact that has the largest with its two bodies
+    /// alone.
+    fn limit(&self, coefficients: &[f64], step: impl Fn(f64) -> f64) -> Option<StabilityLimit> {
+        let alone = |(j, s): (usize, &f64)| (j, s * self.inverse_masses(j).iter().sum::<f64>());
+        let alone = coefficients.iter().enumerate().map(alone).filter(|(_, value)| *value > 0.0);
+        let (j, _) = alone.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))?;
+        let (upper, lower) = self.beside(j);
+        Some(StabilityLimit { step: step(self.largest_eigenvalue(coefficients)), upper, lower })
+    }
+
+    /// The fastest decay of any pattern of velocities, with all lossy contacts closed and at the overlaps and speeds that
+    /// bodies with these velocities (m/s) will reach; 0 without losses (1/s).
+    pub fn fastest_decay(&self, velocity: &[f64]) -> f64 {
+        self.largest_eigenvalue(&self.dampings(velocity))
+    }
+
+    /// The largest eigenvalue of `M^-1 S` for these coefficients of the contacts (unit).
+    fn largest_eigenvalue(&self, coefficients: &[f64]) -> f64 {
+        let rows = || self.bodies.iter().zip(coefficients.windows(2));
+        // No eigenvalue exceeds the largest sum of a row's magnitudes.
+        let sums = rows().map(|(body, pair)| 2.0 * (pair[0] + pair[1]) / body.mass);
+        let (mut low, mut high) = (0.0, sums.fold(0.0, f64::max));
+        while high - low > EIGENVALUE_TOLERANCE * high {
+            let middle = 0.5 * (low + high);
+            let mut pivot = f64::INFINITY;
+            // Negative pivots of S - middle M are eigenvalues below.
+            let all_below = rows().all(|(body, pair)| {
+                pivot = pair[0] + pair[1] - middle * body.mass - pair[0] * pair[0] / pivot;
+                pivot < 0.0
+            });
+            if all_below {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        high
+    }
+
+    /// The largest decay of any contact, its two bodies taken alone, in units of its own angular frequency: twice its damping ratio;
+    /// 0 without losses (1).
+    pub fn largest_damping(&self, velocity: &[f64]) -> f64 {
+        let speed = fastest(velocity);
+        let ratio = |(j, slope): (usize, f64)| {
+            let (overlap, mobility) = self.largest_overlap(j, speed);
+            let stiffness = hertz::tangent_stiffness(self.contacts[j].stiffness, overlap);
+            if slope > 0.0 { slope * (mobility / stiffness).sqrt() } else { 0.0 }
+        };
+        self.dampings(velocity).into_iter().enumerate().map(ratio).fold(0.0, f64::max)
+    }
+
+    /// The larger of contact `j`'s static overlap and that of a collision at `speed` (m/s) (m), and its inverse reduced mass (1/kg).
+    fn largest_overlap(&self, j: usize, speed: f64) -> (f64, f64) {
+        let (contact, mobility): (_, f64) =
+            (&self.contacts[j], self.inverse_masses(j).iter().sum());
+        let dynamic = hertz::collision_overlap(contact.stiffness, 1.0 / mobility, speed);
+        (contact.static_overlap.max(dynamic), mobility)
+    }
+
+    /// Slopes of the contacts' losses against the closing speed, at the larger of their static overlap and that of a
+    /// collision at the largest of these velocities (m/s) (N s/m).
+    fn dampings(&self, velocity: &[f64]) -> Vec<f64> {
+        let speed = fastest(velocity);
+        let slope = |(j, contact): (usize, &Contact)| {
+            let slope = |loss: super::ContactLoss| {
+                loss.damping(contact.stiffness, self.largest_overlap(j, speed).0, speed)
+            };
+            contact.loss.map_or(0.0, slope)
+        };
+        self.contacts.iter().enumerate().map(slope).collect()
+    }
+
+    /// How fast the chain is when its bodies have these velocities (m/s): each contact at its static overlap and that of a collision at the
+    /// largest speed besides. Decides on the length of steps of two lengths.
+    ///
+    /// What overlaps do to each other's accelerations, `K_j (1/m_above + 1/m_below)` and `K_(j-1)/m_above`, `K_(j+1)/m_below`, has no eigenvalue above the
+    /// largest sum of a row's magnitudes, the square of the frequency returned. For a long chain of two kinds of bodies that is the highest.
+    pub fn pacing(&self, velocity: &[f64]) -> Pacing {
+        let speed = fastest(velocity);
+        let mut springs: Vec<(f64, [f64; 2])> = Vec::with_capacity(self.contacts.len());
+        // Neighbours are mostly alike, and the power that a collision's overlap takes is slow.
+        let mut last = ([0; 2], 0.0);
+        for (j, contact) in self.contacts.iter().enumerate() {
+            let masses = self.inverse_masses(j);
+            let kind = [contact.stiffness, masses[0] + masses[1]].map(f64::to_bits);
+            if kind != last.0 && contact.stiffness > 0.0 {
+                let reduced = 1.0 / (masses[0] + masses[1]);
+                last = (kind, hertz::collision_overlap(contact.stiffness, reduced, speed));
+            }
+            springs.push((contact.tangent_stiffness(last.1), masses));
+        }
+        let squares = springs.iter().map(|(stiffness, [above, below])| stiffness * (above + below));
+        let stiffest = squares.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+        let all = highest_square(&springs).sqrt();
+        let Some((j, square)) = stiffest else { return Pacing { frequency: all, stiff: None } };
+        springs[j].0 = 0.0;
+        let (others, own) = (highest_square(&springs).sqrt(), square.sqrt());
+        // In a chain of contacts that are all alike it is the root of 1/2 of it.
+        if own <= others {
+            return Pacing { frequency: all, stiff: None };
+        }
+        let bodies = [j.checked_sub(1), Some(j).filter(|j| *j < self.bodies.len())];
+        let static_overlap = self.contacts[j].static_overlap;
+        let stiff = StiffContact { bodies, static_overlap, frequency: own };
+        Pacing { frequency: others, stiff: Some(stiff) }
+    }
+}
+
+/// A bound of the square of the highest angular frequency of contacts with these stiffnesses (N/m) between bodies of these inverse masses
+/// (1/kg) (1/s²).
+fn highest_square(springs: &[(f64, [f64; 2])]) -> f64 {
+    let beside = |j: Option<usize>| j.and_then(|j| springs.get(j)).map_or(0.0, |s| s.0);
+    let sum = |(j, (stiffness, [above, below])): (usize, &(f64, [f64; 2]))| {
+        stiffness * (above + below) + beside(j.checked_sub(1)) * above + beside(Some(j + 1)) * below
+    };
+    springs.iter().enumerate().map(sum).fold(0.0, f64::max)
+}
+
+/// Dynamic overlap of one contact when a body of `mass` (kg) runs into it with `speed` (m/s) (m).
+fn overlap_with_neighbour(contact: &Contact, mass: f64, speed: f64) -> f64 {
+    let free = hertz::collision_overlap(contact.stiffness, 0.5 * mass, speed);
+    if contact.static_overlap == 0.0 {
+        return free;
+    }
+    free.min(speed.abs() * (mass / contact.static_stiffness()).sqrt())
+}
