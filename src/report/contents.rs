@@ -76,7 +76,7 @@ fn shot_lines(shot: &Shot) -> Vec<String> {
         lines.extend(capture.notes.iter().map(|note| format!("  {source}: {note}")));
     }
     if !shot.truth.is_empty() {
-        lines.push(format!("  and {} series of what no sensor saw", shot.truth.len()));
+        lines.push(format!("  and {} simulated signals (true forces, motion)", shot.truth.len()));
     }
     lines
 }
