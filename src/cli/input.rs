@@ -31,7 +31,12 @@ pub struct TableArguments {
 impl TableArguments {
     /// Opens a recording, a file or a folder.
     pub fn open(&self, path: &Path) -> Result<TraceSet, OpenError> {
-        open_with(path, &self.columns.clone().unwrap_or_default())
+        open_with(path, &self.columns())
+    }
+
+    /// The columns, or none where they are left to the file.
+    pub fn columns(&self) -> TableColumns {
+        self.columns.clone().unwrap_or_default()
     }
 }
 

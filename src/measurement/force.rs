@@ -78,17 +78,16 @@ pub fn wire(set: &mut TraceSet, channel: &str, sensor: &Sensor) -> Result<(), Sc
     let setup = ChannelSetup { vertical, input: None, offset: 0.0, deviation };
     let circuit = sensor.connect(input_load(&model, &setup));
     let channel = channel.to_ascii_uppercase();
-    // Where it sits, and what it is called there, stay.
+    // Where it sits stays.
     let before = set
         .metadata
         .iter()
         .find(|(name, facts)| name.contains("sensor/") && facts.get("channel") == Some(&channel));
-    let kept = |key: &str| before.and_then(|(_, facts)| facts.get(key).cloned());
-    let (site, known_as) = (kept("site"), kept("name"));
+    let site = before.and_then(|(_, facts)| facts.get("site").cloned());
     set.metadata
         .retain(|name, facts| !name.contains("sensor/") || facts.get("channel") != Some(&channel));
     let mut facts = vec![
-        ("name", known_as.unwrap_or_else(|| sensor.model.clone())),
+        ("name", sensor.model.clone()),
         ("model", sensor.model.clone()),
         ("channel", channel.clone()),
         ("sensitivity_v_per_n", circuit.sensitivity.to_string()),
