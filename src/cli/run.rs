@@ -72,12 +72,11 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let known = facts.map_err(|error| advised(error, &scene, integration))?;
     let attachments = [facts::scene_attachment(&scene)];
     // Before the work, so that a folder that cannot be written to costs no simulation.
-    let mut writer = match arguments.output.as_deref() {
-        Some(file) => RecordingWriter::create(is_recording(file)?, &known, &attachments)?,
-        None => {
-            let file = PathBuf::from(format!("{}.mcap", scene.name));
-            RecordingWriter::create_numbered(&file, &known, &attachments)?
-        }
+    let mut writer = if let Some(file) = arguments.output.as_deref() {
+        RecordingWriter::create(is_recording(file)?, &known, &attachments)?
+    } else {
+        let file = PathBuf::from(format!("{}.mcap", scene.name));
+        RecordingWriter::create_numbered(&file, &known, &attachments)?
     };
     let mut progress = JobProgress::new(&scene.name, arguments.quiet);
     let mut report = |share| progress.at(share);
