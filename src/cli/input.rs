@@ -1,7 +1,7 @@
 //! What a user says of the files that a command reads: a table's columns, the bench they were taken on, and which of their shots and
 //! channels are meant.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use anyhow::bail;
@@ -72,23 +72,28 @@ impl Selection {
 
 /// Leaves out of `set` all channels but those named, if any are.
 pub fn keep_channels(set: &mut TraceSet, channels: &[String]) -> anyhow::Result<()> {
-    let mut names: Vec<String> = set
-        .shots
-        .iter()
-        .flat_map(|shot| &shot.captures)
-        .map(|capture| capture.waveform.source.to_string())
-        .collect();
-    names.sort();
-    names.dedup();
-    let known = |channel: &&String| names.iter().any(|name| name.eq_ignore_ascii_case(channel));
-    if let Some(channel) = channels.iter().find(|channel| !known(channel)) {
-        bail!("no channel {channel}: the file has {}", names.join(", "));
-    }
+    known_channels(set, channels.iter())?;
     for shot in &mut set.shots {
         shot.captures.retain(|capture| {
             let name = capture.waveform.source.to_string();
             channels.is_empty() || channels.iter().any(|channel| name.eq_ignore_ascii_case(channel))
         });
+    }
+    Ok(())
+}
+
+/// Refuses a channel that no shot has.
+fn known_channels<'a>(
+    set: &TraceSet,
+    mut channels: impl Iterator<Item = &'a String>,
+) -> anyhow::Result<()> {
+    let captures = set.shots.iter().flat_map(|shot| &shot.captures);
+    let names: BTreeSet<String> =
+        captures.map(|capture| capture.waveform.source.to_string()).collect();
+    let unknown = |channel: &&String| !names.iter().any(|name| name.eq_ignore_ascii_case(channel));
+    if let Some(channel) = channels.find(unknown) {
+        let names: Vec<String> = names.into_iter().collect();
+        bail!("no channel {channel}: the file has {}", names.join(", "));
     }
     Ok(())
 }
@@ -143,6 +148,8 @@ impl BenchArguments {
                 );
             }
         }
+        let channels = self.distance.iter().flat_map(|known| [&known.from, &known.to]);
+        known_channels(set, channels.chain(self.map.iter().map(|said| &said.channel)))?;
         wire_all(set, &self.sensor)?;
         for distance in &self.distance {
             let (group, facts) = distance.facts();

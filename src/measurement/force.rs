@@ -40,7 +40,7 @@ pub struct Forces {
 pub enum ForcesError {
     /// No sensor is known, or it is not known how sensitive it is.
     #[error(
-        "{channel}: found no sensor with sensitivity and time constant, expected one: --sensor {channel}=NAME or FILE"
+        "{channel}: no sensor with sensitivity and time constant is known: give one with --sensor {channel}=NAME or FILE, or the bench with --scene"
     )]
     NoSensor {
         /// The channel.
