@@ -23,8 +23,8 @@ pub struct Arguments {
     /// A recording (.mcap), a scope's file (.csv, .isf), or a folder of them
     input: PathBuf,
     /// A recording (.mcap), a table `time_s,CH1_V,...` (.csv), a file of the scope for a single capture (.isf, or .csv with --as tds),
-    /// a picture of the first shot (.svg, or as the scope makes it: .bmp, .pcx, .tif, .eps), or a folder in which ALL0000, ALL0001, ...
-    /// are made
+    /// a picture of the first shot (.svg, or as the scope makes it: .bmp, .pcx, .tif, .eps), or a folder (no ending, or FOLDER/) in
+    /// which ALL0000, ALL0001, ... are made
     output: PathBuf,
     /// What a .csv is: a plain table, or the file that a TDS2000 saves
     #[arg(long = "as", value_name = "FORM", value_enum, default_value = "table")]
@@ -79,7 +79,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         bail!("{}: --truth and --force are for tables (.csv)", output.display());
     }
     let extension = output.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+    let is_folder = output.is_dir() || output.as_os_str().as_encoded_bytes().ends_with(b"/");
     let written = match extension.as_deref() {
+        _ if is_folder => folders(&set, output)?,
         Some("mcap") => {
             mcap::write(output, &set)?;
             vec![output.clone()]

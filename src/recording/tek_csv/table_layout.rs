@@ -36,7 +36,7 @@ impl TableLayout {
         let has =
             |index: usize| usual.iter().all(|cell| table.row(index).maybe_number(*cell).is_some());
         let next = |index: usize| (index + 1..=last).find(|next| !table.row(*next).is_blank());
-        let is_first = |index: &usize| has(*index) && next(*index).is_none_or(has);
+        let is_first = |index: &usize| has(*index) && next(*index).is_some_and(has);
         let either = || (0..=last).find(|index| has(*index));
         let Some(first) = (0..=last).find(is_first).or_else(either) else {
             return Err(unknown(table, "two rows of numbers"));
@@ -75,9 +75,13 @@ impl TableLayout {
                 || text.eq_ignore_ascii_case("sequence")
                 || unit(text).is_some()
         });
-        match upper.filter(|_| is_units) {
-            Some(upper) => (self.names, self.units) = (Some(upper), Some(lower)),
-            None => self.names = Some(lower),
+        match upper {
+            Some(upper) if is_units => (self.names, self.units) = (Some(upper), Some(lower)),
+            // A row of remarks between names and samples.
+            Some(upper) if !row.texts().any(is_time) && table.row(upper).texts().any(is_time) => {
+                self.names = Some(upper);
+            }
+            _ => self.names = Some(lower),
         }
     }
 
