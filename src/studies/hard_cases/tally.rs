@@ -35,6 +35,16 @@ impl CaseChecks {
         }
     }
 
+    /// How many checks there were.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// The figure nearest to its bound, and the bound (unit).
+    pub fn tightest(&self) -> Option<(f64, f64)> {
+        self.worst.as_ref().map(|worst| (worst.found.abs(), worst.bound))
+    }
+
     /// Whether there were checks, and every one held.
     pub fn check_bound(&self) -> bool {
         self.worst.as_ref().is_some_and(|worst| worst.share() <= 1.0)
@@ -48,7 +58,7 @@ impl fmt::Display for CaseChecks {
         };
         write!(f, "{what}: {:.1e} of {bound:.1e}", found.abs())?;
         if self.count > 1 {
-            write!(f, ", nearest to its bound of {} figures", self.count)?;
+            write!(f, ", the tightest of {} checks", self.count)?;
         }
         Ok(())
     }
@@ -65,7 +75,7 @@ mod tests {
         tally.check("a", 0.5, 1.0);
         assert!(tally.check_bound());
         tally.check("b", -0.9, 1.0);
-        assert_eq!(tally.to_string(), "b: 9.0e-1 of 1.0e0, nearest to its bound of 2 figures");
+        assert_eq!(tally.to_string(), "b: 9.0e-1 of 1.0e0, the tightest of 2 checks");
         tally.check("c", f64::NAN, 1.0);
         assert!(!tally.check_bound());
     }
