@@ -69,12 +69,7 @@ struct CorrelationMaximum {
 }
 
 /// The maximum of a cubic through the largest correlation and `reach` on either side.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_wrap,
-    clippy::cast_possible_truncation,
-    reason = "records are far shorter than 2^53 samples"
-)]
+#[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
 fn top(lags: &[f64], reach: usize) -> Option<CorrelationMaximum> {
     let best = (0..lags.len()).max_by(|i, j| lags[*i].total_cmp(&lags[*j]))?;
     let around = (0..=2 * reach).map(|shift| (best + lags.len() + shift - reach) % lags.len());

@@ -2,33 +2,66 @@
 
 use std::path::PathBuf;
 
-use anyhow::bail;
+use anyhow::{Context as _, bail};
 use clap::Args;
+use serde_json::json;
 
+use super::input::{BenchArguments, Selection, TableArguments};
+use super::picture;
+use crate::files;
 use crate::measurement::arrivals::survey;
-use crate::recording::format::open;
+use crate::measurement::statistics::statistics;
 use crate::report;
 
-/// Show when the first pulse arrived at each channel, by several estimators with uncertainties, and its speed
+/// Show when the first pulse arrived at each channel, by several estimators with uncertainties, its speed, and how far shots repeat
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A recording (.mcap), a TDS2000 file (.csv), or a folder of them
+    /// A recording (.mcap), a scope's file (.csv, .isf), or a folder of them
     file: PathBuf,
-    /// Print as JSON
+    #[command(flatten)]
+    table: TableArguments,
+    #[command(flatten)]
+    bench: BenchArguments,
+    #[command(flatten)]
+    selection: Selection,
+    /// Write the statistics over all shots into this table
+    #[arg(short, long, value_name = "FILE.csv", value_parser = csv)]
+    output: Option<PathBuf>,
+    /// Print as JSON: shots and statistics
     #[arg(long)]
     json: bool,
 }
 
+fn csv(text: &str) -> Result<PathBuf, String> {
+    let file = picture::in_a_folder(PathBuf::from(text))?;
+    match file.extension() {
+        Some(ending) if ending.eq_ignore_ascii_case("csv") => Ok(file),
+        _ => Err(format!("`{text}` does not end in .csv")),
+    }
+}
+
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let set = open(&arguments.file)?;
+    let mut set = arguments.table.open(&arguments.file)?;
+    arguments.bench.apply(&mut set)?;
+    arguments.selection.apply(&mut set)?;
     let shots = set.shots.iter().filter(|shot| !shot.captures.is_empty());
     let surveys: Vec<_> = shots.map(|shot| survey(&set, shot)).collect();
     if surveys.is_empty() {
         bail!("found no capture, expected at least one: the scope was not triggered");
     }
-    if arguments.json {
-        return super::print(&serde_json::to_string_pretty(&surveys)?);
+    let statistics = statistics(&surveys);
+    if let Some(file) = &arguments.output {
+        files::write(file, report::statistics_csv(&statistics))
+            .with_context(|| file.display().to_string())?;
     }
-    let pages: Vec<String> = surveys.iter().map(report::arrivals).collect();
+    if arguments.json {
+        let all = json!({ "shots": surveys, "statistics": statistics, "problems": set.problems });
+        return super::print(&serde_json::to_string_pretty(&all)?);
+    }
+    let mut pages: Vec<String> = surveys.iter().map(report::arrivals).collect();
+    if surveys.len() > 1 {
+        pages.push(report::statistics(&statistics));
+    }
+    pages.extend(set.problems.iter().map(|problem| format!("problem: {problem}")));
     super::print(&pages.join("\n\n"))
 }

@@ -6,6 +6,7 @@ use anyhow::{Context as _, bail};
 use clap::Args;
 use serde_json::json;
 
+use super::input::TableArguments;
 use super::progress::JobProgress;
 use crate::files::{self, NewFolder};
 use crate::measurement::calibration::{self, Calibrated, sensor_file};
@@ -40,6 +41,8 @@ pub struct Arguments {
     /// With --simulate: relative standard uncertainty of the scope's gain, e.g. 3% [default: sensor and scope are one chain]
     #[arg(long, value_name = "U", requires = "simulate", value_parser = share)]
     gain_u: Option<f64>,
+    #[command(flatten)]
+    table: TableArguments,
     /// Write certificate, JSON, pictures and the sensor's file into this folder
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
@@ -62,7 +65,7 @@ fn share(text: &str) -> Result<f64, String> {
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let Some(plan) = &arguments.plan else { return simulate(arguments) };
     let plan = plan::load(plan)?;
-    let found = calibration::run(&plan)?;
+    let found = calibration::run(&plan, &arguments.table.columns())?;
     if let Some(folder) = &arguments.output {
         write(folder, &found)?;
     }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
 
+use super::input::{TableArguments, assignment, keep_channels};
 use super::progress::JobProgress;
 use super::sensor::{SensorAssignment, wire_all, wired};
 use crate::experiment::accuracy::of_scene;
@@ -27,6 +28,8 @@ pub struct Arguments {
     measured: PathBuf,
     /// The same of a simulation, or a scene, which is run: one that ships with the program, or a .toml file
     simulated: String,
+    #[command(flatten)]
+    table: TableArguments,
     /// Limits of the scores: peak, speed, gain, spectrum (5%), arrival (2us), rms, max (2lsb, 10mV, 0.1N), correlation (0.99)
     #[arg(long, value_name = "LIST", value_parser = ScoreLimits::parse, default_value = "rms=1lsb")]
     tolerance: ScoreLimits,
@@ -39,6 +42,9 @@ pub struct Arguments {
     /// A measured channel's sensor, a name or a file such as `calibrate` writes
     #[arg(long, value_name = "CH=SENSOR", value_parser = wired)]
     sensor: Vec<SensorAssignment>,
+    /// Only this channel of the measurement; may be given several times
+    #[arg(long, value_name = "CH")]
+    channel: Vec<String>,
     /// Shot of the measurement
     #[arg(long, value_name = "N", default_value_t = 1)]
     shot: u32,
@@ -76,21 +82,12 @@ impl From<AlignBy> for Align {
     }
 }
 
-/// Reads `CH1=p2`.
-pub fn assignment(text: &str) -> Result<Assignment, String> {
-    match text.split_once('=') {
-        Some((channel, target)) if !channel.trim().is_empty() && !target.trim().is_empty() => {
-            Ok(Assignment { channel: channel.trim().to_owned(), target: target.trim().to_owned() })
-        }
-        _ => Err(format!("found {text}, expected a channel and a sensor, e.g. CH1=p2")),
-    }
-}
-
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(file) = &arguments.output {
         ending(file, &["md", "html", "mcap"])?;
     }
-    let mut set = open(&arguments.measured)?;
+    let mut set = arguments.table.open(&arguments.measured)?;
+    keep_channels(&mut set, &arguments.channel)?;
     wire_all(&mut set, &arguments.sensor)?;
     let simulation = Simulation::of(arguments)?;
     let name = arguments.measured.display().to_string();

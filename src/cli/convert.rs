@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, anyhow, bail};
-use clap::Args;
+use clap::{Args, ValueEnum};
 
-use super::sensor::{SensorAssignment, wire_all, wired};
+use super::input::{BenchArguments, Selection, TableArguments};
+use super::plain_table::{TableContent, plain_table};
 use crate::files;
-use crate::recording::format::open;
 use crate::recording::tek_csv::TekCsvError;
 use crate::recording::{Capture, InstrumentIdentity, Shot, TraceSet, isf, mcap, tek_csv};
 use crate::report;
@@ -17,31 +17,54 @@ use crate::screen::{PictureFormat, draw, file};
 
 use super::saved::saved;
 
-/// Convert between recordings (.mcap) and TDS2000 files (.csv, .isf, or folders ALL0000 with curves, set-up and screen), or draw
+/// Convert between recordings (.mcap), tables (.csv) and a TDS2000's files (folders ALL0000 with curves, set-up and screen, .isf), or draw
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// A recording (.mcap), a scope's file (.csv, .isf), or a folder of them
     input: PathBuf,
-    /// A recording (.mcap), one file (.csv, .isf) for a single capture, a picture of the first shot (.svg, or as the scope makes
-    /// it: .bmp, .pcx, .tif, .eps), or a folder in which ALL0000, ALL0001, ... are made
+    /// A recording (.mcap), a table `time_s,CH1_V,...` (.csv), a file of the scope for a single capture (.isf, or .csv with --as tds),
+    /// a picture of the first shot (.svg, or as the scope makes it: .bmp, .pcx, .tif, .eps), or a folder in which ALL0000, ALL0001, ...
+    /// are made
     output: PathBuf,
+    /// What a .csv is: a plain table, or the file that a TDS2000 saves
+    #[arg(long = "as", value_name = "FORM", value_enum, default_value = "table")]
+    form: Form,
+    /// In a table: the true forces at the sensors as well, of a simulation
+    #[arg(long)]
+    truth: bool,
+    /// In a table: newtons in the place of volts, by the sensors' calibrations
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    table: TableArguments,
+    #[command(flatten)]
+    bench: BenchArguments,
+    #[command(flatten)]
+    selection: Selection,
     /// The instrument that captures without one are said to be from: a native .csv must name it
     #[arg(long, value_name = "MODEL")]
     instrument: Option<String>,
-    /// A channel's sensor, a name or a file such as `calibrate` writes, to be noted in the recording (.mcap)
-    #[arg(long, value_name = "CH=SENSOR", value_parser = wired)]
-    sensor: Vec<SensorAssignment>,
     /// Do not name the files written
     #[arg(short, long)]
     quiet: bool,
 }
 
+/// What a .csv is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Form {
+    /// `time_s,CH1_V,...`, one row a sample, for pandas and spreadsheets
+    Table,
+    /// As the instrument saves it, one channel a file
+    Tds,
+}
+
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let mut set = open(&arguments.input)?;
+    let mut set = arguments.table.open(&arguments.input)?;
+    arguments.selection.apply(&mut set)?;
     if let Some(name) = &arguments.instrument {
         name_instrument(&mut set, &oscilloscope(name)?);
     }
-    wire_all(&mut set, &arguments.sensor)?;
+    arguments.bench.apply(&mut set)?;
     for problem in &set.problems {
         eprintln!("warning: {}: {problem}", arguments.input.display());
     }
@@ -50,10 +73,21 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if std::fs::canonicalize(&arguments.input).is_ok_and(same) && output.is_file() {
         bail!("{}: found the input as the output, expected another file", output.display());
     }
+    let is_table = arguments.form == Form::Table
+        && output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
+    if (arguments.truth || arguments.force) && !is_table {
+        bail!("{}: --truth and --force are for tables (.csv)", output.display());
+    }
     let extension = output.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     let written = match extension.as_deref() {
         Some("mcap") => {
             mcap::write(output, &set)?;
+            vec![output.clone()]
+        }
+        Some("csv") if is_table => {
+            let content = TableContent { truth: arguments.truth, force: arguments.force };
+            let table = plain_table(&set, content)?;
+            files::write(output, table).with_context(|| output.display().to_string())?;
             vec![output.clone()]
         }
         Some("csv") => csv_file(&set, output)?,

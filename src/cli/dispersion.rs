@@ -6,12 +6,12 @@ use anyhow::bail;
 use clap::Args;
 use serde_json::json;
 
+use super::input::{BenchArguments, TableArguments};
 use super::picture;
 use super::signal::time;
 use crate::analysis::gate::Gate;
 use crate::analysis::wavenumber::spectral_lines;
 use crate::measurement::metadata;
-use crate::recording::format::open;
 use crate::report::dispersion::DispersionPage;
 use crate::scene::Site;
 use crate::trace::Trace;
@@ -26,6 +26,10 @@ const PERCENT: f64 = 0.01;
 pub struct Arguments {
     /// A recording of a simulation (.mcap): waves are read from the contact forces along the chain
     file: PathBuf,
+    #[command(flatten)]
+    table: TableArguments,
+    #[command(flatten)]
+    bench: BenchArguments,
     /// Particle in whose periodic part of the chain to look [default: the first sensor's, else 2]
     #[arg(long, value_name = "N")]
     particle: Option<usize>,
@@ -98,7 +102,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 fn page(arguments: &Arguments) -> anyhow::Result<DispersionPage> {
-    let set = open(&arguments.file)?;
+    let mut set = arguments.table.open(&arguments.file)?;
+    arguments.bench.apply(&mut set)?;
     let Some(shot) = set.shots.iter().find(|shot| shot.number == arguments.shot) else {
         bail!("found {} shots, expected one with number {}", set.shots.len(), arguments.shot);
     };

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail};
 use clap::Args;
 
-use super::compare::{assignment, ending, shot, write_document};
+use super::compare::{ending, shot, write_document};
+use super::input::assignment;
 use super::progress::JobProgress;
 use crate::analysis::gate::Gate;
 use crate::files;

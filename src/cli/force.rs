@@ -7,11 +7,10 @@ use anyhow::{Context as _, bail};
 use clap::Args;
 use serde_json::{Value, json};
 
+use super::input::{BenchArguments, TableArguments, keep_channels};
 use super::picture;
-use super::sensor::{SensorAssignment, wire_all, wired};
 use crate::files;
 use crate::measurement::force::{Forces, forces};
-use crate::recording::format::open;
 use crate::report;
 
 /// Turn volts into newtons by the sensors' calibration: droop undone, uncertainties carried along
@@ -19,9 +18,13 @@ use crate::report;
 pub struct Arguments {
     /// A recording (.mcap), a scope's file (.csv, .isf), or a folder of them
     file: PathBuf,
-    /// A channel's sensor, a name or a file such as `calibrate` writes; without it, the one that the recording names
-    #[arg(long, value_name = "CH=SENSOR", value_parser = wired)]
-    sensor: Vec<SensorAssignment>,
+    #[command(flatten)]
+    table: TableArguments,
+    #[command(flatten)]
+    bench: BenchArguments,
+    /// Only this channel; may be given several times
+    #[arg(long, value_name = "CH")]
+    channel: Vec<String>,
     /// Shot to look at
     #[arg(long, value_name = "N", default_value_t = 1)]
     shot: u32,
@@ -37,8 +40,9 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let mut set = open(&arguments.file)?;
-    wire_all(&mut set, &arguments.sensor)?;
+    let mut set = arguments.table.open(&arguments.file)?;
+    arguments.bench.apply(&mut set)?;
+    keep_channels(&mut set, &arguments.channel)?;
     let Some(shot) = set.shots.iter().find(|shot| shot.number == arguments.shot) else {
         bail!("found {} shots, expected one with number {}", set.shots.len(), arguments.shot);
     };
@@ -103,5 +107,6 @@ fn as_json(forces: &Forces) -> Value {
         "force_n": forces.force.values,
         "u_n": forces.u,
         "noise_u_n": forces.noise_u,
+        "clipped": forces.clipped,
     })
 }

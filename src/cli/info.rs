@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::{Value, json};
 
-use crate::recording::format::open;
+use super::input::{Selection, TableArguments};
 use crate::recording::{Capture, Origin, Shot, TraceSet};
 use crate::report;
 use crate::trace::Trace;
@@ -15,13 +15,18 @@ use crate::trace::Trace;
 pub struct Arguments {
     /// A recording (.mcap), a scope's file (.csv, .isf), or a folder of them
     file: PathBuf,
+    #[command(flatten)]
+    table: TableArguments,
+    #[command(flatten)]
+    selection: Selection,
     /// Print as JSON
     #[arg(long)]
     json: bool,
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let set = open(&arguments.file)?;
+    let mut set = arguments.table.open(&arguments.file)?;
+    arguments.selection.apply(&mut set)?;
     if arguments.json {
         super::print(&serde_json::to_string_pretty(&as_json(&set))?)
     } else {

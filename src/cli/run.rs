@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{anyhow, bail};
 use clap::Args;
+use serde_json::json;
 
 use super::accuracy::AccuracyArguments;
 use super::by_hand::{ByHand, step, tolerance};
@@ -43,7 +44,7 @@ pub struct Arguments {
     /// Print the summary as JSON
     #[arg(long)]
     json: bool,
-    /// Print nothing but errors; with --json, the summary is still printed
+    /// Print nothing but errors and, on standard error, the name of the recording; with --json, the summary is still printed
     #[arg(short, long)]
     quiet: bool,
 }
@@ -71,12 +72,11 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let known = facts.map_err(|error| advised(error, &scene, integration))?;
     let attachments = [facts::scene_attachment(&scene)];
     // Before the work, so that a folder that cannot be written to costs no simulation.
-    let mut writer = match arguments.output.as_deref() {
-        Some(file) => RecordingWriter::create(is_recording(file)?, &known, &attachments)?,
-        None => {
-            let file = PathBuf::from(format!("{}.mcap", scene.name));
-            RecordingWriter::create_numbered(&file, &known, &attachments)?
-        }
+    let mut writer = if let Some(file) = arguments.output.as_deref() {
+        RecordingWriter::create(is_recording(file)?, &known, &attachments)?
+    } else {
+        let file = PathBuf::from(format!("{}.mcap", scene.name));
+        RecordingWriter::create_numbered(&file, &known, &attachments)?
     };
     let mut progress = JobProgress::new(&scene.name, arguments.quiet);
     let mut report = |share| progress.at(share);
@@ -91,11 +91,17 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     outcome.summary.accuracy_reason = reason;
     writer.add(&outcome.shot, &facts::shot_notes(&scene, &outcome))?;
     let file = writer.finish()?;
+    let recording = file.display().to_string();
     if arguments.json {
-        super::print(&serde_json::to_string_pretty(&outcome.summary)?)?;
-    } else if !arguments.quiet {
+        let mut summary = serde_json::to_value(&outcome.summary)?;
+        summary["recording"] = json!(recording);
+        super::print(&serde_json::to_string_pretty(&summary)?)?;
+    } else if arguments.quiet {
+        // Scripts read standard output; the name may be one that the program chose.
+        eprintln!("recording   {recording}");
+    } else {
         super::print(&report::summary(&outcome.summary))?;
-        super::print(&format!("  recording   {}", file.display()))?;
+        super::print(&format!("  recording   {recording}"))?;
     }
     Ok(())
 }

@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use anyhow::bail;
 use clap::{Args, ValueEnum};
 
+use super::input::{BenchArguments, TableArguments};
 use crate::analysis::gate::Gate;
 use crate::analysis::window::Window;
 use crate::measurement::metadata;
 use crate::quantity::{Dimension, parse};
-use crate::recording::format::open;
 use crate::recording::{Shot, TraceSet};
 use crate::scene::Site;
 use crate::trace::Trace;
@@ -46,6 +46,10 @@ pub fn time(text: &str) -> Result<f64, String> {
 pub struct SignalArguments {
     /// A recording (.mcap), a TDS2000 file (.csv), or a folder of them
     file: PathBuf,
+    #[command(flatten)]
+    table: TableArguments,
+    #[command(flatten)]
+    bench: BenchArguments,
     /// Channel to transform, e.g. CH2 [default: the first]
     #[arg(long, value_name = "CH", conflicts_with = "truth")]
     channel: Option<String>,
@@ -66,12 +70,28 @@ pub struct SignalArguments {
 impl SignalArguments {
     /// Reads the recording and finds the signal in it.
     pub fn read(&self) -> anyhow::Result<(TraceSet, SelectedSignal)> {
-        let set = open(&self.file)?;
+        let mut set = self.table.open(&self.file)?;
+        self.bench.apply(&mut set)?;
         let Some(shot) = set.shots.iter().find(|shot| shot.number == self.shot) else {
             bail!("found {} shots, expected one with number {}", set.shots.len(), self.shot);
         };
         let found = signal(&set, shot, self.channel.as_deref(), self.truth.as_deref())?;
         Ok((set, found))
+    }
+
+    /// How many samples of the signal are clipped, where any are.
+    pub fn clipped(&self, set: &TraceSet) -> Option<String> {
+        let shot = set.shots.iter().find(|shot| shot.number == self.shot)?;
+        let wanted =
+            |name: &str| self.channel.as_ref().is_none_or(|c| name.eq_ignore_ascii_case(c));
+        let mut captures = shot.captures.iter().map(|capture| &capture.waveform);
+        let waveform = captures
+            .find(|waveform| wanted(&waveform.source.to_string()))
+            .filter(|waveform| self.truth.is_none() && waveform.clipped() > 0)?;
+        let (source, clipped) = (waveform.source, waveform.clipped());
+        Some(format!(
+            "{source}: {clipped} samples are clipped at the converter's ends: the spectrum holds the clipping's own harmonics"
+        ))
     }
 
     /// The part of it that is looked at.

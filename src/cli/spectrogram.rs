@@ -74,8 +74,11 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(file) = &arguments.plot {
         picture::save(file, &svg(&page))?;
     }
+    let clipped = arguments.signal.clipped(&set);
     if !arguments.json {
-        return super::print(&text(&page));
+        let note = clipped.map(|note| format!("  note  {note}"));
+        let lines: Vec<String> = std::iter::once(text(&page)).chain(note).collect();
+        return super::print(&lines.join("\n"));
     }
     let map = &page.map;
     let first = map.columns.first();
@@ -91,6 +94,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         "f1_hz": page.chain.map(|chain| chain.gap_bottom()),
         "f2_hz": page.chain.map(|chain| chain.gap_top()),
         "f3_hz": page.chain.map(|chain| chain.cutoff()),
+        "notes": clipped.into_iter().collect::<Vec<_>>(),
         "times_s": map.times,
         "ridge_hz": map.ridge(0.0, f64::INFINITY),
         "amplitude": map.columns.iter().map(|column| &column.amplitude).collect::<Vec<_>>(),

@@ -64,7 +64,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let spectrum = Analyser::new().spectrum(&trace, &settings)?;
     let mut peaks = spectrum.peaks(MIN_LISTED_SHARE);
     peaks.truncate(MAX_LISTED);
-    let (chain, notes) = chain(&set, arguments.signal.shot, site);
+    let (chain, mut notes) = chain(&set, arguments.signal.shot, site);
+    notes.extend(arguments.signal.clipped(&set));
     let title = arguments.signal.title(&trace);
     let page = SpectrumPage { title, spectrum, peaks, chain, offset, notes };
     if let Some(file) = &arguments.plot {
@@ -85,7 +86,13 @@ fn chain(
     site: Option<Site>,
 ) -> (Option<crate::analysis::dispersion::DiatomicChain>, Vec<String>) {
     let Some(site) = site else {
-        return (None, vec!["no band edges: where the signal was felt is not told".to_owned()]);
+        return (
+            None,
+            vec![
+                "no band edges: the sensor's place in the chain is not known; --scene gives it"
+                    .to_owned(),
+            ],
+        );
     };
     match metadata::scene_of(set, shot) {
         Some(Ok(scene)) => match metadata::cell(&scene, site) {
@@ -96,7 +103,10 @@ fn chain(
             ),
         },
         Some(Err(error)) => (None, vec![format!("no band edges: {error}")]),
-        None => (None, vec!["no band edges: the file carries no scene".to_owned()]),
+        None => (
+            None,
+            vec!["no band edges: the file carries no scene; give one with --scene".to_owned()],
+        ),
     }
 }
 

@@ -6,7 +6,8 @@ use std::path::Path;
 use anyhow::bail;
 use clap::Args;
 
-use crate::recording::format::{Format, open};
+use super::input::{BenchArguments, Selection, TableArguments};
+use crate::recording::format::Format;
 use crate::recording::mcap::indexed_recording::IndexedRecording;
 use crate::scene::Scene;
 use crate::tui::work::served::ServedConnection;
@@ -21,6 +22,12 @@ pub struct Arguments {
     /// Show each new shot of a recording that is still being written
     #[arg(long)]
     follow: bool,
+    #[command(flatten)]
+    table: TableArguments,
+    #[command(flatten)]
+    bench: BenchArguments,
+    #[command(flatten)]
+    selection: Selection,
     /// Hold what is shown against this recording, folder or scene
     #[arg(long, value_name = "WHAT")]
     against: Option<String>,
@@ -41,11 +48,23 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.follow && format != Some(Format::Mcap) {
         bail!("{}: found --follow, expected it with an .mcap recording", arguments.what);
     }
+    let as_is = arguments.bench.is_empty() && arguments.selection.is_all();
     let subject = match format {
-        Some(Format::Mcap) => {
+        Some(Format::Mcap) if as_is => {
             ViewSource::IndexedRecording(Box::new(IndexedRecording::open(path)?), arguments.follow)
         }
-        Some(_) => ViewSource::Set(Box::new(open(path)?)),
+        Some(_) if arguments.follow => {
+            bail!(
+                "{}: --follow shows a recording as it is: leave the other options away",
+                arguments.what
+            )
+        }
+        Some(_) => {
+            let mut set = arguments.table.open(path)?;
+            arguments.bench.apply(&mut set)?;
+            arguments.selection.apply(&mut set)?;
+            ViewSource::Set(Box::new(set))
+        }
         None => bench(&arguments.what)?,
     };
     terminal()?;

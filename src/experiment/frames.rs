@@ -14,24 +14,24 @@ pub struct Frames {
     pub contact_forces: Vec<Vec<f64>>,
     /// Displacement of each body at each time; nothing before the first frame (m).
     pub displacements: Vec<Vec<f64>>,
-    frames: usize,
+    count: usize,
 }
 
 impl Frames {
-    /// A film that begins with the chain at rest but for these velocities (m/s), if a frame is due at the start.
+    /// Frames that begin with the chain at rest but for these velocities (m/s), if a frame is due at the start.
     pub fn new(chain: &Chain, grid: Grid, velocities: &[f64]) -> Self {
-        let mut film =
-            Self { grid, contact_forces: Vec::new(), displacements: Vec::new(), frames: 0 };
+        let mut frames =
+            Self { grid, contact_forces: Vec::new(), displacements: Vec::new(), count: 0 };
         if grid.time(0) <= 0.0 {
             let State { position, velocity, .. } = chain.initial_state(velocities);
-            film.take(chain, (&position, &velocity), &|_| true);
+            frames.take(chain, (&position, &velocity), &|_| true);
         }
-        film
+        frames
     }
 
     /// Makes room for the first frame.
     fn begin(&mut self, chain: &Chain) {
-        if self.frames == 0 {
+        if self.count == 0 {
             self.contact_forces = vec![Vec::new(); chain.contacts().len()];
             self.displacements = vec![Vec::new(); chain.bodies().len()];
         }
@@ -68,13 +68,13 @@ impl Frames {
             for (track, x) in self.displacements.iter_mut().zip(positions) {
                 track.push(x);
             }
-            self.frames += 1;
+            self.count += 1;
         }
     }
 
     /// When the next frame is due (s).
     pub fn next(&self) -> f64 {
-        self.grid.time(self.frames)
+        self.grid.time(self.count)
     }
 
     fn take(&mut self, chain: &Chain, motion: (&[f64], &[f64]), closed: &dyn Fn(usize) -> bool) {
@@ -86,6 +86,6 @@ impl Frames {
         for (track, x) in self.displacements.iter_mut().zip(position) {
             track.push(*x);
         }
-        self.frames += 1;
+        self.count += 1;
     }
 }

@@ -27,7 +27,7 @@ pub fn deep(chain: &Chain, film: &Frames) -> Option<String> {
     let (upper, lower) = chain.beside(j);
     (most > MAX_OVERLAP_SHARE).then(|| {
         format!(
-            "the overlap between {upper} and {lower} reaches {most:.1} of the smaller one's length: Hertz's law is for small ones, and these numbers are none of a real chain"
+            "the overlap between {upper} and {lower} reaches {most:.1} of the smaller one's length: Hertz's law does not hold there, and these results are not those of a real chain"
         )
     })
 }
@@ -48,9 +48,9 @@ pub fn note(chain: &Chain, film: &Frames) -> Option<String> {
     }
     let (force, limit, j) = worst?;
     let (upper, lower) = chain.beside(j);
-    let bear = if count == 1 { "contact bears" } else { "contacts bear" };
+    let exceed = if count == 1 { "contact exceeds" } else { "contacts exceed" };
     Some(format!(
-        "{count} {bear} more than makes their softer body yield, the one between {upper} and {lower} at least {} where {} would do (Hertz's peak pressure above 1.6 yield strengths, Johnson 1985, slow loading): real amplitudes are lower",
+        "{count} {exceed} the yield load of the softer body ({} between {upper} and {lower}; yields at {}): real peaks will be lower",
         engineering(force, "N", 3),
         engineering(limit, "N", 2)
     ))

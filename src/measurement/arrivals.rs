@@ -10,7 +10,10 @@ use crate::analysis::correlation::delay;
 use crate::analysis::pulse::{Conditions, Pulse};
 use crate::analysis::speed::{speed, speed_over};
 use crate::recording::{Capture, Shot, TraceSet};
-use crate::scene::{Scene, Site};
+use crate::scene::Site;
+
+/// Why there are no speeds, and what to do.
+const NO_DISTANCES: &str = "no speeds: no distances are known; give --scene NAME, or --distance CH1-CH2=\"47.2 mm +- 0.1 mm\"";
 
 /// A pulse smaller than this share of the largest value is not counted (1).
 const MIN_PULSE_SHARE: f64 = 0.05;
@@ -58,8 +61,10 @@ pub struct SpeedBetween {
     pub from: String,
     /// Channel to which.
     pub to: String,
-    /// Distance along the chain at rest, taken as exact (m).
+    /// Distance along the chain at rest (m).
     pub distance_m: f64,
+    /// Its standard uncertainty; 0 where it is a scene's (m).
+    pub distance_u_m: f64,
     /// The arrival's estimator, or `cross_correlation`.
     pub estimator: &'static str,
     /// Speed, metres per second.
@@ -97,6 +102,7 @@ pub struct Survey {
 /// Reads arrivals and speeds off `shot` of `set`.
 pub fn survey(set: &TraceSet, shot: &Shot) -> Survey {
     let sensors = metadata::sensors_of(set, shot.number);
+    let distances = metadata::distances(set);
     let mut notes = Vec::new();
     let scene = match metadata::scene_of(set, shot.number) {
         Some(Ok(scene)) => Some(scene),
@@ -105,17 +111,20 @@ pub fn survey(set: &TraceSet, shot: &Shot) -> Survey {
             None
         }
         None => {
-            notes.push("no speeds: the file carries no scene that tells distances".to_owned());
+            if distances.is_empty() {
+                notes.push(NO_DISTANCES.to_owned());
+            }
             None
         }
     };
     let mut channels = Vec::new();
-    let mut placed = Vec::new();
+    let (mut placed, mut pulses) = (Vec::new(), Vec::new());
     for capture in &shot.captures {
         let name = capture.waveform.source.to_string();
         let sensor = sensors.iter().find(|sensor| sensor.channel.as_ref() == Some(&name));
         let (channel, pulse) = channel(capture, sensor);
         channels.push(channel);
+        pulses.extend(pulse.clone().map(|pulse| (name.clone(), pulse)));
         if let (Some(pulse), Some(site)) = (pulse, sensor.and_then(|sensor| sensor.site)) {
             placed.push(PlacedPulse { channel: name, site, pulse });
         }
@@ -132,9 +141,25 @@ pub fn survey(set: &TraceSet, shot: &Shot) -> Survey {
         Site::Particle(particle) => particle,
         Site::Wall => usize::MAX,
     });
-    let speeds = scene.iter().flat_map(|scene| {
-        placed.iter().zip(placed.iter().skip(1)).flat_map(|(a, b)| between(scene, a, b))
+    let pulse =
+        |channel: &str| pulses.iter().find(|(name, _)| name == channel).map(|(_, pulse)| pulse);
+    let measured = distances.iter().filter_map(|known| {
+        let pair =
+            ((known.from.as_str(), pulse(&known.from)?), (known.to.as_str(), pulse(&known.to)?));
+        Some(between(known.distance, pair.0, pair.1))
     });
+    let is_measured = |a: &str, b: &str| {
+        distances.iter().any(|d| (d.from == a && d.to == b) || (d.from == b && d.to == a))
+    };
+    let of_scene = scene.iter().flat_map(|scene| {
+        placed.iter().zip(placed.iter().skip(1)).filter_map(|(a, b)| {
+            let value = metadata::distance(scene, a.site, b.site)
+                .filter(|_| !is_measured(&a.channel, &b.channel))?;
+            let distance = Uncertain { value, u: 0.0 };
+            Some(between(distance, (&a.channel, &a.pulse), (&b.channel, &b.pulse)))
+        })
+    });
+    let speeds = measured.chain(of_scene).flatten();
     let decay = |(a, b): (&PlacedPulse, &PlacedPulse)| {
         let height = |placed: &PlacedPulse| {
             channels.iter().find(|channel| channel.channel == placed.channel)?.height_n
@@ -162,9 +187,12 @@ struct PlacedPulse {
 }
 
 fn channel(capture: &Capture, sensor: Option<&RecordedSensor>) -> (ChannelArrivals, Option<Pulse>) {
+    let unit = capture.waveform.preamble.y_unit.as_str();
+    // A record in newtons, or in any other unit than volts, is no sensor's voltage.
+    let sensor_of_volts = sensor.filter(|_| unit == "V");
     let conditions = Conditions {
         level: capture.waveform.preamble.y_mult.abs(),
-        time_constant: sensor.and_then(|sensor| sensor.time_constant),
+        time_constant: sensor_of_volts.and_then(|sensor| sensor.time_constant),
         baseline: None,
     };
     let found = match capture.trace() {
@@ -176,7 +204,7 @@ fn channel(capture: &Capture, sensor: Option<&RecordedSensor>) -> (ChannelArriva
         Err(problem) => (None, Some(problem)),
     };
     let height = pulse.as_ref().and_then(Pulse::height);
-    let sensitivity = sensor.and_then(|sensor| sensor.sensitivity);
+    let sensitivity = sensor_of_volts.and_then(|sensor| sensor.sensitivity);
     let sensitivity_u = sensor.and_then(|sensor| sensor.sensitivity_u).unwrap_or(0.0);
     let force = height.zip(sensitivity).map(|(height, sensitivity)| Uncertain {
         value: height.value / sensitivity,
@@ -189,11 +217,11 @@ fn channel(capture: &Capture, sensor: Option<&RecordedSensor>) -> (ChannelArriva
     let channel = ChannelArrivals {
         channel: capture.waveform.source.to_string(),
         sensor: sensor.map(|sensor| sensor.name.clone()),
-        droop_undone: conditions.time_constant.is_some(),
+        droop_undone: conditions.time_constant.is_some() || unit != "V",
         clipped: capture.waveform.clipped(),
-        noise_v: pulse.as_ref().map(|pulse| pulse.noise),
-        height_v: height,
-        height_n: force,
+        noise_v: pulse.as_ref().map(|pulse| pulse.noise).filter(|_| unit == "V"),
+        height_v: height.filter(|_| unit == "V"),
+        height_n: force.or(height.filter(|_| unit == "N")),
         width_s: pulse.as_ref().and_then(Pulse::width),
         pulses: pulse.as_ref().map(|pulse| pulse.count(MIN_PULSE_SHARE)),
         arrivals: Estimator::ALL.map(arrival).to_vec(),
@@ -202,26 +230,27 @@ fn channel(capture: &Capture, sensor: Option<&RecordedSensor>) -> (ChannelArriva
     (channel, pulse)
 }
 
-/// Speeds from one place to the next by every estimator that tells both arrivals, and by cross-correlation.
-fn between(scene: &Scene, from: &PlacedPulse, to: &PlacedPulse) -> Vec<SpeedBetween> {
-    let Some(distance_m) = metadata::distance(scene, from.site, to.site) else {
-        return Vec::new();
-    };
-    let distance = Uncertain { value: distance_m, u: 0.0 };
+/// Speeds over `distance` (m) from one channel to another by every estimator that tells both arrivals, and by cross-correlation.
+fn between(
+    distance: Uncertain,
+    (from, start): (&str, &Pulse),
+    (to, end): (&str, &Pulse),
+) -> Vec<SpeedBetween> {
     let by_arrival = |estimator: Estimator| {
-        let (start, end) = (from.pulse.arrival(estimator)?, to.pulse.arrival(estimator)?);
+        let (start, end) = (start.arrival(estimator)?, end.arrival(estimator)?);
         Some((estimator.key(), speed(distance, start, end)?))
     };
-    let by_shape = delay(&from.pulse, &to.pulse).and_then(|time| speed_over(distance, time));
+    let by_shape = delay(start, end).and_then(|time| speed_over(distance, time));
     let shape = by_shape.map(|speed| ("cross_correlation", speed));
     let found = Estimator::ALL.into_iter().filter_map(by_arrival).chain(shape);
     found
-        .map(|(estimator, speed)| SpeedBetween {
-            from: from.channel.clone(),
-            to: to.channel.clone(),
-            distance_m,
+        .map(|(estimator, m_per_s)| SpeedBetween {
+            from: from.to_owned(),
+            to: to.to_owned(),
+            distance_m: distance.value,
+            distance_u_m: distance.u,
             estimator,
-            m_per_s: speed.into(),
+            m_per_s,
         })
         .collect()
 }

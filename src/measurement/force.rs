@@ -31,6 +31,8 @@ pub struct Forces {
     pub u: Vec<f64>,
     /// The same without what is common to all values: noise alone (N).
     pub noise_u: Vec<f64>,
+    /// Samples at the converter's ends, where the true force is larger.
+    pub clipped: usize,
 }
 
 /// Why a channel has no forces.
@@ -38,11 +40,19 @@ pub struct Forces {
 pub enum ForcesError {
     /// No sensor is known, or it is not known how sensitive it is.
     #[error(
-        "{channel}: found no sensor with sensitivity and time constant, expected one: --sensor {channel}=NAME or FILE"
+        "{channel}: no sensor with sensitivity and time constant is known: give one with --sensor {channel}=NAME or FILE, or the bench with --scene"
     )]
     NoSensor {
         /// The channel.
         channel: String,
+    },
+    /// A record of something else than volts or newtons.
+    #[error("{channel}: the record is in {unit}: forces are made from volts")]
+    NotVolts {
+        /// The channel.
+        channel: String,
+        /// The unit of its values.
+        unit: String,
     },
     /// A record over frequency.
     #[error("{channel}: found a record over frequency, expected one over time")]
@@ -68,6 +78,12 @@ pub fn wire(set: &mut TraceSet, channel: &str, sensor: &Sensor) -> Result<(), Sc
     let setup = ChannelSetup { vertical, input: None, offset: 0.0, deviation };
     let circuit = sensor.connect(input_load(&model, &setup));
     let channel = channel.to_ascii_uppercase();
+    // Where it sits stays.
+    let before = set
+        .metadata
+        .iter()
+        .find(|(name, facts)| name.contains("sensor/") && facts.get("channel") == Some(&channel));
+    let site = before.and_then(|(_, facts)| facts.get("site").cloned());
     set.metadata
         .retain(|name, facts| !name.contains("sensor/") || facts.get("channel") != Some(&channel));
     let mut facts = vec![
@@ -77,6 +93,7 @@ pub fn wire(set: &mut TraceSet, channel: &str, sensor: &Sensor) -> Result<(), Sc
         ("sensitivity_v_per_n", circuit.sensitivity.to_string()),
         ("time_constant_s", circuit.time_constant.to_string()),
     ];
+    facts.extend(site.map(|site| ("site", site)));
     let measured = &sensor.measured;
     let uncertainty = |key, value: Option<f64>| value.map(|value| (key, value.to_string()));
     facts.extend(uncertainty("sensitivity_u_relative", measured.sensitivity_u));
@@ -103,6 +120,12 @@ pub fn forces(set: &TraceSet, shot: &Shot) -> Vec<Result<Forces, ForcesError>> {
 
 fn of_channel(capture: &Capture, sensors: &[RecordedSensor]) -> Result<Forces, ForcesError> {
     let channel = capture.waveform.source.to_string();
+    let clipped = capture.waveform.clipped();
+    match capture.waveform.preamble.y_unit.as_str() {
+        "V" | "dB" => {}
+        "N" => return of_newtons(capture, channel),
+        unit => return Err(ForcesError::NotVolts { channel, unit: unit.to_owned() }),
+    }
     let sensor = sensors.iter().find(|sensor| sensor.channel.as_ref() == Some(&channel));
     let circuit = sensor.and_then(|s| Some((s, s.sensitivity?, s.time_constant?)));
     let Some((sensor, sensitivity, tau)) = circuit else {
@@ -131,5 +154,24 @@ fn of_channel(capture: &Capture, sensors: &[RecordedSensor]) -> Result<Forces, F
     let values = felt.values.iter().map(|v| v / sensitivity).collect();
     let name = format!("{channel}, sensor {}", sensor.name);
     let force = Trace { name, unit: "N".to_owned(), values, ..felt };
-    Ok(Forces { channel, sensor: sensor.clone(), force, u, noise_u })
+    Ok(Forces { channel, sensor: sensor.clone(), force, u, noise_u, clipped })
+}
+
+/// A record that is in newtons already, as it stands; only its noise is known.
+fn of_newtons(capture: &Capture, channel: String) -> Result<Forces, ForcesError> {
+    let Some(force) = capture.trace() else { return Err(ForcesError::NoTime { channel }) };
+    let level = capture.waveform.preamble.y_mult.abs();
+    let noise = Pulse::find(&force, Conditions { level, ..Conditions::default() })?.noise;
+    let u = vec![noise; force.values.len()];
+    let sensor = RecordedSensor {
+        name: "in newtons".to_owned(),
+        channel: Some(channel.clone()),
+        site: None,
+        sensitivity: None,
+        sensitivity_u: None,
+        time_constant: None,
+        time_constant_u: None,
+    };
+    let clipped = capture.waveform.clipped();
+    Ok(Forces { channel, sensor, force, noise_u: u.clone(), u, clipped })
 }

@@ -3,8 +3,12 @@
 use std::collections::BTreeMap;
 
 use crate::analysis::dispersion::DiatomicChain;
+use crate::quantity::Uncertain;
 use crate::recording::TraceSet;
 use crate::scene::{Scene, SceneError, Site};
+
+/// Metadata groups of distances begin like this.
+const DISTANCE: &str = "hertzscope:distance/";
 
 /// A sensor as the recording's metadata describe it.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +27,47 @@ pub struct RecordedSensor {
     pub time_constant: Option<f64>,
     /// Relative standard uncertainty of the time constant, where the sensor was calibrated (1).
     pub time_constant_u: Option<f64>,
+}
+
+/// A distance along the chain between two channels' sensors, as the experimenter measured it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordedDistance {
+    /// Channel from which, `CH1`.
+    pub from: String,
+    /// Channel to which.
+    pub to: String,
+    /// The distance, in metres.
+    pub distance: Uncertain,
+}
+
+impl RecordedDistance {
+    /// The metadata record that keeps it, with its name.
+    pub fn facts(&self) -> (String, BTreeMap<String, String>) {
+        let facts = [
+            ("from", self.from.clone()),
+            ("to", self.to.clone()),
+            ("distance_m", self.distance.value.to_string()),
+            ("distance_u_m", self.distance.u.to_string()),
+        ];
+        let facts = facts.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
+        (format!("{DISTANCE}{}-{}", self.from, self.to), facts)
+    }
+}
+
+/// The distances that a recording's metadata tell.
+pub fn distances(set: &TraceSet) -> Vec<RecordedDistance> {
+    let groups = set.metadata.iter().filter(|(name, _)| name.starts_with(DISTANCE));
+    groups
+        .filter_map(|(_, facts)| {
+            let number =
+                |key: &str| facts.get(key)?.parse().ok().filter(|value: &f64| value.is_finite());
+            Some(RecordedDistance {
+                from: facts.get("from")?.clone(),
+                to: facts.get("to")?.clone(),
+                distance: Uncertain { value: number("distance_m")?, u: number("distance_u_m")? },
+            })
+        })
+        .collect()
 }
 
 /// The scene that travels with a recording; none where none does, as with a real scope's files.

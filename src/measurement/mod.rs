@@ -9,3 +9,4 @@ pub mod calibration;
 pub mod compare;
 pub mod force;
 pub mod metadata;
+pub mod statistics;

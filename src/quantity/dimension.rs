@@ -105,6 +105,25 @@ impl Dimension {
         NAMES.iter().find(|(dimension, _)| *dimension == self).map(|(_, name)| *name)
     }
 
+    /// A quantity of this dimension as it is typed.
+    pub fn example(self) -> Option<&'static str> {
+        const EXAMPLES: [(Dimension, &str); 12] = [
+            (Dimension::MASS, "3.5 g"),
+            (Dimension::LENGTH, "4.76 mm"),
+            (Dimension::TIME, "2 ms"),
+            (Dimension::FREQUENCY, "20 kHz"),
+            (Dimension::SPEED, "0.6 m/s"),
+            (Dimension::ACCELERATION, "9.81 m/s^2"),
+            (Dimension::FORCE, "2.4 N"),
+            (Dimension::PRESSURE, "193 GPa"),
+            (Dimension::DENSITY, "2200 kg/m^3"),
+            (Dimension::VOLTAGE, "200 mV"),
+            (Dimension::VOLTAGE_PER_DIVISION, "500 mV/div"),
+            (Dimension::TIME_PER_DIVISION, "250 us/div"),
+        ];
+        EXAMPLES.iter().find(|(dimension, _)| *dimension == self).map(|(_, example)| *example)
+    }
+
     /// The SI unit as the field writes it, `N`; `1` for a plain number.
     pub fn unit(self) -> String {
         let named =

@@ -8,6 +8,9 @@ use super::set_file::{self, SetFile};
 use super::tek_csv::{self, TableColumns, TekCsvError};
 use super::{Attachment, Capture, Origin, Shot, TraceSet};
 
+/// Endings under which programs save tables; in folders, such files are notes as often.
+const TABLE_ENDINGS: [&str; 5] = ["txt", "tsv", "dat", "asc", "prn"];
+
 /// How the folders of a memory stick begin: `ALL0000`, one a trigger.
 const FOLDER: &str = "ALL";
 
@@ -105,12 +108,22 @@ pub fn open_with(path: &Path, columns: &TableColumns) -> Result<TraceSet, OpenEr
             Ok(set)
         }
         Some(Format::Folder) => folder(path, columns),
+        None if path.is_file() && is_table(path) => {
+            let mut set = TraceSet::default();
+            import(&mut set, &[path.to_owned()], "", columns)?;
+            Ok(set)
+        }
         None if path.exists() => Err(OpenError::UnknownFormat { file: path.to_owned() }),
         None => {
             let source = std::io::Error::from(std::io::ErrorKind::NotFound);
             Err(OpenError::File { file: path.to_owned(), source })
         }
     }
+}
+
+fn is_table(path: &Path) -> bool {
+    let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
+    TABLE_ENDINGS.iter().any(|known| known.eq_ignore_ascii_case(ending))
 }
 
 /// Contents of a folder, each list in order of names.

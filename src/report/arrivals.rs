@@ -22,8 +22,7 @@ pub fn arrivals(survey: &Survey) -> String {
         lines.extend(speeds(survey));
     }
     for decay in &survey.decays {
-        let rate =
-            decay.per_metre.map_or(String::new(), |rate| format!(", {rate:+.2} nepers a metre"));
+        let rate = decay.per_metre.map_or(String::new(), |rate| format!(", {rate:+.2} Np/m"));
         lines.push(format!(
             "  first peak  {} -> {}: {:.3} ± {:.3} of its height{rate}",
             decay.from,

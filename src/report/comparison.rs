@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::document::Part;
 use super::plot::Curve;
 use super::{chart, chart_over, table};
+use crate::measurement::compare::mapping::ASSUMED;
 use crate::measurement::compare::{ChannelScore, Compared, Comparison};
 use crate::quantity::engineering;
 use crate::trace::Trace;
@@ -83,7 +84,7 @@ fn alignment(comparison: &Comparison) -> String {
         comparison.shift_u_s.map_or_else(String::new, |u| format!(" ± {}", engineering(u, "s", 2)));
     let shift = signed(comparison.shift_s, "s", 4);
     format!(
-        "aligned by {}: simulated traces {shift}{u} later; gain and offset are told, not taken out",
+        "aligned by {}: simulated traces {shift}{u} later; gain and offset are reported, not removed",
         comparison.align
     )
 }
@@ -94,7 +95,15 @@ fn verdict(comparison: &Comparison) -> String {
 }
 
 fn mapping(comparison: &Comparison) -> Vec<String> {
-    let line = |c: &ChannelScore| format!("{} is {} by {}", c.name, c.against, c.mapped_by);
+    let line = |c: &ChannelScore| {
+        let ChannelScore { name, against, mapped_by, .. } = c;
+        match *mapped_by {
+            ASSUMED => {
+                format!("assumed: measured {name} = simulated {against} (change with --map)")
+            }
+            _ => format!("measured {name} = simulated {against}, from {mapped_by}"),
+        }
+    };
     let clipped = comparison.channels.iter().filter(|c| c.clipped > 0);
     let clipped =
         clipped.map(|c| format!("{}: {} samples at the converter's ends", c.name, c.clipped));

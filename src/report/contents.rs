@@ -68,12 +68,15 @@ fn shot_lines(shot: &Shot) -> Vec<String> {
     rows.extend(shot.captures.iter().map(capture_row));
     let mut lines = vec![format!("shot {}, {origin}", shot.number)];
     lines.extend(table::lines(&rows, &[0]));
+    if shot.origin == Origin::Measured && shot.timestamp_ns > 0 {
+        lines.push(format!("  saved {}", utc(shot.timestamp_ns)));
+    }
     for capture in &shot.captures {
         let source = capture.waveform.source;
         lines.extend(capture.notes.iter().map(|note| format!("  {source}: {note}")));
     }
     if !shot.truth.is_empty() {
-        lines.push(format!("  and {} series of what no sensor saw", shot.truth.len()));
+        lines.push(format!("  and {} simulated signals (true forces, motion)", shot.truth.len()));
     }
     lines
 }
@@ -98,4 +101,37 @@ fn capture_row(capture: &Capture) -> Vec<String> {
         extreme(waveform.codes.iter().max()),
         waveform.clipped().to_string(),
     ]
+}
+
+/// A time in nanoseconds since 1970 as date and time of day, UTC. Calendar: E. M. Reingold and N. Dershowitz, Calendrical Calculations (2018),
+/// with March as the first month of a year.
+fn utc(nanoseconds: u64) -> String {
+    let seconds = nanoseconds / 1_000_000_000;
+    let (days, second) = (seconds / 86_400 + 719_468, seconds % 86_400);
+    let (era, day) = (days / 146_097, days % 146_097);
+    let year = (day - day / 1_460 + day / 36_524 - day / 146_096) / 365;
+    let day = day - (365 * year + year / 4 - year / 100);
+    let month = (5 * day + 2) / 153;
+    let day = day - (153 * month + 2) / 5 + 1;
+    let month = if month < 10 { month + 3 } else { month - 9 };
+    let year = era * 400 + year + u64::from(month <= 2);
+    let (hour, minute, second) = (second / 3600, second / 60 % 60, second % 60);
+    format!("{year:04}-{month:02}-{day:02} {hour:02}:{minute:02}:{second:02} UTC")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn days_of_the_calendar() {
+        for (seconds, text) in [
+            (0, "1970-01-01 00:00:00 UTC"),
+            (951_782_400, "2000-02-29 00:00:00 UTC"),
+            (1_677_771_087, "2023-03-02 15:31:27 UTC"),
+            (4_102_444_799, "2099-12-31 23:59:59 UTC"),
+        ] {
+            assert_eq!(utc(seconds * 1_000_000_000), text);
+        }
+    }
 }

@@ -49,8 +49,8 @@ impl DispersionPage {
             lines.map(|line| (line.phase, line.frequency)).collect()
         };
         [
-            PointSet { points: of(true), name: "phase runs onward", colour: "#c04020" },
-            PointSet { points: of(false), name: "phase runs back", colour: "#208040" },
+            PointSet { points: of(true), name: "travelling forward", colour: "#c04020" },
+            PointSet { points: of(false), name: "travelling backward", colour: "#208040" },
         ]
     }
 
@@ -86,7 +86,7 @@ impl DispersionPage {
             ),
             String::new(),
         ];
-        let heading = ["frequency", "k a", "height", "theory there", "off", "phase runs"];
+        let heading = ["frequency", "k a", "height", "theory there", "off", "travelling"];
         let mut rows = vec![heading.map(str::to_owned).to_vec()];
         rows.extend(found.lines.iter().map(|line| {
             let theory = self.theory(line);
@@ -96,7 +96,7 @@ impl DispersionPage {
                 format!("{:.0} %", 100.0 * line.height),
                 hertz(theory),
                 format!("{:+.1} %", 100.0 * (line.frequency / theory - 1.0)),
-                if line.onward { "onward" } else { "back" }.to_owned(),
+                if line.onward { "forward" } else { "backward" }.to_owned(),
             ]
         }));
         page.extend(table::lines(&rows, &[5]));

@@ -51,6 +51,13 @@ pub fn forces(found: &[Forces], problems: &[String]) -> String {
             channel.channel
         )
     }));
+    let cut = found.iter().filter(|channel| channel.clipped > 0);
+    lines.extend(cut.map(|channel| {
+        format!(
+            "  note  {}: {} samples are clipped at the converter's ends: the true force is larger there, and wrong behind it",
+            channel.channel, channel.clipped
+        )
+    }));
     lines.extend(problems.iter().map(|problem| format!("  note  {problem}")));
     if let Some(first) = found.first() {
         lines.push(String::new());

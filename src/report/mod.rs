@@ -25,6 +25,7 @@ mod screen;
 pub mod sheet;
 pub mod spectrogram;
 pub mod spectrum;
+mod statistics;
 mod summary;
 mod sweep;
 mod table;
@@ -45,6 +46,7 @@ pub use paper::{PaperPicture, paper, paper_parts, paper_pictures};
 #[cfg(feature = "png")]
 pub use png::{PngError, png};
 pub use screen::screen;
+pub use statistics::{statistics, statistics_csv};
 pub use summary::summary;
 pub use sweep::{gathering, sweep};
 pub use tunability::{transmitted, tunability, tunability_svg};

@@ -112,7 +112,7 @@ fn costs(summary: &Summary) -> Vec<String> {
         )
     };
     let held = summary.wall_held_s.map_or(String::new(), |wall| {
-        format!(", {} with the runs it is held against", engineering(wall, "s", 3))
+        format!(", {} including the check runs", engineering(wall, "s", 3))
     });
     let is_rounding = energy.is_rounding() && energy.drift.abs() > TOLERABLE;
     let rounding = if is_rounding { ", rounding of what is stored" } else { "" };

@@ -3,6 +3,9 @@
 use std::cell::RefCell;
 use std::fmt;
 
+/// The text found where a required key is missing.
+pub(super) const MISSING: &str = "no such key";
+
 /// One thing wrong with a file that describes a scene or an instrument.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problem {
@@ -22,11 +25,22 @@ pub struct Problem {
 
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{}:{}: ", self.file, self.line, self.column)?;
-        if !self.key.is_empty() {
-            write!(f, "{}: ", self.key)?;
+        let Self { file, line, column, key, found, expected } = self;
+        write!(f, "{file}:{line}:{column}: ")?;
+        if found == MISSING {
+            return write!(f, "missing `{key}`: give {expected}");
         }
-        write!(f, "found {}, expected {}", self.found, self.expected)
+        if !key.is_empty() {
+            write!(f, "{key}: ")?;
+        }
+        // What is needed stands before the example of it.
+        let (needed, example) = expected.split_once(", e.g. ").unwrap_or((expected, ""));
+        let example = if example.is_empty() { "" } else { &expected[needed.len()..] };
+        if found.starts_with('`') && found.contains("` is ") {
+            write!(f, "{found}; {needed} is needed{example}")
+        } else {
+            write!(f, "found {found}, expected {expected}")
+        }
     }
 }
 

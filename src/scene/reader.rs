@@ -8,8 +8,15 @@ use std::rc::Rc;
 
 pub use super::bound::Bound;
 use super::document::{Entries, Entry, Node, SourceLocation, Value};
+use super::problem::MISSING;
 pub use super::problem::Problems;
 use crate::quantity::{self, Dimension, QuantityError};
+
+/// What a quantity must be, with an example where there is one.
+fn expectation(dimension: Dimension, bound: Bound) -> String {
+    let example = dimension.example().map_or_else(String::new, |e| format!(", e.g. \"{e}\""));
+    format!("{dimension}{}{example}", bound.words())
+}
 
 /// A table being read.
 pub struct TableReader<'a> {
@@ -75,7 +82,7 @@ impl<'a> TableReader<'a> {
     fn missing(&self, key: &'static str, expected: impl FnOnce() -> String) -> bool {
         let missing = self.node(key).is_none();
         if missing {
-            self.problem(key, "no such key", expected());
+            self.problem(key, MISSING, expected());
         }
         missing
     }
@@ -83,7 +90,7 @@ impl<'a> TableReader<'a> {
     /// A quantity with a unit, as a number of SI units (unit).
     pub fn quantity(&self, key: &'static str, dimension: Dimension, bound: Bound) -> Option<f64> {
         let node = self.node(key)?;
-        let expected = || format!("{dimension}{}", bound.words());
+        let expected = || expectation(dimension, bound);
         let value = match &node.value {
             Value::Text(text) => match quantity::parse(text, dimension) {
                 Ok(value) => value,
@@ -124,7 +131,7 @@ impl<'a> TableReader<'a> {
 
     /// A quantity that must be there, as a number of SI units (unit).
     pub fn required(&self, key: &'static str, dimension: Dimension, bound: Bound) -> Option<f64> {
-        if self.missing(key, || format!("{dimension}{}", bound.words())) {
+        if self.missing(key, || expectation(dimension, bound)) {
             return None;
         }
         self.quantity(key, dimension, bound)

@@ -20,9 +20,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use ratatui::DefaultTerminal;
-use ratatui::crossterm::event::{
-    DisableMouseCapture, EnableMouseCapture, Event, KeyCode, KeyEvent,
-};
+use ratatui::crossterm::event::{DisableMouseCapture, EnableMouseCapture, Event};
 use ratatui::crossterm::execute;
 use ratatui::layout::{Position, Rect, Size};
 
@@ -74,15 +72,23 @@ pub fn run(subject: ViewSource, title: String, against: Option<String>) -> io::R
     if let Some(against) = against {
         model.compare_with(against);
     }
-    let mut terminal = ratatui::try_init()?;
-    let result = watch_mouse().and_then(|()| {
+    on_terminal(|terminal| {
         let (mut staff, news) = Workers::start(tape, is_followed);
         if let Some(scope) = scope {
             staff.watch(scope);
         }
         staff.listen();
-        show(&mut terminal, &mut model, &staff, &news)
-    });
+        show(terminal, &mut model, &staff, &news)
+    })
+}
+
+/// Runs `work` on the terminal's alternate screen with the mouse, and restores the terminal, after a panic of this thread too.
+///
+/// # Errors
+/// Those of `work`, or when the terminal cannot be set up or restored.
+pub fn on_terminal(work: impl FnOnce(&mut DefaultTerminal) -> io::Result<()>) -> io::Result<()> {
+    let mut terminal = ratatui::try_init()?;
+    let result = watch_mouse().and_then(|()| work(&mut terminal));
     let mouse = execute!(io::stdout(), DisableMouseCapture);
     let restored = ratatui::try_restore();
     result.and(mouse).and(restored)
@@ -161,10 +167,6 @@ fn take(news: ScreenEvent, size: Size, model: &mut ScreenState) -> bool {
 
 /// Lets one event of the terminal act on the model; the mouse moves often and means something seldom.
 fn press(event: &Event, size: Size, model: &mut ScreenState) -> bool {
-    let is_mark = |key: KeyEvent| key.code == KeyCode::Char('!');
-    if event.as_key_press_event().is_some_and(is_mark) {
-        work::provoked("screen");
-    }
     let layout = view::layout_of(model, Rect::from((Position::ORIGIN, size)));
     match keys::action(event, model, layout.as_ref()) {
         Some(action) => {

@@ -58,7 +58,7 @@ fn a_recording_is_itself_through_csv() {
             }
             assert!((channel["gain"].as_f64().expect("a gain") - 1.0).abs() < 1e-12);
             assert!((channel["correlation"].as_f64().expect("a number") - 1.0).abs() < 1e-12);
-            assert_eq!(channel["mapped_by"], "a guess: the same channel");
+            assert_eq!(channel["mapped_by"], "assumed: the same channel");
         }
     }
     let set = hertzscope::recording::format::open(scored.as_ref()).expect("a recording");

@@ -11,6 +11,7 @@ mod foreign_captures;
 mod foreign_random;
 mod foreign_texts;
 mod imports;
+mod instrument_variants;
 mod made_up;
 mod random;
 mod refused;

@@ -15,7 +15,8 @@ use crate::analysis::calibration::impact::RawRecord;
 use crate::analysis::calibration::model::{Common, SpeedSource, StrikerMotion};
 use crate::analysis::calibration::{self, Calibration, CalibrationError, Draws, PlannedStrike};
 use crate::analysis::gate::Gate;
-use crate::recording::format::open;
+use crate::recording::format::open_with;
+use crate::recording::tek_csv::TableColumns;
 use crate::recording::{Capture, TraceSet};
 use crate::scene::hexadecimal;
 use crate::scene::plan::{CalibrationPlan, PlanError, PlannedImpact, SpeedMethod};
@@ -42,15 +43,15 @@ pub struct Calibrated {
     pub report: CalibrationReport,
 }
 
-/// Calibrates as `plan` says.
+/// Calibrates as `plan` says; `columns` tells what those of tables are, where they do not.
 ///
 /// # Errors
 /// [`PlanRunError`]: a recording that cannot be read or has no such channel, at its place in the plan; or too few impacts left.
-pub fn run(plan: &CalibrationPlan) -> Result<Calibrated, PlanRunError> {
+pub fn run(plan: &CalibrationPlan, columns: &TableColumns) -> Result<Calibrated, PlanRunError> {
     let mut problems = Vec::new();
     let (mut strikes, mut evidence) = (Vec::new(), Vec::new());
     for impact in &plan.impacts {
-        match strike(impact) {
+        match strike(impact, columns) {
             Ok((strike, proof)) => {
                 strikes.push(strike);
                 evidence.push(proof);
@@ -89,18 +90,24 @@ fn speed((means, value): (SpeedMethod, Uncertain)) -> SpeedSource {
     }
 }
 
-/// A capture as the calibration takes it; none for a record over frequency.
+/// A capture as the calibration takes it; none for a record over frequency or in another unit than volts.
 pub fn record(capture: &Capture, window: Option<Gate>) -> Option<RawRecord> {
     let level = capture.waveform.preamble.y_mult.abs();
+    if capture.waveform.preamble.y_unit != "V" {
+        return None;
+    }
     Some(RawRecord { trace: capture.trace()?, level, clipped: capture.waveform.clipped(), window })
 }
 
-fn strike(impact: &PlannedImpact) -> Result<(PlannedStrike, RecordingEvidence), Problem> {
+fn strike(
+    impact: &PlannedImpact,
+    columns: &TableColumns,
+) -> Result<(PlannedStrike, RecordingEvidence), Problem> {
     let problem = |found: String, expected: &str| {
         impact.place.problem("impacts.recording", found, expected.to_owned())
     };
     let file = &impact.recording;
-    let opened = open(file)
+    let opened = open_with(file, columns)
         .map_err(|error| problem(format!("{:#}", anyhow::Error::from(error)), "a recording"))?;
     let Some(shot) = opened.shots.iter().find(|shot| shot.number == impact.shot) else {
         let found = format!("{} shots in {}", opened.shots.len(), file.display());

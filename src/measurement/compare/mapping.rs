@@ -6,6 +6,9 @@ use crate::measurement::metadata::{self, RecordedSensor};
 use crate::recording::Capture;
 use crate::scene::Scene;
 
+/// How a channel without wiring or `--map` is mapped: to the simulated channel of the same name.
+pub const ASSUMED: &str = "assumed: the same channel";
+
 /// A measured channel and what it is, as the user says.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Assignment {
@@ -101,7 +104,10 @@ impl ChannelNames {
                 let sensor = sensor_at(&sensors, &name).map(|sensor| sensor.name.clone());
                 names.push((place, name, sensor));
             } else {
-                notes.push(format!("{}: {name} is no record over time and is left out", side.name));
+                notes.push(format!(
+                    "{}: {name} is no record of volts over time and is left out",
+                    side.name
+                ));
             }
         }
         if names.is_empty() {
@@ -180,7 +186,7 @@ pub fn wires(
             }
             (None, None) => {
                 let same = to.names.iter().find(|(_, other, _)| other == name);
-                (same, "a guess: the same channel")
+                (same, ASSUMED)
             }
         };
         let Some((simulated, target, there)) = partner else {

@@ -294,7 +294,9 @@ fn role(base: &str) -> ColumnRole {
     }
     // `CH1 Peak Detect`, `ch1s`: more than a channel's name.
     let more = base.strip_prefix("ch").and_then(|rest| rest.chars().next());
-    if has(&EXTRA) || more.is_some_and(|c| c.is_ascii_digit()) {
+    // Lines of a logic analyser: `D0` to `D15`.
+    let is_line = base.strip_prefix('d').is_some_and(|rest| rest.parse::<u8>().is_ok());
+    if is_line || has(&EXTRA) || more.is_some_and(|c| c.is_ascii_digit()) {
         return ColumnRole::Extra;
     }
     if OTHER.iter().any(|other| base.split([' ', '-']).any(|part| without_number(part) == *other)) {
@@ -388,6 +390,7 @@ mod tests {
             ("REF2", ColumnRole::Values(Some(Source::Reference('B'))), None),
             ("CH1 Peak Detect", ColumnRole::Extra, None),
             ("ch1s", ColumnRole::Extra, None),
+            ("D15", ColumnRole::Extra, None),
             ("Unnamed: 0", ColumnRole::Nameless, None),
             ("samples", ColumnRole::Index, None),
             ("Force", ColumnRole::OtherQuantity, None),

@@ -24,7 +24,7 @@ const MOST_CHANNELS: u8 = 8;
 /// Reads the captures of a table; `given` says what its columns are where the user knows.
 pub(super) fn read(table: &CsvRows<'_>, given: &TableColumns) -> Result<Vec<Capture>, TekCsvError> {
     let layout = TableLayout::find(table)?;
-    let body = TableBody::read(table, &layout)?;
+    let body = TableBody::read(table, &layout, !given.is_empty())?;
     let mut plan = if given.is_empty() {
         ColumnPlan::by_names(table, &layout, &body)?
     } else {

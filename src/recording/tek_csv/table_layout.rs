@@ -123,7 +123,12 @@ pub(super) struct TableBody {
 }
 
 impl TableBody {
-    pub(super) fn read(table: &CsvRows<'_>, layout: &TableLayout) -> Result<Self, TekCsvError> {
+    /// Reads the samples; `is_given` says that the user names the columns.
+    pub(super) fn read(
+        table: &CsvRows<'_>,
+        layout: &TableLayout,
+        is_given: bool,
+    ) -> Result<Self, TekCsvError> {
         let mut columns = vec![SampleColumn::default(); layout.cells.len()];
         let mut ended = vec![false; layout.cells.len()];
         let mut zeros = true;
@@ -148,7 +153,8 @@ impl TableBody {
         let names = layout
             .names
             .map_or(0, |names| table.row(names).texts().filter(|name| !name.is_empty()).count());
-        if zeros && table.separator == ',' && columns.len() > 2 && names < columns.len() {
+        let pairs = columns.len() > 2 && columns.len().is_multiple_of(2);
+        if zeros && !is_given && table.separator == ',' && pairs && names < columns.len() {
             return Err(unknown(
                 table,
                 "decimal points: commas cannot be both decimal marks and separators",

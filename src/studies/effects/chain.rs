@@ -244,7 +244,7 @@ pub fn plasticity(subject: &BaselineRun<'_>) -> LedgerEntry {
     let value = ratios.reduce(f64::max);
     let reason = match value {
         Some(value) if value > 1.0 => {
-            "not built: the law is elastic, though contacts bear more than makes their softer body yield; real amplitudes are lower"
+            "not built: the law is elastic, though contacts exceed the yield load of their softer body; real amplitudes are lower"
         }
         Some(_) => "not built, and nothing yields",
         None => "not built; no material has a yield_strength",

@@ -172,7 +172,6 @@ impl MovingChain<'_> {
 
     /// Checks first peaks at `contacts` of a chain with losses against another family of methods, as [`MovingChain::check_peaks`] does, and the
     /// energy with what the losses have taken: that it is all there at the end, and never more than there was.
-    #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^53 steps")]
     pub fn check_lossy(
         &self,
         tally: &mut CaseChecks,

@@ -1,7 +1,7 @@
 //! Which traces there are: those of the shot in volts or newtons, the math trace, the references.
 
 use super::ScreenState;
-use crate::measurement::force::{Forces, forces};
+use crate::measurement::force::{Forces, ForcesError, forces};
 use crate::recording::Capture;
 use crate::scope::{Source, VerticalSetup, Waveform};
 use crate::trace::Trace;
@@ -41,7 +41,12 @@ impl ScreenState {
             for (trace, force) in traces.iter_mut().zip(forces(&self.set, shot)) {
                 match force {
                     Ok(forces) => *trace = as_record(trace, &forces),
-                    Err(problem) => missing = Some(format!("stays in volts: {problem}")),
+                    Err(ForcesError::NoSensor { channel }) => {
+                        missing = Some(format!(
+                            "no calibration for {channel}: cannot show newtons (give one with --sensor)"
+                        ));
+                    }
+                    Err(problem) => missing = Some(format!("cannot show newtons: {problem}")),
                 }
             }
             if missing.is_some() {

@@ -43,14 +43,6 @@ pub fn update(model: &mut ScreenState, action: Action) {
         Action::Snap(turn) => model.snap_cursor(turn),
         Action::Press { x, y } => model.press_at(x, y),
         Action::Drag { x, y } => model.drag_to(x, y),
-        other => more(model, other),
-    }
-    model.derive();
-}
-
-/// Pages, playing, the bench and the command line.
-fn more(model: &mut ScreenState, action: Action) {
-    match action {
         Action::Page(Page::Accuracy) => model.open_accuracy(),
         Action::Page(page) => model.open_page(page),
         Action::Side(SidePanel::Knobs) if model.bench().is_none() => {}
@@ -79,8 +71,8 @@ fn more(model: &mut ScreenState, action: Action) {
         Action::Type(letter) => model.prompt.push(letter),
         Action::Erase => erase(model),
         Action::Submit => model.submit(),
-        _ => {}
     }
+    model.derive();
 }
 
 /// Takes the last letter back; before the first one the command line closes.

@@ -61,12 +61,12 @@ pub fn guarded<T>(work: impl FnOnce() -> Result<T, String>) -> Result<T, String>
     })
 }
 
-/// In debug builds this panics where `HERTZSCOPE_VIEW_PANIC` is `place`, so that tests can see what comes of it.
-///
-/// # Panics
-/// As asked.
-pub fn provoked(place: &str) {
-    let asked = cfg!(debug_assertions)
-        && std::env::var("HERTZSCOPE_VIEW_PANIC").is_ok_and(|asked| asked == place);
-    assert!(!asked, "provoked");
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn a_panic_becomes_an_error_with_its_message() {
+        let error = super::guarded(|| -> Result<(), String> { panic!("at shot {}", 3) });
+        assert_eq!(error.unwrap_err(), "an error of this program, please report it: at shot 3");
+        assert_eq!(super::guarded(|| Ok::<_, String>(4)), Ok(4));
+    }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::mpsc::{Receiver, Sender};
 
-use super::{ScreenEvent, guarded, provoked};
+use super::{ScreenEvent, guarded};
 use crate::experiment::accuracy::of_scene;
 use crate::experiment::auto_effects::resolve_auto_effects;
 use crate::experiment::{Integration, facts, run};
@@ -25,9 +25,6 @@ pub fn strike(
 }
 
 fn struck(strike: &StrikeRequest) -> Result<StrikeResult, String> {
-    if strike.shot > 1 {
-        provoked("bench");
-    }
     let told = |error: &dyn std::fmt::Display| {
         error.to_string().split_whitespace().collect::<Vec<&str>>().join(" ")
     };

@@ -24,7 +24,7 @@ fn number(value: &Value) -> f64 {
 #[test]
 fn speeds_of_the_shipped_recording() {
     let surveys = json(&["arrivals", "recordings/gravity-0.61g.mcap", "--json"]);
-    let speeds = surveys[0]["speeds"].as_array().expect("speeds");
+    let speeds = surveys["shots"][0]["speeds"].as_array().expect("speeds");
     for (estimator, expected) in [("half_rise", 136.2), ("peak", 129.4)] {
         let speed = speeds.iter().find(|s| s["from"] == "CH2" && s["estimator"] == estimator);
         let speed = &speed.expect("a speed")["m_per_s"];
@@ -74,8 +74,8 @@ fn what_is_not_known_is_said() {
     hertzscope(&["convert", "recordings/gravity-0.61g.mcap", &out]).assert().success();
     let file = Path::new(&lab).join("ALL0000/F0000CH2.CSV").display().to_string();
     let surveys = json(&["arrivals", &file, "--json"]);
-    assert_eq!(surveys[0]["channels"][0]["droop_undone"], false);
-    assert_eq!(surveys[0]["notes"].as_array().expect("notes").len(), 2);
+    assert_eq!(surveys["shots"][0]["channels"][0]["droop_undone"], false);
+    assert_eq!(surveys["shots"][0]["notes"].as_array().expect("notes").len(), 2);
     let page = hertzscope(&["spectrum", &file]).assert().success();
     let page = String::from_utf8_lossy(&page.get_output().stdout).into_owned();
     assert!(page.contains("no band edges"), "{page}");

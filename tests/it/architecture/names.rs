@@ -29,7 +29,7 @@ pub fn check(files: &[SourceFile]) -> Vec<Violation> {
             };
             let rewritten =
                 |file: &SourceFile| BEING_REWRITTEN.iter().any(|p| file.path.starts_with(p));
-            if !SHARED.contains(&&*name) && !(rewritten(before) && rewritten(file)) {
+            if !(SHARED.contains(&&*name) || rewritten(before) && rewritten(file)) {
                 let message = format!("`{name}` is a type of {} already", before.path);
                 violations.push(file.violation(span, message));
             }

@@ -114,7 +114,7 @@ fn used(at: &Path, found: &Value) {
         .success();
     let arrivals = hertzscope(at, &["arrivals", "wired.mcap", "--json"]).success();
     let arrivals: Value = serde_json::from_str(&out(&arrivals)).expect("JSON");
-    let height = &arrivals[0]["channels"][0]["height_n"];
+    let height = &arrivals["shots"][0]["channels"][0]["height_n"];
     assert!((number(&height["value"]) - peak).abs() < 4.0 * number(&height["u"]), "{height}");
 }
 
@@ -152,7 +152,7 @@ fn mistakes_in_a_plan_are_told_with_their_places() {
         (
             "mass_u = \"0.1 %\"\n",
             "",
-            "strikers.ball.mass_u: found no such key, expected the standard uncertainty of mass",
+            "missing `strikers.ball.mass_u`: give the standard uncertainty of mass",
         ),
         ("height_u = \"0.1 mm\"", "height_u = \"0.1 g\"", "plan.toml:12:12: impacts[1].height_u"),
         ("in_chain = true", "", "gain_u = \"3 %\", or in_chain = true"),

@@ -49,10 +49,10 @@ fn recordings_folders_and_files_become_one_another() {
     }
     // One file into a recording and back into a file.
     printed(path, &["convert", "out/ALL0000/F0000CH3.CSV", "one.mcap"]);
-    assert_eq!(printed(path, &["convert", "one.mcap", "one.csv"]), "one.csv\n");
+    assert_eq!(printed(path, &["convert", "one.mcap", "one.csv", "--as", "tds"]), "one.csv\n");
     assert_eq!(bytes(path, "one.csv"), bytes(path, "out/ALL0000/F0000CH3.CSV"));
     // Several captures do not go into one file: a folder of its name.
-    let told = printed(path, &["convert", "run.mcap", "all.csv"]);
+    let told = printed(path, &["convert", "run.mcap", "all.csv", "--as", "tds"]);
     assert_eq!(told.lines().next(), Some("all/ALL0000/F0000CH1.CSV"));
     assert_eq!(printed(path, &["convert", "-q", "run.mcap", "quiet"]), "");
 }
@@ -222,9 +222,9 @@ fn an_instrument_can_be_supplied() {
     let rows = (0..2500)
         .map(|n| format!("{:e},{:.2}\n", f64::from(n - 250) * 1e-6, f64::from(n % 50) * 0.04));
     std::fs::write(path.join("bare.csv"), rows.collect::<String>()).expect("a file");
-    let error = refused(path, &["convert", "bare.csv", "native.csv"]);
+    let error = refused(path, &["convert", "bare.csv", "native.csv", "--as", "tds"]);
     says(&error, &["names no instrument", "--instrument MODEL"]);
-    printed(path, &["convert", "bare.csv", "native.csv", "--instrument", "tds2024"]);
+    printed(path, &["convert", "bare.csv", "native.csv", "--as", "tds", "--instrument", "tds2024"]);
     let text = String::from_utf8(bytes(path, "native.csv")).expect("text");
     assert!(text.contains("\nModel Number,TDS2024,,") && text.contains("\nSerial Number,0,,"));
     assert!(

@@ -64,6 +64,7 @@ fn the_summary_as_json_has_its_keys() {
     let run = [&["run", "--json", "--quiet"][..], &QUICK].concat();
     let json: Value = serde_json::from_str(&printed(folder.path(), &run)).expect("JSON alone");
     assert_eq!(json["scene"], "magnet-0.61g");
+    assert_eq!(json["recording"], "magnet-0.61g.mcap");
     assert_eq!(json["accuracy"], 1e-3);
     assert!(json["method"].as_str().is_some_and(|m| !m.is_empty()), "{json}");
     for key in ["force_evaluations", "steps"] {
@@ -164,11 +165,15 @@ fn an_accuracy_by_the_scope() {
 }
 
 #[test]
-fn quiet_says_nothing() {
+fn quiet_names_the_recording_on_standard_error_alone() {
     let folder = temporary();
     let done = hertzscope(folder.path(), &[&["run", "-q"][..], &QUICK].concat());
-    assert_eq!((done.code, done.stdout.as_str(), done.stderr.as_str()), (0, "", ""));
-    assert_eq!(files(folder.path()), ["magnet-0.61g.mcap"]);
+    let said = (done.code, done.stdout.as_str(), done.stderr.as_str());
+    assert_eq!(said, (0, "", "recording   magnet-0.61g.mcap\n"));
+    // The next free number is taken, and told.
+    let done = hertzscope(folder.path(), &[&["run", "-q"][..], &QUICK].concat());
+    assert_eq!(done.stderr, "recording   magnet-0.61g-2.mcap\n");
+    assert_eq!(files(folder.path()), ["magnet-0.61g-2.mcap", "magnet-0.61g.mcap"]);
 }
 
 #[test]
@@ -419,7 +424,7 @@ fn what_no_bench_could_be_is_told() {
     };
     write("flat.toml", "[effects.magnet_preload]\nforce = \"1e5 N\"\nparticle = 1\n");
     let page = printed(folder.path(), &["run", "flat.toml"]);
-    says(&page, &["of the smaller one's length: Hertz's law is for small ones"]);
+    says(&page, &["of the smaller one's length: Hertz's law does not hold there"]);
     assert!(!printed(folder.path(), &["run", "magnet-0.61g"]).contains("smaller one's length"));
     let stiff = "[effects.dashpot]\ngamma = \"1000 N s/m\"\nend_of_contact = \"zero_force\"\n";
     write("stiff.toml", stiff);

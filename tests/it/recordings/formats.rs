@@ -72,7 +72,7 @@ fn names_tell_formats() {
 fn what_is_no_recording_is_refused_by_name() {
     let folder = temporary();
     let path = |name: &str| folder.path().join(name);
-    std::fs::write(path("notes.txt"), "x").expect("a file");
+    std::fs::write(path("notes.pdf"), "x").expect("a file");
     std::fs::write(path("empty.mcap"), "").expect("a file");
     std::fs::write(path("text.mcap"), "no recording").expect("a file");
     std::fs::write(path("empty.csv"), "").expect("a file");
@@ -80,7 +80,7 @@ fn what_is_no_recording_is_refused_by_name() {
     std::fs::create_dir(path("nothing")).expect("a folder");
     std::fs::write(path("nothing").join("readme.txt"), "x").expect("a file");
 
-    assert!(matches!(open(&path("notes.txt")), Err(OpenError::UnknownFormat { .. })));
+    assert!(matches!(open(&path("notes.pdf")), Err(OpenError::UnknownFormat { .. })));
     assert!(matches!(open(&path("absent")), Err(OpenError::File { .. })));
     assert!(matches!(open(&path("absent.csv")), Err(OpenError::File { .. })));
     assert!(matches!(open(&path("absent.mcap")), Err(OpenError::Mcap(ReadError::File { .. }))));
@@ -90,7 +90,7 @@ fn what_is_no_recording_is_refused_by_name() {
     assert!(matches!(open(&path("nothing")), Err(OpenError::EmptyFolder { .. })));
     let error = open(&path("empty.mcap")).expect_err("no recording").to_string();
     assert!(error.contains("empty.mcap") && error.contains("an empty file"), "{error}");
-    for name in ["notes.txt", "absent", "absent.csv", "absent.mcap", "nothing", "empty.csv"] {
+    for name in ["notes.pdf", "absent", "absent.csv", "absent.mcap", "nothing", "empty.csv"] {
         let error = open(&path(name)).expect_err(name).to_string();
         assert!(error.contains(name), "{error}");
     }

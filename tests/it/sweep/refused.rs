@@ -26,7 +26,7 @@ fn mistakes_are_named_with_their_places() {
         (
             format!("{head}striker.speed = {{ from = \"1 m/s\", to = \"2 m/s\" }}"),
             "grid.toml:3:17",
-            "striker.speed.count: found no such key",
+            "missing `striker.speed.count`: give ",
         ),
         (
             format!("{head}chain.segments.7.repeat = [1]"),

@@ -235,7 +235,11 @@ fn newtons_are_the_volts_through_the_sensor() {
     // What cannot be turned into newtons stays in volts, and says so.
     let model = after(model(recording(vec![vec![step()]])), &[Action::Unit]);
     assert_eq!(model.captures()[0].waveform.preamble.y_unit, "V");
-    assert!(model.notice().expect("a word").contains("no sensor"), "{:?}", model.notice());
+    assert!(
+        model.notice().expect("a word").contains("no calibration for CH1"),
+        "{:?}",
+        model.notice()
+    );
 }
 
 #[test]

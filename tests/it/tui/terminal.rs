@@ -32,17 +32,21 @@ struct Terminal {
 
 impl Terminal {
     fn open(arguments: &[&str], environment: &[(&str, &str)]) -> Self {
-        let pair = native_pty_system().openpty(SIZE).expect("a pseudo-terminal");
         let mut command = CommandBuilder::new(env!("CARGO_BIN_EXE_hertzscope"));
         command.arg("view");
         command.args(arguments);
-        command.cwd(env!("CARGO_MANIFEST_DIR"));
-        command.env("TERM", "xterm");
-        command.env_remove("COLORTERM");
         command.env_remove("NO_COLOR");
         for (name, value) in environment {
             command.env(name, value);
         }
+        Self::start(command)
+    }
+
+    fn start(mut command: CommandBuilder) -> Self {
+        let pair = native_pty_system().openpty(SIZE).expect("a pseudo-terminal");
+        command.cwd(env!("CARGO_MANIFEST_DIR"));
+        command.env("TERM", "xterm");
+        command.env_remove("COLORTERM");
         let child = pair.slave.spawn_command(command).expect("the program");
         drop(pair.slave);
         let mut reader = pair.master.try_clone_reader().expect("a reader");
@@ -207,34 +211,45 @@ fn without_colours_it_sends_none() {
     assert!(!coloured, "a colour was set");
 }
 
-/// Debug builds panic on `!` where they are asked to.
+/// Where the program of the terminal is this test binary, and what it does there.
+const ON_TERMINAL: &str = "HERTZSCOPE_TEST_ON_TERMINAL";
+
+/// Runs in a process of its own, on a pseudo-terminal: panics in the thread of the screen, or in another one.
 #[test]
-#[cfg(debug_assertions)]
+fn panics_on_its_terminal() {
+    let Ok(place) = std::env::var(ON_TERMINAL) else { return };
+    let done = hertzscope::tui::on_terminal(|_| {
+        assert_ne!(place, "screen", "provoked");
+        assert!(thread::spawn(|| panic!("provoked")).join().is_err());
+        println!("goes on");
+        Ok(())
+    });
+    done.expect("a terminal");
+}
+
+/// [`panics_on_its_terminal`] with a panic in this `place`.
+fn panicking(place: &str) -> Terminal {
+    let mut command = CommandBuilder::new(std::env::current_exe().expect("this test binary"));
+    command.args(["--exact", "tui::terminal::panics_on_its_terminal", "--nocapture"]);
+    command.env(ON_TERMINAL, place);
+    Terminal::start(command)
+}
+
+#[test]
 fn a_panic_gives_the_terminal_back_before_it_tells() {
-    let mut terminal = Terminal::open(&[RECORDING], &[("HERTZSCOPE_VIEW_PANIC", "screen")]);
-    terminal.wait_for_text("CH1 ");
-    terminal.press("!");
-    let (code, all) = terminal.end();
+    let (code, all) = panicking("screen").end();
     assert_ne!(code, 0);
     assert_restored(&all);
     assert!(last_is(&all, "provoked", OWN_SCREEN), "the message is on the screen that is gone");
 }
 
-/// A thread that panics leaves the screen as it is, and the user is told; the next strike is struck as ever.
+/// What [`hertzscope::tui::work`] makes of the panic is tested there.
 #[test]
-#[cfg(debug_assertions)]
-fn a_panic_behind_the_screen_is_told_on_it() {
-    let mut terminal = Terminal::open(&["magnet-0.61g"], &[("HERTZSCOPE_VIEW_PANIC", "bench")]);
-    terminal.wait_for_text("Trig'd");
-    terminal.press("i");
-    terminal.wait_for_text("please report it: provoked");
-    assert!(!terminal.all.contains(OWN_SCREEN), "the screen was given back");
-    terminal.press("M");
-    terminal.wait_for_text("Measure");
-    terminal.press("q");
-    let (code, all) = terminal.end();
+fn a_panic_behind_the_screen_leaves_the_terminal_alone() {
+    let (code, all) = panicking("elsewhere").end();
     assert_eq!(code, 0);
     assert_restored(&all);
+    assert!(last_is(&all, OWN_SCREEN, "goes on"), "the screen was given back");
 }
 
 /// The terminal's window is closed, and no signal tells: a program that goes on reading would read for ever.

@@ -1,0 +1,254 @@
+//! What a user says of the files that a command reads: a table's columns, the bench they were taken on, and which of their shots and
+//! channels are meant.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use anyhow::bail;
+use clap::Args;
+
+use super::sensor::{SensorAssignment, wire_all, wired};
+use crate::experiment::facts;
+use crate::measurement::compare::mapping::Assignment;
+use crate::measurement::metadata::{self, RecordedDistance};
+use crate::quantity::{Dimension, Uncertain, parse};
+use crate::recording::TraceSet;
+use crate::recording::format::{OpenError, open_with};
+use crate::recording::tek_csv::TableColumns;
+use crate::scene::Scene;
+
+/// Metadata groups of sensors begin like this.
+const SENSOR: &str = "hertzscope:sensor/";
+
+/// What the columns of a table are.
+#[derive(Debug, Args)]
+pub struct TableArguments {
+    /// What the columns of a table (.csv) are, counted from 1, where it does not tell, e.g. time=1:ms,CH1=2:V,p14=4:N
+    #[arg(long, value_name = "NAME=COLUMN:UNIT,...")]
+    columns: Option<TableColumns>,
+}
+
+impl TableArguments {
+    /// Opens a recording, a file or a folder.
+    pub fn open(&self, path: &Path) -> Result<TraceSet, OpenError> {
+        open_with(path, &self.columns())
+    }
+
+    /// The columns, or none where they are left to the file.
+    pub fn columns(&self) -> TableColumns {
+        self.columns.clone().unwrap_or_default()
+    }
+}
+
+/// Which shots and channels of a file are meant.
+#[derive(Debug, Args)]
+pub struct Selection {
+    /// Only this shot
+    #[arg(long, value_name = "N")]
+    shot: Option<u32>,
+    /// Only this channel; may be given several times
+    #[arg(long, value_name = "CH")]
+    channel: Vec<String>,
+}
+
+impl Selection {
+    /// Whether all of a file is meant.
+    pub fn is_all(&self) -> bool {
+        self.shot.is_none() && self.channel.is_empty()
+    }
+
+    /// Leaves out of `set` what is not meant.
+    pub fn apply(&self, set: &mut TraceSet) -> anyhow::Result<()> {
+        if let Some(number) = self.shot {
+            let found = set.shots.len();
+            set.shots.retain(|shot| shot.number == number);
+            if set.shots.is_empty() {
+                bail!("no shot {number}: the file has {found}");
+            }
+        }
+        keep_channels(set, &self.channel)
+    }
+}
+
+/// Leaves out of `set` all channels but those named, if any are.
+pub fn keep_channels(set: &mut TraceSet, channels: &[String]) -> anyhow::Result<()> {
+    known_channels(set, channels.iter())?;
+    for shot in &mut set.shots {
+        shot.captures.retain(|capture| {
+            let name = capture.waveform.source.to_string();
+            channels.is_empty() || channels.iter().any(|channel| name.eq_ignore_ascii_case(channel))
+        });
+    }
+    Ok(())
+}
+
+/// Refuses a channel that no shot has.
+fn known_channels<'a>(
+    set: &TraceSet,
+    mut channels: impl Iterator<Item = &'a String>,
+) -> anyhow::Result<()> {
+    let captures = set.shots.iter().flat_map(|shot| &shot.captures);
+    let names: BTreeSet<String> =
+        captures.map(|capture| capture.waveform.source.to_string()).collect();
+    let unknown = |channel: &&String| !names.iter().any(|name| name.eq_ignore_ascii_case(channel));
+    if let Some(channel) = channels.find(unknown) {
+        let names: Vec<String> = names.into_iter().collect();
+        bail!("no channel {channel}: the file has {}", names.join(", "));
+    }
+    Ok(())
+}
+
+/// The bench on which a file was taken.
+#[derive(Debug, Args)]
+pub struct BenchArguments {
+    /// The scene of the bench, one that ships or a .toml file: which sensor is at which channel, distances and calibrations
+    #[arg(long, value_name = "SCENE")]
+    scene: Option<String>,
+    /// Which of the scene's sensors is at a channel, e.g. CH1=p2,CH2=p14 [default: the scene's wiring]
+    #[arg(long, value_name = "CH=NAME", value_delimiter = ',', value_parser = assignment)]
+    map: Vec<Assignment>,
+    /// A channel's sensor, a name or a file such as `calibrate` writes
+    #[arg(long, value_name = "CH=SENSOR", value_parser = wired)]
+    sensor: Vec<SensorAssignment>,
+    /// Distance along the chain between two channels' sensors, e.g. CH1-CH2="47.2 mm +- 0.1 mm"
+    #[arg(long, value_name = "CH-CH=D", value_parser = distance)]
+    distance: Vec<RecordedDistance>,
+}
+
+impl BenchArguments {
+    /// Whether the user says nothing.
+    pub fn is_empty(&self) -> bool {
+        self.scene.is_none()
+            && self.map.is_empty()
+            && self.sensor.is_empty()
+            && self.distance.is_empty()
+    }
+
+    /// Notes in `set` what is known of the bench.
+    pub fn apply(&self, set: &mut TraceSet) -> anyhow::Result<()> {
+        let mut map = self.map.clone();
+        if let Some(name) = &self.scene {
+            map.extend(labels(set));
+            place_scene(set, &Scene::load(name)?);
+        }
+        for assignment in &map {
+            // A label of a table's column need not be a sensor's name.
+            let is_said = self.map.contains(assignment);
+            if !wire_scene_sensor(set, assignment) && is_said {
+                let names: Vec<String> =
+                    metadata::sensors(set).into_iter().map(|sensor| sensor.name).collect();
+                let Assignment { channel, target } = assignment;
+                bail!(
+                    "{channel}={target}: no sensor `{target}` is known, {}",
+                    if names.is_empty() {
+                        "give the bench with --scene".to_owned()
+                    } else {
+                        format!("the sensors are {}", names.join(", "))
+                    }
+                );
+            }
+        }
+        let channels = self.distance.iter().flat_map(|known| [&known.from, &known.to]);
+        known_channels(set, channels.chain(self.map.iter().map(|said| &said.channel)))?;
+        wire_all(set, &self.sensor)?;
+        for distance in &self.distance {
+            let (group, facts) = distance.facts();
+            set.metadata.insert(group, facts);
+        }
+        Ok(())
+    }
+}
+
+/// Channels with labels of a table's columns.
+fn labels(set: &TraceSet) -> Vec<Assignment> {
+    let sensors = metadata::sensors(set).into_iter().filter(|sensor| sensor.site.is_none());
+    sensors
+        .filter_map(|sensor| Some(Assignment { channel: sensor.channel?, target: sensor.name }))
+        .collect()
+}
+
+/// Puts `scene` in the place of whatever scene `set` had.
+fn place_scene(set: &mut TraceSet, scene: &Scene) {
+    set.metadata
+        .retain(|name, _| !name.starts_with(SENSOR) && !name.starts_with("hertzscope:shot/"));
+    set.attachments.retain(|attachment| attachment.media_type != "application/toml");
+    let of_shot = "hertzscope:shot/1/sensor/";
+    let sensors = facts::shot_facts(scene, 1, 1).into_iter();
+    set.metadata.extend(sensors.filter_map(|(name, facts)| {
+        Some((format!("{SENSOR}{}", name.strip_prefix(of_shot)?), facts))
+    }));
+    set.attachments.push(facts::scene_attachment(scene));
+}
+
+/// Notes that a sensor which is known by name is at a channel; whether there is such a sensor.
+fn wire_scene_sensor(set: &mut TraceSet, Assignment { channel, target }: &Assignment) -> bool {
+    let channel = channel.to_ascii_uppercase();
+    let is_sensor = |(name, facts): &(&String, &mut BTreeMap<String, String>)| {
+        name.contains("sensor/") && facts.contains_key("name")
+    };
+    let mut sensors: Vec<_> =
+        set.metadata.iter_mut().filter(is_sensor).map(|(_, facts)| facts).collect();
+    let named = |facts: &BTreeMap<String, String>| {
+        facts.get("name").is_some_and(|name| name.eq_ignore_ascii_case(target))
+    };
+    if !sensors.iter().any(|facts| named(facts)) {
+        return false;
+    }
+    for facts in &mut sensors {
+        if named(facts) {
+            facts.insert("channel".to_owned(), channel.clone());
+        } else if facts.get("channel") == Some(&channel) {
+            facts.remove("channel");
+        }
+    }
+    true
+}
+
+/// Reads `CH1=p2`.
+pub fn assignment(text: &str) -> Result<Assignment, String> {
+    match text.split_once('=') {
+        Some((channel, target)) if !channel.trim().is_empty() && !target.trim().is_empty() => {
+            Ok(Assignment { channel: channel.trim().to_owned(), target: target.trim().to_owned() })
+        }
+        _ => Err(format!("found {text}, expected a channel and a sensor, e.g. CH1=p2")),
+    }
+}
+
+/// Reads `CH1-CH2=47.2 mm +- 0.1 mm`.
+fn distance(text: &str) -> Result<RecordedDistance, String> {
+    let example = "e.g. CH1-CH2=\"47.2 mm +- 0.1 mm\"";
+    let pair = text.split_once('=').and_then(|(pair, value)| Some((pair.split_once('-')?, value)));
+    let Some(((from, to), value)) = pair else {
+        return Err(format!("`{text}` names no two channels: give both and a distance, {example}"));
+    };
+    let length = |text: &str| {
+        parse(text.trim(), Dimension::LENGTH).map_err(|error| format!("{error}; {example}"))
+    };
+    let (value, u) =
+        value.split_once("+-").or_else(|| value.split_once('±')).unwrap_or((value, "0 m"));
+    let distance = Uncertain { value: length(value)?, u: length(u)? };
+    if distance.value <= 0.0 || distance.u < 0.0 {
+        return Err(format!("`{text}` is no distance above zero, {example}"));
+    }
+    let name = |channel: &str| channel.trim().to_ascii_uppercase();
+    Ok(RecordedDistance { from: name(from), to: name(to), distance })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distances_have_uncertainties() {
+        let found = distance("ch1-CH2=47.2 mm +- 0.1 mm").expect("a distance");
+        assert_eq!((found.from.as_str(), found.to.as_str()), ("CH1", "CH2"));
+        assert!(
+            (found.distance.value - 0.0472).abs() < 1e-15
+                && (found.distance.u - 1e-4).abs() < 1e-15
+        );
+        assert!(distance("CH1-CH2=5 cm").is_ok_and(|found| found.distance.u == 0.0));
+        for text in ["CH1=5 cm", "CH1-CH2=-5 cm", "CH1-CH2=5 s", "CH1-CH2=5 cm +- x"] {
+            assert!(distance(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,172 @@
+//! Statistics of arrivals over the shots of a recording: how far heights, times and speeds repeat, and whether they drift.
+//!
+//! Of `n` values `x_i`: mean, standard deviation `s = sqrt(sum (x_i - mean)^2/(n - 1))`, standard uncertainty of the mean `s/sqrt(n)`
+//! (JCGM 100:2008, 4.2), repeatability limit `2.8 s`, which two shots under the same conditions exceed in 5 % of all pairs (ISO 5725-6:1994, 4.1),
+//! and trend: the slope of the straight line through `x_i` over the shot's number, with its standard uncertainty from the scatter about
+//! the line (JCGM 100:2008, H.3). Valid for shots of one kind; clipped peaks are left out.
+
+use serde::Serialize;
+
+use super::arrivals::{ChannelArrivals, Survey};
+use crate::quantity::Uncertain;
+
+/// Repeatability limit over standard deviation: 1.96 times the square root of two (1).
+const REPEATABILITY_FACTOR: f64 = 2.8;
+
+/// A trend of this many standard uncertainties is called a drift: of dozens of quantities, twice would call some by chance (1).
+const DRIFT_FACTOR: f64 = 3.0;
+
+/// One quantity over all shots that tell it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ShotStatistic {
+    /// `height`, `arrival` or `speed`.
+    pub quantity: &'static str,
+    /// The channel, for a speed that from which.
+    pub channel: String,
+    /// For a speed, the channel to which.
+    pub to: Option<String>,
+    /// Estimator of an arrival or a speed.
+    pub estimator: Option<&'static str>,
+    /// Unit of all numbers: `N`, `V`, `s` or `m/s`.
+    pub unit: &'static str,
+    /// How many shots tell it.
+    pub shots: usize,
+    /// Mean (unit).
+    pub mean: f64,
+    /// Standard deviation of a single shot; none for a single one (unit).
+    pub standard_deviation: Option<f64>,
+    /// Standard uncertainty of the mean by the scatter; none for a single shot (unit).
+    pub mean_u: Option<f64>,
+    /// Repeatability limit (unit).
+    pub repeatability: Option<f64>,
+    /// Change from one shot to the next, with its standard uncertainty; none for fewer than three shots.
+    pub trend: Option<Uncertain>,
+}
+
+impl ShotStatistic {
+    /// Whether the trend is beyond three times its standard uncertainty.
+    pub fn drifts(&self) -> bool {
+        self.trend.is_some_and(|trend| trend.value.abs() > DRIFT_FACTOR * trend.u)
+    }
+}
+
+/// A quantity's name, of what it is, and its value by the shot's number.
+type Series = (ShotStatistic, Vec<(f64, f64)>);
+
+/// Statistics over `surveys`, one a shot: heights, arrivals, then speeds, in the order of their first appearance.
+pub fn statistics(surveys: &[Survey]) -> Vec<ShotStatistic> {
+    let mut all: Vec<Series> = Vec::new();
+    for survey in surveys {
+        let shot = f64::from(survey.shot);
+        for channel in &survey.channels {
+            add_channel(&mut all, shot, channel);
+        }
+    }
+    for survey in surveys {
+        for speed in &survey.speeds {
+            let of = ("speed", speed.from.as_str(), Some(speed.to.as_str()), Some(speed.estimator));
+            add(&mut all, of, "m/s", (f64::from(survey.shot), speed.m_per_s.value));
+        }
+    }
+    let rank = |statistic: &ShotStatistic| {
+        ["height", "arrival", "speed"].iter().position(|name| *name == statistic.quantity)
+    };
+    all.sort_by_key(|(statistic, _)| rank(statistic));
+    all.into_iter().map(|(statistic, values)| completed(statistic, &values)).collect()
+}
+
+fn add_channel(all: &mut Vec<Series>, shot: f64, channel: &ChannelArrivals) {
+    let name = channel.channel.as_str();
+    let height = match (channel.height_n, channel.height_v) {
+        (Some(force), _) => Some(("N", force)),
+        (None, volts) => volts.map(|volts| ("V", volts)),
+    };
+    if let Some((unit, height)) = height.filter(|_| channel.clipped == 0) {
+        add(all, ("height", name, None, None), unit, (shot, height.value));
+    }
+    for arrival in &channel.arrivals {
+        let Some(time) = arrival.time_s else { continue };
+        add(all, ("arrival", name, None, Some(arrival.estimator)), "s", (shot, time.value));
+    }
+}
+
+fn add(
+    all: &mut Vec<Series>,
+    (quantity, channel, to, estimator): (&'static str, &str, Option<&str>, Option<&'static str>),
+    unit: &'static str,
+    value: (f64, f64),
+) {
+    let is_same = |known: &ShotStatistic| {
+        (known.quantity, known.channel.as_str(), known.to.as_deref(), known.estimator, known.unit)
+            == (quantity, channel, to, estimator, unit)
+    };
+    if let Some((_, values)) = all.iter_mut().find(|(known, _)| is_same(known)) {
+        values.push(value);
+        return;
+    }
+    let statistic = ShotStatistic {
+        quantity,
+        channel: channel.to_owned(),
+        to: to.map(str::to_owned),
+        estimator,
+        unit,
+        shots: 0,
+        mean: 0.0,
+        standard_deviation: None,
+        mean_u: None,
+        repeatability: None,
+        trend: None,
+    };
+    all.push((statistic, vec![value]));
+}
+
+fn completed(statistic: ShotStatistic, values: &[(f64, f64)]) -> ShotStatistic {
+    #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^53 shots")]
+    let n = values.len() as f64;
+    let mean = |of: fn(&(f64, f64)) -> f64| values.iter().map(of).sum::<f64>() / n;
+    let (shot, value) = (mean(|v| v.0), mean(|v| v.1));
+    let squares: f64 = values.iter().map(|(_, x)| (x - value).powi(2)).sum();
+    let deviation = (values.len() > 1).then(|| (squares / (n - 1.0)).sqrt());
+    let spread: f64 = values.iter().map(|(i, _)| (i - shot).powi(2)).sum();
+    let slope = values.iter().map(|(i, x)| (i - shot) * (x - value)).sum::<f64>() / spread;
+    let left: f64 = values.iter().map(|(i, x)| (x - value - slope * (i - shot)).powi(2)).sum();
+    let trend = (values.len() > 2)
+        .then(|| Uncertain { value: slope, u: (left / (n - 2.0) / spread).sqrt() });
+    ShotStatistic {
+        shots: values.len(),
+        mean: value,
+        standard_deviation: deviation,
+        mean_u: deviation.map(|deviation| deviation / n.sqrt()),
+        repeatability: deviation.map(|deviation| REPEATABILITY_FACTOR * deviation),
+        trend,
+        ..statistic
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By hand: 2, 4, 6, 5 over 1, 2, 3, 4 have mean 4.25, s = sqrt(8.75/3), slope 1.1 and scatter sqrt(2.7/2/5).
+    #[test]
+    fn four_values_by_hand() {
+        let mut all = Vec::new();
+        for (shot, value) in [(1.0, 2.0), (2.0, 4.0), (3.0, 6.0), (4.0, 5.0)] {
+            add(&mut all, ("height", "CH1", None, None), "V", (shot, value));
+        }
+        let (statistic, values) = all.remove(0);
+        let found = completed(statistic, &values);
+        let s = (8.75f64 / 3.0).sqrt();
+        assert_eq!((found.shots, found.mean), (4, 4.25));
+        assert!((found.standard_deviation.unwrap() - s).abs() < 1e-12);
+        assert!((found.mean_u.unwrap() - s / 2.0).abs() < 1e-12);
+        assert!((found.repeatability.unwrap() - 2.8 * s).abs() < 1e-12);
+        let trend = found.trend.unwrap();
+        assert!(
+            (trend.value - 1.1).abs() < 1e-12 && (trend.u - 0.27f64.sqrt()).abs() < 1e-12,
+            "{trend:?}"
+        );
+        // 1.1 is 2.1 times its uncertainty.
+        assert!(!found.drifts());
+    }
+}
