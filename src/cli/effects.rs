@@ -1,4 +1,4 @@
-//! `hertzscope effects`: what is on, why, what it costs and what it changes.
+//! `hertzscope effects`: which effects are on, what each changes, its time, and whether the scene needs it.
 
 use clap::Args;
 
@@ -8,7 +8,7 @@ use crate::report;
 use crate::scene::Scene;
 use crate::studies::effects::ledger;
 
-/// Show the effects of a scene: on or off, why, what each costs and changes
+/// Show the effects of a scene: on or off, what each changes, its time, and whether the scene needs it
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// A scene that ships with the program, or the path of a scene file
@@ -17,6 +17,9 @@ pub struct Arguments {
     /// Accuracy of the runs that are compared, e.g. 1e-6, or auto for what the scene's scope calls for [default: the scene's, else auto]
     #[arg(long, value_name = "X", value_parser = AccuracyArguments::parse, allow_hyphen_values = true)]
     accuracy: Option<AccuracyArguments>,
+    /// Add why each is on or off, with the criterion
+    #[arg(long)]
+    why: bool,
     /// Print the ledger as JSON
     #[arg(long)]
     json: bool,
@@ -35,6 +38,6 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.json {
         super::print(&serde_json::to_string_pretty(&found.entries)?)
     } else {
-        super::print(&report::effects(&found))
+        super::print(&report::effects(&found, arguments.why))
     }
 }

@@ -9,6 +9,9 @@ use crate::studies::hard_cases::{CaseVerdict, run_all};
 /// Compute the catalogue of hard cases: each right within its bound, or refused; exit code 1 if one is wrong
 #[derive(Debug, Args)]
 pub struct Arguments {
+    /// Add what makes each case hard, its bound and its tightest figure
+    #[arg(long)]
+    why: bool,
     /// Print the catalogue as JSON
     #[arg(long)]
     json: bool,
@@ -25,7 +28,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<bool> {
     if arguments.json {
         super::print(&serde_json::to_string_pretty(&findings)?)?;
     } else {
-        super::print(&report::hard_cases(&findings))?;
+        super::print(&report::hard_cases(&findings, arguments.why))?;
     }
     Ok(findings.iter().all(|finding| finding.verdict != CaseVerdict::Wrong))
 }

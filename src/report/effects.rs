@@ -1,31 +1,34 @@
-//! The effects ledger as a page of text.
+//! The effects of a scene as a page of text: one line an effect.
 
 use super::table;
 use super::text::{TERMINAL_WIDTH, hanging_indent, wrapped};
+use crate::quantity::engineering;
 use crate::studies::effects::{EffectState, Ledger, LedgerEntry};
 
-/// Legend of the table.
-const TABLE_LEGEND: &str = "Cost: wall time of a step with it less that without it, openings and tries included, 0 within what timing tells. \
-    Change: with it over without it, in first peaks, half-rises and speeds, the largest of all places, < where the accuracy is all that is known. \
-    What is off: if it were on. * by auto.";
-/// Where reasons begin (1).
+/// Explanation of the table.
+const TABLE_LEGEND: &str = "Changes are those of readings with the effect against readings without it, the largest of all places. \
+    Needed: without it readings differ by more than the accuracy (records by a tenth of a level or sample). Left out: with it they would. \
+    No value: the scene gives none to try. \
+    --why gives the reasons.";
+/// Column at which reasons begin.
 const REASON_COLUMN: usize = 23;
 
-/// The page that `effects` prints.
-pub fn effects(ledger: &Ledger) -> String {
-    let heading =
-        ["effect", "state", "ns/step", "share", "speed", "peak", "arrival", "LSB", "samples"];
-    let units = ["", "", "", "%", "%", "%", "%", "", ""];
+/// The page that `effects` prints; with reasons and criteria where `why` is true.
+pub fn effects(ledger: &Ledger, why: bool) -> String {
+    let heading = ["effect", "state", "peak", "arrival", "speed", "LSB", "with", "without", ""];
+    let units = ["", "", "%", "%", "%", "", "run time", "", "verdict"];
     let mut rows = [heading, units].map(|row| row.map(str::to_owned).to_vec()).to_vec();
     rows.extend(ledger.entries.iter().map(|entry| row(entry, ledger.accuracy)));
-    let mut lines =
-        vec![format!("{}: the effects, at accuracy {:.1e}", ledger.scene, ledger.accuracy)];
-    lines.extend(wrapped(TABLE_LEGEND, TERMINAL_WIDTH));
+    let mut lines = vec![
+        format!("{}: effects at accuracy {:.1e}", ledger.scene, ledger.accuracy),
+        String::new(),
+    ];
+    lines.extend(table::lines_apart(&rows, &[0, 1, 8], " "));
     lines.push(String::new());
-    lines.extend(table::lines_apart(&rows, &[0, 1], " "));
-    lines.push(String::new());
-    for entry in &ledger.entries {
-        lines.extend(reason(entry));
+    if why {
+        lines.extend(ledger.entries.iter().flat_map(reason));
+    } else {
+        lines.extend(wrapped(TABLE_LEGEND, TERMINAL_WIDTH));
     }
     lines.join("\n")
 }
@@ -37,35 +40,31 @@ fn row(entry: &LedgerEntry, accuracy: f64) -> Vec<String> {
     let moves = change.is_some_and(|change| change.speed.is_some());
     let known = if moves { accuracy } else { 0.0 };
     let share = |value: Option<f64>| value.map_or("-".to_owned(), |v| percent(v, known));
-    // What is within twice its uncertainty is no cost.
-    let seen = |(cost, u): (f64, f64)| if cost.abs() > 2.0 * u { cost } else { 0.0 };
-    let cost = entry.cost_ns_per_step.zip(entry.cost_u_ns_per_step).map(seen);
+    let time = |value: Option<f64>| value.map_or("-".to_owned(), |v| engineering(v, "s", 3));
+    let state = match entry.state {
+        EffectState::On => "on",
+        EffectState::Off => "off",
+        EffectState::Auto if entry.active => "on, auto",
+        EffectState::Auto => "off, auto",
+    };
     vec![
         entry.effect.to_owned(),
-        match entry.state {
-            EffectState::On => "on",
-            EffectState::Off => "off",
-            EffectState::Auto if entry.active => "on*",
-            EffectState::Auto => "off*",
-        }
-        .to_owned(),
-        cost.map_or("-".to_owned(), |v| signed(v, 0)),
-        entry
-            .cost_share
-            .map_or("-".to_owned(), |v| signed(if cost == Some(0.0) { 0.0 } else { 100.0 * v }, 0)),
-        share(change.and_then(|c| c.speed)),
+        state.to_owned(),
         share(change.and_then(|c| c.peak)),
         share(change.and_then(|c| c.arrival)),
+        share(change.and_then(|c| c.speed)),
         count(change.and_then(|c| c.peak_lsb)),
-        count(change.and_then(|c| c.arrival_samples)),
+        time(entry.run_times.map(|times| times.with_s)),
+        time(entry.run_times.map(|times| times.without_s)),
+        entry.verdict.word().to_owned(),
     ]
 }
 
-/// Decimals that a number of this size is shown with, so that columns stay narrow.
+/// Decimals that a number of this size is shown with, three significant digits at most.
 fn decimals(value: f64) -> usize {
     match value.abs() {
-        size if size < 100.0 => 2,
-        size if size < 1000.0 => 1,
+        size if size < 10.0 => 2,
+        size if size < 100.0 => 1,
         _ => 0,
     }
 }

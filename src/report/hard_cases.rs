@@ -1,26 +1,40 @@
-//! The catalogue of hard cases as a page of text.
+//! The catalogue of hard cases as a page of text: one line a case.
 
+use super::table;
 use super::text::hanging_indent;
 use crate::studies::hard_cases::CaseResult;
 
-/// The page that `hard-cases` prints.
-pub fn hard_cases(findings: &[CaseResult]) -> String {
-    let mut lines = Vec::new();
-    for finding in findings {
-        lines.push(format!("{:<8} {}", finding.verdict.word(), finding.case));
-        for (label, text) in
-            [("why", finding.why), ("bound", finding.bound), ("figure", finding.figure.as_str())]
-        {
-            lines.extend(hanging_indent(&format!("         {label:<7} "), text));
+/// The page that `hard-cases` prints; with what makes each case hard, its bound and its tightest figure where `why` is true.
+pub fn hard_cases(findings: &[CaseResult], why: bool) -> String {
+    let heading = ["case", "checks", "tightest", "bound", "verdict"].map(str::to_owned).to_vec();
+    let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.1e}"));
+    let row = |finding: &CaseResult| {
+        vec![
+            finding.case.to_owned(),
+            finding.checks.to_string(),
+            number(finding.found),
+            number(finding.limit),
+            finding.verdict.word().to_owned(),
+        ]
+    };
+    let rows: Vec<Vec<String>> = std::iter::once(heading).chain(findings.iter().map(row)).collect();
+    let mut table = table::lines(&rows, &[0, 4]).into_iter();
+    let mut lines: Vec<String> = table.by_ref().take(1).collect();
+    for (finding, line) in findings.iter().zip(table) {
+        lines.push(line);
+        let texts = [("why", finding.why), ("bound", finding.bound), ("figure", &finding.figure)];
+        for (label, text) in texts.into_iter().filter(|_| why) {
+            lines.extend(hanging_indent(&format!("    {label:<7} "), text));
         }
     }
     let count = |word: &str| findings.iter().filter(|f| f.verdict.word() == word).count();
     lines.push(format!(
-        "{} cases: {} right, {} refused with a named cause, {} wrong",
+        "{} cases: {} right, {} refused with a named cause, {} wrong{}",
         findings.len(),
         count("right"),
         count("refused"),
-        count("wrong")
+        count("wrong"),
+        if why { "" } else { " (--why says what makes each hard)" }
     ));
     lines.join("\n")
 }

@@ -5,7 +5,9 @@ use hertzscope::experiment::outcome::{Reading, Summary};
 use hertzscope::experiment::{Integration, Outcome, run};
 use hertzscope::integrate::Method;
 use hertzscope::scene::Scene;
-use hertzscope::studies::effects::{Change, EffectState, Ledger, LedgerEntry, ledger};
+use hertzscope::studies::effects::{
+    Change, EffectState, EffectVerdict, Ledger, LedgerEntry, ledger,
+};
 
 /// Two runs by one method at a tolerance of 1e-14 agree to this where nothing differs (1).
 const SAME: f64 = 1e-9;
@@ -61,6 +63,9 @@ fn what_an_effect_changes_is_what_two_runs_say() {
         assert!(entry.state == EffectState::Off && entry.change.is_none(), "{entry:?}");
         assert!(entry.reason.contains("needs"), "{}", entry.reason);
     }
+    assert_eq!(entry(&found, "gravity").verdict, EffectVerdict::Needed);
+    assert_eq!(entry(&found, "plasticity").verdict, EffectVerdict::NotBuilt);
+    assert_eq!(entry(&found, "dashpot").verdict, EffectVerdict::NoValue);
     let levels = entry(&found, "quantisation").change.expect("a trial").peak_lsb.expect("levels");
     assert!(levels.abs() <= 0.5 + 1e-9, "{levels}");
     // 100 MHz against a sample every microsecond.
@@ -105,7 +110,8 @@ fn what_is_on_is_measured() {
         assert_eq!(entry.state, EffectState::On, "{entry:?}");
         let change = entry.change.expect("a trial");
         assert!(change.peak.expect("a peak") != 0.0, "{entry:?}");
-        assert!(entry.cost_ns_per_step.is_some() && entry.cost_share.is_some_and(|s| s < 1.0));
+        assert!(entry.run_times.is_some_and(|times| times.with_s > 0.0 && times.without_s > 0.0));
+        assert_eq!(entry.verdict, EffectVerdict::Needed, "{entry:?}");
     }
     assert!((entry(&found, "host_mass").value.unwrap() - (0.13 / 0.1226 - 1.0)).abs() < 1e-12);
 }

@@ -1,6 +1,6 @@
 //! Lines of the effects that act on the chain's motion.
 
-use super::trial::{Change, Cost, of_chain};
+use super::trial::{Trial, of_chain};
 use super::{BaselineRun, EffectFinding, EffectState, LedgerEntry};
 use crate::chain::{
     Dashpot, Gravity, KuwabaraKono, LinearisedContacts, MagnetForce, MagnetLaw, PlacedAt,
@@ -16,14 +16,12 @@ const RING: &str = "ring-15-6-6";
 /// How much heavier a particle may be with a plate in it: bench notes of such sensors have up to this (1).
 const HOST_SPREAD: f64 = 0.06;
 
-type Trial = Option<(Cost, Change)>;
-
 /// Runs `other` against the scene; `is_on` tells whether the scene is the one with the effect. Why there is no trial, if there is none.
 fn against(
     subject: &BaselineRun<'_>,
     other: Result<Scene, String>,
     is_on: bool,
-) -> (Trial, String) {
+) -> (Option<Trial>, String) {
     let trial = other.and_then(|other| {
         let (with, without) = if is_on { (subject.scene, &other) } else { (&other, subject.scene) };
         of_chain(with, without, subject.accuracy)

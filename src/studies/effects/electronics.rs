@@ -1,6 +1,6 @@
 //! Lines of the effects of sensors and scope: the chain's motion is the same, its signals are not.
 
-use super::trial::{ChannelVolts, Cost, largest, of_chain, of_electronics, of_signals};
+use super::trial::{ChannelVolts, largest, of_chain, of_electronics, of_signals};
 use super::{BaselineRun, EffectFinding, EffectState, LedgerEntry};
 use crate::experiment::acquisition::signals;
 use crate::quantity::engineering;
@@ -149,7 +149,7 @@ pub fn bandwidth(subject: &BaselineRun<'_>) -> LedgerEntry {
     let mut endless = scene.clone();
     endless.scope.model.bandwidth = f64::MAX;
     endless.scope.model.limited_bandwidth = f64::MAX;
-    let (cost, mut change) = of_electronics(subject, scene, &endless);
+    let (times, mut change) = of_electronics(subject, scene, &endless);
     let is_on = delay > NEGLIGIBLE_DELAY;
     if !is_on {
         let off = signals(scene, &subject.bench, subject.grid, 1);
@@ -164,12 +164,12 @@ pub fn bandwidth(subject: &BaselineRun<'_>) -> LedgerEntry {
     } else {
         format!("off: the delay is below {NEGLIGIBLE_DELAY} of a sample interval, {JUDGED}")
     };
-    let cost = if is_on { cost } else { Cost::default() };
+    let times = if is_on { times } else { None };
     let found = EffectFinding {
         state: EffectState::Auto,
         value: Some(delay),
         reason,
-        trial: Some((cost, change)),
+        trial: Some((times, change)),
     };
     LedgerEntry { active: is_on, ..found.entry("bandwidth", criterion) }
 }
@@ -242,6 +242,6 @@ pub fn quantisation(subject: &BaselineRun<'_>) -> LedgerEntry {
     let change = of_signals(subject, &on, &off);
     let value = levels_in_peak(subject).map(f64::recip);
     let reason = "always on: a record is made of levels, 25 a division".to_owned();
-    EffectFinding { state: EffectState::On, value, reason, trial: Some((Cost::default(), change)) }
+    EffectFinding { state: EffectState::On, value, reason, trial: Some((None, change)) }
         .entry("quantisation", "digitiser level / smallest channel's peak")
 }

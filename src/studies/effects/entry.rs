@@ -2,7 +2,10 @@
 
 use serde::Serialize;
 
-use super::trial::{Change, Cost};
+use super::trial::{Change, RunTimes, Trial};
+
+/// Share of a digitiser level, or of a sample interval, below which a record does not show a change (1).
+const RECORD_SHARE: f64 = 0.1;
 
 /// Whether an effect is part of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -14,6 +17,64 @@ pub enum EffectState {
     Off,
     /// The program decides; the reason says how.
     Auto,
+}
+
+/// Whether a scene needs an effect, by the changes of peaks, arrivals and speeds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EffectVerdict {
+    /// On, and without it readings differ by more than the accuracy.
+    Needed,
+    /// Off, and with it readings differ by more than the accuracy.
+    LeftOut,
+    /// Readings are the same within the accuracy.
+    NoEffect,
+    /// The scene gives no value that it could be tried with.
+    NoValue,
+    /// It could not be tried.
+    NotTried,
+    /// The program does not have it.
+    NotBuilt,
+}
+
+impl EffectVerdict {
+    /// The verdict on an effect that is `active` or not and makes this change, at `accuracy` (1). Effects `of_records`, of sensors and scope, count
+    /// where they change a record by a tenth of a digitiser level or of a sample interval.
+    pub(super) fn of(
+        active: bool,
+        (change, of_records): (Option<&Change>, bool),
+        value: Option<f64>,
+        accuracy: f64,
+    ) -> Self {
+        let Some(change) = change else {
+            return if value.unwrap_or(0.0) == 0.0 { Self::NoValue } else { Self::NotTried };
+        };
+        let exceeds = |changes: [Option<f64>; 3], limit: f64| {
+            changes.into_iter().flatten().any(|change| change.abs() > limit)
+        };
+        let matters = if of_records {
+            exceeds([change.peak_lsb, change.arrival_samples, None], RECORD_SHARE)
+        } else {
+            exceeds([change.peak, change.arrival, change.speed], accuracy)
+        };
+        match (matters, active) {
+            (false, _) => Self::NoEffect,
+            (true, true) => Self::Needed,
+            (true, false) => Self::LeftOut,
+        }
+    }
+
+    /// As it is printed.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Needed => "needed",
+            Self::LeftOut => "left out",
+            Self::NoEffect => "no effect",
+            Self::NoValue => "no value",
+            Self::NotTried => "not tried",
+            Self::NotBuilt => "not built",
+        }
+    }
 }
 
 /// One line of the ledger.
@@ -31,15 +92,12 @@ pub struct LedgerEntry {
     pub value: Option<f64>,
     /// Why it is on or off.
     pub reason: String,
-    /// Wall time it adds to a step, the median of runs in turn; for effects of sensors and scope, what they add to the whole over the
-    /// steps (ns).
-    pub cost_ns_per_step: Option<f64>,
-    /// Its standard uncertainty, from the scatter of the runs; a cost below twice this is not resolved (ns).
-    pub cost_u_ns_per_step: Option<f64>,
-    /// That time as a share of the run with it (1).
-    pub cost_share: Option<f64>,
+    /// Times of whole runs with and without it; none where they were not measured.
+    pub run_times: Option<RunTimes>,
     /// Its change, or the change if it were on; none where that was not measured.
     pub change: Option<Change>,
+    /// What follows from that.
+    pub verdict: EffectVerdict,
 }
 
 /// Findings on one effect, before they become an entry.
@@ -47,13 +105,12 @@ pub(super) struct EffectFinding {
     pub(super) state: EffectState,
     pub(super) value: Option<f64>,
     pub(super) reason: String,
-    pub(super) trial: Option<(Cost, Change)>,
+    pub(super) trial: Option<Trial>,
 }
 
 impl EffectFinding {
     /// The ledger's line.
     pub(super) fn entry(self, effect: &'static str, criterion: &'static str) -> LedgerEntry {
-        let cost = self.trial.as_ref().and_then(|(cost, _)| cost.measured);
         LedgerEntry {
             effect,
             state: self.state,
@@ -61,10 +118,10 @@ impl EffectFinding {
             criterion,
             value: self.value.filter(|value| value.is_finite()),
             reason: self.reason,
-            cost_ns_per_step: cost.map(|bill| bill.per_step),
-            cost_u_ns_per_step: cost.map(|bill| bill.u),
-            cost_share: cost.map(|bill| bill.share),
+            run_times: self.trial.as_ref().and_then(|(times, _)| *times),
             change: self.trial.map(|(_, change)| change),
+            // Decided when the ledger is complete.
+            verdict: EffectVerdict::NotTried,
         }
     }
 }

@@ -5,23 +5,19 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 
 use super::BaselineRun;
-use crate::chain::simd::Refinement;
 use crate::experiment::acquisition::signals;
-use crate::experiment::comparison::{Run, run, run_without};
+use crate::experiment::comparison::run;
 use crate::experiment::outcome::{Reading, speeds};
 use crate::experiment::{Integration, method};
-use crate::integrate::IntegrateError;
 use crate::scene::{Scene, input_load};
 use crate::scope::waveform::LEVELS_PER_DIVISION;
 
 /// Fewest pairs of runs that are timed.
-const FEWEST_PAIRS: usize = 9;
-/// Standard error of a median over interquartile range and root of the number, for normal scatter: `sqrt(pi/2)/1.349` (1).
-const MEDIAN_ERROR: f64 = 0.929;
+const MIN_PAIRS: usize = 5;
 /// Most pairs of runs that are timed.
-const MOST_PAIRS: usize = 101;
+const MAX_PAIRS: usize = 101;
 /// Time after which no more pairs than the fewest are timed.
-const TIME_LIMIT: Duration = Duration::from_millis(300);
+const TIME_LIMIT: Duration = Duration::from_millis(150);
 
 /// Relative changes, with the effect over without it, and what the scope would show of them. Each is the largest of all places.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -38,70 +34,44 @@ pub struct Change {
     pub arrival_samples: Option<f64>,
 }
 
-/// Cost of an effect.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Cost {
-    /// The bill, where it was measured.
-    pub measured: Option<CostMeasurement>,
+/// Wall times of whole runs, medians of runs in turn.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct RunTimes {
+    /// With the effect (s).
+    pub with_s: f64,
+    /// Without it (s).
+    pub without_s: f64,
 }
 
-/// Measurement of a cost.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CostMeasurement {
-    /// Time added to a step (ns).
-    pub per_step: f64,
-    /// Its standard uncertainty (ns).
-    pub u: f64,
-    /// Share of a step with the effect (1).
-    pub share: f64,
-}
+/// Measurement of an effect: times of whole runs, and what changes.
+pub type Trial = (Option<RunTimes>, Change);
 
 /// The value farthest from zero; none of none (1).
 pub fn largest(values: impl Iterator<Item = f64>) -> Option<f64> {
     values.reduce(|most, value| if value.abs() > most.abs() { value } else { most })
 }
 
-/// The value below which `share` of `sorted` values lie (1).
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a place among a hundred"
-)]
-fn quantile(sorted: &[f64], share: f64) -> f64 {
-    let place = (share * (sorted.len().max(1) - 1) as f64).round() as usize;
-    sorted.get(place).copied().unwrap_or(0.0)
+/// The median (unit).
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// Runs `with` and `without` in turn, each of which tells its wall time (s), over these numbers of steps.
-#[allow(clippy::cast_precision_loss, reason = "counts far below 2^53")]
-fn cost_measurement(
+/// Runs `with` and `without` in turn, each of which returns its wall time (s).
+fn run_times(
     mut with: impl FnMut() -> Option<f64>,
     mut without: impl FnMut() -> Option<f64>,
-    (steps, steps_without): (u64, u64),
-) -> Option<CostMeasurement> {
-    let (mut differences, mut walls) = (Vec::new(), Vec::new());
+) -> Option<RunTimes> {
+    let mut times = [Vec::new(), Vec::new()];
     let started = Instant::now();
-    while differences.len() < FEWEST_PAIRS
-        || (differences.len() < MOST_PAIRS && started.elapsed() < TIME_LIMIT)
+    while times[0].len() < MIN_PAIRS
+        || (times[0].len() < MAX_PAIRS && started.elapsed() < TIME_LIMIT)
     {
-        // In either order, so that nothing in the machine's own rhythm favours one of them.
-        let swapped = differences.len() % 2 == 1;
-        let early = if swapped { Some(without()?) } else { None };
-        let a = with()?;
-        let b = match early {
-            Some(b) => b,
-            None => without()?,
-        };
-        differences.push(1e9 * (a / steps.max(1) as f64 - b / steps_without.max(1) as f64));
-        walls.push(1e9 * a / steps.max(1) as f64);
+        times[0].push(with()?);
+        times[1].push(without()?);
     }
-    differences.sort_by(f64::total_cmp);
-    walls.sort_by(f64::total_cmp);
-    let per_step = quantile(&differences, 0.5);
-    let spread = quantile(&differences, 0.75) - quantile(&differences, 0.25);
-    let u = MEDIAN_ERROR * spread / (differences.len() as f64).sqrt();
-    Some(CostMeasurement { per_step, u, share: per_step / quantile(&walls, 0.5) })
+    let [with_s, without_s] = times.each_mut().map(|times| median(times));
+    Some(RunTimes { with_s, without_s })
 }
 
 impl Change {
@@ -157,38 +127,14 @@ fn speeds_of(scene: &Scene, readings: &[Reading]) -> Vec<((usize, usize), f64)> 
 ///
 /// # Errors
 /// Why one of them cannot be run.
-pub fn of_chain(with: &Scene, without: &Scene, accuracy: f64) -> Result<(Cost, Change), String> {
-    let prepared = |scene: &Scene| {
-        method(scene, Integration::Accuracy(accuracy)).map_err(|error| error.to_string())
+pub fn of_chain(with: &Scene, without: &Scene, accuracy: f64) -> Result<Trial, String> {
+    let run_once = |scene: &Scene| {
+        let by = method(scene, Integration::Accuracy(accuracy)).map_err(|e| e.to_string())?;
+        run(scene, by).map_err(|error| error.to_string())
     };
-    let (on_by, off_by) = (prepared(with)?, prepared(without)?);
-    of_runs((with, without), || run(with, on_by), || run(without, off_by))
-}
-
-/// Runs of a scene with and without one of the vector path's refinements, in turn, at the same accuracy.
-///
-/// # Errors
-/// Why one of them cannot be run.
-pub fn of_refinement(
-    subject: &BaselineRun<'_>,
-    refinement: Refinement,
-) -> Result<(Cost, Change), String> {
-    let scene = subject.scene;
-    let by = method(scene, Integration::Accuracy(subject.accuracy)).map_err(|e| e.to_string())?;
-    let without = || run_without(scene, (by, Some(refinement)), u64::MAX);
-    of_runs((scene, scene), || run(scene, by), without)
-}
-
-fn of_runs(
-    (with, without): (&Scene, &Scene),
-    run: impl Fn() -> Result<Run, IntegrateError>,
-    run_without: impl Fn() -> Result<Run, IntegrateError>,
-) -> Result<(Cost, Change), String> {
-    let words = |error: IntegrateError| error.to_string();
-    let (on, off) = (run().map_err(words)?, run_without().map_err(words)?);
-    let steps = (on.work.steps, off.work.steps);
-    let wall = |run: Result<Run, IntegrateError>| run.ok().map(|run| run.wall_s);
-    let cost = Cost { measured: cost_measurement(|| wall(run()), || wall(run_without()), steps) };
+    let (on, off) = (run_once(with)?, run_once(without)?);
+    let wall = |scene: &Scene| run_once(scene).ok().map(|run| run.wall_s);
+    let times = run_times(|| wall(with), || wall(without));
     let (fast, slow) = (speeds_of(with, &on.readings), speeds_of(without, &off.readings));
     let ratios = fast.iter().filter_map(|(pair, speed)| {
         let (_, other) = slow.iter().find(|(same, _)| same == pair)?;
@@ -196,7 +142,7 @@ fn of_runs(
     });
     let change =
         Change { speed: largest(ratios), ..Change::of_readings(with, &on.readings, &off.readings) };
-    Ok((cost, change))
+    Ok((times, change))
 }
 
 /// Largest value of a signal around a pulse, and when it first reached half of that.
@@ -256,7 +202,7 @@ pub fn of_signals(subject: &BaselineRun<'_>, on: &ChannelVolts, off: &ChannelVol
 pub type ChannelVolts = Vec<Option<Vec<f64>>>;
 
 /// Signals of one motion with and without an effect of sensors or scope.
-pub fn of_electronics(subject: &BaselineRun<'_>, with: &Scene, without: &Scene) -> (Cost, Change) {
+pub fn of_electronics(subject: &BaselineRun<'_>, with: &Scene, without: &Scene) -> Trial {
     let BaselineRun { bench, grid, .. } = subject;
     let timed = |scene: &Scene| {
         let started = Instant::now();
@@ -268,9 +214,7 @@ pub fn of_electronics(subject: &BaselineRun<'_>, with: &Scene, without: &Scene) 
         .map_err(|error| error.to_string())
         .and_then(|by| run(subject.scene, by).map_err(|error| error.to_string()))
         .map_or(0.0, |run| run.wall_s);
-    // The motion is the same: its time counts in the share alone.
+    // The motion is the same, and part of both times.
     let wall = |scene: &Scene| Some(timed(scene).0 + motion);
-    let steps = bench.work().steps;
-    let cost = Cost { measured: cost_measurement(|| wall(with), || wall(without), (steps, steps)) };
-    (cost, of_signals(subject, &on, &off))
+    (run_times(|| wall(with), || wall(without)), of_signals(subject, &on, &off))
 }

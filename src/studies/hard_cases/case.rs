@@ -49,8 +49,14 @@ pub struct CaseResult {
     pub why: &'static str,
     /// The bound, and its source.
     pub bound: &'static str,
-    /// The tightest figure next to its bound, as text.
+    /// The tightest figure next to its bound, as text; the cause where the case was refused.
     pub figure: String,
+    /// The tightest figure; none where the case was refused (unit).
+    pub found: Option<f64>,
+    /// Its bound (unit).
+    pub limit: Option<f64>,
+    /// Number of figures with bounds.
+    pub checks: usize,
     /// The result.
     pub verdict: CaseVerdict,
 }
@@ -64,6 +70,8 @@ impl HardCase {
             Ok(()) if tally.check_bound() => (CaseVerdict::Right, tally.to_string()),
             Ok(()) => (CaseVerdict::Wrong, tally.to_string()),
         };
-        CaseResult { case: self.name, why: self.why, bound: self.bound, figure, verdict }
+        let (found, limit) = tally.tightest().filter(|_| verdict != CaseVerdict::Refused).unzip();
+        let (case, checks) = (self.name, tally.count());
+        CaseResult { case, why: self.why, bound: self.bound, figure, found, limit, checks, verdict }
     }
 }

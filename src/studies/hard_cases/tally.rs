@@ -35,6 +35,16 @@ impl CaseChecks {
         }
     }
 
+    /// How many checks there were.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// The figure nearest to its bound, and the bound (unit).
+    pub fn tightest(&self) -> Option<(f64, f64)> {
+        self.worst.as_ref().map(|worst| (worst.found.abs(), worst.bound))
+    }
+
     /// Whether there were checks, and every one held.
     pub fn check_bound(&self) -> bool {
         self.worst.as_ref().is_some_and(|worst| worst.share() <= 1.0)

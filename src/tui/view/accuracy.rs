@@ -19,7 +19,7 @@ const SIDE_BY_SIDE_WIDTH: u16 = 130;
 /// Errors that the plot reaches from (1).
 const MIN_ERROR: f64 = 1e-14;
 /// Columns of the ledger.
-const LEDGER_WIDTH: u16 = 64;
+const LEDGER_WIDTH: u16 = 70;
 
 /// Draws the page.
 pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
@@ -143,24 +143,23 @@ fn entry_line(entry: &LedgerEntry) -> String {
     let change = entry.change;
     let lsb =
         change.and_then(|c| c.peak_lsb).map_or_else(|| "-".to_owned(), |v| format!("{v:+.2}"));
-    let cost = entry.cost_share.map_or_else(|| "-".to_owned(), |c| format!("{:.0}%", 100.0 * c));
     format!(
-        "{:<20}{:<5}{:>5}{:>9}{:>9}{:>9}{:>7}",
+        "{:<20}{:<5}{:>9}{:>9}{:>9}{:>7} {}",
         entry.effect,
         state,
-        cost,
-        share(change.and_then(|c| c.speed)),
         share(change.and_then(|c| c.peak)),
         share(change.and_then(|c| c.arrival)),
-        lsb
+        share(change.and_then(|c| c.speed)),
+        lsb,
+        entry.verdict.word()
     )
 }
 
 fn ledger_of(model: &ScreenState, ledger: &Ledger, area: Rect, frame: &mut Frame) {
     let bold = Style::new().add_modifier(Modifier::BOLD);
     let head = format!(
-        "{:<20}{:<5}{:>5}{:>9}{:>9}{:>9}{:>7}",
-        "effect, with/without", "", "cost", "speed", "peak", "arrival", "LSB"
+        "{:<20}{:<5}{:>9}{:>9}{:>9}{:>7} {}",
+        "effect, with/without", "", "peak", "arrival", "speed", "LSB", "verdict"
     );
     let rows = usize::from(area.height.saturating_sub(2)).max(1);
     let selected = model.questions().effect;

@@ -4,24 +4,22 @@ use serde_json::Value;
 
 use super::{files, printed, refused, says, temporary};
 
-const KEYS: [&str; 9] = [
-    "effect",
-    "state",
-    "active",
-    "criterion",
-    "value",
-    "reason",
-    "cost_ns_per_step",
-    "cost_share",
-    "change",
-];
+const KEYS: [&str; 9] =
+    ["effect", "state", "active", "criterion", "value", "reason", "run_times", "change", "verdict"];
 
 #[test]
 fn the_ledger_is_for_people_and_for_scripts() {
     let folder = temporary();
     let page = printed(folder.path(), &["effects", "--accuracy", "1e-3", "--quiet"]);
     assert!(page.lines().all(|line| line.chars().count() <= 80), "{page}");
-    says(&page, &["gravity", "magnet_preload", "quantisation", "not built", "weight of the chain"]);
+    says(&page, &["gravity", "magnet_preload", "quantisation", "not built", "needed", "no value"]);
+    // One line an effect; numerics are none.
+    assert!(
+        page.lines().count() < 30 && !page.contains("kink") && !page.contains("quiet"),
+        "{page}"
+    );
+    let why = ["effects", "--accuracy", "1e-3", "--quiet", "--why"];
+    says(&printed(folder.path(), &why), &["weight of the chain", "on by the scene"]);
     let text = printed(folder.path(), &["effects", "--accuracy", "1e-3", "--quiet", "--json"]);
     let entries: Vec<Value> = serde_json::from_str(&text).expect("a list");
     for entry in &entries {

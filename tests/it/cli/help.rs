@@ -9,8 +9,8 @@ const SUBCOMMANDS: &[(&str, &[&str])] = &[
     ),
     ("info", &["<FILE>", "--json"]),
     ("convert", &["<INPUT>", "<OUTPUT>", "--quiet"]),
-    ("hard-cases", &["--json", "--quiet"]),
-    ("effects", &["[SCENE]", "--accuracy", "--json", "--quiet"]),
+    ("hard-cases", &["--why", "--json", "--quiet"]),
+    ("effects", &["[SCENE]", "--accuracy", "--why", "--json", "--quiet"]),
     ("scenes", &["[NAME]", "--json"]),
     #[cfg(feature = "server")]
     ("serve", &["[SCENE]", "--listen", "--impact-every", "--header"]),

@@ -12,7 +12,7 @@ use super::live::Session;
 use hertzscope::measurement::compare::score_limits::ScoreLimits;
 use hertzscope::measurement::compare::{Align, ComparedShot as Against, compare};
 use hertzscope::studies::cost::{ChosenMethod, CostStudy, Point, Reference};
-use hertzscope::studies::effects::{Change, EffectState, Ledger, LedgerEntry};
+use hertzscope::studies::effects::{Change, EffectState, EffectVerdict, Ledger, LedgerEntry};
 use hertzscope::tui::axis::TurnDirection;
 use hertzscope::tui::model::background_jobs::JobAnswer;
 use hertzscope::tui::model::{
@@ -200,10 +200,13 @@ fn entry(effect: &'static str, state: EffectState, peak: f64) -> LedgerEntry {
         criterion: "made up",
         value: Some(1.0),
         reason: format!("{effect} is in this list to be seen"),
-        cost_ns_per_step: None,
-        cost_u_ns_per_step: None,
-        cost_share: Some(0.02),
+        run_times: None,
         change: Some(change),
+        verdict: if state == EffectState::On {
+            EffectVerdict::Needed
+        } else {
+            EffectVerdict::NoEffect
+        },
     }
 }
 
