@@ -43,12 +43,24 @@ impl TableLayout {
         };
         let mut layout =
             Self { names: None, units: None, first, cells: numeric(first), even: None };
+        layout.include_broken_rows(table);
         layout.find_names(table);
         layout.find_even(table);
         if layout.cells.len() < 2 && layout.even.is_none() {
             return Err(unknown(table, "a column of times beside the values"));
         }
         Ok(layout)
+    }
+
+    /// Takes in the rows above that begin with a number: samples of which a cell is none, not names. Reading them names the cell.
+    fn include_broken_rows(&mut self, table: &CsvRows<'_>) {
+        let cell = self.first_cell();
+        let above = (0..self.first).rev().filter(|index| !table.row(*index).is_blank());
+        if let Some(first) =
+            above.take_while(|index| table.row(*index).maybe_number(cell).is_some()).last()
+        {
+            self.first = first;
+        }
     }
 
     /// The rows above the samples, from below, without blank ones.
