@@ -1,9 +1,11 @@
 //! The scope on the network. Every wait ends with an answer; the limits only end tests that have failed.
 
+mod abuse;
 mod bench;
 mod hislip;
 mod load;
 mod process;
+mod random_sessions;
 mod recording;
 mod transcripts;
 
