@@ -126,7 +126,7 @@ def latencies(port, seconds, before=None):
         began = time.perf_counter()
         stream.sendall(b"*IDN?\n")
         if not stream.recv(200).endswith(b"\n"):
-            sys.exit("abuse.py: no answer to *IDN?")
+            sys.exit(f"abuse.py: no answer to *IDN? after {len(times)} answers, before={before}")
         times.append(time.perf_counter() - began)
         time.sleep(0.005)
     times.sort()

@@ -5,7 +5,6 @@ mod bench;
 mod hislip;
 mod load;
 mod process;
-mod random_sessions;
 mod recording;
 mod transcripts;
 

@@ -250,14 +250,17 @@ impl Reader {
         }
     }
 
-    /// Numbers of the shots found since the last call; their data are dropped.
+    /// Numbers of the shots of which something was found since the last call; their data are dropped.
     fn forget_shots(&mut self) -> Vec<u32> {
-        std::mem::take(&mut self.shots).into_keys().collect()
+        let mut numbers: BTreeSet<u32> = std::mem::take(&mut self.shots).into_keys().collect();
+        // What is kept beside a shot may stand in a later chunk than the shot; what stands before the first belongs to none.
+        numbers
+            .extend(std::mem::take(&mut self.set.notes).into_keys().filter(|number| *number > 0));
+        numbers.into_iter().collect()
     }
 
-    /// Lines of the remote interface since the last call. They and the notes of shots are dropped, and so are old lines of the log.
+    /// Lines of the remote interface since the last call. They are dropped, and so are old lines of the log.
     fn forget_traffic(&mut self) -> Vec<ScpiLine> {
-        self.set.notes.clear();
         let log = &mut self.set.log;
         if log.len() >= 2 * LOG_LINES {
             log.drain(..log.len() - LOG_LINES);

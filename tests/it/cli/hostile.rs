@@ -69,7 +69,7 @@ fn documents_hold_no_tags_of_a_files_own() {
     poisoned(path);
     printed(path, &["convert", "-q", "evil.mcap", "x.svg"]);
     for name in ["x.md", "x.html"] {
-        hertzscope(path, &["compare", "evil.mcap", "evil.toml", "-q", "-o", name]);
+        hertzscope(path, &["compare", "run.mcap", "evil.toml", "-q", "-o", name]);
     }
     for name in ["x.svg", "x.md", "x.html"] {
         let text = std::fs::read_to_string(path.join(name)).expect(name);
