@@ -8,6 +8,8 @@ use clap::{Args, ValueEnum};
 use super::input::{BenchArguments, Selection, TableArguments};
 use super::plain_table::{TableContent, plain_table};
 use crate::files;
+use crate::recording::format::open_large;
+use crate::recording::mcap::indexed_recording::IndexedRecording;
 use crate::recording::tek_csv::TekCsvError;
 use crate::recording::{Capture, InstrumentIdentity, Shot, TraceSet, isf, mcap, tek_csv};
 use crate::report;
@@ -59,15 +61,61 @@ enum Form {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let mut set = arguments.table.open(&arguments.input)?;
+    if let Some(recording) = open_large(&arguments.input)? {
+        return shot_by_shot(arguments, recording);
+    }
+    let set = arguments.table.open(&arguments.input)?;
+    for problem in &set.problems {
+        super::say(&format!("warning: {}: {problem}", arguments.input.display()));
+    }
+    convert(arguments, set)
+}
+
+/// Converts a recording that is too large to be read at once: each shot by itself.
+fn shot_by_shot(arguments: &Arguments, mut recording: IndexedRecording) -> anyhow::Result<()> {
+    let output = &arguments.output;
+    let facts = recording.facts();
+    for problem in &facts.problems {
+        super::say(&format!("warning: {}: {problem}", arguments.input.display()));
+    }
+    let ending = output.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+    match ending.as_deref() {
+        Some("mcap") => bail!(
+            "{}: found a recording of this size, expected a folder or a picture: copy the file instead",
+            output.display()
+        ),
+        Some("isf" | "csv") if recording.shots() > 1 && arguments.selection.shot().is_none() => {
+            bail!(
+                "found {} shots, expected one for a single file: give a folder, or --shot",
+                recording.shots()
+            )
+        }
+        _ => {}
+    }
+    let is_folder = ending.is_none();
+    for place in 0..recording.shots() {
+        let Some((shot, notes)) = recording.shot_and_notes(place)? else { continue };
+        if shot.captures.is_empty() || !arguments.selection.wants(shot.number) {
+            continue;
+        }
+        let mut set = TraceSet { problems: Vec::new(), ..facts.clone() };
+        set.notes.insert(shot.number, notes);
+        set.shots.push(shot);
+        convert(arguments, set)?;
+        // A picture is that of the first shot.
+        if !is_folder {
+            return Ok(());
+        }
+    }
+    Ok(())
+}
+
+fn convert(arguments: &Arguments, mut set: TraceSet) -> anyhow::Result<()> {
     arguments.selection.apply(&mut set)?;
     if let Some(name) = &arguments.instrument {
         name_instrument(&mut set, &oscilloscope(name)?);
     }
     arguments.bench.apply(&mut set)?;
-    for problem in &set.problems {
-        eprintln!("warning: {}: {problem}", arguments.input.display());
-    }
     let output = &arguments.output;
     let same = |input: PathBuf| std::fs::canonicalize(output).is_ok_and(|output| output == input);
     if std::fs::canonicalize(&arguments.input).is_ok_and(same) && output.is_file() {
