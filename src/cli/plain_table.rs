@@ -149,7 +149,8 @@ fn truth(shot: &Shot, axis: &Trace) -> anyhow::Result<Vec<TableColumn>> {
 /// The value at `time` on the straight line between neighbouring samples; not a number outside the record.
 fn interpolated(trace: &Trace, time: f64) -> f64 {
     let place = (time - trace.start) / trace.interval;
-    if !(place >= 0.0) {
+    // Also a place that is not a number.
+    if place.is_nan() || place < 0.0 {
         return f64::NAN;
     }
     #[allow(

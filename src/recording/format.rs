@@ -206,7 +206,7 @@ impl Content {
             }
             if matches!(Format::of(&file), Some(Format::TekCsv | Format::Isf)) {
                 content.files.push(file);
-            } else if name.ends_with(".SET") {
+            } else if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("set")) {
                 content.set_ups.push(file);
             } else if file.is_dir() && name.starts_with(FOLDER) {
                 content.shots.push(file);
@@ -325,7 +325,7 @@ fn import(
     match first {
         Some(error) if captures.is_empty() => return Err(error),
         Some(error) => {
-            set.problems.push(format!("{error}; the other files of the folder were read"))
+            set.problems.push(format!("{error}; the other files of the folder were read"));
         }
         None => {}
     }

@@ -25,7 +25,7 @@ pub(super) struct SampleColumn {
     digits: i32,
     /// What the unit is larger than the printed one beside powers of ten: 60 for minutes; 0 stands for 1.
     factor: f64,
-    /// Whether every number was printed without a decimal point.
+    /// Whether a number was printed with a decimal point.
     fractions: bool,
 }
 
@@ -48,13 +48,16 @@ impl SampleColumn {
 
     /// Whether the numbers count rows: whole ones, each by one larger, from 0 or 1.
     pub(super) fn counts(&self) -> bool {
-        let starts = self.values.first().is_some_and(|first| *first == 0.0 || *first == 1.0);
+        let starts = self
+            .values
+            .first()
+            .is_some_and(|first| [0.0, 1.0].map(f64::to_bits).contains(&first.abs().to_bits()));
         starts && self.steps_by_one()
     }
 
     /// Whether each number is printed whole and by one larger than the one before.
     pub(super) fn steps_by_one(&self) -> bool {
-        let by_one = |pair: &[f64]| matches!(pair, [a, b] if b - a == 1.0);
+        let by_one = |pair: &[f64]| matches!(pair, [a, b] if (b - a - 1.0).abs() < f64::EPSILON);
         !self.fractions && self.values.windows(2).all(by_one)
     }
 

@@ -10,7 +10,7 @@ use crate::quantity::c_exponential;
 use crate::recording::InstrumentIdentity;
 use crate::scope::{PointFormat, Source};
 
-/// RowFields in every row.
+/// Fields in every row.
 const FIELDS: usize = 6;
 
 /// One row of a file, split at its commas.

@@ -33,6 +33,11 @@ pub(super) struct ColumnUnit {
 }
 
 impl ColumnUnit {
+    /// Whether it is minutes or hours.
+    pub(super) fn is_minutes(&self) -> bool {
+        self.factor > 1.0
+    }
+
     /// Whether it is one of an abscissa.
     pub(super) fn is_abscissa(&self) -> bool {
         matches!(self.text, "s" | "Hz")
@@ -169,7 +174,7 @@ fn parted(cell: &str) -> (String, Option<String>) {
     for mark in ['/', '_', ' ', ':'] {
         let plain = |text: &str| {
             let is_mark = mark == '/' || !is_letter(text);
-            unit(text).is_some_and(|unit| is_mark && (mark == '/' || unit.factor == 1.0))
+            unit(text).is_some_and(|unit| is_mark && (mark == '/' || !unit.is_minutes()))
         };
         if let Some((base, text)) = cell.rsplit_once(mark).filter(|(_, text)| plain(text)) {
             // The A of `Channel A` is a channel.
@@ -319,7 +324,7 @@ fn channel(base: &str) -> Option<Source> {
     if let Some(letter) = base.strip_prefix("ref") {
         return reference(letter.trim());
     }
-    let at = base.len() - base.chars().last().filter(|c| c.is_ascii_alphanumeric())?.len_utf8();
+    let at = base.len() - base.chars().last().filter(char::is_ascii_alphanumeric)?.len_utf8();
     let (word, last) = base.split_at_checked(at)?;
     let word = word.trim_end();
     let known = WORDS.contains(&word.trim_end_matches('.'));

@@ -114,13 +114,13 @@ impl ColumnPlan {
             }
             match (&name.role, &name.unknown_unit) {
                 (ColumnRole::Extra, _) => {
-                    plan.notes.push(format!("{place} is no channel and is left out"))
+                    plan.notes.push(format!("{place} is no channel and is left out"));
                 }
                 (_, Some(unit)) => {
-                    refused.push(format!("{place} is in `{unit}`, a unit that is not known"))
+                    refused.push(format!("{place} is in `{unit}`, a unit that is not known"));
                 }
                 (ColumnRole::OtherQuantity, _) => {
-                    refused.push(format!("{place} has no unit and is no voltage"))
+                    refused.push(format!("{place} has no unit and is no voltage"));
                 }
                 (ColumnRole::Nameless | ColumnRole::Abscissa | ColumnRole::Index, None)
                     if layout.names.is_some() =>
@@ -255,18 +255,14 @@ impl ColumnPlan {
             y_unit: value_unit.as_ref().map(|unit| unit.text.to_owned()),
             ..UnscaledImport::default()
         };
-        match channel.time {
-            Some(time) => {
-                draft.times = scaled(body.column(layout, time), time_unit.as_ref());
-                draft.x_unit = time_unit.as_ref().map(|unit| unit.text.to_owned());
-            }
-            None => {
-                let even = layout.even.map(|(start, step)| EvenTimes {
-                    interval: step,
-                    trigger_point: -start / step,
-                });
-                (draft.even, draft.x_unit) = (even, Some("s".to_owned()));
-            }
+        if let Some(time) = channel.time {
+            draft.times = scaled(body.column(layout, time), time_unit.as_ref());
+            draft.x_unit = time_unit.as_ref().map(|unit| unit.text.to_owned());
+        } else {
+            draft.even = layout
+                .even
+                .map(|(start, step)| EvenTimes { interval: step, trigger_point: -start / step });
+            draft.x_unit = Some("s".to_owned());
         }
         if draft.even.is_none() && draft.times.len() != draft.values.len() {
             let short = draft.times.len().min(draft.values.len());
@@ -279,8 +275,7 @@ impl ColumnPlan {
         }
         use_keys(&mut draft, keys, asked)?;
         // A scale beside values in millivolts may be in either unit.
-        let is_prefixed =
-            |unit: &ColumnUnit| unit.power != 0 || unit.factor.to_bits() != 1f64.to_bits();
+        let is_prefixed = |unit: &ColumnUnit| unit.power != 0 || unit.is_minutes();
         if channel.unit.is_none() && value_unit.as_ref().is_some_and(is_prefixed) {
             draft.scale = None;
         }
@@ -417,7 +412,7 @@ fn scaled(mut column: SampleColumn, unit: Option<&ColumnUnit>) -> SampleColumn {
         if unit.power != 0 {
             column.scale(unit.power);
         }
-        if unit.factor.to_bits() != 1f64.to_bits() {
+        if unit.is_minutes() {
             column.multiply(unit.factor);
         }
     }

@@ -23,13 +23,14 @@ pub(super) fn decode<'a>(bytes: &'a [u8], file: &str) -> Result<DecodedText<'a>,
     let text = match bytes {
         [0xFF, 0xFE, rest @ ..] => Cow::Owned(utf_16(rest, u16::from_le_bytes)),
         [0xFE, 0xFF, rest @ ..] => Cow::Owned(utf_16(rest, u16::from_be_bytes)),
-        _ => match std::str::from_utf8(bytes) {
-            Ok(text) => Cow::Borrowed(text),
-            Err(_) => {
+        _ => {
+            if let Ok(text) = std::str::from_utf8(bytes) {
+                Cow::Borrowed(text)
+            } else {
                 notes.push("the text is not UTF-8 and was read as Latin-1".to_owned());
                 Cow::Owned(bytes.iter().map(|byte| char::from(*byte)).collect())
             }
-        },
+        }
     };
     // A table has tabs and line ends, and no other control characters.
     let control = |c: char| c.is_ascii_control() && !matches!(c, '\t' | '\n' | '\r' | '\u{c}');

@@ -133,6 +133,9 @@ struct Miss {
     rows: (usize, usize),
 }
 
+/// A cut: an interval (s; Hz for an FFT), its excess there, and its slope.
+type Cut = (f64, f64, f64);
+
 impl<'a> Rows<'a> {
     fn of(column: &'a SampleColumn) -> Self {
         let times = column.values.as_slice();
@@ -188,9 +191,7 @@ impl<'a> Rows<'a> {
 
     /// The interval of least excess: the crossing of the steepest cuts from the left and from the right, again and again.
     fn least_miss(&self, guess: f64) -> f64 {
-        // A cut is a line: its excess at an interval, and its slope.
-        let (mut left, mut right): (Option<(f64, f64, f64)>, Option<(f64, f64, f64)>) =
-            (None, None);
+        let (mut left, mut right): (Option<Cut>, Option<Cut>) = (None, None);
         let (mut at, mut best) = (guess, (f64::INFINITY, guess));
         for _ in 0..MAX_CUTS {
             let miss = self.miss(at);

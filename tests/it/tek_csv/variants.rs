@@ -97,7 +97,7 @@ impl Table {
             };
             match self.order {
                 Order::IndexFirst => {
-                    row.push(if index == 0 { "n".to_owned() } else { (index - 1).to_string() })
+                    row.push(if index == 0 { "n".to_owned() } else { (index - 1).to_string() });
                 }
                 Order::TimeLast => self.channels.iter().for_each(|number| cells(row, number)),
                 Order::TimeFirst | Order::SideBySide => {}
