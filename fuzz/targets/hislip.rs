@@ -53,6 +53,10 @@ impl Behind for Desk {
         reply
     }
 
+    fn is_waiting(&self, session: u16) -> bool {
+        self.owes_reply(session)
+    }
+
     fn owes_reply(&self, session: u16) -> bool {
         self.sessions.get(&session).expect("an open session").owes_reply()
     }

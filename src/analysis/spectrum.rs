@@ -74,6 +74,9 @@ impl Default for SpectrumSettings {
     }
 }
 
+/// Most samples of a transform, padding included: it needs forty bytes for each.
+pub const LARGEST_TRANSFORM: usize = 1 << 24;
+
 /// Why there is no spectrum.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SpectrumError {
@@ -84,6 +87,16 @@ pub enum SpectrumError {
         trace: String,
         /// Samples inside the gate.
         samples: usize,
+    },
+    /// More than is transformed at once.
+    #[error(
+        "found {padded} samples of {trace} with padding, expected at most {LARGEST_TRANSFORM}: take a part of it (--from, --to), or less padding"
+    )]
+    TooLong {
+        /// The trace's name.
+        trace: String,
+        /// Samples with padding.
+        padded: usize,
     },
     /// A value is not a number.
     #[error("found a value that is not finite in {trace} at {time:e} s, expected numbers only")]
@@ -206,6 +219,11 @@ fn check(
     }
     if record.len() < 2 {
         return Err(SpectrumError::TooShort { trace: name(), samples: record.len() });
+    }
+    // The product cannot overflow where it is below the limit.
+    let padded = record.len().saturating_mul(settings.padding);
+    if padded > LARGEST_TRANSFORM {
+        return Err(SpectrumError::TooLong { trace: name(), padded });
     }
     if let Some(at) = record.iter().position(|x| !x.is_finite()) {
         return Err(SpectrumError::NotFinite { trace: name(), time: trace.time(start + at) });

@@ -5,7 +5,7 @@
 //! Source: J. B. Allen, L. R. Rabiner, Proc. IEEE 65, 1558 (1977). Valid while the signal changes little within a piece.
 
 use super::gate::Gate;
-use super::spectrum::{Analyser, Spectrum, SpectrumError, SpectrumSettings};
+use super::spectrum::{Analyser, LARGEST_TRANSFORM, Spectrum, SpectrumError, SpectrumSettings};
 use crate::trace::Trace;
 
 /// How a signal is cut into pieces.
@@ -63,6 +63,12 @@ impl Spectrogram {
         }
         if hop == 0 {
             return Err(SpectrogramError::Hop);
+        }
+        let columns = (range.len() - segment) / hop + 1;
+        let cells = columns.saturating_mul(segment.saturating_mul(settings.padding));
+        if cells > LARGEST_TRANSFORM {
+            let trace = trace.name.clone();
+            return Err(SpectrumError::TooLong { trace, padded: cells }.into());
         }
         let whole = SpectrumSettings { gate: Gate::ALL, ..*settings };
         let mut spectrogram = Self { times: Vec::new(), columns: Vec::new() };

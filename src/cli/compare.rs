@@ -15,7 +15,7 @@ use crate::files;
 use crate::measurement::compare::mapping::Assignment;
 use crate::measurement::compare::score_limits::ScoreLimits;
 use crate::measurement::compare::{Align, ComparedShot, compare};
-use crate::recording::format::{Format, open};
+use crate::recording::format::{Format, open_shot};
 use crate::recording::{Shot, TraceSet, mcap};
 use crate::report;
 use crate::report::document::{Part, html, markdown};
@@ -86,7 +86,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(file) = &arguments.output {
         ending(file, &["md", "html", "mcap"])?;
     }
-    let mut set = arguments.table.open(&arguments.measured)?;
+    let mut set = arguments.table.open_shot(&arguments.measured, arguments.shot)?;
     keep_channels(&mut set, &arguments.channel)?;
     wire_all(&mut set, &arguments.sensor)?;
     let simulation = Simulation::of(arguments)?;
@@ -135,7 +135,8 @@ impl Simulation {
     fn of(arguments: &Arguments) -> anyhow::Result<Self> {
         let path = Path::new(&arguments.simulated);
         if Format::of(path).is_some() {
-            return Ok(Self { set: open(path)?, shot: arguments.simulated_shot, scene: None });
+            let set = open_shot(path, arguments.simulated_shot)?;
+            return Ok(Self { set, shot: arguments.simulated_shot, scene: None });
         }
         let scene = Scene::load(&arguments.simulated)?;
         let integration = Integration::Accuracy(of_scene(&scene)?.value);

@@ -8,6 +8,8 @@ use clap::{Args, ValueEnum};
 use super::input::{BenchArguments, Selection, TableArguments};
 use super::plain_table::{TableContent, plain_table};
 use crate::files;
+use crate::recording::format::open_large;
+use crate::recording::mcap::indexed_recording::IndexedRecording;
 use crate::recording::tek_csv::TekCsvError;
 use crate::recording::{Capture, InstrumentIdentity, Shot, TraceSet, isf, mcap, tek_csv};
 use crate::report;
@@ -23,8 +25,8 @@ pub struct Arguments {
     /// A recording (.mcap), a scope's file (.csv, .isf), or a folder of them
     input: PathBuf,
     /// A recording (.mcap), a table `time_s,CH1_V,...` (.csv), a file of the scope for a single capture (.isf, or .csv with --as tds),
-    /// a picture of the first shot (.svg, or as the scope makes it: .bmp, .pcx, .tif, .eps), or a folder in which ALL0000, ALL0001, ...
-    /// are made
+    /// a picture of the first shot (.svg, or as the scope makes it: .bmp, .pcx, .tif, .eps), or a folder (no ending, or FOLDER/) in
+    /// which ALL0000, ALL0001, ... are made
     output: PathBuf,
     /// What a .csv is: a plain table, or the file that a TDS2000 saves
     #[arg(long = "as", value_name = "FORM", value_enum, default_value = "table")]
@@ -59,15 +61,61 @@ enum Form {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let mut set = arguments.table.open(&arguments.input)?;
+    if let Some(recording) = open_large(&arguments.input)? {
+        return shot_by_shot(arguments, recording);
+    }
+    let set = arguments.table.open(&arguments.input)?;
+    for problem in &set.problems {
+        super::say(&format!("warning: {}: {problem}", arguments.input.display()));
+    }
+    convert(arguments, set)
+}
+
+/// Converts a recording that is too large to be read at once: each shot by itself.
+fn shot_by_shot(arguments: &Arguments, mut recording: IndexedRecording) -> anyhow::Result<()> {
+    let output = &arguments.output;
+    let facts = recording.facts();
+    for problem in &facts.problems {
+        super::say(&format!("warning: {}: {problem}", arguments.input.display()));
+    }
+    let ending = output.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+    match ending.as_deref() {
+        Some("mcap") => bail!(
+            "{}: found a recording of this size, expected a folder or a picture: copy the file instead",
+            output.display()
+        ),
+        Some("isf" | "csv") if recording.shots() > 1 && arguments.selection.shot().is_none() => {
+            bail!(
+                "found {} shots, expected one for a single file: give a folder, or --shot",
+                recording.shots()
+            )
+        }
+        _ => {}
+    }
+    let is_folder = ending.is_none();
+    for place in 0..recording.shots() {
+        let Some((shot, notes)) = recording.shot_and_notes(place)? else { continue };
+        if shot.captures.is_empty() || !arguments.selection.wants(shot.number) {
+            continue;
+        }
+        let mut set = TraceSet { problems: Vec::new(), ..facts.clone() };
+        set.notes.insert(shot.number, notes);
+        set.shots.push(shot);
+        convert(arguments, set)?;
+        // A picture is that of the first shot.
+        if !is_folder {
+            return Ok(());
+        }
+    }
+    Ok(())
+}
+
+fn convert(arguments: &Arguments, mut set: TraceSet) -> anyhow::Result<()> {
     arguments.selection.apply(&mut set)?;
     if let Some(name) = &arguments.instrument {
         name_instrument(&mut set, &oscilloscope(name)?);
     }
     arguments.bench.apply(&mut set)?;
-    for problem in &set.problems {
-        eprintln!("warning: {}: {problem}", arguments.input.display());
-    }
     let output = &arguments.output;
     let same = |input: PathBuf| std::fs::canonicalize(output).is_ok_and(|output| output == input);
     if std::fs::canonicalize(&arguments.input).is_ok_and(same) && output.is_file() {
@@ -79,7 +127,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         bail!("{}: --truth and --force are for tables (.csv)", output.display());
     }
     let extension = output.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+    let is_folder = output.is_dir() || output.as_os_str().as_encoded_bytes().ends_with(b"/");
     let written = match extension.as_deref() {
+        _ if is_folder => folders(&set, output)?,
         Some("mcap") => {
             mcap::write(output, &set)?;
             vec![output.clone()]

@@ -58,7 +58,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.json {
         super::print(&serde_json::to_string_pretty(&found)?)
     } else {
-        super::print(&report::work_precision(&found, work, super::is_coloured()))
+        super::print_as_it_is(&report::work_precision(&found, work, super::is_coloured()))
     }
 }
 

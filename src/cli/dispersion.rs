@@ -102,7 +102,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 fn page(arguments: &Arguments) -> anyhow::Result<DispersionPage> {
-    let mut set = arguments.table.open(&arguments.file)?;
+    let mut set = arguments.table.open_shot(&arguments.file, arguments.shot)?;
     arguments.bench.apply(&mut set)?;
     let Some(shot) = set.shots.iter().find(|shot| shot.number == arguments.shot) else {
         bail!("found {} shots, expected one with number {}", set.shots.len(), arguments.shot);

@@ -15,7 +15,7 @@ use crate::fit::{Fit, FitOptions, fit};
 use crate::measurement::compare::ComparedShot;
 use crate::measurement::compare::mapping::Assignment;
 use crate::quantity::{Dimension, parse, parse_any};
-use crate::recording::format::open;
+use crate::recording::format::open_shot;
 use crate::report;
 use crate::scene::adjust::{Adjustable, AdjustableNumber};
 use crate::scene::{LOOSEST_ACCURACY, TIGHTEST_ACCURACY};
@@ -167,7 +167,7 @@ fn run_fit(
     scene: &str,
     options: &FitOptions,
 ) -> anyhow::Result<()> {
-    let set = open(Path::new(measured))?;
+    let set = open_shot(Path::new(measured), arguments.shot)?;
     let (scene, knobs) = freed(arguments, scene)?;
     let shot = shot(&set, measured, arguments.shot)?;
     let side = ComparedShot { name: measured, set: &set, shot, scene: None };

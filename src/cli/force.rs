@@ -40,7 +40,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let mut set = arguments.table.open(&arguments.file)?;
+    let mut set = arguments.table.open_shot(&arguments.file, arguments.shot)?;
     arguments.bench.apply(&mut set)?;
     keep_channels(&mut set, &arguments.channel)?;
     let Some(shot) = set.shots.iter().find(|shot| shot.number == arguments.shot) else {

@@ -54,7 +54,7 @@ pub fn gathered(
 ) -> Result<GatherSummary, SweepError> {
     let found = GatheredLogs::read(folder)?;
     for notice in &found.notices {
-        eprintln!("note: {notice}");
+        super::say(&format!("note: {notice}"));
     }
     let mut progress = JobProgress::new("table", quiet);
     let tally = found.write(tables, &mut |share| progress.at(share));

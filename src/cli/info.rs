@@ -6,6 +6,8 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::input::{Selection, TableArguments};
+use crate::recording::format::open_large;
+use crate::recording::mcap::indexed_recording::IndexedRecording;
 use crate::recording::{Capture, Origin, Shot, TraceSet};
 use crate::report;
 use crate::trace::Trace;
@@ -25,6 +27,9 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    if let Some(recording) = open_large(&arguments.file)? {
+        return shot_by_shot(recording, arguments.json);
+    }
     let mut set = arguments.table.open(&arguments.file)?;
     arguments.selection.apply(&mut set)?;
     if arguments.json {
@@ -32,6 +37,35 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     } else {
         super::print(&report::contents(&set))
     }
+}
+
+/// The same of a recording that is too large to be read at once.
+fn shot_by_shot(mut recording: IndexedRecording, json: bool) -> anyhow::Result<()> {
+    let facts = recording.facts();
+    if !json {
+        super::print(&report::contents_before(&facts))?;
+        for place in 0..recording.shots() {
+            if let Some(shot) = recording.shot(place)? {
+                super::print(&report::contents_of(&shot))?;
+            }
+        }
+        return super::print(&report::contents_after(&facts, recording.traffic()));
+    }
+    let mut page = as_json(&facts);
+    if let Some(page) = page.as_object_mut() {
+        page.remove("shots");
+    }
+    // The shots go last, one by one.
+    let text = serde_json::to_string_pretty(&page)?;
+    let open = text.trim_end().trim_end_matches('}').trim_end();
+    super::print(&format!("{open},\n  \"shots\": ["))?;
+    for place in 0..recording.shots() {
+        if let Some(found) = recording.shot(place)? {
+            let comma = if place == 0 { "" } else { "," };
+            super::print(&format!("{comma}{}", serde_json::to_string(&shot(&found))?))?;
+        }
+    }
+    super::print("  ]\n}")
 }
 
 fn as_json(set: &TraceSet) -> Value {

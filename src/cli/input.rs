@@ -13,7 +13,7 @@ use crate::measurement::compare::mapping::Assignment;
 use crate::measurement::metadata::{self, RecordedDistance};
 use crate::quantity::{Dimension, Uncertain, parse};
 use crate::recording::TraceSet;
-use crate::recording::format::{OpenError, open_with};
+use crate::recording::format::{OpenError, open_with, read_shot};
 use crate::recording::tek_csv::TableColumns;
 use crate::scene::Scene;
 
@@ -38,6 +38,14 @@ impl TableArguments {
     pub fn columns(&self) -> TableColumns {
         self.columns.clone().unwrap_or_default()
     }
+
+    /// The same, where only shot `number` is looked at: a large recording is not read at once.
+    pub fn open_shot(&self, path: &Path, number: u32) -> Result<TraceSet, OpenError> {
+        match read_shot(path, number)? {
+            Some(set) => Ok(set),
+            None => self.open(path),
+        }
+    }
 }
 
 /// Which shots and channels of a file are meant.
@@ -52,6 +60,16 @@ pub struct Selection {
 }
 
 impl Selection {
+    /// The only shot that is meant.
+    pub fn shot(&self) -> Option<u32> {
+        self.shot
+    }
+
+    /// Whether this shot is meant.
+    pub fn wants(&self, number: u32) -> bool {
+        self.shot.is_none_or(|shot| shot == number)
+    }
+
     /// Whether all of a file is meant.
     pub fn is_all(&self) -> bool {
         self.shot.is_none() && self.channel.is_empty()

@@ -47,7 +47,7 @@ use std::process::ExitCode;
 use clap::{CommandFactory as _, Parser, Subcommand};
 
 use crate::chain::simd::InstructionSet;
-use output::{AnswerIsNo, is_broken_pipe, is_coloured, print};
+use output::{AnswerIsNo, is_broken_pipe, is_coloured, print, print_as_it_is, say};
 
 /// Exit code of an answer that is no.
 const EXIT_ANSWER_NO: u8 = 1;
@@ -95,11 +95,22 @@ enum Command {
     Man(man::Arguments),
 }
 
+/// Makes a file that outgrows `ulimit -f` an error of that file: the signal that comes with it would end the program without a word.
+fn survive_file_limit() {
+    #[cfg(unix)]
+    {
+        let told = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
+        // Where it cannot be caught, it ends the program as before.
+        let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, told);
+    }
+}
+
 /// Runs the program on the process's own arguments.
 pub fn main() -> ExitCode {
     let command = Arguments::parse().command;
+    survive_file_limit();
     if let Err(reason) = InstructionSet::chosen() {
-        eprintln!("error: {reason}");
+        say(&format!("error: {reason}"));
         return ExitCode::from(EXIT_FAILURE);
     }
     let done = match command {
@@ -142,7 +153,7 @@ pub fn main() -> ExitCode {
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) if error.is::<AnswerIsNo>() => ExitCode::FAILURE,
         Err(error) => {
-            eprintln!("error: {error:#}");
+            say(&format!("error: {error:#}"));
             ExitCode::from(EXIT_FAILURE)
         }
     }

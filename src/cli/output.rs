@@ -2,6 +2,8 @@
 
 use std::io::{ErrorKind, IsTerminal as _, Write as _};
 
+use crate::quantity::printable;
+
 /// Error for an answer of no that has been printed already.
 #[derive(Debug, thiserror::Error)]
 #[error("the answer is no")]
@@ -12,8 +14,20 @@ pub(super) fn is_broken_pipe(error: &anyhow::Error) -> bool {
     kind == Some(ErrorKind::BrokenPipe)
 }
 
-/// Prints `text` and a line end on standard output.
+/// Prints `text` and a line end on standard output. What comes from files and from other programs cannot command the terminal: control
+/// characters are written as `\u001b`.
 pub(super) fn print(text: &str) -> anyhow::Result<()> {
+    print_as_it_is(&printable(text))
+}
+
+/// Says something beside the answer, on standard error, in one or more lines.
+pub(super) fn say(text: &str) {
+    // Where nobody listens, nothing is to be done about it.
+    let _ = writeln!(std::io::stderr(), "{}", printable(text));
+}
+
+/// Prints text of the program's own, colours included.
+pub(super) fn print_as_it_is(text: &str) -> anyhow::Result<()> {
     let mut out = std::io::stdout().lock();
     out.write_all(text.as_bytes())?;
     out.write_all(b"\n")?;

@@ -4,6 +4,8 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use crate::quantity::printable_line;
+
 /// How long something may take without a bar.
 const BAR_DELAY: Duration = Duration::from_secs(1);
 /// Parts in which progress is counted.
@@ -20,7 +22,7 @@ pub struct JobProgress {
 impl JobProgress {
     /// A job called `what`, never shown if `quiet`.
     pub fn new(what: &str, quiet: bool) -> Self {
-        Self { started: Instant::now(), bar: None, quiet, what: what.to_owned() }
+        Self { started: Instant::now(), bar: None, quiet, what: printable_line(what).into_owned() }
     }
 
     /// Shows that `share` of the work is done, 0 to 1.

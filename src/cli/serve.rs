@@ -36,7 +36,7 @@ pub struct Arguments {
     /// Strike the chain at every line on standard input: Enter, in the terminal where this runs
     #[arg(long)]
     impact_on_enter: bool,
-    /// Write every command, every reply and every triggered record to this recording (.mcap), overwriting what is there
+    /// Write every command, every reply and every triggered record to this recording (.mcap), numbered if that exists
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
     /// Seed of noise, sample clock and the striker's spread [default: the scene's]
@@ -86,10 +86,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let recording =
         arguments.record.as_deref().map(|file| create_recording(file, &scene)).transpose()?;
     if !address.ip().is_loopback() {
-        eprintln!(
+        super::say(&format!(
             "warning: the protocols have no authentication: everybody who reaches {} can use the scope",
             address.ip()
-        );
+        ));
     }
     let mut told = format!("listening on {address}");
     if let Some(hislip) = &hislip {
@@ -98,9 +98,30 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.impact_on_enter {
         told.push_str("\nEnter strikes the chain");
     }
+    let visa = |address: SocketAddr, kind: &dyn Fn(&str, u16) -> String| {
+        let host =
+            if address.ip().is_unspecified() { "HOST".into() } else { address.ip().to_string() };
+        kind(&host, address.port())
+    };
+    let socket = visa(address, &|host, port| format!("TCPIP::{host}::{port}::SOCKET"));
+    let _ = write!(told, "\nVISA        {socket} (ends of lines: LF)");
+    if let Some(hislip) = &hislip {
+        let hislip = visa(hislip.local_addr()?, &|host, port| {
+            format!("TCPIP::{host}::hislip0,{port}::INSTR")
+        });
+        let _ = write!(told, "\nVISA        {hislip}");
+    }
+    if arguments.impact_every.is_none() {
+        told.push_str("\nto strike   send BENCh:IMPact");
+    }
+    let file = recording.as_ref().map(|recording| recording.file().display().to_string());
+    if let Some(file) = &file {
+        let _ = write!(told, "\nrecording   {file}");
+    }
     let options = ServerOptions {
         header: arguments.header == Switch::On,
         impact_every: arguments.impact_every,
+        warn: Some(|text| super::say(&format!("warning: {text}"))),
         strikes: arguments.impact_on_enter.then(lines),
     };
     let mut announced = Ok(());
@@ -114,8 +135,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     };
     server::serve(Sockets { raw, hislip }, &scene, options, recording, shutdown)?;
     announced?;
-    if let Some(file) = &arguments.record {
-        super::print(&format!("recording   {}", file.display()))?;
+    if let Some(file) = &file {
+        super::print(&format!("recorded    {file}"))?;
     }
     Ok(())
 }
@@ -146,7 +167,7 @@ fn lines() -> mpsc::Receiver<()> {
     receiver
 }
 
-/// A future that waits for Ctrl-C or the signal that ends a service; both are handled from now on. Where they cannot be, the system ends the program by
+/// What waits for Ctrl-C, for what ends a service, or for a terminal that is closed; all are listened to from now on. Where they cannot be, the system ends the program by
 /// itself.
 #[cfg(unix)]
 fn stopped() -> impl Future<Output = ()> {
@@ -159,12 +180,14 @@ fn stopped() -> impl Future<Output = ()> {
             Err(_) => pending().await,
         }
     }
-    let signals = [SignalKind::interrupt(), SignalKind::terminate()].map(signal);
+    let signals =
+        [SignalKind::interrupt(), SignalKind::terminate(), SignalKind::hangup()].map(signal);
     async {
-        let [interrupted, terminated] = signals.map(received);
+        let [interrupted, terminated, hung_up] = signals.map(received);
         tokio::select! {
             () = interrupted => {}
             () = terminated => {}
+            () = hung_up => {}
         }
     }
 }

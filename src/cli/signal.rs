@@ -70,7 +70,7 @@ pub struct SignalArguments {
 impl SignalArguments {
     /// Reads the recording and finds the signal in it.
     pub fn read(&self) -> anyhow::Result<(TraceSet, SelectedSignal)> {
-        let mut set = self.table.open(&self.file)?;
+        let mut set = self.table.open_shot(&self.file, self.shot)?;
         self.bench.apply(&mut set)?;
         let Some(shot) = set.shots.iter().find(|shot| shot.number == self.shot) else {
             bail!("found {} shots, expected one with number {}", set.shots.len(), self.shot);

@@ -75,7 +75,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let best = InstructionSet::best().name();
     let (mut log, held, notices) = SweepLog::open(&path, &plan, (chosen, best))?;
     for notice in &notices {
-        eprintln!("note: {notice}");
+        super::say(&format!("note: {notice}"));
     }
     let job = SweepOptions {
         file: arguments.grid.clone(),

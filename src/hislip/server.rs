@@ -9,6 +9,9 @@ use super::session::HislipSession;
 /// Protocol that is spoken, 1.0, in the upper half; the session's number goes below.
 const PROTOCOL_VERSION: u32 = 0x0100 << 16;
 
+/// Time in which a connection has to become a session with both of its connections (s).
+const INITIALISATION_TIMEOUT: f64 = 10.0;
+
 /// Codes of errors after which a connection is closed (IVI-6.1, table 14).
 pub(super) mod fatal {
     /// Invalid header.
@@ -43,6 +46,8 @@ pub trait Device {
     fn input(&mut self, session: u16, bytes: &[u8], end: bool) -> Vec<u8>;
     /// Whether a reply to an earlier message is still to come.
     fn owes_reply(&self, session: u16) -> bool;
+    /// Whether a message waits for the end of an acquisition.
+    fn is_waiting(&self, session: u16) -> bool;
     /// Another message came before the reply was read.
     fn interrupt(&mut self, session: u16);
     /// Device clear.
@@ -72,6 +77,8 @@ struct Connection {
     decoder: Decoder,
     /// The session it belongs to, as soon as it has one.
     session: Option<u16>,
+    /// When it was opened (s).
+    since: f64,
 }
 
 /// All sessions and their connections.
@@ -88,7 +95,40 @@ pub struct Server {
 impl Server {
     /// A connection is there.
     pub fn opened(&mut self, connection: u64) {
-        self.connections.insert(connection, Connection::default());
+        let since = self.now;
+        self.connections.insert(connection, Connection { since, ..Connection::default() });
+    }
+
+    /// The other connection of the session that `connection` belongs to.
+    pub fn partner(&self, connection: u64) -> Option<u64> {
+        let session = self.sessions.get(&self.connections.get(&connection)?.session?)?;
+        let both = [Some(session.synchronous), session.asynchronous];
+        both.into_iter().flatten().find(|other| *other != connection)
+    }
+
+    /// Whether the session of `connection` waits: for the end of an acquisition, or for somebody else's lock.
+    pub fn is_waiting(&self, connection: u64, instrument: &dyn Device) -> bool {
+        let Some(number) = self.connections.get(&connection).and_then(|link| link.session) else {
+            return false;
+        };
+        let held = self.sessions.get(&number).is_some_and(|session| !session.held.is_empty());
+        held || self.queue.contains_key(&number) || instrument.is_waiting(number)
+    }
+
+    /// Closes connections that do not become a session: whoever means to has done so at once.
+    fn expire(&mut self, instrument: &mut dyn Device) {
+        let is_half = |link: &Connection| match link.session {
+            None => true,
+            Some(number) => {
+                self.sessions.get(&number).is_some_and(|session| session.asynchronous.is_none())
+            }
+        };
+        let old = |link: &Connection| self.now - link.since > INITIALISATION_TIMEOUT;
+        let links = self.connections.iter().filter(|(_, link)| old(link) && is_half(link));
+        for connection in links.map(|(number, _)| *number).collect::<Vec<u64>>() {
+            let reason = "the session's second connection did not come in time";
+            self.refuse(connection, fatal::CHANNEL_NOT_ESTABLISHED, reason, instrument);
+        }
     }
 
     /// A connection is gone; the other one of its session is closed.
@@ -144,6 +184,7 @@ impl Server {
     /// for service are sent.
     pub fn advance(&mut self, now: f64, instrument: &mut dyn Device) {
         self.now = self.now.max(now);
+        self.expire(instrument);
         self.settle(instrument);
         for session in self.sessions.values_mut() {
             let (byte, enabled) = instrument.status(session.message_available());

@@ -66,8 +66,9 @@ impl Acquisition {
         self.in_flight = None;
     }
 
-    /// Begins anew with other settings, if running.
+    /// Begins anew with other settings, if running; the count begins anew in any case.
     pub fn restart(&mut self) {
+        self.count = 0;
         if self.running {
             self.run();
         }
@@ -83,6 +84,11 @@ impl Acquisition {
     /// The last record worth keeping since the last call.
     pub fn take_finished(&mut self) -> Option<Finished> {
         self.finished.take()
+    }
+
+    /// The time that has passed (s).
+    pub fn now(&self) -> f64 {
+        self.now
     }
 
     /// Whether it runs.
@@ -171,6 +177,17 @@ impl Acquisition {
 
     /// Takes signals that arrive now, if the scope waits for a trigger.
     pub fn accept(&mut self, by: &Acquirer<'_>, signals: &Signals) -> Accepted {
+        let now = self.now;
+        self.accept_with(by, signals, || by.take(signals, now))
+    }
+
+    /// The same with records that `take` makes of the signals.
+    pub fn accept_with(
+        &mut self,
+        by: &Acquirer<'_>,
+        signals: &Signals,
+        take: impl FnOnce() -> Option<(Vec<Waveform>, TriggerInstant)>,
+    ) -> Accepted {
         match self.state(by.panel, by.setup) {
             State::Scan if !Sweep::fits(by, signals) => return Accepted::OtherInterval,
             State::Ready | State::Auto if !by.fits(signals) => return Accepted::OtherInterval,
@@ -182,7 +199,7 @@ impl Acquisition {
             }
             State::Armed | State::Trigger | State::Save => return Accepted::NotReady,
         }
-        let Some((records, trigger)) = by.take(signals, self.now) else {
+        let Some((records, trigger)) = take() else {
             return Accepted::NoTrigger;
         };
         self.untriggered = false;

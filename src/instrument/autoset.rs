@@ -9,8 +9,16 @@ use super::panel::{
     AcquireMode, Cursor, CursorFunction, DisplayFormat, EdgeCoupling, MeasurementType, StopAfter,
     TriggerType, View,
 };
-use super::{Instrument, Source};
-use crate::scope::{Coupling, TriggerMode, TriggerSource};
+use super::service::{AutosetSignal, AutosetView};
+use super::{Event, Instrument, Source};
+use crate::scope::{Coupling, TriggerMode, TriggerSource, Waveform};
+
+/// Share of the samples of a square wave that lie near its ends (1).
+const SQUARE_SHARE: f64 = 0.9;
+/// Share of the swing that counts as near an end (1).
+const NEAR_END: f64 = 0.1;
+/// Relative deviation of the cycle's root mean square that a sine may have (1).
+const SINE_TOLERANCE: f64 = 0.05;
 
 /// Swing that is aimed at (div).
 const TARGET_SWING: f64 = 4.0;
@@ -24,11 +32,14 @@ impl Instrument {
         let shown: Vec<u8> = (1..=self.model.channels)
             .filter(|number| self.panel.displays(Source::Channel(*number)))
             .collect();
+        let first = shown.first().copied().unwrap_or(1);
+        let record = self.waveform(Source::Channel(first));
+        self.autoset_signal = record.map_or(AutosetSignal::None, |record| kind(&record));
+        self.service.autoset_view = AutosetView::Default;
         let reading = |number: u8, kind| {
             let record = self.waveform(Source::Channel(number)).ok()?;
             measure(kind, &record).ok().filter(|value: &f64| *value > 0.0)
         };
-        let first = shown.first().copied().unwrap_or(1);
         let period = reading(first, MeasurementType::Period);
         let swing = |number| reading(number, MeasurementType::PeakToPeak);
         let swings: Vec<(u8, Option<f64>)> = shown.iter().map(|n| (*n, swing(*n))).collect();
@@ -59,7 +70,7 @@ impl Instrument {
         self.settings_for_repeated_signals();
         let level = self.panel.trigger.level;
         self.panel.trigger.level = self.panel.trigger_level(&self.model, level);
-        self.settled = self.panel.clone();
+        self.note_settled();
         self.run();
     }
 
@@ -78,12 +89,20 @@ impl Instrument {
     }
 
     /// Puts the trigger level half way between the extremes of its source, where there is a record.
-    pub fn centre_trigger(&mut self) {
-        match self.panel.trigger.source.channel() {
+    ///
+    /// # Errors
+    /// [`Event::SettingsConflict`] where the scope is stopped, and at the mains, which have no level.
+    pub fn centre_trigger(&mut self) -> Result<(), Event> {
+        let source = self.panel.trigger.source;
+        if !self.is_running() || source == TriggerSource::Line {
+            return Err(Event::SettingsConflict);
+        }
+        match source.channel() {
             Some(channel) => self.centre_trigger_on(channel),
             // Nothing on the screen tells what is at the external input.
             None => self.panel.trigger.level = 0.0,
         }
+        Ok(())
     }
 
     /// The trigger looks at channel `number`, half way between the extremes of its record, if there is one.
@@ -94,5 +113,35 @@ impl Instrument {
         let level =
             f64::midpoint(reading(MeasurementType::Minimum), reading(MeasurementType::Maximum));
         self.panel.trigger.level = self.panel.trigger_level(&self.model, level);
+    }
+}
+
+/// What a record looks like.
+fn kind(record: &Waveform) -> AutosetSignal {
+    let reading = |kind| measure(kind, record);
+    let (Ok(low), Ok(high)) =
+        (reading(MeasurementType::Minimum), reading(MeasurementType::Maximum))
+    else {
+        return AutosetSignal::None;
+    };
+    if reading(MeasurementType::Period).is_err() {
+        return AutosetSignal::Level;
+    }
+    let near = NEAR_END * (high - low);
+    let volts = record.codes.iter().map(|code| record.volts_of(*code));
+    let at_ends = volts.filter(|volts| *volts <= low + near || *volts >= high - near).count();
+    #[allow(clippy::cast_precision_loss, reason = "a record has a few thousand points")]
+    let share = at_ends as f64 / record.codes.len().max(1) as f64;
+    let (offset, amplitude) = (f64::midpoint(low, high), 0.5 * (high - low));
+    // Root of offset squared and half the amplitude squared.
+    let sine = (offset.powi(2) + 0.5 * amplitude.powi(2)).sqrt();
+    let is_sine = reading(MeasurementType::CycleRms)
+        .is_ok_and(|rms| (rms / sine - 1.0).abs() < SINE_TOLERANCE);
+    if share > SQUARE_SHARE {
+        AutosetSignal::Square
+    } else if is_sine {
+        AutosetSignal::Sine
+    } else {
+        AutosetSignal::Other
     }
 }

@@ -2,10 +2,12 @@
 //!
 //! Levels are taken from the record's extremes: the middle reference is half way between lowest and highest level, and a
 //! crossing counts once the signal has left a band of a tenth of the swing around the reference on the other side. Times
-//! of crossings are interpolated between points.
+//! of crossings are interpolated between points. What a scan has left blank is no sample: extremes and mean are those of the others, and
+//! cycles and edges are looked for in the longest part without a blank.
 
 use super::event::Event;
 use super::panel::MeasurementType;
+use super::scan::blank;
 use crate::scope::Waveform;
 
 /// The reply without a result (unit).
@@ -26,6 +28,8 @@ struct Crossing {
 /// Volts of a record with what measurements ask of them.
 struct Levels {
     volts: Vec<f64>,
+    /// Where the longest part without a blank lies.
+    part: std::ops::Range<usize>,
     low: f64,
     high: f64,
     interval: f64,
@@ -80,11 +84,28 @@ fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
 
 impl Levels {
     fn of(record: &Waveform) -> Option<Self> {
-        let volts: Vec<f64> = record.codes.iter().map(|code| record.volts_of(*code)).collect();
+        let blank = blank(record);
+        let mut volts = Vec::with_capacity(record.codes.len());
+        let (mut part, mut begin) = (0..0, 0);
+        for (code, blank) in record.codes.iter().zip(blank) {
+            if blank {
+                begin = volts.len();
+                continue;
+            }
+            volts.push(record.volts_of(*code));
+            if volts.len() - begin > part.len() {
+                part = begin..volts.len();
+            }
+        }
         let low = volts.iter().copied().reduce(f64::min)?;
         let high = volts.iter().copied().reduce(f64::max)?;
         let (interval, step) = (record.preamble.x_incr, record.preamble.y_mult);
-        Some(Self { volts, low, high, interval, step })
+        Some(Self { volts, part, low, high, interval, step })
+    }
+
+    /// Samples that follow each other without a blank (V).
+    fn connected(&self) -> &[f64] {
+        self.volts.get(self.part.clone()).unwrap_or_default()
     }
 
     fn has_swing(&self) -> bool {
@@ -100,7 +121,8 @@ impl Levels {
         let mut found = Vec::new();
         let mut was_above: Option<bool> = None;
         let mut last: Option<Crossing> = None;
-        let points = self.volts.iter().zip(self.volts.iter().skip(1)).enumerate();
+        let volts = self.connected();
+        let points = volts.iter().zip(volts.iter().skip(1)).enumerate();
         for (index, (before, after)) in points {
             if (*before < reference) != (*after < reference) {
                 let place = index as f64 + (reference - before) / (after - before);
@@ -113,7 +135,7 @@ impl Levels {
             } else {
                 continue;
             };
-            let begun = self.volts.first().is_some_and(|first| *first >= reference);
+            let begun = volts.first().is_some_and(|first| *first >= reference);
             if was_above.unwrap_or(begun) != above
                 && let Some(crossing) = last.filter(|crossing| crossing.upward == above)
             {
@@ -148,7 +170,7 @@ impl Levels {
     fn cycle_rms(&self) -> Result<f64, Event> {
         let (start, end) = self.cycle()?;
         let range = start.ceil() as usize..end.ceil() as usize;
-        let cycle = self.volts.get(range).ok_or(Event::NoPeriod)?;
+        let cycle = self.connected().get(range).ok_or(Event::NoPeriod)?;
         Ok(mean(cycle.iter().map(|volts| volts * volts)).sqrt())
     }
 

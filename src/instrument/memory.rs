@@ -1,5 +1,7 @@
 //! Memories: waveforms on the screen, references, set-ups.
 
+use std::borrow::Cow;
+
 use super::event::Event;
 use super::{Instrument, math};
 use crate::scope::{Source, Waveform};
@@ -9,7 +11,7 @@ impl Instrument {
     ///
     /// # Errors
     /// [`Event::NotActive`] for one that is not displayed or has nothing to show.
-    pub fn waveform(&self, source: Source) -> Result<Waveform, Event> {
+    pub fn waveform(&self, source: Source) -> Result<Cow<'_, Waveform>, Event> {
         if !self.panel.displays(source) {
             return Err(Event::NotActive);
         }
@@ -17,14 +19,34 @@ impl Instrument {
     }
 
     /// The waveform in memory, displayed or not; the math trace is computed from its channels.
-    fn memory(&self, source: Source) -> Option<Waveform> {
-        match source {
-            Source::Channel(number) => self.acquisition.memory(number).cloned(),
-            Source::Math => math::math(&self.model.fft, self.panel.math.function, |number| {
-                self.acquisition.memory(number)
-            }),
-            Source::Reference(letter) => self.references.get(reference_index(letter)?)?.clone(),
+    fn memory(&self, source: Source) -> Option<Cow<'_, Waveform>> {
+        let borrowed = match source {
+            Source::Channel(number) => self.acquisition.memory(number),
+            Source::Math => {
+                let record = |number| self.acquisition.memory(number);
+                return math::math(&self.model.fft, self.panel.math.function, record)
+                    .map(Cow::Owned);
+            }
+            Source::Reference(letter) => self.reference(letter),
+        };
+        borrowed.map(Cow::Borrowed)
+    }
+
+    /// What reference memory `letter` holds.
+    pub fn reference(&self, letter: char) -> Option<&Waveform> {
+        self.references.get(reference_index(letter)?)?.as_ref()
+    }
+
+    /// Displays a reference memory, or not.
+    ///
+    /// # Errors
+    /// [`Event::NotActive`] for an empty one that is to be displayed.
+    pub fn display_reference(&mut self, letter: char, on: bool) -> Result<(), Event> {
+        if on && self.reference(letter).is_none() {
+            return Err(Event::NotActive);
         }
+        *self.panel.displayed_mut(Source::Reference(letter)) = on;
+        Ok(())
     }
 
     /// Copies a displayed waveform into reference memory `letter`.
@@ -32,7 +54,7 @@ impl Instrument {
     /// # Errors
     /// [`Event::NotActive`] for a waveform that is not displayed, [`Event::NotAReference`] for an unknown memory.
     pub fn save_waveform(&mut self, source: Source, letter: char) -> Result<(), Event> {
-        let waveform = self.waveform(source)?;
+        let waveform = self.waveform(source)?.into_owned();
         self.put_reference(waveform, letter)
     }
 

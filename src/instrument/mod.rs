@@ -15,8 +15,10 @@ pub mod measure;
 mod memory;
 mod outcome;
 pub mod panel;
+mod preparation;
 pub mod record;
 mod scan;
+mod service;
 pub mod status;
 pub mod timing;
 pub mod transfer;
@@ -26,27 +28,23 @@ pub use bench::RemoteBench;
 pub use event::Event;
 pub use outcome::{Accepted, Finished, TriggerInstant};
 pub use panel::Panel;
+pub use preparation::{Preparation, Prepared};
 pub use record::Signals;
+pub use service::{AutosetSignal, Service};
 pub use status::Status;
 pub use timing::SampleWindow;
+
+use std::borrow::Cow;
 
 use crate::recording::Capture;
 use crate::scope::{ChannelSetup, Deviation, Model, Setup, Source, Waveform};
 use acquisition::{Acquisition, State};
+use panel::{CursorFunction, DisplayFormat};
 use record::Acquirer;
 use transfer::{Incoming, Transfer};
 
 /// Set-up memories.
 pub const SETUP_MEMORIES: usize = 10;
-
-/// Settings that belong to no set-up memory.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Service {
-    /// Whether the front panel's keys are locked.
-    pub locked: bool,
-    /// Commands of `*TRG` (`*DDT`).
-    pub device_trigger: String,
-}
 
 /// A virtual oscilloscope.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,11 +59,14 @@ pub struct Instrument {
     pub incoming: Incoming,
     /// Registers and events.
     pub status: Status,
-    /// Lock and device trigger.
+    /// Lock, device trigger, serial line and language.
     pub service: Service,
     /// The remote interface's requests to the bench.
     pub bench: RemoteBench,
     settled: Panel,
+    /// The settled front panel as front end and digitiser take it: built when something changes, not at every look.
+    settled_setup: Setup,
+    autoset_signal: AutosetSignal,
     acquisition: Acquisition,
     references: [Option<Waveform>; 4],
     setups: [Panel; SETUP_MEMORIES],
@@ -112,6 +113,8 @@ impl Instrument {
             service: Service::default(),
             bench: RemoteBench::default(),
             settled: panel.clone(),
+            settled_setup: panel.setup(&model),
+            autoset_signal: AutosetSignal::None,
             acquisition: Acquisition::default(),
             references: Default::default(),
             setups: std::array::from_fn(|_| panel.clone()),
@@ -120,6 +123,7 @@ impl Instrument {
             front_end: FrontEnd { noise, errors: Vec::new() },
             seed,
         };
+        instrument.note_settled();
         instrument.acquisition.run();
         instrument
     }
@@ -127,17 +131,19 @@ impl Instrument {
     /// Puts the bench's amplifiers before the digitiser: noise and errors of `setup`, nothing else of it.
     pub fn set_front_end(&mut self, setup: &Setup) {
         self.front_end = FrontEnd::of(setup);
+        self.settled_setup = self.build_setup(&self.settled);
     }
 
     /// The sample grid on which signals are welcome with the present settings.
     pub fn sample_window(&self) -> SampleWindow {
-        SampleWindow::of(&self.panel, &self.setup())
+        SampleWindow::of(&self.panel, &self.current())
     }
 
     /// Time has passed: it is `now` (s), on any clock that does not run backwards.
     pub fn advance(&mut self, now: f64) {
-        let setup = self.setup();
-        let by = Acquirer { panel: &self.panel, setup: &setup, seed: self.seed };
+        let unsettled = self.unsettled_setup();
+        let setup = unsettled.as_ref().unwrap_or(&self.settled_setup);
+        let by = Acquirer { panel: &self.panel, setup, seed: self.seed };
         self.acquisition.advance(&by, now);
         self.note_completion();
     }
@@ -145,27 +151,68 @@ impl Instrument {
     /// Something happens at the inputs now. The record is complete, and in memory, when [`Self::advance`] has passed the
     /// time that is returned.
     pub fn accept_signals(&mut self, signals: &Signals) -> Accepted {
-        let setup = self.setup();
-        let by = Acquirer { panel: &self.panel, setup: &setup, seed: self.seed };
+        let unsettled = self.unsettled_setup();
+        let setup = unsettled.as_ref().unwrap_or(&self.settled_setup);
+        let by = Acquirer { panel: &self.panel, setup, seed: self.seed };
         self.acquisition.accept(&by, signals)
+    }
+
+    /// What records are made with now, for [`Preparation::take`] on another thread.
+    pub fn preparation(&self) -> Preparation {
+        let (panel, setup) = (self.panel.clone(), self.setup());
+        Preparation { panel, setup, seed: self.seed, now: self.acquisition.now() }
+    }
+
+    /// As [`Self::accept_signals`] with records that were made before; nothing where they were made with other settings.
+    pub fn accept_prepared(&mut self, signals: &Signals, prepared: Prepared) -> Option<Accepted> {
+        let unsettled = self.unsettled_setup();
+        let setup = unsettled.as_ref().unwrap_or(&self.settled_setup);
+        if !prepared.by.is_like(&self.panel, setup) {
+            return None;
+        }
+        let by = Acquirer { panel: &self.panel, setup, seed: self.seed };
+        Some(self.acquisition.accept_with(&by, signals, || prepared.taken))
     }
 
     /// Shows finished captures as if just taken: their channels are displayed, and the acquisition stops.
     pub fn store(&mut self, captures: &[Capture]) {
         self.acquisition.stop();
         for capture in captures {
+            if let Source::Reference(letter) = capture.waveform.source {
+                // A letter that is none is no capture of this instrument.
+                let _ = self.put_reference(capture.waveform.clone(), letter);
+            }
             if matches!(capture.waveform.source, Source::Channel(n) if n <= self.model.channels) {
                 *self.panel.displayed_mut(capture.waveform.source) = true;
                 self.acquisition.keep(capture.waveform.clone());
             }
         }
-        self.settled = self.panel.clone();
+        self.note_settled();
         self.note_completion();
     }
 
     /// The front panel as front end and digitiser take it.
     pub fn setup(&self) -> Setup {
-        let mut setup = self.panel.setup(&self.model);
+        self.current().into_owned()
+    }
+
+    fn current(&self) -> Cow<'_, Setup> {
+        self.unsettled_setup().map_or(Cow::Borrowed(&self.settled_setup), Cow::Owned)
+    }
+
+    /// The set-up of a front panel that was turned since the last [`Self::settle`].
+    fn unsettled_setup(&self) -> Option<Setup> {
+        (self.panel != self.settled).then(|| self.build_setup(&self.panel))
+    }
+
+    /// The front panel as it is now is what the acquisition knows.
+    fn note_settled(&mut self) {
+        self.settled = self.panel.clone();
+        self.settled_setup = self.build_setup(&self.settled);
+    }
+
+    fn build_setup(&self, panel: &Panel) -> Setup {
+        let mut setup = panel.setup(&self.model);
         setup.noise = self.front_end.noise;
         for (channel, error) in setup.channels.iter_mut().zip(&self.front_end.errors) {
             if let Some(channel) = channel {
@@ -203,48 +250,70 @@ impl Instrument {
 
     /// State of the acquisition.
     pub fn state(&self) -> State {
-        self.acquisition.state(&self.panel, &self.setup())
+        self.acquisition.state(&self.panel, &self.current())
     }
 
-    /// Records taken since the acquisition was started.
+    /// Records taken since the acquisition was started; always none in scan mode (manual, `ACQuire:NUMACq?`).
     pub fn acquisitions(&self) -> u32 {
-        self.acquisition.count()
+        if timing::scans(&self.current()) { 0 } else { self.acquisition.count() }
+    }
+
+    /// Whether automatic measurements have nothing to measure: the scope scans, or draws one channel against another.
+    pub fn measures_nothing(&self) -> bool {
+        self.state() == State::Scan || self.panel.display.format == DisplayFormat::Xy
+    }
+
+    /// What the last `AUTOSet` took its signal for.
+    pub fn autoset_signal(&self) -> AutosetSignal {
+        self.autoset_signal
     }
 
     /// Triggers now, if the scope waits for a trigger.
     pub fn force_trigger(&mut self) {
-        let setup = self.setup();
-        let by = Acquirer { panel: &self.panel, setup: &setup, seed: self.seed };
+        let unsettled = self.unsettled_setup();
+        let setup = unsettled.as_ref().unwrap_or(&self.settled_setup);
+        let by = Acquirer { panel: &self.panel, setup, seed: self.seed };
         self.acquisition.force(&by);
     }
 
     /// After a change of settings: what a running acquisition has so far no longer fits, and it begins anew.
     pub fn keep_consistent(&mut self) {
-        let changed = self.panel.setup(&self.model) != self.settled.setup(&self.model)
+        if self.panel == self.settled {
+            return;
+        }
+        let setup = self.build_setup(&self.panel);
+        let changed = setup != self.settled_setup
             || self.panel.trigger != self.settled.trigger
             || self.panel.acquire != self.settled.acquire;
         if changed {
             self.acquisition.restart();
         }
-        // Cursors do not leave the screen.
-        let (start, end) = self.setup().record_span();
+        // Cursors do not leave the screen, and there are none in XY.
+        let (start, end) = setup.record_span();
         for time in &mut self.panel.cursor.vertical {
             *time = limits::within(*time, (start, end));
         }
-        if self.panel != self.settled {
-            self.settled = self.panel.clone();
+        if self.panel.display.format == DisplayFormat::Xy {
+            self.panel.cursor.function = CursorFunction::Off;
         }
+        self.settled = self.panel.clone();
+        self.settled_setup = setup;
     }
 
-    /// The factory set-up; memories of waveforms and set-ups stay.
+    /// The factory set-up. Memories of waveforms and set-ups stay, and so do the settings that the manual excepts: printer, contrast, lock,
+    /// language and serial line.
     pub fn reset(&mut self) {
-        self.panel = Panel::default();
+        let mut panel = Panel::default();
+        panel.hard_copy = self.panel.hard_copy;
+        panel.display.contrast = self.panel.display.contrast;
+        self.panel = panel;
         self.transfer = Transfer::initial(self.model.record_length);
         self.incoming = Incoming::initial(self.model.record_length);
-        self.service = Service::default();
+        self.service.device_trigger.clear();
+        self.autoset_signal = AutosetSignal::None;
         self.acquisition.stop();
         self.acquisition.forget();
-        self.settled = self.panel.clone();
+        self.note_settled();
         self.acquisition.run();
         self.note_completion();
     }

@@ -14,6 +14,11 @@ use crate::scope::front_end::{condition, noise_stream};
 use crate::scope::waveform::LOWEST_CODE;
 use crate::scope::{ChannelSetup, PointFormat, Source, Waveform};
 
+/// Time base below which nothing scans, less rounding (s/div).
+const SLOWEST_TRIGGERED: f64 = 0.1 * (1.0 - 1e-9);
+/// Divisions of a record, of which a scan leaves one blank.
+const DIVISIONS: usize = 10;
+
 /// A sweep under way.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sweep {
@@ -159,6 +164,39 @@ impl ScanChannel {
             *point = level;
         }
     }
+}
+
+/// Which points of a record are blank: those that a scan has not reached, and those ahead of it. None in other records.
+///
+/// A record does not mark them: a scan's begins at time zero without a trigger, at 100 ms/div or slower, and blank points are those in
+/// a row of a division or more at the lowest level.
+pub fn blank(record: &Waveform) -> Vec<bool> {
+    let mut blank = vec![false; record.codes.len()];
+    let is_scan = record.preamble.x_zero.abs() < f64::MIN_POSITIVE
+        && record.trigger_point.abs() < f64::MIN_POSITIVE
+        && record.preamble.x_unit == "s"
+        && record.horizontal_scale >= SLOWEST_TRIGGERED;
+    if !is_scan {
+        return blank;
+    }
+    let points = record.codes.len();
+    let least = points / DIVISIONS;
+    // The blank may begin at the right edge and end at the left one.
+    let mut run = 0;
+    for index in (0..2 * points).map(|index| index % points) {
+        run = if record.codes.get(index) == Some(&LOWEST_CODE) { run + 1 } else { 0 };
+        if run >= least.max(1) {
+            for back in 0..run.min(points) {
+                if let Some(point) = blank.get_mut((index + points - back) % points) {
+                    *point = true;
+                }
+            }
+            if run >= points {
+                break;
+            }
+        }
+    }
+    blank
 }
 
 fn peaks(by: &Acquirer<'_>) -> bool {

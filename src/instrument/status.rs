@@ -56,7 +56,8 @@ impl Status {
             return;
         }
         self.register |= event.bit();
-        let events = self.waiting.len() + self.released.len();
+        // Events that are released leave room: the next `*ESR?` drops what is not read of them.
+        let events = self.waiting.len();
         if events + 1 < self.capacity {
             self.waiting.push_back(event);
         } else if events < self.capacity {

@@ -164,6 +164,8 @@ pub struct Incoming {
     pub y_zero: f64,
     /// Level of zero volts (1).
     pub y_off: f64,
+    /// One step of the abscissa in XY, which is kept and told (V).
+    pub x_mult: f64,
 }
 
 impl Incoming {
@@ -177,6 +179,7 @@ impl Incoming {
             y_mult: 0.04,
             y_zero: 0.0,
             y_off: 0.0,
+            x_mult: 0.04,
         }
     }
 }

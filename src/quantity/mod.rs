@@ -10,10 +10,12 @@
 
 mod dimension;
 mod error;
+mod printable;
 mod unit;
 
 pub use dimension::Dimension;
 pub use error::QuantityError;
+pub use printable::{printable, printable_line};
 
 use std::fmt;
 

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::isf::{self, IsfError};
+use super::mcap::indexed_recording::{IndexedRecording, ReadState};
 use super::mcap::{self, ReadError};
 use super::set_file::{self, SetFile};
 use super::tek_csv::{self, TableColumns, TekCsvError};
@@ -10,6 +11,9 @@ use super::{Attachment, Capture, Origin, Shot, TraceSet};
 
 /// Endings under which programs save tables; in folders, such files are notes as often.
 const TABLE_ENDINGS: [&str; 5] = ["txt", "tsv", "dat", "asc", "prn"];
+
+/// Largest recording that is read at once (bytes).
+const LARGEST_AT_ONCE: u64 = 32 * 1024 * 1024;
 
 /// How the folders of a memory stick begin: `ALL0000`, one a trigger.
 const FOLDER: &str = "ALL";
@@ -62,6 +66,16 @@ pub enum OpenError {
     EmptyFolder {
         /// The folder.
         file: PathBuf,
+    },
+    /// A large recording without the shot that is looked at.
+    #[error("{file}: found {shots} shots, expected one with number {number}")]
+    NoShot {
+        /// The file.
+        file: PathBuf,
+        /// How many it has.
+        shots: usize,
+        /// The number that was asked for.
+        number: u32,
     },
     /// Two captures of one folder claim the same channel.
     #[error("{file}: found a second capture of {channel}, expected one file a channel")]
@@ -124,6 +138,51 @@ pub fn open_with(path: &Path, columns: &TableColumns) -> Result<TraceSet, OpenEr
 fn is_table(path: &Path) -> bool {
     let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
     TABLE_ENDINGS.iter().any(|known| known.eq_ignore_ascii_case(ending))
+}
+
+/// The recording at `path`, to be read shot by shot, if it is too large to be read at once.
+///
+/// # Errors
+/// [`OpenError`] where it cannot be read.
+pub fn open_large(path: &Path) -> Result<Option<IndexedRecording>, OpenError> {
+    let size = std::fs::metadata(path).map_or(0, |file| file.len());
+    if Format::of(path) != Some(Format::Mcap) || size <= LARGEST_AT_ONCE {
+        return Ok(None);
+    }
+    let mut recording = IndexedRecording::open(path)?;
+    while recording.read_on()? == ReadState::More {}
+    Ok(Some(recording))
+}
+
+/// The shot `number` of a large recording, which is not read at once; none of other files.
+///
+/// # Errors
+/// [`OpenError`] where it cannot be read or has no such shot.
+pub fn read_shot(path: &Path, number: u32) -> Result<Option<TraceSet>, OpenError> {
+    let Some(mut recording) = open_large(path)? else { return Ok(None) };
+    let found = match recording.place_of(number) {
+        Some(place) => recording.shot_and_notes(place)?,
+        None => None,
+    };
+    let Some((shot, notes)) = found else {
+        let shots = recording.shots();
+        return Err(OpenError::NoShot { file: path.to_owned(), shots, number });
+    };
+    let mut set = recording.facts();
+    set.shots.push(shot);
+    set.notes.insert(number, notes);
+    Ok(Some(set))
+}
+
+/// As [`open`], where only shot `number` is looked at.
+///
+/// # Errors
+/// As [`open`]; also for a large recording without this shot.
+pub fn open_shot(path: &Path, number: u32) -> Result<TraceSet, OpenError> {
+    match read_shot(path, number)? {
+        Some(set) => Ok(set),
+        None => open(path),
+    }
 }
 
 /// Contents of a folder, each list in order of names.

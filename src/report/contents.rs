@@ -1,13 +1,23 @@
 //! Contents of a recording, as a page of text.
 
-use std::collections::BTreeSet;
-
 use super::table;
 use crate::quantity::engineering;
-use crate::recording::{Capture, Direction, Origin, Shot, TraceSet};
+use crate::recording::mcap::indexed_recording::Traffic;
+use crate::recording::{Capture, Origin, Shot, TraceSet};
 
 /// The page that `info` prints.
 pub fn contents(set: &TraceSet) -> String {
+    let mut traffic = Traffic::default();
+    set.lines.iter().for_each(|line| traffic.count(line));
+    let mut parts = vec![contents_before(set)];
+    parts.extend(set.shots.iter().map(contents_of));
+    parts.push(contents_after(set, &traffic));
+    parts.retain(|part| !part.is_empty());
+    parts.join("\n").trim_end().to_owned()
+}
+
+/// The page's part before the shots, for recordings that are read shot by shot.
+pub fn contents_before(set: &TraceSet) -> String {
     let mut lines = Vec::new();
     for (group, facts) in &set.metadata {
         lines.push(group.clone());
@@ -16,12 +26,26 @@ pub fn contents(set: &TraceSet) -> String {
         lines.extend(table::lines(&rows, &[0, 1]));
         lines.push(String::new());
     }
-    for shot in &set.shots {
-        lines.extend(shot_lines(shot));
-        lines.push(String::new());
-    }
-    if !set.lines.is_empty() {
-        lines.push(session_line(set));
+    lines.join("\n")
+}
+
+/// The page's part about a shot.
+pub fn contents_of(shot: &Shot) -> String {
+    let mut lines = shot_lines(shot);
+    lines.push(String::new());
+    lines.join("\n")
+}
+
+/// The page's part after the shots.
+pub fn contents_after(set: &TraceSet, traffic: &Traffic) -> String {
+    let mut lines = Vec::new();
+    if traffic.commands + traffic.replies > 0 {
+        lines.push(format!(
+            "remote interface: {} commands and {} replies, {} connections",
+            traffic.commands,
+            traffic.replies,
+            traffic.peers.len()
+        ));
     }
     for attachment in &set.attachments {
         lines.push(format!(
@@ -34,17 +58,6 @@ pub fn contents(set: &TraceSet) -> String {
     lines.extend(set.log.iter().map(|line| format!("log: {line}")));
     lines.extend(set.problems.iter().map(|problem| format!("problem: {problem}")));
     lines.join("\n").trim_end().to_owned()
-}
-
-/// How many commands and replies went over the remote interface, and between whom.
-fn session_line(set: &TraceSet) -> String {
-    let commands = set.lines.iter().filter(|line| line.direction == Direction::Command).count();
-    let peers: BTreeSet<&str> = set.lines.iter().map(|line| line.peer.as_str()).collect();
-    let replies = set.lines.len() - commands;
-    format!(
-        "remote interface: {commands} commands and {replies} replies, {} connections",
-        peers.len()
-    )
 }
 
 fn shot_lines(shot: &Shot) -> Vec<String> {

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::escape;
+use crate::quantity::printable_line;
 
 /// A part of a document.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,20 +22,20 @@ pub enum Part {
 
 /// `parts` as Markdown; pictures are files beside it.
 pub fn markdown(parts: &[Part]) -> String {
-    let cell = |text: &String| text.replace('|', "\\|");
+    let cell = |text: &String| plain(text).replace('|', "\\|");
     let row =
         |row: &[String]| format!("| {} |\n", row.iter().map(cell).collect::<Vec<_>>().join(" | "));
     let mut text = String::new();
     for part in parts {
         match part {
             Part::Heading(level, heading) => {
-                let _ = writeln!(text, "{} {heading}", "#".repeat(usize::from(*level)));
+                let _ = writeln!(text, "{} {}", "#".repeat(usize::from(*level)), plain(heading));
             }
             Part::Paragraph(paragraph) => {
-                let _ = writeln!(text, "{paragraph}");
+                let _ = writeln!(text, "{}", plain(paragraph));
             }
             Part::List(items) => items.iter().for_each(|item| {
-                let _ = writeln!(text, "- {item}");
+                let _ = writeln!(text, "- {}", plain(item));
             }),
             Part::Table(rows) => {
                 let Some((heading, rest)) = rows.split_first() else { continue };
@@ -43,7 +44,7 @@ pub fn markdown(parts: &[Part]) -> String {
                 text.push_str(&rest.iter().map(|cells| row(cells)).collect::<Vec<_>>().concat());
             }
             Part::Picture(file, shown, _) => {
-                let _ = writeln!(text, "![{shown}]({file})");
+                let _ = writeln!(text, "![{}]({})", plain(shown), link(file));
             }
         }
         text.push('\n');
@@ -51,6 +52,22 @@ pub fn markdown(parts: &[Part]) -> String {
     text.truncate(text.trim_end().len());
     text.push('\n');
     text
+}
+
+/// Text as Markdown takes it: no tags, links or line ends of its own.
+fn plain(text: &str) -> String {
+    let text = printable_line(text);
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('[', "\\[").replace(']', "\\]")
+}
+
+/// The name of a file in a link; one with blanks or brackets stands in angle brackets.
+fn link(file: &str) -> String {
+    let is_simple = |c: char| c.is_alphanumeric() || "-_./".contains(c);
+    if file.chars().all(is_simple) {
+        file.to_owned()
+    } else {
+        format!("<{}>", printable_line(file).replace('<', "%3C").replace('>', "%3E"))
+    }
 }
 
 /// `parts` as a page of HTML, pictures included.

@@ -37,7 +37,7 @@ pub use arrivals::arrivals;
 pub use bands::{bands, bands_curve};
 pub use chart::{chart, chart_over};
 pub use comparison::{comparison, comparison_facts, comparison_parts};
-pub use contents::contents;
+pub use contents::{contents, contents_after, contents_before, contents_of};
 pub use effects::effects;
 pub use fit::{blind, fit, fit_parts};
 pub use forces::{force_curve, forces};
@@ -52,7 +52,9 @@ pub use sweep::{gathering, sweep};
 pub use tunability::{transmitted, tunability, tunability_svg};
 pub use work_precision::{WorkMeasure, work_precision, work_precision_svg};
 
-/// Text as SVG takes it.
+use crate::quantity::printable;
+
+/// Text as SVG and HTML take it.
 fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+    printable(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }

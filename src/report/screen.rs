@@ -107,7 +107,8 @@ fn trace(svg: &mut String, capture: &Capture, down: f64) {
 fn readout(svg: &mut String, capture: &Capture, index: usize, down: f64) {
     let waveform = &capture.waveform;
     let unit = format!("{}/div", waveform.preamble.y_unit);
-    let text = format!("{} {}", waveform.source, engineering(waveform.vertical.scale, &unit, 3));
+    let scale = engineering(waveform.vertical.scale, &unit, 3);
+    let text = super::escape(&format!("{} {scale}", waveform.source));
     let place = u8::try_from(index).map_or(0.0, |i| f64::from(i) * 2.5 * PIXELS_PER_DIVISION);
     let _ = writeln!(
         svg,

@@ -1,5 +1,8 @@
 //! Plain tables: columns as wide as their widest cell, numbers to the right.
 
+/// Widest column: longer cells stand out of it, and make nothing else wider (characters).
+const WIDEST: usize = 60;
+
 /// Lines of a table whose first row is its heading. Columns named in `left` are flush left.
 pub fn lines(rows: &[Vec<String>], left: &[usize]) -> Vec<String> {
     lines_apart(rows, left, "  ")
@@ -9,7 +12,8 @@ pub fn lines(rows: &[Vec<String>], left: &[usize]) -> Vec<String> {
 pub fn lines_apart(rows: &[Vec<String>], left: &[usize], gap: &str) -> Vec<String> {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |column: usize| {
-        rows.iter().filter_map(|row| row.get(column)).map(|c| c.chars().count()).max().unwrap_or(0)
+        let cells = rows.iter().filter_map(|row| row.get(column));
+        cells.map(|c| c.chars().count()).filter(|width| *width <= WIDEST).max().unwrap_or(0)
     };
     let widths: Vec<usize> = (0..columns).map(width).collect();
     let line = |row: &Vec<String>| {

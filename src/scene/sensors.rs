@@ -6,6 +6,9 @@ use super::reader::{Bound, Problems, TableReader};
 use crate::quantity::Dimension;
 use crate::sensor::{Sensor, SensorTolerance};
 
+/// Most sensors of a scene: each is a trace of the truth, and all of a run's traces are in memory at once.
+const MOST_SENSORS: usize = 1000;
+
 /// Where a sensor sits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Site {
@@ -42,8 +45,13 @@ pub fn sensors(
     hosts: &SensorHosts<'_>,
     problems: &Problems,
 ) -> Vec<PlacedSensor> {
-    let mut sensors: Vec<PlacedSensor> = root
-        .tables("sensors")
+    let tables = root.tables("sensors");
+    if tables.len() > MOST_SENSORS {
+        let found = format!("{} sensors", tables.len());
+        root.problem("sensors", found, format!("at most {MOST_SENSORS}"));
+        return Vec::new();
+    }
+    let mut sensors: Vec<PlacedSensor> = tables
         .into_iter()
         .filter_map(|(name, table)| {
             let placed = sensor(name, &table, hosts, problems);

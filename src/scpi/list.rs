@@ -5,6 +5,26 @@ use std::fmt::Write as _;
 use super::command::GROUPS;
 use super::row::{CommandRow, Support};
 
+/// Where the manual and what others saw differ or say nothing, and no instrument was at hand to decide.
+const UNDECIDED: &str = "
+## What only an instrument could decide
+
+Manual and sources leave these open or contradict each other; this is what the program does:
+
+| Question | Here |
+|---|---|
+| `WFMPre?` and `WFMPre:<field>?` of a waveform that is not displayed: silence, or a reply of what does not depend on it, as a comment in qcodes suggests | no reply, events 2244 and 420, as the manual has it for `CURVe?` |
+| `WFMPre:XZEro?` where `DATa:STARt` is above 1 | the time of the record's first point, not of the first that is sent |
+| what `*TRG` does while `*DDT` is empty | it triggers, if the scope is ready |
+| whether `*DDT?` answers as text or as a block | as text |
+| `SELect:REF<x> ON` and `RECAll:WAVEform` of an empty memory | event 2244, and it stays off |
+| `CURVe` with `DATa:STARt` above 1 into an empty memory | the points before it are at zero volts |
+| `*ESE`, `*SRE`, `DESE` beyond 0 to 255 | event 222, and the register stays |
+| what `TRIGger:MAIn:FREQuency?` counts | the period between the crossings in the record, to six digits; 9.9E37 where there are none |
+| measurements of a stopped scan | over what was sampled; blank points count for nothing |
+| `AUTOSet:SIGNAL?` | from the record that was on the screen: by crossings, by the share of samples near its ends, and by its root mean square |
+";
+
 /// The content of `docs/scpi-commands.md`.
 pub fn markdown() -> String {
     let mut text = String::from(
@@ -25,6 +45,7 @@ pub fn markdown() -> String {
             write_row(row, &mut text);
         }
     }
+    text.push_str(UNDECIDED);
     text
 }
 

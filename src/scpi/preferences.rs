@@ -37,14 +37,12 @@ pub struct Preferences {
     pub verbose: bool,
     /// Terminator of replies (`RS232:TRANsmit:TERMinator`).
     pub terminator: Terminator,
-    /// Value of `header` after `FACtory`.
-    pub initial_header: bool,
 }
 
 impl Preferences {
     /// Words in full, a line feed at the end, headers as asked for. The original answers with headers over RS-232, most
     /// programs expect none.
     pub fn new(header: bool) -> Self {
-        Self { header, verbose: true, terminator: Terminator::Lf, initial_header: header }
+        Self { header, verbose: true, terminator: Terminator::Lf }
     }
 }

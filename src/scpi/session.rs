@@ -30,6 +30,8 @@ struct Progress {
     replies: Vec<Vec<u8>>,
     raw: Vec<u8>,
     indefinite: bool,
+    /// Units still to come of those that `*TRG` stands for, and the path behind them.
+    trigger: (usize, Vec<String>),
 }
 
 /// Longest reply to one message. Where replies outgrow it, all of them and the rest of the message are lost.
@@ -199,17 +201,40 @@ impl Session {
 
     fn execute(&mut self, instrument: &mut Instrument, mut progress: Progress, out: &mut Vec<u8>) {
         while let Some(unit) = progress.units.pop_front() {
+            let in_trigger = progress.trigger.0 > 0;
             let done = match &unit {
                 Ok(unit) => self.execute_unit(instrument, unit, &mut progress),
                 Err(event) => Err(Stop::Event(*event)),
             };
             match done {
                 Ok(()) => {}
-                Err(Stop::Event(event)) => instrument.status.report(event),
+                Err(Stop::Event(event)) => {
+                    instrument.status.report(event);
+                    // The query ends without the reply that its client waits for.
+                    if event == Event::NotActive && unit.is_ok_and(|unit| unit.is_query) {
+                        instrument.status.report(Event::QueryUnterminated);
+                    }
+                }
+                // `*TRG` among the commands that it stands for would never end.
+                Err(Stop::Execute(_)) if in_trigger => {
+                    instrument.status.report(Event::SettingsConflict);
+                }
+                Err(Stop::Execute(commands)) => {
+                    let commands = units(commands.as_bytes());
+                    progress.trigger = (commands.len(), std::mem::take(&mut progress.path));
+                    commands.into_iter().rev().for_each(|unit| progress.units.push_front(unit));
+                    continue;
+                }
                 Err(Stop::UntilIdle) => {
                     progress.units.push_front(unit);
                     self.waiting = Some(progress);
                     return;
+                }
+            }
+            if in_trigger {
+                progress.trigger.0 -= 1;
+                if progress.trigger.0 == 0 {
+                    progress.path = std::mem::take(&mut progress.trigger.1);
                 }
             }
         }

@@ -9,12 +9,14 @@ use crate::instrument::word::Word;
 use crate::instrument::{Event, Instrument};
 
 /// Why a unit did not do what it says.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Stop {
     /// It failed.
     Event(Event),
     /// It has to wait until the acquisition is done.
     UntilIdle,
+    /// These commands take its place.
+    Execute(String),
 }
 
 impl From<Event> for Stop {

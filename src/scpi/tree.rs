@@ -1,5 +1,8 @@
 //! Finds the row of a header.
 
+use std::collections::BTreeMap;
+use std::sync::OnceLock;
+
 use super::command::GROUPS;
 use super::placeholder::Placeholder;
 use super::reply::ResponseUnit;
@@ -131,15 +134,32 @@ fn collect(
             }
         }
         Some(Parts::Of(headers)) => {
-            for header in headers {
-                let words: Vec<String> = header.split(':').map(str::to_owned).collect();
+            let channels = at.instrument.model.channels;
+            for part in headers.iter().filter_map(|header| parts().get(header)) {
                 // A header of a channel that this model has not.
-                let Some(part) = find(&words, at.instrument.model.channels) else { continue };
-                collect(part, at, depth, answers)?;
+                if !matches!(part.place.source, Source::Channel(number) if number > channels) {
+                    collect(*part, at, depth, answers)?;
+                }
             }
         }
     }
     Ok(())
+}
+
+/// The rows that other rows answer by, found once: `SET?` names more than fifty.
+fn parts() -> &'static BTreeMap<&'static str, MatchedRow> {
+    static PARTS: OnceLock<BTreeMap<&'static str, MatchedRow>> = OnceLock::new();
+    PARTS.get_or_init(|| {
+        let named = rows().filter_map(|row| match row.setting.parts() {
+            Some(Parts::Of(headers)) => Some(headers),
+            _ => None,
+        });
+        let found = named.flatten().filter_map(|header| {
+            let words: Vec<String> = header.split(':').map(str::to_owned).collect();
+            Some((*header, find(&words, u8::MAX)?))
+        });
+        found.collect()
+    })
 }
 
 fn is_below(row: &CommandRow, group: &CommandRow) -> bool {

@@ -104,7 +104,10 @@ impl Screen {
         let other = (trigger.kind != TriggerType::Edge).then_some(trigger.kind);
         Self {
             status: status(instrument),
-            traces: SOURCES.iter().filter_map(|s| instrument.waveform(*s).ok()).collect(),
+            traces: SOURCES
+                .iter()
+                .filter_map(|s| Some(instrument.waveform(*s).ok()?.into_owned()))
+                .collect(),
             time_base: panel.horizontal.scale,
             window: (panel.horizontal.view != View::Main).then_some(panel.horizontal.delay_scale),
             position: setup.horizontal_position,

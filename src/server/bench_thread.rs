@@ -1,4 +1,5 @@
-//! The bench on a thread of its own: strikes the chain when told to, and hands over what arrives at the scope's inputs.
+//! The bench on a thread of its own: strikes the chain when told to, and hands over what arrives at the scope's inputs, with the records
+//! that the scope makes of it. Where the scope was set otherwise meanwhile, the records are made again.
 
 use std::io;
 use std::sync::Arc;
@@ -10,20 +11,21 @@ use tokio::sync::mpsc;
 use super::ServeError;
 use crate::experiment::RunError;
 use crate::experiment::inputs::{InputWindow, inputs};
-use crate::instrument::{SampleWindow, Signals};
+use crate::instrument::{Instrument, Preparation, Prepared, SampleWindow, Signals};
 use crate::scene::Scene;
 use crate::trace::Trace;
 
-/// A strike to be made.
-struct StrikeOrder {
-    scene: Arc<Scene>,
-    wanted: SampleWindow,
-    shot: u32,
+/// Work for the thread.
+enum BenchOrder {
+    /// A strike to be made.
+    Strike { scene: Arc<Scene>, wanted: SampleWindow, shot: u32, preparation: Box<Preparation> },
+    /// Records to be made again, with other settings.
+    Prepare { struck: Box<StrikeSignals>, preparation: Box<Preparation> },
 }
 
 /// The far end of the bench.
 pub struct BenchHandle {
-    orders: SyncSender<StrikeOrder>,
+    orders: SyncSender<BenchOrder>,
     signals: mpsc::Receiver<StrikeSignals>,
     under_way: bool,
     shots: u32,
@@ -39,6 +41,10 @@ pub struct StrikeSignals {
     pub wanted: SampleWindow,
     /// The signals at the scope's inputs, and the ground truth.
     pub signals: Result<(Signals, GroundTruth), RunError>,
+    /// The records of the signals.
+    pub prepared: Option<Prepared>,
+    /// How often records were made of them.
+    pub attempts: u32,
 }
 
 /// Ground truth of a shot (forces, displacements).
@@ -55,11 +61,17 @@ impl BenchHandle {
     /// # Errors
     /// The system's error if no thread can be started.
     pub fn start() -> io::Result<Self> {
-        let (orders, inbox) = sync_channel::<StrikeOrder>(1);
+        let (orders, inbox) = sync_channel::<BenchOrder>(1);
         let (sender, signals) = mpsc::channel(1);
         thread::Builder::new().name("bench".to_owned()).spawn(move || {
             for order in inbox {
-                if sender.blocking_send(strike(&order)).is_err() {
+                let (struck, preparation) = match order {
+                    BenchOrder::Strike { scene, wanted, shot, preparation } => {
+                        (strike(scene, wanted, shot), preparation)
+                    }
+                    BenchOrder::Prepare { struck, preparation } => (*struck, preparation),
+                };
+                if sender.blocking_send(prepared(struck, *preparation)).is_err() {
                     break;
                 }
             }
@@ -68,15 +80,27 @@ impl BenchHandle {
     }
 
     /// Strikes with the next shot number, unless a strike is under way. Whether it does.
-    pub fn strike(&mut self, scene: &Arc<Scene>, wanted: SampleWindow) -> bool {
+    pub fn strike(&mut self, scene: &Arc<Scene>, instrument: &Instrument) -> bool {
         let shot = self.shots.saturating_add(1);
-        let order = StrikeOrder { scene: Arc::clone(scene), wanted, shot };
-        let free = !self.under_way && self.orders.try_send(order).is_ok();
+        if self.under_way {
+            return false;
+        }
+        let (wanted, preparation) = (instrument.sample_window(), instrument.preparation());
+        let preparation = Box::new(preparation);
+        let order = BenchOrder::Strike { scene: Arc::clone(scene), wanted, shot, preparation };
+        let free = self.orders.try_send(order).is_ok();
         if free {
             self.shots = shot;
             self.under_way = true;
         }
         free
+    }
+
+    /// Has records made of signals again, with the settings of now.
+    pub fn prepare_again(&mut self, struck: StrikeSignals, instrument: &Instrument) {
+        let preparation = Box::new(instrument.preparation());
+        let order = BenchOrder::Prepare { struck: Box::new(struck), preparation };
+        self.under_way = self.orders.try_send(order).is_ok();
     }
 
     /// Waits for what a strike brings.
@@ -90,20 +114,29 @@ impl BenchHandle {
     }
 }
 
-fn strike(order: &StrikeOrder) -> StrikeSignals {
-    let StrikeOrder { scene, wanted, shot } = order;
-    let SampleWindow { interval, before, after } = *wanted;
+fn strike(scene: Arc<Scene>, wanted: SampleWindow, shot: u32) -> StrikeSignals {
+    let SampleWindow { interval, before, after } = wanted;
     let window = InputWindow { interval, before, after };
-    let signals = inputs(scene, window, *shot).map(|arrived| {
+    let signals = inputs(&scene, window, shot).map(|arrived| {
         let truth = GroundTruth { start: arrived.start, traces: arrived.truth };
         let signals = Signals {
             interval: arrived.interval,
             automatic: arrived.contact,
             volts: arrived.volts,
             external: arrived.external,
-            shot: *shot,
+            shot,
         };
         (signals, truth)
     });
-    StrikeSignals { shot: *shot, scene: Arc::clone(scene), wanted: *wanted, signals }
+    StrikeSignals { shot, scene, wanted, signals, prepared: None, attempts: 0 }
+}
+
+/// `struck` with records of its signals.
+fn prepared(mut struck: StrikeSignals, preparation: Preparation) -> StrikeSignals {
+    struck.attempts += 1;
+    struck.prepared = match &struck.signals {
+        Ok((signals, _)) => Some(preparation.take(signals)),
+        Err(_) => None,
+    };
+    struck
 }

@@ -9,10 +9,14 @@ use std::time::Duration;
 
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio::net::TcpStream;
-use tokio::sync::mpsc;
+use tokio::sync::{mpsc, oneshot};
 
 /// Longest piece of input that is handed on at once (bytes).
 const PIECE: usize = 1024;
+/// Time without a byte after which the system asks whether the client is there.
+const KEEPALIVE_TIME: Duration = Duration::from_secs(60);
+/// Time from one such question to the next.
+const KEEPALIVE_INTERVAL: Duration = Duration::from_secs(5);
 /// Time after which a client that accepts no bytes is dropped.
 const WRITE_TIMEOUT: Duration = Duration::from_secs(10);
 /// Answers that wait for the socket. One belongs to the last piece, others come from acquisitions that ended.
@@ -53,6 +57,11 @@ pub enum ConnectionEvent {
         /// Number of the connection.
         number: u64,
     },
+    /// Another connection is waiting where there is no room.
+    Crowded {
+        /// Takes whether an idle connection has given way.
+        gave_way: oneshot::Sender<bool>,
+    },
     /// Connection closed.
     Closed {
         /// Number of the connection.
@@ -88,21 +97,66 @@ impl Connection {
         let (answers, inbox) = mpsc::channel(ANSWERS);
         if news.send(ConnectionEvent::Opened { number, protocol, peer, answers }).await.is_ok() {
             // The client notices how the connection ends; nothing else depends on it.
-            let _ = exchange(stream, number, &news, inbox).await;
+            let _ = exchange(stream, (number, protocol), &news, inbox).await;
             let _ = news.send(ConnectionEvent::Closed { number }).await;
         }
     }
 }
 
+/// First words of an HTTP request. A web page can have a browser send one here, commands in its body.
+const HTTP_METHODS: [&[u8]; 10] = [
+    b"GET", b"POST", b"PUT", b"HEAD", b"OPTIONS", b"DELETE", b"PATCH", b"CONNECT", b"TRACE", b"PRI",
+];
+/// Bytes that tell a request from a command.
+const TELLING_BYTES: usize = 10;
+
+/// The beginning of what a raw connection sends, until it is known to be no HTTP request.
+#[derive(Debug, Default)]
+struct Beginning {
+    bytes: Vec<u8>,
+    is_known: bool,
+}
+
+impl Beginning {
+    /// Whether the connection begins with an HTTP request: a method, a blank, and what no command has as its argument. No command is
+    /// executed before its line ends, so no part of a request is.
+    fn is_http(&mut self, piece: &[u8]) -> bool {
+        if self.is_known {
+            return false;
+        }
+        let missing = TELLING_BYTES.saturating_sub(self.bytes.len());
+        self.bytes.extend(piece.iter().take(missing));
+        let mut words = self.bytes.splitn(2, |byte| *byte == b' ');
+        let is_method = words.next().is_some_and(|word| HTTP_METHODS.contains(&word));
+        let target = words.next().and_then(|rest| rest.first());
+        if is_method && target.is_some_and(|first| b"/*h[".contains(first)) {
+            return true;
+        }
+        self.is_known = self.bytes.len() >= TELLING_BYTES || piece.contains(&b'\n');
+        false
+    }
+}
+
+/// Has the system ask a silent peer every minute whether it is there; one that is not loses its connection within two.
+fn keep_alive(stream: &TcpStream) -> io::Result<()> {
+    let keepalive = socket2::TcpKeepalive::new().with_time(KEEPALIVE_TIME);
+    #[cfg(not(any(target_os = "openbsd", target_os = "haiku")))]
+    let keepalive = keepalive.with_interval(KEEPALIVE_INTERVAL);
+    socket2::SockRef::from(stream).set_tcp_keepalive(&keepalive)
+}
+
 async fn exchange(
     mut stream: TcpStream,
-    number: u64,
+    (number, protocol): (u64, Protocol),
     news: &mpsc::Sender<ConnectionEvent>,
     mut inbox: mpsc::Receiver<OutgoingBytes>,
 ) -> io::Result<()> {
     // Clients give an unknown query a millisecond to stay silent.
     stream.set_nodelay(true)?;
     acknowledge(&stream)?;
+    keep_alive(&stream)?;
+    let mut beginning =
+        Beginning { is_known: protocol == Protocol::Hislip, ..Beginning::default() };
     let mut buffer = [0; PIECE];
     let mut asked = false;
     loop {
@@ -115,6 +169,9 @@ async fn exchange(
             length = stream.read(&mut buffer), if !asked => {
                 let bytes = buffer.get(..length?).unwrap_or_default().to_vec();
                 acknowledge(&stream)?;
+                if beginning.is_http(&bytes) {
+                    return Ok(());
+                }
                 // After the last piece nothing is read: the instrument task ends the connection when all is answered.
                 asked = true;
                 let heard = if bytes.is_empty() {

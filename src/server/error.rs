@@ -26,10 +26,20 @@ pub enum ServeError {
     #[error("the simulation has ended unexpectedly")]
     BenchLost,
     /// The recording could not be written.
-    #[error("the recording could not be written")]
+    #[error("the recording could not be written: {}", causes(reason))]
     Record {
         /// The cause.
-        #[source]
         reason: WriteError,
     },
+}
+
+/// An error with all that lies behind it.
+fn causes(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut next = error.source();
+    while let Some(cause) = next {
+        text = format!("{text}: {cause}");
+        next = cause.source();
+    }
+    text
 }

@@ -22,6 +22,10 @@ use crate::scene::Scene;
 const TICK: Duration = Duration::from_millis(5);
 /// Shortest time from one strike to the next.
 const SHORTEST: Duration = Duration::from_millis(1);
+/// How often records are made of the same signals when settings change meanwhile, before the signals are dropped.
+const MOST_ATTEMPTS: u32 = 5;
+/// Time without a byte after which a connection gives way to another one where there is no room.
+const IDLE_TIME: Duration = Duration::from_secs(1);
 /// Time after which a connection that is closed for sending is dropped although an answer is pending.
 const HALF_CLOSED_TIMEOUT: Duration = Duration::from_secs(60);
 
@@ -31,6 +35,8 @@ struct ConnectionEntry {
     answers: mpsc::Sender<OutgoingBytes>,
     /// Whether its last piece is still to be answered.
     asked: bool,
+    /// When it was last heard.
+    heard: Instant,
     /// Since when it sends no more.
     ended: Option<Instant>,
 }
@@ -47,6 +53,9 @@ pub struct InstrumentTask {
     switched_on: Instant,
     /// The shot that the scope triggered on last.
     caught: Option<TriggeredShot>,
+    /// Why the recording ended before the server.
+    lost_recording: Option<ServeError>,
+    warn: fn(&str),
 }
 
 impl InstrumentTask {
@@ -68,6 +77,8 @@ impl InstrumentTask {
             impact_every: options.impact_every,
             orders: options.strikes,
             caught: None,
+            lost_recording: None,
+            warn: options.warn.unwrap_or(|_| ()),
             switched_on: Instant::now(),
         }
     }
@@ -75,7 +86,7 @@ impl InstrumentTask {
     /// Runs until no connection can be opened any more.
     ///
     /// # Errors
-    /// [`ServeError`] where the bench or the recording fails.
+    /// [`ServeError`] where the bench fails. A recording that fails ends, and is told by [`Self::finish`].
     pub async fn run(
         &mut self,
         mut news: mpsc::Receiver<ConnectionEvent>,
@@ -106,7 +117,11 @@ impl InstrumentTask {
             self.advance_time();
             self.resume();
             self.start_queued_strike();
-            self.write_finished_records()?;
+            if let Err(reason) = self.write_finished_records() {
+                (self.warn)(&format!("{reason}; the server goes on without it"));
+                self.lost_recording = Some(reason);
+                self.sessions.recorder = None;
+            }
         }
     }
 
@@ -115,7 +130,10 @@ impl InstrumentTask {
     /// # Errors
     /// [`ServeError::Record`] where it could not be written.
     pub fn finish(self) -> Result<(), ServeError> {
-        self.sessions.recorder.map_or(Ok(()), Recorder::finish)
+        match self.lost_recording {
+            Some(reason) => Err(reason),
+            None => self.sessions.recorder.map_or(Ok(()), Recorder::finish),
+        }
     }
 
     fn advance_time(&mut self) {
@@ -130,7 +148,13 @@ impl InstrumentTask {
                 self.sessions.peers.insert(number, peer);
                 self.connections.insert(
                     number,
-                    ConnectionEntry { protocol, answers, asked: false, ended: None },
+                    ConnectionEntry {
+                        protocol,
+                        answers,
+                        asked: false,
+                        heard: Instant::now(),
+                        ended: None,
+                    },
                 );
                 match protocol {
                     Protocol::Raw => self.sessions.open_session(SessionId::Raw(number), number),
@@ -140,6 +164,7 @@ impl InstrumentTask {
             ConnectionEvent::Bytes { number, bytes } => {
                 let Some(connection) = self.connections.get_mut(&number) else { return };
                 connection.asked = true;
+                connection.heard = Instant::now();
                 match connection.protocol {
                     Protocol::Raw => {
                         let reply = self.sessions.receive(SessionId::Raw(number), &bytes, false);
@@ -155,6 +180,14 @@ impl InstrumentTask {
                     _ => self.drop_connection(number),
                 }
             }
+            ConnectionEvent::Crowded { gave_way } => {
+                let idle = self.longest_idle();
+                if let Some(number) = idle {
+                    self.drop_connection(number);
+                }
+                // Whoever asked has gone where this fails, and with it the connection that waits.
+                let _ = gave_way.send(idle.is_some());
+            }
             ConnectionEvent::Closed { number } => self.drop_connection(number),
         }
         self.bench_state.apply_changes(&mut self.sessions.instrument);
@@ -162,16 +195,29 @@ impl InstrumentTask {
 
     /// Delivers the signals of one impact to the instrument.
     fn deliver_signals(&mut self, struck: StrikeSignals) -> Result<(), ServeError> {
-        let StrikeSignals { shot, scene, wanted, signals } = struck;
+        let StrikeSignals { shot, scene, wanted, signals, mut prepared, attempts } = struck;
         let instrument = &mut self.sessions.instrument;
         match signals {
             Ok((signals, truth)) => {
-                instrument.bench.impacts = instrument.bench.impacts.saturating_add(1);
+                if attempts == 1 {
+                    instrument.bench.impacts = instrument.bench.impacts.saturating_add(1);
+                }
                 // The time base was turned during the impact: the acquisition has started again without it, as on an instrument.
                 if wanted != instrument.sample_window() {
                     return Ok(());
                 }
-                let accepted = instrument.accept_signals(&signals);
+                let records = prepared.take();
+                let accepted = records.and_then(|r| instrument.accept_prepared(&signals, r));
+                let Some(accepted) = accepted else {
+                    // Another knob was turned: the same signals are recorded as it stands now.
+                    if attempts < MOST_ATTEMPTS {
+                        let signals = Ok((signals, truth));
+                        let again =
+                            StrikeSignals { shot, scene, wanted, signals, prepared, attempts };
+                        self.bench.prepare_again(again, instrument);
+                    }
+                    return Ok(());
+                };
                 if matches!(accepted, Accepted::Triggered { .. }) {
                     let is_served = self.bench_state.is_served(&scene);
                     self.caught = Some(TriggeredShot { shot, truth, scene, is_served });
@@ -189,8 +235,27 @@ impl InstrumentTask {
         }
     }
 
+    /// The connection that has been idle for longest, if any is. One whose reply waits for an acquisition is not; the two of a HiSLIP
+    /// session are idle together.
+    fn longest_idle(&self) -> Option<u64> {
+        let heard = |number: u64| {
+            let own = self.connections.get(&number).map(|connection| connection.heard);
+            let other = self.hislip.partner(number);
+            own.max(other.and_then(|n| self.connections.get(&n)).map(|other| other.heard))
+        };
+        let is_free = |number: u64, connection: &ConnectionEntry| {
+            !connection.asked
+                && !self.hislip.is_waiting(number, &self.sessions)
+                && !self.sessions.is_waiting(SessionId::Raw(number))
+        };
+        let free = self.connections.iter().filter(|(number, entry)| is_free(**number, entry));
+        let times = free.filter_map(|(number, _)| Some((heard(*number)?, *number)));
+        let idle = times.filter(|(heard, _)| heard.elapsed() >= IDLE_TIME);
+        idle.min().map(|(_, number)| number)
+    }
+
     fn strike(&mut self) -> bool {
-        self.bench.strike(&self.bench_state.scene, self.sessions.instrument.sample_window())
+        self.bench.strike(&self.bench_state.scene, &self.sessions.instrument)
     }
 
     /// Strikes as clients ask for, when the scope can see it.

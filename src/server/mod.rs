@@ -22,7 +22,7 @@ use std::net::TcpListener;
 use std::pin::pin;
 use std::time::Duration;
 
-use tokio::sync::mpsc;
+use tokio::sync::{mpsc, oneshot};
 use tokio::task::JoinSet;
 
 use crate::recording::mcap::RecordingWriter;
@@ -31,7 +31,8 @@ use connection::{Connection, Protocol};
 use instrument_task::InstrumentTask;
 use recorder::Recorder;
 
-/// Connections at a time, of both protocols; further ones are closed at once. A HiSLIP session has two.
+/// Connections at a time, of both protocols. A further one takes the place of the one that has been idle for longest, or is closed at
+/// once if none is idle. A HiSLIP session has two.
 pub const MOST_CONNECTIONS: usize = 128;
 /// Capacity of the queue of input pieces from all connections.
 const PIECES: usize = 64;
@@ -117,13 +118,25 @@ async fn accept_loop(
             Some(_) = connections.join_next(), if !connections.is_empty() => {}
             (protocol, taken) = accept => match taken {
                 // A stream that is dropped is closed.
-                Ok(_) if connections.len() >= MOST_CONNECTIONS => {}
                 Ok((stream, peer)) => {
-                    number += 1;
-                    connections.spawn(Connection { number, protocol, peer, stream }.run(pieces.clone()));
+                    if has_room(connections.len(), &pieces).await {
+                        number += 1;
+                        let connection = Connection { number, protocol, peer, stream };
+                        connections.spawn(connection.run(pieces.clone()));
+                    }
                 }
                 Err(_) => tokio::time::sleep(ACCEPT_RETRY_DELAY).await,
             },
         }
     }
+}
+
+/// Whether there is room for one more connection beside `open` others, if need be because an idle one gives way.
+async fn has_room(open: usize, pieces: &mpsc::Sender<connection::ConnectionEvent>) -> bool {
+    if open < MOST_CONNECTIONS {
+        return true;
+    }
+    let (gave_way, answer) = oneshot::channel();
+    pieces.send(connection::ConnectionEvent::Crowded { gave_way }).await.is_ok()
+        && answer.await == Ok(true)
 }

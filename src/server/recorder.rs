@@ -103,7 +103,9 @@ impl Recorder {
         let truth = caught.map(|caught| caught.truth);
         // As the scope saves all that it displays: the math trace of these records, and the references.
         let others = [Source::Math].into_iter().chain(('A'..='D').map(Source::Reference));
-        let others: Vec<Waveform> = others.filter_map(|s| instrument.waveform(s).ok()).collect();
+        let others: Vec<Waveform> = others
+            .filter_map(|source| Some(instrument.waveform(source).ok()?.into_owned()))
+            .collect();
         let shot = Shot {
             number: self.shots,
             origin: Origin::Simulated,

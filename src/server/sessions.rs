@@ -95,8 +95,10 @@ impl Sessions {
     ) -> T {
         let Some(entry) = self.entries.get_mut(&id) else { return T::default() };
         let done = act(&mut entry.session, &mut self.instrument);
+        // Taken also where no recording goes on: it would grow.
+        let lines = entry.session.take_transcript();
         if let Some(recorder) = &mut self.recorder {
-            recorder.lines(&entry.peer, entry.session.take_transcript());
+            recorder.lines(&entry.peer, lines);
         }
         done
     }
@@ -125,6 +127,10 @@ impl hislip::Device for Sessions {
     fn owes_reply(&self, session: u16) -> bool {
         let entry = self.entries.get(&SessionId::Hislip(session));
         entry.is_some_and(|entry| entry.session.owes_reply())
+    }
+
+    fn is_waiting(&self, session: u16) -> bool {
+        Self::is_waiting(self, SessionId::Hislip(session))
     }
 
     fn interrupt(&mut self, session: u16) {

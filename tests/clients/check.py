@@ -7,6 +7,7 @@ impact and reads all channels; the recording's captures of that shot are the gol
 """
 
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -221,6 +222,34 @@ def pymeasure_client(raw, hislip):
         scope.adapter.close()
 
 
+def documented_lines(raw, hislip):
+    """The lines of docs/clients.md, as they stand there but for the ports."""
+    page = (Path(__file__).resolve().parents[2] / "docs" / "clients.md").read_text()
+    blocks = re.findall(r"```python tests/clients/check.py\n(.*?)```", page, re.DOTALL)
+    check("clients on the page", len(blocks), 7)
+    manager = pyvisa.ResourceManager("@py")
+    address = f"TCPIP::127.0.0.1::{raw}::SOCKET"
+    with manager.open_resource(address, read_termination="\n", write_termination="\n") as scope:
+        scope.timeout = 20000
+        scope.write("ACQUIRE:STOPAFTER SEQUENCE;STATE ON;:BENCH:IMPACT")
+        check("single shot", scope.query("*OPC?").strip(), "1")
+        for block in blocks:
+            found = {}
+            exec(block.replace("5025", str(raw)).replace("4880", str(hislip)), found)
+            check(f"{block}\nidentity", found["identity"], IDENTITY)
+            check(f"{block}\npoints", found["points"], 2500)
+            scope.write("DATA INIT;:HEADER OFF")
+        scope.write("DATA:ENC ASC")
+        levels = {}
+        for channel in CHANNELS:
+            scope.write(f"DATA:SOURCE CH{channel}")
+            levels[channel] = np.array(scope.query_ascii_values("CURVE?", converter="d"))
+    if lxi := shutil.which("lxi"):
+        asked = [lxi, "scpi", "--address", "127.0.0.1", "--port", str(raw), "--raw", "*IDN?"]
+        check("lxi", subprocess.run(asked, capture_output=True, text=True).stdout.strip(), IDENTITY)
+    yield levels
+
+
 def goldens(recording):
     """The captures of every shot: levels by shot and channel. Also checks that commands and replies are there, in order."""
     shots = defaultdict(dict)
@@ -250,7 +279,7 @@ def main():
     try:
         ports = [int(re.search(r":(\d+)$", server.stdout.readline()).group(1)) for _ in range(2)]
         read = []
-        for client in (raw_pyvisa, documented_pyvisa, hislip_pyvisa, pylablib_client, pymeasure_client):
+        for client in (raw_pyvisa, documented_pyvisa, hislip_pyvisa, pylablib_client, pymeasure_client, documented_lines):
             before = checks
             shots = list(client(*ports))
             read.extend((client.__name__, shot) for shot in shots)

@@ -5,6 +5,7 @@ mod cost;
 mod doctor;
 mod effects;
 mod help;
+mod hostile;
 mod lab_files;
 mod pictures;
 mod run;

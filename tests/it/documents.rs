@@ -71,7 +71,7 @@ fn shows(mut printed: &str, shown: &str) -> bool {
 }
 
 /// What is wrong with a block, once its commands are executed.
-fn problems(folder: &Path, block: &Block) -> Vec<String> {
+fn problems(folder: &Path, block: &Block, page_name: &str) -> Vec<String> {
     let words: Vec<&str> = block.info.split_whitespace().collect();
     let mut wrong = Vec::new();
     match words[..] {
@@ -92,6 +92,14 @@ fn problems(folder: &Path, block: &Block) -> Vec<String> {
                 |command: &str| Some(format!("{command}: {}", printed(folder, command).err()?));
             wrong.extend(block.commands().filter_map(failed));
         }
+        // Lines that another program executes as they stand here.
+        ["python", script] => {
+            let text = std::fs::read_to_string(root().join(script)).expect(script);
+            let name = format!("\"{}\"", page_name);
+            if !text.contains(&name) {
+                wrong.push(format!("{script} does not execute {name}"));
+            }
+        }
         ["sh", script] => {
             let text = std::fs::read_to_string(root().join(script)).expect(script);
             let missing = block.commands().filter(|command| !text.contains(command));
@@ -108,7 +116,8 @@ fn page_problems(page: &Page) -> Vec<String> {
     let commands: String = blocks.iter().flat_map(Block::commands).collect();
     let mut wrong = Vec::new();
     for block in &blocks {
-        let problems = problems(folder.path(), block);
+        let file = Path::new(&page.name).file_name().and_then(|name| name.to_str());
+        let problems = problems(folder.path(), block, file.unwrap_or_default());
         wrong.extend(
             problems.into_iter().map(|what| format!("{}:{}: {what}", page.name, block.line)),
         );

@@ -366,3 +366,24 @@ fn levels_too_small_to_be_scaled_are_not_written() {
         assert!(error.contains("y_mult") && error.contains("at least 1e-300"), "{error}");
     }
 }
+
+/// Numbers that are finite but whose products are not: refused, not read as infinity.
+#[test]
+fn numbers_beyond_single_precision_are_refused() {
+    let head = |x_zero: &str, x_incr: &str, pt_off: &str, y_mult: &str| {
+        format!(
+            ":WFMP:BYT_N 1;BIT_N 8;ENC BIN;BN_F RI;BYT_O MSB;NR_P 4;PT_F Y;XUN \"s\";XIN {x_incr};XZE {x_zero};PT_O {pt_off};YUN \"V\";YMU {y_mult};YOF 0;YZE 0;:CURV #14abcd\n"
+        )
+    };
+    let read = |text: &str| hertzscope::recording::isf::read(text.as_bytes(), "x.isf");
+    assert!(read(&head("0", "1E-6", "0", "0.04")).is_ok());
+    for text in [
+        head("1E308", "1E304", "-100000", "0.04"),
+        head("0", "1E-6", "0", "1E308"),
+        head("1E39", "1E-6", "0", "0.04"),
+        head("1E30", "1E-300", "0", "0.04"),
+    ] {
+        let error = read(&text).expect_err("too large").to_string();
+        assert!(error.starts_with("x.isf"), "{error}");
+    }
+}

@@ -12,6 +12,7 @@ mod hard_copy;
 mod impact;
 mod instrument;
 mod list;
+mod manual;
 mod measurement;
 mod preamble;
 mod random;

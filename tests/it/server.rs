@@ -1,5 +1,6 @@
 //! The scope on the network. Every wait ends with an answer; the limits only end tests that have failed.
 
+mod abuse;
 mod bench;
 mod hislip;
 mod load;

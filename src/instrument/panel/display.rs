@@ -83,6 +83,8 @@ pub struct Display {
     pub persistence: f64,
     /// Contrast of the screen, 1 to 100.
     pub contrast: u32,
+    /// Whether the screen is dark on bright.
+    pub inverted: bool,
 }
 
 impl Default for Display {
@@ -92,6 +94,7 @@ impl Default for Display {
             style: DisplayStyle::Vectors,
             persistence: 0.0,
             contrast: 50,
+            inverted: false,
         }
     }
 }

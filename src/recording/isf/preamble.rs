@@ -57,6 +57,9 @@ pub(super) struct PreambleText<'a> {
     pub(super) block: usize,
 }
 
+/// Largest number: instruments compute in single precision, and products of a few such numbers stay finite (unit).
+pub(super) const LARGEST: f64 = f32::MAX as f64;
+
 impl<'a> PreambleText<'a> {
     pub(super) fn read(file: &'a str, bytes: &'a [u8]) -> Result<Self, IsfError> {
         let head = bytes.get(..bytes.len().min(MAX_PREAMBLE_BYTES)).unwrap_or_default();
@@ -89,9 +92,9 @@ impl<'a> PreambleText<'a> {
     pub(super) fn number(&self, key: PreambleKey) -> Result<Option<f64>, IsfError> {
         let Some((value, offset)) = self.entry(key) else { return Ok(None) };
         let number = std::str::from_utf8(value).ok().and_then(|text| text.parse::<f64>().ok());
-        match number.filter(|number| number.is_finite()) {
+        match number.filter(|number| number.abs() <= LARGEST) {
             Some(number) => Ok(Some(number)),
-            None => Err(self.wrong(key, value, offset, "a number")),
+            None => Err(self.wrong(key, value, offset, "a number up to 3.4e38")),
         }
     }
 
@@ -126,6 +129,12 @@ impl<'a> PreambleText<'a> {
 
     pub(super) fn missing(&self, key: PreambleKey) -> IsfError {
         IsfError::Missing { file: self.file.to_owned(), key: key.name() }
+    }
+
+    /// The value of `key` is too small or too large for what follows from it.
+    pub(super) fn beyond(&self, key: PreambleKey) -> IsfError {
+        let (value, offset) = self.entry(key).unwrap_or_default();
+        self.wrong(key, value, offset, "numbers whose quotients are finite")
     }
 
     fn wrong(&self, key: PreambleKey, value: &[u8], offset: usize, expected: &str) -> IsfError {

@@ -126,8 +126,9 @@ impl Name {
                 _ => {}
             }
             let Some(amount) = item.strip_suffix("/div") else { continue };
-            let number = |unit| amount.strip_suffix(unit)?.trim().parse().ok();
-            let quantity = parse_any(amount).ok();
+            let is_usable = |value: &f64| value.abs() <= preamble::LARGEST;
+            let number = |unit| amount.strip_suffix(unit)?.trim().parse().ok().filter(is_usable);
+            let quantity = parse_any(amount).ok().filter(|(value, _)| is_usable(value));
             let of = |kind| quantity.filter(|(_, found)| *found == kind).map(|(value, _)| value);
             name.scale = name.scale.or(of(Dimension::VOLTAGE)).or(number("dB"));
             let time = of(Dimension::TIME).or(number("Hz"));
@@ -177,6 +178,10 @@ fn settings(
         _ => preamble.y_off * (preamble.y_mult / scale),
     };
     let trigger_point = whole_if_near(0.0 - preamble.x_zero / preamble.x_incr);
+    // Quotients of numbers near the ends of what a double holds.
+    if ![scale, position, horizontal_scale, trigger_point].iter().all(|number| number.is_finite()) {
+        return Err(words.beyond(preamble::X_INCR));
+    }
     let vertical = VerticalSetup {
         scale,
         position: if of_the_family { preamble.y_off / LEVELS_PER_DIVISION } else { position },

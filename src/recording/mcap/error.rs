@@ -16,7 +16,9 @@ pub enum ReadError {
         source: std::io::Error,
     },
     /// The file is too large to be held in memory.
-    #[error("{file}: found {bytes} bytes, expected at most {LARGEST_FILE}")]
+    #[error(
+        "{file}: found {bytes} bytes, expected at most {LARGEST_FILE} to be read at once; `info`, `convert` and everything with --shot read it piece by piece"
+    )]
     TooLarge {
         /// The file.
         file: PathBuf,

@@ -3,15 +3,47 @@
 //! The file may be finished, cut, or still growing: [`IndexedRecording::read_on`] takes what is whole and comes back later for the rest. In
 //! memory are the places of the shots and what holds for all of them, never the shots.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use super::container::{self, MAGIC, McapRecord, RECORD_HEADER_BYTES};
 use super::error::ReadError;
-use super::read::Reader;
-use crate::recording::{Shot, TraceSet};
+use super::notes::ShotNotes;
+use super::read::{MAX_UNPACKED_BYTES, Reader};
+use crate::recording::{Direction, ScpiLine, Shot, TraceSet};
+
+/// What is said of a recording that may still grow.
+const NO_END: &str = "the file has no end: it was not finished, or cut";
+/// Lines of the log that are kept: of a session that goes on for days, the last ones.
+const LOG_LINES: usize = 1000;
+/// Connections that are told apart.
+const MOST_PEERS: usize = 1000;
+
+/// What went over the remote interface: how much, not what.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Traffic {
+    /// Commands.
+    pub commands: usize,
+    /// Replies.
+    pub replies: usize,
+    /// Clients, a thousand at most.
+    pub peers: BTreeSet<String>,
+}
+
+impl Traffic {
+    /// Counts a line.
+    pub fn count(&mut self, line: &ScpiLine) {
+        match line.direction {
+            Direction::Command => self.commands += 1,
+            Direction::Reply => self.replies += 1,
+        }
+        if self.peers.len() < MOST_PEERS {
+            self.peers.insert(line.peer.clone());
+        }
+    }
+}
 
 /// Start and length of a part of the file (bytes).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,6 +74,7 @@ pub struct IndexedRecording {
     /// Place in `shots` of each number.
     known: BTreeMap<u32, usize>,
     end: ReadState,
+    traffic: Traffic,
 }
 
 impl IndexedRecording {
@@ -70,6 +103,7 @@ impl IndexedRecording {
             shots: Vec::new(),
             known: BTreeMap::new(),
             end: ReadState::More,
+            traffic: Traffic::default(),
         })
     }
 
@@ -95,6 +129,9 @@ impl IndexedRecording {
         self.reader.take(&record, stretch.start);
         for number in self.reader.forget_shots() {
             self.note(number, stretch);
+        }
+        for line in self.reader.forget_traffic() {
+            self.traffic.count(&line);
         }
         self.end = ReadState::More;
         Ok(self.end)
@@ -142,14 +179,39 @@ impl IndexedRecording {
         self.shots.len().saturating_sub(unfinished)
     }
 
+    /// Where the shot of a number stands.
+    pub fn place_of(&self, number: u32) -> Option<usize> {
+        self.known.get(&number).copied()
+    }
+
     /// Of how many pieces of the file the shot at `place` is made so far; more may come as long as the file grows.
     pub fn pieces(&self, place: usize) -> usize {
         self.shots.get(place).map_or(0, |(_, stretches)| stretches.len())
     }
 
-    /// Contents found so far beside the shots: facts, attachments, log, problems.
+    /// What was found so far beside the shots: facts, attachments, the end of the log, problems.
     pub fn facts(&self) -> TraceSet {
-        self.reader.facts()
+        let mut facts = self.reader.facts();
+        if self.end == ReadState::Open {
+            facts.problems.push(NO_END.to_owned());
+        }
+        facts
+    }
+
+    /// What went over the remote interface so far.
+    pub fn traffic(&self) -> &Traffic {
+        &self.traffic
+    }
+
+    /// Reads the shot at `place`, counted from 0, with what is kept of it beside captures and truth; none where there is none.
+    ///
+    /// # Errors
+    /// [`ReadError::File`] where the file cannot be read any more.
+    pub fn shot_and_notes(&mut self, place: usize) -> Result<Option<(Shot, ShotNotes)>, ReadError> {
+        let Some(mut reader) = self.read_again(place)? else { return Ok(None) };
+        let Some((number, _)) = self.shots.get(place) else { return Ok(None) };
+        let notes = reader.set.notes.remove(number).unwrap_or_default();
+        Ok(reader.shot_of(*number).map(|shot| (shot, notes)))
     }
 
     /// Reads the shot at `place`, counted from 0; none beyond the last.
@@ -157,14 +219,18 @@ impl IndexedRecording {
     /// # Errors
     /// [`ReadError::File`] where the file cannot be read any more.
     pub fn shot(&mut self, place: usize) -> Result<Option<Shot>, ReadError> {
-        let Some((number, stretches)) = self.shots.get(place).cloned() else { return Ok(None) };
+        Ok(self.shot_and_notes(place)?.map(|(shot, _)| shot))
+    }
+
+    fn read_again(&mut self, place: usize) -> Result<Option<Reader>, ReadError> {
+        let Some((_, stretches)) = self.shots.get(place).cloned() else { return Ok(None) };
         let mut reader = self.reader.again();
         for stretch in stretches {
             if let Some(record) = self.record_at(stretch.start)? {
                 reader.take(&record, stretch.start);
             }
         }
-        Ok(reader.shot_of(number))
+        Ok(Some(reader))
     }
 }
 
@@ -172,6 +238,8 @@ impl IndexedRecording {
 impl Reader {
     /// Takes one record, whole with its head, from `offset` in the file.
     fn take(&mut self, record: &[u8], offset: u64) {
+        // Little of it is kept: each record has the room of a whole file.
+        self.budget = MAX_UNPACKED_BYTES;
         let offset = usize::try_from(offset).unwrap_or(usize::MAX);
         let parsed =
             container::split(record).and_then(|(opcode, body, _)| container::parse(opcode, body));
@@ -182,9 +250,22 @@ impl Reader {
         }
     }
 
-    /// Numbers of the shots found since the last call; their data are dropped.
+    /// Numbers of the shots of which something was found since the last call; their data are dropped.
     fn forget_shots(&mut self) -> Vec<u32> {
-        std::mem::take(&mut self.shots).into_keys().collect()
+        let mut numbers: BTreeSet<u32> = std::mem::take(&mut self.shots).into_keys().collect();
+        // What is kept beside a shot may stand in a later chunk than the shot; what stands before the first belongs to none.
+        numbers
+            .extend(std::mem::take(&mut self.set.notes).into_keys().filter(|number| *number > 0));
+        numbers.into_iter().collect()
+    }
+
+    /// Lines of the remote interface since the last call. They are dropped, and so are old lines of the log.
+    fn forget_traffic(&mut self) -> Vec<ScpiLine> {
+        let log = &mut self.set.log;
+        if log.len() >= 2 * LOG_LINES {
+            log.drain(..log.len() - LOG_LINES);
+        }
+        std::mem::take(&mut self.set.lines)
     }
 
     /// One that knows this one's channels and has met no shot.

@@ -16,8 +16,10 @@ use crate::recording::{Attachment, Origin, Shot, TraceSet};
 
 /// More problems than this are counted but not listed.
 const MAX_LISTED_PROBLEMS: usize = 100;
-/// All chunks of a file may unpack to this and [`MAX_EXPANSION`] times the file's size (bytes).
-const MAX_UNPACKED_BYTES: u64 = 1024 * 1024 * 1024;
+/// All that is kept of a file may take this and [`MAX_EXPANSION`] times the file's size (bytes).
+pub(super) const MAX_UNPACKED_BYTES: u64 = 256 * 1024 * 1024;
+/// What an object takes beside its content, as a message, a fact or a line of the log does (bytes).
+const OBJECT_BYTES: u64 = 128;
 /// Recordings shrink to a third or so; on the whole only a bomb shrinks to a hundredth (1).
 const MAX_EXPANSION: u64 = 100;
 
@@ -77,9 +79,11 @@ pub(super) struct Reader {
     pub(super) shots: BTreeMap<u32, Shot>,
     /// The shot whose messages are being read: lines of the log belong to it.
     current: u32,
-    /// Bytes that chunks may still unpack to.
-    budget: u64,
+    /// Bytes that may still be unpacked and kept.
+    pub(super) budget: u64,
     unlisted: usize,
+    /// Whether something was passed over for want of room.
+    is_full: bool,
 }
 
 impl Reader {
@@ -107,14 +111,12 @@ impl Reader {
             rest = tail;
             match container::parse(opcode, body) {
                 Ok(McapRecord::Chunk(records)) => {
-                    let size = records.len() as u64;
-                    let Some(left) = self.budget.checked_sub(size) else {
+                    if !self.spend(records.len() as u64) {
                         self.problem(format!(
                             "byte {offset}: found chunks that unpack to more than {MAX_EXPANSION} times the file, expected a recording"
                         ));
                         return;
-                    };
-                    self.budget = left;
+                    }
                     self.chunk(&records, offset);
                 }
                 Ok(McapRecord::DataEnd(checksum)) => {
@@ -166,7 +168,35 @@ impl Reader {
         }
     }
 
+    /// Takes what is needed from the budget; false, and nothing taken, where there is less left.
+    fn spend(&mut self, bytes: u64) -> bool {
+        let left = self.budget.checked_sub(bytes);
+        self.budget = left.unwrap_or(self.budget);
+        left.is_some()
+    }
+
+    /// Whether there is room for the objects of a record; its bytes are counted where they are unpacked.
+    fn has_room(&mut self, record: &McapRecord<'_>) -> bool {
+        let objects = match record {
+            McapRecord::Schema(..) => 1,
+            McapRecord::Channel { .. } | McapRecord::Message { .. } => 2,
+            McapRecord::Attachment(..) => 3,
+            McapRecord::Metadata(_, facts) => 1 + 2 * facts.len(),
+            McapRecord::Chunk(_) | McapRecord::DataEnd(_) | McapRecord::Other => 0,
+        };
+        self.spend(OBJECT_BYTES * objects as u64)
+    }
+
     pub(super) fn record(&mut self, record: McapRecord<'_>, offset: usize) {
+        if !self.has_room(&record) {
+            if !self.is_full {
+                self.is_full = true;
+                self.problem(format!(
+                    "byte {offset}: found more than a recording of this size holds: what follows is passed over"
+                ));
+            }
+            return;
+        }
         match record {
             McapRecord::Schema(id, name) => {
                 self.schemas.insert(id, name);

@@ -24,7 +24,7 @@ pub(super) const FIRMWARE: &[&str] = &["firmware version", "software version", "
 pub(super) const FRAMES: &[&str] = &["fastframe count", "number of frames", "segments"];
 
 /// Rows that are searched.
-const MOST_KEY_ROWS: usize = 64;
+const MAX_KEY_ROWS: usize = 64;
 
 /// The rows above a table's samples.
 #[derive(Debug, Clone, Copy)]
@@ -49,7 +49,7 @@ pub(super) struct KeyRequest {
 impl<'a> TableKeys<'a, '_> {
     /// Row and cell of the value of a key, and its text.
     fn find(&self, keys: &[&str], asked: KeyRequest) -> Option<(usize, usize, &'a str)> {
-        (0..self.rows.min(MOST_KEY_ROWS)).find_map(|index| {
+        (0..self.rows.min(MAX_KEY_ROWS)).find_map(|index| {
             let row = self.table.row(index);
             let is_key = |cell: &&str| {
                 let cell = cell.trim_end_matches(':').trim();

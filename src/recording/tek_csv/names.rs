@@ -250,7 +250,8 @@ fn role(base: &str) -> ColumnRole {
         "note",
         "raw",
     ];
-    const OTHER: [&str; 22] = [
+    const OTHER: [&str; 23] = [
+        "f",
         "force",
         "kraft",
         "temperature",
@@ -394,6 +395,7 @@ mod tests {
             ("Unnamed: 0", ColumnRole::Nameless, None),
             ("samples", ColumnRole::Index, None),
             ("Force", ColumnRole::OtherQuantity, None),
+            ("F", ColumnRole::OtherQuantity, None),
             ("piezo", none(), None),
         ] {
             let found = ColumnName::of(name, None);

@@ -19,7 +19,7 @@ use crate::recording::{Capture, InstrumentIdentity};
 use crate::scope::{PointFormat, Source};
 
 /// Channels of one file.
-const MOST_CHANNELS: u8 = 8;
+const MAX_CHANNELS: u8 = 8;
 
 /// Reads the captures of a table; `given` says what its columns are where the user knows.
 pub(super) fn read(table: &CsvRows<'_>, given: &TableColumns) -> Result<Vec<Capture>, TekCsvError> {
@@ -141,9 +141,12 @@ impl ColumnPlan {
                 }
             }
         }
-        if plan.channels.is_empty() || plan.channels.len() > usize::from(MOST_CHANNELS) {
-            let why =
-                if refused.is_empty() { "1 to 8 channels".to_owned() } else { refused.join("; ") };
+        if plan.channels.is_empty() || plan.channels.len() > usize::from(MAX_CHANNELS) {
+            let reasons = if refused.is_empty() { plan.notes } else { refused };
+            let why = match reasons.as_slice() {
+                [] => "1 to 8 channels".to_owned(),
+                reasons => format!("1 to 8 channels: {}", reasons.join("; ")),
+            };
             return Err(unknown(table, &why));
         }
         plan.notes.extend(refused.into_iter().map(|what| format!("{what}; it is left out")));
@@ -239,16 +242,23 @@ impl ColumnPlan {
                 ),
             ));
         }
+        // What the name does not tell, a key may.
+        let of_key = |known: &Option<ColumnUnit>, key| match known {
+            Some(unit) => Ok(Some(unit.clone())),
+            None => stated_unit(keys, key, asked),
+        };
+        let time_unit = of_key(&channel.time_unit, keys::HORIZONTAL_UNITS)?;
+        let value_unit = of_key(&channel.unit, keys::VERTICAL_UNITS)?;
         let mut draft = UnscaledImport {
-            values: scaled(body.column(layout, channel.cell), channel.unit.as_ref()),
+            values: scaled(body.column(layout, channel.cell), value_unit.as_ref()),
             source: channel.source,
-            y_unit: channel.unit.as_ref().map(|unit| unit.text.to_owned()),
+            y_unit: value_unit.as_ref().map(|unit| unit.text.to_owned()),
             ..UnscaledImport::default()
         };
         match channel.time {
             Some(time) => {
-                draft.times = scaled(body.column(layout, time), channel.time_unit.as_ref());
-                draft.x_unit = channel.time_unit.as_ref().map(|unit| unit.text.to_owned());
+                draft.times = scaled(body.column(layout, time), time_unit.as_ref());
+                draft.x_unit = time_unit.as_ref().map(|unit| unit.text.to_owned());
             }
             None => {
                 let even = layout.even.map(|(start, step)| EvenTimes {
@@ -268,6 +278,15 @@ impl ColumnPlan {
             });
         }
         use_keys(&mut draft, keys, asked)?;
+        // A scale beside values in millivolts may be in either unit.
+        let is_prefixed =
+            |unit: &ColumnUnit| unit.power != 0 || unit.factor.to_bits() != 1f64.to_bits();
+        if channel.unit.is_none() && value_unit.as_ref().is_some_and(is_prefixed) {
+            draft.scale = None;
+        }
+        if channel.time_unit.is_none() && time_unit.as_ref().is_some_and(is_prefixed) {
+            draft.horizontal_scale = None;
+        }
         draft.notes.extend(self.notes.iter().chain(&channel.notes).cloned());
         if table.decimal_comma {
             draft.notes.push("numbers have a decimal comma".to_owned());
@@ -284,6 +303,17 @@ impl ColumnPlan {
     }
 }
 
+/// The unit that a key states; none where there is no such key.
+fn stated_unit(
+    keys: &TableKeys<'_, '_>,
+    key: &[&str],
+    asked: KeyRequest,
+) -> Result<Option<ColumnUnit>, TekCsvError> {
+    let Some(text) = keys.text(key, asked) else { return Ok(None) };
+    let refused = || unknown(keys.table, &format!("a unit that is known, not {}", excerpt(text)));
+    unit(text).map(Some).ok_or_else(refused)
+}
+
 /// What the rows above the table say of a channel.
 fn use_keys(
     draft: &mut UnscaledImport,
@@ -295,19 +325,6 @@ fn use_keys(
     draft.scale = keys.number(keys::VERTICAL_SCALE, asked)?;
     draft.horizontal_scale = keys.number(keys::HORIZONTAL_SCALE, asked)?;
     draft.probe = keys.number(keys::PROBE, asked)?;
-    let unit_of = |key| keys.text(key, asked).and_then(unit).map(|unit| unit.text.to_owned());
-    draft.x_unit = draft.x_unit.take().or_else(|| unit_of(keys::HORIZONTAL_UNITS));
-    if draft.y_unit.is_none() {
-        draft.y_unit = unit_of(keys::VERTICAL_UNITS);
-        if let Some(text) =
-            keys.text(keys::VERTICAL_UNITS, asked).filter(|text| unit(text).is_none())
-        {
-            return Err(unknown(
-                keys.table,
-                &format!("a vertical unit that is known, not {}", excerpt(text)),
-            ));
-        }
-    }
     draft.point_format = match keys.text(keys::POINT_FORMAT, asked) {
         Some("ENV") => Some(PointFormat::Envelope),
         _ => Some(PointFormat::Sample),

@@ -36,19 +36,31 @@ impl TableLayout {
         let has =
             |index: usize| usual.iter().all(|cell| table.row(index).maybe_number(*cell).is_some());
         let next = |index: usize| (index + 1..=last).find(|next| !table.row(*next).is_blank());
-        let is_first = |index: &usize| has(*index) && next(*index).is_none_or(has);
+        let is_first = |index: &usize| has(*index) && next(*index).is_some_and(has);
         let either = || (0..=last).find(|index| has(*index));
         let Some(first) = (0..=last).find(is_first).or_else(either) else {
             return Err(unknown(table, "two rows of numbers"));
         };
         let mut layout =
             Self { names: None, units: None, first, cells: numeric(first), even: None };
+        layout.include_broken_rows(table);
         layout.find_names(table);
         layout.find_even(table);
         if layout.cells.len() < 2 && layout.even.is_none() {
             return Err(unknown(table, "a column of times beside the values"));
         }
         Ok(layout)
+    }
+
+    /// Takes in the rows above that begin with a number: samples of which a cell is none, not names. Reading them names the cell.
+    fn include_broken_rows(&mut self, table: &CsvRows<'_>) {
+        let cell = self.first_cell();
+        let above = (0..self.first).rev().filter(|index| !table.row(*index).is_blank());
+        if let Some(first) =
+            above.take_while(|index| table.row(*index).maybe_number(cell).is_some()).last()
+        {
+            self.first = first;
+        }
     }
 
     /// The rows above the samples, from below, without blank ones.
@@ -75,9 +87,13 @@ impl TableLayout {
                 || text.eq_ignore_ascii_case("sequence")
                 || unit(text).is_some()
         });
-        match upper.filter(|_| is_units) {
-            Some(upper) => (self.names, self.units) = (Some(upper), Some(lower)),
-            None => self.names = Some(lower),
+        match upper {
+            Some(upper) if is_units => (self.names, self.units) = (Some(upper), Some(lower)),
+            // A row of remarks between names and samples.
+            Some(upper) if !row.texts().any(is_time) && table.row(upper).texts().any(is_time) => {
+                self.names = Some(upper);
+            }
+            _ => self.names = Some(lower),
         }
     }
 

@@ -16,11 +16,11 @@ const MAX_TIME_DRIFT: f64 = 0.01;
 /// Rounding error of a time, as a share of the interval.
 const TIME_ROUND_OFF: f64 = 1e-6;
 /// An interval that is known worse than this is told with its bounds (1).
-const COARSE: f64 = 1e-3;
+const TOLD_INTERVAL_WIDTH: f64 = 1e-3;
 /// A printed digit of more than this share of the interval cannot tell rounding from a missing row (1).
-const TOO_COARSE: f64 = 0.6;
+const MAX_DIGIT_SHARE: f64 = 0.6;
 /// Cutting planes until the best interval is found; a few suffice.
-const MOST_CUTS: usize = 60;
+const MAX_CUTS: usize = 60;
 /// Most digits of a number (1).
 const MAX_DIGITS: usize = 15;
 
@@ -82,7 +82,7 @@ impl EvenTimes {
     ) {
         match stated.interval {
             None => {
-                let coarse = range.filter(|(low, high)| high - low > COARSE * self.interval);
+                let coarse = range.filter(|(low, high)| high - low > TOLD_INTERVAL_WIDTH * self.interval);
                 let bounds = coarse.map_or(String::new(), |(low, high)| {
                     let shown = |interval| engineering(interval, unit, 4);
                     format!(", between {} and {} by the printed digits", shown(low), shown(high))
@@ -192,7 +192,7 @@ impl<'a> Rows<'a> {
         let (mut left, mut right): (Option<(f64, f64, f64)>, Option<(f64, f64, f64)>) =
             (None, None);
         let (mut at, mut best) = (guess, (f64::INFINITY, guess));
-        for _ in 0..MOST_CUTS {
+        for _ in 0..MAX_CUTS {
             let miss = self.miss(at);
             if miss.excess < best.0 {
                 best = (miss.excess, at);
@@ -231,7 +231,7 @@ impl<'a> Rows<'a> {
         let last = count(self.times.len().saturating_sub(1).max(1));
         let mut outside = best + side * 4.0 * self.spread() / last;
         // From outside, cuts lead to the end without passing it.
-        for _ in 0..MOST_CUTS {
+        for _ in 0..MAX_CUTS {
             let miss = self.miss(outside);
             let slope = count(miss.rows.1) - count(miss.rows.0);
             if miss.excess <= 0.0 || slope == 0.0 {
@@ -258,7 +258,7 @@ impl<'a> Rows<'a> {
     }
 
     /// The first row whose step from the one before no rounding explains: rounded multiples of one interval have steps that differ by at
-    /// most one digit. Where a digit is more than [`TOO_COARSE`] of an interval, any difference may be a missing row.
+    /// most one digit. Where a digit is more than [`MAX_DIGIT_SHARE`] of an interval, any difference may be a missing row.
     fn gap(&self, column: &SampleColumn) -> Option<usize> {
         if column.len() < 3 || column.largest_tolerance() > 1.5 * column.tolerance(0.0) {
             return None;
@@ -267,7 +267,7 @@ impl<'a> Rows<'a> {
         let steps = || self.times.iter().zip(self.times.iter().skip(1)).map(|(a, b)| b - a);
         let smallest = steps().fold(f64::INFINITY, f64::min);
         let usual = median(steps().collect());
-        let allowed = if digit > TOO_COARSE * usual { 0.5 } else { 1.5 };
+        let allowed = if digit > MAX_DIGIT_SHARE * usual { 0.5 } else { 1.5 };
         let wide = steps().any(|step| step - smallest > allowed * digit);
         let off = |step: f64| (step - usual).abs() > 0.5 * digit;
         wide.then(|| steps().position(off).map(|index| index + 1)).flatten()
@@ -313,7 +313,7 @@ impl<'a> Rows<'a> {
 
 /// The number with the fewest digits between `low` and `high`; where many digits lie between them, near `best`.
 fn simplest(low: f64, high: f64, best: f64) -> f64 {
-    let coarse = high - low > COARSE * best.abs();
+    let coarse = high - low > TOLD_INTERVAL_WIDTH * best.abs();
     let middle = f64::midpoint(low, high);
     let quarter = 0.25 * (high - low);
     let (low, high) = if coarse { (middle - quarter, middle + quarter) } else { (low, high) };

@@ -46,7 +46,12 @@ pub const GROUP: Group = Group {
             &Both(set_averages, averages),
             "4, 16, 64 or 128 records",
         ),
-        CommandRow::acts("ACQuire:NUMACq", &Query(count), "records taken since the start").apart(),
+        CommandRow::acts(
+            "ACQuire:NUMACq",
+            &Query(count),
+            "records taken since the start, 0 in scan mode",
+        )
+        .apart(),
     ],
 };
 

@@ -14,6 +14,7 @@ pub const GROUP: Group = Group {
         CommandRow::accepted("*TST", &Query(|_| Ok(ReplyValue::Integer(0))), "0: passed"),
         CommandRow::accepted("CALibrate:ABOrt", &Command(nothing), "nothing to abort"),
         CommandRow::accepted("CALibrate:CONTINUE", &Command(nothing), "nothing to go on with"),
+        CommandRow::accepted("CALibrate:FACtory", &Command(nothing), "nothing to calibrate"),
         CommandRow::accepted("CALibrate:INTERNAL", &Command(nothing), "nothing to calibrate"),
         CommandRow::accepted(
             "CALibrate:STATUS",

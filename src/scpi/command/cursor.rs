@@ -1,10 +1,14 @@
 //! Cursors: `CURSor`.
 
+use crate::instrument::Event;
 use crate::instrument::limits::rounded;
 use crate::instrument::measure::INVALID;
-use crate::instrument::panel::BarUnits;
+use crate::instrument::panel::{BarUnits, CursorFunction, DisplayFormat};
+use crate::instrument::word::Word as _;
+use crate::scpi::argument::word;
+use crate::scpi::message::Argument;
 use crate::scpi::row::{CommandRow, Group};
-use crate::scpi::setting::{Context, GroupQuery, Number, Parts, Query, Stop, WordSetting};
+use crate::scpi::setting::{Both, Context, GroupQuery, Number, Parts, Query, Stop, WordSetting};
 use crate::scpi::value::ReplyValue;
 
 /// The group.
@@ -23,8 +27,10 @@ pub const GROUP: Group = Group {
         ),
         CommandRow::acts(
             "CURSor:FUNCtion",
-            &WordSetting(|i, _| &mut i.panel.cursor.function),
-            "`OFF`, `HBArs` or `VBArs`",
+            &Both(set_function, |at| {
+                Ok(ReplyValue::Word(at.instrument.panel.cursor.function.word()))
+            }),
+            "`OFF`, `HBArs` or `VBArs`; none in XY (event 221)",
         ),
         CommandRow::acts(
             "CURSor:SELect:SOUrce",
@@ -70,6 +76,16 @@ pub const GROUP: Group = Group {
         CommandRow::acts("CURSor:HBArs:POSITION<x>", &HORIZONTAL, "volts").apart(),
     ],
 };
+
+fn set_function(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    let function = word(arguments)?;
+    let panel = &mut at.instrument.panel;
+    if function != CursorFunction::Off && panel.display.format == DisplayFormat::Xy {
+        return Err(Event::SettingsConflict.into());
+    }
+    panel.cursor.function = function;
+    Ok(())
+}
 
 const VERTICAL: Number = Number(
     |i, at| {

@@ -14,7 +14,11 @@ use crate::scpi::value::ReplyValue;
 pub const GROUP: Group = Group {
     title: "Waveform: points",
     rows: &[
-        CommandRow::acts("CURVe", &Both(receive, send), "points, as `DATa` says"),
+        CommandRow::acts(
+            "CURVe",
+            &Both(receive, send),
+            "points, as `DATa` says; of a waveform that is not displayed none, and events 2244 and 420",
+        ),
         CommandRow::acts(
             "WAVFrm",
             &GroupQuery(Parts::Of(&["WFMPre", "CURVe"])),
@@ -79,9 +83,26 @@ fn receive(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let y_mult = incoming.y_mult * transfer.steps();
     let y_off = incoming.y_off / transfer.steps() - transfer.shift();
     let points = at.instrument.model.interval(1.0);
+    let codes = codes.into_iter().map(scaled);
+    // The first point goes to `DATa:STARt`; what stands elsewhere in the memory stays, and where nothing does, it is at zero volts.
+    let first = transfer.start.min(transfer.stop).saturating_sub(1);
+    let mut all: Vec<i16> = match at.instrument.reference(letter) {
+        Some(before) if first > 0 => before.codes.clone(),
+        _ => Vec::new(),
+    };
+    #[allow(clippy::cast_possible_truncation, reason = "clamped to the levels of a record")]
+    let zero = y_off.round().clamp(f64::from(LOWEST_CODE), f64::from(HIGHEST_CODE)) as i16;
+    all.resize(all.len().max(first), zero);
+    for (place, code) in (first..).zip(codes) {
+        match all.get_mut(place) {
+            Some(point) => *point = code,
+            None => all.push(code),
+        }
+    }
+    all.truncate(at.instrument.model.record_length);
     let waveform = Waveform {
         source: transfer.destination,
-        codes: codes.into_iter().map(scaled).collect(),
+        codes: all,
         preamble: Preamble {
             x_zero: incoming.x_zero,
             x_incr: incoming.x_incr,

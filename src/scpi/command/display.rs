@@ -4,7 +4,7 @@ use crate::instrument::word::words;
 use crate::scpi::argument::{real, whole, word};
 use crate::scpi::message::Argument;
 use crate::scpi::row::{CommandRow, Group};
-use crate::scpi::setting::{Both, Context, GroupQuery, Parts, Stop, WordSetting};
+use crate::scpi::setting::{Both, Context, GroupQuery, OnOff, Parts, Stop, WordSetting};
 use crate::scpi::value::ReplyValue;
 
 words! {
@@ -47,6 +47,12 @@ pub const GROUP: Group = Group {
             &Both(set_persistence, persistence),
             "`OFF`, 1, 2, 5 (seconds) or `INFinite`",
         ),
+        CommandRow::accepted(
+            "DISplay:INVert",
+            &OnOff(|i, _| &mut i.panel.display.inverted),
+            "`ON` or `OFF`; pictures follow `HARDCopy:INKSaver`",
+        )
+        .apart(),
     ],
 };
 

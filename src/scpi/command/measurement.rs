@@ -1,7 +1,7 @@
 //! Measurements: `MEASUrement`.
 //!
 //! A measurement without result answers 9.9E37 and reports why: 2225 for a waveform that is not displayed, 2202 for a
-//! record without a full cycle, 2231 for a measurement that measures nothing.
+//! record without a full cycle, 2231 for a measurement that measures nothing, 221 in scan mode and in XY, where nothing is measured.
 
 use crate::instrument::Event;
 use crate::instrument::measure::{INVALID, measure, unit};
@@ -119,6 +119,8 @@ fn units(measurement: Measurement) -> ReplyValue {
 fn value(at: &mut Context<'_>, measurement: Measurement) -> ReplyValue {
     let result = if measurement.kind == MeasurementType::None {
         Err(Event::NoMeasurementType)
+    } else if at.instrument.measures_nothing() {
+        Err(Event::SettingsConflict)
     } else {
         let record = at.instrument.waveform(measurement.source);
         record.map_err(|_| Event::NoWaveform).and_then(|record| measure(measurement.kind, &record))

@@ -1,11 +1,11 @@
 //! Miscellaneous: identity, headers, locks, set-up text.
 
 use crate::instrument::Event;
-use crate::instrument::word::words;
+use crate::instrument::word::{Word as _, words};
 use crate::scpi::argument::{flag, only, text, word};
 use crate::scpi::message::Argument;
 use crate::scpi::row::{CommandRow, Group};
-use crate::scpi::setting::{Both, Command, Context, GroupQuery, Parts, Query, Stop};
+use crate::scpi::setting::{Both, Command, Context, GroupQuery, Parts, Query, Stop, WordSetting};
 use crate::scpi::value::ReplyValue;
 
 words! {
@@ -132,24 +132,28 @@ pub const GROUP: Group = Group {
             }),
             "`ALL` or `NONe` of the keys",
         ),
+        CommandRow::acts(
+            "AUTOSet:SIGNAL",
+            &Query(|at| Ok(ReplyValue::Word(at.instrument.autoset_signal().word()))),
+            "what the last `AUTOSet` took its signal for: `LEVEL`, `SINE`, `SQUARE`, `OTHER`, `NONe`; no input carries video",
+        ),
+        CommandRow::accepted(
+            "AUTOSet:VIEW",
+            &WordSetting(|i, _| &mut i.service.autoset_view),
+            "how it would show it, `MULTICY` to `NONE`; `DEFault` after `AUTOSet`",
+        ),
         CommandRow::accepted("UNLock", &Command(unlock), "`ALL`"),
         CommandRow::accepted(
             "LANGuage",
-            &Both(
-                |_, a| {
-                    only(a)?;
-                    Ok(())
-                },
-                |_| Ok(ReplyValue::Word("ENGLish")),
-            ),
-            "always `ENGLish`",
+            &WordSetting(|i, _| &mut i.service.language),
+            "`ENGLish`, `FRENch`, `GERMan`, `ITALian`, `SPANish`, `PORTUguese`, `JAPAnese`, `KOREan`, `TRADitionalchinese` or `SIMPlifiedchinese`; pictures are in English",
         ),
-        CommandRow::accepted(
+        CommandRow::acts(
             "*DDT",
             &Both(set_device_trigger, |at| {
                 Ok(ReplyValue::Text(at.instrument.service.device_trigger.clone()))
             }),
-            "up to 80 characters; `*TRG` triggers whatever they say",
+            "up to 80 characters, as text or block, that `*TRG` executes; empty: it triggers",
         ),
         CommandRow::acts(
             "REM",
@@ -202,7 +206,16 @@ fn remark(arguments: &[Argument]) -> Result<&str, Event> {
     if remark.len() > LONGEST_REMARK { Err(Event::InvalidString) } else { Ok(remark) }
 }
 
+/// Text or a block, of up to 80 characters.
+fn commands(arguments: &[Argument]) -> Result<String, Event> {
+    match only(arguments)? {
+        Argument::Block(bytes) if bytes.len() > LONGEST_REMARK => Err(Event::InvalidBlock),
+        Argument::Block(bytes) => Ok(String::from_utf8_lossy(bytes).into_owned()),
+        Argument::Text(_) | Argument::Word(_) => remark(arguments).map(str::to_owned),
+    }
+}
+
 fn set_device_trigger(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
-    remark(arguments)?.clone_into(&mut at.instrument.service.device_trigger);
+    at.instrument.service.device_trigger = commands(arguments)?;
     Ok(())
 }

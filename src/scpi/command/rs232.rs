@@ -1,11 +1,15 @@
-//! RS-232: `RS232`. The line itself is gone; the terminator acts on the connection that sets it.
+//! RS-232: `RS232`. There is no serial line; its settings are kept, and the terminator acts on the connection that sets it.
 
+use crate::instrument::limits::nearest;
 use crate::instrument::word::Word as _;
 use crate::scpi::argument::{flag, real, word};
 use crate::scpi::message::Argument;
 use crate::scpi::row::{CommandRow, Group};
-use crate::scpi::setting::{Both, Context, GroupQuery, Parts, Stop};
+use crate::scpi::setting::{Both, Context, GroupQuery, Parts, Stop, WordSetting};
 use crate::scpi::value::ReplyValue;
+
+/// Speeds of the line (baud).
+const SPEEDS: [u32; 7] = [300, 600, 1200, 2400, 4800, 9600, 19200];
 
 /// The group.
 pub const GROUP: Group = Group {
@@ -14,29 +18,23 @@ pub const GROUP: Group = Group {
         CommandRow::acts("RS232", &GroupQuery(Parts::Below), "all settings of the line"),
         CommandRow::accepted(
             "RS232:BAUd",
-            &Both(
-                |_, a| {
-                    real(a)?;
-                    Ok(())
-                },
-                |_| Ok(ReplyValue::Integer(9600)),
-            ),
-            "always 9600",
+            &Both(set_speed, |at| Ok(ReplyValue::Integer(i64::from(at.instrument.service.baud)))),
+            "300, 600, 1200, 2400, 4800, 9600 or 19200",
         ),
         CommandRow::accepted(
             "RS232:HARDFlagging",
-            &Both(ignore_flag, |_| Ok(ReplyValue::Word("ON"))),
-            "always `ON`",
+            &Both(set_hard_flagging, |at| Ok(on_or_off(at.instrument.service.hard_flagging))),
+            "`ON` or `OFF`; `ON` turns the other one off",
         ),
         CommandRow::accepted(
             "RS232:SOFTFlagging",
-            &Both(ignore_flag, |_| Ok(ReplyValue::Word("OFF"))),
-            "always `OFF`",
+            &Both(set_soft_flagging, |at| Ok(on_or_off(at.instrument.service.soft_flagging))),
+            "`ON` or `OFF`; `ON` turns the other one off",
         ),
         CommandRow::accepted(
             "RS232:PARity",
-            &Both(|_, _| Ok(()), |_| Ok(ReplyValue::Word("NONe"))),
-            "always `NONe`",
+            &WordSetting(|i, _| &mut i.service.parity),
+            "`EVEN`, `ODD` or `NONe`",
         ),
         CommandRow::acts(
             "RS232:TRANsmit:TERMinator",
@@ -46,8 +44,33 @@ pub const GROUP: Group = Group {
     ],
 };
 
-fn ignore_flag(_: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
-    flag(arguments)?;
+fn on_or_off(on: bool) -> ReplyValue {
+    ReplyValue::Word(if on { "ON" } else { "OFF" })
+}
+
+fn set_speed(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    let choices = SPEEDS.map(f64::from);
+    let speed = nearest(real(arguments)?, &choices);
+    let known = SPEEDS.iter().zip(choices).find(|(_, choice)| (choice - speed).abs() < 0.5);
+    if let Some((speed, _)) = known {
+        at.instrument.service.baud = *speed;
+    }
+    Ok(())
+}
+
+fn set_hard_flagging(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    let on = flag(arguments)?;
+    let service = &mut at.instrument.service;
+    service.hard_flagging = on;
+    service.soft_flagging &= !on;
+    Ok(())
+}
+
+fn set_soft_flagging(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    let on = flag(arguments)?;
+    let service = &mut at.instrument.service;
+    service.soft_flagging = on;
+    service.hard_flagging &= !on;
     Ok(())
 }
 

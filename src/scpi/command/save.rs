@@ -6,7 +6,7 @@ use crate::scope::Source;
 use crate::scpi::argument::{none, real, word};
 use crate::scpi::message::Argument;
 use crate::scpi::row::{CommandRow, Group};
-use crate::scpi::setting::{Command, Context, Stop};
+use crate::scpi::setting::{Both, Command, Context, Stop};
 
 words! {
     /// A set-up that is recalled.
@@ -30,7 +30,7 @@ pub const GROUP: Group = Group {
         CommandRow::acts(
             "FACtory",
             &Command(factory),
-            "the factory's set-up and headers, and no enabled events",
+            "the factory's set-up, `HEADer ON`, no enabled events, an empty `*DDT`; printer, contrast, lock, language, serial line and `VERBose` stay",
         ),
         CommandRow::acts("SAVe:SETUp", &Command(save_setup), "as `*SAV`"),
         CommandRow::acts("RECAll:SETUp", &Command(recall_setup), "as `*RCL`, or `FACtory`"),
@@ -44,12 +44,33 @@ pub const GROUP: Group = Group {
             &Command(recall_waveform),
             "`REF<x>` displays a reference memory",
         ),
-        CommandRow::refused("SAVe:IMAge", &Command(missing), "no memory card (event 241)"),
-        CommandRow::refused("FILESystem", &Command(missing), "no memory card (event 241)"),
+        CommandRow::refused("SAVe:IMAge", &NO_CARD, "no memory card (event 241)"),
+        CommandRow::refused("SAVe:IMAge:FILEFormat", &NO_CARD, "no memory card (event 241)"),
+        CommandRow::refused("FILESystem", &NO_CARD, "no memory card (event 241)"),
+        CommandRow::refused("FILESystem:COPy", &NO_CARD, "no memory card (event 241)"),
+        CommandRow::refused("FILESystem:CWD", &NO_CARD, "no memory card (event 241)"),
+        CommandRow::refused("FILESystem:DELEte", &NO_CARD, "no memory card (event 241)"),
+        CommandRow::refused("FILESystem:DIR", &NO_CARD, "no memory card (event 241)"),
+        CommandRow::refused("FILESystem:FORMat", &NO_CARD, "no memory card (event 241)"),
+        CommandRow::refused("FILESystem:FREESpace", &NO_CARD, "no memory card (event 241)"),
+        CommandRow::refused("FILESystem:MKDir", &NO_CARD, "no memory card (event 241)"),
+        CommandRow::refused("FILESystem:OVERWrite", &NO_CARD, "no memory card (event 241)"),
+        CommandRow::refused("FILESystem:PRInt", &NO_CARD, "no memory card (event 241)"),
+        CommandRow::refused("FILESystem:READFile", &NO_CARD, "no memory card (event 241)"),
+        CommandRow::refused("FILESystem:REName", &NO_CARD, "no memory card (event 241)"),
+        CommandRow::refused("FILESystem:RMDir", &NO_CARD, "no memory card (event 241)"),
     ],
 };
 
+/// What a memory card would do.
+const NO_CARD: Both =
+    Both(|_, _| Err(Event::HardwareMissing.into()), |_| Err(Event::HardwareMissing.into()));
+
 fn number(arguments: &[Argument]) -> Result<usize, Stop> {
+    if matches!(arguments, [Argument::Text(_)]) {
+        // The name of a file on the memory card.
+        return Err(Event::HardwareMissing.into());
+    }
     let value = real(arguments)?.round();
     (1..=SETUP_MEMORIES)
         .zip(1_u32..)
@@ -81,8 +102,8 @@ fn factory(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let status = &mut at.instrument.status;
     (status.device_enable, status.event_enable, status.service_enable) = (u8::MAX, 0, 0);
     status.power_on_clear = true;
-    at.preferences.header = at.preferences.initial_header;
-    at.preferences.verbose = true;
+    // Programs rely on it; `VERBose` stays as it is.
+    at.preferences.header = true;
     Ok(())
 }
 
@@ -103,14 +124,8 @@ fn save_waveform(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Sto
 }
 
 fn recall_waveform(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
-    let source = word(arguments)?;
-    if !matches!(source, Source::Reference(_)) {
+    let Source::Reference(letter) = word(arguments)? else {
         return Err(Event::NotAReference.into());
-    }
-    *at.instrument.panel.displayed_mut(source) = true;
-    Ok(())
-}
-
-fn missing(_: &mut Context<'_>, _: &[Argument]) -> Result<(), Stop> {
-    Err(Event::HardwareMissing.into())
+    };
+    Ok(at.instrument.display_reference(letter, true)?)
 }

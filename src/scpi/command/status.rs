@@ -1,6 +1,7 @@
 //! Status and error: registers, events, and waiting.
 
-use crate::scpi::argument::{flag, none, whole};
+use crate::instrument::Event;
+use crate::scpi::argument::{flag, none, real, whole};
 use crate::scpi::message::Argument;
 use crate::scpi::row::{CommandRow, Group};
 use crate::scpi::setting::{Both, Command, Context, Query, Stop};
@@ -91,7 +92,12 @@ pub const GROUP: Group = Group {
     ],
 };
 
+/// A register's content; what does not fit is refused, not clamped.
 fn byte(arguments: &[Argument]) -> Result<u8, Stop> {
+    let value = real(arguments)?.round();
+    if !(0.0..=255.0).contains(&value) {
+        return Err(Event::OutOfRange.into());
+    }
     Ok(u8::try_from(whole(arguments, 0, 255)?).unwrap_or(u8::MAX))
 }
 

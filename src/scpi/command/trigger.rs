@@ -1,11 +1,11 @@
 //! Trigger: `TRIGger` and `*TRG`.
 
-use crate::instrument::limits;
 use crate::instrument::measure::{INVALID, measure};
 use crate::instrument::panel::MeasurementType;
 use crate::instrument::word::{Word as _, words};
+use crate::instrument::{Event, limits};
 use crate::scope::{Source, TriggerSource};
-use crate::scpi::argument::{none, whole, word};
+use crate::scpi::argument::{none, real, whole, word};
 use crate::scpi::message::Argument;
 use crate::scpi::row::{CommandRow, Group};
 use crate::scpi::setting::{
@@ -37,12 +37,8 @@ pub const GROUP: Group = Group {
     rows: &[
         CommandRow::acts(
             "*TRG",
-            &Command(|at, arguments| {
-                none(arguments)?;
-                at.instrument.force_trigger();
-                Ok(())
-            }),
-            "triggers, if the scope is ready",
+            &Command(device_trigger),
+            "executes what `*DDT` says; where that is empty, triggers, if the scope is ready",
         ),
         CommandRow::acts(
             "TRIGger",
@@ -58,7 +54,7 @@ pub const GROUP: Group = Group {
         CommandRow::acts(
             "TRIGger:MAIn",
             &GroupQueryAndCommand(Parts::Below, set_level),
-            "`SETLevel` puts the level at half height",
+            "`SETLevel` puts the level at half height; event 221 where the scope is stopped, or at the mains",
         ),
         CommandRow::acts(
             "TRIGger:MAIn:MODe",
@@ -154,11 +150,10 @@ pub const GROUP: Group = Group {
         ),
         CommandRow::acts(
             "TRIGger:MAIn:LEVel",
-            &Number(
-                |i, _| &mut i.panel.trigger.level,
-                |i, _, level| i.panel.trigger_level(&i.model, level),
-            ),
-            "volts",
+            &Both(set_trigger_level, |at| {
+                Ok(ReplyValue::Number(at.instrument.panel.trigger.level))
+            }),
+            "volts; the mains have no level (event 221)",
         ),
         CommandRow::acts(
             "TRIGger:MAIn:FREQuency",
@@ -179,7 +174,28 @@ fn force(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
 
 fn set_level(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let SetLevel::HalfHeight = word(arguments)?;
-    at.instrument.centre_trigger();
+    Ok(at.instrument.centre_trigger()?)
+}
+
+fn device_trigger(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    none(arguments)?;
+    let commands = &at.instrument.service.device_trigger;
+    if !commands.trim().is_empty() {
+        return Err(Stop::Execute(commands.clone()));
+    }
+    at.instrument.force_trigger();
+    Ok(())
+}
+
+fn set_trigger_level(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    let asked = real(arguments)?;
+    let panel = &at.instrument.panel;
+    // A set-up that is sent back tells the level as it is.
+    let same = (asked - panel.trigger.level).abs() <= f64::EPSILON * asked.abs();
+    if panel.trigger.source == TriggerSource::Line && !same {
+        return Err(Event::SettingsConflict.into());
+    }
+    at.instrument.panel.trigger.level = panel.trigger_level(&at.instrument.model, asked);
     Ok(())
 }
 

@@ -1,8 +1,8 @@
 //! Vertical: `CH<x>` and `SELect`.
 
-use crate::instrument::limits;
+use crate::instrument::{Event, limits};
 use crate::scope::{Coupling, Source};
-use crate::scpi::argument::real;
+use crate::scpi::argument::{flag, real};
 use crate::scpi::message::Argument;
 use crate::scpi::row::{CommandRow, Group};
 use crate::scpi::setting::{
@@ -67,7 +67,13 @@ pub const GROUP: Group = Group {
             &Switch(|i, _| i.panel.displayed_mut(Source::Math)),
             "`ON` displays the math trace",
         ),
-        CommandRow::acts("SELect:REF<x>", &SHOWN, "`ON` displays the reference memory"),
+        CommandRow::acts(
+            "SELect:REF<x>",
+            &Both(show_reference, |at| {
+                Ok(ReplyValue::flag(at.instrument.panel.displays(at.place.source)))
+            }),
+            "`ON` displays the reference memory (event 2244 where it is empty)",
+        ),
     ],
 };
 
@@ -85,6 +91,14 @@ const SELECT: [&str; 9] = [
 ];
 
 const SHOWN: Switch = Switch(|i, at| i.panel.displayed_mut(at.source));
+
+fn show_reference(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    let on = flag(arguments)?;
+    let Source::Reference(letter) = at.place.source else {
+        return Err(Event::NotAReference.into());
+    };
+    Ok(at.instrument.display_reference(letter, on)?)
+}
 
 fn set_probe(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let probe = limits::nearest(real(arguments)?, &at.instrument.model.probes);

@@ -4,9 +4,11 @@
 //! point the level of the converter is the high byte, so a step is 1/256 of a level; positive numbers begin at the lowest
 //! level. Text is always signed. Sources: user manuals of the TDS1012 (p. 182, 187) and TDS2022 (p. 190), real replies.
 
+use crate::instrument::Event;
 use crate::instrument::panel::AcquireMode;
 use crate::instrument::transfer::{Points, Transfer};
 use crate::instrument::word::Word as _;
+use crate::scope::waveform::LEVELS_PER_DIVISION;
 use crate::scope::{Coupling, PointFormat, Preamble, Source, Waveform};
 use crate::scpi::argument::{real, text, whole, word};
 use crate::scpi::message::Argument;
@@ -17,6 +19,9 @@ use crate::scpi::setting::{
     Access, Both, Context, GroupQuery, Parts, Query, Setting, Stop, WordSetting,
 };
 use crate::scpi::value::ReplyValue;
+
+/// What is said of fields of a waveform in the header.
+const ABOVE: &str = "see above; set for reference memories only (event 2241 for others)";
 
 /// The fields in the order of a reply.
 const FIELDS: [&str; 16] = [
@@ -124,6 +129,18 @@ pub const GROUP: Group = Group {
             }),
             "unit of the abscissa",
         ),
+        CommandRow::accepted(
+            "WFMPre:XMUlt",
+            &Both(
+                |at, a| {
+                    at.instrument.incoming.x_mult = real(a)?;
+                    Ok(())
+                },
+                |at| Ok(ReplyValue::Number(at.instrument.incoming.x_mult)),
+            ),
+            "one step of the abscissa in XY, which no waveform of this instrument has",
+        )
+        .apart(),
         CommandRow::acts(
             "WFMPre:YMUlt",
             &Field(y_mult, |at, a| {
@@ -167,18 +184,22 @@ pub const GROUP: Group = Group {
                 let source = at.place.source;
                 wfid(at, source)
             }),
-            "see above",
+            ABOVE,
         ),
-        CommandRow::acts("WFMPre:<wfm>:NR_Pt", &Of(nr_pt), "see above"),
-        CommandRow::acts("WFMPre:<wfm>:PT_Fmt", &Of(pt_fmt), "see above"),
-        CommandRow::acts("WFMPre:<wfm>:XINcr", &Of(x_incr), "see above"),
-        CommandRow::acts("WFMPre:<wfm>:PT_Off", &Of(|_, _| ReplyValue::Integer(0)), "see above"),
-        CommandRow::acts("WFMPre:<wfm>:XZEro", &Of(x_zero), "see above"),
-        CommandRow::acts("WFMPre:<wfm>:XUNit", &Of(x_unit), "see above"),
-        CommandRow::acts("WFMPre:<wfm>:YMUlt", &Of(y_mult), "see above"),
-        CommandRow::acts("WFMPre:<wfm>:YZEro", &Of(y_zero), "see above"),
-        CommandRow::acts("WFMPre:<wfm>:YOFf", &Of(y_off), "see above"),
-        CommandRow::acts("WFMPre:<wfm>:YUNit", &Of(y_unit), "see above"),
+        CommandRow::acts("WFMPre:<wfm>:NR_Pt", &Of(nr_pt, keep_nr_pt), ABOVE),
+        CommandRow::acts("WFMPre:<wfm>:PT_Fmt", &Of(pt_fmt, change_pt_fmt), ABOVE),
+        CommandRow::acts("WFMPre:<wfm>:XINcr", &Of(x_incr, change_x_incr), ABOVE),
+        CommandRow::acts(
+            "WFMPre:<wfm>:PT_Off",
+            &Of(|_, _| ReplyValue::Integer(0), keep_pt_off),
+            ABOVE,
+        ),
+        CommandRow::acts("WFMPre:<wfm>:XZEro", &Of(x_zero, change_x_zero), ABOVE),
+        CommandRow::acts("WFMPre:<wfm>:XUNit", &Of(x_unit, change_x_unit), ABOVE),
+        CommandRow::acts("WFMPre:<wfm>:YMUlt", &Of(y_mult, change_y_mult), ABOVE),
+        CommandRow::acts("WFMPre:<wfm>:YZEro", &Of(y_zero, change_y_zero), ABOVE),
+        CommandRow::acts("WFMPre:<wfm>:YOFf", &Of(y_off, change_y_off), ABOVE),
+        CommandRow::acts("WFMPre:<wfm>:YUNit", &Of(y_unit, change_y_unit), ABOVE),
     ],
 };
 
@@ -200,23 +221,96 @@ impl Setting for Field {
 
     fn get(&self, at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
         let transfer = at.instrument.transfer;
-        Ok((self.0)(&at.instrument.waveform(transfer.source)?, &transfer))
+        Ok((self.0)(at.instrument.waveform(transfer.source)?.as_ref(), &transfer))
     }
 }
 
-/// A field of the waveform in the header.
-struct Of(Tell);
+/// Changes one field of a reference memory's preamble.
+type Change = fn(&mut Waveform, &Transfer, &[Argument]) -> Result<(), Stop>;
+
+/// A field of the waveform in the header. Those of reference memories can be set.
+struct Of(Tell, Change);
 
 impl Setting for Of {
     fn access(&self) -> Access {
-        Access { sets: false, asks: true }
+        Access { sets: true, asks: true }
+    }
+
+    fn set(&self, at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+        let Source::Reference(letter) = at.place.source else {
+            return Err(Event::NotAReference.into());
+        };
+        let transfer = at.instrument.transfer;
+        let mut changed = at.instrument.reference(letter).ok_or(Event::NotActive)?.clone();
+        (self.1)(&mut changed, &transfer, arguments)?;
+        let interval = changed.preamble.x_incr;
+        changed.horizontal_scale = interval / at.instrument.model.interval(1.0);
+        changed.trigger_point =
+            if interval > 0.0 { -changed.preamble.x_zero / interval } else { 0.0 };
+        changed.vertical.scale = changed.preamble.y_mult * LEVELS_PER_DIVISION;
+        changed.vertical.position = changed.preamble.y_off / LEVELS_PER_DIVISION;
+        Ok(at.instrument.put_reference(changed, letter)?)
     }
 
     fn get(&self, at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
         let Placeholder { source, .. } = at.place;
         let transfer = at.instrument.transfer;
-        Ok((self.0)(&at.instrument.waveform(source)?, &transfer))
+        Ok((self.0)(at.instrument.waveform(source)?.as_ref(), &transfer))
     }
+}
+
+fn keep_nr_pt(waveform: &mut Waveform, _: &Transfer, a: &[Argument]) -> Result<(), Stop> {
+    // A memory holds as many points as it was given.
+    let last = u32::try_from(waveform.codes.len()).unwrap_or(u32::MAX);
+    whole(a, 1, last.max(1))?;
+    Ok(())
+}
+
+fn keep_pt_off(_: &mut Waveform, _: &Transfer, a: &[Argument]) -> Result<(), Stop> {
+    real(a)?;
+    Ok(())
+}
+
+fn change_pt_fmt(waveform: &mut Waveform, _: &Transfer, a: &[Argument]) -> Result<(), Stop> {
+    waveform.preamble.pt_fmt = word::<Points>(a)?.into();
+    Ok(())
+}
+
+fn change_x_incr(waveform: &mut Waveform, _: &Transfer, a: &[Argument]) -> Result<(), Stop> {
+    waveform.preamble.x_incr = real(a)?;
+    Ok(())
+}
+
+fn change_x_zero(waveform: &mut Waveform, _: &Transfer, a: &[Argument]) -> Result<(), Stop> {
+    waveform.preamble.x_zero = real(a)?;
+    Ok(())
+}
+
+fn change_x_unit(waveform: &mut Waveform, _: &Transfer, a: &[Argument]) -> Result<(), Stop> {
+    text(a)?.clone_into(&mut waveform.preamble.x_unit);
+    Ok(())
+}
+
+fn change_y_mult(waveform: &mut Waveform, by: &Transfer, a: &[Argument]) -> Result<(), Stop> {
+    waveform.preamble.y_mult = real(a)? * by.steps();
+    Ok(())
+}
+
+fn change_y_zero(waveform: &mut Waveform, _: &Transfer, a: &[Argument]) -> Result<(), Stop> {
+    waveform.preamble.y_zero = real(a)?;
+    Ok(())
+}
+
+fn change_y_off(waveform: &mut Waveform, by: &Transfer, a: &[Argument]) -> Result<(), Stop> {
+    waveform.preamble.y_off = real(a)? / by.steps() - by.shift();
+    Ok(())
+}
+
+fn change_y_unit(waveform: &mut Waveform, _: &Transfer, a: &[Argument]) -> Result<(), Stop> {
+    let unit = text(a)?;
+    let unit = if unit.eq_ignore_ascii_case("volts") { "V" } else { unit };
+    unit.clone_into(&mut waveform.preamble.y_unit);
+    Ok(())
 }
 
 fn set_bits(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {

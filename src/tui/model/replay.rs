@@ -1,7 +1,10 @@
 //! Going through a recording: shots in memory or on disk, playing, seeking, what stays behind.
 
+use std::collections::BTreeMap;
+
 use super::ScreenState;
 use super::state::{Page, PartialRecording, PersistedTraces, Request, SidePanel};
+use crate::recording::mcap::ShotNotes;
 use crate::recording::{Shot, TraceSet};
 use crate::tui::axis::{TurnDirection, ViewWindow};
 
@@ -26,9 +29,10 @@ impl ScreenState {
         let first = tape.here.is_none() && count > 0;
         let follow = tape.follow;
         let shots = std::mem::take(&mut self.set.shots);
+        let notes = std::mem::take(&mut self.set.notes);
         let facts_changed =
             self.set.attachments != facts.attachments || self.set.metadata != facts.metadata;
-        self.set = TraceSet { shots, ..facts };
+        self.set = TraceSet { shots, notes, ..facts };
         if facts_changed {
             self.read_scene();
             self.reload_traces();
@@ -38,6 +42,11 @@ impl ScreenState {
         } else if first {
             self.go_to(0);
         }
+    }
+
+    /// What is kept of the shot on screen beside captures and truth.
+    pub fn note_shot(&mut self, shot: &Shot, notes: ShotNotes) {
+        self.set.notes = BTreeMap::from([(shot.number, notes)]);
     }
 
     /// The shot that was asked for.

@@ -17,6 +17,10 @@ use std::time::Duration;
 
 use ratatui::crossterm::event;
 use ratatui::layout::Size;
+#[cfg(unix)]
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+#[cfg(unix)]
+use signal_hook::iterator::Signals;
 
 use super::model::{Request, ScreenState, StrikeRequest};
 use crate::recording::mcap::indexed_recording::IndexedRecording;
@@ -79,6 +83,16 @@ impl Workers {
     pub fn listen(&self) {
         let news = self.news.clone();
         let end = news.clone();
+        #[cfg(unix)]
+        if let Ok(mut signals) = Signals::new([SIGTERM, SIGHUP, SIGINT]) {
+            let ended = news.clone();
+            thread::spawn(move || {
+                // The screen's loop ends, and gives the terminal back.
+                if signals.forever().next().is_some() {
+                    let _ = ended.send(ScreenEvent::Closed);
+                }
+            });
+        }
         thread::spawn(move || {
             while let Ok(event) = event::read() {
                 if news.send(ScreenEvent::Terminal(event)).is_err() {

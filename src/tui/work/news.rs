@@ -4,6 +4,7 @@ use std::panic::{self, AssertUnwindSafe};
 
 use ratatui::crossterm::event::Event;
 
+use crate::recording::mcap::ShotNotes;
 use crate::recording::{Shot, TraceSet};
 use crate::tui::model::background_jobs::JobAnswer;
 use crate::tui::model::served::ServedUpdate;
@@ -19,7 +20,7 @@ pub enum ScreenEvent {
     /// How far the recording was read: shots, whether there may be more, and what holds for all.
     Read(usize, bool, Box<TraceSet>),
     /// A shot, with its place.
-    Shot(usize, Box<Shot>),
+    Shot(usize, Box<(Shot, ShotNotes)>),
     /// The answer to a strike, with its number.
     Struck(u64, Result<Box<StrikeResult>, String>),
     /// The answer to a question.
@@ -38,7 +39,11 @@ impl ScreenEvent {
         match self {
             Self::Terminal(_) | Self::Closed => {}
             Self::Read(count, open, facts) => model.apply_index(count, open, *facts),
-            Self::Shot(place, shot) => model.apply_shot(place, *shot),
+            Self::Shot(place, found) => {
+                let (shot, notes) = *found;
+                model.note_shot(&shot, notes);
+                model.apply_shot(place, shot);
+            }
             Self::Struck(turn, answer) => model.apply_strike_result(turn, answer),
             Self::Answer(answer) => model.apply_answer(answer),
             Self::Heard(heard) => model.apply_served_update(*heard),

@@ -88,8 +88,8 @@ impl Player {
 
     fn apply(&mut self, place: usize) -> Result<(), Disconnected> {
         self.brought = Some((place, self.tape.pieces(place)));
-        match self.tape.shot(place) {
-            Ok(Some(shot)) => self.send(ScreenEvent::Shot(place, Box::new(shot))),
+        match self.tape.shot_and_notes(place) {
+            Ok(Some(found)) => self.send(ScreenEvent::Shot(place, Box::new(found))),
             Ok(None) => self.send(ScreenEvent::Told(format!("shot {} cannot be read", place + 1))),
             Err(error) => self.send(ScreenEvent::Told(error.to_string())),
         }
@@ -110,8 +110,9 @@ impl Player {
         }
         self.told = Some((Instant::now(), count, end));
         let mut facts = self.tape.facts();
-        if end == ReadState::Open && !self.follow {
-            facts.problems.push("the file has no end: it was not finished, or cut".to_owned());
+        if end == ReadState::Open && self.follow {
+            // It goes on.
+            facts.problems.pop();
         }
         let open = end == ReadState::More || (end == ReadState::Open && self.follow);
         self.send(ScreenEvent::Read(count, open, Box::new(facts)))

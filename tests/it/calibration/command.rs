@@ -211,7 +211,7 @@ fn volts_without_a_sensor_stay_volts() {
     let page = hertzscope(at, &["force", "lab/ALL0000", "--sensor", "ch2=pzt-5a-710pf"]).success();
     assert!(
         out(&page).contains("uncertainty is not known")
-            && out(&page).contains("CH1: found no sensor"),
+            && out(&page).contains("CH1: no sensor with sensitivity"),
         "{}",
         out(&page)
     );

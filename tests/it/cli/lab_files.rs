@@ -330,6 +330,9 @@ fn plain_tables_for_other_programs() {
     );
     let forces = std::fs::read_to_string(path.join("n.csv")).expect("a table");
     assert!(forces.starts_with("time_s,CH1_N,CH2_N\n"), "{}", &forces[..80]);
+    // A folder is one whatever its name.
+    let told = printed(path, &["convert", "stick/ALL0000", "day.1/"]);
+    assert!(told.starts_with("day.1/ALL0000/F0000CH1.CSV\n"), "{told}");
     says(&refused(path, &["convert", "stick", "t.csv", "--truth"]), &["no truth"]);
     says(&refused(path, &["convert", "stick", "x.mcap", "--force"]), &["--force", "tables"]);
     printed(path, &["run", "-q", "-o", "run.mcap", "--accuracy", "1e-3"]);

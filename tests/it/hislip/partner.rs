@@ -38,6 +38,10 @@ impl Device for Fake {
         }
     }
 
+    fn is_waiting(&self, session: u16) -> bool {
+        self.owes_reply(session)
+    }
+
     fn owes_reply(&self, _: u16) -> bool {
         self.owes
     }

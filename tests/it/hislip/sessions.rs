@@ -268,3 +268,20 @@ proptest! {
         prop_assert!(payload.ends_with(b"well\n"));
     }
 }
+
+/// A connection that does not become a session with both of its connections is closed; whole sessions stay, however long they are silent.
+#[test]
+fn half_a_session_expires() {
+    let mut lab = Lab::default();
+    let whole = lab.client();
+    let silent = lab.connection();
+    let half = lab.connection();
+    lab.send(half, MessageType::Initialize, (0, 0x0100_7878), b"hislip0");
+    assert_eq!(lab.next(half).0, MessageType::InitializeResponse);
+    lab.wait_until(9.0);
+    assert!(!lab.is_closed(silent) && !lab.is_closed(half));
+    lab.wait_until(11.0);
+    assert!(lab.is_closed(silent) && lab.is_closed(half));
+    lab.wait_until(1e6);
+    assert!(!lab.is_closed(whole.synchronous) && !lab.is_closed(whole.asynchronous));
+}

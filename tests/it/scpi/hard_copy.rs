@@ -220,7 +220,7 @@ fn every_source_is_saved_as_a_native_file() {
     bench.tell("SAV:WAVE CH1,REFC;:SEL:REFC ON");
     let maker = Maker { model: "TDS2014".into(), serial: "0".into(), firmware: "FV:v4.12".into() };
     let check = |bench: &Bench, source: Source, rows: [(usize, &str); 3]| {
-        let waveform = bench.instrument.waveform(source).expect("displayed");
+        let waveform = bench.instrument.waveform(source).expect("displayed").into_owned();
         let capture = Capture { waveform, instrument: Some(maker.clone()), notes: Vec::new() };
         let text = tek_csv::write(&capture).expect("a native file");
         for (row, start) in rows {

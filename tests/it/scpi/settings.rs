@@ -59,6 +59,9 @@ fn a_channel_tells_everything() {
 #[test]
 fn the_displayed_waveforms() {
     let mut bench = Bench::new();
+    // An empty memory is not displayed.
+    bench.quiet_record("HOR:SCA 1E-3");
+    bench.tell("SAV:WAVE CH1,REFD");
     bench.transcript(&[
         ("SELect?", "1;0;0;0;0;0;0;0;0"),
         ("SEL:CH2 ON;MATH 1;REFD ON;:SEL?", "1;1;0;0;1;0;0;0;1"),
@@ -169,6 +172,7 @@ fn set_ups_are_kept_and_recalled() {
         ("RECALL:SETUP FACTORY;:CH1:COUP?", "DC"),
         ("RECA:SETU 3;:CH1:COUP?", "AC"),
         ("*RST;:CH1:COUP?", "DC"),
-        ("*RCL 3;:CH1:COUP?;:FACTORY;:CH1:COUP?", "AC;DC"),
+        // Headers are on after `FACtory`.
+        ("*RCL 3;:CH1:COUP?;:FACTORY;:CH1:COUP?", "AC;:CH1:COUPLING DC"),
     ]);
 }

@@ -49,7 +49,6 @@ fn enabled_events_show_in_the_status_byte() {
         ("CH1:COUP?;*STB?", "DC;112"),
         ("*ESR?", "32"),
         ("*STB?", "0"),
-        ("*ESE 300;*ESE?", "255"),
     ]);
 }
 

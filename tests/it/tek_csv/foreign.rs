@@ -315,7 +315,7 @@ fn refusals_tell_line_and_reason() {
         (
             "Model,TBS1102C\nTIME,BUS1\n0,1\n1,2\n".to_owned(),
             "F.CSV: this is nearest to a table with a column of times and one for each channel (`Time (s),CH1 (V)`), but lacks \
-             1 to 8 channels; say what its columns are, e.g. --columns time=1:ms,CH1=2:V,p14=4:N",
+             1 to 8 channels: column 2 `BUS1` is no channel and is left out; say what its columns are, e.g. --columns time=1:ms,CH1=2:V,p14=4:N",
         ),
         ("0,1\n".to_owned(), "F.CSV: found 1 rows, expected 2 to 2000000 with samples"),
         (

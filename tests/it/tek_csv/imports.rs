@@ -309,6 +309,17 @@ fn units_of_names_are_never_taken_for_volts_or_seconds() {
         let guessed = found[0].notes.iter().any(|note| note.starts_with("unit of"));
         assert!(!guessed, "{names}: {:?}", found[0].notes);
     }
+    // Units of keys above the table have prefixes, too.
+    let keys = "Model,X\nHorizontal Units,ms\nVertical Units,mV\nTIME,CH1\n";
+    let found = read_text(&format!("{keys}{body}"));
+    is(&found[0], Source::Channel(1), (-2e-9, 1e-9), &PULSE.map(|v| v * 1e-3));
+    assert!(
+        refusal(&keys.replace("mV", "bar").replace("TIME,CH1\n", &format!("TIME,CH1\n{body}")))
+            .contains("`bar`")
+    );
+    // Remarks between the names and the samples.
+    let found = read_text(&format!("Time (ms),CH1 (mV)\nhammer,run 3\n{body}"));
+    is(&found[0], Source::Channel(1), (-2e-9, 1e-9), &PULSE.map(|v| v * 1e-3));
     // A row of units of its own.
     let found = read_text(&format!("Time,Force\n(ms),(N)\n{body}"));
     assert_eq!(found[0].waveform.preamble.y_unit, "N");
@@ -316,6 +327,7 @@ fn units_of_names_are_never_taken_for_volts_or_seconds() {
         ("Time (s),p (bar)", "`bar`"),
         ("Time (fortnight),CH1 (V)", "`fortnight`"),
         ("Time (s),Force", "is no voltage"),
+        ("t,F", "is no voltage"),
         ("Time (s),Temperature", "is no voltage"),
         ("Time (s),", "no name"),
     ] {
@@ -387,6 +399,14 @@ fn what_fits_nothing_names_the_nearest_form() {
             assert!(error.contains(word), "{word}: {error}");
         }
     }
+}
+
+/// `PicoScope` writes values beyond its range as infinite.
+#[test]
+fn a_cell_without_a_number_is_named() {
+    let body = "-5.0,1.2\n-4.9,\u{221e}\n-4.8,1.3\n-4.7,1.1\n";
+    let error = refusal(&format!("Time,Channel A\n(ms),(mV)\n\n{body}"));
+    assert!(error.contains("line 5, column 6") && error.contains('\u{221e}'), "{error}");
 }
 
 #[test]

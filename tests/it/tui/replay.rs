@@ -257,3 +257,37 @@ fn a_followed_shot_is_shown_whole_in_the_end() {
     let read = mcap::read(&whole).expect("a recording");
     assert_eq!(model.shot(), read.shots.first());
 }
+
+/// An hour of polling: commands and replies are counted, not kept, and of the log the last lines are.
+#[test]
+fn a_long_session_is_followed_in_little_memory() {
+    use hertzscope::recording::{Direction, ScpiLine};
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("lab.mcap");
+    let none = std::collections::BTreeMap::new();
+    let mut writer = RecordingWriter::create_live(&file, &none, &[]).expect("a recording");
+    let mut tape = IndexedRecording::open(&file).expect("a tape");
+    let line = |number: u64, direction| ScpiLine {
+        timestamp_ns: number,
+        peer: format!("raw 127.0.0.1:{}", 40_000 + number % 7),
+        direction,
+        bytes: b"MEASU:IMM:VAL?".to_vec(),
+    };
+    for (number, shot) in (0..).zip(&shots(5)) {
+        for poll in 0..20_000 {
+            writer.add_line(&line(poll, Direction::Command)).expect("written");
+            writer.add_line(&line(poll, Direction::Reply)).expect("written");
+        }
+        let log = (0..1000).map(|line| (false, format!("line {line}"))).collect();
+        writer.add(shot, &ShotNotes { log, ..ShotNotes::default() }).expect("written");
+        assert_eq!(read_to_end(&mut tape), ReadState::Open);
+        let facts = tape.facts();
+        assert_eq!((facts.lines.len(), facts.notes.len()), (0, 0));
+        assert!(facts.log.len() < 2000, "{} lines", facts.log.len());
+        assert_eq!(tape.traffic().commands, 20_000 * (number + 1));
+        assert_eq!(tape.traffic().peers.len(), 7);
+        let (found, notes) = tape.shot_and_notes(number).expect("readable").expect("a shot");
+        assert_eq!((&found, notes.log.len()), (shot, 1000), "they are there when the shot is read");
+    }
+    writer.finish().expect("finished");
+}

@@ -6,9 +6,11 @@ use std::time::Duration;
 
 /// Time limit for connecting and for each reply.
 const SOCKET_TIMEOUT: Duration = Duration::from_secs(5);
-/// Longest line of a reply; an oscilloscope sends less (bytes).
+/// A longer reply is none of an oscilloscope's (bytes).
 const MAX_REPLY_LENGTH: usize = 1 << 20;
-/// Prefix of the block in a record.
+/// Most records of one reply: those of four channels, the math trace and four references.
+const MAX_RECORDS: usize = 9;
+/// What stands before the block in a record.
 const RECORD_PREFIX: &str = ":WFMP";
 
 /// A connection on which messages are lines.
@@ -86,6 +88,9 @@ impl Socket {
             }
             if byte == b'#' {
                 self.block(&mut part)?;
+                if records.len() == MAX_RECORDS {
+                    return Err(invalid_reply("more records than a scope has"));
+                }
                 records.push(std::mem::take(&mut part));
             }
         }
@@ -104,17 +109,18 @@ impl Socket {
 
     /// `<n><length><bytes>` behind the `#`.
     fn block(&mut self, part: &mut Vec<u8>) -> io::Result<()> {
+        let without_length = || invalid_reply("a block without a length");
         let digits = self.byte()?;
         part.push(digits);
+        let digits = char::from(digits).to_digit(10).filter(|digits| *digits > 0);
         let mut length = 0;
-        for _ in b'0'..digits {
+        // Nine digits at most: the length fits.
+        for _ in 0..digits.ok_or_else(without_length)? {
             let digit = self.byte()?;
             part.push(digit);
-            let Some(digit) = char::from(digit).to_digit(10) else {
-                return Err(invalid_reply("a block without a length"));
-            };
-            length = length * 10 + digit as usize;
+            length = length * 10 + char::from(digit).to_digit(10).ok_or_else(without_length)?;
         }
+        let length = length as usize;
         if length > MAX_REPLY_LENGTH {
             return Err(invalid_reply("a block without end"));
         }

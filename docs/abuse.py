@@ -1,0 +1,205 @@
+#!/usr/bin/env python3
+"""Measures what `hertzscope serve` does among clients that mean no good, and writes docs/abuse.md.
+
+    docs/abuse.py HERTZSCOPE [SECONDS]
+
+HERTZSCOPE is the program, SECONDS how long the abuse goes on (default 30). Linux only: memory and descriptors are read from /proc.
+"""
+
+import multiprocessing
+import os
+import random
+import re
+import socket
+import struct
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+PAGE = Path(__file__).with_name("abuse.md")
+
+
+def dial(port):
+    stream = socket.create_connection(("127.0.0.1", port), timeout=5)
+    stream.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    return stream
+
+
+def hislip(code, control, parameter, payload=b""):
+    return b"HS" + struct.pack(">BBIQ", code, control, parameter, len(payload)) + payload
+
+
+def flood_set(raw, _):
+    stream = dial(raw)
+    while True:
+        stream.sendall(b"SET?\n" * 50)
+        stream.recv(1 << 16)
+
+
+def unread_curves(raw, _):
+    stream = dial(raw)
+    while True:
+        stream.sendall(b"CURVE?\n" * 50)
+
+
+def endless_line(raw, _):
+    stream = dial(raw)
+    while True:
+        stream.sendall(b"x" * 4096)
+        time.sleep(0.001)
+
+
+def come_and_go(raw, _):
+    while True:
+        with dial(raw) as stream:
+            stream.sendall(b"*IDN?\nCURVE #42500abc")
+        time.sleep(0.001)
+
+
+def web_page(raw, _):
+    while True:
+        with dial(raw) as stream:
+            stream.sendall(b"POST / HTTP/1.1\r\n\r\n*RST\n")
+            stream.recv(100)
+        time.sleep(0.001)
+
+
+def silence(raw, _):
+    streams = [dial(raw) for _ in range(4)]
+    time.sleep(1e6)
+    return streams
+
+
+def turn_time_bases(raw, _):
+    stream = dial(raw)
+    while True:
+        scale = random.choice(["5E-9", "5E-8", "2.5E-4", "1", "50"])
+        stream.sendall(f"TRIG:MAI:MOD AUTO;:ACQ:STATE RUN;:BENC:IMP;:HOR:SCA {scale}\n".encode())
+        time.sleep(0.005)
+
+
+def random_bytes(raw, _):
+    while True:
+        with dial(raw) as stream:
+            for _ in range(50):
+                stream.sendall(bytes(random.randrange(256) for _ in range(100)) + b"\n")
+                time.sleep(0.001)
+
+
+def half_hislip(_, port):
+    while True:
+        with dial(port) as stream:
+            stream.sendall(hislip(0, 0, 0x0100_0000, b"hislip0"))
+            stream.recv(16)
+            time.sleep(0.05)
+
+
+def hislip_garbage(_, port):
+    while True:
+        with dial(port) as stream:
+            for _ in range(50):
+                code = random.randrange(30)
+                stream.sendall(hislip(code, random.randrange(3), 0, b"SET?;CURVE?"))
+                time.sleep(0.001)
+
+
+KINDS = [flood_set, unread_curves, endless_line, come_and_go, web_page, silence, turn_time_bases, random_bytes, half_hislip, hislip_garbage]
+
+
+def abuser(kind, ports):
+    while True:
+        try:
+            kind(*ports)
+        except OSError:
+            time.sleep(0.01)
+
+
+def latencies(port, seconds, before=None):
+    times = []
+    stream = dial(port)
+    stream.settimeout(20)
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        if before:
+            stream.sendall(before)
+        began = time.perf_counter()
+        stream.sendall(b"*IDN?\n")
+        if not stream.recv(200).endswith(b"\n"):
+            sys.exit(f"abuse.py: no answer to *IDN? after {len(times)} answers, before={before}")
+        times.append(time.perf_counter() - began)
+        time.sleep(0.005)
+    times.sort()
+    return times
+
+
+def spread(times):
+    at = lambda share: 1e3 * times[min(len(times) - 1, int(share * len(times)))]
+    return f"{at(0.5):.2f} ms | {at(0.99):.2f} ms | {at(1.0):.2f} ms | {len(times)}"
+
+
+def resources(process):
+    status = Path(f"/proc/{process.pid}/status").read_text()
+    memory = int(re.search(r"VmRSS:\s+(\d+)", status).group(1)) / 1024
+    return f"{memory:.0f} MB | {len(os.listdir(f'/proc/{process.pid}/fd'))}"
+
+
+def main():
+    program, seconds = sys.argv[1], float(sys.argv[2]) if len(sys.argv) > 2 else 30.0
+    server = subprocess.Popen(
+        [program, "serve", "--listen", "127.0.0.1:0", "--hislip", "0"], stdout=subprocess.PIPE, text=True
+    )
+    raw, port = (int(re.search(r":(\d+)$", server.stdout.readline()).group(1)) for _ in range(2))
+    rows, states = [], []
+    states.append(f"| at the start | {resources(server)} |")
+    rows.append(f"| alone | {spread(latencies(raw, 5))} |")
+    rows.append(f"| an impact under way, at 50 ns/div | {spread(latencies(raw, 5, b'HOR:SCA 5E-8;:BENC:IMP' + bytes([10])))} |")
+    idle = [dial(raw) for _ in range(300)]
+    time.sleep(1.5)
+    newcomers = 0
+    for _ in range(20):
+        with dial(raw) as stream:
+            stream.sendall(b"*IDN?\n")
+            newcomers += stream.recv(200).endswith(b"\n")
+    states.append(f"| 300 silent connections were opened | {resources(server)} |")
+    for stream in idle:
+        stream.close()
+    workers = [multiprocessing.Process(target=abuser, args=(KINDS[n % len(KINDS)], (raw, port)), daemon=True) for n in range(20)]
+    for worker in workers:
+        worker.start()
+    rows.append(f"| twenty abusers beside it | {spread(latencies(raw, seconds))} |")
+    states.append(f"| twenty abusers for {seconds:.0f} s | {resources(server)} |")
+    for worker in workers:
+        worker.terminate()
+    time.sleep(12)
+    rows.append(f"| after them | {spread(latencies(raw, 5))} |")
+    states.append(f"| 12 s after them | {resources(server)} |")
+    server.terminate()
+    code = server.wait(20)
+    kinds = ", ".join(kind.__name__.replace("_", " ") for kind in KINDS)
+    PAGE.write_text(f"""# The server among abusers
+
+Made by `docs/abuse.py`, which starts `hertzscope serve` and twenty processes that abuse it, two of each kind: {kinds}. The machine had
+{os.cpu_count()} processors, shared by all of them. `tests/it/server/random_sessions.rs` and `abuse.rs` hold the same in the suite.
+
+Time from `*IDN?` to its answer:
+
+| | median | 99 of 100 | longest | answers |
+|---|---|---|---|---|
+{chr(10).join(rows)}
+
+What the server holds:
+
+| | memory | descriptors |
+|---|---|---|
+{chr(10).join(states)}
+
+At most 128 connections are open at a time, of both protocols. A further one takes the place of the one that has been idle for longest, at least a
+second; after 300 silent ones {newcomers} of 20 newcomers were answered. A peer that is gone without a word loses its connection within two minutes
+(keep-alive), a HiSLIP connection that does not become a session within ten seconds, and a client that does not read its replies within ten. A connection whose first
+line is an HTTP request is closed before a command is read. The server ended with exit code {code}.
+""")
+
+
+if __name__ == "__main__":
+    main()

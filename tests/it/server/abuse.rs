@@ -1,0 +1,202 @@
+//! Clients and systems that mean no good: silent connections, web pages, full disks, signals.
+
+use std::io::{BufRead as _, BufReader, Read as _};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use hertzscope::recording::mcap::read;
+use hertzscope::server::MOST_CONNECTIONS;
+
+use super::process::Process;
+use super::{Client, IDENTITY, Server, connect};
+
+/// A web page can have a browser send a POST request whose body holds commands: the connection is closed at its first line.
+#[test]
+fn an_http_request_is_no_command() {
+    let server = Server::at_rest();
+    let mut witness = server.connect();
+    let scale = witness.ask("CH1:SCALE?");
+    for method in ["GET", "POST", "PUT", "HEAD", "OPTIONS", "DELETE"] {
+        let mut client = server.connect();
+        let request = format!(
+            "{method} / HTTP/1.1\r\nHost: 127.0.0.1\r\nOrigin: http://evil.example\r\n\r\nCH1:SCALE 5\n*IDN?\n"
+        );
+        client.send(request.as_bytes());
+        assert!(client.is_closed(), "{method}");
+    }
+    // In pieces, too.
+    let mut client = server.connect();
+    client.send(b"PO");
+    std::thread::sleep(Duration::from_millis(50));
+    client.send(b"ST /x HTTP/1.1\r\n\r\nCH1:SCALE 5\n");
+    assert!(client.is_closed());
+    assert_eq!(witness.ask("CH1:SCALE?"), scale);
+    // A command that begins alike is one.
+    let mut client = server.connect();
+    assert_eq!(client.ask("HEAD ON;:CH1:SCALE?"), format!(":CH1:SCALE {scale}"));
+}
+
+/// Connections that say nothing give way to those that come, the oldest first; whoever talks stays.
+#[test]
+fn the_oldest_idle_connection_gives_way() {
+    let server = Server::at_rest();
+    let mut talks = server.connect();
+    assert_eq!(talks.ask("*IDN?"), IDENTITY);
+    let mut silent: Vec<Client> = (1..MOST_CONNECTIONS).map(|_| server.connect()).collect();
+    std::thread::sleep(Duration::from_millis(1200));
+    assert_eq!(talks.ask("*IDN?"), IDENTITY);
+    for _ in 0..3 {
+        assert_eq!(server.connect().ask("*IDN?"), IDENTITY);
+    }
+    assert!(silent[0].is_closed(), "the oldest");
+    assert_eq!(talks.ask("*IDN?"), IDENTITY, "it has been heard since");
+}
+
+/// A server of its own process with what it says on standard error.
+fn started(script: &str, arguments: &[&str]) -> (Child, std::net::SocketAddr) {
+    let mut child = Command::new("sh")
+        .args(["-c", &format!("{script} exec \"$0\" serve --listen 127.0.0.1:0 \"$@\"")])
+        .arg(env!("CARGO_BIN_EXE_hertzscope"))
+        .args(arguments)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("a server");
+    let mut line = String::new();
+    let mut out = BufReader::new(child.stdout.as_mut().expect("a pipe"));
+    out.read_line(&mut line).expect("a line");
+    let address = line.trim_end().strip_prefix("listening on ").expect("an address");
+    let address = address.parse().expect("an address");
+    // The rest goes nowhere, and is short.
+    (child, address)
+}
+
+fn signal(child: &Child, name: &str) {
+    let sent = Command::new("kill").args([name, &child.id().to_string()]).status();
+    assert!(sent.expect("kill").success());
+}
+
+fn end(mut child: Child) -> (Option<i32>, String) {
+    let status = child.wait().expect("an end");
+    let mut said = String::new();
+    child.stderr.take().expect("a pipe").read_to_string(&mut said).expect("text");
+    (status.code(), said)
+}
+
+/// Where the recording cannot grow (a full disk, `ulimit -f`) the server says so and goes on; what was recorded is not called whole.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_ends_the_recording_and_not_the_server() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("lab.mcap");
+    let name = file.display().to_string();
+    let (child, address) = started("ulimit -f 64;", &["--record", &name]);
+    let mut client = connect(address);
+    // Curves fill 64 blocks of at most a kilobyte.
+    for _ in 0..400 {
+        client.send(b"DATA:ENC ASC;:TRIG:MAI:LEV 0.123;:SET?\n");
+        assert!(client.line().contains("TRIGGER"));
+        client.send(b"BENC:IMP\n");
+        std::thread::sleep(Duration::from_millis(5));
+        if std::fs::metadata(&file).expect("a recording").len() >= 32 * 1024 {
+            break;
+        }
+    }
+    std::thread::sleep(Duration::from_millis(1500));
+    assert_eq!(client.ask("*IDN?"), IDENTITY, "it goes on");
+    signal(&child, "-TERM");
+    let (code, said) = end(child);
+    assert!(said.contains("could not be written") && said.contains("goes on without it"), "{said}");
+    assert_eq!(code, Some(2), "{said}");
+    let set = read(&file).expect("what was recorded");
+    assert!(set.problems.iter().any(|problem| !problem.is_empty()), "it does not look whole");
+}
+
+/// A terminal that is closed ends the recording as Ctrl-C does.
+#[cfg(unix)]
+#[test]
+fn a_hang_up_finishes_the_recording() {
+    for name in ["-HUP", "-TERM", "-INT"] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("lab.mcap");
+        let (child, address) = started("", &["--record", &file.display().to_string()]);
+        assert_eq!(connect(address).ask("*IDN?"), IDENTITY);
+        signal(&child, name);
+        let (code, said) = end(child);
+        assert_eq!((code, said.as_str()), (Some(0), ""), "{name}");
+        assert_eq!(read(&file).expect("a recording").problems, [""; 0], "{name}");
+    }
+}
+
+/// One recording has one writer: the second session gets a file of its own, and `run` refuses the name while the session goes on.
+#[cfg(unix)]
+#[test]
+fn two_sessions_do_not_share_a_recording() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("lab.mcap");
+    let name = file.display().to_string();
+    let (one, first) = started("", &["--record", &name]);
+    let (two, second) = started("", &["--record", &name]);
+    assert_eq!(connect(first).ask("*IDN?"), IDENTITY);
+    assert_eq!(connect(second).ask("ID?;"), "TEK/TDS 2014,CF:91.1CT,FV:v4.12 TDS2CM:CMV:v1.04\n");
+    let refused = Command::new(env!("CARGO_BIN_EXE_hertzscope"))
+        .args(["run", "-q", "--accuracy", "1e-3", "-o", &name])
+        .output()
+        .expect("a run");
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(refused.status.code() == Some(2) && said.contains("another process"), "{said}");
+    for child in [one, two] {
+        signal(&child, "-TERM");
+        assert_eq!(end(child).0, Some(0));
+    }
+    let commands = |file: &std::path::Path| {
+        let set = read(file).expect("a recording");
+        assert_eq!(set.problems, [""; 0]);
+        String::from_utf8_lossy(&set.lines[0].bytes).into_owned()
+    };
+    assert_eq!(commands(&file), "*IDN?");
+    assert_eq!(commands(&folder.path().join("lab-2.mcap")), "ID?;");
+}
+
+/// No reply waits for a simulation or for what becomes of its signals, on the fastest time bases either.
+#[test]
+fn no_reply_waits_for_an_impact() {
+    let server = Process::start(&["magnet-0.61g"]);
+    let mut client = connect(server.address);
+    client.send(b"HOR:SCA 5E-8;:ACQ:STATE RUN\n");
+    let mut times = Vec::new();
+    let began = Instant::now();
+    while began.elapsed() < Duration::from_secs(6) {
+        client.send(b"BENC:IMP\n");
+        for _ in 0..20 {
+            let asked = Instant::now();
+            assert_eq!(client.ask("*IDN?"), IDENTITY);
+            times.push(asked.elapsed());
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+    times.sort();
+    let p99 = times[times.len() * 99 / 100];
+    println!("{} replies, p99 {p99:?}, longest {:?}", times.len(), times[times.len() - 1]);
+    assert_ne!(client.ask("BENC:IMP?"), "0\n", "there were impacts");
+    assert!(p99 < Duration::from_millis(50), "{p99:?}");
+}
+
+/// A kilobyte of `SET?` is a matter of milliseconds.
+#[test]
+fn a_set_up_is_told_quickly() {
+    let server = Process::start(&["magnet-0.61g"]);
+    let mut client = connect(server.address);
+    let told = client.ask("SET?");
+    // The best of many: other tests run beside it.
+    let round = |client: &mut Client| {
+        let began = Instant::now();
+        client.send("SET?\n".repeat(200).as_bytes());
+        (0..200).for_each(|_| assert_eq!(client.line(), told));
+        began.elapsed() / 200
+    };
+    let best = (0..30).map(|_| round(&mut client)).min().expect("rounds");
+    println!("SET?: {best:?}");
+    assert!(best < Duration::from_micros(120), "{best:?}");
+}
