@@ -20,6 +20,7 @@ mod gather;
 mod hard_cases;
 mod info;
 mod input;
+mod list;
 mod magnet;
 mod man;
 mod output;
@@ -70,6 +71,7 @@ enum Command {
     HardCases(hard_cases::Arguments),
     Effects(effects::Arguments),
     Scenes(scenes::Arguments),
+    List(list::Arguments),
     Spectrum(spectrum::Arguments),
     Spectrogram(spectrogram::Arguments),
     Bands(bands::Arguments),
@@ -122,6 +124,7 @@ pub fn main() -> ExitCode {
         },
         Command::Effects(arguments) => effects::run(&arguments),
         Command::Scenes(arguments) => scenes::run(&arguments),
+        Command::List(arguments) => list::run(&arguments),
         Command::Spectrum(arguments) => spectrum::run(&arguments),
         Command::Spectrogram(arguments) => spectrogram::run(&arguments),
         Command::Bands(arguments) => bands::run(&arguments),

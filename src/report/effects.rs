@@ -40,7 +40,7 @@ fn row(entry: &LedgerEntry, accuracy: f64) -> Vec<String> {
     let moves = change.is_some_and(|change| change.speed.is_some());
     let known = if moves { accuracy } else { 0.0 };
     let share = |value: Option<f64>| value.map_or("-".to_owned(), |v| percent(v, known));
-    let time = |value: Option<f64>| value.map_or("-".to_owned(), |v| engineering(v, "s", 3));
+    let time = |value: Option<f64>| value.map_or("-".to_owned(), |v| engineering(v, "s", 2));
     let state = match entry.state {
         EffectState::On => "on",
         EffectState::Off => "off",

@@ -29,7 +29,7 @@ mod statistics;
 mod summary;
 mod sweep;
 mod table;
-mod text;
+pub mod text;
 mod tunability;
 mod work_precision;
 

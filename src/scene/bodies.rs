@@ -1,19 +1,27 @@
 //! Materials, particles, chain and striker: the part of a scene that moves.
 
+use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
+use std::f64::consts::PI;
 
 use super::library;
 use super::reader::{Bound, Problems, TableReader};
 use crate::chain::{Body, Chain, ChainError, ChainSpec, Elasticity, End};
-use crate::quantity::Dimension;
+use crate::quantity::{Dimension, engineering};
 
 /// Most particles a chain may have: a recording has a topic for each bead and each contact, and room for 65535.
 const MAX_PARTICLES: usize = 30_000;
+
+/// A mass that differs from that of its shape and its material's density by more than this factor is noted: holes and wrong diameters make less, wrong units
+/// and materials more (1).
+const MAX_MASS_RATIO: f64 = 1.3;
 
 /// Looks materials up, in the scene first and among the instruments then.
 pub struct Materials<'a> {
     problems: &'a Problems,
     own: BTreeMap<String, Option<Material>>,
+    /// Masses that do not go with density and shape.
+    notes: RefCell<Vec<String>>,
 }
 
 /// The material of a body.
@@ -21,6 +29,8 @@ pub struct Materials<'a> {
 struct Material {
     elasticity: Elasticity,
     yield_strength: Option<f64>,
+    /// (kg/m³)
+    density: Option<f64>,
 }
 
 impl<'a> Materials<'a> {
@@ -31,7 +41,12 @@ impl<'a> Materials<'a> {
             own.insert(name.to_owned(), material(&table));
             table.finish();
         }
-        Self { problems, own }
+        Self { problems, own, notes: RefCell::default() }
+    }
+
+    /// Notes on masses that do not go with density and shape.
+    pub fn into_notes(self) -> Vec<String> {
+        self.notes.into_inner()
     }
 
     /// The material that `table` names under `key`.
@@ -61,12 +76,13 @@ fn material(table: &TableReader<'_>) -> Option<Material> {
     let modulus = table.required("youngs_modulus", Dimension::PRESSURE, Bound::MODULUS);
     let ratio = table.required("poissons_ratio", Dimension::NONE, Bound::Between(-1.0, 0.5));
     let yield_strength = table.quantity("yield_strength", Dimension::PRESSURE, Bound::Positive);
+    let density = table.quantity("density", Dimension::DENSITY, Bound::DENSITY);
     let elasticity = Elasticity { youngs_modulus: modulus?, poissons_ratio: ratio? };
-    Some(Material { elasticity, yield_strength })
+    Some(Material { elasticity, yield_strength, density })
 }
 
 /// Reads a body: material, mass, and its shape. A diameter makes a sphere, a height in addition a cylinder with flat
-/// faces; without either the faces are flat and the length is zero.
+/// faces; without either the faces are flat and the length is zero. Without a mass it is that of the shape and the material's density.
 fn body(
     table: &TableReader<'_>,
     name: &str,
@@ -75,7 +91,7 @@ fn body(
 ) -> Option<Body> {
     let _ = table.text("source");
     let material = materials.named(table, "material");
-    let mass = table.required("mass", Dimension::MASS, Bound::MASS);
+    let typed = table.quantity("mass", Dimension::MASS, Bound::MASS);
     let read = if shaped { TableReader::required } else { TableReader::quantity };
     let diameter = read(table, "diameter", Dimension::LENGTH, Bound::LENGTH);
     let height = table.quantity("height", Dimension::LENGTH, Bound::LENGTH);
@@ -89,7 +105,28 @@ fn body(
         (Some(diameter), None) => (diameter, 2.0 / diameter),
         (None, None) => (0.0, 0.0),
     };
-    let Material { elasticity, yield_strength } = material?;
+    let volume = match (diameter, height) {
+        (Some(diameter), Some(height)) => Some(0.25 * PI * diameter * diameter * height),
+        (Some(diameter), None) => Some(PI / 6.0 * diameter.powi(3)),
+        (None, _) => None,
+    };
+    let solid = material.and_then(|material| Some(material.density? * volume?));
+    let mass = match solid {
+        _ if table.has("mass") => typed,
+        Some(solid) => Some(solid),
+        None => table.required("mass", Dimension::MASS, Bound::MASS),
+    };
+    if let (Some(mass), Some(solid)) = (mass, solid)
+        && !(1.0 / MAX_MASS_RATIO..=MAX_MASS_RATIO).contains(&(mass / solid))
+    {
+        materials.notes.borrow_mut().push(format!(
+            "{name}: its mass of {} is {:.3} times that of its shape and its material's density ({}): check mass, diameter and material",
+            engineering(1e3 * mass, "g", 3),
+            mass / solid,
+            engineering(1e3 * solid, "g", 3),
+        ));
+    }
+    let Material { elasticity, yield_strength, .. } = material?;
     Some(Body { name: name.into(), mass: mass?, length, curvature, elasticity, yield_strength })
 }
 

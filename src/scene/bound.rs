@@ -42,6 +42,8 @@ impl Bound {
     pub const LENGTH: Self = Self::Bench(1e-9, 1e4);
     /// Of Young's modulus (Pa).
     pub const MODULUS: Self = Self::Bench(1.0, 1e14);
+    /// Of a density (kg/m³).
+    pub const DENSITY: Self = Self::Bench(1.0, 1e5);
     /// Of a striker's speed (m/s).
     pub const SPEED: Self = Self::Bench(1e-12, MAX_SPEED);
     /// Of a velocity (m/s).

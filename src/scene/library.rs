@@ -192,6 +192,15 @@ impl Library {
                 self.insert_model(entry, kind, key);
             }
         }
+        // A scene's own material changes what it says of one that ships under the same name.
+        if let Some(materials) = top.get_mut("materials").and_then(|e| e.node.entries_mut()) {
+            for (name, entry) in materials.iter_mut() {
+                if let Some(below) = shipped("materials", name) {
+                    self.texts.add(below.place.text());
+                    entry.node.put_over(&below);
+                }
+            }
+        }
         if let Some(effects) = top.get_mut("effects").and_then(|e| e.node.entries_mut()) {
             for (key, kind) in MODELS {
                 if let Some(entry) = effects.get_mut(key) {

@@ -83,7 +83,7 @@ pub struct Scene {
     pub seed: u64,
     /// Effects that are switched off where nothing would be seen of them (`state = "auto"`), as long as that is not decided.
     pub auto: Vec<&'static str>,
-    /// The decisions, as notes.
+    /// Notes: masses that do not go with density and shape, decisions on effects.
     pub decided: Vec<String>,
     /// How far the sensors' plates may be from their data; drawn from the seed.
     pub sensor_tolerance: Option<SensorTolerance>,
@@ -185,7 +185,7 @@ fn read(
         accuracy,
         seed,
         auto: moving.auto,
-        decided: Vec::new(),
+        decided: moving.notes,
         sensor_tolerance: moving.sensor_tolerance,
     })
 }
@@ -211,6 +211,7 @@ struct Moving<'a> {
     auto: Vec<&'static str>,
     initial_velocities: Vec<f64>,
     built: Option<(ChainSpec, Chain)>,
+    notes: Vec<String>,
 }
 
 fn moving<'a>(root: &TableReader<'a>, problems: &Problems) -> Moving<'a> {
@@ -280,5 +281,6 @@ fn moving<'a>(root: &TableReader<'a>, problems: &Problems) -> Moving<'a> {
         auto: effects::left_to_accuracy(&switches),
         initial_velocities,
         built,
+        notes: materials.into_notes(),
     }
 }

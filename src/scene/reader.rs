@@ -18,6 +18,23 @@ fn expectation(dimension: Dimension, bound: Bound) -> String {
     format!("{dimension}{}{example}", bound.words())
 }
 
+/// `text` with a point in place of a comma between two digits; none without one.
+fn with_decimal_point(text: &str) -> Option<String> {
+    let is_digit = |index: Option<usize>| {
+        index.and_then(|index| text.as_bytes().get(index)).is_some_and(u8::is_ascii_digit)
+    };
+    let comma = text.find(',')?;
+    let is_decimal = is_digit(comma.checked_sub(1)) && is_digit(Some(comma + 1));
+    is_decimal.then(|| text.replacen(',', ".", 1))
+}
+
+/// The key among `known` that `key` may be a slip of: two letters wrong at most, and less than half of them.
+fn similar<'k>(key: &str, known: &[&'k str]) -> Option<&'k str> {
+    let distance = |name: &str| strsim::damerau_levenshtein(key, name);
+    let near = known.iter().copied().min_by_key(|name| distance(name))?;
+    (distance(near) <= 2 && 2 * distance(near) < key.chars().count().max(2)).then_some(near)
+}
+
 /// A table being read.
 pub struct TableReader<'a> {
     pub(super) entries: &'a Rc<Entries>,
@@ -32,7 +49,13 @@ impl<'a> TableReader<'a> {
     /// The table in `node`, with its keys' full names behind `path`; anything else is a problem.
     pub fn of(node: &'a Node, path: &str, problems: &'a Problems) -> Option<Self> {
         let Value::Table(entries) = &node.value else {
-            problems.push(node.place.problem(path, node.describe(), "a table".to_owned()));
+            let expected = match path.split_once('.') {
+                Some(("effects", _)) => {
+                    format!("a table [{path}], or `{path} = false` to switch the effect off")
+                }
+                _ => "a table".to_owned(),
+            };
+            problems.push(node.place.problem(path, node.describe(), expected));
             return None;
         };
         Some(Self {
@@ -95,6 +118,11 @@ impl<'a> TableReader<'a> {
             Value::Text(text) => match quantity::parse(text, dimension) {
                 Ok(value) => value,
                 Err(error) => {
+                    if let Some(point) = with_decimal_point(text) {
+                        let found = format!("\"{text}\", a decimal comma");
+                        self.problem(key, found, format!("a decimal point: \"{point}\""));
+                        return None;
+                    }
                     let found = match error {
                         QuantityError::WrongDimension { .. } | QuantityError::NotFinite { .. } => {
                             error.to_string()
@@ -296,7 +324,10 @@ impl<'a> TableReader<'a> {
         };
         for (key, entry) in unknown {
             let path = self.path_of(key);
-            let found = format!("the unknown key `{key}`");
+            let found = match similar(key, &asked) {
+                Some(similar) => format!("the unknown key `{key}` (did you mean `{similar}`?)"),
+                None => format!("the unknown key `{key}`"),
+            };
             self.problems.push(entry.key_place.problem(&path, found, expected.clone()));
         }
     }

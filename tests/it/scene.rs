@@ -3,6 +3,7 @@
 mod adjusted;
 mod files;
 mod losses;
+mod materials;
 mod mistakes;
 mod mutated;
 mod scope;

@@ -1,6 +1,6 @@
 //! Lines of the effects that act on the chain's motion.
 
-use super::trial::{Trial, of_chain};
+use super::trial::{EffectTrial, of_chain};
 use super::{BaselineRun, EffectFinding, EffectState, LedgerEntry};
 use crate::chain::{
     Dashpot, Gravity, KuwabaraKono, LinearisedContacts, MagnetForce, MagnetLaw, PlacedAt,
@@ -21,7 +21,7 @@ fn against(
     subject: &BaselineRun<'_>,
     other: Result<Scene, String>,
     is_on: bool,
-) -> (Option<Trial>, String) {
+) -> (Option<EffectTrial>, String) {
     let trial = other.and_then(|other| {
         let (with, without) = if is_on { (subject.scene, &other) } else { (&other, subject.scene) };
         of_chain(with, without, subject.accuracy)

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::trial::{Change, RunTimes, Trial};
+use super::trial::{Change, EffectTrial, RunTimes};
 
 /// Share of a digitiser level, or of a sample interval, below which a record does not show a change (1).
 const RECORD_SHARE: f64 = 0.1;
@@ -105,7 +105,7 @@ pub(super) struct EffectFinding {
     pub(super) state: EffectState,
     pub(super) value: Option<f64>,
     pub(super) reason: String,
-    pub(super) trial: Option<Trial>,
+    pub(super) trial: Option<EffectTrial>,
 }
 
 impl EffectFinding {

@@ -44,7 +44,7 @@ pub struct RunTimes {
 }
 
 /// Measurement of an effect: times of whole runs, and what changes.
-pub type Trial = (Option<RunTimes>, Change);
+pub type EffectTrial = (Option<RunTimes>, Change);
 
 /// The value farthest from zero; none of none (1).
 pub fn largest(values: impl Iterator<Item = f64>) -> Option<f64> {
@@ -127,7 +127,7 @@ fn speeds_of(scene: &Scene, readings: &[Reading]) -> Vec<((usize, usize), f64)> 
 ///
 /// # Errors
 /// Why one of them cannot be run.
-pub fn of_chain(with: &Scene, without: &Scene, accuracy: f64) -> Result<Trial, String> {
+pub fn of_chain(with: &Scene, without: &Scene, accuracy: f64) -> Result<EffectTrial, String> {
     let run_once = |scene: &Scene| {
         let by = method(scene, Integration::Accuracy(accuracy)).map_err(|e| e.to_string())?;
         run(scene, by).map_err(|error| error.to_string())
@@ -202,7 +202,7 @@ pub fn of_signals(subject: &BaselineRun<'_>, on: &ChannelVolts, off: &ChannelVol
 pub type ChannelVolts = Vec<Option<Vec<f64>>>;
 
 /// Signals of one motion with and without an effect of sensors or scope.
-pub fn of_electronics(subject: &BaselineRun<'_>, with: &Scene, without: &Scene) -> Trial {
+pub fn of_electronics(subject: &BaselineRun<'_>, with: &Scene, without: &Scene) -> EffectTrial {
     let BaselineRun { bench, grid, .. } = subject;
     let timed = |scene: &Scene| {
         let started = Instant::now();

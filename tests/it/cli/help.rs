@@ -12,6 +12,7 @@ const SUBCOMMANDS: &[(&str, &[&str])] = &[
     ("hard-cases", &["--why", "--json", "--quiet"]),
     ("effects", &["[SCENE]", "--accuracy", "--why", "--json", "--quiet"]),
     ("scenes", &["[NAME]", "--json"]),
+    ("list", &["<KIND>", "[NAME]", "--json", "materials", "sensors", "scopes"]),
     #[cfg(feature = "server")]
     ("serve", &["[SCENE]", "--listen", "--impact-every", "--header"]),
     #[cfg(feature = "tui")]
@@ -111,4 +112,28 @@ fn scenes_are_listed_and_printed() {
     assert_eq!(printed(folder.path(), &["run", "mine.toml", "--accuracy", "1e-3", "--quiet"]), "");
     assert_eq!(files(folder.path()), ["mine.mcap", "mine.toml"]);
     says(&refused(folder.path(), &["scenes", "magnet-0.62g"]), &["`magnet-0.62g`", "magnet-0.61g"]);
+}
+
+/// Names, and what a person chooses by; each kind, and one file as it ships.
+#[test]
+fn what_ships_is_listed() {
+    let folder = temporary();
+    let list = |arguments: &[&str]| printed(folder.path(), &[&["list"], arguments].concat());
+    let materials = list(&["materials"]);
+    says(&materials, &["steel_52100", "E 210 GPa, nu 0.30, density 7810 kg/m^3", "polycarbonate"]);
+    assert!(materials.lines().all(|line| line.chars().count() <= 80), "{materials}");
+    for (kind, name) in [
+        ("sensors", "pzt-5a-710pf"),
+        ("strikers", "alumina-0.61g"),
+        ("magnets", "herbold-ring"),
+        ("scopes", "tds2014"),
+        ("scenes", "magnet-0.61g"),
+    ] {
+        says(&list(&[kind]), &[name]);
+        let json: Vec<serde_json::Value> =
+            serde_json::from_str(&list(&[kind, "--json"])).expect("a list");
+        assert!(json.iter().any(|entry| entry["name"] == name), "{json:?}");
+    }
+    says(&list(&["materials", "brass"]), &["source = ", "youngs_modulus = \"100 GPa\""]);
+    says(&refused(folder.path(), &["list", "materials", "cheese"]), &["cheese", "brass"]);
 }

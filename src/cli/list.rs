@@ -1,0 +1,93 @@
+//! `hertzscope list`: the instruments, materials and scenes that ship with the program.
+
+use anyhow::anyhow;
+use clap::{Args, ValueEnum};
+use serde_json::json;
+
+use crate::data;
+use crate::report::text::hanging_indent;
+
+/// List what ships with the program and can be named in a scene, or print one file as a start for your own
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// Kind
+    kind: Kind,
+    /// Print this file
+    name: Option<String>,
+    /// Print as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Kinds of files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Kind {
+    /// Elastic constants, density and yield strength; `material = "NAME"` of a particle, striker or wall
+    Materials,
+    /// Piezo plates; `model = "NAME"` of a sensor
+    Sensors,
+    /// Spheres that hit the chain; `model = "NAME"` of the striker
+    Strikers,
+    /// Rings and measured forces; `model = "NAME"` of effects.magnet_preload
+    Magnets,
+    /// Oscilloscopes; `model = "NAME"` of the scope
+    Scopes,
+    /// Scenes; `base = "NAME"`, and the argument of most commands
+    Scenes,
+}
+
+impl Kind {
+    /// Folder of the files.
+    fn folder(self) -> &'static str {
+        match self {
+            Self::Materials => "materials",
+            Self::Sensors => "sensors",
+            Self::Strikers => "strikers",
+            Self::Magnets => "magnets",
+            Self::Scopes => "",
+            Self::Scenes => "scenes",
+        }
+    }
+}
+
+/// What a file says of itself: its title, its first comment, or its source; and the keys that a list of materials shows.
+fn description(kind: Kind, text: &str) -> String {
+    let value = |key: &str| {
+        let line = text.lines().find_map(|line| line.strip_prefix(key)?.trim().strip_prefix('='));
+        let value = line.map(|value| value.split(" #").next().unwrap_or(value));
+        value.map(|value| value.trim().trim_matches('"').to_owned())
+    };
+    let comment = || text.lines().next()?.strip_prefix("# ").map(str::to_owned);
+    if kind == Kind::Materials {
+        let keys = [
+            ("youngs_modulus", "E"),
+            ("poissons_ratio", "nu"),
+            ("density", "density"),
+            ("yield_strength", "yields at"),
+        ];
+        let known = keys.iter().filter_map(|(key, short)| Some(format!("{short} {}", value(key)?)));
+        return known.collect::<Vec<_>>().join(", ");
+    }
+    value("title").or_else(comment).or_else(|| value("source")).unwrap_or_default()
+}
+
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let folder = arguments.kind.folder();
+    let names = data::instrument_names(folder);
+    if let Some(name) = &arguments.name {
+        let text = data::instrument(folder, name)
+            .ok_or_else(|| anyhow!("no `{name}` ships; these do: {}", names.join(", ")))?;
+        return super::print(text.trim_end());
+    }
+    let described = names.iter().filter_map(|name| {
+        Some((name, description(arguments.kind, data::instrument(folder, name)?)))
+    });
+    if arguments.json {
+        let list: Vec<_> = described.map(|(n, d)| json!({ "name": n, "description": d })).collect();
+        return super::print(&serde_json::to_string_pretty(&list)?);
+    }
+    let lines: Vec<String> = described
+        .flat_map(|(name, words)| hanging_indent(&format!("{name:<22} "), &words))
+        .collect();
+    super::print(&lines.join("\n"))
+}
