@@ -1,6 +1,6 @@
 //! The task that owns the instrument: answers connections, advances time, and delivers the signals of impacts.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::future::pending;
 use std::time::Duration;
 
@@ -41,11 +41,21 @@ struct ConnectionEntry {
     ended: Option<Instant>,
 }
 
+/// What is left of a piece of input from a raw connection.
+struct RawPiece {
+    number: u64,
+    bytes: Vec<u8>,
+    /// The reply so far.
+    reply: Vec<u8>,
+}
+
 /// Instrument, connections, and the bench.
 pub struct InstrumentTask {
     sessions: Sessions,
     connections: BTreeMap<u64, ConnectionEntry>,
     hislip: hislip::Server,
+    /// Input of raw connections that is to be executed, a message at a turn.
+    pieces: VecDeque<RawPiece>,
     bench: BenchHandle,
     bench_state: BenchState,
     impact_every: Option<Duration>,
@@ -72,6 +82,7 @@ impl InstrumentTask {
             sessions: Sessions::new(instrument, options.header, recorder),
             connections: BTreeMap::new(),
             hislip: hislip::Server::default(),
+            pieces: VecDeque::new(),
             bench,
             bench_state,
             impact_every: options.impact_every,
@@ -111,6 +122,11 @@ impl InstrumentTask {
                 }
                 () = order(orders.as_mut()) => {
                     self.sessions.instrument.bench.ask_for_impact();
+                }
+                // Lets the connections' tasks go on between two messages.
+                () = tokio::task::yield_now(), if !self.pieces.is_empty() => {
+                    self.advance_time();
+                    self.execute_message();
                 }
                 _ = ticks.tick() => {}
             }
@@ -167,8 +183,8 @@ impl InstrumentTask {
                 connection.heard = Instant::now();
                 match connection.protocol {
                     Protocol::Raw => {
-                        let reply = self.sessions.receive(SessionId::Raw(number), &bytes, false);
-                        self.send(number, reply);
+                        connection.asked = false;
+                        self.pieces.push_back(RawPiece { number, bytes, reply: Vec::new() });
                     }
                     Protocol::Hislip => self.hislip.received(number, &bytes, &mut self.sessions),
                 }
@@ -191,6 +207,29 @@ impl InstrumentTask {
             ConnectionEvent::Closed { number } => self.drop_connection(number),
         }
         self.bench_state.apply_changes(&mut self.sessions.instrument);
+    }
+
+    /// Executes one message of the connection whose turn it is: a connection that sends many has to wait for the others between them.
+    fn execute_message(&mut self) {
+        let Some(RawPiece { number, mut bytes, mut reply }) = self.pieces.pop_front() else {
+            return;
+        };
+        if !self.connections.contains_key(&number) {
+            return;
+        }
+        let end = bytes.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
+        let rest = bytes.split_off(end.map_or(bytes.len(), |end| end + 1));
+        let id = SessionId::Raw(number);
+        reply.extend(self.sessions.receive(id, &bytes, false));
+        self.bench_state.apply_changes(&mut self.sessions.instrument);
+        if rest.is_empty() {
+            return self.send(number, reply);
+        }
+        // What comes when an acquisition ends must not overtake what is there already.
+        if self.sessions.is_waiting(id) {
+            self.send_bytes(number, std::mem::take(&mut reply), false);
+        }
+        self.pieces.push_back(RawPiece { number, bytes: rest, reply });
     }
 
     /// Delivers the signals of one impact to the instrument.

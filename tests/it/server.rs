@@ -5,6 +5,7 @@ mod bench;
 mod hislip;
 mod load;
 mod process;
+mod random_sessions;
 mod recording;
 mod transcripts;
 

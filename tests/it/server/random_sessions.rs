@@ -1,0 +1,324 @@
+//! Sessions of random messages over both protocols, and twenty clients that mean no good beside one that only asks who is there.
+
+use std::io::{Read as _, Write as _};
+use std::net::{SocketAddr, TcpStream};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use hertzscope::hislip::message::MessageHeader;
+use hertzscope::scpi::tree;
+
+use super::process::Process;
+use super::{IDENTITY, connect};
+
+/// A small generator: the same messages each time (xorshift64*, Vigna 2016).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        self.0.wrapping_mul(0x2545_F491_4F6C_DD1D)
+    }
+
+    fn below(&mut self, end: usize) -> usize {
+        (self.next() % end as u64) as usize
+    }
+
+    fn pick<'a>(&mut self, choices: &[&'a str]) -> &'a str {
+        choices[self.below(choices.len())]
+    }
+}
+
+const ARGUMENTS: [&str; 28] = [
+    "0",
+    "1",
+    "-1",
+    "2.5",
+    "1E-9",
+    "5E-9",
+    "1E-3",
+    "50",
+    "1E30",
+    "-1E30",
+    "2500",
+    "ON",
+    "OFF",
+    "CH1",
+    "CH2",
+    "REFA",
+    "MATH",
+    "EXT5",
+    "LINE",
+    "CH1,REFB",
+    "\"FFT(CH1)\"",
+    "\"CH1 - CH2\"",
+    "#15hello",
+    "#42500",
+    "1,2,3",
+    "FACTORY",
+    "AVE",
+    "PEAK",
+];
+
+/// What turns the bench and the time base while the chain moves.
+const LIVELY: [&str; 16] = [
+    "BENC:IMP",
+    "HOR:SCA 5E-9",
+    "HOR:SCA 5E-8",
+    "HOR:SCA 1",
+    "HOR:SCA 50",
+    "HOR:SCA 2.5E-4",
+    "*RST",
+    "RECA:SETU FACTORY",
+    "TRIG:MAI:MOD AUTO",
+    "ACQ:MOD PEAK",
+    "ACQ:STATE RUN",
+    "ACQ:STOPA SEQ",
+    "BENC:STRI:SPE 1",
+    "BENC:SCEN \"magnet-0.61g\"",
+    "AUTOS EXEC",
+    "HOR:POS 1E-2",
+];
+
+/// A message of up to four units from all subsystems.
+fn message(random: &mut Random, headers: &[String]) -> String {
+    let mut units = Vec::new();
+    for _ in 0..=random.below(4) {
+        let header = &headers[random.below(headers.len())];
+        units.push(match random.below(4) {
+            0 => random.pick(&LIVELY).to_owned(),
+            1 => format!("{header} {}", random.pick(&ARGUMENTS)),
+            _ => format!("{header}?"),
+        });
+    }
+    units.join(";:").replace(":*", "*")
+}
+
+fn headers() -> Vec<String> {
+    let filled =
+        |header: &str| header.replace("<wfm>", "CH2").replace("REF<x>", "REFB").replace("<x>", "2");
+    tree::rows().map(|row| filled(row.header)).collect()
+}
+
+fn dial(address: SocketAddr) -> TcpStream {
+    let stream = TcpStream::connect(address).expect("a connection");
+    stream.set_read_timeout(Some(Duration::from_millis(2))).expect("a limit");
+    stream.set_write_timeout(Some(Duration::from_secs(1))).expect("a limit");
+    stream
+}
+
+/// Sends and takes what there is; whether the server is still there.
+fn exchange(stream: &mut TcpStream, bytes: &[u8]) -> bool {
+    if stream.write_all(bytes).is_err() {
+        return false;
+    }
+    let mut buffer = [0; 65536];
+    !matches!(stream.read(&mut buffer), Ok(0))
+}
+
+fn hislip_message(code: u8, control: u8, parameter: u32, payload: &[u8]) -> Vec<u8> {
+    let length = payload.len() as u64;
+    let mut bytes = MessageHeader { code, control, parameter, length }.bytes().to_vec();
+    bytes.extend_from_slice(payload);
+    bytes
+}
+
+/// Both connections of a session.
+fn hislip_session(address: SocketAddr) -> Option<[TcpStream; 2]> {
+    let mut synchronous = dial(address);
+    synchronous.set_read_timeout(Some(Duration::from_secs(5))).ok()?;
+    synchronous.write_all(&hislip_message(0, 0, 0x0100_0000, b"hislip0")).ok()?;
+    let mut answer = [0; 16];
+    synchronous.read_exact(&mut answer).ok()?;
+    let session = u32::from(u16::from_be_bytes([answer[6], answer[7]]));
+    synchronous.set_read_timeout(Some(Duration::from_millis(2))).ok()?;
+    let mut asynchronous = dial(address);
+    asynchronous.write_all(&hislip_message(17, 0, session, b"")).ok()?;
+    Some([synchronous, asynchronous])
+}
+
+/// Random messages on a session: data, data ends, triggers, clears, locks, status queries.
+fn random_hislip(
+    random: &mut Random,
+    address: SocketAddr,
+    headers: &[String],
+    goes_on: &dyn Fn() -> bool,
+) {
+    while goes_on() {
+        let Some([mut synchronous, mut asynchronous]) = hislip_session(address) else { continue };
+        for number in 0..40 {
+            let text = message(random, headers);
+            let (code, on) = match random.below(10) {
+                0 => (12, 0),
+                1 => (8, 0),
+                2 => (random.below(256) as u8, 0),
+                3 => (19, 1),
+                4 => (4, 1),
+                5 => (21, 1),
+                _ => (7, 0),
+            };
+            let control = (random.below(2)) as u8;
+            let bytes = hislip_message(code, control, 0xffff_ff00 + 2 * number, text.as_bytes());
+            let stream = if on == 1 { &mut asynchronous } else { &mut synchronous };
+            if !exchange(stream, &bytes) {
+                break;
+            }
+        }
+    }
+}
+
+/// One client that means no good, of one of ten kinds.
+fn abuse(kind: usize, seed: u64, raw: SocketAddr, hislip: SocketAddr, goes_on: &dyn Fn() -> bool) {
+    let headers = headers();
+    let mut random = Random(0x9E37_79B9_7F4A_7C15 ^ seed);
+    match kind {
+        // Set-ups without end.
+        0 => {
+            while goes_on() {
+                let mut stream = dial(raw);
+                while goes_on() && exchange(&mut stream, "SET?\n".repeat(50).as_bytes()) {}
+            }
+        }
+        // Curves that are never read.
+        1 => {
+            while goes_on() {
+                let mut stream = dial(raw);
+                while goes_on() && stream.write_all(&b"CURVE?\n".repeat(20)).is_ok() {}
+            }
+        }
+        // A line without end.
+        2 => {
+            while goes_on() {
+                let mut stream = dial(raw);
+                while goes_on() && exchange(&mut stream, &[b'x'; 4096]) {}
+            }
+        }
+        // Every command.
+        3 => {
+            while goes_on() {
+                let mut stream = dial(raw);
+                for _ in 0..100 {
+                    let text = message(&mut random, &headers);
+                    if !goes_on() || !exchange(&mut stream, format!("{text}\n").as_bytes()) {
+                        break;
+                    }
+                }
+            }
+        }
+        // Coming and going.
+        4 => {
+            while goes_on() {
+                let mut stream = dial(raw);
+                let _ = stream.write_all(b"*IDN?\nCURVE #42500abc");
+            }
+        }
+        // A web page.
+        5 => {
+            while goes_on() {
+                let mut stream = dial(raw);
+                exchange(&mut stream, b"POST / HTTP/1.1\r\n\r\n*RST\n");
+            }
+        }
+        // Silence.
+        6 => {
+            let _stream = dial(raw);
+            while goes_on() {
+                std::thread::sleep(Duration::from_millis(20));
+            }
+        }
+        // Time bases that turn while the chain moves.
+        7 => {
+            while goes_on() {
+                let mut stream = dial(raw);
+                for _ in 0..200 {
+                    let text = random.pick(&LIVELY);
+                    std::thread::sleep(Duration::from_millis(2));
+                    if !goes_on() || !exchange(&mut stream, format!("{text}\n").as_bytes()) {
+                        break;
+                    }
+                }
+            }
+        }
+        // Bytes that are no HiSLIP.
+        8 => {
+            while goes_on() {
+                let mut stream = dial(hislip);
+                let bytes: Vec<u8> = (0..200).map(|_| random.below(256) as u8).collect();
+                exchange(&mut stream, &bytes);
+            }
+        }
+        _ => random_hislip(&mut random, hislip, &headers, goes_on),
+    }
+}
+
+/// Every kind twice, for seconds; beside them one client asks who is there, and is answered as if it were alone.
+#[test]
+fn twenty_abusers_keep_nobody_waiting() {
+    let mut server = Process::start(&["magnet-0.61g", "--hislip", "0"]);
+    let line = server.told.next().expect("a line").expect("text");
+    let hislip: SocketAddr =
+        line.strip_prefix("HiSLIP on ").map(str::parse).expect("HiSLIP").expect("an address");
+    let raw = server.address;
+    let goes_on = AtomicBool::new(true);
+    let load_before = load_average();
+    let mut times = Vec::new();
+    std::thread::scope(|scope| {
+        for number in 0..20 {
+            let goes_on = &goes_on;
+            scope.spawn(move || {
+                abuse(number % 10, number as u64, raw, hislip, &|| goes_on.load(Ordering::Relaxed));
+            });
+        }
+        let mut client = connect(raw);
+        let began = Instant::now();
+        while began.elapsed() < Duration::from_secs(8) {
+            let asked = Instant::now();
+            assert_eq!(client.ask("*IDN?"), IDENTITY);
+            times.push(asked.elapsed());
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        goes_on.store(false, Ordering::Relaxed);
+    });
+    times.sort();
+    let p99 = times[times.len() * 99 / 100];
+    println!("{} replies, p99 {p99:?}, longest {:?}", times.len(), times[times.len() - 1]);
+    assert!(server.child.try_wait().expect("a child").is_none(), "the server lives");
+    // Where other programs want all processors, the time is the system's.
+    let load = load_before.unwrap_or(f64::INFINITY);
+    let processors = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    assert!(load > processors as f64 || p99 < Duration::from_millis(50), "{p99:?}, load {load}");
+}
+
+/// The average number of programs that wanted a processor in the last minute.
+fn load_average() -> Option<f64> {
+    std::fs::read_to_string("/proc/loadavg").ok()?.split(' ').next()?.parse().ok()
+}
+
+/// Random messages from all subsystems over both protocols, the same each time: the server lives, and measures afterwards.
+#[test]
+fn random_sessions_leave_a_scope_that_works() {
+    let mut server = Process::start(&["magnet-0.61g", "--hislip", "0"]);
+    let line = server.told.next().expect("a line").expect("text");
+    let hislip: SocketAddr =
+        line.strip_prefix("HiSLIP on ").map(str::parse).expect("HiSLIP").expect("an address");
+    let raw = server.address;
+    let began = Instant::now();
+    let goes_on = || began.elapsed() < Duration::from_secs(5);
+    std::thread::scope(|scope| {
+        for (number, kind) in [3, 3, 3, 7, 9, 9].into_iter().enumerate() {
+            let goes_on = &goes_on;
+            scope.spawn(move || abuse(kind, 1000 + number as u64, raw, hislip, goes_on));
+        }
+    });
+    let mut client = connect(raw);
+    client.send(b"*CLS;HEAD OFF;*RST;:HOR:SCA 2.5E-4;:CH1:SCA 1;:SEL:CH1 ON\n");
+    client.send(b"TRIG:MAI:MOD NORM;LEV 0.5;:ACQ:MOD SAM;STOPA SEQ;STATE RUN\n");
+    std::thread::sleep(Duration::from_millis(100));
+    client.send(b"BENC:SCEN \"magnet-0.61g\";IMP\n");
+    assert_eq!(client.ask("*OPC?"), "1\n");
+    client.send(b"DATA INIT;:DATA:ENC ASC\n");
+    assert_eq!(client.ask("CURVE?").split(',').count(), 2500);
+    assert!(server.child.try_wait().expect("a child").is_none(), "the server lives");
+}
