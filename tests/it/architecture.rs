@@ -9,6 +9,7 @@
 
 mod circles;
 mod dependencies;
+mod named;
 mod names;
 mod paths;
 mod readme;
@@ -102,6 +103,15 @@ fn every_folder_in_the_readme_exists() {
         Ok(text) => {
             refuse(readme::check("README.md", &text, |folder| root().join(folder).is_dir()));
         }
+        Err(violation) => refuse(vec![violation]),
+    }
+}
+
+#[test]
+fn the_paths_in_the_document_lead_through_the_code() {
+    let source = |path: &str| std::fs::read_to_string(root().join("src").join(path)).ok();
+    match read("ARCHITECTURE.md") {
+        Ok(text) => refuse(named::check("ARCHITECTURE.md", &text, source)),
         Err(violation) => refuse(vec![violation]),
     }
 }
