@@ -101,7 +101,7 @@ pub struct PointSet<'a> {
     /// Their label.
     pub name: &'a str,
     /// Their colour, as SVG writes it.
-    pub colour: &'a str,
+    pub colour: &'static str,
 }
 
 /// Curves with points on them as lines of text, from zero in both directions; each point is a cross of five dots.

@@ -1,7 +1,7 @@
 //! A time-frequency map as characters and as a picture: time to the right, frequency upward, 60 dB from the highest to nothing.
 
-use std::fmt::Write as _;
-
+use super::chart;
+use super::sheet::{Axis, Plot, ShadedMap};
 use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::time_frequency::Spectrogram;
 use crate::quantity::engineering;
@@ -14,8 +14,8 @@ const MAP_SIZE: (usize, usize) = (72, 20);
 const SHADES: [char; 5] = [' ', '░', '▒', '▓', '█'];
 /// Most cells of the picture across and down.
 const MAX_CELLS: (usize, usize) = (200, 120);
-/// Size of the map in the picture (pixels).
-const PICTURE_SIZE: (f64, f64) = (760.0, 360.0);
+/// Distance of an edge's name above its line, as a share of the map's height (1).
+const NAME_DISTANCE: f64 = 4.0 / chart::SIZE.1;
 
 /// A map with what is known about the chain it comes from.
 #[derive(Debug, Clone, PartialEq)]
@@ -131,50 +131,24 @@ pub fn text(page: &SpectrogramPage) -> String {
 }
 
 /// The map as a picture.
-#[allow(clippy::cast_precision_loss, reason = "a few hundred cells")]
 pub fn svg(page: &SpectrogramPage) -> String {
-    let (across, down) = (page.map.columns.len().clamp(1, MAX_CELLS.0), MAX_CELLS.1);
-    let (width, height) = PICTURE_SIZE;
-    let (w, h) = (width / across as f64, height / down as f64);
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 880 460\" font-family=\"sans-serif\" font-size=\"13\">\n\
-         <rect width=\"880\" height=\"460\" fill=\"#ffffff\"/>\n<text x=\"80\" y=\"26\" font-size=\"15\">{}</text>\n\
-         <g transform=\"translate(80 44)\" shape-rendering=\"crispEdges\">\n<rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>\n",
-        super::escape(&page.title)
-    );
-    for (row, amplitudes) in page.cells(across, down).iter().enumerate() {
-        for (column, db) in amplitudes.iter().enumerate().filter(|(_, db)| **db > -DYNAMIC_RANGE) {
-            let share = 1.0 + db / DYNAMIC_RANGE;
-            // From white over blue to black: printed in grey it keeps its order.
-            let [red, green, blue] = [1.0, 0.85, 0.45].map(|part| 255.0 * (1.0 - share * part));
-            let (x, y) = (column as f64 * w, height - (row + 1) as f64 * h);
-            let _ = writeln!(
-                svg,
-                "<rect x=\"{x:.2}\" y=\"{y:.2}\" width=\"{:.2}\" height=\"{:.2}\" fill=\"rgb({red:.0},{green:.0},{blue:.0})\"/>",
-                w + 0.05,
-                h + 0.05
-            );
-        }
-    }
+    let across = page.map.columns.len().clamp(1, MAX_CELLS.0);
+    let rows = page.cells(across, MAX_CELLS.1);
+    let share = |db: f64| (1.0 + db / DYNAMIC_RANGE).max(0.0);
+    let column = |index: usize| rows.iter().map(|row| share(row[index])).collect();
+    let [from, to] = page.span();
+    let named = |value: f64, unit: &str, digits: usize| (value, engineering(value, unit, digits));
+    let ticks = vec![named(from, "s", 4), named(to, "s", 4)];
+    let x = Axis { label: String::new(), from, to, logarithmic: false, ticks };
+    let ticks = vec![(0.0, "0".to_owned()), named(page.highest, "Hz", 3)];
+    let y = Axis { label: String::new(), from: 0.0, to: page.highest, logarithmic: false, ticks };
+    let mut plot = Plot::new("", x, y);
     for (frequency, name) in page.edges() {
-        let y = height * (1.0 - frequency / page.highest);
-        let text = format!("{name} {}", engineering(frequency, "Hz", 4));
-        let _ = writeln!(
-            svg,
-            "<path d=\"M0 {y:.1}H{width}\" stroke=\"#c04020\" stroke-dasharray=\"5 4\"/>\n\
-             <text x=\"4\" y=\"{:.1}\" fill=\"#c04020\">{text}</text>",
-            y - 4.0
-        );
+        plot.lines.push(chart::level(&plot.x, frequency));
+        let above = frequency + NAME_DISTANCE * page.highest;
+        plot.words.push((from, above, format!("{name} {}", engineering(frequency, "Hz", 4))));
     }
-    let [from, to] = page.span().map(|time| engineering(time, "s", 4));
-    let _ = writeln!(
-        svg,
-        "<rect width=\"{width}\" height=\"{height}\" fill=\"none\" stroke=\"#404040\"/>\n\
-         <text x=\"0\" y=\"{0}\">{from}</text>\n<text x=\"{width}\" y=\"{0}\" text-anchor=\"end\">{to}</text>\n\
-         <text x=\"-8\" y=\"12\" text-anchor=\"end\">{1}</text>\n<text x=\"-8\" y=\"{height}\" text-anchor=\"end\">0</text>",
-        height + 20.0,
-        engineering(page.highest, "Hz", 3)
-    );
-    svg.push_str("</g>\n</svg>\n");
-    svg
+    plot.map =
+        Some(ShadedMap { columns: (0..across).map(column).collect(), shades: String::new() });
+    chart::picture(&page.title, plot)
 }

@@ -3,8 +3,7 @@
 use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::spectrum::Spectrum;
 use crate::quantity::engineering;
-use crate::report::chart::whole_numbers;
-use crate::report::sheet::{Axis, COLOURS, Plot, Polyline, Sheet, Stroke};
+use crate::report::sheet::{Axis, COLOURS, Plot, Polyline, Sheet, Stroke, whole_numbers};
 use crate::studies::paper::tables::SpeedStudy;
 use crate::studies::paper::{Figure, ForceSignal, Viscous};
 use crate::trace::Trace;

@@ -4,7 +4,8 @@ mod draw;
 
 pub use draw::sheet_svg;
 
-use crate::report::chart::ticks;
+/// Target number of intervals on an axis.
+const TARGET_INTERVALS: f64 = 6.0;
 
 /// Lines in colours that the colour-blind tell apart. Source: M. Okabe, K. Ito (2008), "Color Universal Design".
 pub const COLOURS: [&str; 7] =
@@ -130,4 +131,25 @@ pub struct Sheet {
     pub size: (f64, f64),
     /// Row by row.
     pub panels: Vec<Plot>,
+}
+
+/// Round numbers from `low` to `high`: steps of 1, 2 or 5 of a power of ten.
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    reason = "the number of ticks is small"
+)]
+pub(super) fn ticks(low: f64, high: f64) -> Vec<f64> {
+    let rough = (high - low) / TARGET_INTERVALS;
+    let power = 10f64.powf(rough.log10().floor());
+    let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|step| *step >= rough);
+    let step = step.unwrap_or(rough);
+    let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
+    (first..=last).map(|n| n as f64 * step).collect()
+}
+
+/// Every whole number from `low` to `high`, without a name.
+#[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "a few dozen")]
+pub(super) fn whole_numbers(low: f64, high: f64) -> Vec<(f64, String)> {
+    ((low.ceil() as i64)..=(high.floor() as i64)).map(|n| (n as f64, String::new())).collect()
 }
