@@ -152,7 +152,7 @@ fn page(arguments: &Arguments) -> anyhow::Result<DispersionPage> {
     let (highest, nyquist) = (FREQUENCY_MARGIN * chain.cutoff(), 0.5 / interval);
     if nyquist < chain.cutoff() {
         bail!(
-            "found forces along the chain every {interval:e} s, which tell frequencies to {nyquist:.0} Hz, expected them to {:.0} Hz, the top of the optical branch: run the scene for less time",
+            "found forces along the chain every {interval:e} s, which resolve frequencies to {nyquist:.0} Hz, expected them to {:.0} Hz, the top of the optical branch: run the scene for less time",
             chain.cutoff()
         );
     }

@@ -36,7 +36,7 @@ pub fn resolve_auto_effects(scene: &Scene, integration: Integration) -> Cow<'_, 
         else {
             settled
                 .decided
-                .push(format!("{name} is on: a step by hand has no accuracy to leave it to"));
+                .push(format!("{name} is on: state = \"auto\" needs an accuracy, not a step"));
             continue;
         };
         let change = change_upper_bound(scene, name);
@@ -57,7 +57,7 @@ pub fn resolve_auto_effects(scene: &Scene, integration: Integration) -> Cow<'_, 
 /// The decision, as a note.
 fn describe_decision(name: &str, change: f64, limit: f64) -> String {
     if change.is_infinite() {
-        format!("{name} is on: how much it changes cannot be told beforehand")
+        format!("{name} is on: its change has no known upper bound")
     } else if change < limit {
         format!(
             "{name} is off: it would change readings by less than {change:.1e}, a tenth of the accuracy is {limit:.1e}"

@@ -30,7 +30,7 @@ pub fn notes(
     let interval = scene.scope.model.sample_interval(scene.scope.time_base);
     let apart = engineering(interval, "s", 3);
     let passed = format!(
-        "no sample crossed the trigger's level (they are {apart} apart: what is shorter may pass)"
+        "no sample crossed the trigger's level (they are {apart} apart; shorter pulses may be missed)"
     );
     match found {
         None => {
@@ -46,7 +46,7 @@ pub fn notes(
     for capture in &shot.captures {
         let clipped = capture.waveform.clipped();
         if clipped > 0 {
-            notes.push(format!("{}: {clipped} samples stand at the end of the converter's range and may be clipped", capture.waveform.source));
+            notes.push(format!("{}: {clipped} samples at the end of the converter's range may be clipped", capture.waveform.source));
         }
     }
     for sensor in sensors.iter().filter(|s| s.first_peak.is_none()) {

@@ -32,7 +32,7 @@ pub fn arrivals(survey: &Survey) -> String {
         ));
     }
     if !survey.decays.is_empty() {
-        lines.push("  note  a light host, a heavy one and a wall feel different shares of one pulse: compare like with like".to_owned());
+        lines.push("  note  heights depend on the host's mass: compare hosts of one kind".to_owned());
     }
     for channel in &survey.channels {
         let name = &channel.channel;

@@ -90,7 +90,7 @@ pub fn text(page: &SpectrogramPage) -> String {
     let mut lines = vec![page.title.clone()];
     if let Some(column) = page.map.columns.first() {
         lines.push(format!(
-            "  {} pieces of {}, {} window; lines told apart at {}",
+            "  {} pieces of {}, {} window; resolution {}",
             page.map.columns.len(),
             engineering(1.0 / column.resolution, "s", 3),
             column.window,

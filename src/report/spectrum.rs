@@ -81,7 +81,7 @@ impl SpectrumPage {
                 spectrum.samples, spectrum.window, spectrum.padded
             ),
             format!(
-                "  frequency   bins {} apart, lines told apart at {}",
+                "  frequency   bins {} apart, resolution {}",
                 hertz(spectrum.step),
                 hertz(spectrum.resolution)
             ),

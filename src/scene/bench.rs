@@ -213,7 +213,7 @@ fn trigger_setup(
         sources.iter().map(|(name, s)| (name.as_str(), *s)).collect();
     let source = if table.is_word("source", "LINE") {
         let expected =
-            "a source that the impact reaches: the mains, at any phase, know nothing of it";
+            "a source with the impact's signal; the mains have none";
         table.problem("source", "\"LINE\"", expected);
         None
     } else {

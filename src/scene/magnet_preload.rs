@@ -63,7 +63,7 @@ fn force(table: &TableReader<'_>) -> Option<MagnetForce> {
     let [distance, unloaded] = [length("distance"), length("distance_unloaded")];
     let wanted = found.contains(&"force").then(|| force(table)).flatten();
     if found.len() != 1 {
-        let expected = "one of distance (in the static state), distance_unloaded and force, which says where the magnet stands";
+        let expected = "one of distance (in the static state), distance_unloaded and force, the magnet's position";
         let listed = if found.is_empty() { "none of them".to_owned() } else { found.join(" and ") };
         table.problem("distance", listed, expected);
         return None;

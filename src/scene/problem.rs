@@ -50,7 +50,7 @@ impl Problem {
         if self.file != file {
             let expected = &self.expected;
             self.expected = format!(
-                "{expected} ({file} stands on this file: what it changes may not fit here)"
+                "{expected} (base of {file}, whose changes may not fit here)"
             );
         }
     }

@@ -61,7 +61,7 @@ fn shipped() -> Check {
         names.iter().copied().filter(|name| Scene::load(name).is_err()).collect();
     let good = wrong.is_empty() && data::recording("herbold-2009-tables.toml").is_some();
     let found = if wrong.is_empty() {
-        format!("{} scenes and all they stand on", names.len())
+        format!("{} scenes with their instruments", names.len())
     } else {
         format!("cannot be read: {}", wrong.join(", "))
     };

@@ -93,7 +93,7 @@ impl Scan {
             let lines = if self.damaged == 1 { "line that does" } else { "lines that do" };
             let damaged = self.damaged;
             notices.push(format!(
-                "{file}: found {damaged} {lines} not agree with the checksum; what stood there is not finished"
+                "{file}: found {damaged} {lines} not agree with the checksum; the runs there are not finished"
             ));
         }
         notices

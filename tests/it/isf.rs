@@ -44,7 +44,7 @@ fn short_keys_and_one_byte() {
     assert_eq!(waveform.vertical.coupling, Some(Coupling::Dc));
     assert_eq!((waveform.horizontal_scale, waveform.preamble.x_incr), (0.1, 8e-4));
     assert_eq!((waveform.trigger_point, waveform.time(0)), (1000.0, -0.8));
-    assert_eq!(capture.notes, ["probe attenuation taken as 1: the file does not tell it"]);
+    assert_eq!(capture.notes, ["probe attenuation taken as 1: not given in the file"]);
 }
 
 #[test]
@@ -205,7 +205,7 @@ fn comes_back(capture: &Capture, width: Width) {
     let file = write(capture, width).expect("writable");
     let back = read(&file, "a.isf").expect("readable");
     assert_eq!(back.waveform, capture.waveform);
-    assert_eq!(back.notes, ["probe attenuation taken as 1: the file does not tell it"]);
+    assert_eq!(back.notes, ["probe attenuation taken as 1: not given in the file"]);
 }
 
 #[test]

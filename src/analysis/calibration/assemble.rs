@@ -155,7 +155,7 @@ fn notes(found: &Calibration, common: &Common, tail: Option<(f64, f64)>) -> Vec<
         && (tau - given.value).abs() > 3.0 * u.hypot(given.u)
     {
         notes.push(format!(
-            "the records' ends tell a time constant of {:.4} ms, {:.1} standard uncertainties from the {:.4} ms given",
+            "the records' ends give a time constant of {:.4} ms, {:.1} standard uncertainties from the {:.4} ms given",
             1e3 * tau,
             (tau - given.value).abs() / u.hypot(given.u),
             1e3 * given.value

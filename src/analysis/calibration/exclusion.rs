@@ -4,7 +4,7 @@
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Exclusion {
     /// The converter was driven to its end.
-    #[error("saturated: {samples} samples stand at the converter's ends")]
+    #[error("saturated: {samples} samples at the converter's ends")]
     Saturated {
         /// How many.
         samples: usize,

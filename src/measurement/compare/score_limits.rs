@@ -62,7 +62,7 @@ impl ScoreLimits {
         for limit in &self.0 {
             if let Limit::Speed(most) = limit {
                 if speeds.is_empty() {
-                    failures.push("speed cannot be told".to_owned());
+                    failures.push("no speed".to_owned());
                 }
                 let beyond = speeds.iter().filter(|s| s.error.is_nan() || s.error.abs() > *most);
                 failures.extend(beyond.map(|s| {
@@ -184,7 +184,7 @@ fn beyond(channel: &ChannelScore, limit: Limit) -> Option<String> {
     match error {
         Some(error) if error <= most => None,
         Some(_) => Some(format!("{name}: {shown}, expected {}", words(&limit))),
-        None => Some(format!("{name}: cannot be told, expected {}", words(&limit))),
+        None => Some(format!("{name}: no value, expected {}", words(&limit))),
     }
 }
 

@@ -177,7 +177,7 @@ pub fn speeds(
             [known.clone(), known]
         }
     }) else {
-        notes.push("no speeds: neither side carries a scene that tells distances".to_owned());
+        notes.push("no speeds: neither side has a scene with distances".to_owned());
         return Vec::new();
     };
     let mut placed: Vec<(&ChannelPair, Site)> =

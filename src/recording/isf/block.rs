@@ -46,7 +46,7 @@ impl Encoding {
     ) -> Result<Self, IsfError> {
         let mut default = |found: Option<bool>, key: preamble::PreambleKey, taken: &str| {
             found.unwrap_or_else(|| {
-                notes.push(format!("{} taken as {taken}: the file does not tell it", key.name()));
+                notes.push(format!("{} taken as {taken}: not given in the file", key.name()));
                 false
             })
         };
@@ -142,7 +142,7 @@ fn block(
     let digits = usize::from(digits.ok_or_else(|| wrong(start + 1, "a digit"))? - b'0');
     let first = start + 2 + digits;
     if digits == 0 {
-        notes.push("the block does not tell its length; it is taken to the file's end".to_owned());
+        notes.push("the block has no length; it is read to the file's end".to_owned());
         let end = bytes.len() - usize::from(bytes.ends_with(b"\n"));
         return Ok(first..end.max(first));
     }

@@ -36,7 +36,7 @@ pub fn read(bytes: &[u8], file_name: &str) -> Result<Capture, IsfError> {
     let mut or_zero = |key: preamble::PreambleKey| -> Result<f64, IsfError> {
         let number = words.number(key)?;
         if number.is_none() {
-            notes.push(format!("{} taken as 0: the file does not tell it", key.name()));
+            notes.push(format!("{} taken as 0: not given in the file", key.name()));
         }
         Ok(number.unwrap_or_default())
     };
@@ -147,7 +147,7 @@ fn settings(
 ) -> Result<Capture, IsfError> {
     let name = Name::read(&words.text(preamble::NAME)?.unwrap_or_default());
     let mut assume = |what: &str, taken: &str| {
-        notes.push(format!("{what} taken as {taken}: the file does not tell it"));
+        notes.push(format!("{what} taken as {taken}: not given in the file"));
     };
     let source = name.source.unwrap_or_else(|| {
         assume("source", "CH1");

@@ -250,7 +250,7 @@ impl Numbers {
 
     fn time_rules(&self) -> [Rule; 3] {
         let smallest = ORDINATE_DIGIT * LEVELS_PER_DIVISION;
-        let scale = format!("above {smallest} V/div, or five decimals cannot tell levels apart");
+        let scale = format!("above {smallest} V/div, or five decimals do not resolve levels");
         let division = POINTS_PER_DIVISION * self.interval;
         let width = format!("{}, 250 sample intervals", c_exponential(division, DECIMALS));
         let horizontal = near(self.horizontal_scale, division);

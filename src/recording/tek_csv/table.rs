@@ -125,7 +125,7 @@ impl ColumnPlan {
                 (ColumnRole::Nameless | ColumnRole::Abscissa | ColumnRole::Index, None)
                     if layout.names.is_some() =>
                 {
-                    refused.push(format!("{place} has no name that tells what it is"));
+                    refused.push(format!("{place} has no known name"));
                 }
                 (role, None) => {
                     let left = times.iter().rev().find(|time| *time < cell).or(times.first());
@@ -217,7 +217,7 @@ impl ColumnPlan {
                 }
                 None if own.is_none() && !self.given => channel
                     .notes
-                    .push(format!("source taken as {source}: the file does not tell it")),
+                    .push(format!("source taken as {source}: not given in the file")),
                 _ => {}
             }
             taken.push(source);
@@ -399,7 +399,7 @@ fn times(
             Err(unknown(
                 table,
                 &format!(
-                    "a name that tells times: columns {} are evenly spaced",
+                    "a name of times: columns {} are evenly spaced",
                     columns.join(" and ")
                 ),
             ))

@@ -88,7 +88,7 @@ impl EvenTimes {
                     format!(", between {} and {} by the printed digits", shown(low), shown(high))
                 });
                 notes.push(format!(
-                    "sample interval {:e} {unit} taken from the column of times: no header tells it{bounds}",
+                    "sample interval {:e} {unit} taken from the column of times: not given in a header{bounds}",
                     self.interval
                 ));
             }
@@ -102,7 +102,7 @@ impl EvenTimes {
             // Where a header tells the interval, it gives the trigger by the time that is zero.
             None if stated.interval.is_some() => {}
             None => notes.push(format!(
-                "trigger point {} taken from the time that is zero: no header tells it",
+                "trigger point {} taken from the time that is zero: not given in a header",
                 self.trigger_point
             )),
             Some(stated) if stated.to_bits() != self.trigger_point.to_bits() => {

@@ -120,7 +120,7 @@ impl UnscaledImport {
 
     /// Notes that the file does not tell `what`, and returns what is taken instead.
     fn assume(&mut self, taken: &str, what: &str) -> String {
-        self.notes.push(format!("{what} taken as {taken}: the file does not tell it"));
+        self.notes.push(format!("{what} taken as {taken}: not given in the file"));
         taken.to_owned()
     }
 
@@ -176,10 +176,10 @@ impl UnscaledImport {
                 format!("{instead}levels {step} apart are taken from the gaps between the values")
             }
             LevelSource::Digits => format!(
-                "{instead}the digitiser's levels cannot be told from them; they are kept as printed, in steps of {step}"
+                "{instead}the digitiser's levels do not follow from them; they are kept as printed, in steps of {step}"
             ),
             LevelSource::Rounded(error) => format!(
-                "{instead}the digitiser's levels cannot be told from them; they are kept in 16 bits, in steps of {step}, with an error of at most {}",
+                "{instead}the digitiser's levels do not follow from them; they are kept in 16 bits, in steps of {step}, with an error of at most {}",
                 engineering(error, unit, 2)
             ),
         };
@@ -196,7 +196,7 @@ impl UnscaledImport {
             let scale = one_two_five(scale, 1e-9).unwrap_or(scale);
             let text = engineering(scale, &per_division, 3);
             self.notes.push(format!(
-                "vertical scale taken as {text}, 25 levels a division: the file does not tell it"
+                "vertical scale taken as {text}, 25 levels a division: not given in the file"
             ));
             let mut levels = grid.indices.clone();
             levels.sort_unstable();
@@ -215,7 +215,7 @@ impl UnscaledImport {
         let scale = steps.into_iter().find(|step| *step >= eighth).unwrap_or(eighth);
         let text = engineering(scale, &per_division, 3);
         self.notes.push(format!(
-            "vertical scale taken as {text}, to show all values: the file does not tell it"
+            "vertical scale taken as {text}, to show all values: not given in the file"
         ));
         scale
     }
@@ -232,10 +232,10 @@ impl UnscaledImport {
         let Some(zero) = self.zero else {
             if fits::<i8>(low, high) {
                 self.notes
-                    .push("vertical position taken as 0 div: the file does not tell it".to_owned());
+                    .push("vertical position taken as 0 div: not given in the file".to_owned());
                 return 0;
             }
-            self.notes.push("vertical position taken so that the record is in the screen's middle: the file does not tell it".to_owned());
+            self.notes.push("vertical position taken so that the record is in the screen's middle: not given in the file".to_owned());
             return -middle;
         };
         let wanted = match unit {
@@ -245,7 +245,7 @@ impl UnscaledImport {
         let shift = nearest(wanted);
         if unit != "dB" && (wanted - float(shift)).abs() > ZERO_LEVEL_TOLERANCE {
             self.notes.push(format!(
-                "zero stands {} levels from the screen's centre by the header, which is no whole number; taken as {shift}: the levels may be off by one, the voltages are not",
+                "zero is {} levels from the screen's centre by the header, not a whole number; taken as {shift}: the levels may be off by one, the voltages are not",
                 super::column::rounded(wanted, 6)
             ));
         }

@@ -6,7 +6,7 @@ use super::{Plot, Polyline, Sheet, Stroke};
 use crate::report::escape;
 
 /// Room around a panel's frame: left, right, above, below (pixels).
-const MARGINS: (f64, f64, f64, f64) = (74.0, 18.0, 30.0, 50.0);
+const MARGINS: (f64, f64, f64, f64) = (74.0, 34.0, 30.0, 50.0);
 /// Room above all panels for the title (pixels).
 const TITLE_HEIGHT: f64 = 34.0;
 /// Height of a line of text (pixels).
@@ -241,7 +241,7 @@ fn sample(line: &Polyline) -> String {
 fn thinned(places: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut kept = Vec::new();
     for group in places.chunk_by(|a, b| (2.0 * a.0).floor() >= (2.0 * b.0).floor()) {
-        if let ([first, .., last], Some(high), Some(low)) = (
+        if let ([first, _, _, _, .., last], Some(high), Some(low)) = (
             group,
             group.iter().min_by(|a, b| a.1.total_cmp(&b.1)),
             group.iter().max_by(|a, b| a.1.total_cmp(&b.1)),

@@ -69,7 +69,7 @@ impl CostStudy {
 pub fn study(scene: &Scene, runs: u16, progress: &mut dyn FnMut(f64)) -> Result<CostStudy, String> {
     let (exact, reference) = reference(scene)?;
     if exact.readings.iter().all(|reading| reading.first_peak.is_none()) {
-        return Err("no sensor and no wall felt a pulse that could be compared".to_owned());
+        return Err("no pulse at any sensor or the wall to compare".to_owned());
     }
     let settings = settings(scene);
     let all = settings.len() + decades().count();

@@ -233,7 +233,7 @@ pub fn reference(scene: &Scene) -> Result<(Run, Reference), String> {
                 let error_trace = trace_error(&other, &exact, usize::MAX).unwrap_or(0.0);
                 Ok((exact, Reference { method, second, error, error_trace }))
             }
-            None => Err(format!("{method} and {second} feel different pulses")),
+            None => Err(format!("{method} and {second} find different pulses")),
         };
     }
     Err(last.map_or(String::new(), |error| error.to_string()))

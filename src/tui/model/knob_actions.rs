@@ -23,7 +23,7 @@ impl ScreenState {
             return;
         }
         if self.is_served() {
-            let word = "effects of a served bench stand in its scene: view the scene itself";
+            let word = "effects of a served bench are set in its scene: view the scene itself";
             self.notice = Some(word.to_owned());
             return;
         }

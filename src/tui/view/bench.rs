@@ -103,7 +103,7 @@ fn farthest_between(trace: &Trace, from: f64, to: f64) -> f64 {
 pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let area = layout.page;
     let (Some(film), Some((start, end))) = (Film::of(model), model.film_span()) else {
-        let words = "this shot has no truth topics: only simulations know how the beads moved";
+        let words = "this shot has no simulated motion: only simulations have it";
         return message(words, area, frame);
     };
     let now = model.play().bench_time.clamp(start, end);

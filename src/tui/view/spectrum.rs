@@ -42,7 +42,7 @@ fn heading(model: &ScreenState, what: &str) -> Line<'static> {
             let zoomed = model.is_band_zoomed();
             parts.push(Span::raw(if zoomed { "z: all" } else { "gap f1-f2" }));
         }
-        None => parts.push(Span::raw("no band edges: no scene tells the chain around this sensor")),
+        None => parts.push(Span::raw("no band edges: the chain around this sensor is not known")),
     }
     Line::from(parts)
 }

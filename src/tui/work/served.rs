@@ -133,7 +133,7 @@ pub fn start(scope: ServedConnection, news: &Sender<ScreenEvent>) -> Sender<Stri
         let watched = guarded(|| watch.go(&received).map_err(|error| error.to_string()));
         if let Err(words) = watched {
             // The screen may be closed already.
-            let _ = news.send(ScreenEvent::Lost(format!("{address}: the scope is gone: {words}")));
+            let _ = news.send(ScreenEvent::Lost(format!("{address}: connection lost: {words}")));
         }
     });
     orders

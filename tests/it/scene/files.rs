@@ -112,7 +112,7 @@ fn a_problem_in_a_base_names_the_scene_that_stands_on_it() {
     let [problem] = &told[..] else { panic!("{told:#?}") };
     assert!(problem.file.ends_with("magnet-0.61g.toml") && problem.key == "scope.time_base");
     assert!(problem.found.contains("1.00 Gs"), "{problem}");
-    let names = problem.expected.contains("stands on this file: what it changes may not fit here");
+    let names = problem.expected.contains("whose changes may not fit here");
     assert!(names, "{problem}");
     let text = "base = \"magnet-0.61g\"\n[striker]\nspeed = \"0 m/s\"\n";
     let Err(SceneError::Problems(told)) = load(text) else { panic!("sound") };

@@ -88,7 +88,7 @@ fn rounded_levels_are_not_forced() {
     assert_eq!(
         found.notes,
         [
-            "the values are no multiples of 80.00 µV, the scale's level; the digitiser's levels cannot be told \
+            "the values are no multiples of 80.00 µV, the scale's level; the digitiser's levels do not follow \
              from them; they are kept as printed, in steps of 100.0 µV"
         ]
     );
@@ -134,7 +134,7 @@ fn a_zero_between_levels_is_noted() {
     let found = &read_all(openchoice(&[capture]).as_bytes(), "F.CSV").expect("readable")[0];
     assert_eq!(found.waveform.codes[..2], [-18, -17]);
     assert_eq!(found.waveform.volts(1), Some(0.08));
-    assert!(found.notes[1].starts_with("zero stands -17.5 levels"), "{:?}", found.notes);
+    assert!(found.notes[1].starts_with("zero is -17.5 levels"), "{:?}", found.notes);
 }
 
 #[test]
@@ -207,10 +207,10 @@ fn samples_alone_are_read_with_every_guess_named() {
         assert_eq!(waveform.horizontal_scale, 1e-3);
         for guess in [
             "the file has no header",
-            "unit of the values taken as V: the file does not tell it",
-            "vertical scale taken as 100 mV/div, 25 levels a division: the file does not tell it",
-            "source taken as CH1: the file does not tell it",
-            "probe attenuation taken as 1: the file does not tell it",
+            "unit of the values taken as V: not given in the file",
+            "vertical scale taken as 100 mV/div, 25 levels a division: not given in the file",
+            "source taken as CH1: not given in the file",
+            "probe attenuation taken as 1: not given in the file",
         ] {
             assert!(found.notes.iter().any(|note| note == guess), "{guess}: {:?}", found.notes);
         }

@@ -103,7 +103,7 @@ fn openchoice_two_channels_of_a_hammered_rod() {
         assert_eq!((model(&found[0]), model(&found[1])), ("TDS1002B", "TDS1002B"));
         assert_eq!(found[0].notes.len(), 1, "{:?}", found[0].notes);
         assert!(found[0].notes[0].starts_with("OpenChoice says: TDS 1002B - 3:3"));
-        assert!(found[1].notes[1].starts_with("zero stands -17.5 levels"), "{:?}", found[1].notes);
+        assert!(found[1].notes[1].starts_with("zero is -17.5 levels"), "{:?}", found[1].notes);
     }
 }
 
@@ -187,5 +187,5 @@ fn a_newer_model_with_eight_bits() {
     };
     check(name, &found[0], &wanted);
     assert_eq!(model(&found[0]), "TBS1052C");
-    assert_eq!(found[0].notes, ["vertical position taken as 0 div: the file does not tell it"]);
+    assert_eq!(found[0].notes, ["vertical position taken as 0 div: not given in the file"]);
 }

@@ -183,7 +183,7 @@ fn what_a_file_tells_is_not_said_to_be_missing() {
     let found = read_text(&format!("x-axis,1,2\nsecond,Volt,Volt\n{}", two(",")));
     assert_eq!(found.len(), 2);
     is(&found[1], Source::Channel(2), PULSE_TIMES, &PULSE.map(|v| 2.0 * v));
-    let stated = "the file does not tell it";
+    let stated = "not given in the file";
     assert!(
         !found[1].notes.iter().any(|n| n.starts_with("unit") && n.ends_with(stated)),
         "{:?}",

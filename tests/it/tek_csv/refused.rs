@@ -78,7 +78,7 @@ const WRONG_FIELDS: [(usize, &str, &str, &str); 19] = [
         9,
         "2.000000e-03",
         "2.000000e-04",
-        "F.CSV, line 9, column 16: `Vertical Scale` is `2.000000e-04`, expected above 0.00025 V/div, or five decimals cannot tell levels apart",
+        "F.CSV, line 9, column 16: `Vertical Scale` is `2.000000e-04`, expected above 0.00025 V/div, or five decimals do not resolve levels",
     ),
     (
         12,
