@@ -125,7 +125,7 @@ impl ColumnPlan {
                 (ColumnRole::Nameless | ColumnRole::Abscissa | ColumnRole::Index, None)
                     if layout.names.is_some() =>
                 {
-                    refused.push(format!("{place} has no known name"));
+                    refused.push(format!("{place} has no name that is known"));
                 }
                 (role, None) => {
                     let left = times.iter().rev().find(|time| *time < cell).or(times.first());

@@ -174,7 +174,7 @@ fn a_scope_that_is_gone_is_told() {
     session.wait_for(|model| !model.captures().is_empty());
     drop(server);
     session.wait_for(|model| draw(model, 80, 24).text().contains("Lost"));
-    assert!(session.model.notice().expect("a word").contains("the scope is gone"));
+    assert!(session.model.notice().expect("a word").contains("connection lost"));
     // What was seen stays, and keys harm nothing.
     for action in [Action::Impact, Action::VoltsPerDivision(TurnDirection::Up), Action::RunStop] {
         session.act(action);

@@ -218,7 +218,8 @@ const ON_TERMINAL: &str = "HERTZSCOPE_TEST_ON_TERMINAL";
 #[test]
 fn panics_on_its_terminal() {
     let Ok(place) = std::env::var(ON_TERMINAL) else { return };
-    let done = hertzscope::tui::on_terminal(|_| {
+    let done = hertzscope::tui::on_terminal(|terminal| {
+        terminal.draw(|_| ())?;
         assert_ne!(place, "screen", "provoked");
         assert!(thread::spawn(|| panic!("provoked")).join().is_err());
         println!("goes on");
