@@ -1,19 +1,20 @@
 //! Zero and noise of a trace, from its samples before the pulse.
 //!
 //! Noise of one sample: the baseline's root mean square about its mean, but no less than `q/sqrt(12)`, what the rounding to
-//! levels `q` apart leaves (JCGM 100:2008, F.2.2.1). Where noise is below 0.3 levels, rounding errors of neighbouring samples go
-//! together, and averaging helps only as far as the signal crosses levels: then a fit over samples that span `c` levels counts as
-//! one over `c` samples.
+//! levels `q` apart leaves (JCGM 100:2008, F.2.2.1). Where noise is below 0.35 levels, rounding errors of neighbouring samples go
+//! together ([`super::rounding`]): the mean of a signal at rest has them in common, and a local fit over samples that span `c` levels
+//! counts as one over `c` samples.
 
 use std::ops::Range;
 
 use super::pulse_conditions::{Conditions, MIN_BASELINE_SAMPLES, PEAK_SHARE, PulseError};
+use super::rounding::Rounding;
 use crate::trace::Trace;
 
 /// The baseline ends after this share of the samples before the pulse exceeds a quarter of the largest value (1).
 const BASELINE_SHARE: f64 = 2.0 / 3.0;
 /// Noise below this many levels leaves rounding errors that go together (1).
-const DITHER_NOISE: f64 = 0.3;
+const DITHER_NOISE: f64 = 0.35;
 
 /// Zero and noise of a trace before the pulse.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,6 +29,8 @@ pub struct Baseline {
     pub middle: f64,
     /// Standard uncertainty of the mean (unit).
     pub uncertainty: f64,
+    /// The noise in front of the converter, as far as the codes tell it.
+    pub rounding: Rounding,
 }
 
 impl Baseline {
@@ -45,12 +48,14 @@ impl Baseline {
         let squares: f64 = values.iter().map(|v| (v - level).powi(2)).sum();
         let rms = (squares / (count - 1.0)).sqrt();
         let noise = noise_of(rms, conditions.level);
+        let rounding = Rounding::of(values, rms, conditions.level);
         Ok(Self {
             level,
             rms,
             samples: values.len(),
             middle: 0.5 * (trace.time(range.start) + trace.time(range.end - 1)),
-            uncertainty: noise * (together(values, rms, conditions.level) / count).sqrt(),
+            uncertainty: (noise * noise / count + rounding.common()).sqrt(),
+            rounding,
         })
     }
 }

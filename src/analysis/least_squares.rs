@@ -2,8 +2,8 @@
 //!
 //! Minimises `chi^2(x) = sum r[i](x)^2`, residuals in units of their standard deviations. A step `h` solves
 //! `(J^T J + mu D) h = -J^T r`, `D` the largest diagonal of `J^T J` so far; `mu` follows the gain ratio by Nielsen's rule, and a step to
-//! where the problem has no value is refused like one that climbs. Covariance: `s^2 (J^T J)^-1` with the residual variance
-//! `s^2 = chi^2/(N - P)`.
+//! where the problem has no value is refused like one that climbs. Covariance of white residuals: `s^2 (J^T J)^-1` with the
+//! residual variance `s^2 = chi^2/(N - P)`.
 //! Sources: J. J. Moré, Lecture Notes in Mathematics 630, 105 (1978), for the scaling; K. Madsen, H. B. Nielsen, O. Tingleff, "Methods
 //! for Non-Linear Least Squares Problems", DTU (2004), Algorithm 3.16, for the damping. Valid for residuals that are smooth in the
 //! parameters; finds the minimum of the valley it starts in.
@@ -164,15 +164,12 @@ impl Minimum {
         self.chi_squared / self.degrees_of_freedom.max(1) as f64
     }
 
-    /// Covariance of the parameters, `s^2 (J^T J)^-1`, in the product of their units (1).
+    /// `(J^T J)^-1`, the covariance of the parameters for white residuals of variance one, in the product of their units (1).
     ///
     /// # Errors
     /// [`Undetermined`] with the parameter that the data do not determine beside the others.
-    pub fn covariance(&self) -> Result<Vec<Vec<f64>>, Undetermined> {
-        let variance = self.variance();
-        let mut inverse = inverse_of_gram(&self.columns)?;
-        inverse.iter_mut().flatten().for_each(|element| *element *= variance);
-        Ok(inverse)
+    pub fn inverse(&self) -> Result<Vec<Vec<f64>>, Undetermined> {
+        inverse_of_gram(&self.columns)
     }
 }
 
@@ -237,14 +234,14 @@ mod tests {
         for start in [[500.0, 1e-4], [250.0, 5e-4]] {
             let limits = StopCriteria { reduction: 1e-14, steps: 200 };
             let found = minimise(&mut Points(curve, &DATA), &start, limits).expect("a minimum");
-            let covariance = found.covariance().expect("determined parameters");
+            let inverse = found.inverse().expect("determined parameters");
             for (j, (value, deviation)) in
                 [(238.942_129_18, 2.707_007_524_1), (5.501_564_318_1e-4, 7.266_868_843_6e-6)]
                     .into_iter()
                     .enumerate()
             {
                 assert!((found.x[j] / value - 1.0).abs() < 1e-6, "{start:?}: {:?}", found.x);
-                let off = covariance[j][j].sqrt() / deviation - 1.0;
+                let off = (found.variance() * inverse[j][j]).sqrt() / deviation - 1.0;
                 assert!(off.abs() < 1e-5, "deviation of b{}: {off:e}", j + 1);
             }
             assert!((found.variance().sqrt() / 0.101_878_763_30 - 1.0).abs() < 1e-7);
@@ -259,7 +256,7 @@ mod tests {
         let curve: Curve = |b, x| (b[0] + b[1]) * x + b[2];
         let limits = StopCriteria { reduction: 1e-12, steps: 50 };
         let found = minimise(&mut Points(curve, &points), &[1.0, 1.0, 1.0], limits);
-        assert!(found.expect("a minimum").covariance().is_err());
+        assert!(found.expect("a minimum").inverse().is_err());
     }
 
     /// A step to where there is no value is refused, and the minimum at the edge of what is allowed is still found.

@@ -53,7 +53,7 @@ fn substitute(lower: &[Vec<f64>], right: &[f64]) -> Vec<f64> {
 ///
 /// # Errors
 /// [`Undetermined`] for a matrix that is not positive.
-pub(super) fn solve(matrix: &[Vec<f64>], right: &[f64]) -> Result<Vec<f64>, Undetermined> {
+pub fn solve(matrix: &[Vec<f64>], right: &[f64]) -> Result<Vec<f64>, Undetermined> {
     Ok(substitute(&factor(matrix, 0.0)?, right))
 }
 

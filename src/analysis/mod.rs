@@ -13,6 +13,7 @@ pub mod linear;
 mod local_fit;
 pub mod pulse;
 mod pulse_conditions;
+pub mod rounding;
 pub mod spectral_peak;
 pub mod spectrum;
 pub mod speed;

@@ -71,13 +71,19 @@ impl Pulse {
             return Err(PulseError::NoPulse { trace: name(), largest: top, noise });
         }
         let drop = |noise: f64| noise.max(MIN_DEPTH_SHARE * top);
+        // A quarter of the largest value may be within the noise: of many samples one passes it by chance.
+        let significant = chance_limit(signal.values.len());
+        let threshold = |noise: f64| (PEAK_SHARE * top).max(significant * noise);
         let rough =
-            first_maximum(&signal.values, PEAK_SHARE * top, drop(MIN_RAW_PROMINENCE * noise));
+            first_maximum(&signal.values, threshold(noise), drop(MIN_RAW_PROMINENCE * noise));
         let reach = smoothing_reach(rough.1 - rough.0);
         let (smoothed, gain) = smooth(&signal.values, reach);
         let smoothed_noise = noise * gain;
-        let (_, peak) =
-            first_maximum(&smoothed, PEAK_SHARE * top, drop(MIN_PROMINENCE * smoothed_noise));
+        let (_, peak) = first_maximum(
+            &smoothed,
+            threshold(smoothed_noise),
+            drop(MIN_PROMINENCE * smoothed_noise),
+        );
         let height = smoothed.get(peak).copied().unwrap_or(top);
         let half = smoothed.iter().position(|v| *v >= 0.5 * height).unwrap_or(peak);
         Ok(Self {
@@ -139,6 +145,13 @@ impl Pulse {
         }
         count
     }
+}
+
+/// What normal noise exceeds in one of `samples` samples with a probability of 1 %, in standard deviations: `Q(z) = 0.01/samples`, from the
+/// bound `Q(z) < exp(-z^2/2)/2` (1).
+#[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
+fn chance_limit(samples: usize) -> f64 {
+    (2.0 * (50.0 * samples.max(1) as f64).ln()).sqrt()
 }
 
 /// The value farthest from zero, as its distance, and whether it is negative.

@@ -6,6 +6,7 @@ use anyhow::{Context as _, bail};
 use clap::Args;
 use serde_json::json;
 
+use super::AnswerIsNo;
 use super::input::TableArguments;
 use super::progress::JobProgress;
 use crate::files::{self, NewFolder};
@@ -46,6 +47,9 @@ pub struct Arguments {
     /// Write certificate, JSON, pictures and the sensor's file into this folder
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
+    /// Certify even where the plan contradicts itself
+    #[arg(long, conflicts_with = "simulate")]
+    force: bool,
     /// Print as JSON
     #[arg(long)]
     json: bool,
@@ -66,13 +70,23 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let Some(plan) = &arguments.plan else { return simulate(arguments) };
     let plan = plan::load(plan)?;
     let found = calibration::run(&plan, &arguments.table.columns())?;
-    if let Some(folder) = &arguments.output {
+    let refused = !found.report.contradictions.is_empty() && !arguments.force;
+    if let Some(folder) = arguments.output.as_ref().filter(|_| !refused) {
         write(folder, &found)?;
     }
     if arguments.json {
-        return super::print(&serde_json::to_string_pretty(&found.report)?);
+        super::print(&serde_json::to_string_pretty(&found.report)?)?;
+    } else {
+        super::print(&page(&found.report))?;
     }
-    super::print(&page(&found.report))?;
+    if refused {
+        let wrong = found.report.contradictions.join("; ");
+        eprintln!("refused, nothing is certified (--force certifies it all the same): {wrong}");
+        return Err(AnswerIsNo.into());
+    }
+    if arguments.json {
+        return Ok(());
+    }
     if let Some(folder) = &arguments.output {
         super::print(&format!("  certificate {}", folder.join("certificate.md").display()))?;
     }
@@ -87,7 +101,7 @@ fn simulate(arguments: &Arguments) -> anyhow::Result<()> {
     let candidates = designer.search(&arguments.striker, &mut |share| progress.at(share));
     progress.done();
     let candidates = candidates?;
-    let Some(best) = candidates.first().filter(|best| best.u_relative_k2.is_some()) else {
+    let Some(best) = candidates.first().filter(|best| best.expanded.is_some()) else {
         bail!(
             "found no test that works with {sensor}, expected one: strikers are {}",
             strikers().iter().map(|s| s.name.clone()).collect::<Vec<_>>().join(", ")

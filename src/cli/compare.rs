@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
 
+use super::budget::DrawArguments;
 use super::input::{TableArguments, assignment, keep_channels};
 use super::progress::JobProgress;
 use super::sensor::{SensorAssignment, wire_all, wired};
@@ -14,12 +15,13 @@ use crate::experiment::{self, Integration, facts};
 use crate::files;
 use crate::measurement::compare::mapping::Assignment;
 use crate::measurement::compare::score_limits::ScoreLimits;
-use crate::measurement::compare::{Align, ComparedShot, compare};
+use crate::measurement::compare::{Align, ComparedShot, Comparison, compare};
 use crate::recording::format::{Format, open_shot};
 use crate::recording::{Shot, TraceSet, mcap};
 use crate::report;
 use crate::report::document::{Part, html, markdown};
 use crate::scene::Scene;
+use crate::studies::uncertainty::{NormalisedError, normalised_errors};
 
 /// Hold a measurement against a simulation: scores for each channel; exit code 1 where they are beyond the tolerance
 #[derive(Debug, Args)]
@@ -31,8 +33,11 @@ pub struct Arguments {
     #[command(flatten)]
     table: TableArguments,
     /// Limits of the scores: peak, speed, gain, spectrum (5%), arrival (2us), rms, max (2lsb, 10mV, 0.1N), correlation (0.99)
-    #[arg(long, value_name = "LIST", value_parser = ScoreLimits::parse, default_value = "rms=1lsb")]
-    tolerance: ScoreLimits,
+    /// [default: what both sides know, E_n up to 1, where the scene has [uncertainty]; else rms=1lsb]
+    #[arg(long, value_name = "LIST", value_parser = ScoreLimits::parse)]
+    tolerance: Option<ScoreLimits>,
+    #[command(flatten)]
+    draws: DrawArguments,
     /// How both are brought onto one time axis
     #[arg(long, value_enum, default_value = "arrival")]
     align: AlignBy,
@@ -104,7 +109,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         scene: simulation.scene.as_ref(),
     };
     let how = (arguments.align.into(), arguments.map.as_slice());
-    let compared = compare(measured, simulated, how, &arguments.tolerance)?;
+    let limits = arguments.tolerance.clone().unwrap_or_default();
+    let mut compared = compare(measured, simulated, how, &limits)?;
+    let errors = errors(arguments, &simulation, &mut compared.comparison)?;
     let comparison = &compared.comparison;
     if let Some(file) = &arguments.output {
         let title = format!("{name} against {}", arguments.simulated);
@@ -115,12 +122,41 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             write_document(file, &title, &|stem| report::comparison_parts(&compared, stem))?;
         }
     }
-    super::print(&if arguments.json {
-        serde_json::to_string_pretty(comparison)?
+    if arguments.json {
+        let mut scores = serde_json::to_value(comparison)?;
+        if let Some(fields) = scores.as_object_mut() {
+            fields.insert("normalised_errors".to_owned(), serde_json::to_value(&errors)?);
+        }
+        super::print(&serde_json::to_string_pretty(&scores)?)?;
     } else {
-        report::comparison(comparison)
-    })?;
+        super::print(&report::comparison(comparison))?;
+        if !errors.is_empty() {
+            super::print(&format!("\n{}", report::normalised_error_lines(&errors).join("\n")))?;
+        }
+    }
     if comparison.failures.is_empty() { Ok(()) } else { Err(super::AnswerIsNo.into()) }
+}
+
+/// Normalised errors where the simulated side is a scene that states its uncertainty; without a tolerance they give the verdict.
+fn errors(
+    arguments: &Arguments,
+    simulation: &Simulation,
+    comparison: &mut Comparison,
+) -> anyhow::Result<Vec<NormalisedError>> {
+    let is_uncertain = |scene: &Scene| !scene.uncertainty.is_empty();
+    if !simulation.scene.as_ref().is_some_and(is_uncertain) {
+        return Ok(Vec::new());
+    }
+    let predicted = arguments.draws.predict(&arguments.simulated, false, arguments.quiet)?;
+    let errors = normalised_errors(comparison, &predicted);
+    if arguments.tolerance.is_none() && !errors.is_empty() {
+        let beyond = errors.iter().filter(|error| !error.agrees());
+        let failures = beyond.map(|error| format!("{}: E_n {:.2}", error.quantity, error.e_n));
+        comparison.failures = failures.collect();
+        comparison.tolerance = vec!["E_n of peaks and speeds up to 1".to_owned()];
+        comparison.verdict = if comparison.failures.is_empty() { "pass" } else { "fail" };
+    }
+    Ok(errors)
 }
 
 /// The simulated side.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail};
 use clap::Args;
 
+use super::AnswerIsNo;
 use super::compare::{ending, shot, write_document};
 use super::input::assignment;
 use super::progress::JobProgress;
@@ -36,12 +37,15 @@ pub struct Arguments {
     /// Shot of the measurement
     #[arg(long, value_name = "N", default_value_t = 1)]
     shot: u32,
-    /// Find a gain for each channel along
-    #[arg(long)]
+    /// Also fit a gain for each channel about which nothing is known
+    #[arg(long, conflicts_with = "gain_u")]
     gains: bool,
-    /// Find an offset for each channel along
+    /// Relative standard uncertainty of each channel's gain, 0 for exact ones [default: from the scope's and the sensor's files]
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    gain_u: Option<f64>,
+    /// Take the channels' zeros as exact, instead of fitting an offset for each
     #[arg(long)]
-    offsets: bool,
+    no_offsets: bool,
     /// Count no samples before this time after the trigger
     #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
     from: Option<f64>,
@@ -108,7 +112,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     let options = FitOptions {
         gains: arguments.gains,
-        offsets: arguments.offsets,
+        gain_u: arguments.gain_u,
+        offsets: !arguments.no_offsets,
         starts: arguments.starts,
         spread: arguments.spread,
         seed: arguments.seed,
@@ -175,6 +180,12 @@ fn run_fit(
     let found =
         fit((&scene, &knobs), side, &arguments.map, options, &mut |share| progress.at(share));
     progress.done();
+    if let Err(error) = &found
+        && error.is_undetermined()
+    {
+        eprintln!("nothing is found: {error}");
+        return Err(AnswerIsNo.into());
+    }
     let found = found?;
     if let Some(file) = &arguments.output {
         let text = fitted_scene(&scene, &knobs, &found);

@@ -11,6 +11,7 @@ use super::input::{BenchArguments, TableArguments, keep_channels};
 use super::picture;
 use crate::files;
 use crate::measurement::force::{Forces, forces};
+use crate::quantity::coverage::NORMAL_95;
 use crate::report;
 
 /// Turn volts into newtons by the sensors' calibration: droop undone, uncertainties carried along
@@ -100,12 +101,15 @@ fn as_json(forces: &Forces) -> Value {
         "sensor": forces.sensor.name,
         "sensitivity_v_per_n": forces.sensor.sensitivity,
         "sensitivity_u_relative": forces.sensor.sensitivity_u,
+        "gain_u_relative": forces.sensor.gain_u,
+        "gain_note": forces.sensor.gain_note(),
         "tau_s": forces.sensor.time_constant,
         "tau_u_relative": forces.sensor.time_constant_u,
         "start_s": forces.force.start,
         "interval_s": forces.force.interval,
         "force_n": forces.force.values,
         "u_n": forces.u,
+        "U95_n": forces.u.iter().map(|u| NORMAL_95 * u).collect::<Vec<f64>>(),
         "noise_u_n": forces.noise_u,
         "clipped": forces.clipped,
     })

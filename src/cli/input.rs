@@ -10,6 +10,7 @@ use clap::Args;
 use super::sensor::{SensorAssignment, wire_all, wired};
 use crate::experiment::facts;
 use crate::measurement::compare::mapping::Assignment;
+use crate::measurement::force::count_gains;
 use crate::measurement::metadata::{self, RecordedDistance};
 use crate::quantity::{Dimension, Uncertain, parse};
 use crate::recording::TraceSet;
@@ -169,6 +170,7 @@ impl BenchArguments {
         let channels = self.distance.iter().flat_map(|known| [&known.from, &known.to]);
         known_channels(set, channels.chain(self.map.iter().map(|said| &said.channel)))?;
         wire_all(set, &self.sensor)?;
+        count_gains(set)?;
         for distance in &self.distance {
             let (group, facts) = distance.facts();
             set.metadata.insert(group, facts);
@@ -179,7 +181,7 @@ impl BenchArguments {
 
 /// Channels with labels of a table's columns.
 fn labels(set: &TraceSet) -> Vec<Assignment> {
-    let sensors = metadata::sensors(set).into_iter().filter(|sensor| sensor.site.is_none());
+    let sensors = metadata::sensors(set).into_iter().filter(|sensor| sensor.place.is_none());
     sensors
         .filter_map(|sensor| Some(Assignment { channel: sensor.channel?, target: sensor.name }))
         .collect()

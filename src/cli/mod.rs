@@ -5,6 +5,7 @@
 mod accuracy;
 mod arrivals;
 mod bands;
+mod budget;
 mod by_hand;
 mod calibrate;
 mod compare;
@@ -80,6 +81,7 @@ enum Command {
     Magnet(magnet::Arguments),
     Calibrate(calibrate::Arguments),
     Force(force::Arguments),
+    Budget(budget::Arguments),
     Compare(compare::Arguments),
     Fit(fit::Arguments),
     Paper(paper::Arguments),
@@ -133,6 +135,7 @@ pub fn main() -> ExitCode {
         Command::Magnet(arguments) => magnet::run(&arguments),
         Command::Calibrate(arguments) => calibrate::run(&arguments),
         Command::Force(arguments) => force::run(&arguments),
+        Command::Budget(arguments) => budget::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Fit(arguments) => fit::run(&arguments),
         Command::Paper(arguments) => paper::run(&arguments),

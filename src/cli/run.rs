@@ -7,7 +7,9 @@ use clap::Args;
 use serde_json::json;
 
 use super::accuracy::AccuracyArguments;
+use super::budget::DrawArguments;
 use super::by_hand::{ByHand, step, tolerance};
+use super::picture;
 use super::progress::JobProgress;
 use crate::experiment::accuracy::run_to_accuracy;
 use crate::experiment::auto_effects::resolve_auto_effects;
@@ -41,6 +43,14 @@ pub struct Arguments {
     /// Seed of noise and sample clock [default: the scene's]
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
+    /// Also predict with the scene's [uncertainty]: intervals of peaks, arrivals and speeds; with --json bands of the traces, too
+    #[arg(long)]
+    bands: bool,
+    /// With --bands: draw each channel's 95 % band into FILE-CH1.svg, ...
+    #[arg(long, value_name = picture::PICTURE_ENDINGS, value_parser = picture::file, requires = "bands")]
+    plot: Option<PathBuf>,
+    #[command(flatten)]
+    draws: DrawArguments,
     /// Print the summary as JSON
     #[arg(long)]
     json: bool,
@@ -91,19 +101,44 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     outcome.summary.accuracy_reason = reason;
     writer.add(&outcome.shot, &facts::shot_notes(&scene, &outcome))?;
     let file = writer.finish()?;
+    let predicted = if arguments.bands {
+        Some(arguments.draws.predict(&arguments.scene, true, arguments.quiet)?)
+    } else {
+        None
+    };
+    if let (Some(file), Some(predicted)) = (&arguments.plot, &predicted) {
+        for band in &predicted.bands {
+            let title = format!("{}, {}: 95 % of the traces", scene.name, band.channel);
+            let picture = report::band_picture(band, &title);
+            picture::save(&named_for(file, &band.channel), &picture)?;
+        }
+    }
     let recording = file.display().to_string();
     if arguments.json {
         let mut summary = serde_json::to_value(&outcome.summary)?;
         summary["recording"] = json!(recording);
+        if let Some(predicted) = &predicted {
+            summary["uncertainty"] = serde_json::to_value(predicted)?;
+        }
         super::print(&serde_json::to_string_pretty(&summary)?)?;
     } else if arguments.quiet {
         // Scripts read standard output; the name may be one that the program chose.
         eprintln!("recording   {recording}");
     } else {
         super::print(&report::summary(&outcome.summary))?;
+        if let Some(predicted) = &predicted {
+            super::print(&format!("\n{}", report::prediction_intervals(predicted)))?;
+        }
         super::print(&format!("  recording   {recording}"))?;
     }
     Ok(())
+}
+
+/// `FILE-CH1.svg` for `FILE.svg`.
+fn named_for(file: &Path, channel: &str) -> PathBuf {
+    let part =
+        |part: Option<&std::ffi::OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
+    file.with_file_name(format!("{}-{channel}.{}", part(file.file_stem()), part(file.extension())))
 }
 
 /// The problem with a step or tolerance by hand, and a working one.

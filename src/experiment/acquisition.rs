@@ -9,6 +9,9 @@ use crate::scope::{ChannelSetup, Source, TriggerSource};
 use crate::sensor::Load;
 use crate::trace::Trace;
 
+/// Most samples of a trace of the truth.
+const MOST_OF_TRUTH: usize = 50_000;
+
 /// The signal at each channel's probe, conditioned by the front end; `None` for channels that are off (V).
 pub fn signals(scene: &Scene, bench: &Bench<'_>, grid: Grid, shot: u32) -> Vec<Option<Vec<f64>>> {
     let setup = &scene.scope;
@@ -74,15 +77,27 @@ pub fn trigger_scale(scene: &Scene) -> Option<f64> {
 
 /// Where the scope triggers. A scene never leaves the trigger to the mains.
 pub fn trigger(scene: &Scene, bench: &Bench<'_>, grid: Grid, shot: u32) -> Option<TriggerPosition> {
+    trigger_in(scene, bench, grid, &signals(scene, bench, grid, shot))
+}
+
+/// The same for conditioned `signals` of all channels (V).
+pub fn trigger_in(
+    scene: &Scene,
+    bench: &Bench<'_>,
+    grid: Grid,
+    signals: &[Option<Vec<f64>>],
+) -> Option<TriggerPosition> {
     let scale = trigger_scale(scene)?;
+    let apart;
     let signal = match scene.scope.trigger.source.channel() {
-        Some(number) => {
-            signals(scene, bench, grid, shot).into_iter().nth(usize::from(number) - 1)??
+        Some(number) => signals.get(usize::from(number) - 1)?.as_ref()?,
+        None => {
+            apart = external(scene, bench, grid);
+            &apart
         }
-        None => external(scene, bench, grid),
     };
     let earliest = before_trigger(&scene.scope);
-    find_trigger(&scene.scope, scale, &signal, grid.samples_until(0.0), earliest)
+    find_trigger(&scene.scope, scale, signal, grid.samples_until(0.0), earliest)
 }
 
 /// Captures and truth of one trigger.
@@ -124,9 +139,18 @@ pub fn record(
         origin: Origin::Simulated,
         timestamp_ns,
         captures,
-        truth: truth(scene, bench, grid),
+        truth: truth(scene, bench, grid).into_iter().map(thinned).collect(),
         trigger_time,
     }
+}
+
+/// A trace with at most fifty thousand samples: of more, every so-manieth.
+pub fn thinned(trace: Trace) -> Trace {
+    let step = trace.values.len().div_ceil(MOST_OF_TRUTH).max(1);
+    #[allow(clippy::cast_precision_loss, reason = "far below 2^53")]
+    let interval = trace.interval * step as f64;
+    let values = trace.values.into_iter().step_by(step).collect();
+    Trace { interval, values, ..trace }
 }
 
 /// Ground truth: the force at each sensor on the sample grid, and the frames.

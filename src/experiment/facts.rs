@@ -8,7 +8,8 @@ use super::{Integration, Outcome, RunError, method};
 use crate::recording::Attachment;
 use crate::recording::mcap::ShotNotes;
 use crate::recording::mcap::message::EnergyMessage;
-use crate::scene::{PlacedSensor, Scene, Site, input_load};
+use crate::scene::{PlacedSensor, Scene, Site, gain_u, input_load};
+use crate::scope::Deviation;
 use crate::scope::set_up::set_up_text;
 
 /// Metadata records by name.
@@ -76,6 +77,7 @@ fn sensor_facts(scene: &Scene, placed: &PlacedSensor) -> Vec<(&'static str, Stri
             },
         ),
         ("offset", placed.offset.to_string()),
+        ("offset_u", placed.offset_u.to_string()),
         ("model", sensor.model.clone()),
     ];
     // A circuit that was measured whole outranks the plate's data.
@@ -97,6 +99,13 @@ fn sensor_facts(scene: &Scene, placed: &PlacedSensor) -> Vec<(&'static str, Stri
         // What the experimenter knows; with a tolerance, the plate at the bench is another one.
         let circuit = sensor.connect(input_load(&scene.scope.model, channel));
         facts.push(("channel", format!("CH{number}")));
+        // A bench whose scope is exact has no error of the gain to count.
+        let is_exact = channel.deviation == Deviation::default();
+        let gain = gain_u(&scene.scope.model, number, &channel.vertical, measured.chain);
+        facts.push(("gain_u_relative", if is_exact { 0.0 } else { gain }.to_string()));
+        if let Some(chain) = measured.chain {
+            facts.extend(chain.facts());
+        }
         facts.push(("sensitivity_v_per_n", circuit.sensitivity.to_string()));
         facts.push(("time_constant_s", circuit.time_constant.to_string()));
         let index = scene.sensors.iter().position(|other| other.name == placed.name);

@@ -1,7 +1,7 @@
 //! Signals of an impact at the scope's inputs, for a scope whose settings are not the scene's.
 
 use super::accuracy::of_scene;
-use super::acquisition::{external, truth, volts};
+use super::acquisition::{external, thinned, truth, volts};
 use super::auto_effects::resolve_auto_effects;
 use super::bench::{Bench, Grid};
 use super::{FRAMES_PER_RUN, Integration, RunError, free_grid, method, probes};
@@ -12,8 +12,6 @@ use crate::trace::Trace;
 const MAX_DURATION_FACTOR: f64 = 10.0;
 /// Most samples of a signal; most before the first contact are half of them.
 const MAX_SAMPLES: usize = 2_000_000;
-/// Most samples of a trace of the truth: beyond them every so-manieth is kept.
-const MAX_TRUTH_SAMPLES: usize = 50_000;
 
 /// The sample grid that a scope wants its signals on, and how much of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,12 +75,4 @@ pub fn inputs(scene: &Scene, window: InputWindow, shot: u32) -> Result<Inputs, R
         external: external(scene, &bench, grid),
         truth,
     })
-}
-
-fn thinned(trace: Trace) -> Trace {
-    let step = trace.values.len().div_ceil(MAX_TRUTH_SAMPLES).max(1);
-    #[allow(clippy::cast_precision_loss, reason = "far below 2^53")]
-    let interval = trace.interval * step as f64;
-    let values = trace.values.into_iter().step_by(step).collect();
-    Trace { interval, values, ..trace }
 }

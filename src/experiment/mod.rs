@@ -24,6 +24,7 @@ mod notes;
 pub mod outcome;
 pub mod paper_speeds;
 pub mod parallel;
+pub mod prediction;
 mod probe_record;
 pub mod pulse;
 pub mod reference;

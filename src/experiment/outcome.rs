@@ -10,7 +10,7 @@ use super::pulse::{FOOT_SHARE, HALF_RISE_SHARE, PEAK_SHARE, PassedOver, Peak, Pu
 use crate::chain::Chain;
 use crate::quantity::engineering;
 use crate::recording::Shot;
-use crate::scene::{PlacedSensor, Scene, Site};
+use crate::scene::{PlacedSensor, PlatePlace, Scene, Site, distance};
 use crate::scope::{ChannelSetup, Deviation};
 
 /// Everything a run leaves.
@@ -214,6 +214,10 @@ pub struct Speed {
     pub from: usize,
     /// Particle to which.
     pub to: usize,
+    /// Sensor from which.
+    pub from_sensor: String,
+    /// Sensor to which.
+    pub to_sensor: String,
     /// Static distance of the plates, overlaps subtracted (m).
     pub distance_m: f64,
     /// Which arrival was taken: `half_rise`, `peak` or `ten_percent`.
@@ -236,19 +240,31 @@ pub fn speeds(chain: &Chain, readings: &[Reading]) -> Vec<Speed> {
             let (Some(from), Some(to)) = (upper.particle, lower.particle) else {
                 continue;
             };
-            let place = |particle: usize, offset: f64| {
-                let body = chain.bodies().get(chain.body_of(particle));
-                body.map_or(0.0, |body| offset * body.length)
+            let place = |particle: usize, reading: &Reading| PlatePlace {
+                site: Site::Particle(particle),
+                offset: reading.offset,
+                offset_u: 0.0,
             };
-            let distance_m =
-                chain.distance(from, to) + place(to, lower.offset) - place(from, upper.offset);
+            let Some((distance_m, _)) = distance(chain, place(from, upper), place(to, lower))
+            else {
+                continue;
+            };
             for (estimator, arrival) in ESTIMATORS {
                 let (Some(start), Some(end)) = (arrival(upper), arrival(lower)) else {
                     continue;
                 };
                 if from != to && (end - start).abs() > 0.0 {
                     let m_per_s = distance_m / (end - start);
-                    speeds.push(Speed { from, to, distance_m, estimator, m_per_s });
+                    let (from_sensor, to_sensor) = (upper.name.clone(), lower.name.clone());
+                    speeds.push(Speed {
+                        from,
+                        to,
+                        from_sensor,
+                        to_sensor,
+                        distance_m,
+                        estimator,
+                        m_per_s,
+                    });
                 }
             }
         }
@@ -292,6 +308,9 @@ pub fn effects(scene: &Scene) -> Vec<(String, String)> {
         let mut set = format!("d33 and permittivity within {} %", 100.0 * tolerance.spread);
         if tolerance.temperature > 0.0 {
             let _ = write!(set, ", temperature within {} K", tolerance.temperature);
+        }
+        if scene.sensors.iter().any(|placed| placed.sensor.measured.sensitivity.is_some()) {
+            set.push_str("; measured sensors by their own uncertainty");
         }
         effects.push(("sensor_tolerance".to_owned(), set));
     }

@@ -5,10 +5,11 @@ use rand_distr::{Distribution, StandardUniform};
 use rand_pcg::Pcg64;
 use serde::Serialize;
 
-use super::{COVERAGE_95, FitError, FitOptions, FitReport, fit};
+use super::{FitError, FitOptions, FitReport, fit};
 use crate::experiment::accuracy::of_scene;
 use crate::experiment::{Integration, RunError, facts, run};
 use crate::measurement::compare::ComparedShot;
+use crate::quantity::coverage::NORMAL_95;
 use crate::recording::TraceSet;
 use crate::scene::adjust::{Adjustable, AdjustableNumber};
 
@@ -144,7 +145,7 @@ pub fn blind(
 #[allow(clippy::cast_precision_loss, reason = "a few hundred")]
 fn parameter(knob: &AdjustableNumber, pulls: &[f64], mean_u_relative: f64) -> BlindParameter {
     let count = pulls.len() as f64;
-    let inside = pulls.iter().filter(|pull| pull.abs() <= COVERAGE_95).count() as f64;
+    let inside = pulls.iter().filter(|pull| pull.abs() <= NORMAL_95).count() as f64;
     let mean = pulls.iter().sum::<f64>() / count;
     let squares: f64 = pulls.iter().map(|pull| (pull - mean).powi(2)).sum();
     BlindParameter {

@@ -62,7 +62,7 @@ pub enum FitError {
     LeastSquares(#[from] LeastSquaresError),
     /// Traces do not tell a parameter.
     #[error(
-        "found that these traces do not determine {parameter}{with}, expected them to: free less"
+        "these traces do not determine {parameter}{with}: free less, or take records of this scene"
     )]
     Undetermined {
         /// The parameter.
@@ -70,4 +70,12 @@ pub enum FitError {
         /// The parameters that it depends on.
         with: String,
     },
+}
+
+impl FitError {
+    /// Whether measurement and scene could be fitted and the answer is that nothing is determined.
+    pub fn is_undetermined(&self) -> bool {
+        use LeastSquaresError::NotConverged;
+        matches!(self, Self::Undetermined { .. } | Self::LeastSquares(NotConverged { .. }))
+    }
 }

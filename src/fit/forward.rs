@@ -5,6 +5,7 @@ use crate::experiment::bench::{Bench, Grid};
 use crate::experiment::{Integration, RunError, method, probes};
 use crate::scene::Scene;
 use crate::scope::front_end::{condition, noise_stream};
+use crate::scope::model::signal_samples;
 use crate::scope::{ChannelSetup, Deviation, Setup, VerticalSetup};
 
 /// Samples before the first that is wanted, and before the striker's contact.
@@ -44,9 +45,11 @@ pub fn forces_at(
     let first = trigger + axis.start - axis.interval;
     // The circuits start at rest, before anything has moved.
     let before = (first / axis.interval).max(0.0).ceil() + SPARE_SAMPLES;
-    let grid = Grid { start: first - before * axis.interval, interval: axis.interval };
-    let (skip, count) = (before as usize, axis.count + 2);
-    let end = grid.time(skip + count);
+    let stride = signal_samples(axis.interval);
+    let grid = Grid { start: first - before * axis.interval, interval: axis.interval / stride };
+    let (stride, count) = (stride as usize, axis.count + 2);
+    let skip = before as usize * stride;
+    let end = grid.time(skip + stride * count);
     if !end.is_finite() || end > MAX_DURATION_FACTOR * scene.duration {
         return Ok(None);
     }
@@ -68,7 +71,8 @@ pub fn forces_at(
         let at_probe = volts(scene, &bench, grid, &channel);
         let mut silent = noise_stream(0, 0, 0);
         let shown = condition(&setup, &channel, grid.interval, &at_probe, &mut silent);
-        let mut shown: Vec<f64> = shown.into_iter().skip(skip).take(count).collect();
+        let mut shown: Vec<f64> =
+            shown.into_iter().skip(skip).step_by(stride).take(count).collect();
         // A record that ends before the contact holds nothing.
         shown.resize(count, 0.0);
         shown

@@ -1,15 +1,16 @@
 //! Finds numbers of a scene from measured traces: weighted least squares on what the scope shows of them.
 //!
 //! The model is the whole bench: chain, sensor with its droop, front end (`forward`); noise and rounding to levels are the samples'
-//! standard deviations. The trigger's time after the contact is always found along, since the scope's clock runs freely; gains and
-//! offsets of the channels on request. Minimum by Levenberg and Marquardt from several starts, each in the valley where its traces fit
-//! best in time, where need be over ever longer parts of the records; covariance `s^2 (J^T J)^-1` with the residual variance; a profile of
+//! standard deviations. The trigger's time after the contact is always found along, since the scope's clock runs freely, and each channel's
+//! offset; its gain follows with a prior from the data sheet and the sensor's file, where it is not exact. Minimum by Levenberg and Marquardt from several starts, each in the valley where its traces fit
+//! best in time, where need be over ever longer parts of the records; covariance `s^2 (J^T J)^-1` with the residual variance, and what rounding adds on quiet scopes (`covariance`); a profile of
 //! what is badly determined (`profile`).
 //! Source of the propagation: JCGM 100:2008; W. H. Press et al., "Numerical Recipes", 3rd ed. (2007), sections 15.5 and 15.6. Uncertainties
 //! are those of noise and rounding: they hold where the model does, which the residual variance and the residuals' correlation from
 //! sample to sample tell.
 
 pub mod blind;
+mod covariance;
 mod error;
 mod forward;
 mod model;
@@ -20,7 +21,7 @@ mod report;
 mod search;
 
 pub use error::FitError;
-pub use options::{COVERAGE_95, FitOptions};
+pub use options::FitOptions;
 pub use profile::Profile;
 pub use records::Records;
 pub use report::{ChannelResult, FitReport, Nuisance, Parameter};
@@ -30,6 +31,7 @@ use std::time::Instant;
 use crate::analysis::least_squares::{LeastSquaresError, Minimum};
 use crate::measurement::compare::ComparedShot;
 use crate::measurement::compare::mapping::Assignment;
+use crate::quantity::coverage::NORMAL_95;
 use crate::scene::adjust::{Adjustable, AdjustableNumber};
 use model::TraceModel;
 use options::{EXPECTED_STEPS, MAX_DURATIONS, SAMPLE_RANGE, STOP_CRITERIA};
@@ -58,7 +60,8 @@ pub fn fit(
 ) -> Result<Fit, FitError> {
     let began = Instant::now();
     check(knobs)?;
-    let records = Records::of(measured, &scene.scene()?, assignments, options.gate)?;
+    let freed: Vec<&str> = knobs.iter().map(|knob| knob.path.as_str()).collect();
+    let records = Records::of(measured, &scene.scene()?, assignments, (options, &freed))?;
     check_times(&records, scene.scene()?.duration)?;
     let runs_a_step = 2.0 * f64::from(u32::try_from(knobs.len()).unwrap_or(u32::MAX)) + 1.0;
     let expected = f64::from(options.starts) * EXPECTED_STEPS * runs_a_step;
@@ -67,12 +70,23 @@ pub fn fit(
         done += 1.0;
         progress((done / expected).min(0.99));
     };
-    let freed = ((options.gains, options.offsets), options.accuracy);
+    let freed = (options.offsets, options.accuracy);
     let mut model = TraceModel::new(scene, knobs, &records, freed, &mut report);
     let (minimum, starts) = search::best(&mut model, options)?;
     let names = model.names();
-    let covariance =
-        minimum.covariance().map_err(|u| undetermined(&minimum, &names, u.parameter))?;
+    let shown = model.shown(&minimum.x).ok_or(LeastSquaresError::NoStart)?;
+    let covariance = covariance::of(&minimum, &records, &shown)
+        .map_err(|u| undetermined(&minimum, &names, u.parameter))?;
+    for (place, knob) in knobs.iter().enumerate() {
+        let (value, u) = (minimum.x[place], covariance[place][place].sqrt());
+        // An interval that holds zero, or no number, says nothing about a quantity that starts away from zero.
+        if !(NORMAL_95 * u < value.abs()) {
+            let scaled = |x: f64| x * knob.value / knob.scale;
+            let with =
+                format!(" ({:.3} ± {:.1e} {})", scaled(value), scaled(NORMAL_95 * u), knob.unit);
+            return Err(FitError::Undetermined { parameter: knob.path.clone(), with });
+        }
+    }
     let wanted = |place: usize| options.profile || profile::is_bad(&minimum.x, &covariance, place);
     let mut profiles = Vec::new();
     for (place, knob) in knobs.iter().enumerate() {
@@ -85,7 +99,6 @@ pub fn fit(
             ));
         }
     }
-    let shown = model.shown(&minimum.x).ok_or(LeastSquaresError::NoStart)?;
     let runs = model.runs;
     let found =
         report::FittedMinimum { minimum: &minimum, covariance, names, profiles, starts, runs };

@@ -1,11 +1,12 @@
 //! The residuals of a fit and their derivatives.
 //!
 //! Parameters, in this order: each freed number of the scene over its starting value; the time of the trigger after the striker's first
-//! contact, in sample intervals; with `gains`, a factor for each channel; with `offsets`, a zero for each channel, in levels. The scene's
+//! contact, in sample intervals; a factor for each channel whose gain is not exact, with a residual `(g - 1)/u` where `u` is known; with
+//! `offsets`, a zero for each channel, in levels. The scene's
 //! numbers are differentiated by central differences with steps of about one standard deviation, the rest in closed form.
 
 use super::forward::{TimeAxis, forces_at};
-use super::records::Records;
+use super::records::{ChannelRecord, Records};
 use crate::analysis::correlation::correlate;
 use crate::analysis::least_squares::{LeastSquaresProblem, squares};
 use crate::scene::adjust::{Adjustable, AdjustableNumber};
@@ -27,8 +28,8 @@ pub struct TraceModel<'a> {
     pub knobs: &'a [AdjustableNumber],
     /// The measured records.
     pub records: &'a Records,
-    /// Whether each channel has a gain and an offset of its own.
-    pub free: (bool, bool),
+    /// Whether each channel has an offset of its own.
+    pub offsets: bool,
     /// Accuracy of the integration (1).
     pub accuracy: f64,
     /// Samples of each record that count, from its start: late motion of a rattling chain has too many valleys to begin with.
@@ -48,7 +49,7 @@ impl<'a> TraceModel<'a> {
         scene: &'a Adjustable,
         knobs: &'a [AdjustableNumber],
         records: &'a Records,
-        (free, accuracy): ((bool, bool), f64),
+        (offsets, accuracy): (bool, f64),
         progress: &'a mut dyn FnMut(),
     ) -> Self {
         let steps = vec![FIRST_STEP; knobs.len()];
@@ -57,7 +58,7 @@ impl<'a> TraceModel<'a> {
             scene,
             knobs,
             records,
-            free,
+            offsets,
             accuracy,
             horizon,
             progress,
@@ -71,14 +72,10 @@ impl<'a> TraceModel<'a> {
     pub fn names(&self) -> Vec<String> {
         let mut names: Vec<String> = self.knobs.iter().map(|knob| knob.path.clone()).collect();
         names.push("trigger time".to_owned());
-        let each = |what: &str| {
-            self.records.list.iter().map(|r| format!("{what} of {}", r.name)).collect::<Vec<_>>()
-        };
-        if self.free.0 {
-            names.extend(each("gain"));
-        }
-        if self.free.1 {
-            names.extend(each("offset"));
+        names.extend(self.with_gain().map(|record| format!("gain of {}", record.name)));
+        if self.offsets {
+            let offset = |record: &ChannelRecord| format!("offset of {}", record.name);
+            names.extend(self.records.list.iter().map(offset));
         }
         names
     }
@@ -88,11 +85,8 @@ impl<'a> TraceModel<'a> {
         let trigger = self.find_trigger(factors)?;
         let mut x = factors.to_vec();
         x.push(trigger / self.records.axis.interval);
-        let channels = self.records.list.len();
-        if self.free.0 {
-            x.extend(vec![1.0; channels]);
-        }
-        if self.free.1 {
+        x.extend(self.with_gain().map(|_| 1.0));
+        if self.offsets {
             x.extend(self.records.list.iter().map(|r| r.baseline / r.level));
         }
         Some(x)
@@ -165,14 +159,27 @@ impl<'a> TraceModel<'a> {
 
     /// Gain and offset (V) of each channel.
     fn nuisances(&self, x: &[f64]) -> Vec<(f64, f64)> {
-        let channels = self.records.list.len();
         let mut rest = x[self.knobs.len() + 1..].iter().copied();
-        let mut next = |free: bool, fixed: f64| -> Vec<f64> {
-            (0..channels).map(|_| if free { rest.next().unwrap_or(fixed) } else { fixed }).collect()
+        let mut next = |free: bool, fixed: f64| {
+            if free { rest.next().unwrap_or(fixed) } else { fixed }
         };
-        let (gains, offsets) = (next(self.free.0, 1.0), next(self.free.1, 0.0));
-        let offsets = offsets.iter().zip(&self.records.list).map(|(o, record)| o * record.level);
+        let records = &self.records.list;
+        let gains: Vec<f64> = records.iter().map(|r| next(r.gain_u > 0.0, 1.0)).collect();
+        let offsets = records.iter().map(|record| next(self.offsets, 0.0) * record.level);
         gains.into_iter().zip(offsets).collect()
+    }
+
+    /// The channels whose gain is a parameter.
+    fn with_gain(&self) -> impl Iterator<Item = &ChannelRecord> {
+        self.records.list.iter().filter(|record| record.gain_u > 0.0)
+    }
+
+    /// What the gains are off by what is known of them, in its standard deviations: residuals behind those of the samples (1).
+    fn priors(&self, x: &[f64]) -> Vec<f64> {
+        let nuisances = self.nuisances(x);
+        let gains = self.records.list.iter().zip(&nuisances);
+        let known = gains.filter(|(record, _)| record.has_prior());
+        known.map(|(record, (gain, _))| (gain - 1.0) / record.gain_u).collect()
     }
 
     /// The modelled traces, one a channel (V).
@@ -194,6 +201,7 @@ impl<'a> TraceModel<'a> {
                 if counts { (volts - gain * v - offset) / record.sigma } else { 0.0 }
             }));
         }
+        residuals.extend(self.priors(x));
         residuals
     }
 
@@ -213,6 +221,7 @@ impl<'a> TraceModel<'a> {
                 if counts { -value(channel, around) / record.sigma } else { 0.0 }
             }));
         }
+        column.resize(column.len() + self.records.priors(), 0.0);
         column
     }
 
@@ -241,7 +250,7 @@ impl<'a> TraceModel<'a> {
 
 impl LeastSquaresProblem for TraceModel<'_> {
     fn counted(&self, _: &[f64]) -> usize {
-        self.records.counted(self.horizon)
+        self.records.counted(self.horizon) + self.records.priors()
     }
 
     fn residuals(&mut self, x: &[f64]) -> Option<Vec<f64>> {
@@ -266,13 +275,21 @@ impl LeastSquaresProblem for TraceModel<'_> {
         let slope =
             |channel: usize, around: &[f64]| nuisances[channel].0 * 0.5 * (around[2] - around[0]);
         columns.push(self.column(&traces, None, &slope));
-        for channel in 0..self.records.list.len() {
-            if self.free.0 {
-                columns.push(self.column(&traces, Some(channel), &|_, around| around[1]));
+        let samples = self.records.list.len() * self.records.axis.count;
+        let mut prior = samples;
+        for (channel, record) in self.records.list.iter().enumerate() {
+            if record.gain_u <= 0.0 {
+                continue;
             }
+            let mut column = self.column(&traces, Some(channel), &|_, around| around[1]);
+            if record.has_prior() {
+                column[prior] = 1.0 / record.gain_u;
+                prior += 1;
+            }
+            columns.push(column);
         }
         for (channel, record) in self.records.list.iter().enumerate() {
-            if self.free.1 {
+            if self.offsets {
                 columns.push(self.column(&traces, Some(channel), &|_, _| record.level));
             }
         }

@@ -5,9 +5,6 @@ use std::ops::RangeInclusive;
 use crate::analysis::gate::Gate;
 use crate::analysis::least_squares::StopCriteria;
 
-/// Half the width of a 95 % interval of the normal distribution, in standard deviations (1).
-pub const COVERAGE_95: f64 = 1.959_963_984_540_054;
-
 /// A step that lowers chi squared by less than this share of it moves no parameter by a thousandth of its uncertainty (1).
 pub(super) const STOP_CRITERIA: StopCriteria = StopCriteria { reduction: 1e-11, steps: 60 };
 
@@ -20,8 +17,10 @@ pub(super) const EXPECTED_STEPS: f64 = 10.0;
 /// How a fit goes about it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FitOptions {
-    /// Whether each channel has a gain of its own.
+    /// Whether each channel has a gain of its own about which nothing is known.
     pub gains: bool,
+    /// Relative standard uncertainty of each channel's gain, 0 for exact ones; none takes the scope's and the sensor's files (1).
+    pub gain_u: Option<f64>,
     /// Whether each channel has an offset of its own.
     pub offsets: bool,
     /// Number of starting points, the scene's numbers first.
@@ -42,7 +41,8 @@ impl Default for FitOptions {
     fn default() -> Self {
         Self {
             gains: false,
-            offsets: false,
+            gain_u: None,
+            offsets: true,
             starts: 3,
             spread: 0.1,
             seed: 1,

@@ -5,9 +5,9 @@
 
 use serde::Serialize;
 
-use super::COVERAGE_95;
 use super::model::TraceModel;
 use crate::analysis::least_squares::{LeastSquaresProblem, Minimum, StopCriteria, minimise};
+use crate::quantity::coverage::NORMAL_95;
 use crate::scene::adjust::AdjustableNumber;
 
 /// Where the parameter is held, in standard deviations from the minimum (1).
@@ -108,7 +108,7 @@ fn crossing(points: &[(f64, f64)]) -> Option<f64> {
     points.windows(2).find_map(|pair| {
         let [(near, low), (far, high)] =
             [pair[0], pair[1]].map(|(x, rise)| (x, rise.max(0.0).sqrt()));
-        let reached = low <= COVERAGE_95 && high >= COVERAGE_95;
-        reached.then(|| near + (far - near) * (COVERAGE_95 - low) / (high - low))
+        let reached = low <= NORMAL_95 && high >= NORMAL_95;
+        reached.then(|| near + (far - near) * (NORMAL_95 - low) / (high - low))
     })
 }

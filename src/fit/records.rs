@@ -3,14 +3,15 @@
 //! A sample's standard deviation is the noise before the pulse, no less than what rounding leaves, `q/sqrt(12)`. Samples at the
 //! converter's ends may lie beyond, and have no weight.
 
-use super::FitError;
 use super::forward::TimeAxis;
-use crate::analysis::gate::Gate;
+use super::{FitError, FitOptions};
 use crate::analysis::pulse::{Conditions, Pulse};
+use crate::analysis::rounding::Rounding;
 use crate::measurement::compare::ComparedShot;
 use crate::measurement::compare::mapping::{Assignment, ChannelMapping, ChannelNames, wires};
+use crate::measurement::metadata;
 use crate::recording::Capture;
-use crate::scene::Scene;
+use crate::scene::{Scene, gain_u};
 use crate::scope::VerticalSetup;
 use crate::scope::waveform::{HIGHEST_CODE, LOWEST_CODE};
 
@@ -40,6 +41,17 @@ pub struct ChannelRecord {
     pub level: f64,
     /// Which samples count.
     pub counts: Vec<bool>,
+    /// Noise and rounding before the pulse.
+    pub rounding: Rounding,
+    /// Relative standard uncertainty of the channel's gain: 0 for an exact one, infinite where nothing is known (1).
+    pub gain_u: f64,
+}
+
+impl ChannelRecord {
+    /// Whether something, but not all, is known of the gain.
+    pub fn has_prior(&self) -> bool {
+        self.gain_u > 0.0 && self.gain_u.is_finite()
+    }
 }
 
 /// All channels that belong to the scene.
@@ -62,7 +74,7 @@ impl Records {
         measured: ComparedShot<'_>,
         scene: &Scene,
         assignments: &[Assignment],
-        gate: Gate,
+        (options, freed): (&FitOptions, &[&str]),
     ) -> Result<Self, FitError> {
         let mut notes = Vec::new();
         let from = ChannelNames::of(measured, &mut notes)?;
@@ -73,7 +85,7 @@ impl Records {
             let capture = &measured.shot.captures[wire.measured];
             let name = capture.waveform.source.to_string();
             let Some(trace) = capture.trace() else { continue };
-            let range = gate.range(&trace);
+            let range = options.gate.range(&trace);
             let axis = TimeAxis {
                 start: trace.time(range.start),
                 interval: trace.interval,
@@ -90,11 +102,19 @@ impl Records {
             if axis.count == 0 || !(axis.interval > 0.0 && axis.interval.is_finite()) {
                 return Err(FitError::NoSamples { channel: name });
             }
-            list.push(record(capture, wire, scene, (range, &mut notes)));
+            let mut record = record(capture, wire, scene, (range, &mut notes));
+            record.gain_u = gain_of(measured, scene, &record, (options, freed));
+            list.push(record);
         }
         let axis =
             found.ok_or_else(|| FitError::NoSamples { channel: measured.name.to_owned() })?;
+        notes.extend(gain_note(&list));
         Ok(Self { axis, list, notes })
+    }
+
+    /// Number of gains that something is known of.
+    pub fn priors(&self) -> usize {
+        self.list.iter().filter(|record| record.has_prior()).count()
     }
 
     /// The scene's channels and their front panels.
@@ -109,6 +129,48 @@ impl Records {
     }
 }
 
+/// How well the gain of a channel is known: as `options` say, or by the scope's data sheet and the sensor's file.
+fn gain_of(
+    measured: ComparedShot<'_>,
+    scene: &Scene,
+    record: &ChannelRecord,
+    (options, freed): (&FitOptions, &[&str]),
+) -> f64 {
+    if options.gains {
+        return f64::INFINITY;
+    }
+    if let Some(u) = options.gain_u {
+        return u;
+    }
+    let placed = scene.sensors.iter().find(|placed| Some(&placed.name) == record.sensor.as_ref());
+    let known = placed.map(|placed| placed.sensor.measured).unwrap_or_default();
+    let is_freed = placed.is_some_and(|placed| {
+        freed.contains(&format!("sensors.{}.sensitivity", placed.name).as_str())
+    });
+    let sensitivity = known.sensitivity_u.filter(|_| !is_freed).unwrap_or(0.0);
+    let number = record.name.trim_start_matches("CH").parse().unwrap_or(0);
+    let scope = if metadata::is_scope_exact(measured.set) {
+        0.0
+    } else {
+        gain_u(&scene.scope.model, number, &record.vertical, known.chain)
+    };
+    scope.hypot(sensitivity)
+}
+
+fn gain_note(list: &[ChannelRecord]) -> Option<String> {
+    let known: Vec<String> = list
+        .iter()
+        .filter(|record| record.has_prior())
+        .map(|record| format!("{} {:.2} %", record.name, 100.0 * record.gain_u))
+        .collect();
+    (!known.is_empty()).then(|| {
+        format!(
+            "gains follow within their standard uncertainty, by data sheet and sensor: {}",
+            known.join(", ")
+        )
+    })
+}
+
 fn record(
     capture: &Capture,
     wire: &ChannelMapping,
@@ -121,13 +183,14 @@ fn record(
     let all: Vec<f64> = waveform.codes.iter().map(|code| waveform.volts_of(*code)).collect();
     let conditions = Conditions { level, ..Conditions::default() };
     let found = capture.trace().map(|trace| Pulse::find(&trace, conditions));
-    let (baseline, sigma) = if let Some(Ok(pulse)) = found {
-        (pulse.baseline.level, pulse.noise)
+    let (baseline, sigma, rounding) = if let Some(Ok(pulse)) = found {
+        (pulse.baseline.level, pulse.noise, pulse.baseline.rounding)
     } else {
         notes.push(format!(
             "{name}: no quiet time before a pulse to take noise from; samples weigh by rounding alone"
         ));
-        (all.first().copied().unwrap_or(0.0), level / 12f64.sqrt())
+        let silent = Rounding { level, noise: 0.0 };
+        (all.first().copied().unwrap_or(0.0), silent.sample(), silent)
     };
     let of_scene = scene.scope.channels.get(wire.simulated).and_then(Option::as_ref);
     let mut vertical = waveform.vertical;
@@ -156,5 +219,7 @@ fn record(
         sigma,
         level,
         counts,
+        rounding,
+        gain_u: 0.0,
     }
 }

@@ -6,15 +6,18 @@ use std::time::Instant;
 use serde::Serialize;
 
 use super::records::{ChannelRecord, Records};
-use super::{COVERAGE_95, FitOptions, Profile};
+use super::{FitOptions, Profile};
 use crate::analysis::least_squares::{Minimum, squares};
 use crate::measurement::compare::ComparedShot;
+use crate::quantity::coverage::NORMAL_95;
 use crate::scene::adjust::{Adjustable, AdjustableNumber};
 
 /// A larger residual variance than this is no chance (1).
 pub const MAX_RESIDUAL_VARIANCE: f64 = 1.3;
 /// Residuals of a model that is right do not follow one another by more than this (1).
 const MAX_AUTOCORRELATION: f64 = 0.1;
+/// A common rounding error of more than this, in squares of a level, makes neighbouring residuals alike (1).
+const QUIET: f64 = 1e-4;
 /// Starts whose chi squared is within this share of the lowest found the same minimum (1).
 const MINIMUM_TOLERANCE: f64 = 1e-3;
 
@@ -33,6 +36,9 @@ pub struct Parameter {
     pub value: f64,
     /// Its standard uncertainty, in SI units (unit).
     pub u: f64,
+    /// Its expanded uncertainty for 95 %, in SI units (unit).
+    #[serde(rename = "U95")]
+    pub expanded: f64,
     /// The same, relative (1).
     pub u_relative: f64,
     /// 95 % interval of a normal distribution, in SI units (unit).
@@ -44,10 +50,9 @@ pub struct Parameter {
 pub struct Nuisance {
     /// `trigger time`, `gain of CH1`, `offset of CH1`.
     pub name: String,
-    /// The fitted value: seconds, a plain number, volts (unit).
-    pub value: f64,
-    /// Its standard uncertainty (unit).
-    pub u: f64,
+    /// What was found: seconds, a plain number, volts.
+    #[serde(flatten)]
+    pub found: Uncertain,
 }
 
 /// How well one channel is described.
@@ -142,8 +147,9 @@ impl FittedMinimum<'_> {
                 start: knob.value,
                 value,
                 u,
+                expanded: NORMAL_95 * u,
                 u_relative: u / value.abs(),
-                interval_95: [value - COVERAGE_95 * u, value + COVERAGE_95 * u],
+                interval_95: [value - NORMAL_95 * u, value + NORMAL_95 * u],
             }
         });
         let correlation = |i: usize, j: usize| {
@@ -153,7 +159,11 @@ impl FittedMinimum<'_> {
         let nuisances = nuisances(x, &u, (knobs.len(), records), options);
         let along = nuisances.iter().enumerate().map(|(place, nuisance)| {
             // What is searched for counts in samples, levels and shares.
-            if u(knobs.len() + place) > 0.0 { nuisance.u / u(knobs.len() + place) } else { 1.0 }
+            if u(knobs.len() + place) > 0.0 {
+                nuisance.found.u / u(knobs.len() + place)
+            } else {
+                1.0
+            }
         });
         let units: Vec<f64> = knobs.iter().map(|knob| knob.value).chain(along).collect();
         let covariance = |i: usize, j: usize| self.covariance[i][j] * units[i] * units[j];
@@ -200,14 +210,14 @@ fn nuisances(
     let mut place = knobs;
     let mut take = |name: String, scale: f64| {
         if let Some(value) = x.get(place) {
-            found.push(Nuisance { name, value: value * scale, u: u(place) * scale });
+            let found_here = Uncertain { value: value * scale, u: u(place) * scale };
+            found.push(Nuisance { name, found: found_here });
         }
         place += 1;
     };
     take("trigger time".to_owned(), records.axis.interval);
-    if options.gains {
-        records.list.iter().for_each(|record| take(format!("gain of {}", record.name), 1.0));
-    }
+    let gains = records.list.iter().filter(|record| record.gain_u > 0.0);
+    gains.for_each(|record| take(format!("gain of {}", record.name), 1.0));
     if options.offsets {
         records.list.iter().for_each(|r| take(format!("offset of {}", r.name), r.level));
     }
@@ -239,11 +249,13 @@ fn notes(
 ) -> Vec<String> {
     let mut notes = records.notes.clone();
     let variance = minimum.variance();
-    let following: Vec<&str> = channels
-        .iter()
-        .filter(|c| c.lag_one.abs() > MAX_AUTOCORRELATION)
-        .map(|c| c.name.as_str())
-        .collect();
+    // Rounding errors follow one another on a quiet scope, and count so.
+    let is_quiet = |record: &ChannelRecord| record.rounding.common() > QUIET * record.level.powi(2);
+    let follows = |(channel, record): &(&ChannelResult, &ChannelRecord)| {
+        channel.lag_one.abs() > MAX_AUTOCORRELATION && !is_quiet(record)
+    };
+    let following = channels.iter().zip(&records.list).filter(follows);
+    let following: Vec<&str> = following.map(|(channel, _)| channel.name.as_str()).collect();
     if variance > MAX_RESIDUAL_VARIANCE || !following.is_empty() {
         let which = if following.is_empty() {
             String::new()
@@ -267,6 +279,6 @@ fn notes(
 impl FitReport {
     /// The trigger's time after the striker's first contact, seconds.
     pub fn trigger(&self) -> Option<Uncertain> {
-        self.nuisances.first().map(|found| Uncertain { value: found.value, u: found.u })
+        self.nuisances.first().map(|nuisance| nuisance.found)
     }
 }

@@ -43,12 +43,12 @@ pub struct Acquirer<'a> {
     pub seed: u64,
 }
 
-/// Time between the converter's samples: those of the record, or in peak detection close enough to keep the shortest
+/// Time between samples of the signal: close enough for circuits and trigger, or in peak detection close enough to keep the shortest
 /// pulse, as far as memory allows (s).
 pub fn sample_interval(panel: &Panel, setup: &Setup) -> f64 {
     let slow = setup.model.sample_interval(setup.time_base);
     if panel.acquire.mode != AcquireMode::PeakDetect {
-        return slow;
+        return setup.model.signal_interval(setup.time_base);
     }
     let dense = (SHARE_OF_PEAK * setup.model.peak_width).max(1.0 / setup.model.sample_rate);
     slow / (slow / dense).floor().clamp(1.0, MAX_SAMPLES_PER_POINT)

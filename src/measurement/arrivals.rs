@@ -1,5 +1,5 @@
 //! Arrivals and speeds read off a recording's captures, in the words of `arrivals --json`: names and units are part of the
-//! interface. Uncertainties are standard ones; twice as much covers 95 %.
+//! interface.
 
 use crate::quantity::Uncertain;
 use serde::Serialize;
@@ -10,7 +10,7 @@ use crate::analysis::correlation::delay;
 use crate::analysis::pulse::{Conditions, Pulse};
 use crate::analysis::speed::{speed, speed_over};
 use crate::recording::{Capture, Shot, TraceSet};
-use crate::scene::Site;
+use crate::scene::{PlatePlace, Site};
 
 /// Why there are no speeds, and what to do.
 const NO_DISTANCES: &str = "no speeds: no distances are known; give --scene NAME, or --distance CH1-CH2=\"47.2 mm +- 0.1 mm\"";
@@ -61,9 +61,9 @@ pub struct SpeedBetween {
     pub from: String,
     /// Channel to which.
     pub to: String,
-    /// Distance along the chain at rest (m).
+    /// Distance of the plates along the chain at rest (m).
     pub distance_m: f64,
-    /// Its standard uncertainty; 0 where it is a scene's (m).
+    /// Its standard uncertainty, as given or from what the scene says of the plates' offsets (m).
     pub distance_u_m: f64,
     /// The arrival's estimator, or `cross_correlation`.
     pub estimator: &'static str,
@@ -71,7 +71,8 @@ pub struct SpeedBetween {
     pub m_per_s: Uncertain,
 }
 
-/// How much lower the first peak is from one channel's sensor to the next.
+/// How much lower the first peak is from one channel's sensor to the next in a host of the same kind: a plate in a heavy host feels
+/// another share of the same pulse than one in a light host.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Decay {
     /// Channel from which.
@@ -93,7 +94,7 @@ pub struct Survey {
     pub channels: Vec<ChannelArrivals>,
     /// Speeds between neighbouring sensors, from the top.
     pub speeds: Vec<SpeedBetween>,
-    /// Decay of the first peak between neighbouring sensors, from the top.
+    /// Decay of the first peak from sensor to sensor in hosts of one kind, from the top.
     pub decays: Vec<Decay>,
     /// Notes on missing values.
     pub notes: Vec<String>,
@@ -122,11 +123,12 @@ pub fn survey(set: &TraceSet, shot: &Shot) -> Survey {
     for capture in &shot.captures {
         let name = capture.waveform.source.to_string();
         let sensor = sensors.iter().find(|sensor| sensor.channel.as_ref() == Some(&name));
+        notes.extend(sensor.and_then(RecordedSensor::gain_note));
         let (channel, pulse) = channel(capture, sensor);
         channels.push(channel);
         pulses.extend(pulse.clone().map(|pulse| (name.clone(), pulse)));
-        if let (Some(pulse), Some(site)) = (pulse, sensor.and_then(|sensor| sensor.site)) {
-            placed.push(PlacedPulse { channel: name, site, pulse });
+        if let (Some(pulse), Some(place)) = (pulse, sensor.and_then(|sensor| sensor.place)) {
+            placed.push(PlacedPulse { channel: name, place, pulse });
         }
     }
     let over_time = |capture: &Capture| capture.waveform.preamble.x_unit == "s";
@@ -137,10 +139,7 @@ pub fn survey(set: &TraceSet, shot: &Shot) -> Survey {
                 .to_owned(),
         );
     }
-    placed.sort_by_key(|placed| match placed.site {
-        Site::Particle(particle) => particle,
-        Site::Wall => usize::MAX,
-    });
+    sort_down(&mut placed, |placed| placed.place);
     let pulse =
         |channel: &str| pulses.iter().find(|(name, _)| name == channel).map(|(_, pulse)| pulse);
     let measured = distances.iter().filter_map(|known| {
@@ -152,37 +151,71 @@ pub fn survey(set: &TraceSet, shot: &Shot) -> Survey {
         distances.iter().any(|d| (d.from == a && d.to == b) || (d.from == b && d.to == a))
     };
     let of_scene = scene.iter().flat_map(|scene| {
-        placed.iter().zip(placed.iter().skip(1)).filter_map(|(a, b)| {
-            let value = metadata::distance(scene, a.site, b.site)
+        neighbours(&placed, |placed| placed.place).into_iter().filter_map(|(a, b)| {
+            let (a, b) = (&placed[a], &placed[b]);
+            let (value, u) = scene
+                .distance(a.place, b.place)
                 .filter(|_| !is_measured(&a.channel, &b.channel))?;
-            let distance = Uncertain { value, u: 0.0 };
+            let distance = Uncertain { value, u };
             Some(between(distance, (&a.channel, &a.pulse), (&b.channel, &b.pulse)))
         })
     });
     let speeds = measured.chain(of_scene).flatten();
-    let decay = |(a, b): (&PlacedPulse, &PlacedPulse)| {
+    let kind = |placed: &PlacedPulse| {
+        let Site::Particle(particle) = placed.place.site else { return None };
+        let chain = &scene.as_ref()?.chain;
+        Some(chain.bodies().get(chain.body_of(particle))?.name.clone())
+    };
+    let decay = |(index, b): (usize, &PlacedPulse)| {
+        let of_kind = kind(b)?;
+        let is_like =
+            |a: &&PlacedPulse| a.place.site != b.place.site && kind(a).as_ref() == Some(&of_kind);
+        let a = placed[..index].iter().rev().find(is_like)?;
         let height = |placed: &PlacedPulse| {
             channels.iter().find(|channel| channel.channel == placed.channel)?.height_n
         };
         let (here, there) = (height(a)?, height(b)?);
-        let value = there.value / here.value;
-        let u = value * (there.u / there.value).hypot(here.u / here.value);
-        let distance = scene.as_ref().and_then(|scene| metadata::distance(scene, a.site, b.site));
+        let ratio = there.over(here);
+        let (distance, _) = scene.as_ref()?.distance(a.place, b.place)?;
         Some(Decay {
             from: a.channel.clone(),
             to: b.channel.clone(),
-            ratio: Uncertain { value, u },
-            per_metre: distance.map(|distance| -value.ln() / distance),
+            ratio,
+            per_metre: Some(-ratio.value.ln() / distance).filter(|rate| rate.is_finite()),
         })
     };
-    let decays = placed.iter().zip(placed.iter().skip(1)).filter_map(decay).collect();
+    let decays = placed.iter().enumerate().filter_map(decay).collect();
     Survey { shot: shot.number, speeds: speeds.collect(), decays, channels, notes }
+}
+
+/// Puts sensors in their order along the chain, from the top.
+pub(super) fn sort_down<T>(sensors: &mut [T], place: impl Fn(&T) -> PlatePlace) {
+    let along = |sensor: &T| match place(sensor).site {
+        Site::Particle(particle) => (particle, place(sensor).offset),
+        Site::Wall => (usize::MAX, 0.0),
+    };
+    sensors.sort_by(|a, b| along(a).partial_cmp(&along(b)).unwrap_or(std::cmp::Ordering::Equal));
+}
+
+/// Each of `sensors`, sorted from the top, with those in the next host: places in the list.
+pub(super) fn neighbours<T>(
+    sensors: &[T],
+    place: impl Fn(&T) -> PlatePlace,
+) -> Vec<(usize, usize)> {
+    let site = |index: usize| sensors.get(index).map(|sensor| place(sensor).site);
+    let below = |upper: usize| {
+        let next = (upper + 1..sensors.len()).find(|lower| site(*lower) != site(upper));
+        let lower = (upper + 1..sensors.len())
+            .filter(move |lower| next.is_some_and(|next| site(*lower) == site(next)));
+        lower.map(move |lower| (upper, lower)).collect::<Vec<_>>()
+    };
+    (0..sensors.len()).flat_map(below).collect()
 }
 
 /// A pulse and where it was felt.
 struct PlacedPulse {
     channel: String,
-    site: Site,
+    place: PlatePlace,
     pulse: Pulse,
 }
 
@@ -205,10 +238,10 @@ fn channel(capture: &Capture, sensor: Option<&RecordedSensor>) -> (ChannelArriva
     };
     let height = pulse.as_ref().and_then(Pulse::height);
     let sensitivity = sensor_of_volts.and_then(|sensor| sensor.sensitivity);
-    let sensitivity_u = sensor.and_then(|sensor| sensor.sensitivity_u).unwrap_or(0.0);
-    let force = height.zip(sensitivity).map(|(height, sensitivity)| Uncertain {
-        value: height.value / sensitivity,
-        u: height.u.hypot(height.value * sensitivity_u) / sensitivity,
+    let scale_u = sensor.map_or(0.0, RecordedSensor::scale_u);
+    let force = height.zip(sensitivity).map(|(height, sensitivity)| {
+        let u = height.u.hypot(height.value * scale_u) / sensitivity;
+        Uncertain { value: height.value / sensitivity, u }
     });
     let arrival = |estimator: Estimator| Arrival {
         estimator: estimator.key(),

@@ -1,7 +1,7 @@
 //! Tells a recording which sensor was wired to a channel, and turns its volts into newtons.
 //!
 //! `N = (V + (1/tau) integral V dt)/S`. The standard uncertainty of each value is put together from the sensitivity's, the time
-//! constant's (`u(tau)/tau` times what droop took away), the baseline's and the noise's, the latter two grown by the inverse filter.
+//! constant's (`u(tau)/tau` times what droop took away), the scope's gain, the baseline's and the noise's, the latter two grown by the inverse filter.
 //! Source: JCGM 100:2008, 5.1.2. Valid from a start at rest and discharged.
 
 use std::collections::BTreeMap;
@@ -10,9 +10,9 @@ use super::metadata::{self, RecordedSensor};
 use crate::analysis::droop::{error_gain, undo_droop};
 use crate::analysis::pulse::{Conditions, Pulse, PulseError};
 use crate::recording::{Capture, Shot, TraceSet};
-use crate::scene::{Scene, SceneError, input_load};
-use crate::scope::{ChannelSetup, Deviation};
-use crate::sensor::Sensor;
+use crate::scene::{Scene, SceneError, gain_u, input_load};
+use crate::scope::{ChannelSetup, Deviation, VerticalSetup};
+use crate::sensor::{InChain, Sensor};
 use crate::trace::Trace;
 
 /// Where the limits of the scope's input are taken from.
@@ -83,7 +83,9 @@ pub fn wire(set: &mut TraceSet, channel: &str, sensor: &Sensor) -> Result<(), Sc
         .metadata
         .iter()
         .find(|(name, facts)| name.contains("sensor/") && facts.get("channel") == Some(&channel));
-    let site = before.and_then(|(_, facts)| facts.get("site").cloned());
+    let place = before.map(|(_, facts)| facts.clone()).unwrap_or_default();
+    let place =
+        ["site", "offset", "offset_u"].map(|key| place.get(key).map(|it| (key, it.clone())));
     set.metadata
         .retain(|name, facts| !name.contains("sensor/") || facts.get("channel") != Some(&channel));
     let mut facts = vec![
@@ -93,7 +95,8 @@ pub fn wire(set: &mut TraceSet, channel: &str, sensor: &Sensor) -> Result<(), Sc
         ("sensitivity_v_per_n", circuit.sensitivity.to_string()),
         ("time_constant_s", circuit.time_constant.to_string()),
     ];
-    facts.extend(site.map(|site| ("site", site)));
+    facts.extend(place.into_iter().flatten());
+    facts.extend(sensor.measured.chain.into_iter().flat_map(InChain::facts));
     let measured = &sensor.measured;
     let uncertainty = |key, value: Option<f64>| value.map(|value| (key, value.to_string()));
     facts.extend(uncertainty("sensitivity_u_relative", measured.sensitivity_u));
@@ -108,6 +111,32 @@ pub fn wire(set: &mut TraceSet, channel: &str, sensor: &Sensor) -> Result<(), Sc
         .collect();
     for group in groups {
         set.metadata.insert(group, facts.clone());
+    }
+    count_gains(set)
+}
+
+/// Notes in `set` how well the gain of each sensor's channel is known, unless its scope is exact.
+///
+/// # Errors
+/// As [`wire`].
+pub fn count_gains(set: &mut TraceSet) -> Result<(), SceneError> {
+    if metadata::is_scope_exact(set) {
+        return Ok(());
+    }
+    let model = Scene::load(BENCH)?.scope.model;
+    let captures = set.shots.iter().flat_map(|shot| &shot.captures);
+    let verticals: BTreeMap<String, VerticalSetup> =
+        captures.map(|c| (c.waveform.source.to_string(), c.waveform.vertical)).collect();
+    let sensors = set.metadata.iter_mut().filter(|(name, _)| name.contains("sensor/"));
+    for (_, facts) in sensors {
+        let Some((channel, vertical)) =
+            facts.get("channel").and_then(|channel| verticals.get_key_value(channel))
+        else {
+            continue;
+        };
+        let number = channel.trim_start_matches("CH").parse().unwrap_or(0);
+        let gain = gain_u(&model, number, vertical, InChain::of_facts(facts));
+        facts.insert("gain_u_relative".to_owned(), gain.to_string());
     }
     Ok(())
 }
@@ -136,18 +165,14 @@ fn of_channel(capture: &Capture, sensors: &[RecordedSensor]) -> Result<Forces, F
     let pulse = Pulse::find(&volts, Conditions { level, ..Conditions::default() })?;
     volts.values.iter_mut().for_each(|v| *v -= pulse.baseline.level);
     let felt = undo_droop(&volts, tau);
-    let (sensitivity_u, tau_u) =
-        (sensor.sensitivity_u.unwrap_or(0.0), sensor.time_constant_u.unwrap_or(0.0));
+    let (scale_u, tau_u) = (sensor.scale_u(), sensor.time_constant_u.unwrap_or(0.0));
     let interval = felt.interval;
     let (mut u, mut noise_u) = (Vec::new(), Vec::new());
     for (index, (felt, volts)) in felt.values.iter().zip(&volts.values).enumerate() {
         let gain = error_gain(index, interval, tau);
         let noise = gain.noise * pulse.noise;
-        let rest = [
-            felt * sensitivity_u,
-            (felt - volts) * tau_u,
-            gain.baseline * pulse.baseline.uncertainty,
-        ];
+        let rest =
+            [felt * scale_u, (felt - volts) * tau_u, gain.baseline * pulse.baseline.uncertainty];
         noise_u.push(noise / sensitivity);
         u.push(rest.iter().fold(noise, |sum, part| sum.hypot(*part)) / sensitivity);
     }
@@ -166,7 +191,9 @@ fn of_newtons(capture: &Capture, channel: String) -> Result<Forces, ForcesError>
     let sensor = RecordedSensor {
         name: "in newtons".to_owned(),
         channel: Some(channel.clone()),
-        site: None,
+        place: None,
+        gain_u: 0.0,
+        chain: None,
         sensitivity: None,
         sensitivity_u: None,
         time_constant: None,

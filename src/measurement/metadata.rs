@@ -4,8 +4,10 @@ use std::collections::BTreeMap;
 
 use crate::analysis::dispersion::DiatomicChain;
 use crate::quantity::Uncertain;
+use crate::quantity::engineering;
 use crate::recording::TraceSet;
-use crate::scene::{Scene, SceneError, Site};
+use crate::scene::{PlatePlace, Scene, SceneError, Site};
+use crate::sensor::InChain;
 
 /// Metadata groups of distances begin like this.
 const DISTANCE: &str = "hertzscope:distance/";
@@ -17,12 +19,16 @@ pub struct RecordedSensor {
     pub name: String,
     /// Channel it was wired to, `CH1`.
     pub channel: Option<String>,
-    /// Where it sat, where that is told.
-    pub site: Option<Site>,
+    /// Where its plate sat, where that is told.
+    pub place: Option<PlatePlace>,
     /// Voltage per force before any droop (V/N).
     pub sensitivity: Option<f64>,
     /// Relative standard uncertainty of the sensitivity, where the sensor was calibrated (1).
     pub sensitivity_u: Option<f64>,
+    /// Relative standard uncertainty of the channel's gain for this sensor; 0 for an exact scope, or one calibrated with the sensor (1).
+    pub gain_u: f64,
+    /// The channel and range that it was calibrated with as one chain.
+    pub chain: Option<InChain>,
     /// Time constant of sensor and scope input (s).
     pub time_constant: Option<f64>,
     /// Relative standard uncertainty of the time constant, where the sensor was calibrated (1).
@@ -101,6 +107,12 @@ pub fn scene_of(set: &TraceSet, shot: u32) -> Option<Result<Scene, SceneError>> 
     }
 }
 
+/// Whether `set` was simulated with a scope without errors of its gain.
+pub fn is_scope_exact(set: &TraceSet) -> bool {
+    let effects = set.metadata.get("hertzscope:recording").and_then(|facts| facts.get("effects"));
+    effects.is_some_and(|effects| !effects.contains("scope_errors"))
+}
+
 /// The sensors that a recording's metadata name.
 pub fn sensors(set: &TraceSet) -> Vec<RecordedSensor> {
     sensors_below(set, "hertzscope:sensor/")
@@ -116,6 +128,34 @@ pub fn sensors_of(set: &TraceSet, shot: u32) -> Vec<RecordedSensor> {
     }
 }
 
+impl RecordedSensor {
+    /// Relative standard uncertainty of newtons from the sensitivity and the channel's gain (1).
+    pub fn scale_u(&self) -> f64 {
+        self.sensitivity_u.unwrap_or(0.0).hypot(self.gain_u)
+    }
+
+    /// What to say where the channel's gain counts.
+    pub fn gain_note(&self) -> Option<String> {
+        if self.gain_u <= 0.0 {
+            return None;
+        }
+        let channel = self.channel.as_deref().unwrap_or("the channel");
+        let chain = self.chain.map_or_else(String::new, |chain| {
+            let (channel, range) = (chain.channel, engineering(chain.range, "V/div", 3));
+            format!(" (the sensor was calibrated in chain with CH{channel} at {range}, not with this range)")
+        });
+        Some(format!(
+            "{channel}: newtons count the scope's gain with u = {:.2} %, from its data sheet{chain}",
+            100.0 * self.gain_u
+        ))
+    }
+
+    /// Its host, where that is told.
+    pub fn site(&self) -> Option<Site> {
+        self.place.map(|place| place.site)
+    }
+}
+
 fn sensors_below(set: &TraceSet, prefix: &str) -> Vec<RecordedSensor> {
     let groups = set.metadata.iter().filter(|(name, _)| name.starts_with(prefix));
     groups.map(|(_, facts)| sensor(facts)).collect()
@@ -126,6 +166,7 @@ fn sensor(facts: &BTreeMap<String, String>) -> RecordedSensor {
         let value: f64 = facts.get(key)?.parse().ok()?;
         (value.is_finite() && value > 0.0).then_some(value)
     };
+    let offset = |key: &str| facts.get(key).and_then(|text| text.parse().ok()).unwrap_or(0.0);
     let site = facts.get("site").and_then(|site| match site.strip_prefix("particle ") {
         Some(particle) => particle.parse().ok().map(Site::Particle),
         None => (site == "wall").then_some(Site::Wall),
@@ -133,9 +174,15 @@ fn sensor(facts: &BTreeMap<String, String>) -> RecordedSensor {
     RecordedSensor {
         name: facts.get("name").cloned().unwrap_or_default(),
         channel: facts.get("channel").cloned(),
-        site,
+        place: site.map(|site| PlatePlace {
+            site,
+            offset: offset("offset"),
+            offset_u: offset("offset_u"),
+        }),
         sensitivity: number("sensitivity_v_per_n"),
         sensitivity_u: number("sensitivity_u_relative"),
+        gain_u: number("gain_u_relative").unwrap_or(0.0),
+        chain: InChain::of_facts(facts),
         time_constant: number("time_constant_s"),
         time_constant_u: number("time_constant_u_relative"),
     }
@@ -188,18 +235,4 @@ pub fn cells(scene: &Scene, particle: usize) -> Option<Vec<usize>> {
     let first = (1..=start).rev().take_while(|p| turns(*p)).last()?;
     let last = (start..=chain.particles()).take_while(|p| turns(*p)).last()? + 2;
     Some((first..last).step_by(2).map(|p| chain.body_of(p) + 1).collect())
-}
-
-/// Distance between two sites along the chain at rest, overlaps subtracted (m).
-pub fn distance(scene: &Scene, from: Site, to: Site) -> Option<f64> {
-    let chain = &scene.chain;
-    match (from, to) {
-        (Site::Particle(from), Site::Particle(to)) => {
-            (from.max(to) <= chain.particles()).then(|| chain.distance(from.min(to), from.max(to)))
-        }
-        (Site::Particle(particle), Site::Wall) | (Site::Wall, Site::Particle(particle)) => {
-            (particle <= chain.particles()).then(|| chain.distance_to_wall(particle))
-        }
-        (Site::Wall, Site::Wall) => None,
-    }
 }

@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::arrivals::{ChannelArrivals, Survey};
 use crate::quantity::Uncertain;
+use crate::quantity::coverage::student_95;
 
 /// Repeatability limit over standard deviation: 1.96 times the square root of two (1).
 const REPEATABILITY_FACTOR: f64 = 2.8;
@@ -41,6 +42,8 @@ pub struct ShotStatistic {
     pub repeatability: Option<f64>,
     /// Change from one shot to the next, with its standard uncertainty; none for fewer than three shots.
     pub trend: Option<Uncertain>,
+    /// Coverage factor of the trend's expanded uncertainty, Student's t of the shots less two (1).
+    pub trend_coverage_factor: f64,
 }
 
 impl ShotStatistic {
@@ -116,6 +119,7 @@ fn add(
         mean_u: None,
         repeatability: None,
         trend: None,
+        trend_coverage_factor: student_95(f64::INFINITY),
     };
     all.push((statistic, vec![value]));
 }
@@ -139,6 +143,7 @@ fn completed(statistic: ShotStatistic, values: &[(f64, f64)]) -> ShotStatistic {
         mean_u: deviation.map(|deviation| deviation / n.sqrt()),
         repeatability: deviation.map(|deviation| REPEATABILITY_FACTOR * deviation),
         trend,
+        trend_coverage_factor: student_95(n - 2.0),
         ..statistic
     }
 }

@@ -8,6 +8,7 @@
 //! oscilloscope's division. Exponents are counted in halves, because a Hertz contact's stiffness has
 //! the unit N/m^1.5.
 
+pub mod coverage;
 mod dimension;
 mod error;
 mod printable;
@@ -19,13 +20,39 @@ pub use printable::{printable, printable_line};
 
 use std::fmt;
 
-/// A number with its standard uncertainty; twice as much covers 95 %.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+use coverage::NORMAL_95;
+use serde::ser::{Serialize, SerializeStruct, Serializer};
+
+/// A number with its standard uncertainty; JSON has `value`, `u`, and `U95`, the expanded uncertainty that is printed behind `±`.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Uncertain {
     /// The number (unit).
     pub value: f64,
     /// Its standard uncertainty (unit).
     pub u: f64,
+}
+
+impl Uncertain {
+    /// Expanded uncertainty for 95 % of a quantity whose standard uncertainty is known well (unit).
+    pub fn expanded(self) -> f64 {
+        NORMAL_95 * self.u
+    }
+
+    /// This over another, independent of it.
+    pub fn over(self, other: Self) -> Self {
+        let value = self.value / other.value;
+        Self { value, u: (value * (self.u / self.value).hypot(other.u / other.value)).abs() }
+    }
+}
+
+impl Serialize for Uncertain {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut fields = serializer.serialize_struct("Uncertain", 3)?;
+        fields.serialize_field("value", &self.value)?;
+        fields.serialize_field("u", &self.u)?;
+        fields.serialize_field("U95", &self.expanded())?;
+        fields.end()
+    }
 }
 
 /// Reads `text`, a number followed by a unit, as a value of `dimension` in SI units.
@@ -71,6 +98,31 @@ pub fn parse_any(text: &str) -> Result<(f64, Dimension), QuantityError> {
     } else {
         Err(QuantityError::NotFinite { text: trimmed.to_owned() })
     }
+}
+
+/// Reads `text` as a difference of two quantities: a unit's zero does not count, `5 °C` is 5 K.
+///
+/// # Errors
+/// As [`parse`].
+pub fn parse_difference(text: &str, dimension: Dimension) -> Result<f64, QuantityError> {
+    let (value, found) = parse_any_difference(text)?;
+    if found == dimension {
+        Ok(value)
+    } else {
+        Err(QuantityError::WrongDimension { text: text.trim().to_owned(), found })
+    }
+}
+
+/// Reads `text` as a difference of whatever dimension its unit has; returns the SI value and that dimension.
+///
+/// # Errors
+/// As [`parse_any`].
+pub fn parse_any_difference(text: &str) -> Result<(f64, Dimension), QuantityError> {
+    let (value, dimension) = parse_any(text)?;
+    let trimmed = text.trim();
+    let (_, unit) = trimmed.split_at(number_length(trimmed));
+    let zero = unit::parse(unit.trim())?.to_si(0.0);
+    Ok((if zero == 0.0 { value } else { value - zero }, dimension))
 }
 
 /// Length of the longest prefix that reads as a decimal number; `nan` and `inf` count, so that they
@@ -215,6 +267,15 @@ mod tests {
                 "{text}: {value} is not {si}"
             );
         }
+    }
+
+    /// A difference of 5 °C is 5 K; 5 °C is 278.15 K.
+    #[test]
+    fn a_difference_leaves_the_zero_of_its_unit_out() {
+        let read = |text| parse_difference(text, Dimension::TEMPERATURE).expect(text);
+        assert!((read("5 °C") - 5.0).abs() < 1e-12 && (read("5 degC") - 5.0).abs() < 1e-12);
+        assert_eq!(read("5 K").to_bits(), 5.0_f64.to_bits());
+        assert!(parse_difference("5 s", Dimension::TEMPERATURE).is_err());
     }
 
     #[test]

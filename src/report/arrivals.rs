@@ -1,16 +1,15 @@
 //! Arrivals and speeds as a page of text.
 
 use super::table;
-use crate::measurement::arrivals::{ChannelArrivals, Survey};
+use crate::measurement::arrivals::{ChannelArrivals, SpeedBetween, Survey};
 use crate::quantity::{Uncertain, engineering};
-
-/// Coverage factor of what is printed: 95 % (1).
-const COVERAGE_FACTOR: f64 = 2.0;
 
 /// The page that `arrivals` prints.
 pub fn arrivals(survey: &Survey) -> String {
-    let mut lines =
-        vec![format!("shot {}: times after the trigger, ± covers 95 % (k = 2)", survey.shot)];
+    let mut lines = vec![format!(
+        "shot {}: times after the trigger, ± is the expanded uncertainty (95 %)",
+        survey.shot
+    )];
     let heading =
         ["", "sensor", "height", "width", "pulses", "half-rise", "peak", "10 %", "max. slope"];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
@@ -28,11 +27,8 @@ pub fn arrivals(survey: &Survey) -> String {
             decay.from,
             decay.to,
             decay.ratio.value,
-            COVERAGE_FACTOR * decay.ratio.u
+            decay.ratio.expanded()
         ));
-    }
-    if !survey.decays.is_empty() {
-        lines.push("  note  heights depend on the host's mass: compare hosts of one kind".to_owned());
     }
     for channel in &survey.channels {
         let name = &channel.channel;
@@ -66,6 +62,15 @@ fn row(channel: &ChannelArrivals) -> Vec<String> {
     row
 }
 
+/// The distance, with its expanded uncertainty where the scene states one.
+fn distance(speed: &SpeedBetween) -> String {
+    if speed.distance_u_m > 0.0 {
+        with(Some(Uncertain { value: speed.distance_m, u: speed.distance_u_m }), "m")
+    } else {
+        engineering(speed.distance_m, "m", 5)
+    }
+}
+
 fn speeds(survey: &Survey) -> Vec<String> {
     let keys = ["half_rise", "peak", "ten_percent", "maximum_slope", "cross_correlation"];
     let heading =
@@ -73,8 +78,7 @@ fn speeds(survey: &Survey) -> Vec<String> {
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
     for pair in survey.speeds.chunk_by(|a, b| (&a.from, &a.to) == (&b.from, &b.to)) {
         let Some(first) = pair.first() else { continue };
-        let mut row =
-            vec![format!("{} -> {}", first.from, first.to), engineering(first.distance_m, "m", 5)];
+        let mut row = vec![format!("{} -> {}", first.from, first.to), distance(first)];
         row.extend(keys.map(|key| {
             with(pair.iter().find(|speed| speed.estimator == key).map(|s| s.m_per_s), "m/s")
         }));
@@ -85,16 +89,17 @@ fn speeds(survey: &Survey) -> Vec<String> {
 
 /// A number with its expanded uncertainty in the same prefix: `309.8 ± 0.7 µs`.
 fn with(measure: Option<Uncertain>, unit: &str) -> String {
-    let Some(Uncertain { value, u }) = measure else { return "-".to_owned() };
+    let Some(measure) = measure else { return "-".to_owned() };
+    let (value, expanded) = (measure.value, measure.expanded());
     let shown = engineering(value, unit, 4);
     let Some((number, prefixed)) = shown.split_once(' ') else { return shown };
     let Ok(mantissa) = number.parse::<f64>() else { return shown };
-    if mantissa == 0.0 || !u.is_finite() {
+    if mantissa == 0.0 || !expanded.is_finite() {
         return shown;
     }
     // The power of ten that the prefix stands for.
     let scale = 10f64.powf((mantissa / value).log10().round());
-    let around = COVERAGE_FACTOR * u * scale;
+    let around = expanded * scale;
     // Two digits of the uncertainty, and the value to the same place.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few digits")]
     let decimals = (1.0 - around.log10().floor()).clamp(0.0, 6.0) as usize;

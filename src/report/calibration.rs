@@ -44,18 +44,18 @@ pub(super) fn results(report: &CalibrationReport) -> Vec<[String; 2]> {
         row(
             "sensitivity S",
             format!(
-                "{} (k = 2), {} of it",
-                with(s, 2.0 * report.standard_uncertainty_v_per_n, "V/N"),
-                percent(report.u_relative_k2)
+                "{}, {} of it (k = {:.2}{})",
+                with(s, report.expanded_v_per_n, "V/N"),
+                percent(report.expanded_relative),
+                report.coverage_factor,
+                report
+                    .effective_degrees_of_freedom
+                    .map_or_else(String::new, |nu| format!(", {nu:.1} degrees of freedom"))
             ),
         ),
         row(
             "time constant tau",
-            format!(
-                "{} (k = 2), {}",
-                with(report.tau_s, 2.0 * report.tau_u_s, "s"),
-                report.tau_source
-            ),
+            format!("{}, {}", with(report.tau_s, report.tau_expanded_s, "s"), report.tau_source),
         ),
         row(
             "force range",
@@ -67,16 +67,23 @@ pub(super) fn results(report: &CalibrationReport) -> Vec<[String; 2]> {
             ),
         ),
     ];
-    if let (Some(change), Some(u)) = (report.nonlinearity, report.nonlinearity_u) {
+    if let (Some(change), Some(u)) = (report.nonlinearity, report.nonlinearity_expanded) {
         rows.push(row(
             "non-linearity",
             format!(
-                "{:+.2} % ± {:.2} % (k = 2) from the lowest to the highest force",
+                "{:+.2} % ± {:.2} % from the lowest to the highest force",
                 100.0 * change,
-                200.0 * u
+                100.0 * u
             ),
         ));
     }
+    rows.push(row(
+        "Birge ratio",
+        format!(
+            "{:.2}: scatter of the impacts over what their inputs explain; counts from 1",
+            report.birge_ratio
+        ),
+    ));
     if let Some(drawn) = &report.monte_carlo {
         let [low, high] = drawn.interval_95_v_per_n.map(|s| engineering(s, "V/N", 6));
         let verdict = if drawn.agrees_with_gum { "agrees" } else { "DISAGREES" };
@@ -136,7 +143,7 @@ pub(super) fn budget_rows(report: &CalibrationReport) -> Vec<Vec<String>> {
         rows.push(vec![
             line.input.clone(),
             in_unit(line.value, &line.unit, 5),
-            in_unit(line.standard_uncertainty, &line.unit, 3),
+            in_unit(line.u, &line.unit, 3),
             engineering(line.contribution_v_per_n.abs(), "V/N", 3),
             percent(line.share),
         ]);
@@ -158,7 +165,8 @@ pub(super) fn exclusions(report: &CalibrationReport) -> Vec<String> {
 
 /// The page that `calibrate` prints.
 pub fn page(report: &CalibrationReport) -> String {
-    let mut lines = vec![report.title.clone()];
+    let mut lines = vec![format!("{}; ± is the expanded uncertainty (95 %)", report.title)];
+    lines.extend(report.contradictions.iter().map(|wrong| format!("  REFUSED  {wrong}")));
     lines.extend(results(report).iter().map(|[what, number]| format!("  {what:<18} {number}")));
     lines.push(String::new());
     lines.extend(table::lines(&impact_rows(report), &[0, 1]));

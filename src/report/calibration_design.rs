@@ -1,6 +1,7 @@
 //! The design of a momentum test as a page of text.
 
 use super::table;
+use crate::quantity::coverage::NORMAL_95;
 use crate::quantity::engineering;
 use crate::studies::momentum_test::coverage::Coverage;
 use crate::studies::momentum_test::design::{LabUncertainties, TestDesign};
@@ -27,8 +28,7 @@ pub fn design_page(
             100.0 * lab.rebound_u
         ),
     ];
-    let heading =
-        ["striker", "mass", "heights", "V/div", "s/div", "peak force", "contact", "U (k = 2)"];
+    let heading = ["striker", "mass", "heights", "V/div", "s/div", "peak force", "contact", "U95"];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
     rows.extend(candidates.iter().take(SHOWN_DESIGNS).map(|candidate| {
         let height = |share: f64| {
@@ -42,7 +42,7 @@ pub fn design_page(
             engineering(candidate.seconds_per_div, "s", 3),
             engineering(candidate.peak_force_n, "N", 3),
             engineering(candidate.contact_s, "s", 3),
-            candidate.u_relative_k2.map_or("-".to_owned(), |u| format!("{:.2} %", 100.0 * u)),
+            candidate.expanded.map_or("-".to_owned(), |u| format!("{:.2} %", 100.0 * u)),
         ]
     }));
     lines.extend(table::lines(&rows, &[0]));
@@ -63,16 +63,19 @@ fn coverage_lines(checked: &Coverage) -> [String; 5] {
             "the best, {} times blind: other sensor, readings and noise each time",
             checked.repeats
         ),
-        format!("  bias        {} ± {:.3} %", percent(checked.bias), 100.0 * checked.bias_u),
         format!(
-            "  coverage    {:.1} % of the 95 % intervals hold the truth, {:.1} % with k = 2",
-            100.0 * checked.coverage_95,
-            100.0 * checked.coverage_k2
+            "  bias        {} ± {:.3} %",
+            percent(checked.bias),
+            100.0 * NORMAL_95 * checked.bias_u
         ),
         format!(
-            "  U (k = 2)   {:.2} % on average, {:.2} % at most; {} calibrations failed, {} impacts left out",
-            100.0 * checked.mean_u_relative_k2,
-            100.0 * checked.largest_u_relative_k2,
+            "  coverage    {:.1} % of the 95 % intervals hold the truth",
+            100.0 * checked.coverage_95
+        ),
+        format!(
+            "  U95         {:.2} % on average, {:.2} % at most; {} calibrations failed, {} impacts left out",
+            100.0 * checked.mean_expanded,
+            100.0 * checked.largest_expanded,
             checked.failed,
             checked.impacts_left_out
         ),

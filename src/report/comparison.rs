@@ -7,7 +7,8 @@ use super::plot::Curve;
 use super::{chart, chart_over, table};
 use crate::measurement::compare::mapping::ASSUMED;
 use crate::measurement::compare::{ChannelScore, Compared, Comparison};
-use crate::quantity::engineering;
+use crate::quantity::coverage::NORMAL_95;
+use crate::quantity::{Uncertain, engineering};
 use crate::trace::Trace;
 
 fn signed(value: f64, unit: &str, digits: usize) -> String {
@@ -19,8 +20,8 @@ fn or_dash(text: Option<String>) -> String {
     text.unwrap_or_else(|| "-".to_owned())
 }
 
-fn share(error: f64, u: f64) -> String {
-    format!("{:+.2} ± {:.2} %", 100.0 * error, 100.0 * u)
+fn share(error: Uncertain) -> String {
+    format!("{:+.2} ± {:.2} %", 100.0 * error.value, 100.0 * error.expanded())
 }
 
 fn rows(comparison: &Comparison) -> Vec<Vec<String>> {
@@ -30,11 +31,15 @@ fn rows(comparison: &Comparison) -> Vec<Vec<String>> {
         vec![
             format!("{}{sensor}", c.name),
             c.against.clone(),
-            format!("{:.4} ± {:.4}", c.gain, c.gain_u),
+            format!("{:.4} ± {:.4}", c.gain.value, c.gain.expanded()),
             signed(c.offset_v, "V", 2),
-            or_dash(c.peak_error.zip(c.peak_error_u).map(|(error, u)| share(error, u))),
-            or_dash(c.arrival_error_s.zip(c.arrival_error_u_s).map(|(error, u)| {
-                format!("{} ± {}", signed(error, "s", 3), engineering(u, "s", 2))
+            or_dash(c.peak_error.map(share)),
+            or_dash(c.arrival_error_s.map(|error| {
+                format!(
+                    "{} ± {}",
+                    signed(error.value, "s", 3),
+                    engineering(error.expanded(), "s", 2)
+                )
             })),
             or_dash(c.correlation.map(|c| format!("{c:.5}"))),
             or_dash(c.spectrum_distance.map(|d| format!("{:.2} %", 100.0 * d))),
@@ -67,21 +72,22 @@ fn speed_rows(comparison: &Comparison) -> Vec<Vec<String>> {
     let heading = ["", "estimator", "measured", "simulated", "error"];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
     rows.extend(comparison.speeds.iter().map(|s| {
-        let speed = |u: crate::quantity::Uncertain| format!("{:.2} ± {:.2} m/s", u.value, u.u);
+        let speed = |u: Uncertain| format!("{:.2} ± {:.2} m/s", u.value, u.expanded());
         vec![
             format!("{} -> {}", s.from, s.to),
             s.estimator.replace('_', "-"),
             speed(s.measured_m_per_s),
             speed(s.simulated_m_per_s),
-            share(s.error, s.error_u),
+            share(s.error),
         ]
     }));
     rows
 }
 
 fn alignment(comparison: &Comparison) -> String {
-    let u =
-        comparison.shift_u_s.map_or_else(String::new, |u| format!(" ± {}", engineering(u, "s", 2)));
+    let u = comparison
+        .shift_u_s
+        .map_or_else(String::new, |u| format!(" ± {}", engineering(NORMAL_95 * u, "s", 2)));
     let shift = signed(comparison.shift_s, "s", 4);
     format!(
         "aligned by {}: simulated traces {shift}{u} later; gain and offset are reported, not removed",
@@ -122,7 +128,7 @@ pub fn comparison(comparison: &Comparison) -> String {
         format!("{} against {}", comparison.measured, comparison.simulated),
         format!("  {}", alignment(comparison)),
         String::new(),
-        "measured over simulated (± one standard uncertainty)".to_owned(),
+        "measured over simulated; ± is the expanded uncertainty (95 %)".to_owned(),
     ];
     lines.extend(table::lines(&rows(comparison), &[0, 1]));
     lines.push(String::new());

@@ -24,18 +24,18 @@ fn decimals(u: f64) -> usize {
 }
 
 fn parameter_rows(report: &FitReport) -> Vec<Vec<String>> {
-    let heading = ["", "start", "found", "95 % from", "to", "u"];
+    let heading = ["", "start", "found", "95 % from", "to", "U95"];
     let row = |p: &Parameter| {
         let scaled = |value: f64| value / p.unit_in_si;
-        let decimals = decimals(scaled(p.u));
+        let decimals = decimals(scaled(p.expanded));
         let plain = |value: f64| format!("{:.decimals$}", scaled(value));
         vec![
             p.path.clone(),
             format!("{} {}", plain(p.start), p.unit).trim_end().to_owned(),
-            with(scaled(p.value), scaled(p.u), &p.unit),
+            with(scaled(p.value), scaled(p.expanded), &p.unit),
             plain(p.interval_95[0]),
             plain(p.interval_95[1]),
-            format!("{:.3} %", 100.0 * p.u_relative),
+            format!("{:.3} %", 100.0 * p.expanded / p.value.abs()),
         ]
     };
     let heading = std::iter::once(heading.map(str::to_owned).to_vec());
@@ -48,7 +48,11 @@ fn nuisance(found: &Nuisance) -> String {
         name if name.starts_with("offset") => (1e3, "mV"),
         _ => (1.0, ""),
     };
-    format!("{}: {}", found.name, with(found.value * scale, found.u * scale, unit))
+    format!(
+        "{}: {}",
+        found.name,
+        with(found.found.value * scale, found.found.expanded() * scale, unit)
+    )
 }
 
 fn channel_rows(report: &FitReport) -> Vec<Vec<String>> {
@@ -113,7 +117,10 @@ fn quality(report: &FitReport) -> String {
 
 /// The page that `fit` prints.
 pub fn fit(report: &FitReport) -> String {
-    let mut lines = vec![format!("{} fitted to {}", report.scene, report.measured)];
+    let mut lines = vec![format!(
+        "{} fitted to {}; ± is the expanded uncertainty (95 %)",
+        report.scene, report.measured
+    )];
     lines.extend(table::lines(&parameter_rows(report), &[0]));
     lines.extend(report.nuisances.iter().map(|found| format!("  along  {}", nuisance(found))));
     lines.push(String::new());
@@ -135,7 +142,7 @@ pub fn fit_parts(fit: &Fit, stem: &str) -> Vec<Part> {
     let mut parts = vec![
         Part::Heading(1, format!("{} fitted to {}", report.scene, report.measured)),
         Part::Table(parameter_rows(report)),
-        Part::Paragraph("Uncertainties are standard ones, of noise and rounding alone.".to_owned()),
+        Part::Paragraph("± is the expanded uncertainty (95 %): noise, rounding, and the gains' within their data sheets.".to_owned()),
         Part::List(report.nuisances.iter().map(nuisance).collect()),
         Part::Heading(2, "Correlations".to_owned()),
         Part::Table(correlation_rows(report)),

@@ -3,6 +3,7 @@
 use super::plot::{Curve, braille};
 use super::table;
 use crate::measurement::force::Forces;
+use crate::quantity::coverage::NORMAL_95;
 use crate::quantity::engineering;
 
 /// Force over time.
@@ -18,8 +19,7 @@ pub fn force_curve(forces: &Forces) -> Curve {
 
 /// The page that `force` prints.
 pub fn forces(found: &[Forces], problems: &[String]) -> String {
-    let heading =
-        ["", "sensor", "sensitivity", "tau", "largest force", "U (k = 2)", "at", "of it noise"];
+    let heading = ["", "sensor", "sensitivity", "tau", "largest force", "U95", "at", "of it noise"];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
     for channel in found {
         let values = channel.force.values.iter().zip(&channel.u).zip(&channel.noise_u).enumerate();
@@ -38,9 +38,9 @@ pub fn forces(found: &[Forces], problems: &[String]) -> String {
             or_none(sensor.sensitivity, "V/N"),
             or_none(sensor.time_constant, "s"),
             engineering(*force, "N", 4),
-            engineering(2.0 * u, "N", 2),
+            engineering(NORMAL_95 * u, "N", 2),
             engineering(channel.force.time(index), "s", 4),
-            engineering(2.0 * noise, "N", 2),
+            engineering(NORMAL_95 * noise, "N", 2),
         ]);
     }
     let mut lines = table::lines(&rows, &[0, 1]);
@@ -58,6 +58,8 @@ pub fn forces(found: &[Forces], problems: &[String]) -> String {
             channel.channel, channel.clipped
         )
     }));
+    let gains = found.iter().filter_map(|channel| channel.sensor.gain_note());
+    lines.extend(gains.map(|note| format!("  note  {note}")));
     lines.extend(problems.iter().map(|problem| format!("  note  {problem}")));
     if let Some(first) = found.first() {
         lines.push(String::new());

@@ -31,6 +31,7 @@ mod sweep;
 mod table;
 pub mod text;
 mod tunability;
+mod uncertainty;
 mod work_precision;
 
 pub use arrivals::arrivals;
@@ -50,6 +51,9 @@ pub use statistics::{statistics, statistics_csv};
 pub use summary::summary;
 pub use sweep::{gathering, sweep};
 pub use tunability::{transmitted, tunability, tunability_svg};
+pub use uncertainty::{
+    band_picture, normalised_error_lines, prediction_intervals, uncertainty_budget,
+};
 pub use work_precision::{WorkMeasure, work_precision, work_precision_svg};
 
 use crate::quantity::printable;

@@ -8,16 +8,8 @@ use crate::quantity::engineering;
 
 /// The table that `arrivals` ends with.
 pub fn statistics(found: &[ShotStatistic]) -> String {
-    let heading = [
-        "",
-        "estimator",
-        "shots",
-        "mean",
-        "st. dev.",
-        "",
-        "repeatability",
-        "trend per shot (k = 2)",
-    ];
+    let heading =
+        ["", "estimator", "shots", "mean", "st. dev.", "", "repeatability", "trend per shot"];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
     for statistic in found {
         let shown = |value: f64| engineering(value, statistic.unit, 3);
@@ -27,7 +19,11 @@ pub fn statistics(found: &[ShotStatistic]) -> String {
         let relative = relative.map(|s| 100.0 * s / statistic.mean.abs());
         let trend = statistic.trend.map_or("-".to_owned(), |trend| {
             let marked = if statistic.drifts() { "  drifts" } else { "" };
-            format!("{} ± {}{marked}", shown(trend.value), shown(2.0 * trend.u))
+            format!(
+                "{} ± {}{marked}",
+                shown(trend.value),
+                shown(statistic.trend_coverage_factor * trend.u)
+            )
         });
         rows.push(vec![
             match &statistic.to {

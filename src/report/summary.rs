@@ -65,14 +65,16 @@ fn readings(summary: &Summary) -> Vec<String> {
 fn speeds(speeds: &[Speed]) -> Vec<String> {
     let mut rows =
         vec![["from -> to", "distance", "half-rise", "peak", "10 %"].map(str::to_owned).to_vec()];
-    for pair in speeds.chunk_by(|a, b| (a.from, a.to) == (b.from, b.to)) {
+    for pair in
+        speeds.chunk_by(|a, b| (&a.from_sensor, &a.to_sensor) == (&b.from_sensor, &b.to_sensor))
+    {
         let Some(first) = pair.first() else { continue };
         let by = |estimator: &str| {
             let found = pair.iter().find(|speed| speed.estimator == estimator);
             found.map_or("-".to_owned(), |speed| engineering(speed.m_per_s, "m/s", 4))
         };
         rows.push(vec![
-            format!("{} -> {}", first.from, first.to),
+            format!("{} -> {}", first.from_sensor, first.to_sensor),
             engineering(first.distance_m, "m", 5),
             by("half_rise"),
             by("peak"),

@@ -9,6 +9,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use super::bench::CachedPanel;
+use super::distance::Site;
 use super::document::{Node, Value};
 use super::library::{self, LoadedScene};
 use super::problem::SceneError;
@@ -168,6 +169,23 @@ impl Adjustable {
                     }
                 }
             }
+            ["sensors", name, key @ ("offset" | "host_mass")] => {
+                let scene = self.scene()?;
+                for placed in &scene.sensors {
+                    let path = ["sensors", placed.name.as_str(), *key];
+                    let Site::Particle(particle) = placed.site else { continue };
+                    if (*name != ANY && *name != placed.name)
+                        || at(&self.loaded.root, &path).is_some()
+                    {
+                        continue;
+                    }
+                    let body = scene.chain.bodies().get(scene.chain.body_of(particle));
+                    let mass = body.map_or(f64::NAN, |body| body.mass);
+                    let text =
+                        if *key == "offset" { "0".to_owned() } else { format!("{mass:e} kg") };
+                    insert(&mut self.loaded.root, &path, Value::Text(text.into()));
+                }
+            }
             ["sensors", name, "sensitivity"] => {
                 let scene = self.scene()?;
                 for (index, placed) in scene.sensors.iter().enumerate() {
@@ -182,6 +200,13 @@ impl Adjustable {
             _ => {}
         }
         Ok(())
+    }
+
+    /// Whether `path` leads through a table that a derived scene has switched off (`magnet_preload = false`).
+    pub fn is_switched_off(&self, path: &str) -> bool {
+        let keys: Vec<&str> = path.split('.').collect();
+        let is_off = |end| at(&self.loaded.root, &keys[..end]).map(|node| &node.value);
+        (1..keys.len()).any(|end| matches!(is_off(end), Some(Value::Flag(false))))
     }
 
     /// A scene that stands on this one and has other values, as text; each with how many digits of it count.
@@ -256,7 +281,10 @@ fn knob(path: String, node: &Node) -> Result<AdjustableNumber, AdjustError> {
             };
             let unit = unit_of(text.trim());
             let (unit, scale) = match parse_any(&format!("1 {unit}")) {
-                Ok((scale, same)) if same == dimension => (unit.to_owned(), scale),
+                // A unit with another zero, °C, is no factor.
+                Ok((scale, same)) if same == dimension && has_zero(unit) => {
+                    (unit.to_owned(), scale)
+                }
                 _ if dimension == Dimension::NONE => (String::new(), 1.0),
                 _ => (dimension.base_units(), 1.0),
             };
@@ -264,6 +292,11 @@ fn knob(path: String, node: &Node) -> Result<AdjustableNumber, AdjustError> {
         }
         _ => Err(wrong(node.describe())),
     }
+}
+
+/// Whether zero of `unit` is zero in SI units.
+fn has_zero(unit: &str) -> bool {
+    parse_any(&format!("0 {unit}")).is_ok_and(|(value, _)| value == 0.0)
 }
 
 /// The rest of `text` behind its number.

@@ -52,6 +52,9 @@ impl SourceLocation {
     }
 }
 
+/// Keys that make a table of `[uncertainty]` a distribution.
+pub(super) const DISTRIBUTION_KEYS: [&str; 3] = ["standard", "half_width", "between"];
+
 /// Keys and what they say, in the order of their names.
 pub type Entries = BTreeMap<Rc<str>, Entry>;
 
@@ -134,6 +137,10 @@ impl Node {
     /// Puts this tree on top of `base`: tables merge, everything else replaces.
     pub fn put_over(&mut self, base: &Self) {
         if let (Value::Table(upper), Value::Table(lower)) = (&mut self.value, &base.value) {
+            // A distribution of `[uncertainty]` is one thing.
+            if DISTRIBUTION_KEYS.iter().any(|key| upper.contains_key(*key)) {
+                return;
+            }
             let upper = Rc::make_mut(upper);
             for (key, below) in &**lower {
                 match upper.get_mut(key) {

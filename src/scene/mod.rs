@@ -7,10 +7,12 @@ pub mod adjust;
 mod bench;
 mod bodies;
 mod bound;
+mod distance;
 pub mod document;
 mod effect_table;
 mod effects;
 mod files;
+mod gain;
 pub mod grid;
 mod library;
 mod losses;
@@ -27,12 +29,16 @@ mod series;
 mod shot;
 mod texts;
 mod tree;
+mod uncertainty;
 pub mod vary;
 
 pub use bench::load as input_load;
+pub use distance::{PlatePlace, Site, distance};
+pub use gain::gain_u;
 pub use problem::{Problem, SceneError};
-pub use sensors::{PlacedSensor, Site};
+pub use sensors::PlacedSensor;
 pub use texts::{Texts, hexadecimal};
+pub use uncertainty::{InputDistribution, SpreadAmount, UncertainInput};
 
 use crate::chain::{Chain, ChainSpec, End};
 use crate::quantity::Dimension;
@@ -87,6 +93,8 @@ pub struct Scene {
     pub decided: Vec<String>,
     /// How far the sensors' plates may be from their data; drawn from the seed.
     pub sensor_tolerance: Option<SensorTolerance>,
+    /// What is not known exactly.
+    pub uncertainty: Vec<UncertainInput>,
 }
 
 impl Scene {
@@ -164,8 +172,20 @@ fn read(
     let accuracy = accuracy(&root);
     let seed = root.count("seed", 0, MAX_SEED).unwrap_or(0);
     let moving = moving(&root, problems);
+    let uncertainty = uncertainty::uncertainty(&root, problems);
     let hosts = sensors::SensorHosts { kinds: &moving.kinds, wall: moving.wall };
-    let sensors = sensors::sensors(&root, &hosts, problems);
+    let mut sensors = sensors::sensors(&root, &hosts, problems);
+    for sensor in &mut sensors {
+        sensor.offset_u = uncertainty::of_offset(&uncertainty, &sensor.name, sensor.offset);
+    }
+    if let Some(tolerance) = &moving.sensor_tolerance {
+        for placed in &sensors {
+            if let Some(missing) = tolerance.missing(&placed.sensor) {
+                let found = format!("a tolerance for {}, which is measured", placed.name);
+                root.problem("effects", found, format!("its {missing}, or no sensor_tolerance"));
+            }
+        }
+    }
     let errors_of = moving.scope_errors.then_some(seed);
     let scope = bench::drawn(&root, (moving.noise, errors_of), duration, panel);
     root.finish();
@@ -187,6 +207,7 @@ fn read(
         auto: moving.auto,
         decided: moving.notes,
         sensor_tolerance: moving.sensor_tolerance,
+        uncertainty,
     })
 }
 

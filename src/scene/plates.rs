@@ -7,7 +7,7 @@ use super::library;
 use super::problem::SceneError;
 use super::reader::{Bound, Problems, TableReader};
 use crate::quantity::Dimension;
-use crate::sensor::{Load, Sensor, SensorMeasurement, Wiring};
+use crate::sensor::{InChain, Load, Sensor, SensorMeasurement, Wiring};
 
 /// Most plates of a stack.
 const MAX_PLATES: u64 = 1000;
@@ -37,6 +37,7 @@ pub fn plate(name: &str, table: &TableReader<'_>, problems: &Problems) -> Option
     let model = table.text("model").unwrap_or(name).to_owned();
     let _ = (table.text("source"), table.text("certificate"));
     let measured = measured(table)?;
+    let calibrated_host = table.text("calibrated_host");
     let known = measured.time_constant.is_some() && measured.sensitivity.is_some();
     // A circuit that is known whole needs no plate.
     let ceramic = if known && !table.has("ceramic") && !table.has("d33") {
@@ -76,6 +77,7 @@ pub fn plate(name: &str, table: &TableReader<'_>, problems: &Problems) -> Option
         cable_capacitance: cable?,
         leak_resistance: leak.unwrap_or(f64::INFINITY),
         measured,
+        calibrated_host: calibrated_host.map(str::to_owned),
     })
 }
 
@@ -89,6 +91,7 @@ fn measured(table: &TableReader<'_>) -> Option<SensorMeasurement> {
         time_constant: number("tau", Dimension::TIME),
         time_constant_u: uncertainty("tau_u"),
         load: None,
+        chain: chain(table),
     };
     let resistance = number("input_resistance", Dimension::RESISTANCE);
     let capacitance =
@@ -108,6 +111,21 @@ fn measured(table: &TableReader<'_>) -> Option<SensorMeasurement> {
     let wrong =
         unread("sensitivity", measured.sensitivity) || unread("tau", measured.time_constant);
     (!wrong).then_some(SensorMeasurement { load, ..measured })
+}
+
+/// `in_chain = true` with `channel` and `range`.
+fn chain(table: &TableReader<'_>) -> Option<InChain> {
+    let is_chain = table.flag("in_chain").unwrap_or(false);
+    let range = table.quantity("range", Dimension::VOLTAGE_PER_DIVISION, Bound::Positive);
+    let channel = table.choice("channel", &[("CH1", 1), ("CH2", 2), ("CH3", 3), ("CH4", 4)]);
+    for key in ["range", "channel"] {
+        if is_chain != table.has(key) {
+            let found = if is_chain { "no such key" } else { "a chain's channel and range" };
+            let expected = "in_chain = true, channel and range together, for a sensor calibrated with its scope's channel as one";
+            table.problem(key, found, expected);
+        }
+    }
+    Some(InChain { channel: channel?, range: range? }).filter(|_| is_chain)
 }
 
 /// Relative permittivity and d33, from the named ceramic or typed directly.

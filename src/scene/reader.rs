@@ -112,10 +112,25 @@ impl<'a> TableReader<'a> {
 
     /// A quantity with a unit, as a number of SI units (unit).
     pub fn quantity(&self, key: &'static str, dimension: Dimension, bound: Bound) -> Option<f64> {
+        self.read(key, dimension, bound, quantity::parse)
+    }
+
+    /// A difference of two quantities, such as a change of temperature, as a number of SI units (unit).
+    pub fn difference(&self, key: &'static str, dimension: Dimension, bound: Bound) -> Option<f64> {
+        self.read(key, dimension, bound, quantity::parse_difference)
+    }
+
+    fn read(
+        &self,
+        key: &'static str,
+        dimension: Dimension,
+        bound: Bound,
+        parse: fn(&str, Dimension) -> Result<f64, QuantityError>,
+    ) -> Option<f64> {
         let node = self.node(key)?;
         let expected = || expectation(dimension, bound);
         let value = match &node.value {
-            Value::Text(text) => match quantity::parse(text, dimension) {
+            Value::Text(text) => match parse(text, dimension) {
                 Ok(value) => value,
                 Err(error) => {
                     if let Some(point) = with_decimal_point(text) {

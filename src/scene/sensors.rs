@@ -1,6 +1,7 @@
 //! Sensors in their places: `[sensors.<name>]`.
 
 use super::bodies::last_particle;
+use super::distance::{PlatePlace, Site};
 use super::plates::plate;
 use super::reader::{Bound, Problems, TableReader};
 use crate::quantity::Dimension;
@@ -8,15 +9,6 @@ use crate::sensor::{Sensor, SensorTolerance};
 
 /// Most sensors of a scene: each is a trace of the truth, and all of a run's traces are in memory at once.
 const MOST_SENSORS: usize = 1000;
-
-/// Where a sensor sits.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Site {
-    /// Embedded in a particle, counted from 1.
-    Particle(usize),
-    /// Between the last particle and the wall.
-    Wall,
-}
 
 /// A sensor in its place.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,8 +19,17 @@ pub struct PlacedSensor {
     pub site: Site,
     /// Distance from the particle's centre in particle lengths, downward positive; 0.5 feels the contact below alone (1).
     pub offset: f64,
+    /// Standard uncertainty of the offset, from the scene's `[uncertainty]` (1).
+    pub offset_u: f64,
     /// The sensor itself.
     pub sensor: Sensor,
+}
+
+impl PlacedSensor {
+    /// Where its plate sits.
+    pub fn place(&self) -> PlatePlace {
+        PlatePlace { site: self.site, offset: self.offset, offset_u: self.offset_u }
+    }
 }
 
 /// Data of the chain for the checks.
@@ -78,7 +79,13 @@ fn sensor(
     // Read where the host's body is made.
     let _ = table.node("host_mass");
     let sensor = plate(name, table, problems);
-    Some(PlacedSensor { name: name.to_owned(), site: place?, offset, sensor: sensor? })
+    Some(PlacedSensor {
+        name: name.to_owned(),
+        site: place?,
+        offset,
+        offset_u: 0.0,
+        sensor: sensor?,
+    })
 }
 
 /// Masses of hosts that differ from their kind's, by the particle's number from 1 (kg).
@@ -106,7 +113,7 @@ pub fn host_masses(root: &TableReader<'_>, particles: usize) -> Vec<(usize, f64)
 pub fn tolerance(table: &TableReader<'_>) -> SensorTolerance {
     let spread = table.required("spread", Dimension::NONE, Bound::Within(0.0, 0.5));
     let temperature =
-        table.quantity("temperature_change", Dimension::TEMPERATURE, Bound::NotNegative);
+        table.difference("temperature_change", Dimension::TEMPERATURE, Bound::NotNegative);
     let read = if temperature.is_some() { TableReader::required } else { TableReader::quantity };
     let coefficient = |key| read(table, key, Dimension::PER_TEMPERATURE, Bound::Any).unwrap_or(0.0);
     SensorTolerance {

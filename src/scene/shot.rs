@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use rand_distr::{Distribution as _, StandardNormal};
 
+use super::distance::{PlatePlace, distance};
 use super::{Scene, input_load};
 use crate::chain::{Chain, ChainError, MagnetForce};
 use crate::scope::ChannelSetup;
@@ -27,6 +28,11 @@ impl Scene {
             Some(tolerance) => tolerance.draw(sensor, self.seed, number).connect(load),
             None => sensor.connect(load),
         })
+    }
+
+    /// Distance down the chain at rest between two plates, negative upward, and its standard uncertainty (m).
+    pub fn distance(&self, from: PlatePlace, to: PlatePlace) -> Option<(f64, f64)> {
+        distance(&self.chain, from, to)
     }
 
     /// The speed at which the striker first touches the chain, before any spread; none without a striker (m/s).

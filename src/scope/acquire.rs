@@ -28,7 +28,7 @@ pub struct TriggerPosition {
 )]
 pub fn before_trigger(setup: &Setup) -> usize {
     let (start, _) = setup.record_span();
-    let samples = (-start / setup.model.sample_interval(setup.time_base)).ceil();
+    let samples = (-start / setup.model.signal_interval(setup.time_base)).ceil();
     if samples > 0.0 { samples as usize + SINC_REACH as usize } else { 0 }
 }
 
@@ -69,7 +69,7 @@ pub fn level(vertical: &VerticalSetup, volts: f64) -> i16 {
 }
 
 /// The record of one channel around the trigger sample `trigger` of its conditioned `signal` (V), whose samples come
-/// every `setup.model.sample_interval`. Points beyond the signal hold its nearest sample.
+/// every `setup.model.signal_interval`. Points beyond the signal hold its nearest sample.
 pub fn digitise(
     setup: &Setup,
     source: Source,
@@ -102,7 +102,12 @@ pub fn digitise(
     }
 }
 
-/// Volts at the record's points: the samples themselves, or a windowed sin(x)/x between them where the record is denser
+/// The conditioned `signal` (V) at the record's points around its trigger sample, before the converter rounds it (V).
+pub fn volts_at_points(setup: &Setup, signal: &[f64], trigger: usize) -> Vec<f64> {
+    points(&setup.model, setup.time_base, signal, trigger, setup.trigger_point())
+}
+
+/// Volts at the record's points: samples of the signal, or a windowed sin(x)/x between them where the record is denser
 /// than the converter's fastest rate.
 #[allow(
     clippy::cast_precision_loss,
@@ -120,7 +125,7 @@ fn points(
 ) -> Vec<f64> {
     let last = signal.len().saturating_sub(1) as i64;
     let sample = |index: i64| signal.get(index.clamp(0, last) as usize).copied().unwrap_or(0.0);
-    let density = model.sample_interval(time_base) / model.interval(time_base);
+    let density = model.signal_interval(time_base) / model.interval(time_base);
     let point = |n: usize| {
         let place = (n as f64 - trigger_point) / density + trigger as f64;
         let nearest = place.round();

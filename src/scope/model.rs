@@ -109,6 +109,16 @@ pub struct Accuracy {
     pub input_offset: f64,
 }
 
+/// Contacts last 20 us and more: their forces run straight over a microsecond to 0.2 % (s).
+const RESOLVED: f64 = 1e-6;
+/// Most samples of the signal for one of the converter's: what memory allows.
+const MOST_SIGNAL_SAMPLES: f64 = 800.0;
+
+/// Samples of the signal for one of the converter's, which come every `interval` (s) (1).
+pub fn signal_samples(interval: f64) -> f64 {
+    (interval / RESOLVED - 1e-6).ceil().clamp(1.0, MOST_SIGNAL_SAMPLES)
+}
+
 impl Accuracy {
     /// Largest error of the gain on `scale` (V/div) at the input (1).
     pub fn gain_at(&self, scale: f64) -> f64 {
@@ -157,6 +167,13 @@ impl Model {
     /// Time from one sample to the next: a record's interval, but no shorter than the converter's (s).
     pub fn sample_interval(&self, time_base: f64) -> f64 {
         self.interval(time_base).max(1.0 / self.sample_rate)
+    }
+
+    /// Time between samples of the signal in front of converter and trigger: a whole part of the converter's interval that resolves what
+    /// sensors deliver, so that circuits and the trigger's comparator see the signal and not the record's samples (s).
+    pub fn signal_interval(&self, time_base: f64) -> f64 {
+        let slow = self.sample_interval(time_base);
+        slow / signal_samples(slow)
     }
 
     /// Whether automatic mode scans at a time base (s/div).

@@ -12,6 +12,8 @@
 
 mod tolerance;
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use crate::trace::Trace;
@@ -44,6 +46,39 @@ pub struct SensorMeasurement {
     pub time_constant_u: Option<f64>,
     /// The input it was measured with; without one it holds for any.
     pub load: Option<Load>,
+    /// The scope's channel that it was calibrated with as one chain; none for the sensor alone.
+    pub chain: Option<InChain>,
+}
+
+/// The channel that a sensor was calibrated with as one: its gain is in the sensitivity.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct InChain {
+    /// Number of the channel, from 1.
+    pub channel: u8,
+    /// Vertical scale at the probe's tip (V/div).
+    pub range: f64,
+}
+
+impl InChain {
+    /// Whether channel `number` at `scale` (V/div) is that channel at that range.
+    pub fn is(self, number: u8, scale: f64) -> bool {
+        self.channel == number && (self.range / scale - 1.0).abs() < 1e-9
+    }
+
+    /// Entries of a recording's metadata.
+    pub fn facts(self) -> [(&'static str, String); 2] {
+        [
+            ("chain_channel", self.channel.to_string()),
+            ("chain_range_v_per_div", self.range.to_string()),
+        ]
+    }
+
+    /// The chain that a recording's metadata name.
+    pub fn of_facts(facts: &BTreeMap<String, String>) -> Option<Self> {
+        let channel = facts.get("chain_channel")?.parse().ok()?;
+        let range = facts.get("chain_range_v_per_div")?.parse().ok()?;
+        Some(Self { channel, range })
+    }
 }
 
 /// A stack of equal piezo plates, mostly one, with its wiring.
@@ -69,6 +104,8 @@ pub struct Sensor {
     pub leak_resistance: f64,
     /// Measured values, where there are some.
     pub measured: SensorMeasurement,
+    /// Kind of body that it was calibrated in, where its file says so.
+    pub calibrated_host: Option<String>,
 }
 
 /// The sensor's load: a scope input, seen through its probe.
@@ -198,6 +235,7 @@ mod tests {
             cable_capacitance: 710e-12,
             leak_resistance: f64::INFINITY,
             measured: SensorMeasurement::default(),
+            calibrated_host: None,
         };
         // 0.15938 pF times the relative permittivity.
         assert!((sensor.plate_capacitance() / 1800.0 - 0.15938e-12).abs() < 1e-17);
@@ -234,6 +272,7 @@ mod tests {
             cable_capacitance: 440e-12,
             leak_resistance: 50e6,
             measured: SensorMeasurement::default(),
+            calibrated_host: None,
         };
         let (input, probe) = (
             Load { resistance: 1e6, capacitance: 20e-12 },

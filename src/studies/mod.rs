@@ -1,7 +1,7 @@
 //! Studies: questions that take many runs of scenes, or that examine the program itself.
 //!
 //! Stands above `experiment`, which runs one scene once: cost over error of methods, cost and change of each effect, difficult
-//! scenes with known answers, the paper's figures and tables, tuning of band gaps, simulated momentum tests, and the program's
+//! scenes with known answers, the paper's figures and tables, tuning of band gaps, simulated momentum tests, uncertain scenes, and the program's
 //! examination on the machine at hand.
 
 pub mod cost;
@@ -11,3 +11,4 @@ pub mod hard_cases;
 pub mod momentum_test;
 pub mod paper;
 pub mod tunability;
+pub mod uncertainty;

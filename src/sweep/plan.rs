@@ -187,12 +187,11 @@ impl SweepPlan {
             row.number(reading.and_then(|reading| reading.ten_percent_s));
             row.number(reading.map(|reading| reading.largest_n));
         }
-        let particle = |name: &str| readings.iter().find(|r| r.name == name)?.particle;
         for (from, to) in pairs(&self.watched) {
-            let ends = particle(&from.name).zip(particle(&to.name));
             for estimator in ESTIMATORS {
                 let of = |speed: &&Speed| {
-                    ends == Some((speed.from, speed.to)) && speed.estimator == estimator
+                    (&speed.from_sensor, &speed.to_sensor) == (&from.name, &to.name)
+                        && speed.estimator == estimator
                 };
                 row.number(speeds.iter().find(of).map(|speed| speed.m_per_s));
             }

@@ -42,7 +42,7 @@ pub fn bench_with(lab: LabUncertainties, scale: f64, seed: u64) -> Bench {
         seconds_per_div: 100e-6,
         peak_force_n: 0.0,
         contact_s: 0.0,
-        u_relative_k2: None,
+        expanded: None,
         failed: None,
     };
     let (striker, truths, _) = designer.prepare(&candidate).expect("impacts");

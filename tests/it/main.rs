@@ -38,6 +38,7 @@ mod hislip;
 mod isf;
 mod losses;
 mod magnet;
+mod numbers;
 mod order;
 mod paper;
 mod physics;

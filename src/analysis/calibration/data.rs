@@ -5,6 +5,7 @@ use super::exclusion::Exclusion;
 use super::impact::{Impact, RawRecord};
 use super::model::StrikerMotion;
 use super::monte_carlo::MonteCarlo;
+use crate::quantity::coverage::student_95;
 
 /// One impact as the plan tells it.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,8 +67,24 @@ pub struct ImpactResult {
 pub struct NonLinearity {
     /// Change of the sensitivity from the lowest to the highest peak force, over the sensitivity, on the line that fits best (1).
     pub change: f64,
-    /// Its standard uncertainty (1).
+    /// Its standard uncertainty, from the scatter about that line where it is larger than the impacts' own (1).
     pub u: f64,
+    /// Degrees of freedom of the line (1).
+    pub freedom: f64,
+    /// Largest distance of the line from the sensitivity within the range of forces, over it (1).
+    pub largest: f64,
+}
+
+impl NonLinearity {
+    /// Its expanded uncertainty for 95 % (1).
+    pub fn expanded(&self) -> f64 {
+        student_95(self.freedom) * self.u
+    }
+
+    /// Whether it is more than its expanded uncertainty.
+    pub fn is_found(&self) -> bool {
+        self.change.abs() > self.expanded()
+    }
 }
 
 /// Result of a calibration.
@@ -77,6 +94,8 @@ pub struct Calibration {
     pub sensitivity: f64,
     /// Its standard uncertainty (V/N).
     pub u: f64,
+    /// Effective degrees of freedom of that, by Welch and Satterthwaite (1).
+    pub freedom: f64,
     /// Time constant (s).
     pub tau: f64,
     /// Its standard uncertainty (s).
@@ -103,4 +122,16 @@ pub struct Calibration {
     pub birge_ratio: f64,
     /// Notes for the user.
     pub notes: Vec<String>,
+}
+
+impl Calibration {
+    /// Coverage factor of 95 % for the effective degrees of freedom (1).
+    pub fn coverage_factor(&self) -> f64 {
+        student_95(self.freedom)
+    }
+
+    /// Expanded uncertainty of the sensitivity for 95 % (V/N).
+    pub fn expanded(&self) -> f64 {
+        self.coverage_factor() * self.u
+    }
 }

@@ -1,7 +1,4 @@
-//! Random draws and coverage.
-
-/// Coverage factor of a normal distribution's 95 % (1).
-pub const COVERAGE_95: f64 = 1.959_963_984_540_054;
+//! Random draws.
 
 /// How the Monte-Carlo part is done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -72,6 +72,8 @@ pub enum InputKind {
     Tail,
     /// Scatter of the impacts beyond all this.
     Scatter,
+    /// How far the sensitivity is from its mean within the range of forces.
+    NonLinearity,
 }
 
 impl InputKind {
@@ -91,6 +93,7 @@ impl InputKind {
             Self::Duration => "contact duration",
             Self::Tail => "time constant's fit",
             Self::Scatter => "unexplained scatter",
+            Self::NonLinearity => "non-linearity",
         }
     }
 }

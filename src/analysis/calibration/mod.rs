@@ -22,7 +22,7 @@ mod record;
 mod tail;
 
 pub use data::{Calibration, CalibrationError, ImpactResult, NonLinearity, PlannedStrike};
-pub use draws::{COVERAGE_95, Draws};
+pub use draws::Draws;
 pub use exclusion::Exclusion;
 
 use self::assemble::assemble;
@@ -71,7 +71,7 @@ pub fn calibrate(
             None => break model,
         }
     };
-    Ok(assemble((strikes, common), read, &excluded, &model, draws))
+    Ok(assemble((strikes, common), read, &excluded, model, draws))
 }
 
 /// Without any impact that could be read, that is what has to be told.

@@ -3,6 +3,7 @@
 use super::impact::Impact;
 pub use super::inputs::{Common, InputKind, InputQuantity, SpeedSource, StrikerMotion};
 use super::tail::Tail;
+use crate::quantity::coverage::effective_freedom;
 
 /// One impact within the model.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,7 +28,7 @@ pub struct MeasurementEquation {
     fitted: bool,
 }
 
-/// Places of the shared inputs; masses come next, then [`INPUTS_PER_IMPACT`] inputs for each impact, then the scatter.
+/// Places of the shared inputs; masses come next, then [`INPUTS_PER_IMPACT`] inputs for each impact, then scatter and non-linearity.
 const GAIN: usize = 0;
 const SCALE: usize = 1;
 const GRAVITY: usize = 2;
@@ -69,13 +70,10 @@ impl MeasurementEquation {
         for index in 0..model.parts.len() {
             model.add_own_inputs(index, tau);
         }
-        model.inputs.push(InputQuantity {
-            kind: InputKind::Scatter,
-            which: String::new(),
-            value: 0.0,
-            u: 0.0,
-            unit: "V/N",
-        });
+        for kind in [InputKind::Scatter, InputKind::NonLinearity] {
+            let which = String::new();
+            model.inputs.push(InputQuantity { kind, which, value: 0.0, u: 0.0, unit: "V/N" });
+        }
         model.weigh_impacts();
         model.add_scatter();
         Some(model)
@@ -144,17 +142,36 @@ impl MeasurementEquation {
 
     /// Where impacts differ more than their own inputs explain, the rest is an input of its own.
     fn add_scatter(&mut self) {
+        let unexplained = self.birge_ratio().powi(2) - 1.0;
+        if unexplained > 0.0 {
+            let u = (unexplained * self.explained()).sqrt();
+            self.set_u(InputKind::Scatter, u);
+        }
+    }
+
+    /// Variance of the mean from the impacts' own inputs (V^2/N^2).
+    fn explained(&self) -> f64 {
+        self.parts.iter().map(|part| (part.weight * part.own).powi(2)).sum()
+    }
+
+    /// Gives one of the inputs at the end its standard uncertainty (V/N).
+    pub(super) fn set_u(&mut self, kind: InputKind, u: f64) {
+        if let Some(input) = self.inputs.iter_mut().find(|input| input.kind == kind) {
+            input.u = u;
+        }
+    }
+
+    /// Effective degrees of freedom of the sensitivity's standard uncertainty `u` (V/N): where the impacts scatter more than their own inputs
+    /// explain, their part is known from that scatter alone (1).
+    pub(super) fn freedom(&self, u: f64) -> f64 {
         let ratio = self.birge_ratio();
-        let free = self.parts.len().saturating_sub(1);
+        if ratio <= 1.0 {
+            return f64::INFINITY;
+        }
         #[allow(clippy::cast_precision_loss, reason = "a handful of impacts")]
-        let limit = 1.0 + 3.0 * (2.0 / free.max(1) as f64).sqrt();
-        if ratio * ratio <= limit {
-            return;
-        }
-        let explained: f64 = self.parts.iter().map(|p| (p.weight * p.own).powi(2)).sum();
-        if let Some(scatter) = self.inputs.last_mut() {
-            scatter.u = ((ratio * ratio - 1.0) * explained).sqrt();
-        }
+        let own = (ratio * self.explained().sqrt(), (self.parts.len().max(2) - 1) as f64);
+        let rest = (u * u - own.0 * own.0).max(0.0).sqrt();
+        effective_freedom([own, (rest, f64::INFINITY)])
     }
 
     /// Root of chi squared over the degrees of freedom, of the impacts about their mean (1).
@@ -219,7 +236,7 @@ impl MeasurementEquation {
         let parts = self.parts.iter().enumerate();
         let mean: f64 =
             parts.map(|(index, part)| part.weight * self.one(index, values, inverse_tau)).sum();
-        mean + values.last().copied().unwrap_or(0.0)
+        mean + values.iter().rev().take(2).sum::<f64>()
     }
 
     /// The time constant for given values of all inputs (s).

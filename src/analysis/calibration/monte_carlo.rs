@@ -8,8 +8,9 @@
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
-use super::draws::{COVERAGE_95, Draws};
+use super::draws::Draws;
 use super::model::MeasurementEquation;
+use crate::quantity::coverage::NORMAL_95;
 
 /// Significant digits of the standard uncertainty that both propagations are to agree in.
 const DIGITS: i32 = 1;
@@ -71,7 +72,7 @@ pub fn run(model: &MeasurementEquation, draws: Draws) -> Option<MonteCarlo> {
     let interval_95 = [quantile(0.025), quantile(0.975)];
     let changes = |values: &[f64]| model.evaluate(values);
     let propagated = model.changes(&changes).map(|c| c * c).sum::<f64>().sqrt();
-    let (center, half) = (model.sensitivity(), COVERAGE_95 * propagated);
+    let (center, half) = (model.sensitivity(), NORMAL_95 * propagated);
     let low = (interval_95[0] - (center - half)).abs();
     let difference = low.max((interval_95[1] - (center + half)).abs());
     let digit = 10f64.powi(propagated.log10().floor() as i32 - DIGITS + 1);

@@ -5,6 +5,7 @@
 
 use super::prepared::PreparedRecord;
 use super::record::RawRecord;
+use crate::analysis::rounding::Rounding;
 
 /// The end of the contact is not sharp: the fit begins this share of the contact later (1).
 const TAIL_DELAY_SHARE: f64 = 0.3;
@@ -57,7 +58,7 @@ pub fn fit(record: &RawRecord) -> Option<Tail> {
     let slope = 1.0 / (interval * (1.0 - leak));
     let tail = Tail {
         inverse_tau: inverse(leak),
-        noise_u: slope * prepared.noise * influence(values, first, leak),
+        noise_u: slope * noise_u(values, first, leak, prepared.baseline.rounding, prepared.noise),
         per_baseline: (inverse(higher) - inverse(lower)) / (2.0 * steps),
         baseline_u: prepared.baseline.uncertainty,
     };
@@ -90,8 +91,11 @@ fn discharged(values: &[f64], first: usize, off: f64) -> Option<f64> {
     (leak.is_finite() && leak < 1.0).then_some(leak)
 }
 
-/// Root of the sum of squares of the change of `1 - a` with each sample.
-fn influence(values: &[f64], first: usize, leak: f64) -> f64 {
+/// Standard uncertainty of `1 - a` from noise and rounding (1).
+///
+/// The change of `1 - a` with each sample times that sample's error. Behind the contact the signal is smooth, `-(1 - a)` times the sum before it,
+/// and rounding errors go together as far as it crosses levels; during the contact they are white.
+fn noise_u(values: &[f64], first: usize, leak: f64, rounding: Rounding, sample: f64) -> f64 {
     let mut before: Vec<f64> = Vec::with_capacity(values.len());
     let mut sum = 0.0;
     for value in values {
@@ -99,13 +103,19 @@ fn influence(values: &[f64], first: usize, leak: f64) -> f64 {
         sum += value;
     }
     let denominator: f64 = before.iter().skip(first).map(|b| b * b).sum();
-    let (mut later, mut squares) = (0.0, 0.0);
+    let (mut later, mut early) = (0.0, 0.0);
+    let mut behind: Vec<(f64, f64)> = Vec::with_capacity(values.len());
     for (index, (value, before)) in values.iter().zip(&before).enumerate().rev() {
-        let own = if index >= first { *before } else { 0.0 };
-        squares += (own + later).powi(2);
-        if index >= first {
-            later += value + 2.0 * leak * before;
+        if index < first {
+            early += later * later;
+            continue;
         }
+        behind.push(((before + later) / denominator, -leak * before));
+        later += value + 2.0 * leak * before;
     }
-    squares.sqrt() / denominator
+    let early = early * (sample / denominator).powi(2);
+    // The noise that the codes show may be more than what is told apart of them.
+    let unseen = (sample * sample - rounding.sample().powi(2)).max(0.0);
+    let squares: f64 = behind.iter().map(|(weight, _)| weight * weight).sum();
+    (early + unseen * squares + rounding.variance(&behind)).sqrt()
 }

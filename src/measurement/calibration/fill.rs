@@ -2,11 +2,13 @@
 
 use sha2::{Digest, Sha256};
 
+use super::plausibility::contradictions;
 use super::words::{
     BudgetReport, CalibrationReport, ImpactReport, MonteCarloReport, RecordingEvidence,
 };
 use crate::analysis::calibration::budget::BudgetLine;
-use crate::analysis::calibration::{COVERAGE_95, Calibration, ImpactResult};
+use crate::analysis::calibration::{Calibration, ImpactResult};
+use crate::quantity::coverage::NORMAL_95;
 use crate::scene::hexadecimal;
 use crate::scene::plan::{CalibrationPlan, Particulars};
 
@@ -17,13 +19,16 @@ pub fn report(
     evidence: Vec<RecordingEvidence>,
 ) -> CalibrationReport {
     let named: Particulars = plan.particulars.clone();
-    let half = COVERAGE_95 * found.u;
+    let half = found.expanded();
+    let chain = evidence.first().cloned().filter(|_| plan.gain_u.is_none());
+    let chain = chain.as_ref();
     let impacts = found.impacts.iter().zip(&plan.impacts).zip(evidence);
     let striker = |index: usize| plan.strikers.get(index).map_or("", |(name, _)| name);
     CalibrationReport {
         title: named.title,
         item: named.item,
         sensor: named.sensor,
+        host: named.host,
         date: named.date,
         laboratory: named.laboratory,
         customer: named.customer,
@@ -34,20 +39,27 @@ pub fn report(
         input_resistance_ohm: plan.load.resistance,
         input_capacitance_f: plan.load.capacitance,
         in_chain: plan.gain_u.is_none(),
+        channel: chain.map(|proof| proof.channel.clone()),
+        range_v_per_div: chain.map(|proof| proof.volts_per_div),
         traceability_mass: named.mass_traceability,
         traceability_speed: named.speed_traceability,
         traceability_voltage: named.voltage_traceability,
         sensitivity_v_per_n: found.sensitivity,
-        standard_uncertainty_v_per_n: found.u,
-        u_relative_k2: 2.0 * found.u / found.sensitivity,
+        u_v_per_n: found.u,
+        effective_degrees_of_freedom: Some(found.freedom).filter(|nu| nu.is_finite()),
+        coverage_factor: found.coverage_factor(),
+        expanded_v_per_n: half,
+        expanded_relative: half / found.sensitivity,
         interval_95_v_per_n: [found.sensitivity - half, found.sensitivity + half],
         tau_s: found.tau,
         tau_u_s: found.tau_u,
+        tau_expanded_s: NORMAL_95 * found.tau_u,
         tau_source: if found.tau_fitted { "read off the records" } else { "given" }.to_owned(),
         force_range_n: found.force_range,
         levels: found.levels,
         nonlinearity: found.nonlinearity.map(|n| n.change),
         nonlinearity_u: found.nonlinearity.map(|n| n.u),
+        nonlinearity_expanded: found.nonlinearity.map(|n| n.expanded()),
         naive_v_per_n: found.naive,
         negative_polarity: found.negative,
         birge_ratio: found.birge_ratio,
@@ -62,12 +74,13 @@ pub fn report(
             draws: m.draws,
             seed: m.seed,
             mean_v_per_n: m.mean,
-            standard_uncertainty_v_per_n: m.u,
+            u_v_per_n: m.u,
             interval_95_v_per_n: m.interval_95,
             agrees_with_gum: m.agrees,
             difference_v_per_n: m.difference,
             tolerance_v_per_n: m.tolerance,
         }),
+        contradictions: contradictions(plan, found),
         notes: found.notes.clone(),
     }
 }
@@ -77,7 +90,7 @@ fn budget_line(line: &BudgetLine) -> BudgetReport {
         input: line.name(),
         value: line.value,
         unit: line.unit.to_owned(),
-        standard_uncertainty: line.u,
+        u: line.u,
         contribution_v_per_n: line.contribution,
         share: line.share,
     }
@@ -115,18 +128,23 @@ fn impact_report(
 /// The calibrated sensor as a file of `instruments/sensors`.
 pub fn sensor_file(report: &CalibrationReport) -> String {
     let date = report.date.as_deref().unwrap_or("date not stated");
-    let chain = if report.in_chain { "; with the scope it was calibrated with" } else { "" };
+    let chain = report.channel.as_ref().zip(report.range_v_per_div);
+    let chain = chain.map_or_else(String::new, |(channel, range)| {
+        format!("in_chain = true\nchannel = \"{channel}\"\nrange = \"{range} V/div\"\n")
+    });
     let quoted = |text: &str| text.replace(['"', '\\', '\n'], "'");
+    let host = |host: &String| format!("calibrated_host = \"{}\"\n", quoted(host));
+    let host = report.host.as_ref().map_or_else(String::new, host);
     format!(
-        "# {}\nsource = \"{}, {date}; {}; plan SHA-256 {}{chain}\"\n\
+        "# {}\nsource = \"{}, {date}; {}; plan SHA-256 {}\"\n\
          sensitivity = \"{} V/N\"\nsensitivity_u = {:e}\ntau = \"{} s\"\ntau_u = {:e}\n\
-         input_resistance = \"{} Ohm\"\ninput_capacitance = \"{} F\"\n",
+         input_resistance = \"{} Ohm\"\ninput_capacitance = \"{} F\"\n{chain}{host}",
         report.item.replace('\n', " "),
         quoted(&report.title),
         report.software,
         report.plan_sha256,
         report.sensitivity_v_per_n,
-        report.standard_uncertainty_v_per_n / report.sensitivity_v_per_n,
+        report.u_v_per_n / report.sensitivity_v_per_n,
         report.tau_s,
         report.tau_u_s / report.tau_s,
         report.input_resistance_ohm,

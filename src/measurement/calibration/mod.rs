@@ -1,26 +1,28 @@
 //! Calibrates a sensor from a plan and its recordings.
 
 mod fill;
+mod plausibility;
 pub mod words;
 
 pub use fill::{METHOD, report, sensor_file};
+pub use plausibility::common;
 pub use words::CalibrationReport;
 
-use crate::quantity::Uncertain;
 use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
 use crate::analysis::calibration::impact::RawRecord;
-use crate::analysis::calibration::model::{Common, SpeedSource, StrikerMotion};
+use crate::analysis::calibration::model::StrikerMotion;
 use crate::analysis::calibration::{self, Calibration, CalibrationError, Draws, PlannedStrike};
 use crate::analysis::gate::Gate;
 use crate::recording::format::open_with;
 use crate::recording::tek_csv::TableColumns;
 use crate::recording::{Capture, TraceSet};
 use crate::scene::hexadecimal;
-use crate::scene::plan::{CalibrationPlan, PlanError, PlannedImpact, SpeedMethod};
+use crate::scene::plan::{CalibrationPlan, PlanError, PlannedImpact};
 use crate::scene::problem::Problem;
+use plausibility::speed;
 use words::RecordingEvidence;
 
 /// Why there is no calibration.
@@ -59,6 +61,9 @@ pub fn run(plan: &CalibrationPlan, columns: &TableColumns) -> Result<Calibrated,
             Err(problem) => problems.push(problem),
         }
     }
+    if plan.gain_u.is_none() {
+        problems.extend(another_chain(plan, &evidence));
+    }
     if !problems.is_empty() {
         return Err(PlanError::Problems(problems).into());
     }
@@ -68,26 +73,19 @@ pub fn run(plan: &CalibrationPlan, columns: &TableColumns) -> Result<Calibrated,
     Ok(Calibrated { calibration: found, report })
 }
 
-/// Inputs common to the impacts of `plan`.
-pub fn common(plan: &CalibrationPlan) -> Common {
-    let number = |u: f64| Uncertain { value: 1.0, u };
-    Common {
-        strikers: plan.strikers.clone(),
-        gain: number(plan.gain_u.unwrap_or(0.0)),
-        speed_scale: number(plan.speed_scale_u),
-        gate_distance: plan.gate_distance,
-        gravity: plan.gravity,
-        tau: plan.tau,
-    }
-}
-
-fn speed((means, value): (SpeedMethod, Uncertain)) -> SpeedSource {
-    match means {
-        SpeedMethod::Speed => SpeedSource::Speed(value),
-        SpeedMethod::Height => SpeedSource::Height(value),
-        SpeedMethod::GateTime => SpeedSource::GateTime(value),
-        SpeedMethod::FlightTime => SpeedSource::FlightTime(value),
-    }
+/// A chain is one channel at one range: the first impact that was taken with another.
+fn another_chain(plan: &CalibrationPlan, evidence: &[RecordingEvidence]) -> Option<Problem> {
+    let first = evidence.first()?;
+    let chain =
+        |proof: &RecordingEvidence| (proof.channel.to_ascii_uppercase(), proof.volts_per_div);
+    let other = evidence.iter().position(|proof| chain(proof) != chain(first))?;
+    let place = &plan.impacts.get(other)?.place;
+    let words =
+        |proof: &RecordingEvidence| format!("{} at {} V/div", proof.channel, proof.volts_per_div);
+    let found = words(evidence.get(other)?);
+    let expected =
+        format!("{}, as before: in_chain = true holds for one channel at one range", words(first));
+    Some(place.problem("impacts.recording", found, expected))
 }
 
 /// A capture as the calibration takes it; none for a record over frequency or in another unit than volts.

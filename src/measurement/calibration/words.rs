@@ -75,7 +75,7 @@ pub struct BudgetReport {
     /// Its unit.
     pub unit: String,
     /// Its standard uncertainty (unit).
-    pub standard_uncertainty: f64,
+    pub u: f64,
     /// Its contribution to the sensitivity's uncertainty (V/N).
     pub contribution_v_per_n: f64,
     /// Its share of the variance (1).
@@ -92,7 +92,7 @@ pub struct MonteCarloReport {
     /// Mean (V/N).
     pub mean_v_per_n: f64,
     /// Standard deviation (V/N).
-    pub standard_uncertainty_v_per_n: f64,
+    pub u_v_per_n: f64,
     /// 95 % of the draws lie between (V/N).
     pub interval_95_v_per_n: [f64; 2],
     /// Whether it confirms the propagation of uncertainty, JCGM 101 clause 8.
@@ -112,6 +112,8 @@ pub struct CalibrationReport {
     pub item: String,
     /// Name of the sensor's file.
     pub sensor: String,
+    /// Kind of body that the plate sat in.
+    pub host: Option<String>,
     /// Day of the measurement.
     pub date: Option<String>,
     /// Who measured.
@@ -132,6 +134,10 @@ pub struct CalibrationReport {
     pub input_capacitance_f: f64,
     /// Whether sensor and scope were calibrated as one: then the result holds for both together.
     pub in_chain: bool,
+    /// Channel of that chain, where it is one.
+    pub channel: Option<String>,
+    /// Its vertical scale (V/div).
+    pub range_v_per_div: Option<f64>,
     /// Traceability of masses.
     pub traceability_mass: Option<String>,
     /// Traceability of speeds.
@@ -141,15 +147,26 @@ pub struct CalibrationReport {
     /// Sensitivity before any droop (V/N).
     pub sensitivity_v_per_n: f64,
     /// Its standard uncertainty (V/N).
-    pub standard_uncertainty_v_per_n: f64,
-    /// Its expanded uncertainty, k = 2, over itself (1).
-    pub u_relative_k2: f64,
+    pub u_v_per_n: f64,
+    /// Its effective degrees of freedom; none where they are infinite (1).
+    pub effective_degrees_of_freedom: Option<f64>,
+    /// Student's t for these and 95 % (1).
+    pub coverage_factor: f64,
+    /// Its expanded uncertainty for 95 % (V/N).
+    #[serde(rename = "U95_v_per_n")]
+    pub expanded_v_per_n: f64,
+    /// The same over the sensitivity (1).
+    #[serde(rename = "U95_relative")]
+    pub expanded_relative: f64,
     /// 95 % interval of the propagated uncertainty (V/N).
     pub interval_95_v_per_n: [f64; 2],
     /// Time constant (s).
     pub tau_s: f64,
     /// Its standard uncertainty (s).
     pub tau_u_s: f64,
+    /// Its expanded uncertainty for 95 % (s).
+    #[serde(rename = "tau_U95_s")]
+    pub tau_expanded_s: f64,
     /// Where it is from.
     pub tau_source: String,
     /// Lowest and highest peak force (N).
@@ -160,6 +177,9 @@ pub struct CalibrationReport {
     pub nonlinearity: Option<f64>,
     /// Its standard uncertainty (1).
     pub nonlinearity_u: Option<f64>,
+    /// Its expanded uncertainty for 95 % (1).
+    #[serde(rename = "nonlinearity_U95")]
+    pub nonlinearity_expanded: Option<f64>,
     /// Sensitivity by the raw voltage's integral (V/N).
     pub naive_v_per_n: f64,
     /// Whether pulses are negative.
@@ -172,6 +192,8 @@ pub struct CalibrationReport {
     pub budget: Vec<BudgetReport>,
     /// The Monte-Carlo part.
     pub monte_carlo: Option<MonteCarloReport>,
+    /// What contradicts itself so far that nothing is certified.
+    pub contradictions: Vec<String>,
     /// Notes for the user.
     pub notes: Vec<String>,
 }

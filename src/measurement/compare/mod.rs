@@ -140,7 +140,7 @@ pub fn compare(
         let apart = || CompareError::Apart { channel: channel.name.clone(), shift_s };
         let pair = Pair::new(&channel.measured, &channel.simulated, shift_s).ok_or_else(apart)?;
         let score = channel.score(&pair, wire, shift_s);
-        if !score.gain.is_finite() {
+        if !score.gain.value.is_finite() {
             return Err(CompareError::Flat { channel: channel.name.clone() });
         }
         scored.push(score);

@@ -16,9 +16,9 @@ pub struct ChannelScore {
     pub mapped_by: &'static str,
     /// How much later the simulated trace was put (s).
     pub shift_s: f64,
-    /// Measured over simulated, by least squares; not taken out (1).
-    pub gain: f64,
-    /// Its standard uncertainty from the residuals (1).
+    /// Measured over simulated, by least squares, its uncertainty from the residuals; not taken out.
+    pub gain: Uncertain,
+    /// Relative standard uncertainty of the measuring channel's gain, from its data sheet; 0 for an exact scope (1).
     pub gain_u: f64,
     /// Offset: the measured trace where the simulated one is zero; not removed (V).
     pub offset_v: f64,
@@ -26,14 +26,10 @@ pub struct ChannelScore {
     pub peak_measured_v: Option<Uncertain>,
     /// First peak of the simulated trace, volts.
     pub peak_simulated_v: Option<Uncertain>,
-    /// Measured over simulated first peak, less one (1).
-    pub peak_error: Option<f64>,
-    /// Its standard uncertainty (1).
-    pub peak_error_u: Option<f64>,
-    /// Measured less simulated arrival, half-rise, after the shift (s).
-    pub arrival_error_s: Option<f64>,
-    /// Its standard uncertainty, without the shift's (s).
-    pub arrival_error_u_s: Option<f64>,
+    /// Measured over simulated first peak, less one.
+    pub peak_error: Option<Uncertain>,
+    /// Measured less simulated arrival, half-rise, after the shift, without the shift's uncertainty, seconds.
+    pub arrival_error_s: Option<Uncertain>,
     /// Root mean square of measured less simulated (V).
     pub rms: f64,
     /// The same in levels of the measured trace (1).
@@ -73,8 +69,6 @@ pub struct SpeedScore {
     pub measured_m_per_s: Uncertain,
     /// Simulated, metres per second.
     pub simulated_m_per_s: Uncertain,
-    /// Measured over simulated, less one (1).
-    pub error: f64,
-    /// Its standard uncertainty (1).
-    pub error_u: f64,
+    /// Measured over simulated, less one.
+    pub error: Uncertain,
 }

@@ -64,9 +64,10 @@ impl ScoreLimits {
                 if speeds.is_empty() {
                     failures.push("no speed".to_owned());
                 }
-                let beyond = speeds.iter().filter(|s| s.error.is_nan() || s.error.abs() > *most);
+                let beyond =
+                    speeds.iter().filter(|s| s.error.value.is_nan() || s.error.value.abs() > *most);
                 failures.extend(beyond.map(|s| {
-                    let off = percent(s.error);
+                    let off = percent(s.error.value);
                     format!(
                         "speed {} to {} by {}: {off}, more than {}",
                         s.from,
@@ -89,6 +90,11 @@ fn limit(part: &str) -> Result<Limit, String> {
     let Some((key, value)) = part.split_once('=') else {
         return Err(format!("found {part}, expected {KEYS}"));
     };
+    let has_unit = value.trim().ends_with(|c: char| !c.is_ascii_digit() && c != '.');
+    if matches!(key.trim(), "peak" | "speed" | "gain" | "spectrum") && !has_unit {
+        let percent = format!("{}={}%", key.trim(), value.trim());
+        return Err(format!("found {part} without a unit, expected a share, e.g. {percent}"));
+    }
     let read = |dimension| match parse(value, dimension) {
         Ok(number) if number >= 0.0 => Ok(number),
         Ok(_) => Err(format!("found {part}, expected a limit of zero or more")),
@@ -163,10 +169,10 @@ fn beyond(channel: &ChannelScore, limit: Limit) -> Option<String> {
         (error.map(f64::abs), most, error.map_or_else(String::new, show))
     };
     let (error, most, shown) = match limit {
-        Limit::Peak(most) => told(channel.peak_error, most, &share),
-        Limit::Gain(most) => told(Some(channel.gain - 1.0), most, &share),
+        Limit::Peak(most) => told(channel.peak_error.map(|e| e.value), most, &share),
+        Limit::Gain(most) => told(Some(channel.gain.value - 1.0), most, &share),
         Limit::Spectrum(most) => told(channel.spectrum_distance, most, &share),
-        Limit::Arrival(most) => told(channel.arrival_error_s, most, &seconds),
+        Limit::Arrival(most) => told(channel.arrival_error_s.map(|e| e.value), most, &seconds),
         // The closer to one the better: what is missing from one counts.
         Limit::Correlation(least) => {
             let found = channel.correlation;
@@ -208,6 +214,8 @@ mod tests {
             ("", "no limit"),
             ("peak", "expected peak"),
             ("peak=5us", "a time"),
+            ("peak=5", "e.g. peak=5%"),
+            ("speed=0.05", "without a unit"),
             ("rms=3kg", "levels, volts or newtons"),
             ("rms=-1lsb", "levels, volts or newtons"),
             ("rms=nanlsb", "levels, volts or newtons"),

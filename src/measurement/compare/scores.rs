@@ -7,10 +7,11 @@ use crate::analysis::comparison::Pair;
 use crate::analysis::least_squares::squares;
 use crate::analysis::pulse::{Conditions, Pulse};
 use crate::analysis::speed::speed;
+use crate::measurement::arrivals::{neighbours, sort_down};
 use crate::measurement::metadata::{self, RecordedSensor};
 use crate::quantity::Uncertain;
 use crate::recording::Capture;
-use crate::scene::{Scene, Site};
+use crate::scene::{PlatePlace, Scene};
 use crate::trace::Trace;
 
 /// Estimators whose speeds are compared.
@@ -29,9 +30,10 @@ pub struct ChannelPair {
     clipped: usize,
     /// Whether the simulated sensor's calibration stands in for an unknown one.
     pub borrowed: bool,
+    gain_u: f64,
     pulses: Option<(Pulse, Pulse)>,
     sensitivities: Option<(f64, f64)>,
-    site: Option<Site>,
+    place: Option<PlatePlace>,
 }
 
 fn first_pulse(trace: &Trace, capture: &Capture, tau: Option<f64>) -> Result<Pulse, String> {
@@ -74,6 +76,15 @@ impl ChannelPair {
         let borrowed = own.and_then(|sensor| sensor.sensitivity).is_none() && sensitivity.is_some();
         let found = first_pulse(&measured_trace, here, tau)
             .and_then(|pulse| Ok((pulse, first_pulse(&simulated_trace, there, tau_there)?)));
+        let gain_u = if metadata::is_scope_exact(measured.set) {
+            0.0
+        } else {
+            let scene = scene_of(simulated).or_else(|| scene_of(measured));
+            let vertical = here.waveform.vertical;
+            let limit =
+                |scene: Scene| scene.scope.model.accuracy.gain_at(vertical.scale / vertical.probe);
+            scene.map_or(0.0, limit) / 3f64.sqrt()
+        };
         if let Err(problem) = &found {
             notes.push(format!("{name}: no peak and no arrival: {problem}"));
         }
@@ -83,10 +94,11 @@ impl ChannelPair {
             lsb: here.waveform.preamble.y_mult.abs(),
             clipped: here.waveform.clipped(),
             borrowed,
+            gain_u,
             pulses: found.ok(),
             // Forces need the droop undone.
             sensitivities: tau.and(sensitivity).zip(tau_there.and(sensitivity_there)),
-            site: other.and_then(|s| s.site).or_else(|| own.and_then(|s| s.site)),
+            place: other.and_then(|s| s.place).or_else(|| own.and_then(|s| s.place)),
             measured: measured_trace,
             simulated: simulated_trace,
         }
@@ -127,11 +139,11 @@ impl ChannelPair {
             let sign = self.pulses.as_ref().is_some_and(|(m, s)| m.inverted != s.inverted);
             let value = if sign { -m.value / s.value } else { m.value / s.value };
             let u = (m.u / m.value).hypot(s.u / s.value);
-            (value - 1.0, (value * u).abs())
+            Uncertain { value: value - 1.0, u: (value * u).abs() }
         });
         let arrival = self.arrivals(Estimator::HalfRise).map(|(m, s)| {
             let u = m.u.hypot(s.u);
-            (m.value - s.value - shift_s, u)
+            Uncertain { value: m.value - s.value - shift_s, u }
         });
         ChannelScore {
             name: self.name.clone(),
@@ -139,15 +151,13 @@ impl ChannelPair {
             sensor: wire.sensor.clone(),
             mapped_by: wire.by,
             shift_s,
-            gain: distance.gain.value,
-            gain_u: distance.gain.u,
+            gain: distance.gain,
+            gain_u: self.gain_u,
             offset_v: distance.offset,
             peak_measured_v: heights.map(|(m, _)| m),
             peak_simulated_v: heights.map(|(_, s)| s),
-            peak_error: ratio.map(|(error, _)| error),
-            peak_error_u: ratio.map(|(_, u)| u),
-            arrival_error_s: arrival.map(|(error, _)| error),
-            arrival_error_u_s: arrival.map(|(_, u)| u),
+            peak_error: ratio,
+            arrival_error_s: arrival,
             rms: distance.rms,
             rms_lsb: distance.rms / self.lsb,
             rms_n: in_newtons.map(|d| d.rms),
@@ -180,15 +190,13 @@ pub fn speeds(
         notes.push("no speeds: neither side has a scene with distances".to_owned());
         return Vec::new();
     };
-    let mut placed: Vec<(&ChannelPair, Site)> =
-        channels.iter().filter_map(|channel| Some((channel, channel.site?))).collect();
-    placed.sort_by_key(|(_, site)| match site {
-        Site::Particle(particle) => *particle,
-        Site::Wall => usize::MAX,
-    });
+    let mut placed: Vec<(&ChannelPair, PlatePlace)> =
+        channels.iter().filter_map(|channel| Some((channel, channel.place?))).collect();
+    sort_down(&mut placed, |(_, place)| *place);
     let mut found = Vec::new();
-    for (from, to) in placed.iter().zip(placed.iter().skip(1)) {
-        let distance = |scene: &Scene| metadata::distance(scene, from.1, to.1);
+    for (upper, lower) in neighbours(&placed, |(_, place)| *place) {
+        let (from, to) = (placed[upper], placed[lower]);
+        let distance = |scene: &Scene| scene.distance(from.1, to.1).map(|(distance, _)| distance);
         let Some(distances) = distance(&of_measured).zip(distance(&of_simulated)) else { continue };
         found.extend(ESTIMATORS.into_iter().filter_map(|e| between(from.0, to.0, distances, e)));
     }
@@ -215,7 +223,9 @@ fn between(
         distance_m: measured_m,
         measured_m_per_s: measured,
         simulated_m_per_s: simulated,
-        error: ratio - 1.0,
-        error_u: (ratio * relative(measured).hypot(relative(simulated))).abs(),
+        error: Uncertain {
+            value: ratio - 1.0,
+            u: (ratio * relative(measured).hypot(relative(simulated))).abs(),
+        },
     })
 }

@@ -49,6 +49,8 @@ pub struct Particulars {
     pub item: String,
     /// Name of the sensor's file.
     pub sensor: String,
+    /// Kind of body that the plate sat in, as scenes call it.
+    pub host: Option<String>,
     /// Day of the measurement, as typed.
     pub date: Option<String>,
     /// Who measured.

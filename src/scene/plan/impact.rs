@@ -100,7 +100,7 @@ fn speed(
     if *means == SpeedMethod::GateTime && !gates {
         table.problem(key, "a time between gates", "[speeds] with gate_distance as well");
     }
-    Some((*means, uncertain(table, (key, uncertainty), dimension, true)?))
+    Some((*means, uncertain(table, (key, uncertainty), dimension)?))
 }
 
 /// `window = ["-10 us", "200 us"]`; `Some(None)` without one, none where it is wrong.
@@ -129,18 +129,13 @@ pub fn uncertain(
     table: &TableReader<'_>,
     (key, uncertainty): (&'static str, &'static str),
     dimension: Dimension,
-    needed: bool,
 ) -> Option<Uncertain> {
     let value = table.required(key, dimension, Bound::Positive);
     let Some(node) = table.node(uncertainty) else {
-        if needed {
-            let expected = format!(
-                "the standard uncertainty of {key}, as {dimension} or a share, e.g. \"0.5 %\""
-            );
-            table.problem(uncertainty, "no such key", expected);
-            return None;
-        }
-        return value.map(|value| Uncertain { value, u: 0.0 });
+        let expected =
+            format!("the standard uncertainty of {key}, as {dimension} or a share, e.g. \"0.5 %\"");
+        table.problem(uncertainty, "no such key", expected);
+        return None;
     };
     let share = match &node.value {
         Value::Number { value, .. } => Some((*value, Dimension::NONE)),

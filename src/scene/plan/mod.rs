@@ -17,8 +17,10 @@ use crate::scene::problem::{Problem, SceneError, listed};
 use crate::scene::reader::{Bound, Problems, TableReader};
 use crate::sensor::Load;
 
-/// Standard acceleration of free fall (m/s^2).
-const FREE_FALL: f64 = 9.81;
+/// Standard acceleration of free fall, CGPM 1901 (m/s^2).
+const FREE_FALL: f64 = 9.806_65;
+/// How far it is from there at sea level at most, from 9.780 at the equator to 9.832 at the poles, relative (1).
+const LATITUDES: f64 = 0.0027;
 /// The input of a scope of this family.
 const INPUT: Load = Load { resistance: 1e6, capacitance: 20e-12 };
 /// Draws of the Monte-Carlo part.
@@ -67,9 +69,10 @@ pub fn load(file: &Path) -> Result<CalibrationPlan, PlanError> {
 fn read(file: &Path, node: &Node, problems: &Problems) -> Option<CalibrationPlan> {
     let root = TableReader::of(node, "", problems)?;
     let gravity = if root.has("gravity") {
-        uncertain(&root, ("gravity", "gravity_u"), Dimension::ACCELERATION, false)
+        uncertain(&root, ("gravity", "gravity_u"), Dimension::ACCELERATION)
     } else {
-        Some(Uncertain { value: FREE_FALL, u: 0.0 })
+        // Somewhere between both, evenly: JCGM 100:2008, 4.3.7.
+        Some(Uncertain { value: FREE_FALL, u: FREE_FALL * LATITUDES / 3f64.sqrt() })
     };
     let seed = root.count("seed", 0, (1 << 53) - 1).unwrap_or(0);
     let draws = root.count("draws", 1000, 10_000_000).unwrap_or(DRAWS);
@@ -78,9 +81,9 @@ fn read(file: &Path, node: &Node, problems: &Problems) -> Option<CalibrationPlan
     let (gain_u, load) = scope(&root);
     let (scale, gates) = root.table("speeds").map_or((Some(0.0), None), |table| {
         let scale = table.quantity("scale_u", Dimension::NONE, Bound::NotNegative);
-        let gates = table.has("gate_distance").then(|| {
-            uncertain(&table, ("gate_distance", "gate_distance_u"), Dimension::LENGTH, true)
-        });
+        let gates = table
+            .has("gate_distance")
+            .then(|| uncertain(&table, ("gate_distance", "gate_distance_u"), Dimension::LENGTH));
         let scale = if table.has("scale_u") { scale } else { Some(0.0) };
         table.finish();
         (scale, gates.flatten())
@@ -89,8 +92,9 @@ fn read(file: &Path, node: &Node, problems: &Problems) -> Option<CalibrationPlan
     if let Some(table) = root.table("sensor") {
         table.text("item").unwrap_or_default().clone_into(&mut particulars.item);
         table.text("name").unwrap_or("sensor").clone_into(&mut particulars.sensor);
+        particulars.host = table.text("host").map(str::to_owned);
         if table.has("tau") {
-            tau = uncertain(&table, ("tau", "tau_u"), Dimension::TIME, true);
+            tau = uncertain(&table, ("tau", "tau_u"), Dimension::TIME);
         }
         table.finish();
     } else if !root.has("sensor") {
@@ -98,7 +102,7 @@ fn read(file: &Path, node: &Node, problems: &Problems) -> Option<CalibrationPlan
     }
     let mut strikers = Vec::new();
     for (name, table) in root.tables("strikers") {
-        let mass = uncertain(&table, ("mass", "mass_u"), Dimension::MASS, true);
+        let mass = uncertain(&table, ("mass", "mass_u"), Dimension::MASS);
         let _ = table.text("source");
         table.finish();
         // A mass that could not be read has left its problem; impacts may name its striker.

@@ -187,7 +187,9 @@ pub fn of_signals(subject: &BaselineRun<'_>, on: &ChannelVolts, off: &ChannelVol
         Some((on, off, level))
     });
     let seen: Vec<(PulseReading, PulseReading, f64)> = seen.collect();
-    let samples = || seen.iter().map(|(a, b, _)| a.half_rise - b.half_rise);
+    let sample = scene.scope.model.sample_interval(scene.scope.time_base);
+    let ratio = grid.interval / sample;
+    let samples = || seen.iter().map(|(a, b, _)| ratio * (a.half_rise - b.half_rise));
     let time = |s: &PulseReading| grid.start + s.half_rise * grid.interval;
     Change {
         speed: None,

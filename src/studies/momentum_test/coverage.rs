@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::design::{Designer, TestDesign};
 use super::simulation::TestError;
-use crate::analysis::calibration::{COVERAGE_95, Calibration};
+use crate::analysis::calibration::Calibration;
 use crate::sensor::Circuit;
 
 /// Sensitivity and time constant are off the sensor's data by up to this, evenly: 90 % of it at most, lest a pulse saturate (1).
@@ -27,12 +27,12 @@ pub struct Coverage {
     pub bias_u: f64,
     /// Share of stated 95 % intervals that contain the truth (1).
     pub coverage_95: f64,
-    /// Share of intervals with k = 2 that do (1).
-    pub coverage_k2: f64,
-    /// Mean stated expanded uncertainty, k = 2, relative (1).
-    pub mean_u_relative_k2: f64,
+    /// Mean stated expanded uncertainty (95 %), relative (1).
+    #[serde(rename = "mean_U95_relative")]
+    pub mean_expanded: f64,
     /// Largest of them (1).
-    pub largest_u_relative_k2: f64,
+    #[serde(rename = "largest_U95_relative")]
+    pub largest_expanded: f64,
     /// The same bias for the raw voltage's integral (1).
     pub naive_bias: f64,
     /// Share of intervals as wide around that which contain the truth (1).
@@ -48,7 +48,6 @@ pub struct Coverage {
 struct Sums {
     ratios: Vec<f64>,
     inside: f64,
-    inside_k2: f64,
     naive: f64,
     naive_inside: f64,
     u: f64,
@@ -60,13 +59,12 @@ struct Sums {
 impl Sums {
     fn add(&mut self, found: &Calibration, truth: Circuit) {
         let off = |s: f64| (s - truth.sensitivity).abs();
-        let within = |s: f64, k: f64| f64::from(u8::from(off(s) <= k * found.u));
-        let relative = 2.0 * found.u / found.sensitivity;
+        let within = |s: f64| f64::from(u8::from(off(s) <= found.expanded()));
+        let relative = found.expanded() / found.sensitivity;
         self.ratios.push(found.sensitivity / truth.sensitivity);
-        self.inside += within(found.sensitivity, COVERAGE_95);
-        self.inside_k2 += within(found.sensitivity, 2.0);
+        self.inside += within(found.sensitivity);
         self.naive += found.naive / truth.sensitivity - 1.0;
-        self.naive_inside += within(found.naive, COVERAGE_95);
+        self.naive_inside += within(found.naive);
         self.u += relative;
         self.largest_u = self.largest_u.max(relative);
         self.tau += found.tau / truth.time_constant - 1.0;
@@ -114,9 +112,8 @@ pub fn coverage(
         bias: mean - 1.0,
         bias_u: (squares / (count - 1.0) / count).sqrt(),
         coverage_95: sums.inside / count,
-        coverage_k2: sums.inside_k2 / count,
-        mean_u_relative_k2: sums.u / count,
-        largest_u_relative_k2: sums.largest_u,
+        mean_expanded: sums.u / count,
+        largest_expanded: sums.largest_u,
         naive_bias: sums.naive / count,
         naive_coverage_95: sums.naive_inside / count,
         tau_bias: sums.tau / count,

@@ -22,6 +22,8 @@ use crate::sensor::Circuit;
 
 /// Free fall of the bench (m/s^2).
 const GRAVITY: f64 = 9.81;
+/// Its standard uncertainty: known from the laboratory's latitude and height (m/s^2).
+const GRAVITY_U: f64 = 1e-4;
 /// Density of the steel spheres (kg/m^3).
 const STEEL_DENSITY: f64 = 7900.0;
 /// Diameters of the steel spheres (m).
@@ -78,8 +80,9 @@ pub struct TestDesign {
     pub peak_force_n: f64,
     /// Its contact's duration (s).
     pub contact_s: f64,
-    /// Expanded uncertainty, k = 2, relative; none where the calibration failed (1).
-    pub u_relative_k2: Option<f64>,
+    /// Expanded uncertainty (95 %), relative; none where the calibration failed (1).
+    #[serde(rename = "U95_relative")]
+    pub expanded: Option<f64>,
     /// Why it failed.
     pub failed: Option<String>,
 }
@@ -145,7 +148,7 @@ impl Designer {
             }
         }
         found.sort_by(|a, b| {
-            let u = |c: &TestDesign| c.u_relative_k2.unwrap_or(f64::INFINITY);
+            let u = |c: &TestDesign| c.expanded.unwrap_or(f64::INFINITY);
             u(a).total_cmp(&u(b))
         });
         Ok(found)
@@ -185,7 +188,7 @@ impl Designer {
                 seconds_per_div: *time_base,
                 peak_force_n: peak,
                 contact_s: highest.duration,
-                u_relative_k2: result.as_ref().ok().map(|c| 2.0 * c.u / c.sensitivity),
+                expanded: result.as_ref().ok().map(|c| c.expanded() / c.sensitivity),
                 failed: result.err().map(|error| error.to_string()),
             });
         }
@@ -228,7 +231,7 @@ impl Designer {
             gain: Uncertain { value: 1.0, u: gain_u },
             speed_scale: Uncertain { value: 1.0, u: 0.0 },
             gate_distance: None,
-            gravity: Uncertain { value: GRAVITY, u: 0.0 },
+            gravity: Uncertain { value: GRAVITY, u: GRAVITY_U },
             tau: None,
         };
         let shown = Circuit { sensitivity: circuit.sensitivity / gain, ..circuit };

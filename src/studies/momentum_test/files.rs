@@ -28,9 +28,10 @@ pub fn write(blind: &BlindCalibration, sensor: &str, gain_u: Option<f64>, setup:
             "input_resistance = \"{resistance} Ohm\"\ninput_capacitance = \"{capacitance} F\"\n"
         )
     });
+    let gravity = lines("gravity", blind.common.gravity, "m/s^2");
     let mut plan = format!(
         "# Simulated by `hertzscope calibrate --simulate`. `_u` is the standard uncertainty (k = 1) of what stands before it.\n\
-         title = \"Simulated momentum test of {sensor}\"\nchannel = \"CH1\"\n\n\
+         title = \"Simulated momentum test of {sensor}\"\nchannel = \"CH1\"\n{gravity}\n\
          [sensor]\nitem = \"{sensor}, simulated\"\nname = \"{sensor}-calibrated\"\n\n[scope]\n{scope}\n{load}\n\
          [traceability]\nmass = \"none: simulated\"\nspeed = \"none: simulated\"\nvoltage = \"none: simulated\"\n"
     );

@@ -3,7 +3,6 @@
 use super::features::features;
 use super::state::{CursorKind, PlacedCursor, value_at};
 use super::{Page, ScreenState};
-use crate::measurement::metadata;
 use crate::tui::axis::{DIVISIONS_ACROSS, DIVISIONS_UP, TurnDirection};
 
 /// A cursor's step (div).
@@ -167,10 +166,10 @@ impl ScreenState {
         let value = |cursor: PlacedCursor| value_at(&self.find(cursor.source)?.waveform, cursor.at);
         let seconds = is_time && unit == "s" && difference != 0.0;
         let speed = || {
-            let from = self.sensor(first.source)?.site?;
-            let to = self.sensor(second.source)?.site?;
-            let distance = metadata::distance(self.scene.as_ref()?, from, to)?;
-            (distance > 0.0).then(|| distance / difference.abs())
+            let from = self.sensor(first.source)?.place?;
+            let to = self.sensor(second.source)?.place?;
+            let (distance, _) = self.scene.as_ref()?.distance(from, to)?;
+            (distance != 0.0).then(|| (distance / difference).abs())
         };
         Some(CursorReading {
             at: [first.at, second.at],

@@ -61,7 +61,7 @@ impl ScreenState {
         }
         let mut derived = Derived { made_of: Some(key), ..Derived::default() };
         if matches!(self.page, Page::Spectrum | Page::Map) {
-            let site = self.selected.and_then(|source| self.sensor(source)).and_then(|s| s.site);
+            let site = self.selected.and_then(|source| self.sensor(source)).and_then(|s| s.site());
             let scene = self.scene.as_ref();
             derived.chain = site.zip(scene).and_then(|(site, scene)| metadata::cell(scene, site));
         }

@@ -10,6 +10,8 @@ use super::readout::compact;
 use super::sheet::{Diagram, DiagramAxis};
 use super::{colour, colour_of, message};
 use crate::measurement::compare::{ChannelScore, Compared};
+use crate::quantity::Uncertain;
+use crate::quantity::coverage::NORMAL_95;
 use crate::scope::Source;
 use crate::trace::Trace;
 use crate::tui::model::{JobState, Overlay, ScreenState};
@@ -61,8 +63,9 @@ fn verdict(model: &ScreenState, compared: &Compared) -> Line<'static> {
     let bold = Style::new().add_modifier(Modifier::BOLD);
     let passed = comparison.failures.is_empty();
     let tint = colour(model.palette(), if passed { Color::LightGreen } else { Color::LightRed });
-    let shift =
-        comparison.shift_u_s.map_or_else(String::new, |u| format!(" ± {}", compact(u, "s", 2)));
+    let shift = comparison
+        .shift_u_s
+        .map_or_else(String::new, |u| format!(" ± {}", compact(NORMAL_95 * u, "s", 2)));
     let shifted = format!(
         "  shifted {}{shift} by {}  ",
         compact(comparison.shift_s, "s", 4),
@@ -148,23 +151,20 @@ fn difference(
     sheet.write((residual.start, high), &text, Style::new(), frame);
 }
 
-fn percent(value: Option<f64>, u: Option<f64>) -> String {
-    match (value, u) {
-        (Some(value), Some(u)) => format!("{:+.2}±{:.2}%", 100.0 * value, 100.0 * u),
-        (Some(value), None) => format!("{:+.2}%", 100.0 * value),
-        _ => "-".to_owned(),
-    }
+fn percent(error: Option<Uncertain>) -> String {
+    let text = |e: Uncertain| format!("{:+.2}±{:.2}%", 100.0 * e.value, 100.0 * e.expanded());
+    error.map_or("-".to_owned(), text)
 }
 
 fn row(score: &ChannelScore) -> String {
-    let arrival = score.arrival_error_s.map_or("-".to_owned(), |error| compact(error, "s", 3));
+    let arrival = score.arrival_error_s.map_or("-".to_owned(), |e| compact(e.value, "s", 3));
     let force = score.rms_n.map_or("-".to_owned(), |rms| compact(rms, "N", 3));
     format!(
         "{:<5}{:<7}{:>7.4}{:>15}{:>9}{:>9}{:>7.2}{:>8}{:>8.4}",
         score.name,
         score.against,
-        score.gain,
-        percent(score.peak_error, score.peak_error_u),
+        score.gain.value,
+        percent(score.peak_error),
         arrival,
         compact(score.rms, "V", 3),
         score.rms_lsb,

@@ -70,7 +70,7 @@ fn measurements(model: &ScreenState) -> Vec<Line<'static>> {
 }
 
 fn with_u(value: Uncertain, unit: &str) -> String {
-    format!("{} ±{}", compact(value.value, unit, 4), compact(value.u, unit, 2))
+    format!("{} ±{}", compact(value.value, unit, 4), compact(value.expanded(), unit, 2))
 }
 
 /// The selected channel's first pulse, and the speeds between all.
@@ -84,10 +84,13 @@ fn arrivals(model: &ScreenState, survey: &Survey, lines: &mut Vec<Line<'static>>
     let half = |speed: &&SpeedBetween| speed.estimator == "half_rise";
     let speeds: Vec<&SpeedBetween> = survey.speeds.iter().filter(half).collect();
     if !speeds.is_empty() {
-        lines.push(Line::styled("speed, half-rise", Style::new().add_modifier(Modifier::BOLD)));
+        lines.push(Line::styled(
+            "speed, half-rise; ± is 95 %",
+            Style::new().add_modifier(Modifier::BOLD),
+        ));
     }
     for speed in speeds {
-        let value = format!("{:.2} ±{:.2} m/s", speed.m_per_s.value, speed.m_per_s.u);
+        let value = format!("{:.2} ±{:.2} m/s", speed.m_per_s.value, speed.m_per_s.expanded());
         let ends = format!("{}-{}", speed.from, speed.to);
         lines.push(Line::raw(format!("{ends:<PAIR_WIDTH$}{value}")));
     }

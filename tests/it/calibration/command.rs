@@ -50,8 +50,8 @@ fn a_sensor_is_calibrated_and_used() {
     // 600 pC/N on 3400 times 0.159375 pF and 460 pF.
     let truth = 600e-12 / (3400.0 * 0.15937538e-12 + 460e-12);
     let off = number(&found["sensitivity_v_per_n"]) / truth - 1.0;
-    assert!(off.abs() < number(&found["u_relative_k2"]) * 1.5, "{off}");
-    assert!(number(&found["u_relative_k2"]) < 0.02);
+    assert!(off.abs() < number(&found["U95_relative"]) * 1.5, "{off}");
+    assert!(number(&found["U95_relative"]) < 0.02);
     assert!((number(&found["tau_s"]) / (1e6 * 600e-12 / truth) - 1.0).abs() < 0.02);
     assert_eq!(found["impacts"].as_array().expect("impacts").len(), 6);
     let shares: f64 =
@@ -71,7 +71,7 @@ fn a_sensor_is_calibrated_and_used() {
         "item",
         "hertzscope 0.",
         hash,
-        "k = 2",
+        "expanded",
         "traceable",
         "impact-6.svg",
         "temperature",

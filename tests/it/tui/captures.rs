@@ -125,7 +125,7 @@ fn every_capture_is_held_against_itself_and_another() {
                 Ok(found) => {
                     let same = against == name;
                     for channel in &found.comparison.channels {
-                        let numbers = [channel.rms_lsb, channel.max_lsb, channel.gain];
+                        let numbers = [channel.rms_lsb, channel.max_lsb, channel.gain.value];
                         assert!(numbers.iter().all(|n| n.is_finite()), "{name}: {channel:?}");
                         assert!(!same || channel.max_lsb == 0.0, "{name}: {channel:?}");
                     }

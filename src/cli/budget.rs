@@ -1,0 +1,69 @@
+//! `hertzscope budget`: which input of an uncertain scene carries how much of each prediction's uncertainty.
+
+use clap::Args;
+
+use super::progress::JobProgress;
+use crate::report;
+use crate::scene::adjust::Adjustable;
+use crate::studies::uncertainty::{SampleOptions, UncertainPrediction, uncertain_prediction};
+
+/// Show which uncertain input of a scene carries how much of each prediction's uncertainty
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// A scene with a table [uncertainty]: one that ships with the program, or the path of a scene file
+    #[arg(default_value = "magnet-0.61g")]
+    scene: String,
+    #[command(flatten)]
+    draws: DrawArguments,
+    /// Print as JSON
+    #[arg(long)]
+    json: bool,
+    /// No progress bar
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// How an uncertain scene is sampled.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct DrawArguments {
+    /// Samples of the scene's uncertainty, a Latin hypercube
+    #[arg(long, value_name = "N", default_value_t = 400, value_parser = clap::value_parser!(u32).range(20..=1_000_000))]
+    samples: u32,
+    /// Seed of the samples
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    sample_seed: u64,
+}
+
+impl DrawArguments {
+    /// The prediction of `scene` with its uncertainty.
+    pub fn predict(
+        self,
+        scene: &str,
+        bands: bool,
+        quiet: bool,
+    ) -> anyhow::Result<UncertainPrediction> {
+        let mut adjustable = Adjustable::load(scene)?;
+        let progress = std::sync::Mutex::new(JobProgress::new("samples", quiet));
+        let report = |share: f64| {
+            if let Ok(mut progress) = progress.lock() {
+                progress.at(share);
+            }
+        };
+        let samples = usize::try_from(self.samples).unwrap_or(usize::MAX);
+        let options = SampleOptions { samples, seed: self.sample_seed };
+        let found = uncertain_prediction(&mut adjustable, options, bands, &report);
+        if let Ok(progress) = progress.into_inner() {
+            progress.done();
+        }
+        Ok(found?)
+    }
+}
+
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let found = arguments.draws.predict(&arguments.scene, false, arguments.quiet)?;
+    if arguments.json {
+        super::print(&serde_json::to_string_pretty(&found)?)
+    } else {
+        super::print(&report::uncertainty_budget(&found))
+    }
+}

@@ -1,0 +1,69 @@
+//! A plan's numbers as the calibration takes them, and what in them cannot be.
+
+use crate::analysis::calibration::Calibration;
+use crate::analysis::calibration::model::{Common, SpeedSource};
+use crate::quantity::Uncertain;
+use crate::scene::plan::{CalibrationPlan, SpeedMethod};
+/// What the impacts of `plan` share.
+pub fn common(plan: &CalibrationPlan) -> Common {
+    let number = |u: f64| Uncertain { value: 1.0, u };
+    Common {
+        strikers: plan.strikers.clone(),
+        gain: number(plan.gain_u.unwrap_or(0.0)),
+        speed_scale: number(plan.speed_scale_u),
+        gate_distance: plan.gate_distance,
+        gravity: plan.gravity,
+        tau: plan.tau,
+    }
+}
+
+pub(super) fn speed((means, value): (SpeedMethod, Uncertain)) -> SpeedSource {
+    match means {
+        SpeedMethod::Speed => SpeedSource::Speed(value),
+        SpeedMethod::Height => SpeedSource::Height(value),
+        SpeedMethod::GateTime => SpeedSource::GateTime(value),
+        SpeedMethod::FlightTime => SpeedSource::FlightTime(value),
+    }
+}
+
+/// A scatter that many times what the inputs explain is no scatter (1).
+const LARGEST_BIRGE_RATIO: f64 = 5.0;
+/// Local gravity at the surface, mountains included (m/s^2).
+const GRAVITY: std::ops::RangeInclusive<f64> = 9.76..=9.84;
+
+/// What in `plan` cannot be, or cannot be together.
+pub(super) fn contradictions(plan: &CalibrationPlan, found: &Calibration) -> Vec<String> {
+    let mut wrong = Vec::new();
+    if found.birge_ratio > LARGEST_BIRGE_RATIO {
+        wrong.push(format!(
+            "impacts scatter {:.0} times as much as their uncertainties explain: check heights, speeds, masses and their units",
+            found.birge_ratio
+        ));
+    }
+    if !GRAVITY.contains(&plan.gravity.value) {
+        wrong.push(format!(
+            "free fall of {} m/s^2 is found nowhere on the ground, where it is 9.76 to 9.84 m/s^2",
+            plan.gravity.value
+        ));
+    }
+    let common = common(plan);
+    for (number, impact) in (1..).zip(&plan.impacts) {
+        let speeds = [impact.incoming, impact.rebound].map(|told| {
+            let speed = speed(told);
+            let (gravity, gates) = (common.gravity.value, common.gate_distance);
+            let at = |reading| speed.of(reading, gravity, gates.map_or(f64::NAN, |g| g.value));
+            (at(told.1.value), (at(told.1.value + told.1.u) - at(told.1.value)).abs())
+        });
+        let [(came, came_u), (left, left_u)] = speeds;
+        if left - came > 2.0 * came_u.hypot(left_u) {
+            wrong.push(format!(
+                "impact {number}: the striker leaves at {left:.4} m/s, faster than it came at {came:.4} m/s"
+            ));
+        }
+    }
+    if found.expanded() > 0.5 * found.sensitivity.abs() {
+        let share = 100.0 * found.expanded() / found.sensitivity.abs();
+        wrong.push(format!("the sensitivity is known to {share:.0} % only: it is not determined"));
+    }
+    wrong
+}

@@ -1,0 +1,45 @@
+//! Distances along the chain at rest: the one function that `run`, `arrivals`, `compare`, sweeps and the screen's cursors share.
+//!
+//! `d = sum of lengths - sum of static overlaps + o2 L2 - o1 L1`, offsets `o` of the plates in lengths `L` of their hosts, downward
+//! positive; `u(d)^2 = (u(o1) L1)^2 + (u(o2) L2)^2`.
+
+use crate::chain::Chain;
+
+/// Where a sensor sits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Site {
+    /// Embedded in a particle, counted from 1.
+    Particle(usize),
+    /// Between the last particle and the wall.
+    Wall,
+}
+
+/// Where a plate sits.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlatePlace {
+    /// Its host.
+    pub site: Site,
+    /// Distance from the host's centre in lengths of the host, downward positive (1).
+    pub offset: f64,
+    /// Standard uncertainty of the offset (1).
+    pub offset_u: f64,
+}
+
+impl PlatePlace {
+    /// Height above the bottom wall, and its standard uncertainty; none for a particle that the chain does not have (m).
+    fn height(self, chain: &Chain) -> Option<(f64, f64)> {
+        let Site::Particle(particle) = self.site else { return Some((0.0, 0.0)) };
+        if !(1..=chain.particles()).contains(&particle) {
+            return None;
+        }
+        let length = chain.bodies().get(chain.body_of(particle))?.length;
+        let height = chain.distance_to_wall(particle) - self.offset * length;
+        Some((height, self.offset_u * length))
+    }
+}
+
+/// Distance down `chain` at rest between two plates, negative upward, and its standard uncertainty (m).
+pub fn distance(chain: &Chain, from: PlatePlace, to: PlatePlace) -> Option<(f64, f64)> {
+    let (from, to) = (from.height(chain)?, to.height(chain)?);
+    Some((from.0 - to.0, from.1.hypot(to.1)))
+}

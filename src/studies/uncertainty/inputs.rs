@@ -1,0 +1,268 @@
+//! The inputs of an uncertain scene: what varies, by how much, and the scene with drawn values.
+
+use serde::Serialize;
+
+use crate::experiment::RunError;
+use crate::quantity::coverage::normal_quantile;
+use crate::quantity::{Dimension, parse_any};
+use crate::scene::adjust::{AdjustError, Adjustable, AdjustableNumber};
+use crate::scene::{InputDistribution, Scene, SceneError, SpreadAmount, UncertainInput};
+use crate::scope::Deviation;
+
+/// Why a scene's uncertainty cannot be propagated.
+#[derive(Debug, thiserror::Error)]
+pub enum UncertaintyError {
+    /// Nothing is uncertain.
+    #[error(
+        "found nothing uncertain in {scene}: give the scene a table [uncertainty], e.g. striker.speed = \"1 %\""
+    )]
+    Nothing {
+        /// The scene.
+        scene: String,
+    },
+    /// A path that names nothing.
+    #[error("{typed}: uncertainty.{path}: {error}")]
+    Path {
+        /// File and line.
+        typed: String,
+        /// The path.
+        path: String,
+        /// What is wrong.
+        error: AdjustError,
+    },
+    /// An uncertainty in another unit than its value's.
+    #[error(
+        "{typed}: uncertainty.{path}: {found} for a value in {expected}: give it in {expected}, or as a share, e.g. \"1 %\""
+    )]
+    Unit {
+        /// File and line.
+        typed: String,
+        /// The path.
+        path: String,
+        /// The uncertainty's dimension.
+        found: Dimension,
+        /// The value's unit.
+        expected: String,
+    },
+    /// Too few samples gave a result.
+    #[error("too few samples gave a result: more samples, or smaller uncertainties")]
+    NoSamples,
+    /// The scene cannot run.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// The scene is wrong.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+}
+
+/// An input as reports show it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RandomInput {
+    /// Its path, or the group whose numbers vary together.
+    pub name: String,
+    /// Its value in the scene, in SI units (unit).
+    pub value: f64,
+    /// Unit in which the scene states it; empty for a plain number.
+    pub unit: String,
+    /// Its standard uncertainty, in SI units (unit).
+    pub u: f64,
+    /// Where that is known from.
+    pub source: Option<String>,
+}
+
+/// What one draw moves.
+enum Target {
+    Number(AdjustableNumber, InputDistribution),
+    /// Gain or zero of a channel, counted from 0, in parts of its data sheet.
+    Gain(usize),
+    Zero(usize),
+}
+
+/// All inputs: each is one independent draw.
+pub(super) struct RandomInputs {
+    list: Vec<RandomInput>,
+    targets: Vec<Vec<Target>>,
+}
+
+impl RandomInputs {
+    pub(super) fn of(adjustable: &mut Adjustable) -> Result<Self, UncertaintyError> {
+        let scene = adjustable.scene()?;
+        let mut inputs = Self { list: Vec::new(), targets: Vec::new() };
+        let mut stated = scene.uncertainty.clone();
+        stated.extend(of_sensors(&scene));
+        for input in &stated {
+            let wrong = |error| {
+                let (typed, path) = (input.typed.clone(), input.path.clone());
+                UncertaintyError::Path { typed, path, error }
+            };
+            if adjustable.is_switched_off(&input.path) {
+                continue;
+            }
+            for number in adjustable.knobs(&input.path).map_err(wrong)? {
+                check_unit(input, &number)?;
+                if input.distribution.standard(number.value) > 0.0 {
+                    inputs.add(input, number);
+                }
+            }
+        }
+        for (index, channel) in scene.scope.channels.iter().enumerate() {
+            let Some(channel) = channel.as_ref().filter(|c| c.deviation != Deviation::default())
+            else {
+                continue;
+            };
+            let at_input = channel.vertical.scale / channel.vertical.probe;
+            let accuracy = &scene.scope.model.accuracy;
+            let of = |what: &str, limit: f64, unit: &str, value: f64| RandomInput {
+                name: format!("{what} of CH{}", index + 1),
+                value,
+                unit: unit.to_owned(),
+                u: limit / 3f64.sqrt(),
+                source: Some(format!("data sheet of the {}", scene.scope.model.name)),
+            };
+            inputs.list.push(of("gain", accuracy.gain_at(at_input), "", 1.0));
+            inputs.targets.push(vec![Target::Gain(index)]);
+            inputs.list.push(of("zero", accuracy.offset_at(at_input), "V", 0.0));
+            inputs.targets.push(vec![Target::Zero(index)]);
+        }
+        if inputs.list.is_empty() {
+            return Err(UncertaintyError::Nothing { scene: scene.name });
+        }
+        Ok(inputs)
+    }
+
+    fn add(&mut self, input: &UncertainInput, number: AdjustableNumber) {
+        let target = Target::Number(number.clone(), input.distribution);
+        if let Some(group) = &input.group
+            && let Some(place) = self.list.iter().position(|known| known.name == *group)
+            && let Some(targets) = self.targets.get_mut(place)
+        {
+            targets.push(target);
+            return;
+        }
+        self.list.push(RandomInput {
+            name: input.group.clone().unwrap_or_else(|| number.path.clone()),
+            value: number.value,
+            unit: number.unit.clone(),
+            u: input.distribution.standard(number.value),
+            source: input.source.clone(),
+        });
+        self.targets.push(vec![target]);
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.list.len()
+    }
+
+    pub(super) fn names(&self) -> Vec<String> {
+        self.list.iter().map(|input| input.name.clone()).collect()
+    }
+
+    pub(super) fn into_list(self) -> Vec<RandomInput> {
+        self.list
+    }
+
+    /// The scene with each input at its share `sample` of its distribution (1).
+    pub(super) fn scene(
+        &self,
+        adjustable: &Adjustable,
+        sample: &[f64],
+    ) -> Result<Scene, SceneError> {
+        let mut scene = adjustable.with(&self.values(sample))?;
+        // Plates are what the inputs say, not drawn once more.
+        scene.sensor_tolerance = None;
+        for (targets, share) in self.targets.iter().zip(sample) {
+            for target in targets {
+                let part = 2.0 * share - 1.0;
+                let mut change = |index: usize, of: fn(&mut Deviation) -> &mut f64| {
+                    if let Some(Some(channel)) = scene.scope.channels.get_mut(index) {
+                        *of(&mut channel.deviation) = part;
+                    }
+                };
+                match target {
+                    Target::Gain(index) => change(*index, |deviation| &mut deviation.gain),
+                    Target::Zero(index) => change(*index, |deviation| &mut deviation.offset),
+                    Target::Number(..) => {}
+                }
+            }
+        }
+        Ok(scene)
+    }
+
+    /// How far each input of `sample` is from its value, in its standard uncertainties (1).
+    pub(super) fn scores(&self, sample: &[f64]) -> Vec<f64> {
+        let score = |(targets, share): (&Vec<Target>, &f64)| match targets.first() {
+            Some(Target::Number(_, InputDistribution::Normal(_))) => normal_quantile(*share),
+            _ => 3f64.sqrt() * (2.0 * share - 1.0),
+        };
+        self.targets.iter().zip(sample).map(score).collect()
+    }
+
+    fn values(&self, sample: &[f64]) -> Vec<(&AdjustableNumber, f64)> {
+        let mut values = Vec::new();
+        for (targets, share) in self.targets.iter().zip(sample) {
+            for target in targets {
+                if let Target::Number(number, distribution) = target {
+                    values.push((number, drawn_value(number.value, *distribution, *share)));
+                }
+            }
+        }
+        values
+    }
+}
+
+/// The value at `share` of a distribution about `value` (unit).
+fn drawn_value(value: f64, distribution: InputDistribution, share: f64) -> f64 {
+    match distribution {
+        InputDistribution::Normal(amount) => value + amount.of(value) * normal_quantile(share),
+        InputDistribution::Even(amount) => value + amount.of(value) * (2.0 * share - 1.0),
+        InputDistribution::Between(low, high, _) => low + share * (high - low),
+    }
+}
+
+fn check_unit(input: &UncertainInput, number: &AdjustableNumber) -> Result<(), UncertaintyError> {
+    let dimension = parse_any(&format!("1 {}", number.unit)).map_or(Dimension::NONE, |(_, d)| d);
+    let stated = match input.distribution {
+        InputDistribution::Normal(SpreadAmount::Absolute(_, found))
+        | InputDistribution::Even(SpreadAmount::Absolute(_, found))
+        | InputDistribution::Between(_, _, found) => Some(found),
+        InputDistribution::Normal(SpreadAmount::Share(_))
+        | InputDistribution::Even(SpreadAmount::Share(_)) => None,
+    };
+    match stated.filter(|found| *found != dimension) {
+        Some(found) => Err(UncertaintyError::Unit {
+            typed: input.typed.clone(),
+            path: input.path.clone(),
+            found,
+            expected: if number.unit.is_empty() { "plain numbers" } else { &number.unit }
+                .to_owned(),
+        }),
+        None => Ok(()),
+    }
+}
+
+/// What the files of measured sensors state, unless the scene states it itself.
+fn of_sensors(scene: &Scene) -> Vec<UncertainInput> {
+    let mut found = Vec::new();
+    for placed in &scene.sensors {
+        let known = &placed.sensor.measured;
+        let pairs = [
+            ("sensitivity", known.sensitivity.and(known.sensitivity_u)),
+            ("tau", known.time_constant.and(known.time_constant_u)),
+        ];
+        for (key, u) in pairs {
+            let path = format!("sensors.{}.{key}", placed.name);
+            let any = format!("sensors.*.{key}");
+            let stated = scene.uncertainty.iter().any(|i| i.path == path || i.path == any);
+            if let Some(u) = u.filter(|_| !stated) {
+                found.push(UncertainInput {
+                    path,
+                    distribution: InputDistribution::Normal(SpreadAmount::Share(u)),
+                    group: None,
+                    source: Some(format!("file of the sensor {}", placed.sensor.model)),
+                    typed: placed.sensor.model.clone(),
+                });
+            }
+        }
+    }
+    found
+}

@@ -1,0 +1,134 @@
+//! What a scene's `[uncertainty]` makes of its predictions: intervals, bands of traces, and each input's share.
+//!
+//! RandomInputs are drawn by Latin hypercube: of `N` samples one lies in each `N`-th of every input's distribution, in random order. Each sample is a whole
+//! bench, chain, sensors and scope, without noise and rounding. Intervals are the 2.5 and 97.5 % quantiles of the samples; shares come from a linear
+//! regression on the inputs' standard scores, `share = (b_i)^2/var(y)`; what the regression leaves is not linear, or interaction.
+//! Besides `[uncertainty]`, sensors' own `sensitivity_u` and `tau_u` are inputs, and with `[effects.scope_errors]` each channel's gain and zero.
+//! Sources: M. D. McKay, R. J. Beckman, W. J. Conover, Technometrics 21, 239 (1979); A. Saltelli et al., "Global Sensitivity Analysis" (2008),
+//! section 1.2.5 (standardised regression coefficients); JCGM 101:2008. Valid where outputs are nearly linear over the inputs' spread: the share
+//! that is left tells.
+
+mod inputs;
+mod normalised;
+mod outputs;
+mod regression;
+
+pub use inputs::{RandomInput, UncertaintyError};
+pub use normalised::{InputMove, NormalisedError, normalised_errors};
+pub use outputs::{OutputInterval, TraceBand};
+pub use regression::InputShare;
+
+use rand_distr::{Distribution, StandardUniform};
+use rand_pcg::Pcg64;
+use serde::Serialize;
+
+use crate::experiment::parallel::{in_parallel, processors};
+use crate::experiment::prediction::{Prediction, predict};
+use crate::scene::Scene;
+use crate::scene::adjust::Adjustable;
+use inputs::RandomInputs;
+
+/// Accuracy of the samples' integration: far below any uncertainty of a bench (1).
+const ACCURACY: f64 = 1e-5;
+/// Stream of the draws.
+const SAMPLE_STREAM: u128 = 1 << 75;
+
+/// How the samples are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SampleOptions {
+    /// Number of samples.
+    pub samples: usize,
+    /// Seed of the draws.
+    pub seed: u64,
+}
+
+impl Default for SampleOptions {
+    fn default() -> Self {
+        Self { samples: 400, seed: 1 }
+    }
+}
+
+/// What an uncertain scene predicts.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct UncertainPrediction {
+    /// The scene.
+    pub scene: String,
+    /// Number of samples.
+    pub samples: usize,
+    /// Seed of the draws.
+    pub seed: u64,
+    /// Samples that could not be run or did not trigger.
+    pub failed: usize,
+    /// What varies.
+    pub inputs: Vec<RandomInput>,
+    /// Peaks, arrivals and speeds, each with its interval and its inputs' shares.
+    pub outputs: Vec<OutputInterval>,
+    /// Bands of the channels' traces; empty where none were asked for.
+    pub bands: Vec<TraceBand>,
+}
+
+/// Predicts `adjustable` with its uncertainty, with bands of traces if `bands`.
+///
+/// # Errors
+/// [`UncertaintyError`] for an `[uncertainty]` that names nothing, or nothing at all, and where the scene itself cannot be run.
+pub fn uncertain_prediction(
+    adjustable: &mut Adjustable,
+    options: SampleOptions,
+    bands: bool,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<UncertainPrediction, UncertaintyError> {
+    let inputs = RandomInputs::of(adjustable)?;
+    let mut scenes = vec![adjustable.scene()?];
+    let mut scores: Vec<Vec<f64>> = Vec::new();
+    for sample in hypercube(inputs.count(), options) {
+        // A sample beyond what a key allows, such as a negative mass, is none.
+        if let Ok(scene) = inputs.scene(adjustable, &sample) {
+            scenes.push(scene);
+            scores.push(inputs.scores(&sample));
+        }
+    }
+    let count = scenes.len();
+    let work = |(): &mut (), scene: &Scene| predict(scene, ACCURACY, bands);
+    #[allow(clippy::cast_precision_loss, reason = "a few thousand samples")]
+    let done = |finished: usize| progress(finished as f64 / count as f64);
+    let mut found = in_parallel(processors(), &scenes, &work, &done).into_iter();
+    let first = found.next().transpose()?.ok_or(UncertaintyError::NoSamples)?;
+    let samples: Vec<Option<Prediction>> = found.map(Result::ok).collect();
+    let pairs = scores.iter().zip(&samples);
+    let pairs: Vec<(&[f64], &Prediction)> =
+        pairs.filter_map(|(scores, found)| Some((scores.as_slice(), found.as_ref()?))).collect();
+    if pairs.len() <= inputs.count() + 1 {
+        return Err(UncertaintyError::NoSamples);
+    }
+    Ok(UncertainPrediction {
+        scene: adjustable.name().to_owned(),
+        samples: options.samples,
+        seed: options.seed,
+        failed: options.samples - pairs.len(),
+        outputs: outputs::intervals(&first, &pairs, inputs.names()),
+        bands: if bands { outputs::bands(&first, &pairs) } else { Vec::new() },
+        inputs: inputs.into_list(),
+    })
+}
+
+/// A Latin hypercube of `inputs` dimensions: each sample's shares of the distributions, from 0 to 1 (1).
+#[allow(clippy::cast_precision_loss, reason = "a few thousand samples")]
+fn hypercube(inputs: usize, options: SampleOptions) -> Vec<Vec<f64>> {
+    let count = options.samples;
+    let mut numbers = Pcg64::new(u128::from(options.seed), SAMPLE_STREAM);
+    let mut even = move || -> f64 { StandardUniform.sample(&mut numbers) };
+    let mut samples = vec![Vec::with_capacity(inputs); count];
+    for _ in 0..inputs {
+        let mut places: Vec<usize> = (0..count).collect();
+        // Fisher and Yates.
+        for last in (1..count).rev() {
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index")]
+            let other = (even() * (last + 1) as f64) as usize;
+            places.swap(last, other.min(last));
+        }
+        for (sample, place) in samples.iter_mut().zip(places) {
+            sample.push((place as f64 + even()) / count as f64);
+        }
+    }
+    samples
+}

@@ -1,0 +1,154 @@
+//! Outputs of an uncertain scene: intervals of peaks, arrivals and speeds, and bands of traces.
+
+use serde::Serialize;
+
+use super::regression::{InputShare, shares};
+use crate::experiment::outcome::{Reading, Speed};
+use crate::experiment::prediction::Prediction;
+use crate::quantity::Uncertain;
+
+/// An output with its interval.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OutputInterval {
+    /// What it is: `p14 first peak`, `p14 half-rise`, `p14 -> p27 peak`.
+    pub name: String,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Its value with the scene's own numbers (unit).
+    pub value: f64,
+    /// Standard deviation of the samples (unit).
+    pub u: f64,
+    /// Half of the interval's width (unit).
+    #[serde(rename = "U95")]
+    pub expanded: f64,
+    /// 95 % of the samples lie between (unit).
+    pub interval_95: [f64; 2],
+    /// Share of the variance that the regression on the inputs explains (1).
+    pub explained: f64,
+    /// Each input's share, the largest first.
+    pub inputs: Vec<InputShare>,
+}
+
+/// Where 95 % of a channel's traces lie, sample by sample, without noise and rounding.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TraceBand {
+    /// `CH1`.
+    pub channel: String,
+    /// Time of the first sample after the trigger (s).
+    pub start_s: f64,
+    /// From one sample to the next (s).
+    pub interval_s: f64,
+    /// The trace with the scene's own numbers (V).
+    pub nominal_v: Vec<f64>,
+    /// Lower edge (V).
+    pub low_v: Vec<f64>,
+    /// Upper edge (V).
+    pub high_v: Vec<f64>,
+}
+
+/// All outputs that the nominal run has, in the samples that have them.
+pub(super) fn intervals(
+    nominal: &Prediction,
+    samples: &[(&[f64], &Prediction)],
+    names: Vec<String>,
+) -> Vec<OutputInterval> {
+    let all = listed(nominal);
+    let found: Vec<Vec<(String, &str, f64)>> =
+        samples.iter().map(|(_, prediction)| listed(prediction)).collect();
+    let interval = |(name, unit, value): &(String, &'static str, f64)| {
+        let of = |outputs: &Vec<(String, &str, f64)>| {
+            outputs.iter().find(|output| output.0 == *name).map(|output| output.2)
+        };
+        let pairs = samples.iter().zip(&found);
+        let pairs: Vec<(&[f64], f64)> =
+            pairs.filter_map(|((scores, _), outputs)| Some((*scores, of(outputs)?))).collect();
+        let (u, explained, inputs) = shares(&pairs, &names)?;
+        let mut values: Vec<f64> = pairs.iter().map(|(_, value)| *value).collect();
+        values.sort_by(f64::total_cmp);
+        let interval_95 = [quantile(&values, 0.025), quantile(&values, 0.975)];
+        Some(OutputInterval {
+            name: name.clone(),
+            unit,
+            value: *value,
+            u,
+            expanded: 0.5 * (interval_95[1] - interval_95[0]),
+            interval_95,
+            explained,
+            inputs,
+        })
+    };
+    all.iter().filter_map(interval).collect()
+}
+
+impl OutputInterval {
+    /// The same as a number with its standard uncertainty.
+    pub fn uncertain(&self) -> Uncertain {
+        Uncertain { value: self.value, u: self.u }
+    }
+}
+
+/// Names, units and values of what a run predicts.
+fn listed(prediction: &Prediction) -> Vec<(String, &'static str, f64)> {
+    let mut outputs = Vec::new();
+    let places = prediction.readings.iter().chain(&prediction.wall);
+    let mut add = |name: String, unit, value: Option<f64>| {
+        outputs.extend(value.map(|value| (name, unit, value)));
+    };
+    for reading in places {
+        let Reading { name, first_peak, half_rise_s, .. } = reading;
+        add(format!("{name} first peak"), "N", first_peak.map(|peak| peak.dynamic_n));
+        add(format!("{name} half-rise"), "s", *half_rise_s);
+        add(format!("{name} peak time"), "s", first_peak.map(|peak| peak.time_s));
+    }
+    for (channel, volts) in &prediction.heights {
+        add(format!("{channel} first peak"), "V", Some(*volts));
+    }
+    for Speed { from_sensor, to_sensor, estimator, m_per_s, .. } in &prediction.speeds {
+        let estimator = estimator.replace('_', "-");
+        add(format!("{from_sensor} -> {to_sensor} {estimator}"), "m/s", Some(*m_per_s));
+    }
+    outputs
+}
+
+/// Bands of all channels that triggered in the nominal run.
+pub(super) fn bands(nominal: &Prediction, samples: &[(&[f64], &Prediction)]) -> Vec<TraceBand> {
+    let band = |(place, trace): (usize, &crate::trace::Trace)| {
+        let others = samples.iter().filter_map(|(_, prediction)| prediction.traces.get(place));
+        let others: Vec<&crate::trace::Trace> = others.collect();
+        let edges = |index: usize| {
+            let values = others.iter().filter_map(|trace| trace.values.get(index).copied());
+            let mut values: Vec<f64> = values.collect();
+            values.sort_by(f64::total_cmp);
+            (quantile(&values, 0.025), quantile(&values, 0.975))
+        };
+        let (low_v, high_v) = (0..trace.values.len()).map(edges).unzip();
+        TraceBand {
+            channel: trace.name.clone(),
+            start_s: trace.start,
+            interval_s: trace.interval,
+            nominal_v: trace.values.clone(),
+            low_v,
+            high_v,
+        }
+    };
+    nominal.traces.iter().enumerate().map(band).collect()
+}
+
+/// The quantile of sorted values, on a straight line between two.
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "an index"
+)]
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let place = share * sorted.len().saturating_sub(1) as f64;
+    let index = place.floor() as usize;
+    let at = |index: usize| sorted.get(index).copied();
+    let (low, high) = (at(index), at(index + 1));
+    match (low, high) {
+        (Some(low), Some(high)) => low + (place - place.floor()) * (high - low),
+        (Some(low), None) => low,
+        _ => f64::NAN,
+    }
+}

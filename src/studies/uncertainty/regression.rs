@@ -1,0 +1,61 @@
+//! Each input's share of an output's variance, from a linear regression on the inputs' standard scores.
+
+use serde::Serialize;
+
+use crate::analysis::linear::solve;
+
+/// One input's part in an output.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct InputShare {
+    /// The input.
+    pub input: String,
+    /// Change of the output with one standard uncertainty of the input (unit).
+    pub change: f64,
+    /// Its share of the output's variance (1).
+    pub share: f64,
+}
+
+/// Standard deviation of the outputs, the share that the regression explains, and each input's, the largest first; none for fewer samples than
+/// inputs, or an output that never changes (unit).
+#[allow(clippy::cast_precision_loss, reason = "a few thousand samples")]
+pub(super) fn shares(
+    samples: &[(&[f64], f64)],
+    names: &[String],
+) -> Option<(f64, f64, Vec<InputShare>)> {
+    let count = samples.len() as f64;
+    if samples.len() < names.len() + 2 {
+        return None;
+    }
+    let mean_of =
+        |values: &dyn Fn(usize) -> f64| (0..samples.len()).map(values).sum::<f64>() / count;
+    let middle = mean_of(&|i| samples[i].1);
+    let means: Vec<f64> = (0..names.len()).map(|j| mean_of(&|i| samples[i].0[j])).collect();
+    let variance = samples.iter().map(|(_, y)| (y - middle).powi(2)).sum::<f64>() / (count - 1.0);
+    if !(variance > 0.0) {
+        return None;
+    }
+    let product = |a: &dyn Fn(usize) -> f64, b: &dyn Fn(usize) -> f64| {
+        (0..samples.len()).map(|i| a(i) * b(i)).sum::<f64>() / (count - 1.0)
+    };
+    let centred = |j: usize| {
+        let mean = means[j];
+        move |i: usize| samples[i].0[j] - mean
+    };
+    let output = |i: usize| samples[i].1 - middle;
+    let all = 0..names.len();
+    let gram: Vec<Vec<f64>> = all
+        .clone()
+        .map(|j| all.clone().map(|k| product(&centred(j), &centred(k))).collect())
+        .collect();
+    let right: Vec<f64> = all.clone().map(|j| product(&centred(j), &output)).collect();
+    let slopes = solve(&gram, &right).ok()?;
+    let explained: f64 = slopes.iter().zip(&right).map(|(b, r)| b * r).sum::<f64>() / variance;
+    let part = |(j, input): (usize, &String)| {
+        // Scores have variance one but for the samples' chance.
+        let change = slopes[j] * gram[j][j].sqrt();
+        InputShare { input: input.clone(), change, share: change * change / variance }
+    };
+    let mut parts: Vec<InputShare> = names.iter().enumerate().map(part).collect();
+    parts.sort_by(|a, b| b.share.total_cmp(&a.share));
+    Some((variance.sqrt(), explained.clamp(0.0, 1.0), parts))
+}

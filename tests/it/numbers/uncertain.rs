@@ -1,0 +1,223 @@
+//! Uncertain scenes: intervals that hold, shares that one-at-a-time runs confirm, and comparisons by what both sides know.
+
+use assert_cmd::Command;
+use hertzscope::experiment::prediction::predict;
+use hertzscope::scene::Scene;
+use hertzscope::scene::adjust::Adjustable;
+use hertzscope::studies::uncertainty::{SampleOptions, uncertain_prediction};
+
+const SHORT: &str = "base = \"magnet-0.61g\"\nduration = \"400 us\"\n\
+    [[chain.segments]]\nparticles = [\"ferromagnetic_sphere\", \"ptfe_sphere\"]\n\
+    [[chain.segments]]\nrepeat = 4\nparticles = [\"steel_cylinder\", \"ptfe_sphere\"]\n\
+    [sensors.p14]\nparticle = 6\n[sensors.p27]\nparticle = 9\nhost = \"steel_cylinder\"\n\
+    [scope]\ntime_base = \"50 us/div\"\nposition = \"200 us\"\n";
+
+fn adjustable(folder: &tempfile::TempDir, text: &str) -> (Adjustable, String) {
+    let file = folder.path().join("short.toml");
+    std::fs::write(&file, format!("{SHORT}{text}")).expect("a scene");
+    let name = file.display().to_string();
+    (Adjustable::load(&name).expect("a scene"), name)
+}
+
+/// Changes with one standard uncertainty against runs with that input alone moved by half of one to either side; shares add up to what is explained.
+#[test]
+fn a_budget_agrees_with_one_input_at_a_time() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = "[uncertainty]\nstriker.speed = \"1 %\"\nmaterials.ptfe.youngs_modulus = \"2 %\"\neffects.magnet_preload.force = { half_width = \"0.1 N\" }\n";
+    let (mut scene, _) = adjustable(&folder, text);
+    let options = SampleOptions { samples: 300, seed: 3 };
+    let found = uncertain_prediction(&mut scene, options, false, &|_| ()).expect("a prediction");
+    assert_eq!(found.failed, 0);
+    for path in ["striker.speed", "materials.ptfe.youngs_modulus", "effects.magnet_preload.force"] {
+        let knob = scene.knobs(path).expect("a knob").remove(0);
+        let u = found.inputs.iter().find(|input| input.name == path).expect("an input").u;
+        let speed = |by: f64| {
+            let moved = scene.with(&[(&knob, knob.value + by)]).expect("a scene");
+            let found = predict(&moved, 1e-5, false).expect("a run");
+            let of = |s: &&hertzscope::experiment::outcome::Speed| {
+                s.from_sensor == "p14" && s.to_sensor == "p27" && s.estimator == "half_rise"
+            };
+            found.speeds.iter().find(of).expect("a speed").m_per_s
+        };
+        let alone = speed(0.5 * u) - speed(-0.5 * u);
+        let output = found.outputs.iter().find(|o| o.name == "p14 -> p27 half-rise");
+        let output = output.expect("an output");
+        let part = output.inputs.iter().find(|share| share.input == path).expect("a share");
+        // Residuals of the regression scatter by a few per cent of the largest change.
+        let largest = output.inputs.iter().map(|i| i.change.abs()).fold(0.0, f64::max);
+        assert!((part.change - alone).abs() < 0.05 * largest, "{path}: {} {alone}", part.change);
+        let shares: f64 = output.inputs.iter().map(|input| input.share).sum();
+        assert!((shares - output.explained).abs() < 0.05 && output.explained > 0.98, "{output:?}");
+    }
+}
+
+/// Benches drawn from the stated distribution by another generator: 95 % of their peaks, arrivals and speeds lie in the intervals, and 95 % of the traces' points in the bands.
+#[test]
+fn intervals_and_bands_hold_drawn_benches() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = "[uncertainty]\nstriker.speed = \"2 %\"\nmaterials.ptfe.youngs_modulus = \"2 %\"\nparticles.ptfe_sphere.mass = { between = [\"0.120 g\", \"0.1252 g\"] }\n";
+    let (mut scene, _) = adjustable(&folder, text);
+    let options = SampleOptions { samples: 400, seed: 5 };
+    let found = uncertain_prediction(&mut scene, options, true, &|_| ()).expect("a prediction");
+    let knobs: Vec<_> =
+        ["striker.speed", "materials.ptfe.youngs_modulus", "particles.ptfe_sphere.mass"]
+            .iter()
+            .flat_map(|path| scene.knobs(path).expect("a knob"))
+            .collect();
+    // Box and Muller on a linear congruence: nothing of the study's own draws.
+    let mut state = 77_u64;
+    let mut even = || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        ((state >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+    };
+    let (mut inside, mut all, mut points, mut within) = (0.0, 0.0, 0.0, 0.0);
+    for _ in 0..100 {
+        let radius = (-2.0 * even().ln()).sqrt();
+        let angle = std::f64::consts::TAU * even();
+        let speed = knobs[0].value * (1.0 + 0.02 * radius * angle.cos());
+        let modulus = knobs[1].value * (1.0 + 0.02 * radius * angle.sin());
+        let mass = 0.120e-3 + 0.0052e-3 * even();
+        let values = [(&knobs[0], speed), (&knobs[1], modulus), (&knobs[2], mass)];
+        let drawn = predict(&scene.with(&values).expect("a scene"), 1e-5, true).expect("a run");
+        for output in &found.outputs {
+            let value = if let Some((from, to)) = output.name.split_once(" -> ") {
+                let (to, estimator) = to.split_once(' ').expect("an estimator");
+                let estimator = estimator.replace('-', "_");
+                let of = |s: &&hertzscope::experiment::outcome::Speed| {
+                    s.from_sensor == from && s.to_sensor == to && s.estimator == estimator
+                };
+                drawn.speeds.iter().find(of).expect("a speed").m_per_s
+            } else {
+                continue;
+            };
+            all += 1.0;
+            inside += f64::from(u8::from(
+                (output.interval_95[0]..=output.interval_95[1]).contains(&value),
+            ));
+        }
+        for (band, trace) in found.bands.iter().zip(&drawn.traces) {
+            for ((low, high), volts) in band.low_v.iter().zip(&band.high_v).zip(&trace.values) {
+                // Before the pulse the band has no width.
+                if high - low > 1e-3 {
+                    points += 1.0;
+                    within += f64::from(u8::from((*low..=*high).contains(volts)));
+                }
+            }
+        }
+    }
+    let (share, covered): (f64, f64) = (inside / all, within / points);
+    // 100 benches whose outputs go together: 2.2 % and the quantiles' own 1 %.
+    assert!((0.88..=0.99).contains(&share), "{share}");
+    assert!((0.88..=0.99).contains(&covered), "{covered}");
+}
+
+/// Numbers of one group move together: with two inputs that cancel, nothing is left.
+#[test]
+fn inputs_of_one_group_vary_together() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let spread = |text: &str| {
+        let (mut scene, _) = adjustable(&folder, text);
+        let options = SampleOptions { samples: 60, seed: 1 };
+        let found =
+            uncertain_prediction(&mut scene, options, false, &|_| ()).expect("a prediction");
+        (
+            found.inputs.len(),
+            found.outputs.iter().find(|o| o.name == "CH2 first peak").expect("an output").u,
+        )
+    };
+    let apart =
+        spread("[uncertainty]\nstriker.speed = \"1 %\"\nsensors.p14.sensitivity = \"1 %\"\n");
+    let group = |what: &str| format!("{{ standard = \"1 %\", group = \"{what}\" }}");
+    let together = spread(&format!(
+        "[uncertainty]\nstriker.speed = {}\nsensors.p14.sensitivity = {}\n",
+        group("scale"),
+        group("scale")
+    ));
+    assert_eq!((apart.0, together.0), (2, 1));
+    // Of changes a and b: the root of a^2 + b^2 apart, a + b together; a is about 1.2 b.
+    assert!(together.1 > 1.3 * apart.1, "{apart:?} {together:?}");
+}
+
+/// What is stated wrongly is told with its place.
+#[test]
+fn mistakes_in_an_uncertainty_are_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (text, told) in
+        [("striker.sped = \"1 %\"", "striker.sped"), ("striker.speed = \"1 kg\"", "in m/s")]
+    {
+        let (_, name) = adjustable(&folder, &format!("[uncertainty]\n{text}\n"));
+        let mut command = Command::cargo_bin("hertzscope").expect("the program");
+        let failed = command.args(["budget", &name, "-q"]).assert().code(2);
+        let error = String::from_utf8_lossy(&failed.get_output().stderr).into_owned();
+        assert!(error.contains(told) && error.contains("short.toml:"), "{text}: {error}");
+    }
+    for (text, told) in [
+        ("striker.speed = \"-1 %\"", "uncertainty.striker.speed"),
+        ("striker.speed = { standard = \"1 %\", half_width = \"1 %\" }", "one of them"),
+        ("striker.speed = { between = [\"2 m/s\", \"1 m/s\"] }", "the lower first"),
+        ("striker.speed = { standard = \"1 %\", colour = \"red\" }", "colour"),
+    ] {
+        let text = format!("base = \"magnet-0.61g\"\n[uncertainty]\n{text}\n");
+        let error = Scene::from_text("test", "test.toml", &text).expect_err(&text).to_string();
+        assert!(error.contains(told), "{text}: {error}");
+    }
+}
+
+/// The shipped scenes state what the paper leaves open, each with its source; gravity scenes leave the magnet out.
+#[test]
+fn shipped_scenes_state_their_uncertainty() {
+    for (name, has_magnet) in
+        [("magnet-0.61g", true), ("magnet-17.81g", true), ("gravity-2.75g", false)]
+    {
+        let mut scene = Adjustable::load(name).expect("a scene");
+        let options = SampleOptions { samples: 40, seed: 1 };
+        let found =
+            uncertain_prediction(&mut scene, options, false, &|_| ()).expect("a prediction");
+        assert!(
+            found.inputs.iter().all(|input| input.source.is_some() && input.u > 0.0),
+            "{found:?}"
+        );
+        let magnet = found.inputs.iter().any(|input| input.name.starts_with("effects.magnet"));
+        assert_eq!(magnet, has_magnet, "{name}");
+        let hosts = found.inputs.iter().filter(|input| input.name.ends_with("host_mass")).count();
+        assert_eq!(hosts, 3, "{name}");
+        assert_eq!(found.failed, 0, "{name}");
+    }
+}
+
+/// E_n of a bench from within the stated distribution stays below 1, and is above 1 for a striker that is 10 % too fast, whose move is named.
+#[test]
+fn comparisons_go_by_what_both_sides_know() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    let text = "[uncertainty]\nstriker.speed = \"1 %\"\nmaterials.ptfe.youngs_modulus = \"1 %\"\n";
+    let (_, name) = adjustable(&folder, text);
+    let run = |arguments: &[&str]| {
+        let mut command = Command::cargo_bin("hertzscope").expect("the program");
+        command.current_dir(at).args(arguments).assert()
+    };
+    for (file, speed) in [("inside.toml", "0.443 m/s"), ("outside.toml", "0.484 m/s")] {
+        let text = format!("base = {name:?}\nseed = 4\nstriker.speed = \"{speed}\"\n");
+        std::fs::write(at.join(file), text).expect("a scene");
+        let recording = file.replace("toml", "mcap");
+        run(&["run", file, "-q", "-o", &recording]).success();
+    }
+    let found = |recording: &str, code: i32| {
+        let output =
+            run(&["compare", recording, &name, "--json", "-q", "--samples", "200"]).code(code);
+        let found: serde_json::Value =
+            serde_json::from_slice(&output.get_output().stdout).expect("JSON");
+        found["normalised_errors"].as_array().expect("errors").clone()
+    };
+    let e_n = |error: &serde_json::Value| error["E_n"].as_f64().expect("a number");
+    let inside = found("inside.mcap", 0);
+    assert!(inside.len() > 6 && inside.iter().all(|error| e_n(error) < 1.0), "{inside:?}");
+    let outside = found("outside.mcap", 1);
+    let peak = outside.iter().find(|error| error["quantity"] == "CH2 first peak").expect("a peak");
+    assert!(e_n(peak) > 1.0, "{peak}");
+    let first = &peak["moves"][0];
+    assert_eq!(first["input"], "striker.speed", "{peak}");
+    // 10 % are ten of its own uncertainties, of which the modulus takes a share.
+    let by = first["by_u"].as_f64().expect("a number");
+    assert!((5.0..15.0).contains(&by), "{peak}");
+}
