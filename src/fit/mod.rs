@@ -80,7 +80,8 @@ pub fn fit(
     for (place, knob) in knobs.iter().enumerate() {
         let (value, u) = (minimum.x[place], covariance[place][place].sqrt());
         // An interval that holds zero, or no number, says nothing about a quantity that starts away from zero.
-        if !(NORMAL_95 * u < value.abs()) {
+        let is_determined = NORMAL_95 * u < value.abs();
+        if !is_determined {
             let scaled = |x: f64| x * knob.value / knob.scale;
             let with =
                 format!(" ({:.3} ± {:.1e} {})", scaled(value), scaled(NORMAL_95 * u), knob.unit);

@@ -30,6 +30,8 @@ pub struct TraceModel<'a> {
     pub records: &'a Records,
     /// Whether each channel has an offset of its own.
     pub offsets: bool,
+    /// Whether these stay where they are for now.
+    pub holds_offsets: bool,
     /// Accuracy of the integration (1).
     pub accuracy: f64,
     /// Samples of each record that count, from its start: late motion of a rattling chain has too many valleys to begin with.
@@ -59,6 +61,7 @@ impl<'a> TraceModel<'a> {
             knobs,
             records,
             offsets,
+            holds_offsets: false,
             accuracy,
             horizon,
             progress,
@@ -290,7 +293,8 @@ impl LeastSquaresProblem for TraceModel<'_> {
         }
         for (channel, record) in self.records.list.iter().enumerate() {
             if self.offsets {
-                columns.push(self.column(&traces, Some(channel), &|_, _| record.level));
+                let level = if self.holds_offsets { 0.0 } else { record.level };
+                columns.push(self.column(&traces, Some(channel), &|_, _| level));
             }
         }
         Some(columns)

@@ -13,8 +13,6 @@ const STAGE_SHARES: [f64; 3] = [0.4, 0.6, 0.8];
 const COARSE_CRITERIA: StopCriteria = StopCriteria { reduction: 1e-4, steps: 20 };
 /// Standard deviations that a residual variance is off by chance, and what is known of the noise (1).
 const VARIANCE_DEVIATIONS: f64 = 5.0;
-/// Further starting points where the lowest minimum leaves more than chance: it may lie in a false valley.
-const FURTHER_STARTS: u32 = 2;
 /// Stream of the starting points.
 const START_STREAM: u128 = 1 << 72;
 
@@ -27,11 +25,7 @@ pub fn best(
     let mut lowest: Option<Minimum> = None;
     let mut failure = LeastSquaresError::NoStart;
     let mut starts = Vec::new();
-    for number in 0..options.starts.max(1) + FURTHER_STARTS {
-        // What chance explains is the true valley: no need to look for others than were asked for.
-        if number >= options.starts.max(1) && lowest.as_ref().is_some_and(is_chance) {
-            break;
-        }
+    for number in 0..options.starts.max(1) {
         let mut factor = |_| {
             let share: f64 = StandardUniform.sample(&mut numbers);
             if number == 0 { 1.0 } else { 1.0 + options.spread * (2.0 * share - 1.0) }
@@ -51,9 +45,21 @@ pub fn best(
     Ok((lowest.ok_or(failure)?, starts))
 }
 
+/// The minimum of the valley below `start`: first with offsets at the baselines, since free ones may lead into a false valley, and from there
+/// with all parameters.
+fn descend(model: &mut TraceModel<'_>, start: Vec<f64>) -> Result<Minimum, LeastSquaresError> {
+    if !model.offsets {
+        return descend_held(model, start);
+    }
+    model.holds_offsets = true;
+    let held = descend_held(model, start.clone());
+    model.holds_offsets = false;
+    minimise(model, &held.map_or(start, |minimum| minimum.x), STOP_CRITERIA)
+}
+
 /// The minimum of the valley below `start`; where that ends high or nowhere, the way over parts of the records is tried as well, and the
 /// lower end counts.
-fn descend(model: &mut TraceModel<'_>, start: Vec<f64>) -> Result<Minimum, LeastSquaresError> {
+fn descend_held(model: &mut TraceModel<'_>, start: Vec<f64>) -> Result<Minimum, LeastSquaresError> {
     let direct = minimise(model, &start, STOP_CRITERIA);
     if direct.as_ref().is_ok_and(is_chance) {
         return direct;

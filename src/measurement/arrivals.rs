@@ -10,7 +10,7 @@ use crate::analysis::correlation::delay;
 use crate::analysis::pulse::{Conditions, Pulse};
 use crate::analysis::speed::{speed, speed_over};
 use crate::recording::{Capture, Shot, TraceSet};
-use crate::scene::{PlatePlace, Site};
+use crate::scene::{PlatePlace, Scene, Site};
 
 /// Why there are no speeds, and what to do.
 const NO_DISTANCES: &str = "no speeds: no distances are known; give --scene NAME, or --distance CH1-CH2=\"47.2 mm +- 0.1 mm\"";
@@ -161,9 +161,16 @@ pub fn survey(set: &TraceSet, shot: &Shot) -> Survey {
         })
     });
     let speeds = measured.chain(of_scene).flatten();
+    let speeds = speeds.collect();
+    let decays = scene.as_ref().map_or_else(Vec::new, |scene| decays(scene, &placed, &channels));
+    Survey { shot: shot.number, speeds, decays, channels, notes }
+}
+
+/// Decays of the first peak from each sensor to the next in a host of the same kind, of sensors sorted from the top.
+fn decays(scene: &Scene, placed: &[PlacedPulse], channels: &[ChannelArrivals]) -> Vec<Decay> {
     let kind = |placed: &PlacedPulse| {
         let Site::Particle(particle) = placed.place.site else { return None };
-        let chain = &scene.as_ref()?.chain;
+        let chain = &scene.chain;
         Some(chain.bodies().get(chain.body_of(particle))?.name.clone())
     };
     let decay = |(index, b): (usize, &PlacedPulse)| {
@@ -176,7 +183,7 @@ pub fn survey(set: &TraceSet, shot: &Shot) -> Survey {
         };
         let (here, there) = (height(a)?, height(b)?);
         let ratio = there.over(here);
-        let (distance, _) = scene.as_ref()?.distance(a.place, b.place)?;
+        let (distance, _) = scene.distance(a.place, b.place)?;
         Some(Decay {
             from: a.channel.clone(),
             to: b.channel.clone(),
@@ -184,8 +191,7 @@ pub fn survey(set: &TraceSet, shot: &Shot) -> Survey {
             per_metre: Some(-ratio.value.ln() / distance).filter(|rate| rate.is_finite()),
         })
     };
-    let decays = placed.iter().enumerate().filter_map(decay).collect();
-    Survey { shot: shot.number, speeds: speeds.collect(), decays, channels, notes }
+    placed.iter().enumerate().filter_map(decay).collect()
 }
 
 /// Puts sensors in their order along the chain, from the top.

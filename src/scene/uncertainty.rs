@@ -5,6 +5,7 @@
 
 use super::document::{DISTRIBUTION_KEYS, Entries, Node, Value};
 use super::reader::{Problems, TableReader};
+use super::tree::ANY;
 use crate::quantity::{Dimension, parse_any_difference};
 
 /// How far a value may be off: a share of it, or in its own unit.
@@ -57,30 +58,65 @@ pub fn uncertainty(root: &TableReader<'_>, problems: &Problems) -> Vec<Uncertain
     let mut found = Vec::new();
     if let Some(node) = root.node("uncertainty") {
         match &node.value {
-            Value::Table(entries) => collect(entries, "", problems, &mut found),
+            Value::Table(entries) => {
+                collect(entries, "", (root.entries, problems), &mut found);
+            }
             _ => root.problem("uncertainty", node.describe(), "a table [uncertainty]"),
         }
     }
     found
 }
 
-fn collect(entries: &Entries, above: &str, problems: &Problems, found: &mut Vec<UncertainInput>) {
+/// Whether `keys` lead to something in the scene, or to what follows from it, or through a table that is switched off.
+fn is_known(entries: &Entries, keys: &[&str]) -> bool {
+    match keys {
+        ["materials", ..] | ["sensors", _, "offset" | "host_mass" | "sensitivity"] => true,
+        [ANY, rest @ ..] => entries.values().any(|entry| leads_on(&entry.node, rest)),
+        [first, rest @ ..] => entries.get(*first).is_some_and(|e| leads_on(&e.node, rest)),
+        [] => true,
+    }
+}
+
+fn leads_on(node: &Node, keys: &[&str]) -> bool {
+    match &node.value {
+        _ if keys.is_empty() => true,
+        Value::Table(entries) => is_known(entries, keys),
+        Value::List(items) => {
+            let place = keys[0].parse::<usize>().ok().and_then(|place| place.checked_sub(1));
+            let meant = |place: usize| items.get(place);
+            place.and_then(meant).is_some_and(|item| leads_on(item, &keys[1..]))
+        }
+        Value::Flag(is_on) => !is_on,
+        _ => false,
+    }
+}
+
+fn collect(
+    entries: &Entries,
+    above: &str,
+    (scene, problems): (&Entries, &Problems),
+    found: &mut Vec<UncertainInput>,
+) {
     for (key, entry) in entries {
         let path = if above.is_empty() { key.to_string() } else { format!("{above}.{key}") };
         let node = &entry.node;
-        match &node.value {
-            Value::Table(inner)
-                if DISTRIBUTION_KEYS.iter().all(|width| !inner.contains_key(*width)) =>
-            {
-                collect(inner, &path, problems, found);
-            }
-            Value::Table(_) => found.extend(distribution(node, &path, problems)),
-            _ => {
-                let amount = amount(node, &path, problems);
-                found.extend(
-                    amount.map(|amount| input(node, &path, InputDistribution::Normal(amount))),
-                );
-            }
+        if let Value::Table(inner) = &node.value
+            && DISTRIBUTION_KEYS.iter().all(|width| !inner.contains_key(*width))
+        {
+            collect(inner, &path, (scene, problems), found);
+            continue;
+        }
+        if !is_known(scene, &path.split('.').collect::<Vec<_>>()) {
+            let key = format!("uncertainty.{path}");
+            let expected = "the path of a number of the scene, e.g. striker.speed";
+            let nothing = format!("nothing at `{path}` in the scene");
+            problems.push(node.place.problem(&key, nothing, expected.to_owned()));
+        } else if let Value::Table(_) = &node.value {
+            found.extend(distribution(node, &path, problems));
+        } else {
+            let amount = amount(node, &path, problems);
+            let normal = |amount| input(node, &path, InputDistribution::Normal(amount));
+            found.extend(amount.map(normal));
         }
     }
 }

@@ -99,8 +99,8 @@ impl RandomInputs {
                 continue;
             }
             for number in adjustable.knobs(&input.path).map_err(wrong)? {
-                check_unit(input, &number)?;
                 if input.distribution.standard(number.value) > 0.0 {
+                    check_unit(input, &number)?;
                     inputs.add(input, number);
                 }
             }

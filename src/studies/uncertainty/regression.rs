@@ -31,7 +31,8 @@ pub(super) fn shares(
     let middle = mean_of(&|i| samples[i].1);
     let means: Vec<f64> = (0..names.len()).map(|j| mean_of(&|i| samples[i].0[j])).collect();
     let variance = samples.iter().map(|(_, y)| (y - middle).powi(2)).sum::<f64>() / (count - 1.0);
-    if !(variance > 0.0) {
+    let changes = variance > 0.0;
+    if !changes {
         return None;
     }
     let product = |a: &dyn Fn(usize) -> f64, b: &dyn Fn(usize) -> f64| {

@@ -12,6 +12,28 @@ const SHORT: &str = "base = \"magnet-0.61g\"\nduration = \"400 us\"\n\
     [sensors.p14]\nparticle = 6\n[sensors.p27]\nparticle = 9\nhost = \"steel_cylinder\"\n\
     [scope]\ntime_base = \"50 us/div\"\nposition = \"200 us\"\n";
 
+/// What the shipped scene states, none of which varies here but `stated`.
+fn only(stated: &[(&str, &str)]) -> String {
+    let inherited = [
+        "striker.speed",
+        "striker.mass",
+        "effects.magnet_preload.force",
+        "materials.ptfe.youngs_modulus",
+        "materials.ptfe.poissons_ratio",
+        "materials.stainless_steel.youngs_modulus",
+        "materials.stainless_steel.poissons_ratio",
+        "particles.ptfe_sphere.mass",
+        "particles.steel_cylinder.mass",
+        "particles.ferromagnetic_sphere.mass",
+        "\"sensors.*.host_mass\"",
+        "\"sensors.*.offset\"",
+    ];
+    let is_stated = |path: &&&str| !stated.iter().any(|(other, _)| other == *path);
+    let zero = inherited.iter().filter(is_stated).map(|path| format!("{path} = \"0 %\"\n"));
+    let stated = stated.iter().map(|(path, spread)| format!("{path} = {spread}\n"));
+    format!("[uncertainty]\n{}", zero.chain(stated).collect::<String>())
+}
+
 fn adjustable(folder: &tempfile::TempDir, text: &str) -> (Adjustable, String) {
     let file = folder.path().join("short.toml");
     std::fs::write(&file, format!("{SHORT}{text}")).expect("a scene");
@@ -23,8 +45,12 @@ fn adjustable(folder: &tempfile::TempDir, text: &str) -> (Adjustable, String) {
 #[test]
 fn a_budget_agrees_with_one_input_at_a_time() {
     let folder = tempfile::tempdir().expect("a folder");
-    let text = "[uncertainty]\nstriker.speed = \"1 %\"\nmaterials.ptfe.youngs_modulus = \"2 %\"\neffects.magnet_preload.force = { half_width = \"0.1 N\" }\n";
-    let (mut scene, _) = adjustable(&folder, text);
+    let text = only(&[
+        ("striker.speed", "\"1 %\""),
+        ("materials.ptfe.youngs_modulus", "\"2 %\""),
+        ("effects.magnet_preload.force", "{ half_width = \"0.1 N\" }"),
+    ]);
+    let (mut scene, _) = adjustable(&folder, &text);
     let options = SampleOptions { samples: 300, seed: 3 };
     let found = uncertain_prediction(&mut scene, options, false, &|_| ()).expect("a prediction");
     assert_eq!(found.failed, 0);
@@ -55,8 +81,12 @@ fn a_budget_agrees_with_one_input_at_a_time() {
 #[test]
 fn intervals_and_bands_hold_drawn_benches() {
     let folder = tempfile::tempdir().expect("a folder");
-    let text = "[uncertainty]\nstriker.speed = \"2 %\"\nmaterials.ptfe.youngs_modulus = \"2 %\"\nparticles.ptfe_sphere.mass = { between = [\"0.120 g\", \"0.1252 g\"] }\n";
-    let (mut scene, _) = adjustable(&folder, text);
+    let text = only(&[
+        ("striker.speed", "\"2 %\""),
+        ("materials.ptfe.youngs_modulus", "\"2 %\""),
+        ("particles.ptfe_sphere.mass", "{ between = [\"0.120 g\", \"0.1252 g\"] }"),
+    ]);
+    let (mut scene, _) = adjustable(&folder, &text);
     let options = SampleOptions { samples: 400, seed: 5 };
     let found = uncertain_prediction(&mut scene, options, true, &|_| ()).expect("a prediction");
     let knobs: Vec<_> =
@@ -125,14 +155,11 @@ fn inputs_of_one_group_vary_together() {
             found.outputs.iter().find(|o| o.name == "CH2 first peak").expect("an output").u,
         )
     };
-    let apart =
-        spread("[uncertainty]\nstriker.speed = \"1 %\"\nsensors.p14.sensitivity = \"1 %\"\n");
-    let group = |what: &str| format!("{{ standard = \"1 %\", group = \"{what}\" }}");
-    let together = spread(&format!(
-        "[uncertainty]\nstriker.speed = {}\nsensors.p14.sensitivity = {}\n",
-        group("scale"),
-        group("scale")
-    ));
+    let both = |spread: &str| {
+        only(&[("striker.speed", spread), ("sensors.p14.sensitivity", spread)])
+    };
+    let apart = spread(&both("\"1 %\""));
+    let together = spread(&both("{ standard = \"1 %\", group = \"scale\" }"));
     assert_eq!((apart.0, together.0), (2, 1));
     // Of changes a and b: the root of a^2 + b^2 apart, a + b together; a is about 1.2 b.
     assert!(together.1 > 1.3 * apart.1, "{apart:?} {together:?}");
