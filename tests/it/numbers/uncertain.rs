@@ -172,7 +172,9 @@ fn mistakes_in_an_uncertainty_are_told() {
     for (text, told) in
         [("striker.sped = \"1 %\"", "striker.sped"), ("striker.speed = \"1 kg\"", "in m/s")]
     {
-        let (_, name) = adjustable(&folder, &format!("[uncertainty]\n{text}\n"));
+        let file = folder.path().join("short.toml");
+        std::fs::write(&file, format!("{SHORT}[uncertainty]\n{text}\n")).expect("a scene");
+        let name = file.display().to_string();
         let mut command = Command::cargo_bin("hertzscope").expect("the program");
         let failed = command.args(["budget", &name, "-q"]).assert().code(2);
         let error = String::from_utf8_lossy(&failed.get_output().stderr).into_owned();
