@@ -175,7 +175,7 @@ fn read(
     let uncertainty = uncertainty::uncertainty(&root, problems);
     let hosts = sensors::SensorHosts { kinds: &moving.kinds, wall: moving.wall };
     let mut sensors = sensors::sensors(&root, &hosts, problems);
-    for sensor in &mut sensors {
+    for sensor in sensors.iter_mut().filter(|sensor| sensor.site != Site::Wall) {
         sensor.offset_u = uncertainty::of_offset(&uncertainty, &sensor.name, sensor.offset);
     }
     if let Some(tolerance) = &moving.sensor_tolerance {
