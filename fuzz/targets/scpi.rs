@@ -52,9 +52,9 @@ pub fn run(input: &[u8]) {
                 let wanted = instrument.sample_window();
                 assert!(wanted.interval > 0.0);
                 let pulse = vec![(0..200).map(|n| f64::from(n - 100) * 0.05).collect()];
-                let interval = wanted.interval;
                 under_way = Some(Signals {
-                    interval,
+                    time_base: Some(wanted.time_base),
+                    interval: wanted.interval,
                     automatic: 100,
                     volts: pulse,
                     external: Vec::new(),

@@ -71,6 +71,7 @@ impl Selection {
         self.shot.is_none_or(|shot| shot == number)
     }
 
+    #[cfg(feature = "tui")]
     /// Whether all of a file is meant.
     pub fn is_all(&self) -> bool {
         self.shot.is_none() && self.channel.is_empty()
@@ -135,6 +136,7 @@ pub struct BenchArguments {
 }
 
 impl BenchArguments {
+    #[cfg(feature = "tui")]
     /// Whether the user says nothing.
     pub fn is_empty(&self) -> bool {
         self.scene.is_none()

@@ -65,7 +65,10 @@ pub fn notes(
     for capture in &shot.captures {
         let clipped = capture.waveform.clipped();
         if clipped > 0 {
-            notes.push(format!("{}: {clipped} samples at the end of the converter's range may be clipped", capture.waveform.source));
+            notes.push(format!(
+                "{}: {clipped} samples at the end of the converter's range may be clipped",
+                capture.waveform.source
+            ));
         }
     }
     for sensor in sensors.iter().filter(|s| s.first_peak.is_none()) {

@@ -7,6 +7,8 @@ use super::outcome::{ErrorEstimate, Reading};
 use super::{Outcome, RunError, sample_grid};
 use crate::scene::{Scene, Site};
 
+/// What readings are off by rounding, by which estimates are never smaller (1).
+const ROUNDING_ERROR: f64 = 1e-12;
 /// Smallest tolerance of a step: below, rounding would be mistaken for its error (1).
 pub(super) const MIN_TOLERANCE: f64 = 1e-14;
 /// Tolerance of the reference run, in terms of the accuracy asked or of the run's own tolerance where that is smaller: so much smaller that both
@@ -102,7 +104,8 @@ impl ReferenceRun {
             return None;
         }
         let off = |error| {
-            compare_readings(&first, second, error).map(|off| off + REFERENCE_MARGIN * tolerance)
+            compare_readings(&first, second, error)
+                .map(|off| off + (REFERENCE_MARGIN * tolerance).max(ROUNDING_ERROR))
         };
         let (peak, arrival) = (off(peak_error)?, off(arrival_error)?);
         let (trace, trace_holds_s) = self.trace(outcome, limit).unzip();

@@ -269,6 +269,7 @@ impl Acquisition {
         let (start, end) = by.setup.record_span();
         let silence = vec![0.0; samples((end - start) / interval) + 1];
         let signals = Signals {
+            time_base: None,
             interval,
             automatic: silence.len() / 2,
             volts: vec![silence],

@@ -12,6 +12,8 @@ use crate::scope::{PointFormat, Setup, Source, TriggerMode, TriggerSource, Wavef
 /// Signals at the inputs: volts at the probes' tips on one sample grid.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Signals {
+    /// Time base that they were made for; none where their interval alone decides whether they fit (s/div).
+    pub time_base: Option<f64>,
     /// From one sample to the next (s).
     pub interval: f64,
     /// Index of the sample at which automatic mode triggers when nothing crosses the level.
@@ -102,10 +104,11 @@ impl Acquirer<'_> {
         Some((records, TriggerInstant { shot: signals.shot, time: count(found.index) * interval }))
     }
 
-    /// Whether `signals` have the sample interval of this set-up, to rounding. Signals that were made for another time base do not.
+    /// Whether `signals` were made for the time base of this set-up, and have its sample interval, to rounding.
     pub fn fits(&self, signals: &Signals) -> bool {
         let interval = self.sample_interval();
-        (signals.interval - interval).abs() <= INTERVAL_TOLERANCE * interval
+        signals.time_base.is_none_or(|time_base| time_base == self.setup.time_base)
+            && (signals.interval - interval).abs() <= INTERVAL_TOLERANCE * interval
     }
 
     /// Time between the converter's samples with these settings (s).

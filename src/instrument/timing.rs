@@ -32,6 +32,8 @@ pub fn after_trigger(setup: &Setup) -> f64 {
 /// The grid on which the instrument wants its signals, and how much of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SampleWindow {
+    /// Time base (s/div).
+    pub time_base: f64,
     /// From one sample to the next (s).
     pub interval: f64,
     /// Time before the trigger that the record shows (s).
@@ -44,6 +46,7 @@ impl SampleWindow {
     /// The window for a scope with these settings.
     pub fn of(panel: &Panel, setup: &Setup) -> Self {
         Self {
+            time_base: setup.time_base,
             interval: sample_interval(panel, setup),
             before: before_trigger(setup),
             after: after_trigger(setup),

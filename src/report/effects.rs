@@ -8,15 +8,15 @@ use crate::studies::effects::{EffectState, Ledger, LedgerEntry};
 /// Explanation of the table.
 const TABLE_LEGEND: &str = "Changes are those of readings with the effect against readings without it, the largest of all places. \
     Needed: without it readings differ by more than the accuracy (records by a tenth of a level or sample). Left out: with it they would. \
-    No value: the scene gives none to try. \
+    No value: the scene gives none to try. * by auto. \
     --why gives the reasons.";
 /// Column at which reasons begin.
 const REASON_COLUMN: usize = 23;
 
 /// The page that `effects` prints; with reasons and criteria where `why` is true.
 pub fn effects(ledger: &Ledger, why: bool) -> String {
-    let heading = ["effect", "state", "peak", "arrival", "speed", "LSB", "with", "without", ""];
-    let units = ["", "", "%", "%", "%", "", "run time", "", "verdict"];
+    let heading = ["effect", "state", "peak", "arrival", "speed", "LSB", "run", "time", ""];
+    let units = ["", "", "%", "%", "%", "", "with", "w/o", "verdict"];
     let mut rows = [heading, units].map(|row| row.map(str::to_owned).to_vec()).to_vec();
     rows.extend(ledger.entries.iter().map(|entry| row(entry, ledger.accuracy)));
     let mut lines = vec![
@@ -44,8 +44,8 @@ fn row(entry: &LedgerEntry, accuracy: f64) -> Vec<String> {
     let state = match entry.state {
         EffectState::On => "on",
         EffectState::Off => "off",
-        EffectState::Auto if entry.active => "on, auto",
-        EffectState::Auto => "off, auto",
+        EffectState::Auto if entry.active => "on*",
+        EffectState::Auto => "off*",
     };
     vec![
         entry.effect.to_owned(),

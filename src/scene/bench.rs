@@ -212,8 +212,7 @@ fn trigger_setup(
     let words: Vec<(&str, TriggerSource)> =
         sources.iter().map(|(name, s)| (name.as_str(), *s)).collect();
     let source = if table.is_word("source", "LINE") {
-        let expected =
-            "a source with the impact's signal; the mains have none";
+        let expected = "a source with the impact's signal; the mains have none";
         table.problem("source", "\"LINE\"", expected);
         None
     } else {

@@ -49,9 +49,7 @@ impl Problem {
     pub(super) fn stands_below(&mut self, file: &str) {
         if self.file != file {
             let expected = &self.expected;
-            self.expected = format!(
-                "{expected} (base of {file}, whose changes may not fit here)"
-            );
+            self.expected = format!("{expected} (base of {file}, whose changes may not fit here)");
         }
     }
 }

@@ -59,7 +59,8 @@ pub fn uncertainty(root: &TableReader<'_>, problems: &Problems) -> Vec<Uncertain
     if let Some(node) = root.node("uncertainty") {
         match &node.value {
             Value::Table(entries) => {
-                collect(entries, "", (root.entries, problems), &mut found);
+                let own = root.place_of("").file();
+                collect(entries, "", (root.entries, own, problems), &mut found);
             }
             _ => root.problem("uncertainty", node.describe(), "a table [uncertainty]"),
         }
@@ -94,7 +95,7 @@ fn leads_on(node: &Node, keys: &[&str]) -> bool {
 fn collect(
     entries: &Entries,
     above: &str,
-    (scene, problems): (&Entries, &Problems),
+    (scene, own, problems): (&Entries, &str, &Problems),
     found: &mut Vec<UncertainInput>,
 ) {
     for (key, entry) in entries {
@@ -103,10 +104,14 @@ fn collect(
         if let Value::Table(inner) = &node.value
             && DISTRIBUTION_KEYS.iter().all(|width| !inner.contains_key(*width))
         {
-            collect(inner, &path, (scene, problems), found);
+            collect(inner, &path, (scene, own, problems), found);
             continue;
         }
         if !is_known(scene, &path.split('.').collect::<Vec<_>>()) {
+            // The base scene's, of a number that this scene has replaced.
+            if node.place.file() != own {
+                continue;
+            }
             let key = format!("uncertainty.{path}");
             let expected = "the path of a number of the scene, e.g. striker.speed";
             let nothing = format!("nothing at `{path}` in the scene");

@@ -115,11 +115,12 @@ impl BenchHandle {
 }
 
 fn strike(scene: Arc<Scene>, wanted: SampleWindow, shot: u32) -> StrikeSignals {
-    let SampleWindow { interval, before, after } = wanted;
+    let SampleWindow { time_base, interval, before, after } = wanted;
     let window = InputWindow { interval, before, after };
     let signals = inputs(&scene, window, shot).map(|arrived| {
         let truth = GroundTruth { start: arrived.start, traces: arrived.truth };
         let signals = Signals {
+            time_base: Some(time_base),
             interval: arrived.interval,
             automatic: arrived.contact,
             volts: arrived.volts,

@@ -215,9 +215,9 @@ impl ColumnPlan {
                 Some(wanted) if wanted != source => {
                     channel.notes.push(format!("a second {wanted} taken as {source}"));
                 }
-                None if own.is_none() && !self.given => channel
-                    .notes
-                    .push(format!("source taken as {source}: not given in the file")),
+                None if own.is_none() && !self.given => {
+                    channel.notes.push(format!("source taken as {source}: not given in the file"))
+                }
                 _ => {}
             }
             taken.push(source);
@@ -398,10 +398,7 @@ fn times(
             let columns: Vec<String> = several.iter().map(|cell| (cell + 1).to_string()).collect();
             Err(unknown(
                 table,
-                &format!(
-                    "a name of times: columns {} are evenly spaced",
-                    columns.join(" and ")
-                ),
+                &format!("a name of times: columns {} are evenly spaced", columns.join(" and ")),
             ))
         }
     }

@@ -97,7 +97,9 @@ impl ScreenState {
         }
         let held = struck.set.shots.iter().all(|shot| shot.captures.is_empty());
         if held && !self.set.shots.is_empty() {
-            self.notice = Some("no trigger: the screen shows the last record (f forces a trigger)".to_owned());
+            self.notice = Some(
+                "no trigger: the screen shows the last record (f forces a trigger)".to_owned(),
+            );
             return;
         }
         self.persist_traces();

@@ -19,7 +19,7 @@ fn the_ledger_is_for_people_and_for_scripts() {
         "{page}"
     );
     let why = ["effects", "--accuracy", "1e-3", "--quiet", "--why"];
-    says(&printed(folder.path(), &why), &["weight of the chain", "on by the scene"]);
+    says(&printed(folder.path(), &why), &["weight of the chain", "the chain weighs"]);
     let text = printed(folder.path(), &["effects", "--accuracy", "1e-3", "--quiet", "--json"]);
     let entries: Vec<Value> = serde_json::from_str(&text).expect("a list");
     for entry in &entries {

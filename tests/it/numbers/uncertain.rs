@@ -155,9 +155,8 @@ fn inputs_of_one_group_vary_together() {
             found.outputs.iter().find(|o| o.name == "CH2 first peak").expect("an output").u,
         )
     };
-    let both = |spread: &str| {
-        only(&[("striker.speed", spread), ("sensors.p14.sensitivity", spread)])
-    };
+    let both =
+        |spread: &str| only(&[("striker.speed", spread), ("sensors.p14.sensitivity", spread)]);
     let apart = spread(&both("\"1 %\""));
     let together = spread(&both("{ standard = \"1 %\", group = \"scale\" }"));
     assert_eq!((apart.0, together.0), (2, 1));

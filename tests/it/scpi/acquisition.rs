@@ -5,10 +5,14 @@ use hertzscope::instrument::{Accepted, Instrument, Signals};
 use hertzscope::scpi::{Preferences, Reply, Session};
 
 /// A step of 2 V at sample 1500 on the grid that the instrument wants.
+/// Samples of the signal in one point of the record at 1 ms/div, 4 us.
+const PER_POINT: usize = 4;
+
 fn step(instrument: &Instrument) -> Signals {
-    let volts = (0..4000).map(|n| if n < 1500 { 0.0 } else { 2.0 }).collect();
     let interval = instrument.sample_window().interval;
-    Signals { interval, automatic: 1500, volts: vec![volts], shot: 1, ..Signals::default() }
+    let start = 1500 * PER_POINT;
+    let volts = (0..4000 * PER_POINT).map(|n| if n < start { 0.0 } else { 2.0 }).collect();
+    Signals { interval, automatic: start, volts: vec![volts], shot: 1, ..Signals::default() }
 }
 
 fn armed() -> Bench {
@@ -180,25 +184,25 @@ fn pulses_of_the_right_width_trigger() {
         bench.tell(&format!("TRIG:MAI:TYP PUL;PUL:WID:{settings}"));
         bench.wait(0.006);
         let mut signals = step(&bench.instrument);
-        signals.volts[0].iter_mut().skip(2000).for_each(|volts| *volts = 0.0);
+        signals.volts[0].iter_mut().skip(2000 * PER_POINT).for_each(|volts| *volts = 0.0);
         let found = bench.instrument.accept_signals(&signals);
         assert_eq!(matches!(found, Accepted::Triggered { .. }), triggers, "{settings}");
     }
 }
 
-/// A step of 2 V, and a peak of one sample, 4 us: what each coupling lets through to a level.
+/// A step of 2 V that rises within 1 us, and a peak that stays up 3 us: what each coupling lets through to a level.
 #[test]
 fn the_trigger_is_deaf_as_its_coupling_says() {
     for (settings, step_triggers, peak_triggers) in [
         ("COUP DC;:TRIG:MAI:LEV 1.5", true, true),
         // Corner 10 Hz: a step passes.
         ("COUP AC;:TRIG:MAI:LEV 1.5", true, true),
-        // Corner 300 kHz: `(1 - exp(-7.5))/7.5` of a step that rises in one sample is 0.27 V.
-        ("COUP LFR;:TRIG:MAI:LEV 0.3", false, false),
-        ("COUP LFR;:TRIG:MAI:LEV 0.2", true, true),
-        // Corner 80 kHz: a step passes in the end, of the peak `1 - (1 - exp(-2))/2`, 1.14 V.
-        ("COUP HFR;:TRIG:MAI:LEV 1.5", true, false),
-        ("COUP HFR;:TRIG:MAI:LEV 1", true, true),
+        // Corner 300 kHz: `(1 - exp(-x))/x` of a step that rises in 1 us, x = 1.885, is 0.90 V.
+        ("COUP LFR;:TRIG:MAI:LEV 1", false, false),
+        ("COUP LFR;:TRIG:MAI:LEV 0.8", true, true),
+        // Corner 80 kHz: a step passes in the end, of the peak `1 - exp(-4 x) (exp(x) - 1)/x`, x = 0.503, 1.65 V.
+        ("COUP HFR;:TRIG:MAI:LEV 1.8", true, false),
+        ("COUP HFR;:TRIG:MAI:LEV 1.5", true, true),
         // Hysteresis of 0.4 div is 0.2 V: below a level of 0.15 V the signal has not been.
         ("COUP NOISE;:TRIG:MAI:LEV 0.15", false, false),
         ("COUP NOISE;:TRIG:MAI:LEV 0.25", true, true),
@@ -210,7 +214,7 @@ fn the_trigger_is_deaf_as_its_coupling_says() {
             bench.wait(0.006);
             let mut signals = step(&bench.instrument);
             if peak {
-                signals.volts[0].iter_mut().skip(1501).for_each(|volts| *volts = 0.0);
+                signals.volts[0].iter_mut().skip(1501 * PER_POINT).for_each(|volts| *volts = 0.0);
             }
             let found = bench.instrument.accept_signals(&signals);
             let found = matches!(found, Accepted::Triggered { .. });

@@ -1,7 +1,7 @@
 //! Bytes that nobody meant.
 
 use super::bench::model;
-use hertzscope::instrument::{Accepted, Instrument, Signals};
+use hertzscope::instrument::{Accepted, Instrument, SampleWindow, Signals};
 use hertzscope::scpi::{Preferences, Session, tree};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
@@ -13,9 +13,9 @@ fn runner(cases: u32) -> TestRunner {
 
 /// A short pulse on the grid that the instrument wants now.
 fn pulse(instrument: &Instrument) -> Signals {
-    let interval = instrument.sample_window().interval;
-    let volts = vec![vec![1.0; 10]];
-    Signals { interval, automatic: 3, volts, shot: 1, ..Signals::default() }
+    let SampleWindow { time_base, interval, .. } = instrument.sample_window();
+    let (time_base, volts) = (Some(time_base), vec![vec![1.0; 10]]);
+    Signals { time_base, interval, automatic: 3, volts, shot: 1, ..Signals::default() }
 }
 
 /// Sends the bytes as one piece, lets time pass, resumes.
@@ -115,14 +115,14 @@ fn time_bases_turn_during_impacts() {
             let mut now = 0.0;
             for (messages, wait) in steps {
                 let signals = pulse(&instrument);
-                let old = instrument.sample_window().interval;
+                let old = instrument.sample_window().time_base;
                 session.receive(&mut instrument, format!("{}\n", messages.join("\n")).as_bytes());
                 now += 10_f64.powi(wait - 3);
                 instrument.advance(now);
                 let accepted = instrument.accept_signals(&signals);
                 let is_triggered = matches!(accepted, Accepted::Triggered { .. });
                 prop_assert!(
-                    !is_triggered || old == instrument.sample_window().interval,
+                    !is_triggered || old == instrument.sample_window().time_base,
                     "{accepted:?}"
                 );
                 for record in instrument.take_finished().into_iter().flat_map(|done| done.records) {

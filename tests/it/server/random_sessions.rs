@@ -262,7 +262,6 @@ fn twenty_abusers_keep_nobody_waiting() {
         line.strip_prefix("HiSLIP on ").map(str::parse).expect("HiSLIP").expect("an address");
     let raw = server.address;
     let goes_on = AtomicBool::new(true);
-    let load_before = load_average();
     let mut times = Vec::new();
     std::thread::scope(|scope| {
         for number in 0..20 {
@@ -285,15 +284,10 @@ fn twenty_abusers_keep_nobody_waiting() {
     let p99 = times[times.len() * 99 / 100];
     println!("{} replies, p99 {p99:?}, longest {:?}", times.len(), times[times.len() - 1]);
     assert!(server.child.try_wait().expect("a child").is_none(), "the server lives");
-    // Where other programs want all processors, the time is the system's.
-    let load = load_before.unwrap_or(f64::INFINITY);
-    let processors = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    assert!(load > processors as f64 || p99 < Duration::from_millis(50), "{p99:?}, load {load}");
-}
-
-/// The average number of programs that wanted a processor in the last minute.
-fn load_average() -> Option<f64> {
-    std::fs::read_to_string("/proc/loadavg").ok()?.split(' ').next()?.parse().ok()
+    // A time, which other tests change: `tests/run --full` runs this test alone.
+    if std::env::var_os("HERTZSCOPE_LATENCY").is_some() {
+        assert!(p99 < Duration::from_millis(50), "{p99:?}");
+    }
 }
 
 /// Random messages from all subsystems over both protocols, the same each time: the server lives, and measures afterwards.
