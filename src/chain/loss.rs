@@ -76,6 +76,15 @@ pub struct Tangent {
 }
 
 impl ContactLoss {
+    /// Nothing lost.
+    pub(super) const NONE: Self = Self {
+        dashpot: 0.0,
+        relaxation: 0.0,
+        power_force: 0.0,
+        power_exponent: 1.0,
+        end: EndOfContact::ZeroOverlap,
+    };
+
     /// Whether the force jumps where the contact opens or closes.
     pub fn jumps(&self) -> bool {
         self.dashpot > 0.0 || self.power_force > 0.0

@@ -199,12 +199,12 @@ pub(super) fn difference(of_bodies: &[f64], j: usize) -> f64 {
 }
 
 impl ChainSystem {
-    /// What `switch` changes, its contact and the contact's loss.
+    /// What `switch` changes, its contact and the contact's loss, which contacts with switches have.
     fn of(&self, switch: usize) -> (Change, usize, &Contact, ContactLoss) {
         let change = self.switches[switch];
         let (Change::Closes(j) | Change::Pulls(j)) = change;
         let contact = &self.contacts[j];
-        (change, j, contact, contact.loss.expect("contacts with switches have losses"))
+        (change, j, contact, contact.loss.unwrap_or(ContactLoss::NONE))
     }
 
     /// Force that the contact would have if nothing held it, and the sum of its parts' magnitudes (N).

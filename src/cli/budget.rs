@@ -10,7 +10,7 @@ use crate::studies::uncertainty::{SampleOptions, UncertainPrediction, uncertain_
 /// Show which uncertain input of a scene carries how much of each prediction's uncertainty
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A scene with a table [uncertainty]: one that ships with the program, or the path of a scene file
+    /// A scene with a table `[uncertainty]`: one that ships with the program, or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
     scene: String,
     #[command(flatten)]

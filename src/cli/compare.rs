@@ -33,7 +33,7 @@ pub struct Arguments {
     #[command(flatten)]
     table: TableArguments,
     /// Limits of the scores: peak, speed, gain, spectrum (5%), arrival (2us), rms, max (2lsb, 10mV, 0.1N), correlation (0.99)
-    /// [default: what both sides know, E_n up to 1, where the scene has [uncertainty]; else rms=1lsb]
+    /// [default: what both sides know, `E_n` up to 1, where the scene has `[uncertainty]`; else rms=1lsb]
     #[arg(long, value_name = "LIST", value_parser = ScoreLimits::parse)]
     tolerance: Option<ScoreLimits>,
     #[command(flatten)]

@@ -28,7 +28,7 @@ enum Kind {
     Sensors,
     /// Spheres that hit the chain; `model = "NAME"` of the striker
     Strikers,
-    /// Rings and measured forces; `model = "NAME"` of effects.magnet_preload
+    /// Rings and measured forces; `model = "NAME"` of `effects.magnet_preload`
     Magnets,
     /// Oscilloscopes; `model = "NAME"` of the scope
     Scopes,

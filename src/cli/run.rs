@@ -43,7 +43,7 @@ pub struct Arguments {
     /// Seed of noise and sample clock [default: the scene's]
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Also predict with the scene's [uncertainty]: intervals of peaks, arrivals and speeds; with --json bands of the traces, too
+    /// Also predict with the scene's `[uncertainty]`: intervals of peaks, arrivals and speeds; with --json bands of the traces, too
     #[arg(long)]
     bands: bool,
     /// With --bands: draw each channel's 95 % band into FILE-CH1.svg, ...

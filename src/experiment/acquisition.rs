@@ -89,12 +89,11 @@ pub fn trigger_in(
 ) -> Option<TriggerPosition> {
     let scale = trigger_scale(scene)?;
     let apart;
-    let signal = match scene.scope.trigger.source.channel() {
-        Some(number) => signals.get(usize::from(number) - 1)?.as_ref()?,
-        None => {
-            apart = external(scene, bench, grid);
-            &apart
-        }
+    let signal = if let Some(number) = scene.scope.trigger.source.channel() {
+        signals.get(usize::from(number) - 1)?.as_ref()?
+    } else {
+        apart = external(scene, bench, grid);
+        &apart
     };
     let earliest = before_trigger(&scene.scope);
     find_trigger(&scene.scope, scale, signal, grid.samples_until(0.0), earliest)

@@ -200,7 +200,7 @@ impl Instrument {
         self.unsettled_setup().map_or(Cow::Borrowed(&self.settled_setup), Cow::Owned)
     }
 
-    /// The set-up of a front panel that was turned since the last [`Self::settle`].
+    /// The set-up of a front panel that was turned since the last [`Self::keep_consistent`].
     fn unsettled_setup(&self) -> Option<Setup> {
         (self.panel != self.settled).then(|| self.build_setup(&self.panel))
     }

@@ -107,7 +107,9 @@ impl Acquirer<'_> {
     /// Whether `signals` were made for the time base of this set-up, and have its sample interval, to rounding.
     pub fn fits(&self, signals: &Signals) -> bool {
         let interval = self.sample_interval();
-        signals.time_base.is_none_or(|time_base| time_base == self.setup.time_base)
+        signals
+            .time_base
+            .is_none_or(|made_for| made_for.to_bits() == self.setup.time_base.to_bits())
             && (signals.interval - interval).abs() <= INTERVAL_TOLERANCE * interval
     }
 

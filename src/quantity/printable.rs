@@ -1,6 +1,7 @@
 //! Text from files and from other programs, made safe for terminals and documents.
 
 use std::borrow::Cow;
+use std::fmt::Write as _;
 
 /// Whether a character may reach a terminal or a document: no control character but the line feed, and none that turns the direction of text
 /// or is invisible.
@@ -22,7 +23,7 @@ pub fn printable(text: &str) -> Cow<'_, str> {
             out.push(character);
         } else {
             // All of them have four digits.
-            out.push_str(&format!("\\u{:04x}", u32::from(character)));
+            let _ = write!(out, "\\u{:04x}", u32::from(character));
         }
     }
     out.into()

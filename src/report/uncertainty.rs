@@ -72,7 +72,7 @@ pub fn uncertainty_budget(found: &UncertainPrediction) -> String {
     lines.extend(table::lines(&rows, &[0, 3]));
     lines.push(String::new());
     lines.push("share of the variance, largest first; what is not linear is left".to_owned());
-    lines.extend(found.outputs.iter().map(|output| budget_line(output)));
+    lines.extend(found.outputs.iter().map(budget_line));
     lines.join("\n")
 }
 

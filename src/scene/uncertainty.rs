@@ -71,10 +71,9 @@ pub fn uncertainty(root: &TableReader<'_>, problems: &Problems) -> Vec<Uncertain
 /// Whether `keys` lead to something in the scene, or to what follows from it, or through a table that is switched off.
 fn is_known(entries: &Entries, keys: &[&str]) -> bool {
     match keys {
-        ["materials", ..] | ["sensors", _, "offset" | "host_mass" | "sensitivity"] => true,
+        ["materials", ..] | ["sensors", _, "offset" | "host_mass" | "sensitivity"] | [] => true,
         [ANY, rest @ ..] => entries.values().any(|entry| leads_on(&entry.node, rest)),
         [first, rest @ ..] => entries.get(*first).is_some_and(|e| leads_on(&e.node, rest)),
-        [] => true,
     }
 }
 

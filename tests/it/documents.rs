@@ -95,7 +95,7 @@ fn problems(folder: &Path, block: &Block, page_name: &str) -> Vec<String> {
         // Lines that another program executes as they stand here.
         ["python", script] => {
             let text = std::fs::read_to_string(root().join(script)).expect(script);
-            let name = format!("\"{}\"", page_name);
+            let name = format!("\"{page_name}\"");
             if !text.contains(&name) {
                 wrong.push(format!("{script} does not execute {name}"));
             }

@@ -216,7 +216,7 @@ impl ColumnPlan {
                     channel.notes.push(format!("a second {wanted} taken as {source}"));
                 }
                 None if own.is_none() && !self.given => {
-                    channel.notes.push(format!("source taken as {source}: not given in the file"))
+                    channel.notes.push(format!("source taken as {source}: not given in the file"));
                 }
                 _ => {}
             }

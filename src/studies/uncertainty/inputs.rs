@@ -101,7 +101,7 @@ impl RandomInputs {
             for number in adjustable.knobs(&input.path).map_err(wrong)? {
                 if input.distribution.standard(number.value) > 0.0 {
                     check_unit(input, &number)?;
-                    inputs.add(input, number);
+                    inputs.add(input, &number);
                 }
             }
         }
@@ -130,7 +130,7 @@ impl RandomInputs {
         Ok(inputs)
     }
 
-    fn add(&mut self, input: &UncertainInput, number: AdjustableNumber) {
+    fn add(&mut self, input: &UncertainInput, number: &AdjustableNumber) {
         let target = Target::Number(number.clone(), input.distribution);
         if let Some(group) = &input.group
             && let Some(place) = self.list.iter().position(|known| known.name == *group)

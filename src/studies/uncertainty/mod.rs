@@ -1,10 +1,10 @@
 //! What a scene's `[uncertainty]` makes of its predictions: intervals, bands of traces, and each input's share.
 //!
-//! RandomInputs are drawn by Latin hypercube: of `N` samples one lies in each `N`-th of every input's distribution, in random order. Each sample is a whole
+//! `RandomInputs` are drawn by Latin hypercube: of `N` samples one lies in each `N`-th of every input's distribution, in random order. Each sample is a whole
 //! bench, chain, sensors and scope, without noise and rounding. Intervals are the 2.5 and 97.5 % quantiles of the samples; shares come from a linear
 //! regression on the inputs' standard scores, `share = (b_i)^2/var(y)`; what the regression leaves is not linear, or interaction.
 //! Besides `[uncertainty]`, sensors' own `sensitivity_u` and `tau_u` are inputs, and with `[effects.scope_errors]` each channel's gain and zero.
-//! Sources: M. D. McKay, R. J. Beckman, W. J. Conover, Technometrics 21, 239 (1979); A. Saltelli et al., "Global Sensitivity Analysis" (2008),
+//! Sources: M. D. `McKay`, R. J. Beckman, W. J. Conover, Technometrics 21, 239 (1979); A. Saltelli et al., "Global Sensitivity Analysis" (2008),
 //! section 1.2.5 (standardised regression coefficients); JCGM 101:2008. Valid where outputs are nearly linear over the inputs' spread: the share
 //! that is left tells.
 
@@ -105,7 +105,7 @@ pub fn uncertain_prediction(
         samples: options.samples,
         seed: options.seed,
         failed: options.samples - pairs.len(),
-        outputs: outputs::intervals(&first, &pairs, inputs.names()),
+        outputs: outputs::intervals(&first, &pairs, &inputs.names()),
         bands: if bands { outputs::bands(&first, &pairs) } else { Vec::new() },
         inputs: inputs.into_list(),
     })

@@ -50,7 +50,7 @@ pub struct TraceBand {
 pub(super) fn intervals(
     nominal: &Prediction,
     samples: &[(&[f64], &Prediction)],
-    names: Vec<String>,
+    names: &[String],
 ) -> Vec<OutputInterval> {
     let all = listed(nominal);
     let found: Vec<Vec<(String, &str, f64)>> =
@@ -62,7 +62,7 @@ pub(super) fn intervals(
         let pairs = samples.iter().zip(&found);
         let pairs: Vec<(&[f64], f64)> =
             pairs.filter_map(|((scores, _), outputs)| Some((*scores, of(outputs)?))).collect();
-        let (u, explained, inputs) = shares(&pairs, &names)?;
+        let (u, explained, inputs) = shares(&pairs, names)?;
         let mut values: Vec<f64> = pairs.iter().map(|(_, value)| *value).collect();
         values.sort_by(f64::total_cmp);
         let interval_95 = [quantile(&values, 0.025), quantile(&values, 0.975)];

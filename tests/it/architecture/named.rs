@@ -13,7 +13,9 @@ pub fn check(
         if !line.starts_with(|c: char| c.is_ascii_digit()) {
             continue;
         }
-        let paths = line.split('`').filter(|part| part.ends_with(".rs") && !part.contains(' '));
+        let paths = line
+            .split('`')
+            .filter(|part| part.strip_suffix(".rs").is_some() && !part.contains(' '));
         for path in paths.filter(|path| source(path).is_none()) {
             let message = format!("`src/{path}` does not exist");
             violations.push(Violation::new(document, index + 1, message));

@@ -1,6 +1,7 @@
 //! Files that mean no good to the terminal, to documents and to memory.
 
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 use std::path::Path;
 
 use hertzscope::recording::mcap::write;
@@ -25,7 +26,7 @@ fn poisoned(path: &Path) {
     set.metadata.entry(ESCAPE.to_owned()).or_default().insert(ESCAPE.into(), ESCAPE.into());
     for capture in &mut set.shots[0].captures {
         capture.notes.push(ESCAPE.to_owned());
-        capture.waveform.preamble.y_unit = ESCAPE.to_owned();
+        ESCAPE.clone_into(&mut capture.waveform.preamble.y_unit);
     }
     set.log.push(ESCAPE.to_owned());
     write(&path.join("evil.mcap"), &set).expect("a recording");
@@ -120,10 +121,11 @@ fn there_are_limits_with_a_message() {
     let path = folder.path();
     let mut scene = "base = \"magnet-0.61g\"\n".to_owned();
     for number in 0..8000 {
-        scene.push_str(&format!(
+        let _ = write!(
+            scene,
             "[sensors.s{number}]\nmodel = \"pzt-5a-710pf\"\nparticle = {}\n",
             number % 30 + 1
-        ));
+        );
     }
     std::fs::write(path.join("many.toml"), scene).expect("a scene");
     says(&refused(path, &["run", "many.toml"]), &["many.toml", "sensors", "at most 1000"]);

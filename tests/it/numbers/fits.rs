@@ -6,6 +6,7 @@ use hertzscope::fit::{Fit, FitOptions, fit};
 use hertzscope::measurement::compare::ComparedShot;
 use hertzscope::recording::TraceSet;
 use hertzscope::scene::adjust::Adjustable;
+use std::fmt::Write as _;
 
 /// Ten particles under the magnet, so that a fit takes a fraction of a second.
 const SHORT: &str = "base = \"magnet-0.61g\"\nduration = \"400 us\"\n\
@@ -139,7 +140,7 @@ fn a_capture_of_something_else_gives_no_fit() {
         let spike = if index == 400 { 3.0 } else { 0.0 };
         let volts = 0.04 * noise() + spike;
         let time = (index as f64 - 1250.0) * 1e-6;
-        text.push_str(&format!("{key},{value},,{time:018.12},{volts:10.5},\n"));
+        let _ = writeln!(text, "{key},{value},,{time:018.12},{volts:10.5},");
     }
     std::fs::write(at.join("other.csv"), text).expect("a capture");
     let mut command = Command::cargo_bin("hertzscope").expect("the program");

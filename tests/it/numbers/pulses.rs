@@ -1,5 +1,6 @@
 //! The first pulse is none that chance makes of many samples.
 
+use hertzscope::analysis::arrival::Estimator;
 use hertzscope::analysis::pulse::{Conditions, Pulse};
 use hertzscope::trace::Trace;
 use rand_distr::{Distribution, StandardNormal};
@@ -32,7 +33,6 @@ fn noise_is_no_first_pulse() {
         };
         let conditions = Conditions { level: 0.04, time_constant: Some(1e-3), baseline: None };
         let Ok(pulse) = Pulse::find(&trace, conditions) else { continue };
-        use hertzscope::analysis::arrival::Estimator;
         let Some(arrival) = pulse.arrival(Estimator::HalfRise) else { continue };
         assert!((arrival.value - 30e-6).abs() < 40e-6, "seed {seed}: {arrival:?}");
     }

@@ -213,7 +213,7 @@ fn shipped_scenes_state_their_uncertainty() {
     }
 }
 
-/// E_n of a bench from within the stated distribution stays below 1, and is above 1 for a striker that is 10 % too fast, whose move is named.
+/// `E_n` of a bench from within the stated distribution stays below 1, and is above 1 for a striker that is 10 % too fast, whose move is named.
 #[test]
 fn comparisons_go_by_what_both_sides_know() {
     let folder = tempfile::tempdir().expect("a folder");

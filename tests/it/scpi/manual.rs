@@ -8,7 +8,7 @@ use super::bench::Bench;
 fn events(bench: &mut Bench) -> Vec<u16> {
     bench.ask("*ESR?");
     let all = bench.ask("ALLEV?");
-    let codes = all.split("; \"").flat_map(|event| {
+    let codes = all.split("; \"").filter_map(|event| {
         event.trim_start_matches(',').split(',').next().and_then(|code| code.parse().ok())
     });
     codes.filter(|code| *code > 1).collect()

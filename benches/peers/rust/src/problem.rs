@@ -109,7 +109,7 @@ fn reference(case: &Case) -> Vec<(usize, f64, f64)> {
         integrator.step(case.duration).expect("the reference runs");
         integrator.prepare_interpolation();
         for (pulse, probe) in pulses.iter_mut().zip(&probes) {
-            pulse.take(probe.over_step(integrator.as_ref(), bodies));
+            pulse.process_step(probe.over_step(integrator.as_ref(), bodies));
         }
     }
     let first = |(particle, pulse): (&usize, &PulseRecorder)| {
