@@ -143,7 +143,7 @@ fn capture(set: &TraceSet, shot: &Shot, channel: Option<&str>) -> anyhow::Result
     if let Some(sensor) = sensor {
         trace.name = format!("{name}, sensor {}", sensor.name);
     }
-    Ok((trace, sensor.and_then(super::super::measurement::metadata::RecordedSensor::site), 0.0))
+    Ok((trace, sensor.and_then(crate::measurement::metadata::RecordedSensor::site), 0.0))
 }
 
 /// The truth called `name`, in full, by its topic, or a sensor's by the sensor's name. What it starts from is its static part.
@@ -165,9 +165,5 @@ fn truth(set: &TraceSet, shot: &Shot, name: &str) -> anyhow::Result<SelectedSign
     let topic = topic(trace);
     let sensor = sensors.iter().find(|s| Some(s.name.as_str()) == topic.strip_prefix("sensor/"));
     let offset = trace.values.first().copied().unwrap_or(0.0);
-    Ok((
-        trace.clone(),
-        sensor.and_then(super::super::measurement::metadata::RecordedSensor::site),
-        offset,
-    ))
+    Ok((trace.clone(), sensor.and_then(crate::measurement::metadata::RecordedSensor::site), offset))
 }

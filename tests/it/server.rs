@@ -93,12 +93,6 @@ impl Client {
         self.stream.get_mut().write_all(bytes).expect("a client that can write");
     }
 
-    /// Waits for replies as long as a simulation may take that began before, on a busy machine.
-    pub fn wait_long(&mut self) {
-        let limit = Some(Duration::from_secs(120));
-        self.stream.get_mut().set_read_timeout(limit).expect("a limit");
-    }
-
     fn line(&mut self) -> String {
         let mut line = String::new();
         self.stream.read_line(&mut line).expect("a line");

@@ -307,7 +307,6 @@ fn random_sessions_leave_a_scope_that_works() {
         }
     });
     let mut client = connect(raw);
-    client.wait_long();
     client.send(b"*CLS;HEAD OFF;*RST;:HOR:SCA 2.5E-4;:CH1:SCA 1;:SEL:CH1 ON\n");
     client.send(b"TRIG:MAI:MOD NORM;LEV 0.5;:ACQ:MOD SAM;STOPA SEQ;STATE RUN\n");
     std::thread::sleep(Duration::from_millis(100));
