@@ -71,8 +71,8 @@ impl Selection {
         self.shot.is_none_or(|shot| shot == number)
     }
 
-    #[cfg(feature = "tui")]
     /// Whether all of a file is meant.
+    #[cfg(feature = "tui")]
     pub fn is_all(&self) -> bool {
         self.shot.is_none() && self.channel.is_empty()
     }
@@ -136,8 +136,8 @@ pub struct BenchArguments {
 }
 
 impl BenchArguments {
-    #[cfg(feature = "tui")]
     /// Whether the user says nothing.
+    #[cfg(feature = "tui")]
     pub fn is_empty(&self) -> bool {
         self.scene.is_none()
             && self.map.is_empty()

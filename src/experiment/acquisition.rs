@@ -143,7 +143,7 @@ pub fn record(
     }
 }
 
-/// A trace with at most fifty thousand samples: of more, every so-manieth.
+/// A trace with at most [`MOST_OF_TRUTH`] samples: of more, every second, third, and so on.
 pub fn thinned(trace: Trace) -> Trace {
     let step = trace.values.len().div_ceil(MOST_OF_TRUTH).max(1);
     #[allow(clippy::cast_precision_loss, reason = "far below 2^53")]

@@ -1,18 +1,18 @@
 //! A file that others read while it grows.
 
-use std::fs::{File, OpenOptions};
+use std::fs::OpenOptions;
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use super::output::{Output, after_failure, folder_of, numbered};
+use super::guarded::GuardedFile;
+use super::output::{Output, folder_of, numbered};
 use super::step::step;
 
 /// A file that others read while it grows: it has its name from the beginning, and a lock until it is complete.
 #[derive(Debug)]
 pub struct LiveFile {
     path: PathBuf,
-    file: File,
-    failed: bool,
+    file: GuardedFile,
 }
 
 impl LiveFile {
@@ -28,7 +28,7 @@ impl LiveFile {
                 Ok(file) => {
                     // Without locks others do not know that this one is being written.
                     let _ = file.try_lock();
-                    return Ok(Self { path, file, failed: false });
+                    return Ok(Self { path, file: GuardedFile::new(file) });
                 }
                 Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
                 Err(error) => return Err(error),
@@ -45,14 +45,7 @@ impl LiveFile {
 
 impl Write for LiveFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        // Who goes on after an error, as destructors do, must not complete what has a gap.
-        if self.failed {
-            return Err(after_failure());
-        }
-        step();
-        let written = self.file.write(bytes);
-        self.failed |= written.as_ref().is_err_and(|error| error.kind() != ErrorKind::Interrupted);
-        written
+        self.file.write(bytes)
     }
 
     fn flush(&mut self) -> io::Result<()> {
@@ -62,11 +55,7 @@ impl Write for LiveFile {
 
 impl Output for LiveFile {
     fn complete(self: Box<Self>) -> io::Result<PathBuf> {
-        if self.failed {
-            return Err(after_failure());
-        }
-        step();
-        self.file.sync_all()?;
+        self.file.sync()?;
         Ok(self.path)
     }
 }

@@ -10,6 +10,7 @@
 //! and the last one stays.
 
 mod folder;
+mod guarded;
 mod live;
 mod output;
 mod part;

@@ -4,7 +4,8 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use super::output::{Output, after_failure, folder_of, numbered, sync_folder};
+use super::guarded::GuardedFile;
+use super::output::{Output, folder_of, numbered, sync_folder};
 use super::part;
 use super::step::step;
 
@@ -12,12 +13,11 @@ use super::step::step;
 #[derive(Debug)]
 pub struct NewFile {
     target: PathBuf,
-    file: File,
+    file: GuardedFile,
     /// Temporary name; none where `target` is a device or a pipe, which cannot be replaced.
     part: Option<PathBuf>,
     /// Whether a file that is called so already stays, and the new one takes the next free number.
     is_numbered: bool,
-    failed: bool,
 }
 
 impl NewFile {
@@ -35,7 +35,12 @@ impl NewFile {
         if before.as_ref().is_some_and(|before| !before.is_file()) {
             step();
             let file = OpenOptions::new().write(true).open(&target)?;
-            return Ok(Self { target, file, part: None, is_numbered: false, failed: false });
+            return Ok(Self {
+                target,
+                file: GuardedFile::new(file),
+                part: None,
+                is_numbered: false,
+            });
         }
         if before.as_ref().is_some_and(|before| before.permissions().readonly()) {
             return Err(ErrorKind::PermissionDenied.into());
@@ -46,7 +51,7 @@ impl NewFile {
             // Where rights cannot be set, the new file has the usual ones.
             let _ = file.set_permissions(before.permissions());
         }
-        Ok(Self { target, file, part: Some(part), is_numbered: false, failed: false })
+        Ok(Self { target, file: GuardedFile::new(file), part: Some(part), is_numbered: false })
     }
 
     /// Begins a file that is called `target` or, if there is one already when it is complete, by the first free name of [`numbered`].
@@ -57,7 +62,7 @@ impl NewFile {
         // Several may be written at a time, each gets a name of its own.
         let (part, file) = part::create_beside(target, create_new)?;
         let target = target.to_owned();
-        Ok(Self { target, file, part: Some(part), is_numbered: true, failed: false })
+        Ok(Self { target, file: GuardedFile::new(file), part: Some(part), is_numbered: true })
     }
 
     fn rename(&self, part: &Path) -> io::Result<PathBuf> {
@@ -99,14 +104,7 @@ fn create_new(path: &Path) -> io::Result<File> {
 
 impl Write for NewFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        // Who goes on after an error, as destructors do, must not complete what has a gap.
-        if self.failed {
-            return Err(after_failure());
-        }
-        step();
-        let written = self.file.write(bytes);
-        self.failed |= written.as_ref().is_err_and(|error| error.kind() != ErrorKind::Interrupted);
-        written
+        self.file.write(bytes)
     }
 
     fn flush(&mut self) -> io::Result<()> {
@@ -116,12 +114,9 @@ impl Write for NewFile {
 
 impl Output for NewFile {
     fn complete(mut self: Box<Self>) -> io::Result<PathBuf> {
-        if self.failed {
-            return Err(after_failure());
-        }
+        self.file.check()?;
         let Some(part) = self.part.clone() else { return Ok(self.target.clone()) };
-        step();
-        self.file.sync_all()?;
+        self.file.sync()?;
         let name = self.rename(&part)?;
         self.part = None;
         sync_folder(folder_of(&name));

@@ -104,19 +104,18 @@ impl Node {
     /// Reads `text`, naming it `file` in problems.
     ///
     /// # Errors
-    /// Every syntax error, with its place.
+    /// The first syntax error, with its place: those behind it mostly follow from it.
     pub fn parse(file: &str, text: &str) -> Result<Self, Vec<Problem>> {
         let source = Rc::new(Source { file: file.to_owned(), text: text.into() });
         let (table, errors) = DeTable::parse_recoverable(text);
-        if !errors.is_empty() {
-            let place = |error: &toml::de::Error| SourceLocation {
-                source: Rc::clone(&source),
-                offset: error.span().map_or(0, |span| span.start),
-            };
-            return Err(errors
-                .iter()
-                .map(|e| place(e).problem("", e.message().to_owned(), "valid TOML".to_owned()))
-                .collect());
+        let offset = |error: &&toml::de::Error| error.span().map_or(0, |span| span.start);
+        if let Some(error) = errors.iter().min_by_key(offset) {
+            let place = SourceLocation { source: Rc::clone(&source), offset: offset(&error) };
+            return Err(vec![place.problem(
+                "",
+                error.message().to_owned(),
+                "valid TOML".to_owned(),
+            )]);
         }
         let place = SourceLocation { source: Rc::clone(&source), offset: 0 };
         Ok(Self { place, value: table_of(&source, table.get_ref()) })
