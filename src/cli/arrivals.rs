@@ -11,6 +11,8 @@ use super::picture;
 use crate::files;
 use crate::measurement::arrivals::survey;
 use crate::measurement::statistics::statistics;
+use crate::recording::TraceSet;
+use crate::recording::format::for_each_shot;
 use crate::report;
 
 /// Show when the first pulse arrived at each channel, by several estimators with uncertainties, its speed, and how far shots repeat
@@ -41,11 +43,20 @@ fn csv(text: &str) -> Result<PathBuf, String> {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let mut set = arguments.table.open(&arguments.file)?;
-    arguments.bench.apply(&mut set)?;
-    arguments.selection.apply(&mut set)?;
-    let shots = set.shots.iter().filter(|shot| !shot.captures.is_empty());
-    let surveys: Vec<_> = shots.map(|shot| survey(&set, shot)).collect();
+    let (mut surveys, mut problems) = (Vec::new(), Vec::new());
+    let (table, selection) = (&arguments.table, &arguments.selection);
+    let mut take = |mut set: TraceSet| {
+        problems = std::mem::take(&mut set.problems);
+        arguments.bench.apply(&mut set)?;
+        selection.apply(&mut set)?;
+        let shots = set.shots.iter().filter(|shot| !shot.captures.is_empty());
+        surveys.extend(shots.map(|shot| survey(&set, shot)));
+        anyhow::Ok(())
+    };
+    match selection.shot() {
+        Some(number) => take(table.open_shot(&arguments.file, number)?)?,
+        None => for_each_shot(&arguments.file, &table.columns(), take)?,
+    }
     if surveys.is_empty() {
         bail!("found no capture, expected at least one: the scope was not triggered");
     }
@@ -55,13 +66,13 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             .with_context(|| file.display().to_string())?;
     }
     if arguments.json {
-        let all = json!({ "shots": surveys, "statistics": statistics, "problems": set.problems });
+        let all = json!({ "shots": surveys, "statistics": statistics, "problems": problems });
         return super::print(&serde_json::to_string_pretty(&all)?);
     }
     let mut pages: Vec<String> = surveys.iter().map(report::arrivals).collect();
     if surveys.len() > 1 {
         pages.push(report::statistics(&statistics));
     }
-    pages.extend(set.problems.iter().map(|problem| format!("problem: {problem}")));
+    pages.extend(problems.iter().map(|problem| format!("problem: {problem}")));
     super::print(&pages.join("\n\n"))
 }

@@ -9,6 +9,7 @@ use super::input::{BenchArguments, Selection, TableArguments};
 use super::plain_table::{TableContent, plain_table};
 use crate::files;
 use crate::recording::format::open_large;
+use crate::recording::mcap::RecordingWriter;
 use crate::recording::mcap::indexed_recording::IndexedRecording;
 use crate::recording::tek_csv::TekCsvError;
 use crate::recording::{Capture, InstrumentIdentity, Shot, TraceSet, isf, mcap, tek_csv};
@@ -80,10 +81,7 @@ fn shot_by_shot(arguments: &Arguments, mut recording: IndexedRecording) -> anyho
     }
     let ending = output.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     match ending.as_deref() {
-        Some("mcap") => bail!(
-            "{}: found a recording of this size, expected a folder or a picture: copy the file instead",
-            output.display()
-        ),
+        Some("mcap") => return recording_shot_by_shot(arguments, recording),
         Some("isf" | "csv") if recording.shots() > 1 && arguments.selection.shot().is_none() => {
             bail!(
                 "found {} shots, expected one for a single file: give a folder, or --shot",
@@ -110,17 +108,70 @@ fn shot_by_shot(arguments: &Arguments, mut recording: IndexedRecording) -> anyho
     Ok(())
 }
 
-fn convert(arguments: &Arguments, mut set: TraceSet) -> anyhow::Result<()> {
-    arguments.selection.apply(&mut set)?;
-    if let Some(name) = &arguments.instrument {
-        name_instrument(&mut set, &oscilloscope(name)?);
+/// Copies a recording that is too large to be read at once into another, with what the user says of it.
+fn recording_shot_by_shot(
+    arguments: &Arguments,
+    mut recording: IndexedRecording,
+) -> anyhow::Result<()> {
+    let output = &arguments.output;
+    refuse_input_as_output(arguments)?;
+    let facts = recording.facts();
+    let mut copy = None;
+    for place in 0..recording.shots() {
+        let Some((shot, notes)) = recording.shot_and_notes(place)? else { continue };
+        if !arguments.selection.wants(shot.number) {
+            continue;
+        }
+        let mut set = facts.clone();
+        set.shots.push(shot);
+        prepare(arguments, &mut set)?;
+        let writer = match &mut copy {
+            Some(writer) => writer,
+            None => copy.insert(RecordingWriter::create(output, &set.metadata, &set.attachments)?),
+        };
+        for shot in &set.shots {
+            writer.add(shot, &notes)?;
+        }
     }
-    arguments.bench.apply(&mut set)?;
+    let Some(writer) = copy else {
+        bail!("found no such shot: the file has {}", recording.shots());
+    };
+    let file = writer.finish()?;
+    let messages = recording.traffic().commands + recording.traffic().replies;
+    if messages > 0 {
+        let input = arguments.input.display();
+        super::say(&format!(
+            "warning: {input}: {messages} messages of its remote sessions are not copied (a recording of this size is copied by shots)"
+        ));
+    }
+    if !arguments.quiet {
+        super::print(&file.display().to_string())?;
+    }
+    Ok(())
+}
+
+fn refuse_input_as_output(arguments: &Arguments) -> anyhow::Result<()> {
     let output = &arguments.output;
     let same = |input: PathBuf| std::fs::canonicalize(output).is_ok_and(|output| output == input);
     if std::fs::canonicalize(&arguments.input).is_ok_and(same) && output.is_file() {
         bail!("{}: found the input as the output, expected another file", output.display());
     }
+    Ok(())
+}
+
+/// Leaves out what is not meant, and notes what the user says of the rest.
+fn prepare(arguments: &Arguments, set: &mut TraceSet) -> anyhow::Result<()> {
+    arguments.selection.apply(set)?;
+    if let Some(name) = &arguments.instrument {
+        name_instrument(set, &oscilloscope(name)?);
+    }
+    arguments.bench.apply(set)
+}
+
+fn convert(arguments: &Arguments, mut set: TraceSet) -> anyhow::Result<()> {
+    prepare(arguments, &mut set)?;
+    let output = &arguments.output;
+    refuse_input_as_output(arguments)?;
     let is_table = arguments.form == Form::Table
         && output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
     if (arguments.truth || arguments.force) && !is_table {

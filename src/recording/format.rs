@@ -154,6 +154,28 @@ pub fn open_large(path: &Path) -> Result<Option<IndexedRecording>, OpenError> {
     Ok(Some(recording))
 }
 
+/// Calls `act` with the shots of a file: with all at once or, of a recording that is too large for that, with each by itself.
+///
+/// # Errors
+/// Those of `act`, and [`OpenError`] where the file cannot be read.
+pub fn for_each_shot<E: From<OpenError>>(
+    path: &Path,
+    columns: &TableColumns,
+    mut act: impl FnMut(TraceSet) -> Result<(), E>,
+) -> Result<(), E> {
+    let Some(mut recording) = open_large(path)? else { return act(open_with(path, columns)?) };
+    let facts = recording.facts();
+    for place in 0..recording.shots() {
+        if let Some((shot, notes)) = recording.shot_and_notes(place).map_err(OpenError::from)? {
+            let mut set = facts.clone();
+            set.notes.insert(shot.number, notes);
+            set.shots.push(shot);
+            act(set)?;
+        }
+    }
+    Ok(())
+}
+
 /// The shot `number` of a large recording, which is not read at once; none of other files.
 ///
 /// # Errors

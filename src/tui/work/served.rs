@@ -18,7 +18,7 @@ use crate::recording::{Capture, InstrumentIdentity, isf};
 use crate::scope::{Model, Source};
 use crate::tui::model::served::ServedUpdate;
 use snapshot::ServedSnapshot;
-use socket::Socket;
+pub use socket::Socket;
 
 /// How often it is asked whether there is something new.
 const RECORD_POLL_INTERVAL: Duration = Duration::from_millis(100);

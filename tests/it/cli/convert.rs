@@ -235,3 +235,57 @@ fn an_instrument_can_be_supplied() {
     let error = refused(path, &["convert", "bare.csv", "x.csv", "--instrument", "tds9"]);
     says(&error, &["tds9", "tds2014, tds2024"]);
 }
+
+/// A recording that is not read at once (over 32 MiB) gives what its shots give in a small one, all of them and one by one.
+#[test]
+fn large_recordings_are_read_by_shots() {
+    let folder = recorded();
+    let path = folder.path();
+    let mut set = open(&path.join("run.mcap")).expect("a recording");
+    let first = set.shots[0].clone();
+    set.shots = (1..=5)
+        .map(|number| {
+            let mut shot = first.clone();
+            shot.number = number;
+            shot.timestamp_ns += u64::from(number) * 1_000_000_000;
+            shot.truth.clear();
+            shot
+        })
+        .collect();
+    hertzscope::recording::mcap::write(&path.join("small.mcap"), &set).expect("a recording");
+    // Digits that no compression makes less of (xorshift64, Marsaglia 2003).
+    let mut state = 88_172_645_463_325_252_u64;
+    let mut digits = || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        state as f64
+    };
+    let trace = &first.truth[0];
+    for shot in &mut set.shots {
+        let values = (0..1_000_000).map(|_| digits()).collect();
+        shot.truth.push(hertzscope::trace::Trace { values, ..trace.clone() });
+    }
+    hertzscope::recording::mcap::write(&path.join("large.mcap"), &set).expect("a recording");
+    let length = |name: &str| std::fs::metadata(path.join(name)).expect(name).len();
+    assert!(length("large.mcap") > 32 << 20, "{}", length("large.mcap"));
+
+    let arrivals = |arguments: &[&str]| printed(path, &[&["arrivals"], arguments].concat());
+    assert_eq!(arrivals(&["large.mcap"]), arrivals(&["small.mcap"]));
+    let shot = ["--shot", "4"];
+    assert_eq!(
+        arrivals(&[&["large.mcap"], &shot[..]].concat()),
+        arrivals(&[&["small.mcap"], &shot[..]].concat())
+    );
+    says(&refused(path, &["arrivals", "large.mcap", "--shot", "9"]), &["shot"]);
+
+    assert_eq!(printed(path, &["convert", "large.mcap", "copy.mcap"]), "copy.mcap\n");
+    let copy = open(&path.join("copy.mcap")).expect("a copy");
+    let large = open(&path.join("large.mcap")).expect("a recording");
+    assert!(copy.shots == large.shots && copy.metadata == large.metadata);
+    printed(path, &["convert", "large.mcap", "one.mcap", "--shot", "4"]);
+    let one = open(&path.join("one.mcap")).expect("a shot");
+    assert!(one.shots.len() == 1 && one.shots[0] == large.shots[3]);
+    says(&refused(path, &["convert", "large.mcap", "none.mcap", "--shot", "9"]), &["shot"]);
+    says(&refused(path, &["convert", "large.mcap", "large.mcap"]), &["another file"]);
+}

@@ -12,7 +12,7 @@ use hertzscope::scope::{Coupling, Source};
 use hertzscope::server::ServerOptions;
 use hertzscope::tui::axis::TurnDirection;
 use hertzscope::tui::model::{Action, Palette, RunState, ScreenState, SidePanel, update};
-use hertzscope::tui::work::served::ServedConnection;
+use hertzscope::tui::work::served::{ServedConnection, Socket};
 use hertzscope::tui::work::{ScreenEvent, Workers};
 use ratatui::layout::Size;
 
@@ -198,4 +198,53 @@ fn somebody_else_is_refused() {
     stranger.join().expect("no panic");
     let nobody = ServedConnection::connect(&address).expect_err("nobody there");
     assert!(nobody.contains(&address), "{nobody}");
+}
+
+/// A server that answers its first message with `reply`, again and again, until the client leaves or 4 MiB are sent.
+fn hostile(reply: &'static [u8]) -> String {
+    let port = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let address = port.local_addr().expect("an address").to_string();
+    std::thread::spawn(move || {
+        let (mut stream, _) = port.accept().expect("a client");
+        let mut line = String::new();
+        BufReader::new(stream.try_clone().expect("a stream")).read_line(&mut line).expect("a line");
+        let flood = reply.repeat(4096usize.div_ceil(reply.len()));
+        (0..1024).all(|_| stream.write_all(&flood).is_ok())
+    });
+    address
+}
+
+#[test]
+fn a_hostile_scope_is_refused_in_one_short_line() {
+    let replies: [&[u8]; 7] = [
+        b"TEKTRONIX",
+        b"\x1b]0;title\x07\x1b[2J evil\n",
+        b"HP,\xe2\x80\xaeTDS 2014,0,x\n",
+        b"\xff\xfe\xfd\n",
+        b"0123456789\r",
+        b"#9999999999",
+        b"\n",
+    ];
+    for reply in replies {
+        let refused = ServedConnection::connect(&hostile(reply)).expect_err("no scope");
+        assert!(refused.chars().count() < 250, "{} characters", refused.chars().count());
+        assert!(!refused.chars().any(|c| c.is_control() || c == '\u{202e}'), "{refused:?}");
+    }
+}
+
+/// Records in reply to a query: lengths that do not fit, records without end, text without end.
+#[test]
+fn hostile_records_end_the_connection_and_not_the_memory() {
+    let replies: [(&[u8], &str); 5] = [
+        (b":WFMP:X 1;:CURV #0\n", "a block without a length"),
+        (b":WFMP:X 1;:CURV #9999999999", "a block without end"),
+        (b":WFMP:X 1;:CURV #2x1", "a block without a length"),
+        (b":WFMP:X 1;:CURV #11a;", "more records than a scope has"),
+        (b"CURV 1;", "a reply without end"),
+    ];
+    for (reply, expected) in replies {
+        let mut socket = Socket::connect(&hostile(reply)).expect("a connection");
+        let refused = socket.ask_for_records("CURV?").expect_err("no records");
+        assert!(refused.to_string().contains(expected), "{refused}");
+    }
 }

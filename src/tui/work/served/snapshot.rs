@@ -2,6 +2,7 @@
 
 use crate::experiment::accuracy::of_scene;
 use crate::experiment::{Integration, facts};
+use crate::quantity::printable_line;
 use crate::recording::set_file::SetFile;
 use crate::recording::{Capture, InstrumentIdentity, Origin, Shot, TraceSet};
 use crate::scene::{Scene, oscilloscope};
@@ -13,13 +14,19 @@ use crate::tui::model::RunState;
 use crate::tui::model::live_state::{ServedScope, TunedSettings};
 use crate::tui::model::served::ServedUpdate;
 
+/// Longest part of a foreign reply to `*IDN?` that a message quotes (characters).
+const MAX_QUOTED_IDENTITY: usize = 80;
+
 /// Who answers to `*IDN?`, and what its knobs can do.
 ///
 /// # Errors
 /// A message for the user: no oscilloscope of this family.
 pub fn instrument(identity: &str) -> Result<(InstrumentIdentity, Model), String> {
-    let stranger =
-        || format!("found {identity}, expected a Tektronix oscilloscope of the TDS2000 family");
+    let identity = printable_line(identity);
+    let stranger = || {
+        let start: String = identity.chars().take(MAX_QUOTED_IDENTITY).collect();
+        format!("found {start}, expected a Tektronix oscilloscope of the TDS2000 family")
+    };
     let mut fields = identity.split(',');
     let (maker, name) = (fields.next().unwrap_or_default(), fields.next().unwrap_or_default());
     let name = name.replace(' ', "");
