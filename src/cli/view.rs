@@ -2,6 +2,7 @@
 
 use std::io::IsTerminal as _;
 use std::path::Path;
+use std::time::Duration;
 
 use anyhow::bail;
 use clap::Args;
@@ -13,13 +14,18 @@ use crate::scene::Scene;
 use crate::tui::work::served::ServedConnection;
 use crate::tui::{self, ViewSource};
 
+/// Time from one look for a recording to the next, until it is begun.
+const FILE_POLL_INTERVAL: Duration = Duration::from_millis(100);
+/// Bytes at the beginning of every recording.
+const MCAP_MAGIC_LENGTH: u64 = 8;
+
 /// Look at a recording on the scope's screen in the terminal, play with the bench of a scene, or watch a served scope
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// A recording (.mcap), a scope's file (.csv, .isf), a folder of them; a scene, one that ships or a .toml file; or where
     /// `hertzscope serve` listens, HOST:PORT or tcp://HOST:PORT
     what: String,
-    /// Show each new shot of a recording that is still being written
+    /// Show each new shot of a recording that is still being written, or not yet begun; a step back ends it, End goes on
     #[arg(long)]
     follow: bool,
     #[command(flatten)]
@@ -44,6 +50,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         return Ok(tui::run(subject, address.to_owned(), arguments.against.clone())?);
     }
     let path = Path::new(&arguments.what);
+    if arguments.follow && !path.exists() && path.extension().is_some_and(|e| e == "mcap") {
+        wait_for(path);
+    }
     let format = Format::of(path);
     if arguments.follow && format != Some(Format::Mcap) {
         bail!("{}: found --follow, expected it with an .mcap recording", arguments.what);
@@ -76,6 +85,15 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     };
     tui::run(subject, name, arguments.against.clone())?;
     Ok(())
+}
+
+/// Waits until a recording is begun at `path`.
+fn wait_for(path: &Path) {
+    super::say(&format!("waiting for {} (Ctrl-C ends)", path.display()));
+    let is_begun = || std::fs::metadata(path).is_ok_and(|file| file.len() > MCAP_MAGIC_LENGTH);
+    while !is_begun() {
+        std::thread::sleep(FILE_POLL_INTERVAL);
+    }
 }
 
 /// Refuses to draw where the output is not a terminal.

@@ -9,11 +9,12 @@ pub use binding::{Binding, BindingScope, KeyPress};
 use ratatui::crossterm::event::{Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 use ratatui::layout::Position;
 
+use crate::tui::axis::TurnDirection;
 use crate::tui::model::{Action, Popup, ScreenState};
 use crate::tui::view::layout::ScreenLayout;
 use crate::tui::view::target::target;
 
-pub use bindings::BINDINGS;
+pub use bindings::{GROUPS, bindings, hints};
 pub use mouse::{mouse_action, reading_action};
 
 /// The action of a key press under `panel`; `None` for unbound keys.
@@ -21,11 +22,10 @@ pub fn key_action(event: KeyEvent, panel: Popup) -> Option<Action> {
     if event.kind == KeyEventKind::Release {
         return None;
     }
-    if panel == Popup::Prompt {
+    if matches!(panel, Popup::Prompt | Popup::Search) {
         return typed(event);
     }
-    BINDINGS
-        .iter()
+    bindings()
         .filter(|binding| match binding.place {
             BindingScope::Everywhere => true,
             BindingScope::Scope => panel == Popup::Scope,
@@ -45,7 +45,7 @@ fn pressed(event: KeyEvent) -> KeyPress {
     KeyPress { code: event.code, modifiers: event.modifiers & told_apart }
 }
 
-/// The action of a key on the command line.
+/// The action of a key on the command line, or where a search is typed.
 fn typed(event: KeyEvent) -> Option<Action> {
     let control = event.modifiers.contains(KeyModifiers::CONTROL);
     match event.code {
@@ -53,6 +53,9 @@ fn typed(event: KeyEvent) -> Option<Action> {
         KeyCode::Esc => Some(Action::Back),
         KeyCode::Backspace => Some(Action::Erase),
         KeyCode::Char('c') if control => Some(Action::Back),
+        KeyCode::Tab => Some(Action::Complete),
+        KeyCode::Up => Some(Action::Recall(TurnDirection::Up)),
+        KeyCode::Down => Some(Action::Recall(TurnDirection::Down)),
         KeyCode::Char(letter) if !control => Some(Action::Type(letter)),
         _ => None,
     }

@@ -35,6 +35,4 @@ pub struct Binding {
     pub keys: &'static [(KeyPress, Action)],
     /// Help text.
     pub help: &'static str,
-    /// The same in a word for the line of hints; empty for keys that are not on it.
-    pub hint: &'static str,
 }

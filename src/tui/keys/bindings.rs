@@ -30,18 +30,30 @@ const fn binding(
     (place, label): (BindingScope, &'static str),
     keys: &'static [(KeyPress, Action)],
     help: &'static str,
-    hint: &'static str,
 ) -> Binding {
-    Binding { place, label, keys, help, hint }
+    Binding { place, label, keys, help }
 }
 
+/// All keys, as the help groups them.
+pub const GROUPS: &[(&str, &[Binding])] = &[
+    ("Everywhere", ANYWHERE),
+    ("Traces", TRACES),
+    ("Time and shots", TIME),
+    ("Readings", READINGS),
+    ("Pages", PAGES),
+    ("Bench and scope (striking a chain)", BENCH),
+];
+
 /// All keys.
-pub const BINDINGS: &[Binding] = &[
+pub fn bindings() -> impl Iterator<Item = &'static Binding> {
+    GROUPS.iter().flat_map(|(_, bindings)| *bindings)
+}
+
+const ANYWHERE: &[Binding] = &[
     binding(
         (BindingScope::Everywhere, "?"),
         &[(letter('?'), Action::Toggle(Popup::Help))],
         "this help, and away again",
-        "help",
     ),
     binding(
         (BindingScope::Everywhere, "q Esc"),
@@ -51,8 +63,29 @@ pub const BINDINGS: &[Binding] = &[
             (plain(KeyCode::Esc), Action::Back),
         ],
         "quit; Esc closes what is open first",
-        "quit",
     ),
+    binding(
+        (BindingScope::Scope, "w :"),
+        &[(letter('w'), Action::Prompt("write ")), (letter(':'), Action::Prompt(""))],
+        "save; command line, see below",
+    ),
+    binding(
+        (BindingScope::Everywhere, "l"),
+        &[(letter('l'), Action::Toggle(Popup::Log))],
+        "problems of the file and its log",
+    ),
+    binding(
+        (BindingScope::Panels, "↑ ↓ /"),
+        &[
+            (plain(KeyCode::Up), Action::Scroll(TurnDirection::Up)),
+            (plain(KeyCode::Down), Action::Scroll(TurnDirection::Down)),
+            (letter('/'), Action::Search),
+        ],
+        "in a panel: scroll; search the keys",
+    ),
+];
+
+const TRACES: &[Binding] = &[
     binding(
         (BindingScope::Scope, "1-4"),
         &[
@@ -62,7 +95,6 @@ pub const BINDINGS: &[Binding] = &[
             (letter('4'), Action::Channel(4)),
         ],
         "select a channel; if it is selected: off, on; or click it",
-        "channel",
     ),
     binding(
         (BindingScope::Scope, "Tab Shift+Tab"),
@@ -71,13 +103,11 @@ pub const BINDINGS: &[Binding] = &[
             (plain(KeyCode::BackTab), Action::NextTrace(TurnDirection::Down)),
         ],
         "select the next, previous trace (MATH, REF too)",
-        "",
     ),
     binding(
         (BindingScope::Scope, "Enter"),
         &[(plain(KeyCode::Enter), Action::OnOff)],
         "selected trace off, on",
-        "",
     ),
     binding(
         (BindingScope::Scope, "↑ ↓"),
@@ -86,16 +116,6 @@ pub const BINDINGS: &[Binding] = &[
             (plain(KeyCode::Down), Action::VoltsPerDivision(TurnDirection::Up)),
         ],
         "V/div: taller, flatter; Ctrl + mouse wheel",
-        "V/div",
-    ),
-    binding(
-        (BindingScope::Scope, "← →"),
-        &[
-            (plain(KeyCode::Left), time_per_division(TurnDirection::Up)),
-            (plain(KeyCode::Right), time_per_division(TurnDirection::Down)),
-        ],
-        "s/div, on spectra Hz/div: zoom out, in; mouse wheel",
-        "s/div",
     ),
     binding(
         (BindingScope::Scope, "Shift+↑ ↓  K J"),
@@ -106,7 +126,31 @@ pub const BINDINGS: &[Binding] = &[
             (letter('J'), Action::Position(TurnDirection::Down)),
         ],
         "position: selected trace up, down; or drag it",
-        "",
+    ),
+    binding(
+        (BindingScope::Scope, "m R T"),
+        &[
+            (letter('m'), Action::Math),
+            (letter('R'), Action::Reference),
+            (letter('T'), Action::Truth),
+        ],
+        "math trace; keep trace as reference; truth over traces",
+    ),
+    binding(
+        (BindingScope::Scope, "u p"),
+        &[(letter('u'), Action::Unit), (letter('p'), Action::Persistence)],
+        "volts or newtons; persistence",
+    ),
+];
+
+const TIME: &[Binding] = &[
+    binding(
+        (BindingScope::Scope, "← →"),
+        &[
+            (plain(KeyCode::Left), time_per_division(TurnDirection::Up)),
+            (plain(KeyCode::Right), time_per_division(TurnDirection::Down)),
+        ],
+        "s/div, on spectra Hz/div: zoom out, in; mouse wheel",
     ),
     binding(
         (BindingScope::Scope, "Shift+← →  H L"),
@@ -117,13 +161,11 @@ pub const BINDINGS: &[Binding] = &[
             (letter('L'), Action::Pan(TurnDirection::Up)),
         ],
         "traces, spectra left, right; or drag them",
-        "",
     ),
     binding(
         (BindingScope::Scope, "z a"),
         &[(letter('z'), Action::Reset), (letter('a'), Action::Autoset)],
         "view as recorded; autoset: show everything",
-        "reset, auto",
     ),
     binding(
         (BindingScope::Scope, ", . Home End"),
@@ -134,7 +176,6 @@ pub const BINDINGS: &[Binding] = &[
             (plain(KeyCode::End), Action::Ends(TurnDirection::Up)),
         ],
         "previous, next, first, last shot",
-        "shot",
     ),
     binding(
         (BindingScope::Scope, "Space < >"),
@@ -144,31 +185,34 @@ pub const BINDINGS: &[Binding] = &[
             (letter('>'), Action::Speed(TurnDirection::Up)),
         ],
         "recording: play, pause, slower, faster; bench: run, stop",
-        "play",
     ),
+];
+
+const READINGS: &[Binding] = &[
     binding(
         (BindingScope::Scope, "c v"),
         &[(letter('c'), Action::Cursors), (letter('v'), Action::OtherCursor)],
         "cursors: time, volts, off; v moves the other one",
-        "cursors",
     ),
     binding(
-        (BindingScope::Scope, "[ ]  { }"),
+        (BindingScope::Scope, "[ ]  { }  A"),
         &[
             (letter('['), Action::MoveCursor(TurnDirection::Down)),
             (letter(']'), Action::MoveCursor(TurnDirection::Up)),
             (letter('{'), Action::Snap(TurnDirection::Down)),
             (letter('}'), Action::Snap(TurnDirection::Up)),
+            (letter('A'), Action::SnapToArrival),
         ],
-        "move cursor; snap to previous, next peak or edge",
-        "",
+        "move cursor; snap to previous, next peak or edge; A: arrival",
     ),
     binding(
         (BindingScope::Scope, "M"),
         &[(letter('M'), Action::Side(SidePanel::Measurements))],
         "measurements, arrivals, speeds",
-        "measure",
     ),
+];
+
+const PAGES: &[Binding] = &[
     binding(
         (BindingScope::Scope, "F S x"),
         &[
@@ -177,44 +221,32 @@ pub const BINDINGS: &[Binding] = &[
             (letter('x'), Action::Page(Page::Xy)),
         ],
         "spectrum with band edges; over time; XY",
-        "FFT",
     ),
     binding(
         (BindingScope::Scope, "b"),
         &[(letter('b'), Action::Page(Page::Bench))],
         "the chain in motion; Space , . < > work on it",
-        "bench",
     ),
     binding(
         (BindingScope::Scope, "d"),
         &[(letter('d'), Action::Compare)],
         "comparison: both, overlay, difference, away",
-        "compare",
     ),
     binding(
         (BindingScope::Scope, "k"),
         &[(letter('k'), Action::Page(Page::Accuracy))],
         "accuracy: work against precision, effects",
-        "accuracy",
+    ),
+];
+
+const BENCH: &[Binding] = &[
+    binding(
+        (BindingScope::Scope, "B i"),
+        &[(letter('B'), Action::Side(SidePanel::Knobs)), (letter('i'), Action::Impact)],
+        "show the knobs; strike the chain",
     ),
     binding(
-        (BindingScope::Scope, "m R T"),
-        &[
-            (letter('m'), Action::Math),
-            (letter('R'), Action::Reference),
-            (letter('T'), Action::Truth),
-        ],
-        "math trace; keep trace as reference; truth over traces",
-        "",
-    ),
-    binding(
-        (BindingScope::Scope, "u p"),
-        &[(letter('u'), Action::Unit), (letter('p'), Action::Persistence)],
-        "volts or newtons; persistence",
-        "",
-    ),
-    binding(
-        (BindingScope::Scope, "n N  - +  o"),
+        (BindingScope::Scope, "n N  - +  o E"),
         &[
             (letter('n'), Action::NextKnob(TurnDirection::Up)),
             (letter('N'), Action::NextKnob(TurnDirection::Down)),
@@ -222,21 +254,14 @@ pub const BINDINGS: &[Binding] = &[
             (letter('+'), Action::TurnKnob(TurnDirection::Up)),
             (letter('='), Action::TurnKnob(TurnDirection::Up)),
             (letter('o'), Action::Switch),
+            (letter('E'), Action::TypeKnob),
         ],
-        "bench: next knob, turn it, effect on/off",
-        "knob",
-    ),
-    binding(
-        (BindingScope::Scope, "B i"),
-        &[(letter('B'), Action::Side(SidePanel::Knobs)), (letter('i'), Action::Impact)],
-        "bench: show the knobs; strike the chain",
-        "",
+        "next knob, turn it, effect on/off; E types a value",
     ),
     binding(
         (BindingScope::Scope, "s f"),
         &[(letter('s'), Action::Single), (letter('f'), Action::Force)],
-        "bench: arm for one trigger; force one",
-        "",
+        "arm for one trigger; force one",
     ),
     binding(
         (BindingScope::Scope, "PgUp PgDn e t"),
@@ -246,34 +271,74 @@ pub const BINDINGS: &[Binding] = &[
             (letter('e'), Action::TriggerSlope),
             (letter('t'), Action::TriggerMode),
         ],
-        "bench: trigger level, edge, mode; or wheel, click on it",
-        "",
+        "trigger level, edge, mode; or wheel, click on it",
     ),
     binding(
-        (BindingScope::Scope, "C P"),
-        &[(letter('C'), Action::Coupling), (letter('P'), Action::Probe)],
-        "bench: coupling (or click it), probe of the channel",
-        "",
-    ),
-    binding(
-        (BindingScope::Scope, "w :"),
-        &[(letter('w'), Action::Prompt("write ")), (letter(':'), Action::Prompt(""))],
-        "save; command line, see below",
-        "save",
-    ),
-    binding(
-        (BindingScope::Everywhere, "l"),
-        &[(letter('l'), Action::Toggle(Popup::Log))],
-        "problems of the file and its log",
-        "",
-    ),
-    binding(
-        (BindingScope::Panels, "↑ ↓"),
+        (BindingScope::Scope, "C P W X"),
         &[
-            (plain(KeyCode::Up), Action::Scroll(TurnDirection::Up)),
-            (plain(KeyCode::Down), Action::Scroll(TurnDirection::Down)),
+            (letter('C'), Action::Coupling),
+            (letter('P'), Action::Probe),
+            (letter('W'), Action::Bandwidth),
+            (letter('X'), Action::TriggerSource),
         ],
-        "in a panel: scroll",
-        "",
+        "coupling, probe, bandwidth limit; trigger source",
     ),
 ];
+
+/// Keys that the last line names on a page, in order of use.
+pub fn hints(page: Page) -> &'static [(&'static str, &'static str)] {
+    match page {
+        Page::Scope => &[
+            ("?", "help"),
+            ("q", "quit"),
+            ("1-4", "channel"),
+            ("↑ ↓", "V/div"),
+            ("← →", "s/div"),
+            ("z a", "reset, auto"),
+            ("F", "FFT"),
+            ("b", "bench"),
+            ("d", "compare"),
+            ("c", "cursors"),
+            ("M", "measure"),
+            ("k", "accuracy"),
+            (", .", "shot"),
+            ("Space", "play"),
+            ("n - +", "knob"),
+            ("w", "save"),
+        ],
+        Page::Spectrum | Page::Map => &[
+            ("?", "help"),
+            ("Esc", "traces"),
+            ("1-4", "channel"),
+            ("← →", "Hz/div"),
+            ("H L", "lower, higher"),
+            ("z", "all"),
+            ("F S", "spectrum, over time"),
+            (", .", "shot"),
+            ("w", "save"),
+        ],
+        Page::Xy => {
+            &[("?", "help"), ("Esc", "traces"), ("1-4", "upward"), (", .", "shot"), ("w", "save")]
+        }
+        Page::Bench => &[
+            ("?", "help"),
+            ("Esc", "traces"),
+            ("Space", "play"),
+            (", .", "frame"),
+            ("< >", "slower, faster"),
+            (":", "seek TIME"),
+            ("n - +", "knob"),
+            ("w", "save"),
+        ],
+        Page::Compare => &[
+            ("?", "help"),
+            ("Esc", "traces"),
+            ("d", "overlay, difference"),
+            ("1-4", "channel"),
+            ("↑ ↓", "V/div"),
+            (", .", "shot"),
+            ("w", "save"),
+        ],
+        Page::Accuracy => &[("?", "help"), ("Esc", "traces"), ("n - +", "knob"), ("w", "save")],
+    }
+}

@@ -63,6 +63,8 @@ pub enum Action {
     MoveCursor(TurnDirection),
     /// Move it to the next peak or edge.
     Snap(TurnDirection),
+    /// Move it to the first arrival.
+    SnapToArrival,
     /// A mouse button goes down.
     Press {
         /// To the right of the graticule's centre (div).
@@ -119,4 +121,16 @@ pub enum Action {
     Erase,
     /// Do what was typed.
     Submit,
+    /// Complete the word that is being typed.
+    Complete,
+    /// Bring back the line that was typed before, or after.
+    Recall(TurnDirection),
+    /// Search the help.
+    Search,
+    /// Type a value for the selected knob.
+    TypeKnob,
+    /// The selected channel's bandwidth limit, on or off.
+    Bandwidth,
+    /// The next trigger source.
+    TriggerSource,
 }

@@ -2,8 +2,11 @@
 
 use std::path::PathBuf;
 
+use super::knobs::BenchKnob;
 use super::state::{Page, Request};
 use super::{Popup, ScreenState};
+use crate::scene::Scene;
+use crate::tui::axis::TurnDirection;
 
 /// The commands, as the help shows them.
 pub const COMMANDS: &[(&str, &str)] = &[
@@ -19,7 +22,60 @@ impl ScreenState {
     /// Opens the command line with `start` typed already.
     pub(super) fn open_prompt(&mut self, start: &str) {
         self.panel = Popup::Prompt;
+        self.recalled = self.typed_lines.len();
         start.clone_into(&mut self.prompt);
+    }
+
+    /// Completes the word that is being typed, as far as all that begin like it agree.
+    pub(super) fn complete_prompt(&mut self) {
+        let (before, word) = match self.prompt.rsplit_once(' ') {
+            Some((before, word)) => (format!("{before} "), word),
+            None => (String::new(), self.prompt.as_str()),
+        };
+        let candidates: Vec<String> = match before.trim() {
+            "" => COMMANDS
+                .iter()
+                .filter_map(|(command, _)| Some(command.split(' ').next()?.get(1..)?.to_owned()))
+                .collect(),
+            "compare" => Scene::names().into_iter().map(str::to_owned).collect(),
+            "set" => self.settable_paths(),
+            _ => Vec::new(),
+        };
+        let found: Vec<&String> = candidates.iter().filter(|full| full.starts_with(word)).collect();
+        let Some(first) = found.first() else { return };
+        let shared = found.iter().fold(first.len(), |length, other| {
+            let same = first.bytes().zip(other.bytes()).take_while(|(a, b)| a == b).count();
+            length.min(same)
+        });
+        let end = if found.len() == 1 { " " } else { "" };
+        self.prompt = format!("{before}{}{end}", first.get(..shared).unwrap_or(word));
+        if found.len() > 1 {
+            let names: Vec<&str> = found.iter().map(|name| name.as_str()).collect();
+            self.notice = Some(names.join("  "));
+        }
+    }
+
+    /// Where the knobs stand in the scene, for the selected channel.
+    fn settable_paths(&self) -> Vec<String> {
+        let Some(scene) = &self.scene else { return Vec::new() };
+        let knobs = BenchKnob::ALL.iter().filter_map(|knob| knob.path_in(scene, self.selected));
+        let panel = ["time_base", "position", "trigger.level", "trigger.source", "trigger.slope"];
+        let panel = panel.iter().map(|key| format!("scope.{key}"));
+        let channel = self.channel_path().into_iter().flat_map(|path| {
+            let keys = ["scale", "position", "coupling", "probe", "bandwidth_limit"];
+            keys.map(|key| format!("{path}.{key}"))
+        });
+        knobs.chain(panel).chain(channel).collect()
+    }
+
+    /// Brings back the line before the one that is shown, or the one after it.
+    pub(super) fn recall(&mut self, turn: TurnDirection) {
+        let at = match turn {
+            TurnDirection::Up => self.recalled.saturating_sub(1),
+            TurnDirection::Down => (self.recalled + 1).min(self.typed_lines.len()),
+        };
+        self.recalled = at;
+        self.prompt = self.typed_lines.get(at).cloned().unwrap_or_default();
     }
 
     /// Does what was typed.
@@ -27,6 +83,9 @@ impl ScreenState {
         self.panel = Popup::Scope;
         let line = std::mem::take(&mut self.prompt);
         let line = line.trim();
+        if !line.is_empty() && self.typed_lines.last().is_none_or(|last| last != line) {
+            self.typed_lines.push(line.to_owned());
+        }
         let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         let rest = rest.trim();
         let is = |command: &str| !word.is_empty() && command.starts_with(word);

@@ -3,6 +3,7 @@
 use super::features::features;
 use super::state::{CursorKind, PlacedCursor, value_at};
 use super::{Page, ScreenState};
+use crate::measurement::arrivals::survey;
 use crate::tui::axis::{DIVISIONS_ACROSS, DIVISIONS_UP, TurnDirection};
 
 /// A cursor's step (div).
@@ -114,6 +115,27 @@ impl ScreenState {
             Some(at) => self.put_cursor(at),
             None => self.notice = Some("no further peak or edge in this direction".to_owned()),
         }
+    }
+
+    /// Puts the active cursor at the arrival of the first pulse in the selected trace.
+    pub(super) fn snap_to_arrival(&mut self) {
+        if self.cursors.kind != CursorKind::Time || self.active_cursor().is_none() {
+            self.notice = Some("no cursors over time on screen: c shows them".to_owned());
+            return;
+        }
+        match self.first_arrival() {
+            Some(at) => self.put_cursor(at),
+            None => self.notice = Some("found no first pulse in this trace".to_owned()),
+        }
+    }
+
+    /// Arrival of the first pulse in the selected trace (s).
+    fn first_arrival(&self) -> Option<f64> {
+        let name = self.selected()?.waveform.source.to_string();
+        let survey = survey(&self.set, self.shot()?);
+        let channel = survey.channels.iter().find(|channel| channel.channel == name)?;
+        let half = channel.arrivals.iter().find(|arrival| arrival.estimator == "half_rise")?;
+        Some(half.time_s?.value)
     }
 
     /// The button went down at a place counted in divisions from the centre: takes hold of the nearer cursor, or of the picture.

@@ -175,6 +175,42 @@ impl ScreenState {
         self.set_value(path, next.to_owned());
     }
 
+    /// The selected channel's bandwidth limit, on or off.
+    pub(super) fn switch_bandwidth_limit(&mut self) {
+        let recorded =
+            self.selected().and_then(|capture| capture.waveform.vertical.bandwidth_limited);
+        if self.bench().is_none() {
+            return;
+        }
+        let Some(path) = self.channel_path() else { return };
+        let path = format!("{path}.bandwidth_limit");
+        let set = self.live.as_ref().and_then(|live| live.settings().get(&path).cloned());
+        let now = set.map_or(recorded == Some(true), |word| word == "true");
+        self.set_value(path, (!now).to_string());
+    }
+
+    /// The next trigger source: the channels that are on, the external input where something is there, the mains.
+    pub(super) fn next_trigger_source(&mut self) {
+        if self.bench().is_none() {
+            return;
+        }
+        let Some(scope) = self.scope() else { return };
+        let channels = (1..).zip(&scope.channels).filter(|(_, channel)| channel.is_some());
+        let mut sources: Vec<String> = channels.map(|(number, _)| format!("CH{number}")).collect();
+        if scope.external.is_some() {
+            sources.extend(["EXT".to_owned(), "EXT5".to_owned()]);
+        }
+        sources.push("LINE".to_owned());
+        let path = "scope.trigger.source";
+        let set = self.live.as_ref().and_then(|live| live.settings().get(path).cloned());
+        let now = set.unwrap_or_else(|| scope.trigger.source.to_string());
+        let next = sources.iter().position(|source| *source == now).map_or(0, |place| place + 1);
+        if let Some(next) = sources.get(next % sources.len()).cloned() {
+            self.notice = Some(format!("trigger source {next}"));
+            self.set_value(path.to_owned(), next);
+        }
+    }
+
     /// The selected channel's next probe.
     pub(super) fn next_probe(&mut self) {
         let probe = self.selected().map(|capture| capture.waveform.vertical.probe);

@@ -17,6 +17,19 @@ impl ScreenState {
         }
     }
 
+    /// Opens the command line to type a value for the selected knob.
+    pub(super) fn type_knob(&mut self) {
+        let Some(knob) = self.bench().map(|live| live.knob) else { return };
+        let path = self
+            .scene
+            .as_ref()
+            .and_then(|scene| BenchKnob::ALL.get(knob)?.path_in(scene, self.selected));
+        match path {
+            Some(path) => self.open_prompt(&format!("set {path} ")),
+            None => self.notice = Some("select a channel with a sensor first".to_owned()),
+        }
+    }
+
     /// Switches the selected knob's effect, or on the page of accuracy the selected effect.
     pub(super) fn switch_effect(&mut self) {
         if self.bench().is_none() {

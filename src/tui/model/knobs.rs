@@ -143,6 +143,13 @@ impl BenchKnob {
         }
     }
 
+    /// Where the knob stands in `scene`, for the sensor at `source`; none where no sensor is there.
+    pub fn path_in(&self, scene: &Scene, source: Option<Source>) -> Option<String> {
+        let named = sensor_of(scene, source).map(|(_, name)| name);
+        let is_missing = self.path.contains("{}") && named.is_none();
+        (!is_missing).then(|| self.path.replace("{}", named.unwrap_or_default()))
+    }
+
     fn si_unit(&self) -> &'static str {
         match self.unit {
             "us" => "s",
@@ -162,11 +169,9 @@ impl BenchKnob {
         source: Option<Source>,
         turn: TurnDirection,
     ) -> Result<(String, String), String> {
-        let named = sensor_of(scene, source).map(|(_, name)| name);
-        if self.path.contains("{}") && named.is_none() {
-            return Err("select a channel with a sensor first".to_owned());
-        }
-        let path = self.path.replace("{}", named.unwrap_or_default());
+        let path = self
+            .path_in(scene, source)
+            .ok_or_else(|| "select a channel with a sensor first".to_owned())?;
         // What was turned and not struck yet counts; an effect that is off has nothing to turn.
         let (read, waiting) = ((self.read)(scene, source), pending(tuned, &path));
         let known = match self.effect {

@@ -92,7 +92,10 @@ impl LiveBench {
                 let _ = write!(text, "\n[{table}]\n");
             }
             for (key, value) in pairs {
-                let _ = writeln!(text, "{key} = {value:?}");
+                let _ = match value {
+                    "true" | "false" => writeln!(text, "{key} = {value}"),
+                    _ => writeln!(text, "{key} = {value:?}"),
+                };
             }
         }
         text

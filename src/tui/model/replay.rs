@@ -18,7 +18,20 @@ const PLAYBACK_TIME_SCALE: f64 = 1e-3;
 impl ScreenState {
     /// A recording that is read as it is looked at; shots and facts come as answers. `follow` shows each new shot.
     pub fn open_partial_recording(&mut self, follow: bool) {
-        self.on_tape = Some(PartialRecording { count: 0, open: true, here: None, follow });
+        self.on_tape =
+            Some(PartialRecording { count: 0, open: true, here: None, follow, follows: follow });
+    }
+
+    /// After the user has chosen a shot: a step back ends following, the last shot begins it again.
+    pub(super) fn follow_from_here(&mut self) {
+        let last = self.shot + 1 >= self.shots();
+        if let Some(tape) = self.on_tape.as_mut().filter(|tape| tape.follow) {
+            if tape.follows && !last {
+                self.notice =
+                    Some("no longer following: End shows the newest shots again".to_owned());
+            }
+            tape.follows = last;
+        }
     }
 
     /// Takes the index of the recording so far: number of shots, whether it may grow, and its facts.
@@ -27,7 +40,7 @@ impl ScreenState {
         let grown = count > tape.count;
         (tape.count, tape.open) = (count, open);
         let first = tape.here.is_none() && count > 0;
-        let follow = tape.follow;
+        let follow = tape.follows;
         let shots = std::mem::take(&mut self.set.shots);
         let notes = std::mem::take(&mut self.set.notes);
         let facts_changed =

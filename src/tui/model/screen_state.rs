@@ -44,6 +44,10 @@ pub struct ScreenState {
     pub(super) side: SidePanel,
     pub(super) panel: Popup,
     pub(super) prompt: String,
+    /// Lines that were typed on the command line.
+    pub(super) typed_lines: Vec<String>,
+    /// Place in `typed_lines` of the line that was brought back.
+    pub(super) recalled: usize,
     pub(super) scroll: usize,
     pub(super) play: Playback,
     pub(super) live: Option<LiveBench>,
@@ -83,6 +87,8 @@ impl ScreenState {
             side: SidePanel::Nothing,
             panel: Popup::Scope,
             prompt: String::new(),
+            typed_lines: Vec::new(),
+            recalled: 0,
             scroll: 0,
             play: Playback::default(),
             live: None,

@@ -137,6 +137,7 @@ fn command(path: &str, value: &str) -> Option<String> {
                 "position" => "POS",
                 "coupling" => "COUP",
                 "probe" => "PROB",
+                "bandwidth_limit" => "BANDWID",
                 _ => return None,
             };
             format!("CH{number}:{word}")
@@ -144,6 +145,9 @@ fn command(path: &str, value: &str) -> Option<String> {
     };
     let value = match parse_any(value) {
         Ok((number, _)) => format!("{number:E}"),
+        Err(_) if matches!(value, "true" | "false") => {
+            if value == "true" { "ON" } else { "OFF" }.to_owned()
+        }
         // A word, and nothing that would begin another command.
         Err(_) if value.chars().all(char::is_alphanumeric) => value.to_uppercase(),
         Err(_) => return None,
@@ -162,6 +166,7 @@ mod tests {
             ("scope.position", "-1.5 ms", Some(":HOR:MAI:POS -1.5E-3")),
             ("scope.trigger.slope", "fall", Some(":TRIG:MAI:EDGE:SLO FALL")),
             ("scope.ch4.coupling", "AC", Some(":CH4:COUP AC")),
+            ("scope.ch1.bandwidth_limit", "true", Some(":CH1:BANDWID ON")),
             ("striker.mass", "0.61 g", Some(":BENC:STRI:MASS 6.1E-4")),
             ("effects.gravity.acceleration", "9.81 m/s^2", None),
             ("scope.trigger.mode", "auto;*RST", None),

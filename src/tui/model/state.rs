@@ -20,6 +20,8 @@ pub enum Popup {
     Scope,
     /// The keys.
     Help,
+    /// The keys, while a search in them is typed.
+    Search,
     /// Problems of the file and lines of its log.
     Log,
     /// The command line.
@@ -285,8 +287,10 @@ pub(super) struct PartialRecording {
     pub(super) open: bool,
     /// Place of the shot in memory.
     pub(super) here: Option<usize>,
-    /// Whether the newest shot is to be shown whenever one comes.
+    /// Whether the newest shot was asked for whenever one comes.
     pub(super) follow: bool,
+    /// Whether it is shown now: not after a step back, until the last shot is shown again.
+    pub(super) follows: bool,
 }
 
 /// Unit of a record's ordinate; some files write `Volts`.

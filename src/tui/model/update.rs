@@ -7,7 +7,7 @@ use super::state::{Page, SidePanel};
 use super::{Popup, ScreenState};
 use crate::scope::Source;
 use crate::tui::axis::TurnDirection;
-use crate::tui::keys::BINDINGS;
+use crate::tui::keys::{GROUPS, bindings};
 
 /// Does what `action` asks.
 pub fn update(model: &mut ScreenState, action: Action) {
@@ -41,6 +41,7 @@ pub fn update(model: &mut ScreenState, action: Action) {
         Action::OtherCursor => model.cursors.active = 1 - model.cursors.active,
         Action::MoveCursor(turn) => model.move_cursor(turn),
         Action::Snap(turn) => model.snap_cursor(turn),
+        Action::SnapToArrival => model.snap_to_arrival(),
         Action::Press { x, y } => model.press_at(x, y),
         Action::Drag { x, y } => model.drag_to(x, y),
         Action::Page(Page::Accuracy) => model.open_accuracy(),
@@ -48,9 +49,15 @@ pub fn update(model: &mut ScreenState, action: Action) {
         Action::Side(SidePanel::Knobs) if model.bench().is_none() => {}
         Action::Side(side) => model.open_side(side),
         Action::Compare => model.next_overlay(),
-        Action::Shot(turn) => step(model, turn),
-        Action::Ends(TurnDirection::Down) => model.go_to(0),
-        Action::Ends(TurnDirection::Up) => model.go_to(model.shots().saturating_sub(1)),
+        Action::Shot(turn) => {
+            step(model, turn);
+            model.follow_from_here();
+        }
+        Action::Ends(turn) => {
+            let last = model.shots().saturating_sub(1);
+            model.go_to(if turn == TurnDirection::Up { last } else { 0 });
+            model.follow_from_here();
+        }
         Action::RunStop if model.live.is_some() && model.page != Page::Bench => model.run_stop(),
         Action::RunStop => model.play_or_stop(),
         Action::Speed(turn) => model.change_speed(turn),
@@ -64,13 +71,24 @@ pub fn update(model: &mut ScreenState, action: Action) {
         Action::TriggerMode => model.other_mode(),
         Action::Coupling => model.next_coupling(),
         Action::Probe => model.next_probe(),
+        Action::Bandwidth => model.switch_bandwidth_limit(),
+        Action::TriggerSource => model.next_trigger_source(),
         Action::NextKnob(turn) => model.next_knob(turn),
         Action::TurnKnob(turn) => model.turn_knob(turn),
         Action::Switch => model.switch_effect(),
+        Action::TypeKnob => model.type_knob(),
         Action::Prompt(start) => model.open_prompt(start),
         Action::Type(letter) => model.prompt.push(letter),
         Action::Erase => erase(model),
+        Action::Submit if model.panel == Popup::Search => model.panel = Popup::Help,
         Action::Submit => model.submit(),
+        Action::Complete => model.complete_prompt(),
+        Action::Recall(turn) => model.recall(turn),
+        Action::Search => {
+            model.prompt.clear();
+            model.scroll = 0;
+            model.panel = Popup::Search;
+        }
     }
     model.derive();
 }
@@ -78,13 +96,16 @@ pub fn update(model: &mut ScreenState, action: Action) {
 /// Takes the last letter back; before the first one the command line closes.
 fn erase(model: &mut ScreenState) {
     if model.prompt.pop().is_none() {
-        model.panel = Popup::Scope;
+        model.panel = if model.panel == Popup::Search { Popup::Help } else { Popup::Scope };
     }
 }
 
 /// Closes what is open: a panel, then a page, then the side, then everything.
 fn back(model: &mut ScreenState) {
-    if model.panel != Popup::Scope {
+    if model.panel == Popup::Search {
+        model.panel = Popup::Help;
+        model.prompt.clear();
+    } else if model.panel != Popup::Scope {
         model.panel = Popup::Scope;
         model.prompt.clear();
     } else if model.page != Page::Scope {
@@ -110,6 +131,7 @@ fn step(model: &mut ScreenState, turn: TurnDirection) {
 
 fn toggle(model: &mut ScreenState, panel: Popup) {
     model.scroll = 0;
+    model.prompt.clear();
     model.panel = if model.panel == panel { Popup::Scope } else { panel };
 }
 
@@ -117,7 +139,7 @@ fn toggle(model: &mut ScreenState, panel: Popup) {
 fn scroll(model: &mut ScreenState, turn: TurnDirection) {
     let last = match model.panel {
         Popup::Scope | Popup::Prompt => 0,
-        Popup::Help => BINDINGS.len() + COMMANDS.len(),
+        Popup::Help | Popup::Search => bindings().count() + 2 * GROUPS.len() + COMMANDS.len(),
         Popup::Log => model.set.problems.len() + model.set.log.len(),
     };
     model.scroll = match turn {

@@ -1,45 +1,57 @@
-//! The keys, made from their table.
+//! The keys, made from their table: in groups, or those that a search finds.
 
 use ratatui::Frame;
 use ratatui::style::{Modifier, Style};
 use ratatui::text::{Line, Span};
 
 use super::panel;
-use crate::tui::keys::BINDINGS;
-use crate::tui::model::ScreenState;
+use crate::tui::keys::{GROUPS, bindings};
 use crate::tui::model::command::COMMANDS;
+use crate::tui::model::{Popup, ScreenState};
 
 /// Draws the help over the screen.
 pub(super) fn draw(model: &ScreenState, frame: &mut Frame) {
-    let widest = BINDINGS.iter().map(|binding| Span::raw(binding.label).width()).max().unwrap_or(0);
+    let widest = bindings().map(|binding| Span::raw(binding.label).width()).max().unwrap_or(0);
     let bold = Style::new().add_modifier(Modifier::BOLD);
-    let mut lines: Vec<Line> = BINDINGS
-        .iter()
-        .map(|binding| {
-            let pad = " ".repeat(widest + 2 - Span::raw(binding.label).width());
-            Line::from(vec![
-                Span::styled(binding.label, bold),
-                Span::raw(pad),
-                Span::raw(binding.help),
-            ])
-        })
-        .collect();
-    lines.push(Line::default());
-    for (command, help) in COMMANDS {
-        let pad = " ".repeat((widest + 2).saturating_sub(command.len()).max(1));
-        lines.push(Line::from(vec![
-            Span::styled(*command, bold),
-            Span::raw(pad),
-            Span::raw(*help),
-        ]));
+    let row = |label: &'static str, help: &'static str| {
+        let pad = (widest + 2).saturating_sub(Span::raw(label).width()).max(1);
+        Line::from(vec![Span::styled(label, bold), Span::raw(" ".repeat(pad)), Span::raw(help)])
+    };
+    let searched = model.prompt().to_lowercase();
+    let is_found =
+        |label: &str, help: &str| format!("{label} {help}").to_lowercase().contains(&searched);
+    let mut lines: Vec<Line> = Vec::new();
+    let keys = GROUPS.iter().map(|(title, bindings)| {
+        let rows = bindings.iter().map(|binding| (binding.label, binding.help)).collect();
+        (*title, rows)
+    });
+    let groups: Vec<(&str, Vec<_>)> =
+        keys.chain([("Command line: Tab completes, ↑ ↓ bring back", COMMANDS.to_vec())]).collect();
+    for (title, rows) in groups {
+        let found: Vec<_> =
+            rows.into_iter().filter(|(label, help)| is_found(label, help)).collect();
+        if !found.is_empty() {
+            lines.push(Line::styled(title, bold.add_modifier(Modifier::UNDERLINED)));
+            lines.extend(found.into_iter().map(|(label, help)| row(label, help)));
+        }
     }
-    lines.push(Line::default());
-    lines.push(Line::raw("* behind a scale: not as recorded; z goes back"));
-    lines.push(Line::raw("Shift + mouse selects text in most terminals"));
-    let problems = model.set().problems.len();
-    if problems > 0 {
-        let plural = if problems == 1 { "" } else { "s" };
-        lines.push(Line::raw(format!("{problems} problem{plural} in this file: l lists them")));
+    if lines.is_empty() {
+        lines.push(Line::raw("no key or command has these words: Backspace takes letters back"));
     }
-    panel(model, "Keys", lines, frame);
+    if searched.is_empty() {
+        lines.push(Line::default());
+        lines.push(Line::raw("* behind a scale: not as recorded; z goes back"));
+        lines.push(Line::raw("Shift + mouse selects text in most terminals"));
+        let problems = model.set().problems.len();
+        if problems > 0 {
+            let plural = if problems == 1 { "" } else { "s" };
+            lines.push(Line::raw(format!("{problems} problem{plural} in this file: l lists them")));
+        }
+    }
+    let title = match (model.panel(), searched.is_empty()) {
+        (Popup::Search, _) => format!("Keys with: {}_", model.prompt()),
+        (_, true) => "Keys: / searches".to_owned(),
+        _ => format!("Keys with: {}", model.prompt()),
+    };
+    panel(model, &title, lines, frame);
 }

@@ -78,7 +78,7 @@ pub fn draw(model: &ScreenState, frame: &mut Frame) {
     }
     match model.panel() {
         Popup::Scope | Popup::Prompt => {}
-        Popup::Help => help::draw(model, frame),
+        Popup::Help | Popup::Search => help::draw(model, frame),
         Popup::Log => log::draw(model, frame),
     }
 }

@@ -12,7 +12,7 @@ use super::readout::{READING_GAP, compact, digits_for, spaced, width};
 use crate::recording::Origin;
 use crate::scope::Waveform;
 use crate::tui::axis::{ViewWindow, is_spectrum};
-use crate::tui::keys::{BINDINGS, BindingScope};
+use crate::tui::keys::hints as hint_keys;
 use crate::tui::model::command::COMMANDS;
 use crate::tui::model::{Popup, RunState, ScreenState};
 
@@ -142,7 +142,10 @@ pub(super) fn hints(model: &ScreenState, layout: &ScreenLayout, frame: &mut Fram
         let line = Line::from(vec![
             Span::styled(format!(":{}", model.prompt()), bold),
             Span::styled(" ", bold.add_modifier(Modifier::REVERSED)),
-            Span::raw(format!("  {}", command_matches(model.prompt()))),
+            Span::raw("  "),
+            Span::raw(
+                model.notice().map_or_else(|| command_matches(model.prompt()), str::to_owned),
+            ),
         ]);
         frame.render_widget(line, area);
         return;
@@ -155,12 +158,8 @@ pub(super) fn hints(model: &ScreenState, layout: &ScreenLayout, frame: &mut Fram
     let room = usize::from(area.width);
     let grey = Style::new().fg(colour(model.palette(), Color::Gray));
     let mut parts: Vec<Span> = Vec::new();
-    for binding in BINDINGS {
-        if binding.place == BindingScope::Panels || binding.hint.is_empty() {
-            continue;
-        }
-        let text = format!("{} {}", binding.label, binding.hint);
-        parts.push(Span::styled(text, grey));
+    for (keys, what) in hint_keys(model.page()) {
+        parts.push(Span::styled(format!("{keys} {what}"), grey));
         if width(&parts) > room + READING_GAP.len() {
             parts.pop();
         }

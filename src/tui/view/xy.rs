@@ -1,4 +1,4 @@
-//! The selected trace upward against the first other one to the right, as in the instrument's XY format.
+//! The first trace to the right and the selected one upward, as in the instrument's XY format.
 
 use ratatui::Frame;
 use ratatui::layout::Rect;
@@ -22,15 +22,22 @@ fn range(waveform: &Waveform) -> (f64, f64) {
 /// Draws the page.
 pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let area = layout.page;
-    let Some(y) = model.selected().map(|capture| &capture.waveform) else {
-        return message("there is no trace", area, frame);
-    };
-    let others = model.captures().iter().map(|capture| &capture.waveform);
-    let other = others
-        .filter(|w| w.source != y.source && model.visibility(w) == Visibility::Shown)
-        .find(|w| w.codes.len() == y.codes.len());
-    let Some(x) = other else {
-        return message("XY needs a second trace of the same length: select with 1-4", area, frame);
+    let shown: Vec<&Waveform> = model
+        .captures()
+        .iter()
+        .map(|capture| &capture.waveform)
+        .filter(|waveform| model.visibility(waveform) == Visibility::Shown)
+        .collect();
+    // The first trace goes to the right, as CH1 does on the instrument.
+    let pair = shown.first().and_then(|x| {
+        let mut others =
+            shown.iter().filter(|w| w.source != x.source && w.codes.len() == x.codes.len());
+        let selected = model.selected().map(|capture| capture.waveform.source);
+        let y = others.clone().find(|w| Some(w.source) == selected).or_else(|| others.next())?;
+        Some((*x, *y))
+    });
+    let Some((x, y)) = pair else {
+        return message("XY needs two traces of the same length: show them with 1-4", area, frame);
     };
     let palette = model.palette();
     let ((left, right), (low, high)) = (range(x), range(y));

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::mpsc::{Receiver, Sender};
 
-use super::{ScreenEvent, guarded};
+use super::{ScreenEvent, guarded, with_reasons};
 use crate::experiment::accuracy::of_scene;
 use crate::experiment::{Integration, facts, run};
 use crate::measurement::compare::score_limits::ScoreLimits;
@@ -54,14 +54,14 @@ impl Other {
     fn of(name: &str) -> Result<Self, String> {
         let path = Path::new(name);
         if Format::of(path).is_some() {
-            let set = open(path).map_err(|error| error.to_string())?;
+            let set = open(path).map_err(|error| with_reasons(&error))?;
             return Ok(Self { name: name.to_owned(), set });
         }
-        let scene = Scene::load(name).map_err(|error| error.to_string())?;
-        let accuracy = of_scene(&scene).map_err(|error| error.to_string())?.value;
+        let scene = Scene::load(name).map_err(|error| with_reasons(&error))?;
+        let accuracy = of_scene(&scene).map_err(|error| with_reasons(&error))?.value;
         let integration = Integration::Accuracy(accuracy);
-        let outcome = run(&scene, integration, 1, &mut |_| ()).map_err(|e| e.to_string())?;
-        let metadata = facts::facts(&scene, integration).map_err(|error| error.to_string())?;
+        let outcome = run(&scene, integration, 1, &mut |_| ()).map_err(|e| with_reasons(&e))?;
+        let metadata = facts::facts(&scene, integration).map_err(|error| with_reasons(&error))?;
         let attachments = vec![facts::scene_attachment(&scene)];
         let set =
             TraceSet { shots: vec![outcome.shot], metadata, attachments, ..TraceSet::default() };
@@ -105,7 +105,7 @@ fn compared(asked: &ComparisonRequest, other: &Other) -> Result<Compared, String
         (here_side, there_side)
     };
     let tolerance = ScoreLimits::parse(SCORE_LIMITS)?;
-    compare(measured, simulated, (Align::default(), &[]), &tolerance).map_err(|e| e.to_string())
+    compare(measured, simulated, (Align::default(), &[]), &tolerance).map_err(|e| with_reasons(&e))
 }
 
 /// A question to a scene that is run many times.
@@ -139,11 +139,11 @@ pub fn research(order: StudyRequest, _: &Receiver<StudyRequest>, news: &Sender<S
         }
         StudyRequest::Ledger(scene) => {
             let found = guarded(|| {
-                let accuracy = of_scene(&scene).map_err(|error| error.to_string())?.value;
+                let accuracy = of_scene(&scene).map_err(|error| with_reasons(&error))?.value;
                 effects::ledger(&scene, accuracy, &mut |s| {
                     tell(s, |s| JobAnswer::Ledger(JobState::Busy(s)));
                 })
-                .map_err(|error| error.to_string())
+                .map_err(|error| with_reasons(&error))
             });
             JobAnswer::Ledger(
                 found.map_or_else(JobState::Failed, |ledger| JobState::Done(Box::new(ledger))),

@@ -8,7 +8,7 @@ mod save;
 pub mod served;
 mod simulation_worker;
 
-pub use news::{ScreenEvent, guarded};
+pub use news::{ScreenEvent, guarded, with_reasons};
 
 use std::io::IsTerminal as _;
 use std::sync::mpsc::{Receiver, Sender, channel};

@@ -53,6 +53,12 @@ impl ScreenEvent {
     }
 }
 
+/// An error with all its reasons: what failed, and why the system says so.
+pub fn with_reasons(error: &dyn std::error::Error) -> String {
+    let reasons = std::iter::successors(error.source(), |reason| reason.source());
+    reasons.fold(error.to_string(), |text, reason| format!("{text}: {reason}"))
+}
+
 /// Does a piece of work; a panic in it becomes words, and the thread goes on with the next.
 ///
 /// # Errors

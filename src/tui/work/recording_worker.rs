@@ -4,7 +4,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel}
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::{ScreenEvent, guarded};
+use super::{ScreenEvent, guarded, with_reasons};
 use crate::recording::mcap::indexed_recording::{IndexedRecording, ReadState};
 
 /// A file that may grow is looked at so often.
@@ -50,7 +50,7 @@ impl Player {
             let end = match end {
                 Ok(end) => end,
                 Err(error) => {
-                    self.send(ScreenEvent::Told(error.to_string()))?;
+                    self.send(ScreenEvent::Told(with_reasons(&error)))?;
                     ReadState::Finished
                 }
             };
@@ -91,7 +91,7 @@ impl Player {
         match self.tape.shot_and_notes(place) {
             Ok(Some(found)) => self.send(ScreenEvent::Shot(place, Box::new(found))),
             Ok(None) => self.send(ScreenEvent::Told(format!("shot {} cannot be read", place + 1))),
-            Err(error) => self.send(ScreenEvent::Told(error.to_string())),
+            Err(error) => self.send(ScreenEvent::Told(with_reasons(&error))),
         }
     }
 

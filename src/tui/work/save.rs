@@ -7,6 +7,7 @@ use ratatui::Terminal;
 use ratatui::backend::TestBackend;
 use ratatui::layout::Size;
 
+use super::with_reasons;
 use crate::files::{NewFile, Output as _};
 use crate::recording::{TraceSet, mcap, tek_csv};
 use crate::tui::model::ScreenState;
@@ -41,7 +42,7 @@ fn write(file: &Path, text: &str) -> Result<String, String> {
 fn recording(model: &ScreenState, file: &Path) -> Result<String, String> {
     let shot = model.shot().ok_or("there is no shot to write")?;
     let set = TraceSet { shots: vec![shot.clone()], ..model.set().clone() };
-    let written = mcap::write_numbered(file, &set).map_err(|error| error.to_string())?;
+    let written = mcap::write_numbered(file, &set).map_err(|error| with_reasons(&error))?;
     Ok(format!("wrote shot {} with its scene to {}", shot.number, written.display()))
 }
 
@@ -49,7 +50,7 @@ fn recording(model: &ScreenState, file: &Path) -> Result<String, String> {
 fn traces(model: &ScreenState, file: &Path) -> Result<String, String> {
     let mut written = Vec::new();
     for capture in model.captures() {
-        let text = tek_csv::write(capture).map_err(|error| error.to_string())?;
+        let text = tek_csv::write(capture).map_err(|error| with_reasons(&error))?;
         let name = path_beside(file, &capture.waveform.source.to_string());
         written.push(write(&name, &text)?);
     }

@@ -12,7 +12,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::{ScreenEvent, guarded};
+use super::{ScreenEvent, guarded, with_reasons};
 use crate::recording::set_file::SetFile;
 use crate::recording::{Capture, InstrumentIdentity, isf};
 use crate::scope::{Model, Source};
@@ -130,7 +130,7 @@ pub fn start(scope: ServedConnection, news: &Sender<ScreenEvent>) -> Sender<Stri
     thread::spawn(move || {
         let address = scope.address.clone();
         let mut watch = ServedWorker { scope, news: news.clone(), last: None, records: None };
-        let watched = guarded(|| watch.go(&received).map_err(|error| error.to_string()));
+        let watched = guarded(|| watch.go(&received).map_err(|error| with_reasons(&error)));
         if let Err(words) = watched {
             // The screen may be closed already.
             let _ = news.send(ScreenEvent::Lost(format!("{address}: connection lost: {words}")));

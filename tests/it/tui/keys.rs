@@ -4,7 +4,7 @@ use super::bench::draw;
 use super::live::Session;
 use hertzscope::scope::Source;
 use hertzscope::tui::axis::TurnDirection;
-use hertzscope::tui::keys::{BINDINGS, BindingScope, action, key_action, mouse_action};
+use hertzscope::tui::keys::{BindingScope, action, bindings, key_action, mouse_action};
 use hertzscope::tui::model::{Action, Popup};
 use hertzscope::tui::view::{self, layout::ScreenLayout};
 use ratatui::crossterm::event::{
@@ -73,8 +73,7 @@ fn in_a_panel_arrows_scroll_and_scope_keys_rest() {
 
 #[test]
 fn no_key_has_two_meanings_in_one_place() {
-    let keys: Vec<_> = BINDINGS
-        .iter()
+    let keys: Vec<_> = bindings()
         .flat_map(|binding| binding.keys.iter().map(move |(key, _)| (binding.place, *key)))
         .collect();
     for (index, (place, key)) in keys.iter().enumerate() {

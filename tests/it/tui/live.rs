@@ -6,7 +6,7 @@ use std::time::Duration;
 use super::bench::{after, draw};
 use hertzscope::recording::TraceSet;
 use hertzscope::scene::Scene;
-use hertzscope::scope::{Coupling, Source};
+use hertzscope::scope::{Coupling, Source, TriggerSource};
 use hertzscope::tui::axis::TurnDirection;
 use hertzscope::tui::model::knobs::BenchKnob;
 use hertzscope::tui::model::{
@@ -77,6 +77,11 @@ fn choose(session: &mut Session, label: &str) {
     for _ in 0..knob(label) {
         session.act(&[Action::NextKnob(TurnDirection::Up)]);
     }
+}
+
+fn type_text(session: &mut Session, text: &str) {
+    let letters: Vec<Action> = text.chars().map(Action::Type).collect();
+    session.act(&letters);
 }
 
 fn scene(session: &Session) -> &Scene {
@@ -294,4 +299,43 @@ fn knobs_on_a_recording_say_that_there_is_nothing_to_turn() {
         assert!(notice.contains("view SCENE"), "{action:?}: {notice}");
         assert!(model.is_selected(Source::Channel(1)));
     }
+}
+
+#[test]
+fn values_are_typed_completed_and_brought_back() {
+    let mut session = Session::bench("magnet-0.61g");
+    choose(&mut session, "striker speed");
+    session.act(&[Action::TypeKnob]);
+    assert_eq!(session.model.prompt(), "set striker.speed ");
+    type_text(&mut session, "0.5 m/s");
+    session.act(&[Action::Submit]);
+    assert_eq!(scene(&session).striker_speed(), Some(0.5));
+    // The line comes back, and a word is completed.
+    session.act(&[Action::Prompt("")]);
+    session.act(&[Action::Recall(TurnDirection::Up)]);
+    assert_eq!(session.model.prompt(), "set striker.speed 0.5 m/s");
+    session.act(&[Action::Recall(TurnDirection::Down)]);
+    assert_eq!(session.model.prompt(), "");
+    type_text(&mut session, "co");
+    session.act(&[Action::Complete]);
+    assert_eq!(session.model.prompt(), "compare ");
+    type_text(&mut session, "magnet-0.6");
+    session.act(&[Action::Complete]);
+    assert_eq!(session.model.prompt(), "compare magnet-0.61g ");
+    session.act(&[Action::Back]);
+}
+
+#[test]
+fn trigger_source_and_bandwidth_limit_are_controls() {
+    let mut session = Session::bench("magnet-0.61g");
+    session.act(&[Action::Bandwidth]);
+    let limited = |session: &Session| {
+        scene(session).scope.channels[0].as_ref().expect("CH1").vertical.bandwidth_limited
+    };
+    assert_eq!(limited(&session), Some(true));
+    session.act(&[Action::Bandwidth]);
+    assert_eq!(limited(&session), Some(false));
+    assert_eq!(scene(&session).scope.trigger.source, TriggerSource::Channel(1));
+    session.act(&[Action::TriggerSource]);
+    assert_eq!(scene(&session).scope.trigger.source, TriggerSource::Channel(2));
 }

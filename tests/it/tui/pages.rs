@@ -53,6 +53,10 @@ fn a_cursor_snaps_to_an_edge_at_half_of_the_peak() {
     let at = model.cursor_reading().expect("cursors").at[0];
     // sin(pi x) is 1/2 at x = 1/6; a level is 20 mV of a slope of 27 mV/µs.
     assert!((at - 100e-6 / 6.0).abs() < 1e-6, "{at:e}");
+    // The arrival is where the pulse passes half of its height, which is found from anywhere.
+    let far = after(model, &[Action::Snap(TurnDirection::Up), Action::SnapToArrival]);
+    let at = far.cursor_reading().expect("cursors").at[0];
+    assert!((at - 100e-6 / 6.0).abs() < 1e-6, "{at:e}");
 }
 
 #[test]

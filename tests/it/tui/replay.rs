@@ -174,6 +174,22 @@ fn followed_the_newest_shot_is_shown_and_else_the_one_that_was() {
 }
 
 #[test]
+fn a_step_back_ends_following_until_the_last_shot_is_shown_again() {
+    let mut model = on_tape(true);
+    update(&mut model, Action::Shot(TurnDirection::Down));
+    deliver(&mut model);
+    assert!(model.notice().is_some_and(|notice| notice.contains("End")), "{:?}", model.notice());
+    let there = number(&model);
+    model.apply_index(5, true, TraceSet::default());
+    assert!(deliver(&mut model).is_empty(), "the newest shot is not shown");
+    assert_eq!(number(&model), there);
+    update(&mut model, Action::Ends(TurnDirection::Up));
+    deliver(&mut model);
+    model.apply_index(6, true, TraceSet::default());
+    assert_eq!(deliver(&mut model), [5]);
+}
+
+#[test]
 fn playing_shows_a_shot_a_second_at_speed_one_and_stops_at_the_end() {
     let flat = || vec![channel(1, 0.5, 0.0, |_| 0.0)];
     let model = model(recording(vec![flat(), flat(), flat()]));

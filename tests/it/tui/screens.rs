@@ -3,9 +3,9 @@
 use super::bench::{after, channel, draw, four_channels, model, recording, spectrum, step};
 use hertzscope::recording::Origin;
 use hertzscope::tui::axis::TurnDirection;
-use hertzscope::tui::keys::BINDINGS;
+use hertzscope::tui::keys::{GROUPS, bindings, hints};
 use hertzscope::tui::model::command::COMMANDS;
-use hertzscope::tui::model::{Action, Palette, Popup, ScreenState};
+use hertzscope::tui::model::{Action, Page, Palette, Popup, ScreenState};
 use ratatui::style::{Color, Modifier};
 
 /// Column of division line `line`, counted from the left.
@@ -217,14 +217,63 @@ fn a_spectrum_has_its_own_units() {
 fn help_lists_every_key_and_command() {
     let mut model = after(four_channels(), &[Action::Toggle(Popup::Help)]);
     let mut all = String::new();
-    for _ in 0..40 {
+    for _ in 0..60 {
         all += &draw(&model, 80, 24).text();
         model = after(model, &[Action::Scroll(TurnDirection::Down)]);
     }
-    for (label, help) in BINDINGS.iter().map(|b| (b.label, b.help)).chain(COMMANDS.iter().copied())
-    {
+    for (label, help) in bindings().map(|b| (b.label, b.help)).chain(COMMANDS.iter().copied()) {
         assert!(all.contains(label), "{label}");
         assert!(all.contains(help), "{help}");
+    }
+    for (title, _) in GROUPS {
+        assert!(all.contains(title), "{title}");
+    }
+}
+
+#[test]
+fn a_search_in_the_help_leaves_what_it_finds() {
+    let typed: Vec<Action> = "cursor".chars().map(Action::Type).collect();
+    let search = [&[Action::Toggle(Popup::Help), Action::Search], &typed[..]].concat();
+    let found = after(four_channels(), &search);
+    let text = draw(&found, 80, 24).text();
+    assert!(text.contains("Keys with: cursor") && text.contains("c v"), "{text}");
+    assert!(!text.contains("Tab Shift+Tab"), "{text}");
+    // Enter keeps it for scrolling, Esc shows all keys again, the next one the scope.
+    let kept = after(found.clone(), &[Action::Submit]);
+    assert_eq!(kept.panel(), Popup::Help);
+    assert!(!draw(&kept, 80, 24).text().contains("Tab Shift+Tab"));
+    let all = after(found, &[Action::Back]);
+    assert!(draw(&all, 80, 24).text().contains("Keys: / searches"));
+    assert_eq!(after(all, &[Action::Back]).panel(), Popup::Scope);
+}
+
+/// What the last line names on a page is a key there.
+#[test]
+fn hints_name_keys_that_exist() {
+    let pages = [Page::Scope, Page::Spectrum, Page::Map, Page::Xy, Page::Bench, Page::Compare];
+    for page in pages.into_iter().chain([Page::Accuracy]) {
+        for (keys, what) in hints(page) {
+            for key in keys.split(' ') {
+                let known = bindings().any(|b| b.label.split_whitespace().any(|word| word == key));
+                assert!(known, "{key}: {what}");
+            }
+        }
+        if page == Page::Accuracy {
+            continue;
+        }
+        let screen = draw(&after(four_channels(), &[Action::Page(page)]), 80, 24);
+        let last = screen.row(23);
+        assert!(last.starts_with("? help"), "{page:?}: {last}");
+    }
+}
+
+#[test]
+fn xy_has_ch1_to_the_right() {
+    let selected: [(&[Action], &str); 2] = [(&[], "CH2"), (&[Action::Channel(3)], "CH3")];
+    for (select, upward) in selected {
+        let model = after(after(four_channels(), select), &[Action::Page(Page::Xy)]);
+        let text = draw(&model, 80, 24).text();
+        assert!(text.contains(&format!("XY: {upward} upward, CH1 to the right")), "{text}");
     }
 }
 
