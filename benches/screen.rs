@@ -39,11 +39,6 @@ const TRIGGERS: u32 = 1000;
 const TIMEOUT: Duration = Duration::from_secs(60);
 
 /// A damped wave with noise, different for each channel and shot.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_precision_loss,
-    reason = "levels and counts"
-)]
 fn channel_of(number: u8, shot: u32, points: usize) -> Capture {
     let mut random = u64::from(number) * 7919 + u64::from(shot) * 104_729 + 1;
     let mut noise = || {

@@ -1,7 +1,6 @@
 //! What a sweep costs: for each scene, and how that grows with particles, time simulated, accuracy and number of scenes, as exponents of
 //! power laws fitted by least squares; from these, what a million scenes take. CPU time of one thread, medians of interleaved rounds;
 //! exponents and shares count, times move with the machine: `cargo bench --bench sweep`.
-#![allow(clippy::cast_precision_loss, reason = "counts far below 2^53")]
 #![allow(clippy::expect_used, reason = "a bench that cannot run has nothing to say")]
 
 mod common;

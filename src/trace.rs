@@ -20,7 +20,6 @@ pub struct Trace {
 
 impl Trace {
     /// Time of sample `index` (s).
-    #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
     pub fn time(&self, index: usize) -> f64 {
         self.start + index as f64 * self.interval
     }

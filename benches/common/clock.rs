@@ -5,7 +5,6 @@ use rustix::time::{ClockId, clock_gettime};
 /// CPU time so far (s).
 pub fn cpu_time() -> f64 {
     let now = clock_gettime(ClockId::ProcessCPUTime);
-    #[allow(clippy::cast_precision_loss, reason = "seconds of a bench, to the nanosecond")]
     let (whole, rest) = (now.tv_sec as f64, now.tv_nsec as f64);
     whole + 1e-9 * rest
 }

@@ -94,7 +94,6 @@ fn alternating(
 ) -> Case {
     let is_sphere = |particle: usize| (count - particle).is_multiple_of(2);
     let mass = |sphere: bool| if sphere { 0.1226e-3 } else { 0.485e-3 };
-    #[allow(clippy::cast_precision_loss, reason = "counts far below 2^53")]
     let radius = |particle: usize| RADIUS * (1.0 + growth * particle as f64 / count as f64);
     let particle = |index: usize| {
         let sphere = is_sphere(index);

@@ -230,21 +230,10 @@ impl Pulse {
         dt * dt * bend.abs() / (8.0 * 3f64.sqrt())
     }
 
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a share of a number of samples"
-    )]
     fn share_of_rise(&self, fitted: &Fitted) -> usize {
         (fitted.1 * self.rise() as f64).round() as usize
     }
 
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "`as` takes what is below zero to zero, and records are far shorter than 2^53 samples"
-    )]
     fn nearest(&self, time: f64) -> usize {
         ((time - self.signal.start) / self.signal.interval).round() as usize
     }

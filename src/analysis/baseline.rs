@@ -42,7 +42,6 @@ impl Baseline {
             let samples = values.len();
             return Err(PulseError::NoBaseline { trace: trace.name.clone(), samples });
         }
-        #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
         let count = values.len() as f64;
         let level = values.iter().sum::<f64>() / count;
         let squares: f64 = values.iter().map(|v| (v - level).powi(2)).sum();
@@ -66,7 +65,6 @@ pub(super) fn noise_of(rms: f64, level: f64) -> f64 {
 }
 
 /// Samples over independent samples: 1 with noise enough, else their number over that of the levels they span.
-#[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
 pub(super) fn together(values: &[f64], rms: f64, level: f64) -> f64 {
     if rms >= DITHER_NOISE * level {
         return 1.0;
@@ -76,12 +74,6 @@ pub(super) fn together(values: &[f64], rms: f64, level: f64) -> f64 {
 }
 
 /// The first two thirds of the samples before the first that is a quarter of the largest deviation away from the start.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a share of a number of samples"
-)]
 fn before_pulse(trace: &Trace) -> Range<usize> {
     let mut first: Vec<f64> = trace
         .values

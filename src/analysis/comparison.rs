@@ -85,7 +85,6 @@ impl Pair {
     }
 
     /// How far the two are apart.
-    #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
     pub fn distance(&self) -> Distance {
         let (m, s) = (&self.measured.values, &self.simulated.values);
         let count = m.len() as f64;
@@ -140,12 +139,6 @@ impl Trace {
 }
 
 /// The value at `place`, in samples: a sample itself, or the cubic through the four around it; none outside.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "records are far shorter than 2^53 samples"
-)]
 fn between(values: &[f64], place: f64) -> Option<f64> {
     /// Places as near as this to a sample are that sample: what is left of the same time axis after rounding (1).
     const TIME_TOLERANCE: f64 = 1e-6;
@@ -175,7 +168,6 @@ fn between(values: &[f64], place: f64) -> Option<f64> {
 ///
 /// Searched over every shift by whole samples that leaves half of the shorter record in common, then refined to the bottom of the
 /// parabola through the three lowest.
-#[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
 pub fn least_squares_shift(pairs: &[(&Trace, &Trace, f64)]) -> Option<f64> {
     let (first, other, _) = pairs.first()?;
     let step = first.interval;
@@ -204,11 +196,6 @@ pub fn least_squares_shift(pairs: &[(&Trace, &Trace, f64)]) -> Option<f64> {
 }
 
 /// The lowest of `cost` among `count` steps on either side of `middle`.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_precision_loss,
-    reason = "a few thousand steps"
-)]
 fn scan(cost: &dyn Fn(f64) -> Option<f64>, middle: f64, step: f64, count: f64) -> Option<f64> {
     let count = count as i64;
     let costs = (-count..=count).filter_map(|k| {
@@ -219,12 +206,11 @@ fn scan(cost: &dyn Fn(f64) -> Option<f64>, middle: f64, step: f64, count: f64) -
 }
 
 #[cfg(test)]
-#[allow(clippy::cast_precision_loss, clippy::float_cmp, reason = "small counts, exact values")]
+#[allow(clippy::float_cmp, reason = "small counts, exact values")]
 mod tests {
     use super::*;
     use std::f64::consts::TAU;
 
-    #[allow(clippy::cast_precision_loss, reason = "a few hundred")]
     /// A packet on 512 samples that is zero at its ends.
     fn packet(gain: f64, later: usize) -> Trace {
         let value = |i: usize| {

@@ -26,12 +26,6 @@ const EXCERPT_LENGTH: f64 = 8.0;
 const INTERVAL_TOLERANCE: f64 = 1e-9;
 
 /// How much later `second` is than `first` (s); none where sample intervals differ or no lag stands out.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "records are far shorter than 2^53 samples"
-)]
 pub fn delay(first: &Pulse, second: &Pulse) -> Option<Uncertain> {
     let interval = first.signal.interval;
     if (second.signal.interval / interval - 1.0).abs() > INTERVAL_TOLERANCE {
@@ -69,7 +63,6 @@ struct CorrelationMaximum {
 }
 
 /// The maximum of a cubic through the largest correlation and `reach` on either side.
-#[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
 fn top(lags: &[f64], reach: usize) -> Option<CorrelationMaximum> {
     let best = (0..lags.len()).max_by(|i, j| lags[*i].total_cmp(&lags[*j]))?;
     let around = (0..=2 * reach).map(|shift| (best + lags.len() + shift - reach) % lags.len());
@@ -88,7 +81,6 @@ fn top(lags: &[f64], reach: usize) -> Option<CorrelationMaximum> {
 impl Pulse {
     /// The signal around its first pulse, in units of `rise` (samples) from `arrival` (s), its half-rise: nothing before -3,
     /// fading out as a cosine from 1 to 5.
-    #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
     fn excerpt(&self, arrival: f64, rise: f64) -> Vec<f64> {
         let half = (arrival - self.signal.start) / self.signal.interval;
         let weight = |index: usize| {
@@ -121,7 +113,6 @@ pub fn correlate(a: &[f64], b: &[f64]) -> Option<Vec<f64>> {
     let mut product: Vec<_> = first.iter().zip(&second).map(|(x, y)| x.conj() * y).collect();
     let mut lags = vec![0.0; length];
     planner.plan_fft_inverse(length).process(&mut product, &mut lags).ok()?;
-    #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
     let scale = 1.0 / length as f64;
     Some(lags.into_iter().map(|c| c * scale).collect())
 }

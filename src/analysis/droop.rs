@@ -21,7 +21,6 @@ pub struct ErrorGain {
 ///
 /// `S N[n] = g (V[n] + (1 - a) sum over k < n of V[k])`, `g = dt/(tau (1 - a))`: so the noise of `n + 1` samples makes
 /// `g sqrt(1 + n (1 - a)^2)`, and a baseline error `g (1 + n (1 - a))`, which grows as `T/tau`.
-#[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
 pub fn error_gain(sample: usize, interval: f64, time_constant: f64) -> ErrorGain {
     let ratio = interval / time_constant;
     let leaked = -(-ratio).exp_m1();

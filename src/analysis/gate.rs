@@ -30,11 +30,6 @@ impl Gate {
 }
 
 /// Index of the first sample at or after `time` (s).
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "`as` takes what is below zero to zero and what is too large to the largest"
-)]
 fn index_at(trace: &Trace, time: f64) -> usize {
     ((time - trace.start) / trace.interval - EDGE_TOLERANCE).ceil() as usize
 }

@@ -159,7 +159,6 @@ fn damped_step(columns: &[Vec<f64>], gradient: &[f64], scale: &[f64], damping: f
 
 impl Minimum {
     /// Residual variance `chi^2/(N - P)`, `N` the residuals that count: 1 where the residuals' standard deviations are right and the model is (1).
-    #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
     pub fn variance(&self) -> f64 {
         self.chi_squared / self.degrees_of_freedom.max(1) as f64
     }

@@ -149,7 +149,6 @@ impl Pulse {
 
 /// What normal noise exceeds in one of `samples` samples with a probability of 1 %, in standard deviations: `Q(z) = 0.01/samples`, from the
 /// bound `Q(z) < exp(-z^2/2)/2` (1).
-#[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
 fn chance_limit(samples: usize) -> f64 {
     (2.0 * (50.0 * samples.max(1) as f64).ln()).sqrt()
 }
@@ -175,25 +174,13 @@ fn first_maximum(values: &[f64], threshold: f64, drop: f64) -> (usize, usize) {
     (start, at)
 }
 
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a share of a number of samples"
-)]
 fn smoothing_reach(rise: usize) -> usize {
     (SMOOTHING * rise as f64).round() as usize
 }
 
 /// Savitzky and Golay's quadratic smoothing over `reach` samples on either side, and what is left of white noise (1).
 /// Source: A. Savitzky, M. J. E. Golay, Anal. Chem. 36, 1627 (1964). Beyond the ends the outermost samples stand.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_possible_wrap,
-    clippy::cast_sign_loss,
-    reason = "indices stay far below 2^53"
-)]
+#[allow(clippy::cast_possible_wrap, reason = "indices stay far below 2^53")]
 fn smooth(values: &[f64], reach: usize) -> (Vec<f64>, f64) {
     if reach < 2 {
         return (values.to_vec(), 1.0);

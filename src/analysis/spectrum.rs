@@ -174,7 +174,6 @@ impl Analyser {
             record.iter().zip(&weights).map(|(x, w)| (x - settings.offset) * w).collect();
         input.resize(padded, 0.0);
         let modulus = self.moduli(&mut input);
-        #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
         let (m, n) = (samples as f64, padded as f64);
         let amplitude = scaled(modulus, settings.convention, &weights, trace.interval, padded);
         Ok(Spectrum {
@@ -252,7 +251,6 @@ fn scaled(
 
 impl Spectrum {
     /// Frequency of bin `bin` (Hz).
-    #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
     pub fn frequency(&self, bin: usize) -> f64 {
         bin as f64 * self.step
     }

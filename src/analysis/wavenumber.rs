@@ -10,7 +10,7 @@
 use std::f64::consts::{PI, TAU};
 
 use realfft::RealFftPlanner;
-use realfft::num_complex::Complex;
+use rustfft::num_complex::Complex;
 
 use super::window::Window;
 
@@ -90,7 +90,6 @@ pub fn spectral_lines(
     }
     let spectra: Vec<Vec<Complex<f64>>> =
         rows.iter().map(|row| over_time(&row[..samples])).collect();
-    #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
     let (step, count) = (1.0 / (samples as f64 * interval), cells as f64);
     let places = PADDING * cells;
     let turns: Vec<Complex<f64>> =
@@ -117,7 +116,6 @@ pub fn spectral_lines(
     Ok(SpectralLines { lines, frequency_u: step, phase_u: TAU / count })
 }
 
-#[allow(clippy::cast_precision_loss, reason = "counts of samples and cells")]
 fn share(part: usize, whole: usize) -> f64 {
     part as f64 / whole as f64
 }

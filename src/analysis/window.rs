@@ -39,7 +39,6 @@ impl Window {
     }
 
     /// The weight of sample `index` of `length` (1).
-    #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
     pub fn weight(self, index: usize, length: usize) -> f64 {
         let angle = TAU * index as f64 / length.max(1) as f64;
         let mut sum = 0.0;

@@ -209,7 +209,6 @@ fn run_fit(
 fn fitted_scene(scene: &Adjustable, knobs: &[AdjustableNumber], found: &Fit) -> String {
     let values = knobs.iter().zip(&found.report.parameters).map(|(knob, parameter)| {
         let digits = 3.0 - (parameter.u / knob.scale).log10().floor();
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few digits")]
         (knob, parameter.value, digits.clamp(0.0, 15.0) as usize)
     });
     let title = format!("{} fitted to {}", found.report.scene, found.report.measured);

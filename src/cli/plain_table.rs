@@ -153,11 +153,6 @@ fn interpolated(trace: &Trace, time: f64) -> f64 {
     if place.is_nan() || place < 0.0 {
         return f64::NAN;
     }
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "not below zero; saturates"
-    )]
     let index = place.floor() as usize;
     let share = place - place.floor();
     match (trace.values.get(index), trace.values.get(index + 1)) {

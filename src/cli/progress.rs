@@ -26,12 +26,6 @@ impl JobProgress {
     }
 
     /// Shows that `share` of the work is done, 0 to 1.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "a share of a thousand parts"
-    )]
     pub fn at(&mut self, share: f64) {
         if self.quiet || (self.bar.is_none() && self.started.elapsed() < BAR_DELAY) {
             return;

@@ -43,11 +43,6 @@ pub struct Arguments {
     plot: Option<PathBuf>,
 }
 
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "`as` takes what is below zero to zero and what is too large to the largest"
-)]
 fn samples(time: Option<f64>, interval: f64, otherwise: usize) -> usize {
     time.map_or(otherwise, |time| (time / interval).round() as usize)
 }

@@ -161,7 +161,6 @@ impl SharedProgress {
         Self { bar: Mutex::new(JobProgress::new(what, quiet)), done: AtomicU64::new(0), all }
     }
 
-    #[allow(clippy::cast_precision_loss, reason = "a share")]
     fn more(&self, more: u64) {
         let done = self.done.fetch_add(more, Ordering::Relaxed) + more;
         if let Ok(mut bar) = self.bar.lock() {

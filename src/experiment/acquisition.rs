@@ -127,11 +127,6 @@ pub fn record(
             .collect()
     });
     let trigger_time = found.map(|found| grid.time(found.index));
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a time in ns, not below zero"
-    )]
     let timestamp_ns = (trigger_time.unwrap_or(0.0).max(0.0) * 1e9).round() as u64;
     Shot {
         number,
@@ -146,7 +141,6 @@ pub fn record(
 /// A trace with at most [`MOST_OF_TRUTH`] samples: of more, every second, third, and so on.
 pub fn thinned(trace: Trace) -> Trace {
     let step = trace.values.len().div_ceil(MOST_OF_TRUTH).max(1);
-    #[allow(clippy::cast_precision_loss, reason = "far below 2^53")]
     let interval = trace.interval * step as f64;
     let values = trace.values.into_iter().step_by(step).collect();
     Trace { interval, values, ..trace }

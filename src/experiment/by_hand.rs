@@ -109,7 +109,6 @@ pub fn advice(scene: &Scene, method: Method) -> Option<String> {
     (0..MAX_SETTINGS).find_map(|halvings| {
         let step = rounded_down(longest * 0.5_f64.powi(halvings), 2);
         let steps = scene.duration / step * f64::from(method.stages());
-        #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^53 contacts")]
         let contacts = scene.chain.contacts().len() as f64;
         if steps * contacts > MAX_CONTACT_FORCES {
             return None;

@@ -11,17 +11,11 @@ pub struct Grid {
 
 impl Grid {
     /// Time of sample `index` (s).
-    #[allow(clippy::cast_precision_loss, reason = "runs have far fewer than 2^53 samples")]
     pub fn time(&self, index: usize) -> f64 {
         self.start + index as f64 * self.interval
     }
 
     /// Number of samples at or before `time` (s).
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "`as` cuts off, takes negative numbers to zero, and runs have far fewer than 2^53 samples"
-    )]
     pub fn samples_until(&self, time: f64) -> usize {
         let mut count = ((time - self.start) / self.interval) as usize;
         // The quotient may be off by its rounding; the samples' own times decide.

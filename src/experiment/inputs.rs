@@ -50,7 +50,6 @@ pub fn inputs(scene: &Scene, window: InputWindow, shot: u32) -> Result<Inputs, R
     let integration = Integration::Accuracy(of_scene(scene)?.value);
     let scene = &*resolve_auto_effects(scene, integration);
     let method = method(scene, integration)?;
-    #[allow(clippy::cast_precision_loss, reason = "two million is far below 2^53")]
     let longest_before = (MAX_SAMPLES / 2) as f64 * window.interval;
     let grid = free_grid(scene, shot, window.interval, window.before.min(longest_before));
     let frames = Grid { start: 0.0, interval: scene.duration / FRAMES_PER_RUN };

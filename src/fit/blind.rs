@@ -102,7 +102,6 @@ pub fn blind(
                     uncertainties[place] += found.u_relative;
                 }
                 variance += report.residual_variance;
-                #[allow(clippy::cast_precision_loss, reason = "a few hundred")]
                 let of_fit = report.runs as f64;
                 runs += of_fit;
                 seconds += report.wall_s;
@@ -122,13 +121,7 @@ pub fn blind(
         .map(|((knob, pulls), sum)| parameter(knob, pulls, sum / count))
         .collect();
     let whole: f64 = parameters.iter().map(|p| p.coverage_95).sum();
-    #[allow(clippy::cast_precision_loss, reason = "a handful")]
     let coverage_95 = whole / parameters.len() as f64;
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "whole, not below zero"
-    )]
     let failed = trials - count as u32;
     Ok(BlindFits {
         trials,
@@ -142,7 +135,6 @@ pub fn blind(
     })
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a few hundred")]
 fn parameter(knob: &AdjustableNumber, pulls: &[f64], mean_u_relative: f64) -> BlindParameter {
     let count = pulls.len() as f64;
     let inside = pulls.iter().filter(|pull| pull.abs() <= NORMAL_95).count() as f64;

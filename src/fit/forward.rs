@@ -30,11 +30,6 @@ pub struct TimeAxis {
 ///
 /// # Errors
 /// [`RunError`] for states that stop being numbers.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a number of samples, not below zero"
-)]
 pub fn forces_at(
     scene: &Scene,
     wanted: &[(usize, VerticalSetup)],

@@ -121,7 +121,6 @@ fn check(knobs: &[AdjustableNumber]) -> Result<(), FitError> {
 }
 
 /// Refuses records that have nothing to do with a scene of this `duration` (s).
-#[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
 fn check_times(records: &Records, duration: f64) -> Result<(), FitError> {
     let interval = records.axis.interval;
     if !SAMPLE_RANGE.contains(&(duration / interval)) {

@@ -123,12 +123,6 @@ impl<'a> TraceModel<'a> {
     }
 
     /// Time of the trigger for which the sum of squared residuals is least, to a sample: all of them at once by correlation (s).
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "records are far shorter than 2^53 samples"
-    )]
     fn find_trigger(&mut self, factors: &[f64]) -> Option<f64> {
         let axis = self.records.axis;
         let scene = self.scene.scene().ok()?;

@@ -224,7 +224,6 @@ fn nuisances(
     found
 }
 
-#[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
 fn channel(record: &ChannelRecord, residuals: &[f64]) -> ChannelResult {
     let in_levels = record.sigma / record.level;
     let counted = record.counts.iter().filter(|counts| **counts).count().max(1) as f64;

@@ -72,7 +72,6 @@ fn descend_held(model: &mut TraceModel<'_>, start: Vec<f64>) -> Result<Minimum, 
 }
 
 /// Whether the residual variance may be one but for chance; in false valleys of a rattling chain it was 1.1 to 1.3 where chance makes 1.01.
-#[allow(clippy::cast_precision_loss, reason = "numbers of samples")]
 fn is_chance(minimum: &Minimum) -> bool {
     let deviation = (2.0 / minimum.degrees_of_freedom as f64).sqrt();
     minimum.variance() - 1.0 < VARIANCE_DEVIATIONS * deviation
@@ -80,12 +79,6 @@ fn is_chance(minimum: &Minimum) -> bool {
 
 /// The minimum over ever longer parts of the records, each from where the one before ended: arrivals first, and what comes late, whose
 /// chi squared has many valleys, from close by.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a share of a number of samples"
-)]
 fn staged(model: &mut TraceModel<'_>, start: Vec<f64>) -> Result<Minimum, LeastSquaresError> {
     let count = model.records.axis.count;
     let mut x = start;

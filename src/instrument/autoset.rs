@@ -130,7 +130,6 @@ fn kind(record: &Waveform) -> AutosetSignal {
     let near = NEAR_END * (high - low);
     let volts = record.codes.iter().map(|code| record.volts_of(*code));
     let at_ends = volts.filter(|volts| *volts <= low + near || *volts >= high - near).count();
-    #[allow(clippy::cast_precision_loss, reason = "a record has a few thousand points")]
     let share = at_ends as f64 / record.codes.len().max(1) as f64;
     let (offset, amplitude) = (f64::midpoint(low, high), 0.5 * (high - low));
     // Root of offset squared and half the amplitude squared.

@@ -76,7 +76,6 @@ pub fn unit(kind: MeasurementType) -> &'static str {
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a record has a few thousand points")]
 fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
     let count = values.len().max(1) as f64;
     values.sum::<f64>() / count
@@ -113,7 +112,6 @@ impl Levels {
     }
 
     /// All crossings of the level that lies `share` of the way from lowest to highest.
-    #[allow(clippy::cast_precision_loss, reason = "a record has a few thousand points")]
     fn crossings(&self, share: f64) -> Vec<Crossing> {
         let swing = self.high - self.low;
         let reference = self.low + share * swing;
@@ -162,11 +160,6 @@ impl Levels {
         self.cycle().map(|(start, end)| (end - start) * self.interval)
     }
 
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "places lie inside the record"
-    )]
     fn cycle_rms(&self) -> Result<f64, Event> {
         let (start, end) = self.cycle()?;
         let range = start.ceil() as usize..end.ceil() as usize;

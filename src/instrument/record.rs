@@ -83,7 +83,7 @@ impl Acquirer<'_> {
             let scale = self.panel.channel(number).vertical.scale;
             self.find(signal.map(Vec::as_slice), scale, automatic)
         } else {
-            let start = now - count(automatic) * interval;
+            let start = now - automatic as f64 * interval;
             let (signal, scale) = self.other_source(external, samples, start);
             self.find(Some(&signal), scale, automatic)
         }?;
@@ -101,7 +101,7 @@ impl Acquirer<'_> {
         let numbers = 1..=model.channels;
         let records =
             numbers.zip(&conditioned).filter_map(|(n, s)| record(n, s.as_ref())).collect();
-        Some((records, TriggerInstant { shot: signals.shot, time: count(found.index) * interval }))
+        Some((records, TriggerInstant { shot: signals.shot, time: found.index as f64 * interval }))
     }
 
     /// Whether `signals` were made for the time base of this set-up, and have its sample interval, to rounding.
@@ -123,7 +123,7 @@ impl Acquirer<'_> {
         let (model, source) = (&self.setup.model, self.panel.trigger.source);
         if source == TriggerSource::Line {
             let phase =
-                |n| TAU * model.line_frequency * (start + count(n) * self.sample_interval());
+                |n| TAU * model.line_frequency * (start + n as f64 * self.sample_interval());
             let scale = TriggerSource::External.external_scale(model);
             return ((0..samples).map(|n| phase(n).sin()).collect(), scale);
         }
@@ -188,7 +188,7 @@ impl Acquirer<'_> {
             } else if !now
                 && inside
                 && let Some(start) = begun
-                && self.is_wanted(count(index - start) * self.sample_interval())
+                && self.is_wanted(((index - start) as f64) * self.sample_interval())
             {
                 return Some(TriggerPosition { index, crossed: true });
             }
@@ -211,18 +211,8 @@ impl Acquirer<'_> {
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "far fewer than 2^53 samples")]
-fn count(samples: usize) -> f64 {
-    samples as f64
-}
-
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "`as` takes what is below zero to zero, and there are far fewer than 2^53 samples"
-)]
 fn scaled(index: usize, ratio: f64) -> usize {
-    (count(index) * ratio).round() as usize
+    (index as f64 * ratio).round() as usize
 }
 
 /// The record in peak-detect mode: lowest and highest sample of each two intervals in turn.
@@ -233,7 +223,7 @@ fn envelope(mut record: Waveform, by: &Acquirer<'_>, signal: &[f64], trigger: us
     let code = |volts: f64| level(&vertical, volts);
     let last = signal.len().saturating_sub(1);
     let place =
-        |n: usize| scaled(1, (count(n) - record.trigger_point) * step + count(trigger)).min(last);
+        |n: usize| scaled(1, (n as f64 - record.trigger_point) * step + trigger as f64).min(last);
     for (pair, points) in record.codes.chunks_exact_mut(2).enumerate() {
         let (from, to) = (place(2 * pair), place(2 * pair + 2));
         let window = signal.get(from..to.max(from + 1)).unwrap_or_default();
@@ -257,7 +247,6 @@ pub fn fold_average(mean: &mut Vec<f64>, record: &mut Waveform, number: u32, dep
     let weight = 1.0 / f64::from(number.min(depth).max(1));
     for (mean, code) in mean.iter_mut().zip(&mut record.codes) {
         *mean += weight * (f64::from(*code) - *mean);
-        #[allow(clippy::cast_possible_truncation, reason = "a mean of levels is a level")]
         let level = mean.round() as i16;
         *code = level;
     }

@@ -79,11 +79,6 @@ impl Sweep {
     }
 
     /// Writes all points until `now` (s), no more than those of `most` sweeps.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "`as` takes a clock that runs backwards to zero"
-    )]
     pub fn advance(&mut self, by: &Acquirer<'_>, now: f64, most: Option<u32>) -> ScanProgress {
         let points_of_sweep = by.setup.model.record_length.max(1);
         let interval = by.setup.model.interval(by.setup.time_base);
@@ -159,7 +154,6 @@ impl ScanChannel {
             } else {
                 *mean + (f64::from(code) - *mean) / f64::from(sweep)
             };
-            #[allow(clippy::cast_possible_truncation, reason = "a mean of levels is a level")]
             let level = mean.round() as i16;
             *point = level;
         }
@@ -240,23 +234,12 @@ fn recorded<'a>(
 }
 
 /// Samples of a signal at `interval` (s) in one of the record's.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "`as` takes what is below zero to zero"
-)]
 fn step(by: &Acquirer<'_>, interval: f64) -> Option<usize> {
     let ratio = by.setup.model.interval(by.setup.time_base) / interval;
     (ratio.is_finite() && ratio > 0.0).then(|| (ratio.round() as usize).max(1))
 }
 
 /// Blank points ahead of the sweep.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a record has a few thousand points"
-)]
 fn gap(by: &Acquirer<'_>) -> usize {
     let model = &by.setup.model;
     let points = model.record_length as f64 / model.horizontal_divisions * model.scan_gap;

@@ -10,11 +10,6 @@ pub fn scans(setup: &Setup) -> bool {
 }
 
 /// The nearest count of samples.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a record has at most a few hundred thousand samples"
-)]
 pub fn samples(number: f64) -> usize {
     number.round() as usize
 }

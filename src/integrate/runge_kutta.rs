@@ -209,7 +209,6 @@ impl<'a> RungeKuttaIntegrator<'a> {
         self.scales.widen(self.system.scales(&self.state.position, &self.state.velocity));
     }
 
-    #[allow(clippy::cast_precision_loss, reason = "runs take far fewer than 2^53 steps")]
     fn fixed(&mut self, end: f64) -> Result<(), IntegrateError> {
         let Pace::Fixed { step, origin, count } = &mut self.pace else { return Ok(()) };
         let regular = *origin + (*count + 1) as f64 * *step;

@@ -70,11 +70,6 @@ impl Clock {
     }
 
     /// How many whole steps end before `end` (s), up to `most`.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "`as` cuts off and takes what is out of range to the nearest there is"
-    )]
     pub fn room(&self, most: u64, end: f64) -> u64 {
         if !self.cuts.is_empty() {
             return 0;
@@ -105,7 +100,6 @@ impl Clock {
     }
 
     /// Where step `number` ends (s).
-    #[allow(clippy::cast_precision_loss, reason = "runs take far fewer than 2^53 steps")]
     fn end(&self, number: u64) -> f64 {
         self.origin + number as f64 * self.step
     }

@@ -125,7 +125,6 @@ fn add(
 }
 
 fn completed(statistic: ShotStatistic, values: &[(f64, f64)]) -> ShotStatistic {
-    #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^53 shots")]
     let n = values.len() as f64;
     let mean = |of: fn(&(f64, f64)) -> f64| values.iter().map(of).sum::<f64>() / n;
     let (shot, value) = (mean(|v| v.0), mean(|v| v.1));

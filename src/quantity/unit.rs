@@ -31,7 +31,6 @@ impl Unit {
 fn ten_to(exponent: f64) -> f64 {
     const EXACT: [f64; 16] =
         [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a whole number")]
     let exact = if exponent.fract() == 0.0 { EXACT.get(exponent as usize) } else { None };
     exact.copied().unwrap_or_else(|| 10f64.powf(exponent))
 }
@@ -140,7 +139,6 @@ fn split_exponent(factor: &str) -> Option<(&str, i16)> {
         return Some((factor, 2));
     };
     let halves = exponent.parse::<f64>().ok()? * 2.0;
-    #[allow(clippy::cast_possible_truncation, reason = "checked to be a whole number within range")]
     (halves.fract() == 0.0 && halves.abs() <= 40.0).then_some((symbol, halves as i16))
 }
 

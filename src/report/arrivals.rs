@@ -101,7 +101,6 @@ fn with(measure: Option<Uncertain>, unit: &str) -> String {
     let scale = 10f64.powf((mantissa / value).log10().round());
     let around = expanded * scale;
     // Two digits of the uncertainty, and the value to the same place.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few digits")]
     let decimals = (1.0 - around.log10().floor()).clamp(0.0, 6.0) as usize;
     format!("{:.decimals$} ± {around:.decimals$} {prefixed}", value * scale)
 }

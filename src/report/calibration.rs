@@ -14,7 +14,6 @@ fn with(value: f64, expanded: f64, unit: &str) -> String {
     let Some((number, prefixed)) = shown.split_once(' ') else { return shown };
     let Ok(mantissa) = number.parse::<f64>() else { return shown };
     let scale = 10f64.powf((mantissa / value).log10().round());
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few digits")]
     let decimals = (1.0 - (expanded * scale).log10().floor()).clamp(0.0, 9.0) as usize;
     format!("{:.decimals$} ± {:.decimals$} {prefixed}", value * scale, expanded * scale)
 }

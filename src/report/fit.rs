@@ -14,11 +14,6 @@ fn with(value: f64, u: f64, unit: &str) -> String {
 }
 
 /// Decimals that show two digits of `u`.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "clamped to a few digits"
-)]
 fn decimals(u: f64) -> usize {
     (1.0 - u.log10().floor()).clamp(0.0, 12.0) as usize
 }
@@ -136,7 +131,6 @@ pub fn fit(report: &FitReport) -> String {
 }
 
 /// The fit as a document; pictures are called `<stem>-CH1.svg` and `<stem>-CH1-residual.svg`.
-#[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
 pub fn fit_parts(fit: &Fit, stem: &str) -> Vec<Part> {
     let report = &fit.report;
     let mut parts = vec![

@@ -82,12 +82,6 @@ pub fn braille(
     lines
 }
 
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a place among a few hundred dots"
-)]
 fn share(value: f64, low: f64, high: f64, dots: usize) -> usize {
     let place = (value - low) / (high - low) * (dots - 1) as f64;
     (place.round().max(0.0) as usize).min(dots - 1)

@@ -56,7 +56,6 @@ pub fn screen(shot: &Shot, title: &str) -> String {
     svg
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a record has a few thousand points")]
 fn points(capture: &Capture) -> f64 {
     capture.waveform.codes.len().max(1) as f64
 }

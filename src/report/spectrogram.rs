@@ -55,12 +55,6 @@ impl SpectrogramPage {
         cells
     }
 
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a place among a few dozen"
-    )]
     fn row(&self, frequency: f64, down: usize) -> Option<usize> {
         let row = (frequency / self.highest * down as f64) as usize;
         (row < down).then_some(row)
@@ -79,12 +73,6 @@ impl SpectrogramPage {
 }
 
 /// The page that `spectrogram` prints.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "one of a handful of shades"
-)]
 pub fn text(page: &SpectrogramPage) -> String {
     let hertz = |f: f64| engineering(f, "Hz", 4);
     let mut lines = vec![page.title.clone()];

@@ -104,7 +104,6 @@ fn costs(summary: &Summary) -> Vec<String> {
     let steps = if summary.steps == 0 {
         "-".to_owned()
     } else {
-        #[allow(clippy::cast_precision_loss, reason = "an average for display")]
         let mean = summary.simulated_s / summary.steps as f64;
         format!(
             "{} steps of {} on average, {} rejected",

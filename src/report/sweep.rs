@@ -22,7 +22,6 @@ pub fn sweep(summary: &SweepSummary) -> String {
     if *finished_before > 0 {
         lines.push(format!("  before      {}", counted(*finished_before)));
     }
-    #[allow(clippy::cast_precision_loss, reason = "for a rate with three digits")]
     let rate = *done as f64 / summary.wall_s.max(1e-9);
     let speed = if *done > 0 {
         format!(" in {}, {rate:.0} a second", engineering(summary.wall_s, "s", 3))

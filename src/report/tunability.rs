@@ -27,12 +27,6 @@ const EDGES: [Edge; 3] = [
 ];
 
 /// The spectrum in decibels below its highest line, the highest of each of `rows` bands of frequency up to 20 kHz (dB).
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a place among a hundred"
-)]
 pub fn transmitted(point: &TunedPoint, rows: usize) -> Vec<f64> {
     let mut highest = vec![0.0_f64; rows];
     for (bin, amplitude) in point.transmitted.amplitude.iter().enumerate() {
@@ -85,12 +79,6 @@ fn value(tuning: &Tuning, value: f64) -> String {
     }
 }
 
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a place among a few dozen"
-)]
 fn map(tuning: &Tuning) -> Vec<String> {
     let rows = MAP_ROWS.0;
     let columns: Vec<Vec<char>> = (0..MAP_COLUMNS)

@@ -19,7 +19,6 @@ fn with(value: f64, expanded: f64, unit: &str) -> String {
         return shown;
     }
     let scale = 10f64.powf((mantissa / value).log10().round());
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few digits")]
     let decimals = (1.0 - (expanded * scale).log10().floor()).clamp(0.0, 6.0) as usize;
     format!("{:.decimals$} ± {:.decimals$} {prefixed}", value * scale, expanded * scale)
 }
@@ -86,7 +85,6 @@ fn significant(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few digits")]
     let decimals = (3.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
     format!("{value:.decimals$}")
 }
@@ -106,7 +104,6 @@ fn budget_line(output: &OutputInterval) -> String {
 
 /// A channel's band with its nominal trace, as a picture.
 pub fn band_picture(band: &TraceBand, title: &str) -> String {
-    #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
     let time = |index: usize| band.start_s + index as f64 * band.interval_s;
     let points = |values: &[f64]| -> Vec<(f64, f64)> {
         values.iter().enumerate().map(|(index, volts)| (time(index), *volts)).collect()

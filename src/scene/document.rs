@@ -185,7 +185,6 @@ fn node_of(source: &Rc<Source>, value: &Spanned<DeValue<'_>>) -> Node {
         DeValue::String(text) => Value::Text(Rc::from(&**text)),
         DeValue::Integer(number) => Value::Number {
             typed: number.to_string().into(),
-            #[allow(clippy::cast_precision_loss, reason = "as a quantity; counts are checked")]
             value: i64::from_str_radix(number.as_str(), number.radix())
                 .map_or(f64::NAN, |whole| whole as f64),
             whole: true,

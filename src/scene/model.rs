@@ -31,11 +31,6 @@ fn range(table: &TableReader<'_>, key: &'static str, dimension: Dimension) -> Op
     }
 }
 
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "`as` keeps to the range of u32"
-)]
 fn counted(number: f64) -> u32 {
     number.round() as u32
 }

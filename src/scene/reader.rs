@@ -181,12 +181,6 @@ impl<'a> TableReader<'a> {
     }
 
     /// A whole number from `least` to `most`.
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "checked to be whole and within both limits, which are below 2^53"
-    )]
     pub fn count(&self, key: &'static str, least: u64, most: u64) -> Option<u64> {
         let node = self.node(key)?;
         match node.value {

@@ -21,11 +21,6 @@ pub struct TriggerPosition {
 
 /// Samples that must have been taken before a trigger is accepted: the record's part before it, and what interpolation
 /// reaches for.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "`as` takes a trigger left of the record to zero"
-)]
 pub fn before_trigger(setup: &Setup) -> usize {
     let (start, _) = setup.record_span();
     let samples = (-start / setup.model.signal_interval(setup.time_base)).ceil();
@@ -61,7 +56,6 @@ pub fn find_trigger(
 }
 
 /// The converter's level for a voltage (V).
-#[allow(clippy::cast_possible_truncation, reason = "clamped to the converter's range")]
 pub fn level(vertical: &VerticalSetup, volts: f64) -> i16 {
     let y_mult = vertical.scale / LEVELS_PER_DIVISION;
     let level = (volts / y_mult + LEVELS_PER_DIVISION * vertical.position).round();
@@ -109,13 +103,7 @@ pub fn volts_at_points(setup: &Setup, signal: &[f64], trigger: usize) -> Vec<f64
 
 /// Volts at the record's points: samples of the signal, or a windowed sin(x)/x between them where the record is denser
 /// than the converter's fastest rate.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_possible_wrap,
-    clippy::cast_sign_loss,
-    reason = "indices stay far below 2^53"
-)]
+#[allow(clippy::cast_possible_wrap, reason = "indices stay far below 2^53")]
 fn points(
     model: &Model,
     time_base: f64,
@@ -135,11 +123,6 @@ fn points(
 }
 
 /// Lanczos interpolation at `place`, in samples.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    reason = "indices stay far below 2^53"
-)]
 fn sinc(place: f64, sample: &dyn Fn(i64) -> f64) -> f64 {
     let kernel = |x: f64| {
         if x == 0.0 { 1.0 } else { (std::f64::consts::PI * x).sin() / (std::f64::consts::PI * x) }

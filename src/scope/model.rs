@@ -157,7 +157,6 @@ pub(crate) const RANGE_END_FACTOR: f64 = 1.0 + 1e-9;
 
 impl Model {
     /// Time from one point of a record to the next (s).
-    #[allow(clippy::cast_precision_loss, reason = "a record has a few thousand points")]
     pub fn interval(&self, time_base: f64) -> f64 {
         let interval = time_base / (self.record_length as f64 / self.horizontal_divisions);
         // The instrument's intervals are short decimals, which a binary quotient misses by an ulp: 25 ns / 250 is 0.1 ns.
@@ -183,13 +182,11 @@ impl Model {
 
     /// Index of the trigger in the record at a time base (s/div) and horizontal position (s), possibly outside it:
     /// `1250 - position/interval` on this family (1).
-    #[allow(clippy::cast_precision_loss, reason = "a record has a few thousand points")]
     pub fn trigger_point(&self, time_base: f64, position: f64) -> f64 {
         0.5 * self.record_length as f64 - (position / self.interval(time_base)).round()
     }
 
     /// First and last time of the record after the trigger, at a time base (s/div) and horizontal position (s) (s).
-    #[allow(clippy::cast_precision_loss, reason = "a record has a few thousand points")]
     pub fn record_span(&self, time_base: f64, position: f64) -> (f64, f64) {
         let interval = self.interval(time_base);
         let start = -self.trigger_point(time_base, position) * interval;

@@ -149,7 +149,6 @@ pub const LEVELS_PER_DIVISION: f64 = 25.0;
 
 impl Waveform {
     /// Abscissa of point `index`: time after the trigger (s), or frequency of an FFT bin (Hz).
-    #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 points")]
     pub fn time(&self, index: usize) -> f64 {
         self.preamble.x_zero
             + self.preamble.x_incr * (index as f64 - f64::from(self.preamble.pt_off))

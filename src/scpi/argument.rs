@@ -74,11 +74,6 @@ pub fn real(arguments: &[Argument]) -> Result<f64, Event> {
 /// For another count of arguments, and for what is no number.
 pub fn whole(arguments: &[Argument], least: u32, most: u32) -> Result<u32, Event> {
     let value = real(arguments)?.round().clamp(f64::from(least), f64::from(most));
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "clamped to the range of u32"
-    )]
     let whole = value as u32;
     Ok(whole)
 }

@@ -18,7 +18,6 @@ pub fn setting(value: f64) -> String {
 /// A measurement, `4.8800115585E0`: the instrument computes in single precision and writes ten decimals, so that the
 /// rounding shows. Below 0.01 nine significant digits are written; no reply of that size has been seen.
 pub fn measurement(value: f64) -> String {
-    #[allow(clippy::cast_possible_truncation, reason = "the rounding is what is imitated")]
     let single = value as f32;
     if single == 0.0 || !single.is_finite() {
         return nr3(0.0);
@@ -27,7 +26,6 @@ pub fn measurement(value: f64) -> String {
         return nr3(value);
     }
     let exact = f64::from(single);
-    #[allow(clippy::cast_possible_truncation, reason = "an exponent of single precision")]
     let exponent = exact.abs().log10().floor() as i32;
     let decimals = MEASUREMENT_DECIMALS.max(MEASUREMENT_DIGITS - 1 - exponent);
     let text = format!("{exact:.*}", usize::try_from(decimals).unwrap_or(0));

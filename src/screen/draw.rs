@@ -122,7 +122,6 @@ fn trace(picture: &mut Picture, waveform: &Waveform, screen: &Screen) {
 }
 
 /// First point on the screen, and how many are on it (1).
-#[allow(clippy::cast_precision_loss, reason = "a record has a few thousand points")]
 fn shown(points: usize, zoom: Option<Zoom>) -> (f64, f64) {
     let points = points as f64;
     let Some(zoom) = zoom else { return (0.0, points) };
@@ -131,11 +130,6 @@ fn shown(points: usize, zoom: Option<Zoom>) -> (f64, f64) {
 }
 
 /// The codes of a column, at least one.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "`as` takes what is below zero to zero, and a record has a few thousand points"
-)]
 fn between(codes: &[i16], start: f64, end: f64) -> &[i16] {
     let start = start.floor() as usize;
     let end = (end.floor() as usize).max(start + 1).min(codes.len());

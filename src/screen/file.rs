@@ -48,12 +48,10 @@ pub fn file(picture: &Picture, format: PictureFormat) -> Vec<u8> {
     }
 }
 
-#[allow(clippy::cast_possible_truncation, reason = "a picture has less than 2^17 dots")]
 fn four(number: usize) -> [u8; 4] {
     (number as u32).to_le_bytes()
 }
 
-#[allow(clippy::cast_possible_truncation, reason = "numbers below 2^16")]
 fn two(number: usize) -> [u8; 2] {
     (number as u16).to_le_bytes()
 }

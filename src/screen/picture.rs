@@ -113,7 +113,6 @@ impl Picture {
 }
 
 impl OriginDimensions for Picture {
-    #[allow(clippy::cast_possible_truncation, reason = "a few hundred dots")]
     fn size(&self) -> Size {
         Size::new(WIDTH as u32, HEIGHT as u32)
     }

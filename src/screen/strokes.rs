@@ -46,7 +46,6 @@ pub(super) fn text_to(picture: &mut Picture, (right, y): (i32, i32), words: &str
     text(picture, (right - 5 * letters, y), words, ink);
 }
 
-#[allow(clippy::cast_possible_truncation, reason = "clamped to a few thousand dots")]
 pub(super) fn dots(number: f64) -> i32 {
     if number.is_nan() { 0 } else { number.round().clamp(-5000.0, 5000.0) as i32 }
 }

@@ -196,7 +196,6 @@ fn acknowledge(stream: &TcpStream) -> io::Result<()> {
 
 /// Elsewhere the system's own time it is.
 #[cfg(not(any(target_os = "linux", target_os = "android")))]
-#[allow(clippy::unnecessary_wraps, reason = "there are systems where it can fail")]
 fn acknowledge(_: &TcpStream) -> io::Result<()> {
     Ok(())
 }

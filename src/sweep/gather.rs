@@ -151,7 +151,6 @@ impl GatheredLogs {
                 tally.first_failed.get_or_insert_with(|| (entry.run, reason.to_string()));
             }
             if index % 1000 == 0 {
-                #[allow(clippy::cast_precision_loss, reason = "a share")]
                 progress(index as f64 / self.found.len() as f64);
             }
         }

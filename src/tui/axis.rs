@@ -69,10 +69,6 @@ impl Steps {
 
     /// The steps around `value`, upward; each is the double nearest to its decimal number.
     fn around(self, value: f64) -> impl Iterator<Item = f64> {
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "the exponent of a double has four digits"
-        )]
         let exponent = value.log10().floor().clamp(-400.0, 400.0) as i32;
         (exponent - 1..=exponent + 1).flat_map(move |exponent| {
             self.mantissas()
@@ -114,7 +110,6 @@ impl ViewWindow {
     /// The window under which `waveform` was recorded: its whole record, unless its preamble says otherwise.
     pub fn recorded(waveform: &Waveform) -> Self {
         let (start, end) = extent(waveform);
-        #[expect(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 points")]
         let half = waveform.codes.len() as f64 / 2.0;
         let centre = waveform.time(0) + waveform.preamble.x_incr * half;
         let width = (end - start) / f64::from(DIVISIONS_ACROSS);

@@ -8,12 +8,6 @@
 #![allow(clippy::unreadable_literal, reason = "digits as references print them")]
 #![allow(clippy::similar_names, reason = "what was served and the server it came from")]
 #![allow(clippy::float_cmp, reason = "exact values are exact")]
-#![allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "small counts"
-)]
 
 mod accuracy;
 mod analysis;

@@ -31,7 +31,6 @@ pub fn assemble(
         }
     }
     let used = || impacts.iter().filter(|impact| impact.exclusion.is_none());
-    #[allow(clippy::cast_precision_loss, reason = "a handful of impacts")]
     let count = used().count() as f64;
     let peaks: Vec<f64> = used().filter_map(|impact| impact.peak_force).collect();
     let low = peaks.iter().copied().fold(f64::INFINITY, f64::min);
@@ -128,7 +127,6 @@ fn nonlinearity(model: &MeasurementEquation, peaks: &[f64], shape: f64) -> Optio
     let high = peaks.iter().copied().fold(0.0, f64::max);
     let slope = together / spread;
     let squares = |(p, s, w): &(f64, f64, f64)| w * (s - sensitivity - slope * (p - force)).powi(2);
-    #[allow(clippy::cast_precision_loss, reason = "a handful of impacts")]
     let freedom = (points.len() - 2) as f64;
     let scatter = (points.iter().map(squares).sum::<f64>() / freedom).sqrt().max(1.0);
     let whole = model.sensitivity();

@@ -65,12 +65,6 @@ impl Impact {
     ///
     /// # Errors
     /// [`Exclusion`]: why it is no good.
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "records are far shorter than 2^53 samples"
-    )]
     pub fn read(record: &RawRecord, tau: f64) -> Result<Self, Exclusion> {
         let prepared = PreparedRecord::new(record)?;
         let signal = &prepared.signal;
@@ -149,12 +143,6 @@ impl Impact {
     /// Standard uncertainty of the integral from the noise of its samples (V s).
     ///
     /// Sample `k` of the window takes part in itself and in all later ones: `g (w[k] + (1 - a) sum over i > k of w[i])`.
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "records are far shorter than 2^53 samples"
-    )]
     pub fn noise_u(&self, tau: f64) -> f64 {
         let ratio = self.interval / tau;
         let leaked = -(-ratio).exp_m1();
@@ -183,7 +171,6 @@ fn restored(signal: &Trace, from: usize, tau: f64) -> Trace {
     Trace { values, ..signal.clone() }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
 fn sums(window: &[f64]) -> Sums {
     let mut sums = Sums::default();
     let mut before = 0.0;

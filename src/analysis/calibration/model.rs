@@ -168,14 +168,12 @@ impl MeasurementEquation {
         if ratio <= 1.0 {
             return f64::INFINITY;
         }
-        #[allow(clippy::cast_precision_loss, reason = "a handful of impacts")]
         let own = (ratio * self.explained().sqrt(), (self.parts.len().max(2) - 1) as f64);
         let rest = (u * u - own.0 * own.0).max(0.0).sqrt();
         effective_freedom([own, (rest, f64::INFINITY)])
     }
 
     /// Root of chi squared over the degrees of freedom, of the impacts about their mean (1).
-    #[allow(clippy::cast_precision_loss, reason = "a handful of impacts")]
     pub fn birge_ratio(&self) -> f64 {
         let mean = self.sensitivity();
         let squares = self.each().into_iter().map(|(s, u)| ((s - mean) / u).powi(2));

@@ -39,12 +39,6 @@ pub struct MonteCarlo {
 }
 
 /// Draws; none for none.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a share of a number of draws"
-)]
 pub fn run(model: &MeasurementEquation, draws: Draws) -> Option<MonteCarlo> {
     if draws.count < 2 {
         return None;

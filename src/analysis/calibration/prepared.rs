@@ -97,7 +97,6 @@ impl PreparedRecord {
 }
 
 /// Whether the values differ more than neighbours do, which is what noise does.
-#[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
 fn stands_out(values: &[f64], level: f64) -> bool {
     let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
     let steps: f64 = values.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum();

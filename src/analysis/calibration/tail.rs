@@ -39,12 +39,6 @@ pub fn fit(record: &RawRecord) -> Option<Tail> {
     let start = prepared.start()?;
     // The voltage passes zero a little before the contact ends.
     let zero = prepared.fall(&signal.values, 0.0)?;
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a share of a number of samples"
-    )]
     let first = zero + (TAIL_DELAY_SHARE * (zero - start) as f64) as usize - start;
     let values = signal.values.get(start..)?;
     if values.len() < first + MIN_TAIL_SAMPLES {

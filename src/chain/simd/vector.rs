@@ -470,13 +470,7 @@ mod x86 {
                     _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(last, none)),
                 )
             };
-            #[allow(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "four bits each"
-            )]
-            let bits = (first | last << 4) as u8;
-            bits
+            (first | last << 4) as u8
         }
 
         #[inline(always)]

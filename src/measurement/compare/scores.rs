@@ -106,7 +106,6 @@ impl ChannelPair {
 
     /// Both traces, and the weight that makes channels of different height count alike (1).
     pub fn weighted(&self) -> (&Trace, &Trace, f64) {
-        #[allow(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
         let count = self.simulated.values.len().max(1) as f64;
         let weight = count / squares(&self.simulated.values).max(f64::MIN_POSITIVE);
         (&self.measured, &self.simulated, weight)

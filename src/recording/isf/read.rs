@@ -83,7 +83,6 @@ fn eight_bits(levels: Levels, y_mult: f64, y_off: f64) -> Scaled {
     Scaled { codes, y_mult: y_mult * factor, y_off: y_off / factor }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "at most 2^26 points")]
 fn note_points(
     words: &PreambleText<'_>,
     found: usize,

@@ -8,10 +8,6 @@ use crate::trace::Trace;
 const MAX_LINE_TEXT: usize = 200;
 
 /// A capture as a message.
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "volts are kept as f32 for display; codes keep them exactly"
-)]
 pub fn capture_message(shot: &Shot, capture: &Capture) -> message::CaptureMessage {
     let waveform = &capture.waveform;
     let preamble = &waveform.preamble;

@@ -111,7 +111,6 @@ impl SampleColumn {
         let digits = self.digits.clamp(1, MAX_DIGITS);
         let floating = match value.abs() {
             0.0 => 0.0,
-            #[allow(clippy::cast_possible_truncation, reason = "at most 308")]
             size => 0.5 * ten_to(size.log10().floor() as i32 + 1 - digits),
         };
         fixed.max(floating) * (1.0 + 1e-6) + 4.0 * f64::EPSILON * value.abs()
@@ -122,7 +121,6 @@ impl SampleColumn {
     pub(super) fn digits_of(&self, step: f64) -> Option<f64> {
         let (low, high) = self.range();
         let largest = low.abs().max(high.abs()).max(f64::MIN_POSITIVE);
-        #[allow(clippy::cast_possible_truncation, reason = "at most 308")]
         let magnitude = largest.log10().floor() as i32;
         let fixed = self.decimals <= self.digits.min(MAX_DIGITS) - 1 - magnitude;
         let count = step / ten_to(-self.decimals);

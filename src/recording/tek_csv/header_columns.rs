@@ -98,7 +98,6 @@ impl<'a> Block<'a, '_> {
         let found = draft.values.len();
         match self.number(layout::RECORD_LENGTH)? {
             None => draft.notes.push(format!("record length {found} taken from the rows")),
-            #[allow(clippy::cast_precision_loss, reason = "at most a million rows")]
             Some(stated) if (stated - found as f64).abs() > 0.0 => {
                 draft.notes.push(format!("found {found} points, the header says {stated}"));
             }

@@ -173,12 +173,10 @@ fn rounded(column: &SampleColumn) -> ValueGrid {
     ValueGrid { step, origin: low, indices, evidence: LevelSource::Rounded(error) }
 }
 
-#[allow(clippy::cast_possible_truncation, reason = "saturates; codes are checked against 16 bits")]
 fn whole(index: f64) -> i64 {
     index as i64
 }
 
-#[allow(clippy::cast_possible_truncation, reason = "at most 308")]
 fn whole_power(value: f64) -> i32 {
     value.log10().floor() as i32
 }

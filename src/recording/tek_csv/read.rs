@@ -207,7 +207,6 @@ impl<'a> Samples<'a> {
         let nearest = steps.round().clamp(f64::from(LOWEST_CODE), f64::from(HIGHEST_CODE));
         let value = (nearest - self.zero_level) * self.level + self.y_zero;
         if (found - value).abs() <= domain.ordinate_tolerance(value) {
-            #[allow(clippy::cast_possible_truncation, reason = "clamped to -128..=127 above")]
             return Ok(nearest as i16);
         }
         Err(TekCsvError::Level {

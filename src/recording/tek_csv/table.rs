@@ -340,7 +340,6 @@ fn use_keys(
     }
     let found = draft.values.len();
     match keys.number(keys::RECORD_LENGTH, asked)? {
-        #[allow(clippy::cast_precision_loss, reason = "at most a few million rows")]
         Some(stated) if (stated - found as f64).abs() > 0.0 => {
             draft.notes.push(format!("found {found} points, the header says {stated}"));
         }

@@ -141,7 +141,7 @@ impl<'a> Rows<'a> {
         let times = column.values.as_slice();
         let (low, high) = column.range();
         let span = high - low;
-        let step = (span / count(column.len().saturating_sub(1))).abs();
+        let step = (span / ((column.len().saturating_sub(1)) as f64)).abs();
         let round_off = 4.0 * f64::EPSILON * low.abs().max(high.abs());
         // Programs add up times, and what should be zero comes out as -4.6E-11: with a fixed number of digits, not of decimals.
         let (coarsest, finest) = (column.largest_tolerance(), column.tolerance(0.0));
@@ -158,7 +158,7 @@ impl<'a> Rows<'a> {
             rows: (0, 0),
         };
         for (index, (time, tolerance)) in self.times.iter().zip(&self.tolerances).enumerate() {
-            let start = time - count(index) * interval;
+            let start = time - index as f64 * interval;
             if start - tolerance > miss.starts.0 {
                 (miss.starts.0, miss.rows.0) = (start - tolerance, index);
             }
@@ -180,7 +180,7 @@ impl<'a> Rows<'a> {
     /// The interval that misses the rows least, and the ends of those that explain all rows, if any does.
     fn intervals(&self) -> (f64, Option<(f64, f64)>) {
         let last = self.times.len().saturating_sub(1);
-        let ends = |start: f64, end: f64| (end - start) / count(last.max(1));
+        let ends = |start: f64, end: f64| (end - start) / ((last.max(1)) as f64);
         let first = self.times.first().copied().unwrap_or_default();
         let guess = ends(first, self.times.last().copied().unwrap_or_default());
         let best = self.least_miss(guess);
@@ -199,7 +199,7 @@ impl<'a> Rows<'a> {
                 best = (miss.excess, at);
             }
             // d/d(interval) of (t_p - p dt) - (t_q - q dt).
-            let slope = count(miss.rows.1) - count(miss.rows.0);
+            let slope = miss.rows.1 as f64 - miss.rows.0 as f64;
             let cut = Some((at, miss.excess, slope));
             if slope < 0.0 {
                 left = cut;
@@ -229,12 +229,12 @@ impl<'a> Rows<'a> {
 
     /// The last interval on one side of `best` that explains all rows.
     fn end(&self, best: f64, side: f64) -> f64 {
-        let last = count(self.times.len().saturating_sub(1).max(1));
+        let last = self.times.len().saturating_sub(1).max(1) as f64;
         let mut outside = best + side * 4.0 * self.spread() / last;
         // From outside, cuts lead to the end without passing it.
         for _ in 0..MAX_CUTS {
             let miss = self.miss(outside);
-            let slope = count(miss.rows.1) - count(miss.rows.0);
+            let slope = miss.rows.1 as f64 - miss.rows.0 as f64;
             if miss.excess <= 0.0 || slope == 0.0 {
                 break;
             }
@@ -291,10 +291,10 @@ impl<'a> Rows<'a> {
         // The median of steps over half the record, and of what it leaves: single rows do not change them.
         let half = (self.times.len() / 2).max(1);
         let pairs = self.times.iter().zip(self.times.iter().skip(half));
-        let interval = median(pairs.map(|(a, b)| (b - a) / count(half)).collect());
-        let left = |index: usize, time: f64| time - count(index) * interval;
+        let interval = median(pairs.map(|(a, b)| (b - a) / half as f64).collect());
+        let left = |index: usize, time: f64| time - index as f64 * interval;
         let start = median(self.times.iter().enumerate().map(|(i, t)| left(i, *t)).collect());
-        let expected = |index: usize| start + count(index) * interval;
+        let expected = |index: usize| start + index as f64 * interval;
         let rows = || self.times.iter().zip(&self.tolerances).enumerate();
         let far = |(index, (time, tolerance)): (usize, (&f64, &f64))| {
             (time - expected(index)).abs() > 2.0 * tolerance
@@ -326,9 +326,4 @@ fn simplest(low: f64, high: f64, best: f64) -> f64 {
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or_default()
-}
-
-#[allow(clippy::cast_precision_loss, reason = "at most a few million rows")]
-fn count(rows: usize) -> f64 {
-    rows as f64
 }

@@ -141,8 +141,8 @@ impl UnscaledImport {
         let shift = self.shift(&grid, unit);
         let zero_index = whole_if_near(grid.origin / grid.step);
         let (y_off, y_zero) = match unit {
-            "dB" => (0.0, grid.origin - float(shift) * grid.step),
-            _ => (float(shift) - zero_index, 0.0),
+            "dB" => (0.0, grid.origin - shift as f64 * grid.step),
+            _ => (shift as f64 - zero_index, 0.0),
         };
         let code = |index: &i64| {
             i16::try_from(index.saturating_add(shift)).unwrap_or(if *index < 0 {
@@ -209,7 +209,6 @@ impl UnscaledImport {
         }
         let (low, high) = self.values.range();
         let eighth = (low.abs().max(high.abs()) / 4.0).max(grid.step);
-        #[allow(clippy::cast_possible_truncation, reason = "exponents are small")]
         let decade = ten_to(eighth.log10().floor() as i32);
         let steps = [1.0, 2.0, 5.0, 10.0].map(|digit| digit * decade);
         let scale = steps.into_iter().find(|step| *step >= eighth).unwrap_or(eighth);
@@ -243,7 +242,7 @@ impl UnscaledImport {
             _ => (zero + grid.origin) / grid.step,
         };
         let shift = nearest(wanted);
-        if unit != "dB" && (wanted - float(shift)).abs() > ZERO_LEVEL_TOLERANCE {
+        if unit != "dB" && (wanted - shift as f64).abs() > ZERO_LEVEL_TOLERANCE {
             self.notes.push(format!(
                 "zero is {} levels from the screen's centre by the header, not a whole number; taken as {shift}: the levels may be off by one, the voltages are not",
                 super::column::rounded(wanted, 6)
@@ -277,12 +276,6 @@ fn whole_if_near(levels: f64) -> f64 {
     if (levels - whole).abs() <= 1e-9 * whole.abs().max(1.0) { whole } else { levels }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "below 2^32")]
-fn float(level: i64) -> f64 {
-    level as f64
-}
-
-#[allow(clippy::cast_possible_truncation, reason = "saturates; ranges are checked behind it")]
 fn nearest(levels: f64) -> i64 {
     // Far outside any range, and far inside of what can be added to.
     const FAR: f64 = 1e12;

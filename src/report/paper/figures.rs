@@ -232,7 +232,6 @@ pub(super) fn viscosity(viscosity: &[Viscous]) -> Sheet {
 }
 
 /// Speeds of one kind over the rows, each half a place after the one before.
-#[allow(clippy::cast_precision_loss, reason = "eight rows")]
 pub(super) fn speeds(study: &SpeedStudy) -> Sheet {
     let rows = &study.rows;
     let ticks = rows.iter().enumerate().map(|(i, row)| (i as f64, row.paper.scene.clone()));

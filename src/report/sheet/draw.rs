@@ -17,7 +17,6 @@ const CHARACTER_WIDTH: f64 = 7.0;
 const BAND_COLOUR: &str = "#efe6d2";
 
 /// The picture of `sheet`.
-#[allow(clippy::cast_precision_loss, reason = "a few panels")]
 pub fn sheet_svg(sheet: &Sheet) -> String {
     let (left, right, above, below) = MARGINS;
     let (w, h) = sheet.size;
@@ -87,7 +86,6 @@ impl Drawing<'_> {
         self.legend(svg);
     }
 
-    #[allow(clippy::cast_precision_loss, reason = "a few hundred cells")]
     fn background(&self, svg: &mut String) {
         let Self { panel, w, h, .. } = self;
         if let Some(map) = &panel.map {
@@ -193,7 +191,6 @@ impl Drawing<'_> {
     }
 
     /// Names of lines and bands in the upper right corner, on white.
-    #[allow(clippy::cast_precision_loss, reason = "a few names")]
     fn legend(&self, svg: &mut String) {
         let named = self.panel.lines.iter().filter(|line| !line.name.is_empty());
         let mut entries: Vec<(&str, String)> =

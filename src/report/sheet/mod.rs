@@ -31,7 +31,6 @@ impl Axis {
     pub fn linear(label: &str, from: f64, to: f64) -> Self {
         let places = ticks(from, to);
         let step = places.get(1).zip(places.first()).map_or(1.0, |(b, a)| b - a);
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few digits")]
         let decimals = (-step.log10().floor()).clamp(0.0, 9.0) as usize;
         // What is a rounding error away from zero is zero.
         let name = |v: f64| format!("{:.decimals$}", if v.abs() < 1e-9 * step { 0.0 } else { v });
@@ -41,7 +40,6 @@ impl Axis {
 
     /// From `from` to `to` (unit), both above zero; 1, 2 and 5 of each decade named.
     pub fn logarithmic(label: &str, from: f64, to: f64) -> Self {
-        #[allow(clippy::cast_possible_truncation, reason = "a few decades")]
         let decades = (from.log10().floor() as i32)..=(to.log10().ceil() as i32);
         let places = decades.flat_map(|d| [1.0, 2.0, 5.0].map(|m| m * 10f64.powi(d)));
         let inside = places.filter(|value| (from * 0.999..=to * 1.001).contains(value));
@@ -134,11 +132,6 @@ pub struct Sheet {
 }
 
 /// Round numbers from `low` to `high`: steps of 1, 2 or 5 of a power of ten.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    reason = "the number of ticks is small"
-)]
 pub(super) fn ticks(low: f64, high: f64) -> Vec<f64> {
     let rough = (high - low) / TARGET_INTERVALS;
     let power = 10f64.powf(rough.log10().floor());
@@ -149,7 +142,6 @@ pub(super) fn ticks(low: f64, high: f64) -> Vec<f64> {
 }
 
 /// Every whole number from `low` to `high`, without a name.
-#[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "a few dozen")]
 pub(super) fn whole_numbers(low: f64, high: f64) -> Vec<(f64, String)> {
     ((low.ceil() as i64)..=(high.floor() as i64)).map(|n| (n as f64, String::new())).collect()
 }

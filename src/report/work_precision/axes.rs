@@ -32,7 +32,6 @@ pub enum WorkMeasure {
     Evaluations,
 }
 
-#[allow(clippy::cast_precision_loss, reason = "counts far below 2^53")]
 impl WorkMeasure {
     /// Of a point; none where its time was not measured (s, or 1) (unit).
     pub(super) fn of(self, point: &Point) -> Option<f64> {

@@ -26,7 +26,6 @@ const NAME_OFFSET: (f64, f64) = (34.0, 11.0);
 const WIDTH: f64 = 2.0 * (LEFT_MARGIN + PLOT_SIZE.0) + 24.0;
 
 /// The study as an SVG picture.
-#[allow(clippy::cast_precision_loss, reason = "a dozen methods")]
 pub fn work_precision_svg(study: &CostStudy, work: WorkMeasure) -> String {
     let marks = marks(study);
     let lines = (marks.len() + 1).div_ceil(LEGEND_COLUMNS) + 1;

@@ -17,12 +17,6 @@ pub fn shown(study: &CostStudy) -> Vec<MethodMark> {
 }
 
 /// One kind of error against work; in `colour` by SGR codes.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "places on a screen of a few dozen cells"
-)]
 pub fn plot(
     study: &CostStudy,
     kind: &PlottedQuantity,

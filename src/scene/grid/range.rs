@@ -81,7 +81,6 @@ pub(super) fn values(path: &str, node: &Node, problems: &Problems) -> Option<Vec
             let count = table.required_count("count", 2, MAX_VALUES);
             table.finish();
             let (range, count) = (range?, count?);
-            #[allow(clippy::cast_precision_loss, reason = "far below 2^53")]
             let share = |index: u64| index as f64 / (count - 1) as f64;
             Some((0..count).map(|index| range.at(share(index))).collect())
         }

@@ -64,7 +64,6 @@ impl Design {
             .strata
             .as_ref()
             .and_then(|strata| strata.get(place)?.get(usize::try_from(point).ok()?));
-        #[allow(clippy::cast_precision_loss, reason = "far below 2^53")]
         range.at(match stratum {
             Some(stratum) => (f64::from(*stratum) + within) / sample.count as f64,
             None => within,

@@ -68,7 +68,6 @@ fn set_state(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     Ok(())
 }
 
-#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
 fn state(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     Ok(ReplyValue::flag(at.instrument.is_running()))
 }
@@ -81,12 +80,10 @@ fn set_averages(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop
     Ok(())
 }
 
-#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
 fn averages(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     Ok(ReplyValue::Integer(i64::from(at.instrument.panel.acquire.averages)))
 }
 
-#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
 fn count(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     Ok(ReplyValue::Integer(i64::from(at.instrument.acquisitions())))
 }

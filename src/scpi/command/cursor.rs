@@ -106,7 +106,6 @@ const HORIZONTAL: Number = Number(
     |_, _, volts| rounded(volts, 7),
 );
 
-#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
 fn vertical_delta(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     let cursor = &at.instrument.panel.cursor;
     let [first, second] = cursor.vertical;
@@ -118,7 +117,6 @@ fn vertical_delta(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     }))
 }
 
-#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
 fn horizontal_delta(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     let [first, second] = at.instrument.panel.cursor.horizontal;
     Ok(ReplyValue::Number((second - first).abs()))

@@ -53,10 +53,6 @@ fn send(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
 }
 
 /// A level as the number that is sent, its lowest 16 bits.
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "a shifted level has nine bits, a scaled one wraps into sixteen as it is meant to"
-)]
 fn level_to_point(code: i16, transfer: &Transfer) -> i16 {
     let number = (f64::from(code) + transfer.shift()) * transfer.steps();
     (number as i32) as i16
@@ -75,9 +71,7 @@ fn receive(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     };
     let scaled = |point: i32| {
         let level = f64::from(point) / transfer.steps() - transfer.shift();
-        #[allow(clippy::cast_possible_truncation, reason = "clamped to the levels of a record")]
-        let code = level.round().clamp(f64::from(LOWEST_CODE), f64::from(HIGHEST_CODE)) as i16;
-        code
+        level.round().clamp(f64::from(LOWEST_CODE), f64::from(HIGHEST_CODE)) as i16
     };
     codes.truncate(at.instrument.model.record_length.min(incoming.nr_pt));
     let y_mult = incoming.y_mult * transfer.steps();
@@ -90,7 +84,6 @@ fn receive(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
         Some(before) if first > 0 => before.codes.clone(),
         _ => Vec::new(),
     };
-    #[allow(clippy::cast_possible_truncation, reason = "clamped to the levels of a record")]
     let zero = y_off.round().clamp(f64::from(LOWEST_CODE), f64::from(HIGHEST_CODE)) as i16;
     all.resize(all.len().max(first), zero);
     for (place, code) in (first..).zip(codes) {
@@ -151,7 +144,6 @@ fn points_of_words(arguments: &[Argument]) -> Result<Vec<i32>, Event> {
     let point = |argument: &Argument| match argument {
         Argument::Word(typed) => {
             let value = number::parse(typed).ok_or(Event::DataType)?;
-            #[allow(clippy::cast_possible_truncation, reason = "`as` keeps to the range of i32")]
             let point = value.round() as i32;
             Ok(point)
         }

@@ -79,7 +79,6 @@ fn set_encoding(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop
     Ok(())
 }
 
-#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
 fn encoding(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     Ok(ReplyValue::Word(at.instrument.transfer.encoding().word()))
 }

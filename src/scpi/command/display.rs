@@ -77,7 +77,6 @@ fn set_persistence(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), S
     Ok(())
 }
 
-#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
 fn persistence(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     let seconds = at.instrument.panel.display.persistence;
     Ok(if seconds.is_finite() {

@@ -69,12 +69,10 @@ fn set_scale(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     Ok(())
 }
 
-#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
 fn scale(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     Ok(ReplyValue::Number(at.instrument.panel.horizontal.scale))
 }
 
-#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
 fn record_length(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     let points = at.instrument.model.record_length;
     Ok(ReplyValue::Plain(points.to_string()))

@@ -68,7 +68,6 @@ fn define(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     Ok(())
 }
 
-#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
 fn definition(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     Ok(ReplyValue::Text(at.instrument.panel.math.function.definition()))
 }

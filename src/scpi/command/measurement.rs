@@ -107,7 +107,6 @@ fn set_immediate(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Sto
     Ok(())
 }
 
-#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
 fn immediate(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     Ok(ReplyValue::Word(at.instrument.panel.immediate.kind.word()))
 }

@@ -166,7 +166,6 @@ pub const GROUP: Group = Group {
     ],
 };
 
-#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
 fn identity(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     let model = &at.instrument.model;
     Ok(ReplyValue::Plain(format!(
@@ -175,7 +174,6 @@ fn identity(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     )))
 }
 
-#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
 fn identity_in_short(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     let model = &at.instrument.model;
     let name = &model.name;

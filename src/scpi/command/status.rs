@@ -129,7 +129,6 @@ fn wait(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     if at.instrument.is_busy() { Err(Stop::UntilIdle) } else { Ok(()) }
 }
 
-#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
 fn status_byte(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     Ok(integer(at.instrument.status.byte(at.message_available)))
 }
@@ -138,12 +137,10 @@ fn written((code, message): &(u16, String)) -> String {
     format!("{code},\"{message}\"")
 }
 
-#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
 fn next_event(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     Ok(ReplyValue::Plain(written(&at.instrument.status.next_event())))
 }
 
-#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
 fn all_events(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     let events = at.instrument.status.all_events();
     let texts: Vec<String> = events.iter().map(written).collect();

@@ -204,12 +204,10 @@ fn set_line(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     Ok(())
 }
 
-#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
 fn line(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     Ok(ReplyValue::Integer(i64::from(at.instrument.panel.trigger.video_line)))
 }
 
-#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
 fn frequency(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     let number = at.instrument.panel.trigger.source.channel();
     let record = number.and_then(|n| at.instrument.waveform(Source::Channel(n)).ok());

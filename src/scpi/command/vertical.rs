@@ -108,7 +108,6 @@ fn set_probe(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     Ok(())
 }
 
-#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
 fn probe(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     let probe = at.instrument.panel.channel(at.place.number).vertical.probe;
     Ok(ReplyValue::Plain(format!("{probe}")))
@@ -122,7 +121,6 @@ fn set_scale(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     Ok(())
 }
 
-#[allow(clippy::unnecessary_wraps, reason = "the shape of every query in the table")]
 fn scale(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     Ok(ReplyValue::Number(at.instrument.panel.channel(at.place.number).vertical.scale))
 }

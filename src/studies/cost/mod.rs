@@ -73,7 +73,6 @@ pub fn study(scene: &Scene, runs: u16, progress: &mut dyn FnMut(f64)) -> Result<
     }
     let settings = settings(scene);
     let all = settings.len() + decades().count();
-    #[allow(clippy::cast_precision_loss, reason = "a few dozen points")]
     let mut report = |done: usize| progress(done as f64 / all as f64);
     let mut points: Vec<Point> = Vec::new();
     for (done, treated) in settings.iter().enumerate() {
@@ -116,7 +115,6 @@ fn orders(points: &[Point], reference: f64) -> Vec<Order> {
     for rows in points.chunk_by(|a, b| a.method == b.method) {
         let usable = rows.iter().filter(|p| !p.failed).filter_map(|p| {
             let error = p.error_peak.filter(|e| *e > ABOVE_REFERENCE * reference && *e < 1e-2)?;
-            #[allow(clippy::cast_precision_loss, reason = "counts far below 2^53")]
             let evaluations = p.force_evaluations as f64;
             Some((evaluations.ln(), error.ln()))
         });
@@ -137,7 +135,6 @@ fn slope(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     if points.len() < 3 || most - least < APART.ln() {
         return None;
     }
-    #[allow(clippy::cast_precision_loss, reason = "a few points")]
     let count = points.len() as f64;
     let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / count;
     let (x, y) = (mean(|p| p.0), mean(|p| p.1));

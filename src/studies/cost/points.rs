@@ -95,11 +95,6 @@ impl Point {
     /// Nothing found: in as many evaluations of all contact forces as fixed steps take, in `evaluations` otherwise.
     pub(super) fn failed(scene: &Scene, treated: Treated, evaluations: u64) -> Self {
         let (method, _) = treated;
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a count of steps"
-        )]
         let all = |(step, _): (f64, f64)| {
             (scene.duration / step).ceil() as u64 * u64::from(method.stages())
         };

@@ -76,7 +76,6 @@ pub fn ledger(
     let subject = BaselineRun::new(&settled, accuracy)?;
     let mut entries = Vec::with_capacity(ENTRIES.len());
     for (done, make) in ENTRIES.into_iter().enumerate() {
-        #[allow(clippy::cast_precision_loss, reason = "a few dozen")]
         progress(done as f64 / ENTRIES.len() as f64);
         entries.push(make(&subject));
     }

@@ -170,7 +170,6 @@ fn pulse_reading(signal: &[f64], (first, last): (usize, usize)) -> Option<PulseR
     let reached = part.iter().position(|value| *value >= 0.5 * peak)?;
     let before = reached.checked_sub(1)?;
     let share = (0.5 * peak - part[before]) / (part[reached] - part[before]);
-    #[allow(clippy::cast_precision_loss, reason = "an index into a record")]
     let half_rise = (first + before) as f64 + share;
     Some(PulseReading { peak, half_rise })
 }

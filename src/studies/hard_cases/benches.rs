@@ -234,7 +234,6 @@ fn check_readings(
 
 /// Bound of the energy drift: each step may be off by the accuracy in speed, twice that in energy, as often one way as the other, or a method would
 /// make energy (1).
-#[allow(clippy::cast_precision_loss, reason = "far fewer than 2^53 steps")]
 pub fn drift_bound(work: Work, accuracy: f64) -> f64 {
     2.0 * (work.steps as f64).sqrt() * accuracy
 }

@@ -61,7 +61,6 @@ fn ten_million_steps(tally: &mut CaseChecks) -> Result<(), String> {
     let step = 3.0 / STEPS;
     let motion = MovingChain { velocities: vec![0.5, -0.5], chain: &chain };
     let end = motion.by(Method::VelocityVerlet { step }, STEPS * step)?;
-    #[allow(clippy::cast_precision_loss, reason = "ten million")]
     let steps = end.work.steps as f64;
     tally.check("steps", steps - STEPS, 0.5);
     // Each step turns by this angle; position and velocity of the numerical solution are its sine and cosine.
@@ -85,7 +84,6 @@ fn three_seconds(tally: &mut CaseChecks) -> Result<(), String> {
     let momentum = |state: &State| chain.momentum(state);
     // Equal forces at both ends: momentum stays. Rounding takes half an ulp a step and body at most.
     let before = LIGHT * 0.05;
-    #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^53 steps")]
     let rounding = 8.0 * end.work.steps as f64 * f64::EPSILON;
     tally.check("momentum", momentum(&end.state) / before - 1.0, rounding);
     Ok(())
@@ -126,7 +124,6 @@ fn there_and_back(chain: &Chain, method: Method, time: f64) -> Result<(f64, f64)
     let position = state.position.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     let off = |(found, exact): (&f64, &f64)| (found + exact).abs();
     let speed = state.velocity.iter().zip(&motion.velocities).map(off).fold(0.0_f64, f64::max);
-    #[allow(clippy::cast_precision_loss, reason = "far fewer than 2^53 steps")]
     let steps = (there.work.steps + back.work().steps) as f64;
     // An error in a speed becomes one in position with the time, in units of the overlap.
     Ok(((position / scale).max(speed / SPEED), steps * SPEED * time / scale))

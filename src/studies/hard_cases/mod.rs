@@ -35,7 +35,6 @@ pub fn catalogue() -> Vec<HardCase> {
 /// Runs the whole catalogue; `progress` is called with the share of the work done, 0 to 1.
 pub fn run_all(progress: &mut dyn FnMut(f64)) -> Vec<CaseResult> {
     let cases = catalogue();
-    #[allow(clippy::cast_precision_loss, reason = "a dozen cases")]
     let mut report = |done: usize| progress(done as f64 / cases.len() as f64);
     let judge = |(done, case): (usize, &HardCase)| {
         report(done);

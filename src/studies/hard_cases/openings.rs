@@ -48,7 +48,6 @@ fn chatter(tally: &mut CaseChecks) -> Result<(), String> {
 
 /// A bead that `force` (N) presses against a wall, kicked away from it with the energy that opens the contact and `excess` times
 /// that on top (1).
-#[allow(clippy::cast_precision_loss, reason = "far fewer than 2^53 steps")]
 fn bounce(tally: &mut CaseChecks, force: f64, excess: f64) -> Result<(), String> {
     const ACCURACY: f64 = 1e-8;
     let chain = between(vec![sphere(LIGHT, PTFE)], (End::Force(force), End::Wall(STEEL)))?;
@@ -115,7 +114,6 @@ fn powers_difference(a: f64, b: f64, rest: f64) -> f64 {
 }
 
 /// A column that hardly weighs anything, kicked in its middle: every contact opens and closes again and again.
-#[allow(clippy::cast_precision_loss, reason = "far fewer than 2^53 evaluations")]
 fn column(tally: &mut CaseChecks) -> Result<(), String> {
     const ACCURACY: f64 = 1e-8;
     const TIME: f64 = 10e-3;

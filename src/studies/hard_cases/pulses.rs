@@ -145,7 +145,6 @@ fn linear_wave(
 
 /// Bessel function of the first kind by its integral, `1/pi int_0^pi cos(n s - x sin s) ds`: the trapezoidal rule converges
 /// exponentially for a periodic integrand.
-#[allow(clippy::cast_precision_loss, reason = "small numbers")]
 fn bessel(order: usize, x: f64) -> f64 {
     const POINTS: usize = 1024;
     let term = |i: usize| {

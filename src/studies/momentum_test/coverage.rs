@@ -102,7 +102,6 @@ pub fn coverage(
         }
         progress(f64::from(repeat) / f64::from(repeats));
     }
-    #[allow(clippy::cast_precision_loss, reason = "a few thousand")]
     let count = sums.ratios.len() as f64;
     let mean = sums.ratios.iter().sum::<f64>() / count;
     let squares: f64 = sums.ratios.iter().map(|ratio| (ratio - mean).powi(2)).sum();

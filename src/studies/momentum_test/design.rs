@@ -137,7 +137,6 @@ impl Designer {
         let strikers: Vec<DroppedStriker> =
             strikers().into_iter().filter(|s| s.name.contains(striker)).collect();
         let mut found = Vec::new();
-        #[allow(clippy::cast_precision_loss, reason = "a few dozen")]
         let all = (strikers.len() * HEIGHTS.len()) as f64;
         let mut done = 0.0;
         for striker in &strikers {

@@ -169,11 +169,6 @@ pub fn capture(
     let phase: f64 = StandardUniform.sample(&mut clock);
     // Triggered within the contact, wherever in it.
     let before = (-start / interval).ceil() + SPARE_SAMPLES;
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a record's samples"
-    )]
     let samples = (before + (truth.duration + end) / interval + SPARE_SAMPLES) as usize;
     let mut force = Trace {
         start: (phase - before) * interval,
@@ -200,12 +195,6 @@ pub fn capture(
 }
 
 /// `trace` at `time` (s) on straight lines between its samples; nothing outside.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "an index; what is below zero has been sent away"
-)]
 fn between(trace: &Trace, time: f64) -> f64 {
     let place = (time - trace.start) / trace.interval;
     if place < 0.0 {

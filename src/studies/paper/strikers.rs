@@ -97,7 +97,7 @@ fn answers(
         }
         (_, "17.81g") => answers.push(monotonic(record, "gravity_shock_monotonic")?),
         _ => {
-            let pulses = count(record.peaks(INCOMING)?.len());
+            let pulses = record.peaks(INCOMING)?.len() as f64;
             let convention = "maxima inside particle 2 above a quarter of the largest";
             answers.push(ClaimResult::to(&format!("pulses_{striker}")).or(convention, pulses));
             if striker == "2.75g" {
@@ -106,11 +106,6 @@ fn answers(
         }
     }
     Ok(answers)
-}
-
-#[allow(clippy::cast_precision_loss, reason = "a handful")]
-fn count(number: usize) -> f64 {
-    number as f64
 }
 
 /// Lower edge of the gap at particle 14 under a force on top of the static one (Hz).
@@ -152,8 +147,8 @@ fn plateau(record: &ForceRecord, place: ForceLocation) -> Result<f64, PaperError
     let trace = record.trace(place)?;
     let inside = trace.values.iter().enumerate();
     let inside = inside.filter(|(index, _)| (*from..*to).contains(&trace.time(*index)));
-    let (sum, samples) = inside.fold((0.0, 0), |(sum, n), (_, force)| (sum + force, n + 1));
-    Ok(sum / count(samples))
+    let (sum, samples) = inside.fold((0.0, 0.0), |(sum, n), (_, force)| (sum + force, n + 1.0));
+    Ok(sum / samples)
 }
 
 fn in_situ_shock(record: &ForceRecord, item: &str) -> Result<ClaimResult, PaperError> {

@@ -99,7 +99,6 @@ pub(super) fn study(progress: &mut dyn FnMut(f64)) -> Result<SpeedStudy, PaperEr
     Ok(SpeedStudy { rows, dashpot, scan, rms_lossless, rms_with_dashpot })
 }
 
-#[allow(clippy::cast_precision_loss, reason = "eight speeds")]
 fn rms(found: &[f64], measured: &[f64]) -> f64 {
     let squares: f64 = found.iter().zip(measured).map(|(a, b)| (a - b) * (a - b)).sum();
     (squares / found.len() as f64).sqrt()

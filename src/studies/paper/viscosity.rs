@@ -58,7 +58,6 @@ fn needed(all: &[Viscous]) -> Option<f64> {
     Some(pair[0].dashpot + share * (pair[1].dashpot - pair[0].dashpot))
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a handful")]
 fn viscous(scene: &Scene, dashpot: f64) -> Result<Viscous, PaperError> {
     let scene = with_dashpot(scene, dashpot)?;
     let record = ForceRecord::of(&scene, &[INCOMING])?;

@@ -123,7 +123,6 @@ pub fn tune(
         }
     }
     let work = |(): &mut (), (knob, value): &(TuningParameter, f64)| point(scene, *knob, *value);
-    #[allow(clippy::cast_precision_loss, reason = "a few hundred jobs")]
     let done = |finished: usize| progress(finished as f64 / jobs.len() as f64);
     let mut results = in_parallel(processors(), &jobs, &work, &done).into_iter();
     let mut tunings = Vec::new();

@@ -89,7 +89,6 @@ pub fn uncertain_prediction(
     }
     let count = scenes.len();
     let work = |(): &mut (), scene: &Scene| predict(scene, ACCURACY, bands);
-    #[allow(clippy::cast_precision_loss, reason = "a few thousand samples")]
     let done = |finished: usize| progress(finished as f64 / count as f64);
     let mut found = in_parallel(processors(), &scenes, &work, &done).into_iter();
     let first = found.next().transpose()?.ok_or(UncertaintyError::NoSamples)?;
@@ -112,7 +111,6 @@ pub fn uncertain_prediction(
 }
 
 /// A Latin hypercube of `inputs` dimensions: each sample's shares of the distributions, from 0 to 1 (1).
-#[allow(clippy::cast_precision_loss, reason = "a few thousand samples")]
 fn hypercube(inputs: usize, options: SampleOptions) -> Vec<Vec<f64>> {
     let count = options.samples;
     let mut numbers = Pcg64::new(u128::from(options.seed), SAMPLE_STREAM);
@@ -122,7 +120,6 @@ fn hypercube(inputs: usize, options: SampleOptions) -> Vec<Vec<f64>> {
         let mut places: Vec<usize> = (0..count).collect();
         // Fisher and Yates.
         for last in (1..count).rev() {
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index")]
             let other = (even() * (last + 1) as f64) as usize;
             places.swap(last, other.min(last));
         }

@@ -135,12 +135,6 @@ pub(super) fn bands(nominal: &Prediction, samples: &[(&[f64], &Prediction)]) -> 
 }
 
 /// The quantile of sorted values, on a straight line between two.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "an index"
-)]
 fn quantile(sorted: &[f64], share: f64) -> f64 {
     let place = share * sorted.len().saturating_sub(1) as f64;
     let index = place.floor() as usize;

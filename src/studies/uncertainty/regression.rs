@@ -17,7 +17,6 @@ pub struct InputShare {
 
 /// Standard deviation of the outputs, the share that the regression explains, and each input's, the largest first; none for fewer samples than
 /// inputs, or an output that never changes (unit).
-#[allow(clippy::cast_precision_loss, reason = "a few thousand samples")]
 pub(super) fn shares(
     samples: &[(&[f64], f64)],
     names: &[String],

@@ -19,7 +19,6 @@ impl ScreenState {
     }
 
     /// Highest frequency that was sampled (Hz).
-    #[expect(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
     fn highest(&self) -> Option<f64> {
         let spectrum = self.spectrum()?;
         Some(spectrum.step * spectrum.amplitude.len() as f64)

@@ -98,7 +98,6 @@ impl ScreenState {
 /// Every so manieth sample of a long record.
 fn thinned(trace: Trace) -> Trace {
     let step = trace.values.len().div_ceil(MAX_SPECTRUM_SAMPLES).max(1);
-    #[expect(clippy::cast_precision_loss, reason = "a small whole number")]
     let interval = trace.interval * step as f64;
     Trace { interval, values: trace.values.into_iter().step_by(step).collect(), ..trace }
 }
@@ -119,7 +118,6 @@ fn map(trace: &Trace) -> Result<Spectrogram, String> {
     Spectrogram::of(&mut Analyser::new(), trace, &settings, pieces).map_err(|e| e.to_string())
 }
 
-#[expect(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
 fn mean(trace: &Trace) -> f64 {
     trace.values.iter().sum::<f64>() / trace.values.len().max(1) as f64
 }

@@ -305,12 +305,6 @@ pub fn ordinate_unit(waveform: &Waveform) -> &str {
 const ROUND_OFF: f64 = 1e-9;
 
 /// The value of a trace at an abscissa, along the straight line between two points; none beyond the record (unit).
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    reason = "`as` stops at the ends, and what lies beyond the record is refused"
-)]
 pub fn value_at(waveform: &Waveform, at: f64) -> Option<f64> {
     let place = (at - waveform.time(0)) / waveform.preamble.x_incr;
     if !(place >= 0.0 && place.is_finite()) {

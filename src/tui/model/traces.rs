@@ -15,7 +15,6 @@ fn as_record(volts: &Capture, forces: &Forces) -> Capture {
     let force = &forces.force;
     let largest = force.values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
     let level = if largest > 0.0 { largest / FORCE_LEVELS } else { 1.0 };
-    #[expect(clippy::cast_possible_truncation, reason = "at most the number of levels")]
     let codes = force.values.iter().map(|value| (value / level).round() as i16).collect();
     let recorded = &volts.waveform;
     let sensitivity = forces.sensor.sensitivity.unwrap_or(1.0);

@@ -170,11 +170,6 @@ fn abscissa_labels(
 }
 
 /// A place on the screen from a number that is known to be one.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a cast from f64 stops at the ends"
-)]
 pub(super) fn whole(value: f64) -> u16 {
     value as u16
 }

@@ -77,11 +77,6 @@ fn largest(trace: &Trace) -> f64 {
 }
 
 /// The value at a time, at the nearest frame (unit).
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "`as` stops at the ends"
-)]
 fn at(trace: &Trace, time: f64) -> Option<f64> {
     let frame = ((time - trace.start) / trace.interval).round().max(0.0) as usize;
     trace.values.get(frame.min(trace.values.len().checked_sub(1)?)).copied()
@@ -187,7 +182,6 @@ fn stripes_of(
 fn tone(model: &ScreenState, share: f64) -> (&'static str, Style) {
     const COLOURS: [Color; 5] =
         [Color::Reset, Color::DarkGray, Color::Yellow, Color::Yellow, Color::LightRed];
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
     let place = (share.abs() * 5.0).clamp(0.0, 4.0) as usize;
     let wanted =
         if share < 0.0 { Color::Blue } else { COLOURS.get(place).copied().unwrap_or(Color::Reset) };
@@ -213,7 +207,6 @@ fn bars_of(model: &ScreenState, film: &Film, now: f64, area: Rect, frame: &mut F
         let height = force / top * f64::from(area.height) * 8.0;
         for row in 0..area.height {
             let below = f64::from(area.height - 1 - row) * 8.0;
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
             let eighths = (height - below).round().clamp(0.0, 8.0) as usize;
             let place =
                 Rect { x: area.x + LABEL_COLUMNS + column, y: area.y + row, width: 1, height: 1 };

@@ -54,11 +54,6 @@ pub(super) fn pointers(model: &ScreenState, layout: &ScreenLayout) -> Vec<Pointe
         if upright { (layout.columns(), layout.rows()) } else { (layout.rows(), layout.columns()) };
     let pointer = |(index, cursor): (usize, &crate::tui::model::state::PlacedCursor)| {
         let at = dot(cursor.at, cursor.source)?.round();
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "on the graticule"
-        )]
         let at = (0.0..f64::from(across)).contains(&at).then_some(at as usize)?;
         let every = if index == cursors.active { 1 } else { 2 };
         let colour = colour(model.palette(), Color::White);

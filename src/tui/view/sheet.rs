@@ -141,12 +141,6 @@ impl Diagram {
     }
 
     /// Dots from the left and from the top, none beyond the diagram's left and right.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "clamped to the diagram, which has a few thousand dots"
-    )]
     fn place(&self, x: f64, y: f64) -> Option<(usize, usize)> {
         let (width, height) = self.size();
         let (right, up) = (self.x.share(x), self.y.share(y));

@@ -75,7 +75,6 @@ pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame
     }
     let source = model.selected().map(|capture| capture.waveform.source);
     let line = source.map_or(Color::Reset, |source| colour_of(palette, source));
-    #[expect(clippy::cast_precision_loss, reason = "records are far shorter than 2^53 samples")]
     let points = spectrum
         .amplitude
         .iter()
@@ -145,11 +144,6 @@ fn band(row: u16, rows: u16, (low, high): (f64, f64)) -> (f64, f64) {
 }
 
 /// The highest amplitude in a band (unit).
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "bins are counted from zero upward"
-)]
 fn largest_amplitude(spectrum: &Spectrum, low: f64, high: f64) -> f64 {
     let bin = |frequency: f64| (frequency / spectrum.step).round() as usize;
     let (first, last) = (bin(low).max(1), bin(high).max(bin(low) + 1));
@@ -162,7 +156,6 @@ fn tone(decibels: f64, palette: Palette) -> (&'static str, Style) {
     const COLOURS: [Color; 5] =
         [Color::Reset, Color::Blue, Color::Cyan, Color::Yellow, Color::LightRed];
     let steps = TONES.len() - 1;
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
     let below = (-decibels / DECIBELS_PER_TONE).clamp(0.0, 4.0) as usize;
     let place = steps - below.min(steps);
     let shade = TONES.get(place).copied().unwrap_or(" ");

@@ -45,7 +45,6 @@ impl Span {
 }
 
 /// The column that holds `x`, also left of the first and right of the last one.
-#[expect(clippy::cast_possible_truncation, reason = "a cast from f64 stops at the ends")]
 fn column(x: f64) -> i64 {
     x.round() as i64
 }
@@ -67,11 +66,6 @@ pub(super) fn spans_of_trace(trace: &Trace, projection: &Projection) -> Vec<Span
 }
 
 /// Which of `count` points may be seen, one to either side included.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "`as` stops at the ends"
-)]
 fn seen(first: f64, interval: f64, count: usize, projection: &Projection) -> Range<usize> {
     let right = projection.left + f64::from(projection.columns) / projection.x_density;
     let index = |time: f64| (time - first) / interval;
@@ -121,7 +115,6 @@ fn join(spans: &mut [Span], from: (f64, f64), to: (f64, f64)) {
     }
     let count = last.saturating_sub(first).saturating_add(1);
     for (at, span) in spans.iter_mut().enumerate().skip(first).take(count) {
-        #[expect(clippy::cast_precision_loss, reason = "a terminal has a few thousand columns")]
         let centre = at as f64;
         for x in [x0.max(centre - 0.5), x1.min(centre + 0.5)] {
             span.take(y0 + (x - x0) * slope);

@@ -12,7 +12,6 @@ use ratatui::buffer::{Buffer, Cell};
 pub fn channel(number: u8, scale: f64, position: f64, volts: impl Fn(f64) -> f64) -> Capture {
     let y_mult = scale / 25.0;
     let y_off = position * 25.0;
-    #[expect(clippy::cast_possible_truncation, reason = "clamped to eight bits")]
     let codes = (0..2500)
         .map(|index| {
             let time = -250e-6 + f64::from(index) * 1e-6;

@@ -42,7 +42,6 @@ fn verlet(step: f64, problem: &Problem, mut state: State, time: f64) -> State {
     let (x, v) = state.split_at_mut(problem.velocity.len());
     let mut a = vec![0.0; x.len()];
     problem.accelerations(x, &mut a);
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
     for _ in 0..steps as u64 {
         for ((x, v), a) in x.iter_mut().zip(v.iter_mut()).zip(&a) {
             *v += 0.5 * h * a;
